@@ -3,6 +3,7 @@
 #
 #   scale      all random tests, oracles and proofs at ten times their scale (SAGITTA_TEST_SCALE=10; SAGITTA_TEST_SEED
 #              chooses other cases: the day of the year, unless it is set)
+#   tapes      random formulas against Arb, their operations and rays to them, ten minutes each
 #   platforms  the library on other systems (platforms/run.py): all sums, the speed, and the oracles by wine and qemu at
 #              a tenth of their scale
 #   examples   under AddressSanitizer and UBSan
@@ -48,7 +49,10 @@ SAGITTA_TEST_SEED=${SAGITTA_TEST_SEED:-$(date +%j)}
 export SAGITTA_TEST_SEED
 SAGITTA_TEST_SCALE=10 stage scale meson test -C $build --no-rebuild --timeout-multiplier 0 --print-errorlogs \
     --suite unit --suite batch --suite oracle --suite interval --suite extremes \
-    --suite sensitivity --suite geo --suite catalogue --suite lens
+    --suite sensitivity --suite geo --suite catalogue --suite lens --suite formula
+for what in operations roots; do
+    stage tapes_$what $build/tests/formula/test_formula_$what --seconds 600 --seed "$SAGITTA_TEST_SEED" --random
+done
 sh .ci/install ninja-build musl-tools gcc-mingw-w64-x86-64-posix g++-mingw-w64-x86-64-posix wine64 qemu-user \
     gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross \
     gcc-s390x-linux-gnu g++-s390x-linux-gnu libc6-dev-s390x-cross || exit 1

@@ -214,7 +214,7 @@ typedef struct sgt_surface_ops {
      * First roots are searched for by it, of many rays side by side and of one, unless
      * the surface has `first`, or the span is single and no proof is asked for.  Such a
      * root is proven, whatever options.proof is, and as sharp as rounding allows (t_tol
-     * is not read).  Grazes, and roots beside an end of the ray, are left to `enclose`. */
+     * is not read).  Grazes and roots beside an end of the ray are left to `enclose`. */
     void (*encloses)(const void *self, size_t n, sgt_rays rays, const double *t_lo,
                      const double *t_hi, sgt_enclosures out);
 } sgt_surface_ops;

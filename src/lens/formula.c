@@ -32,7 +32,7 @@ static bool is_reserved(const char *name)
 static bool is_of_name(char c) { return isalnum((unsigned char)c) || c == '_'; }
 
 /* Is the name a word of the text? */
-static bool names(const char *text, const char *name)
+static bool is_named(const char *text, const char *name)
 {
     size_t length = strlen(name);
     for (const char *at = text; length && (at = strstr(at, name)); at++)
@@ -52,7 +52,7 @@ static sgt_vec3 read_corner(source *s, const node *n, const char *key)
 static void read_box(source *s, const node *n, sgt_formula *of)
 {
     if (n->kind == NODE_LIST && n->count == 2) {
-        of->lo = read_corner(s, n->item[0], "inside: box[0]");
+        of->lo = read_corner(s, n->item[0], "inside: box[0]"),
         of->hi = read_corner(s, n->item[1], "inside: box[1]");
     } else {
         if (n->kind != NODE_LIST || n->count != 3)
@@ -90,7 +90,7 @@ static size_t read_parameters(source *s, const node *map, const char *text, sgt_
         if (map->taken[i]) continue;
         if (is_reserved(key))
             tree_fail(s, map->key[i]->line, key, "is a key of lens files, and no parameter");
-        if (!names(text, key))
+        if (!is_named(text, key))
             tree_fail(s, map->key[i]->line, key, "the formula does not name it; known here: %s", KNOWN);
         map->taken[i] = true;
         named[n++] = (sgt_named){key, tree_read_number(s, map->item[i], key, NUMBER_FINITE)};
@@ -117,10 +117,11 @@ static const sgt_tape *read_text(source *s, const node *map, const node *n, cons
 
 sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const sgt_builtin **type)
 {
-    static const sgt_builtin implicit = {.type = "formula", .ops = &sgt_formula_ops,
-                                         .size = sizeof(sgt_formula), .family = SGT_BODY},
-                             sag = {.type = "formula", .ops = &sgt_formula_sag_ops,
-                                    .size = sizeof(sgt_formula_sag), .family = SGT_DEPARTURE};
+    static const sgt_builtin
+        implicit = {.type = "formula", .ops = &sgt_formula_ops, .size = sizeof(sgt_formula),
+                    .family = SGT_BODY},
+        sag = {.type = "formula", .ops = &sgt_formula_sag_ops, .size = sizeof(sgt_formula_sag),
+               .family = SGT_DEPARTURE};
     const node *f = tree_take(map, "f"), *of_sag = tree_take(map, "sag"), *inside = tree_take(map, "inside"),
                *semi = rim == SURFACE_OWN_RIM ? tree_take(map, "semi_diameter") : NULL;
     if (!f && !of_sag)

@@ -115,8 +115,8 @@ static const sgt_builtin *type_of(source *s, const node *map)
         size_t apart = sgt_reader_distance(own, other);
         if (apart < least) near = b->type, words = "did you mean ", least = apart;
     }
-    tree_fail(s, n->line, "type", "no surface is called \"%.60s\"; %s%s%sthere are: %s, formula%s", name, words, near,
-              *near ? "?  " : "", known, s->in_lens ? ", break, ideal" : "");
+    tree_fail(s, n->line, "type", "no surface is called \"%.60s\"; %s%s%sthere are: %s, formula%s", name,
+              words, near, *near ? "?  " : "", known, s->in_lens ? ", break, ideal" : "");
 }
 
 static double curvature_of(source *s, const node *n, const char *key)

@@ -17,6 +17,7 @@
 #include "../solve/ways.h"
 #include "cells_batch.h"
 #include "unique.h"
+#include "vicinity.h"
 #include "general.h"
 
 #include <string.h>
@@ -95,7 +96,8 @@ static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options
         sgt_tile run = {.n = n,
                         .t_tol = tile->t_tol + i,
                         .hits = hits_from(&tile->hits, i),
-                        .rays = rays_from(&tile->rays, i)};
+                        .rays = rays_from(&tile->rays, i),
+                        .memo = tile->memo};
         run.rays.tmin = tile->rays.tmin + i, run.rays.tmax = tile->rays.tmax + i;
         hard -= n - sgt_lanes_general(s, &run, opt);
     }
@@ -109,7 +111,7 @@ static size_t by_cells_in_lanes(sgt_surface s, const sgt_tile *tile, const sgt_o
     return hard ? single_runs(s, tile, opt, hard) : 0;
 }
 
-size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+static size_t tile_met(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     size_t hard = tile->n;
     if (s.ops && s.ops->own_ && s.ops->own_->lanes) hard = s.ops->own_->lanes(s.self, tile, opt);
@@ -127,6 +129,15 @@ size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options
         hard--;
     }
     return positives(tile->hits.status, tile->n);
+}
+
+size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+{
+    memo known;
+    sgt_tile own = *tile;
+    memo_begin(&known);
+    own.memo = &known;
+    return tile_met(s, &own, opt);
 }
 
 int sgt_watch_numbered(void *data, const sgt_step *step)
@@ -170,14 +181,16 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
     if (s.ops && s.ops->value && !answers_itself(s.ops) && sgt_cells_offered(s, opt))
         most = SGT_MOST_TILE; /* of a short tile's last rays few slots are busy */
+    memo known;
+    memo_begin(&known);
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += most) {
         sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),
-                         .rays = rays_from(&rays, i)};
+                         .rays = rays_from(&rays, i), .memo = &known};
         tile.rays.tmin = rays.tmin ? rays.tmin + i : tmin, tile.rays.tmax = tmax;
         if (rays.tmax) explicit_ends(tile.n, tile.rays.tmin, rays.tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;
-        met += sgt_intersect_tile(s, &tile, opt);
+        met += tile_met(s, &tile, opt);
     }
     return met;
 }

@@ -98,7 +98,7 @@ typedef struct queue {
 enum { READY = 1 };
 
 /* told: of the only ray, if it has a watcher; else NULL.  f: what `value` says at its hit. */
-typedef struct job {
+typedef struct cell_search {
     sgt_surface s;
     sgt_enclose_many *encloses;
     const sgt_options *opt;
@@ -111,7 +111,7 @@ typedef struct job {
     slots *slots;
     meetings *meetings;
     size_t hard;
-} job;
+} cell_search;
 
 /* -------------------------------------------------------------------------- rays in */
 
@@ -145,7 +145,7 @@ static void cells_cut(size_t n, const sgt_rays *rays, size_t from, double *lo, d
     }
 }
 
-static void give(const job *j, size_t i, sgt_status status, double evals)
+static void give(const cell_search *j, size_t i, sgt_status status, double evals)
 {
     static const sgt_hit none = {.t = (double)NAN,
                                  .t_err = (double)NAN,
@@ -158,14 +158,14 @@ static void give(const job *j, size_t i, sgt_status status, double evals)
     put_hit(&j->tile->hits, i, &hit);
 }
 
-static void leave_hard(job *j, size_t i, double evals)
+static void leave_hard(cell_search *j, size_t i, double evals)
 {
     give(j, i, (sgt_status)SGT_HARD, evals);
     j->hard++;
 }
 
 /* Prepares the next rays.  The surface is not given a ray that is not valid.  false: there are none. */
-static bool refill(job *j)
+static bool refill(cell_search *j)
 {
     queue *q = j->queue;
     const sgt_surface_ops *ops = j->s.ops;
@@ -199,7 +199,7 @@ static bool refill(job *j)
 }
 
 /* Gives slot k the next ray that has to be searched.  false: there is none. */
-static bool fill(job *j, size_t k)
+static bool fill_slot(cell_search *j, size_t k)
 {
     queue *q = j->queue;
     slots *s = j->slots;
@@ -315,7 +315,7 @@ static double march_all(slots *s, size_t n, double budget)
 }
 
 /* The watcher of the only ray is told of a cell, or of a point; before the march goes on. */
-static void tell_enclosure(job *j, sgt_move move, double t_lo, double t_hi, double g_lo, double g_hi,
+static void tell_enclosure(cell_search *j, sgt_move move, double t_lo, double t_hi, double g_lo, double g_hi,
                            double slope_lo, double slope_hi, double lo, double hi)
 {
     if (!j->told || j->told->stopped) return;
@@ -453,7 +453,7 @@ SGT_INLINE void meeting_take(meetings *s, size_t k)
 SGT_KERNEL
 static void meetings_take(meetings *s, size_t n) { LANES for (size_t k = 0; k < n; k++) meeting_take(s, k); }
 
-static void value_all(const job *j, meetings *s, size_t n)
+static void value_all(const cell_search *j, meetings *s, size_t n)
 {
     const sgt_surface_ops *ops = j->s.ops;
     if (ops->values) {
@@ -469,7 +469,7 @@ static void value_all(const job *j, meetings *s, size_t n)
 }
 
 /* The watcher of the only ray is told of F at the point asked for, t0 + tau. */
-static void tell_value(job *j, const meetings *s, sgt_move move)
+static void tell_value(cell_search *j, const meetings *s, sgt_move move)
 {
     if (!j->told || j->told->stopped) return;
     double slope = s->fx[0] * s->l[0] + s->fy[0] * s->m[0] + s->fz[0] * s->n[0];
@@ -478,7 +478,7 @@ static void tell_value(job *j, const meetings *s, sgt_move move)
 }
 
 /* Answers all brackets there are. */
-static void meet(job *j)
+static void meet(cell_search *j)
 {
     meetings *s = j->meetings;
     const size_t n = s->count;
@@ -521,7 +521,7 @@ static void meet(job *j)
 }
 
 /* Slot k has a bracket, and G at its far end. */
-static void add_meeting(job *j, size_t k)
+static void add_meeting(cell_search *j, size_t k)
 {
     const slots *s = j->slots;
     meetings *m = j->meetings;
@@ -543,7 +543,7 @@ static void move_slot(slots *s, size_t to, size_t from)
         rows[r * SLOTS + to] = rows[r * SLOTS + from];
 }
 
-static void answer_slot(job *j, size_t k)
+static void answer_slot(cell_search *j, size_t k)
 {
     const slots *s = j->slots;
     size_t i = (size_t)s->ray[k];
@@ -555,12 +555,12 @@ static void answer_slot(job *j, size_t k)
         leave_hard(j, i, s->evals[k]);
 }
 
-static void stream(job *j)
+static void stream_rays(cell_search *j)
 {
     slots *s = j->slots;
     sgt_rays rays = {{s->o[0], s->o[1], s->o[2]}, {s->d[0], s->d[1], s->d[2]}, NULL, NULL};
     sgt_enclosures out = {s->g_lo, s->g_hi, s->slope_lo, s->slope_hi};
-    while (s->count < SLOTS && fill(j, s->count)) s->count++;
+    while (s->count < SLOTS && fill_slot(j, s->count)) s->count++;
     while (s->count > 0 && !(j->told && j->told->stopped)) {
         j->encloses(j->s.self, s->count, rays, s->t_lo, s->t_hi, out);
         if (j->told)
@@ -570,7 +570,7 @@ static void stream(job *j)
         for (size_t k = s->count; k-- > 0;) {
             if (s->leave[k] == STAYS) continue;
             answer_slot(j, k);
-            if (fill(j, k)) continue;
+            if (fill_slot(j, k)) continue;
             s->count--;
             if (k < s->count) move_slot(s, k, s->count);
         }
@@ -595,7 +595,7 @@ bool sgt_cells_offered(sgt_surface s, const sgt_options *opt)
            budget_of(opt) > 0;
 }
 
-static size_t search(job *j)
+static size_t search(cell_search *j)
 {
     queue q = {.from = 0};
     slots s;
@@ -604,14 +604,14 @@ static size_t search(job *j)
     j->encloses = encloses_of(j->s.ops), j->budget = budget_of(j->opt),
     j->proof = j->opt->proof != SGT_ESTIMATE;
     j->queue = &q, j->slots = &s, j->meetings = &m;
-    stream(j);
+    stream_rays(j);
     j->queue = NULL, j->slots = NULL, j->meetings = NULL;
     return j->hard;
 }
 
 size_t sgt_cells_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
-    job j = {.s = s, .opt = opt, .tile = tile};
+    cell_search j = {.s = s, .opt = opt, .tile = tile};
     return search(&j);
 }
 
@@ -631,7 +631,7 @@ bool sgt_cells_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, 
                               .n = {&a.n.x, &a.n.y, &a.n.z},
                               .p_err = &a.p_err}};
     tally told = {.opt = opt, .budget = 0};
-    job j = {.s = s, .opt = opt, .tile = &tile, .told = opt->watch ? &told : NULL};
+    cell_search j = {.s = s, .opt = opt, .tile = &tile, .told = opt->watch ? &told : NULL};
     search(&j);
     if (told.stopped) {
         *hit = hit_without(SGT_STOPPED, ray, told.evals);

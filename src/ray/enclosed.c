@@ -4,9 +4,9 @@
  * `enclose` gives intervals that contain g and g' over the whole of a cell:
  *
  *     0 is not in g          no root in the cell, or F is undefined all over it
- *     0 is not in g', which  g is monotone: one root if the signs at the two ends differ, none if they agree;
- *     has two finite ends    the signs must be certain, else the end is moved.  With one end at infinity g may
- *                            jump back, over a root
+ *     0 is not in g'         g is monotone: one root if the signs at the two ends differ, none if they agree;
+ *                            the signs must be certain, else the end is moved.  g' has two finite ends: with
+ *                            one at infinity g may jump back, over a root
  *     neither                the cell is halved.  It is noise if it cannot be, or if g has come within its
  *                            own rounding
  *
@@ -25,7 +25,7 @@
 static bool excludes_zero(sgt_interval x) { return x.lo > 0 || x.hi < 0; }
 
 /* Of a slope: F is continuous then. */
-static bool is_bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL && x.lo <= x.hi; }
+static bool is_continuous(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL && x.lo <= x.hi; }
 
 /* Does the ray touch between `from` and `to`?  g is in `seen` all over that undecided stretch.  It
  * touches, as far as can be told, if g is within 8 times its rounding there.  If so, a graze is added if
@@ -133,7 +133,7 @@ static cells_kind enclosed_classify(void *self, cells *c)
     sgt_interval g = s->g;
     if (excludes_zero(g) || g.lo > g.hi) return CELLS_EMPTY;
     cells_kind kind = CELLS_OPEN;
-    if (g.lo <= g.hi && excludes_zero(s->slope) && is_bounded(s->slope)) kind = enclosed_ends(s, c);
+    if (g.lo <= g.hi && excludes_zero(s->slope) && is_continuous(s->slope)) kind = enclosed_ends(s, c);
     if (kind == CELLS_OPEN) {
         double h = c->at.h, m = c->at.m, all = s->hi - s->lo;
         point middle = {.g = (double)NAN};

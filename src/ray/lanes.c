@@ -980,8 +980,8 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     lanes a;
     sgt_options own = *opt;
     if (is_catalogue(ops)) own.f_tol = 0; /* as read_of in answer.c */
-    vicinities kept; /* not cleared with the rest of w */
-    lanes_job w = {.s = s, .opt = &own, .a = &a, .kept = &kept, .near = opt->pick == SGT_NEAR_SEED,
+    memo *known = tile->memo;
+    lanes_job w = {.s = s, .opt = &own, .a = &a, .kept = &known->kept, .near = opt->pick == SGT_NEAR_SEED,
                    .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                    .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .rim2 = rim2_of_surface(s),
                    .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0,
@@ -992,9 +992,10 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
                                      : -HUGE_VAL};
     size_t hard = 0;
     a.none = 0;
-    vicinities_begin(w.kept);
-    if (is_catalogue(ops) && ops->own_->share)
-        ops->own_->share(s.self, &w.shared), w.bare = bare_of(w.shared);
+    if (is_catalogue(ops) && ops->own_->share) {
+        if (!known->shares) ops->own_->share(s.self, &known->shared);
+        known->shares = true, w.shared = known->shared, w.bare = bare_of(w.shared);
+    }
     for (int i = 0; i < LANE_COUNT; i++) a.slot[i] = i; /* lanes_settle restores this after each run */
     w.points = (sgt_points){{a.px, a.py, a.pz}};
     w.f = (sgt_values){a.f, {a.fx, a.fy, a.fz}}, w.q = (sgt_values){a.qf, {a.qx, a.qy, a.qz}};

@@ -485,12 +485,12 @@ static double guess(proof *w, sgt_interval n)
 
 /* m is the root as far as G, which has 0, can tell.  If g is nearly flat in a part of n, and steep at m, then
  * m - G / S is as long as that part: a ray that leaves a face of an octahedron close to its next one.  So
- * the signs beside m are asked for.  If they are unlike, the root is between. */
+ * the signs beside m are asked for.  If they are unlike, the root is between, be it beyond an end of n. */
 static sgt_interval between_signs(proof *w, sgt_interval n, double m, sgt_interval G, sgt_interval slope)
 {
     double most = sgt_interval_greatest(slope),
            by = 8 * sgt_interval_width(G) / most + 0x1p-50 * fabs(m) + DBL_TRUE_MIN;
-    if (!has_zero(G) || !(least_of(slope) < 0x1p-10 * most) || !(m - by > n.lo && m + by < n.hi)) return n;
+    if (!has_zero(G) || !(least_of(slope) < 0x1p-10 * most) || !(2 * by < n.hi - n.lo)) return n;
     sgt_interval left = ask_at(w, m - by, SGT_PROBE), right = ask_at(w, m + by, SGT_PROBE);
     bool unlike = (left.lo > 0 && right.hi < 0) || (left.hi < 0 && right.lo > 0);
     return unlike ? sgt_interval_between(m - by, m + by) : n;

@@ -32,7 +32,7 @@
 #include "../surface/builtin.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 28, VICINITY_ROWS = WINGS_ROWS };
+enum { VICINITIES = 16, NOISES = 64, RINGS = 64, WINGS_ROWS = 28, VICINITY_ROWS = WINGS_ROWS };
 typedef struct ring { double radius, steep, bend, noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
 typedef struct vicinities {
@@ -43,12 +43,21 @@ typedef struct vicinities {
     sgt_heights heights; /* of the whole surface */
 } vicinities;
 
+/* What is worked out once for a batch: what the surface shares, and what is known of parts of it. */
+typedef struct memo {
+    bool shares;
+    sgt_shared shared;
+    vicinities kept;
+} memo;
+
 SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
     v->rings.any = v->any_heights = false;
 }
+
+SGT_INLINE void memo_begin(memo *m) { m->shares = false, vicinities_begin(&m->kept); }
 
 /* Some rays, a row each.
  *

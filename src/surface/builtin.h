@@ -22,7 +22,15 @@
  * array starts at the first ray of the tile.  No array of `rays` is NULL, and tmax is explicit.  Of `hits`
  * only `status` is never NULL.  t_tol holds one tolerance for each ray. */
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_UNIQUE = 1 };
-typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
+/* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called. */
+struct memo;
+typedef struct sgt_tile {
+    size_t n;
+    sgt_rays rays;
+    const double *t_tol;
+    sgt_hits hits;
+    struct memo *memo;
+} sgt_tile;
 
 /* One ray as a batch of one. */
 SGT_INLINE sgt_rays rays_of(const sgt_ray *ray)
@@ -152,8 +160,8 @@ struct sgt_builtin_ops {
      * ray/wings.c. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
                             sgt_interval *slope);
-    /* May F jump where it is defined (a formula with the cut of atan2)?  Then a change of sign may be no root,
-     * and only enclosures are asked.  NULL: it does not. */
+    /* May F jump where it is defined (a formula with the cut of atan2)?  Then a change of sign may be no
+     * root, and only enclosures are asked.  NULL: it does not. */
     bool (*jumps)(const void *self);
     /* The semi_diameter (length).  NULL: the surface has no rim. */
     double (*rim)(const void *self);

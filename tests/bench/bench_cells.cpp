@@ -484,10 +484,11 @@ int main(int argc, char **argv)
             return std::fprintf(stderr, "bench_cells [--quick] [--only TEXT]\n"), 2;
     }
     const Subject subjects[] = {
-        subject<Barth>("Barth sextic",
-                       "4*(2.618033988749895*x^2 - y^2)*(2.618033988749895*y^2 - z^2)*(2.618033988749895*z^2 - x^2)"
-                       " - 4.23606797749979*(x^2 + y^2 + z^2 - 1)^2",
-                       values_Barth, encloses_Barth),
+        subject<Barth>(
+            "Barth sextic",
+            "4*(2.618033988749895*x^2 - y^2)*(2.618033988749895*y^2 - z^2)*(2.618033988749895*z^2 - x^2)"
+            " - 4.23606797749979*(x^2 + y^2 + z^2 - 1)^2",
+            values_Barth, encloses_Barth),
         subject<Clebsch>("Clebsch",
                          "81*(x^3 + y^3 + z^3) - 189*(x^2*(y + z) + y^2*(x + z) + z^2*(x + y)) + 54*x*y*z"
                          " + 126*(x*y + x*z + y*z) - 9*(x^2 + y^2 + z^2) - 9*(x + y + z) + 1",
@@ -502,8 +503,8 @@ int main(int argc, char **argv)
     const int turns = quick ? 1 : 5;
     sgt_options opt = {};
     opt.proof = SGT_PROVE_FIRST;
-    std::printf("%-14s %9s %9s %9s %9s %7s | %6s %6s %6s | %6s %6s %6s\n", "ns a ray", "formula", "cells", "single", "one",
-                "ratio", "evals", "cells", "one", "hit", "open", "unlike");
+    std::printf("%-14s %9s %9s %9s %9s %7s | %6s %6s %6s | %6s %6s %6s\n", "ns a ray", "formula", "cells",
+                "single", "one", "ratio", "evals", "cells", "one", "hit", "open", "unlike");
     for (const Subject &s : subjects) {
         if (!only.empty() && std::string(s.name).find(only) == std::string::npos) continue;
         sgt_surface_ops by_one = s.ops;
@@ -525,7 +526,8 @@ int main(int argc, char **argv)
                 spent += now() - start;
                 in_batches += asked;
                 start = now();
-                sgt_intersect_batch({&sgt_formula_ops, &text.formula}, slice, rays.from(i), from_text.from(i), &opt);
+                sgt_intersect_batch({&sgt_formula_ops, &text.formula}, slice, rays.from(i), from_text.from(i),
+                                    &opt);
                 spent_text += now() - start;
                 for (size_t r = i; turn == 0 && r < i + slice; r++) unlike += differ(in_lanes, from_text, r);
                 size_t few = slice / sparse, at = i + (k % sparse) * few;

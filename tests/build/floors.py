@@ -23,10 +23,14 @@ ASKING = {'choose.c': {'cpuid.h', 'stdlib.h'}}
 # The floor that answers for a public header; those below do not know of it.
 PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'pair.h': 'num', 'interval.h': 'num', 'diagnose.h': 'check',
           'surfaces.h': 'surface', 'formula.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system',
-          'aim.h': 'system', 'geo.h': 'geo', 'lens.h': 'lens', 'analysis.h': 'lens'}
+          'aim.h': 'system', 'geo.h': 'geo', 'lens.h': 'lens', 'analysis.h': 'lens',
+          'sagitta.hpp': 'C++'}
 
 # The list of the built-in types, which is on no floor: data for all of them.
 LIST = 'types.def'
+
+# All that sagitta.hpp may ask of C++: nothing of it allocates or throws.
+CPP_HEADERS = {'cstddef', 'limits', 'type_traits', 'utility'}
 
 # The intervals and the fma are inline, and need what they are made of.
 INLINE = {'float.h', 'math.h', 'string.h'}
@@ -123,10 +127,12 @@ def faults(tree):
         for path in sources(folder):
             look(path, lambda kind, name: fault_in_client(folder, path, kind, name))
     for path in sources(tree / 'include'):
-        look(path, lambda kind, name: None if kind == '<' and (
-            name in ('stdbool.h', 'stddef.h') or (path.name == 'lens.h' and name == 'stdint.h') or (path.name in ('fma.h', 'pair.h', 'interval.h') and name in INLINE)
-            or name[len('sagitta/'):] in PUBLIC)
-            else 'a public header includes <stdbool.h>, <stddef.h> and <sagitta/...>')
+        allowed = {f'sagitta/{name}' for name in PUBLIC if path.suffix == '.hpp' or not name.endswith('.hpp')}
+        allowed |= CPP_HEADERS if path.suffix == '.hpp' else {'stdbool.h', 'stddef.h'}
+        allowed |= {'stdint.h'} if path.name == 'lens.h' else set()
+        allowed |= INLINE if path.name in ('fma.h', 'pair.h', 'interval.h') else set()
+        look(path, lambda kind, name: None if kind == '<' and name in allowed
+             else 'a public header includes <stdbool.h>, <stddef.h> <sagitta/...>; sagitta.hpp little else')
     return found, seen
 
 
@@ -143,6 +149,8 @@ SOUND = {
     'src/tool/main.h': '/* #include "num/exact.h" */\n',
     'examples/one.c': '#include <sagitta/system.h>\n#include <stdio.h>\n',
     'include/sagitta/sagitta.h': '#include <stddef.h>\n',
+    'include/sagitta/sagitta.hpp': '#include <sagitta/sagitta.h>\n#include <utility>\n',
+    'examples/two.cpp': '#include <sagitta/sagitta.hpp>\n#include <vector>\n',
 }
 
 PLANTED = [
@@ -167,6 +175,9 @@ PLANTED = [
     ('src/attic/old.c', ''),
     ('src/loose.c', ''),
     ('include/sagitta/sagitta.h', '#include <stdio.h>\n'),
+    ('include/sagitta/sagitta.h', '#include <sagitta/sagitta.hpp>\n'),
+    ('include/sagitta/sagitta.hpp', '#include <vector>\n'),
+    ('src/ray/cpp.c', '#include <sagitta/sagitta.hpp>\n'),
 ]
 
 

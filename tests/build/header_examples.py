@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The examples in the comments of the public headers compile and run, and each surface of theirs is met.
 
-    python3 header_examples.py INCLUDE_FOLDER LIBRARY C_COMPILER   (the compiler: its words, by spaces)
+    python3 header_examples.py INCLUDE_FOLDER LIBRARY C_COMPILER [CPP_COMPILER]   (their words, by spaces)
 
 An example is the indented text after a line of a comment that ends with `Example ... :`.  If it has an
 `sgt_surface s`, one ray of a few has to meet it.  Each type of surfaces.h has an example.
@@ -15,6 +15,7 @@ import tempfile
 
 FLAGS = ['-std=c11', '-Wall', '-Wextra', '-Wpedantic', '-Werror', '-Wno-unused-variable',
          '-Wno-unused-but-set-variable']
+FLAGS_CPP = ['-std=c++17', *FLAGS[1:]]
 PROGRAM = r"""
 #include <math.h>
 #include <sagitta/diagnose.h>
@@ -29,7 +30,7 @@ static int meet(const char *where, sgt_surface s)
     static const double x[] = {0.1, 0.7, 0.3};
     int met = 0, invalid = 0;
     for (int i = 0; i < 3; i++) {
-        sgt_ray ray = {.o = {x[i], 0.2, -4}, .d = {0, 0, 1}};
+        sgt_ray ray = {{x[i], 0.2, -4}, {0, 0, 1}, 0, 0};
         sgt_hit hit = sgt_intersect(s, ray, NULL);
         met += hit.status == SGT_HIT, invalid += hit.status == SGT_INVALID;
     }
@@ -62,36 +63,50 @@ def examples(header):
         yield i + 1, code
 
 
-def main(include, library, compiler):
+def blocks_of(headers):
+    """The code of all examples, each a block of its own; (blocks, all their text, faults)."""
     blocks, faults, shown = [], 0, ''
-    for header in sorted(pathlib.Path(include, 'sagitta').glob('*.h')):
-        if header.name == 'geo.h':  # in a library of its own
-            continue
+    for header in headers:
         for line, code in examples(header):
             where, text = f'{header.name}:{line}', '\n'.join(code)
             if not code:
                 print(f'{where}: there is no example')
                 faults += 1
             shown += text
-            if re.search(r'\bsgt_surface s =', text):
+            if re.search(r'\b(sgt_surface|auto) s =', text):
                 text += f'\nfaults += meet("{where}", s);'
             blocks.append(f'{{\n#line {line + 2} "{header.name}"\n{text}\n}}\n')
-    declared = re.sub(r'/\*.*?\*/', '', pathlib.Path(include, 'sagitta', 'surfaces.h').read_text(),
-                      flags=re.DOTALL)
+    return blocks, shown, faults
+
+
+def faults_when_run(blocks, name, command, include, library):
+    with tempfile.TemporaryDirectory() as folder:
+        source, program = pathlib.Path(folder, name), pathlib.Path(folder, 'examples')
+        more = '#include <sagitta/sagitta.hpp>\n' if name.endswith('.cpp') else ''
+        source.write_text(more + PROGRAM.replace('EXAMPLES', ''.join(blocks)))
+        subprocess.run([*command, '-I', include, str(source), '-o', str(program), library, '-lm'], check=True)
+        environment = {**os.environ, 'LD_LIBRARY_PATH': str(pathlib.Path(library).parent)}
+        done = subprocess.run([str(program)], text=True, capture_output=True, env=environment)
+        print(done.stdout, end='')
+        return abs(done.returncode)
+
+
+def main(include, library, compiler, cpp_compiler=None):
+    folder = pathlib.Path(include, 'sagitta')
+    blocks, shown, faults = blocks_of(header for header in sorted(folder.glob('*.h'))
+                                      if header.name != 'geo.h')  # which is in a library of its own
+    declared = re.sub(r'/\*.*?\*/', '', (folder / 'surfaces.h').read_text(), flags=re.DOTALL)
     types = set(re.findall(r'\bsgt_\w+_ops\b', declared)) - {'sgt_surface_ops'}
     for name in sorted(types - set(re.findall(r'\w+', shown))):
         print(f'{name}: surfaces.h has no example with it')
         faults += 1
-
-    with tempfile.TemporaryDirectory() as folder:
-        source, program = pathlib.Path(folder, 'examples.c'), pathlib.Path(folder, 'examples')
-        source.write_text(PROGRAM.replace('EXAMPLES', ''.join(blocks)))
-        subprocess.run([*compiler.split(), *FLAGS, '-I', include, str(source), '-o', str(program), library,
-                        '-lm'], check=True)
-        environment = {**os.environ, 'LD_LIBRARY_PATH': str(pathlib.Path(library).parent)}
-        done = subprocess.run([str(program)], text=True, capture_output=True, env=environment)
-        print(done.stdout, end='')
-        faults += abs(done.returncode)
+    faults += faults_when_run(blocks, 'examples.c', [*compiler.split(), *FLAGS], include, library)
+    if cpp_compiler:
+        in_cpp, _, empty = blocks_of([folder / 'sagitta.hpp'])
+        blocks += in_cpp
+        faults += empty + (not in_cpp)
+        faults += faults_when_run(in_cpp, 'examples.cpp', [*cpp_compiler.split(), *FLAGS_CPP], include,
+                                  library)
     print(f'{len(blocks)} examples, {len(types)} tables of operations, {faults} faults')
     return 1 if faults or not blocks or not types else 0
 

@@ -16,8 +16,8 @@ import subprocess
 import sys
 import tempfile
 
-HEADERS = ['aim.h', 'analysis.h', 'diagnose.h', 'fma.h', 'formula.h', 'interval.h', 'lens.h', 'pair.h', 'sagitta.h',
-           'sensitivity.h', 'surfaces.h', 'system.h']
+HEADERS = ['aim.h', 'analysis.h', 'diagnose.h', 'fma.h', 'formula.h', 'interval.h', 'lens.h', 'pair.h',
+           'sagitta.h', 'sagitta.hpp', 'sensitivity.h', 'surfaces.h', 'system.h']
 GEO = r'''
 #include <sagitta/geo.h>
 #include <stdio.h>
@@ -113,8 +113,9 @@ def main(build, readme, consumer_c, consumer_cpp, c_compiler, cpp_compiler=None)
 
         command = prefix / 'bin' / 'sagitta'  # where libyaml was found
         if command.exists():
-            print(run(str(command), '--version',
-                      env={**os.environ, 'LD_LIBRARY_PATH': str(library_folder)}), end='')
+            # It finds the libraries by itself.
+            bare = {name: value for name, value in os.environ.items() if name != 'LD_LIBRARY_PATH'}
+            print(run(str(command), '--version', env=bare), end='')
 
         for form, flags in libraries.items():
             if form == 'static':

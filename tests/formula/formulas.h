@@ -44,6 +44,7 @@ public:
     std::vector<sgt_vec3> special;
     virtual ~written() = default;
     bool sag() const { return where.rim > 0; }
+    virtual bool is_random() const { return false; }
     // Are all its parts there well within the range of doubles?
     virtual bool is_tame(const sgt_vec3 &) const { return true; }
 

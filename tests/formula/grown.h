@@ -18,13 +18,14 @@ namespace formula
 enum class op {
     number, pi, parameter, x, y, z, r,
     negative, sqrt, cbrt, exp, log, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, absolute, whole,
-    sum, difference, product, quotient, atan2, min, max, hypot, power
+    sum, difference, product, quotient, atan2, min, max, hypot, power,
+    wave // r^k cos(n atan2(y, x)), or sin: a polynomial
 };
 
 struct node {
     op what;
-    double value; // of a number; a whole exponent; the index of a parameter
-    int a, b;     // nodes before this one
+    double value; // of a number; a whole exponent; the index of a parameter; of a wave 0: cosine, 1: sine
+    int a, b;     // nodes before this one; n and k of a wave
 };
 
 class grown : public written {
@@ -50,6 +51,7 @@ public:
         text = print(last(), 1);
     }
     std::size_t size() const { return nodes_.size(); }
+    bool is_random() const override { return true; }
     bool is_tame(const sgt_vec3 &p) const override
     {
         for (std::size_t i = 0; i < nodes_.size(); i++)
@@ -58,7 +60,8 @@ public:
                                             dual<double>(p.z, k == 2), i);
                 const auto is_small = [](double x) { return std::fabs(x) < 1e60; };
                 if (!is_small(v.v) || !is_small(v.s) || (v.v != 0 && !is_small(1 / v.v))) return false;
-                if (nodes_[i].what == op::tanh && std::fabs(v.v) > 1 - 1e-6) return false; // its slope: 1 - v^2
+                // (the slope of tanh is 1 - v^2)
+                if (nodes_[i].what == op::tanh && std::fabs(v.v) > 1 - 1e-6) return false;
             }
         return true;
     }
@@ -95,7 +98,12 @@ public:
             const node &n = nodes_[i];
             const auto is = [&](int k) { return fixed[static_cast<std::size_t>(k)]; };
             fixed.push_back(n.what <= op::parameter ||
-                            (n.what > op::r && is(n.a) && (n.what < op::sum || is(n.b))));
+                            (n.what > op::r && n.what < op::wave && is(n.a) &&
+                             (n.what < op::sum || is(n.b))));
+            if (n.what == op::whole && n.value == 0) fixed.back() = true; // u^0 is 1
+            if (n.what == op::quotient && is(n.b) && !part(nothing[0], nothing[1], nothing[2],
+                                                           static_cast<std::size_t>(n.b)).sign())
+                return true; // by 0, whatever is divided
             if (!fixed.back()) continue;
             seen = marks();
             const ball v = part(nothing[0], nothing[1], nothing[2], i);
@@ -142,14 +150,11 @@ private:
     {
         return add(static_cast<op>(static_cast<int>(op::sqrt) + g_.below(14)), 0, of);
     }
-    // r^n cos(n atan2(y, x)), in its parts.
     int wave()
     {
         varies_ = true;
-        const int n = 1 + g_.below(4), r = add(op::whole, n + 2 * g_.below(2), add(op::r));
-        const int angle = add(op::atan2, 0, add(op::y), add(op::x));
-        const int turns = add(op::product, 0, add(op::number, n), angle);
-        return add(op::product, 0, r, add(g_.chance(0.5) ? op::cos : op::sin, 0, turns));
+        const int n = 1 + g_.below(4);
+        return add(op::wave, g_.below(2), n, n + 2 * g_.below(2));
     }
     int tree(int depth)
     {
@@ -217,6 +222,13 @@ private:
             std::snprintf(s, sizeof s, g_.chance(0.1) ? "^(%g)" : "^%g", n.value);
             return put(print(n.a, 5) + s, 4, least);
         case op::power: return put(print(n.a, 5) + "^" + print(n.b, 3), 4, least);
+        case op::wave: {
+            char k[20];
+            std::snprintf(k, sizeof k, n.b == 1 ? "%s" : "%s^%d", put("r", 5, 5).c_str(), n.b);
+            std::snprintf(s, sizeof s, "%s(%d*atan2(y, x))", n.value > 0 ? "sin" : "cos", n.a);
+            const bool first = g_.chance(0.5);
+            return put(first ? k + ("*" + std::string(s)) : s + ("*" + std::string(k)), 2, least);
+        }
         case op::sum: case op::difference: return put(print(n.a, 1) + word + print(n.b, 2), 1, least);
         case op::product: case op::quotient: return put(print(n.a, 2) + word + print(n.b, 3), 2, least);
         case op::atan2: case op::min: case op::max: case op::hypot: {
@@ -287,6 +299,14 @@ private:
         case op::max: return max(u(), w());
         case op::hypot: return hypot(u(), w());
         case op::power: return power(u(), w());
+        case op::wave: {
+            N re = x, im = y;
+            for (int i = 1; i < n.a; i++) {
+                const N was = re;
+                re = was * x - im * y, im = was * y + im * x;
+            }
+            return (n.value > 0 ? im : re) * pown(sq(x) + sq(y), (n.b - n.a) / 2);
+        }
         }
         return u();
     }

@@ -129,6 +129,8 @@ class course
         for (int i = 0; i < 5 && a.lies; i++) {
             const ball g = value(lo_ + (hi_ - lo_) * (0.12 + 0.171 * i));
             a.lies = g.is_finite() && less(proof::size(g), ball(steep_ * f_.where.size() * 1e-25));
+            const precision high(2000);
+            a.lies = a.lies && !value(lo_ + (hi_ - lo_) * (0.12 + 0.171 * i)).sign();
         }
         if (a.lies) return a;
         proof::found found;
@@ -179,11 +181,19 @@ class course
     // that stretch and a millionth of the chord (or the size) to each side of it; of a long one its ends.
     const char *reason(const answer &a, double lo, double hi) const
     {
-        const double part = 0x1p-10 * scale();
+        const double part = (f_.touches ? 0x1p-6 : 0x1p-10) * scale();
         lo = std::max(lo, a.lo), hi = std::min(hi, a.hi);
         if (!(lo <= hi)) return nullptr; // outside of the clip
         const char *why = reason_near(a, lo, std::min(hi, lo + part));
         return why || !(hi - lo > part) ? why : reason_near(a, hi - part, hi);
+    }
+
+    // Is there a place in [lo, hi] that the oracle cannot see through either?
+    static bool has_doubt(const answer &a, double lo, double hi)
+    {
+        for (const doubt &d : a.doubts)
+            if (!less(d.hi, ball(lo)) && !less(ball(hi), d.lo)) return true;
+        return false;
     }
 
     // Of 4096 points from lo to hi the one where |F| / |grad F| is least, and the cosine there.

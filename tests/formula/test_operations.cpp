@@ -3,8 +3,8 @@
 //
 //   value      within `rounding` of F; NaN where F is not defined.  The gradient, to 40 bits of its terms
 //   values     the same bits
-//   enclose    has F and its slope at points of the stretch; a finite slope only where no jump is.  In balls
-//              of width 0 to a tenth of the chord
+//   enclose    has F and its slope at points of the stretch; a finite slope only where no jump is.  On cells
+//              of width 0 to a tenth of the chord.  encloses: the same, of 1 to 19 cells, and one by one
 //   second, by_parameter, sgt_differentiate   the same by dual numbers of dual numbers of balls
 //   sgt_formula_set   another value of a parameter is the formula read with it
 //
@@ -39,9 +39,9 @@ void fail(const written &f, const char *what, const sgt_vec3 &p, double have, do
                     have, want);
 }
 
-double blur; // of each coordinate, relative
+double blur, blur_least; // of each coordinate, relative, but of none less than blur_least
 
-ball coordinate(double x) { return ball(x) + plus_minus(blur * std::fabs(x)); }
+ball coordinate(double x) { return ball(x) + plus_minus(blur * std::max(std::fabs(x), blur_least)); }
 
 second_dual variable(double x, bool outer, bool inner)
 {
@@ -62,8 +62,8 @@ dual<ball> by_parameter(const written &f, std::size_t j, const sgt_vec3 &p, int 
         .s;
 }
 
-// Is it what balls of 256 bits have, within what is known of it by balls of 40 bits of a point that is known to
-// 40 bits?
+// Is it what balls of 256 bits have, within what is known of it by balls of 40 bits of a point that is known
+// to 40 bits?
 template <class W>
 void near(const written &f, const char *what, const sgt_vec3 &p, double have, const W &want)
 {
@@ -98,7 +98,6 @@ void at_point(const written &f, const sgt_surface &s, const sgt_vec3 &p)
 
     if (!exact.is_finite()) { // not defined, or a border that balls cannot tell
         if (!seen.nowhere || v != v) return;
-        if (p.x == 0 && p.y == 0 && f.text.find("atan2") != std::string::npos) return; // THE VERTEX
         const ball some = plus_minus(0x1p-48 * f.where.size()); // beside a border rounding may be within
         const precision rough(40);
         seen = marks();
@@ -127,6 +126,8 @@ void at_point(const written &f, const sgt_surface &s, const sgt_vec3 &p)
     if (seen.torn() || seen.kink || seen.nowhere) return;
 
     if (!f.is_tame(p)) return;
+    // (at a 0 equal terms cancel in balls, and not in doubles)
+    blur_least = f.is_random() ? 0x1p-10 : 0;
 
     for (int i = 0; i < 3; i++)
         near(f, "gradient", p, mine[i + 1], [&] {
@@ -152,24 +153,22 @@ void at_point(const written &f, const sgt_surface &s, const sgt_vec3 &p)
     }
 }
 
-void enclosed(generator &g, const written &f, const sgt_surface &s, const sgt_ray &ray)
+// v, slope: what is said of the stretch [lo, hi] of the ray.
+void hold(const written &f, const sgt_ray &ray, double lo, double hi, const sgt_interval &v,
+          const sgt_interval &slope)
 {
-    const precision prec(256);
-    const sgt_span chord = chord_of(f.where, ray);
-    if (!(chord.lo < chord.hi)) return;
-    const double all = chord.hi - chord.lo, width = g.chance(0.1) ? 0 : all * g.log_uniform(1e-16, 0.1);
-    const double lo = chord.lo + g.uniform(0, 1) * all, hi = lo + width;
-    sgt_interval slope;
-    const sgt_interval v = s.ops->enclose(s.self, &ray, {lo, hi}, &slope);
     if (v.lo <= v.hi && !(slope.lo <= slope.hi) && slope.lo == slope.lo && slope.hi == slope.hi)
         fail(f, "an empty slope", ray.o, slope.lo, slope.hi);
     const bool smooth = slope.lo > -HUGE_VAL && slope.hi < HUGE_VAL;
     ball before;
+    bool had = false;
     for (int i = 0; i <= 4; i++) {
         const ball t = ball(lo) + (ball(hi) - ball(lo)) * ball(i / 4.0);
         const ball x = ball(ray.o.x) + ball(ray.d.x) * t, y = ball(ray.o.y) + ball(ray.d.y) * t,
                    z = ball(ray.o.z) + ball(ray.d.z) * t;
         const sgt_vec3 p = {x.rough(), y.rough(), z.rough()};
+        const bool follows = had;
+        had = false;
         seen = marks();
         const dual<ball> e = f.at(dual<ball>(x, ray.d.x), dual<ball>(y, ray.d.y), dual<ball>(z, ray.d.z));
         if (seen.nowhere && smooth && v.lo <= v.hi)
@@ -180,19 +179,56 @@ void enclosed(generator &g, const written &f, const sgt_surface &s, const sgt_ra
             fail(f, "F is not in its enclosure", p, v.lo, e.v.rough());
         if (e.s.is_finite() && (less(e.s, ball(slope.lo)) || less(ball(slope.hi), e.s)))
             fail(f, "F' is not in its enclosure", p, slope.lo, e.s.rough());
-        if (smooth && i > 0) { // of a jump the difference is too large
+        if (smooth && follows) { // of a jump the difference is too large
             const ball step = (ball(hi) - ball(lo)) * ball(0.25), up = e.v - before;
             if (less(ball(slope.hi) * step, up) || less(up, ball(slope.lo) * step))
                 fail(f, "a jump within a finite slope", p, slope.lo, up.rough());
         }
-        before = e.v;
+        before = e.v, had = true;
+    }
+}
+
+void enclosed(generator &g, const written &f, const sgt_surface &s, const sgt_ray &ray)
+{
+    const precision prec(256);
+    const sgt_span chord = chord_of(f.where, ray);
+    if (!(chord.lo < chord.hi)) return;
+    const double all = chord.hi - chord.lo;
+    enum { most = 19, shown = 3 };
+    double lo[most], hi[most], out[4][most], alone[4];
+    const int n = 1 + g.below(most), from = g.below(n);
+    double in[6][most];
+    for (int i = 0; i < n; i++) {
+        const double width = g.chance(0.1) ? 0 : all * g.log_uniform(1e-16, 0.1);
+        lo[i] = chord.lo + g.uniform(0, 1) * all, hi[i] = lo[i] + width;
+        const double v[6] = {ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z};
+        for (int k = 0; k < 6; k++) in[k][i] = v[k];
+    }
+    sgt_interval slope;
+    const sgt_interval v = s.ops->enclose(s.self, &ray, {lo[0], hi[0]}, &slope);
+    hold(f, ray, lo[0], hi[0], v, slope);
+
+    if (!s.ops->encloses) return;
+    const auto rays = [&](int i) {
+        return sgt_rays{{in[0] + i, in[1] + i, in[2] + i},
+                        {in[3] + i, in[4] + i, in[5] + i},
+                        nullptr,
+                        nullptr};
+    };
+    s.ops->encloses(s.self, static_cast<std::size_t>(n), rays(0), lo, hi, {out[0], out[1], out[2], out[3]});
+    for (int i = from; i < n && i < from + shown; i++) {
+        s.ops->encloses(s.self, 1, rays(i), lo + i, hi + i, {&alone[0], &alone[1], &alone[2], &alone[3]});
+        for (int k = 0; k < 4; k++)
+            if (std::memcmp(&alone[k], &out[k][i], sizeof alone[k])) // nor a NaN, which would say all
+                fail(f, "a cell among others is another", ray.o, out[k][i], alone[k]);
+        hold(f, ray, lo[i], hi[i], {out[0][i], out[1][i]}, {out[2][i], out[3][i]});
     }
 }
 
 void differentiated(const written &f, const sgt_surface &s, const sgt_ray &ray)
 {
     const sgt_hit h = sgt_intersect(s, ray, nullptr);
-    if (h.status != SGT_HIT || !f.is_tame(h.p)) return;
+    if (h.status != SGT_HIT || !f.is_tame(h.p) || breaks_at(f, h.p)) return;
     const precision prec(256);
     seen = marks();
     const point3 g = gradient(f, widen(h.p));
@@ -297,14 +333,14 @@ void operations(generator &g, const written &f, const sgt_surface &s, long count
     set_anew(g, f);
 }
 
-// Random formulas (grown.h), 12 points and rays each: 10 * run.count of them, as many as the time allows, or
+// Random formulas (grown.h), 12 points and rays each: 5 * run.count of them, as many as the time allows, or
 // number `only`.
 void randomly(const oracle::run &run, double seconds, const char *only)
 {
     const std::time_t start = std::time(nullptr);
     long refused = 0, undefined = 0, read = 0, nodes = 0, told = 0, most = only ? std::atol(only) : -1;
     for (long i = std::max(most, 0L); most < 0 || i == most; i++) {
-        if (seconds > 0 ? std::difftime(std::time(nullptr), start) >= seconds : i >= 10 * run.count && !only)
+        if (seconds > 0 ? std::difftime(std::time(nullptr), start) >= seconds : i >= 5 * run.count && !only)
             break;
         generator g(run.seed + 7919 * static_cast<std::uint64_t>(i));
         const grown f(g, i);

@@ -1,6 +1,7 @@
 // Formulas against Arb: what each status, t, t_err, p and p_err claim, for rays of every kind.
 //
 //     test_roots [--count N] [--seed S] [--only NAME] [--by-hand] [--examples N] [--list]
+//                [--random [--seconds T]]
 //
 // Every root within the clip is enclosed by balls (oracle.h).  Then the ray is asked for its first hit,
 // without proof and with, for all hits, and in a batch:
@@ -14,8 +15,11 @@
 //     size of a tangent is let pass, if these are few;
 //   - a batch is the single rays, to the last bit.
 //
+// --random: rays to random formulas (grown.h), for so long.
+//
 // --by-hand: the same surfaces made of C++ (subject.h), for a look at the oracle itself.  A user's surface
 // may be hit in a jump (sagitta.h), which is let pass then.
+#include "grown.h"
 #include "rays.h"
 #include "subject.h"
 
@@ -267,6 +271,8 @@ class judge
             way_->nearest(a_->lo, h.hi, &t, &off, &along);
             if (before > 1000)
                 why = "max_evals was spent before";
+            else if (h.status == SGT_EXHAUSTED && course::has_doubt(*a_, h.lo, h.hi))
+                why = "max_evals before a pole or the like";
             else if (off < (f_.touches ? 1e-3 : 1e-4) * f_.where.size() && std::fabs(along) < 0.05)
                 why = "max_evals near a tangent";
             t_.spent += why != nullptr;
@@ -283,6 +289,10 @@ class judge
                 why = why_lies; // in a flat part of it
         }
         if (!why) {
+            if (f_.is_random()) {
+                t_.reasons[status + ": not explained"]++;
+                return;
+            }
             fault(status + " without a reason", h, how);
             if (t_.faults[status + " without a reason"] <= examples)
                 std::printf("    nearest at t %.17g: distance %.3g of the size, cosine %.3g\n", t,
@@ -394,6 +404,11 @@ const struct {
       {0x1.ee5e790bf57a8p-3, 0x1.97a6b3a631cb3p-1, -0x1.1c0f1563346cdp-1},
       0,
       HUGE_VAL}},
+    {"octahedron",
+     {{0x1.5450a80519b96p+0, -0x1.191208ff79337p-1, 0x1.c7b30be185302p+0},
+      {-0x1.874c91a064752p-1, 0x1.10eb6f665cffcp-3, -0x1.4311b5c6cd357p-1},
+      0,
+      HUGE_VAL}},
     // In the plane x = 0, where 0^y is 0 and its derivative by y has a logarithm of 0 (numbers.h, power).
     {"real_power",
      {{0, -0x1.1d767e0bd2d78p+3, 0x1.27b54b7894b86p+3}, {0, 1, -1}, 0, HUGE_VAL}},
@@ -413,13 +428,50 @@ double steepness(const written &f, generator &g)
     return all.empty() ? 1 : all[all.size() / 2];
 }
 
+// Nine rays each, one of every kind, to run.count / 2 random formulas, or to as many as the time allows.
+// What is undecided there need not have a reason that oracle.h knows: it is counted.
+void randomly(const oracle::run &run, double seconds, const char *only)
+{
+    const std::time_t start = std::time(nullptr);
+    long formulas = 0, most = only ? std::atol(only) : -1;
+    tally t;
+    for (long i = std::max(most, 0L); most < 0 || i == most; i++) {
+        if (seconds > 0 ? std::difftime(std::time(nullptr), start) >= seconds : 2 * i >= run.count && !only)
+            break;
+        generator g(run.seed + 7919 * static_cast<std::uint64_t>(i));
+        const grown f(g, i);
+        const subject s(f, false);
+        if (!s.error().empty()) continue;
+        formulas++;
+        const long before = failures;
+        judge j(f, s.surface(), steepness(f, g), false, &t);
+        std::vector<sgt_ray> rays;
+        for (int kind = 0; kind < kinds_of_rays; kind++) {
+            rays.push_back(random_ray(g, f, kind));
+            j.take(rays.back(), ray_kinds[kind]);
+        }
+        j.batch(rays);
+        if (failures == before && !only) continue;
+        std::printf("    %s\n   ", f.text.c_str());
+        for (const sgt_named &n : f.named) std::printf(" %s = %a", n.name, n.value);
+        std::printf("\n");
+    }
+    std::printf("%ld random formulas, %ld rays; of both questions %ld hits, %ld misses, %ld undecided, "
+                "%ld grazes; |dt|/err %.3f\n",
+                formulas, t.rays, t.hits, t.misses, t.undecided, t.grazes, t.worst);
+    for (const auto &r : t.reasons) std::printf("    %6ld %s\n", r.second, r.first.c_str());
+}
+
 } // namespace
 
 int main(int argc, char **argv)
 {
     const char *only = nullptr;
-    bool by_hand = false;
+    bool by_hand = false, random = false;
+    double seconds = 0;
     for (int i = 1; i < argc; i++) {
+        if (!std::strcmp(argv[i], "--random")) random = true;
+        if (!std::strcmp(argv[i], "--seconds") && i + 1 < argc) seconds = std::atof(argv[i + 1]);
         if (!std::strcmp(argv[i], "--by-hand")) by_hand = true;
         if (!std::strcmp(argv[i], "--only") && i + 1 < argc) only = argv[i + 1];
         if (!std::strcmp(argv[i], "--examples") && i + 1 < argc) examples = std::atol(argv[i + 1]);
@@ -438,6 +490,11 @@ int main(int argc, char **argv)
     const oracle::run run = count ? oracle::run(seed ? 5 : 3, own, 200, 20261123)
                                   : oracle::run(seed ? 3 : 1, own_seed, 200, 20261123);
 
+    if (random) {
+        randomly(run, seconds, only);
+        std::printf("%ld failures\n", failures);
+        return failures != 0;
+    }
     std::printf("%-20s %6s %6s %6s %6s %6s %8s %8s %8s  undecided and grazes by reason\n", "formula", "rays",
                 "hits", "misses", "undec.", "graze", "|dt|/err", "ns", "ns proof");
     long number = 0;

@@ -395,8 +395,9 @@ void rows()
             bool good = h.status == SGT_HIT ? std::fabs(h.t - root) <= h.t_err + 1e-12 * root
                                             : row == JUMP && h.status < 0 && h.lo <= root;
             if (!good && ++failures <= 6)
-                std::printf("FAIL row %d, from %a by %a to %a, proof %d: %s at z %.17g, not %.17g\n", row, start, length, ray.tmax, opt.proof,
-                            sgt_status_text(h.status), start + h.t * length, start + root * length);
+                std::printf("FAIL row %d, from %a by %a to %a, proof %d: %s at z %.17g, not %.17g\n", row,
+                            start, length, ray.tmax, opt.proof, sgt_status_text(h.status),
+                            start + h.t * length, start + root * length);
         }
 }
 

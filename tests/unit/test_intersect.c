@@ -505,8 +505,8 @@ static void test_invalid(void **state)
         SGT_INVALID);
 }
 
-/* A table may be longer than this version's, as that of a program compiled with a later header is, or end where
- * that of 0.2 did; a shorter one is nowhere read beyond its name and value. */
+/* A table may be longer than this version's, as that of a program compiled with a later header is, or end
+ * where that of 0.2 did; a shorter one is nowhere read beyond its name and value. */
 static void test_size_of_table(void **state)
 {
     (void)state;

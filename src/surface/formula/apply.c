@@ -39,7 +39,7 @@ static bool is_defined_on(formula_op op, int n, sgt_interval a, sgt_interval b)
 
 sgt_interval sgt_formula_uniform(formula_op op, int n, sgt_interval a, sgt_interval b)
 {
-    sgt_interval value = sgt_formula_interval(op, n, a, b);
+    sgt_interval value = sgt_formula_interval_base(op, n, a, b);
     return sgt_interval_is_empty(value) || is_defined_on(op, n, a, b) ? value : sgt_interval_all();
 }
 
@@ -67,5 +67,7 @@ bool sgt_formula_set(sgt_tape *tape, const double values[])
         bool known = isfinite(value.lo) && isfinite(value.hi);
         tape->middle[i] = known ? sgt_interval_middle(value) : (double)NAN;
     }
+    tape->c = tape->k = 0;
+    if (tape->kind == SGT_FORMULA_XY) sgt_formula_vertex_base(tape, &tape->c, &tape->k);
     return true;
 }

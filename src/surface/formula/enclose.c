@@ -10,8 +10,8 @@
  * formula of x alone, by y), and it is wrong for a promise.  So what may be undefined is remembered beside
  * the numbers: `whole` is false from there on, and the derivatives of the result are all numbers.
  *
- * KINKS.  |a|, min, max and the hypotenuse are continuous, and smooth but at kinks.  Over a region with a kink
- * the derivative is the hull of those of both sides (Clarke 1983, section 2.2), and for that the mean
+ * KINKS.  |a|, min, max and the hypotenuse are continuous, and smooth but at kinks.  Over a region with a
+ * kink the derivative is the hull of those of both sides (Clarke 1983, section 2.2), and for that the mean
  * value theorem holds (Lebourg 1975).  Second derivatives have no bound there. */
 #include "../../num/exact.h"
 #include "formula.h"
@@ -24,16 +24,16 @@ typedef struct jet { sgt_interval f, u, v, uv; bool whole, smooth; } jet;
  * smooth: so are its first derivatives. */
 typedef struct parts { sgt_interval v, a, b, aa, ab, bb; bool whole, smooth; } parts;
 
-static sgt_interval number(double x) { return sgt_interval_of(x); }
-static sgt_interval times(sgt_interval x, sgt_interval y) { return sgt_interval_product(x, y); }
-static sgt_interval over(sgt_interval x, sgt_interval y) { return sgt_interval_quotient(x, y); }
-static sgt_interval plus(sgt_interval x, sgt_interval y) { return sgt_interval_sum(x, y); }
-static sgt_interval minus(sgt_interval x, sgt_interval y) { return sgt_interval_difference(x, y); }
+static sgt_interval just(double x) { return sgt_interval_of(x); }
+static sgt_interval mul(sgt_interval x, sgt_interval y) { return sgt_interval_product(x, y); }
+static sgt_interval ratio(sgt_interval x, sgt_interval y) { return sgt_interval_quotient(x, y); }
+static sgt_interval add(sgt_interval x, sgt_interval y) { return sgt_interval_sum(x, y); }
+static sgt_interval sub(sgt_interval x, sgt_interval y) { return sgt_interval_difference(x, y); }
 static sgt_interval negative(sgt_interval x) { return sgt_interval_negative(x); }
 static sgt_interval squared(sgt_interval x) { return sgt_interval_square(x); }
-static sgt_interval scaled(sgt_interval x, double by) { return sgt_interval_scaled(x, by); }
-static bool has_zero(sgt_interval x) { return !(x.lo > 0) && !(x.hi < 0); }
-static bool is_bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
+static sgt_interval multiple_of(sgt_interval x, double by) { return sgt_interval_scaled(x, by); }
+static bool may_be_zero(sgt_interval x) { return !(x.lo > 0) && !(x.hi < 0); }
+static bool has_ends(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
 
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b)
 {
@@ -79,16 +79,16 @@ static const sgt_interval ZERO = {0, 0}, ONE = {1, 1};
 /* 1 where x > 0, -1 where x < 0, both between. */
 static sgt_interval sign_in(sgt_interval x)
 {
-    return x.lo >= 0 ? number(1) : x.hi <= 0 ? number(-1) : sgt_interval_between(-1, 1);
+    return x.lo >= 0 ? just(1) : x.hi <= 0 ? just(-1) : sgt_interval_between(-1, 1);
 }
 
 /* (1 - x)(1 + x), of |x| <= 1. */
 static sgt_interval beside_one(sgt_interval x)
 {
-    return sgt_interval_maximum(times(minus(ONE, x), plus(ONE, x)), ZERO);
+    return sgt_interval_maximum(mul(sub(ONE, x), add(ONE, x)), ZERO);
 }
 
-static sgt_interval clipped(sgt_interval x, double most)
+static sgt_interval kept_within(sgt_interval x, double most)
 {
     return sgt_interval_intersection(x, sgt_interval_between(-most, most));
 }
@@ -96,41 +96,43 @@ static sgt_interval clipped(sgt_interval x, double most)
 /* a / v, b / v with v the hypotenuse: a sine and a cosine. */
 static void parts_of_hypotenuse(sgt_interval a, sgt_interval b, parts *p)
 {
-    sgt_interval s = clipped(over(a, p->v), 1), c = clipped(over(b, p->v), 1);
+    sgt_interval s = kept_within(ratio(a, p->v), 1), c = kept_within(ratio(b, p->v), 1);
     p->a = s, p->b = c;
     p->smooth = p->v.lo > 0;
-    p->aa = over(squared(c), p->v), p->bb = over(squared(s), p->v), p->ab = negative(over(times(s, c), p->v));
+    p->aa = ratio(squared(c), p->v), p->bb = ratio(squared(s), p->v);
+    p->ab = negative(ratio(mul(s, c), p->v));
 }
 
 /* The angle of the point (x, y); its gradient is (x, -y) / r^2. */
 static void parts_of_angle(sgt_interval y, sgt_interval x, parts *p)
 {
     sgt_interval r = sgt_interval_hypotenuse(x, y), r2 = squared(r);
-    p->whole = p->smooth = r.lo > 0 && !(x.lo < 0 && has_zero(y));
-    p->a = over(over(clipped(x, r.hi), r), r), p->b = negative(over(over(y, r), r));
-    sgt_interval twist = scaled(over(times(over(x, r), over(y, r)), r2), 2);
+    p->whole = p->smooth = r.lo > 0 && !(x.lo < 0 && may_be_zero(y));
+    p->a = ratio(ratio(kept_within(x, r.hi), r), r), p->b = negative(ratio(ratio(y, r), r));
+    sgt_interval twist = multiple_of(ratio(mul(ratio(x, r), ratio(y, r)), r2), 2);
     p->aa = negative(twist), p->bb = twist;
-    p->ab = over(minus(squared(clipped(over(y, r), 1)), squared(clipped(over(x, r), 1))), r2);
+    p->ab = ratio(sub(squared(kept_within(ratio(y, r), 1)), squared(kept_within(ratio(x, r), 1))), r2);
 }
 
 /* a^b = exp(b log a). */
 static void parts_of_real_power(sgt_interval a, sgt_interval b, parts *p)
 {
     sgt_interval log = sgt_interval_logarithm(a);
-    sgt_interval less = sgt_interval_real_power(a, minus(b, ONE)), twice = sgt_interval_real_power(a, minus(b, number(2)));
+    sgt_interval less = sgt_interval_real_power(a, sub(b, ONE)),
+                 twice = sgt_interval_real_power(a, sub(b, just(2)));
     bool above = a.lo > 0, fixed = b.lo == b.hi || !(b.hi - b.lo > 0x1p-40 * fabs(b.hi));
     p->whole = above || (a.lo >= 0 && b.lo > 0 && fixed);
     p->smooth = above || (a.lo >= 0 && b.lo > 1 && fixed);
-    p->a = times(b, less), p->b = times(p->v, log);
-    p->aa = times(times(b, minus(b, ONE)), twice);
-    p->ab = times(less, plus(ONE, times(b, log))), p->bb = times(p->b, log);
+    p->a = mul(b, less), p->b = mul(p->v, log);
+    p->aa = mul(mul(b, sub(b, ONE)), twice);
+    p->ab = mul(less, add(ONE, mul(b, log))), p->bb = mul(p->b, log);
 }
 
 static void parts_of_power(int n, sgt_interval a, parts *p)
 {
-    p->whole = p->smooth = n > 0 || !has_zero(a);
-    p->a = scaled(sgt_interval_power(a, n - 1), n);
-    p->aa = scaled(sgt_interval_power(a, n - 2), (double)n * (n - 1)); /* exact: |n| < 2^26 */
+    p->whole = p->smooth = n > 0 || !may_be_zero(a);
+    p->a = multiple_of(sgt_interval_power(a, n - 1), n);
+    p->aa = multiple_of(sgt_interval_power(a, n - 2), (double)n * (n - 1)); /* exact: |n| < 2^26 */
 }
 
 /* All but the value, which is there.  Empty: at no point of the operands. */
@@ -140,63 +142,64 @@ static void parts_by_rule(formula_op op, int n, sgt_interval a, sgt_interval b, 
     p->whole = p->smooth = true;
     switch (op) {
     case FORMULA_ADD: p->a = p->b = ONE, p->aa = p->ab = p->bb = ZERO; break;
-    case FORMULA_SUB: p->a = ONE, p->b = number(-1), p->aa = p->ab = p->bb = ZERO; break;
+    case FORMULA_SUB: p->a = ONE, p->b = just(-1), p->aa = p->ab = p->bb = ZERO; break;
     case FORMULA_MUL: p->a = b, p->b = a, p->ab = ONE, p->aa = p->bb = ZERO; break;
     case FORMULA_DIV:
-        p->whole = p->smooth = !has_zero(b);
-        s = over(ONE, b);
-        p->a = s, p->b = negative(over(v, b)), p->aa = ZERO, p->ab = negative(squared(s));
-        p->bb = scaled(times(v, squared(s)), 2);
+        p->whole = p->smooth = !may_be_zero(b);
+        s = ratio(ONE, b);
+        p->a = s, p->b = negative(ratio(v, b)), p->aa = ZERO, p->ab = negative(squared(s));
+        p->bb = multiple_of(mul(v, squared(s)), 2);
         break;
     case FORMULA_MIN:
     case FORMULA_MAX:
-        s = op == FORMULA_MIN ? minus(b, a) : minus(a, b);
+        s = op == FORMULA_MIN ? sub(b, a) : sub(a, b);
         p->smooth = s.lo > 0 || s.hi < 0;
-        p->a = s.lo > 0 ? ONE : s.hi < 0 ? ZERO : sgt_interval_between(0, 1), p->b = minus(ONE, p->a);
+        p->a = s.lo > 0 ? ONE : s.hi < 0 ? ZERO : sgt_interval_between(0, 1), p->b = sub(ONE, p->a);
         p->aa = p->ab = p->bb = ZERO;
         break;
     case FORMULA_HYPOT: parts_of_hypotenuse(a, b, p); break;
     case FORMULA_ATAN2: parts_of_angle(a, b, p); break;
     case FORMULA_REAL_POWER: parts_of_real_power(a, b, p); break;
     case FORMULA_POWER: parts_of_power(n, a, p); break;
-    case FORMULA_SQUARE: p->a = scaled(a, 2), p->aa = number(2); break;
-    case FORMULA_NEG: p->a = number(-1), p->aa = ZERO; break;
-    case FORMULA_ABS: p->a = sign_in(a), p->smooth = !has_zero(a), p->aa = ZERO; break;
+    case FORMULA_SQUARE: p->a = multiple_of(a, 2), p->aa = just(2); break;
+    case FORMULA_NEG: p->a = just(-1), p->aa = ZERO; break;
+    case FORMULA_ABS: p->a = sign_in(a), p->smooth = !may_be_zero(a), p->aa = ZERO; break;
     case FORMULA_SQRT:
         p->whole = a.lo >= 0, p->smooth = a.lo > 0;
-        p->a = over(number(0.5), v), p->aa = negative(over(over(number(0.25), v), a));
+        p->a = ratio(just(0.5), v), p->aa = negative(ratio(ratio(just(0.25), v), a));
         break;
     case FORMULA_CBRT:
-        p->smooth = !has_zero(a);
-        s = over(ONE, scaled(squared(v), 3));
-        p->a = sgt_interval_maximum(s, ZERO), p->aa = negative(over(times(number(2), s), times(number(3), a)));
+        p->smooth = !may_be_zero(a);
+        s = ratio(ONE, multiple_of(squared(v), 3));
+        p->a = sgt_interval_maximum(s, ZERO),
+        p->aa = negative(ratio(mul(just(2), s), mul(just(3), a)));
         break;
     case FORMULA_EXP: p->a = p->aa = v; break;
     case FORMULA_LOG:
         p->whole = p->smooth = a.lo > 0;
-        p->a = over(ONE, a), p->aa = negative(squared(p->a));
+        p->a = ratio(ONE, a), p->aa = negative(squared(p->a));
         break;
     case FORMULA_SIN: p->a = sgt_interval_cosine(a), p->aa = negative(v); break;
     case FORMULA_COS: p->a = negative(sgt_interval_sine(a)), p->aa = negative(v); break;
     case FORMULA_TAN:
-        p->whole = p->smooth = is_bounded(v);
-        p->a = plus(ONE, squared(v)), p->aa = scaled(times(v, p->a), 2);
+        p->whole = p->smooth = has_ends(v);
+        p->a = add(ONE, squared(v)), p->aa = multiple_of(mul(v, p->a), 2);
         break;
     case FORMULA_ASIN:
     case FORMULA_ACOS:
         p->whole = a.lo >= -1 && a.hi <= 1, p->smooth = a.lo > -1 && a.hi < 1;
-        s = over(ONE, sgt_interval_square_root(beside_one(a)));
-        p->a = op == FORMULA_ASIN ? s : negative(s), p->aa = times(a, times(p->a, squared(s)));
+        s = ratio(ONE, sgt_interval_square_root(beside_one(a)));
+        p->a = op == FORMULA_ASIN ? s : negative(s), p->aa = mul(a, mul(p->a, squared(s)));
         break;
     case FORMULA_ATAN:
-        p->a = over(ONE, plus(ONE, squared(a)));
-        p->aa = scaled(times(a, squared(p->a)), -2);
+        p->a = ratio(ONE, add(ONE, squared(a)));
+        p->aa = multiple_of(mul(a, squared(p->a)), -2);
         break;
     case FORMULA_SINH: p->a = sgt_interval_hyperbolic_cosine(a), p->aa = v; break;
     case FORMULA_COSH: p->a = sgt_interval_hyperbolic_sine(a), p->aa = v; break;
     case FORMULA_TANH:
-        p->a = sgt_interval_maximum(times(minus(ONE, v), plus(ONE, v)), ZERO);
-        p->aa = scaled(times(v, p->a), -2);
+        p->a = sgt_interval_maximum(mul(sub(ONE, v), add(ONE, v)), ZERO);
+        p->aa = multiple_of(mul(v, p->a), -2);
         break;
     case FORMULA_COPY: p->a = ONE, p->aa = ZERO; break;
     case FORMULA_NUMBER:
@@ -218,7 +221,12 @@ static void parts_of(formula_op op, int n, sgt_interval a, sgt_interval b, parts
 
 /* ------------------------------------------------------------------------- the tape */
 
-static jet jet_of_uniform(sgt_interval f) { return (jet){f, {0, 0}, {0, 0}, {0, 0}, true, true}; }
+/* Of one that may not be defined (all numbers) nothing else is. */
+static jet jet_of_uniform(sgt_interval f)
+{
+    bool whole = has_ends(f);
+    return (jet){f, {0, 0}, {0, 0}, {0, 0}, whole, whole};
+}
 
 /* The derivative of a minimum where either may be the less: that of one or of the other. */
 static sgt_interval of_either(const parts *p, sgt_interval a, sgt_interval b)
@@ -229,16 +237,16 @@ static sgt_interval of_either(const parts *p, sgt_interval a, sgt_interval b)
 
 static sgt_interval chained(const parts *p, sgt_interval a, sgt_interval b, bool two)
 {
-    sgt_interval d = times(p->a, a);
-    return two ? plus(d, times(p->b, b)) : d;
+    sgt_interval d = mul(p->a, a);
+    return two ? add(d, mul(p->b, b)) : d;
 }
 
 static sgt_interval chained_twice(const parts *p, const jet *a, const jet *b)
 {
-    sgt_interval d = plus(times(p->a, a->uv), times(p->aa, times(a->u, a->v)));
+    sgt_interval d = add(mul(p->a, a->uv), mul(p->aa, mul(a->u, a->v)));
     if (!b) return d;
-    d = plus(d, plus(times(p->b, b->uv), times(p->bb, times(b->u, b->v))));
-    return plus(d, times(p->ab, plus(times(a->u, b->v), times(a->v, b->u))));
+    d = add(d, add(mul(p->b, b->uv), mul(p->bb, mul(b->u, b->v))));
+    return add(d, mul(p->ab, add(mul(a->u, b->v), mul(a->v, b->u))));
 }
 
 /* r: sqrt(x^2 + y^2) is known to be in it. */
@@ -261,16 +269,15 @@ static jet jet_step(formula_op op, int n, const jet *a, const jet *b, const sgt_
     return out;
 }
 
-formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r, const sgt_interval du[3],
-                            const sgt_interval dv[3], bool second)
+/* The steps from `first` on. */
+static formula_jet jet_of_steps(const sgt_tape *tape, int first, jet reg[], sgt_interval r, bool second)
 {
-    jet reg[FORMULA_REGISTERS], other;
-    int variables = tape->kind == SGT_FORMULA_XY ? 2 : 3;
-    for (int k = 0; k < variables; k++) reg[k] = (jet){at[k], du[k], dv[k], ZERO, true, true};
+    jet other;
     const jet *last = &reg[tape->step[tape->steps - 1].out];
-    for (int i = 0; i < tape->steps; i++) {
+    for (int i = first; i < tape->steps; i++) {
         const formula_step *s = &tape->step[i];
-        bool two = s->op <= FORMULA_REAL_POWER, u_a = s->a >= FORMULA_UNIFORM, u_b = two && s->b >= FORMULA_UNIFORM;
+        bool two = s->op <= FORMULA_REAL_POWER, u_a = s->a >= FORMULA_UNIFORM,
+             u_b = two && s->b >= FORMULA_UNIFORM;
         if (u_a || u_b) other = jet_of_uniform(tape->value[(u_a ? s->a : s->b) - FORMULA_UNIFORM]);
         bool is_r = s->op == FORMULA_HYPOT && s->a + s->b == 1; /* of x and y */
         reg[s->out] = jet_step((formula_op)s->op, s->n, u_a ? &other : &reg[s->a],
@@ -282,6 +289,43 @@ formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_
     return out;
 }
 
+formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r,
+                            const sgt_interval du[3], const sgt_interval dv[3], bool second)
+{
+    jet reg[FORMULA_REGISTERS];
+    int variables = tape->kind == SGT_FORMULA_XY ? 2 : 3;
+    for (int k = 0; k < variables; k++) reg[k] = (jet){at[k], du[k], dv[k], ZERO, true, true};
+    return jet_of_steps(tape, 0, reg, r, second);
+}
+
+formula_jet sgt_formula_radial_jet(const sgt_tape *tape, sgt_interval s, bool second)
+{
+    jet reg[FORMULA_REGISTERS];
+    reg[tape->step[2].out] = (jet){s, ONE, ONE, ZERO, true, true};
+    return jet_of_steps(tape, 3, reg, sgt_interval_all(), second);
+}
+
+/* At the vertex a conic is c s / 2 + (1 + k) c^3 s^2 / 8 + ..., with s = r^2.  c is the mean curvature, if
+ * those by x and by y are much the same; k is from F_ss of a radial tape, where that is not far from a
+ * sphere's. */
+void sgt_formula_vertex(const sgt_tape *tape, double *c, double *k)
+{
+    const sgt_interval by[2][3] = {{ONE, ZERO, ZERO}, {ZERO, ONE, ZERO}}, vertex[3] = {ZERO, ZERO, ZERO};
+    double bend = 0;
+    *c = *k = 0;
+    if (tape->radial) {
+        formula_jet by_s = sgt_formula_radial_jet(tape, ZERO, true);
+        *c = 2 * sgt_interval_middle(by_s.u), bend = 4 * sgt_interval_middle(by_s.uv);
+    } else {
+        double xx = sgt_interval_middle(sgt_formula_jet(tape, vertex, ZERO, by[0], by[0], true).uv),
+               yy = sgt_interval_middle(sgt_formula_jet(tape, vertex, ZERO, by[1], by[1], true).uv);
+        if (fabs(xx - yy) <= 0.25 * fabs(xx + yy)) *c = 0.5 * (xx + yy);
+    }
+    if (!(fabs(*c) < 0x1p300)) *c = 0;
+    double k1 = bend / (*c * *c * *c);
+    if (k1 > -8 && k1 < 2) *k = k1 - 1;
+}
+
 /* ---------------------------------------------------------------------------- noise */
 
 /* A number and how far it is off as computed. */
@@ -290,10 +334,13 @@ typedef struct noisy { sgt_interval f; double off; } noisy;
 /* What an operation itself rounds, in u of its result. */
 static double rounds(formula_op op, int n)
 {
-    if (op == FORMULA_POWER) return fabs((double)n) + 2;
-    return op == FORMULA_NEG || op == FORMULA_ABS || op == FORMULA_COPY || op == FORMULA_MIN || op == FORMULA_MAX ? 0
-         : op <= FORMULA_DIV || op == FORMULA_SQUARE || op == FORMULA_SQRT                                        ? 1
-                                                                                  : FORMULA_FUNCTION_ULPS;
+    switch (op) {
+    case FORMULA_NEG: case FORMULA_ABS: case FORMULA_COPY: case FORMULA_MIN: case FORMULA_MAX: return 0;
+    case FORMULA_ADD: case FORMULA_SUB: case FORMULA_MUL: case FORMULA_DIV: case FORMULA_SQUARE:
+    case FORMULA_SQRT: return 1;
+    case FORMULA_POWER: return fabs((double)n) + 2;
+    default: return FORMULA_FUNCTION_ULPS;
+    }
 }
 
 static sgt_interval wider(const noisy *x)
@@ -322,13 +369,16 @@ double sgt_formula_noise(const sgt_tape *tape, const sgt_interval at[3], sgt_int
     for (int k = 0; k < variables; k++) reg[k] = (noisy){at[k], 0};
     for (int i = 0; i < tape->steps; i++) {
         const formula_step *s = &tape->step[i];
-        bool two = s->op <= FORMULA_REAL_POWER, u_a = s->a >= FORMULA_UNIFORM, u_b = two && s->b >= FORMULA_UNIFORM;
+        bool two = s->op <= FORMULA_REAL_POWER, u_a = s->a >= FORMULA_UNIFORM,
+             u_b = two && s->b >= FORMULA_UNIFORM;
         if (u_a || u_b) {
             sgt_interval u = tape->value[(u_a ? s->a : s->b) - FORMULA_UNIFORM];
             other = (noisy){u, u.hi > u.lo ? sgt_interval_width(u) : 0};
         }
-        noisy out = noisy_step((formula_op)s->op, s->n, u_a ? &other : &reg[s->a], u_b ? &other : two ? &reg[s->b] : NULL);
+        noisy out = noisy_step((formula_op)s->op, s->n, u_a ? &other : &reg[s->a],
+                               u_b ? &other : two ? &reg[s->b] : NULL);
         if (s->op == FORMULA_HYPOT && s->a + s->b == 1) out.f = sgt_interval_intersection(out.f, r);
+        if (tape->radial && i == 2) out.f = sgt_interval_intersection(out.f, squared(r));
         reg[s->out] = out;
     }
     double off = reg[tape->step[tape->steps - 1].out].off;

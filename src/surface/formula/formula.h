@@ -14,8 +14,8 @@
 
 #include <sagitta/interval.h>
 
-/* F at n points, and its gradient where grad[0] is not NULL.  A lane's bits do not depend on n.  z and grad[2]
- * are not read of a tape of SGT_FORMULA_XY, and may be NULL. */
+/* F at n points, and its gradient where grad[0] is not NULL.  A lane's bits do not depend on n.  z and
+ * grad[2] are not read of a tape of SGT_FORMULA_XY, and may be NULL. */
 void sgt_formula_values(const sgt_tape *tape, size_t n, sgt_points p, sgt_values out);
 
 /* The mixed second derivative of F by u and v at n points, and F, F_u, F_v.  0, 1, 2 are x, y, z; u may be a
@@ -31,15 +31,21 @@ void sgt_formula_mixed(const sgt_tape *tape, size_t u, size_t v, size_t n, sgt_p
  *   are in there, that the derivatives nearby lie in it (the mean value theorem holds).
  * - uv with two finite ends says that of F_u and F_v.
  * - second false: uv is not worked out. */
-typedef struct formula_jet { sgt_interval f, u, v, uv; bool whole; } formula_jet; /* whole: defined all over */
-formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r, const sgt_interval du[3],
-                            const sgt_interval dv[3], bool second);
+typedef struct formula_jet {
+    sgt_interval f, u, v, uv;
+    bool whole;
+} formula_jet; /* whole: defined all over */
+formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r,
+                            const sgt_interval du[3], const sgt_interval dv[3], bool second);
 
-/* F and its slope over n cells, as `enclose` of sagitta.h promises: cell i is t_lo[i] <= t <= t_hi[i] on ray i
- * of `rays`, of which o and d are read.  The value is empty (lo > hi) where F is undefined all over the cell.
- * slope_lo, slope_hi NULL: not wanted.  A lane's bits do not depend on n, nor on its neighbours. */
-void sgt_formula_encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
-                          double *g_lo, double *g_hi, double *slope_lo, double *slope_hi);
+/* F and its slope over n cells, as `enclose` of sagitta.h promises: cell i is t_lo[i] <= t <= t_hi[i] on ray
+ * i of `rays`, of which o and d are read.  The value is empty (lo > hi) where F is undefined all over the
+ * cell. slope_lo, slope_hi NULL: not wanted.  A lane's bits do not depend on n, nor on its neighbours. */
+void sgt_formula_encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const double *t_lo,
+                          const double *t_hi, double *g_lo, double *g_hi, double *slope_lo, double *slope_hi);
+
+/* The same of a radial tape (tape.h), by s: F, F_s, F_s again, and F_ss. */
+formula_jet sgt_formula_radial_jet(const sgt_tape *tape, sgt_interval s, bool second);
 
 /* How far F as computed by sgt_formula_values can be from F, at any point of the region.  HUGE_VAL: not
  * known. */

@@ -4,7 +4,7 @@
  * enclose.c.  `rounding` is the distance of F as computed from the enclosure of F at the very point, which
  * contains the exact F.
  *
- * THE SPAN is the chord of the ray in the ball, cut to that in the box.  Both are made longer by a few
+ * THE SPAN is the stretch of the ray in the ball, cut to that in the box.  Both are made longer by a few
  * roundings of the point that is nearest the origin: points outside by so little may be met.  Without a ball
  * and a box it is the whole ray. */
 #include "../../num/lanes.h"
@@ -58,17 +58,19 @@ static sgt_interval implicit_enclose_from(const void *self, const sgt_ray *ray, 
     return jet.f;
 }
 
-static sgt_interval implicit_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+static sgt_interval implicit_enclose(const void *self, const sgt_ray *ray, sgt_interval t,
+                                     sgt_interval *slope)
 {
     return implicit_enclose_from(self, ray, 0, t, slope);
 }
 
 /* ------------------------------------------------------------------------- the span */
 
-typedef struct chord { double lo, hi; } chord;
+typedef struct within { double lo, hi; } within;
 
 /* |o + t d| <= radius, which is above 0.  The point nearest the origin is at t = m, its distance off by e. */
-SGT_INLINE chord chord_in_ball(double radius, double ox, double oy, double oz, double dx, double dy, double dz)
+SGT_INLINE within chord_in_ball(double radius, double ox, double oy, double oz, double dx, double dy,
+                               double dz)
 {
     double most = larger(fabs(dx), larger(fabs(dy), fabs(dz))), l = dx / most, m = dy / most, n = dz / most;
     double a = l * l + m * m + n * n, t = -(ox * l + oy * m + oz * n) / a;
@@ -77,17 +79,18 @@ SGT_INLINE chord chord_in_ball(double radius, double ox, double oy, double oz, d
     double near2 = x * x + y * y + z * z, room = (radius + e) * (radius + e) - near2 + 4 * e * sqrt(near2);
     double half = sqrt(larger(room, 0) / a) * (1 + 0x1p-48) + e;
     mask met = MASK(!(room < 0));
-    return (chord){chosen(met, (t - half) / most, 1), chosen(met, (t + half) / most, -1)};
+    return (within){chosen(met, (t - half) / most, 1), chosen(met, (t + half) / most, -1)};
 }
 
 /* lo <= o + t d <= hi in one coordinate.  d may be 0. */
-SGT_INLINE chord chord_in_slab(double lo, double hi, double o, double d)
+SGT_INLINE within chord_in_slab(double lo, double hi, double o, double d)
 {
     double e = 0x1p-51 * (fabs(o) + fabs(lo) + fabs(hi)), a = (lo - e - o) / d, b = (hi + e - o) / d;
     double first = a < b ? a : b, last = a < b ? b : a;
     mask along = MASK(d == 0), in = MASK((o >= lo - e) & (o <= hi + e));
     first -= 0x1p-51 * fabs(first), last += 0x1p-51 * fabs(last);
-    return (chord){chosen(along, chosen(in, -HUGE_VAL, 1), first), chosen(along, chosen(in, HUGE_VAL, -1), last)};
+    return (within){chosen(along, chosen(in, -HUGE_VAL, 1), first),
+                   chosen(along, chosen(in, HUGE_VAL, -1), last)};
 }
 
 static bool has_box(const sgt_formula *s)
@@ -101,7 +104,7 @@ static void spans_in(size_t n, double radius, const double *restrict ox, const d
                      const double *restrict dz, double *restrict lo, double *restrict hi)
 {
     LANES for (size_t i = 0; i < n; i++) {
-        chord c = chord_in_ball(radius, ox[i], oy[i], oz[i], dx[i], dy[i], dz[i]);
+        within c = chord_in_ball(radius, ox[i], oy[i], oz[i], dx[i], dy[i], dz[i]);
         lo[i] = c.lo, hi[i] = c.hi;
     }
 }
@@ -111,7 +114,7 @@ static void cut_to_slab(size_t n, double from, double to, const double *restrict
                         double *restrict lo, double *restrict hi)
 {
     LANES for (size_t i = 0; i < n; i++) {
-        chord c = chord_in_slab(from, to, o[i], d[i]);
+        within c = chord_in_slab(from, to, o[i], d[i]);
         lo[i] = lo[i] > c.lo ? lo[i] : c.lo, hi[i] = hi[i] < c.hi ? hi[i] : c.hi;
     }
 }
@@ -135,8 +138,8 @@ static sgt_span implicit_span(const void *self, const sgt_ray *ray)
     return s;
 }
 
-static void implicit_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
-                              sgt_enclosures out)
+static void implicit_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo,
+                              const double *t_hi, sgt_enclosures out)
 {
     sgt_formula_encloses(((const sgt_formula *)self)->tape, n, rays, t_lo, t_hi, out.lo, out.hi, out.slope_lo,
                          out.slope_hi);
@@ -148,10 +151,14 @@ static void implicit_second(const void *self, size_t n, sgt_points p, double *co
 {
     static const unsigned char by[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
     const sgt_formula *s = self;
-    for (int k = 0; k < 6; k++) sgt_formula_mixed(s->tape, by[k][0], by[k][1], n, p, (formula_mixed){.uv = out[k]});
+    for (int k = 0; k < 6; k++)
+        sgt_formula_mixed(s->tape, by[k][0], by[k][1], n, p, (formula_mixed){.uv = out[k]});
 }
 
-static size_t implicit_parameters(const void *self) { return (size_t)((const sgt_formula *)self)->tape->parameters; }
+static size_t implicit_parameters(const void *self)
+{
+    return (size_t)((const sgt_formula *)self)->tape->parameters;
+}
 
 static void implicit_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out)
 {
@@ -160,14 +167,16 @@ static void implicit_by_parameter(const void *self, size_t j, size_t n, sgt_poin
         sgt_formula_mixed(s->tape, 3 + j, k, n, p, (formula_mixed){.u = out.f, .uv = out.grad[k]});
 }
 
-static bool is_finite(sgt_vec3 v) { return v.x - v.x + (v.y - v.y) + (v.z - v.z) == 0; }
+static bool all_finite(sgt_vec3 v) { return v.x - v.x + (v.y - v.y) + (v.z - v.z) == 0; }
 
 static sgt_objection implicit_object(const void *self)
 {
     const sgt_formula *s = self;
-    if (!s->tape || s->tape->kind != SGT_FORMULA_XYZ) return (sgt_objection){"f", "must be a formula of x, y and z"};
-    if (!(s->ball >= 0 && s->ball < 0x1p500)) return (sgt_objection){"ball", "must be 0 or more, and below 2^500"};
-    if (!is_finite(s->lo) || !is_finite(s->hi)) return (sgt_objection){"box", "must be finite"};
+    if (!s->tape || s->tape->kind != SGT_FORMULA_XYZ)
+        return (sgt_objection){"f", "must be a formula of x, y and z"};
+    if (!(s->ball >= 0 && s->ball < 0x1p500))
+        return (sgt_objection){"ball", "must be 0 or more, and below 2^500"};
+    if (!all_finite(s->lo) || !all_finite(s->hi)) return (sgt_objection){"box", "must be finite"};
     if (s->lo.x > s->hi.x || s->lo.y > s->hi.y || s->lo.z > s->hi.z)
         return (sgt_objection){"box", "must have its lower corner first"};
     return (sgt_objection){NULL, NULL};
@@ -180,6 +189,6 @@ static const struct sgt_builtin_ops implicit_builtin = {
 
 const sgt_surface_ops sgt_formula_ops = {
     .name = "formula", .own_ = &implicit_builtin, .value = implicit_value, .span = implicit_span,
-    .rounding = implicit_rounding, .enclose = implicit_enclose, .values = implicit_values, .spans = implicit_spans,
-    .encloses = implicit_encloses,
-    .second = implicit_second, .parameters = implicit_parameters, .by_parameter = implicit_by_parameter};
+    .rounding = implicit_rounding, .enclose = implicit_enclose, .encloses = implicit_encloses,
+    .values = implicit_values, .spans = implicit_spans, .second = implicit_second,
+    .parameters = implicit_parameters, .by_parameter = implicit_by_parameter};

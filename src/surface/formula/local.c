@@ -3,15 +3,15 @@
 
 #include <string.h>
 
-#define ROWS(NAME)                                                                                    \
-    SGT_KERNEL                                                                                        \
-    static void NAME(size_t n, const double *restrict a, const double *restrict b, double *restrict v,          \
+#define ROWS_OF(NAME) \
+    SGT_KERNEL                                                                                             \
+    static void NAME(size_t n, const double *restrict a, const double *restrict b, double *restrict v,     \
                      double *restrict va, double *restrict vb, double *restrict vaa, double *restrict vab, \
                      double *restrict vbb)
 
 /* An operation on one operand: x is a number, y the result. */
 #define OF_ONE(NAME, VALUE, FIRST, SECOND)                                                            \
-    ROWS(NAME##_second)                                                                               \
+    ROWS_OF(NAME##_second)                                                                               \
     {                                                                                                 \
         (void)b, (void)vb, (void)vab, (void)vbb;                                                      \
         LANES for (size_t i = 0; i < n; i++) {                                               \
@@ -19,7 +19,7 @@
             v[i] = y, va[i] = f, vaa[i] = SECOND;                                                     \
         }                                                                                             \
     }                                                                                                 \
-    ROWS(NAME##_first)                                                                                \
+    ROWS_OF(NAME##_first)                                                                                \
     {                                                                                                 \
         (void)b, (void)vb, (void)vaa, (void)vab, (void)vbb;                                           \
         LANES for (size_t i = 0; i < n; i++) {                                               \
@@ -27,7 +27,7 @@
             v[i] = y, va[i] = FIRST;                                                                  \
         }                                                                                             \
     }                                                                                                 \
-    ROWS(NAME##_value)                                                                                \
+    ROWS_OF(NAME##_value)                                                                                \
     {                                                                                                 \
         (void)b, (void)va, (void)vb, (void)vaa, (void)vab, (void)vbb;                                 \
         LANES for (size_t i = 0; i < n; i++) {                                               \
@@ -38,7 +38,7 @@
 
 /* Of two operands, x and w. */
 #define OF_TWO(NAME, VALUE, BY_A, BY_B, AA, AB, BB)                                                   \
-    ROWS(NAME##_second)                                                                               \
+    ROWS_OF(NAME##_second)                                                                               \
     {                                                                                                 \
         LANES for (size_t i = 0; i < n; i++) {                                               \
             double x = a[i], w = b[i], y = VALUE, f = BY_A, g = BY_B;                                 \
@@ -46,7 +46,7 @@
             (void)f, (void)g;                                                                         \
         }                                                                                             \
     }                                                                                                 \
-    ROWS(NAME##_first)                                                                                \
+    ROWS_OF(NAME##_first)                                                                                \
     {                                                                                                 \
         (void)vaa, (void)vab, (void)vbb;                                                              \
         LANES for (size_t i = 0; i < n; i++) {                                               \
@@ -54,7 +54,7 @@
             v[i] = y, va[i] = BY_A, vb[i] = BY_B;                                                     \
         }                                                                                             \
     }                                                                                                 \
-    ROWS(NAME##_value)                                                                                \
+    ROWS_OF(NAME##_value)                                                                                \
     {                                                                                                 \
         (void)va, (void)vb, (void)vaa, (void)vab, (void)vbb;                                          \
         LANES for (size_t i = 0; i < n; i++) {                                               \
@@ -66,39 +66,44 @@
 #define UNDEFINED (double)NAN
 
 /* A number that is NaN if x or w is, else y. */
-SGT_INLINE double if_both(double x, double w, double y) { return chosen(MASK((x == x) & (w == w)), y, UNDEFINED); }
+SGT_INLINE double if_both(double x, double w, double y)
+{
+    return chosen(MASK((x == x) & (w == w)), y, UNDEFINED);
+}
 
-SGT_INLINE double over(double x, double w) { return chosen(MASK(w != 0), x / w, UNDEFINED); }
-SGT_INLINE double over_or_0(double x, double w) { return chosen(MASK(w != 0), x / w, 0); }
+SGT_INLINE double divided(double x, double w) { return chosen(MASK(w != 0), x / w, UNDEFINED); }
+SGT_INLINE double divided_or_0(double x, double w) { return chosen(MASK(w != 0), x / w, 0); }
 
 OF_TWO(add, x + w, 1, 1, 0, 0, 0)
 OF_TWO(subtract, x - w, 1, -1, 0, 0, 0)
 OF_TWO(multiply, x * w, w, x, 0, 1, 0)
-OF_TWO(divide, over(x, w), over(1, w), -over(y, w), 0, over(-1, w * w), 2 * over(y, w * w))
+OF_TWO(divide, divided(x, w), divided(1, w), -divided(y, w), 0, divided(-1, w * w), 2 * divided(y, w * w))
 OF_TWO(least, if_both(x, w, x <= w ? x : w), x <= w ? 1 : 0, x <= w ? 0 : 1, 0, 0, 0)
 OF_TWO(most, if_both(x, w, x >= w ? x : w), x >= w ? 1 : 0, x >= w ? 0 : 1, 0, 0, 0)
-OF_TWO(hypot_of, lane_hypot(x, w), over_or_0(x, y), over_or_0(w, y), over(g * g, y), -over(f * g, y), over(f * f, y))
+OF_TWO(hypot_of, lane_hypot(x, w), divided_or_0(x, y), divided_or_0(w, y), divided(g * g, y),
+       -divided(f * g, y), divided(f * f, y))
 /* atan2(x, w): x is the y of the point */
-OF_TWO(angle, lane_atan2(x, w), over(over(w, lane_hypot(x, w)), lane_hypot(x, w)),
-       -over(over(x, lane_hypot(x, w)), lane_hypot(x, w)), 2 * f * g, g * g - f * f, -2 * f * g)
+OF_TWO(angle, lane_atan2(x, w), divided(divided(w, lane_hypot(x, w)), lane_hypot(x, w)),
+       -divided(divided(x, lane_hypot(x, w)), lane_hypot(x, w)), 2 * f * g, g * g - f * f, -2 * f * g)
 /* x^w, x > 0; at x = 0 it is 0 for w > 0 */
 OF_TWO(real_power, lane_power(x, w), w * lane_power(x, w - 1), chosen(MASK(x > 0), y * lane_log(x), 0),
-       w * (w - 1) * lane_power(x, w - 2), lane_power(x, w - 1) * (1 + w * chosen(MASK(x > 0), lane_log(x), 0)),
+       w * (w - 1) * lane_power(x, w - 2),
+       lane_power(x, w - 1) * (1 + w * chosen(MASK(x > 0), lane_log(x), 0)),
        g * chosen(MASK(x > 0), lane_log(x), 0))
 
 OF_ONE(copy, x, 1, y - y)
 OF_ONE(square, x * x, 2 * x, 2 + (y - y))
 OF_ONE(negative, -x, -1, y - y)
 OF_ONE(absolute, fabs(x), x < 0 ? -1.0 : 1.0, y - y)
-OF_ONE(square_root, sqrt(x), over(0.5, y), over(over(-0.25, y), x))
-OF_ONE(cube_root, lane_cbrt(x), over(over(1.0 / 3, y), y), over(over(over(-2.0 / 9, y), y), x))
+OF_ONE(square_root, sqrt(x), divided(0.5, y), divided(divided(-0.25, y), x))
+OF_ONE(cube_root, lane_cbrt(x), divided(divided(1.0 / 3, y), y), divided(divided(divided(-2.0 / 9, y), y), x))
 OF_ONE(exponential, lane_exp(x), y, f)
-OF_ONE(logarithm, lane_log(x), over(1, x), -f * f + (y - y))
+OF_ONE(logarithm, lane_log(x), divided(1, x), -f * f + (y - y))
 OF_ONE(sine, lane_sin(x), lane_cos(x), -y + 0 * f)
 OF_ONE(cosine, lane_cos(x), -lane_sin(x), -y + 0 * f)
 OF_ONE(tangent, lane_tan(x), 1 + y * y, 2 * y * f)
-OF_ONE(arc_sine, lane_asin(x), over(1, sqrt((1 - x) * (1 + x))), x * f * f * f + (y - y))
-OF_ONE(arc_cosine, lane_acos(x), over(-1, sqrt((1 - x) * (1 + x))), x * f * f * f + (y - y))
+OF_ONE(arc_sine, lane_asin(x), divided(1, sqrt((1 - x) * (1 + x))), x * f * f * f + (y - y))
+OF_ONE(arc_cosine, lane_acos(x), divided(-1, sqrt((1 - x) * (1 + x))), x * f * f * f + (y - y))
 OF_ONE(arc_tangent, lane_atan(x), 1 / (1 + x * x), -2 * x * f * f + (y - y))
 OF_ONE(sine_h, lane_sinh(x), lane_cosh(x), y + 0 * f)
 OF_ONE(cosine_h, lane_cosh(x), lane_sinh(x), y + 0 * f)
@@ -116,8 +121,8 @@ static void rows_inverse(size_t n, double e, const double *restrict a, double *r
                          double *restrict s)
 {
     LANES for (size_t i = 0; i < n; i++) {
-        double y = over(1, v[i]), by = over(y, a[i]);
-        v[i] = y, f[i] = e * by, s[i] = e * (e - 1) * over(by, a[i]);
+        double y = divided(1, v[i]), by = divided(y, a[i]);
+        v[i] = y, f[i] = e * by, s[i] = e * (e - 1) * divided(by, a[i]);
     }
 }
 
@@ -128,7 +133,7 @@ static void rows_scaled(size_t n, double by, double *v)
 }
 
 /* a^e by squaring: with p = a^(|e| - 2), v = (p a) a, whatever else is wanted. */
-static void power(size_t n, int e, const double *a, bool first, double *v, double *va, double *vaa)
+static void rows_power(size_t n, int e, const double *a, bool first, double *v, double *va, double *vaa)
 {
     formula_row square, p, f, s;
     for (size_t i = 0; i < n; i++) square[i] = a[i], p[i] = 1;
@@ -148,8 +153,9 @@ static void power(size_t n, int e, const double *a, bool first, double *v, doubl
 void sgt_formula_local(formula_op op, int e, size_t n, const double *a, const double *b, bool first,
                        formula_local out)
 {
-    typedef void rows(size_t, const double *restrict, const double *restrict, double *restrict, double *restrict,
-                      double *restrict, double *restrict, double *restrict, double *restrict);
+    typedef void rows(size_t, const double *restrict, const double *restrict, double *restrict,
+                      double *restrict, double *restrict, double *restrict, double *restrict,
+                      double *restrict);
 #define OF(OP, NAME) [OP] = {NAME##_value, NAME##_first, NAME##_second}
     static rows *const of[][3] = {
         OF(FORMULA_ADD, add),           OF(FORMULA_SUB, subtract),     OF(FORMULA_MUL, multiply),
@@ -161,6 +167,6 @@ void sgt_formula_local(formula_op op, int e, size_t n, const double *a, const do
         OF(FORMULA_TAN, tangent),       OF(FORMULA_ASIN, arc_sine),    OF(FORMULA_ACOS, arc_cosine),
         OF(FORMULA_ATAN, arc_tangent),  OF(FORMULA_SINH, sine_h),      OF(FORMULA_COSH, cosine_h),
         OF(FORMULA_TANH, tangent_h),    OF(FORMULA_COPY, copy)};
-    if (op == FORMULA_POWER) power(n, e, a, first, out.v, out.va, out.vaa);
+    if (op == FORMULA_POWER) rows_power(n, e, a, first, out.v, out.va, out.vaa);
     else of[op][out.vaa ? 2 : first](n, a, b, out.v, out.va, out.vb, out.vaa, out.vab, out.vbb);
 }

@@ -20,8 +20,8 @@ enum { FORMULA_BLOCK = 64 };
 
 typedef double formula_row[FORMULA_BLOCK];
 
-/* The rows of one operation.  NULL for vb, vab, vbb where it has one operand; vaa NULL: second derivatives are
- * not wanted.  No row is a or b. */
+/* The rows of one operation.  NULL for vb, vab, vbb where it has one operand; vaa NULL: second derivatives
+ * are not wanted.  No row is a or b. */
 typedef struct formula_local { double *v, *va, *vb, *vaa, *vab, *vbb; } formula_local;
 
 /* Of n numbers, FORMULA_BLOCK at most.  e: the exponent of FORMULA_POWER.  first: va and vb are wanted. */

@@ -96,6 +96,23 @@ static void parameters_checked(formula_fault *fault, size_t n, const sgt_named p
     }
 }
 
+/* Does the tape make s = x^2 + y^2 first, and read neither x nor y, nor their squares, afterwards? */
+static bool is_radial(const sgt_tape *tape)
+{
+    const formula_step *s = tape->step;
+    if (tape->kind != SGT_FORMULA_XY || tape->steps < 4 || s[2].op != FORMULA_ADD) return false;
+    if (s[0].op != FORMULA_SQUARE || s[1].op != FORMULA_SQUARE || s[0].a + s[1].a != 1) return false;
+    if (s[2].a + s[2].b != s[0].out + s[1].out) return false;
+    unsigned long long other = 3ULL | 1ULL << s[0].out | 1ULL << s[1].out;
+    for (int i = 3; i < tape->steps; i++) {
+        unsigned long long reads = s[i].a < FORMULA_UNIFORM ? 1ULL << s[i].a : 0;
+        if (s[i].op <= FORMULA_REAL_POWER && s[i].b < FORMULA_UNIFORM) reads |= 1ULL << s[i].b;
+        if (reads & other) return false;
+        other &= ~(1ULL << s[i].out);
+    }
+    return true;
+}
+
 /* Puts the tape together at the begin of the room; behind the nodes there are `left` bytes. */
 static sgt_tape *tape_made(formula_reader *r, int result, sgt_tape *tape, size_t head, char *behind,
                            size_t left)
@@ -133,6 +150,7 @@ static sgt_tape *tape_made(formula_reader *r, int result, sgt_tape *tape, size_t
     tape->step = (const formula_step *)(const void *)(base + numbers + written);
     tape->jumps = false;
     for (size_t i = 0; i < steps; i++) tape->jumps = tape->jumps || tape->step[i].op == FORMULA_ATAN2;
+    tape->radial = is_radial(tape);
     return tape;
 }
 

@@ -63,6 +63,9 @@ struct sgt_tape {
     sgt_formula_kind kind;
     int steps, uniforms, parameters, registers; /* registers: how many are used, with x, y, z */
     bool jumps;              /* a step is an atan2, whose cut F may cross */
+    /* Of x and y: the first three steps make s = x^2 + y^2, and the others read s alone. */
+    bool radial;
+    double c, k;             /* of x and y: a conic that is near the sag at the vertex; 0: none is known */
     const formula_step *step;
     const formula_uniform *uniform;
     sgt_interval *value;     /* of each uniform */
@@ -70,16 +73,16 @@ struct sgt_tape {
     double *given;           /* the values of the parameters */
 };
 
-/* What is compiled once (read.c and its kin) calls that of the base set. */
-#ifndef SGT_SET_NUMBER
-#define sgt_formula_interval sgt_formula_interval_base
-#endif
-
 /* One operation on intervals, as interval.h has it (enclose.c).  FORMULA_COPY is a.  All numbers for the
- * operations of uniforms only. */
+ * operations of uniforms only.  What is compiled once (apply.c) calls that of the base set. */
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b);
+sgt_interval sgt_formula_interval_base(formula_op op, int n, sgt_interval a, sgt_interval b);
 
 /* The same of uniforms: all numbers if it is not known whether it is defined (apply.c). */
 sgt_interval sgt_formula_uniform(formula_op op, int n, sgt_interval a, sgt_interval b);
+
+/* The conic c, k of a tape of x and y (enclose.c). */
+void sgt_formula_vertex(const sgt_tape *tape, double *c, double *k);
+void sgt_formula_vertex_base(const sgt_tape *tape, double *c, double *k);
 
 #endif

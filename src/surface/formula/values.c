@@ -1,8 +1,9 @@
 /* values.c - a formula and its derivatives at many points, in doubles.
  *
  * GRADIENT.  Each register carries its number and its derivatives by x, y and z, forward, for a row of up to
- * FORMULA_BLOCK points.  Backward would ask for every number of the tape again at its end, so tapes could not be
- * longer than the stack is; and most steps depend on one variable or two, for which `of` spares the others.
+ * FORMULA_BLOCK points.  Backward would ask for every number of the tape again at its end, so tapes could not
+ * be longer than the stack is; and most steps depend on one variable or two, for which `of` spares the
+ * others.
  *
  * MIXED SECOND DERIVATIVES.  Each register carries v, v_p, v_q and v_pq (a hyper-dual number: Fike and Alonso
  * 2011, AIAA 2011-886).  p and q are any two of the coordinates and parameters.  So one function gives the
@@ -17,12 +18,12 @@ static bool is_uniform(unsigned short operand) { return operand >= FORMULA_UNIFO
 
 static bool has_second_operand(int op) { return op <= FORMULA_REAL_POWER; }
 
-static double middle_of(const sgt_tape *tape, unsigned short operand)
+static double uniform_at(const sgt_tape *tape, unsigned short operand)
 {
     return tape->middle[operand - FORMULA_UNIFORM];
 }
 
-static void fill(size_t n, double x, double *row)
+static void set_row(size_t n, double x, double *row)
 {
     for (size_t i = 0; i < n; i++) row[i] = x;
 }
@@ -61,7 +62,8 @@ static void row_product(size_t n, const double *a, const double *b, double *out)
 }
 
 SGT_KERNEL
-static void row_products(size_t n, const double *va, const double *a, const double *vb, const double *b, double *out)
+static void row_products(size_t n, const double *va, const double *a, const double *vb, const double *b,
+                         double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = va[i] * a[i] + vb[i] * b[i];
 }
@@ -76,7 +78,7 @@ typedef struct graded { double *v, *d[3]; } graded;
 typedef struct graded_run {
     const sgt_tape *tape;
     size_t n, lanes;
-    bool wanted;                 /* the gradient */
+    bool wanted;                 /* the gradient, or of a radial tape dF/ds in place of dF/dx */
     int of[FORMULA_REGISTERS];   /* on which of x, y, z a register depends */
     double number[NUMBERS];
 } graded_run;
@@ -133,7 +135,7 @@ static void graded_chain(graded_run *w, const double *va, const graded *a, int o
 
 static void graded_step(graded_run *w, const formula_step *s)
 {
-    formula_row v, va, vb, uniform;
+    formula_row va, vb, uniform;
     size_t n = w->n;
     formula_op op = (formula_op)s->op;
     bool two = has_second_operand(op), u_a = is_uniform(s->a), u_b = two && is_uniform(s->b);
@@ -141,9 +143,9 @@ static void graded_step(graded_run *w, const formula_step *s)
            b = u_b ? given : two ? graded_of(w, s->b) : (graded){NULL, {NULL, NULL, NULL}},
            out = graded_of(w, s->out);
     int of_a = w->wanted && !u_a ? w->of[s->a] : 0, of_b = w->wanted && two && !u_b ? w->of[s->b] : 0;
-    double u = u_a ? middle_of(w->tape, s->a) : u_b ? middle_of(w->tape, s->b) : 0;
+    double u = u_a ? uniform_at(w->tape, s->a) : u_b ? uniform_at(w->tape, s->b) : 0;
     const graded *other = u_a ? &b : &a; /* the operand that is not uniform */
-    w->of[s->out] = s->of;
+    w->of[s->out] = w->tape->radial ? FORMULA_OF_X : s->of;
     switch (op) {
     case FORMULA_ADD:
     case FORMULA_SUB:
@@ -168,10 +170,9 @@ static void graded_step(graded_run *w, const formula_step *s)
         return;
     default: break;
     }
-    if (u_a || u_b) fill(n, u, uniform);
-    sgt_formula_local(op, s->n, n, a.v, b.v, of_a || of_b, (formula_local){.v = v, .va = va, .vb = vb});
+    if (u_a || u_b) set_row(n, u, uniform);
+    sgt_formula_local(op, s->n, n, a.v, b.v, of_a || of_b, (formula_local){.v = out.v, .va = va, .vb = vb});
     graded_chain(w, va, &a, of_a, vb, &b, of_b, &out);
-    memcpy(out.v, v, n * sizeof *v);
 }
 
 static void graded_points(graded_run *w, sgt_points p, size_t i, int variables)
@@ -179,14 +180,39 @@ static void graded_points(graded_run *w, sgt_points p, size_t i, int variables)
     for (int k = 0; k < variables; k++) {
         graded r = graded_of(w, k);
         memcpy(r.v, p.p[k] + i, w->n * sizeof *r.v);
-        if (w->wanted && i == 0) fill(w->lanes, 1, r.d[k]);
+        if (w->wanted && i == 0) set_row(w->lanes, 1, r.d[k]);
     }
+}
+
+/* The steps from `first` up to `end`. */
+static void graded_steps(graded_run *w, int first, int end)
+{
+    for (int j = first; j < end; j++) graded_step(w, &w->tape->step[j]);
+}
+
+/* dF/dx = 2 x dF/ds, s = x^2 + y^2. */
+SGT_KERNEL
+static void row_radial(size_t n, const double *x, const double *by_s, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = 2 * x[i] * by_s[i];
+}
+
+/* A radial tape: its numbers have one derivative, that by s. */
+static void graded_radial(graded_run *w, bool wanted)
+{
+    int s = w->tape->step[2].out;
+    w->wanted = false;
+    graded_steps(w, 0, 3);
+    w->wanted = wanted;
+    set_row(w->n, 1, graded_of(w, s).d[0]);
+    graded_steps(w, 3, w->tape->steps);
 }
 
 void sgt_formula_values(const sgt_tape *tape, size_t n, sgt_points p, sgt_values out)
 {
     graded_run w; /* its numbers are not cleared */
-    w.tape = tape, w.lanes = lanes_of(tape), w.wanted = out.grad[0] != NULL;
+    const bool wanted = out.grad[0] != NULL;
+    w.tape = tape, w.lanes = lanes_of(tape), w.wanted = wanted && !tape->radial;
     w.of[0] = FORMULA_OF_X, w.of[1] = FORMULA_OF_Y, w.of[2] = FORMULA_OF_Z;
     int variables = tape->kind == SGT_FORMULA_XY ? 2 : 3;
     const formula_step *end = &tape->step[tape->steps - 1];
@@ -195,10 +221,12 @@ void sgt_formula_values(const sgt_tape *tape, size_t n, sgt_points p, sgt_values
     for (size_t i = 0; i < n; i += w.n) {
         w.n = n - i < w.lanes ? n - i : w.lanes;
         graded_points(&w, p, i, variables);
-        for (int j = 0; j < tape->steps; j++) graded_step(&w, &tape->step[j]);
+        if (tape->radial) graded_radial(&w, wanted);
+        else graded_steps(&w, 0, tape->steps);
         memcpy(out.f + i, last.v, w.n * sizeof *out.f);
-        for (int k = 0; k < variables && w.wanted; k++) {
-            if (end->of >> k & 1) memcpy(out.grad[k] + i, last.d[k], w.n * sizeof *out.f);
+        for (int k = 0; k < variables && wanted; k++) {
+            if (tape->radial) row_radial(w.n, p.p[k] + i, last.d[0], out.grad[k] + i);
+            else if (end->of >> k & 1) memcpy(out.grad[k] + i, last.d[k], w.n * sizeof *out.f);
             else row_difference(w.n, last.v, last.v, out.grad[k] + i); /* 0, or NaN */
         }
     }
@@ -214,7 +242,8 @@ static void mixed_step(formula_op op, int n, const mixed *a, const mixed *b, mix
 {
     mixed_row v, va, vb, vaa, vab, vbb;
     mixed m;
-    sgt_formula_local(op, n, MIXED_BLOCK, a->v, b ? b->v : NULL, true, (formula_local){v, va, vb, vaa, vab, vbb});
+    sgt_formula_local(op, n, MIXED_BLOCK, a->v, b ? b->v : NULL, true,
+                      (formula_local){v, va, vb, vaa, vab, vbb});
     for (int i = 0; i < MIXED_BLOCK; i++) {
         double p = va[i] * a->p[i], q = va[i] * a->q[i], pq = va[i] * a->pq[i] + vaa[i] * (a->p[i] * a->q[i]);
         if (b) {
@@ -230,11 +259,12 @@ static void mixed_step(formula_op op, int n, const mixed *a, const mixed *b, mix
 /* A number and its derivatives by p and q. */
 static void mixed_fill(double v, double p, double q, mixed *out)
 {
-    fill(MIXED_BLOCK, v, out->v), fill(MIXED_BLOCK, p, out->p), fill(MIXED_BLOCK, q, out->q);
-    fill(MIXED_BLOCK, 0, out->pq);
+    set_row(MIXED_BLOCK, v, out->v), set_row(MIXED_BLOCK, p, out->p), set_row(MIXED_BLOCK, q, out->q);
+    set_row(MIXED_BLOCK, 0, out->pq);
 }
 
-/* d[i]: the derivative of each uniform by the parameter j, in doubles.  All zero if there is no such parameter. */
+/* d[i]: the derivative of each uniform by the parameter j, in doubles.  All zero if there is no such
+ * parameter. */
 static void uniforms_by(const sgt_tape *tape, size_t j, double d[FORMULA_UNIFORMS])
 {
     for (int i = 0; i < tape->uniforms; i++) {
@@ -244,8 +274,8 @@ static void uniforms_by(const sgt_tape *tape, size_t j, double d[FORMULA_UNIFORM
         double v, va = 0, vb = 0;
         d[i] = u->op == FORMULA_PARAMETER && (size_t)u->n == j;
         if (da == 0 && db == 0) continue;
-        sgt_formula_local((formula_op)u->op, u->n, 1, &tape->middle[u->a], two ? &tape->middle[u->b] : NULL, true,
-                          (formula_local){.v = &v, .va = &va, .vb = &vb});
+        sgt_formula_local((formula_op)u->op, u->n, 1, &tape->middle[u->a], two ? &tape->middle[u->b] : NULL,
+                          true, (formula_local){.v = &v, .va = &va, .vb = &vb});
         d[i] = (da != 0 ? va * da : 0) + (db != 0 ? vb * db : 0);
     }
 }

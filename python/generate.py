@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+"""Writes sagitta/surfaces.py: a class for each type of the library's own table, sgt_builtins.
+
+    SAGITTA_PYTHON_LIBRARY=BUILD/python/libsagitta_python.so python3 python/generate.py [--check]
+
+It is a file and not made as the package is loaded, so that an editor and mypy know the parameters.  With
+--check it is compared, and not written; the suite `python` does that.
+"""
+import pathlib
+import sys
+import textwrap
+import types
+
+here = pathlib.Path(__file__).resolve().parent
+target = here / "sagitta" / "surfaces.py"
+sys.path.insert(0, str(here))
+
+HEAD = '''"""The types of the catalogue.  Written by python/generate.py from the library's own table.
+
+docs/surfaces.md and surfaces.h say more of each.  Lengths have any one unit.  A parameter that is not given
+has its default, 0 or none.  `semi_diameter` is the radius of the rim; 0: none.
+"""
+from __future__ import annotations
+
+from typing import Optional, Sequence
+
+from numpy.typing import ArrayLike
+
+from .surface import CLASSES, Catalogue
+'''
+
+
+def class_name(of_type):
+    return "".join(word.capitalize() for word in of_type.split("_"))
+
+
+def unit(p):
+    u = p.unit
+    if not (u.length or u.by_i or u.by_j):
+        return ""
+    power = str(u.length) if u.length else ""
+    for factor, index in ((u.by_i, "i"), (u.by_j, "j")):
+        if factor:
+            sign = " - " if factor < 0 else " + "
+            term = index if abs(factor) == 1 else f"{abs(factor)} {index}"
+            power = f"{power}{sign}{term}" if power else f"-{term}" if factor < 0 else term
+    return (
+        "length"
+        if power == "1"
+        else f"length^({power})"
+        if not power.lstrip("-").isdigit()
+        else f"length^{power}"
+    )
+
+
+def described(p, C):
+    """The type for Python, the default, and what it is."""
+    said = [unit(p)] if unit(p) else []
+    if p.kind == C.TERMS:
+        return "Sequence[Catalogue]", "()", f"up to {p.count} surfaces, whose departures are added"
+    if p.kind == C.WORD:
+        return "Optional[str]", "None", "one of " + ", ".join(f'"{w}"' for w in p.words.decode().split("|"))
+    if p.kind == C.TRUTH:
+        return "bool", "False", "True or False"
+    if p.kind == C.WHOLE:
+        return "Optional[int]", "None", f"a whole number from {p.lo:g} to {p.hi:g}"
+    if p.kind == C.TABLE:
+        return (
+            "Optional[ArrayLike]",
+            "None",
+            "; ".join([f"a table of up to {p.count} rows and columns", *said]),
+        )
+    if p.kind == C.LIST or (p.kind == C.REAL and p.count > 1):
+        return "Optional[ArrayLike]", "None", "; ".join([f"up to {p.count} numbers", *said])
+    if p.kind == C.VECTOR:
+        return "Optional[ArrayLike]", "None", "; ".join([f"{p.count} numbers", *said])
+    if p.hi < 1e300:
+        said.append(f"{p.lo:g} to {p.hi:g}")
+    return "Optional[float]", "None", "; ".join(said or ["a number"])
+
+
+def wrapped(begin, items, end, indent):
+    """begin item, item, ... end, on as many lines as it takes."""
+    lines = [" " * indent + begin]
+    for i, item in enumerate(items):
+        item += end if i == len(items) - 1 else ","
+        space = "" if lines[-1].endswith("(") else " "
+        if len(lines[-1] + space + item) > 108:
+            lines.append(" " * (indent + len(begin)) + item)
+        else:
+            lines[-1] += space + item
+    return lines
+
+
+def written():
+    # The package without the file that is to be written, which may be missing or wrong.
+    sys.modules["sagitta.surfaces"] = types.ModuleType("sagitta.surfaces")
+    sys.modules["sagitta.surfaces"].__all__ = []
+    from sagitta import _library as C
+    from sagitta import surface
+
+    parts, names = [HEAD], []
+    for of_type, row in surface.BUILTINS.items():
+        lines, arguments, passed = [], [], []
+        for p in surface.params_of(row):
+            name = p.name.decode()
+            hint, default, what = described(p, C)
+            if name.startswith("curvature"):
+                radius = name.replace("curvature", "radius")
+                lines.append((radius, f"length; 1 / {name}, math.inf is flat.  Or give the {name}"))
+                arguments.append(f"{radius}: {hint} = {default}")
+                passed.append(radius)
+            lines.append((name, what))
+            arguments.append(f"{name}: {hint} = {default}")
+            passed.append(name)
+        wide = max((len(name) for name, _ in lines), default=0)
+        name = class_name(of_type)
+        names.append((of_type, name))
+        formula, where = formulas().get(of_type, ("", ""))
+        title = f"{formula}; {where}." if formula else f"The type {of_type}."
+        text = [
+            f"\n\nclass {name}(Catalogue):",
+            *textwrap.wrap(f'"""{title}', 108, initial_indent="    ", subsequent_indent="    "),
+            "",
+        ]
+        text += [f"    {n:{wide}}  {what}" for n, what in lines]
+        text += ['    """', f'    type = "{of_type}"', ""]
+        text += wrapped("def __init__(", ["self", "*", *arguments], ") -> None:", 4)
+        text += wrapped("self._make(dict(", [f"{n}={n}" for n in passed], "))", 8)
+        parts.append("\n".join(text))
+    parts.append(
+        "\n\n_ALL: tuple[type[Catalogue], ...] = (\n"
+        + "\n".join(
+            textwrap.wrap(
+                ", ".join(n for _, n in names), 104, initial_indent="    ", subsequent_indent="    "
+            )
+        )
+        + ")\nCLASSES.update((c.type, c) for c in _ALL)\n"
+    )
+    parts.append(
+        "\n__all__ = [\n"
+        + "\n".join(
+            textwrap.wrap(
+                ", ".join(f'"{n}"' for _, n in names), 104, initial_indent="    ", subsequent_indent="    "
+            )
+        )
+        + ",\n]\n"
+    )
+    return "\n".join(parts[:1]) + "\n".join(parts[1:-2]) + "\n" + "".join(parts[-2:])
+
+
+def formulas():
+    """Formula and domain of each type, as docs/surfaces_types.py reads them from the list of types."""
+    import re
+
+    text = (here.parent / "src" / "types.def").read_text()
+    found = {}
+    for row in re.finditer(
+        r'^TYPE\(\w+, (\w+),.*?SAYS\(((?:"[^"]*"\s*)+)\)\s*,\s*((?:"[^"]*"\s*)+),',
+        text,
+        re.MULTILINE | re.DOTALL,
+    ):
+        join = lambda s: "".join(re.findall(r'"([^"]*)"', s))
+        found[row[1]] = join(row[2]), join(row[3])
+    return found
+
+
+def main():
+    text = written()
+    long = [line for line in text.splitlines() if len(line) > 110]
+    if long:
+        print("too long:", *long, sep="\n")
+        return 1
+    if "--check" in sys.argv[1:]:
+        if target.read_text() != text:
+            print(f"{target} is not what python/generate.py writes: run it")
+            return 1
+        print(f"{target.name}: as the library has it")
+        return 0
+    target.write_text(text)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

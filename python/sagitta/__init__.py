@@ -1,0 +1,59 @@
+"""sagitta - where does a ray meet a surface, and how sure is the answer?
+
+    >>> import sagitta
+    >>> ball = sagitta.Sphere(radius=10)
+    >>> hit = ball.intersect(o=(0, 6, -5), d=(0, 0, 1))
+    >>> hit.text, hit.t, hit.t_err < 1e-13
+    ('hit', 7.0, True)
+
+Surfaces: the classes of `sagitta.surfaces` (Conic, Zernike, Torus ...), Formula, Sag and Function.  Lenses:
+Lens and Element.  docs/python.md tells how they are used.  Nothing here may be used where flush-to-zero has
+been set: that is an ArithmeticFault.
+"""
+from __future__ import annotations
+
+from . import surfaces as _surfaces
+from . import _library as _C
+from ._library import ArithmeticFault
+from .formula import Formula, FormulaError, Sag
+from .function import Function
+from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Rays, Remark, Seidel, Sensitivity, Spot
+from .results import Aimed, Fate, Hit, Hits, Passage, Status, Traced
+from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
+from .surfaces import *  # noqa: F401,F403
+
+__version__: str = _C.text(_C.library.sgt_version())
+
+__all__ = [
+    "Aimed",
+    "Aims",
+    "AllHits",
+    "ArithmeticFault",
+    "Beam",
+    "Check",
+    "Diagnosis",
+    "Element",
+    "Fate",
+    "Fault",
+    "FirstOrder",
+    "Formula",
+    "FormulaError",
+    "Function",
+    "Hit",
+    "Hits",
+    "Jacobian",
+    "Lens",
+    "LensError",
+    "Passage",
+    "Prepared",
+    "Rays",
+    "Remark",
+    "Sag",
+    "Seidel",
+    "Sensitivity",
+    "Spot",
+    "Status",
+    "Surface",
+    "Traced",
+    "Verdict",
+] + _surfaces.__all__

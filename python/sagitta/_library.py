@@ -1,0 +1,595 @@
+"""The library as ctypes sees it: the structs of the headers, and the functions.
+
+Each struct has the name and the members of its C struct; tests/test_layouts.py compares every offset with
+what the compiler says.  A vector of C is an array of three doubles here.  Nothing of this file is for users.
+"""
+from __future__ import annotations
+
+import ctypes
+import os
+import pathlib
+from ctypes import POINTER, Structure, c_bool, c_char, c_char_p, c_double, c_int, c_size_t, c_void_p
+from typing import Any
+
+Vector = c_double * 3
+Pair = c_double * 2
+Doubles = c_void_p  # the address of an array
+Addresses = c_void_p * 3
+NAN = float("nan")
+
+
+class ArithmeticFault(RuntimeError):
+    """The processor has been told to compute otherwise than the library needs."""
+
+
+def _load() -> ctypes.CDLL:
+    given = os.environ.get("SAGITTA_PYTHON_LIBRARY")
+    folder = pathlib.Path(__file__).parent
+    path = pathlib.Path(given) if given else folder / "libsagitta_python.so"
+    if not path.exists():
+        raise ImportError(
+            f"sagitta: {path} is not there.  Install the package (pip install .), or name the "
+            "library of a build folder in the environment: SAGITTA_PYTHON_LIBRARY"
+        )
+    return ctypes.CDLL(str(path))
+
+
+library = _load()
+
+
+class Ray(Structure):
+    _fields_ = [("o", Vector), ("d", Vector), ("tmin", c_double), ("tmax", c_double)]
+
+
+class Rays(Structure):
+    _fields_ = [("o", Addresses), ("d", Addresses), ("tmin", Doubles), ("tmax", Doubles)]
+
+
+class Surface(Structure):
+    _fields_ = [("ops", c_void_p), ("self", c_void_p)]
+
+
+class Hit(Structure):
+    _fields_ = [
+        ("status", c_int),
+        ("evals", c_int),
+        ("t", c_double),
+        ("t_err", c_double),
+        ("t_lo", c_double),
+        ("lo", c_double),
+        ("hi", c_double),
+        ("f", c_double),
+        ("p", Vector),
+        ("n", Vector),
+        ("p_err", c_double),
+    ]
+
+
+class Hits(Structure):
+    _fields_ = [
+        ("status", c_void_p),
+        ("evals", c_void_p),
+        ("t", Doubles),
+        ("t_err", Doubles),
+        ("t_lo", Doubles),
+        ("p", Addresses),
+        ("n", Addresses),
+        ("p_err", Doubles),
+    ]
+
+
+class Options(Structure):
+    _fields_ = [
+        ("t_tol", c_double),
+        ("f_tol", c_double),
+        ("dt_min", c_double),
+        ("max_evals", c_int),
+        ("pick", c_int),
+        ("proof", c_int),
+        ("watch", c_void_p),
+        ("watch_data", c_void_p),
+    ]
+
+
+class Step(Structure):
+    _fields_ = [
+        ("ray", c_size_t),
+        ("eval", c_int),
+        ("move", c_int),
+        ("t", c_double),
+        ("f", c_double),
+        ("slope", c_double),
+        ("lo", c_double),
+        ("hi", c_double),
+    ]
+
+
+class Log(Structure):
+    _fields_ = [("step", c_void_p), ("cap", c_int), ("n", c_int)]
+
+
+class Diagnosis(Structure):
+    _fields_ = [
+        ("verdict", c_int),
+        ("order", c_double),
+        ("rate", c_double),
+        ("condition", c_double),
+        ("newton", c_int),
+        ("bisect", c_int),
+        ("march", c_int),
+        ("retreat", c_int),
+    ]
+
+
+class Jacobian(Structure):
+    _fields_ = [
+        ("t_by_o", c_void_p * 3),
+        ("p_by_o", c_void_p * 9),
+        ("n_by_o", c_void_p * 9),
+        ("t_by_a", c_void_p),
+        ("p_by_a", c_void_p * 3),
+        ("n_by_a", c_void_p * 3),
+    ]
+
+
+class Numbers(Structure):
+    _fields_ = [("x", c_void_p), ("rows", c_size_t), ("columns", c_size_t)]
+
+
+class Unit(Structure):
+    _fields_ = [("length", c_int), ("by_i", c_int), ("by_j", c_int), ("time", c_int)]
+
+
+class Param(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("unit", Unit),
+        ("offset", c_size_t),
+        ("count", c_int),
+        ("lo", c_double),
+        ("hi", c_double),
+        ("kind", c_int),
+        ("words", c_char_p),
+    ]
+
+
+class Objection(Structure):
+    _fields_ = [("param", c_char_p), ("reason", c_char_p)]
+
+
+class Builtin(Structure):
+    _fields_ = [
+        ("type", c_char_p),
+        ("ops", c_void_p),
+        ("size", c_size_t),
+        ("params", POINTER(Param)),
+        ("object", ctypes.CFUNCTYPE(Objection, c_void_p)),
+        ("prepare", ctypes.CFUNCTYPE(None, c_void_p)),
+        ("family", c_int),
+        ("specimen", c_void_p),
+    ]
+
+
+REAL, VECTOR, WHOLE, LIST, TABLE, WORD, TRUTH, TERMS = range(8)
+
+
+class Pose(Structure):
+    _fields_ = [("origin", Vector), ("ex", Vector), ("ey", Vector), ("ez", Vector)]
+
+
+class Element(Structure):
+    _fields_ = [
+        ("surface", Surface),
+        ("pose", Pose),
+        ("index", c_double),
+        ("semi_diameter", c_double),
+        ("aperture", c_void_p),
+        ("phase", c_void_p),
+        ("reserved_", ctypes.c_ulonglong * 6),
+    ]
+
+
+class Traced(Structure):
+    _fields_ = [
+        ("fate", c_void_p),
+        ("passed", c_void_p),
+        ("o", Addresses),
+        ("d", Addresses),
+        ("opl", Doubles),
+    ]
+
+
+class Passages(Structure):
+    _fields_ = [("hits", Hits), ("direction", Addresses), ("opl", Doubles)]
+
+
+class RayChange(Structure):
+    _fields_ = [("p", Vector), ("d", Vector), ("opl", c_double)]
+
+
+class Beam(Structure):
+    _fields_ = [
+        ("o", Vector),
+        ("ou", Vector),
+        ("ov", Vector),
+        ("d", Vector),
+        ("du", Vector),
+        ("dv", Vector),
+        ("u", Pair),
+        ("v", Pair),
+    ]
+
+
+class AimOptions(Structure):
+    _fields_ = [
+        ("tol", c_double),
+        ("starts", c_size_t),
+        ("start", c_void_p),
+        ("max_traces", c_int),
+        ("max_boxes", c_int),
+        ("room", c_size_t),
+        ("attempt", c_void_p),
+        ("reserved_", ctypes.c_ulonglong * 4),
+    ]
+
+
+class Aiming(Structure):
+    _fields_ = [
+        ("status", c_int),
+        ("u", c_double),
+        ("v", c_double),
+        ("ray", Ray),
+        ("point", Pair),
+        ("miss", c_double),
+        ("clipped", c_size_t),
+        ("attempts", c_size_t),
+        ("traces", c_int),
+        ("boxes", c_int),
+    ]
+
+
+class LensError(Structure):
+    _fields_ = [("file", c_char * 256), ("line", c_size_t), ("key", c_char * 128), ("words", c_char * 1400)]
+
+
+class LensRemark(Structure):
+    _fields_ = [("kind", c_int), ("line", c_size_t), ("key", c_char_p), ("words", c_char_p)]
+
+
+class LensField(Structure):
+    _fields_ = [(name, c_double) for name in ("x", "y", "weight", "dx", "dy", "cx", "cy", "angle")]
+
+
+class LensSurface(Structure):
+    _fields_ = [
+        ("type", c_char_p),
+        ("name", c_char_p),
+        ("line", c_size_t),
+        ("z", c_double),
+        ("mirror", c_bool),
+        ("off_axis", c_bool),
+        ("folded", c_bool),
+        ("size", c_double),
+        ("focal_length", c_double),
+    ]
+
+
+class Lens(Structure):
+    _fields_ = [
+        ("file", c_char_p),
+        ("line", c_size_t),
+        ("name", c_char_p),
+        ("units", c_char_p),
+        ("wavelengths", c_size_t),
+        ("wavelength", POINTER(c_double)),
+        ("wavelength_weight", POINTER(c_double)),
+        ("primary", c_size_t),
+        ("object_distance", c_double),
+        ("telecentric", c_bool),
+        ("pupil", c_int),
+        ("pupil_size", c_double),
+        ("pupil_distance", c_double),
+        ("aim", c_int),
+        ("stop", c_size_t),
+        ("stop_marked", c_bool),
+        ("field_kind", c_int),
+        ("fields", c_size_t),
+        ("field", POINTER(LensField)),
+        ("count", c_size_t),
+        ("element", POINTER(Element)),
+        ("surface", POINTER(LensSurface)),
+        ("index_before", c_double),
+        ("remarks", c_size_t),
+        ("remark", POINTER(LensRemark)),
+    ]
+
+
+class LensOptions(Structure):
+    _fields_ = [
+        ("allocator", c_void_p),
+        ("glasses", c_void_p),
+        ("types", c_void_p),
+        ("file_ops", c_void_p),
+        ("complete", c_void_p),
+        ("read", c_void_p),
+        ("forget", c_void_p),
+        ("context", c_void_p),
+        ("configuration", c_int),
+    ]
+
+
+class FirstOrder(Structure):
+    _fields_ = [
+        (name, c_double)
+        for name in (
+            "wavelength",
+            "power",
+            "efl",
+            "efl_image",
+            "ffd",
+            "bfd",
+            "focus",
+            "image",
+            "front_principal",
+            "rear_principal",
+            "front_nodal",
+            "rear_nodal",
+            "magnification",
+            "entrance_pupil",
+            "entrance_radius",
+            "exit_pupil",
+            "exit_radius",
+            "stop_radius",
+            "f_number",
+            "working_f_number",
+            "image_height",
+            "lagrange",
+            "petzval",
+        )
+    ] + [("without_vertex", c_size_t)]
+
+
+class Seidel(Structure):
+    _fields_ = [
+        (name, c_double) for name in ("spherical", "coma", "astigmatism", "petzval", "distortion")
+    ] + [("chromatic", Pair)]
+
+
+class LauncherOptions(Structure):
+    _fields_ = [("allocator", c_void_p), ("aim", c_void_p), ("wavelength", c_double)]
+
+
+class FieldBeam(Structure):
+    _fields_ = [
+        ("finite", c_bool),
+        ("object", Vector),
+        ("direction", Vector),
+        ("pupil", c_double),
+        ("radius", c_double),
+        ("cone", c_double),
+        ("front", c_double),
+        ("wave", c_double),
+        ("shift", Pair),
+        ("scale", Pair),
+        ("turn", Pair),
+    ]
+
+
+class PupilPoint(Structure):
+    _fields_ = [("x", c_double), ("y", c_double), ("weight", c_double)]
+
+
+class Launched(Structure):
+    _fields_ = [("ray", Ray), ("status", c_int), ("folded", c_bool)]
+
+
+class RayEnd(Structure):
+    _fields_ = [
+        ("px", c_double),
+        ("py", c_double),
+        ("weight", c_double),
+        ("aimed", c_int),
+        ("fate", c_int),
+        ("status", c_int),
+        ("element", c_size_t),
+        ("folded", c_bool),
+        ("proven", c_bool),
+        ("evals", c_int),
+        ("t_err", c_double),
+        ("condition", c_double),
+        ("p", Vector),
+        ("d", Vector),
+        ("opl", c_double),
+        ("p_err", c_double),
+        ("opl_err", c_double),
+    ]
+
+
+class Ends(Structure):
+    _fields_ = [("count", c_size_t), ("end", c_void_p), ("weight", c_double)]
+
+
+class Spot(Structure):
+    _fields_ = [
+        ("rays", c_size_t),
+        ("passed", c_size_t),
+        ("reference", Pair),
+        ("rms", c_double),
+        ("rms_x", c_double),
+        ("rms_y", c_double),
+        ("geometric", c_double),
+        ("error", c_double),
+    ]
+
+
+class Named(Structure):
+    _fields_ = [("name", c_char_p), ("value", c_double)]
+
+
+class FormulaError(Structure):
+    _fields_ = [("column", c_size_t), ("text", c_char * 120)]
+
+
+class Formula(Structure):
+    _fields_ = [("tape", c_void_p), ("ball", c_double), ("lo", Vector), ("hi", Vector)]
+
+
+class FormulaSag(Structure):
+    _fields_ = [("tape", c_void_p), ("semi_diameter", c_double)]
+
+
+INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK = range(6)
+
+
+class Call(Structure):
+    """sagitta_call of bridge.c."""
+
+    _fields_ = [
+        ("task", c_int),
+        ("python", c_int),
+        ("begin", c_size_t),
+        ("end", c_size_t),
+        ("met", c_size_t),
+        ("blocks", c_size_t),
+        ("opt", POINTER(Options)),
+        ("surface", Surface),
+        ("rays", Rays),
+        ("hits", Hits),
+        ("cap", c_int),
+        ("count", c_void_p),
+        ("hit", c_void_p),
+        ("elements", c_size_t),
+        ("element", c_void_p),
+        ("index_before", c_double),
+        ("traced", Traced),
+        ("passages", c_void_p),
+        ("rows", c_size_t),
+        ("parameters", c_size_t),
+        ("weight", c_void_p),
+        ("gradient", c_void_p),
+        ("ends", c_void_p),
+        ("lacks", c_int),
+        ("beam", c_void_p),
+        ("point", c_void_p),
+        ("aim", c_void_p),
+        ("aiming", c_void_p),
+        ("ray", c_void_p),
+        ("where", c_void_p),
+        ("fault", c_int),
+    ]
+
+
+class Layout(Structure):
+    _fields_ = [("type", c_char_p), ("member", c_char_p), ("at", c_size_t), ("size", c_size_t)]
+
+
+# Of bridge.c: what (a question), n, stride, in, out.
+Asker = ctypes.CFUNCTYPE(c_int, c_int, c_size_t, c_size_t, c_void_p, c_void_p)
+VALUE, VALUE_GRAD, ROUNDING, CLEARANCE, ESTIMATE, ENCLOSE = range(6)
+ROWS = {
+    VALUE: (3, 1),
+    VALUE_GRAD: (3, 4),
+    ROUNDING: (3, 1),
+    CLEARANCE: (3, 1),
+    ESTIMATE: (3, 1),
+    ENCLOSE: (8, 4),
+}
+
+_PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
+    "sagitta_arithmetic": (c_int, []),
+    "sagitta_function_size": (c_size_t, []),
+    "sagitta_function_begin": (None, [c_void_p, Asker, c_double, Vector, Vector, c_double, c_int]),
+    "sagitta_run": (c_int, [c_void_p]),
+    "sagitta_one": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
+    "sagitta_nothing": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
+    "sagitta_layouts": (POINTER(Layout), []),
+    "sgt_version": (c_char_p, []),
+    "sgt_status_text": (c_char_p, [c_int]),
+    "sgt_fate_text": (c_char_p, [c_int]),
+    "sgt_aimed_text": (c_char_p, [c_int]),
+    "sgt_move_text": (c_char_p, [c_int]),
+    "sgt_verdict_text": (c_char_p, [c_int]),
+    "sgt_fault_text": (c_char_p, [c_int]),
+    "sgt_diagnose": (Diagnosis, [POINTER(Log)]),
+    "sgt_parameters": (c_size_t, [Surface]),
+    "sgt_differentiate_batch": (c_int, [Surface, c_size_t, Rays, Hits, Jacobian]),
+    "sgt_trace_parameters": (c_size_t, [c_size_t, c_void_p]),
+    "sgt_lens_read": (POINTER(Lens), [c_char_p, POINTER(LensOptions), POINTER(LensError)]),
+    "sgt_lens_read_text": (
+        POINTER(Lens),
+        [c_char_p, c_char_p, c_size_t, POINTER(LensOptions), POINTER(LensError)],
+    ),
+    "sgt_lens_free": (None, [POINTER(Lens)]),
+    "sgt_lens_at": (c_bool, [POINTER(Lens), c_double, c_void_p, POINTER(c_double), POINTER(LensError)]),
+    "sgt_lens_yaml": (c_void_p, [POINTER(Lens), POINTER(c_size_t)]),
+    "sgt_lens_first_order": (
+        c_bool,
+        [POINTER(Lens), c_double, POINTER(FirstOrder), c_void_p, POINTER(c_char_p), POINTER(LensError)],
+    ),
+    "sgt_pupil_points": (c_size_t, [c_int, c_size_t, ctypes.c_uint64, c_size_t, c_void_p]),
+    "sgt_catalogue_new": (c_void_p, [c_void_p]),
+    "sgt_catalogue_free": (None, [c_void_p]),
+    "sgt_catalogue_add": (c_bool, [c_void_p, c_char_p, POINTER(LensError)]),
+    "sgt_launcher_new": (c_void_p, [POINTER(Lens), POINTER(LauncherOptions), POINTER(LensError)]),
+    "sgt_launcher_free": (None, [c_void_p]),
+    "sgt_launch_field": (
+        c_bool,
+        [c_void_p, c_int, POINTER(LensField), POINTER(FieldBeam), POINTER(LensError)],
+    ),
+    "sgt_launch_rays": (
+        c_bool,
+        [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_size_t, c_void_p, c_void_p],
+    ),
+    "sgt_trace_pupil": (
+        c_bool,
+        [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_size_t, c_void_p, POINTER(Options), c_void_p],
+    ),
+    "sgt_trace_chief": (c_bool, [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_void_p]),
+    "sgt_spot_of": (Spot, [c_size_t, POINTER(Ends), c_void_p]),
+    # formula.h
+    "sgt_formula_room": (c_size_t, [c_char_p, c_size_t]),
+    "sgt_formula_read": (
+        c_void_p,
+        [c_char_p, c_int, c_size_t, c_void_p, c_void_p, c_size_t, POINTER(FormulaError)],
+    ),
+}
+
+for _name, (_result, _arguments) in _PROTOTYPES.items():
+    _function = getattr(library, _name)
+    _function.restype, _function.argtypes = _result, _arguments
+
+
+def address_of(name: str) -> int:
+    """Where a table or a function of the library is."""
+    return ctypes.addressof((c_char * 1).in_dll(library, name))
+
+
+def text(of: bytes | None) -> str:
+    return of.decode("utf-8", "replace") if of else ""
+
+
+def refuse(bad: int) -> None:
+    """Raises what sagitta_run and its kin have returned."""
+    if bad == -2:
+        raise MemoryError("sagitta: no memory")
+    faults = [
+        said
+        for bit, said in (
+            (1, "results below 2.2e-308 are set to zero (flush-to-zero)"),
+            (2, "numbers below 2.2e-308 are read as zero (denormals-are-zero)"),
+            (4, "rounding is not to nearest"),
+        )
+        if bad & bit
+    ]
+    raise ArithmeticFault(
+        "sagitta: the arithmetic of this thread has been changed: "
+        + ", ".join(faults)
+        + ".  No bound of the library would hold.  A library compiled with -ffast-math, "
+        "loaded into this process, is the usual cause"
+    )
+
+
+def check_arithmetic() -> None:
+    bad = library.sagitta_arithmetic()
+    if bad:
+        refuse(bad)

@@ -1,0 +1,1028 @@
+"""Rows of surfaces: lenses from files or from Python, and what a designer asks of them.
+
+Each lens is one of the library's own (lens.h).  One that is made in Python is written as a lens file and read
+back: so keys, defaults and error messages are those of docs/lens_file.md, and every analysis is there.
+Numbers pass as their shortest decimals, which are read back as the same doubles.  A Function is no part of a
+file: a plane stands there for it, and its own surface takes the place of the plane in the row of elements.
+"""
+from __future__ import annotations
+
+import ctypes
+import json
+import math
+import os
+import pathlib
+import threading
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Iterable, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _calls
+from . import _library as C
+from ._arrays import Floats, RayArrays, VectorsLike, address, doubles
+from .function import Function
+from .results import Fate, Passage, Traced
+from .surface import BUILTINS, CLASSES, Surface
+from .surface import _read as _parameters_at
+
+_PATTERNS = {"fan": 0, "grid": 1, "hexapolar": 2, "random": 3, "sobol": 4, "cells": 5, "cross": 6}
+_byref = ctypes.byref
+
+
+class LensError(ValueError):
+    """What is wrong with a lens, and where: file, line (from 1; 0: none) and key."""
+
+    def __init__(self, message: str, file: str = "", line: int = 0, key: str = "") -> None:
+        super().__init__(message)
+        self.file, self.line, self.key = file, line, key
+
+    def __reduce__(self) -> Any:
+        return LensError, (str(self), self.file, self.line, self.key)
+
+
+def _fault(error: C.LensError) -> LensError:
+    file, key, words = C.text(error.file), C.text(error.key), C.text(error.words)
+    where = f"{file}:{error.line}: " if file and error.line else f"{file}: " if file else ""
+    words = words.replace("--glass PATH", "glasses=PATH")  # what the command calls it
+    return LensError(where + (f"{key}: " if key else "") + words, file, error.line, key)
+
+
+class _Glasses:
+    """The table of glasses that the package brings, read when it is first needed."""
+
+    handle: Optional[int] = None
+    lock = threading.Lock()
+
+    @classmethod
+    def get(cls) -> Optional[int]:
+        folder = pathlib.Path(__file__).parent / "glass"
+        if "SAGITTA_GLASS" in os.environ or not folder.is_dir():
+            return None  # the library looks for it
+        with cls.lock:
+            if cls.handle is None:
+                cls.handle = _catalogue([folder / "glasses.csv", folder / "older.csv"])
+        return cls.handle
+
+
+def _catalogue(paths: Iterable[Union[str, os.PathLike[str], None]]) -> int:
+    handle = C.library.sgt_catalogue_new(None)
+    if not handle:
+        raise MemoryError("sagitta: no memory")
+    for path in paths:
+        error = C.LensError()
+        if not C.library.sgt_catalogue_add(
+            handle, os.fsencode(path) if path is not None else None, _byref(error)
+        ):
+            C.library.sgt_catalogue_free(handle)
+            raise _fault(error)
+    result: int = handle
+    return result
+
+
+class _Handle:
+    """An sgt_lens, freed with this object."""
+
+    def __init__(self, pointer: Any) -> None:
+        self.pointer = pointer
+
+    def __del__(self, free: Any = C.library.sgt_lens_free) -> None:
+        free(self.pointer)
+
+
+class _Launcher:
+    """An sgt_launcher, freed with this object."""
+
+    def __init__(self, handle: _Handle, wavelength: float) -> None:
+        self.handle, error = handle, C.LensError()
+        option = C.LauncherOptions(wavelength=0 if math.isnan(wavelength) else wavelength)
+        self.pointer = C.library.sgt_launcher_new(handle.pointer, _byref(option), _byref(error))
+        if not self.pointer:
+            raise _fault(error)
+
+    def __del__(self, free: Any = C.library.sgt_launcher_free) -> None:
+        if getattr(self, "pointer", None):
+            free(self.pointer)
+
+
+@dataclass(frozen=True)
+class Element:
+    """A surface in a lens.  All but `surface` have the meaning and the defaults of docs/lens_file.md.
+
+    surface         a Surface; None with focal_length: an ideal lens
+    thickness       from this vertex to the next along z; negative after a mirror
+    index, glass    behind the surface: a number (a list: one for each wavelength), or the name of a glass.
+                    None: as in front
+    mirror, stop    it reflects; it is the aperture stop
+    semi_diameter   of the clear aperture; None: that of the surface
+    decenter, tilt  of this element alone: lengths, and degrees about x, y, z
+    origin          the vertex, global, instead of thickness and decenter: of all elements or of none
+    apertures       a list of maps: {"type": "circle", "radius": 2, "obscures": True} ...
+    focal_length, object_distance       of an ideal lens
+    draw_to, name   for pictures; a comment
+    """
+
+    surface: Optional[Surface] = None
+    thickness: Optional[float] = None
+    index: Union[None, float, Sequence[float]] = None
+    glass: Optional[str] = None
+    mirror: bool = False
+    stop: bool = False
+    semi_diameter: Optional[float] = None
+    decenter: Optional[Sequence[float]] = None
+    tilt: Optional[Sequence[float]] = None
+    origin: Optional[Sequence[float]] = None
+    apertures: Optional[Sequence[dict[str, Any]]] = None
+    focal_length: Optional[float] = None
+    object_distance: Optional[float] = None
+    draw_to: Optional[float] = None
+    name: Optional[str] = None
+
+    def replace(self, **changes: Any) -> "Element":
+        return replace(self, **changes)
+
+    def _yaml(self, last: bool, absolute: bool) -> dict[str, Any]:
+        if self.surface is None and self.focal_length is None:
+            raise ValueError("Element: needs a surface, or a focal_length")
+        if self.surface is not None and not isinstance(self.surface, Surface):
+            raise TypeError(f"Element: surface must be a Surface, not {type(self.surface).__name__}")
+        shape = {"type": "ideal"} if self.surface is None else self.surface._yaml() or {"type": "plane"}
+        rim = shape.pop("semi_diameter", 0.0)
+        out: dict[str, Any] = dict(shape)
+        for f in fields(self)[1:]:
+            value = getattr(self, f.name)
+            if value is not None and value is not False:
+                out[f.name] = value
+        if rim and "semi_diameter" not in out:
+            out["semi_diameter"] = rim
+        if not (last or absolute):
+            out.setdefault("thickness", 0.0)
+        return out
+
+
+def _text(x: Any) -> Any:
+    """As JSON has it; infinity is a word of YAML."""
+    if isinstance(x, dict):
+        return "{" + ", ".join(f"{json.dumps(str(k))}: {_text(v)}" for k, v in x.items()) + "}"
+    if isinstance(x, (list, tuple, np.ndarray)):
+        return "[" + ", ".join(_text(v) for v in x) + "]"
+    if isinstance(x, (bool, np.bool_)):
+        return "true" if x else "false"
+    if isinstance(x, (int, np.integer)):
+        return str(int(x))
+    if isinstance(x, (float, np.floating)):
+        x = float(x)
+        return repr(x) if math.isfinite(x) else ".nan" if math.isnan(x) else ".inf" if x > 0 else "-.inf"
+    if isinstance(x, str):
+        return json.dumps(x)
+    raise TypeError(f"a lens file has no {type(x).__name__}")
+
+
+@dataclass
+class Remark:
+    """What a user should know of a lens that was read: of interest, "turned" into something else, "left
+    out"."""
+
+    kind: str
+    line: int
+    key: str
+    words: str
+
+
+@dataclass
+class Rays:
+    """Rays of a field: o, d (3, n) as trace() wants them; the points of the unit circle of the pupil, with
+    their weights; aimed (int32, Aimed): only where it is MET, o and d are a ray (else NaN)."""
+
+    o: Floats
+    d: Floats
+    px: Floats
+    py: Floats
+    weight: Floats
+    aimed: NDArray[np.int32]
+
+    def __len__(self) -> int:
+        return len(self.px)
+
+
+@dataclass
+class Spot:
+    """A spot in the frame of the last element: rms, rms_x, rms_y about the reference (the centroid), the
+    largest distance `geometric`, and how far rounding may put rms off (`error`).  x, y: where rays met it,
+    NaN if they did not pass.  ends: all that is known of each ray (sgt_ray_end of analysis.h)."""
+
+    rays: int
+    passed: int
+    reference: Floats
+    rms: float
+    rms_x: float
+    rms_y: float
+    geometric: float
+    error: float
+    ends: NDArray[Any] = field(repr=False)
+
+    @property
+    def x(self) -> Floats:
+        result: Floats = self.ends["p"][:, 0]
+        return result
+
+    @property
+    def y(self) -> Floats:
+        result: Floats = self.ends["p"][:, 1]
+        return result
+
+
+@dataclass
+class FirstOrder:
+    """Paraxial data (lens.h, sgt_first_order).  NaN: there is none: the focal length of an afocal lens.
+
+    wavelength                      in um, or NaN
+    power, efl, efl_image           P; 1 / P; n' / P, in the medium of the image
+    ffd, bfd                        the front focus from the first vertex, the rear one from the last vertex
+                                    before the image
+    focus, image                    the rear focus and the paraxial image, from the last element
+    front_principal, front_nodal    from the first vertex
+    rear_principal, rear_nodal      from the last element
+    magnification                   of an object at a distance
+    entrance_pupil, entrance_radius from the first vertex; its semi-diameter
+    exit_pupil, exit_radius         from the last element; its semi-diameter
+    stop_radius                     the height of the marginal ray at the stop
+    f_number, working_f_number      |efl| / (2 entrance_radius); 1 / (2 n' u') of the marginal ray
+    image_height                    of the field farthest from the axis
+    lagrange, petzval               the invariant; the Petzval radius
+    without_vertex                  the first element, from 1, that has no vertex curvature or stands off the
+                                    axis: what depends on its power is NaN.  0: none
+    """
+
+    wavelength: float
+    power: float
+    efl: float
+    efl_image: float
+    ffd: float
+    bfd: float
+    focus: float
+    image: float
+    front_principal: float
+    rear_principal: float
+    front_nodal: float
+    rear_nodal: float
+    magnification: float
+    entrance_pupil: float
+    entrance_radius: float
+    exit_pupil: float
+    exit_radius: float
+    stop_radius: float
+    f_number: float
+    working_f_number: float
+    image_height: float
+    lagrange: float
+    petzval: float
+    without_vertex: int
+
+
+@dataclass
+class Seidel:
+    """The Seidel sums of each surface, as wavefronts (lens.h, sgt_seidel), or why there are none."""
+
+    spherical: Floats
+    coma: Floats
+    astigmatism: Floats
+    petzval: Floats
+    distortion: Floats
+    axial: Floats
+    lateral: Floats
+    why_not: str
+
+
+@dataclass(frozen=True)
+class Beam:
+    """Launch rays with two parameters: o + u ou + v ov, d + u du + v dv, in the box of u and v."""
+
+    o: Sequence[float]
+    d: Sequence[float]
+    ou: Sequence[float] = (0, 0, 0)
+    ov: Sequence[float] = (0, 0, 0)
+    du: Sequence[float] = (0, 0, 0)
+    dv: Sequence[float] = (0, 0, 0)
+    u: Sequence[float] = (-1, 1)
+    v: Sequence[float] = (-1, 1)
+
+    def rays(self, u: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats]:
+        """o and d, (3, n), at n places of the box."""
+        x, y = np.atleast_1d(doubles(u, "u")), np.atleast_1d(doubles(v, "v"))
+        part = [np.asarray(a, float)[:, None] for a in (self.o, self.ou, self.ov, self.d, self.du, self.dv)]
+        return part[0] + part[1] * x + part[2] * y, part[3] + part[4] * x + part[5] * y
+
+
+@dataclass
+class Aims:
+    """The ray of a beam through each wanted point.  aimed (Aimed): MET; NO_SUCH_RAY is proven; else
+    UNDECIDED. u, v, o, d: the launch ray (NaN unless met).  miss: the exact ray meets the element within
+    `miss` of the point. clipped: the first element whose aperture clips it, or -1."""
+
+    aimed: NDArray[np.int32]
+    u: Floats
+    v: Floats
+    o: Floats
+    d: Floats
+    point: Floats
+    miss: Floats
+    clipped: NDArray[np.int64]
+
+
+OUTPUTS = ("x", "y", "z", "l", "m", "n", "opl")
+
+
+@dataclass
+class Sensitivity:
+    """The ends of rays and how they change.
+
+    of          which numbers: x, y, z of the point on the last element and l, m, n of the direction behind
+                it, in its frame; opl
+    value       (rows, n): these numbers
+    gradient    (n, rows, parameters): the derivatives by all numbers of the trace (aim.h, sgt_trace_gradient)
+    fate        (n,)
+
+    NaN where the ray did not pass, and where a surface lacks second derivatives.
+    """
+
+    of: tuple[str, ...]
+    value: Floats
+    gradient: Floats
+    fate: NDArray[np.int8]
+    _lens: "Lens" = field(repr=False)
+
+    def by(self, element: int, name: str) -> Floats:
+        """The derivatives (rows, n) by one number of an element: a parameter of its surface ("curvature",
+        "conic", "coefficients[1]" ...), "radius", "index", "x", "y", "z" of its vertex, "turn_x", "turn_y",
+        "turn_z" (radians, about its vertex), or "thickness": all elements behind move along z."""
+        lens = self._lens
+        count = len(lens)
+        if not 0 <= element < count:
+            raise IndexError(f"element {element}: the lens has elements 0 to {count - 1}")
+        if name == "thickness":
+            rest = [lens._place(e, "z") for e in range(element + 1, count)]
+            return np.asarray(self._at(rest).sum(axis=0) if rest else np.zeros_like(self.value))
+        if name.startswith("radius"):
+            place = lens._place(element, name.replace("radius", "curvature"))
+            c = getattr(lens.surface(element), name.replace("radius", "curvature"))
+            return np.asarray(-c * c * self._at([place])[0])
+        return np.asarray(self._at([lens._place(element, name)])[0])
+
+    def _at(self, places: list[int]) -> Floats:
+        result: Floats = np.ascontiguousarray(self.gradient[:, :, places].transpose(2, 1, 0))
+        return result
+
+
+class Lens:
+    """A row of elements, and how rays are launched into it.
+
+    elements            a list of Element
+    index_before        in front of the first
+    wavelengths, primary, pupil, fields, field_type, object, aim ...     the keys of docs/lens_file.md, as
+                        data: pupil={"semi_diameter": 6}, fields=[0, 5], object={"distance": 100}
+
+    A lens does not change: replace() makes another.
+
+    >>> import sagitta
+    >>> from sagitta import Element, Lens, Plane, Sphere
+    >>> lens = Lens([Element(Sphere(radius=50), thickness=4, index=1.5, semi_diameter=8),
+    ...              Element(Sphere(radius=-50), thickness=48, index=1, semi_diameter=8),
+    ...              Element(Plane())], pupil={"semi_diameter": 5})
+    >>> round(lens.first_order().efl, 3)
+    50.676
+    >>> traced = lens.trace([[0, 0], [0, 5], [-10, -10]], (0, 0, 1))
+    >>> traced.through.all()
+    True
+    """
+
+    def __init__(
+        self, elements: Sequence[Element], *, index_before: float = 1.0, glasses: Any = (), **keys: Any
+    ) -> None:
+        row = list(elements)
+        for i, e in enumerate(row):
+            if not isinstance(e, Element):
+                raise TypeError(f"Lens: element {i} must be an Element, not {type(e).__name__}")
+        absolute = any(e.origin is not None for e in row)
+        top = dict(keys)
+        if index_before != 1.0:
+            top["object"] = {**top.get("object", {}), "index": index_before}
+        top["surfaces"] = [e._yaml(i == len(row) - 1, absolute) for i, e in enumerate(row)]
+        text = (
+            "{\n"
+            + ",\n".join(
+                f"{json.dumps(k)}: "
+                + (_text(v) if k != "surfaces" else "[\n  " + ",\n  ".join(map(_text, v)) + "\n]")
+                for k, v in top.items()
+            )
+            + "\n}\n"
+        )
+        self._given: Optional[tuple[list[Element], dict[str, Any]]] = (
+            row,
+            {"index_before": index_before, **keys},
+        )
+        self._begin(_read_text("lens of Python", text, glasses, 0), row, glasses)
+
+    @classmethod
+    def read(cls, path: Union[str, os.PathLike[str]], *, glasses: Any = (), configuration: int = 0) -> "Lens":
+        """A lens from a file: .zmx, else YAML.  glasses: catalogues (.agf, .csv, .yml, folders) besides the
+        table that ships.  configuration: of a .zmx file with several, from 1; 0: the active one."""
+        C.check_arithmetic()
+        self = cls.__new__(cls)
+        option, keep = _reading(glasses, configuration)
+        error = C.LensError()
+        pointer = C.library.sgt_lens_read(os.fsencode(path), _byref(option), _byref(error))
+        del keep
+        if not pointer:
+            raise _fault(error)
+        self._given = None
+        self._begin(_Handle(pointer), [], glasses)
+        return self
+
+    @classmethod
+    def text(cls, text: str, *, name: str = "lens.yaml", glasses: Any = ()) -> "Lens":
+        """The same of text; the ending of `name` tells its form."""
+        self = cls.__new__(cls)
+        self._given = None
+        self._begin(_read_text(name, text, glasses, 0), [], glasses)
+        return self
+
+    def _begin(self, handle: _Handle, row: list[Element], glasses: Any) -> None:
+        self._handle, self._glasses = handle, glasses
+        lens = self._c = handle.pointer.contents
+        self.name, self.units = C.text(lens.name), C.text(lens.units)
+        self.wavelengths: tuple[float, ...] = (
+            tuple(lens.wavelength[: lens.wavelengths]) if lens.wavelength else ()
+        )
+        self.remarks = [
+            Remark(("note", "turned", "left out")[r.kind], r.line, C.text(r.key), C.text(r.words))
+            for r in lens.remark[: lens.remarks]
+        ]
+        self._row = row
+        functions = {id(f): f for e in row if e.surface is not None for f in e.surface._functions}
+        self._functions: tuple[Function, ...] = tuple(functions.values())
+        self._at: dict[float, tuple[Any, float]] = {}
+        self._launchers: dict[float, _Launcher] = {}
+        self._places: Optional[list[int]] = None
+
+    def __len__(self) -> int:
+        return int(self._c.count)
+
+    def __repr__(self) -> str:
+        return f"<Lens{f' {self.name!r}' if self.name else ''} of {len(self)} elements>"
+
+    @property
+    def elements(self) -> list[Element]:
+        """Those that the lens was made of; of a lens from a file there are none."""
+        if self._given is None:
+            raise AttributeError(
+                "a lens that was read from a file has no elements of Python; yaml() shows it"
+            )
+        return list(self._given[0])
+
+    def surface(self, i: int) -> Optional[Surface]:
+        """The surface of element i, of a lens from a file too; None: it is an ideal lens, or a formula or
+        heights that were read from a file.
+
+        >>> import sagitta
+        >>> sagitta.Lens.text("surfaces: [{type: sphere, radius: 50}]").surface(0)
+        Sphere(curvature=0.02)
+        """
+        if not 0 <= i < len(self):
+            raise IndexError(f"element {i}: the lens has elements 0 to {len(self) - 1}")
+        if self._row:
+            return self._row[i].surface
+        kind, there = C.text(self._c.surface[i].type), self._c.element[i].surface
+        if kind not in BUILTINS or there.ops != BUILTINS[kind].ops:
+            return None
+        made: Surface = CLASSES[kind](**_parameters_at(BUILTINS[kind], there.self))
+        return made
+
+    def replace(self, elements: Optional[Sequence[Element]] = None, **keys: Any) -> "Lens":
+        """The same lens with other elements, or other keys."""
+        if self._given is None:
+            raise TypeError("replace: a lens that was read from a file cannot be changed; change the file")
+        return Lens(
+            self._given[0] if elements is None else elements,
+            glasses=self._glasses,
+            **{**self._given[1], **keys},
+        )
+
+    def yaml(self) -> str:
+        """The lens as a lens file.  A Function stands in it as a plane."""
+        size = ctypes.c_size_t()
+        at = C.library.sgt_lens_yaml(self._handle.pointer, _byref(size))
+        if not at:
+            raise MemoryError("sagitta: no memory")
+        return ctypes.string_at(at, size.value).decode()
+
+    def __reduce__(self) -> Any:
+        if self._given is not None:
+            return _made_again, (self._given[0], self._given[1], self._glasses)
+        # Files that the lens names (heights) are not in it: they are looked for where they were.
+        return _read_again, (self.yaml(), os.path.abspath(C.text(self._c.file)) + ".yaml", self._glasses)
+
+    # --------------------------------------------------------------------------- rays
+
+    def _elements(self, wavelength: Optional[float]) -> tuple[Any, float]:
+        """The row of elements at a wavelength (None: the primary one), and the index in front."""
+        um = math.nan if wavelength is None else float(wavelength)
+        key = -1.0 if wavelength is None else um
+        if wavelength is not None and not um > 0:
+            raise ValueError(f"wavelength: must be above 0 (micrometres), not {um}")
+        if key not in self._at:
+            row, before, error = (C.Element * len(self))(), ctypes.c_double(), C.LensError()
+            if wavelength is None:
+                ctypes.memmove(row, self._c.element, ctypes.sizeof(row))
+                before.value = self._c.index_before
+            elif not C.library.sgt_lens_at(self._handle.pointer, um, row, _byref(before), _byref(error)):
+                raise _fault(error)
+            for i, e in enumerate(self._row):
+                if e.surface is not None and not e.surface._yaml():
+                    row[i].surface = e.surface._struct
+            self._at[key] = row, before.value
+        return self._at[key]
+
+    def _call(
+        self, task: int, rays: RayArrays, option: Optional[C.Options], wavelength: Optional[float]
+    ) -> C.Call:
+        row, before = self._elements(wavelength)
+        call = C.Call(
+            task=task, rays=rays.struct, elements=len(row), element=ctypes.addressof(row), index_before=before
+        )
+        if option is not None:
+            call.opt = ctypes.pointer(option)
+        call._keep = (self, rays, row, option)
+        return call
+
+    def trace(
+        self,
+        o: Union[VectorsLike, Rays],
+        d: Optional[VectorsLike] = None,
+        *,
+        wavelength: Optional[float] = None,
+        passages: bool = False,
+        pick: Optional[str] = None,
+        proof: Optional[str] = None,
+        t_tol: float = 0.0,
+        f_tol: float = 0.0,
+        dt_min: float = 0.0,
+        max_evals: int = 0,
+        threads: int = 1,
+        axis: Optional[int] = None,
+        out: Optional[Traced] = None,
+    ) -> Traced:
+        """Traces rays through all elements, in their order; the whole line of each ray counts.
+
+        o, d        as of Surface.intersect(); or the Rays of launch() alone
+        wavelength  in micrometres; None: the primary one
+        passages    tell how each element was met, too: traced.passages[i]
+        out         Traced to write to (its passages are written if it has them)
+        The rest is as of Surface.intersect().  One ray is an array of one.
+        """
+        option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
+        rays = _rays(o, d, axis)
+        n, count = rays.n, len(self)
+        if out is None:
+            out = Traced._make(n, (), rays.axis)
+            if passages:
+                out.passages = [Passage._make(n, (), rays.axis) for _ in range(count)]
+        elif not isinstance(out, Traced):
+            raise TypeError(f"out: must be Traced, not {type(out).__name__}")
+        elif passages and len(out.passages) != count:
+            raise ValueError(f"out has passages for {len(out.passages)} elements; the lens has {count}")
+        out._check(rays, ("o", "d"))
+        call = self._call(C.TRACE, rays, option, wavelength)
+        call.traced = out._struct
+        if out.passages:
+            if len(out.passages) != count:
+                raise ValueError(f"out has passages for {len(out.passages)} elements; the lens has {count}")
+            for p in out.passages:
+                p._check(rays)
+            structs: Any = [p._struct for p in out.passages]
+            listed = (C.Passages * count)(*structs)
+            call.passages = ctypes.addressof(listed)
+        done = out
+        _calls.run(call, n, threads, self._functions, lambda: self._void(done))
+        return out
+
+    @staticmethod
+    def _void(out: Traced) -> None:
+        out._void("fate", -1)
+        for p in out.passages:
+            p._void("status", -4)
+
+    # -------------------------------------------------------------------- derivatives
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of the numbers that a trace depends on, in the order of Sensitivity.gradient."""
+        names = ["o.x", "o.y", "o.z", "d.x", "d.y", "d.z", "index_before"]
+        row, _ = self._elements(None)
+        for i, e in enumerate(row):
+            names += [f"{i}.{name}" for name in self._names(i, e)]
+            names += [f"{i}.{name}" for name in ("x", "y", "z", "turn_x", "turn_y", "turn_z", "index")]
+        return tuple(names)
+
+    def _names(self, i: int, e: Any) -> tuple[str, ...]:
+        count = C.library.sgt_parameters(e.surface)
+        surface = self.surface(i)
+        if surface is not None and len(surface.parameters) == count:
+            return surface.parameters
+        if count == 2:  # a plane that stands for an ideal lens
+            return ("curvature", "conic")
+        return tuple(f"parameter {k}" for k in range(count))
+
+    def _place(self, element: int, name: str) -> int:
+        try:
+            return self.parameters.index(f"{element}.{name}")
+        except ValueError:
+            known = [n.split(".", 1)[1] for n in self.parameters if n.startswith(f"{element}.")]
+            raise ValueError(f"element {element} has no {name!r}; it has {', '.join(known)}") from None
+
+    def sensitivity(
+        self,
+        o: Union[VectorsLike, Rays],
+        d: Optional[VectorsLike] = None,
+        of: Sequence[str] = ("x", "y"),
+        *,
+        wavelength: Optional[float] = None,
+        threads: int = 1,
+        axis: Optional[int] = None,
+    ) -> Sensitivity:
+        """Where rays end, and the derivatives of that by every number of the lens and of the ray.
+
+        of      which of x, y, z, l, m, n, opl.  A sweep backward is shared by all of them
+
+        >>> from sagitta import Element, Lens, Plane, Sphere
+        >>> lens = Lens([Element(Sphere(radius=50), index=1.5, thickness=150), Element(Plane())])
+        >>> there = lens.sensitivity([[0], [5], [-10]], (0, 0, 1), "y")
+        >>> there.by(0, "thickness").round(4)
+        array([[-0.0335]])
+        """
+        names = tuple(of) if not isinstance(of, str) else tuple(of.split()) if " " in of else (of,)
+        for name in names:
+            if name not in OUTPUTS:
+                raise ValueError(f"of: unknown {name!r}; there are {', '.join(OUTPUTS)}")
+        if not names:
+            raise ValueError("of: name at least one of " + ", ".join(OUTPUTS))
+        rays = _rays(o, d, axis)
+        call = self._call(C.GRADIENT, rays, None, wavelength)
+        weight = np.zeros((len(names), 7))
+        for i, name in enumerate(names):
+            weight[i, OUTPUTS.index(name)] = 1
+        m = int(C.library.sgt_trace_parameters(len(self), call.element))
+        gradient = np.empty((rays.n, len(names), m))
+        ends = np.empty((rays.n, 7))
+        out = Traced._make(rays.n, ("fate", "passed"))
+        call.traced, call.rows, call.parameters = out._struct, len(names), m
+        call.weight, call.gradient, call.ends = address(weight), address(gradient), address(ends)
+        _calls.run(call, rays.n, threads, self._functions)
+        value = np.ascontiguousarray(ends[:, [OUTPUTS.index(name) for name in names]].T)
+        return Sensitivity(names, value, gradient, out.fate, self)
+
+    # ------------------------------------------------------------------------- aiming
+
+    def aim(
+        self,
+        element: int,
+        points: ArrayLike,
+        beam: Beam,
+        *,
+        wavelength: Optional[float] = None,
+        tol: float = 0.0,
+        max_traces: int = 0,
+        max_boxes: int = 0,
+        threads: int = 1,
+    ) -> Aims:
+        """The rays of a beam that meet an element at wanted points (x, y) of its frame: (2,), (2, n).
+
+        >>> from sagitta import Beam, Element, Lens, Plane, Sphere
+        >>> lens = Lens([Element(Sphere(radius=50), index=1.5, thickness=10), Element(Plane())])
+        >>> found = lens.aim(1, (0, 2), Beam(o=(0, 0, -100), d=(0, 0, 1), du=(.1, 0, 0), dv=(0, .1, 0)))
+        >>> bool(found.aimed[0] == 1), bool(found.miss[0] < 1e-13)
+        (True, True)
+        """
+        wanted = doubles(points, "points")
+        if wanted.ndim not in (1, 2) or wanted.shape[0] != 2:
+            raise ValueError(f"points: has the shape {wanted.shape}; it must be (2,) or (2, n)")
+        if not 0 <= element < len(self):
+            raise IndexError(f"element {element}: the lens has elements 0 to {len(self) - 1}")
+        for name, number in (("tol", tol), ("max_traces", max_traces), ("max_boxes", max_boxes)):
+            if not isinstance(number, (int, float) if name == "tol" else int):
+                raise TypeError(f"{name}: must be a number, not {type(number).__name__}")
+        wanted = np.ascontiguousarray(wanted.reshape(2, -1).T)
+        n = len(wanted)
+        rays = RayArrays((0, 0, 0), (0, 0, 1))
+        call = self._call(C.AIM, rays, None, wavelength)
+        parts = {f.name: tuple(float(x) for x in getattr(beam, f.name)) for f in fields(beam)}
+        c_beam = C.Beam(**parts)
+        option = C.AimOptions(tol=tol, max_traces=max_traces, max_boxes=max_boxes)
+        answers = np.zeros(n, _dtype(C.Aiming))
+        call.elements = element
+        call.beam, call.aim = ctypes.addressof(c_beam), ctypes.addressof(option)
+        call.point, call.aiming = address(wanted), address(answers)
+        _calls.run(call, n, threads, self._functions)
+        met = answers["status"] == 1
+        clipped = answers["clipped"].astype(np.int64)
+        clipped[~met | (clipped > element)] = -1
+        return Aims(
+            answers["status"].copy(),
+            answers["u"].copy(),
+            answers["v"].copy(),
+            answers["ray"]["o"].T.copy(),
+            answers["ray"]["d"].T.copy(),
+            answers["point"].T.copy(),
+            answers["miss"].copy(),
+            clipped,
+        )
+
+    # ---------------------------------------------------------------- first-order data
+
+    def _only_files(self, what: str) -> None:
+        for i, e in enumerate(self._row):
+            if e.surface is not None and not e.surface._yaml():
+                raise ValueError(
+                    f"{what}: element {i} is {e.surface!r}, and of a function of Python nothing is known "
+                    "about its vertex; trace() and sensitivity() take it"
+                )
+
+    def first_order(self, wavelength: Optional[float] = None) -> FirstOrder:
+        """Paraxial data: efl, bfd, f_number, pupils, magnification ... as attributes."""
+        self._only_files("first_order")
+        C.check_arithmetic()
+        out, error = C.FirstOrder(), C.LensError()
+        um = math.nan if wavelength is None else float(wavelength)
+        if not C.library.sgt_lens_first_order(
+            self._handle.pointer, um, _byref(out), None, None, _byref(error)
+        ):
+            raise _fault(error)
+        return FirstOrder(*(getattr(out, name) for name, _ in C.FirstOrder._fields_))
+
+    def seidel(self, wavelength: Optional[float] = None) -> Seidel:
+        """The Seidel sums, surface by surface."""
+        self._only_files("seidel")
+        C.check_arithmetic()
+        rows, out, error = (C.Seidel * len(self))(), C.FirstOrder(), C.LensError()
+        why = ctypes.c_char_p()
+        um = math.nan if wavelength is None else float(wavelength)
+        if not C.library.sgt_lens_first_order(
+            self._handle.pointer, um, _byref(out), rows, _byref(why), _byref(error)
+        ):
+            raise _fault(error)
+        columns = np.array(
+            [[r.spherical, r.coma, r.astigmatism, r.petzval, r.distortion, *r.chromatic] for r in rows]
+        ).T
+        names = ("spherical", "coma", "astigmatism", "petzval", "distortion", "axial", "lateral")
+        sums: dict[str, Any] = dict(zip(names, columns))
+        return Seidel(**sums, why_not=C.text(why.value))
+
+    # -------------------------------------------------------------------------- fields
+
+    @property
+    def fields(self) -> list[tuple[float, float]]:
+        """The fields of the lens, (x, y), in its own kind (degrees, heights)."""
+        return [(f.x, f.y) for f in self._c.field[: self._c.fields]]
+
+    def _field(self, given: Union[int, Sequence[float]]) -> C.LensField:
+        if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
+            if not 0 <= given < self._c.fields:
+                raise IndexError(f"field {given}: the lens has fields 0 to {self._c.fields - 1}")
+            result: C.LensField = self._c.field[int(given)]
+            return result
+        x, y = (float(v) for v in given)  # type: ignore[union-attr]
+        return C.LensField(x=x, y=y, weight=1.0)
+
+    def _launch(
+        self, given: Union[int, Sequence[float]], wavelength: Optional[float]
+    ) -> tuple[_Launcher, Any]:
+        self._only_files("launch")
+        key = math.nan if wavelength is None or self.wavelengths else float(wavelength)
+        launcher = self._launchers.get(key)
+        if launcher is None:
+            launcher = self._launchers[key] = _Launcher(self._handle, key)
+        beam, error = C.FieldBeam(), C.LensError()
+        if not C.library.sgt_launch_field(
+            launcher.pointer, self._c.field_kind, _byref(self._field(given)), _byref(beam), _byref(error)
+        ):
+            raise _fault(error)
+        return launcher, beam
+
+    @staticmethod
+    def _points(pattern: Any, rays: int, seed: int) -> Floats:
+        """x, y, weight in the unit circle, a row each."""
+        if not isinstance(pattern, str):
+            given = doubles(pattern, "pattern")
+            if given.ndim != 2 or given.shape[0] != 2:
+                raise ValueError(f"pattern: must be a word or points of the pupil, (2, n); not {given.shape}")
+            points = np.empty((given.shape[1], 3))
+            points[:, :2], points[:, 2] = given.T, 1 / max(given.shape[1], 1)
+            return points
+        kind = _calls.of_words(pattern, _PATTERNS, "pattern")  # type: ignore[arg-type]
+        if not isinstance(rays, (int, np.integer)) or rays < 1:
+            raise ValueError(f"rays: must be a whole number above 0, not {rays!r}")
+        n = C.library.sgt_pupil_points(kind, rays, seed, 0, None)
+        points = np.empty((n, 3))
+        C.library.sgt_pupil_points(kind, rays, seed, n, address(points))
+        return points
+
+    def launch(
+        self,
+        field: Union[int, Sequence[float]] = 0,
+        pattern: Any = "hexapolar",
+        rays: int = 6,
+        *,
+        wavelength: Optional[float] = None,
+        seed: int = 0,
+    ) -> Rays:
+        """Rays of a field through points of the pupil, as trace() takes them.
+
+        field       its place in the lens, from 0, or (x, y) in the lens's own kind
+        pattern     "fan", "grid", "hexapolar", "random", "sobol", "cells", "cross" with `rays` as lens.h
+                    says, or points of the unit circle, (2, n)
+        """
+        C.check_arithmetic()
+        launcher, beam = self._launch(field, wavelength)
+        row, before = self._elements(wavelength)
+        points = self._points(pattern, rays, seed)
+        n = len(points)
+        out = np.zeros(n, _dtype(C.Launched))
+        if not C.library.sgt_launch_rays(
+            launcher.pointer, _byref(beam), row, before, n, address(points), address(out)
+        ):
+            raise MemoryError("sagitta: no memory")
+        x = points.T.copy()
+        o, d = out["ray"]["o"].T.copy(), out["ray"]["d"].T.copy()
+        o[:, out["status"] != 1] = d[:, out["status"] != 1] = np.nan
+        return Rays(o, d, x[0], x[1], x[2], out["status"].copy())
+
+    def spot(
+        self,
+        field: Union[int, Sequence[float]] = 0,
+        pattern: Any = "hexapolar",
+        rays: int = 6,
+        *,
+        wavelength: Union[None, float, Sequence[float]] = None,
+        seed: int = 0,
+        proof: Optional[str] = None,
+        reference: Union[str, Sequence[float]] = "centroid",
+    ) -> Spot:
+        """The spot of a field: rms and more, and where each ray ended.  Several wavelengths: one spot of all,
+        with equal weights.  reference: distances are from the "centroid", from the "chief" ray (of the first
+        wavelength), or from (x, y)."""
+        C.check_arithmetic()
+        if isinstance(reference, str) and reference not in ("centroid", "chief"):
+            raise ValueError(f"reference: must be 'centroid', 'chief' or (x, y), not {reference!r}")
+        option = _calls.options(None, proof)
+        several = list(wavelength) if isinstance(wavelength, (list, tuple, np.ndarray)) else [wavelength]
+        points = self._points(pattern, rays, seed)
+        n, kind = len(points), _dtype(C.RayEnd)
+        ends = np.zeros((len(several), n), kind)
+        for i, um in enumerate(several):
+            launcher, beam = self._launch(field, um)
+            row, before = self._elements(um)
+            if not C.library.sgt_trace_pupil(
+                launcher.pointer,
+                _byref(beam),
+                row,
+                before,
+                n,
+                address(points),
+                None if option is None else _byref(option),
+                address(ends[i]),
+            ):
+                raise MemoryError("sagitta: no memory")
+        middle = None if isinstance(reference, str) else np.array(doubles(reference, "reference"))
+        if middle is not None and middle.shape != (2,):
+            raise ValueError(f"reference: must be (x, y); it has the shape {middle.shape}")
+        if isinstance(reference, str) and reference == "chief":
+            launcher, beam = self._launch(field, several[0])
+            row, before = self._elements(several[0])
+            chief = np.zeros(1, kind)
+            C.library.sgt_trace_chief(launcher.pointer, _byref(beam), row, before, address(chief))
+            middle = chief["p"][0, :2].copy()
+        groups = (C.Ends * len(several))(*(C.Ends(n, address(part), 1.0) for part in ends))
+        found = C.library.sgt_spot_of(len(several), groups, None if middle is None else address(middle))
+        return Spot(
+            found.rays,
+            found.passed,
+            np.array(found.reference),
+            found.rms,
+            found.rms_x,
+            found.rms_y,
+            found.geometric,
+            found.error,
+            ends.reshape(-1),
+        )
+
+    def surface_z(self, i: int, x: ArrayLike, y: ArrayLike) -> Floats:
+        """The sag of element i at x, y of its frame, by rays along z, for drawings; NaN where there is
+        none."""
+        a, b = np.broadcast_arrays(doubles(x, "x"), doubles(y, "y"))
+        row, _ = self._elements(None)
+        rays = RayArrays((a.ravel(), b.ravel(), np.zeros(a.size)), (0.0, 0.0, 1.0), -math.inf)
+        hits = Passage._make(a.size, ("status", "t"))
+        call = C.Call(task=C.INTERSECT, surface=row[i].surface, rays=rays.struct, hits=hits._struct.hits)
+        call.opt = ctypes.pointer(_calls.options(pick="near-seed"))
+        _calls.run(call, a.size, 1, self._functions)
+        z: Floats = hits.t.reshape(a.shape)
+        return z
+
+    def vertex(self, i: int) -> tuple[Floats, Floats]:
+        """Where element i stands: its origin, and its axes as the columns of a matrix."""
+        pose = self._elements(None)[0][i].pose
+        axes = np.array([pose.ex, pose.ey, pose.ez]).T
+        return np.array(pose.origin), axes if axes.any() else np.eye(3)
+
+    def size(self, i: int) -> float:
+        """The half height of element i for drawings: its aperture, or what the file says; 0: not known."""
+        e = self._elements(None)[0][i]
+        semi = e.semi_diameter if 0 < e.semi_diameter < 2.0**500 else 0.0
+        return float(semi or self._c.surface[i].size)
+
+
+def _rays(o: Union[VectorsLike, Rays], d: Optional[VectorsLike], axis: Optional[int]) -> RayArrays:
+    if isinstance(o, Rays):
+        if d is not None:
+            raise ValueError("d: is given beside Rays, which have one")
+        return RayArrays(o.o, o.d, None, None, 0)
+    if d is None:
+        raise TypeError("d: is needed; only the Rays of launch() have a direction of their own")
+    return RayArrays(o, d, None, None, axis)
+
+
+def _dtype(of: Any) -> np.dtype[Any]:
+    """The struct of C as a type of numpy."""
+    formats = []
+    for name, kind in of._fields_:
+        if issubclass(kind, ctypes.Structure):
+            formats.append(_dtype(kind))
+        elif issubclass(kind, ctypes.Array):
+            formats.append(np.dtype((np.dtype(kind._type_), (kind._length_,))))
+        else:
+            formats.append(np.dtype(kind))
+    names = [name for name, _ in of._fields_]
+    return np.dtype(
+        {
+            "names": names,
+            "formats": formats,
+            "offsets": [getattr(of, n).offset for n in names],
+            "itemsize": ctypes.sizeof(of),
+        }
+    )
+
+
+def _reading(glasses: Any, configuration: int) -> tuple[C.LensOptions, Any]:
+    paths = [glasses] if isinstance(glasses, (str, os.PathLike)) else list(glasses or ())
+    keep = None
+    handle = _Glasses.get()
+    if paths:
+        folder = pathlib.Path(__file__).parent / "glass"
+        ship: list[Any] = [folder / "glasses.csv", folder / "older.csv"] if handle else [None]
+        keep = _Catalogue(_catalogue([*ship, *paths]))
+        handle = keep.handle
+    return C.LensOptions(glasses=handle, configuration=configuration), keep
+
+
+class _Catalogue:
+    def __init__(self, handle: int) -> None:
+        self.handle = handle
+
+    def __del__(self, free: Any = C.library.sgt_catalogue_free) -> None:
+        free(self.handle)
+
+
+def _read_text(name: str, text: str, glasses: Any, configuration: int) -> _Handle:
+    C.check_arithmetic()
+    option, keep = _reading(glasses, configuration)
+    raw, error = text.encode(), C.LensError()
+    pointer = C.library.sgt_lens_read_text(os.fsencode(name), raw, len(raw), _byref(option), _byref(error))
+    del keep
+    if not pointer:
+        raise _fault(error)
+    return _Handle(pointer)
+
+
+def _made_again(elements: list[Element], keys: dict[str, Any], glasses: Any) -> Lens:
+    return Lens(elements, glasses=glasses, **keys)
+
+
+def _read_again(text: str, name: str, glasses: Any) -> Lens:
+    return Lens.text(text, name=name, glasses=glasses)
+
+
+__all__ = [
+    "Aims",
+    "Beam",
+    "Element",
+    "Fate",
+    "FirstOrder",
+    "Lens",
+    "LensError",
+    "Rays",
+    "Remark",
+    "Seidel",
+    "Sensitivity",
+    "Spot",
+]

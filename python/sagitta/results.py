@@ -1,0 +1,254 @@
+"""What the library answers: arrays with one number for each ray."""
+from __future__ import annotations
+
+import ctypes
+import enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _library as C
+from ._arrays import Columns, Floats
+
+
+class Status(enum.IntEnum):
+    """Above 0: met.  0: certainly not met.  Below 0: undecided (sagitta.h, sgt_status)."""
+
+    HIT = 1
+    GRAZE = 2
+    MISS = 0
+    UNPROVEN = -1
+    UNDEFINED = -2
+    EXHAUSTED = -3
+    STOPPED = -4
+    INVALID = -5
+
+
+class Fate(enum.IntEnum):
+    """What became of a ray at an element (system.h, sgt_fate)."""
+
+    PASSED = 1
+    CLIPPED = 2
+    TIR = 3
+    MISSED = 0
+    LOST = -1
+
+
+class Aimed(enum.IntEnum):
+    """What became of an aim (aim.h, sgt_aimed)."""
+
+    MET = 1
+    NO_SUCH_RAY = 0
+    UNDECIDED = -1
+    INVALID = -2
+
+
+class Hit(ctypes.Structure):
+    """One ray and one surface.
+
+    status, evals   how it ended (Status), and how many evaluations of F that took
+    t, t_err        the root lies within t_err of t, in lengths of d
+    t_lo            t + t_lo is nearer to it still
+    lo, hi          the stretch of the ray that the status is about
+    f, p, n         F, the point, and the gradient there (not of unit length)
+    p_err           the surface is within p_err of p
+    """
+
+    _fields_ = [
+        ("status", ctypes.c_int),
+        ("evals", ctypes.c_int),
+        ("t", ctypes.c_double),
+        ("t_err", ctypes.c_double),
+        ("t_lo", ctypes.c_double),
+        ("lo", ctypes.c_double),
+        ("hi", ctypes.c_double),
+        ("f", ctypes.c_double),
+        ("_p", C.Vector),
+        ("_n", C.Vector),
+        ("p_err", ctypes.c_double),
+    ]
+    status: int
+    evals: int
+    t: float
+    t_err: float
+    t_lo: float
+    lo: float
+    hi: float
+    f: float
+    p_err: float
+
+    @property
+    def p(self) -> Floats:
+        return np.array(self._p)
+
+    @property
+    def n(self) -> Floats:
+        return np.array(self._n)
+
+    @property
+    def met(self) -> bool:
+        return self.status > 0
+
+    @property
+    def text(self) -> str:
+        """The status as a word: "hit", "miss" ..."""
+        return C.text(C.library.sgt_status_text(self.status))
+
+    def __repr__(self) -> str:
+        return (
+            f"<Hit: {self.text}, t = {self.t!r} +- {self.t_err:.1g}>" if self.met else f"<Hit: {self.text}>"
+        )
+
+
+class Hits(Columns):
+    """Many rays and one surface: an array for each number.
+
+    status (int8), evals (int32), t, t_err, t_lo, p_err: (n,).  p, n: (3, n), or (n, 3) if the rays came so.
+
+    `Hits.empty(1000)` makes room for 1000 rays, to be given as out= to any number of calls;
+    `Hits.empty(1000, "status", "t")` for these numbers only, which is faster.  `Hits(t=a, p=b)` takes arrays
+    of yours: doubles (status: int8, evals: int32), (n,) and (3, n), contiguous and writable.
+    """
+
+    FIELDS = {
+        "status": ("i1", 1),
+        "evals": ("i4", 1),
+        "t": ("f8", 1),
+        "t_err": ("f8", 1),
+        "t_lo": ("f8", 1),
+        "p": ("f8", 3),
+        "n": ("f8", 3),
+        "p_err": ("f8", 1),
+    }
+    status: NDArray[np.int8]
+    evals: NDArray[np.int32]
+    t: Floats
+    t_err: Floats
+    t_lo: Floats
+    p: Floats
+    n: Floats
+    p_err: Floats
+
+    @classmethod
+    def empty(cls, n: int, *fields: str) -> "Hits":
+        result: Hits = cls._make(n, fields)
+        return result
+
+    def _fill(self) -> C.Hits:
+        return C.Hits(
+            self._at("status"),
+            self._at("evals"),
+            self._at("t"),
+            self._at("t_err"),
+            self._at("t_lo"),
+            self._three("p"),
+            self._three("n"),
+            self._at("p_err"),
+        )
+
+    def _hits_struct(self) -> C.Hits:
+        struct: C.Hits = self._struct
+        return struct
+
+    @property
+    def met(self) -> NDArray[np.bool_]:
+        """Where the status is above 0."""
+        result: NDArray[np.bool_] = self.status > 0
+        return result
+
+
+HIT_TABLE = np.dtype(
+    [
+        ("status", "i4"),
+        ("evals", "i4"),
+        ("t", "f8"),
+        ("t_err", "f8"),
+        ("t_lo", "f8"),
+        ("lo", "f8"),
+        ("hi", "f8"),
+        ("f", "f8"),
+        ("p", "f8", (3,)),
+        ("n", "f8", (3,)),
+        ("p_err", "f8"),
+    ],
+    align=True,
+)
+
+STEP_TABLE = np.dtype(
+    [
+        ("ray", "u8"),
+        ("eval", "i4"),
+        ("move", "i4"),
+        ("t", "f8"),
+        ("f", "f8"),
+        ("slope", "f8"),
+        ("lo", "f8"),
+        ("hi", "f8"),
+    ],
+    align=True,
+)
+
+
+class Traced(Columns):
+    """Many rays through a lens, and how they left it.
+
+    fate (int8, Fate), passed (int32: how many elements), opl: (n,).  o, d: the ray at its end, global, (3,
+    n), or (n, 3) if the rays came so; d is of unit length.  If it was asked for, `passages` has a Passage for
+    each element, in the frame of that element.
+    """
+
+    FIELDS = {"fate": ("i1", 1), "passed": ("i4", 1), "o": ("f8", 3), "d": ("f8", 3), "opl": ("f8", 1)}
+    fate: NDArray[np.int8]
+    passed: NDArray[np.int32]
+    o: Floats
+    d: Floats
+    opl: Floats
+    passages: "list[Passage]" = []
+
+    @classmethod
+    def empty(cls, n: int, *fields: str, passages: int = 0) -> "Traced":
+        """Room for n rays; `passages`: for as many elements."""
+        result: Traced = cls._make(n, fields)
+        result.passages = [Passage.empty(n) for _ in range(passages)]
+        return result
+
+    def _fill(self) -> C.Traced:
+        return C.Traced(
+            self._at("fate"), self._at("passed"), self._three("o"), self._three("d"), self._at("opl")
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**super().__getstate__(), "passages": self.passages}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self.passages = state["passages"]
+
+    @property
+    def through(self) -> NDArray[np.bool_]:
+        """Where the ray passed all elements."""
+        result: NDArray[np.bool_] = self.fate == Fate.PASSED
+        return result
+
+
+class Passage(Hits):
+    """One element, as many rays met it, in the element's frame: all of Hits, and `direction` behind it, and
+    `opl` from the launch to it.  A ray that did not reach it: status MISS, evals 0, direction 0, all else
+    NaN."""
+
+    FIELDS = {**Hits.FIELDS, "direction": ("f8", 3), "opl": ("f8", 1)}
+    direction: Floats
+    opl: Floats
+
+    @classmethod
+    def empty(cls, n: int, *fields: str) -> "Passage":
+        result: Passage = cls._make(n, fields)
+        return result
+
+    def _fill(self) -> C.Passages:  # type: ignore[override]
+        return C.Passages(super()._fill(), self._three("direction"), self._at("opl"))
+
+    def _hits_struct(self) -> C.Hits:
+        hits: C.Hits = self._struct.hits
+        return hits

@@ -1,0 +1,827 @@
+"""What every surface can do: meet rays, be differentiated, be diagnosed and checked."""
+from __future__ import annotations
+
+import ctypes
+import enum
+import math
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Iterator, Optional, Sequence, Type, TypeVar, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _calls
+from . import _library as C
+from ._arrays import Floats, RayArrays, VectorsLike, address, doubles
+from .results import HIT_TABLE, STEP_TABLE, Hit, Hits
+
+if TYPE_CHECKING:
+    from .function import Function
+
+_byref = ctypes.byref
+_pack_ray = struct.Struct("8d").pack
+_one = C.library.sagitta_one
+_run = C.library.sagitta_run
+_SIZES = (tuple, list, np.ndarray)
+Result = Union[Hit, Hits]
+
+
+@dataclass
+class AllHits:
+    """Every hit of every ray, in order of t.
+
+    count   (n,), how many entries each ray has; 0: it certainly misses
+    table   a structured array of all entries, ray by ray: `ray`, and what a Hit has.  An entry with a status
+            below 0 is a stretch of the ray that could not be decided
+    """
+
+    count: NDArray[np.int32]
+    table: NDArray[Any]
+
+    def of(self, ray: int) -> NDArray[Any]:
+        """The entries of one ray."""
+        begin = int(np.maximum(self.count[:ray], 0).sum())
+        return self.table[begin : begin + max(int(self.count[ray]), 0)]
+
+    def __len__(self) -> int:
+        return len(self.count)
+
+
+@dataclass
+class Jacobian:
+    """How t, p and n of each hit change: with the origin, and with the parameters of the surface.
+
+    t_by_o  (3, n)          dt/do_j                   t_by_a  (m, n)         dt/da_j
+    p_by_o  (3, 3, n)       [i, j]: dp_i/do_j         p_by_a  (3, m, n)
+    n_by_o  (3, 3, n)                                 n_by_a  (3, m, n)
+    parameters              the names of the m parameters
+
+    By the direction it is t times that by the origin.  NaN where the ray does not meet the surface, and where
+    the surface does not offer what is needed (a Function has neither second derivatives nor parameters).
+    """
+
+    t_by_o: Floats
+    p_by_o: Floats
+    n_by_o: Floats
+    t_by_a: Floats
+    p_by_a: Floats
+    n_by_a: Floats
+    parameters: tuple[str, ...]
+
+
+class Verdict(enum.IntEnum):
+    """How the solver converged (diagnose.h, sgt_verdict)."""
+
+    QUADRATIC = 0
+    LINEAR = 1
+    BISECTING = 2
+    OSCILLATING = 3
+    WANDERING = 4
+    ROUNDING = 5
+
+
+@dataclass
+class Diagnosis:
+    """How the solver came to its answer for one ray.
+
+    verdict, text       as a number (Verdict), and as a sentence
+    order, rate         |e_next| ~ rate |e|^order over the last steps; NaN: too few
+    condition           1 / |slope| at the root: how grazing, how flat
+    newton, bisect, march, retreat    how many evaluations were chosen so
+    hit                 the answer
+    steps               each evaluation: eval, move, t, f, slope, lo, hi
+    """
+
+    verdict: Verdict
+    text: str
+    order: float
+    rate: float
+    condition: float
+    newton: int
+    bisect: int
+    march: int
+    retreat: int
+    hit: Hit
+    steps: NDArray[Any]
+
+
+class Fault(enum.IntEnum):
+    """The first fault that check() found (diagnose.h, sgt_fault)."""
+
+    SOUND = 0
+    WRONG_GRADIENT = 1
+    WRONG_SPAN = 2
+    WRONG_ROUNDING = 3
+    NO_VALUE = 4
+    WRONG_VALUES = 5
+    WRONG_SPANS = 6
+    WRONG_CLEARANCE = 7
+    WRONG_ENCLOSURE = 8
+    WRONG_FIRST = 9
+    WRONG_FIRSTS = 10
+    WRONG_ENCLOSURES = 11
+
+
+@dataclass
+class Check:
+    """What check() found: the fault, a sentence about it, and a point that shows it."""
+
+    fault: Fault
+    text: str
+    where: Floats
+
+    @property
+    def sound(self) -> bool:
+        return self.fault == Fault.SOUND
+
+
+class Prepared:
+    """A call that is ready to be made, again and again: see Surface.prepare."""
+
+    __slots__ = ("out", "rays", "_call", "_ref", "_surface", "_threads", "_option")
+
+    def __init__(
+        self, surface: "Surface", rays: RayArrays, out: Hits, option: Optional[C.Options], threads: int
+    ) -> None:
+        self.out, self.rays, self._surface, self._threads, self._option = out, rays, surface, threads, option
+        self._call = surface._call(C.INTERSECT, rays, option)
+        self._call.hits = out._struct
+        self._call.begin, self._call.end = 0, rays.n
+        self._call.blocks = _calls.BLOCKS
+        self._ref = _byref(self._call)
+
+    def __call__(self) -> int:
+        if self._threads > 1:
+            return int(
+                _calls.run(
+                    self._call,
+                    self.rays.n,
+                    self._threads,
+                    self._surface._functions,
+                    lambda: self.out._void("status", -4),
+                )
+            )
+        bad = _run(self._ref)
+        if bad:
+            self.out._void("status", -4)
+            self._surface._raise(bad)
+        met: int = self._call.met
+        return met
+
+
+class Surface:
+    """A surface: a class of the catalogue, a Formula, a Sag, or a Function.  It does not change once it is
+    made."""
+
+    # The functions of Python that are called for it.
+    _functions: "tuple[Function, ...]" = ()
+    _struct: C.Surface
+    _ref: Any
+
+    # ------------------------------------------------------------------------- rays
+
+    def intersect(
+        self,
+        o: VectorsLike,
+        d: VectorsLike,
+        *,
+        tmin: Optional[ArrayLike] = None,
+        tmax: Optional[ArrayLike] = None,
+        pick: Optional[str] = None,
+        proof: Optional[str] = None,
+        t_tol: float = 0.0,
+        f_tol: float = 0.0,
+        dt_min: float = 0.0,
+        max_evals: int = 0,
+        threads: int = 1,
+        axis: Optional[int] = None,
+        out: Optional[Hits] = None,
+    ) -> Any:
+        """Where the rays o + t d meet the surface: a Hit for one ray, Hits for many.
+
+        o, d        (3,), (3, n), (n, 3), or three arrays; one of them may be (3,) for all rays
+        tmin, tmax  the ends, in lengths of d: a number, or one for each ray.  Default: 0 and infinity.  The
+                    root at a finite tmin itself is not accepted; -inf takes the whole line
+        pick        "first", or "near-seed": the root that the surface's own guess leads to
+        proof       "estimate", "root" (exactly one root within t_err) or "first" (and none before it)
+        t_tol, f_tol, dt_min, max_evals     as in sgt_options (sagitta.h)
+        threads     in how many threads; the answers are the same to the last bit
+        axis        which axis of o and d holds x, y, z; needed for (3, 3)
+        out         Hits to write to, and to return
+
+        >>> import sagitta
+        >>> ball = sagitta.Sphere(radius=10)
+        >>> hit = ball.intersect((0, 6, -5), (0, 0, 1))
+        >>> hit.text, hit.t, hit.p
+        ('hit', 7.0, array([0., 6., 2.]))
+        >>> many = ball.intersect((0, 0, -5), [[0, 0, 0, 0], [0, .1, .2, 3], [1, 1, 1, 1]])
+        >>> many.status
+        array([1, 1, 1, 0], dtype=int8)
+        """
+        option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
+        if out is None and axis is None and threads == 1:
+            try:
+                ox, oy, oz = o  # type: ignore[misc]
+                dx, dy, dz = d  # type: ignore[misc]
+                ray = _pack_ray(
+                    ox,
+                    oy,
+                    oz,
+                    dx,
+                    dy,
+                    dz,
+                    0.0 if tmin is None else tmin,
+                    math.inf if tmax is None else tmax,
+                )
+            except (TypeError, ValueError, struct.error):
+                pass  # not one ray of numbers: what it is, or what is wrong, RayArrays says
+            else:
+                if not isinstance(ox, _SIZES):
+                    hit = Hit()
+                    bad = _one(self._ref, ray, None if option is None else _byref(option), _byref(hit))
+                    if bad:
+                        self._raise(bad)
+                    return hit
+        rays = RayArrays(o, d, tmin, tmax, axis)
+        if rays.one and out is None:
+            return self._intersect_one(rays, option)
+        if out is None:
+            out = Hits._make(rays.n, (), rays.axis)
+        elif not isinstance(out, Hits):
+            raise TypeError(f"out: must be Hits, not {type(out).__name__}")
+        out._check(rays)
+        call = self._call(C.INTERSECT, rays, option)
+        call.hits = out._struct
+        _calls.run(call, rays.n, threads, self._functions, lambda: out._void("status", -4))
+        return out
+
+    def _intersect_one(self, rays: RayArrays, option: Optional[C.Options]) -> Hit:
+        tmin, tmax = (None if x is None else float(x[0]) for x in rays.keep)
+        ray = _pack_ray(
+            *(float(x[0]) for x in (*rays.o, *rays.d)),
+            0.0 if tmin is None else tmin,
+            math.inf if tmax is None else tmax,
+        )
+        hit = Hit()
+        bad = _one(self._ref, ray, None if option is None else _byref(option), _byref(hit))
+        if bad:
+            self._raise(bad)
+        return hit
+
+    def _raise(self, bad: int) -> None:
+        if bad == -1:
+            raise _calls.raised_here(self._functions)
+        C.refuse(bad)
+
+    def _call(self, task: int, rays: RayArrays, option: Optional[C.Options]) -> C.Call:
+        call = C.Call(task=task, python=bool(self._functions), surface=self._struct, rays=rays.struct)
+        if option is not None:
+            call.opt = ctypes.pointer(option)
+        call._keep = (self, rays, option)
+        return call
+
+    def prepare(
+        self,
+        o: VectorsLike,
+        d: VectorsLike,
+        *,
+        tmin: Optional[ArrayLike] = None,
+        tmax: Optional[ArrayLike] = None,
+        pick: Optional[str] = None,
+        proof: Optional[str] = None,
+        t_tol: float = 0.0,
+        f_tol: float = 0.0,
+        dt_min: float = 0.0,
+        max_evals: int = 0,
+        threads: int = 1,
+        axis: Optional[int] = None,
+        out: Optional[Hits] = None,
+    ) -> Prepared:
+        """The call of intersect(), to be made many times: all checks and addresses are done once.
+
+        Change the arrays in place and call it; it writes to `out` and returns how many rays were met.  Arrays
+        that had to be copied ((n, 3), other types) are copied now and not again: change `rays.o`, `rays.d`.
+
+        >>> import numpy as np, sagitta
+        >>> o, d = np.array([[0.], [0], [-5]]), np.array([[0.], [0], [1]])
+        >>> call = sagitta.Sphere(radius=10).prepare(o, d)
+        >>> o[1] = 6
+        >>> call(), call.out.t
+        (1, array([7.]))
+        """
+        rays = RayArrays(o, d, tmin, tmax, axis)
+        if out is None:
+            out = Hits._make(rays.n, (), rays.axis)
+        out._check(rays)
+        _calls.check_threads(threads)
+        return Prepared(
+            self, rays, out, _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals), threads
+        )
+
+    def intersect_all(
+        self,
+        o: VectorsLike,
+        d: VectorsLike,
+        *,
+        tmin: Optional[ArrayLike] = None,
+        tmax: Optional[ArrayLike] = None,
+        proof: Optional[str] = None,
+        t_tol: float = 0.0,
+        f_tol: float = 0.0,
+        dt_min: float = 0.0,
+        max_evals: int = 0,
+        threads: int = 1,
+        axis: Optional[int] = None,
+    ) -> AllHits:
+        """Every hit of every ray, in order of t.  Arguments as for intersect().
+
+        >>> import sagitta
+        >>> sagitta.Torus(major=2, minor=0.5).intersect_all((-5, 0, 0), (1, 0, 0)).table["t"]
+        array([2.5, 3.5, 6.5, 7.5])
+        """
+        rays = RayArrays(o, d, tmin, tmax, axis)
+        option = _calls.options(None, proof, t_tol, f_tol, dt_min, max_evals)
+        count = np.empty(rays.n, np.int32)
+        cap = 4
+        while True:
+            hits = np.empty((rays.n, cap), HIT_TABLE)
+            call = self._call(C.ALL, rays, option)
+            call.cap, call.count, call.hit = cap, address(count), address(hits)
+            _calls.run(call, rays.n, threads, self._functions)
+            most = int(count.max(initial=0))
+            if most <= cap:
+                break
+            cap = most
+        if (count < 0).any():
+            bad = int(np.argmax(count < 0))
+            raise ValueError(
+                f"ray {bad} makes no sense: a number that is not finite, a direction of length 0, or "
+                "tmin above tmax"
+            )
+        kept = np.arange(cap) < count[:, None]
+        table = np.empty(
+            int(count.sum()),
+            [("ray", np.dtype("i8")), *((name, HIT_TABLE[name]) for name in HIT_TABLE.names or ())],
+        )
+        table["ray"] = np.repeat(np.arange(rays.n), count)
+        for name in HIT_TABLE.names or ():
+            table[name] = hits[name][kept]
+        return AllHits(count, table)
+
+    # ------------------------------------------------------------------ derivatives
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of the numbers that the surface has derivatives by, in their order."""
+        return tuple(f"parameter {i}" for i in range(C.library.sgt_parameters(self._struct)))
+
+    def differentiate(
+        self, o: VectorsLike, d: VectorsLike, hits: Hits, *, axis: Optional[int] = None
+    ) -> Jacobian:
+        """How the hits of these rays change with the rays and with the parameters of the surface.
+
+        `hits` are those of intersect(), with p and n.  No ray is met again.
+
+        >>> import sagitta
+        >>> plane, o, d = sagitta.Plane(), [[0, 1], [0, 0], [-5, -5]], (0, 0, 1)
+        >>> plane.differentiate(o, d, plane.intersect(o, d)).t_by_o[2]
+        array([-1., -1.])
+        """
+        rays = RayArrays(o, d, None, None, axis)
+        if not isinstance(hits, Hits):
+            raise TypeError(f"hits: must be Hits, not {type(hits).__name__}")
+        if len(hits) != rays.n:
+            raise ValueError(f"hits are of {len(hits)} rays; there are {rays.n}")
+        if "p" not in hits._rows or "n" not in hits._rows:
+            raise ValueError("hits: p and n are needed")
+        C.check_arithmetic()
+        names, n = self.parameters, rays.n
+        m = len(names)
+        by_o = [np.full(shape, np.nan) for shape in ((3, n), (3, 3, n), (3, 3, n))]
+        by_a = [np.full(shape, np.nan) for shape in ((m, n), (3, m, n), (3, m, n))]
+        out, lists = C.Jacobian(), []
+
+        def addresses(a: Floats) -> list[int]:
+            return [address(a) + 8 * n * i for i in range(a.size // n if n else 0)]
+
+        for name, a in zip(("t_by_o", "p_by_o", "n_by_o"), by_o):
+            at = getattr(out, name)
+            for i, where in enumerate(addresses(a)):
+                at[i] = where
+        for name, a in zip(("t_by_a", "p_by_a", "n_by_a"), by_a):
+            listed = (ctypes.c_void_p * max(a.size // n if n else 0, 1))(*addresses(a))
+            lists.append(listed)
+            if not m:
+                continue
+            if name == "t_by_a":
+                out.t_by_a = ctypes.addressof(listed)
+            else:
+                at = getattr(out, name)
+                for i in range(3):
+                    at[i] = ctypes.addressof(listed) + 8 * m * i
+        C.library.sgt_differentiate_batch(self._struct, n, rays.struct, hits._hits_struct(), out)
+        return Jacobian(by_o[0], by_o[1], by_o[2], by_a[0], by_a[1], by_a[2], names)
+
+    # ------------------------------------------------------------------- diagnosis
+
+    def diagnose(
+        self,
+        o: Sequence[float],
+        d: Sequence[float],
+        *,
+        tmin: float = 0.0,
+        tmax: float = math.inf,
+        pick: Optional[str] = None,
+        proof: Optional[str] = None,
+        t_tol: float = 0.0,
+        f_tol: float = 0.0,
+        dt_min: float = 0.0,
+        max_evals: int = 0,
+    ) -> Diagnosis:
+        """How the solver comes to its answer for one ray.
+
+        >>> import sagitta
+        >>> found = sagitta.Torus(major=2, minor=0.5).diagnose((-5, 0.3, 0.1), (1, 0, 0))
+        >>> found.verdict.name, found.hit.text
+        ('ROUNDING', 'hit')
+        """
+        rays = RayArrays(o, d, tmin, tmax)
+        if not rays.one:
+            raise ValueError("diagnose: takes one ray, o and d of shape (3,)")
+        steps = np.zeros(4096, STEP_TABLE)
+        log = C.Log(address(steps), len(steps), 0)
+        given = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
+        option = C.Options.from_buffer_copy(given) if given is not None else C.Options()
+        option.watch = ctypes.cast(C.library.sgt_log_step, ctypes.c_void_p)
+        option.watch_data = ctypes.addressof(log)
+        hit = self._intersect_one(rays, option)
+        found = C.library.sgt_diagnose(_byref(log))
+        return Diagnosis(
+            Verdict(found.verdict),
+            C.text(C.library.sgt_verdict_text(found.verdict)),
+            found.order,
+            found.rate,
+            found.condition,
+            found.newton,
+            found.bisect,
+            found.march,
+            found.retreat,
+            hit,
+            steps[: min(log.n, log.cap)].copy(),
+        )
+
+    def check(
+        self,
+        o: VectorsLike,
+        d: VectorsLike,
+        *,
+        tmin: ArrayLike = 0.0,
+        tmax: ArrayLike = math.inf,
+        axis: Optional[int] = None,
+    ) -> Check:
+        """Walks along the rays and tries to catch the surface breaking a promise (sgt_check of diagnose.h): a
+        gradient that is not that of F, roots outside of the span, an enclosure that does not enclose.  Give
+        finite ends.
+
+        >>> import sagitta
+        >>> sagitta.Function(lambda x, y, z: (x*x + y*y + z*z - 1, x, y, z)).check(
+        ...     (0, 0.1, -2), (0, 0, 1), tmax=4).fault.name
+        'WRONG_GRADIENT'
+        """
+        rays = RayArrays(o, d, tmin, tmax, axis)
+        table = np.empty((rays.n, 8))
+        for i, x in enumerate((*rays.o, *rays.d, *rays.keep)):
+            table[:, i] = x
+        where = np.full(3, np.nan)
+        call = self._call(C.CHECK, rays, None)
+        call.ray, call.where = address(table), address(where)
+        _calls.run(call, rays.n, 1, self._functions)
+        return Check(Fault(call.fault), C.text(C.library.sgt_fault_text(call.fault)), where)
+
+    def _set(self, ops: int, memory: Any) -> None:
+        """The struct of C; memory: what has to stay as long as this."""
+        self._memory = memory
+        self._struct = C.Surface(ops, ctypes.addressof(memory))
+        self._ref = _byref(self._struct)
+
+    def _yaml(self) -> dict[str, Any]:
+        """As a lens file has it; {}: it cannot have it."""
+        return {}
+
+
+# ------------------------------------------------------------------------ the catalogue
+
+
+def _builtins() -> Iterator[C.Builtin]:
+    at = C.address_of("sgt_builtins")
+    while True:
+        row = C.Builtin.from_address(at)
+        if not row.type:
+            return
+        yield row
+        at += ctypes.sizeof(C.Builtin)
+
+
+BUILTINS: dict[str, C.Builtin] = {row.type.decode(): row for row in _builtins()}
+
+
+def params_of(row: C.Builtin) -> Iterator[C.Param]:
+    i = 0
+    while row.params[i].name:
+        yield row.params[i]
+        i += 1
+
+
+Self = TypeVar("Self", bound="Catalogue")
+NOT_DIFFERENTIATED = {
+    "semi_diameter",
+    "norm",
+    "norm_x",
+    "norm_y",
+    "step_x",
+    "step_y",
+    "order",
+    "normalised",
+    "sag",
+}
+
+
+class Catalogue(Surface):
+    """A type of the catalogue.  Its parameters are those of a lens file, and can be read as attributes."""
+
+    type: ClassVar[str] = ""
+    _given: dict[str, Any]
+
+    def _make(self, given: dict[str, Any]) -> None:
+        """Takes the parameters that are not None; a radius stands for a curvature, 1/radius, rounded once."""
+        row = BUILTINS[self.type]
+        memory = ctypes.create_string_buffer(row.size)
+        keep: list[Any] = []
+        functions: "list[Function]" = []
+        values: dict[str, Any] = {}
+        for p in params_of(row):
+            name = p.name.decode()
+            radius = name.replace("curvature", "radius") if name.startswith("curvature") else ""
+            value = given.get(name)
+            if radius and given.get(radius) is not None:
+                if value is not None:
+                    raise ValueError(f"{self.type}: {radius} is given beside {name}; give one of the two")
+                value = self._curvature(radius, given[radius])
+            if value is None:
+                continue
+            try:
+                values[name] = self._write(memory, p, name, value, keep)
+            except (TypeError, ValueError) as error:
+                raise type(error)(f"{self.type}: {error}") from None
+        if row.object:
+            no = row.object(ctypes.addressof(memory))
+            if no.reason:
+                raise ValueError(f"{self.type}: {C.text(no.param)} {C.text(no.reason)}")
+        if row.prepare:
+            row.prepare(ctypes.addressof(memory))
+        for term in values.get("terms", ()):
+            functions += term._functions
+        object.__setattr__(self, "_given", values)
+        object.__setattr__(self, "_keep", keep)
+        self._set(row.ops, memory)
+
+    def _curvature(self, name: str, radius: Any) -> float:
+        r = float(doubles(radius, f"{self.type}: {name}"))
+        if math.isnan(r) or r == 0:
+            raise ValueError(
+                f"{self.type}: {name} must not be {'NaN' if r else 'zero; a plane has math.inf'}"
+            )
+        if math.isinf(1 / r):
+            raise ValueError(f"{self.type}: {name} is too small: {r}")
+        return 0.0 if math.isinf(r) else 1 / r
+
+    @staticmethod
+    def _range(p: C.Param, name: str, x: Floats) -> None:
+        inside = (x >= p.lo) & (x <= p.hi)
+        if not np.all(inside):
+            bad = float(x[~inside].flat[0])
+            said = (
+                f"from {p.lo:.10g} to {p.hi:.10g}"
+                if p.hi < 1.7e308
+                else f"finite and at least {p.lo:.10g}"
+                if p.lo > -1.7e308
+                else "finite"
+            )
+            raise ValueError(f"{name} must be {said}, not {bad}")
+
+    def _write(self, memory: Any, p: C.Param, name: str, value: Any, keep: list[Any]) -> Any:
+        if p.kind == C.TERMS:
+            terms = tuple(value)
+            for term in terms:
+                if not isinstance(term, Catalogue):
+                    raise TypeError(f"{name} must be surfaces of the catalogue, not {type(term).__name__}")
+            if len(terms) > p.count:
+                raise ValueError(f"{name}: has {len(terms)} surfaces; at most {p.count} are allowed")
+            rows = (C.Surface * max(len(terms), 1))(*(term._struct for term in terms))
+            keep += [rows, *terms]
+            struct.pack_into("PN", memory, p.offset, ctypes.addressof(rows), len(terms))
+            return terms
+        if p.kind == C.WORD:
+            words = p.words.decode().split("|")
+            if value not in words:
+                raise ValueError(f"{name} must be one of {', '.join(words)}, not {value!r}")
+            struct.pack_into("i", memory, p.offset, words.index(value) + 1)
+            return value
+        if p.kind == C.TRUTH:
+            if not isinstance(value, (bool, np.bool_)):
+                raise TypeError(f"{name} must be True or False, not {value!r}")
+            struct.pack_into("i", memory, p.offset, int(value))
+            return bool(value)
+        x = doubles(value, name)
+        self._range(p, name, x)
+        if p.kind == C.WHOLE:
+            if x.ndim or x != np.floor(x):
+                raise ValueError(f"{name} must be a whole number, not {value!r}")
+            struct.pack_into("i", memory, p.offset, int(x))
+            return int(x)
+        if p.kind in (C.LIST, C.TABLE):
+            x = np.array(x, order="C", ndmin=1)
+            want = 1 if p.kind == C.LIST else 2
+            if x.ndim != want or 0 in x.shape or max(x.shape) > p.count:
+                raise ValueError(
+                    f"{name} must be a {'list' if want == 1 else 'table'} of up to {p.count} "
+                    f"{'numbers' if want == 1 else f'rows and {p.count} columns'}; it has the shape "
+                    f"{x.shape}"
+                )
+            x.flags.writeable = False
+            keep.append(x)
+            struct.pack_into("PNN", memory, p.offset, address(x), *((1, *x.shape) if want == 1 else x.shape))
+            return x
+        if p.count == 1:
+            if x.ndim:
+                raise ValueError(f"{name} must be a number; it has the shape {x.shape}")
+            struct.pack_into("d", memory, p.offset, float(x))
+            return float(x)
+        if x.ndim != 1 or len(x) > p.count or (p.kind == C.VECTOR and len(x) != p.count):
+            raise ValueError(
+                f"{name} must be a list of {'' if p.kind == C.VECTOR else 'up to '}{p.count} numbers; it "
+                f"has the shape {x.shape}"
+            )
+        struct.pack_into(f"{len(x)}d", memory, p.offset, *x)
+        x = x.copy()
+        x.flags.writeable = False
+        return x
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        given = self._given
+        if name in given:
+            return given[name]
+        if name.startswith("radius") and name.replace("radius", "curvature") in (
+            p.name.decode() for p in params_of(BUILTINS[self.type])
+        ):
+            c = given.get(name.replace("radius", "curvature"), 0.0)
+            return 1 / c if c else math.inf
+        for p in params_of(BUILTINS[self.type]):
+            if p.name.decode() == name:
+                return self._default(p)
+        raise AttributeError(f"{self.type} has no parameter {name!r}")
+
+    def _default(self, p: C.Param) -> Any:
+        if p.kind == C.TERMS:
+            return ()
+        if p.kind == C.WORD:
+            return None
+        if p.kind == C.TRUTH:
+            return False
+        if p.kind == C.WHOLE:
+            return 0
+        return 0.0 if p.count == 1 else np.zeros(p.count if p.kind in (C.VECTOR,) else 0)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name.startswith("_"):
+            object.__setattr__(self, name, value)
+            return
+        raise AttributeError(f"a surface does not change; use replace({name}=...) to get another")
+
+    def replace(self: Self, **changes: Any) -> Self:
+        """The same surface with some parameters changed; None takes one away.
+
+        >>> import sagitta
+        >>> sagitta.Conic(radius=50, conic=-1).replace(radius=40)
+        Conic(curvature=0.025, conic=-1.0)
+        """
+        given = dict(self._given)
+        for name in changes:
+            if name.startswith("radius"):
+                given.pop(name.replace("radius", "curvature"), None)
+        given.update(changes)
+        return type(self)(**{name: value for name, value in given.items() if value is not None})
+
+    def __repr__(self) -> str:
+        def shown(x: Any) -> str:
+            return repr(x.tolist() if isinstance(x, np.ndarray) and x.size < 20 else x)
+
+        return f"{type(self).__name__}({', '.join(f'{k}={shown(v)}' for k, v in self._given.items())})"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Catalogue) or type(self) is not type(other):
+            return NotImplemented
+        a, b = self._given, other._given
+        return a.keys() == b.keys() and all(
+            np.array_equal(a[k], b[k]) if isinstance(a[k], np.ndarray) else a[k] == b[k] for k in a
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> Any:
+        return _again, (type(self), self._given)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        names: list[str] = []
+        # Types that share operations share parameters: those of the type that names most of them.
+        alike = [row for row in BUILTINS.values() if row.ops == BUILTINS[self.type].ops]
+        row = max(alike, key=lambda row: len(list(params_of(row))))
+        own = {p.offset: p.name.decode() for p in params_of(BUILTINS[self.type])}
+        for p in sorted(params_of(row), key=lambda p: int(p.offset)):
+            name = own.get(p.offset, p.name.decode())
+            if name in NOT_DIFFERENTIATED:
+                continue
+            if p.kind == C.TERMS:
+                for i, term in enumerate(self._given.get("terms", ())):
+                    bare = () if term.type in ("toroidal", "biconic", "cylinder") else ("curvature", "conic")
+                    names += [f"terms[{i}].{n}" for n in term.parameters if n not in bare]
+            elif p.kind in (C.LIST, C.TABLE):
+                shape = self._given[name].shape if name in self._given else (0,)
+                names += [name + "".join(f"[{i}]" for i in at) for at in np.ndindex(*shape)]
+            elif p.count > 1:
+                names += [f"{name}[{i}]" for i in range(p.count)]
+            else:
+                names.append(name)
+        count = C.library.sgt_parameters(self._struct)
+        return tuple(names) if len(names) == count else super().parameters
+
+    @classmethod
+    def specimen(cls: Type[Self]) -> Self:
+        """A usual surface of the type, of a few units of length, to test and to try."""
+        row = BUILTINS[cls.type]
+        made: Self = CLASSES[cls.type](**_read(row, row.specimen))
+        return made
+
+    def _yaml(self) -> dict[str, Any]:
+        def plain(x: Any) -> Any:
+            return (
+                x.tolist()
+                if isinstance(x, np.ndarray)
+                else [t._yaml() for t in x]
+                if isinstance(x, tuple)
+                else x
+            )
+
+        return {"type": self.type, **{name: plain(x) for name, x in self._given.items()}}
+
+
+def _read(row: C.Builtin, at: int) -> dict[str, Any]:
+    """The parameters of a struct of C."""
+    given: dict[str, Any] = {}
+    taken: set[int] = set()
+    for p in params_of(row):
+        name, where = p.name.decode(), at + p.offset
+        if p.offset in taken or (name == "slice"):
+            continue
+        value: Any
+        if p.kind == C.TERMS:
+            count = ctypes.c_size_t.from_address(where + 8).value
+            terms = (C.Surface * count).from_address(ctypes.c_void_p.from_address(where).value or 0)
+            by_ops = {int(r.ops): r for r in BUILTINS.values()}
+            value = tuple(CLASSES[by_ops[t.ops].type.decode()](**_read(by_ops[t.ops], t.self)) for t in terms)
+        elif p.kind in (C.LIST, C.TABLE):
+            n = C.Numbers.from_address(where)
+            if not n.x:
+                continue
+            value = np.array((ctypes.c_double * (n.rows * n.columns)).from_address(n.x))
+            if p.kind == C.TABLE:
+                value = value.reshape(n.rows, n.columns)
+        elif p.kind in (C.WORD, C.WHOLE, C.TRUTH):
+            number = ctypes.c_int.from_address(where).value
+            value = (
+                (p.words.decode().split("|")[number - 1] if number else None)
+                if p.kind == C.WORD
+                else (bool(number) if p.kind == C.TRUTH else number or None)
+            )
+        elif p.count > 1:
+            value = np.array((ctypes.c_double * p.count).from_address(where))
+            if not value.any():
+                continue
+        else:
+            value = ctypes.c_double.from_address(where).value or None
+        if value is not None:
+            taken.add(p.offset)
+            given[name] = value
+    return given
+
+
+def _again(cls: Any, given: dict[str, Any]) -> Any:
+    return cls(**given)
+
+
+# The classes of surfaces.py, by their types.
+CLASSES: dict[str, Any] = {}

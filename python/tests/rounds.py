@@ -1,0 +1,68 @@
+"""Rounds of making and dropping: of test_leaks.py and valgrind.py."""
+import pickle
+
+import numpy as np
+
+import sagitta
+from sagitta import Element, Lens, Plane, Sphere
+
+O, D = np.array([[0.0, 1], [0, 1], [-5, -5]]), (0, 0, 1)
+
+
+def surfaces():
+    for s in (
+        sagitta.Conic(radius=50, conic=-1),
+        sagitta.Zernike(norm=4, order="noll", coefficients=[0.1, 0.2]),
+        sagitta.Sum(terms=[sagitta.EvenAsphere(coefficients=[0, 1e-6])]),
+    ):
+        s.intersect(O, D)
+        s.intersect((0, 1, -5), D)
+        s.intersect_all(O, D)
+
+
+def functions():
+    s = sagitta.Function(lambda x, y, z: (z - 0.1 * x, -0.1 + 0 * x, 0 * x, 1 + 0 * x), inside=20)
+    s.intersect((0, 1, -5), D)
+
+
+def raising():
+    s = sagitta.Function(lambda x, y, z: 1 / 0)
+    try:
+        s.intersect((0, 1, -5), D)
+    except ZeroDivisionError:
+        pass
+
+
+def formulas():
+    sagitta.Formula("x^4 + y^4 + z^4 = a", a=16, inside=5).intersect((0, 1, -5), D)
+    try:
+        sagitta.Formula("x^4 + ) = a", a=16)
+    except sagitta.FormulaError:
+        pass
+
+
+def lenses():
+    lens = Lens(
+        [Element(Sphere(radius=50), index=1.5, thickness=5, semi_diameter=5, stop=True), Element(Plane())],
+        pupil={"semi_diameter": 4},
+    )
+    lens.trace(O, D, passages=True)
+    lens.sensitivity(O, D)
+    lens.spot(0, "fan", 3)
+    lens.first_order()
+    try:
+        Lens([Element(Sphere(radius=50), index=-1)])
+    except sagitta.LensError:
+        pass
+
+
+def pickles():
+    pickle.loads(pickle.dumps(sagitta.Conic(radius=50).intersect(O, D)))
+    pickle.loads(pickle.dumps(sagitta.Zernike(norm=4, order="noll", coefficients=[0.1, 0.2])))
+
+
+ROUNDS = {f.__name__: f for f in (surfaces, functions, raising, formulas, lenses, pickles)}
+
+
+def one_round(which):
+    ROUNDS[which]()
