@@ -11,10 +11,10 @@ sagitta's time is that of `bench_cells`, the column *formula*: first hits in bat
 programs take turns, and medians are told.
 
 Which pixels are wrong?  POV-Ray paints its hits with their distance (povray/formula.pov).  The command
-`sagitta intersect --proof first` answers for the same rays.  A pixel is wrong if one of the two hits and the
-other does not, or if their distances differ by more than 1e-3.  The share is of the pixels where sagitta hits.
-So a miss that POV-Ray should not have is counted, and one that sagitta should not have would be, too: these
-are told once more, pixels where POV-Ray alone hits, or hits nearer to the camera than sagitta does.
+`sagitta intersect --proof first` answers for the same rays.  A pixel is wrong if one of the two hits and
+the other does not, or if their distances differ by more than 1e-3.  The share is of the pixels where sagitta
+hits.  Roots that sagitta might have missed are told once more: pixels where POV-Ray alone hits, or hits
+nearer to the camera.
 """
 import array
 import math
@@ -65,7 +65,8 @@ def write_rays(path):
     numbers = rays()
     if sys.byteorder == 'big':
         numbers.byteswap()
-    path.write_bytes(b'\x93NUMPY\x01\x00' + len(head).to_bytes(2, 'little') + head.encode() + numbers.tobytes())
+    path.write_bytes(b'\x93NUMPY\x01\x00' + len(head).to_bytes(2, 'little') + head.encode() +
+                     numbers.tobytes())
 
 
 def column(path, kind):
@@ -79,9 +80,9 @@ def column(path, kind):
 def sagitta_hits(command, text, where, folder):
     """(t for each ray, NaN where nothing is hit; which rays are undecided)."""
     out = folder / 'out'
-    subprocess.run([command, 'intersect', '--surface', f'{{type: formula, f: "{text}", inside: {{ball: 1.6}}}}',
-                    '--rays', where, '--proof', 'first', '--format', 'npy', '--columns', 'status,t', '--output',
-                    out], check=False, capture_output=True)
+    surface = f'{{type: formula, f: "{text}", inside: {{ball: 1.6}}}}'
+    subprocess.run([command, 'intersect', '--surface', surface, '--rays', where, '--proof', 'first', '--format',
+                    'npy', '--columns', 'status,t', '--output', out], check=False, capture_output=True)
     status, t = column(out / 'status.npy', 'b'), column(out / 't.npy', 'd')
     for path in out.iterdir():
         path.unlink()
@@ -90,10 +91,10 @@ def sagitta_hits(command, text, where, folder):
 
 
 def povray(scene, folder, *words):
-    """Seconds of the processor in its trace phase; the picture is left in the folder.  None: it did not run."""
+    """Seconds of the processor in its trace phase; the picture is in the folder.  None: it did not run."""
     try:
-        done = subprocess.run(['povray', f'+I{HERE / scene}', f'+L{HERE}', f'+O{folder / "image"}', f'+W{WIDTH}',
-                               f'+H{HEIGHT}', '+WT1', '-D', '-A', '-J', *words], text=True,
+        done = subprocess.run(['povray', f'+I{HERE / scene}', f'+L{HERE}', f'+O{folder / "image"}',
+                               f'+W{WIDTH}', f'+H{HEIGHT}', '+WT1', '-D', '-A', '-J', *words], text=True,
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     except FileNotFoundError:
         return None
@@ -162,8 +163,10 @@ def main(build, turns):
             for g in gradients:
                 wrong, missed, nearer = compare(t, povray_depths(which, g, folder))
                 ns = 1e9 * (statistics.median(theirs[g]) - statistics.median(empty)) / RAYS
-                told.append((f'{g}: {float(f"{ns:.3g}"):,.0f}', percent(wrong, hits), percent(missed, hits), nearer))
-            first = f'| {name} | {hits:,} | {statistics.median(x for x, _, _ in ours):,.0f} | {sum(undecided)} '
+                told.append((f'{g}: {float(f"{ns:.3g}"):,.0f}', percent(wrong, hits), percent(missed, hits),
+                             nearer))
+            first = (f'| {name} | {hits:,} | {statistics.median(x for x, _, _ in ours):,.0f} '
+                     f'| {sum(undecided)} ')
             for ns, wrong, missed, nearer in told:
                 print(f'{first}| {ns} | {wrong} | {missed} | {nearer} |', flush=True)
                 first = '| | | | '

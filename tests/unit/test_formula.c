@@ -523,6 +523,7 @@ static void test_errors(void **state)
         {"x\x01", 2, "control character"},
         {"[x]", 1, "[ has no meaning in a formula: use ( and )"},
         {"x!", 2, "! has no meaning"},
+        {"|x| - 1", 1, "| has no meaning in a formula: write abs(u)"},
         {"x<y", 2, "< has no meaning"},
         {"1e400*x", 1, "larger than the largest double"},
         {"x/0", 2, "a quotient by 0"},

@@ -3,7 +3,7 @@
  *     values.c    F and its derivatives at many points, in doubles
  *     enclose.c   F and its derivatives over intervals, one cell at a time, as tight as interval.h
  *     enclose_lanes.c   F and its slope along a ray, many cells at a time, not as tight, and quick
- *     formula.c   the surface F(x, y, z) = 0
+ *     implicit.c  the surface F(x, y, z) = 0
  *     sag.c       the sag z = s(x, y)
  *
  * The tape is as tape.h says. */

@@ -47,6 +47,7 @@ static void scan_foreign(const formula_scan *s, char c)
         sgt_formula_say(f, "a control character has no meaning here");
     } else {
         f = sgt_formula_say(sgt_formula_say_part(f, &c, 1), " has no meaning in a formula");
+        if (c == '|') sgt_formula_say(f, ": write abs(u)");
         if (c == '[' || c == '{' || c == ']' || c == '}') sgt_formula_say(f, ": use ( and )");
     }
 }

@@ -276,7 +276,7 @@ static void check_known(const char *which, const char *type, sgt_surface s)
 {
     if (quad_formula_of(s)) return;
     fail_usage(
-        "%s: trade cannot measure the type %s: its errors are told against 113 bits, and there is no F of it in them",
+        "%s: trade cannot measure the type %s: errors are told against 113 bits, and it has no F in them",
         which, type);
 }
 
