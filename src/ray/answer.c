@@ -133,13 +133,13 @@ static int watch_counted(void *data, const sgt_step *step)
     return c->watch(c->data, &own);
 }
 
-static sgt_hit by_operations(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+SGT_INLINE sgt_hit by_operations(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
     return opt->proof ? sgt_prove_within(s, ray, HUGE_VAL, opt) : sgt_search_first(s, ray, opt);
 }
 
 /* Cells decide it, or what they leave has the evaluations that they left. */
-static sgt_hit by_cells(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+SGT_NOINLINE static sgt_hit by_cells(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
     sgt_hit hit;
     if (sgt_cells_first(s, ray, opt, &hit)) return hit;

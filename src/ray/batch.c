@@ -135,7 +135,7 @@ size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options
 {
     memo known;
     sgt_tile own = *tile;
-    memo_begin(&known);
+    known.begun = false;
     own.memo = &known;
     return tile_met(s, &own, opt);
 }
@@ -182,7 +182,7 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     if (s.ops && s.ops->value && !answers_itself(s.ops) && sgt_cells_offered(s, opt))
         most = SGT_MOST_TILE; /* of a short tile's last rays few slots are busy */
     memo known;
-    memo_begin(&known);
+    known.begun = false;
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += most) {
         sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),

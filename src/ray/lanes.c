@@ -981,6 +981,7 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     sgt_options own = *opt;
     if (is_catalogue(ops)) own.f_tol = 0; /* as read_of in answer.c */
     memo *known = tile->memo;
+    if (!known->begun) memo_begin(known);
     lanes_job w = {.s = s, .opt = &own, .a = &a, .kept = &known->kept, .near = opt->pick == SGT_NEAR_SEED,
                    .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                    .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .rim2 = rim2_of_surface(s),

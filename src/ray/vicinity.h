@@ -45,7 +45,7 @@ typedef struct vicinities {
 
 /* What is worked out once for a batch: what the surface shares, and what is known of parts of it. */
 typedef struct memo {
-    bool shares;
+    bool begun, shares; /* begun: set by who reads the rest first */
     sgt_shared shared;
     vicinities kept;
 } memo;
@@ -57,7 +57,7 @@ SGT_INLINE void vicinities_begin(vicinities *v)
     v->rings.any = v->any_heights = false;
 }
 
-SGT_INLINE void memo_begin(memo *m) { m->shares = false, vicinities_begin(&m->kept); }
+SGT_INLINE void memo_begin(memo *m) { m->begun = true, m->shares = false, vicinities_begin(&m->kept); }
 
 /* Some rays, a row each.
  *

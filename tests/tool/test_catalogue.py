@@ -488,8 +488,10 @@ def test_document():
     assert len(types) >= 20, types
     for name in types:
         assert f'`{name}`' in text, name
-        done = run('intersect', '--surface', '{type: %s, nothing: 1}' % name, '--ray', '0 0 -5 0 0 1', exit=BAD_INPUT)
-        for key in done.stderr.strip().split('known here: ')[1].replace(' or ', ', ').split(', '):
+        text_of = ', f: x' if name == 'formula' else ''
+        done = run('intersect', '--surface', '{type: %s, nothing: 1%s}' % (name, text_of), '--ray', '0 0 -5 0 0 1', exit=BAD_INPUT)
+        known = done.stderr.strip().split('known here: ')[1].removesuffix(', and the parameters that the formula names')
+        for key in known.replace(' or ', ', ').split(', '):
             assert f'`{key}`' in text, (name, key)
 
 
