@@ -20,6 +20,7 @@
  *     sgt_catalogue_free(c); */
 #ifndef SAGITTA_LENS_H
 #define SAGITTA_LENS_H
+#include <sagitta/formula.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 #include <stdint.h>
@@ -334,6 +335,12 @@ SGT_API bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[],
  * the line that names it.  false: an index by numbers, or the medium in front. */
 SGT_API bool sgt_lens_glass(const sgt_lens *lens, size_t place, sgt_glass *glass,
                             size_t *line);
+
+/* The text of a surface that is a formula (place 1 ... count), its parameters as the file
+ * gives them, and how many there are.  They last as long as the lens.  false: it is of
+ * another type. */
+SGT_API bool sgt_lens_formula(const sgt_lens *lens, size_t place, const char **text,
+                              const sgt_named **parameters, size_t *n);
 
 /* The lens as a lens file in YAML, whatever it was read from: it reads back as the same
  * lens, bit for bit.  Comments at the head of the file, and the notes of a .zmx file,

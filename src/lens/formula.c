@@ -99,8 +99,9 @@ static size_t read_parameters(source *s, const node *map, const char *text, sgt_
     return n;
 }
 
+/* self: of the surface.  The text and the parameters are kept beside it, since a tape cannot be read. */
 static const sgt_tape *read_text(source *s, const node *map, const node *n, const char *key,
-                                 sgt_formula_kind kind)
+                                 sgt_formula_kind kind, const void *self)
 {
     const char *text = tree_read_text(s, n, key);
     sgt_named *named;
@@ -108,7 +109,12 @@ static const sgt_tape *read_text(source *s, const node *map, const node *n, cons
     void *room = tree_room(s, (size + 7) / 8 + 1, 8);
     sgt_formula_error e = {0};
     const sgt_tape *tape = sgt_formula_read(text, kind, count, named, room, size, &e);
-    if (tape) return tape;
+    if (tape) {
+        formula_text *kept = tree_room(s, 1, sizeof *kept);
+        *kept = (formula_text){self, text, named, count, s->formula};
+        s->formula = kept;
+        return tape;
+    }
     const char *hint = strstr(e.text, " is not known; there are ") ? "; a parameter is a key beside " : NULL;
     if (hint) tree_fail(s, n->line, key, "column %zu: %s%s%s, as in a: 1", e.column, e.text, hint, key);
     if (e.column) tree_fail(s, n->line, key, "column %zu: %s", e.column, e.text);
@@ -132,7 +138,7 @@ sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const 
     if (f) {
         sgt_formula *self = tree_room(s, 1, sizeof *self);
         if (inside) read_inside(s, inside, self);
-        self->tape = read_text(s, map, f, "f", SGT_FORMULA_XYZ);
+        self->tape = read_text(s, map, f, "f", SGT_FORMULA_XYZ, self);
         *type = &implicit;
         return (sgt_surface){&sgt_formula_ops, self};
     }
@@ -140,7 +146,7 @@ sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const 
     if (semi) self->semi_diameter = tree_read_number(s, semi, "semi_diameter", NUMBER_FINITE);
     if (!(self->semi_diameter >= 0))
         tree_fail(s, semi->line, "semi_diameter", "must be 0 or more, not %.60s", semi->text);
-    self->tape = read_text(s, map, of_sag, "sag", SGT_FORMULA_XY);
+    self->tape = read_text(s, map, of_sag, "sag", SGT_FORMULA_XY, self);
     *type = &sag;
     return (sgt_surface){&sgt_formula_sag_ops, self};
 }

@@ -510,6 +510,18 @@ bool sgt_lens_glass(const sgt_lens *lens, size_t place, sgt_glass *glass, size_t
     return true;
 }
 
+bool sgt_lens_formula(const sgt_lens *lens, size_t place, const char **text, const sgt_named **parameters,
+                      size_t *n)
+{
+    const whole_lens *w = (const void *)lens;
+    if (place < 1 || place > lens->count) return false;
+    const formula_text *f = w->formula;
+    while (f && f->self != lens->element[place - 1].surface.self) f = f->next;
+    if (!f) return false;
+    *text = f->text, *parameters = f->parameter, *n = f->count;
+    return true;
+}
+
 /* ------------------------------------------------------------------- a lens */
 
 void sgt_read_lens(whole_lens *w, source *s)

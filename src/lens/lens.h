@@ -12,6 +12,7 @@ typedef struct whole_lens {
     sgt_element *element;
     sgt_lens_surface *about;
     medium *medium;          /* [count + 1]: in front of the first surface, behind each */
+    formula_text *formula;   /* of the surfaces that are formulas, in any order */
     media media;             /* while it is read */
 } whole_lens;
 

@@ -57,7 +57,7 @@ static void read_into(maker make, whole_lens *w, source *s, const char *name, co
     else sgt_read_yaml(s);
     make(w, s);
     w->lens.remarks = s->remarks, w->lens.remark = s->remark;
-    w->root = s->root, w->comment = s->comment, w->comments = s->comments;
+    w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
 }
 
 static bool read_by(maker make, whole_lens *w, source *s, const char *name, const char *text, size_t length)

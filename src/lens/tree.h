@@ -43,6 +43,15 @@ typedef struct node {
     bool *taken;          /* of a map */
 } node;
 
+/* The text of a surface that is a formula, and its parameters. */
+typedef struct formula_text {
+    const void *self;     /* of the surface */
+    const char *text;
+    const sgt_named *parameter;
+    size_t count;
+    struct formula_text *next;
+} formula_text;
+
 /* What is being read. */
 typedef struct source {
     const char *file;     /* a file, or the option that held the text */
@@ -57,6 +66,7 @@ typedef struct source {
     bool in_lens;         /* not one surface alone */
     sgt_lens_remark *remark;
     size_t remarks, remark_room;
+    formula_text *formula; /* those that have been read, the last one first */
     const char **comment; /* lines at the head of the file, for people */
     size_t comments, comment_room;
 } source;

@@ -15,9 +15,11 @@ import sys
 import xml.etree.ElementTree as xml
 from decimal import Decimal
 
+import mpmath
+
 from command import *
 
-decimal.getcontext().prec = 60
+decimal.getcontext().prec = mpmath.mp.dps = 60
 QUICK = ('--seconds', '0')
 FIRST = 'case,setting,ns,evals,err_median,err_99,err_worst,undecided,wrong,rays,best'.split(',')
 LAST = ['ns_low', 'ns_high', 'effect']
@@ -263,25 +265,26 @@ def test_pick():
 RAYS = [(1.25, -0.5, -5, 0.1, 0.05, 0.99), (-2, 0.75, -3, 0.05, -0.1, 1), (0.3, 2.1, -8, -0.02, -0.11, 2), (1, 1, -1e6, 1e-7, -1e-7, 0.7)]
 
 
-def worst_error(surface, value, several=RAYS):
+def worst_error(surface, value, several=RAYS, number=Decimal):
     """Of the t that `sagitta intersect` prints: from a root of value(t, ray) by secants in 60 digits."""
     found = rows('intersect', '--surface', surface, '--rays', '-', stdin=rays(*several))
     worst = 0
     for ray, row in zip(several, found):
         equal(row['status'], 'hit')
-        exact = [Decimal(float(v)) for v in ray]
-        t = Decimal(float(row['t']))
-        step = abs(t) * Decimal('1e-20')
+        exact = [number(float(v)) for v in ray]
+        t = number(float(row['t']))
+        step = abs(t) * number('1e-20')
         for _ in range(4):
             f = value([exact[i] + t * exact[3 + i] for i in range(3)])
             ahead = value([exact[i] + (t + step) * exact[3 + i] for i in range(3)])
             t -= f * step / (ahead - f)
-        worst = max(worst, abs(t - Decimal(float(row['t']))))
+        worst = max(worst, abs(t - number(float(row['t']))))
     return float(worst)
 
 
-def same_worst(surface, value, several=RAYS):
-    wanted = worst_error(surface, value, several)
+def same_worst(surface, value, several=RAYS, number=Decimal):
+    wanted = worst_error(surface, value, several, number)
+    assert wanted > 0, surface
     got = by_setting(trade('--surface', surface, '--rays', '-', stdin=rays(*several)))['default']
     close(got['err_worst'], wanted, 1e-9 * wanted, surface)
     equal((got['rays'], got['wrong']), (str(len(several)), '0'))
@@ -326,6 +329,64 @@ def test_level_sets_in_sixty_digits():
     same_worst('{type: mandelbrot, power: 3, iterations: 4}', mandelbrot, several)
 
 
+BARTH = ('{type: formula, f: "4*(p^2*x^2 - y^2)*(p^2*y^2 - z^2)*(p^2*z^2 - x^2) = (1 + 2*p)*(x^2 + y^2 + z^2 - 1)^2", '
+         'p: 1.618033988749895, inside: {ball: 1.6}}')
+GYROID = '{type: formula, f: "sin(k*x)*cos(k*y) + sin(k*y)*cos(k*z) + sin(k*z)*cos(k*x) = 1e-1", k: 5.5, inside: {box: [1, 1, 1]}}'
+TWISTED = '{type: formula, sag: "c*r^2/(1 + sqrt(1 - (1 + k)*c^2*r^2)) + a*r^4*cos(3*atan2(y, x))", c: 0.1, k: -0.6, a: 1e-4, semi_diameter: 6}'
+
+
+def test_formulas_in_sixty_digits():
+    mp = mpmath
+    several = [(0.1, 0.2, -3, 0, 0.02, 1), (0.3, -0.1, -4, -0.05, 0.1, 1.5), (3, 0.7, 0.2, -1, 0.05, 0.03), (-2, 1.5, 3, 0.8, -0.7, -1.1)]
+
+    def barth(at):
+        x, y, z = (v * v for v in at)
+        g = mp.mpf(1.618033988749895)
+        return 4 * (g * g * x - y) * (g * g * y - z) * (g * g * z - x) - (1 + 2 * g) * (x + y + z - 1) ** 2
+
+    def gyroid(at):
+        x, y, z = (mp.mpf(5.5) * v for v in at)
+        return mp.sin(x) * mp.cos(y) + mp.sin(y) * mp.cos(z) + mp.sin(z) * mp.cos(x) - mp.mpf(0.1)
+
+    def twisted(at):
+        x, y, z = at
+        c, k, a, r = mp.mpf(0.1), mp.mpf(-0.6), mp.mpf(1e-4), mp.hypot(x, y)
+        return z - c * r**2 / (1 + mp.sqrt(1 - (1 + k) * c**2 * r**2)) - a * r**4 * mp.cos(3 * mp.atan2(y, x))
+
+    same_worst(BARTH, barth, several, mp.mpf)
+    same_worst(GYROID, gyroid, several, mp.mpf)
+    same_worst(TWISTED, twisted, RAYS[:3], mp.mpf)
+    # functions, powers of a parameter, min, a number with an exponent and no point
+    same_worst('{type: formula, f: "exp(-x^2) + log(2.5 + y)/3 + (2.5 + z)^p = min(cosh(z), tan(0.5)) + 1.5 + atan(z) + tanh(x*y)*cbrt(1e1)", p: 0.7, inside: {ball: 2}}',
+               lambda p: mp.exp(-p[0]**2) + mp.log(2.5 + p[1]) / 3 + (2.5 + p[2]) ** mp.mpf(0.7) - min(mp.cosh(p[2]), mp.tan(0.5)) - 1.5 -
+               mp.atan(p[2]) - mp.tanh(p[0] * p[1]) * mp.cbrt(10), [(3, 0.2, 0.1, -1, 0.1, 0.2), (0.3, -3, 0.1, 0.01, 1, 0.1), (-0.5, -3, -0.5, 0.1, 1, 0.1)], mp.mpf)
+
+
+def test_formulas_by_default():
+    """Rays that suit them, and every knob that other bodies and sags have; a box is met where it stands."""
+    elsewhere = '{type: formula, f: "(x - 9)^2 + (y - 7)^2 + z^2 = a", a: 0.5, inside: {box: [[8, 6, -1], [10, 8, 1]]}}'
+    for surface in (TWISTED, elsewhere, '{type: formula, f: "x^4 + y^4 + z^4 = a", a: 1}', '{type: formula, sag: "0.01*r^2"}'):
+        lines = run('trade', '--surface', surface, *QUICK).stdout.splitlines()
+        assert int(re.search(r'1000 rays, (\d+) of them met', lines[0])[1]) > 250 and 'left out' not in lines[1], lines[:2]
+        head = next(line for line in lines if line.startswith('setting')).split()
+        got = {line.split()[0]: dict(zip(head, line.split())) for line in reversed(lines[3:]) if len(line.split()) >= len(head) - 1}
+        for name in ('default', 'single', 'out=t', 'out=all', 't_tol=1e-9', 'pick=near-seed', 'proof=root', 'proof=first'):
+            equal((got[name]['wrong'], got[name]['undecided']), ('0', '0'), (surface, name))
+            assert float(got[name]['err_worst']) < (1e-9 if 'tol' in name else 1e-13), (surface, got[name])
+        assert not any(name.startswith('dt_min') for name in got), got
+
+
+def test_vertex_of_a_formula():
+    """r and atan2 have no slope there, and formula.h says that the polynomial is meant."""
+    got = by_setting(trade('--surface', TWISTED, '--ray', '0 0 -3 0 0 1', '--ray', '0 0 4 0.1 0 -1'))['default']
+    assert got['err_worst'] != 'nan' and float(got['err_worst']) < 1e-15, got
+    text = run('trade', '--surface', TWISTED, '--ray', '0 0 -3 0 0 1', *QUICK).stdout
+    assert '1 ray, 1 of them met' in text and 'left out' not in text, text
+    # a tip has no slope, and no exact answer
+    text = run('trade', '--surface', '{type: formula, f: "z*z = r^2", inside: {ball: 2}}', '--ray', '1 0 0 -1 0 0', *QUICK).stdout
+    assert 'left out' in text, text
+
+
 SINGLET = '''units: mm
 wavelengths: [0.5]
 surfaces:
@@ -357,7 +418,15 @@ def exact_landing(ray):
 
 
 def test_lens_in_sixty_digits():
-    lens, text = written(SINGLET), rays(*BEAM)
+    lens_in_sixty_digits(SINGLET)
+    formulas = SINGLET.replace('type: sphere, radius: 30', f'type: formula, sag: "c*r^2/(1 + sqrt(1 - c^2*r^2))", c: {1 / 30!r}')
+    formulas = formulas.replace('type: sphere, radius: -40', 'type: formula, f: "2*z = c*(x^2 + y^2 + z^2)", c: -0.025, inside: {ball: 20}')
+    equal(formulas.count('formula'), 2)
+    lens_in_sixty_digits(formulas)
+
+
+def lens_in_sixty_digits(which):
+    lens, text = written(which), rays(*BEAM)
     ends = [row for row in rows('trace', lens, '--rays', '-', '--frame', 'global', stdin=text) if row['element'] == '3']
     equal(len(ends), len(BEAM))
     point = path = 0
@@ -440,7 +509,7 @@ TYPES = {**surfaces_types.specimens(), 'sum': 'curvature: 0.02, semi_diameter: 5
 def test_every_type():
     earth = {'geodetic_height', 'level_gravity', 'geoid'}
     known = set(re.findall(r'\w+', run('trade', '--surface', '{type: none}', exit=BAD_INPUT).stderr.split('there are:')[-1]))
-    equal(known - earth - {'formula'}, set(TYPES))
+    equal(known - earth - {'formula'}, set(TYPES))  # formulas: above
     for name, keys in TYPES.items():
         lines = run('trade', '--surface', f'{{type: {name}, {keys}}}', *QUICK).stdout.splitlines()
         rays, met = map(int, re.search(r'; (\d+) rays, (\d+) of them met', lines[0]).groups())
@@ -480,14 +549,18 @@ def test_bad_options():
 
 def test_bad_input():
     for arguments, word in ((('--surface', '{type: cone}'), 'type'), (('nowhere.yaml',), 'nowhere.yaml'),
-                            (('--surface', CONIC, '--ray', '1 2 3'), '--ray')):
+                            (('--surface', CONIC, '--ray', '1 2 3'), '--ray'),
+                            (('--surface', '{type: formula, f: "x^4 + y^4 + = a", a: 1}'), 'column 13'),
+                            (('--surface', '{type: formula, f: "x^2 + b*y^2 = 1"}'), 'b is not known'),
+                            (('--surface', '{type: formula, sag: "0.01*r^2 + z"}'), 'a sag has no z'),
+                            (('--surface', '{type: formula, f: "x + y", b: 1}'), 'does not name it')):
         done = run('trade', *arguments, *QUICK, exit=BAD_INPUT)
         assert word in done.stderr and not done.stdout, (arguments, done.stderr)
 
 
 def test_what_is_not_used_is_told():
     for arguments, word in ((('--surface', CONIC, '--dt-min', '0.1'), '--dt-min'), (('--surface', CONIC, '--iterations', '4,5'), '--iterations'),
-                            (('--surface', JULIA, '--pick', 'near-seed'), '--pick')):
+                            (('--surface', JULIA, '--pick', 'near-seed'), '--pick'), (('--surface', BARTH, '--dt-min', '0.1'), '--dt-min')):
         assert word in run('trade', *arguments, *QUICK).stderr, arguments
     equal(run('trade', '--surface', CONIC, *QUICK).stderr, '')
 

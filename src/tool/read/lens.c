@@ -107,6 +107,16 @@ sgt_lens *lens_keep(sgt_lens *l)
     return lenses[lens_count++] = l;
 }
 
+bool lens_formula_of(sgt_surface s, const char **text, const sgt_named **parameter, size_t *count)
+{
+    for (size_t i = 0; i < lens_count; i++)
+        for (size_t k = 1; k <= lenses[i]->count; k++)
+            if (lenses[i]->element[k - 1].surface.self == s.self &&
+                sgt_lens_formula(lenses[i], k, text, parameter, count))
+                return true;
+    return false;
+}
+
 static bool strict;
 
 void lens_be_strict(void) { strict = true; }

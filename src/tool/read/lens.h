@@ -46,6 +46,10 @@ _Noreturn void lens_refuse(const sgt_lens_error *e);
 /* The same of a lens that was read, where the line is that of its beginning. */
 _Noreturn void lens_fail(const lens *l, const char *key, const char *format, ...) LIKE_PRINTF(3, 4);
 
+/* The text of a surface that is a formula, and its parameters: of any lens that lens_keep has.  false: it is
+ * none. */
+bool lens_formula_of(sgt_surface s, const char **text, const sgt_named **parameter, size_t *count);
+
 /* Frees it when the command ends. */
 sgt_lens *lens_keep(sgt_lens *l);
 

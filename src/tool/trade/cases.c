@@ -8,7 +8,8 @@
  * r is the smallest of 5/8 of semi_diameter, 5/8 of the norm of its polynomials, 5/8 of half a grid, and 1/4
  * of a radius; 1 if it has none of these.  On a body or a level set: from a sphere about the origin of its
  * frame, of radius 1.5 times its reach, toward any point within 3/4 of the reach.  The reach is the farthest
- * root on the axes, or of a level set half the chord of its ball.  Random numbers are splitmix64 (Steele,
+ * root on the axes, or of a level set half the chord of its ball.  A formula f has the reach of its ball; of
+ * a box, about whose middle the sphere then is, half its diagonal.  Random numbers are splitmix64 (Steele,
  * Lea, Flood 2014, OOPSLA) from 0x1234567, so the rays are always the same. */
 #include "trade.h"
 
@@ -51,13 +52,14 @@ static sgt_vec3 on_sphere(uint64_t *state, double radius)
     return (sgt_vec3){radius * r * cos(angle), radius * r * sin(angle), radius * z};
 }
 
-static sgt_ray set_ray(uint64_t *state, double escape)
+static sgt_ray set_ray(uint64_t *state, sgt_vec3 middle, double escape)
 {
     sgt_vec3 o = on_sphere(state, 1.5 * escape),
              to = on_sphere(state, 0.75 * escape * cbrt(unit_random(state)));
     sgt_vec3 d = {to.x - o.x, to.y - o.y, to.z - o.z};
     double length = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    return (sgt_ray){.o = o, .d = {d.x / length, d.y / length, d.z / length}};
+    return (sgt_ray){.o = {middle.x + o.x, middle.y + o.y, middle.z + o.z},
+                     .d = {d.x / length, d.y / length, d.z / length}};
 }
 
 /* Half the chord of the ball on the line through the origin: about how far the set reaches. */
@@ -89,6 +91,10 @@ static double sag_reach(sgt_surface s)
         {"curvature", true}, {"curvature_x", true}, {"curvature_y", true},
     };
     double reach = HUGE_VAL;
+    if (s.ops == &sgt_formula_sag_ops) {
+        double rim = ((const sgt_formula_sag *)s.self)->semi_diameter;
+        return rim > 0 ? 0.625 * rim : 1;
+    }
     for (size_t i = 0; i < sizeof limit / sizeof limit[0]; i++) {
         const double *x = surface_number(s, limit[i].key);
         if (x && *x != 0) reach = fmin(reach, limit[i].curvature ? 0.25 / fabs(*x) : 0.625 * *x);
@@ -103,14 +109,31 @@ static double sag_reach(sgt_surface s)
     return reach < HUGE_VAL ? reach : 1;
 }
 
+/* Of a formula f, by its ball or box; *middle: of the box. */
+static double clip_reach(sgt_surface s, sgt_vec3 *middle)
+{
+    const sgt_formula *f = s.self;
+    sgt_vec3 half = {0.5 * (f->hi.x - f->lo.x), 0.5 * (f->hi.y - f->lo.y), 0.5 * (f->hi.z - f->lo.z)};
+    double diagonal = sqrt(half.x * half.x + half.y * half.y + half.z * half.z);
+    if (f->ball > 0 && !(diagonal > 0 && diagonal < f->ball)) return f->ball;
+    if (!(diagonal > 0)) return body_reach(s);
+    *middle = (sgt_vec3){f->lo.x + half.x, f->lo.y + half.y, f->lo.z + half.z};
+    return diagonal;
+}
+
 static ray_list default_rays(sgt_surface s)
 {
     ray_list list = {.count = 0};
     uint64_t state = 0x1234567;
-    bool sag = profile_is_sag(s);
-    double reach = sag ? sag_reach(s) : surface_is_level_set(s) ? half_chord(s) : body_reach(s);
+    bool clipped = s.ops == &sgt_formula_ops;
+    bool sag = s.ops == &sgt_formula_sag_ops || (!clipped && profile_is_sag(s));
+    sgt_vec3 middle = {0, 0, 0};
+    double reach = sag                       ? sag_reach(s)
+                   : clipped                 ? clip_reach(s, &middle)
+                   : surface_is_level_set(s) ? half_chord(s)
+                                             : body_reach(s);
     for (int i = 0; i < RAYS_DEFAULT; i++)
-        rays_add(&list, (launch){.ray = sag ? sag_ray(&state, reach) : set_ray(&state, reach)});
+        rays_add(&list, (launch){.ray = sag ? sag_ray(&state, reach) : set_ray(&state, middle, reach)});
     return list;
 }
 
@@ -271,9 +294,21 @@ static void iterations_case(trade *t, const trade_options *o, const char *name, 
 
 /* ------------------------------------------------------ surfaces and lenses */
 
+/* Gives a surface that is a text its definition in 113 bits. */
+static void read_formula(const char *which, sgt_surface s)
+{
+    const char *text;
+    const sgt_named *parameter;
+    size_t count;
+    if (quad_formula_of(s) || !lens_formula_of(s, &text, &parameter, &count)) return;
+    size_t at = quad_formula_read(s, text, count, parameter);
+    if (at) fail_usage("%s: column %zu of the formula cannot be worked out in 113 bits", which, at);
+}
+
 /* Ends with an error if there is no formula in 113 bits for a surface; which: "--surface" or "element 2". */
 static void check_known(const char *which, const char *type, sgt_surface s)
 {
+    read_formula(which, s);
     if (quad_formula_of(s)) return;
     fail_usage(
         "%s: trade cannot measure the type %s: errors are told against 113 bits, and it has no F in them",

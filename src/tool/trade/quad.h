@@ -2,10 +2,11 @@
  *
  * The library's own certain answer says which root is meant, and which elements a ray passes.
  * Where the root lies is computed here without any code of the library: by Newton's method
- * (quad.c) on the definitions of the surfaces (formulas.hpp). */
+ * (quad.c) on the definitions of the surfaces (formulas.hpp, text.hpp). */
 #ifndef TOOL_QUAD_H
 #define TOOL_QUAD_H
 #include <float.h>
+#include <sagitta/formula.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 #include <stdbool.h>
@@ -27,9 +28,14 @@ typedef struct quad3 { quad x, y, z; } quad3;
  * the formulas are written. */
 void quad_check(void);
 
-/* The formula of a surface, which lasts until the command ends; NULL: there is none for its type. */
+/* The formula of a surface, which lasts until the command ends; NULL: there is none for its type.  Of a
+ * surface that is a text there is one after quad_formula_read. */
 typedef struct quad_formula quad_formula;
 const quad_formula *quad_formula_of(sgt_surface s);
+
+/* Takes the text and the n parameters as the definition of s, an sgt_formula or sgt_formula_sag (text.hpp).
+ * Returns the column, from 1, of what is not understood; 0: nothing. */
+size_t quad_formula_read(sgt_surface s, const char *text, size_t n, const sgt_named parameter[]);
 
 /* A function that is zero on the surface, and its gradient, which there is along that of F. */
 quad quad_value(const quad_formula *f, quad3 p, quad3 *grad);
