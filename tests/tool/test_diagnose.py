@@ -134,6 +134,30 @@ def test_bare_methods_in_a_lens():
     assert 'f-theta scan lens: ray 4.' in text and 'Element 2 (sphere)' in text, text[:300]
 
 
+def test_formulas():
+    """Newton's steps on x^4 + z^4 = 1 and on a sag written out, against arithmetic; a miss; a lens; bad text."""
+    quartic = ('--surface', '{type: formula, f: "x^4 + y^4 + z^4 = a", a: 1, inside: {ball: 1.6}}')
+    got = diagnose(*quartic, '--ray', '0.5 0 -3 0 0 1')
+    for row in got:
+        if row['move'] == 'march':  # a cell, not a point
+            continue
+        z = float(row['t']) - 3
+        close(row['f'], 0.0625 + z**4 - 1, 1e-14)
+        if row['slope'] not in ('nan', ''):
+            close(row['slope'], 4 * z**3, 1e-13)
+    assert any(row['move'] == 'newton' for row in got), got
+    close(got[-1]['t'], 3 - 0.9375**0.25, 1e-14)
+    done = run('diagnose', *quartic, '--ray', '3 3 -3 0 0 1').stdout
+    assert 'miss' in done, done
+    sag = '{type: formula, sag: "c*r^2/(1 + sqrt(1 - c^2*r^2)) + a*r^3*cos(3*atan2(y, x))", c: -0.05, a: 1e-3, semi_diameter: 6}'
+    close(diagnose('--surface', sag, '--ray', '2 0 -5 0 0 1')[-1]['t'], 5 - 0.2 / (1 + math.sqrt(0.99)) + 0.008, 1e-14)
+    close(diagnose('--surface', sag, '--ray', '0 0 -5 0 0 1')[-1]['t'], 5, 0)
+    lens = written(f'surfaces: [{sag[:-1]}, thickness: 3, index: 1.5}}, {{type: plane}}]\npupil: {{semi_diameter: 5}}\n')
+    assert 'passed' in run('diagnose', lens, '--fan', 3, '--ray', '0').stdout
+    done = run('diagnose', '--surface', '{type: formula, f: "x^4 + (y = 1"}', '--ray', '0 0 -5 0 0 1', exit=BAD_INPUT)
+    assert 'column 10' in done.stderr and not done.stdout, done.stderr
+
+
 def test_ray_that_took_most():
     """The default is the ray with most evaluations in all, or at the element asked for."""
     lens = LENSES / 'aspheric_singlet.yaml'

@@ -176,7 +176,7 @@ private:
 
     private:
         const text_formula &of_;
-        const T &x_, &y_, &z_;
+        const T x_, y_, z_;
         const double beside_;
         const char *s_;
         std::size_t lost_;
