@@ -33,7 +33,9 @@
  *
  * UNDEFINED is a root of a negative number, a logarithm of 0 or less, an arc sine or
  * cosine beyond 1, a quotient by 0, atan2(0, 0), and all that is made of it.  F is NaN
- * there.  If numbers alone are not defined, such as 1/0, the text is refused.
+ * there.  If numbers alone are not defined, such as 1/0, the text is refused, and so is
+ * one that is the same everywhere.  A ray through the very place where atan2(0, 0) is
+ * asked is left undecided; so is what depends on sin, cos or tan of more than 2^26.
  *
  * THE VERTEX.  r^n cos(n atan2(y, x)) and r^n sin(n atan2(y, x)), n a whole number up to
  * 64, are worked out as the polynomials that they are, and even powers of r as those of

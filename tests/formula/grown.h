@@ -207,7 +207,7 @@ private:
         static const char *const words[] = {
             "",     "pi",   "",     "x",    "y",    "z",   "r", "-",   "sqrt", "cbrt", "exp",
             "log",  "sin",  "cos",  "tan",  "asin", "acos", "atan", "sinh", "cosh", "tanh", "abs",
-            "^",    " + ",  " - ",  "*",    "/",    "atan2", "min", "max", "hypot", "^"};
+            "^",    " + ",  " - ",  "*",    "/",    "atan2", "min", "max", "hypot", "^",   ""};
         const node n = nodes_[static_cast<std::size_t>(i)];
         const std::string word = words[static_cast<int>(n.what)];
         char s[40];

@@ -35,6 +35,14 @@ static sgt_interval multiple_of(sgt_interval x, double by) { return sgt_interval
 static bool may_be_zero(sgt_interval x) { return !(x.lo > 0) && !(x.hi < 0); }
 static bool has_ends(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
 
+/* Of the origin alone any angle: a ray through it is left undecided, not missed. */
+static sgt_interval angle_of(sgt_interval y, sgt_interval x)
+{
+    const sgt_interval around = {-1, 1};
+    bool origin = y.lo == 0 && y.hi == 0 && x.lo == 0 && x.hi == 0;
+    return origin ? sgt_interval_angle(around, around) : sgt_interval_angle(y, x);
+}
+
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b)
 {
     switch (op) {
@@ -45,7 +53,7 @@ sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_inte
     case FORMULA_MIN: return sgt_interval_minimum(a, b);
     case FORMULA_MAX: return sgt_interval_maximum(a, b);
     case FORMULA_HYPOT: return sgt_interval_hypotenuse(a, b);
-    case FORMULA_ATAN2: return sgt_interval_angle(a, b);
+    case FORMULA_ATAN2: return angle_of(a, b);
     case FORMULA_REAL_POWER: return sgt_interval_real_power(a, b);
     case FORMULA_POWER: return sgt_interval_power(a, n);
     case FORMULA_SQUARE: return sgt_interval_square(a);
