@@ -521,8 +521,8 @@ def test_every_type():
         assert 0 < float(default['err_worst']) < 1e-12, default
 
 
-def test_the_earth_and_formulas_are_refused():
-    for name, keys in (('geodetic_height', 'h: 0'), ('level_gravity', 'h: 0'), ('formula', 'sag: "0.1*r^2"')):
+def test_the_earth_is_refused():
+    for name, keys in (('geodetic_height', 'h: 0'), ('level_gravity', 'h: 0')):
         surface = f'{{type: {name}, {keys}}}'
         here = name in run('trade', '--surface', '{type: none}', exit=BAD_INPUT).stderr
         done = run('trade', '--surface', surface, *QUICK, exit=USAGE if here else BAD_INPUT)
