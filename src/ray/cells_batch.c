@@ -141,7 +141,7 @@ static void cells_cut(size_t n, const sgt_rays *rays, size_t from, double *lo, d
                     (length * inverse > 0x1p-400) & (inverse > 0x1p-400) & (inverse < 0x1p400) & whole;
         double known = fits ? (double)READY : (double)SGT_HARD;
         lo[i] = a, hi[i] = b;
-        state[i] = misses | (a > b) ? (double)SGT_MISS : known;
+        state[i] = (misses | (a > b)) ? (double)SGT_MISS : known;
     }
 }
 
@@ -361,10 +361,10 @@ SGT_INLINE double meeting_step(meetings *s, size_t k)
     double slope = s->fx[k] * l + s->fy[k] * m + s->fz[k] * n, side = f * s->sign[k];
     lo = side > 0 ? tau : lo, hi = side > 0 ? hi : tau;
     double next = tau - f / slope, middle = 0.5 * (lo + hi);
-    next = (next >= lo) & (next <= hi) ? next : middle;
+    next = ((next >= lo) & (next <= hi)) ? next : middle;
     double size = fabs(next - tau), ratio = size / last, fine = 0x1p-53 * larger(fabs(s->t0[k]), fabs(tau)),
            left = size * (ratio * ratio);
-    double more = (left > fine) & (size > 0) ? 1.0 : 0.0;
+    double more = ((left > fine) & (size > 0)) ? 1.0 : 0.0;
     bool on = asks != 0;
     tau = on ? next : tau;
     s->evals[k] += asks;
@@ -416,7 +416,7 @@ SGT_INLINE void meeting_certify(meetings *s, size_t k, size_t n)
     s->steep[k] = (lo > 0 ? lo : -hi) * s->scale[k];
     s->room[k] = (before < behind ? before : behind) * in;
     s->tau_err[k] = (larger(to - shift, shift - from) * up + DBL_MIN) * inverse;
-    s->good[k] = inside & monotone & (s->asks[k] == 0) ? 1.0 : 0.0;
+    s->good[k] = (inside & monotone & (s->asks[k] == 0)) ? 1.0 : 0.0;
     s->t0[k] = t0, s->tau[k] = tau;
     double x = moved_along(s->o[0][k], t0, s->l[k]), y = moved_along(s->o[1][k], t0, s->m[k]),
            z = moved_along(s->o[2][k], t0, s->n[k]);

@@ -191,7 +191,7 @@ HERE Range operator*(double k, Range a)
 HERE Range square(Range a)
 {
     lanes p = a.lo * a.lo, q = a.hi * a.hi, zero = {};
-    Range r = out((a.lo < 0) & (a.hi > 0) ? zero : least(p, q), most(p, q));
+    Range r = out(((a.lo < 0) & (a.hi > 0)) ? zero : least(p, q), most(p, q));
     r.lo = most(r.lo, zero);
     return r;
 }

@@ -45,6 +45,9 @@ enum { LONGEST = 4000 };
 static char text[LONGEST];
 static size_t length;
 
+#ifdef __GNUC__
+__attribute__((format(printf, 1, 2)))
+#endif
 static void put(const char *words, ...)
 {
     va_list list;

@@ -109,7 +109,8 @@ static void test_random(void **state)
                 text[at++] = (char)('0' + below(&g, 10));
             }
             int e = chance(&g, 0.5) ? below(&g, 40) - 20 : below(&g, 700) - 350 - digits / 2;
-            sprintf(text + at, chance(&g, 0.2) ? "" : "e%d", e);
+            text[at] = 0;
+            if (!chance(&g, 0.2)) sprintf(text + at, "e%d", e);
         } else {
             uint64_t bits = random_bits(&g) >> 1;
             double x;

@@ -62,8 +62,9 @@ static long double value_of(const char *text, double x, double y, double z)
 /* ------------------------------------------------------------- random trees */
 
 enum { TREES = 400, NUMBERS = 40 };
+enum { NUMBER, VARIABLE, RADIUS, PI, PARAMETER, BINARY, POWER, MINUS, FUNCTION };
 typedef struct tree {
-    enum { NUMBER, VARIABLE, RADIUS, PI, PARAMETER, BINARY, POWER, MINUS, FUNCTION } kind;
+    int kind; /* NUMBER ... */
     int which; /* variable, parameter, or row of the table below */
     char sign; /* of BINARY */
     struct tree *a, *b;

@@ -138,7 +138,7 @@ static void graded_step(graded_run *w, const formula_step *s)
     formula_row va, vb, uniform;
     size_t n = w->n;
     formula_op op = (formula_op)s->op;
-    bool two = has_second_operand(op), u_a = is_uniform(s->a), u_b = two && is_uniform(s->b);
+    bool two = has_second_operand(s->op), u_a = is_uniform(s->a), u_b = two && is_uniform(s->b);
     graded given = {uniform, {NULL, NULL, NULL}}, a = u_a ? given : graded_of(w, s->a),
            b = u_b ? given : two ? graded_of(w, s->b) : (graded){NULL, {NULL, NULL, NULL}},
            out = graded_of(w, s->out);
