@@ -27,9 +27,6 @@
 #include <sagitta/interval.h>
 #include <sagitta/sagitta.h>
 
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi" // vectors are only passed to what is inlined
-#endif
 #if defined(HAVE_CLONES)
 #define CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
