@@ -352,7 +352,7 @@ static sgt_tape *tape_of(const char *text, sgt_formula_kind kind)
 static void make_formulas(void)
 {
     trefoil.tape = tape_of("0.1*r^2/(1 + sqrt(1 - 0.02*r^2)) + 1e-4*r^4*cos(3*atan2(y, x))"
-                           " + 1e-3*sin(x)*exp(y/9)",
+                           " + 1e-3*sin(x)*exp(y/9) + 1e-6*(9 + x)^(2.5 + y/99) + 1e-5*cosh(y)",
                            SGT_FORMULA_XY);
     round_sag.tape = tape_of("0.1*r^2/(1 + sqrt(1 - 0.02*r^2)) + 1e-4*r^4 + 1e-6*cosh(r^2/9)",
                              SGT_FORMULA_XY);

@@ -46,46 +46,39 @@ SGT_INLINE base base_at(double c, double k, double x, double y)
     return e;
 }
 
+/* In place: f, fx, fy hold P and its derivatives before, F and its gradient after. */
 SGT_KERNEL
 static void on_conic(size_t n, double c, double k, const double *restrict x, const double *restrict y,
-                     const double *restrict z, const double *restrict p, const double *restrict px,
-                     const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy,
-                     double *restrict fz)
+                     const double *restrict z, double *restrict f, double *restrict fx, double *restrict fy)
 {
     LANES for (size_t i = 0; i < n; i++) {
         base e = base_at(c, k, x[i], y[i]);
-        f[i] = z[i] - (e.sag + p[i]);
-        fx[i] = -(e.by_r * x[i] + px[i]);
-        fy[i] = -(e.by_r * y[i] + py[i]);
-        fz[i] = 1;
+        f[i] = z[i] - (e.sag + f[i]);
+        fx[i] = -(e.by_r * x[i] + fx[i]);
+        fy[i] = -(e.by_r * y[i] + fy[i]);
     }
 }
 
 SGT_KERNEL
-static void on_plane(size_t n, const double *restrict z, const double *restrict p, const double *restrict px,
-                     const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy,
-                     double *restrict fz)
+static void on_plane(size_t n, const double *restrict z, double *restrict f, double *restrict fx,
+                     double *restrict fy)
 {
-    LANES for (size_t i = 0; i < n; i++) {
-        f[i] = z[i] - p[i];
-        fx[i] = -px[i];
-        fy[i] = -py[i];
-        fz[i] = 1;
-    }
+    LANES for (size_t i = 0; i < n; i++) f[i] = z[i] - f[i], fx[i] = -fx[i], fy[i] = -fy[i];
 }
 
 void sgt_departure_values(const departure_sag *s, size_t n, sgt_points at, sgt_values out)
 {
-    double p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK], py[DEPARTURE_BLOCK], unwanted[3][DEPARTURE_BLOCK];
+    double unwanted[2][DEPARTURE_BLOCK];
+    bool wanted = out.grad[0] != NULL;
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i, *z = at.p[2] + i;
-        double *fx = out.grad[0] ? out.grad[0] + i : unwanted[0],
-               *fy = out.grad[0] ? out.grad[1] + i : unwanted[1],
-               *fz = out.grad[0] ? out.grad[2] + i : unwanted[2];
-        s->of->at(s->self, few, x, y, (sag_values){p, px, py});
-        if (s->base) on_conic(few, s->c, s->k, x, y, z, p, px, py, out.f + i, fx, fy, fz);
-        else on_plane(few, z, p, px, py, out.f + i, fx, fy, fz);
+        double *f = out.f + i, *fx = wanted ? out.grad[0] + i : unwanted[0],
+               *fy = wanted ? out.grad[1] + i : unwanted[1];
+        s->of->at(s->self, few, x, y, (sag_values){f, fx, fy});
+        if (s->base) on_conic(few, s->c, s->k, x, y, z, f, fx, fy);
+        else on_plane(few, z, f, fx, fy);
+        for (size_t m = 0; wanted && m < few; m++) out.grad[2][i + m] = 1;
     }
 }
 
@@ -546,25 +539,25 @@ static size_t of_base(const departure_sag *s) { return s->base ? (s->fixed_k ? 1
 size_t sgt_departure_parameters(const departure_sag *s) { return of_base(s) + s->of->parameters(s->self); }
 
 /* ds/dc = r^2 / (phi (1 + phi)), with gradient (x, y) / phi^3.  ds/dk = c^3 r^4 / (2 phi (1 + phi)^2), with
- * gradient c^3 r^2 (x, y) / (2 phi^3).  F has both with a minus sign, and so what P adds to either. */
+ * gradient c^3 r^2 (x, y) / (2 phi^3).  F has both with a minus sign, and so what P adds to either.  In place:
+ * f, fx, fy hold what P adds before. */
 SGT_KERNEL
 static void by_base(size_t n, bool by_c, double c, double k, const double *restrict x,
-                    const double *restrict y, const double *restrict p, const double *restrict px,
-                    const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy)
+                    const double *restrict y, double *restrict f, double *restrict fx, double *restrict fy)
 {
     if (by_c) {
         LANES for (size_t i = 0; i < n; i++) {
             base e = base_at(c, k, x[i], y[i]);
             double cube = 1 / (e.phi * e.phi * e.phi);
-            f[i] = -(e.r2 / (e.phi * (1 + e.phi)) + p[i]);
-            fx[i] = -(x[i] * cube + px[i]), fy[i] = -(y[i] * cube + py[i]);
+            f[i] = -(e.r2 / (e.phi * (1 + e.phi)) + f[i]);
+            fx[i] = -(x[i] * cube + fx[i]), fy[i] = -(y[i] * cube + fy[i]);
         }
     } else {
         LANES for (size_t i = 0; i < n; i++) {
             base e = base_at(c, k, x[i], y[i]);
             double h = 0.5 * (c * c * c) * e.r2, bent = h / (e.phi * e.phi * e.phi);
-            f[i] = -(h * e.r2 / (e.phi * (1 + e.phi) * (1 + e.phi)) + p[i]);
-            fx[i] = -(x[i] * bent + px[i]), fy[i] = -(y[i] * bent + py[i]);
+            f[i] = -(h * e.r2 / (e.phi * (1 + e.phi) * (1 + e.phi)) + f[i]);
+            fx[i] = -(x[i] * bent + fx[i]), fy[i] = -(y[i] * bent + fy[i]);
         }
     }
 }
@@ -572,22 +565,22 @@ static void by_base(size_t n, bool by_c, double c, double k, const double *restr
 void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_points at, sgt_values out)
 {
     size_t own = of_base(s);
-    double p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK], py[DEPARTURE_BLOCK], unwanted[2][DEPARTURE_BLOCK];
+    double unwanted[2][DEPARTURE_BLOCK];
+    bool wanted = out.grad[0] != NULL;
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i;
-        double *f = out.f + i, *fx = out.grad[0] ? out.grad[0] + i : unwanted[0],
-               *fy = out.grad[0] ? out.grad[1] + i : unwanted[1];
+        sag_values to = {out.f + i, wanted ? out.grad[0] + i : unwanted[0],
+                         wanted ? out.grad[1] + i : unwanted[1]};
         if (j < own) {
-            if (j == 0 && s->of->by_curvature)
-                s->of->by_curvature(s->self, few, x, y, (sag_values){p, px, py});
-            else for (size_t m = 0; m < few; m++) p[m] = px[m] = py[m] = 0;
-            by_base(few, j == 0, s->c, s->k, x, y, p, px, py, f, fx, fy);
+            if (j == 0 && s->of->by_curvature) s->of->by_curvature(s->self, few, x, y, to);
+            else for (size_t m = 0; m < few; m++) to.p[m] = to.px[m] = to.py[m] = 0;
+            by_base(few, j == 0, s->c, s->k, x, y, to.p, to.px, to.py);
         } else {
-            s->of->by_parameter(s->self, j - own, few, x, y, (sag_values){f, fx, fy});
-            for (size_t m = 0; m < few; m++) f[m] = -f[m], fx[m] = -fx[m], fy[m] = -fy[m];
+            s->of->by_parameter(s->self, j - own, few, x, y, to);
+            for (size_t m = 0; m < few; m++) to.p[m] = -to.p[m], to.px[m] = -to.px[m], to.py[m] = -to.py[m];
         }
-        for (size_t m = 0; out.grad[0] && m < few; m++) out.grad[2][i + m] = 0;
+        for (size_t m = 0; wanted && m < few; m++) out.grad[2][i + m] = 0;
     }
 }
 

@@ -85,11 +85,38 @@ OF_TWO(hypot_of, lane_hypot(x, w), divided_or_0(x, y), divided_or_0(w, y), divid
 /* atan2(x, w): x is the y of the point */
 OF_TWO(angle, lane_atan2(x, w), divided(divided(w, lane_hypot(x, w)), lane_hypot(x, w)),
        -divided(divided(x, lane_hypot(x, w)), lane_hypot(x, w)), 2 * f * g, g * g - f * f, -2 * f * g)
-/* x^w, x > 0; at x = 0 it is 0 for w > 0 */
-OF_TWO(real_power, lane_power(x, w), w * lane_power(x, w - 1), chosen(MASK(x > 0), y * lane_log(x), 0),
-       w * (w - 1) * lane_power(x, w - 2),
-       lane_power(x, w - 1) * (1 + w * chosen(MASK(x > 0), lane_log(x), 0)),
-       g * chosen(MASK(x > 0), lane_log(x), 0))
+/* x^w, x > 0; at x = 0 it is 0 for w > 0.  A loop for each power: two in one loop need more registers than
+ * there are.  v, which may be a or b, is written last. */
+SGT_INLINE double log_or_0(double x) { return chosen(MASK(x > 0), lane_log(x), 0); }
+
+SGT_KERNEL
+static void rows_of_power(size_t n, const double *a, const double *b, double less, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = lane_power(a[i], b[i] - less);
+}
+ROWS_OF(real_power_value)
+{
+    (void)va, (void)vb, (void)vaa, (void)vab, (void)vbb;
+    rows_of_power(n, a, b, 0, v);
+}
+ROWS_OF(real_power_first)
+{
+    (void)vaa, (void)vab, (void)vbb;
+    rows_of_power(n, a, b, 0, vb), rows_of_power(n, a, b, 1, va);
+    LANES for (size_t i = 0; i < n; i++) {
+        double w = b[i], y = vb[i], log = log_or_0(a[i]);
+        v[i] = y, va[i] *= w, vb[i] = y * log;
+    }
+}
+ROWS_OF(real_power_second)
+{
+    rows_of_power(n, a, b, 0, vb), rows_of_power(n, a, b, 1, va), rows_of_power(n, a, b, 2, vaa);
+    LANES for (size_t i = 0; i < n; i++) {
+        double w = b[i], y = vb[i], less = va[i], log = log_or_0(a[i]), g = y * log;
+        v[i] = y, va[i] = w * less, vb[i] = g;
+        vaa[i] *= w * (w - 1), vab[i] = less * (1 + w * log), vbb[i] = g * log;
+    }
+}
 
 OF_ONE(copy, x, 1, y - y)
 OF_ONE(square, x * x, 2 * x, 2 + (y - y))
@@ -132,10 +159,13 @@ static void rows_scaled(size_t n, double by, double *v)
     LANES for (size_t i = 0; i < n; i++) v[i] *= by;
 }
 
-/* a^e by squaring: with p = a^(|e| - 2), v = (p a) a, whatever else is wanted. */
+/* a^e of at most POWER_BLOCK numbers by squaring: with p = a^(|e| - 2), v = (p a) a, whatever else is wanted.
+ * v may be a. */
+enum { POWER_BLOCK = 16 };
+
 static void rows_power(size_t n, int e, const double *a, bool first, double *v, double *va, double *vaa)
 {
-    formula_row square, p, f, s;
+    double square[POWER_BLOCK], p[POWER_BLOCK], f[POWER_BLOCK], s[POWER_BLOCK];
     for (size_t i = 0; i < n; i++) square[i] = a[i], p[i] = 1;
     for (int k = (e < 0 ? -e : e) - 2; k > 0; k >>= 1) {
         if (k & 1) rows_product(n, p, square, p);
@@ -148,6 +178,14 @@ static void rows_power(size_t n, int e, const double *a, bool first, double *v, 
     if (e > 0 && vaa) rows_scaled(n, (double)e * (e - 1), p);
     if (first) memcpy(va, f, n * sizeof *va);
     if (vaa) memcpy(vaa, e < 0 ? s : p, n * sizeof *vaa);
+}
+
+static void power(size_t n, int e, const double *a, bool first, double *v, double *va, double *vaa)
+{
+    for (size_t i = 0, few; i < n; i += few) {
+        few = n - i < POWER_BLOCK ? n - i : POWER_BLOCK;
+        rows_power(few, e, a + i, first, v + i, first ? va + i : NULL, vaa ? vaa + i : NULL);
+    }
 }
 
 void sgt_formula_local(formula_op op, int e, size_t n, const double *a, const double *b, bool first,
@@ -167,6 +205,6 @@ void sgt_formula_local(formula_op op, int e, size_t n, const double *a, const do
         OF(FORMULA_TAN, tangent),       OF(FORMULA_ASIN, arc_sine),    OF(FORMULA_ACOS, arc_cosine),
         OF(FORMULA_ATAN, arc_tangent),  OF(FORMULA_SINH, sine_h),      OF(FORMULA_COSH, cosine_h),
         OF(FORMULA_TANH, tangent_h),    OF(FORMULA_COPY, copy)};
-    if (op == FORMULA_POWER) rows_power(n, e, a, first, out.v, out.va, out.vaa);
+    if (op == FORMULA_POWER) power(n, e, a, first, out.v, out.va, out.vaa);
     else of[op][out.vaa ? 2 : first](n, a, b, out.v, out.va, out.vb, out.vaa, out.vab, out.vbb);
 }
