@@ -87,6 +87,7 @@
 #define sgt_formula_jet SGT_SET_NAME(sgt_formula_jet)
 #define sgt_formula_local SGT_SET_NAME(sgt_formula_local)
 #define sgt_formula_mixed SGT_SET_NAME(sgt_formula_mixed)
+#define sgt_formula_jumps SGT_SET_NAME(sgt_formula_jumps)
 #define sgt_formula_noise SGT_SET_NAME(sgt_formula_noise)
 #define sgt_formula_ops SGT_SET_NAME(sgt_formula_ops)
 #define sgt_formula_radial SGT_SET_NAME(sgt_formula_radial)

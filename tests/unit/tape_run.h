@@ -37,6 +37,8 @@ static UNUSED long double op_value(formula_op op, int n, long double a, long dou
         return a < 0 || (a == 0 && b <= 0) ? none : powl(a, b);
     case FORMULA_POWER:
         return n < 0 && a == 0 ? none : powl(a, n);
+    case FORMULA_HALF_POWER:
+        return a < 0 ? none : powl(a, n / 2.0L);
     case FORMULA_SQUARE:
         return a * a;
     case FORMULA_NEG:
@@ -124,6 +126,8 @@ static UNUSED sgt_interval op_interval(formula_op op, int n, sgt_interval a, sgt
         return sgt_interval_real_power(a, b);
     case FORMULA_POWER:
         return sgt_interval_power(a, n);
+    case FORMULA_HALF_POWER:
+        return sgt_interval_power(sgt_interval_square_root(a), n);
     case FORMULA_SQUARE:
         return sgt_interval_square(a);
     case FORMULA_NEG:
@@ -209,6 +213,7 @@ static UNUSED void tape_check(const sgt_tape *t)
         REQUIRE(s->op <= FORMULA_COPY && (s->op != FORMULA_COPY || t->steps == 1), "step %d: operation %d", i,
                 s->op);
         REQUIRE(s->op != FORMULA_POWER || s->n >= 3 || s->n <= -1, "step %d: exponent %d", i, s->n);
+        REQUIRE(s->op != FORMULA_HALF_POWER || (s->n >= 3 && s->n % 2), "step %d: exponent %d", i, s->n);
         for (int k = 0; k < many; k++) {
             int o = operand[k];
             if (o >= FORMULA_UNIFORM) {

@@ -539,8 +539,9 @@ static size_t of_base(const departure_sag *s) { return s->base ? (s->fixed_k ? 1
 size_t sgt_departure_parameters(const departure_sag *s) { return of_base(s) + s->of->parameters(s->self); }
 
 /* ds/dc = r^2 / (phi (1 + phi)), with gradient (x, y) / phi^3.  ds/dk = c^3 r^4 / (2 phi (1 + phi)^2), with
- * gradient c^3 r^2 (x, y) / (2 phi^3).  F has both with a minus sign, and so what P adds to either.  In place:
- * f, fx, fy hold what P adds before. */
+ * gradient c^3 r^2 (x, y) / (2 phi^3).  F has both with a minus sign, and so what P adds to either.
+ *
+ * In place: f, fx, fy hold what P adds before. */
 SGT_KERNEL
 static void by_base(size_t n, bool by_c, double c, double k, const double *restrict x,
                     const double *restrict y, double *restrict f, double *restrict fx, double *restrict fy)

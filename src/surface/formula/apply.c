@@ -21,6 +21,7 @@ static bool is_defined_on(formula_op op, int n, sgt_interval a, sgt_interval b)
         return !sgt_interval_has(b, 0);
     case FORMULA_POWER:
         return n > 0 || !sgt_interval_has(a, 0);
+    case FORMULA_HALF_POWER:
     case FORMULA_SQRT:
         return a.lo >= 0;
     case FORMULA_LOG:

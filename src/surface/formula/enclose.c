@@ -56,6 +56,7 @@ sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_inte
     case FORMULA_ATAN2: return angle_of(a, b);
     case FORMULA_REAL_POWER: return sgt_interval_real_power(a, b);
     case FORMULA_POWER: return sgt_interval_power(a, n);
+    case FORMULA_HALF_POWER: return sgt_interval_power(sgt_interval_square_root(a), n);
     case FORMULA_SQUARE: return sgt_interval_square(a);
     case FORMULA_NEG: return sgt_interval_negative(a);
     case FORMULA_ABS: return sgt_interval_absolute(a);
@@ -143,6 +144,15 @@ static void parts_of_power(int n, sgt_interval a, parts *p)
     p->aa = multiple_of(sgt_interval_power(a, n - 2), (double)n * (n - 1)); /* exact: |n| < 2^26 */
 }
 
+/* sqrt(a)^n, n at least 3.  At a = 0 it has a derivative, which the chain of sqrt(a) and a power has not. */
+static void parts_of_half_power(int n, sgt_interval a, parts *p)
+{
+    sgt_interval s = sgt_interval_square_root(a);
+    p->whole = p->smooth = a.lo >= 0;
+    p->a = multiple_of(sgt_interval_power(s, n - 2), 0.5 * n);
+    p->aa = multiple_of(sgt_interval_power(s, n - 4), 0.25 * n * (n - 2.0)); /* exact */
+}
+
 /* All but the value, which is there.  Empty: at no point of the operands. */
 static void parts_by_rule(formula_op op, int n, sgt_interval a, sgt_interval b, parts *p)
 {
@@ -169,6 +179,7 @@ static void parts_by_rule(formula_op op, int n, sgt_interval a, sgt_interval b, 
     case FORMULA_ATAN2: parts_of_angle(a, b, p); break;
     case FORMULA_REAL_POWER: parts_of_real_power(a, b, p); break;
     case FORMULA_POWER: parts_of_power(n, a, p); break;
+    case FORMULA_HALF_POWER: parts_of_half_power(n, a, p); break;
     case FORMULA_SQUARE: p->a = multiple_of(a, 2), p->aa = just(2); break;
     case FORMULA_NEG: p->a = just(-1), p->aa = ZERO; break;
     case FORMULA_ABS: p->a = sign_in(a), p->smooth = !may_be_zero(a), p->aa = ZERO; break;
@@ -306,6 +317,12 @@ formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_
     return jet_of_steps(tape, 0, reg, r, second);
 }
 
+bool sgt_formula_jumps(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r)
+{
+    const sgt_interval none[3] = {{0, 0}, {0, 0}, {0, 0}};
+    return tape->jumps && !sgt_formula_jet(tape, at, r, none, none, false).whole;
+}
+
 formula_jet sgt_formula_radial_jet(const sgt_tape *tape, sgt_interval s, bool second)
 {
     jet reg[FORMULA_REGISTERS];
@@ -347,6 +364,7 @@ static double rounds(formula_op op, int n)
     case FORMULA_ADD: case FORMULA_SUB: case FORMULA_MUL: case FORMULA_DIV: case FORMULA_SQUARE:
     case FORMULA_SQRT: return 1;
     case FORMULA_POWER: return fabs((double)n) + 2;
+    case FORMULA_HALF_POWER: return 2 * (double)n + 2;
     default: return FORMULA_FUNCTION_ULPS;
     }
 }

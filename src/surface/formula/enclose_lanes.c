@@ -319,6 +319,21 @@ static void power_step(run *w, const cell_rows *a, int n, cell_rows *out)
     whole_power(&out->v, &a->v, n);
 }
 
+/* sqrt(a)^n, n at least 3, which has a slope at a = 0. */
+static void half_power_step(run *w, const cell_rows *a, int n, cell_rows *out)
+{
+    row s, less;
+    root(&s, &a->v);
+    none_of_root(w->none, &a->v);
+    if (w->slopes) {
+        whole_power(&less, &s, n - 2);
+        product(&less, &less, &a->s);
+        times_uniform(&less, &less, ends_of(0.5 * n, 0.5 * n));
+        not_negative(&out->s, &less, &a->v);
+    }
+    whole_power(&out->v, &s, n);
+}
+
 /* e^(k l), where an end of l may not be known. */
 static void exponential_of(row *out, const row *l, two_ends k)
 {
@@ -394,6 +409,7 @@ static void step_of_one(run *w, const formula_step *s, const cell_rows *a, cell_
     bool slopes = w->slopes;
     switch ((formula_op)s->op) {
     case FORMULA_POWER: power_step(w, a, s->n, out); return;
+    case FORMULA_HALF_POWER: half_power_step(w, a, s->n, out); return;
     case FORMULA_SQUARE:
         square(&out->v, &a->v);
         if (slopes) square_slope(&out->s, &a->v, &a->s);

@@ -50,6 +50,9 @@ void sgt_formula_encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const d
 /* The same of a radial tape (tape.h), by s: F, F_s, F_s again, and F_ss. */
 formula_jet sgt_formula_radial_jet(const sgt_tape *tape, sgt_interval s, bool second);
 
+/* May F jump in the region where it is defined?  Only the cut of an atan2 is such a place. */
+bool sgt_formula_jumps(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r);
+
 /* How far F as computed by sgt_formula_values can be from F, at any point of the region.  HUGE_VAL: not
  * known. */
 double sgt_formula_noise(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r);

@@ -15,7 +15,7 @@
  *     u * u, u^m * u^n (m, n >= 1)                 u^2, u^(m + n)
  *     u^0                                          1; + 0 u where u may be undefined
  *     (-u)^n, |u|^n (n even), hypot(u, v)^n        u^n, u^n, (u^2 + v^2)^(n/2)
- *     u^(n/2) (n odd)                              sqrt(u)^n
+ *     u^(n/2) (n odd)                              sqrt(u)^n, for n >= 3 one operation
  *     sqrt(u^2), |u| (u >= 0), |-u|                |u|, u, |u|
  *     sqrt(u^2 + v^2)                              hypot(u, v), which has a slope that is bounded
  *     cos(-u), cosh(-u); sin(-u), tan(-u), ...     cos u, cosh u; -sin u, -tan u, ...
@@ -53,6 +53,7 @@ static bool node_is_partial(int op, int n)
     case FORMULA_DIV:
     case FORMULA_ATAN2:
     case FORMULA_REAL_POWER:
+    case FORMULA_HALF_POWER:
     case FORMULA_SQRT:
     case FORMULA_LOG:
     case FORMULA_TAN:
@@ -279,6 +280,7 @@ int sgt_graph_power(formula_graph *g, int a, int n)
         int first = sgt_graph_power(g, q.a, 2), second = sgt_graph_power(g, q.b, 2);
         return sgt_graph_power(g, node_sum(g, first, second), n / 2);
     }
+    if (q.op == FORMULA_SQRT && !even && n >= 3) return node_of(g, FORMULA_HALF_POWER, q.a, 0, n, 0);
     return n == 2 ? node_one(g, FORMULA_SQUARE, a) : node_of(g, FORMULA_POWER, a, 0, n, 0);
 }
 
@@ -315,6 +317,7 @@ static bool node_is_not_negative(const formula_graph *g, int i)
     switch (q->op) {
     case FORMULA_HYPOT:
     case FORMULA_REAL_POWER:
+    case FORMULA_HALF_POWER:
     case FORMULA_SQUARE:
     case FORMULA_ABS:
     case FORMULA_SQRT:

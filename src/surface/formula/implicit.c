@@ -182,7 +182,19 @@ static sgt_objection implicit_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static bool implicit_jumps(const void *self) { return ((const sgt_formula *)self)->tape->jumps; }
+/* A little farther than the ball and the box: roundings of a point on them are within. */
+static bool implicit_jumps(const void *self)
+{
+    const sgt_formula *s = self;
+    double most = s->ball > 0 ? s->ball * (1 + 0x1p-40) : HUGE_VAL;
+    sgt_interval ball = {-most, most}, at[3] = {ball, ball, ball}, r = {0, most};
+    const double lo[] = {s->lo.x, s->lo.y, s->lo.z}, hi[] = {s->hi.x, s->hi.y, s->hi.z};
+    for (int k = 0; has_box(s) && k < 3; k++) {
+        double more = 0x1p-40 * larger(fabs(lo[k]), fabs(hi[k]));
+        at[k] = sgt_interval_intersection(at[k], sgt_interval_between(lo[k] - more, hi[k] + more));
+    }
+    return sgt_formula_jumps(s->tape, at, sgt_interval_intersection(r, radius_in(at)));
+}
 
 static const struct sgt_builtin_ops implicit_builtin = {
     .object = implicit_object, .enclose = implicit_enclose_from, .jumps = implicit_jumps};

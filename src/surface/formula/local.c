@@ -86,7 +86,7 @@ OF_TWO(hypot_of, lane_hypot(x, w), divided_or_0(x, y), divided_or_0(w, y), divid
 OF_TWO(angle, lane_atan2(x, w), divided(divided(w, lane_hypot(x, w)), lane_hypot(x, w)),
        -divided(divided(x, lane_hypot(x, w)), lane_hypot(x, w)), 2 * f * g, g * g - f * f, -2 * f * g)
 /* x^w, x > 0; at x = 0 it is 0 for w > 0.  A loop for each power: two in one loop need more registers than
- * there are.  v, which may be a or b, is written last. */
+ * there are. */
 SGT_INLINE double log_or_0(double x) { return chosen(MASK(x > 0), lane_log(x), 0); }
 
 SGT_KERNEL
@@ -159,18 +159,27 @@ static void rows_scaled(size_t n, double by, double *v)
     LANES for (size_t i = 0; i < n; i++) v[i] *= by;
 }
 
-/* a^e of at most POWER_BLOCK numbers by squaring: with p = a^(|e| - 2), v = (p a) a, whatever else is wanted.
- * v may be a. */
+/* Powers go by few numbers at a time, for the sake of the stack. */
 enum { POWER_BLOCK = 16 };
 
-static void rows_power(size_t n, int e, const double *a, bool first, double *v, double *va, double *vaa)
+/* a^e by squaring; 1 if e is not above 0. */
+static void rows_raised(size_t n, int e, const double *a, double *out)
 {
-    double square[POWER_BLOCK], p[POWER_BLOCK], f[POWER_BLOCK], s[POWER_BLOCK];
-    for (size_t i = 0; i < n; i++) square[i] = a[i], p[i] = 1;
-    for (int k = (e < 0 ? -e : e) - 2; k > 0; k >>= 1) {
-        if (k & 1) rows_product(n, p, square, p);
-        if (k > 1) rows_product(n, square, square, square);
+    double square[POWER_BLOCK];
+    for (size_t i = 0; i < n; i++) square[i] = a[i], out[i] = 1;
+    for (; e > 0; e >>= 1) {
+        if (e & 1) rows_product(n, out, square, out);
+        if (e > 1) rows_product(n, square, square, square);
     }
+}
+
+typedef void power_rows(size_t n, int e, const double *a, bool first, double *v, double *va, double *vaa);
+
+/* a^e.  With p = a^(|e| - 2), v = (p a) a, whatever else is wanted. */
+static void power_block(size_t n, int e, const double *a, bool first, double *v, double *va, double *vaa)
+{
+    double p[POWER_BLOCK], f[POWER_BLOCK], s[POWER_BLOCK];
+    rows_raised(n, (e < 0 ? -e : e) - 2, a, p);
     if (e == -1) memcpy(v, a, n * sizeof *v);
     else rows_product(n, p, a, f), rows_product(n, f, a, v);
     if (e < 0) rows_inverse(n, e, a, v, f, s);
@@ -180,11 +189,26 @@ static void rows_power(size_t n, int e, const double *a, bool first, double *v, 
     if (vaa) memcpy(vaa, e < 0 ? s : p, n * sizeof *vaa);
 }
 
-static void power(size_t n, int e, const double *a, bool first, double *v, double *va, double *vaa)
+/* sqrt(a)^e, e odd and 3 or more. */
+static void half_power_block(size_t n, int e, const double *a, bool first, double *v, double *va,
+                             double *vaa)
+{
+    double s[POWER_BLOCK], p[POWER_BLOCK];
+    square_root_value(n, a, NULL, s, NULL, NULL, NULL, NULL, NULL);
+    rows_raised(n, e - 2, s, p);
+    rows_product(n, p, s, v), rows_product(n, v, s, v);
+    if (first) memcpy(va, p, n * sizeof *va), rows_scaled(n, 0.5 * e, va);
+    if (!vaa) return;
+    rows_raised(n, e - 4, s, vaa);
+    for (size_t i = 0; e == 3 && i < n; i++) vaa[i] = divided(1, s[i]);
+    rows_scaled(n, 0.25 * e * (e - 2.0), vaa);
+}
+
+static void in_blocks(power_rows *power, size_t n, int e, const double *a, bool first, formula_local out)
 {
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < POWER_BLOCK ? n - i : POWER_BLOCK;
-        rows_power(few, e, a + i, first, v + i, first ? va + i : NULL, vaa ? vaa + i : NULL);
+        power(few, e, a + i, first, out.v + i, first ? out.va + i : NULL, out.vaa ? out.vaa + i : NULL);
     }
 }
 
@@ -205,6 +229,7 @@ void sgt_formula_local(formula_op op, int e, size_t n, const double *a, const do
         OF(FORMULA_TAN, tangent),       OF(FORMULA_ASIN, arc_sine),    OF(FORMULA_ACOS, arc_cosine),
         OF(FORMULA_ATAN, arc_tangent),  OF(FORMULA_SINH, sine_h),      OF(FORMULA_COSH, cosine_h),
         OF(FORMULA_TANH, tangent_h),    OF(FORMULA_COPY, copy)};
-    if (op == FORMULA_POWER) power(n, e, a, first, out.v, out.va, out.vaa);
+    if (op == FORMULA_POWER) in_blocks(power_block, n, e, a, first, out);
+    else if (op == FORMULA_HALF_POWER) in_blocks(half_power_block, n, e, a, first, out);
     else of[op][out.vaa ? 2 : first](n, a, b, out.v, out.va, out.vb, out.vaa, out.vab, out.vbb);
 }

@@ -122,7 +122,14 @@ static sgt_objection formula_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static bool formula_jumps(const void *self) { return tape_of(self)->jumps; }
+/* A little farther than the rim: roundings of a point on it are within. */
+static bool formula_jumps(const void *self)
+{
+    double rim = ((const sgt_formula_sag *)self)->semi_diameter,
+           most = rim > 0 ? rim * (1 + 0x1p-40) : HUGE_VAL;
+    sgt_interval side = {-most, most}, at[3] = {side, side, {0, 0}};
+    return sgt_formula_jumps(tape_of(self), at, sgt_interval_between(0, most));
+}
 
 static const departure formula_sag_departure = {
     .at = formula_at, .rounding = formula_rounding, .bounds = formula_bounds, .range = formula_range,

@@ -26,6 +26,7 @@ typedef enum formula_op {
     FORMULA_ATAN2,       /* atan2(a, b): a is the y */
     FORMULA_REAL_POWER,  /* a^b */
     FORMULA_POWER,       /* a^n, n whole: 3 and more, or -1 and less */
+    FORMULA_HALF_POWER,  /* sqrt(a)^n, n odd, 3 and more */
     FORMULA_SQUARE, FORMULA_NEG, FORMULA_ABS,
     FORMULA_SQRT, FORMULA_CBRT, FORMULA_EXP, FORMULA_LOG,
     FORMULA_SIN, FORMULA_COS, FORMULA_TAN, FORMULA_ASIN, FORMULA_ACOS, FORMULA_ATAN,
@@ -47,14 +48,14 @@ typedef struct formula_step {
     unsigned char of;        /* on which of x, y, z the result depends */
     unsigned short out;      /* a register, 3 or more */
     unsigned short a, b;     /* operands; b of the first nine operations only */
-    int n;                   /* of FORMULA_POWER */
+    int n;                   /* of FORMULA_POWER, FORMULA_HALF_POWER */
 } formula_step;
 
 /* a, b: indices of earlier uniforms. */
 typedef struct formula_uniform {
     unsigned char op;
     unsigned short a, b;
-    int n;                   /* of FORMULA_POWER and FORMULA_PARAMETER */
+    int n;                   /* of FORMULA_POWER, FORMULA_HALF_POWER and FORMULA_PARAMETER */
     double number;
 } formula_uniform;
 
