@@ -273,6 +273,8 @@ static bool steeper(const check *c, const check_sample *a, sgt_interval slope)
     return now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi;
 }
 
+static const double KEPT = 0x1.23456789abcdep+100; /* stands behind the last output that is asked for */
+
 /* `encloses` of n cells of the ray.  No slopes are asked for if slope_lo is NULL. */
 static void check_ask_many(const check *c, size_t n, const double t_lo[], const double t_hi[],
                            sgt_enclosures out)
@@ -286,14 +288,17 @@ static void check_ask_many(const check *c, size_t n, const double t_lo[], const 
     encloses_of(c->s.ops)(c->s.self, n, rays, t_lo, t_hi, out);
 }
 
-/* One cell, by `enclose` or by `encloses`. */
+/* One cell, by `enclose` or by `encloses`.  NaN if `encloses` writes beyond it. */
 static sgt_interval check_ask(const check *c, bool many, double lo, double hi, sgt_interval *slope)
 {
-    sgt_interval g = {(double)NAN, (double)NAN};
-    *slope = g;
+    const double none = (double)NAN;
+    double out[4][2] = {{none, KEPT}, {none, KEPT}, {none, KEPT}, {none, KEPT}};
     if (!many) return c->s.ops->enclose(c->s.self, c->ray, (sgt_interval){lo, hi}, slope);
-    check_ask_many(c, 1, &lo, &hi, (sgt_enclosures){&g.lo, &g.hi, &slope->lo, &slope->hi});
-    return g;
+    check_ask_many(c, 1, &lo, &hi, (sgt_enclosures){out[0], out[1], out[2], out[3]});
+    for (int k = 0; k < 4; k++)
+        if (!(out[k][1] == KEPT)) return *slope = (sgt_interval){none, none};
+    *slope = (sgt_interval){out[2][0], out[3][0]};
+    return (sgt_interval){out[0][0], out[1][0]};
 }
 
 /* Compares samples in [lo, hi] with the enclosure over it. */
@@ -471,8 +476,6 @@ static bool check_stretch(check *c, double lo, double hi)
 /* ------------------------------------------------------------ many at once */
 
 static bool same(double a, double b) { return memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b); }
-
-static const double KEPT = 0x1.23456789abcdep+100; /* stands behind the last output that is asked for */
 
 static bool check_values(check *c, double lo, double hi)
 {

@@ -72,7 +72,7 @@ def main(tree):
                 archive.add(tree / part, f'sagitta-9/{part}')
         (by_wrap / 'subprojects' / 'sagitta.wrap').write_text(WRAP)
         prefix.run(*setup, '--force-fallback-for=sagitta', '-Ddefault_library=static',
-                   '-Dsagitta:clones=none', by_wrap / 'b', by_wrap)
+                   '-Dsagitta:clones=none', '-Doptimization=0', '-Dsagitta:optimization=0', by_wrap / 'b', by_wrap)
         prefix.run('ninja', '-C', by_wrap / 'b')
         for program in ('core', 'lens', 'geo'):
             if (by_wrap / 'b' / program).exists():

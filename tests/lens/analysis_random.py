@@ -117,7 +117,7 @@ def main(names):
         if not names or name in names:
             good &= check(path, read(path), draw)
     with tempfile.TemporaryDirectory() as folder:
-        for i in range(0 if names else max(1, round(20 * SCALE))):
+        for i in range(0 if names else max(1, round(10 * SCALE))):
             path = pathlib.Path(folder, f'random_{i}.yaml')
             path.write_text(yaml.safe_dump(random_lens(draw)))
             good &= check(path, read_yaml(path), draw)

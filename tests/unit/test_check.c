@@ -394,7 +394,7 @@ static double ball_clearance(const void *self, sgt_vec3 p)
 }
 
 /* Of many cells.  enclose keeps its promises, encloses may not. */
-typedef enum company { IN_COMPANY, BY_COUNT, BY_PLACE, BY_SLOPE, BEYOND, COMPANIES } company;
+typedef enum company { IN_COMPANY, BY_COUNT, BY_PLACE, BY_SLOPE, BEYOND, BEYOND_ONE, COMPANIES } company;
 typedef struct crowd {
     ball of;
     company how;
@@ -421,7 +421,7 @@ static void crowd_encloses(const void *self, size_t n, sgt_rays r, const double 
         out.lo[i] = g.lo - (wider ? 1e-15 * fabs(g.lo) : 0), out.hi[i] = g.hi;
         if (slopes) out.slope_lo[i] = slope.lo, out.slope_hi[i] = slope.hi;
     }
-    if (s->how == BEYOND && n < 20) out.hi[n] = 0;
+    if ((s->how == BEYOND && n > 1 && n < 20) || (s->how == BEYOND_ONE && n == 1)) out.hi[n] = 0;
 }
 
 static void test_many_enclosures(void **state)
