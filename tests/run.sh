@@ -12,14 +12,15 @@ sh .ci/install gcc g++ libc6-dev meson pkg-config python3 \
     git mypy python3-matplotlib python3-mesonpy python3-pip python3-pytest python3-scipy python3-venv \
     libbenchmark-dev libboost-dev libgsl-dev \
     valgrind llvm python3-mpmath python3-numpy python3-yaml \
-    cmake abigail-tools gfortran rustc octave-dev
+    cmake make abigail-tools gfortran rustc octave-dev
 
 if [ -f $build/build.ninja ]; then
     # What was not found before may have been installed since.
     meson configure $build --clearcache
     meson setup --reconfigure $build
 else
-    meson setup $build
+    # lib: where CMake, too, looks on every machine
+    meson setup $build --libdir=lib
 fi
 meson compile -C $build
 meson test -C $build --print-errorlogs "$@"
