@@ -137,9 +137,22 @@ OF_ONE(cosine_h, lane_cosh(x), lane_sinh(x), y + 0 * f)
 OF_ONE(tangent_h, lane_tanh(x), (1 - y) * (1 + y), -2 * y * f)
 
 SGT_KERNEL
-static void rows_product(size_t n, const double *a, const double *b, double *v)
+void sgt_row_scaled(size_t n, double by, const double *a, double *out)
 {
-    LANES for (size_t i = 0; i < n; i++) v[i] = a[i] * b[i];
+    LANES for (size_t i = 0; i < n; i++) out[i] = by * a[i];
+}
+
+SGT_KERNEL
+void sgt_row_product(size_t n, const double *a, const double *b, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = a[i] * b[i];
+}
+
+SGT_KERNEL
+void sgt_row_products(size_t n, const double *va, const double *a, const double *vb, const double *b,
+                      double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = va[i] * a[i] + vb[i] * b[i];
 }
 
 /* Of a^e, e < 0, with a^-e in v: its value, e v / a, and e (e - 1) v / a^2. */
@@ -153,12 +166,6 @@ static void rows_inverse(size_t n, double e, const double *restrict a, double *r
     }
 }
 
-SGT_KERNEL
-static void rows_scaled(size_t n, double by, double *v)
-{
-    LANES for (size_t i = 0; i < n; i++) v[i] *= by;
-}
-
 /* Powers go by few numbers at a time, for the sake of the stack. */
 enum { POWER_BLOCK = 16 };
 
@@ -168,8 +175,8 @@ static void rows_raised(size_t n, int e, const double *a, double *out)
     double square[POWER_BLOCK];
     for (size_t i = 0; i < n; i++) square[i] = a[i], out[i] = 1;
     for (; e > 0; e >>= 1) {
-        if (e & 1) rows_product(n, out, square, out);
-        if (e > 1) rows_product(n, square, square, square);
+        if (e & 1) sgt_row_product(n, out, square, out);
+        if (e > 1) sgt_row_product(n, square, square, square);
     }
 }
 
@@ -181,10 +188,10 @@ static void power_block(size_t n, int e, const double *a, bool first, double *v,
     double p[POWER_BLOCK], f[POWER_BLOCK], s[POWER_BLOCK];
     rows_raised(n, (e < 0 ? -e : e) - 2, a, p);
     if (e == -1) memcpy(v, a, n * sizeof *v);
-    else rows_product(n, p, a, f), rows_product(n, f, a, v);
+    else sgt_row_product(n, p, a, f), sgt_row_product(n, f, a, v);
     if (e < 0) rows_inverse(n, e, a, v, f, s);
-    else if (first) rows_scaled(n, e, f);
-    if (e > 0 && vaa) rows_scaled(n, (double)e * (e - 1), p);
+    else if (first) sgt_row_scaled(n, e, f, f);
+    if (e > 0 && vaa) sgt_row_scaled(n, (double)e * (e - 1), p, p);
     if (first) memcpy(va, f, n * sizeof *va);
     if (vaa) memcpy(vaa, e < 0 ? s : p, n * sizeof *vaa);
 }
@@ -196,12 +203,12 @@ static void half_power_block(size_t n, int e, const double *a, bool first, doubl
     double s[POWER_BLOCK], p[POWER_BLOCK];
     square_root_value(n, a, NULL, s, NULL, NULL, NULL, NULL, NULL);
     rows_raised(n, e - 2, s, p);
-    rows_product(n, p, s, v), rows_product(n, v, s, v);
-    if (first) memcpy(va, p, n * sizeof *va), rows_scaled(n, 0.5 * e, va);
+    sgt_row_product(n, p, s, v), sgt_row_product(n, v, s, v);
+    if (first) sgt_row_scaled(n, 0.5 * e, p, va);
     if (!vaa) return;
     rows_raised(n, e - 4, s, vaa);
     for (size_t i = 0; e == 3 && i < n; i++) vaa[i] = divided(1, s[i]);
-    rows_scaled(n, 0.25 * e * (e - 2.0), vaa);
+    sgt_row_scaled(n, 0.25 * e * (e - 2.0), vaa, vaa);
 }
 
 static void in_blocks(power_rows *power, size_t n, int e, const double *a, bool first, formula_local out)

@@ -24,8 +24,15 @@ typedef double formula_row[FORMULA_BLOCK];
  * are not wanted.  No row is a or b. */
 typedef struct formula_local { double *v, *va, *vb, *vaa, *vab, *vbb; } formula_local;
 
-/* Of n numbers, FORMULA_BLOCK at most.  e: the exponent of FORMULA_POWER.  first: va and vb are wanted. */
+/* Of n numbers, FORMULA_BLOCK at most.  e: the exponent of FORMULA_POWER and FORMULA_HALF_POWER.  first: va
+ * and vb are wanted. */
 void sgt_formula_local(formula_op op, int e, size_t n, const double *a, const double *b, bool first,
                        formula_local out);
+
+/* Of rows: by a, a b, and va a + vb b.  out may be an operand. */
+void sgt_row_scaled(size_t n, double by, const double *a, double *out);
+void sgt_row_product(size_t n, const double *a, const double *b, double *out);
+void sgt_row_products(size_t n, const double *va, const double *a, const double *vb, const double *b,
+                      double *out);
 
 #endif

@@ -101,27 +101,14 @@ static radial_kernel *kernel_of(const formula_step *s, bool u_a, bool u_b)
     }
 }
 
-SGT_KERNEL
-static void radial_chain(size_t n, const double *va, const double *a, double *d)
-{
-    LANES for (size_t i = 0; i < n; i++) d[i] = va[i] * a[i];
-}
-
-SGT_KERNEL
-static void radial_chain_2(size_t n, const double *va, const double *a, const double *vb, const double *b,
-                           double *d)
-{
-    LANES for (size_t i = 0; i < n; i++) d[i] = va[i] * a[i] + vb[i] * b[i];
-}
-
 static void radial_by_rule(radial_run *w, const formula_step *s, dual a, dual b, double u, dual out)
 {
     formula_row va, vb, uniform;
     for (size_t i = 0; i < w->n; i++) uniform[i] = u;
     sgt_formula_local((formula_op)s->op, s->n, w->n, a.v ? a.v : uniform, b.v ? b.v : uniform, true,
                       (formula_local){.v = out.v, .va = va, .vb = vb});
-    if (a.v && b.v) radial_chain_2(w->n, va, a.d, vb, b.d, out.d);
-    else radial_chain(w->n, a.v ? va : vb, a.v ? a.d : b.d, out.d);
+    if (a.v && b.v) sgt_row_products(w->n, va, a.d, vb, b.d, out.d);
+    else sgt_row_product(w->n, a.v ? va : vb, a.v ? a.d : b.d, out.d);
 }
 
 static void radial_step(radial_run *w, const formula_step *s)

@@ -49,25 +49,6 @@ static void row_moved(size_t n, double by, const double *a, double plus, double 
     LANES for (size_t i = 0; i < n; i++) out[i] = by * a[i] + plus;
 }
 
-SGT_KERNEL
-static void row_scaled(size_t n, double by, const double *a, double *out)
-{
-    LANES for (size_t i = 0; i < n; i++) out[i] = by * a[i];
-}
-
-SGT_KERNEL
-static void row_product(size_t n, const double *a, const double *b, double *out)
-{
-    LANES for (size_t i = 0; i < n; i++) out[i] = a[i] * b[i];
-}
-
-SGT_KERNEL
-static void row_products(size_t n, const double *va, const double *a, const double *vb, const double *b,
-                         double *out)
-{
-    LANES for (size_t i = 0; i < n; i++) out[i] = va[i] * a[i] + vb[i] * b[i];
-}
-
 /* -------------------------------------------------------------------------- gradient */
 
 enum { PARTS = 4, NUMBERS = 1536 }; /* 12 KiB */
@@ -102,7 +83,7 @@ static void graded_moved(graded_run *w, double by, const graded *a, int of, doub
     for (int k = 0; k < 3; k++) {
         if (!(of >> k & 1) || (by == 1 && a->v == out->v)) continue;
         if (by == 1) memcpy(out->d[k], a->d[k], w->n * sizeof(double));
-        else row_scaled(w->n, by, a->d[k], out->d[k]);
+        else sgt_row_scaled(w->n, by, a->d[k], out->d[k]);
     }
     row_moved(w->n, by, a->v, plus, out->v);
 }
@@ -114,7 +95,7 @@ static void graded_sum(graded_run *w, const graded *a, int of_a, const graded *b
         int in_a = of_a >> k & 1, in_b = of_b >> k & 1;
         if (in_a && in_b) (less ? row_difference : row_sum)(w->n, a->d[k], b->d[k], out->d[k]);
         else if (in_a && out->v != a->v) memcpy(out->d[k], a->d[k], w->n * sizeof(double));
-        else if (in_b && less) row_scaled(w->n, -1, b->d[k], out->d[k]);
+        else if (in_b && less) sgt_row_scaled(w->n, -1, b->d[k], out->d[k]);
         else if (in_b && out->v != b->v) memcpy(out->d[k], b->d[k], w->n * sizeof(double));
     }
     (less ? row_difference : row_sum)(w->n, a->v, b->v, out->v);
@@ -127,9 +108,9 @@ static void graded_chain(graded_run *w, const double *va, const graded *a, int o
 {
     for (int k = 0; k < 3; k++) {
         int in_a = of_a >> k & 1, in_b = of_b >> k & 1;
-        if (in_a && in_b) row_products(w->n, va, a->d[k], vb, b->d[k], out->d[k]);
-        else if (in_a) row_product(w->n, va, a->d[k], out->d[k]);
-        else if (in_b) row_product(w->n, vb, b->d[k], out->d[k]);
+        if (in_a && in_b) sgt_row_products(w->n, va, a->d[k], vb, b->d[k], out->d[k]);
+        else if (in_a) sgt_row_product(w->n, va, a->d[k], out->d[k]);
+        else if (in_b) sgt_row_product(w->n, vb, b->d[k], out->d[k]);
     }
 }
 
@@ -156,17 +137,17 @@ static void graded_step(graded_run *w, const formula_step *s)
     case FORMULA_MUL:
         if (u_a || u_b) {
             for (int k = 0; k < 3; k++)
-                if ((of_a | of_b) >> k & 1) row_scaled(n, u, other->d[k], out.d[k]);
-            row_scaled(n, u, other->v, out.v);
+                if ((of_a | of_b) >> k & 1) sgt_row_scaled(n, u, other->d[k], out.d[k]);
+            sgt_row_scaled(n, u, other->v, out.v);
             return;
         }
         graded_chain(w, b.v, &a, of_a, a.v, &b, of_b, &out);
-        row_product(n, a.v, b.v, out.v);
+        sgt_row_product(n, a.v, b.v, out.v);
         return;
     case FORMULA_SQUARE:
         row_sum(n, a.v, a.v, va);
         graded_chain(w, va, &a, of_a, NULL, NULL, 0, &out);
-        row_product(n, a.v, a.v, out.v);
+        sgt_row_product(n, a.v, a.v, out.v);
         return;
     default: break;
     }
