@@ -1,26 +1,37 @@
 #!/bin/sh
 # sh tests/run.sh   from a bare Debian 12 to everything built and every test run.
 # Can be run again at any time; words after it go to `meson test`.
+# Nothing is left out in silence: with all features enabled a missing one ends the set-up, and a test that skips
+# itself is a failure here.
 set -eu
 cd "$(dirname "$0")/.."
 build=build/tests
+# The python3 that Debian's packages are installed for.  Another one may come first in PATH and lack numpy.
+PATH=/usr/bin:$PATH
+export PATH
 
 sh .ci/install gcc g++ libc6-dev meson pkg-config python3 \
     libyaml-dev libcairo2-dev libcmocka-dev \
     libceres-dev libeigen3-dev libgoogle-glog-dev libmpfr-dev libflint-arb-dev \
     libgeographiclib-dev proj-data \
-    git mypy python3-matplotlib python3-mesonpy python3-pip python3-pytest python3-scipy python3-venv \
+    git mypy universal-ctags python3-matplotlib python3-mesonpy python3-pip python3-pytest python3-scipy python3-venv \
     libbenchmark-dev libboost-dev libgsl-dev \
     valgrind llvm python3-mpmath python3-numpy python3-yaml \
     cmake make abigail-tools gfortran rustc octave-dev
 
 if [ -f $build/build.ninja ]; then
     # What was not found before may have been installed since.
-    meson configure $build --clearcache
+    meson configure $build --clearcache -Dauto_features=enabled
     meson setup --reconfigure $build
 else
     # lib: where CMake, too, looks on every machine
-    meson setup $build --libdir=lib
+    meson setup $build --libdir=lib -Dauto_features=enabled
 fi
 meson compile -C $build
+echo "$(meson test -C $build --list 2>/dev/null | wc -l) tests"
 meson test -C $build --print-errorlogs "$@"
+skipped=$(grep -c '"result": "SKIP"' $build/meson-logs/testlog.json || :)
+if [ "$skipped" -ne 0 ]; then
+    echo "$skipped skipped, and here none may be: see $build/meson-logs/testlog.txt" >&2
+    exit 1
+fi
