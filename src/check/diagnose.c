@@ -20,7 +20,7 @@
  *
  * WHICH STEPS.  Only a run of Newton steps has an order.  A bisection, a back-off or a march begins a new
  * run; the last run is judged.  Probes, which look beside a root already found, are skipped.  So are
- * evaluations that gave NaN.  If a log has several solves (eval begins at 1 again), the last is judged.
+ * evaluations that gave NaN, and bounds over cells.  If a log has several solves (eval begins at 1 again), the last is judged.
  *
  * WHEN IT FAILS.  Two steps have no order: it is NaN, and the verdict goes by how much one gained on the
  * other.  A log that was cut short (n > cap) is judged by what it kept.
@@ -55,7 +55,10 @@ int sgt_log_step(void *log, const sgt_step *step)
     return 0;
 }
 
-static bool is_iterate(const sgt_step *s) { return s->move != SGT_PROBE && isfinite(s->f) && isfinite(s->t); }
+static bool is_iterate(const sgt_step *s)
+{
+    return s->kind == SGT_AT_POINT && s->move != SGT_PROBE && isfinite(s->f) && isfinite(s->t);
+}
 
 /* The last steps that are longer than `least`, newest first.
  *
@@ -125,7 +128,7 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
         d.bisect += step[i].move == SGT_BISECT;
         d.march += step[i].move == SGT_MARCH;
         d.retreat += step[i].move == SGT_RETREAT;
-        if (!isnan(step[i].slope)) d.condition = 1 / fabs(step[i].slope);
+        if (step[i].kind == SGT_AT_POINT && !isnan(step[i].slope)) d.condition = 1 / fabs(step[i].slope);
         if (!is_iterate(&step[i])) continue;
         if (!first) first = &step[i];
         last = &step[i];
