@@ -111,6 +111,8 @@ static sgt_verdict diagnose_judge(double s1, double s2, double s3, sgt_diagnosis
     return v;
 }
 
+static int before_closing(const sgt_step *step, int n, double least);
+
 sgt_diagnosis sgt_diagnose(const sgt_log *log)
 {
     sgt_diagnosis d = {
@@ -140,6 +142,7 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
 
     double least = FLOOR_ULPS * DBL_EPSILON * big, bracket = last->hi - last->lo;
     if (bracket <= CLOSED * big) least = maximum_number(least, bracket);
+    d.before = before_closing(step, n, least);
     diagnose_run all = last_run(step, n, true, least), newton = last_run(step, n, false, least);
     if (first->f == 0 || (spread <= least && (defined > 1 || all.next <= least))) d.verdict = SGT_ROUNDING;
     else if (d.bisect > d.newton) d.verdict = SGT_BISECTING;
@@ -160,6 +163,29 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
         if (later <= NEWTON_GAIN * before) d.verdict = SGT_QUADRATIC;
     }
     return d;
+}
+
+/* How many iterates come before those whose steps shrink to the end, each to half or less.  A step that
+ * rounding has touched, below `least`, says nothing.  A step before the first that is seen to shrink is the one
+ * that led to where it begins: what it began from is of the history too. */
+static int before_closing(const sgt_step *step, int n, double least)
+{
+    const sgt_step *later = NULL;
+    int all = 0, closing = 0;
+    double size = 0;
+    bool shrinks = true;
+    for (int i = n - 1; i >= 0; i--) {
+        if (!is_iterate(&step[i]) || step[i].move == SGT_MARCH) continue;
+        all++;
+        if (later && shrinks) {
+            double s = fabs(later->t - step[i].t);
+            shrinks = s <= least || size == 0 || size <= 0.5 * s;
+            if (shrinks && s > least) size = s;
+        }
+        closing += shrinks;
+        later = &step[i];
+    }
+    return all - closing;
 }
 
 const char *sgt_verdict_text(sgt_verdict v)

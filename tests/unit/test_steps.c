@@ -14,6 +14,7 @@ typedef struct watching {
     sgt_surface s;
     sgt_ray ray;
     const char *what;
+    double far; /* the greatest t, lo or hi of this ray */
     long points, cells, calls;
 } watching;
 
@@ -51,9 +52,7 @@ static void require_point(const watching *w, const sgt_step *s)
     /* t is rounded, and so is the point; a kink, a pole or the edge of the domain may be near */
     step = 0x1p-50 * (fabs(s->t) + (fabs(w->ray.o.x) + fabs(w->ray.o.y) + fabs(w->ray.o.z)) /
                                        (fabs(w->ray.d.x) + fabs(w->ray.d.y) + fabs(w->ray.d.z)));
-    /* the search is in a measure of its own, whose origin may be in the middle of the bracket */
-    double lo = fabs(s->lo) < FAR ? fabs(s->lo) : 0, hi = fabs(s->hi) < FAR ? fabs(s->hi) : 0;
-    step += 0x1p-50 * (lo + hi);
+    step += 0x1p-50 * w->far; /* the search has an origin of its own, somewhere on what it searches */
     for (int i = -4; i <= 4; i++) {
         seen e = seen_at(w, s->t + 0.25 * i * step);
         if (!(fabs(e.f) < FAR)) undefined = true;
@@ -111,6 +110,9 @@ static int look(void *data, const sgt_step *s)
     REQUIRE(s->kind == SGT_AT_POINT || s->kind == SGT_OVER_CELL, "%s: kind %d", w->what, (int)s->kind);
     REQUIRE(!s->reserved_ && !s->more_[0] && !s->more_[1] && !s->more_[2] && !s->more_[3], "%s: reserved",
             w->what);
+    const double places[] = {s->t, s->lo, s->hi};
+    for (int i = 0; i < 3; i++)
+        if (fabs(places[i]) < FAR) w->far = fmax(w->far, fabs(places[i]));
     if (s->kind == SGT_AT_POINT) require_point(w, s), w->points++;
     else require_cell(w, s), w->cells++;
     w->calls++;
@@ -159,7 +161,7 @@ static void watch_rays(generator *g, sgt_surface s, const char *what, long n)
 {
     watching w = {.s = s, .what = what};
     for (long i = 0; i < n; i++) {
-        w.ray = random_ray(g);
+        w.ray = random_ray(g), w.far = 0;
         watch_ray(&w);
     }
     printf("%-40s %7ld points, %7ld cells\n", what, w.points, w.cells);
