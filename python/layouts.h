@@ -30,6 +30,7 @@ static const layout layouts[] = {
     MEMBER(sgt_diagnosis, verdict), MEMBER(sgt_diagnosis, order), MEMBER(sgt_diagnosis, rate),
     MEMBER(sgt_diagnosis, condition), MEMBER(sgt_diagnosis, newton), MEMBER(sgt_diagnosis, bisect),
     MEMBER(sgt_diagnosis, march), MEMBER(sgt_diagnosis, retreat),
+    MEMBER(sgt_diagnosis, before),
     WHOLE(sgt_jacobian),
     MEMBER(sgt_jacobian, t_by_o), MEMBER(sgt_jacobian, p_by_o), MEMBER(sgt_jacobian, n_by_o),
     MEMBER(sgt_jacobian, t_by_a), MEMBER(sgt_jacobian, p_by_a), MEMBER(sgt_jacobian, n_by_a),

@@ -125,6 +125,7 @@ class Diagnosis(Structure):
         ("bisect", c_int),
         ("march", c_int),
         ("retreat", c_int),
+        ("before", c_int),
     ]
 
 
