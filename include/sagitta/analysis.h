@@ -160,16 +160,19 @@ SGT_API double sgt_airy_radius(double wavelength, double working_f_number);
 
 /* ----------------------------------------------------------------------- wavefronts */
 
+/* The kinds of surface to which paths are compared. */
+typedef enum sgt_reference_kind {
+    SGT_REFERENCE_SPHERE,   /* about `centre`, through the exit pupil */
+    SGT_REFERENCE_INFINITE, /* the same of infinite radius, where the exit pupil is at
+                               infinity: in the limit paths go to the foot of the
+                               perpendicular from the centre on the ray */
+    SGT_REFERENCE_PLANE     /* for light that leaves as parallel rays: a plane through
+                               the centre, across the chief ray */
+} sgt_reference_kind;
+
 /* The surface to which paths are compared. */
 typedef struct sgt_reference {
-    enum {
-        SGT_REFERENCE_SPHERE,   /* about `centre`, through the exit pupil */
-        SGT_REFERENCE_INFINITE, /* the same of infinite radius, where the exit pupil is at
-                                   infinity: in the limit paths go to the foot of the
-                                   perpendicular from the centre on the ray */
-        SGT_REFERENCE_PLANE     /* for light that leaves as parallel rays: a plane through
-                                   the centre, across the chief ray */
-    } kind;
+    sgt_reference_kind kind;
     sgt_vec3 centre;  /* where the chief ray met the last element, in its frame */
     sgt_vec3 along;   /* the direction of the chief ray there */
     double   radius;  /* positive: the centre lies in the direction of the light */

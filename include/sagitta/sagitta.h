@@ -295,17 +295,42 @@ typedef enum sgt_move {
 /* "seed", "march", "newton", "bisect", "retreat" or "probe". */
 SGT_API const char *sgt_move_text(sgt_move move);
 
-/* One evaluation, as a watcher sees it.  On a steep or grazing stretch a built-in surface
- * is solved in its polynomial form.  f and slope are then of that form, which has the
- * same roots. */
+/* What was evaluated. */
+typedef enum sgt_step_kind {
+    SGT_AT_POINT,  /* F and its slope at t */
+    SGT_OVER_CELL  /* bounds on F and on its slope, all over [lo, hi] */
+} sgt_step_kind;
+
+/* One evaluation, as a watcher sees it.  All t are in lengths of d, on the caller's ray,
+ * and rounded.
+ *
+ *     member            at a point                     over a cell
+ *     t                 the point                      the middle of the cell
+ *     f, slope          F and dF/dt there, as `value`  NaN: F was not evaluated
+ *                       gives them; NaN where F is
+ *                       not defined
+ *     lo, hi            the bracket, or what is left   the ends of the cell; the same
+ *                       of the search                  number if it is a single t
+ *     f_lo, f_hi        both f                         F is nowhere outside of them.
+ *                                                      -INFINITY, INFINITY: not known;
+ *                                                      NaN: F is nowhere defined
+ *     slope_lo,         both slope                     the same of dF/dt
+ *     slope_hi
+ *
+ * A later version may give what is reserved a meaning.  The size of the struct stays. */
 typedef struct sgt_step {
-    size_t   ray;     /* its index in a batch; 0 for a single ray */
-    int      eval;    /* from 1 */
-    sgt_move move;    /* how t was chosen */
-    double   t;       /* in lengths of d, on the caller's ray */
-    double   f;       /* F there */
-    double   slope;   /* dF/dt there */
-    double   lo, hi;  /* the bracket, or what is left of the search */
+    size_t        ray;     /* its index in a batch; 0 for a single ray */
+    int           eval;    /* from 1 */
+    sgt_move      move;    /* how t, or the cell, was chosen */
+    sgt_step_kind kind;
+    unsigned      reserved_;
+    double        t;
+    double        f;
+    double        slope;
+    double        lo, hi;
+    double        f_lo, f_hi;
+    double        slope_lo, slope_hi;
+    double        more_[4];  /* reserved; 0 */
 } sgt_step;
 
 /* Called once for each evaluation; data is options.watch_data.  Nonzero: stop. */

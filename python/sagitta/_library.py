@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 import os
 import pathlib
-from ctypes import POINTER, Structure, c_bool, c_char, c_char_p, c_double, c_int, c_size_t, c_void_p
+from ctypes import POINTER, Structure, c_bool, c_char, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from typing import Any
 
 Vector = c_double * 3
@@ -96,11 +96,18 @@ class Step(Structure):
         ("ray", c_size_t),
         ("eval", c_int),
         ("move", c_int),
+        ("kind", c_int),
+        ("reserved_", c_uint),
         ("t", c_double),
         ("f", c_double),
         ("slope", c_double),
         ("lo", c_double),
         ("hi", c_double),
+        ("f_lo", c_double),
+        ("f_hi", c_double),
+        ("slope_lo", c_double),
+        ("slope_hi", c_double),
+        ("more_", c_double * 4),
     ]
 
 
@@ -118,6 +125,7 @@ class Diagnosis(Structure):
         ("bisect", c_int),
         ("march", c_int),
         ("retreat", c_int),
+        ("before", c_int),
     ]
 
 

@@ -20,7 +20,7 @@
  *
  * WHICH STEPS.  Only a run of Newton steps has an order.  A bisection, a back-off or a march begins a new
  * run; the last run is judged.  Probes, which look beside a root already found, are skipped.  So are
- * evaluations that gave NaN.  If a log has several solves (eval begins at 1 again), the last is judged.
+ * evaluations that gave NaN, and bounds over cells.  If a log has several solves (eval begins at 1 again), the last is judged.
  *
  * WHEN IT FAILS.  Two steps have no order: it is NaN, and the verdict goes by how much one gained on the
  * other.  A log that was cut short (n > cap) is judged by what it kept.
@@ -55,7 +55,10 @@ int sgt_log_step(void *log, const sgt_step *step)
     return 0;
 }
 
-static bool is_iterate(const sgt_step *s) { return s->move != SGT_PROBE && isfinite(s->f) && isfinite(s->t); }
+static bool is_iterate(const sgt_step *s)
+{
+    return s->kind == SGT_AT_POINT && s->move != SGT_PROBE && isfinite(s->f) && isfinite(s->t);
+}
 
 /* The last steps that are longer than `least`, newest first.
  *
@@ -108,6 +111,8 @@ static sgt_verdict diagnose_judge(double s1, double s2, double s3, sgt_diagnosis
     return v;
 }
 
+static int before_closing(const sgt_step *step, int n, double least);
+
 sgt_diagnosis sgt_diagnose(const sgt_log *log)
 {
     sgt_diagnosis d = {
@@ -125,7 +130,7 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
         d.bisect += step[i].move == SGT_BISECT;
         d.march += step[i].move == SGT_MARCH;
         d.retreat += step[i].move == SGT_RETREAT;
-        if (!isnan(step[i].slope)) d.condition = 1 / fabs(step[i].slope);
+        if (step[i].kind == SGT_AT_POINT && !isnan(step[i].slope)) d.condition = 1 / fabs(step[i].slope);
         if (!is_iterate(&step[i])) continue;
         if (!first) first = &step[i];
         last = &step[i];
@@ -137,6 +142,7 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
 
     double least = FLOOR_ULPS * DBL_EPSILON * big, bracket = last->hi - last->lo;
     if (bracket <= CLOSED * big) least = maximum_number(least, bracket);
+    d.before = before_closing(step, n, least);
     diagnose_run all = last_run(step, n, true, least), newton = last_run(step, n, false, least);
     if (first->f == 0 || (spread <= least && (defined > 1 || all.next <= least))) d.verdict = SGT_ROUNDING;
     else if (d.bisect > d.newton) d.verdict = SGT_BISECTING;
@@ -157,6 +163,29 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
         if (later <= NEWTON_GAIN * before) d.verdict = SGT_QUADRATIC;
     }
     return d;
+}
+
+/* How many iterates come before those whose steps shrink to the end, each to half or less.  A step that
+ * rounding has touched, below `least`, says nothing.  A step before the first that is seen to shrink is the one
+ * that led to where it begins: what it began from is of the history too. */
+static int before_closing(const sgt_step *step, int n, double least)
+{
+    const sgt_step *later = NULL;
+    int all = 0, closing = 0;
+    double size = 0;
+    bool shrinks = true;
+    for (int i = n - 1; i >= 0; i--) {
+        if (!is_iterate(&step[i]) || step[i].move == SGT_MARCH) continue;
+        all++;
+        if (later && shrinks) {
+            double s = fabs(later->t - step[i].t);
+            shrinks = s <= least || size == 0 || size <= 0.5 * s;
+            if (shrinks && s > least) size = s;
+        }
+        closing += shrinks;
+        later = &step[i];
+    }
+    return all - closing;
 }
 
 const char *sgt_verdict_text(sgt_verdict v)

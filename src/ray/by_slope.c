@@ -121,9 +121,8 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
     if (!sgt_unique_by_slope(s, &one, rim2, &proven)) return false;
     sgt_interval about = sgt_about(hit->t, hit->t_err);
     hit->lo = about.lo, hit->hi = about.hi;
-    sgt_step step = {.eval = hit->evals, .move = SGT_PROBE, .t = hit->t, .f = hit->f,
-                     .slope = hit->n.x * ray->d.x + hit->n.y * ray->d.y + hit->n.z * ray->d.z, .lo = about.lo,
-                     .hi = about.hi};
+    double slope = hit->n.x * ray->d.x + hit->n.y * ray->d.y + hit->n.z * ray->d.z;
+    sgt_step step = step_at(hit->evals, SGT_PROBE, hit->t, hit->f, slope, about.lo, about.hi);
     if (opt->watch && opt->watch(opt->watch_data, &step)) *hit = hit_without(SGT_STOPPED, ray, hit->evals);
     return true;
 }

@@ -316,11 +316,10 @@ static double march_all(slots *s, size_t n, double budget)
 
 /* The watcher of the only ray is told of a cell, or of a point; before the march goes on. */
 static void tell_enclosure(cell_search *j, sgt_move move, double t_lo, double t_hi, double g_lo, double g_hi,
-                           double slope_lo, double slope_hi, double lo, double hi)
+                           double slope_lo, double slope_hi)
 {
     if (!j->told || j->told->stopped) return;
-    tell(j->told, move, 0.5 * t_lo + 0.5 * t_hi, 0.5 * g_lo + 0.5 * g_hi, 0.5 * slope_lo + 0.5 * slope_hi, lo,
-         hi);
+    tell_cell(j->told, move, t_lo, t_hi, (sgt_interval){g_lo, g_hi}, (sgt_interval){slope_lo, slope_hi});
 }
 
 /* ------------------------------------------------------------------------- a root */
@@ -496,7 +495,7 @@ static void meet(cell_search *j)
                 (sgt_enclosures){s->g_lo, s->g_hi, s->slope_lo, s->slope_hi});
     for (size_t i = 0; j->told && i < 2; i++)
         tell_enclosure(j, SGT_PROBE, s->t_lo[i], s->t_hi[i], s->g_lo[i], s->g_hi[i], s->slope_lo[i],
-                       s->slope_hi[i], s->t_lo[1], s->t_hi[1]);
+                       s->slope_hi[i]);
     meetings_certify(s, n);
     value_all(j, s, n);
     tell_value(j, s, SGT_PROBE);
@@ -565,7 +564,7 @@ static void stream_rays(cell_search *j)
         j->encloses(j->s.self, s->count, rays, s->t_lo, s->t_hi, out);
         if (j->told)
             tell_enclosure(j, s->asks[0] == CELL ? SGT_MARCH : SGT_PROBE, s->t_lo[0], s->t_hi[0], s->g_lo[0],
-                           s->g_hi[0], s->slope_lo[0], s->slope_hi[0], s->a[0], s->end[0]);
+                           s->g_hi[0], s->slope_lo[0], s->slope_hi[0]);
         if (march_all(s, s->count, j->budget) == 0) continue;
         for (size_t k = s->count; k-- > 0;) {
             if (s->leave[k] == STAYS) continue;

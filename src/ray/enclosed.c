@@ -91,8 +91,8 @@ static void enclosed_ask(enclosed *s, const cells *c)
     if (!(t.hi <= DBL_MAX)) t.hi = DBL_MAX;
     s->slope = (sgt_interval){(double)NAN, (double)NAN};
     s->g = w->s.ops->enclose(w->s.self, s->from, t, &s->slope);
-    tell(&w->told, SGT_MARCH, (q->t0 + c->at.m) * q->scale, 0.5 * s->g.lo + 0.5 * s->g.hi,
-         0.5 * s->slope.lo + 0.5 * s->slope.hi, (q->t0 + c->k.tau) * q->scale, (q->t0 + s->hi) * q->scale);
+    tell_cell(&w->told, SGT_MARCH, (q->t0 + c->k.tau) * q->scale, (q->t0 + c->at.end) * q->scale, s->g,
+              s->slope);
 }
 
 /* The signs at the ends of a monotone cell.  AGAIN: the cell is to be another, or the search is over. */

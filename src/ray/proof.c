@@ -104,8 +104,7 @@ static sgt_interval proof_ask(proof *w, sgt_interval t, sgt_move move, sgt_inter
     bool own = ops->own_ && ops->own_->enclose;
     sgt_interval g = own ? ops->own_->enclose(w->s.self, w->ray, w->t0, t, slope)
                          : ops->enclose(w->s.self, w->t0 != 0 ? &w->at_far : w->ray, t, slope);
-    tell(&w->told, move, w->t0 + (0.5 * t.lo + 0.5 * t.hi), 0.5 * g.lo + 0.5 * g.hi,
-         0.5 * slope->lo + 0.5 * slope->hi, w->t0 + t.lo, w->t0 + w->hi);
+    tell_cell(&w->told, move, w->t0 + t.lo, w->t0 + t.hi, g, *slope);
     if (!(slope->lo <= slope->hi)) *slope = sgt_interval_all();
     return isnan(g.lo) || isnan(g.hi) ? sgt_interval_all() : g;
 }
@@ -218,7 +217,8 @@ static proof_place proof_place_of(proof *w, double t, double t_err, sgt_interval
     at.off = 1.01 * ((2 * (fabs(at.p.x) + fabs(at.p.y)) + at.h.p_err) * at.h.p_err + 4 * SGT_U * at.r2);
     at.h.t_err = larger(at.h.t_err, t_err);
     at.width = by * terms / a.slope + 8 * SGT_U * fabs(w->t0 + t);
-    tell(&w->told, SGT_PROBE, w->t0 + t, at.f, a.slope * inverse, w->t0 + (t - t_err), w->t0 + (t + t_err));
+    double along = at.n.x * ray->d.x + at.n.y * ray->d.y + at.n.z * ray->d.z; /* a.slope has no sign */
+    tell(&w->told, SGT_PROBE, w->t0 + t, at.f, along, w->t0 + (t - t_err), w->t0 + (t + t_err));
     return at;
 }
 

@@ -232,7 +232,7 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
                         g = builtin->enclose(s.self, ray, begin, t, &slope);
     *evals += 1;
     if (v->told)
-        tell(v->told, SGT_MARCH, begin, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, begin, lo);
+        tell_cell(v->told, SGT_MARCH, begin, lo, g, slope);
     return g.lo > 0 || g.hi < 0 ? lo : (double)NAN; /* also an empty one */
 }
 
@@ -254,8 +254,7 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
                             g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
         v->evals[(size_t)a[LANE][i]] += 1;
         if (v->told)
-            tell(v->told, SGT_MARCH, from, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, from,
-                 to);
+            tell_cell(v->told, SGT_MARCH, from, to, g, slope);
         bool certain = g.lo > 0 || g.hi < 0; /* also an empty one */
         from = certain ? to : from;
         width *= certain ? 2 : 0.25;

@@ -119,11 +119,38 @@ SGT_INLINE void next_root(tally *w)
     if (w->evals >= 1023LL * w->budget) w->budget = 0;
 }
 
+/* What a watcher is told of a point. */
+SGT_INLINE sgt_step step_at(int eval, sgt_move move, double t, double f, double slope, double lo, double hi)
+{
+    return (sgt_step){.eval = eval, .move = move, .kind = SGT_AT_POINT, .t = t, .f = f, .slope = slope,
+                      .lo = lo, .hi = hi, .f_lo = f, .f_hi = f, .slope_lo = slope, .slope_hi = slope};
+}
+
+/* One evaluation of F, at t. */
 SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, double lo, double hi)
 {
     w->evals++;
     if (!w->opt->watch) return;
-    sgt_step step = {.eval = w->evals, .move = move, .t = t, .f = f, .slope = slope, .lo = lo, .hi = hi};
+    sgt_step step = step_at(w->evals, move, t, f, slope, lo, hi);
+    if (w->opt->watch(w->opt->watch_data, &step)) w->stopped = true;
+}
+
+/* An enclosure as a watcher is told it: an end that is NaN is not known; NaN if it is empty. */
+SGT_INLINE void told_bounds(sgt_interval x, double *lo, double *hi)
+{
+    *lo = x.lo > x.hi ? (double)NAN : isnan(x.lo) || isnan(x.hi) ? -HUGE_VAL : x.lo;
+    *hi = x.lo > x.hi ? (double)NAN : isnan(x.lo) || isnan(x.hi) ? HUGE_VAL : x.hi;
+}
+
+/* One evaluation of bounds on F and on its slope over [lo, hi]. */
+SGT_INLINE void tell_cell(tally *w, sgt_move move, double lo, double hi, sgt_interval f, sgt_interval slope)
+{
+    w->evals++;
+    if (!w->opt->watch) return;
+    sgt_step step = step_at(w->evals, move, 0.5 * lo + 0.5 * hi, (double)NAN, (double)NAN, lo, hi);
+    step.kind = SGT_OVER_CELL;
+    told_bounds(f, &step.f_lo, &step.f_hi);
+    told_bounds(slope, &step.slope_lo, &step.slope_hi);
     if (w->opt->watch(w->opt->watch_data, &step)) w->stopped = true;
 }
 

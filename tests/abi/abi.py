@@ -208,7 +208,7 @@ def planted_in_library(build, folder):
              'grown'),
             ('a name is gone', 'sgt_intersect_all;', '', f'-soname,{soname}', 'broken'),
             ('a table is gone', 'sgt_conic_ops;', '', f'-soname,{soname}', 'broken'),
-            ('another version', r'SAGITTA_1\b', 'SAGITTA_1_0', f'-soname,{soname}', 'broken'),
+            ('another version', r'SAGITTA_2\b', 'SAGITTA_2_0', f'-soname,{soname}', 'broken'),
             ('another soname', '', '', f'-soname,{soname}0', 'broken')]:
         (folder / 'map').write_text(re.sub(rf'\b{old}', new, map_text) if old else map_text)
         run(*CC, '-shared', '-Wl,--whole-archive', build / 'src/libsagitta.a', '-Wl,--no-whole-archive',

@@ -23,7 +23,7 @@ DECIDED, UNDECIDED, USAGE, BAD_INPUT = 0, 1, 2, 3
 INTERSECT = 'ray,root,status,t,t_err,x,y,z,nx,ny,nz,evals'
 TRACE = 'ray,element,fate,status,x,y,z,l,m,n,t,t_err,opl,evals'
 TRACE_ALL = TRACE + ',field,wavelength,px,py'   # csv and json
-DIAGNOSE = 'ray,element,eval,move,t,f,slope,lo,hi'
+DIAGNOSE = 'ray,element,eval,move,t,f,slope,lo,hi,f_lo,f_hi,slope_lo,slope_hi'
 
 
 def run(*arguments, stdin='', exit=DECIDED, binary=False):

@@ -182,9 +182,6 @@ def test_words_for_people_at_the_command():
     for shown in ((*lens,), (*lens, '--method', 'newton'), ('diagnose', *GOLDEN)):
         said = run(*shown).stdout
         assert 'sgt_' not in said and 'a seed' not in said, said
-    assert 'polynomial form' in run(*lens, '--element', '1').stdout
-    assert 'polynomial form' not in run(*lens, '--element', '2').stdout
-    assert 'polynomial form' not in run(*lens, '--element', '1', '--format', 'csv').stdout
     said = run('diagnose', '--surface', SPHERE, '--ray', '0 5 -5 0 0 1', '--method', 'newton', exit=UNDECIDED).stdout
     assert 'halving t leads from one point where F is NaN to the next' in said, said
     plane = written('pupil: {semi_diameter: 1}\nsurfaces:\n  - {type: plane}\n')

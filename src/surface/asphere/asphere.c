@@ -32,26 +32,25 @@
 
 /* ------------------------------------------------------------------- easy */
 
-/* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer. */
+/* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer.  h, ray: for a
+ * watcher. */
 SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin,
-                                       double tmax, double t_tol, double scale, lane *e, tally *w)
+                                       double tmax, double t_tol, double scale, lane *e, tally *w,
+                                       const shape *h, const sgt_ray *ray)
 {
     double g, slope;
     wavy_start r = wavy_begin(s, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, &g, &slope);
     wavy_round q = {.tau = r.tau, .again = MASK(true)};
     wavy_newton half = {.inverse = 0};
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
-    sample seen = {.g = g, .slope = slope};
-    observe(w, &at, r.tau + g / slope, &seen, SGT_SEED, -HUGE_VAL, HUGE_VAL);
+    observe(h, ray, w, &at, r.tau + g / slope, SGT_SEED, -HUGE_VAL, HUGE_VAL);
     if (first && wavy_hopeless(s, tmin, d.x, d.y, d.z)) return EASY_NOT;
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, d.x, d.y, d.z);
         q = wavy_bound(s, ALL_TERMS, r.x, r.y, r.t0, &half, d.x, d.y, d.z, t_tol);
-        seen = (sample){.g = half.g, .slope = half.slope};
-        observe(w, &at, tau, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
-        seen.g = q.g;
-        if (!w->stopped) observe(w, &at, half.tau2, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+        observe(h, ray, w, &at, tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+        if (!w->stopped) observe(h, ray, w, &at, half.tau2, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
     if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
@@ -69,18 +68,19 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sg
 }
 
 /* A direction of unusual length is scaled by a power of two.  For usual lengths that would change no bit. */
-SGT_INLINE easy_answer easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w)
+SGT_INLINE easy_answer easy(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w)
 {
     const sgt_options *opt = w->opt;
     sgt_vec3 d = ray->d;
     bool first = opt->pick != SGT_NEAR_SEED;
     double scale = scale_of(d);
     if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z))
-        return asphere_easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w);
+        return asphere_easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w, h,
+                               ray);
     if (!ends_are_whole(ray, scale)) return EASY_NOT;
     d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
     easy_answer is = asphere_easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale,
-                                     opt->t_tol / scale, scale, e, w);
+                                     opt->t_tol / scale, scale, e, w, h, ray);
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
@@ -302,7 +302,7 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
     sgt_move move = SGT_SEED;
     for (int i = 0; i < 12 && w->evals < w->budget; i++) {
         sample at = poly_at(s, &q, tau);
-        observe(w, &q, tau, &at, move, -HUGE_VAL, HUGE_VAL);
+        observe(s, ray, w, &q, tau, move, -HUGE_VAL, HUGE_VAL);
         if (w->stopped) return false;
         move = SGT_NEWTON;
         double step = -at.g / at.slope, v_err;
@@ -389,7 +389,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     lane e;
     WENT(WAY_ROUNDS);
     easy_answer is = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)
-                         ? easy(&v, ray, &e, &w)
+                         ? easy(&v, &h, ray, &e, &w)
                          : EASY_NOT;
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});

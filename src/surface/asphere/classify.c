@@ -51,7 +51,7 @@ static sample cell_look(cell_walk *w, double tau, sgt_move move, double lo, doub
     w->spent = w->spent || spent(w->told);
     if (w->told->stopped || w->spent) return (sample){.g = NAN, .slope = NAN};
     sample e = w->fine ? sgt_poly_sample_fine(w->s, w->ray, &w->q, tau) : sgt_poly_sample(w->s, &w->q, tau);
-    observe(w->told, &w->q, tau, &e, move, lo, hi);
+    observe(w->s, w->ray, w->told, &w->q, tau, move, lo, hi);
     return e;
 }
 

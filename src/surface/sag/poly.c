@@ -261,6 +261,18 @@ static void fine_residual(const shape *s, const sgt_ray *ray, const local *q, sa
     at->g_err += at->lost;
 }
 
+void sgt_poly_tell(const shape *s, const sgt_ray *ray, tally *w, const local *q, double tau, sgt_move move,
+                   double lo, double hi)
+{
+    local at = local_at(ray, q->t0, q->t0_lo);
+    double x = at.x + tau * at.l, y = at.y + tau * at.m, z = at.z + tau * at.n, r2 = x * x + y * y;
+    double phi, slope, dp, p = polynomial(s->terms, s->a, r2, &dp);
+    double f = z - (conic_sag(s->c, s->k, r2, &phi, &slope) + p);
+    double along = at.n - 2 * (slope + dp) * (x * at.l + y * at.m), t0 = at.t0;
+    tell(w, move, (t0 + (at.t0_lo + tau)) * at.scale, f, isnan(f) ? (double)NAN : along / at.scale,
+         (t0 + lo) * at.scale, (t0 + hi) * at.scale);
+}
+
 bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err,
                      tally *w)
 {
@@ -272,7 +284,7 @@ bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo
         sample at = sgt_poly_sample(s, &q, 0);
         if (fine) fine_residual(s, ray, &q, &at);
         else residual_at(s, ray, &q, 0, &at);
-        observe(w, &q, 0, &at, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+        observe(s, ray, w, &q, 0, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
         if (w->stopped || !sgt_poly_certify(s, &q, &at, 0, 0, out, v_err, &steady)) return false;
         twofold next = two_sum(t0, t0_lo - at.g / at.slope);
         bool still = next.hi == t0 && next.lo == t0_lo;
@@ -292,6 +304,6 @@ bool sgt_poly_unique(const shape *s, const sgt_ray *ray, const meeting *at, tall
     double scale = scale_of(ray->d), h = 2 * at->t_err / scale;
     local q = local_at(ray, at->t / scale, at->t_lo / scale);
     sample e = sgt_poly_sample(s, &q, 0);
-    observe(w, &q, 0, &e, SGT_PROBE, -h, h);
+    observe(s, ray, w, &q, 0, SGT_PROBE, -h, h);
     return fabs(e.slope) - e.slope_err > sgt_poly_bend(s, &q, &e, h) * h; /* false for NaN */
 }

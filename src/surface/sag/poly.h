@@ -126,12 +126,16 @@ bool sgt_poly_unique(const shape *s, const sgt_ray *ray, const meeting *at, tall
 sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_interval t,
                              sgt_interval *slope);
 
-/* Reports one evaluation to the watcher, in the ray's own t. */
-SGT_INLINE void observe(tally *w, const local *q, double tau, const sample *e, sgt_move move, double lo,
-                        double hi)
+/* Tells the watcher of F, not of G, at tau from q->t0 + q->t0_lo of the ray. */
+void sgt_poly_tell(const shape *s, const sgt_ray *ray, tally *w, const local *q, double tau, sgt_move move,
+                   double lo, double hi);
+
+/* Counts one evaluation of G, and reports it to the watcher, if there is one. */
+SGT_INLINE void observe(const shape *s, const sgt_ray *ray, tally *w, const local *q, double tau,
+                        sgt_move move, double lo, double hi)
 {
-    tell(w, move, (q->t0 + (q->t0_lo + tau)) * q->scale, e->g, e->slope / q->scale, (q->t0 + lo) * q->scale,
-         (q->t0 + hi) * q->scale);
+    if (w->opt->watch) sgt_poly_tell(s, ray, w, q, tau, move, lo, hi);
+    else w->evals++;
 }
 
 SGT_INLINE double asphere_f(const shape *s, sgt_vec3 p)

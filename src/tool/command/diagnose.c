@@ -35,8 +35,11 @@ static const char diagnose_help[] =
     "                     probe (beside a root)\n"
     "  t                  place on the ray (in lengths of its direction; through a lens: distance\n"
     "                     from the element before)\n"
-    "  f, slope           F there, and its derivative by t\n"
-    "  lo, hi             the bracket that holds the root, where there is one (like t)\n"
+    "  f, slope           F there, and its derivative by t; none (nan) if the row is over a cell\n"
+    "  lo, hi             the bracket that holds the root, where there is one (like t); or the cell,\n"
+    "                     and t is its middle\n"
+    "  f_lo, f_hi         (csv, json) bounds of F all over the cell; at a point both are f\n"
+    "  slope_lo, slope_hi (csv, json) the same of the slope\n"
     "\n"
     "Options\n"
     "  --surface SPEC     one surface, as in sagitta intersect\n"
@@ -69,8 +72,15 @@ static const column diagnose_head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"eval", COLUMN_COUNT}, {"move", COLUMN_WORD},
     {"t", COLUMN_EXACT}, {"f", COLUMN_NUMBER}, {"slope", COLUMN_NUMBER},
     {"lo", COLUMN_EXACT}, {"hi", COLUMN_EXACT},
+    {"f_lo", COLUMN_NUMBER}, {"f_hi", COLUMN_NUMBER}, {"slope_lo", COLUMN_NUMBER}, {"slope_hi", COLUMN_NUMBER},
 };
-enum { HEAD_COUNT = sizeof diagnose_head / sizeof diagnose_head[0], BARE_EVALS = 100 };
+enum { HEAD_COUNT = sizeof diagnose_head / sizeof diagnose_head[0], OF_TEXT = HEAD_COUNT - 4, BARE_EVALS = 100 };
+
+/* Text has no bounds: they would make it too wide. */
+static table *rows_begin(const table_target *target)
+{
+    return table_begin(target, target->format == TABLE_TEXT ? OF_TEXT : HEAD_COUNT, diagnose_head);
+}
 
 typedef struct diagnose_arguments {
     shared_options shared;
@@ -130,7 +140,7 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
 
 /* --------------------------------------------------------------- one search */
 
-static void diagnose_write_rows(table *t, size_t ray, size_t element, const record *r)
+static void diagnose_write_rows(table *t, bool text, size_t ray, size_t element, const record *r)
 {
     for (size_t i = 0; i < r->count; i++) {
         const sgt_step *s = &r->step[i];
@@ -138,8 +148,10 @@ static void diagnose_write_rows(table *t, size_t ray, size_t element, const reco
         table_count(t, (long long)element + 1);
         table_count(t, (long long)i + 1); /* s->eval begins anew where the library searches twice */
         table_word(t, sgt_move_text(s->move));
-        const double numbers[] = {s->t, s->f, s->slope, s->lo, s->hi};
-        for (int k = 0; k < 5; k++) table_number(t, numbers[k]);
+        const double numbers[] = {s->t, s->f, s->slope, s->lo, s->hi, s->f_lo, s->f_hi, s->slope_lo, s->slope_hi};
+        for (int k = 0; k < (text ? 5 : 9); k++)
+            if (text && k > 0 && k < 3 && s->kind == SGT_OVER_CELL) table_empty(t);
+            else table_number(t, numbers[k]);
     }
 }
 
@@ -149,13 +161,13 @@ static bool show(table *t, const diagnose_arguments *a, size_t number, size_t el
                  const search *s, bool told)
 {
     if (a->method == METHOD_SAFEGUARDED) {
-        diagnose_write_rows(t, number, element, seen);
+        diagnose_write_rows(t, a->shared.target.format == TABLE_TEXT, number, element, seen);
         explain_safeguarded(t, seen, s, told);
         return s->hit->status >= 0;
     }
     int most = a->shared.solver.max_evals ? a->shared.solver.max_evals : BARE_EVALS;
     record bare = method_run(a->method, s->surface, s->semi_diameter, &s->ray, most);
-    diagnose_write_rows(t, number, element, &bare);
+    diagnose_write_rows(t, a->shared.target.format == TABLE_TEXT, number, element, &bare);
     explain_bare(t, a->method, &bare, s);
     return bare.settled;
 }
@@ -265,7 +277,7 @@ static bool diagnose_lens(const diagnose_arguments *a, const job *j, const launc
     watched_trace(&w, j->element, j->lens.index_before, &l->ray, &o);
     bool brief = in_short(a, &w), decided = true, failing = w.fate != SGT_PASSED;
     table *t = brief ? passed_begin(&a->shared.target, &j->lens)
-                     : table_begin(&a->shared.target, HEAD_COUNT, diagnose_head);
+                     : rows_begin(&a->shared.target);
     const char *name = *j->lens.name ? j->lens.name : j->lens.of->file, *plural = count == 1 ? "" : "s";
     if (failing)
         table_line(t, "%s: ray %zu%s.  It passed %zu of %zu element%s.", name, l->number, how, w.passed,
@@ -293,7 +305,7 @@ exit_status command_diagnose(int argc, char *argv[])
         rays_parse(&rays, a.ray);
         sgt_surface surface = surface_parse("--surface", a.surface);
         options_note_unread(&a.shared, 1, &(sgt_element){.surface = surface});
-        table *t = table_begin(&a.shared.target, HEAD_COUNT, diagnose_head);
+        table *t = rows_begin(&a.shared.target);
         decided = diagnose_surface(t, &a, surface, &rays.ray[0].ray);
         table_line(t, "\n%s", legend_of_surface);
         table_end(t);

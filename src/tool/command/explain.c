@@ -63,8 +63,12 @@ static void verdict(table *t, method m, const record *r)
     }
     if (isfinite(d.order))
         snprintf(text + length, sizeof text - (size_t)length, "; order %.3g, rate %.3g", d.order, d.rate);
-    table_line(t, "%s", advice(d.verdict, m, r));
+    if (d.before > 2 && d.verdict == SGT_QUADRATIC)
+        table_line(t, "wandering at first, quadratic in the end: a start nearer to the root saves the first steps");
+    else table_line(t, "%s", advice(d.verdict, m, r));
     table_line(t, "%s.", text);
+    if (d.before > 2)
+        table_line(t, "%d of these came before the steps began to close in on the end.", d.before);
 }
 
 /* "hit at t = 4.1, at most 3.6e-15 off" */
@@ -104,23 +108,14 @@ static void answer(table *t, const search *s, double condition, bool told)
                    condition > 100 ? "; the ray grazes" : "");
 }
 
-/* Explains rows that do not show F at a t on the way to a root.  Level sets and the surfaces of the catalogue
- * are searched by cells.  On an asphere with terms the library works with a polynomial that has the same
- * roots as F. */
-static void explain_rows(table *t, const record *r, const search *s)
+/* Explains rows that do not show F at a t. */
+static void explain_rows(table *t, const record *r)
 {
-    sgt_surface surface = s->surface;
-    sgt_family family = surface_row(surface)->family;
-    bool by_cells = surface.ops->enclose && family != SGT_CONIC && family != SGT_ASPHERE;
-    if (by_cells && !s->fast && method_march_steps(r))
-        table_line(t, "A march row is a cell around t.  It has no root, or it is divided next.  lo ... hi is "
-                      "the rest of the ray.");
-    if (family != SGT_ASPHERE || r->count < 2 || !undecided_without_rim(surface).terms) return;
-    table_line(t, "%s of the polynomial form",
-               s->hit->status > 0 ? "f and slope in the rows before the last are"
-                                  : "f and slope in the rows are");
-    table_line(t, "G = (z - P) - (c r^2 + (1+k) c (z-P)^2)/2, which has the same roots%s.",
-               s->hit->status > 0 ? "; the last row is F itself" : "");
+    size_t cells = 0;
+    for (size_t i = 0; i < r->count; i++) cells += r->step[i].kind == SGT_OVER_CELL;
+    if (cells)
+        table_line(t, "A row without f is over the cell lo ... hi, about t; csv and json have the bounds of F "
+                      "there.");
 }
 
 void explain_safeguarded(table *t, const record *r, const search *s, bool told)
@@ -129,7 +124,7 @@ void explain_safeguarded(table *t, const record *r, const search *s, bool told)
     else table_line(t, "Answered without an evaluation.");
     answer(t, s, r->count > 0 ? method_diagnose(r).condition : (double)NAN, told);
     if (s->fast && s->hit->status != SGT_MISS) table_line(t, "%s", explain_fast);
-    explain_rows(t, r, s);
+    explain_rows(t, r);
 }
 
 /* Near a root the normalised step multiplies the error by 1 - |grad F|. */
@@ -255,6 +250,41 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     }
 }
 
+/* Why a root on which a bare method settled is not one of the ray; nothing is printed if that is not known. */
+static void explain_not_accepted(table *t, const record *r, const search *s)
+{
+    const sgt_ray *ray = &s->ray;
+    const double tmin = ray->tmin, tmax = ray->tmax == 0 && tmin >= 0 ? HUGE_VAL : ray->tmax,
+                 close = 0x1p-40 * (fabs(r->t) + fabs(tmin));
+    const sgt_surface surface = s->surface;
+    sgt_vec3 p = vector_along(ray->o, ray->d, r->t);
+    double radius = hypot(p.x, p.y), rim = undecided_has_rim(surface) ? undecided_without_rim(surface).rim : 0;
+    char at[NUMBER_SIZE], end[NUMBER_SIZE];
+    number_print_short(at, r->t, 6);
+    sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL};
+    if (surface.ops->span) span = surface.ops->span(surface.self, ray);
+    if (r->t > tmax) {
+        number_print_short(end, tmax, 6);
+        table_line(t, "The t = %s on which it settled lies beyond the ray's end, tmax = %s.", at, end);
+    } else if (r->t < tmin && tmin - r->t > close) {
+        number_print_short(end, tmin, 6);
+        table_line(t, "The t = %s on which it settled lies before the ray's start, tmin = %s.", at, end);
+    } else if (fabs(r->t - tmin) <= close) {
+        table_line(t, "The t = %s on which it settled is the ray's own start, which is not accepted.", at);
+    } else if (rim > 0 && radius > rim) {
+        number_print_short(end, radius, 6);
+        table_line(t, "The t = %s on which it settled lies outside semi_diameter, at r = %s.", at, end);
+    } else if (r->t < span.lo || r->t > span.hi) {
+        table_line(t, "The t = %s on which it settled lies outside of the part of space that the surface is in.",
+                   at);
+    } else if (s->hit->status <= 0) {
+        table_line(t, "The t = %s on which it settled is no accepted root: F only comes near 0 there, or jumps.",
+                   at);
+    } else if (r->t > s->hit->t) {
+        table_line(t, "The library's answer comes before it on the ray.");
+    }
+}
+
 void explain_bare(table *t, method m, const record *r, const search *s)
 {
     const sgt_hit *hit = s->hit;
@@ -274,7 +304,9 @@ void explain_bare(table *t, method m, const record *r, const search *s)
         double apart = fabs(r->t - hit->t), close = hit->t_err + 0x1p-40 * fabs(hit->t);
         const char *how = !r->settled ? "" : apart <= close ? ": the same" : ": another root, or none";
         table_line(t, "The library's answer: %s%s.", root, how);
+        if (!(apart <= close) && r->settled) explain_not_accepted(t, r, s);
     }
+    if (hit->status <= 0 && r->settled) explain_not_accepted(t, r, s);
     if (m == METHOD_NORMALISED) explain_normalised(t, r, s);
     if (m == METHOD_BISECTION && r->settled)
         table_line(t, "Each evaluation halves the bracket: one bit of t for each.");

@@ -44,8 +44,8 @@ static const char info_help[] =
     "  lagrange           invariant n (u ybar - ubar y) of the marginal ray and that chief ray\n"
     "  petzval_radius     radius of the Petzval surface\n"
     "\n"
-    "csv has a row for each wavelength.  It names f_number_working working_f_number, petzval_radius\n"
-    "petzval, and the pupils entrance_pupil, entrance_radius, exit_pupil, exit_radius.\n"
+    "csv has a row for each wavelength.  It names the pupils entrance_pupil, entrance_radius,\n"
+    "exit_pupil, exit_radius.\n"
     "\n"
     "json is one object; with --wavelength all, or several, a list of them.  Beside the quantities it\n"
     "has name, units, fields ({x, y, kind, weight}), wavelengths, surfaces (how many), stop (which),\n"
@@ -91,7 +91,8 @@ static const struct { const char *column, *name, *what; lack needs; size_t offse
     QUANTITY(focus, "focus", "rear focus, from the image surface", POWER),
     QUANTITY(image, "image", "paraxial image, from the image surface", POWER),
     QUANTITY(f_number, "f_number", "|efl| / diameter of the entrance pupil", SIZE),
-    QUANTITY(working_f_number, "f_number_working", "1 / (2 n' u') of the marginal ray", SIZE),
+    {"f_number_working", "f_number_working", "1 / (2 n' u') of the marginal ray", SIZE,
+     offsetof(sgt_first_order, working_f_number)},
     QUANTITY(magnification, "magnification", "of the object", OBJECT),
     QUANTITY(entrance_pupil, "entrance_pupil.z", "from the first vertex", PUPIL),
     QUANTITY(entrance_radius, "entrance_pupil.radius", "semi-diameter of the entrance pupil", SIZE),
@@ -104,7 +105,8 @@ static const struct { const char *column, *name, *what; lack needs; size_t offse
     QUANTITY(rear_nodal, "rear_nodal", "rear nodal point, from the image surface", POWER),
     QUANTITY(image_height, "image_height", "paraxial, of the field farthest from the axis", POWER),
     QUANTITY(lagrange, "lagrange", "invariant n (u ybar - ubar y) of marginal and chief ray", SIZE),
-    QUANTITY(petzval, "petzval_radius", "radius of the Petzval surface", CURVE),
+    {"petzval_radius", "petzval_radius", "radius of the Petzval surface", CURVE,
+     offsetof(sgt_first_order, petzval)},
 #undef QUANTITY
 };
 enum { QUANTITIES = sizeof quantity / sizeof quantity[0], SEIDEL_COLUMNS = 9 };

@@ -44,7 +44,8 @@ static double evaluate(methods_search *s, sgt_move move, double t, double lo, do
     double f = s->surface.ops->value(s->surface.self, p, &grad);
     *slope = vector_dot(grad, s->ray->d) / (s->normalised ? vector_length(grad) : 1);
     sgt_step step = {
-        .eval = (int)s->record->count + 1, .move = move, .t = t, .f = f, .slope = *slope, .lo = lo, .hi = hi};
+        .eval = (int)s->record->count + 1, .move = move, .t = t, .f = f, .slope = *slope, .lo = lo, .hi = hi,
+        .f_lo = f, .f_hi = f, .slope_lo = *slope, .slope_hi = *slope};
     method_watch(s->record, &step);
     s->left--;
     return f;

@@ -15,7 +15,7 @@ static const char trade_help[] =
     "\n"
     "What does accuracy cost, and what does speed cost?  Changes one option at a time, with all\n"
     "others at their defaults, and measures each setting on this machine.  A surface may have any\n"
-    "type except formula and those about the Earth.\n"
+    "type except those about the Earth.\n"
     "\n"
     "Columns\n"
     "  setting            the option that is changed; see Settings\n"

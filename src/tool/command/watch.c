@@ -21,7 +21,7 @@ static const char watch_head[] = "ray,element,eval,move,t,f,slope,lo,hi";
 enum {
     EVALS_MOST = 1 << 18,   /* of the rays of a tile, if each spends all it may: some 32 MB as text */
     SHARE_WATCHED = 2,
-    ROW_SIZE = 8 * NUMBER_SIZE + 80
+    ROW_SIZE = 12 * NUMBER_SIZE + 80
 };
 
 /* The lost rays of a tile. */
@@ -55,30 +55,30 @@ watch *watch_begin(const char *path, bool hexadecimal, size_t places, size_t ele
     *w = (watch){.path = path, .file = fopen(path, "wb"), .hexadecimal = hexadecimal,
                  .part = memory_take(places, sizeof *w->part)};
     if (!w->file) fail_input("--watch %s: %s", path, strerror(errno));
-    fprintf(w->file, "%s%s\n", watch_head, elements ? ",wavelength" : "");
+    fprintf(w->file, "%s%s,f_lo,f_hi,slope_lo,slope_hi\n", watch_head, elements ? ",wavelength" : "");
     for (size_t i = 0; i < places; i++) w->part[i].ray = watched_room(elements);
     return w;
 }
 
-/* The i-th evaluation of a ray at an element.  behind: the end of the row. */
+/* The i-th evaluation of a ray at an element.  behind: what stands before the bounds. */
 static void watch_write(const watch *w, watch_part *p, size_t ray, size_t element, const record *r, size_t i,
                         const char *behind)
 {
     const sgt_step *s = &r->step[i];
-    const double numbers[] = {s->t, s->f, s->slope, s->lo, s->hi};
+    const double numbers[] = {s->t, s->f, s->slope, s->lo, s->hi, s->f_lo, s->f_hi, s->slope_lo, s->slope_hi};
     if (p->capacity - p->length < ROW_SIZE) {
         p->capacity = 2 * p->capacity + ROW_SIZE;
         p->text = memory_grow(p->text, p->capacity, 1);
     }
     char *to = p->text + p->length;
     to += snprintf(to, ROW_SIZE, "%zu,%zu,%zu,%s", ray, element + 1, i + 1, sgt_move_text(s->move));
-    for (int k = 0; k < 5; k++) {
+    for (int k = 0; k < 9; k++) {
+        if (k == 5) to += snprintf(to, NUMBER_SIZE + 2, "%s", behind);
         *to++ = ',';
         to += number_print(to, numbers[k], w->hexadecimal);
     }
-    size_t length = strlen(behind);
-    memcpy(to, behind, length);
-    p->length = (size_t)(to - p->text) + length;
+    *to++ = '\n';
+    p->length = (size_t)(to - p->text);
 }
 
 void watch_trace(watch *w, size_t place, const job_lens *at, const launch *l, const sgt_options *opt)
@@ -87,7 +87,7 @@ void watch_trace(watch *w, size_t place, const job_lens *at, const launch *l, co
     if (!w) return;
     watch_part *p = &w->part[place];
     if (!isnan(at->lens.wavelength)) number_print(um, at->lens.wavelength, w->hexadecimal);
-    snprintf(behind, sizeof behind, ",%s\n", um);
+    snprintf(behind, sizeof behind, ",%s", um);
     watched_trace(&p->ray, at->element, at->lens.index_before, &l->ray, opt);
     for (size_t i = 0; i < p->ray.count; i++) {
         const record r = watched_at(&p->ray, i);
@@ -106,7 +106,7 @@ void watch_intersect(watch *w, size_t place, sgt_surface s, const launch *l, con
     r->count = 0;
     if (all) sgt_intersect_all(s, l->ray, 0, NULL, &own);
     else sgt_intersect(s, l->ray, &own);
-    for (size_t k = 0; k < r->count; k++) watch_write(w, p, l->number, 0, r, k, "\n");
+    for (size_t k = 0; k < r->count; k++) watch_write(w, p, l->number, 0, r, k, "");
 }
 
 void watch_take(watch *w, size_t place)

@@ -1,0 +1,258 @@
+/* What a watcher is told is so: at a point F and its slope, as `value` gives them there; over a cell bounds
+ * that contain what samples of `value` show.  Every type of surface, formulas with what they offer taken away
+ * one by one, each pick and proof, one ray and batches, the first root and all roots, and a trace. */
+#include "unit.h"
+
+#include <sagitta/formula.h>
+#include <sagitta/surfaces.h>
+#include <sagitta/system.h>
+
+enum { LARGEST = 4096, SAMPLES = 9 };
+
+/* A ray under a watcher. */
+typedef struct watching {
+    sgt_surface s;
+    sgt_ray ray;
+    const char *what;
+    double far; /* the greatest t, lo or hi of this ray */
+    long points, cells, calls;
+} watching;
+
+static sgt_vec3 along(const sgt_ray *ray, double t)
+{
+    sgt_vec3 o = ray->o, d = ray->d;
+    return (sgt_vec3){(double)(o.x + (long double)t * d.x), (double)(o.y + (long double)t * d.y),
+                      (double)(o.z + (long double)t * d.z)};
+}
+
+/* What rounding of the point may hide of F and of its slope there. */
+typedef struct seen { double f, slope, f_err, slope_err; } seen;
+
+static seen seen_at(const watching *w, double t)
+{
+    sgt_vec3 p = along(&w->ray, t), n = {0, 0, 0}, d = w->ray.d, o = w->ray.o;
+    seen e = {.f = w->s.ops->value(w->s.self, p, &n)};
+    e.slope = n.x * d.x + n.y * d.y + n.z * d.z;
+    double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, p) : 0;
+    double place = fabs(n.x) * (fabs(o.x) + fabs(t * d.x)) + fabs(n.y) * (fabs(o.y) + fabs(t * d.y)) +
+                   fabs(n.z) * (fabs(o.z) + fabs(t * d.z));
+    e.f_err = 4 * own + 0x1p-48 * (place + fabs(e.f)) + 1e-300;
+    e.slope_err = 1e-9 * (fabs(n.x * d.x) + fabs(n.y * d.y) + fabs(n.z * d.z)) + 1e-300;
+    return e;
+}
+
+#define ABOUT "%s, ray %.17g %.17g %.17g %.17g %.17g %.17g, %s %d at t = %.17g [%.17g, %.17g]: "
+#define ABOUT_OF w->what, w->ray.o.x, w->ray.o.y, w->ray.o.z, w->ray.d.x, w->ray.d.y, w->ray.d.z, \
+                 sgt_move_text(s->move), s->eval, s->t, s->lo, s->hi
+
+static void require_point(const watching *w, const sgt_step *s)
+{
+    double least = FAR, most = -FAR, least_slope = FAR, most_slope = -FAR, err = 0, slope_err = 0, step;
+    bool undefined = false;
+    /* t is rounded, and so is the point; a kink, a pole or the edge of the domain may be near */
+    step = 0x1p-50 * (fabs(s->t) + (fabs(w->ray.o.x) + fabs(w->ray.o.y) + fabs(w->ray.o.z)) /
+                                       (fabs(w->ray.d.x) + fabs(w->ray.d.y) + fabs(w->ray.d.z)));
+    step += 0x1p-50 * w->far; /* the search has an origin of its own, somewhere on what it searches */
+    for (int i = -4; i <= 4; i++) {
+        seen e = seen_at(w, s->t + 0.25 * i * step);
+        if (!(fabs(e.f) < FAR)) undefined = true;
+        if (!(fabs(e.f) < FAR)) continue;
+        least = fmin(least, e.f), most = fmax(most, e.f), err = fmax(err, e.f_err);
+        least_slope = fmin(least_slope, e.slope), most_slope = fmax(most_slope, e.slope);
+        slope_err = fmax(slope_err, e.slope_err);
+    }
+    if (!(fabs(s->f) < FAR)) {
+        REQUIRE(undefined, ABOUT "f is %g, F is %.17g", ABOUT_OF, s->f, least);
+        return;
+    }
+    /* a hit's last point is snapped onto the surface, within t_err */
+    if (s->hi - s->lo <= 1e-6) err += 2 * fabs(s->slope) * (s->hi - s->lo);
+    REQUIRE(least <= most, ABOUT "f is %.17g, and F is not defined", ABOUT_OF, s->f);
+    REQUIRE(s->f >= least - err && s->f <= most + err, ABOUT "f is %.17g, and F %.17g ... %.17g +- %.3g",
+            ABOUT_OF, s->f, least, most, err);
+    double room = slope_err + 4 * (most_slope - least_slope);
+    REQUIRE(s->slope >= least_slope - room && s->slope <= most_slope + room,
+            ABOUT "slope is %.17g, and that of F %.17g ... %.17g", ABOUT_OF, s->slope, least_slope,
+            most_slope);
+    REQUIRE(s->f == s->f_lo && s->f == s->f_hi && s->slope == s->slope_lo && s->slope == s->slope_hi,
+            ABOUT "bounds %.17g ... %.17g of a point", ABOUT_OF, s->f_lo, s->f_hi);
+}
+
+static void require_cell(const watching *w, const sgt_step *s)
+{
+    REQUIRE(s->lo <= s->hi && s->lo <= s->t && s->t <= s->hi, ABOUT "the ends of the cell", ABOUT_OF);
+    REQUIRE(isnan(s->f) && isnan(s->slope), ABOUT "f is %.17g over a cell", ABOUT_OF, s->f);
+    REQUIRE(isnan(s->f_lo) == isnan(s->f_hi) && !(s->f_lo > s->f_hi) && !(s->slope_lo > s->slope_hi),
+            ABOUT "bounds of F %.17g ... %.17g", ABOUT_OF, s->f_lo, s->f_hi);
+    for (int i = 0; i < SAMPLES; i++) {
+        double from = i / (double)(SAMPLES - 1), t = (1 - from) * s->lo + from * s->hi;
+        if (!(fabs(t) < 1e100)) continue;
+        seen e = seen_at(w, t);
+        if (!(fabs(e.f) < FAR)) continue;
+        REQUIRE(e.f >= s->f_lo - e.f_err && e.f <= s->f_hi + e.f_err,
+                ABOUT "F is %.17g at %.17g, and its bounds %.17g ... %.17g", ABOUT_OF, e.f, t, s->f_lo,
+                s->f_hi);
+        /* at a kink or beside a pole the gradient of `value` is one of several */
+        if (isnan(s->slope_lo) || !(fabs(e.slope) < FAR)) continue;
+        double out = fmax(s->slope_lo - e.slope, e.slope - s->slope_hi) - e.slope_err;
+        if (!(out > 0)) continue;
+        double h = 0x1p-30 * (1 + fabs(t));
+        seen a = seen_at(w, t - h), b = seen_at(w, t + h);
+        bool steep = !(fabs(a.slope - b.slope) < out);
+        REQUIRE(steep, ABOUT "the slope is %.17g at %.17g, and its bounds %.17g ... %.17g", ABOUT_OF, e.slope,
+                t, s->slope_lo, s->slope_hi);
+    }
+}
+
+static int look(void *data, const sgt_step *s)
+{
+    watching *w = data;
+    REQUIRE(s->kind == SGT_AT_POINT || s->kind == SGT_OVER_CELL, "%s: kind %d", w->what, (int)s->kind);
+    REQUIRE(!s->reserved_ && !s->more_[0] && !s->more_[1] && !s->more_[2] && !s->more_[3], "%s: reserved",
+            w->what);
+    const double places[] = {s->t, s->lo, s->hi};
+    for (int i = 0; i < 3; i++)
+        if (fabs(places[i]) < FAR) w->far = fmax(w->far, fabs(places[i]));
+    if (s->kind == SGT_AT_POINT) require_point(w, s), w->points++;
+    else require_cell(w, s), w->cells++;
+    w->calls++;
+    return 0;
+}
+
+/* One ray in every way. */
+static void watch_ray(watching *w)
+{
+    sgt_hit hits[8];
+    for (int i = 0; i < 24; i++) {
+        sgt_options o = {.pick = (sgt_pick)(i % 3), .proof = (sgt_proof)(i / 3 % 3),
+                         .t_tol = i < 9 ? 0 : 1e-6,
+                         .dt_min = i >= 18 ? 0.01 : 0, .max_evals = 200,
+                         .watch = look, .watch_data = w};
+        w->calls = 0;
+        sgt_hit hit = sgt_intersect(w->s, w->ray, &o);
+        REQUIRE(hit.evals == w->calls, "%s: %d evaluations, and %ld were told", w->what, hit.evals, w->calls);
+        if (i % 3 == 0) sgt_intersect_all(w->s, w->ray, 8, hits, &o);
+    }
+    sgt_options o = {.watch = look, .watch_data = w};
+    sgt_element e = {.surface = w->s, .index = 1, .semi_diameter = 3};
+    sgt_passage passage;
+    sgt_fate fate;
+    double length = sqrt(w->ray.d.x * w->ray.d.x + w->ray.d.y * w->ray.d.y + w->ray.d.z * w->ray.d.z);
+    if (fabs(length - 1) < 0x1p-40) sgt_trace(1, &e, 1, &w->ray, &passage, &fate, &o);
+    signed char status;
+    sgt_ray *r = &w->ray;
+    sgt_rays one = {{&r->o.x, &r->o.y, &r->o.z}, {&r->d.x, &r->d.y, &r->d.z}, &r->tmin, &r->tmax};
+    sgt_intersect_batch(w->s, 1, one, (sgt_hits){.status = &status}, &o);
+}
+
+static sgt_ray random_ray(generator *g)
+{
+    sgt_ray ray = {.tmax = chance(g, 0.5) ? FAR : uniform(g, 0, 20), .d = random_direction(g)};
+    sgt_vec3 at = random_point(g, chance(g, 0.8) ? 2 : 6);
+    double back = chance(g, 0.1) ? log_uniform(g, 10, 1e7) : uniform(g, 0, 10);
+    if (chance(g, 0.5)) ray.d = (sgt_vec3){0.1 * ray.d.x, 0.1 * ray.d.y, ray.d.z};
+    ray.o = (sgt_vec3){at.x - back * ray.d.x, at.y - back * ray.d.y, at.z - back * ray.d.z};
+    if (ray.tmax < FAR) ray.tmax += back;
+    if (chance(g, 0.2)) ray.tmin = chance(g, 0.5) ? -FAR : uniform(g, -5, ray.tmax < FAR ? ray.tmax : 5);
+    return ray;
+}
+
+static void watch_rays(generator *g, sgt_surface s, const char *what, long n)
+{
+    watching w = {.s = s, .what = what};
+    for (long i = 0; i < n; i++) {
+        w.ray = random_ray(g), w.far = 0;
+        watch_ray(&w);
+    }
+    printf("%-40s %7ld points, %7ld cells\n", what, w.points, w.cells);
+}
+
+static void test_builtins(void **state)
+{
+    (void)state;
+    generator g = seeded("built-in surfaces");
+    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+        static double with[LARGEST / sizeof(double)];
+        memcpy(with, row->specimen, row->size);
+        if (row->prepare) row->prepare(with);
+        watch_rays(&g, (sgt_surface){row->ops, with}, row->type,
+                   scaled(row->family == SGT_LEVEL_SET ? 5 : 12));
+    }
+    /* without a rim, and steep */
+    sgt_asphere steep = {.c = -0.4, .k = 0.7, .a = {0.01, -2e-3, 1e-4, -3e-5}};
+    watch_rays(&g, (sgt_surface){&sgt_asphere_ops, &steep}, "a steep asphere without a rim", scaled(100));
+}
+
+static void test_formulas(void **state)
+{
+    static const struct { const char *text; bool sag; } formulas[] = {
+        {"z^2 - 2", 0}, {"z^3 - z - 1", 0}, {"x^4 + y^4 + z^4 = 4", 0},
+        {"sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)", 0}, {"max(abs(x), abs(y), abs(z)) - 1", 0},
+        {"x*y*z - 0.2/(x^2 + y^2 + 0.1)", 0}, {"sqrt(x^2 + y^2) - 1 + z", 0},
+        {"1/z - x", 0}, {"log(z) - y", 0}, {"0.1*(x^2 + y^2)", 1}, {"0.2*sin(3*x) + 0.05*y^2", 1},
+        {"0.1*x^2/(1 + sqrt(1 - 0.05*(x^2 + y^2)))", 1},
+    };
+    (void)state;
+    generator g = seeded("formulas");
+    for (size_t i = 0; i < COUNT_OF(formulas); i++) {
+        static double room[4096];
+        sgt_formula_error error;
+        const char *text = formulas[i].text;
+        sgt_formula_kind kind = formulas[i].sag ? SGT_FORMULA_XY : SGT_FORMULA_XYZ;
+        sgt_tape *tape = sgt_formula_read(text, kind, 0, NULL, room, sizeof room, &error);
+        REQUIRE(tape, "%s cannot be read", text);
+        sgt_formula f = {.tape = tape};
+        sgt_formula_sag sag = {.tape = tape, .semi_diameter = 3};
+        sgt_formula_sag open = {.tape = tape};
+        if (formulas[i].sag) {
+            watch_rays(&g, (sgt_surface){&sgt_formula_sag_ops, &sag}, text, scaled(8));
+            watch_rays(&g, (sgt_surface){&sgt_formula_sag_ops, &open}, text, scaled(8));
+            continue;
+        }
+        watch_rays(&g, (sgt_surface){&sgt_formula_ops, &f}, text, scaled(8));
+        /* as a user's surface: with all but `encloses`, without a clearance, with `value` alone */
+        sgt_surface_ops ops = sgt_formula_ops;
+        ops.own_ = NULL, ops.encloses = NULL;
+        watch_rays(&g, (sgt_surface){&ops, &f}, "  without encloses", scaled(8));
+        ops.rounding = NULL;
+        watch_rays(&g, (sgt_surface){&ops, &f}, "  without rounding", scaled(8));
+        ops = (sgt_surface_ops){.value = sgt_formula_ops.value, .name = "by value"};
+        watch_rays(&g, (sgt_surface){&ops, &f}, "  value alone", scaled(3));
+        ops.rounding = sgt_formula_ops.rounding, ops.span = sgt_formula_ops.span;
+        watch_rays(&g, (sgt_surface){&ops, &f}, "  value, rounding and span", scaled(3));
+    }
+}
+
+/* A ball, whose distance is known. */
+static double ball(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    (void)self;
+    double r = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+    if (grad) *grad = (sgt_vec3){p.x / r, p.y / r, p.z / r};
+    return r - 1.5;
+}
+static double ball_clearance(const void *self, sgt_vec3 p) { return fabs(ball(self, p, NULL)) * (1 - 1e-9); }
+static sgt_span ball_span(const void *self, const sgt_ray *ray)
+{
+    (void)self;
+    double d2 = ray->d.x * ray->d.x + ray->d.y * ray->d.y + ray->d.z * ray->d.z,
+           t = -(ray->o.x * ray->d.x + ray->o.y * ray->d.y + ray->o.z * ray->d.z) / d2;
+    return (sgt_span){.lo = t - 2 / sqrt(d2), .hi = t + 2 / sqrt(d2), .seed = t - 1.5 / sqrt(d2)};
+}
+
+static void test_clearance(void **state)
+{
+    (void)state;
+    generator g = seeded("surfaces with a clearance");
+    sgt_surface_ops ops = {.value = ball, .clearance = ball_clearance, .name = "ball"};
+    watch_rays(&g, (sgt_surface){&ops, NULL}, "clearance", scaled(12));
+    ops.span = ball_span, ops.estimate = ball_clearance;
+    watch_rays(&g, (sgt_surface){&ops, NULL}, "clearance, span and estimate", scaled(12));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_builtins), cmocka_unit_test(test_formulas),
+                                       cmocka_unit_test(test_clearance)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
