@@ -521,15 +521,17 @@ static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, doub
 
 /* Where a piece is divided: its middle, or the geometric middle if it is long for its distance from the
  * centre.  DBL_MAX stands for an end at infinity, and is no length.  Such a piece is divided at 2^32 times
- * the distance of its other end, whatever the unit of length. */
+ * the distance of its other end, whatever the unit of length.  sqrt(b / a) has no unit, and sqrt(a) has one:
+ * it rounds otherwise in a unit of length that is an odd power of two of this one.  If b / a overflows, the
+ * plain middle is taken. */
 static double middle_of(const proof *w, sgt_interval x)
 {
     const double times = 0x1p32;
     double a = x.lo - w->centre, b = x.hi - w->centre, m = (double)NAN;
     if (x.hi == DBL_MAX && a > 0 && b > 4 * times * a) m = w->centre + times * a;
     else if (x.lo == -DBL_MAX && b < 0 && a < 4 * times * b) m = w->centre + times * b;
-    else if (a > 0 && b > 4 * a) m = w->centre + sqrt(a) * sqrt(b);
-    else if (b < 0 && a < 4 * b) m = w->centre - sqrt(-a) * sqrt(-b);
+    else if (a > 0 && b > 4 * a) m = w->centre + a * sqrt(b / a);
+    else if (b < 0 && a < 4 * b) m = w->centre + b * sqrt(a / b);
     return m > x.lo && m < x.hi ? m : sgt_interval_middle(x);
 }
 

@@ -134,9 +134,11 @@ static void wings_judge(size_t n, const double *restrict dx, const double *restr
         double r = sqrt(r2) + 0x1p-51 * (tx + ty + fabs(x) + fabs(y));
         mask certain = MASK(b > 0), like = certain & MASK(is == s), unlike = certain & MASK(is == -s),
              first = MASK(s == 0), in = MASK(r <= radius[i]);
-        double root_a = sqrt(before), root_b = sqrt(larger(b, 0)),
-               curved = length * sqrt(0.5 * B) * (1 + 0x1p-20);
-        mask moves = (first & certain & in) | (like & in & MASK(curved < root_a + root_b) & MASK(t > was));
+        /* h sqrt(B / 2) < sqrt a + sqrt b, divided by sqrt a: so no root is taken of what has an odd power
+         * of a length, and would be rounded otherwise in another unit.  2^-1000 is for underflow. */
+        double part = sqrt(larger(b, 0) / before),
+               curved = length * sqrt(0.5 * B / before + 0x1p-1000) * (1 + 0x1p-20);
+        mask moves = (first & certain & in) | (like & in & MASK(curved < 1 + part) & MASK(t > was));
         mask found = unlike & in & MASK(3 * (1 + 0x1p-20) * B * length * length < before + b);
         found &= MASK(length >= 0x1p-44 * larger(fabs(t), fabs(was))) &
                  MASK(0x1p-48 * (tx + ty) <= 0x1p-20 * radius[i]);
@@ -152,7 +154,7 @@ static void wings_judge(size_t n, const double *restrict dx, const double *restr
         double v = chosen(moves, (double)MOVED, chosen(found, (double)FOUND, (double)GOES_ON));
         verdict[i] = chosen(over & ~found, (double)GIVEN_UP, v);
         h[i] = chosen(moves, 0, chosen(found, length, shorter));
-        ratio[i] = chosen(moves & ~first, root_b / root_a, ratio[i]);
+        ratio[i] = chosen(moves & ~first, part, ratio[i]);
         ratio[i] = chosen(MASK(ratio[i] < 1), ratio[i], 1);
         at[i] = chosen(moves, t, was);
         a[i] = chosen(moves | found, b, before);

@@ -5,6 +5,7 @@
  * chief ray goes, r and atan2(y, x) have no derivatives.  read.c has made polynomials of what has; for the
  * rest the first derivative is bounded there (r is a cone, with one on each side), or not (atan2), and the
  * second is not. */
+#include "../departure/bend.h"
 #include "../departure/departure.h"
 #include "formula.h"
 
@@ -36,7 +37,8 @@ static void formula_rounding(const void *self, double x, double y, double *p_err
     *grad_err = larger(farthest(px, jet.u), farthest(py, jet.v));
 }
 
-static double norm(double a, double b) { return sqrt(a * a + b * b) * (1 + 0x1p-40); }
+/* Squares of slopes below 2^-537 are 0; length_of is not. */
+static double norm(double a, double b) { return length_of(a, b) * (1 + 0x1p-40); }
 
 /* r^2 all over the region. */
 static sgt_interval square_within(const region *where)
@@ -58,7 +60,7 @@ static int radial_bounds(const sgt_tape *tape, const region *where, bounds *out)
     sgt_interval across = sgt_interval_scaled(jet.u, 2),
                  along = sgt_interval_sum(across, sgt_interval_scaled(sgt_interval_product(s, jet.uv), 4));
     double twice = sgt_interval_greatest(across), most = larger(twice, sgt_interval_greatest(along));
-    *out = (bounds){or_none(sgt_interval_greatest(jet.f)), or_none(twice * where->r_hi), or_none(most)};
+    *out = (bounds){or_none(sgt_interval_greatest(jet.f)), or_none(sgt_product_above(twice, where->r_hi)), or_none(most)};
     return jet.whole ? 1 : -1;
 }
 
