@@ -27,6 +27,7 @@ extern "C" {
  * mirror).  With S = d' . n its derivative is
  *     df  = -(f / S) (d' . dn + r n . dd) - dr (d . d') / S,
  *     dd' = r dd + f dn + n df + dr d.
+ * An ideal lens has closed forms of its own, of the direction and of the path.
  * Source for the chain of a lens: Feder 1968, J. Opt. Soc. Am. 58, 1494; for the reverse
  * sweep: Griewank and Walther 2008, Evaluating Derivatives, chapter 3.
  *
@@ -40,10 +41,9 @@ extern "C" {
  *
  * WHAT IS MISSING.  Both functions return the sum of the SGT_LACKS_... of the elements.
  * Without second derivatives of a surface that bends, d behind it is NaN, and so is all
- * that it has a say in.  An element with a phase lacks them, too: at it and behind it all
- * is NaN, and so is the gradient by all that lies in front.  Where a hit is not positive,
- * all is NaN.  If the ray passed all
- * but the last element, and met that one, p and opl are right and d is NaN. */
+ * that it has a say in.  (A surface with a phase does not bend by its normal, and needs
+ * none.)  Where a hit is not positive, all is NaN.  If the ray passed all but the last
+ * element, and met that one, p and opl are right and d is NaN. */
 
 /* A change of a ray: of its point, its direction, and its path. */
 typedef struct sgt_ray_change {
@@ -81,6 +81,8 @@ SGT_API int sgt_trace_sensitivity(size_t n, const sgt_element e[], double index_
  *               right-handed                    radians
  *     1         index, behind it.  0 where it is SGT_MIRROR or 0 (as in front)
  *
+ * The numbers of a phase are not among them.
+ *
  * Returns how many they are up to element n: 7 and m + 7 of each.  A thickness is no
  * number of its own: it moves all elements behind it, so its derivative is the sum of
  * theirs by origin. */
@@ -110,6 +112,9 @@ typedef struct sgt_end_error {
                      perpendicular from a fixed point near the end on the ray.  opl itself
                      is off by at most path + index * point */
     double grain; /* how far an ulp of each number of the launch ray moves the point */
+    double path_grain; /* and by how much it changes the path, but for moving the launch
+                          point along the ray.  0 without a phase: by Fermat's principle
+                          that is of second order */
 } sgt_end_error;
 
 /* Bounds on the errors of the end of a ray that sgt_trace took through all n elements, or
@@ -121,10 +126,12 @@ typedef struct sgt_end_error {
  * For the path there is Fermat's principle: between surfaces that are met exactly it is
  * stationary, so a point that is off the surface by p_err adds |n d - n' d'| p_err, and
  * directions nothing of first order.  How far opl is from the path through the points is
- * computed, in twice the precision.
+ * computed, in twice the precision.  That principle does not hold for ideal lenses.  If
+ * there is one, the errors go through the derivatives of the path, as those of the point
+ * do, and the bound of W of system.h is added.
  *
- * point is NaN where a surface that bends has no second derivatives, and at or behind an
- * element with a phase.  false: a hit is not positive; all is NaN. */
+ * point is NaN where a surface that bends has no second derivatives; so are path and
+ * path_grain, if there is a phase besides.  false: a hit is not positive; all is NaN. */
 SGT_API bool sgt_trace_error(size_t n, const sgt_element e[], double index_before,
                              const sgt_ray *launch, const sgt_passage passages[],
                              sgt_end_error *out);
@@ -234,18 +241,18 @@ typedef struct sgt_aiming {
  * what the errors of all elements before do to it: p_err of each, and the rounding of
  * each direction, by the derivatives of the end by both.  It is of first order, with a
  * half added.  The rounding of directions is observed (src/system/trace.h), not proven.
- * NaN: a surface has no second derivatives, or an element has a phase.
+ * NaN: a surface has no second derivatives.
  *
  * THE PROOF of SGT_NO_SUCH_RAY is tried if no start arrives.  The box is divided, and
  * each part is traced as a whole: all numbers are linear in (u, v) with a bound on what
  * that leaves out and on all rounding (Taylor models of the first order: Makino and Berz
  * 2003, Int. J. Pure Appl. Math. 4, 379).  A part is done if no ray of it gets to the
  * stop, or none to the point.  It is about the exact rays, and covers every root that
- * sgt_trace may mean.  It is offered for all sags of surfaces.h, in any frames, and not
- * for bodies, level sets and a user's surfaces: their `enclose` is about one ray.  What
- * is often left undecided: points that are nearly met; rays that graze; aspheres and
- * departures without a rim (semi_diameter of the surface), where rays pass outside of the
- * element's aperture, as roots far out might be meant. */
+ * sgt_trace may mean.  It is offered for all sags of surfaces.h, in any frames, with ideal
+ * lenses on them or not.  It is not for bodies, level sets and a user's surfaces: their
+ * `enclose` is about one ray.  What is often left undecided: points that are nearly met;
+ * rays that graze; aspheres and departures without a rim (semi_diameter of the surface),
+ * where rays pass outside of the element's aperture, as roots far out might be meant. */
 SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before,
                           const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
                           const sgt_aim_options *opt, sgt_aiming *out);

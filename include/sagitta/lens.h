@@ -237,7 +237,10 @@ typedef struct sgt_lens_surface {
     double      size;        /* the half height in use, or 0: for drawings, and for
                                 SGT_PUPIL_STOP_SIZE.  It clips nothing */
     double      focal_length; /* of the type "ideal", whose element is a plane with an
-                                sgt_phase; else 0 */
+                                sgt_phase; else 0.  If the file gives no object_distance,
+                                that of the phase is where the paraxial image of the
+                                object is, seen from the lens, at the wavelength of the
+                                elements */
 } sgt_lens_surface;
 
 /* Where the points of a pattern are. */
@@ -326,7 +329,9 @@ SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
 
 /* The elements at a wavelength in um: copies lens->element to `element`, room for
  * lens->count, with the indices of that wavelength, and sets *index_before.  um NaN:
- * where the file gives no wavelengths.  false: some medium has no index there (a list
+ * where the file gives no wavelengths.  Ideal lenses whose file gives no object_distance
+ * have the paraxial one of that wavelength, or that of the primary one if the file does
+ * not list it.  false: some medium has no index there (a list
  * of indices for other wavelengths, a pole), and `error` says which. */
 SGT_API bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[],
                          double *index_before, sgt_lens_error *error);

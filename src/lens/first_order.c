@@ -351,6 +351,22 @@ static bool set_vertices(paraxial *p, sgt_element e[], double um, size_t *withou
     return true;
 }
 
+void sgt_paraxial_objects(const sgt_lens *l, double um, source *s, double distance[])
+{
+    size_t without_vertex = 0;
+    sgt_lens_error unread;
+    paraxial p = {.lens = l, .last = l->count - 1, .at = tree_room(s, l->count, sizeof *p.at)};
+    for (size_t i = 0; i < l->count; i++) distance[i] = (double)NAN;
+    if (!set_vertices(&p, tree_room(s, l->count, sizeof(sgt_element)), um, &without_vertex, &unread)) return;
+    const double d = l->object_distance;
+    beam_ray r = isfinite(d) ? ray_at_first(&p, d, p.before) : ray_at_first(&p, 1, 0);
+    for (size_t i = 0; i < l->count; i++) {
+        go_to(&r, p.at[i].z);
+        distance[i] = r.w == 0 ? HUGE_VAL : r.y * fabs(r.n) / r.w;
+        go_through(&p, &r, i, i + 1);
+    }
+}
+
 /* At um, with the pupil of `primary` (NULL: its own). */
 static bool first_order_at(const whole_lens *w, double um, const sgt_first_order *primary,
                            sgt_first_order *out, sgt_seidel seidel[], const char **why_not,

@@ -387,8 +387,9 @@ static void read_ideal(source *s, const node *map, sgt_element *e)
     phase->kind = SGT_IDEAL_LENS;
     phase->focal_length =
         phase_length(s, f, "focal_length", tree_read_number(s, f, "focal_length", NUMBER_FINITE));
-    double distance = from ? tree_read_number(s, from, "object_distance", NUMBER_MAYBE_INFINITE) : HUGE_VAL;
-    if (isfinite(distance)) phase->object_distance = phase_length(s, from, "object_distance", distance);
+    /* 0: not given, see conjugates */
+    if (from) phase->object_distance = tree_read_number(s, from, "object_distance", NUMBER_MAYBE_INFINITE);
+    if (from && isfinite(phase->object_distance)) phase_length(s, from, "object_distance", phase->object_distance);
     char known[200];
     snprintf(known, sizeof known, "type, focal_length, object_distance%s", OTHER_KEYS);
     tree_finish(s, map, known);
@@ -487,12 +488,70 @@ static const medium *fill_indices(const whole_lens *w, double um, sgt_element el
     return none;
 }
 
+/* ---------------------------------------------------------- ideal lenses */
+
+/* Which of the wavelengths of the file it is; the primary one if it is none of them. */
+static size_t place_of(const sgt_lens *l, double um)
+{
+    for (size_t k = 0; l->wavelength && k < l->wavelengths; k++)
+        if (l->wavelength[k] == um) return k;
+    return l->primary;
+}
+
+static void put_conjugates(const whole_lens *w, double um, sgt_element element[])
+{
+    if (!w->conjugate) return;
+    const sgt_phase *phase = w->conjugate + place_of(&w->lens, um) * w->lens.count;
+    for (size_t i = 0; i < w->lens.count; i++)
+        if (phase[i].kind) element[i].phase = &phase[i];
+}
+
+/* Ideal lenses without an object_distance get the paraxial one.
+ *
+ * It is of each wavelength.  What is in front forms an image of the object, whose place depends on the
+ * wavelength if the media have dispersion; so it is from there that the light of a wavelength comes, and that
+ * plane has to be imaged without path differences.  With the distance of the primary wavelength the light of
+ * another, perfectly focused in front, would get path differences from a lens that is ideal.
+ *
+ * An image on the lens itself: all rays of an object point meet it in one point, and their paths are the same
+ * in the limit of a small distance.  LEAST of the focal length stands for it. */
+static void conjugates(whole_lens *w, source *s)
+{
+    const double LEAST = 0x1p-60, MOST = 0x1p500;
+    sgt_lens *l = &w->lens;
+    const sgt_lens_surface *unknown = NULL;
+    bool any = false;
+    for (size_t i = 0; i < l->count; i++) any = any || (w->element[i].phase && !w->element[i].phase->object_distance);
+    if (!any) return;
+    sgt_phase *conjugate = tree_room(s, l->wavelengths * l->count, sizeof *conjugate);
+    double *distance = tree_room(s, l->count, sizeof *distance);
+    for (size_t k = 0; k < l->wavelengths; k++) {
+        sgt_paraxial_objects(l, l->wavelength ? l->wavelength[k] : (double)NAN, s, distance);
+        for (size_t i = 0; i < l->count; i++) {
+            const sgt_phase *given = w->element[i].phase;
+            if (!given || given->object_distance != 0) continue;
+            const double least = fmax(LEAST * fabs(given->focal_length), 1 / MOST), a = distance[i];
+            sgt_phase *own = &conjugate[k * l->count + i];
+            *own = *given;
+            own->object_distance = fabs(a) <= MOST ? copysign(fmax(fabs(a), least), a) : HUGE_VAL;
+            if (isnan(a) && !unknown) unknown = &w->about[i];
+        }
+    }
+    w->conjugate = conjugate;
+    put_conjugates(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element);
+    if (unknown)
+        tree_remark(s, SGT_REMARK_NOTE, unknown->line, "object_distance",
+                    "not given, and there is no paraxial image of the object in front of this ideal lens (a "
+                    "surface there has no vertex, or is tilted by its origin): opl is counted from afar");
+}
+
 bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[], double *index_before,
                  sgt_lens_error *error)
 {
     const whole_lens *w = (const void *)lens;
     char why[WHY_SIZE];
     memcpy(element, lens->element, lens->count * sizeof *element);
+    put_conjugates(w, um, element);
     const medium *none = fill_indices(w, um, element, index_before, why);
     if (!none) return true;
     sgt_lens_error unread;
@@ -547,6 +606,7 @@ void sgt_read_lens(whole_lens *w, source *s)
     char why[WHY_SIZE];
     fill_indices(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element, &l->index_before,
                  why);
+    conjugates(w, s);
 }
 
 void sgt_read_one_surface(whole_lens *w, source *s)

@@ -12,6 +12,8 @@ typedef struct whole_lens {
     sgt_element *element;
     sgt_lens_surface *about;
     medium *medium;          /* [count + 1]: in front of the first surface, behind each */
+    sgt_phase *conjugate;    /* [wavelengths * count]: of the ideal lenses whose file gives no object_distance,
+                                at each wavelength; kind 0: of no such one.  NULL: there is none */
     formula_text *formula;   /* of the surfaces that are formulas, in any order */
     media media;             /* while it is read */
 } whole_lens;
@@ -19,5 +21,10 @@ typedef struct whole_lens {
 /* Fill in w->lens from s->root. */
 void sgt_read_lens(whole_lens *w, source *s);
 void sgt_read_one_surface(whole_lens *w, source *s);
+
+/* The paraxial distance of the object in front of each surface, as all that is in front of that forms its
+ * image; on the side that light comes from, negative behind; infinite for collimated light.  NaN: a surface
+ * in front has no vertex curvature, or is tilted by its origin.  (first_order.c) */
+void sgt_paraxial_objects(const sgt_lens *lens, double um, source *s, double distance[]);
 
 #endif

@@ -5,7 +5,7 @@
  * derivatives of the end by the point p and the direction d' at an element (chain.h), to first order x at the
  * end is off by the sum of
  *
- *     |A_p| p_err      the point
+ *     |A_p'| p_err     the point, and by it the gradient or the phase there (chain.h)
  *     |A_d'| b         the bending, below; and 8 u for the frame behind, if it is turned
  *     |A_n| g          the gradient, below
  *     |A_d| 8 u        the frame in front, if it is turned
@@ -26,19 +26,27 @@
  * rule over eight), the conic's by 8 u (1 + w / (1 - w)) with w = (1 + k) c^2 r^2.  Of others
  * 64 u |n| (1 + slope^2) is a guess.
  *
- * tests/sensitivity/test_aim.cpp and tests/lens/test_analysis.py hold the sum against 113 bits and 50
+ * A PHASE puts the direction off by 8 u in each component, and W by 64 u of its size (phase.h).  If |n| in front
+ * is below 2^-50 n1 / n2, nothing is known of the direction.
+ *
+ * tests/sensitivity/test_aim.cpp, test_ideal.cpp and tests/lens/test_analysis.py hold the sum against 113 bits and 50
  * digits.  A half is added for the second order.
  *
  * THE ERROR OF THE PATH.  Let the path be that of the polygon through the points as computed, and move these
  * to those of the exact ray.  By Fermat's principle the change is, to first order, the sum of
- * (n d - n' d') . dp: that vector is along the normal (with a phase: along it but for the gradient of the
- * phase, which cancels), so only the part of dp across the surface counts, and that is p_err at most.  How
- * far opl is from the path of that polygon is computed, in twice the precision.  Where frames are turned,
- * their axes are orthogonal to some u only, and lengths are off by as much of a point's distance from the
- * origin. */
+ * (n d - n' d') . dp: that vector is along the normal, so only the part of dp across the surface counts, and
+ * that is p_err at most.  How far opl is from the path of that polygon is computed, in twice the precision.
+ * Where frames are turned, their axes are orthogonal to some u only, and lengths are off by as much of a
+ * point's distance from the origin.
+ *
+ * THE SAME WITH A PHASE.  Fermat's principle does not hold: W has no eikonal (phase.h).  So the errors of all
+ * elements go through the derivatives, as those of the point do.  The number at the end is L - n d . p: the
+ * path to the foot of the perpendicular from a fixed point near the end.  It has the adjoints A_L = 1,
+ * A_p = -n d.  A point that is off by dp makes the last side of the polygon longer by d . dp, so its error
+ * counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a phase is W for p and d
+ * as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d, as a launch point that is
+ * moved along the ray makes the path longer by as much, and that is no error of a direction; and by A_d. */
 #include "aim.h"
-
-#include "phase.h"
 
 #include <stdint.h>
 
@@ -104,48 +112,76 @@ static double of_bending(const chain_link *c)
     return SGT_U * (c->r + fn + 3 + sine * (fn * part + 1 / behind));
 }
 
-/* What the rounding at one element adds.  point, direction: the adjoints behind it; in, front: those inside
- * and in front. */
+/* What the rounding at one element adds.  direction: the adjoint behind it; opl: that of the path; in, front:
+ * those inside and in front. */
 static double at_element(const sgt_element *e, const chain_link *c, const sgt_hit *hit, bool turns,
-                         sgt_vec3 point, sgt_vec3 direction, const chain_inside *in, sgt_vec3 front)
+                         sgt_vec3 direction, double opl, const chain_inside *in, sgt_vec3 front)
 {
     const double frame = is_turned(&e->pose) ? 8 * SGT_U : 0;
-    double by = size_of(point) * hit->p_err;
+    double by = size_of(plus_times(in->p, opl * c->n1, c->d)) * hit->p_err;
+    if (c->phased) {
+        const phase_off off = phase_off_of(e->phase, c->n1, c->n2, c->p, c->d);
+        by += size_of(front) * frame + (turns ? absolute(direction) * off.direction : 0);
+        by += c->passed == 1 ? fabs(opl) * off.path : 0;
+    }
     if (!turns) return by;
-    by += size_of(direction) * frame + size_of(front) * frame;
+    by += size_of(direction) * frame + (c->phased ? 0 : size_of(front) * frame);
     if (!c->bends) return by;
     return by + size_of(direction) * of_bending(c) + size_of(in->n) * of_gradient(in_set(e->surface), c);
 }
 
-double sgt_aim_error(const aim_task *task, const sgt_ray *launch, double *grain)
+enum { ERROR_ROWS = 3, OF_PATH = 2 }; /* x, y, and the path */
+
+/* Of an element i of the trace. */
+static void link_at(const aim_task *task, const sgt_ray *launch, size_t i, chain_link *c)
 {
-    enum { AXES = 2 };
-    double error[AXES] = {0, 0}, ulp[AXES];
-    chain_back back[AXES] = {{{1, 0, 0}, {0, 0, 0}, 0, 0}, {{0, 1, 0}, {0, 0, 0}, 0, 0}};
+    chain_at(&task->e[i], chain_direction(task->e, i, launch, task->passages),
+             chain_index(task->e, i, task->index_before), &task->passages[i], c);
+}
+
+/* Of the first `rows`: the errors, and what an ulp of each number of the launch ray does. */
+static void through_derivatives(const aim_task *task, const sgt_ray *launch, int rows, double error[],
+                                double ulp[])
+{
+    chain_back back[ERROR_ROWS] = {{{1, 0, 0}, {0, 0, 0}, 0, 0}, {{0, 1, 0}, {0, 0, 0}, 0, 0}};
+    for (int k = 0; k < rows; k++) error[k] = 0;
     for (size_t i = task->stop + 1; i-- > 0;) {
         const sgt_element *e = &task->e[i];
-        const sgt_hit *hit = &task->passages[i].hit;
         bool turns = i < task->stop;
         chain_link c;
-        chain_at(e, chain_direction(task->e, i, launch, task->passages),
-                 chain_index(task->e, i, task->index_before), &task->passages[i], &c);
+        link_at(task, launch, i, &c);
         if (c.bends && turns) chain_second(chain_surface(e->surface), &c);
-        for (int k = 0; k < AXES; k++) {
-            sgt_vec3 point = into(&e->pose, back[k].p), direction = into(&e->pose, back[k].d), front;
-            if (i == task->stop) point = back[k].p, direction = back[k].d; /* in its frame */
-            back[k].p = point, back[k].d = direction;
-            chain_inside in = chain_backward(&c, turns, &back[k], &front);
-            error[k] += at_element(e, &c, hit, turns, point, direction, &in, front);
-            back[k].p = out_of(&e->pose, back[k].p), back[k].d = out_of(&e->pose, back[k].d);
+        if (i == task->stop) back[OF_PATH] = (chain_back){times(-c.n1, c.d), {0, 0, 0}, 1, 0};
+        for (int k = 0; k < rows; k++) {
+            chain_back *x = &back[k];
+            if (turns) x->p = into(&e->pose, x->p), x->d = into(&e->pose, x->d); /* else in its frame */
+            sgt_vec3 direction = x->d, front;
+            chain_inside in = chain_backward(&c, turns, x, &front);
+            error[k] += at_element(e, &c, &task->passages[i].hit, turns, direction, x->opl, &in, front);
+            x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);
         }
     }
-    double length = unit_of(launch->d).length;
-    for (int k = 0; k < AXES; k++)
-        ulp[k] =
-            2 * SGT_U *
-            (size_of(back[k].p) * absolute(launch->o) + size_of(back[k].d) * absolute(launch->d) / length);
+    const unit_launch from = unit_of(launch->d);
+    const double index = task->index_before == 0 ? 1 : task->index_before;
+    for (int k = 0; k < rows; k++) {
+        const sgt_vec3 by = plus_times(back[k].p, back[k].opl * index, from.d);
+        ulp[k] = 2 * SGT_U *
+                 (size_of(by) * absolute(launch->o) + size_of(back[k].d) * absolute(launch->d) / from.length);
+    }
+}
+
+/* Of both coordinates together. */
+static double of_point(const double error[], const double ulp[], double *grain)
+{
     *grain = ulp[0] + ulp[1];
     return 1.5 * sqrt(error[0] * error[0] + error[1] * error[1]);
+}
+
+double sgt_aim_error(const aim_task *task, const sgt_ray *launch, double *grain)
+{
+    double error[ERROR_ROWS], ulp[ERROR_ROWS];
+    through_derivatives(task, launch, OF_PATH, error, ulp);
+    return of_point(error, ulp, grain);
 }
 
 /* A point in global axes. */
@@ -185,11 +221,11 @@ static double of_kick(const chain_link *c, const sgt_passage *passage)
     return size_of(kick) * passage->hit.p_err;
 }
 
-/* What opl has gained at an element with a phase is taken as it is: its stretch, the phase, and the sum. */
-static double of_phase(const chain_link *c, const sgt_passage *passage, double before)
+static bool any_phase(size_t n, const sgt_element e[])
 {
-    const double way = c->n1 * fabs(c->t), phase = passage->opl - before - c->n1 * c->t;
-    return c->n1 * passage->hit.t_err + SGT_U * (5 * way + fabs(passage->opl) + 8 * fabs(phase));
+    for (size_t i = 0; i < n; i++)
+        if (e[i].phase) return true;
+    return false;
 }
 
 bool sgt_trace_error(size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
@@ -197,33 +233,33 @@ bool sgt_trace_error(size_t n, const sgt_element e[], double index_before, const
 {
     static const sgt_pose global = {0};
     const double none = (double)NAN;
-    *out = (sgt_end_error){none, none, none};
+    *out = (sgt_end_error){none, none, none, none};
     for (size_t i = 0; i < n; i++)
         if (!(passages[i].hit.status > 0)) return false;
-    *out = (sgt_end_error){0, 0, 0};
+    *out = (sgt_end_error){0, 0, 0, 0};
     if (n == 0) return true;
+    const bool phases = any_phase(n, e);
+    const aim_task task = {.stop = n - 1, .e = e, .index_before = index_before,
+                           .passages = (sgt_passage *)(uintptr_t)passages};
+    double error[ERROR_ROWS], ulp[ERROR_ROWS];
     far_point from = at_point(&global, launch->o);
     twofold path = {0, 0};
     for (size_t i = 0; i < n; i++) {
         chain_link c;
-        chain_at(&e[i], chain_direction(e, i, launch, passages), chain_index(e, i, index_before),
-                 &passages[i], &c);
+        link_at(&task, launch, i, &c);
         const far_point to = at_point(&e[i].pose, passages[i].hit.p);
-        const double before = i > 0 ? passages[i - 1].opl : 0;
-        const twofold piece = twofold_scaled(length_between(&from, &to), c.t < 0 ? -c.n1 : c.n1);
-        if (e[i].phase) {
-            path = twofold_sum(path, two_sum(passages[i].opl, -before));
-            out->path += of_phase(&c, &passages[i], before);
-        } else {
-            path = twofold_sum(path, piece);
-            out->path += of_kick(&c, &passages[i]);
-            if (is_turned(&e[i].pose)) out->path += 8 * SGT_U * size_of(passages[i].hit.p) * (c.n1 + c.n2);
+        path = twofold_sum(path, twofold_scaled(length_between(&from, &to), c.t < 0 ? -c.n1 : c.n1));
+        if (c.phased && c.passed == 1) {
+            const thin_lens by = thin_lens_of(e[i].phase, c.n1, c.n2, e[i].index == SGT_MIRROR);
+            path = twofold_sum(path, twofold_of(phase_path(by, c.p, c.d)));
         }
+        if (!phases) out->path += of_kick(&c, &passages[i]);
+        if (is_turned(&e[i].pose)) out->path += 8 * SGT_U * size_of(passages[i].hit.p) * (c.n1 + c.n2);
         from = to;
     }
     out->path += fabs(twofold_difference(twofold_of(passages[n - 1].opl), path).hi);
-    const aim_task task = {.stop = n - 1, .e = e, .index_before = index_before,
-                           .passages = (sgt_passage *)(uintptr_t)passages};
-    out->point = sgt_aim_error(&task, launch, &out->grain);
+    through_derivatives(&task, launch, phases ? ERROR_ROWS : OF_PATH, error, ulp);
+    out->point = of_point(error, ulp, &out->grain);
+    if (phases) out->path += 1.5 * error[OF_PATH], out->path_grain = ulp[OF_PATH];
     return true;
 }

@@ -7,19 +7,33 @@
  * directions of unit length again behind them.  BUNDLE_SLACK is added to d at each element, far more than
  * both.
  *
+ * A PHASE: phase_forms (phase.h), and the length.
+ *
  * BENDING as in trace.h: f = (1 - r^2) / (r g + sign(g) sqrt(D)), with g = n . d of a known sign. */
 #include "bundle.h"
 
 /* ----------------------------------------------------------------------- bending */
+
+static form3 bundle_unit(form3 d)
+{
+    linear length2 = form_sum(form_square(d.x), form_sum(form_square(d.y), form_square(d.z)));
+    linear by = form_inverse(form_root(length2));
+    return (form3){form_product(d.x, by), form_product(d.y, by), form_product(d.z, by)};
+}
 
 /* d behind the surface.  false: *fate says why there is none. */
 static bool bundle_bend(const sgt_element *e, double n1, const bundle_hit *h, form3 *d, bundle_fate *fate)
 {
     double n2 = index_behind(e, n1), r = n1 / n2;
     bending by = bending_of(n1, n2, e->index == SGT_MIRROR);
+    *fate = BUNDLE_UNKNOWN;
+    if (e->phase) {
+        if (!phase_forms(e->phase, n1, n2, by.kind == BACK, h->p, d)) return false;
+        *d = bundle_unit(*d);
+        return true;
+    }
     if (by.kind == STRAIGHT) return true;
     linear f, rd = {r, 0, 0, 4 * SGT_U * r}, k = {by.k, 0, 0, 8 * SGT_U * fabs(by.k)};
-    *fate = BUNDLE_UNKNOWN;
     if (by.kind == BACK) {
         f = form_scaled(form_quotient(h->slope, h->size2), -2), rd = form_of(1);
     } else {
@@ -68,13 +82,6 @@ static form3 bundle_vector(sgt_vec3 a, sgt_vec3 au, sgt_vec3 av, sgt_interval u,
 {
     return (form3){bundle_number(a.x, au.x, av.x, u, v), bundle_number(a.y, au.y, av.y, u, v),
                    bundle_number(a.z, au.z, av.z, u, v)};
-}
-
-static form3 bundle_unit(form3 d)
-{
-    linear length2 = form_sum(form_square(d.x), form_sum(form_square(d.y), form_square(d.z)));
-    linear by = form_inverse(form_root(length2));
-    return (form3){form_product(d.x, by), form_product(d.y, by), form_product(d.z, by)};
 }
 
 static form3 bundle_slack(form3 d)
@@ -136,7 +143,7 @@ bool sgt_bundle_offered(const aim_task *task)
     double index = task->index_before == 0 ? 1 : task->index_before;
     for (size_t i = 0; i <= task->stop; i++) {
         const sgt_element *e = &task->e[i];
-        if (!is_plain(e) || e->phase || !is_aperture_sound(e) || !is_sound(e, index)) return false;
+        if (!is_plain(e) || !is_phase_sound(e) || !is_aperture_sound(e) || !is_sound(e, index)) return false;
         if (!offered_here(in_set(e->surface))) return false;
         index = index_behind(e, index);
     }

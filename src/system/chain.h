@@ -26,10 +26,16 @@
  *     A_p' = A_p + H A_n,   w = -(A_p' . d + n1 A_L) / s,
  *     A_a = w F_a + A_n . grad F_a,   A_o = A_p' + w n,   A_d += t A_o.
  *
- * Nothing but the ray itself is needed: no tape. */
+ * Nothing but the ray itself is needed: no tape.
+ *
+ * A PHASE has d' and W with derivatives of its own (phase.h) by p, d and the indices, and n has no say:
+ *
+ *     dd' = D_p dp + D_d dd + D_n1 dn1 + D_n2 dn2,   and W the same, added to L.
+ *
+ * Transposed, A_L of W comes beside A_d' of d'.  If the ray has not passed, there is no W in its path. */
 #ifndef SGT_SYSTEM_CHAIN_H
 #define SGT_SYSTEM_CHAIN_H
-#include "trace.h"
+#include "phase.h"
 
 #include <sagitta/aim.h>
 
@@ -40,6 +46,8 @@ typedef struct chain_link {
     double passed;                         /* 1; NaN: there is no d' */
     double h[6];                           /* H: xx, xy, xz, yy, yz, zz */
     bool bends, own_index;                 /* own_index: behind it the index is its own */
+    bool phased;                           /* it has a phase, whose derivatives are in by_phase */
+    phase_slopes by_phase;
 } chain_link;
 
 /* The operations of the set; none if the table is not whole. */
@@ -91,22 +99,36 @@ SGT_INLINE sgt_vec3 chain_direction(const sgt_element e[], size_t i, const sgt_r
     return into(&e[i].pose, d);
 }
 
-/* Sets all but H; of an element with a phase so that all is NaN.  d: in front, in the element's frame. */
+/* The derivatives of an element with a phase; NaN behind it and without W if the ray has not passed. */
+SGT_INLINE void chain_phase(const sgt_element *e, chain_link *c)
+{
+    const double none = (double)NAN;
+    const sgt_vec3 nothing = {none, none, none};
+    if (c->passed == 1) {
+        phase_slopes_of(e->phase, c->n1, c->n2, c->p, c->d, c->after, &c->by_phase);
+        return;
+    }
+    c->by_phase = (phase_slopes){.by_n1 = {none, none, none, 0}, .by_n2 = {none, none, none, 0}};
+    for (int i = 0; i < PHASE_PATH; i++) c->by_phase.by_p[i] = c->by_phase.by_d[i] = nothing;
+}
+
+/* Sets all but H.  d: in front, in the element's frame. */
 SGT_INLINE void chain_at(const sgt_element *e, sgt_vec3 d, double n1, const sgt_passage *passage,
                          chain_link *c)
 {
     const double n2 = index_behind(e, n1), none = (double)NAN;
     bending by = bending_of(n1, n2, e->index == SGT_MIRROR);
-    double met = passage->hit.status > 0 && !e->phase ? 1 : none; /* of a phase nothing is known here */
-    c->passed = is_zero(passage->direction) || e->phase ? none : 1;
+    double met = passage->hit.status > 0 ? 1 : none;
+    c->passed = is_zero(passage->direction) ? none : 1;
     c->p = passage->hit.p, c->n = passage->hit.n, c->t = passage->hit.t, c->d = d;
     c->after = passage->direction, c->n1 = n1, c->n2 = n2;
     c->own_index = has_own_index(e);
-    c->bends = by.kind != STRAIGHT;
+    c->phased = e->phase != NULL, c->bends = by.kind != STRAIGHT && !c->phased;
     double g = dot(d, c->n), S = by.kind == STRAIGHT ? g : dot(c->after, c->n);
     c->inverse = met / g, c->by_S = c->passed / S;
     c->r = by.kind == BACK ? 1 : by.r;
     c->f = by.kind == STRAIGHT ? 0 : by.kind == BACK ? -2 * g / dot(c->n, c->n) : by.k / (by.r * g + S);
+    if (c->phased) chain_phase(e, c);
 }
 
 /* Sets H; NaN if the surface has none, and false. */
@@ -144,7 +166,12 @@ SGT_INLINE sgt_ray_change chain_forward(const chain_link *c, sgt_ray_change x)
     sgt_vec3 q = plus_times(x.p, c->t, x.d);
     double dt = -dot(c->n, q) * c->inverse;
     sgt_vec3 dp = plus_times(q, dt, c->d), dd = times(c->passed, x.d);
-    if (c->bends) {
+    if (c->phased) {
+        const phase_slopes *s = &c->by_phase;
+        double by[PHASE_ROWS];
+        for (int i = 0; i < PHASE_ROWS; i++) by[i] = dot(s->by_p[i], dp) + dot(s->by_d[i], x.d);
+        dd = (sgt_vec3){by[0], by[1], by[2]}, x.opl += by[PHASE_PATH];
+    } else if (c->bends) {
         sgt_vec3 dn = chain_bend(c, dp);
         double df = -c->f * c->by_S * (dot(c->after, dn) + c->r * dot(c->n, x.d));
         dd = plus_times(plus_times(times(c->r, dd), c->f, dn), df, c->n);
@@ -156,26 +183,39 @@ SGT_INLINE sgt_ray_change chain_forward(const chain_link *c, sgt_ray_change x)
  * of the medium there. */
 typedef struct chain_back { sgt_vec3 p, d; double opl, index; } chain_back;
 
-/* Of the step backward: the adjoint of the gradient n, w, and that of r. */
-typedef struct chain_inside { sgt_vec3 n; double w, r; } chain_inside;
+/* Of the step backward: the adjoints of the gradient n and of the point as it is met, w, and the adjoints of
+ * the indices in front and behind by the direction and a phase. */
+typedef struct chain_inside { sgt_vec3 n, p; double w, n1, n2; } chain_inside;
 
 /* From p, d', L and the index behind to o, d, L and the index in front.  *front is the direction in front
  * without the share that comes by way of the point: t A_o is not added.  turns: the direction behind has a
  * say. */
 SGT_INLINE chain_inside chain_backward(const chain_link *c, bool turns, chain_back *x, sgt_vec3 *front)
 {
-    chain_inside in = {.n = {0, 0, 0}, .r = 0};
+    chain_inside in = {.n = {0, 0, 0}};
     sgt_vec3 a = x->d, to_p = x->p;
     *front = a;
-    if (turns) {
+    if (c->phased) {
+        const phase_slopes *s = &c->by_phase;
+        const double by[PHASE_ROWS] = {a.x, a.y, a.z, x->opl};
+        *front = (sgt_vec3){0, 0, 0};
+        for (int i = turns ? 0 : PHASE_PATH; i < PHASE_ROWS; i++) {
+            to_p = plus_times(to_p, by[i], s->by_p[i]), *front = plus_times(*front, by[i], s->by_d[i]);
+            in.n1 += by[i] * s->by_n1[i], in.n2 += by[i] * s->by_n2[i];
+        }
+    } else if (turns) {
         double b = dot(a, c->n) * c->by_S;
         if (c->bends) {
             in.n = times(c->f, plus_times(a, -b, c->after));
             *front = times(c->r, plus_times(a, -c->f * b, c->n));
             to_p = plus(to_p, chain_bend(c, in.n));
         }
-        if (c->own_index) in.r = dot(a, c->d) - b * dot(c->d, c->after);
+        if (c->own_index) {
+            const double r = dot(a, c->d) - b * dot(c->d, c->after);
+            in.n1 = r / c->n2, in.n2 = -(c->r / c->n2 * r);
+        }
     }
+    in.p = to_p;
     in.w = -(dot(to_p, c->d) + c->n1 * x->opl) * c->inverse;
     x->p = plus_times(to_p, in.w, c->n);
     x->d = plus_times(*front, c->t, x->p);

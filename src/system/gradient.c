@@ -12,7 +12,8 @@
  * behind that.
  *
  * THE INDEX in front of an element is the one behind the last element before it that has an index of its
- * own.  Its adjoint gathers t A_L of each stretch in its medium, and A_r / n2 of the surface that ends it.
+ * own.  Its adjoint gathers t A_L of each stretch in its medium, A_r / n2 of the surface that ends it, and
+ * what the phases in it have of either index.
  *
  * THE LAUNCH.  d = D / |D|: dd = (dD - d (d . dD)) / |D|, and the same transposed.
  *
@@ -45,7 +46,7 @@ int sgt_trace_sensitivity(size_t n, const sgt_element e[], double index_before, 
         chain_link c;
         bool turned = is_turned(pose), turned_before = i > 0 && is_turned(&e[i - 1].pose);
         chain_at(&e[i], into(pose, d), index, &passages[i], &c);
-        if (e[i].phase || (c.bends && !chain_second(s, &c))) lacks |= SGT_LACKS_SECOND;
+        if (c.bends && !chain_second(s, &c)) lacks |= SGT_LACKS_SECOND;
         for (size_t j = 0; j < columns; j++) {
             sgt_ray_change x = out[j];
             if (turned_before) x.p = to_global(&e[i - 1].pose, x.p), x.d = to_global(&e[i - 1].pose, x.d);
@@ -117,7 +118,7 @@ static int element_back(const sweep *w, size_t i, bool last)
     chain_at(e, chain_direction(w->e, i, w->launch, w->passages),
              chain_index(w->e, i, w->index_before), &w->passages[i], &c);
     for (size_t r = 0; r < w->rows; r++) turns = turns || !last || !is_zero(w->back[r].d);
-    if (e->phase || (c.bends && turns && !chain_second(s, &c))) lacks |= SGT_LACKS_SECOND;
+    if (c.bends && turns && !chain_second(s, &c)) lacks |= SGT_LACKS_SECOND;
     for (size_t r = 0; r < w->rows; r++) {
         double *to = w->at + r * w->stride;
         chain_back *x = &w->back[r];
@@ -127,9 +128,8 @@ static int element_back(const sweep *w, size_t i, bool last)
         bool own = !last || !is_zero(x->d);
         in[r] = chain_backward(&c, own, x, &front);
         add_three(to + m + 3, times(-1, plus(cross_product(c.p, x->p), cross_product(c.d, front))));
-        to[m + 6] = c.own_index ? x->index - c.r / c.n2 * in[r].r : 0;
-        x->index = (c.own_index ? in[r].r / c.n2 : x->index) + c.t * x->opl;
-        if (e->phase) to[m + 6] = x->index = (double)NAN;
+        to[m + 6] = c.own_index ? x->index + in[r].n2 : 0;
+        x->index = (c.own_index ? in[r].n1 : x->index + in[r].n1 + in[r].n2) + c.t * x->opl;
         x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);
         add_three(to + m, times(-1, x->p));
     }

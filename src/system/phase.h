@@ -1,4 +1,17 @@
-/* phase.h - an ideal thin lens: the direction behind it, and the path that it adds.
+/* phase.h - what a phase does to light.  There is one kind, an ideal thin lens.
+ *
+ * WHAT A KIND HAS TO OFFER.  The rest of the library asks for these things, and knows nothing else of a phase:
+ *
+ *     is_phase_sound    are its numbers in range?
+ *     focus_by          the direction behind it          (in the loops of a batch, too)
+ *     phase_path        W, the path that it adds
+ *     phase_slopes_of   the derivatives of both by the point, the direction and the indices: chain.h
+ *     phase_off_of      how far rounding puts both off: aim_bound.c
+ *     phase_forms       the directions behind of a bundle of rays: bundle.c
+ *
+ * So another kind is a case in each of these, and in no other place.
+ *
+ * AN IDEAL LENS follows.
  *
  * THE DIRECTION.  With u = l / |n|, v = m / |n|, n2 u' = n1 u - x / f.  Times n2 |n| |f| that is
  *
@@ -52,10 +65,29 @@
  *
  * counted, not proven in every step; 6.5 u is the most that tests have seen.
  *
- * Test: tests/unit/test_phase.c, tests/batch/test_trace_batch.c, tests/oracle/test_phase.py (50 digits). */
+ * THE DERIVATIVES.  With s = 1 or -1 the sign of n, dw = (dl, dm) / |n| - s w dn / |n|.  Then
+ *
+ *     n2 dw' = n1 dw - dp / f + w dn1 - w' dn2,     dw0 = dw - dp / a,     n2 dw0' = n1 dw0 + w0 dn1 - w0' dn2.
+ *
+ * d' is e / |e| with e = (u', v', -+1), and |e| = 1 / |n'|.  So dd' = |n'| (de - d' (d' . de)).  Each term of W
+ * is m = N / T with N = p . (w + w0) and T = S(w) + S(w0), and behind the same with a stroke:
+ *
+ *     W = n2 m' - n1 m,   dm = (dN - m dT) / T,   dT = w . dw / S(w) + w0 . dw0 / S(w0).
+ *
+ * The two terms of dW are alike where the lens is weak.  They are at most n1 and n2 times a slope (by p), or p
+ * (by the direction, times |n|), and dW is off by some u of that.  It is no gradient of an eikonal: an ideal
+ * lens that images one plane without aberration does not fulfil the sine condition, so no lens of any shape
+ * does what it does to all rays.  Therefore W changes to first order with the direction, too.
+ *
+ * BUNDLES.  d' is along (r l - |n| x F, r m - |n| y F, -+n), r = n1 / n2.  Forms (form.h) take care of all
+ * but r and F, each of which is off by 2 u.
+ *
+ * Test: tests/unit/test_phase.c, tests/batch/test_trace_batch.c, tests/oracle/test_phase.py (50 digits);
+ * derivatives, errors and bundles: tests/sensitivity/test_ideal.cpp. */
 #ifndef SGT_SYSTEM_PHASE_H
 #define SGT_SYSTEM_PHASE_H
 
+#include "form.h"
 #include "trace.h"
 
 SGT_INLINE bool is_phase_length(double a) { return fabs(a) >= 0x1p-500 && fabs(a) <= 0x1p500; }
@@ -121,6 +153,91 @@ SGT_INLINE double phase_path(thin_lens by, sgt_vec3 p, sgt_vec3 d)
     double shorter = bends / (1 + H) + by.k * (1 + r) * e02 / (h0 + H0);
     double along = x * (d.x + e0x) + y * (d.y + e0y);
     return by.n2 * ((r * along * (shorter / (1 + h0)) - far * (x * x + y * y)) / s);
+}
+
+/* ------------------------------------------------------------------ derivatives */
+
+/* Of d' (three rows) and W (the last one): by p, by d, and by the indices in front and behind. */
+enum { PHASE_ROWS = 4, PHASE_PATH = 3 };
+typedef struct phase_slopes {
+    sgt_vec3 by_p[PHASE_ROWS], by_d[PHASE_ROWS];
+    double by_n1[PHASE_ROWS], by_n2[PHASE_ROWS];
+} phase_slopes;
+
+/* A term m = N / T of W at the slopes w and w0, and its derivatives by p, by w and by w0. */
+typedef struct phase_term { double m; sgt_vec2 by_p, by_w, by_w0; } phase_term;
+
+SGT_INLINE phase_term phase_term_of(sgt_vec3 p, sgt_vec2 w, sgt_vec2 w0)
+{
+    const double S = sqrt(1 + w.x * w.x + w.y * w.y), S0 = sqrt(1 + w0.x * w0.x + w0.y * w0.y);
+    const double by = 1 / (S + S0), x = w.x + w0.x, y = w.y + w0.y, m = (p.x * x + p.y * y) * by;
+    const double at = m / S, at0 = m / S0;
+    return (phase_term){m,
+                        {x * by, y * by},
+                        {(p.x - at * w.x) * by, (p.y - at * w.y) * by},
+                        {(p.x - at0 * w0.x) * by, (p.y - at0 * w0.y) * by}};
+}
+
+/* Row i, from the derivatives g by w and h by p. */
+SGT_INLINE void phase_row(phase_slopes *s, int i, sgt_vec2 g, sgt_vec2 h, sgt_vec2 w, sgt_vec3 d)
+{
+    const double c = 1 / fabs(d.z);
+    s->by_p[i] = (sgt_vec3){h.x, h.y, 0};
+    s->by_d[i] = (sgt_vec3){c * g.x, c * g.y, -(g.x * w.x + g.y * w.y) / d.z};
+}
+
+/* At p, with d in front and `after` behind. */
+SGT_INLINE void phase_slopes_of(const sgt_phase *phase, double n1, double n2, sgt_vec3 p, sgt_vec3 d,
+                                sgt_vec3 after, phase_slopes *s)
+{
+    const double object = phase->object_distance, near = object == 0 ? 0 : 1 / object;
+    const double r = n1 / n2, i2 = 1 / n2, F = 1 / (n2 * phase->focal_length), c = 1 / fabs(d.z);
+    const double n = fabs(after.z), c2 = 1 / n;
+    const sgt_vec2 w = {c * d.x, c * d.y}, w0 = {w.x - near * p.x, w.y - near * p.y};
+    const sgt_vec2 e = {c2 * after.x, c2 * after.y}, e0 = {r * w0.x, r * w0.y};
+    const double to[3] = {after.x, after.y, after.z};
+    for (int i = 0; i < PHASE_PATH; i++) {
+        const double u = n * ((i == 0) - to[i] * after.x), v = n * ((i == 1) - to[i] * after.y);
+        phase_row(s, i, (sgt_vec2){r * u, r * v}, (sgt_vec2){-F * u, -F * v}, w, d);
+        s->by_n1[i] = i2 * (u * w.x + v * w.y), s->by_n2[i] = -i2 * (u * e.x + v * e.y);
+    }
+    const phase_term front = phase_term_of(p, w, w0), behind = phase_term_of(p, e, e0);
+    const sgt_vec2 f = front.by_w, f0 = front.by_w0, b = behind.by_w, b0 = behind.by_w0;
+    const double power = 1 / phase->focal_length, vergence = n1 * near;
+    phase_row(s, PHASE_PATH, (sgt_vec2){n1 * (b.x + b0.x - f.x - f0.x), n1 * (b.y + b0.y - f.y - f0.y)},
+              (sgt_vec2){n2 * behind.by_p.x - n1 * front.by_p.x - power * b.x - vergence * (b0.x - f0.x),
+                         n2 * behind.by_p.y - n1 * front.by_p.y - power * b.y - vergence * (b0.y - f0.y)},
+              w, d);
+    s->by_n1[PHASE_PATH] = b.x * w.x + b.y * w.y + b0.x * w0.x + b0.y * w0.y - front.m;
+    s->by_n2[PHASE_PATH] = behind.m - (b.x * e.x + b.y * e.y + b0.x * e0.x + b0.y * e0.y);
+}
+
+/* ----------------------------------------------------------------------- errors */
+
+/* How far rounding puts a component of the direction behind off, and W, where p and d are as they stand. */
+typedef struct phase_off { double direction, path; } phase_off;
+
+SGT_INLINE phase_off phase_off_of(const sgt_phase *phase, double n1, double n2, sgt_vec3 p, sgt_vec3 d)
+{
+    const double f = fabs(phase->focal_length), by = sqrt(p.x * p.x + p.y * p.y), change = fabs(n2 - n1);
+    const double size = (by * (by / f) * (1 + change / n2) + change * by) * (1 + by / (n2 * f));
+    return (phase_off){fabs(d.z) >= 0x1p-50 * n1 / n2 ? 8 * SGT_U : HUGE_VAL, 64 * SGT_U * size};
+}
+
+/* ---------------------------------------------------------------------- bundles */
+
+/* *d becomes a vector along the directions behind, of any length.  false: nothing is known of so large a
+ * part. */
+SGT_INLINE bool phase_forms(const sgt_phase *phase, double n1, double n2, bool mirror, form3 p, form3 *d)
+{
+    const double r = n1 / n2, F = 1 / (n2 * phase->focal_length), least = 0x1p-48 * larger(1, r);
+    const linear ratio = {r, 0, 0, 4 * SGT_U * r}, power = {F, 0, 0, 4 * SGT_U * fabs(F)};
+    if (!form_above(d->z, least) && !form_below(d->z, -least)) return false; /* along the plane, or both ways */
+    const linear n = form_above(d->z, least) ? d->z : form_negative(d->z), nF = form_product(n, power);
+    d->x = form_difference(form_product(ratio, d->x), form_product(nF, p.x));
+    d->y = form_difference(form_product(ratio, d->y), form_product(nF, p.y));
+    if (mirror) d->z = form_negative(d->z);
+    return true;
 }
 
 #endif

@@ -274,10 +274,10 @@ class Surface:
                 return t, sx, sy
         raise Fails('no root at 60 digits')
 
-    def bent(self, p, d, slopes, n, behind):
-        """The direction behind, and what an ideal lens adds to the path."""
+    def bent(self, p, d, slopes, n, behind, object_distance=None):
+        """The direction behind, and what an ideal lens adds to the path for an object at a distance in front."""
         if self.focal is not None:
-            return self.ideal(p, d, n, behind)
+            return self.ideal(p, d, n, behind, object_distance)
         normal = unit([-slopes[0], -slopes[1], mpf(1)])
         cosine = dot(d, normal)
         if self.mirror:
@@ -290,13 +290,26 @@ class Surface:
         other = mp.sqrt(square) if cosine > 0 else -mp.sqrt(square)
         return [(n * a + (other - n * cosine) * b) / behind for a, b in zip(d, normal)], 0
 
-    def ideal(self, p, d, n, behind):
-        """An object at infinity: slopes n' w' = n w - x / f.  The path from the wavefront through the
-        vertex to the point where all of that beam meet is that of the ray through the vertex."""
+    def ideal(self, p, d, n, behind, distance):
+        """Slopes n' w' = n w - x / f.  The path from an object point to its image is that of the ray through
+        the vertex.  An object at infinity (None): from the wavefront through the vertex."""
         if self.mirror or d[2] < 0 or self.focal < 0:
             raise ValueError('only a positive ideal lens that is not a mirror, and light along +z')
         w = [n * a / d[2] for a in d[:2]]
         out = unit([(a - x / self.focal) / behind for a, x in zip(w, p)] + [mpf(1)])
+        if distance is not None:
+            point = [a - distance * b / n for a, b in zip(p, w)] + [-distance]
+            vergence, vertex, here = 1 / self.focal - n / distance, [mpf(0)] * 3, [p[0], p[1], mpf(0)]
+
+            def leg(a, b):
+                way = [y - x for x, y in zip(a, b)]
+                return mp.sign(way[2]) * mp.sqrt(dot(way, way))
+            if abs(vergence) < mpf(10) ** -40:  # to the wavefront through the vertex
+                return out, n * (leg(point, vertex) - leg(point, here)) + behind * dot(here, out)
+            to = behind / vergence
+            image = [-a * n * to / (behind * distance) for a in point[:2]] + [to]
+            return out, (n * (leg(point, vertex) - leg(point, here))
+                         + behind * (leg(vertex, image) - leg(here, image)))
         focus = [self.focal * a for a in w] + [self.focal * behind]
         from_vertex, from_here = focus, [a - b for a, b in zip(focus, p)]
         return out, (behind * mp.sqrt(dot(from_vertex, from_vertex)) - n * dot(p, d)
@@ -382,6 +395,12 @@ class Lens:
         y, _ = self.paraxial(*self.marginal(), 0, self.stop, self.primary)
         return value / abs(y)  # the semi-diameter of the stop
 
+    def object_of(self, i, wave):
+        """The distance of the paraxial object in front of surface i, or None at infinity."""
+        start = (mpf(1), mpf(0)) if self.object is None else (self.object, self.before[wave])
+        y, nu = self.paraxial(*start, 0, i, wave)
+        return y * abs(self.signed(wave)[i]) / nu if nu else None
+
     def magnification(self, wave):
         """Of an object at a distance."""
         _, nu = self.paraxial(self.object / self.before[wave], mpf(1), 0, len(self.surfaces) - 1, wave)
@@ -412,7 +431,8 @@ class Lens:
             t, sx, sy = s.met(p, way)
             p, opl = along(p, t, way), opl + n * t
             inside = inside and not s.clips(p[0], p[1])
-            way, more = s.bent(p, way, (sx, sy), n, s.index[wave])
+            distance = None if s.focal is None else self.object_of(i, wave)
+            way, more = s.bent(p, way, (sx, sy), n, s.index[wave], distance)
             opl += more
             if i == last:
                 break

@@ -117,7 +117,7 @@ def differences(what, frame, rows, steps, length, tolerance, local_of=lambda ste
             continue
         if step.fate == 'missed':
             continue
-        wanted = {'t': step.t, 'opl': step.opl}
+        wanted = {'t': step.t} if step.opl is None else {'t': step.t, 'opl': step.opl}
         if frame == 'global' or local_of(step):
             wanted.update(zip('xyz', step.local if frame == 'local' else step.everywhere))
             if step.fate == 'passed':

@@ -299,15 +299,12 @@ class Step:
 
 
 def ideal(f, n, behind, p, d, mirror):
-    """The direction behind a PARAXIAL surface, and the path that it adds for an object at infinity."""
-    def size(w):
-        return (1 + w[0] * w[0] + w[1] * w[1]).sqrt()
+    """The direction behind a PARAXIAL surface.  What it adds to the path depends on all that is in front of it:
+    analysis_oracle.py has that, for lenses with paraxial data."""
     w = [a / abs(d[2]) for a in d[:2]]
-    out, middle = [(n * a - x / f) / behind for a, x in zip(w, p)], [n * a / behind for a in w]
-    more = (behind * sum(x * (a + b) for x, a, b in zip(p, out, middle)) / (size(out) + size(middle))
-            - n * sum(x * a for x, a in zip(p, w)) / size(w))
-    way = [*out, D(-1 if (d[2] > 0) == mirror else 1)]
-    return [a / size(out) for a in way], more
+    out = [(n * a - x / f) / behind for a, x in zip(w, p)]
+    size = (1 + out[0] * out[0] + out[1] * out[1]).sqrt()
+    return [a / size for a in [*out, D(-1 if (d[2] > 0) == mirror else 1)]]
 
 
 class Lens:
@@ -464,7 +461,7 @@ class Lens:
                 step.fate = 'missed'
                 return steps
             t, (sx, sy) = met
-            opl += n * t
+            opl = None if opl is None else opl + n * t  # not known behind a PARAXIAL
             here = [a + t * b for a, b in zip(here, there)]
             p = [a + t * b for a, b in zip(p, d)]
             step.t, step.opl, step.local, step.everywhere = t, opl, here, p
@@ -480,9 +477,8 @@ class Lens:
             cosine = sum(a * b for a, b in zip(there, normal))
             behind = self.index(i, um)
             if s.type == 'PARAXIAL':
-                there, more = ideal(D(s.parm[1]), n, behind, here[:2], there, self.mirror(i))
-                opl += more
-                step.opl = opl
+                there = ideal(D(s.parm[1]), n, behind, here[:2], there, self.mirror(i))
+                opl = step.opl = None
             elif self.mirror(i):
                 there = [a - 2 * cosine * b for a, b in zip(there, normal)]
             elif behind != n:

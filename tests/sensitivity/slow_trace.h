@@ -2,7 +2,8 @@
 //
 // Each element is a matrix and an origin.  Conics are met by the quadratic formula, other surfaces by Newton
 // on the definition of F (catalogue/formulas.h), from the vertex plane.  Bending takes the unit normal and
-// the cosines of both angles (Glassner 1989, An Introduction to Ray Tracing, chapter 2).  Numbers of the lens
+// the cosines of both angles (Glassner 1989, An Introduction to Ray Tracing, chapter 2).  Ideal lenses are as
+// system.h defines them, by slopes.  Numbers of the lens
 // are quads, so that they may be changed by less than an ulp.
 #ifndef SENSITIVITY_SLOW_TRACE_H
 #define SENSITIVITY_SLOW_TRACE_H
@@ -48,6 +49,7 @@ struct element {
     std::vector<quad> a;  // its parameters
     vec origin, axis[3], turn;
     quad index;           // 0: as in front; -1: a mirror
+    const sgt_phase *phase;
     vec local(const vec &p) const
     {
         const vec q = turned(quad(-1) * turn, {inner(p, axis[0]), inner(p, axis[1]), inner(p, axis[2])});
@@ -70,7 +72,7 @@ inline element element_of(const sgt_element &e)
     if (inner(r.axis[0], r.axis[0]) == 0)
         r.axis[0] = {1, 0, 0}, r.axis[1] = {0, 1, 0}, r.axis[2] = {0, 0, 1};
     r.turn = {0, 0, 0};
-    r.index = e.index;
+    r.index = e.index, r.phase = e.phase;
     return r;
 }
 
@@ -138,6 +140,21 @@ inline vec normal_at(const element &e, const vec &p)
     return quad(1) / length(n) * n;
 }
 
+// Behind an ideal lens at p; *more is what it adds to the path.
+inline vec focused(const sgt_phase &a, bool mirror, quad n1, quad n2, const vec &p, const vec &d, quad *more)
+{
+    const quad to = d.z < 0 ? -1 : 1, f = a.focal_length, u = d.x / (to * d.z), v = d.y / (to * d.z);
+    const bool afar = a.object_distance == 0 || std::isinf(a.object_distance);
+    const quad u0 = afar ? u : u - p.x / quad(a.object_distance),
+               v0 = afar ? v : v - p.y / quad(a.object_distance);
+    const quad x = (n1 * u - p.x / f) / n2, y = (n1 * v - p.y / f) / n2, x0 = n1 * u0 / n2, y0 = n1 * v0 / n2;
+    const quad in = square_root(1 + u * u + v * v) + square_root(1 + u0 * u0 + v0 * v0),
+               out = square_root(1 + x * x + y * y) + square_root(1 + x0 * x0 + y0 * y0);
+    *more = n2 * (p.x * (x + x0) + p.y * (y + y0)) / out - n1 * (p.x * (u + u0) + p.y * (v + v0)) / in;
+    const vec behind = {x, y, mirror ? -to : to};
+    return quad(1) / length(behind) * behind;
+}
+
 // count: so many elements; the last is met and need not be passed, if `to_point` is set.
 inline end trace(const std::vector<element> &e, std::size_t count, quad index, vec o, vec d,
                  bool to_point = false)
@@ -147,11 +164,19 @@ inline end trace(const std::vector<element> &e, std::size_t count, quad index, v
     for (std::size_t i = 0; i < count; i++) {
         const element &s = e[i];
         const vec p = s.local(at - s.origin), l = s.local(way);
-        quad t;
+        quad t = 0;
         const bool conic = s.surface.ops == &sgt_conic_ops;
         if (!(conic ? meet_conic(s.a, p, l, &t) : meet_other(s, p, l, &t))) return r.why = 'm', r;
         r.p = p + t * l, r.opl += index * t;
         if (to_point && i + 1 == count) return r.d = l, r;
+        if (s.phase) {
+            const quad behind = s.index == 0 || s.index == -1 ? index : s.index;
+            quad more;
+            r.d = focused(*s.phase, s.index == -1, index, behind, r.p, l, &more);
+            r.opl += more, index = behind, r.passed = i + 1;
+            at = s.origin + s.global(r.p), way = s.global(r.d);
+            continue;
+        }
         const vec n = normal_at(s, r.p);
         const quad cosine = inner(l, n);
         if (s.index == -1) {

@@ -3,7 +3,7 @@
  * THE LAUNCH RAY is itself rounded.  Each of its numbers is off by some ulps: for the point at the end
  * that is a few times `grain` (sgt_end_error).  A ray from afar starts on a plane in space, at
  * p + (wave - p . d) d; what rounding does to that along d is in the path at once, and no more than
- * LAUNCH ulps of the numbers that go into it. */
+ * LAUNCH ulps of the numbers that go into it.  With ideal lenses the rest counts as well: `path_grain`. */
 #include "launch.h"
 
 static const double ULP = 0x1p-53, LAUNCH = 6, GRAINS = 4;
@@ -41,7 +41,8 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     out->p = last->hit.p, out->d = in, out->opl = last->opl;
     out->p_err = off.point + GRAINS * off.grain;
     if (isnan(out->p_err)) out->p_err = HUGE_VAL;
-    out->opl_err = off.path + launch_error(b, &l->ray, before == 0 ? 1 : before);
+    out->opl_err = off.path + GRAINS * off.path_grain + launch_error(b, &l->ray, before == 0 ? 1 : before);
+    if (isnan(out->opl_err)) out->opl_err = HUGE_VAL;
 }
 
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
