@@ -71,20 +71,20 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
                              .sagittal = none, .ideal = none, .distortion = none};
     sgt_launched chief;
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
-    sgt_element *open = sgt_open_elements(from, e);
-    bool fine = passages && open;
-    if (fine) open[count - 1].index = 0; /* what the image does to light is not looked at */
-    fine = fine && sgt_launch_rays(from, &b, open, index_before, 1, &centre, &chief);
+    sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
+    bool fine = passages && own;
+    for (size_t i = 0; fine && i < count; i++) own[i] = e[i];
+    if (fine) own[count - 1].index = 0; /* what the image does to light is not looked at */
+    fine = fine && sgt_launch_rays(from, &b, own, index_before, 1, &centre, &chief);
     if (fine) {
         size_t passed = 0;
-        sgt_ray ray = chief.ray;
         if (chief.status == SGT_MET)
-            passed = sgt_trace(count, open, index_before, &ray, passages, &out->fate, NULL);
+            passed = sgt_trace_through(count, own, index_before, &chief.ray, open, passages, &out->fate);
         out->aimed = chief.status, out->element = passed < count ? passed : count - 1;
         if (passed == count)
             tell_curve(from, &b, open, index_before, data, distortion, &chief.ray, passages, out);
     }
-    sgt_launch_forget(from, open);
+    sgt_launch_forget(from, own);
     sgt_launch_forget(from, passages);
     return fine;
 }

@@ -3,7 +3,12 @@
  * THE LAUNCH RAY is itself rounded.  Each of its numbers is off by some ulps: for the point at the end
  * that is a few times `grain` (sgt_end_error).  A ray from afar starts on a plane in space, at
  * p + (wave - p . d) d; what rounding does to that along d is in the path at once, and no more than
- * LAUNCH ulps of the numbers that go into it. */
+ * LAUNCH ulps of the numbers that go into it.
+ *
+ * WHATEVER CLIPS.  Sizes and references are those of rays through the surfaces, and do not depend on which
+ * of them are obscured.  But a semi_diameter has a say in which root is meant (sgt_trace).  It clips a ray
+ * only where no root lies inside, and then the root is the one without it.  So a ray that it clips is traced
+ * again without that semi_diameter alone.  The items of an aperture have no say in the root. */
 #include "launch.h"
 
 static const double ULP = 0x1p-53, LAUNCH = 6, GRAINS = 4;
@@ -44,27 +49,24 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     out->opl_err = off.path + launch_error(b, &l->ray, before == 0 ? 1 : before);
 }
 
+static sgt_ray_end not_traced(const sgt_pupil_point *at, sgt_aimed status)
+{
+    const double none = (double)NAN;
+    const sgt_vec3 nowhere = {none, none, none};
+    return (sgt_ray_end){.px = at->x, .py = at->y, .weight = at->weight, .aimed = status, .fate = SGT_LOST,
+                         .status = SGT_EXHAUSTED, .p = nowhere, .d = nowhere, .opl = none, .p_err = none,
+                         .opl_err = none};
+}
+
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
                      sgt_ray_end out[])
 {
-    const double none = (double)NAN;
-    const sgt_vec3 nowhere = {none, none, none};
     sgt_passage *passages = sgt_launch_take(from, from->lens->count, sizeof *passages);
     sgt_launched *launched = sgt_launch_take(from, count, sizeof *launched);
     bool fine = passages && launched && sgt_launch_rays(from, b, e, index_before, count, at, launched);
     for (size_t i = 0; fine && i < count; i++) {
-        out[i] = (sgt_ray_end){.px = at[i].x,
-                               .py = at[i].y,
-                               .weight = at[i].weight,
-                               .aimed = launched[i].status,
-                               .fate = SGT_LOST,
-                               .status = SGT_EXHAUSTED,
-                               .p = nowhere,
-                               .d = nowhere,
-                               .opl = none,
-                               .p_err = none,
-                               .opl_err = none};
+        out[i] = not_traced(&at[i], launched[i].status);
         if (launched[i].status == SGT_MET)
             follow(from, b, e, index_before, &launched[i], opt, passages, &out[i]);
     }
@@ -73,21 +75,35 @@ bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sg
     return fine;
 }
 
-sgt_element *sgt_open_elements(const sgt_launcher *from, const sgt_element e[])
+size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const sgt_ray *launch,
+                         sgt_element open[], sgt_passage passages[], sgt_fate *fate)
 {
-    const size_t count = from->lens->count;
-    sgt_element *open = sgt_launch_take(from, count, sizeof *open);
-    for (size_t i = 0; open && i < count; i++)
-        open[i] = e[i], open[i].semi_diameter = 0, open[i].aperture = NULL;
-    return open;
+    for (size_t i = 0; i < n; i++) open[i] = e[i], open[i].aperture = NULL;
+    for (size_t left = n;; left--) { /* each time one more element is open */
+        sgt_ray ray = *launch;
+        size_t passed = sgt_trace(n, open, before, &ray, passages, fate, NULL);
+        if (*fate != SGT_CLIPPED || left == 0) return passed;
+        open[passed].semi_diameter = 0;
+    }
 }
 
 bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, sgt_ray_end *out)
 {
     static const sgt_pupil_point centre = {0, 0, 1};
-    sgt_element *open = sgt_open_elements(from, e);
-    bool fine = open && sgt_trace_pupil(from, b, open, index_before, 1, &centre, NULL, out);
+    const size_t count = from->lens->count;
+    sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
+    sgt_element *open = sgt_launch_take(from, count, sizeof *open);
+    sgt_launched launched;
+    bool fine = passages && open && sgt_launch_rays(from, b, e, index_before, 1, &centre, &launched);
+    if (fine) {
+        *out = not_traced(&centre, launched.status);
+        if (launched.status == SGT_MET) {
+            sgt_trace_through(count, e, index_before, &launched.ray, open, passages, &out->fate);
+            follow(from, b, open, index_before, &launched, NULL, passages, out);
+        }
+    }
     sgt_launch_forget(from, open);
+    sgt_launch_forget(from, passages);
     return fine;
 }
