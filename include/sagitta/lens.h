@@ -261,6 +261,8 @@ typedef struct sgt_lens {
     double object_distance;
     bool   telecentric;      /* chief rays are parallel to the axis in object space; the
                                 pupil is then a cone (object_na, object_angle) */
+    bool   afocal;           /* light leaves as parallel rays: what is asked of the image
+                                space are angles, and paths go to a plane */
 
     sgt_pupil_kind pupil;
     double pupil_size;       /* as the kind says; NaN for none */

@@ -286,6 +286,7 @@ class Lens(Structure):
         ("primary", c_size_t),
         ("object_distance", c_double),
         ("telecentric", c_bool),
+        ("afocal", c_bool),
         ("pupil", c_int),
         ("pupil_size", c_double),
         ("pupil_distance", c_double),

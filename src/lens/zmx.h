@@ -114,7 +114,7 @@ struct zmx {
     size_t note_length, note_room, blank_notes;
     bool note_goes_on;
     unsigned field_type;
-    bool telecentric;
+    bool telecentric, afocal;
     int aiming; /* 0: at the pupil; 1, 2: at the stop, with its paraxial or its real size */
     size_t aiming_line;
     size_t fields, waves; /* SIZE_MAX: not given */

@@ -158,6 +158,8 @@ static void read_field_type(zmx *z)
     z->field_type = (unsigned)type, z->ftyp_line = z->lines.line;
     z->telecentric = telecentric != 0;
     z->fields = sgt_zmx_whole_or(z, SIZE_MAX), z->waves = sgt_zmx_whole_or(z, SIZE_MAX);
+    sgt_zmx_number_or(z, 0), sgt_zmx_number_or(z, 0); /* how fields are normalised; iterated solves */
+    z->afocal = sgt_zmx_number_or(z, 0) != 0;
 }
 
 static void read_values(zmx *z)
@@ -402,5 +404,6 @@ void sgt_zmx_write_system(zmx *z, node *root)
     write_pupil(z, root);
     if (z->aiming)
         tree_set(z->s, root, "aim", tree_word(z->s, z->aiming_line, z->aiming == 1 ? "stop" : "real_stop"));
+    if (z->afocal) tree_set(z->s, root, "afocal", tree_word(z->s, z->ftyp_line, "true"));
     write_fields(z, root);
 }

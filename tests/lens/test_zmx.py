@@ -748,6 +748,7 @@ def test_remarks_and_strict():
     equal(said, [])
     for data, words in ((clean.replace('PWAV', 'VDYN 0.1 0 0\nVCXN 0.2 0 0\nPWAV'), '- {dy: 0.1, cx: 0.2}'),
                         (clean.replace('FTYP 0 0 1', 'FTYP 1 1 1').replace('INFINITY', '40.0'), 'telecentric: true'),
+                        (re.sub('(FTYP( [0-9]+){6}) 0', r'\1 1', clean), 'afocal: true'),
                         (clean.replace('RAIM 0 0', 'RAIM 0 2'), 'aim: real_stop')):
         path = written(data, 'lens.zmx')
         assert words in run('import', path).stdout, (words, run('import', path).stdout)
