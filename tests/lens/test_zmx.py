@@ -776,6 +776,34 @@ def test_remarks_and_strict():
     assert not faults, '\n'.join(faults)
 
 
+def test_quiet():
+    """Remarks that change the lens come first; -q silences them at each command, and nothing else."""
+    near = zmx(FAR, surf(t=2.0, more=['STOP']), surf(c=0.02, t=4.0, glass=glas('N-BK7')),
+               surf(c=-0.02, t=20.0), IMAGE).replace('GCAT', 'ZZQX 1\nGCAT').replace('MNUM 1 1', 'MNUM 3 1')
+    path = written(near, 'lens.zmx')
+    kinds = [line for line in run('import', path).stderr.splitlines()]
+    left = [': left out: ' in line for line in kinds]
+    equal(left, sorted(left, reverse=True), 'what is left out comes first')
+    assert any(left), kinds
+    for how in (['import'], ['info'], ['trace', '--chief'], ['spot'], ['fan'], ['opd'], ['field'],
+                ['map'], ['diagnose', '--fan', '1', '--ray', '0'], ['trade', '--fan', '3']):
+        loud = run(how[0], path, *how[1:], exit=None)
+        assert 'ZZQX' in loud.stderr, (how, loud.stderr)
+        for word in ('-q', '--quiet'):
+            still = run(how[0], path, *how[1:], word, exit=None)
+            assert 'ZZQX' not in still.stderr and 'MNUM' not in still.stderr, (how, still.stderr)
+            if how[0] != 'trade':  # which prints times
+                equal(still.stdout, loud.stdout, str(how))
+    assert 'ZZQX' not in run('import', path, '-q', '--strict', exit=3).stdout
+    idle = zmx(FAR, surf(t=2.0, more=['STOP']), IMAGE)
+    idle = idle.replace('GCAT', 'CSUM 123\nZVAN 0 0 0\nWAVN 9 9\nWWGN 1 1\nGCAT')
+    equal(run('import', written(idle, 'lens.zmx')).stderr, '', 'records that change nothing')
+    alone = re.sub('(?m)^WAVM', 'ZZQX', idle).replace('WAVN 9 9', 'WAVN 0.7 0.8').replace('WWGN 1 1', 'WWGN 3 1')
+    assert 'wavelengths: [0.7]\nwavelength_weights: [3]' in run('import', written(alone, 'lens.zmx')).stdout
+    turned = idle.replace('ZVAN 0', 'ZVAN 5')
+    assert 'vignetting' in run('import', written(turned, 'lens.zmx')).stderr
+
+
 def refused(data, keyword, lines, *words):
     """exit 3, nothing written, one message that has file, line, keyword and these words."""
     path = written(data, 'lens.zmx')

@@ -71,6 +71,7 @@ static const char info_help[] =
     "  --format F         text (for people, the default), csv or json\n"
     "  --hex              numbers in hexadecimal\n"
     "  --output FILE      write to FILE instead of standard output\n"
+    "  -q, --quiet        print no remarks on how a lens file was read\n"
     "  --help, --version\n"
     "\n"
     "Exit status\n"
@@ -133,13 +134,14 @@ static info_arguments info_arguments_of(int argc, char *argv[])
         {"format", required_argument, NULL, OPTION_FORMAT},
         {"output", required_argument, NULL, OPTION_OUTPUT},
         {"hex", no_argument, NULL, OPTION_HEX},
+        {"quiet", no_argument, NULL, OPTION_QUIET},
         {"help", no_argument, NULL, OPTION_HELP},
         {"version", no_argument, NULL, OPTION_VERSION},
         {0},
     };
     shared_options shared = {.threads = 0};
     info_arguments a = {.job = {.several = true}};
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, "hq", known, NULL)) != -1;) {
         if (code == 'h' || code == OPTION_HELP) print_and_end("%s", info_help);
         if (code == SEIDEL) a.seidel = true;
         else if (code == PARABASAL) a.parabasal = true;
