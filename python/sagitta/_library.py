@@ -347,7 +347,7 @@ class FirstOrder(Structure):
             "lagrange",
             "petzval",
         )
-    ] + [("without_vertex", c_size_t)]
+    ] + [("without_vertex", c_size_t), ("angular_magnification", c_double)]
 
 
 class Seidel(Structure):
@@ -403,6 +403,7 @@ class RayEnd(Structure):
         ("opl", c_double),
         ("p_err", c_double),
         ("opl_err", c_double),
+        ("d_err", c_double),
     ]
 
 

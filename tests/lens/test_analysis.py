@@ -159,6 +159,40 @@ def test_afocal():
                 close(mine['opd'], row['opd_plane'], float(mine['opd_err']), f'{path} {key(row)}')
 
 
+def angles_from(row, chief):
+    """Those of a row's direction about another's, in milliradians: along x and across."""
+    (a, b, c), z = ([float(r[k]) for k in 'lmn'] for r in (row, chief))
+    r = math.hypot(z[1], z[2])
+    across, along = (b * z[2] - c * z[1]) / r, a * r - (z[1] * b + z[2] * c) * z[0] / r
+    ahead = a * z[0] + b * z[1] + c * z[2]
+    return 1e3 * math.atan2(along, ahead), 1e3 * math.atan2(across, ahead)
+
+
+def test_angles():
+    """Fans and spots of an afocal lens, in milliradians: of the oracle's directions."""
+    for lens in ('analysis_afocal.yaml', 'optiland__simple_fold_mirror_up__8136ed.zmx', 'cooke_triplet.yaml'):
+        path = written(run('import', path_of(lens)).stdout + 'afocal: true\n')
+        got, primary = told('fan', path, *points_of(lens)), float(oracle('spots')[lens][0]['wavelength'])
+        chief = {key(row)[0]: row for row in oracle('rays')[lens] if key(row)[1:] == (primary, 0, 0)}
+        for row in oracle('rays')[lens]:
+            mine, wanted = got[key(row)], angles_from(row, chief[int(row['field'])])
+            for axis, angle in zip('xy', wanted):
+                error = float(mine['e_err_mrad'])
+                close(mine[f'e{axis}_mrad'], angle, error + 1e-12, f'{lens} {key(row)}: e{axis}')
+                assert error < 1e-9, (lens, error)
+        fan, several = {}, points_of(lens)
+        for row in got.values():
+            fan.setdefault(key(row)[:2], []).append([float(row['ex_mrad']), float(row['ey_mrad'])])
+        for row in rows('spot', path, '--no-apertures', *several):
+            if row['wavelength'] == 'all':
+                continue
+            angles = fan[key(row)]
+            for column, power in (('rms_x_mrad', (1, 0)), ('rms_y_mrad', (0, 1)), ('rms_mrad', (1, 1))):
+                mean = sum(power[0] * x * x + power[1] * y * y for x, y in angles) / len(angles)
+                close(row[column], math.sqrt(mean), 1e-12 * (1 + math.sqrt(mean)), f'{lens} {key(row)[:2]}: {column}')
+            assert int(row['digits']) > 5, row
+
+
 def test_unknown_exit_pupil():
     """Paths then go to the foot of the perpendicular, and that is told."""
     for lens in NOT_PARAXIAL:

@@ -106,6 +106,8 @@ static const struct { const char *column, *name, *what; lack needs; size_t offse
     QUANTITY(image_height, "image_height", "paraxial, of the field farthest from the axis", POWER),
     QUANTITY(lagrange, "lagrange", "invariant n (u ybar - ubar y) of marginal and chief ray", SIZE),
     QUANTITY(petzval, "petzval_radius", "radius of the Petzval surface", CURVE),
+    QUANTITY(angular_magnification, "angular_magnification", "slope of the chief ray behind by that in front",
+             PUPIL),
 #undef QUANTITY
 };
 enum { QUANTITIES = sizeof quantity / sizeof quantity[0], SEIDEL_COLUMNS = 9 };
