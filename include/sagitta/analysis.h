@@ -242,6 +242,9 @@ typedef struct sgt_field_point {
     double   ideal;              /* the height of an image without distortion, signed
                                     along the field; NaN: there is none */
     double   distortion;         /* (height - ideal) / ideal; NaN on the axis */
+    /* Of a lens that is afocal image, error and ideal are angles from z of the image, in
+     * milliradians; distortion compares their tangents, and there is none for an object
+     * at a distance; tangential and sagittal are vergences there, index / distance. */
 } sgt_field_point;
 
 typedef enum sgt_distortion {

@@ -190,7 +190,7 @@ def test_angles():
             for column, power in (('rms_x_mrad', (1, 0)), ('rms_y_mrad', (0, 1)), ('rms_mrad', (1, 1))):
                 mean = sum(power[0] * x * x + power[1] * y * y for x, y in angles) / len(angles)
                 close(row[column], math.sqrt(mean), 1e-12 * (1 + math.sqrt(mean)), f'{lens} {key(row)[:2]}: {column}')
-            assert int(row['digits']) > 5, row
+            assert int(row['digits']) > 5 or float(row['rms_mrad']) < 1e-6, row
 
 
 def test_unknown_exit_pupil():

@@ -24,8 +24,8 @@ static double launch_error(const sgt_field_beam *b, const sgt_ray *ray, double i
     return LAUNCH * ULP * index * (length3(ray->o) + fabs(b->wave) + fabs(b->pupil));
 }
 
-static double direction_error(const sgt_launcher *from, const sgt_element e[], double before,
-                              const sgt_ray *launch, const sgt_ray_end *end)
+double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], double before,
+                           const sgt_ray *launch, const sgt_ray_end *end)
 {
     static const sgt_conic flat;
     const double FAR = 0x1p10;
@@ -83,7 +83,7 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     out->p_err = off.point + GRAINS * off.grain;
     if (isnan(out->p_err)) out->p_err = HUGE_VAL;
     out->opl_err = off.path + launch_error(b, &l->ray, before == 0 ? 1 : before);
-    if (from->lens->afocal) out->d_err = direction_error(from, e, before, &l->ray, out);
+    if (from->lens->afocal) out->d_err = sgt_direction_error(from, e, before, &l->ray, out);
 }
 
 static sgt_ray_end not_traced(const sgt_pupil_point *at, sgt_aimed status)

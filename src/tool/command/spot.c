@@ -157,7 +157,7 @@ static spot_panel spot_panel_of(spot_work *w, size_t field, double z)
     sgt_ends *coarse = memory_take(l->bands, sizeof *coarse);
     const sgt_ray_end chief = look_chief(l, beam, &l->primary, spot_defocused(&l->primary, z));
     const bool afocal = spot_afocal(l);
-    static const sgt_vec3 axis = {0, 0, 1};
+    const sgt_vec3 axis = {0, 0, copysign(1, chief.d.z)};
     sgt_ray_end centre = chief, way = chief;
     if (afocal) sgt_ends_as_angles(&chief.d, 1, &chief, &centre), sgt_ends_as_angles(&axis, 1, &chief, &way);
     p.chief = (sgt_vec2){centre.p.x, centre.p.y}, p.chief_err = centre.p_err;
