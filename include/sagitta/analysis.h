@@ -119,6 +119,8 @@ typedef struct sgt_ray_end {
      * path to the foot of a perpendicular from a fixed point near p (sgt_trace_error).
      * The rounding of the launch ray is in them. */
     double p_err, opl_err;
+    /* The same of d, an angle in radians.  NaN unless the lens is afocal. */
+    double d_err;
 } sgt_ray_end;
 
 /* Traces the rays of a field through points of the pupil.  opt: NULL, or for sgt_trace.
@@ -133,6 +135,13 @@ SGT_API bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *bea
 SGT_API bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
                              sgt_ray_end *out);
+
+/* For an afocal image space: sets out[i] to end[i] with angles in place of points.  p.x and
+ * p.y are those of d from `axis` (of unit length; in the frame of the last element), in
+ * milliradians: toward x of that frame, and across it and the axis.  p.z is 0, and p_err
+ * is the error of an angle, d_err in milliradians.  out may be end. */
+SGT_API void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count,
+                                const sgt_ray_end end[], sgt_ray_end out[]);
 
 /* ---------------------------------------------------------------------------- spots */
 
@@ -236,6 +245,9 @@ typedef struct sgt_field_point {
     double   ideal;              /* the height of an image without distortion, signed
                                     along the field; NaN: there is none */
     double   distortion;         /* (height - ideal) / ideal; NaN on the axis */
+    /* Of a lens that is afocal image, error and ideal are angles from z of the image, in
+     * milliradians; distortion compares their tangents, and there is none for an object
+     * at a distance; tangential and sagittal are vergences there, index / distance. */
 } sgt_field_point;
 
 typedef enum sgt_distortion {

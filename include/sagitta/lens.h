@@ -264,6 +264,8 @@ typedef struct sgt_lens {
     double object_distance;
     bool   telecentric;      /* chief rays are parallel to the axis in object space; the
                                 pupil is then a cone (object_na, object_angle) */
+    bool   afocal;           /* light leaves as parallel rays: what is asked of the image
+                                space are angles, and paths go to a plane */
 
     sgt_pupil_kind pupil;
     double pupil_size;       /* as the kind says; NaN for none */
@@ -390,6 +392,8 @@ typedef struct sgt_first_order {
     size_t without_vertex;      /* the first surface, from 1, that has no vertex curvature
                                    or stands off the axis by `origin`: what depends on its
                                    power is NaN.  0: none */
+    double angular_magnification; /* the slope of the paraxial chief ray behind the lens by
+                                   that in front */
 } sgt_first_order;
 
 /* The Seidel sums of one surface, for the marginal ray and the chief ray of the field

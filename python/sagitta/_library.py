@@ -294,6 +294,7 @@ class Lens(Structure):
         ("primary", c_size_t),
         ("object_distance", c_double),
         ("telecentric", c_bool),
+        ("afocal", c_bool),
         ("pupil", c_int),
         ("pupil_size", c_double),
         ("pupil_distance", c_double),
@@ -354,7 +355,7 @@ class FirstOrder(Structure):
             "lagrange",
             "petzval",
         )
-    ] + [("without_vertex", c_size_t)]
+    ] + [("without_vertex", c_size_t), ("angular_magnification", c_double)]
 
 
 class Seidel(Structure):
@@ -410,6 +411,7 @@ class RayEnd(Structure):
         ("opl", c_double),
         ("p_err", c_double),
         ("opl_err", c_double),
+        ("d_err", c_double),
     ]
 
 

@@ -279,6 +279,7 @@ class FirstOrder:
     lagrange: float
     petzval: float
     without_vertex: int
+    angular_magnification: float
 
 
 @dataclass

@@ -189,6 +189,8 @@ static void set_pupils(const paraxial *p, const sgt_first_order *primary, sgt_fi
     go_through(p, &chief, l->stop, p->last);
     go_to(&chief, p->at[p->last].z);
     o->exit_pupil = l->stop < p->last ? crossing(&chief) : (double)NAN;
+    beam_ray from_pupil = at_image(p, -o->entrance_pupil, p->before);
+    o->angular_magnification = from_pupil.w / from_pupil.n;
     beam_ray end = at_image(p, marginal.y, marginal.w);
     o->stop_radius = fabs(at_stop(p, marginal.y, marginal.w));
     o->exit_radius = fabs(end.y + o->exit_pupil * end.w / end.n);

@@ -153,6 +153,8 @@ static const double RIGHT_ANGLE = 90;
 
 static void read_pupil(sgt_lens *l, source *s)
 {
+    const node *afocal = tree_take(s->root, "afocal");
+    l->afocal = afocal && tree_read_truth(s, afocal, "afocal");
     const node *aim = tree_take(s->root, "aim");
     if (aim) l->aim = (sgt_lens_aim)word_of(s, aim, "aim", "pupil|stop|real_stop");
     l->pupil_size = l->pupil_distance = (double)NAN;
@@ -601,8 +603,8 @@ void sgt_read_lens(whole_lens *w, source *s)
     read_fields(l, s);
     read_surfaces(w, s, list);
     tree_finish(s, s->root,
-                "name, units, wavelengths, wavelength_weights, primary, makers, object, pupil, aim, fields, "
-                "field_type, field_weights, vignetting, surfaces");
+                "name, units, wavelengths, wavelength_weights, primary, makers, object, pupil, aim, afocal, "
+                "fields, field_type, field_weights, vignetting, surfaces");
     char why[WHY_SIZE];
     fill_indices(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element, &l->index_before,
                  why);

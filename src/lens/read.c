@@ -40,6 +40,17 @@ static const char *folder_of_path(source *s, const char *path)
     return tree_text(s, path, end);
 }
 
+/* Those that change the lens come first: what was left out, then what was turned into something else. */
+static void sort_remarks(source *s)
+{
+    for (size_t i = 1; i < s->remarks; i++) { /* some dozens at most, and mostly in order */
+        const sgt_lens_remark one = s->remark[i];
+        size_t at = i;
+        for (; at > 0 && s->remark[at - 1].kind < one.kind; at--) s->remark[at] = s->remark[at - 1];
+        s->remark[at] = one;
+    }
+}
+
 /* text NULL: that of the file `name`. */
 static void read_into(maker make, whole_lens *w, source *s, const char *name, const char *text, size_t length)
 {
@@ -56,6 +67,7 @@ static void read_into(maker make, whole_lens *w, source *s, const char *name, co
     if (make == sgt_read_lens && ends_in_zmx(name)) read_zmx(s, text, length);
     else sgt_read_yaml(s);
     make(w, s);
+    sort_remarks(s);
     w->lens.remarks = s->remarks, w->lens.remark = s->remark;
     w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
 }

@@ -83,8 +83,8 @@ typedef struct zmx_list { double *value; size_t count, room, line; } zmx_list;
 
 typedef enum zmx_lists {
     ZMX_XFLN, ZMX_YFLN, ZMX_FWGN, ZMX_XFLD, ZMX_YFLD, ZMX_FWGT, /* the second three: older files */
-    ZMX_WAVM, ZMX_WAVM_WEIGHT, ZMX_WAVL, ZMX_WWGT,              /* here the second two */
-    ZMX_VIGNETTING, ZMX_LISTS = ZMX_VIGNETTING + 9
+    ZMX_WAVM, ZMX_WAVM_WEIGHT, ZMX_WAVN, ZMX_WWGN, ZMX_WAVL, ZMX_WWGT, /* here the last four */
+    ZMX_VIGNETTING, ZMX_LISTS = ZMX_VIGNETTING + 10
 } zmx_lists;
 
 /* Remarks that are told once, with how many there were. */
@@ -114,7 +114,7 @@ struct zmx {
     size_t note_length, note_room, blank_notes;
     bool note_goes_on;
     unsigned field_type;
-    bool telecentric;
+    bool telecentric, afocal;
     int aiming; /* 0: at the pupil; 1, 2: at the stop, with its paraxial or its real size */
     size_t aiming_line;
     size_t fields, waves; /* SIZE_MAX: not given */

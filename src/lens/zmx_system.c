@@ -158,6 +158,8 @@ static void read_field_type(zmx *z)
     z->field_type = (unsigned)type, z->ftyp_line = z->lines.line;
     z->telecentric = telecentric != 0;
     z->fields = sgt_zmx_whole_or(z, SIZE_MAX), z->waves = sgt_zmx_whole_or(z, SIZE_MAX);
+    sgt_zmx_number_or(z, 0), sgt_zmx_number_or(z, 0); /* how fields are normalised; iterated solves */
+    z->afocal = sgt_zmx_number_or(z, 0) != 0;
 }
 
 static void read_values(zmx *z)
@@ -221,6 +223,8 @@ static const zmx_record system_rows[] = {
     {"XFLD", ZMX_ONCE, read_values, ZMX_XFLD},
     {"YFLD", ZMX_ONCE, read_values, ZMX_YFLD},
     {"FWGT", ZMX_ONCE, read_values, ZMX_FWGT},
+    {"WAVN", ZMX_ONCE, read_values, ZMX_WAVN},
+    {"WWGN", ZMX_ONCE, read_values, ZMX_WWGN},
     {"WAVL", ZMX_ONCE, read_values, ZMX_WAVL},
     {"WWGT", ZMX_ONCE, read_values, ZMX_WWGT},
     {"PWAV", ZMX_ONCE, read_primary, 0},
@@ -233,6 +237,7 @@ static const zmx_record system_rows[] = {
     {"ZVDY", ZMX_ONCE, read_values, ZMX_VIGNETTING + 6},
     {"ZVCX", ZMX_ONCE, read_values, ZMX_VIGNETTING + 7},
     {"ZVCY", ZMX_ONCE, read_values, ZMX_VIGNETTING + 8},
+    {"ZVAN", ZMX_ONCE, read_values, ZMX_VIGNETTING + 9},
     {"MNUM", ZMX_ONCE, read_configurations, 0},
 };
 
@@ -240,10 +245,10 @@ _Static_assert(sizeof system_rows / sizeof *system_rows <= (size_t)ZMX_RECORDS, 
 
 /* Preferences, data for drawings and tolerances, polarisation (POLS), how a pupil is shifted for
  * aiming (PUSH), margins of automatic semi-diameters (SDMA), the frame that is printed as global (GLRS), what
- * path differences refer to (ROPD). */
+ * path differences refer to (ROPD), a sum over the file (CSUM). */
 const zmx_table sgt_zmx_system_records = {sizeof system_rows / sizeof *system_rows, system_rows,
                                           "VERS AUTH IWDP PFIL LANG PUSH SDMA OMMA ROPD HYPR PICB POLS "
-                                          "GLRS GSTD NSCD COFN LUID EERA TOL  MOFF "};
+                                          "GLRS GSTD NSCD COFN LUID EERA TOL  MOFF CSUM "};
 
 /* -------------------------------------------------------------- the system */
 
@@ -279,8 +284,8 @@ static void write_weights(zmx *z, node *root, const char *key, const zmx_list *w
 
 static void write_wavelengths(zmx *z, node *root)
 {
-    const zmx_list *um = either(z, ZMX_WAVM, ZMX_WAVL),
-                   *weight = um == &z->list[ZMX_WAVM] ? &z->list[ZMX_WAVM_WEIGHT] : &z->list[ZMX_WWGT];
+    size_t which = z->list[ZMX_WAVM].line ? ZMX_WAVM : z->list[ZMX_WAVN].line ? ZMX_WAVN : ZMX_WAVL;
+    const zmx_list *um = &z->list[which], *weight = &z->list[which + 1]; /* its weights are the next list */
     size_t count = z->waves == SIZE_MAX ? um->count : z->waves;
     const char *key = um->line ? key_of_list((size_t)(um - z->list)) : "FTYP";
     if (count > um->count)
@@ -402,5 +407,6 @@ void sgt_zmx_write_system(zmx *z, node *root)
     write_pupil(z, root);
     if (z->aiming)
         tree_set(z->s, root, "aim", tree_word(z->s, z->aiming_line, z->aiming == 1 ? "stop" : "real_stop"));
+    if (z->afocal) tree_set(z->s, root, "afocal", tree_word(z->s, z->ftyp_line, "true"));
     write_fields(z, root);
 }

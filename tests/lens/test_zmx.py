@@ -748,6 +748,7 @@ def test_remarks_and_strict():
     equal(said, [])
     for data, words in ((clean.replace('PWAV', 'VDYN 0.1 0 0\nVCXN 0.2 0 0\nPWAV'), '- {dy: 0.1, cx: 0.2}'),
                         (clean.replace('FTYP 0 0 1', 'FTYP 1 1 1').replace('INFINITY', '40.0'), 'telecentric: true'),
+                        (re.sub('(FTYP( [0-9]+){6}) 0', r'\1 1', clean), 'afocal: true'),
                         (clean.replace('RAIM 0 0', 'RAIM 0 2'), 'aim: real_stop')):
         path = written(data, 'lens.zmx')
         assert words in run('import', path).stdout, (words, run('import', path).stdout)
@@ -773,6 +774,34 @@ def test_remarks_and_strict():
         except AssertionError as error:
             faults.append(f'{keyword}: {error}')
     assert not faults, '\n'.join(faults)
+
+
+def test_quiet():
+    """Remarks that change the lens come first; -q silences them at each command, and nothing else."""
+    near = zmx(FAR, surf(t=2.0, more=['STOP']), surf(c=0.02, t=4.0, glass=glas('N-BK7')),
+               surf(c=-0.02, t=20.0), IMAGE).replace('GCAT', 'ZZQX 1\nGCAT').replace('MNUM 1 1', 'MNUM 3 1')
+    path = written(near, 'lens.zmx')
+    kinds = [line for line in run('import', path).stderr.splitlines()]
+    left = [': left out: ' in line for line in kinds]
+    equal(left, sorted(left, reverse=True), 'what is left out comes first')
+    assert any(left), kinds
+    for how in (['import'], ['info'], ['trace', '--chief'], ['spot'], ['fan'], ['opd'], ['field'],
+                ['map'], ['diagnose', '--fan', '1', '--ray', '0'], ['trade', '--fan', '3']):
+        loud = run(how[0], path, *how[1:], exit=None)
+        assert 'ZZQX' in loud.stderr, (how, loud.stderr)
+        for word in ('-q', '--quiet'):
+            still = run(how[0], path, *how[1:], word, exit=None)
+            assert 'ZZQX' not in still.stderr and 'MNUM' not in still.stderr, (how, still.stderr)
+            if how[0] != 'trade':  # which prints times
+                equal(still.stdout, loud.stdout, str(how))
+    assert 'ZZQX' not in run('import', path, '-q', '--strict', exit=3).stdout
+    idle = zmx(FAR, surf(t=2.0, more=['STOP']), IMAGE)
+    idle = idle.replace('GCAT', 'CSUM 123\nZVAN 0 0 0\nWAVN 9 9\nWWGN 1 1\nGCAT')
+    equal(run('import', written(idle, 'lens.zmx')).stderr, '', 'records that change nothing')
+    alone = re.sub('(?m)^WAVM', 'ZZQX', idle).replace('WAVN 9 9', 'WAVN 0.7 0.8').replace('WWGN 1 1', 'WWGN 3 1')
+    assert 'wavelengths: [0.7]\nwavelength_weights: [3]' in run('import', written(alone, 'lens.zmx')).stdout
+    turned = idle.replace('ZVAN 0', 'ZVAN 5')
+    assert 'vignetting' in run('import', written(turned, 'lens.zmx')).stderr
 
 
 def refused(data, keyword, lines, *words):

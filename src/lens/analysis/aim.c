@@ -71,23 +71,27 @@ bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error)
     const sgt_lens_field axis = {.weight = 1};
     if (!sgt_launch_field(from, SGT_FIELD_ANGLE, &axis, &b, error)) return false;
     sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
-    if (!passages) return sgt_launch_fail(from, error, "", "no memory");
-    sgt_ray ray = sgt_field_ray(&b, 0, 1);
+    sgt_element *open = sgt_launch_take(from, stop + 1, sizeof *open);
+    const bool room = passages && open;
+    sgt_fate fate;
     from->stop_radius = from->data.stop_radius;
-    if (from->aim == SGT_AIM_REAL_STOP) {
-        size_t passed = sgt_trace(stop + 1, from->element, from->before, &ray, passages, NULL, NULL);
+    if (room && from->aim == SGT_AIM_REAL_STOP) {
+        const sgt_ray edge = sgt_field_ray(&b, 0, 1);
+        size_t passed = sgt_trace_through(stop + 1, from->element, from->before, &edge, open, passages, &fate);
         const sgt_hit *hit = &passages[stop].hit;
         from->stop_radius = passed >= stop && hit->status > 0 ? hypot(hit->p.x, hit->p.y) : (double)NAN;
     }
     const sgt_beam f = family_of(&b);
     const sgt_ray chief = sgt_beam_ray(&f, 0, 0);
-    ray = chief;
-    if (sgt_trace(stop + 1, from->element, from->before, &ray, passages, NULL, NULL) >= stop &&
+    if (room &&
+        sgt_trace_through(stop + 1, from->element, from->before, &chief, open, passages, &fate) >= stop &&
         passages[stop].hit.status > 0) {
-        double d = linear_at(stop, from->element, from->before, &f, &chief, passages).determinant;
+        double d = linear_at(stop, open, from->before, &f, &chief, passages).determinant;
         from->sense = d > 0 ? 1 : d < 0 ? -1 : 0;
     }
+    sgt_launch_forget(from, open);
     sgt_launch_forget(from, passages);
+    if (!room) return sgt_launch_fail(from, error, "", "no memory");
     return !isnan(from->stop_radius) ||
            sgt_launch_fail(from, error, "aim",
                            "the real marginal ray on the axis does not reach the stop, element %zu",
@@ -156,7 +160,7 @@ static void set_point(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 at)
 /* What a search for a field works with. */
 typedef struct field_search {
     const sgt_launcher *from;
-    sgt_element *open;       /* the lens without apertures */
+    sgt_element *open;       /* room for the lens without what clips a ray */
     sgt_passage *passages;
     size_t count;
 } field_search;
@@ -166,11 +170,13 @@ static bool image_of(const field_search *s, sgt_field_beam b, sgt_vec2 at, sgt_v
 {
     set_point(s->from, &b, at);
     const sgt_beam f = family_of(&b);
-    sgt_aiming a = aim_at(s->from->lens->stop, s->open, s->from->before, &f, (sgt_vec2){0, 0}, s->passages, 1,
-                          pupil);
+    sgt_fate fate;
+    sgt_aiming a = aim_at(s->from->lens->stop, s->from->element, s->from->before, &f, (sgt_vec2){0, 0},
+                          s->passages, 1, pupil);
     if (a.status != SGT_MET) return false;
     *pupil = (sgt_vec2){a.u, a.v};
-    size_t passed = sgt_trace(s->count, s->open, s->from->before, &a.ray, s->passages, NULL, NULL);
+    size_t passed = sgt_trace_through(s->count, s->from->element, s->from->before, &a.ray, s->open,
+                                      s->passages, &fate);
     if (passed < s->count) return false;
     *image = (sgt_vec2){s->passages[s->count - 1].hit.p.x, s->passages[s->count - 1].hit.p.y};
     return true;
@@ -220,7 +226,7 @@ bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted,
     double by = b->finite ? 1 / from->data.magnification : from->data.power / from->before;
     sgt_vec2 found = {isfinite(by) ? wanted.x * by : 0, isfinite(by) ? wanted.y * by : 0};
     field_search s = {.from = from, .count = l->count};
-    s.open = sgt_open_elements(from, from->element);
+    s.open = sgt_launch_take(from, l->count, sizeof *s.open);
     s.passages = sgt_launch_take(from, l->count, sizeof *s.passages);
     const bool room = s.open && s.passages;
     bool fine = room;

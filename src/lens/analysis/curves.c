@@ -6,7 +6,11 @@
  * image is told along the plane as it is carried to the image, whose frame may be turned.
  *
  * THE IDEAL HEIGHT from afar is that of a paraxial ray at the focus, n u / P for the slope u: it depends on
- * the slope alone.  For f theta the slope is replaced by the angle. */
+ * the slope alone.  For f theta the slope is replaced by the angle.
+ *
+ * AFOCAL.  In place of heights there are the angles of the chief ray from z of the image, and their tangents
+ * are compared: without distortion that behind is the paraxial angular magnification times that in front.
+ * In place of foci there are vergences, index over distance: 0 is parallel light, positive converges. */
 #include "launch.h"
 
 #include "../parabasal.h"
@@ -30,6 +34,31 @@ static double ideal_of(const sgt_field_beam *b, const sgt_first_order *data, dou
     return b->finite ? data->magnification : data->efl * index;
 }
 
+/* The same of an afocal image space: angles in milliradians, and vergences. */
+static void tell_angles(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                        double before, const sgt_first_order *data, const field_way *way, sgt_vec3 along,
+                        const sgt_sections *sections, bool known, const sgt_ray *chief,
+                        const sgt_passage *last, sgt_field_point *out)
+{
+    const double MILLI = 1e3;
+    const sgt_vec3 d = last->direction, axis = {0, 0, copysign(1, d.z)};
+    double index = before == 0 ? 1 : before;
+    for (size_t i = 0; i + 1 < from->lens->count; i++)
+        if (e[i].index != SGT_MIRROR && e[i].index != 0) index = e[i].index;
+    if (known) {
+        const double s = sections->focus[0], t = sections->focus[1];
+        out->sagittal = isnan(s) ? 0 : index / s, out->tangential = isnan(t) ? 0 : index / t;
+    }
+    sgt_ray_end end = {.p = last->hit.p, .d = d, .p_err = out->error}, angles;
+    end.d_err = sgt_direction_error(from, e, before, chief, &end);
+    sgt_ends_as_angles(&axis, 1, &end, &angles);
+    out->image = (sgt_vec2){angles.p.x, angles.p.y}, out->error = angles.p_err;
+    const double slope = (d.x * along.x + d.y * along.y) / hypot(along.x, along.y) / d.z;
+    const double ideal = b->finite ? (double)NAN : data->angular_magnification * way->size;
+    out->ideal = MILLI * atan(ideal);
+    if (ideal != 0) out->distortion = (slope - ideal) / ideal;
+}
+
 /* What the passages of a chief ray tell. */
 static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                        double before, const sgt_first_order *data, sgt_distortion distortion,
@@ -46,14 +75,19 @@ static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const 
     out->image = (sgt_vec2){last->hit.p.x, last->hit.p.y};
     out->error = off.point + 4 * off.grain;
     if (isnan(out->error)) out->error = HUGE_VAL;
-    if (sgt_parabasal_about((sgt_vec3){way.h.y, -way.h.x, 0}, count, e, before, b->finite, chief, passages,
-                            &near, &sections)) {
+    const bool known = sgt_parabasal_about((sgt_vec3){way.h.y, -way.h.x, 0}, count, e, before, b->finite,
+                                           chief, passages, &near, &sections);
+    if (known) {
         out->sagittal = sections.focus[0] * last->direction.z;
         out->tangential = sections.focus[1] * last->direction.z;
         along = sections.along[1];
     }
     const double height =
         (out->image.x * along.x + out->image.y * along.y) / hypot(along.x, along.y);
+    if (from->lens->afocal) {
+        tell_angles(from, b, e, before, data, &way, along, &sections, known, chief, last, out);
+        return;
+    }
     out->ideal = ideal_of(b, data, before) * way.size;
     if (out->ideal != 0) out->distortion = (height - out->ideal) / out->ideal;
 }
@@ -71,20 +105,20 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
                              .sagittal = none, .ideal = none, .distortion = none};
     sgt_launched chief;
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
-    sgt_element *open = sgt_open_elements(from, e);
-    bool fine = passages && open;
-    if (fine) open[count - 1].index = 0; /* what the image does to light is not looked at */
-    fine = fine && sgt_launch_rays(from, &b, open, index_before, 1, &centre, &chief);
+    sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
+    bool fine = passages && own;
+    for (size_t i = 0; fine && i < count; i++) own[i] = e[i];
+    if (fine) own[count - 1].index = 0; /* what the image does to light is not looked at */
+    fine = fine && sgt_launch_rays(from, &b, own, index_before, 1, &centre, &chief);
     if (fine) {
         size_t passed = 0;
-        sgt_ray ray = chief.ray;
         if (chief.status == SGT_MET)
-            passed = sgt_trace(count, open, index_before, &ray, passages, &out->fate, NULL);
+            passed = sgt_trace_through(count, own, index_before, &chief.ray, open, passages, &out->fate);
         out->aimed = chief.status, out->element = passed < count ? passed : count - 1;
         if (passed == count)
             tell_curve(from, &b, open, index_before, data, distortion, &chief.ray, passages, out);
     }
-    sgt_launch_forget(from, open);
+    sgt_launch_forget(from, own);
     sgt_launch_forget(from, passages);
     return fine;
 }

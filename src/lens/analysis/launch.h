@@ -31,8 +31,14 @@ void  sgt_launch_forget(const sgt_launcher *from, void *room);
 /* Sets the object point, or from afar the direction by its angles in degrees. */
 void sgt_beam_point(const sgt_launcher *from, sgt_field_beam *b, double x, double y);
 
-/* The elements without apertures; NULL: no memory.  Freed by sgt_launch_forget. */
-sgt_element *sgt_open_elements(const sgt_launcher *from, const sgt_element e[]);
+/* (ends.c) A bound, in radians, on what is off in end->d; end->p and p_err are read, too.  Infinite: not known. */
+double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], double before,
+                           const sgt_ray *launch, const sgt_ray_end *end);
+
+/* (ends.c) As sgt_trace, through n elements, whatever clips the ray: the roots are those that sgt_trace means
+ * with the apertures there.  open: room for n; at return the elements without what clipped it. */
+size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const sgt_ray *launch,
+                         sgt_element open[], sgt_passage passages[], sgt_fate *fate);
 
 /* (aim.c) Sets stop_radius and sense; false: told. */
 bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error);

@@ -112,7 +112,7 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
     snprintf(all_help, sizeof all_help, "%s%s", diagnose_help, job_help);
     diagnose_arguments a = {.method = METHOD_SAFEGUARDED};
     bool rays_of_lens = false;
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, "hq", known, NULL)) != -1;) {
         switch (code) {
         case SURFACE: a.surface = optarg; break;
         case RAY: a.ray = optarg; break;

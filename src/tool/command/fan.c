@@ -19,6 +19,8 @@ static const char fan_help[] =
     "  fate               passed; missed, clipped, tir, lost; none: it is proven that there is no such ray\n"
     "  ex, ey             the errors in x and y (length, in the frame of the last surface)\n"
     "  e_err              rounding puts neither off by more (length)\n"
+    "  ex_mrad, ey_mrad, e_err_mrad\n"
+    "                     of a lens that is afocal, instead: angles from the chief ray (milliradians)\n"
     "\n"
     "Options\n";
 
@@ -30,11 +32,16 @@ typedef struct fan_work {
     look_lines *lines;          /* [fields]; NULL: no picture */
 } fan_work;
 
+/* In the unit of the picture. */
+static double fan_small(const look *l, double x) { return l->primary.lens.of->afocal ? x : look_small(l, x); }
+
 static void fan_rows(fan_work *w, size_t field)
 {
     look *l = &w->look;
     const sgt_field_beam *beam = &l->beam[field];
     const sgt_ray_end chief = look_chief(l, beam, &l->primary, l->primary.element);
+    sgt_ray_end about = chief;
+    if (l->primary.lens.of->afocal) sgt_ends_as_angles(&chief.d, 1, &chief, &about);
     if (chief.fate != SGT_PASSED)
         note("field %zu: the chief ray does not get through, so there is no reference",
              l->fields.number[field] + 1);
@@ -42,18 +49,19 @@ static void fan_rows(fan_work *w, size_t field)
         const look_band *band = &l->band[b];
         const sgt_ray_end *end = w->end;
         look_trace(l, beam, band, band->element, &w->points, true, w->end);
+        if (l->primary.lens.of->afocal) sgt_ends_as_angles(&chief.d, w->points.count, w->end, w->end);
         if (field + b > 0) table_gap(w->table);
         for (size_t i = 0; i < w->points.count; i++) {
-            const double ex = end[i].p.x - chief.p.x, ey = end[i].p.y - chief.p.y;
+            const double ex = end[i].p.x - about.p.x, ey = end[i].p.y - about.p.y;
             look_cells(w->table, l, field, band);
             table_number(w->table, end[i].px);
             table_number(w->table, end[i].py);
             look_fate_cell(w->table, &end[i]);
             look_number(w->table, ex);
             look_number(w->table, ey);
-            look_number(w->table, end[i].p_err + chief.p_err);
+            look_number(w->table, end[i].p_err + about.p_err);
             if (w->lines)
-                look_lines_add(&w->lines[field], b, &end[i], look_small(l, ey), look_small(l, ex));
+                look_lines_add(&w->lines[field], b, &end[i], fan_small(l, ey), fan_small(l, ex));
         }
     }
 }
@@ -62,7 +70,7 @@ exit_status command_fan(int argc, char *argv[])
 {
     enum { ACROSS = 41 };
     static const struct option known[] = {LOOK_OPTIONS, {0}};
-    static const column columns[] = {
+    column columns[] = {
         {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},
         {"fate", COLUMN_CODE},   {"ex", COLUMN_NUMBER},        {"ey", COLUMN_NUMBER}, {"e_err", COLUMN_ERROR},
     };
@@ -75,18 +83,23 @@ exit_status command_fan(int argc, char *argv[])
     w.look = look_begin(&o);
     w.end = memory_take(w.points.count, sizeof *w.end);
     if (o.picture) w.lines = memory_take(w.look.fields.count, sizeof *w.lines);
+    const bool afocal = w.look.primary.lens.of->afocal;
+    if (afocal) columns[5].name = "ex_mrad", columns[6].name = "ey_mrad", columns[7].name = "e_err_mrad";
     w.table = table_begin(&o.shared.target, sizeof columns / sizeof columns[0], columns);
     for (size_t f = 0; f < w.look.fields.count; f++) {
         if (w.lines) w.lines[f] = look_lines_for(&w.look, &w.points);
         fan_rows(&w, f);
     }
-    table_line(w.table, "ex, ey: from the chief ray of the primary wavelength.  Unit of length: %s.",
-               *w.look.primary.lens.units ? w.look.primary.lens.units : "that of the lens");
+    if (afocal)
+        table_line(w.table, "ex_mrad, ey_mrad: angles from the chief ray of the primary wavelength, milliradians.");
+    else
+        table_line(w.table, "ex, ey: from the chief ray of the primary wavelength.  Unit of length: %s.",
+                   *w.look.primary.lens.units ? w.look.primary.lens.units : "that of the lens");
     look_verdict(w.table, &w.look);
     table_end(w.table);
     if (o.picture)
         look_lines_draw(&w.look, w.lines, "ray fans", "from the chief ray of the primary wavelength",
-                        look_text("ey (%s)", look_small_unit(&w.look)),
-                        look_text("ex (%s)", look_small_unit(&w.look)));
+                        look_text("ey (%s)", afocal ? "mrad" : look_small_unit(&w.look)),
+                        look_text("ex (%s)", afocal ? "mrad" : look_small_unit(&w.look)));
     return look_status(&w.look);
 }

@@ -22,6 +22,9 @@ static const char field_help[] =
     "  fate               of the chief ray\n"
     "  x, y, xy_err       where it meets the image, and how far rounding may have put that off (length)\n"
     "  ideal              the height of the image without distortion (length)\n"
+    "  tangential_dioptre, sagittal_dioptre, x_mrad, y_mrad, xy_err_mrad, ideal_mrad\n"
+    "                     of a lens that is afocal, instead: vergences at the last surface (1/m), and the\n"
+    "                     angles of the chief ray from its z (milliradians)\n"
     "  digits             so many decimal digits of the image's height are certain\n"
     "\n"
     "Options\n"
@@ -77,9 +80,11 @@ static sgt_field_point field_point(const look *l, const field_arguments *a, cons
 {
     const sgt_field_beam beam = look_beam(l, l->fields.kind, at);
     sgt_field_point p;
+    const double dioptre = l->primary.lens.of->afocal ? 1e6 / l->um : 1; /* of 1 / length */
     if (!sgt_field_curve(l->from, &beam, band->element, band->lens.index_before, &band->data, a->distortion,
                          &p))
         fail_input("out of memory");
+    p.tangential *= dioptre, p.sagittal *= dioptre;
     return p;
 }
 
@@ -151,7 +156,8 @@ static void draw_field(const look *l, const field_arguments *a)
     static const char *const dashes[] = {"solid: sagittal, dashed: tangential"};
     const chart_panel panel[] = {
         {.title = "field curvature",
-         .x_label = look_text("z from the image (%s)", *units ? units : "length"),
+         .x_label = l->primary.lens.of->afocal ? "vergence at the last surface (dioptres)"
+                                               : look_text("z from the image (%s)", *units ? units : "length"),
          .y_label = look_field_axis(l),
          .y_low = fmin(end, 0),
          .y_high = fmax(end, 0),
@@ -161,7 +167,7 @@ static void draw_field(const look *l, const field_arguments *a)
          .notes = 1,
          .rules = 1,
          .rule = &zero},
-        {.title = a->distortion == SGT_DISTORTION_THETA           ? "distortion against f theta"
+        {.title = l->primary.lens.of->afocal ? "distortion of angles" : a->distortion == SGT_DISTORTION_THETA           ? "distortion against f theta"
                   : isfinite(l->primary.lens.of->object_distance) ? "distortion against the magnification"
                                                                   : "distortion against f tan(theta)",
          .x_label = "distortion (%)",
@@ -181,7 +187,7 @@ static void draw_field(const look *l, const field_arguments *a)
 
 exit_status command_field(int argc, char *argv[])
 {
-    static const column columns[] = {
+    column columns[] = {
         {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"tangential", COLUMN_NUMBER},
         {"sagittal", COLUMN_NUMBER}, {"distortion", COLUMN_NUMBER}, {"fx", COLUMN_NUMBER},
         {"fy", COLUMN_NUMBER}, {"fate", COLUMN_CODE}, {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER},
@@ -190,6 +196,12 @@ exit_status command_field(int argc, char *argv[])
     const field_arguments a = field_arguments_of(argc, argv);
     look l = look_begin(&a.look);
     const size_t count = a.steps ? (size_t)a.steps : l.fields.count;
+    const bool afocal = l.primary.lens.of->afocal;
+    if (afocal) {
+        columns[2].name = "tangential_dioptre", columns[3].name = "sagittal_dioptre";
+        columns[8].name = "x_mrad", columns[9].name = "y_mrad", columns[10].name = "xy_err_mrad";
+        columns[11].name = "ideal_mrad";
+    }
     table *t = table_begin(&a.look.shared.target, sizeof columns / sizeof columns[0], columns);
     for (size_t f = 0; f < count; f++) {
         if (f > 0) table_gap(t);
@@ -199,7 +211,10 @@ exit_status command_field(int argc, char *argv[])
             field_row(t, &l, a.steps ? f : l.fields.number[f], &l.band[b], at, &p);
         }
     }
-    table_line(t, "tangential, sagittal: z from the image surface.  distortion: a fraction, against %s.",
+    if (afocal)
+        table_line(t, "Angles of the chief ray from z of the last surface, milliradians; vergences there, dioptres"
+                      " (1/m).  distortion: of tangents, against the angular magnification.");
+    else table_line(t, "tangential, sagittal: z from the image surface.  distortion: a fraction, against %s.",
                a.distortion == SGT_DISTORTION_THETA                  ? "f theta"
                : isfinite(l.primary.lens.of->object_distance) ? "the magnification"
                                                                      : "f tan(theta)");

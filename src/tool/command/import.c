@@ -24,6 +24,7 @@ static const char import_help[] =
     "  --configuration N  of a file with several configurations the N-th, counted from 1.  Default: the\n"
     "                     one in which it was saved\n"
     "  --strict           what is left out is an error, and nothing is written\n"
+    "  -q, --quiet        print no remarks\n"
     "  --help, --version\n"
     "\n"
     "Exit status\n"
@@ -37,10 +38,11 @@ exit_status command_import(int argc, char *argv[])
     static const struct option known[] = {
         {"output", required_argument, NULL, OPTION_OUTPUT}, {"glass", required_argument, NULL, GLASS},
         {"configuration", required_argument, NULL, CONFIGURATION}, {"strict", no_argument, NULL, STRICT},
-        {"help", no_argument, NULL, OPTION_HELP}, {"version", no_argument, NULL, OPTION_VERSION}, {0},
+        {"quiet", no_argument, NULL, OPTION_QUIET}, {"help", no_argument, NULL, OPTION_HELP},
+        {"version", no_argument, NULL, OPTION_VERSION}, {0},
     };
     const char *output = NULL;
-    for (int code; (code = getopt_long(argc, argv, "ho:", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, "hqo:", known, NULL)) != -1;) {
         switch (code) {
         case 'o':
         case OPTION_OUTPUT: output = optarg; break;
@@ -49,6 +51,8 @@ exit_status command_import(int argc, char *argv[])
             lens_configuration((int)options_integer("configuration", optarg, 1, INT_MAX));
             break;
         case STRICT: lens_be_strict(); break;
+        case 'q':
+        case OPTION_QUIET: lens_be_quiet(); break;
         case OPTION_VERSION: options_version();
         case 'h':
         case OPTION_HELP: print_and_end("%s", import_help);

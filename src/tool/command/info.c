@@ -71,6 +71,7 @@ static const char info_help[] =
     "  --format F         text (for people, the default), csv or json\n"
     "  --hex              numbers in hexadecimal\n"
     "  --output FILE      write to FILE instead of standard output\n"
+    "  -q, --quiet        print no remarks on how a lens file was read\n"
     "  --help, --version\n"
     "\n"
     "Exit status\n"
@@ -107,6 +108,8 @@ static const struct { const char *column, *name, *what; lack needs; size_t offse
     QUANTITY(lagrange, "lagrange", "invariant n (u ybar - ubar y) of marginal and chief ray", SIZE),
     {"petzval_radius", "petzval_radius", "radius of the Petzval surface", CURVE,
      offsetof(sgt_first_order, petzval)},
+    QUANTITY(angular_magnification, "angular_magnification", "slope of the chief ray behind by that in front",
+             PUPIL),
 #undef QUANTITY
 };
 enum { QUANTITIES = sizeof quantity / sizeof quantity[0], SEIDEL_COLUMNS = 9 };
@@ -135,13 +138,14 @@ static info_arguments info_arguments_of(int argc, char *argv[])
         {"format", required_argument, NULL, OPTION_FORMAT},
         {"output", required_argument, NULL, OPTION_OUTPUT},
         {"hex", no_argument, NULL, OPTION_HEX},
+        {"quiet", no_argument, NULL, OPTION_QUIET},
         {"help", no_argument, NULL, OPTION_HELP},
         {"version", no_argument, NULL, OPTION_VERSION},
         {0},
     };
     shared_options shared = {.threads = 0};
     info_arguments a = {.job = {.several = true}};
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, "hq", known, NULL)) != -1;) {
         if (code == 'h' || code == OPTION_HELP) print_and_end("%s", info_help);
         if (code == SEIDEL) a.seidel = true;
         else if (code == PARABASAL) a.parabasal = true;
@@ -350,13 +354,20 @@ static const char *fault_of(const sgt_lens_error *e)
 }
 
 /* Returns NULL, or why there is no data. */
-static const char *chief_data(const lens *l, const sgt_element open[], const sgt_ray *chief,
-                              sgt_parabasal *out)
+static const char *chief_data(const lens *l, const sgt_ray *chief, sgt_parabasal *out)
 {
     static char text[100];
     sgt_passage *passage = memory_take(l->count, sizeof *passage);
-    sgt_ray ray = *chief;
-    size_t passed = sgt_trace(l->count, open, l->index_before, &ray, passage, NULL, NULL);
+    sgt_element *open = memory_take(l->count, sizeof *open);
+    for (size_t i = 0; i < l->count; i++) open[i] = l->element[i], open[i].aperture = NULL;
+    sgt_fate fate;
+    size_t passed;
+    for (size_t left = l->count;; left--) { /* whatever clips it, by the roots that are meant */
+        sgt_ray ray = *chief;
+        passed = sgt_trace(l->count, open, l->index_before, &ray, passage, &fate, NULL);
+        if (fate != SGT_CLIPPED || left == 0) break;
+        open[passed].semi_diameter = 0;
+    }
     if (passed < l->count) {
         snprintf(text, sizeof text, "the chief ray does not get through surface %zu", passed + 1);
         return text;
@@ -386,11 +397,6 @@ info_chief *info_chiefs(const lens *l)
     const size_t fields = l->of->fields;
     const double none = (double)NAN;
     info_chief *out = memory_take(fields, sizeof *out);
-    sgt_element *open = memory_take(l->count, sizeof *open);
-    for (size_t i = 0; i < l->count; i++) {
-        open[i] = l->element[i];
-        open[i].semi_diameter = 0, open[i].aperture = NULL;
-    }
     const sgt_lens_aim aim = l->of->telecentric ? SGT_AIM_PUPIL : SGT_AIM_STOP;
     sgt_lens_error e;
     sgt_launcher *from = sgt_launcher_new(
@@ -403,7 +409,7 @@ info_chief *info_chiefs(const lens *l)
                                     .focus = {none, none}, .image = {none, none},
                                     .magnification = {none, none}};
         const char *why_not = no_pupil ? no_pupil : find_chief(from, l, f, &chief);
-        if (!why_not) why_not = chief_data(l, open, &chief.ray, &out[f].of);
+        if (!why_not) why_not = chief_data(l, &chief.ray, &out[f].of);
         out[f].why_not = why_not ? memory_text(why_not, strlen(why_not)) : NULL;
     }
     sgt_launcher_free(from);

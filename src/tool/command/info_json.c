@@ -136,6 +136,7 @@ static void put_lens(json *j, const lens *l)
     json_number(j, "front_nodal", o.front_nodal);
     json_number(j, "rear_nodal", o.rear_nodal);
     put_seidel(j, l, seidel, why_not);
+    json_number(j, "angular_magnification", o.angular_magnification);
     json_close(j);
 }
 

@@ -40,6 +40,7 @@ static const char opd_help[] =
     "\n"
     "Options\n"
     "  --afocal           for light that leaves as parallel rays: against a plane across the chief ray\n"
+    "                     (so it is by itself where the lens says `afocal: true`)\n"
     "  --summary          a row for each field and wavelength\n"
     "  --zernike N        fits the first N Zernike polynomials\n"
     "  --order O          noll (the default; Noll 1976; each has the mean square 1), or fringe (Wyant and\n"
@@ -90,6 +91,7 @@ typedef struct opd_of { sgt_ray_end *end; double *waves, *error; bool reference;
 
 typedef struct opd_work {
     const opd_arguments *asked;
+    bool afocal;                /* asked for, or of the lens */
     look look;
     launch_pattern points, coarse;
     table *table;
@@ -116,7 +118,7 @@ static void opd_trace(opd_work *w, size_t field, const look_band *band, const la
     const sgt_ray_end chief = look_chief(l, beam, band, band->element);
     sgt_reference about;
     of->reference = sgt_reference_of(band->lens.of, &l->primary.data, band->element, band->lens.index_before,
-                                     &chief, w->asked->afocal, &about);
+                                     &chief, w->afocal, &about);
     for (size_t i = 0; i < points->count; i++) {
         of->waves[i] = of->error[i] = (double)NAN;
         if (!of->reference) continue;
@@ -259,7 +261,7 @@ static void opd_lines_under(const opd_work *w)
 {
     const sgt_first_order *o = &w->look.primary.data;
     table_line(w->table, "In waves; positive: the path is longer than the chief ray's to the reference %s.",
-               w->asked->afocal          ? "plane"
+               w->afocal                 ? "plane"
                : isfinite(o->exit_pupil) ? "sphere"
                                          : "sphere, of infinite radius");
     if (w->asked->terms)
@@ -345,7 +347,8 @@ exit_status command_opd(int argc, char *argv[])
     if (lines) look_lines_check(&w.points);
     w.look = look_begin(&a.look);
     look *l = &w.look;
-    check_waves(l, a.afocal);
+    w.afocal = a.afocal || l->primary.lens.of->afocal;
+    check_waves(l, w.afocal);
     w.coarse = look_coarser(l, &w.points);
     w.fine = opd_room(w.points.count), w.half = opd_room(w.coarse.count);
     if (lines) w.lines = memory_take(l->fields.count, sizeof *w.lines);

@@ -32,6 +32,9 @@ static const char spot_help[] =
     "  proven             with --proof: rays that passed and were proven at each surface (all of these\n"
     "                     in csv and json; in text the line below tells it)\n"
     "  defocus            with --defocus\n"
+    "  x_mrad, ... sampling_mrad\n"
+    "                     of a lens that is afocal, instead of x to sampling: angles in milliradians; x and\n"
+    "                     y of the reference from z of the last surface, the others from the reference\n"
     "\n"
     "Options\n"
     "  --reference R      chief (the default): where the chief ray of the primary wavelength ends;\n"
@@ -82,6 +85,7 @@ static spot_arguments spot_arguments_of(int argc, char *argv[])
 /* The spots of a field on one image surface. */
 typedef struct spot_panel {
     sgt_vec2 chief;        /* the end of the chief ray; NaN: it did not get there */
+    sgt_vec2 way;          /* afocal: its angles from z of the last surface; else 0 */
     double chief_err;      /* a bound on what is off there */
     sgt_ends *ends;        /* [bands]; they last only if there is a picture */
     sgt_spot *of, all;     /* [bands], and together */
@@ -134,6 +138,14 @@ static void spot_note(const spot_work *w, size_t field, double z, const spot_pan
              w->asked->defocuses ? look_text(", defocus %g", z) : "");
 }
 
+/* Are its numbers angles, in milliradians? */
+static bool spot_afocal(const look *l) { return l->primary.lens.of->afocal; }
+
+/* In the unit of the picture. */
+static double spot_small(const look *l, double x) { return spot_afocal(l) ? x : look_small(l, x); }
+
+static const char *spot_unit(const look *l) { return spot_afocal(l) ? "mrad" : look_small_unit(l); }
+
 /* A row for one wavelength leaves its weight out, which may be 0. */
 static spot_panel spot_panel_of(spot_work *w, size_t field, double z)
 {
@@ -144,7 +156,12 @@ static spot_panel spot_panel_of(spot_work *w, size_t field, double z)
                     .fates = memory_take(l->bands, sizeof *p.fates)};
     sgt_ends *coarse = memory_take(l->bands, sizeof *coarse);
     const sgt_ray_end chief = look_chief(l, beam, &l->primary, spot_defocused(&l->primary, z));
-    p.chief = (sgt_vec2){chief.p.x, chief.p.y}, p.chief_err = chief.p_err;
+    const bool afocal = spot_afocal(l);
+    const sgt_vec3 axis = {0, 0, copysign(1, chief.d.z)};
+    sgt_ray_end centre = chief, way = chief;
+    if (afocal) sgt_ends_as_angles(&chief.d, 1, &chief, &centre), sgt_ends_as_angles(&axis, 1, &chief, &way);
+    p.chief = (sgt_vec2){centre.p.x, centre.p.y}, p.chief_err = centre.p_err;
+    if (afocal) p.way = (sgt_vec2){way.p.x, way.p.y};
     const sgt_vec2 *about = w->asked->centroid ? NULL : &p.chief;
     for (size_t b = 0; b < l->bands; b++) {
         const look_band *band = &l->band[b];
@@ -153,6 +170,8 @@ static spot_panel spot_panel_of(spot_work *w, size_t field, double z)
         const sgt_ray_end *end = w->fine[b], *half = w->half[b];
         look_trace(l, beam, band, e, &w->points, true, w->fine[b]);
         look_trace(l, beam, band, e, &w->coarse, false, w->half[b]);
+        if (afocal) sgt_ends_as_angles(&chief.d, w->points.count, end, w->fine[b]);
+        if (afocal) sgt_ends_as_angles(&chief.d, w->coarse.count, half, w->half[b]);
         p.ends[b] = (sgt_ends){w->points.count, end, weight};
         coarse[b] = (sgt_ends){w->coarse.count, half, weight};
         p.of[b] = sgt_spot_of(1, &(sgt_ends){w->points.count, end, 1}, about);
@@ -167,8 +186,16 @@ static spot_panel spot_panel_of(spot_work *w, size_t field, double z)
 
 /* ------------------------------------------------------------------ table */
 
+/* Of the image space. */
+static double spot_index(const look_band *b)
+{
+    return b->lens.count > 1 ? b->lens.index[b->lens.count - 2] : b->lens.index_before;
+}
+
 static double spot_airy(const look *l, const look_band *b)
 {
+    if (spot_afocal(l)) /* 1.22 wavelength / (n diameter of the beam) */
+        return 1e3 * sgt_airy_radius(b->lens.wavelength / l->um, 0.5 / (spot_index(b) * b->data.exit_radius));
     return sgt_airy_radius(b->lens.wavelength / l->um, b->data.working_f_number);
 }
 
@@ -177,7 +204,7 @@ static const look_band *spot_airy_band(const look *l) { return l->bands == 1 ? &
 
 /* band: NULL, all of them.  off: a bound on what is off in the reference. */
 static void write_spot(const spot_work *w, size_t field, const look_band *band, const sgt_spot *s, double off,
-                       double sampling, const look_fates *fates, double z)
+                       double sampling, const look_fates *fates, double z, sgt_vec2 way)
 {
     const look *l = &w->look;
     table *t = w->table;
@@ -187,7 +214,7 @@ static void write_spot(const spot_work *w, size_t field, const look_band *band, 
     else if (!band) table_word(t, "all");
     table_count(t, (long long)s->rays);
     table_count(t, (long long)s->passed);
-    const double each[] = {s->reference.x, s->reference.y, s->rms, s->rms_x, s->rms_y,
+    const double each[] = {s->reference.x + way.x, s->reference.y + way.y, s->rms, s->rms_x, s->rms_y,
                            isnan(s->rms) ? (double)NAN : s->geometric,
                            spot_airy(l, band ? band : spot_airy_band(l))};
     for (size_t i = 0; i < sizeof each / sizeof *each; i++) look_number(t, each[i]);
@@ -210,6 +237,8 @@ static table *spot_table(const spot_work *w)
     column *columns = memory_take(COUNT + LOOK_FATES + 1, sizeof *columns);
     size_t n = COUNT;
     memcpy(columns, head, sizeof head);
+    for (size_t i = 0; spot_afocal(&w->look) && i < COUNT; i++)
+        if (i >= 4 && i != 11) columns[i].name = look_text("%s_mrad", head[i].name);
     n += look_fate_columns(&w->look, columns + n);
     if (w->asked->defocuses) columns[n++] = (column){"defocus", COLUMN_EXACT};
     return table_begin(&w->look.asked->shared.target, n, columns);
@@ -223,9 +252,9 @@ static void spot_rows(const spot_work *w, size_t field, size_t surface)
     const double off = w->asked->centroid ? 0 : p->chief_err;
     if (field + surface > 0) table_gap(w->table);
     for (size_t b = 0; b < l->bands; b++)
-        write_spot(w, field, &l->band[b], &p->of[b], off, p->sampling[b], &p->fates[b], z);
+        write_spot(w, field, &l->band[b], &p->of[b], off, p->sampling[b], &p->fates[b], z, p->way);
     if (l->bands > 1 || l->asked->shared.target.format != TABLE_TEXT)
-        write_spot(w, field, NULL, &p->all, off, p->sampling_all, &p->fates_all, z);
+        write_spot(w, field, NULL, &p->all, off, p->sampling_all, &p->fates_all, z, p->way);
 }
 
 /* ---------------------------------------------------------------- picture */
@@ -236,8 +265,8 @@ static chart_series spot_series(const look *l, const spot_panel *p, size_t b)
     const sgt_ends *g = &p->ends[b];
     double *x = memory_take(g->count, sizeof *x), *y = memory_take(g->count, sizeof *y);
     for (size_t i = 0; i < g->count; i++) {
-        x[i] = look_small(l, g->end[i].p.x - p->all.reference.x);
-        y[i] = look_small(l, g->end[i].p.y - p->all.reference.y);
+        x[i] = spot_small(l, g->end[i].p.x - p->all.reference.x);
+        y[i] = spot_small(l, g->end[i].p.y - p->all.reference.y);
     }
     return (chart_series){.name = look_wavelength_name(&l->band[b]),
                           .colour = look_colour(l, b),
@@ -254,23 +283,23 @@ static chart_panel spot_chart_panel(const spot_work *w, size_t field, size_t sur
     chart_series *series = memory_take(l->bands, sizeof *series);
     for (size_t b = 0; b < l->bands; b++) series[b] = spot_series(l, p, b);
     const look_band *band = spot_airy_band(l);
-    const double airy = look_small(l, spot_airy(l, band));
+    const double airy = spot_small(l, spot_airy(l, band));
     chart_circle *circle = memory_take(1, sizeof *circle);
     *circle = (chart_circle){.radius = airy,
                              .name = look_text("Airy disc, %.4g \302\265m", band->lens.wavelength)};
     const char **note = memory_take(2, sizeof *note);
     note[0] = spot_lacks_reference(w, p) ? "no reference"
               : isnan(p->all.rms)        ? "no ray passed"
-                                         : look_text("RMS %.4g, largest %.4g %s", look_small(l, p->all.rms),
-                                                     look_small(l, p->all.geometric), look_small_unit(l));
+                                         : look_text("RMS %.4g, largest %.4g %s", spot_small(l, p->all.rms),
+                                                     spot_small(l, p->all.geometric), spot_unit(l));
     note[1] = look_fates_line(l, &p->fates_all);
     const char *name = look_field_name(l, field);
     if (w->asked->defocuses)
         name = look_text("%s, z %s%s%s%s", name, w->asked->defocus[surface] < 0 ? "" : "+",
                          look_signed(w->asked->defocus[surface]), *l->primary.lens.units ? " " : "",
                          l->primary.lens.units);
-    return (chart_panel){.title = name, .x_label = look_text("x (%s)", look_small_unit(l)),
-                         .y_label = look_text("y (%s)", look_small_unit(l)), .note = note, .notes = 2,
+    return (chart_panel){.title = name, .x_label = look_text("x (%s)", spot_unit(l)),
+                         .y_label = look_text("y (%s)", spot_unit(l)), .note = note, .notes = 2,
                          .square = true, .bar = true, .x_low = -half, .x_high = half, .y_low = -half,
                          .y_high = half, .series_count = l->bands, .series = series,
                          .circles = isnan(airy) ? 0U : 1U, .circle = circle};
@@ -281,8 +310,8 @@ static void draw_spots(const spot_work *w)
     const look *l = &w->look;
     const size_t panels = l->fields.count * w->surfaces;
     double half = 0;
-    for (size_t i = 0; i < panels; i++) half = fmax(half, look_small(l, w->panel[i].all.geometric));
-    half = 1.05 * fmax(half, look_small(l, spot_airy(l, spot_airy_band(l))));
+    for (size_t i = 0; i < panels; i++) half = fmax(half, spot_small(l, w->panel[i].all.geometric));
+    half = 1.05 * fmax(half, spot_small(l, spot_airy(l, spot_airy_band(l))));
     chart_panel *panel = memory_take(panels, sizeof *panel);
     for (size_t i = 0; i < panels; i++)
         panel[i] = spot_chart_panel(w, i / w->surfaces, i % w->surfaces, half);
@@ -315,9 +344,12 @@ exit_status command_spot(int argc, char *argv[])
             spot_rows(&w, f, s);
             if (a.look.picture) w.fine = spot_rooms(&w.look, &w.points);
         }
-    table_line(w.table, "rms, geometric: about %s.  airy: radius.  Unit of length: %s.",
-               a.centroid ? "the centroid" : "the chief ray of the primary wavelength",
-               *w.look.primary.lens.units ? w.look.primary.lens.units : "that of the lens");
+    const char *about = a.centroid ? "the centroid" : "the chief ray of the primary wavelength";
+    if (spot_afocal(&w.look))
+        table_line(w.table, "rms_mrad, geometric_mrad: angles about %s.  airy_mrad: radius.  Milliradians.", about);
+    else
+        table_line(w.table, "rms, geometric: about %s.  airy: radius.  Unit of length: %s.", about,
+                   *w.look.primary.lens.units ? w.look.primary.lens.units : "that of the lens");
     look_verdict(w.table, &w.look);
     table_end(w.table);
     if (a.look.picture) draw_spots(&w);

@@ -153,7 +153,7 @@ static trade_arguments trade_arguments_of(int argc, char *argv[])
         JOB_OPTIONS, SHARED_OPTIONS, {0},
     };
     trade_arguments a = {.trade = {.seconds = 10}};
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, "hq", known, NULL)) != -1;) {
         switch (code) {
         case SURFACE: a.trade.surface = optarg; break;
         case RAY: rays_parse(&a.trade.rays, optarg); break;

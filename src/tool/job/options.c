@@ -3,6 +3,7 @@
 
 #include "../../text/number.h"
 #include "../base/tiles.h"
+#include "../read/lens.h"
 
 #include <limits.h>
 #include <math.h>
@@ -20,6 +21,7 @@ const char options_help[] =
     "  --format F         text (for people, the default), csv or json\n"
     "  --hex              numbers in hexadecimal\n"
     "  --output FILE      write to FILE instead of standard output\n"
+    "  -q, --quiet        print no remarks on how a lens file was read\n"
     "  --help, --version\n"
     "\n"
     "Exit status\n"
@@ -143,6 +145,8 @@ void options_take(shared_options *o, int code, const char *help)
     case OPTION_T_TOL: o->solver.t_tol = length_of("t-tol"); return;
     case OPTION_THREADS: o->threads = (int)options_integer("threads", optarg, 1, THREADS_MOST); return;
     case OPTION_DT_MIN: o->solver.dt_min = length_of("dt-min"); return;
+    case 'q':
+    case OPTION_QUIET: lens_be_quiet(); return;
     case OPTION_VERSION: options_version();
     case 'h':
     case OPTION_HELP: print_and_end("%s%s", help, options_help);

@@ -22,7 +22,7 @@ enum { HELP_SIZE = 12000 };
 enum {
     OPTION_FORMAT = 256, OPTION_OUTPUT, OPTION_HEX, OPTION_HELP, OPTION_VERSION,
     OPTION_PICK, OPTION_T_TOL, OPTION_DT_MIN, OPTION_MAX_EVALS, OPTION_THREADS, OPTION_PROOF,
-    OPTION_COLUMNS, OPTION_PROGRESS, OPTION_OWN
+    OPTION_COLUMNS, OPTION_PROGRESS, OPTION_QUIET, OPTION_OWN
 };
 
 /* To be put into a subcommand's table of options, which ends with {0}. */
@@ -31,6 +31,7 @@ enum {
     {"output", required_argument, NULL, OPTION_OUTPUT},         \
     {"hex", no_argument, NULL, OPTION_HEX},                     \
     {"help", no_argument, NULL, OPTION_HELP},                   \
+    {"quiet", no_argument, NULL, OPTION_QUIET},                 \
     {"version", no_argument, NULL, OPTION_VERSION},             \
     {"pick", required_argument, NULL, OPTION_PICK},             \
     {"t-tol", required_argument, NULL, OPTION_T_TOL},           \
@@ -47,7 +48,7 @@ enum {
 #define ROWS_OPTIONS                                    \
     {"columns", required_argument, NULL, OPTION_COLUMNS}, \
     {"progress", no_argument, NULL, OPTION_PROGRESS}
-#define ROWS_LETTERS "ho:"
+#define ROWS_LETTERS "hqo:"
 
 /* The help of the shared options, that of --threads, and that of ROWS_OPTIONS. */
 extern const char options_help[], options_threads_help[], options_rows_help[];

@@ -170,13 +170,17 @@ lens lens_at(sgt_lens *of, lens_wavelength at)
     return l;
 }
 
+static bool quiet;
+
+void lens_be_quiet(void) { quiet = true; }
+
 static void note_remarks(const sgt_lens *l)
 {
     size_t left_out = 0;
     for (size_t i = 0; i < l->remarks; i++) {
         const sgt_lens_remark *r = &l->remark[i];
         left_out += r->kind == SGT_REMARK_LEFT_OUT;
-        remark("%s:%zu: %s%s%s", l->file, r->line, r->key, *r->key ? ": " : "", r->words);
+        if (!quiet) remark("%s:%zu: %s%s%s", l->file, r->line, r->key, *r->key ? ": " : "", r->words);
     }
     if (strict && left_out)
         fail_input("%s: %zu thing%s left out, and --strict was given", l->file, left_out,

@@ -30,6 +30,9 @@ void lens_configuration(int number);
 /* --strict: what a reader leaves out, and a wavelength outside the range of a glass, are errors. */
 void lens_be_strict(void);
 
+/* From now on what a reader remarks of a lens is not printed.  Errors, and what --strict refuses, are. */
+void lens_be_quiet(void);
+
 /* Any error ends the command, with file, line and key in the message.  What a user should know of the lens is
  * noted on standard error. */
 sgt_lens *lens_open(const char *path);
