@@ -155,6 +155,10 @@ medium sgt_medium_of_glass(media *m, node *n, const char *key)
         is.kind = MEDIUM_NUMBER, is.number = 1;
         return is;
     }
+    if (n->kind == NODE_SCALAR && same_name(n->text, "same")) {
+        is.kind = MEDIUM_BEFORE;
+        return is;
+    }
     if (n->kind == NODE_SCALAR) {
         is.glass = glass_named(m, n, key);
     } else {
