@@ -117,6 +117,10 @@ static void read_wavelengths(sgt_lens *l, source *s)
     l->wavelength = list;
     l->wavelength_weight = weights_of(s, tree_take(s->root, "wavelength_weights"), "wavelength_weights",
                                       l->wavelengths, "wavelength");
+    if (!primary && l->wavelengths > 1)
+        tree_remark(s, SGT_REMARK_NOTE, n->line, "primary",
+                    "missing: the first of %zu wavelengths, %.9g, is taken, at which focal length and pupil are "
+                    "computed; primary: 1 says so", l->wavelengths, list[0]);
     if (!primary) return;
     double place = tree_read_number(s, primary, "primary", NUMBER_FINITE);
     if (!(place >= 1 && place <= (double)l->wavelengths) || place != floor(place))

@@ -151,4 +151,84 @@ def test_import_writes_media_out():
             assert re.search('type: break|glass: |index: |mirror: true', entry), (path.name, entry)
 
 
+# ------------------------------------------------------------------ a name of several makers
+
+USUAL = ['schott', 'ohara', 'hoya', 'cdgm', 'hikari', 'sumita']  # docs/glass.md
+FORMULAS = {  # n at w micrometres, of those formulas that the names have
+    1: lambda c, w: (1 + c[0] + sum(a * w * w / (w * w - b * b) for a, b in zip(c[1::2], c[2::2]))) ** 0.5,
+    2: lambda c, w: (1 + c[0] + sum(a * w * w / (w * w - b) for a, b in zip(c[1::2], c[2::2]))) ** 0.5,
+    3: lambda c, w: (c[0] + sum(a * w ** b for a, b in zip(c[1::2], c[2::2]))) ** 0.5,
+}
+
+
+def names_of_several():
+    """{name: {maker: nd}} of names that several makers have, by the files that ship."""
+    nd = {}
+    for file in ('glasses.csv', 'older.csv'):
+        text = (HERE.parent.parent / 'data' / 'glass' / file).read_text()
+        for row in csv.DictReader(s for s in text.splitlines() if not s.startswith('#')):
+            c = [float(x) for x in row['coefficients'].split()]
+            formula = FORMULAS.get(int(row['formula']))
+            nd.setdefault(row['glass'].lower(), {}).setdefault(row['maker'], formula and formula(c, 0.5875618))
+    return {name: makers for name, makers in nd.items() if len(makers) > 1}
+
+
+def test_names_of_several_makers():
+    """Each such name, without a word on makers: that of the first usual maker; the note has all, and their nd."""
+    several = names_of_several()
+    print(f'       {len(several)} names')
+    assert len(several) >= 44, len(several)
+    for name, makers in several.items():
+        usual = [maker for maker in USUAL if maker in makers]
+        lens = ('wavelengths: [d]\npupil: {semi_diameter: 1}\nobject: {glass: "%s"}\n'
+                'surfaces: [{type: sphere, radius: 10, thickness: 1, index: 1}, {type: plane}]\n')
+        done = run('info', written(lens % name), '--format', 'csv')
+        first = usual[0] if usual else None
+        if first:
+            own = run('info', written(lens % f'{first} {name}'), '--format', 'csv')
+            equal(done.stdout, own.stdout, name)
+            equal(own.stderr, '', name)
+        for maker, nd in makers.items():
+            assert maker in done.stderr, (name, maker, done.stderr)
+            if first and maker != first and nd and makers[first]:
+                told, = re.findall(rf'{maker} \(nd ([-+.0-9]+|the same)\)', done.stderr)
+                close(0 if told == 'the same' else told, nd - makers[first], 0.6e-5, (name, maker))
+        for maker in makers:
+            said = written('makers: [%s]\n' % maker + lens % name)
+            equal(run('info', said).stderr.count('also of'), 0, (name, maker))
+
+
+def test_a_catalogue_goes_before_the_usual_makers():
+    own = written('maker,glass,formula,from_um,to_um,coefficients\nmine,F2,5,0.3,2.5,1.9\n', 'mine.csv')
+    lens = written('wavelengths: [d]\npupil: {semi_diameter: 1}\n'
+                   'surfaces: [{type: sphere, radius: 9, thickness: 1, glass: F2}, {type: plane, glass: air}]\n')
+    row, = rows('info', lens, '--glass', own)
+    close(row['efl'], 9 / 0.9, 1e-12)
+
+
+# ------------------------------------------------------------------ the primary wavelength
+
+COLOURS = ('wavelengths: [F, d, C]\n{}units: mm\npupil: {{semi_diameter: 3}}\nfields: [0, 2]\n'
+           'surfaces:\n  - {{type: sphere, radius: 50, thickness: 4, glass: N-BK7}}\n'
+           '  - {{type: sphere, radius: -50, thickness: 47, glass: air}}\n  - {{type: plane}}\n')
+
+
+def test_primary_wavelength():
+    """Several wavelengths and no primary: a note says that it is the first.  Each table names the primary one."""
+    tables = (('info',), ('spot',), ('fan',), ('opd', '--summary'), ('field',), ('map', '--field', '0'),
+              ('sweep', '--from', '0', '--to', '2'), ('trace',))
+    for primary, um in ((None, '0.4861327'), (1, '0.4861327'), (2, '0.5875618'), (3, '0.6562725')):
+        lens = written(COLOURS.format(f'primary: {primary}\n' if primary else ''))
+        for command, *more in tables:
+            done = run(command, lens, *more, exit=None)
+            told = f':1: primary: missing: the first of 3 wavelengths, {um}' in done.stderr
+            equal(told, primary is None, (command, done.stderr))
+            line, = re.findall('Primary wavelength: (.*)\\.', done.stdout)
+            equal(line, f'{um}, number {primary or 1} of the lens', command)
+    for one in ('wavelengths: [F]\n', ''):
+        lens = COLOURS.format('').replace('wavelengths: [F, d, C]\n', one).replace('glass: N-BK7', 'index: 1.5')
+        done = run('info', written(lens))
+        assert 'primary' not in done.stderr and 'Primary' not in done.stdout, done
+
+
 main(globals())
