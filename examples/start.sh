@@ -6,9 +6,19 @@ cd "$(dirname "$0")/.."
 build=build/start
 results=build/results
 
-sh .ci/install gcc libc6-dev meson pkg-config libyaml-dev libcairo2-dev
+sh .ci/install gcc g++ libc6-dev meson pkg-config libyaml-dev libcairo2-dev \
+    libgeographiclib-dev proj-data # the surfaces about the Earth, and their geoid
 
-[ -f $build/build.ninja ] || meson setup $build --libdir=lib -Dyaml=enabled -Dcairo=enabled -Dexamples=false -Dtests=false
+options='-Dyaml=enabled -Dcairo=enabled -Dgeographiclib=enabled -Dexamples=false -Dtests=false'
+# An old build may know of no GeographicLib, as it was installed just now.
+if [ -f $build/build.ninja ]; then
+    meson configure $build --clearcache
+    # shellcheck disable=SC2086
+    meson setup --reconfigure $build $options
+else
+    # shellcheck disable=SC2086
+    meson setup $build --libdir=lib $options
+fi
 meson compile -C $build
 sagitta=$build/src/tool/sagitta
 

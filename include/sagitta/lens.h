@@ -164,8 +164,9 @@ SGT_API bool   sgt_catalogue_glass(const sgt_catalogue *catalogue, size_t place,
                                    sgt_glass *glass);
 
 /* Finds a glass by `NAME` or `MAKER NAME`, in either case of letters.  If several makers
- * have the name, the first in the list `makers` that has it is taken, else any: the glass
- * of the call that added last, and of that call the first.  glass->maker tells which.
+ * have the name, the first in the list `makers` that has it is taken; else that of the
+ * call that added last; of that call, of the first of SCHOTT, OHARA, HOYA, CDGM, HIKARI,
+ * SUMITA that has it, else the first that was added.  glass->maker tells which.
  * false: none, and `error` (may be NULL) names those whose names are nearest. */
 SGT_API bool sgt_catalogue_find(const sgt_catalogue *catalogue, const char *name,
                                 size_t makers_count, const char *const *makers,

@@ -15,6 +15,7 @@ from __future__ import annotations
 from . import surfaces as _surfaces
 from . import _library as _C
 from ._library import ArithmeticFault
+from .earth import GeodeticHeight, Geoid, LevelGravity
 from .formula import Formula, FormulaError, Sag
 from .function import Function
 from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Rays, Remark, Seidel, Sensitivity, Spot
@@ -39,11 +40,14 @@ __all__ = [
     "Formula",
     "FormulaError",
     "Function",
+    "GeodeticHeight",
+    "Geoid",
     "Hit",
     "Hits",
     "Jacobian",
     "Lens",
     "LensError",
+    "LevelGravity",
     "Passage",
     "Prepared",
     "Rays",

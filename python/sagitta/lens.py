@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _calls
 from . import _library as C
+from .earth import lens_options
 from ._arrays import Floats, RayArrays, VectorsLike, address, doubles
 from .function import Function
 from .results import Fate, Passage, Traced
@@ -983,7 +984,7 @@ def _reading(glasses: Any, configuration: int) -> tuple[C.LensOptions, Any]:
         ship: list[Any] = [folder / "glasses.csv", folder / "older.csv"] if handle else [None]
         keep = _Catalogue(_catalogue([*ship, *paths]))
         handle = keep.handle
-    return C.LensOptions(glasses=handle, configuration=configuration), keep
+    return C.LensOptions(glasses=handle, configuration=configuration, **lens_options()), keep
 
 
 class _Catalogue:

@@ -513,8 +513,8 @@ class Surface:
 # ------------------------------------------------------------------------ the catalogue
 
 
-def _builtins() -> Iterator[C.Builtin]:
-    at = C.address_of("sgt_builtins")
+def builtins_at(at: int) -> Iterator[C.Builtin]:
+    """The rows of a table like sgt_builtins."""
     while True:
         row = C.Builtin.from_address(at)
         if not row.type:
@@ -523,7 +523,8 @@ def _builtins() -> Iterator[C.Builtin]:
         at += ctypes.sizeof(C.Builtin)
 
 
-BUILTINS: dict[str, C.Builtin] = {row.type.decode(): row for row in _builtins()}
+BUILTINS: dict[str, C.Builtin] = {row.type.decode(): row for row in builtins_at(C.address_of("sgt_builtins"))}
+ROWS: dict[str, C.Builtin] = dict(BUILTINS)  # and those about the Earth (earth.py)
 
 
 def params_of(row: C.Builtin) -> Iterator[C.Param]:
@@ -555,7 +556,7 @@ class Catalogue(Surface):
 
     def _make(self, given: dict[str, Any]) -> None:
         """Takes the parameters that are not None; a radius stands for a curvature, 1/radius, rounded once."""
-        row = BUILTINS[self.type]
+        row = ROWS[self.type]
         memory = ctypes.create_string_buffer(row.size)
         keep: list[Any] = []
         functions: "list[Function]" = []
@@ -574,6 +575,7 @@ class Catalogue(Surface):
                 values[name] = self._write(memory, p, name, value, keep)
             except (TypeError, ValueError) as error:
                 raise type(error)(f"{self.type}: {error}") from None
+        self._fill(memory)
         if row.object:
             no = row.object(ctypes.addressof(memory))
             if no.reason:
@@ -585,6 +587,9 @@ class Catalogue(Surface):
         object.__setattr__(self, "_given", values)
         object.__setattr__(self, "_keep", keep)
         self._set(row.ops, memory)
+
+    def _fill(self, memory: Any) -> None:
+        """Puts in what no row of the table describes."""
 
     def _curvature(self, name: str, radius: Any) -> float:
         r = float(doubles(radius, f"{self.type}: {name}"))
@@ -675,11 +680,11 @@ class Catalogue(Surface):
         if name in given:
             return given[name]
         if name.startswith("radius") and name.replace("radius", "curvature") in (
-            p.name.decode() for p in params_of(BUILTINS[self.type])
+            p.name.decode() for p in params_of(ROWS[self.type])
         ):
             c = given.get(name.replace("radius", "curvature"), 0.0)
             return 1 / c if c else math.inf
-        for p in params_of(BUILTINS[self.type]):
+        for p in params_of(ROWS[self.type]):
             if p.name.decode() == name:
                 return self._default(p)
         raise AttributeError(f"{self.type} has no parameter {name!r}")
@@ -738,9 +743,9 @@ class Catalogue(Surface):
     def parameters(self) -> tuple[str, ...]:
         names: list[str] = []
         # Types that share operations share parameters: those of the type that names most of them.
-        alike = [row for row in BUILTINS.values() if row.ops == BUILTINS[self.type].ops]
+        alike = [row for row in BUILTINS.values() if row.ops == ROWS[self.type].ops]
         row = max(alike, key=lambda row: len(list(params_of(row))))
-        own = {p.offset: p.name.decode() for p in params_of(BUILTINS[self.type])}
+        own = {p.offset: p.name.decode() for p in params_of(ROWS[self.type])}
         for p in sorted(params_of(row), key=lambda p: int(p.offset)):
             name = own.get(p.offset, p.name.decode())
             if name in NOT_DIFFERENTIATED:
@@ -762,7 +767,7 @@ class Catalogue(Surface):
     @classmethod
     def specimen(cls: Type[Self]) -> Self:
         """A usual surface of the type, of a few units of length, to test and to try."""
-        row = BUILTINS[cls.type]
+        row = ROWS[cls.type]
         made: Self = CLASSES[cls.type](**_read(row, row.specimen))
         return made
 

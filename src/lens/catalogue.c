@@ -242,20 +242,36 @@ static bool unknown_name(const sgt_catalogue *c, piece name, sgt_lens_error *err
                            name.begin, list);
 }
 
+/* Whose glass a bare name means where nothing else decides: as designers take it.  SCHOTT's names are those
+ * of books; the others have taken some of them over for glasses of their own. */
+static const char *const usual_makers[] = {"schott", "ohara", "hoya", "cdgm", "hikari", "sumita"};
+enum { USUAL_MAKERS = sizeof usual_makers / sizeof usual_makers[0] };
+
+static size_t usual_rank(piece maker)
+{
+    size_t rank = 0;
+    while (rank < USUAL_MAKERS && !same_letters(maker, usual_makers[rank])) rank++;
+    return rank;
+}
+
 bool sgt_catalogue_find(const sgt_catalogue *c, const char *name, size_t makers_count,
                         const char *const *makers, sgt_glass *glass, sgt_lens_error *error)
 {
     sgt_lens_error unread;
     piece asked = {name, name + strlen(name)};
-    size_t best = c->count, best_rank = 0;
+    size_t best = c->count, best_rank = 0, best_usual = 0;
     for (size_t i = 0; i < c->count; i++) {
         const sgt_glass *g = &c->glass[i];
         if (!fits(asked, g)) continue;
         size_t rank = 0;
         piece maker = {g->maker, g->maker + strlen(g->maker)};
         while (rank < makers_count && !same_letters(maker, makers[rank])) rank++;
-        if (best == c->count || rank < best_rank || (rank == best_rank && c->addition[i] > c->addition[best]))
-            best = i, best_rank = rank;
+        size_t usual = usual_rank(maker);
+        bool better = best == c->count || rank < best_rank;
+        if (!better && rank == best_rank)
+            better = c->addition[i] > c->addition[best] ||
+                     (c->addition[i] == c->addition[best] && usual < best_usual);
+        if (better) best = i, best_rank = rank, best_usual = usual;
     }
     if (best == c->count) return unknown_name(c, asked, error ? error : &unread);
     *glass = c->glass[best];

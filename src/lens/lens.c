@@ -117,6 +117,10 @@ static void read_wavelengths(sgt_lens *l, source *s)
     l->wavelength = list;
     l->wavelength_weight = weights_of(s, tree_take(s->root, "wavelength_weights"), "wavelength_weights",
                                       l->wavelengths, "wavelength");
+    if (!primary && l->wavelengths > 1)
+        tree_remark(s, SGT_REMARK_NOTE, n->line, "primary",
+                    "missing: the first of %zu wavelengths, %.9g, is taken, at which focal length and pupil are "
+                    "computed; primary: 1 says so", l->wavelengths, list[0]);
     if (!primary) return;
     double place = tree_read_number(s, primary, "primary", NUMBER_FINITE);
     if (!(place >= 1 && place <= (double)l->wavelengths) || place != floor(place))
@@ -140,6 +144,8 @@ static void read_object(whole_lens *w, source *s)
     if (l->telecentric && !isfinite(l->object_distance))
         tree_fail(s, telecentric->line, "object.telecentric", "the object must be at a distance");
     w->medium[0] = medium_of(w, map, "object.", w->medium[0]);
+    if (w->medium[0].kind == MEDIUM_BEFORE)
+        tree_fail(s, w->medium[0].line, w->medium[0].key, "nothing is in front of the object to be the same as");
     tree_finish(s, map, "distance, telecentric, index or glass");
 }
 
@@ -345,7 +351,19 @@ static bool same_medium(const medium *a, const medium *b, size_t wavelengths)
     return true;
 }
 
-/* The medium behind a surface; *now is that in front of it, and then that behind it. */
+/* For a message. */
+static const char *medium_name(source *s, const medium *m)
+{
+    if (m->kind == MEDIUM_GLASS) return m->glass->name;
+    if (m->kind == MEDIUM_LIST) return "another medium than the object's";
+    return tree_print(s, "a medium of index %g", m->number);
+}
+
+/* The medium behind a surface; *now is that in front of it, and then that behind it.
+ *
+ * To leave it out means air in books and other programs, and "as in front" to who puts a plane into a glass.
+ * So it may be left out only where nobody can be misled: at a mirror, behind the last surface, and where
+ * light is in the medium of the object already. */
 static void read_medium(whole_lens *w, source *s, const node *map, size_t i, const medium **now)
 {
     const node *mirror = tree_take(map, "mirror");
@@ -353,6 +371,11 @@ static void read_medium(whole_lens *w, source *s, const node *map, size_t i, con
     bool reflects = mirror && tree_read_truth(s, mirror, "mirror");
     w->about[i].mirror = reflects;
     *own = medium_of(w, map, "", as_before);
+    bool said = reflects || own->line != 0; /* line 0: as_before */
+    if (!said && i + 1 < w->lens.count && !same_medium(*now, &w->medium[0], w->lens.wavelengths))
+        tree_fail(s, map->line, "glass",
+                  "missing, and light comes to this surface in %s: say what is behind it, glass: air (air) "
+                  "or glass: same (as in front of it)", medium_name(s, *now));
     if (own->kind == MEDIUM_BEFORE) return;
     if (!reflects) {
         *now = own;

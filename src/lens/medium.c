@@ -64,6 +64,30 @@ static const char *name_hint(const char *name)
     return number ? "; write an index as index: 1.5" : "; or give a catalogue that has it: --glass PATH";
 }
 
+/* Which other makers have the name of glass g, and how far their glass is from it. */
+static void tell_others(source *s, const sgt_catalogue *c, const sgt_glass *g, size_t line, const char *key)
+{
+    double nd = sgt_glass_index(g, sgt_spectral_line("d"));
+    const char *list = "";
+    sgt_glass other, before;
+    for (size_t i = 0; sgt_catalogue_glass(c, i, &other); i++) {
+        if (!same_name(other.name, g->name) || same_name(other.maker, g->maker)) continue;
+        bool told = false; /* the maker has it twice */
+        for (size_t j = 0; j < i && !told && sgt_catalogue_glass(c, j, &before); j++)
+            told = same_name(before.name, other.name) && same_name(before.maker, other.maker);
+        if (told) continue;
+        double apart = sgt_glass_index(&other, sgt_spectral_line("d")) - nd;
+        list = tree_print(s, "%s%s%s (%s)", list, *list ? ", " : "", other.maker,
+                          isnan(apart)           ? "no nd"
+                          : fabs(apart) < 0.5e-5 ? "nd the same"
+                                                 : tree_print(s, "nd %+.5f", apart));
+    }
+    if (*list)
+        tree_remark(s, SGT_REMARK_NOTE, line, key,
+                    "taken as %s of %s, nd %.5f; also of %s.  makers or MAKER NAME decides", g->name,
+                    g->maker, nd, list);
+}
+
 static const sgt_glass *glass_named(media *m, const node *n, const char *key)
 {
     source *s = m->source;
@@ -71,7 +95,7 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
     double mil[3] = {0};
     for (size_t i = 0; i < m->known; i++)
         if (strcmp(m->known_name[i], name) == 0) return m->known_glass[i];
-    sgt_glass g = {.name = name, .formula = SGT_FORMULA_MODEL, .count = 3, .coefficient = mil}, other;
+    sgt_glass g = {.name = name, .formula = SGT_FORMULA_MODEL, .count = 3, .coefficient = mil};
     sgt_lens_error e;
     if (mil_number(name, mil)) {
         tree_remark(s, SGT_REMARK_TURNED, n->line, key,
@@ -81,14 +105,9 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
         const sgt_catalogue *c = catalogue_of(m, n, key);
         if (!sgt_catalogue_find(c, name, m->makers, m->maker, &g, &e))
             tree_fail(s, n->line, key, "%s%s", e.words, name_hint(name));
-        bool decided = false; /* by the makers of the lens */
+        bool decided = false; /* by the makers of the lens, or by MAKER NAME */
         for (size_t i = 0; i < m->makers; i++) decided = decided || same_name(m->maker[i], g.maker);
-        for (size_t i = 0; !decided && same_name(name, g.name) && sgt_catalogue_glass(c, i, &other); i++)
-            if (same_name(other.name, g.name) && !same_name(other.maker, g.maker)) {
-                tree_remark(s, SGT_REMARK_NOTE, n->line, key, "taken as %s of %s; %s has one, too", g.name,
-                            g.maker, other.maker);
-                break;
-            }
+        if (!decided && same_name(name, g.name)) tell_others(s, c, &g, n->line, key);
         if (g.remark) tree_remark(s, SGT_REMARK_NOTE, n->line, key, "%s: %s", g.name, g.remark);
     }
     const sgt_glass *own = own_copy(s, g);
@@ -153,6 +172,10 @@ medium sgt_medium_of_glass(media *m, node *n, const char *key)
     medium is = {.kind = MEDIUM_GLASS, .line = n->line, .key = key};
     if (n->kind == NODE_SCALAR && same_name(n->text, "air")) {
         is.kind = MEDIUM_NUMBER, is.number = 1;
+        return is;
+    }
+    if (n->kind == NODE_SCALAR && same_name(n->text, "same")) {
+        is.kind = MEDIUM_BEFORE;
         return is;
     }
     if (n->kind == NODE_SCALAR) {

@@ -32,8 +32,8 @@ typedef struct media {
     bool model_told;        /* that a model glass is approximate */
 } media;
 
-/* `glass` says: a name, {nd, vd, dPgF}, {sellmeier: [...]}, or a list of [wavelength, index].  Remarks what a
- * user should know. */
+/* `glass` says: a name, air, same (MEDIUM_BEFORE), {nd, vd, dPgF}, {sellmeier: [...]}, or a list of
+ * [wavelength, index].  Remarks what a user should know. */
 medium sgt_medium_of_glass(media *m, node *n, const char *key);
 
 /* `index` says: a number, or a list with one for each of the wavelengths. */

@@ -107,7 +107,9 @@ static const sgt_builtin *type_of(source *s, const node *map)
     for (int i = 0; i < 3; i++)
         if (strcmp(name, earth[i]) == 0)
             tree_fail(s, n->line, "type",
-                      "%s: not available; it is one of sagitta_geo, which needs GeographicLib", name);
+                      "%s: not available; it is one of sagitta_geo, which needs GeographicLib.  Install "
+                      "libgeographiclib-dev (for a geoid proj-data, too), then meson setup --reconfigure and "
+                      "build again", name);
     const char *near = "", *words = "";
     size_t least = strlen(name) / 3 + 1;
     for (const sgt_builtin *b = sgt_builtins; b->type; b++) {

@@ -255,15 +255,15 @@ static void resolve_pickups(zmx *z)
     }
 }
 
-/* What is behind a surface; *air: is what is in front of it, and then what is behind it, air? */
-static void set_medium(zmx *z, node *map, const zmx_surface *f, bool *air)
+/* What is behind a surface; that of the object is air if it is not said. */
+static void set_medium(zmx *z, node *map, const zmx_surface *f)
 {
     const zmx_glass *g = &f->glass;
     if (g->medium == ZMX_MIRROR) {
         set_word(z, map, "mirror", g->line, "true");
         return;
     }
-    if (g->medium == ZMX_AIR && !*air) set_number(z, map, "index", f->line, 1);
+    if (g->medium == ZMX_AIR && number_of(z, f) > 0) set_word(z, map, "glass", f->line, "air");
     if (g->medium == ZMX_GLASS) set_word(z, map, "glass", g->line, g->name);
     if (g->medium == ZMX_MODEL && g->vd == 0) set_number(z, map, "index", g->line, g->nd);
     if (g->medium == ZMX_MODEL && g->vd != 0) {
@@ -273,7 +273,6 @@ static void set_medium(zmx *z, node *map, const zmx_surface *f, bool *air)
         if (g->dPgF != 0) set_number(z, model, "dPgF", g->line, g->dPgF);
         tree_set(z->s, map, "glass", model);
     }
-    *air = g->medium == ZMX_AIR;
 }
 
 /* --------------------------------------------------------------- apertures */
@@ -359,14 +358,14 @@ static void write_break(zmx *z, node *list, const zmx_surface *f)
     tally_unused(z, f);
 }
 
-static void write_surface(zmx *z, node *list, const zmx_surface *f, bool *air)
+static void write_surface(zmx *z, node *list, const zmx_surface *f)
 {
     bool last = number_of(z, f) == z->count - 1, behind = f->behind && !last;
     node *map = tree_node(z->s, NODE_MAP, f->line);
     if (f->before) append_break(z, list, f->before, 0, f->before->line);
     f->type->write(z, f, map);
     if (!last) set_number(z, map, "thickness", f->thickness_line, behind ? 0 : f->thickness);
-    set_medium(z, map, f, air);
+    set_medium(z, map, f);
     if (number_of(z, f) == z->stop) set_word(z, map, "stop", z->stop_line, "true");
     bool tilted = f->type->write == write_tilted && (f->parm[1] != 0 || f->parm[2] != 0);
     set_aperture(z, tilted ? NULL : map, f);
@@ -385,7 +384,7 @@ static void write_surface(zmx *z, node *list, const zmx_surface *f, bool *air)
 }
 
 /* Surface 0: how far the object is from the first surface that is no break, and in what it stands. */
-static void write_object(zmx *z, node *root, bool *air)
+static void write_object(zmx *z, node *root)
 {
     const zmx_surface *f = &z->surface[0];
     node *map = tree_node(z->s, NODE_MAP, f->line);
@@ -406,7 +405,7 @@ static void write_object(zmx *z, node *root, bool *air)
             tree_remark(z->s, SGT_REMARK_LEFT_OUT, f->curvature_line, "CURV",
                         "the curvature of the object; rays start from a plane");
     }
-    set_medium(z, map, f, air);
+    set_medium(z, map, f);
     if (z->telecentric) tree_set(z->s, map, "telecentric", tree_word(z->s, z->ftyp_line, "true"));
     if (map->count) tree_set(z->s, root, "object", map);
     set_aperture(z, NULL, f);
@@ -415,16 +414,15 @@ static void write_object(zmx *z, node *root, bool *air)
 
 void sgt_zmx_write_surfaces(zmx *z, node *root)
 {
-    bool air = true;
     node *list = tree_node(z->s, NODE_LIST, z->surface[1].line);
     resolve_pickups(z);
-    write_object(z, root, &air);
+    write_object(z, root);
     for (size_t i = 1; i < z->count; i++) {
         const zmx_surface *f = &z->surface[i];
         if (!isfinite(f->thickness) && i < z->count - 1)
             tree_fail(z->s, f->thickness_line, "DISZ", "surface %zu is infinitely far from the next", i);
         if (f->type->write)
-            write_surface(z, list, f, &air);
+            write_surface(z, list, f);
         else
             write_break(z, list, f);
     }

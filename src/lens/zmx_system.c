@@ -299,7 +299,7 @@ static void write_wavelengths(zmx *z, node *root)
         tree_fail(z->s, z->primary_line, "PWAV", "there is no wavelength %zu", z->primary);
     if (count) tree_set(z->s, root, "wavelengths", tree_numbers(z->s, um->line, count, um->value));
     write_weights(z, root, "wavelength_weights", weight, count);
-    if (z->primary > 1)
+    if (z->primary_line && count > 1)
         tree_set(z->s, root, "primary", tree_number(z->s, z->primary_line, (double)z->primary));
 }
 

@@ -70,7 +70,8 @@ def test_a_stop_behind_a_lens():
 def test_no_such_ray():
     """A stop that no ray of the beam can fill: proven, said, and left out."""
     lens = {'pupil': {'semi_diameter': 9, 'distance': 0}, 'fields': [0], 'surfaces': [
-        {'type': 'sphere', 'radius': 10, 'thickness': 12, 'index': 1.9}, {'type': 'plane', 'thickness': 1, 'stop': True}, {'type': 'plane'}]}
+        {'type': 'sphere', 'radius': 10, 'thickness': 12, 'index': 1.9},
+        {'type': 'plane', 'thickness': 1, 'stop': True, 'glass': 'same'}, {'type': 'plane'}]}
     lens['surfaces'][1]['draw_to'] = 40
     lens['pupil'] = {'stop_size': True, 'distance': 0}
     done = run('trace', written(json.dumps(lens)), '--aim', 'real', '--fan', 3, '--format', 'csv', exit=None)

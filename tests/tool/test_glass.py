@@ -15,6 +15,7 @@ surfaces:
   - {type: sphere, radius: 51.68, thickness: 4, glass: N-BK7, semi_diameter: 8}
   - {type: sphere, radius: -70, thickness: 50, glass: air, semi_diameter: 8}
   - {type: plane, semi_diameter: 12}
+primary: 1
 """
 BK7 = [1.03961212, 0.00600069867, 0.231792344, 0.0200179144, 1.01046945, 103.560653]  # SCHOTT's data sheet
 NUMBERS = ('x', 'y', 'z', 'l', 'm', 'n', 't', 'opl')
@@ -73,7 +74,7 @@ def test_notes():
     said = run('trace', written(LENS), '--wavelength', '3.0').stderr
     assert ':5: glass: 3 micrometres is outside the range of N-BK7, 0.3 to 2.5' in said, said
     equal(run('trace', written(LENS)).stderr, '')
-    assert 'glass: taken as BAF10 of hikari' in run('trace', with_glass('BAF10')).stderr
+    assert 'glass: taken as BAF10 of hoya, nd 1.67003; also of hikari (nd the same)' in run('trace', with_glass('BAF10')).stderr
     indices = [rows('trace', with_glass('BAF10', f'makers: [{makers}]\n' + LENS)) for makers in ('NOBODY, HOYA', 'HOYA', 'Hikari, HOYA')]
     assert indices[0] == indices[1] != indices[2]  # the lens says whose: no note
     equal(run('trace', with_glass('BAF10', 'makers: [NOBODY, HOYA]\n' + LENS)).stderr, '')

@@ -216,6 +216,8 @@ def with_ideal(draw, lens):
     ideal = {'type': 'ideal', 'focal_length': draw.choice((-1, 1)) * draw.uniform(60, 200), 'thickness': draw.uniform(1, 6)}
     if draw.random() < 0.5:
         ideal['index'] = draw.uniform(1.1, 1.8)
+    else:
+        ideal['glass'] = 'same'
     lens['surfaces'].insert(draw.randrange(len(lens['surfaces']) - 1), ideal)
     return lens
 
@@ -496,12 +498,12 @@ def test_text():
             ([{'type': 'plane', 'thickness': 3}, {'type': 'plane'}], {'pupil': {'semi_diameter': 1}},
              {'wavelength': 'the lens gives no wavelengths', 'efl': 'the lens is afocal, it has no power',
               'f_number': 'the lens is afocal, it has no power', 'petzval_radius': 'it is flat'}),
-            ([{'type': 'sphere', 'radius': 5, 'index': 1.5, 'thickness': 10}, {'type': 'plane', 'stop': True, 'thickness': 1},
+            ([{'type': 'sphere', 'radius': 5, 'index': 1.5, 'thickness': 10}, {'type': 'plane', 'stop': True, 'thickness': 1, 'glass': 'same'},
               {'type': 'plane'}], {},
              {'exit_pupil.radius': 'the lens gives no size of its pupil', 'f_number': 'the lens gives no size of its pupil'}),
             ([{'type': 'torus', 'major': 10, 'minor': 2, 'thickness': 3}, {'type': 'plane'}], {'pupil': {'semi_diameter': 1}},
              {'efl': 'the power of the lens is not known'}),
-            ([{'type': 'sphere', 'radius': 5, 'index': 1.5, 'thickness': 15}, {'type': 'plane', 'stop': True, 'thickness': 1},
+            ([{'type': 'sphere', 'radius': 5, 'index': 1.5, 'thickness': 15}, {'type': 'plane', 'stop': True, 'thickness': 1, 'glass': 'same'},
               {'type': 'plane'}], {'pupil': {'semi_diameter': 1}}, {'entrance_pupil.z': 'at infinity'})):
         said = run('info', written(json.dumps({'surfaces': surfaces, **more}))).stdout
         for quantity, reason in reasons.items():

@@ -34,6 +34,7 @@ surfaces:
 BALL = '''
 units: mm
 wavelengths: [0.5, 0.6]
+primary: 1
 pupil: {semi_diameter: 5}
 fields: [15]
 surfaces:

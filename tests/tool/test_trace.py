@@ -301,11 +301,11 @@ def test_lens_of_the_manual():
 
 
 def test_index_of_a_mirror_and_of_nothing():
-    """index may stand on a mirror if it is the one in front; absent, it stays."""
+    """index may stand on a mirror if it is the one in front; `glass: same` and a mirror keep what is in front."""
     lens = written('''surfaces:
   - {type: plane, thickness: 3, index: 1.5}
   - {type: plane, thickness: -2, mirror: true, index: 1.5}
-  - {type: plane, thickness: -1}
+  - {type: plane, thickness: -1, glass: same}
   - {type: plane, index: 1}
 ''')
     got = rows('trace', lens, '--rays', '-', stdin=rays((0, 0, -1, 0, 0, 1)))

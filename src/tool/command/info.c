@@ -65,7 +65,9 @@ static const char info_help[] =
     "  --seidel           the Seidel sums, at the first wavelength that is asked for\n"
     "  --wavelength W     as for sagitta trace: a number in the lens, micrometres, a spectral line, or\n"
     "                     all; may be repeated\n"
-    "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them\n"
+    "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"
+    "                     that ship.  A name of several makers: of the first of the lens's makers, else of\n"
+    "                     such a catalogue, else of SCHOTT, OHARA, HOYA, CDGM, HIKARI, SUMITA\n"
     "  --strict           what a reader leaves out, and a wavelength outside the range of a glass, are\n"
     "                     errors\n"
     "  --format F         text (for people, the default), csv or json\n"
@@ -214,6 +216,8 @@ static void say_lens(table *t, const sgt_lens *l, const sgt_first_order *o)
                *l->units ? l->units : "that of the lens");
     table_line(t, "Object: at %s.  %zu field%s %s.", object, l->fields, l->fields == 1 ? "" : "s",
                kinds[l->field_kind]);
+    const char *primary = lens_primary(l);
+    if (primary) table_line(t, "%s", primary);
     if (o->without_vertex)
         table_line(t, "Surface %zu stands off the axis, or has no curvature at its vertex: the power is not "
                       "known.  Try --parabasal.", o->without_vertex);

@@ -478,13 +478,13 @@ static void write_doubts(const trace_work *w)
 /* Under the table for people: what has a unit, and whose frame it is. */
 static void write_legend(const trace_work *w)
 {
-    const char *units = w->job->lens.units;
+    const char *units = w->job->lens.units, *primary = lens_primary(w->job->lens.of);
     table_line(w->table, "x y z, l m n: point and direction behind the element, in %s frame.  t, t_err: from",
                w->asked->global ? "the global" : "its own");
     table_line(
         w->table,
-        "the element before.  opl: optical path so far.  evals: evaluations.  Unit of length: %.20s.\n",
-        *units ? units : "that of the lens");
+        "the element before.  opl: optical path so far.  evals: evaluations.  Unit of length: %.20s.%s%s\n",
+        *units ? units : "that of the lens", primary ? "\n" : "", primary ? primary : "");
 }
 
 /* Prints where and why the first lost rays were lost. */

@@ -65,7 +65,9 @@ static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells 
 
 #define LENS_HELP                                                                                          \
     "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"   \
-    "                     that ship.  May be repeated\n"                                                   \
+    "                     that ship.  May be repeated.  A name of several makers: of the first of the\n"    \
+    "                     lens's makers, else of such a catalogue, else of SCHOTT, OHARA, HOYA, CDGM,\n"    \
+    "                     HIKARI, SUMITA\n"                                                                \
     "  --strict           what the reader of a .zmx file leaves out, and a wavelength outside the range\n" \
     "                     of a glass, are errors\n"                                                        \
     "  --no-apertures     ignore the clear apertures: clip no ray\n"

@@ -263,6 +263,8 @@ const char *look_fates_line(const look *l, const look_fates *f)
 
 void look_verdict(table *t, const look *l)
 {
+    const char *primary = lens_primary(l->primary.lens.of);
+    if (primary) table_line(t, "%s", primary);
     table_line(t, "%s.", look_fates_line(l, &l->fates));
     if (l->fates.lost)
         table_line(

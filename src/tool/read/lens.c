@@ -211,3 +211,12 @@ lens lens_of_text(const char *name, const char *text)
     if (!of) lens_refuse(&e);
     return lens_at(lens_keep(of), (lens_wavelength){.um = (double)NAN});
 }
+
+const char *lens_primary(const sgt_lens *of)
+{
+    static char text[80];
+    if (!of->wavelength || of->wavelengths < 2) return NULL;
+    snprintf(text, sizeof text, "Primary wavelength: %.9g, number %zu of the lens.", of->wavelength[of->primary],
+             of->primary + 1);
+    return text;
+}

@@ -59,4 +59,7 @@ sgt_lens *lens_keep(sgt_lens *l);
 /* Files through base/input.h, and the types about the Earth where they are built in. */
 sgt_lens_options lens_options(void);
 
+/* Which wavelength is the primary one, for the text under a table; NULL: the lens has one or none. */
+const char *lens_primary(const sgt_lens *of);
+
 #endif

@@ -1,0 +1,139 @@
+"""The surfaces about the Earth, where the library was built with GeographicLib (geo.h).
+
+All lengths are metres, in the Earth-centred Earth-fixed frame.  Where the library has none of them, each
+class says on its first use which package to install; lens files that name them say the same.
+"""
+from __future__ import annotations
+
+import ctypes
+import os
+from typing import Any, Optional, Union
+
+from . import _library as C
+from .surface import ROWS, Catalogue, builtins_at
+
+try:
+    _TABLE: Optional[int] = C.address_of("sgt_geo_builtins")
+except ValueError:
+    _TABLE = None
+
+available: bool = _TABLE is not None  # was the library built with GeographicLib?
+
+_ABSENT = (
+    "not available: sagitta was built without GeographicLib.  Install libgeographiclib-dev (for a geoid "
+    "proj-data, too), then build and install sagitta again (a build folder: meson setup --reconfigure)"
+)
+_ROOM = 1200
+_opened: dict[str, int] = {}  # geoids, by path: they are kept, since many surfaces share one
+_told: Any = None  # the words of the last refusal, for the library to copy
+
+
+def _open(file: Optional[str]) -> int:
+    """The address of a geoid."""
+    words = ctypes.create_string_buffer(_ROOM)
+    if file is None:
+        if not C.library.sgt_geoid_find(words, ctypes.c_size_t(_ROOM)):
+            raise ValueError("missing, and the default grid, egm96_15.gtx of proj-data, is not installed")
+        file = os.fsdecode(words.value)
+    if file not in _opened:
+        C.library.sgt_geoid_open.restype = ctypes.c_void_p
+        handle = C.library.sgt_geoid_open(os.fsencode(file), words, ctypes.c_size_t(_ROOM))
+        if not handle:
+            raise ValueError(C.text(words.value))
+        _opened[file] = handle
+    return _opened[file]
+
+
+def _complete(_context: Any, _type: Any, memory: int, path: Optional[bytes]) -> Optional[int]:
+    """For a reader of lens files: opens the file of a geoid."""
+    global _told
+    try:
+        ctypes.c_void_p.from_address(memory).value = _open(os.fsdecode(path) if path else None)
+    except ValueError as error:
+        _told = ctypes.create_string_buffer(str(error).encode())
+        return ctypes.addressof(_told)
+    return None
+
+
+_COMPLETE = ctypes.CFUNCTYPE(
+    ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_char_p
+)(_complete)
+
+
+def lens_options() -> dict[str, Any]:
+    """What a reader of lens files needs for these types."""
+    if _TABLE is None:
+        return {}
+    return {
+        "types": _TABLE,
+        "file_ops": C.address_of("sgt_geoid_height_ops"),
+        "complete": ctypes.cast(_COMPLETE, ctypes.c_void_p).value,
+    }
+
+
+class _Earth(Catalogue):
+    def _make(self, given: dict[str, Any]) -> None:
+        if not available:
+            raise RuntimeError(f"{self.type}: {_ABSENT}")
+        super()._make(given)
+
+
+class GeodeticHeight(_Earth):
+    """The points at geodetic height h over an ellipsoid of revolution.
+
+    a  m, equatorial radius; none: WGS84, its f included
+    f  flattening
+    h  m
+    """
+    type = "geodetic_height"
+
+    def __init__(self, *, a: Optional[float] = None, f: Optional[float] = None,
+                 h: Optional[float] = None) -> None:
+        self._make(dict(a=a, f=f, h=h))
+
+
+class LevelGravity(_Earth):
+    """The level of WGS84's normal gravity through height h on the equator, or that of a potential.
+
+    h          m
+    potential  m^2/s^2; instead of h
+    """
+    type = "level_gravity"
+
+    def __init__(self, *, h: Optional[float] = None, potential: Optional[float] = None) -> None:
+        self._make(dict(h=h, potential=potential))
+
+
+class Geoid(_Earth):
+    """The points h above a geoid.
+
+    file  a grid in the form .gtx; none: egm96_15.gtx of proj-data
+    h     m
+    """
+    type = "geoid"
+
+    def __init__(self, *, file: Union[str, "os.PathLike[str]", None] = None, h: Optional[float] = None) -> None:
+        object.__setattr__(self, "_file", None if file is None else os.fspath(file))
+        self._make(dict(h=h))
+
+    def _fill(self, memory: Any) -> None:
+        ctypes.c_void_p.from_buffer(memory).value = _open(self._file)
+
+    def _yaml(self) -> dict[str, Any]:
+        return {**super()._yaml(), **({} if self._file is None else {"file": os.path.abspath(self._file)})}
+
+    def __reduce__(self) -> Any:
+        return _geoid, (self._file, dict(self._given))
+
+    def replace(self, **changes: Any) -> "Geoid":
+        return Geoid(**{"file": self._file, **self._given, **changes})
+
+
+def _geoid(file: Optional[str], given: dict[str, Any]) -> Geoid:
+    return Geoid(file=file, **given)
+
+
+if _TABLE is not None:
+    ROWS.update((row.type.decode(), row) for row in builtins_at(_TABLE))
+
+__all__ = ["GeodeticHeight", "Geoid", "LevelGravity"]
