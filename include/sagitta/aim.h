@@ -123,7 +123,7 @@ typedef struct sgt_end_error {
  * directions nothing of first order.  How far opl is from the path through the points is
  * computed, in twice the precision.
  *
- * point is NaN where a surface that bends has no second derivatives, and at or behind an
+ * point is NaN where a surface that bends has no second derivatives, and behind an
  * element with a phase.  false: a hit is not positive; all is NaN. */
 SGT_API bool sgt_trace_error(size_t n, const sgt_element e[], double index_before,
                              const sgt_ray *launch, const sgt_passage passages[],
@@ -234,7 +234,8 @@ typedef struct sgt_aiming {
  * what the errors of all elements before do to it: p_err of each, and the rounding of
  * each direction, by the derivatives of the end by both.  It is of first order, with a
  * half added.  The rounding of directions is observed (src/system/trace.h), not proven.
- * NaN: a surface has no second derivatives, or an element has a phase.
+ * NaN: a surface has no second derivatives, or an element in front of the stop has a
+ * phase.
  *
  * THE PROOF of SGT_NO_SUCH_RAY is tried if no start arrives.  The box is divided, and
  * each part is traced as a whole: all numbers are linear in (u, v) with a bound on what
@@ -249,6 +250,21 @@ typedef struct sgt_aiming {
 SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before,
                           const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
                           const sgt_aim_options *opt, sgt_aiming *out);
+
+/* Bounds on u and v, whatever the box of the beam: every ray of the family is in them
+ * that meets the point and is let through by the rims of the elements that it comes to
+ * before it is bent.
+ *
+ * A rim is semi_diameter and what `aperture` lets through, the semi_diameter of the
+ * surface, and the edge of a conic with k > -1.  The last such element is the first that
+ * bends rays (its own rim counts), or the stop, where the point itself is the bound.
+ * The family has one origin or one direction: du = dv = 0 or ou = ov = 0.
+ *
+ * true: they are bounds.  They may be empty (lo > hi): then there is no such ray.
+ * false: nothing bounds u or v. */
+SGT_API bool sgt_beam_bounds(size_t stop, const sgt_element e[], double index_before,
+                             const sgt_beam *beam, sgt_vec2 wanted, sgt_interval *u,
+                             sgt_interval *v);
 
 #ifdef __cplusplus
 }

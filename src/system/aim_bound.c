@@ -123,9 +123,11 @@ double sgt_aim_error(const aim_task *task, const sgt_ray *launch, double *grain)
     double error[AXES] = {0, 0}, ulp[AXES];
     chain_back back[AXES] = {{{1, 0, 0}, {0, 0, 0}, 0, 0}, {{0, 1, 0}, {0, 0, 0}, 0, 0}};
     for (size_t i = task->stop + 1; i-- > 0;) {
-        const sgt_element *e = &task->e[i];
+        sgt_element bare = task->e[i];
+        const sgt_element *e = &bare;
         const sgt_hit *hit = &task->passages[i].hit;
         bool turns = i < task->stop;
+        if (!turns) bare.phase = NULL; /* what the last element does to light moves no point of it */
         chain_link c;
         chain_at(e, chain_direction(task->e, i, launch, task->passages),
                  chain_index(task->e, i, task->index_before), &task->passages[i], &c);

@@ -136,7 +136,7 @@ bool sgt_bundle_offered(const aim_task *task)
     double index = task->index_before == 0 ? 1 : task->index_before;
     for (size_t i = 0; i <= task->stop; i++) {
         const sgt_element *e = &task->e[i];
-        if (!is_plain(e) || e->phase || !is_aperture_sound(e) || !is_sound(e, index)) return false;
+        if (!is_plain(e) || (e->phase && i < task->stop) || !is_aperture_sound(e) || !is_sound(e, index)) return false;
         if (!offered_here(in_set(e->surface))) return false;
         index = index_behind(e, index);
     }
