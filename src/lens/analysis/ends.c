@@ -58,6 +58,7 @@ bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sg
                                .py = at[i].y,
                                .weight = at[i].weight,
                                .aimed = launched[i].status,
+                               .within = launched[i].within,
                                .fate = SGT_LOST,
                                .status = SGT_EXHAUSTED,
                                .p = nowhere,
