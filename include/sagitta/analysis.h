@@ -248,6 +248,7 @@ typedef struct sgt_field_point {
     double   ideal;              /* the height of an image without distortion, signed
                                     along the field; NaN: there is none */
     double   distortion;         /* (height - ideal) / ideal; NaN on the axis */
+    double   within;             /* unless aimed is SGT_MET: as in sgt_launched */
 } sgt_field_point;
 
 typedef enum sgt_distortion {
