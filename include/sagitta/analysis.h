@@ -90,7 +90,7 @@ typedef struct sgt_launched {
     sgt_vec2  wanted; /* if the lens is aimed at the stop: where there, in its frame */
     /* Unless SGT_MET: */
     double    within;     /* proven: there is none with |u|, |v| <= within, in radii of
-                             the paraxial entrance pupil about its centre; 0: not proven */
+                             the paraxial entrance pupil; 0: not proven */
     sgt_attempt nearest;  /* the search that came nearest, with u and v in these radii */
 } sgt_launched;
 
@@ -99,11 +99,11 @@ typedef struct sgt_launched {
  * are the lens at the wavelength of the rays.  A telecentric object has a cone in the
  * pupil's place: u, v are slopes, in units of its marginal ray's.
  *
- * WHAT IS PROVEN.  A ray that is found may be clipped: apertures do not count.  The family
- * has no end, so a search in it has one: some hundred pupil radii.  SGT_NO_SUCH_RAY says
- * that no ray of the family meets the point, but for rays that a rim clips before they are
- * bent (sgt_beam_bounds).  Where no rim bounds the family it is never said: the status is
- * SGT_AIM_UNDECIDED, and `within` says how much of the family is excluded.
+ * WHAT IS PROVEN.  A ray that is found may be clipped: apertures do not count.  The
+ * family has no end, so a search in it has one: some hundred pupil radii.  SGT_NO_SUCH_RAY
+ * says that no ray of the family meets the point, but for rays that a rim clips before they
+ * are bent (sgt_beam_bounds).  Where no rim bounds the family it is never said: the
+ * status is SGT_AIM_UNDECIDED, and `within` says how much of the family is excluded.
  * false: no memory. */
 SGT_API bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before, size_t count,

@@ -136,7 +136,8 @@ static bool aim_slopes_at(aim_search *s, const aim_ray *r, aim_slopes *j)
     }
     const double o = s->wide[0] * (absolute(b->ou) + absolute(b->ov)),
                  d = s->wide[0] * (absolute(b->du) + absolute(b->dv));
-    s->steep = 2 * SGT_U * sum * ((o > 0 ? absolute(r->ray.o) / o : 0) + (d > 0 ? absolute(r->ray.d) / d : 0));
+    const double by_o = o > 0 ? absolute(r->ray.o) / o : 0, by_d = d > 0 ? absolute(r->ray.d) / d : 0;
+    s->steep = 2 * SGT_U * sum * (by_o + by_d);
     return true;
 }
 

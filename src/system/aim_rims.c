@@ -1,8 +1,9 @@
 /* aim_rims.c - bounds on the launch rays of a family that the rims in front let through (aim.h).
  *
- * A launch ray is straight up to the first element that bends it.  So each element up to that one tells where the
- * LINE of the ray runs: through the points of its surface that its rim and its aperture let through.  Let p be in
- * a box that holds these.  With one origin o = b.o and q = p - o, d + u du + v dv is along q, so
+ * A launch ray is straight up to the first element that bends it.  So each element up to that one tells
+ * where the LINE of the ray runs: through the points of its surface that its rim and its aperture let
+ * through.  Let p be in a box that holds these.  With one origin o = b.o and q = p - o,
+ * d + u du + v dv is along q, so
  *
  *     u = q . (dv x d) / q . (du x dv),    v = q . (d x du) / q . (du x dv).
  *
@@ -12,9 +13,9 @@
  *
  * In intervals these are bounds.  The stop has no rim here, but a point that has to be met.
  *
- * THE BOX.  x and y are within the least of the rims (aperture, surface, edge of the conic base); z is in the sag
- * over that circle (bundle_sag.c).  Rims are soft, axes are orthonormal to 2^-50 only, and what bends no ray moves
- * its points by roundings: SLACK of all sizes is more. */
+ * THE BOX.  x and y are within the least of the rims (aperture, surface, edge of the conic base); z is in
+ * the sag over that circle (bundle_sag.c).  Rims are soft, axes are orthonormal to 2^-50 only, and what
+ * bends no ray moves its points by roundings: SLACK of all sizes is more. */
 #include "bundle.h"
 
 #define SLACK 0x1p-40
@@ -85,7 +86,8 @@ static bool points_of(const aim_task *task, size_t i, box3 *out)
     if (is_turned(pose)) {
         const sgt_vec3 ex = pose->ex, ey = pose->ey, ez = pose->ez;
         const box3 q = p;
-        p = (box3){box_dot(q, box_of((sgt_vec3){ex.x, ey.x, ez.x})), box_dot(q, box_of((sgt_vec3){ex.y, ey.y, ez.y})),
+        p = (box3){box_dot(q, box_of((sgt_vec3){ex.x, ey.x, ez.x})),
+                   box_dot(q, box_of((sgt_vec3){ex.y, ey.y, ez.y})),
                    box_dot(q, box_of((sgt_vec3){ex.z, ey.z, ez.z}))};
     }
     const sgt_interval off = {-SLACK * size - FORM_LEAST, SLACK * size + FORM_LEAST};
@@ -118,17 +120,19 @@ static void lines_through(const sgt_beam *b, box3 p, sgt_interval *u, sgt_interv
 bool sgt_beam_bounds(size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam,
                      sgt_vec2 wanted, sgt_interval *u, sgt_interval *v)
 {
-    const aim_task task = {.stop = stop, .e = e, .index_before = index_before, .beam = beam, .wanted = wanted};
-    const bool from_point = is_zero(beam->ou) && is_zero(beam->ov), along = is_zero(beam->du) && is_zero(beam->dv);
+    const aim_task task = {.stop = stop, .e = e, .index_before = index_before, .beam = beam,
+                           .wanted = wanted};
+    const bool from_point = is_zero(beam->ou) && is_zero(beam->ov),
+               along = is_zero(beam->du) && is_zero(beam->dv);
     double index = index_before == 0 ? 1 : index_before;
     *u = *v = sgt_interval_all();
     for (size_t i = 0; i <= stop && from_point != along; i++) {
         box3 p;
         if (!is_plain(&e[i]) || !is_aperture_sound(&e[i]) || !is_sound(&e[i], index)) break;
         if (points_of(&task, i, &p)) lines_through(beam, p, u, v);
-        if (e[i].phase || bending_of(index, index_behind(&e[i], index), e[i].index == SGT_MIRROR).kind != STRAIGHT)
-            break;
-        index = index_behind(&e[i], index);
+        const double behind = index_behind(&e[i], index);
+        if (e[i].phase || bending_of(index, behind, e[i].index == SGT_MIRROR).kind != STRAIGHT) break;
+        index = behind;
     }
     if (sgt_interval_is_empty(*u) || sgt_interval_is_empty(*v)) {
         *u = *v = sgt_interval_empty();

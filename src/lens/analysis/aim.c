@@ -257,7 +257,8 @@ static bool image_of(const field_search *s, sgt_field_beam b, sgt_vec2 at, sgt_v
 {
     set_point(s->from, &b, at);
     const sgt_beam f = family_of(&b);
-    aim_search one = {s->from->lens->stop, s->open, s->from->before, s->passages, .starts = 1, .start = {*pupil}};
+    aim_search one = {s->from->lens->stop, s->open, s->from->before, s->passages, .starts = 1,
+                      .start = {*pupil}};
     sgt_aiming a = aim_at(&one, &f, (sgt_vec2){0, 0});
     if (a.status != SGT_MET) return false;
     *pupil = (sgt_vec2){a.u, a.v};
@@ -335,8 +336,8 @@ bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted,
     static const char way_out[] = "there may be one yet; give --field or --rays";
     if (limit == 0)
         return sgt_launch_fail(from, error, "fields",
-                               "no chief ray was found that meets the image at [%g, %g] by %d steps of Newton's "
-                               "method from the paraxial field; %s",
+                               "no chief ray was found that meets the image at [%g, %g] by %d steps of "
+                               "Newton's method from the paraxial field; %s",
                                wanted.x, wanted.y, (int)STEPS, way_out);
     return sgt_launch_fail(from, error, "fields",
                            "no chief ray was found that meets the image at [%g, %g], with %s up to %g; %s",

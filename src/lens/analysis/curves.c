@@ -80,7 +80,8 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
         sgt_ray ray = chief.ray;
         if (chief.status == SGT_MET)
             passed = sgt_trace(count, open, index_before, &ray, passages, &out->fate, NULL);
-        out->aimed = chief.status, out->within = chief.within, out->element = passed < count ? passed : count - 1;
+        out->aimed = chief.status, out->within = chief.within;
+        out->element = passed < count ? passed : count - 1;
         if (passed == count)
             tell_curve(from, &b, open, index_before, data, distortion, &chief.ray, passages, out);
     }

@@ -227,12 +227,12 @@ static void explain_nearest(table *t, const job *j, const sgt_launched *l)
         return;
     }
     if (isnan(n->miss)) {
-        table_line(t, "No ray was found that gets to the stop.  The first that was tried, through %.6g, %.6g of the "
-                      "paraxial pupil, %s element %zu.", n->from.x, n->from.y, what, element);
+        table_line(t, "No ray was found that gets to the stop.  The first that was tried, through %.6g, "
+                      "%.6g of the paraxial pupil, %s element %zu.", n->from.x, n->from.y, what, element);
         return;
     }
-    table_line(t, "The nearest ray that was found, through %.6g, %.6g of the paraxial pupil, passes the stop %.3g "
-                  "beside the point.", n->to.x, n->to.y, n->miss);
+    table_line(t, "The nearest ray that was found, through %.6g, %.6g of the paraxial pupil, passes the stop "
+                  "%.3g beside the point.", n->to.x, n->to.y, n->miss);
     if (n->reason == SGT_AIM_AT_EDGE)
         table_line(t, "It is on the edge of the rays that were searched: the point lies farther out.");
     if (n->reason == SGT_AIM_CUT && stopped)
@@ -252,10 +252,11 @@ static bool diagnose_missing(const diagnose_arguments *a, const job *j, const la
     if (!sgt_launch_rays(j->how->from, &beam, j->element, j->lens.index_before, 1, &at, &launched))
         fail_input("out of memory");
     table *t = table_begin(&a->shared.target, HEAD_COUNT, diagnose_head);
-    table_line(t, "%s: ray %zu, field %zu, through %g, %g of the pupil.  It was not traced: aimed at %.6g, %.6g of the "
-                  "stop, element %zu,\n%s.",
+    table_line(t, "%s: ray %zu, field %zu, through %g, %g of the pupil.  It was not traced: aimed at %.6g, "
+                  "%.6g of the stop, element %zu,\n%s.",
                *j->lens.name ? j->lens.name : j->lens.of->file, l->number, l->field + 1, l->px, l->py,
-               launched.wanted.x, launched.wanted.y, j->lens.of->stop + 1, launch_words(l->status, l->within));
+               launched.wanted.x, launched.wanted.y, j->lens.of->stop + 1,
+               launch_words(l->status, l->within));
     explain_nearest(t, j, &launched);
     table_end(t);
     return l->status == SGT_NO_SUCH_RAY;

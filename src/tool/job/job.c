@@ -53,8 +53,8 @@ static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells 
 #define AIM_HELP                                                                                           \
     "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n" \
     "                     (its radius is the marginal ray's height there).  Default: as the lens says.\n"  \
-    "                     Rays are searched in 600 pupil radii, and in all that rims in front let\n"          \
-    "                     through.  If rims bound them, it can be proven that there is none; else a ray\n"     \
+    "                     Rays are searched in 600 pupil radii, and in all that rims in front let\n" \
+    "                     through.  If rims bound them, it can be proven that there is none; else a ray\n" \
     "                     that is not found is undecided\n"
 
 #define FILE_HELP                                                                                      \
@@ -193,8 +193,8 @@ static void take_field_at(job_options *o)
     size_t k = 0;
     while (k < KINDS && strcmp(kind, kinds[k]) != 0) k++;
     if (n < 2 || n > 3 || !isfinite(f.x) || !isfinite(f.y) || (n == 3 && k == KINDS))
-        fail_usage("--field-at must be \"X Y\" or \"X Y KIND\", KIND angle, object_height, paraxial_image_height or "
-                   "real_image_height, not \"%s\"", optarg);
+        fail_usage("--field-at must be \"X Y\" or \"X Y KIND\", KIND angle, object_height, "
+                   "paraxial_image_height or real_image_height, not \"%s\"", optarg);
     const char *own = n == 3 ? kinds[k] : NULL;
     if (o->fields && (!o->field_at || own != o->field_kind))
         fail_usage("give --field, or --field-at with the same KIND each time");

@@ -43,7 +43,8 @@ const char *launch_words(sgt_aimed status, double within)
     if (status == SGT_NO_SUCH_RAY)
         return "there is no ray, as is proven of all that the rims in front let through";
     if (!(within > 0)) return "no ray was found, nor excluded";
-    snprintf(text, sizeof text, "no ray was found (none within %g pupil radii; beyond that it is open)", within);
+    snprintf(text, sizeof text, "no ray was found (none within %g pupil radii; beyond that it is open)",
+             within);
     return memory_text(text, strlen(text));
 }
 
@@ -52,8 +53,8 @@ static void note_missing(launch_how *how, const launch *l)
     enum { TOLD = 4 };
     const size_t before = how->none + how->undecided;
     if (before < TOLD)
-        note("ray %zu (field %zu, px %g, py %g): %s; it is aimed at this point of the stop", l->number, l->field + 1,
-             l->px, l->py, launch_words(l->status, l->within));
+        note("ray %zu (field %zu, px %g, py %g): %s; it is aimed at this point of the stop", l->number,
+             l->field + 1, l->px, l->py, launch_words(l->status, l->within));
     else if (before == TOLD) note("and more rays that are not there");
     if (l->status == SGT_NO_SUCH_RAY) {
         how->none++;
@@ -104,7 +105,8 @@ void launch_field(ray_list *list, launch_how *how, const lens *traced, const sgt
                   size_t field, sgt_field_kind kind, sgt_lens_field at, const launch_pattern *points)
 {
     const sgt_field_beam beam = launch_beam(how, kind, at);
-    const launch_plan plan = {.how = how, .traced = traced, .element = element, .fields = 1, .beam = &beam, .points = points};
+    const launch_plan plan = {.how = how, .traced = traced, .element = element, .fields = 1,
+                              .beam = &beam, .points = points};
     launch part[LAUNCH_PART];
     for (size_t first = 0, count; first < points->count; first += count, how->count += count) {
         count = points->count - first < LAUNCH_PART ? points->count - first : LAUNCH_PART;
@@ -122,7 +124,8 @@ void launch_note(const launch_how *how, size_t wavelengths)
         note("%zu of %zu rays are not there: of %zu that is proven", how->none + how->undecided,
              how->count * wavelengths, how->none);
     if (how->undecided)
-        note("%zu %s undecided%s; sagitta diagnose with the same options and --ray I shows why", how->undecided,
+        note("%zu %s undecided%s; sagitta diagnose with the same options and --ray I shows why",
+             how->undecided,
              how->undecided == 1 ? "is" : "are",
              how->within > 0 ? ", as rays were searched in a limited part of the pupil's plane" : "");
     if (how->folded)

@@ -49,7 +49,8 @@ void launch_part(const launch_plan *plan, size_t first, size_t count, launch out
 bool launch_there(launch_how *how, const launch *l);
 
 /* Adds the rays of a field, the field-th, to the list.  Aimed ones are those of `traced`, the lens at the
- * wavelength they are for, with its elements as they are traced; a ray that is not there is left out, counted, and noted. */
+ * wavelength they are for, with its elements as they are traced; a ray that is not there is left
+ * out, counted, and noted. */
 void launch_field(ray_list *list, launch_how *how, const lens *traced, const sgt_element *element,
                   size_t field, sgt_field_kind kind, sgt_lens_field at, const launch_pattern *points);
 

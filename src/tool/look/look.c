@@ -319,7 +319,8 @@ void look_verdict(table *t, const look *l)
     if (!f->lost) return;
     if (f->unfound && f->within > 0)
         table_line(t,
-                   "%zu lost: aiming has not found them; none lies within %g pupil radii, beyond that it is open.",
+                   "%zu lost: aiming has not found them; none lies within %g pupil radii, beyond that it "
+                   "is open.",
                    f->unfound, f->within);
     else if (f->unfound)
         table_line(t, "%zu lost: aiming has not found them, nor proven that there are none.", f->unfound);
