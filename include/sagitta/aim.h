@@ -257,6 +257,21 @@ SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_befor
                           const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
                           const sgt_aim_options *opt, sgt_aiming *out);
 
+/* Bounds on u and v, whatever the box of the beam: every ray of the family is in them
+ * that meets the point and is let through by the rims of the elements that it comes to
+ * before it is bent.
+ *
+ * A rim is semi_diameter and what `aperture` lets through, the semi_diameter of the
+ * surface, and the edge of a conic with k > -1.  The last such element is the first that
+ * bends rays (its own rim counts), or the stop, where the point itself is the bound.
+ * The family has one origin or one direction: du = dv = 0 or ou = ov = 0.
+ *
+ * true: they are bounds.  They may be empty (lo > hi): then there is no such ray.
+ * false: nothing bounds u or v. */
+SGT_API bool sgt_beam_bounds(size_t stop, const sgt_element e[], double index_before,
+                             const sgt_beam *beam, sgt_vec2 wanted, sgt_interval *u,
+                             sgt_interval *v);
+
 #ifdef __cplusplus
 }
 #endif

@@ -81,15 +81,29 @@ SGT_API sgt_ray sgt_field_ray(const sgt_field_beam *beam, double x, double y);
 
 typedef struct sgt_launched {
     sgt_ray   ray;
-    sgt_aimed status; /* SGT_MET: there it is.  Else aiming has found none (aim.h) */
+    sgt_aimed status; /* SGT_MET: there it is.
+                         SGT_NO_SUCH_RAY: proven, there is none.  See WHAT IS PROVEN
+                         SGT_AIM_UNDECIDED: none was found, and none excluded */
     bool      folded; /* near it the pupil is inside out, as neighbouring rays reach the
                          stop in reversed order: the pupil folds back on itself, and
                          another ray of the field may reach the same point */
+    sgt_vec2  wanted; /* if the lens is aimed at the stop: where there, in its frame */
+    /* Unless SGT_MET: */
+    double    within;     /* proven: there is none with |u|, |v| <= within, in radii of
+                             the paraxial entrance pupil; 0: not proven */
+    sgt_attempt nearest;  /* the search that came nearest, with u and v in these radii */
 } sgt_launched;
 
 /* The rays of a field through points of the unit circle of the pupil, after vignetting.
  * If the lens is aimed at the stop they meet e[stop] there (sgt_aim); e and index_before
- * are the lens at the wavelength of the rays, and its apertures do not count.
+ * are the lens at the wavelength of the rays.  A telecentric object has a cone in the
+ * pupil's place: u, v are slopes, in units of its marginal ray's.
+ *
+ * WHAT IS PROVEN.  A ray that is found may be clipped: apertures do not count.  The
+ * family has no end, so a search in it has one: some hundred pupil radii.  SGT_NO_SUCH_RAY
+ * says that no ray of the family meets the point, but for rays that a rim clips before they
+ * are bent (sgt_beam_bounds).  Where no rim bounds the family it is never said: the
+ * status is SGT_AIM_UNDECIDED, and `within` says how much of the family is excluded.
  * false: no memory. */
 SGT_API bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before, size_t count,
@@ -121,6 +135,7 @@ typedef struct sgt_ray_end {
     double p_err, opl_err;
     /* The same of d, an angle in radians.  NaN unless the lens is afocal. */
     double d_err;
+    double within;       /* unless aimed is SGT_MET: as in sgt_launched */
 } sgt_ray_end;
 
 /* Traces the rays of a field through points of the pupil.  opt: NULL, or for sgt_trace.
@@ -245,6 +260,7 @@ typedef struct sgt_field_point {
     double   ideal;              /* the height of an image without distortion, signed
                                     along the field; NaN: there is none */
     double   distortion;         /* (height - ideal) / ideal; NaN on the axis */
+    double   within;             /* unless aimed is SGT_MET: as in sgt_launched */
     /* Of a lens that is afocal image, error and ideal are angles from z of the image, in
      * milliradians; distortion compares their tangents, and there is none for an object
      * at a distance; tangential and sagittal are vergences there, index / distance. */

@@ -388,8 +388,27 @@ class PupilPoint(Structure):
     _fields_ = [("x", c_double), ("y", c_double), ("weight", c_double)]
 
 
+class Attempt(Structure):
+    _fields_ = [
+        ("from_", Pair),
+        ("to", Pair),
+        ("miss", c_double),
+        ("reason", c_int),
+        ("fate", c_int),
+        ("element", c_size_t),
+        ("traces", c_int),
+    ]
+
+
 class Launched(Structure):
-    _fields_ = [("ray", Ray), ("status", c_int), ("folded", c_bool)]
+    _fields_ = [
+        ("ray", Ray),
+        ("status", c_int),
+        ("folded", c_bool),
+        ("wanted", Pair),
+        ("within", c_double),
+        ("nearest", Attempt),
+    ]
 
 
 class RayEnd(Structure):
@@ -412,6 +431,7 @@ class RayEnd(Structure):
         ("p_err", c_double),
         ("opl_err", c_double),
         ("d_err", c_double),
+        ("within", c_double),
     ]
 
 

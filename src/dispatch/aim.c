@@ -18,6 +18,10 @@ SGT_DISPATCH(bool, sgt_trace_error,
               const sgt_passage passages[], sgt_end_error *out),
              (n, e, index_before, launch, passages, out))
 SGT_EXPORT(sgt_ray, sgt_beam_ray, (const sgt_beam *beam, double u, double v), (beam, u, v))
+SGT_EXPORT(bool, sgt_beam_bounds,
+           (size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam, sgt_vec2 wanted,
+            sgt_interval *u, sgt_interval *v),
+           (stop, e, index_before, beam, wanted, u, v))
 SGT_EXPORT(const char *, sgt_aimed_text, (sgt_aimed aimed), (aimed))
 SGT_DISPATCH(sgt_aimed, sgt_aim,
              (size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam, sgt_vec2 wanted,

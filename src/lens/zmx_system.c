@@ -405,7 +405,10 @@ void sgt_zmx_write_system(zmx *z, node *root)
     if (z->makers && z->makers->count) tree_set(z->s, root, "makers", z->makers);
     write_wavelengths(z, root);
     write_pupil(z, root);
-    if (z->aiming)
+    if (z->aiming && z->telecentric) /* as OpticStudio does */
+        tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->aiming_line, "RAIM",
+                    "ray aiming: OpticStudio ignores it where the object is telecentric; --aim real aims");
+    else if (z->aiming)
         tree_set(z->s, root, "aim", tree_word(z->s, z->aiming_line, z->aiming == 1 ? "stop" : "real_stop"));
     if (z->afocal) tree_set(z->s, root, "afocal", tree_word(z->s, z->ftyp_line, "true"));
     write_fields(z, root);

@@ -36,6 +36,7 @@ typedef struct aim_ray {
 typedef struct aim_search {
     const aim_task *task;
     double wide[2], tol; /* the sizes of the box */
+    double steep;        /* how far the last derivatives say that an ulp of the launch ray moves its end */
     int traces, most;
     size_t next; /* of the starts */
     int walked;  /* starts of ours whose rays got there */
@@ -97,6 +98,28 @@ static bool aim_differences(aim_search *s, const aim_ray *r, aim_slopes *j)
     return true;
 }
 
+/* Derivatives of the point at the stop.  What the stop does to light has no say in it: it is traced alone and
+ * without its phase, from where the ray left the element in front. */
+static void aim_sensitivity(const aim_task *t, const sgt_ray *launch, sgt_ray_change c[2])
+{
+    const size_t stop = t->stop;
+    sgt_element bare = t->e[stop];
+    sgt_ray from = *launch;
+    if (!bare.phase) {
+        sgt_trace_sensitivity(stop + 1, t->e, t->index_before, launch, t->passages, 2, c, c);
+        return;
+    }
+    bare.phase = NULL, bare.index = 0;
+    if (stop > 0) {
+        const sgt_pose *pose = &t->e[stop - 1].pose;
+        const sgt_passage *p = &t->passages[stop - 1];
+        sgt_trace_sensitivity(stop, t->e, t->index_before, launch, t->passages, 2, c, c);
+        for (int k = 0; k < 2; k++) c[k].p = out_of(pose, c[k].p), c[k].d = out_of(pose, c[k].d);
+        from.o = plus(pose->origin, out_of(pose, p->hit.p)), from.d = out_of(pose, p->direction);
+    }
+    sgt_trace_sensitivity(1, &bare, 1, &from, &t->passages[stop], 2, c, c);
+}
+
 /* The passages are those of r. */
 static bool aim_slopes_at(aim_search *s, const aim_ray *r, aim_slopes *j)
 {
@@ -104,10 +127,18 @@ static bool aim_slopes_at(aim_search *s, const aim_ray *r, aim_slopes *j)
     const sgt_beam *b = t->beam;
     sgt_ray_change c[2] = {{times(s->wide[0], b->ou), times(s->wide[0], b->du), 0},
                            {times(s->wide[1], b->ov), times(s->wide[1], b->dv), 0}};
-    sgt_trace_sensitivity(t->stop + 1, t->e, t->index_before, &r->ray, t->passages, 2, c, c);
+    aim_sensitivity(t, &r->ray, c);
     for (int k = 0; k < 2; k++) j->x[k] = c[k].p.x, j->y[k] = c[k].p.y;
     double sum = fabs(j->x[0]) + fabs(j->x[1]) + fabs(j->y[0]) + fabs(j->y[1]);
-    return sum < HUGE_VAL || aim_differences(s, r, j);
+    if (!(sum < HUGE_VAL)) {
+        if (!aim_differences(s, r, j)) return false;
+        sum = fabs(j->x[0]) + fabs(j->x[1]) + fabs(j->y[0]) + fabs(j->y[1]);
+    }
+    const double o = s->wide[0] * (absolute(b->ou) + absolute(b->ov)),
+                 d = s->wide[0] * (absolute(b->du) + absolute(b->dv));
+    const double by_o = o > 0 ? absolute(r->ray.o) / o : 0, by_d = d > 0 ? absolute(r->ray.d) / d : 0;
+    s->steep = 2 * SGT_U * sum * (by_o + by_d);
+    return true;
 }
 
 /* ------------------------------------------------------------------------ steps */
@@ -159,9 +190,9 @@ static bool is_there(const aim_search *s, const aim_ray *r, double *error)
     double grain;
     *error = sgt_aim_error(s->task, &r->ray, &grain);
     double noise = *error + grain;
-    if (!(noise < HUGE_VAL)) { /* no second derivatives: some hundred ulps */
+    if (!(noise < HUGE_VAL)) { /* no second derivatives: some hundred ulps, and the grain of the launch ray */
         sgt_vec3 p = s->task->passages[s->task->stop].hit.p;
-        noise = s->task->passages[s->task->stop].hit.p_err + 0x1p-46 * (fabs(p.x) + fabs(p.y));
+        noise = s->task->passages[s->task->stop].hit.p_err + 0x1p-46 * (fabs(p.x) + fabs(p.y)) + s->steep;
     }
     return r->miss <= s->tol || r->miss <= NOISE * noise;
 }

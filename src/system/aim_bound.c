@@ -148,6 +148,7 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, int
     for (size_t i = task->stop + 1; i-- > 0;) {
         const sgt_element *e = &task->e[i];
         bool turns = i < task->stop;
+        if (!turns) bare.phase = NULL; /* what the last element does to light moves no point of it */
         chain_link c;
         link_at(task, launch, i, &c);
         if (c.bends && turns) chain_second(chain_surface(e->surface), &c);

@@ -322,3 +322,24 @@ bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_li
     if (fate == BUNDLE_THERE) sag_hit(s, w, t, sign, h);
     return fate;
 }
+
+bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, sgt_interval *z)
+{
+    sag_model model = {.rim = HUGE_VAL};
+    if (surface.ops == &sgt_conic_ops) {
+        const sgt_conic *q = surface.self;
+        model.c = q->c, model.k = q->k;
+        if (!is_open(q->semi_diameter)) model.rim = q->semi_diameter;
+    } else {
+        if (!surface.ops || !sgt_bundle_has_sag(surface)) return false;
+        model = model_of(surface);
+    }
+    const double k1 = 1 + model.k, edge = k1 > 0 && model.c != 0 ? 1 / (fabs(model.c) * sqrt(k1)) : HUGE_VAL;
+    if (!(reach < model.rim)) reach = model.rim;
+    if (!(reach < edge)) reach = edge;
+    if (!(reach < 0x1p400)) return false;
+    reach *= 1 + 0x1p-40;
+    *x = (sgt_interval){-reach, reach};
+    *z = sag_over(&model, *x, *x, (sgt_interval){0, reach * reach}).sag;
+    return isfinite(z->lo) && isfinite(z->hi);
+}

@@ -1,9 +1,19 @@
 /* aim.c - rays aimed at the stop, and fields aimed at the image.
  *
  * A RAY OF A BEAM is one of a family with two parameters, its coordinates u, v in the entrance
- * pupil: all numbers of origin and direction are linear in them.  sgt_aim finds the one that
- * meets a point of the stop, or proves that there is none in the box of u and v (BOX radii of the
- * pupil, on either side).
+ * pupil, or in the cone of a telecentric object: all numbers of origin and direction are linear in
+ * them.  sgt_aim finds the one that meets a point of the stop, or proves that there is none in a box
+ * of u and v.
+ *
+ * A BOX IS NOT THE WORLD.  The family has no end.  So three kinds of boxes are searched in turn:
+ *
+ *     REACH[0] pupil radii on either side: most rays are found here
+ *     all that the rims in front let through (sgt_beam_bounds), if they bound it.  If there is none
+ *     in here, there is none that gets through: SGT_NO_SUCH_RAY
+ *     REACH[1], REACH[2] radii: a stop may lie far beside the axis.  If none is found, it is
+ *     undecided, and `within` says in which box it is proven that there is none
+ *
+ * Outer boxes are proven only if the inner one is: it is a part of them.
  *
  * WHERE THE SEARCH BEGINS: where the linear map about the chief ray puts the point.  So a ray depends
  * on no other but the chief ray, and rays may be aimed in any parts.
@@ -20,14 +30,19 @@
 #include "launch.h"
 
 static const double RADIANS = 0.017453292519943295; /* a degree */
-static const double BOX = 6, SLOPES = 50;           /* of the pupil; a direction of 88.9 degrees */
-enum { STEPS = 12 };
+static const double REACH[] = {6, 60, 600}, SLOPES = 50; /* of the pupil; a direction of 88.9 degrees */
+static const double WIDER = 10;                           /* times the paraxial height of the object */
+enum { STEPS = 12, REACHES = 3, TOLD = 16 };
 
-/* The rays of a beam by their coordinates in the pupil. */
+/* The rays of a beam by their coordinates in the pupil, or the slopes of the cone. */
 static sgt_beam family_of(const sgt_field_beam *b)
 {
     const double a = b->radius;
-    sgt_beam f = {.u = {-BOX, BOX}, .v = {-BOX, BOX}};
+    sgt_beam f = {.u = {-REACH[0], REACH[0]}, .v = {-REACH[0], REACH[0]}};
+    if (b->cone > 0) {
+        f.o = b->object, f.d.z = 1, f.du.x = f.dv.y = b->cone;
+        return f;
+    }
     if (b->finite) { /* light runs along +z even if the pupil lies in front of the object */
         const double ahead = copysign(1, b->pupil - b->object.z);
         f.o = b->object;
@@ -55,12 +70,70 @@ static linear linear_at(size_t element, const sgt_element e[], double before, co
     return (linear){l.xu, l.xv, l.yu, l.yv, l.xu * l.yv - l.xv * l.yu};
 }
 
-static sgt_aiming aim_at(size_t element, const sgt_element e[], double before, const sgt_beam *f,
-                         sgt_vec2 wanted, sgt_passage passages[], size_t starts, const sgt_vec2 start[])
+/* A question to sgt_aim, and what is known of the rays that are not there. */
+typedef struct aim_search {
+    size_t element;
+    const sgt_element *e;
+    double before;
+    sgt_passage *passages;
+    size_t starts;
+    sgt_vec2 start[2];
+    double within;         /* radii of the pupil: it is proven that no ray there meets the point */
+    sgt_attempt nearest;
+} aim_search;
+
+/* max_boxes: of sgt_aim. */
+static sgt_aiming aim_in(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int max_boxes)
 {
     sgt_aiming a;
-    sgt_aim(element, e, before, f, wanted, passages,
-            &(sgt_aim_options){.starts = starts, .start = start}, &a);
+    sgt_attempt tried[TOLD];
+    sgt_aim(s->element, s->e, s->before, f, wanted, s->passages,
+            &(sgt_aim_options){.starts = s->starts, .start = s->start, .max_boxes = max_boxes,
+                               .room = TOLD, .attempt = tried},
+            &a);
+    for (size_t i = 0; i < a.attempts && i < TOLD; i++)
+        if (s->nearest.traces == 0 || tried[i].miss < s->nearest.miss ||
+            (isnan(s->nearest.miss) && !isnan(tried[i].miss)))
+            s->nearest = tried[i];
+    return a;
+}
+
+static sgt_beam boxed(sgt_beam f, sgt_interval u, sgt_interval v)
+{
+    f.u = u, f.v = v;
+    return f;
+}
+
+static bool is_within(sgt_interval x, double reach) { return x.lo >= -reach && x.hi <= reach; }
+
+/* The ray of the whole family f; see the head. */
+static sgt_aiming aim_at(aim_search *s, const sgt_beam *f, sgt_vec2 wanted)
+{
+    sgt_interval u, v;
+    s->nearest = (sgt_attempt){.miss = (double)NAN};
+    sgt_aiming a = aim_in(s, f, wanted, 0);
+    if (a.status == SGT_MET || a.status == SGT_AIM_INVALID) return a;
+    bool none = a.status == SGT_NO_SUCH_RAY;
+    s->within = none ? REACH[0] : 0;
+    if (sgt_beam_bounds(s->element, s->e, s->before, f, wanted, &u, &v)) {
+        const bool empty = !(u.lo <= u.hi);
+        if (!empty && !(none && is_within(u, REACH[0]) && is_within(v, REACH[0]))) {
+            const sgt_beam box = boxed(*f, u, v);
+            a = aim_in(s, &box, wanted, 0);
+        } else {
+            a.status = SGT_NO_SUCH_RAY;
+        }
+        if (a.status == SGT_MET || a.status == SGT_NO_SUCH_RAY) return a;
+    }
+    for (int i = 1; i < REACHES; i++) {
+        const sgt_interval x = {-REACH[i], REACH[i]};
+        const sgt_beam box = boxed(*f, x, x);
+        a = aim_in(s, &box, wanted, none ? 0 : -1);
+        if (a.status == SGT_MET) return a;
+        none = none && a.status == SGT_NO_SUCH_RAY;
+        if (none) s->within = REACH[i];
+    }
+    a.status = SGT_AIM_UNDECIDED;
     return a;
 }
 
@@ -105,34 +178,52 @@ static sgt_ray of_unit_length(sgt_ray ray)
     return ray;
 }
 
+/* s: without starts. */
+static void aim_all(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f, const aim_search *s,
+                    size_t count, const sgt_pupil_point at[], sgt_launched out[])
+{
+    const size_t stop = s->element;
+    aim_search chief_search = *s;
+    chief_search.starts = 1, chief_search.start[0] = (sgt_vec2){0, 0};
+    const sgt_aiming chief = aim_at(&chief_search, f, (sgt_vec2){0, 0});
+    linear map = {.determinant = 0};
+    if (chief.status == SGT_MET) map = linear_at(stop, s->e, s->before, f, &chief.ray, s->passages);
+    const bool mapped = fabs(map.determinant) > 0;
+    for (size_t i = 0; i < count; i++) {
+        const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
+        const sgt_vec2 wanted = {q.x * from->stop_radius, q.y * from->stop_radius};
+        aim_search one = *s;
+        one.starts = 2, one.start[0] = one.start[1] = q;
+        if (mapped) {
+            const double x = wanted.x - chief.point.x, y = wanted.y - chief.point.y;
+            one.start[0].x = chief.u + (map.yv * x - map.xv * y) / map.determinant;
+            one.start[0].y = chief.v + (map.xu * y - map.yu * x) / map.determinant;
+        }
+        const sgt_aiming a = aim_at(&one, f, wanted);
+        out[i] = (sgt_launched){.ray = of_unit_length(a.ray), .status = a.status, .wanted = wanted};
+        if (a.status != SGT_MET) out[i].within = one.within, out[i].nearest = one.nearest;
+        else if (from->sense != 0)
+            out[i].folded =
+                linear_at(stop, s->e, s->before, f, &a.ray, s->passages).determinant * from->sense < 0;
+    }
+}
+
 bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
                   size_t count, const sgt_pupil_point at[], sgt_launched out[])
 {
     const size_t stop = from->lens->stop;
     const sgt_beam f = family_of(b);
     sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
-    if (!passages) return false;
-    const sgt_vec2 middle = {0, 0};
-    const sgt_aiming chief = aim_at(stop, e, before, &f, middle, passages, 1, &middle);
-    linear map = {.determinant = 0};
-    if (chief.status == SGT_MET) map = linear_at(stop, e, before, &f, &chief.ray, passages);
-    const bool mapped = fabs(map.determinant) > 0;
-    for (size_t i = 0; i < count; i++) {
-        const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
-        const sgt_vec2 wanted = {q.x * from->stop_radius, q.y * from->stop_radius};
-        sgt_vec2 starts[2] = {q, q};
-        if (mapped) {
-            const double x = wanted.x - chief.point.x, y = wanted.y - chief.point.y;
-            starts[0].x = chief.u + (map.yv * x - map.xv * y) / map.determinant;
-            starts[0].y = chief.v + (map.xu * y - map.yu * x) / map.determinant;
-        }
-        const sgt_aiming a = aim_at(stop, e, before, &f, wanted, passages, 2, starts);
-        out[i] = (sgt_launched){.ray = of_unit_length(a.ray), .status = a.status};
-        if (a.status == SGT_MET && from->sense != 0)
-            out[i].folded = linear_at(stop, e, before, &f, &a.ray, passages).determinant * from->sense < 0;
+    sgt_element *bare = sgt_launch_take(from, stop + 1, sizeof *bare);
+    const bool room = passages && bare;
+    for (size_t i = 0; room && i <= stop; i++) bare[i] = e[i];
+    if (room) {
+        bare[stop].phase = NULL; /* what the stop does to light has no say in where it is met */
+        aim_all(from, b, &f, &(aim_search){stop, bare, before, passages, .starts = 0}, count, at, out);
     }
     sgt_launch_forget(from, passages);
-    return true;
+    sgt_launch_forget(from, bare);
+    return room;
 }
 
 /* ------------------------------------------------------------ real image heights */
@@ -171,8 +262,9 @@ static bool image_of(const field_search *s, sgt_field_beam b, sgt_vec2 at, sgt_v
     set_point(s->from, &b, at);
     const sgt_beam f = family_of(&b);
     sgt_fate fate;
-    sgt_aiming a = aim_at(s->from->lens->stop, s->from->element, s->from->before, &f, (sgt_vec2){0, 0},
-                          s->passages, 1, pupil);
+    aim_search one = {s->from->lens->stop, s->from->element, s->from->before, s->passages, .starts = 1,
+                      .start = {*pupil}};
+    sgt_aiming a = aim_at(&one, &f, (sgt_vec2){0, 0});
     if (a.status != SGT_MET) return false;
     *pupil = (sgt_vec2){a.u, a.v};
     size_t passed = sgt_trace_through(s->count, s->from->element, s->from->before, &a.ray, s->open,
@@ -185,7 +277,10 @@ static bool image_of(const field_search *s, sgt_field_beam b, sgt_vec2 at, sgt_v
 /* Newton's method for the field whose aimed chief ray meets the image at `wanted`. */
 static bool solve_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 wanted, sgt_vec2 *at)
 {
-    const double scale = 1e-5 * (b->finite ? fabs(b->object.z - b->pupil) : 1);
+    const sgt_lens *l = s->from->lens;
+    /* of a telecentric object the pupil is at infinity */
+    const double size = b->cone > 0 ? fabs(l->object_distance) : fabs(b->object.z - b->pupil);
+    const double scale = 1e-5 * (b->finite ? size : 1), radius = b->cone > 0 ? b->cone * size : b->radius;
     double least = HUGE_VAL;
     sgt_vec2 best = *at, pupil = {0, 0};
     for (int i = 0; i < STEPS; i++) {
@@ -201,20 +296,25 @@ static bool solve_field(const field_search *s, const sgt_field_beam *b, sgt_vec2
         at->x += (g * u - c * v) / by, at->y += (a * v - e * u) / by;
     }
     *at = best;
-    return least <= 1e-9 * (hypot(wanted.x, wanted.y) + 1e-3 * b->radius);
+    return least <= 1e-9 * (hypot(wanted.x, wanted.y) + 1e-3 * radius);
 }
 
-static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 wanted, sgt_vec2 *found)
+/* *limit: how far slopes or objects were searched; 0: by steps from the paraxial one. */
+static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 wanted, sgt_vec2 *found,
+                       double *limit)
 {
     const sgt_lens *l = s->from->lens;
-    if (l->aim != SGT_AIM_PUPIL && b->cone == 0) return solve_field(s, b, wanted, found);
+    if (l->aim != SGT_AIM_PUPIL) return solve_field(s, b, wanted, found);
     sgt_beam f = chiefs_of(b);
     if (b->finite) {
         double reach =
-            10 * (hypot(found->x, found->y) + (b->cone > 0 ? hypot(wanted.x, wanted.y) : b->radius));
+            WIDER * (hypot(found->x, found->y) + (b->cone > 0 ? hypot(wanted.x, wanted.y) : b->radius));
         f.u = f.v = (sgt_interval){-reach, reach};
     }
-    sgt_aiming a = aim_at(l->count - 1, s->from->element, s->from->before, &f, wanted, s->passages, 1, found);
+    aim_search one = {l->count - 1, s->from->element, s->from->before, s->passages, .starts = 1,
+                      .start = {*found}};
+    const sgt_aiming a = aim_in(&one, &f, wanted, 0);
+    *limit = b->finite ? f.u.hi : SLOPES;
     *found = (sgt_vec2){a.u, a.v};
     return a.status == SGT_MET;
 }
@@ -230,7 +330,8 @@ bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted,
     s.passages = sgt_launch_take(from, l->count, sizeof *s.passages);
     const bool room = s.open && s.passages;
     bool fine = room;
-    if (room) fine = find_field(&s, b, wanted, &found);
+    double limit = 0;
+    if (room) fine = find_field(&s, b, wanted, &found, &limit);
     sgt_launch_forget(from, s.open);
     sgt_launch_forget(from, s.passages);
     if (fine) {
@@ -238,7 +339,13 @@ bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted,
         return true;
     }
     if (!room) return sgt_launch_fail(from, error, "", "no memory");
+    static const char way_out[] = "there may be one yet; give --field or --rays";
+    if (limit == 0)
+        return sgt_launch_fail(from, error, "fields",
+                               "no chief ray was found that meets the image at [%g, %g] by %d steps of "
+                               "Newton's method from the paraxial field; %s",
+                               wanted.x, wanted.y, (int)STEPS, way_out);
     return sgt_launch_fail(from, error, "fields",
-                           "no chief ray was found that meets the image at [%g, %g]; give --field or --rays",
-                           wanted.x, wanted.y);
+                           "no chief ray was found that meets the image at [%g, %g], with %s up to %g; %s",
+                           wanted.x, wanted.y, b->finite ? "object heights" : "slopes", limit, way_out);
 }

@@ -114,7 +114,8 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
         size_t passed = 0;
         if (chief.status == SGT_MET)
             passed = sgt_trace_through(count, own, index_before, &chief.ray, open, passages, &out->fate);
-        out->aimed = chief.status, out->element = passed < count ? passed : count - 1;
+        out->aimed = chief.status, out->within = chief.within;
+        out->element = passed < count ? passed : count - 1;
         if (passed == count)
             tell_curve(from, &b, open, index_before, data, distortion, &chief.ray, passages, out);
     }

@@ -87,11 +87,11 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     if (from->lens->afocal) out->d_err = sgt_direction_error(from, e, before, &l->ray, out);
 }
 
-static sgt_ray_end not_traced(const sgt_pupil_point *at, sgt_aimed status)
+static sgt_ray_end not_traced(const sgt_pupil_point *at, const sgt_launched *l)
 {
     const double none = (double)NAN;
     const sgt_vec3 nowhere = {none, none, none};
-    return (sgt_ray_end){.px = at->x, .py = at->y, .weight = at->weight, .aimed = status, .fate = SGT_LOST,
+    return (sgt_ray_end){.px = at->x, .py = at->y, .weight = at->weight, .aimed = l->status, .within = l->within, .fate = SGT_LOST,
                          .status = SGT_EXHAUSTED, .p = nowhere, .d = nowhere, .opl = none, .p_err = none,
                          .opl_err = none, .d_err = none};
 }
@@ -104,7 +104,7 @@ bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sg
     sgt_launched *launched = sgt_launch_take(from, count, sizeof *launched);
     bool fine = passages && launched && sgt_launch_rays(from, b, e, index_before, count, at, launched);
     for (size_t i = 0; fine && i < count; i++) {
-        out[i] = not_traced(&at[i], launched[i].status);
+        out[i] = not_traced(&at[i], &launched[i]);
         if (launched[i].status == SGT_MET)
             follow(from, b, e, index_before, &launched[i], opt, passages, &out[i]);
     }
@@ -148,7 +148,7 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
     sgt_launched launched;
     bool fine = passages && open && sgt_launch_rays(from, b, e, index_before, 1, &centre, &launched);
     if (fine) {
-        *out = not_traced(&centre, launched.status);
+        *out = not_traced(&centre, &launched);
         if (launched.status == SGT_MET) {
             sgt_trace_through(count, e, index_before, &launched.ray, open, passages, &out->fate);
             follow(from, b, open, index_before, &launched, NULL, passages, out);

@@ -17,6 +17,7 @@
 #include "../read/surface.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -26,7 +27,8 @@ static const char diagnose_help[] =
     "\n"
     "Shows how the root of one ray is found: a row for each evaluation of F (the surface is where\n"
     "F = 0), and then what to conclude.  Of a lens: why the ray ended, and the search at the element\n"
-    "where it did.  Of a ray that passed: a row for each element.\n"
+    "where it did.  Of a ray that passed: a row for each element.  Of a ray that aiming has not\n"
+    "found: how near the search came, and what stopped the rays that would be nearer.\n"
     "\n"
     "Columns\n"
     "  ray, element       the ray, counted from 0; the element, counted from 1\n"
@@ -210,6 +212,68 @@ static long evaluations(const diagnose_arguments *a, const job *j, const launch 
     return n;
 }
 
+/* The ray that is asked for, if aiming has not found it: by its number, or the first if no ray is there. */
+static const launch *missing_ray(const diagnose_arguments *a, const job *j)
+{
+    long number = 0;
+    if (!j->how) return NULL;
+    const ray_list *missing = &j->how->missing;
+    if (!a->ray) return j->rays.count || !missing->count ? NULL : &missing->ray[0];
+    if (!number_read_integer(a->ray, 0, LONG_MAX, &number)) return NULL;
+    for (size_t i = 0; i < missing->count; i++)
+        if (missing->ray[i].number == (size_t)number) return &missing->ray[i];
+    return NULL;
+}
+
+/* How the search for it ended, in words. */
+static void explain_nearest(table *t, const job *j, const sgt_launched *l)
+{
+    static const char *const stops[] = {[SGT_PASSED] = "passes", [SGT_CLIPPED] = "is clipped at",
+                                        [SGT_TIR] = "is totally reflected at", [SGT_MISSED] = "misses"};
+    const sgt_attempt *n = &l->nearest;
+    const size_t element = n->element + 1;
+    const char *what = n->fate < 0 ? "is undecided at" : stops[n->fate];
+    const bool stopped = n->fate != SGT_PASSED;
+    if (n->traces == 0) {
+        table_line(t, "No ray of the field that the rims in front let through can meet it.");
+        return;
+    }
+    if (isnan(n->miss)) {
+        table_line(t, "No ray was found that gets to the stop.  The first that was tried, through %.6g, "
+                      "%.6g of the paraxial pupil, %s element %zu.", n->from.x, n->from.y, what, element);
+        return;
+    }
+    table_line(t, "The nearest ray that was found, through %.6g, %.6g of the paraxial pupil, passes the stop "
+                  "%.3g beside the point.", n->to.x, n->to.y, n->miss);
+    if (n->reason == SGT_AIM_AT_EDGE)
+        table_line(t, "It is on the edge of the rays that were searched: the point lies farther out.");
+    if (n->reason == SGT_AIM_CUT && stopped)
+        table_line(t, "A ray that would be nearer %s element %zu%s.", what, element,
+                   element - 1 == j->lens.of->stop ? ", the stop" : "");
+    if (n->reason == SGT_AIM_STUCK)
+        table_line(t, "No ray beside it comes nearer: the rays of the field turn back short of the point.");
+    if (n->reason == SGT_AIM_SPENT) table_line(t, "The search has spent its rays.");
+}
+
+/* A ray that is not there.  Returns whether that is decided. */
+static bool diagnose_missing(const diagnose_arguments *a, const job *j, const launch *l)
+{
+    const sgt_field_beam beam = launch_beam(j->how, j->field_kind, j->field[l->field]);
+    const sgt_pupil_point at = {l->px, l->py, 1};
+    sgt_launched launched;
+    if (!sgt_launch_rays(j->how->from, &beam, j->element, j->lens.index_before, 1, &at, &launched))
+        fail_input("out of memory");
+    table *t = table_begin(&a->shared.target, HEAD_COUNT, diagnose_head);
+    table_line(t, "%s: ray %zu, field %zu, through %g, %g of the pupil.  It was not traced: aimed at %.6g, "
+                  "%.6g of the stop, element %zu,\n%s.",
+               *j->lens.name ? j->lens.name : j->lens.of->file, l->number, l->field + 1, l->px, l->py,
+               launched.wanted.x, launched.wanted.y, j->lens.of->stop + 1,
+               launch_words(l->status, l->within));
+    explain_nearest(t, j, &launched);
+    table_end(t);
+    return l->status == SGT_NO_SUCH_RAY;
+}
+
 /* The ray to show; *how: in words, by what it was chosen. */
 static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const char **how)
 {
@@ -313,8 +377,9 @@ exit_status command_diagnose(int argc, char *argv[])
         job j = job_read(&a.job);
         options_note_unread(&a.shared, j.lens.count, j.element);
         const char *how = "";
-        const launch *l = chosen_ray(&a, &j, &how);
-        decided = diagnose_lens(&a, &j, l, how);
+        const launch *missing = missing_ray(&a, &j);
+        const launch *l = missing ? missing : chosen_ray(&a, &j, &how);
+        decided = missing ? diagnose_missing(&a, &j, l) : diagnose_lens(&a, &j, l, how);
     }
     return decided ? EXIT_DECIDED : EXIT_UNDECIDED;
 }

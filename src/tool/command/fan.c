@@ -16,7 +16,7 @@ static const char fan_help[] =
     "Columns\n"
     "  field, wavelength  the field, counted from 1; micrometres\n"
     "  px, py             the point of the pupil, in radii of it\n"
-    "  fate               passed; missed, clipped, tir, lost; none: it is proven that there is no such ray\n"
+    "  fate               passed; missed, clipped, tir, lost; none: proven, no such ray\n"
     "  ex, ey             the errors in x and y (length, in the frame of the last surface)\n"
     "  e_err              rounding puts neither off by more (length)\n"
     "  ex_mrad, ey_mrad, e_err_mrad\n"

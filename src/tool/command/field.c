@@ -91,8 +91,9 @@ static sgt_field_point field_point(const look *l, const field_arguments *a, cons
 static void field_row(table *t, look *l, size_t number, const look_band *band, sgt_lens_field at,
                       const sgt_field_point *p)
 {
-    const sgt_ray_end end = {.aimed = p->aimed, .fate = p->fate};
+    const sgt_ray_end end = {.aimed = p->aimed, .fate = p->fate, .within = p->within};
     look_count(&l->fates, &end);
+    look_lost(l, band, look_text("%s --no-apertures", look_field_option(l->fields.kind, &at)), &end);
     table_count(t, (long long)number + 1);
     look_number(t, band->lens.wavelength);
     look_number(t, p->tangential);

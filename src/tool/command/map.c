@@ -18,7 +18,7 @@ static const char map_help[] =
     "  field, wavelength  the field, counted from 1, or over the field the point; micrometres\n"
     "  fx, fy             the field, as the lens gives it: degrees, or a height (length)\n"
     "  px, py             the point of the pupil, in radii of it\n"
-    "  fate, element      passed; missed, clipped, tir, lost; none: it is proven that there is no such ray.\n"
+    "  fate, element      passed; missed, clipped, tir, lost; none: proven, no such ray.\n"
     "                     Where it ended, counted from 1\n"
     "  evals              evaluations at all elements together\n"
     "  t_err              the largest bound on the error of a length between elements (length)\n"

@@ -22,7 +22,7 @@ static const char opd_help[] =
     "Columns, for two lines across the pupil or another pattern of rays\n"
     "  field, wavelength  the field, counted from 1; micrometres\n"
     "  px, py             the point of the pupil, in radii of it\n"
-    "  fate               passed; missed, clipped, tir, lost; none: it is proven that there is no such ray\n"
+    "  fate               passed; missed, clipped, tir, lost; none: proven, no such ray\n"
     "  opd, opd_err       the difference, and how far rounding may have put it off (waves)\n"
     "\n"
     "Columns of --summary, over an area\n"

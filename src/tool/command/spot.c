@@ -28,7 +28,7 @@ static const char spot_help[] =
     "  sampling           rms, less that of half as many rays across the pupil.  So much more or less\n"
     "                     depends on the rays that are taken\n"
     "  missed, clipped, tir, lost, none\n"
-    "                     what became of the other rays; none: it is proven that there is no such ray;\n"
+    "                     what became of the other rays; none: proven, no such ray;\n"
     "  proven             with --proof: rays that passed and were proven at each surface (all of these\n"
     "                     in csv and json; in text the line below tells it)\n"
     "  defocus            with --defocus\n"

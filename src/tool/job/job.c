@@ -32,6 +32,9 @@ static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells 
 #define FIELDS_HELP                                                                                     \
     "  --field DEG        angle of a field in the y-z plane, in degrees; the chief ray of a positive\n" \
     "                     field climbs toward +y.  May be repeated\n"                                   \
+    "  --field-at \"X Y K\" any field: two numbers as `fields` of a lens file has them.  K (may be left\n"   \
+    "                     out: as the lens has it) is angle, object_height, paraxial_image_height or\n"      \
+    "                     real_image_height.  May be repeated, with the same K\n"                           \
     "  --fields LIST      fields of the lens by their numbers, counted from 1: 1,3.  Or all, the default\n"
 
 #define PATTERNS_HELP                                                                                        \
@@ -49,7 +52,10 @@ static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells 
 
 #define AIM_HELP                                                                                           \
     "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n" \
-    "                     (its radius is the marginal ray's height there).  Default: as the lens says\n"
+    "                     (its radius is the marginal ray's height there).  Default: as the lens says.\n"  \
+    "                     Rays are searched in 600 pupil radii, and in all that rims in front let\n" \
+    "                     through.  If rims bound them, it can be proven that there is none; else a ray\n" \
+    "                     that is not found is undecided\n"
 
 #define FILE_HELP                                                                                      \
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"     \
@@ -166,16 +172,54 @@ static void take_field(job_options *o)
     if (strcmp(optarg, "all") == 0) return; /* those of the lens: the default */
     if (strchr(optarg, ','))
         fail_usage("--field takes one angle, not %s; for several angles repeat --field", optarg);
+    if (o->field_at) fail_usage("give --field or --field-at, not both");
     o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
     o->field[o->fields] = (sgt_lens_field){.y = options_number("field", optarg), .weight = 1};
     if (!(fabs(o->field[o->fields++].y) < 90))
         fail_usage("--field must be between -90 and 90 degrees, not %s", optarg);
 }
 
+static const char *const kinds[] = {[SGT_FIELD_ANGLE] = "angle",
+                                    [SGT_FIELD_OBJECT_HEIGHT] = "object_height",
+                                    [SGT_FIELD_PARAXIAL_IMAGE_HEIGHT] = "paraxial_image_height",
+                                    [SGT_FIELD_REAL_IMAGE_HEIGHT] = "real_image_height"};
+enum { KINDS = sizeof kinds / sizeof kinds[0] };
+
+const char *job_field_kind(sgt_field_kind kind) { return kinds[kind]; }
+
+static void take_field_at(job_options *o)
+{
+    sgt_lens_field f = {.weight = 1};
+    char kind[40] = "", more;
+    const int n = sscanf(optarg, "%lf %lf %39s %c", &f.x, &f.y, kind, &more);
+    size_t k = 0;
+    while (k < KINDS && strcmp(kind, kinds[k]) != 0) k++;
+    if (n < 2 || n > 3 || !isfinite(f.x) || !isfinite(f.y) || (n == 3 && k == KINDS))
+        fail_usage("--field-at must be \"X Y\" or \"X Y KIND\", KIND angle, object_height, "
+                   "paraxial_image_height or real_image_height, not \"%s\"", optarg);
+    const char *own = n == 3 ? kinds[k] : NULL;
+    if (o->fields && (!o->field_at || own != o->field_kind))
+        fail_usage("give --field, or --field-at with the same KIND each time");
+    o->field_at = true, o->field_kind = own;
+    o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
+    o->field[o->fields++] = f;
+}
+
+/* Notes an option that a command which repeats the rays has to be given, too. */
+static void give_again(job_options *o, const char *option, const char *value)
+{
+    const char *before = o->again ? o->again : "";
+    const size_t size = strlen(before) + strlen(option) + (value ? strlen(value) : 0) + 8;
+    char *all = memory_take(size, 1);
+    snprintf(all, size, value ? "%s --%s \"%s\"" : "%s --%s", before, option, value);
+    o->again = all;
+}
+
 bool job_take(job_options *o, int code)
 {
     switch (code) {
     case JOB_FIELD: take_field(o); return true;
+    case JOB_FIELD_AT: take_field_at(o); return true;
     case JOB_FIELDS: take_fields(o); return true;
     case JOB_CHIEF: take_pupil(o, "0 0"); return true;
     case JOB_PUPIL: take_pupil(o, optarg); return true;
@@ -192,14 +236,15 @@ bool job_take(job_options *o, int code)
     case JOB_RAYS: o->rays = optarg; return true;
     case JOB_SKIP_BAD: o->skip_bad = true; return true;
     case JOB_WAVELENGTH: take_wavelength(o); return true;
-    case JOB_GLASS: lens_glass_folder(optarg), o->glass = true; return true;
+    case JOB_GLASS: lens_glass_folder(optarg), o->glass = true, give_again(o, "glass", optarg); return true;
     case JOB_AIM:
+        give_again(o, "aim", optarg);
         o->aim_given = true, o->aimed = strcmp(optarg, "real") == 0;
         if (!o->aimed && strcmp(optarg, "paraxial") != 0)
             fail_usage("--aim must be paraxial or real, not \"%s\"", optarg);
         return true;
-    case JOB_STRICT: o->strict = true; return true;
-    case JOB_NO_APERTURES: o->no_apertures = true; return true;
+    case JOB_STRICT: o->strict = true, give_again(o, "strict", NULL); return true;
+    case JOB_NO_APERTURES: o->no_apertures = true, give_again(o, "no-apertures", NULL); return true;
     default: return false;
     }
 }
@@ -267,6 +312,11 @@ field_list job_fields(const job_options *o, const lens *l)
     size_t *number = memory_take(list.count, sizeof *number);
     for (size_t i = 0; i < list.count; i++) number[i] = i;
     list.number = o->numbers ? o->number : number;
+    for (size_t k = 0; o->field_at && k < KINDS; k++)
+        if (!o->field_kind || o->field_kind == kinds[k]) {
+            list.kind = o->field_kind ? (sgt_field_kind)k : of->field_kind;
+            break;
+        }
     if (!o->numbers) return list;
     sgt_lens_field *at = memory_take(list.count, sizeof *at);
     for (size_t i = 0; i < list.count; i++) {
@@ -315,7 +365,8 @@ static void plan_rays(job *j, const launch_pattern *points)
     sgt_field_beam *beam = memory_take(j->fields, sizeof *beam);
     for (size_t f = 0; f < j->fields; f++) beam[f] = launch_beam(j->how, j->field_kind, j->field[f]);
     for (size_t c = 0; c < j->wavelengths; c++)
-        j->at[c].plan = (launch_plan){.how = j->how, .traced = &j->at[c].lens, .fields = j->fields,
+        j->at[c].plan = (launch_plan){.how = j->how, .traced = &j->at[c].lens,
+                                      .element = j->at[c].element, .fields = j->fields,
                                       .beam = beam, .points = points};
     j->how->count = j->fields * points->count;
 }
@@ -380,7 +431,8 @@ job job_read(const job_options *o)
         }
         j.how->count = 0;
         for (size_t f = 0; f < j.fields; f++)
-            launch_field(&j.at[c].rays, j.how, &j.at[c].lens, f, j.field_kind, j.field[f], points);
+            launch_field(&j.at[c].rays, j.how, &j.at[c].lens, j.at[c].element, f, j.field_kind, j.field[f],
+                         points);
     }
     j.rays = j.at[0].rays;
     job_end_parts(&j);

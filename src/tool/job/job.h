@@ -10,6 +10,8 @@ typedef struct job_options {
     const char *lens, *rays;          /* files */
     sgt_lens_field *field;            /* --field, one after another */
     size_t fields, capacity;
+    bool field_at;                    /* those of --field-at, not of --field */
+    const char *field_kind;           /* its KIND; NULL: as the lens has it */
     size_t *number;                   /* --fields, one after another, from 0 */
     size_t numbers, number_capacity;
     sgt_pupil_point *pupil;           /* --pupil and --chief, one after another */
@@ -26,6 +28,7 @@ typedef struct job_options {
     bool several;                     /* set by a command that takes several wavelengths */
     bool parts;                       /* set by a command that calls job_part */
     bool skip_bad, no_apertures, glass, strict;
+    char *again;                      /* --glass, --strict, --aim and --no-apertures as given; NULL: none */
     int threads;                      /* to read rays with; 0: one */
 } job_options;
 
@@ -44,6 +47,7 @@ enum {
     JOB_ACROSS,
     JOB_PATTERN,
     JOB_SEED, JOB_AIM,
+    JOB_FIELD_AT,
     JOB_RAYS,
     JOB_SKIP_BAD,
     JOB_WAVELENGTH,
@@ -55,6 +59,7 @@ enum {
 
 #define JOB_OPTIONS                                             \
     {"field", required_argument, NULL, JOB_FIELD},              \
+    {"field-at", required_argument, NULL, JOB_FIELD_AT},        \
     {"fan", required_argument, NULL, JOB_FAN},                  \
     {"grid", required_argument, NULL, JOB_GRID},                \
     {"hexapolar", required_argument, NULL, JOB_HEXAPOLAR},      \
@@ -130,6 +135,9 @@ typedef struct field_list {
     sgt_field_kind kind;
 } field_list;
 field_list job_fields(const job_options *o, const lens *l);
+
+/* The KIND of --field-at. */
+const char *job_field_kind(sgt_field_kind kind);
 
 /* The points of the pupil that are asked for; without any, those of `otherwise`, n of them (0: as --pattern
  * has it). */

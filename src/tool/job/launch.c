@@ -4,7 +4,9 @@
 #include "../base/memory.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 launch_pattern launch_points(sgt_pattern pattern, size_t n, uint64_t seed)
 {
@@ -35,21 +37,36 @@ launch_how launch_by(const lens *l, const sgt_lens_aim *aim)
     return how;
 }
 
-static void note_missing(launch_how *how, const launch *l, sgt_aimed status)
+const char *launch_words(sgt_aimed status, double within)
+{
+    char text[200];
+    if (status == SGT_NO_SUCH_RAY)
+        return "there is no ray, as is proven of all that the rims in front let through";
+    if (!(within > 0)) return "no ray was found, nor excluded";
+    snprintf(text, sizeof text, "no ray was found (none within %g pupil radii; beyond that it is open)",
+             within);
+    return memory_text(text, strlen(text));
+}
+
+static void note_missing(launch_how *how, const launch *l)
 {
     enum { TOLD = 4 };
-    const bool none = status == SGT_NO_SUCH_RAY;
     const size_t before = how->none + how->undecided;
     if (before < TOLD)
-        note("ray %zu (field %zu, px %g, py %g): %s through this point of the stop", l->number, l->field + 1,
-             l->px, l->py, none ? "there is no ray, as is proven," : "no ray was found, nor excluded,");
+        note("ray %zu (field %zu, px %g, py %g): %s; it is aimed at this point of the stop", l->number,
+             l->field + 1, l->px, l->py, launch_words(l->status, l->within));
     else if (before == TOLD) note("and more rays that are not there");
-    *(none ? &how->none : &how->undecided) += 1;
+    if (l->status == SGT_NO_SUCH_RAY) {
+        how->none++;
+        return;
+    }
+    how->within = how->undecided ? fmin(how->within, l->within) : l->within;
+    how->undecided++;
 }
 
 bool launch_there(launch_how *how, const launch *l)
 {
-    if (l->status != SGT_MET) note_missing(how, l, l->status);
+    if (l->status != SGT_MET) note_missing(how, l);
     else how->folded += l->folded;
     return l->status == SGT_MET;
 }
@@ -73,28 +90,30 @@ void launch_part(const launch_plan *plan, size_t first, size_t count, launch out
         const sgt_pupil_point *p = plan->points->at + point;
         part = count - done < left ? count - done : left;
         if (part > LAUNCH_PART) part = LAUNCH_PART;
-        if (!sgt_launch_rays(plan->how->from, &plan->beam[field], plan->traced->element,
+        if (!sgt_launch_rays(plan->how->from, &plan->beam[field], plan->element,
                              plan->traced->index_before, part, p, launched))
             fail_input("out of memory");
         for (size_t i = 0; i < part; i++)
             out[done + i] = (launch){.ray = launched[i].ray, .number = number + i, .field = field,
                                      .px = p[i].x, .py = p[i].y, .status = launched[i].status,
-                                     .folded = launched[i].folded};
+                                     .folded = launched[i].folded,
+                                     .within = launched[i].within};
     }
 }
 
-void launch_field(ray_list *list, launch_how *how, const lens *traced, size_t field, sgt_field_kind kind,
-                  sgt_lens_field at, const launch_pattern *points)
+void launch_field(ray_list *list, launch_how *how, const lens *traced, const sgt_element *element,
+                  size_t field, sgt_field_kind kind, sgt_lens_field at, const launch_pattern *points)
 {
     const sgt_field_beam beam = launch_beam(how, kind, at);
-    const launch_plan plan = {.how = how, .traced = traced, .fields = 1, .beam = &beam, .points = points};
+    const launch_plan plan = {.how = how, .traced = traced, .element = element, .fields = 1,
+                              .beam = &beam, .points = points};
     launch part[LAUNCH_PART];
     for (size_t first = 0, count; first < points->count; first += count, how->count += count) {
         count = points->count - first < LAUNCH_PART ? points->count - first : LAUNCH_PART;
         launch_part(&plan, first, count, part);
         for (size_t i = 0; i < count; i++) {
             part[i].number = how->count + i, part[i].field = field;
-            if (launch_there(how, &part[i])) rays_add(list, part[i]);
+            rays_add(launch_there(how, &part[i]) ? list : &how->missing, part[i]);
         }
     }
 }
@@ -104,6 +123,11 @@ void launch_note(const launch_how *how, size_t wavelengths)
     if (how->none + how->undecided)
         note("%zu of %zu rays are not there: of %zu that is proven", how->none + how->undecided,
              how->count * wavelengths, how->none);
+    if (how->undecided)
+        note("%zu %s undecided%s; sagitta diagnose with the same options and --ray I shows why",
+             how->undecided,
+             how->undecided == 1 ? "is" : "are",
+             how->within > 0 ? ", as rays were searched in a limited part of the pupil's plane" : "");
     if (how->folded)
         note("%zu of %zu rays come through the pupil where it is folded: they reach the stop in reversed "
              "order, "

@@ -21,6 +21,8 @@ typedef struct launch_how {
     size_t count;              /* of rays that were asked for */
     size_t none, undecided;    /* for which aiming has proven that there is none, or found none */
     size_t folded;             /* that are on a fold of the pupil */
+    double within;             /* of those that were not found: the least `within` (sgt_launched) */
+    ray_list missing;          /* that launch_field did not find */
 } launch_how;
 
 /* aim NULL: as the lens says.  A fault of the lens ends the command, and the message names the key. */
@@ -31,6 +33,7 @@ launch_how launch_by(const lens *l, const sgt_lens_aim *aim);
 typedef struct launch_plan {
     const launch_how *how;
     const lens *traced;          /* the lens at the wavelength they are for */
+    const sgt_element *element;  /* its elements, as they are traced */
     size_t fields;
     const sgt_field_beam *beam;  /* [fields] */
     const launch_pattern *points;
@@ -46,9 +49,13 @@ void launch_part(const launch_plan *plan, size_t first, size_t count, launch out
 bool launch_there(launch_how *how, const launch *l);
 
 /* Adds the rays of a field, the field-th, to the list.  Aimed ones are those of `traced`, the lens at the
- * wavelength they are for; a ray that is not there is left out, counted, and noted. */
-void launch_field(ray_list *list, launch_how *how, const lens *traced, size_t field, sgt_field_kind kind,
-                  sgt_lens_field at, const launch_pattern *points);
+ * wavelength they are for, with its elements as they are traced; a ray that is not there is left
+ * out, counted, and noted. */
+void launch_field(ray_list *list, launch_how *how, const lens *traced, const sgt_element *element,
+                  size_t field, sgt_field_kind kind, sgt_lens_field at, const launch_pattern *points);
+
+/* In words, of a ray that is not there: what is known of it. */
+const char *launch_words(sgt_aimed status, double within);
 
 /* Notes how many are not there, and how many are folded. */
 void launch_note(const launch_how *how, size_t wavelengths);

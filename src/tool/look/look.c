@@ -88,10 +88,15 @@ const sgt_lens_field *look_farthest(const look *l)
     return far;
 }
 
+/* The field of the latest look_beam. */
+static sgt_field_kind latest_kind;
+static sgt_lens_field latest_field;
+
 sgt_field_beam look_beam(const look *l, sgt_field_kind kind, sgt_lens_field at)
 {
     sgt_field_beam beam;
     sgt_lens_error e;
+    latest_kind = kind, latest_field = at;
     if (!sgt_launch_field(l->from, kind, &at, &beam, &e)) lens_refuse(&e);
     return beam;
 }
@@ -140,6 +145,45 @@ static void nothing_more(void *data, const tile *t)
     (void)data, (void)t;
 }
 
+const char *look_field_option(sgt_field_kind kind, const sgt_lens_field *at)
+{
+    if (kind == SGT_FIELD_ANGLE && at->x == 0) return look_text(" --field %.17g", at->y);
+    return look_text(" --field-at \"%.17g %.17g %s\"", at->x, at->y, job_field_kind(kind));
+}
+
+/* One of the fields that are asked for, or that of the latest look_beam. */
+static const char *field_of_beam(const look *l, const sgt_field_beam *beam)
+{
+    for (size_t f = 0; f < l->fields.count; f++) {
+        if (beam != &l->beam[f]) continue;
+        if (l->asked->job.fields) return look_field_option(l->fields.kind, &l->fields.at[f]);
+        return look_text(" --fields %zu", l->fields.number[f] + 1);
+    }
+    return look_field_option(latest_kind, &latest_field);
+}
+
+static const char *wavelength_option(const look_band *band)
+{
+    if (band->lens.chosen) return look_text(" --wavelength %zu", band->lens.chosen);
+    if (isnan(band->lens.wavelength)) return "";
+    const char *um = look_text("%.17g", band->lens.wavelength);
+    return look_text(" --wavelength %s%s", um, strchr(um, '.') ? "" : ".0");
+}
+
+void look_lost(look *l, const look_band *band, const char *options, const sgt_ray_end *end)
+{
+    static const char *const proof[] = {"estimate", "root", "first"};
+    const sgt_options *s = &l->asked->shared.solver;
+    const char *again = l->asked->job.again ? l->asked->job.again : "";
+    if (end->aimed == SGT_NO_SUCH_RAY || end->fate != SGT_LOST || l->lost) return;
+    l->lost = look_text("%s%s --pupil \"%.17g %.17g\"%s%s%s%s%s", options, wavelength_option(band), end->px,
+                        end->py, again, s->proof ? look_text(" --proof %s", proof[s->proof]) : "",
+                        s->pick == SGT_NEAR_SEED ? " --pick near-seed" : s->pick ? " --pick first" : "",
+                        s->max_evals ? look_text(" --max-evals %d", s->max_evals) : "",
+                        s->dt_min > 0 ? look_text(" --dt-min %.17g", s->dt_min)
+                        : s->t_tol > 0 ? look_text(" --t-tol %.17g", s->t_tol) : "");
+}
+
 void look_trace(look *l, const sgt_field_beam *beam, const look_band *band, const sgt_element *element,
                 const launch_pattern *points, bool counted, sgt_ray_end end[])
 {
@@ -148,7 +192,10 @@ void look_trace(look *l, const sgt_field_beam *beam, const look_band *band, cons
     const tiling in = {.rays = points->count, .threads = l->threads, .share = SHARE_MOST,
                        .most = points->count < 8 * TILE_RAYS ? TILE_RAYS / 8 : TILE_RAYS};
     tiles_run(&in, &w, trace_part, nothing_more);
-    for (size_t i = 0; counted && i < points->count; i++) look_count(&l->fates, &end[i]);
+    for (size_t i = 0; counted && i < points->count; i++) {
+        look_count(&l->fates, &end[i]);
+        if (l->fates.lost && !l->lost) look_lost(l, band, field_of_beam(l, beam), &end[i]);
+    }
 }
 
 sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
@@ -171,6 +218,10 @@ launch_pattern look_coarser(const look *l, const launch_pattern *points)
 void look_count(look_fates *f, const sgt_ray_end *end)
 {
     f->rays++, f->folded += end->folded;
+    if (end->aimed == SGT_AIM_UNDECIDED) {
+        f->within = f->unfound ? fmin(f->within, end->within) : end->within;
+        f->unfound++;
+    }
     if (end->aimed == SGT_NO_SUCH_RAY) f->none++;
     else if (end->fate == SGT_PASSED) f->passed++, f->proven += end->proven;
     else if (end->fate == SGT_MISSED) f->missed++;
@@ -266,10 +317,17 @@ void look_verdict(table *t, const look *l)
     const char *primary = lens_primary(l->primary.lens.of);
     if (primary) table_line(t, "%s", primary);
     table_line(t, "%s.", look_fates_line(l, &l->fates));
-    if (l->fates.lost)
-        table_line(
-            t,
-            "Of a lost ray it could not be decided what becomes of it: sagitta trace and diagnose show why.");
+    const look_fates *f = &l->fates;
+    if (!f->lost) return;
+    if (f->unfound && f->within > 0)
+        table_line(t,
+                   "%zu lost: aiming has not found them; none lies within %g pupil radii, beyond that it "
+                   "is open.",
+                   f->unfound, f->within);
+    else if (f->unfound)
+        table_line(t, "%zu lost: aiming has not found them, nor proven that there are none.", f->unfound);
+    table_line(t, "Of a lost ray it could not be decided what becomes of it.  The first is shown by\n"
+                  "    sagitta diagnose %s%s", l->asked->job.lens, l->lost ? l->lost : "");
 }
 
 exit_status look_status(const look *l) { return l->fates.lost ? EXIT_UNDECIDED : EXIT_DECIDED; }

@@ -34,6 +34,8 @@ void look_take_lens(look_options *o, int argc, char *argv[], const char *name);
 typedef struct look_fates {
     size_t rays, passed, missed, clipped, tir, lost;
     size_t none;                /* aiming has proven that there is no such ray */
+    size_t unfound;             /* (of those that are lost) that aiming has not found */
+    double within;              /* of these: none lies within so many radii of the pupil; 0: not proven */
     size_t folded;              /* (of those that were launched) that are on a fold of the pupil */
     size_t proven;              /* (of those that passed) */
 } look_fates;
@@ -57,6 +59,7 @@ typedef struct look {
     sgt_field_beam *beam;       /* [fields.count] */
     double um;                  /* the unit of length in micrometres; NaN: it is not known */
     look_fates fates;           /* of all rays of look_trace */
+    const char *lost;           /* the options of sagitta diagnose that show the first lost ray; NULL: none */
 } look;
 
 /* Reads the lens and sets what is above, by default for all its wavelengths.  Of a lens without wavelengths
@@ -77,6 +80,12 @@ void look_trace(look *l, const sgt_field_beam *beam, const look_band *band, cons
 /* The end of the chief ray, whatever clips it. */
 sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
                        const sgt_element *element);
+
+/* Notes how to ask for a ray again, if it is the first that is lost.  options: of the field and more. */
+void look_lost(look *l, const look_band *band, const char *options, const sgt_ray_end *end);
+
+/* The options of a field. */
+const char *look_field_option(sgt_field_kind kind, const sgt_lens_field *at);
 
 /* The same pattern with half as many rays across the pupil; none where that cannot be. */
 launch_pattern look_coarser(const look *l, const launch_pattern *points);

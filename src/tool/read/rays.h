@@ -11,6 +11,7 @@ typedef struct launch {
     const char *id;     /* from the file; NULL: it has no such column */
     sgt_aimed status;   /* of a launched ray: unless SGT_MET, it is not there */
     bool folded;        /* and the pupil is inside out near it */
+    double within;      /* if it is not there: as in sgt_launched */
 } launch;
 
 typedef struct ray_table ray_table;

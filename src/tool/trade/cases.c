@@ -370,7 +370,7 @@ static const job *scan_lens(void)
     launch_how how = launch_by(&j->lens, &(sgt_lens_aim){SGT_AIM_PUPIL});
     const launch_pattern grid = launch_points(SGT_PATTERN_GRID, GRID_DEFAULT, 0);
     for (size_t f = 0; f < j->fields; f++)
-        launch_field(&j->rays, &how, &j->lens, f, SGT_FIELD_ANGLE, j->field[f], &grid);
+        launch_field(&j->rays, &how, &j->lens, j->lens.element, f, SGT_FIELD_ANGLE, j->field[f], &grid);
     return j;
 }
 
