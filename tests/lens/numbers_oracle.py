@@ -203,12 +203,9 @@ class FirstOrder:
             y, nu = end(lens.object / n0, 1)
             out['image'] = -y * ni / nu if abs(nu) > mpf(10) ** -40 else None
             out['magnification'] = 1 / nu if abs(nu) > mpf(10) ** -40 else None
-        petzval = sum(self.bend(i, n) / (n[i] * n[i + 1]) for i in range(last))
+        petzval = sum(lens.power_of(i, n) / (n[i] * n[i + 1]) for i in range(last))
         out['petzval_radius'] = -1 / (ni * petzval) if petzval else None
         self.pupils(end, n, last)
-
-    def bend(self, i, n):
-        return self.lens.power_of(i, n)
 
     def pupils(self, end, n, last):
         """The marginal ray is the same at every wavelength, in front of the lens."""
@@ -218,27 +215,21 @@ class FirstOrder:
             u = mp.tan(mp.asin(lens.size[1] / lens.before[primary]))
             out['entrance_pupil'], self.radius, y, nu = (None, None), None, lens.object * u, n0 * u
         else:
-            a, b = (lens.paraxial(mpf(v), mpf(w), 0, stop, self.wave)[0] for v, w in ((1, 0), (0, 1)))
-            out['entrance_pupil'] = b * n0 / a, lens.pupil_radius()
+            out['entrance_pupil'] = lens.entrance_pupil(), lens.pupil_radius()  # of the primary wavelength
             y, nu = (lens.pupil_radius() * v for v in lens.marginal())
             nu *= n0 / lens.before[primary]
             self.radius = lens.pupil_radius()
         out['stop_radius'] = abs(end(y, nu, 0, stop)[0])
-        y_stop, nu_stop = end(y, nu, 0, stop)
         y, nu_end = end(y, nu)
         out['f_number_working'] = 1 / abs(2 * nu_end) if abs(nu_end) > mpf(10) ** -40 else None
         if self.power and self.radius:
             out['f_number'] = abs(1 / self.power) / (2 * self.radius)
-        yc, nuc = end(self_t(lens, stop) / n[stop + 1], 1, stop + 1) if stop < last else (None, None)
+        yc, nuc = end(lens.thicknesses[stop] / n[stop + 1], 1, stop + 1) if stop < last else (None, None)
         if stop == last or abs(nuc) < mpf(10) ** -40:
             out['exit_pupil'] = None, None
         else:
             z = -yc * ni / nuc
             out['exit_pupil'] = z, abs(y + z * nu_end / ni)
-
-
-def self_t(lens, i):
-    return lens.thicknesses[i]
 
 
 # ------------------------------------------------------------------ rays
@@ -316,6 +307,7 @@ class Rays:
             hit.p, hit.t, hit.before = along(p, t, way), t, way
             hit.condition = 1 / abs(cosine)
             hit.clips = s.clips(hit.p[0], hit.p[1]) if number is D else False
+            hit.t += opl / n if i == 0 else 0  # from the start of the path
             opl += n * t
             behind = s.n[number][self.wave]
             if s.focal is not None:
