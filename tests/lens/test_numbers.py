@@ -222,8 +222,9 @@ class Check:
                 size = across * dec(abs(self.lens.before[wave] / first.power))
             self.length_of(mine, size, f'info {self.waves[wave]} image height {i}')
         if self.lens.object is None:  # n u ybar - n ubar y in the entrance pupil, where ybar is 0
+            real = self.lens.kind == 'real_image_height'  # then of rays whose paraxial image is as high
             slope = max(root(b.start[D][0] ** 2 + b.start[D][1] ** 2) for b in (
-                Beam(self.lens, f, wave) for f in self.lens.fields))
+                Beam(self.lens, f, wave, 'paraxial_image_height' if real else None) for f in self.lens.fields))
             wanted = -slope * dec(first.radius * self.lens.before[wave])
         else:                         # at the object, where y is 0
             far = max(self.lens.fields, key=lambda f: f.x ** 2 + f.y ** 2)
@@ -504,6 +505,7 @@ class Check:
             what, at = f"sweep {row['at']}: ", float(row['at'])
             if self.lens.kind == kind:
                 most = 2 * max(self.far(f) for f in self.lens.fields)
+                most = min(most, 89) if kind == 'angle' else most
                 self.close(at, (most or 89) * i / 2, 1e-12 * (most or 89), what + 'at')
             self.same(sum(int(row[k]) for k in ('passed', *FATES)), int(row['rays']), what + 'fates')
             if at >= 80 and kind == 'angle':
