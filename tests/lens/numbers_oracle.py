@@ -427,10 +427,10 @@ def dot_all(a, b):
 class Beam:
     """The rays of a field (x, y, kind) at one wavelength."""
 
-    def __init__(self, lens, field, wave, kind=None):
+    def __init__(self, lens, field, wave, kind=None, aim=None):
         self.lens, self.field, self.wave, self.kind = lens, field, wave, kind or lens.kind
         self.rays, self.n = Rays(lens, wave), lens.front
-        self.aimed = lens.aim != 'pupil'
+        self.aimed = (aim or lens.aim) != 'pupil'
         first = FirstOrder(lens, lens.primary)
         self.first = first
         if lens.telecentric:
@@ -442,7 +442,7 @@ class Beam:
         self.start = {}
         self.set_start(self.paraxial_start())
         if self.aimed:
-            height = first.data['stop_radius'] if lens.aim == 'stop' else self.real_height()
+            height = first.data['stop_radius'] if (aim or lens.aim) == 'stop' else self.real_height()
             self.stop = {float: float(height), D: dec(height)}
         if self.kind == 'real_image_height' and (field.x or field.y):
             self.find_real_height()
@@ -601,6 +601,36 @@ class Beam:
         place = sum(u[i] * (a.p[i] - b.p[i]) for i in (0, 1))
         slope = sum(u[i] * (a.before[i] / a.before[2] - b.before[i] / b.before[2]) for i in (0, 1))
         return None if abs(slope) < D('1e-36') else -place / slope
+
+    def parabasal(self, axis):
+        """Of the chief ray in a section that is a plane of symmetry, or across it: focal length, and from the
+        image along the ray to the focus of parallel rays, and to the image of the object.  None: at infinity."""
+        (u, v), h = self.place(0.0, 0.0), D('1e-16')
+        o, d, _ = self.launch(u, v, D)
+        across = [D(1), D(0), D(0)] if axis == 'x' else unit([D(0), d[2], -d[1]])
+
+        def last(o, d):
+            hits, why = self.rays.trace(o, unit(d), D)
+            if why:
+                raise Fails(why)
+            return hits[-1]
+
+        def differences(ends):
+            a, b = ends
+            out = unit([x + y for x, y in zip(a.before, b.before)])
+            e = [D(1), D(0), D(0)] if axis == 'x' else unit([D(0), out[2], -out[1]])
+            place = [(x - y) / (2 * h) for x, y in zip(a.p, b.p)]
+            turn = [(x - y) / (2 * h) for x, y in zip(a.before, b.before)]
+            return dot(place, e), dot(turn, e)
+        p, t = differences([last(along(o, s * h, across), d) for s in (1, -1)])
+        behind = self.lens.surfaces[-1].n[D][self.wave]
+        if abs(t) < D('1e-25'):
+            return None, None, None
+        efl, focus = -1 / (behind * t), -p / t
+        if self.lens.object is None:
+            return efl, focus, focus
+        p, t = differences([last(o, along(d, s * h, across)) for s in (1, -1)])
+        return efl, focus, None if abs(t) < D('1e-25') else -p / t
 
     def ideal_height(self, theta):
         lens, wave = self.lens, self.wave
