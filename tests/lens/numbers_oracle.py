@@ -3,16 +3,16 @@
 It shares nothing with the library.  Sags, tilts and the reading of .zmx files are those of analysis_model.py.
 Here are the other keys of a lens file, rays in decimals (which are some ten times as fast as mpmath), and
 
-    ideal lens  slopes n' w' = n w - x / f.  The rays from a point O at the distance s in front, to its image I,
-                n' / s' = 1 / f - n / s, have the same path as the one through the vertex V: a ray through p gets
-                n |OV| + n' |VI| - n |Op| - n' |pI| more, with the sign of s and s'.  Where s is not told it is
-                that of the paraxial image by all in front, at the wavelength of the ray
+    ideal lens  slopes n' w' = n w - x / f.  The rays from a point O at the distance s in front, to its
+                image I, n' / s' = 1 / f - n / s, have the same path as the one through the vertex V: a ray
+                through p gets n |OV| + n' |VI| - n |Op| - n' |pI| more, with the sign of s and s'.  Where s
+                is not told it is that of the paraxial image by all in front, at the ray's wavelength
     aiming      a ray is found by two numbers: where it meets the plane of the entrance pupil, or its slopes
                 from a telecentric object point.  It meets the stop, in the stop's frame, at px, py times its
                 radius.  The root is found in doubles by Newton's method.  With the same derivatives each
                 further step in decimals gains some seven digits
-    stop        its radius is the height of the paraxial marginal ray there, or (real_stop) of the real ray from
-                the axis through the edge of the pupil, which no aperture stops
+    stop        its radius is the height of the paraxial marginal ray there, or (real_stop) of the real ray
+                from the axis through the edge of the pupil, which no aperture stops
 
 First-order data: y and n u from vertex to vertex, n negative after a mirror (Welford 1986, 3.2).
 """
@@ -29,10 +29,10 @@ from analysis_model import Fails, Sag, Departure
 
 D = decimal.Decimal
 decimal.getcontext().prec = 50
-SURFACE = set('type radius curvature conic coefficients thickness index glass mirror stop semi_diameter apertures tilt '
-              'decenter focal_length object_distance name draw_to'.split())
-LENS = set('name units wavelengths wavelength_weights primary makers object pupil aim field_type fields afocal '
-           'surfaces'.split())
+SURFACE = set('type radius curvature conic coefficients thickness index glass mirror stop semi_diameter '
+              'apertures tilt decenter focal_length object_distance name draw_to'.split())
+LENS = set('name units wavelengths wavelength_weights primary makers object pupil aim field_type fields '
+           'afocal surfaces'.split())
 MICROMETRES = {'mm': 1000, 'in': 25400, 'm': 1000000}
 
 
@@ -98,7 +98,8 @@ def clips_of(row):
     def clips(x, y):
         x, y = float(x), float(y)
         hair = 1e-9 * (1 + abs(x) + abs(y))
-        tries = {any(c(x + dx, y + dy) for c in several) for dx in (-hair, 0, hair) for dy in (-hair, 0, hair)}
+        near = -hair, 0, hair
+        tries = {any(c(x + dx, y + dy) for c in several) for dx in near for dy in near}
         return tries.pop() if len(tries) == 1 else None
     return clips
 
@@ -375,8 +376,8 @@ def inverse(m):
 
 
 def solve(miss, start, scale):
-    """The root of several functions of as many unknowns: miss(x, number) is a list.  In floats, damped; then in
-    decimals with the same derivatives."""
+    """The root of several functions of as many unknowns: miss(x, number) is a list.  In floats, damped; then
+    in decimals with the same derivatives."""
     def size(f):
         return math.sqrt(sum(a * a for a in f))
     x, n = [float(a) for a in start], len(start)
@@ -603,8 +604,9 @@ class Beam:
         return None if abs(slope) < D('1e-36') else -place / slope
 
     def parabasal(self, axis):
-        """Of the chief ray in a section that is a plane of symmetry, or across it: focal length, and from the
-        image along the ray to the focus of parallel rays, and to the image of the object.  None: at infinity."""
+        """Of the chief ray in a section that is a plane of symmetry, or across it: focal length, and from
+        the image along the ray to the focus of parallel rays, and to the image of the object.  None: at
+        infinity."""
         (u, v), h = self.place(0.0, 0.0), D('1e-16')
         o, d, _ = self.launch(u, v, D)
         across = [D(1), D(0), D(0)] if axis == 'x' else unit([D(0), d[2], -d[1]])

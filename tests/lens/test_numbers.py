@@ -35,7 +35,7 @@ SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '1'))
 RINGS = 6 if SCALE >= 4 else 2
 PATTERN = '--hexapolar', str(RINGS)
 TERMS = 6
-AFOCAL_UNIT = 1  # of angles, in radians
+MRAD = 1000  # of an afocal image angles are told, in milliradians, in columns that say so
 os.environ['SAGITTA_GLASS'] = str(HERE.parents[1] / 'data' / 'glass')
 FATES = 'missed clipped tir lost none'.split()
 
@@ -92,9 +92,6 @@ class Check:
         self.path, self.lens, self.told = path, read(path), []
         self.length = float(sum(map(abs, self.lens.thicknesses)) + (self.lens.object or 0))
         self.waves = [float(w) for w in self.lens.wavelengths]
-        count = len(self.lens.fields)
-        self.fields = list(range(1, count + 1))
-        self.unit = 1.0 if not self.lens.afocal else AFOCAL_UNIT
         self.beams, self.rays, self.compared = {}, {}, 0
 
     # -------------------------------------------------------------- comparing
@@ -115,7 +112,8 @@ class Check:
                 self.bad(what, f'{got}, not {None if wanted is None else float(wanted)}')
             return
         if not math.isfinite(got) or not abs(D(got) - dec(wanted)) <= D(within):
-            self.bad(what, f'{got}, not {float(wanted)!r}, off by {abs(got - float(wanted)):.3g}, within {within:.3g}')
+            off = abs(got - float(wanted))
+            self.bad(what, f'{got}, not {float(wanted)!r}, off by {off:.3g}, within {within:.3g}')
 
     def error(self, cell, least, most, what):
         """An error that is told: finite, and no more than that."""
@@ -140,12 +138,11 @@ class Check:
 
     def run(self, *arguments):
         arguments = [str(a) for a in arguments]
-        fields = ['--fields', ','.join(map(str, self.fields))] if arguments[0] not in ('info', 'sweep') else []
-        done = subprocess.run([SAGITTA, arguments[0], self.path, *fields, *arguments[1:]],
+        done = subprocess.run([SAGITTA, arguments[0], self.path, *arguments[1:]],
                               capture_output=True, text=True, timeout=300)
-        self.stderr, self.status = done.stderr, done.returncode
         if done.returncode not in (0, 1):
-            self.bad(' '.join(arguments), f'status {done.returncode}, {done.stderr.strip().splitlines()[-1:]}')
+            last = done.stderr.strip().splitlines()[-1:]
+            self.bad(' '.join(arguments), f'status {done.returncode}, {last}')
             return None
         return done.stdout
 
@@ -192,7 +189,8 @@ class Check:
             for key, wanted in first.data.items():
                 what = f'info {self.waves[wave]} {key}'
                 if isinstance(wanted, tuple):
-                    for name, value, column in zip(('z', 'radius'), wanted, (key, key.split('_')[0] + '_radius')):
+                    columns = key, key.split('_')[0] + '_radius'
+                    for name, value, column in zip(('z', 'radius'), wanted, columns):
                         mine = (got[key] or {}).get(name)
                         self.length_of(mine, value, f'{what} {name}')
                         self.length_of(row[column], value, f'{what} {name}, csv')
@@ -223,8 +221,9 @@ class Check:
             self.length_of(mine, size, f'info {self.waves[wave]} image height {i}')
         if self.lens.object is None:  # n u ybar - n ubar y in the entrance pupil, where ybar is 0
             real = self.lens.kind == 'real_image_height'  # then of rays whose paraxial image is as high
-            slope = max(root(b.start[D][0] ** 2 + b.start[D][1] ** 2) for b in (
-                Beam(self.lens, f, wave, 'paraxial_image_height' if real else None) for f in self.lens.fields))
+            beams = [Beam(self.lens, f, wave, 'paraxial_image_height' if real else None)
+                     for f in self.lens.fields]
+            slope = max(root(b.start[D][0] ** 2 + b.start[D][1] ** 2) for b in beams)
             wanted = -slope * dec(first.radius * self.lens.before[wave])
         else:                         # at the object, where y is 0
             far = max(self.lens.fields, key=lambda f: f.x ** 2 + f.y ** 2)
@@ -234,7 +233,7 @@ class Check:
         self.length_of(got['lagrange'], wanted, f'info {self.waves[wave]} lagrange')
 
     def parabasal(self):
-        """Along the real chief rays, through the centre of the stop: two sections of a lens without mirrors."""
+        """Along the real chief rays, through the centre of the stop, of a lens without mirrors."""
         lens, out = self.lens, self.run('info', '--format', 'json')
         if out is None or lens.telecentric or any(s.mirror for s in lens.surfaces):
             return
@@ -246,9 +245,9 @@ class Check:
             for axis in 'xy':
                 efl, focus, image = beam.parabasal(axis)
                 for key, wanted in (('efl', efl), ('focus', focus), ('image', image)):
-                    what = f"info parabasal field {got['field']} {key}_{axis}"
-                    far = float(wanted or 0)
-                    self.close(got[f'{key}_{axis}'], wanted, 1e-10 * (self.length + far * far / self.length), what)
+                    what, far = f"info parabasal field {got['field']} {key}_{axis}", float(wanted or 0)
+                    within = 1e-10 * (self.length + far * far / self.length)
+                    self.close(got[f'{key}_{axis}'], wanted, within, what)
 
     def length_of(self, got, wanted, what):
         size = 0 if wanted is None else abs(float(wanted))
@@ -258,9 +257,10 @@ class Check:
 
     def trace(self):
         rows = self.rows('trace', *PATTERN, '--wavelength', 'all')
-        infinite, first, last, aimed = self.lens.object is None, {}, {}, set()
+        infinite, first, last = self.lens.object is None, {}, {}
         for row in rows:
-            what, ray, i = self.where('trace', row) + f"element {row['element']}, ", self.ray(row), int(row['element'])
+            ray, i = self.ray(row), int(row['element'])
+            what = self.where('trace', row) + f'element {i}, '
             last[row['ray'], row['wavelength']] = row
             if len(ray.hits) < i or row['x'] == '':
                 if len(ray.hits) >= i:
@@ -274,9 +274,10 @@ class Check:
                     self.close(row[cell], wanted, 1e-12, what + cell)
             # a beam from afar starts on a plane that the command may choose, one for each field
             group = row['field'], row['wavelength'], i
-            base = first.setdefault(group, (float(row['opl']) - float(hit.opl), float(row['t']) - float(hit.t)))
-            self.close(float(row['opl']) - base[0] * infinite, hit.opl, 1e-12 * self.length * 2, what + 'opl')
-            self.close(float(row['t']) - base[1] * (infinite and i == 1), hit.t, 1e-12 * self.length * 2, what + 't')
+            opl, t, within = float(row['opl']), float(row['t']), 2e-12 * self.length
+            base = first.setdefault(group, (opl - float(hit.opl), t - float(hit.t)))
+            self.close(opl - base[0] * infinite, hit.opl, within, what + 'opl')
+            self.close(t - base[1] * (infinite and i == 1), hit.t, within, what + 't')
             self.error(row['t_err'], 0, 1e-11 * self.length, what + 't_err')
         for row in last.values():
             self.fate(row, self.ray(row), self.where('trace', row))
@@ -296,26 +297,40 @@ class Check:
             self.error(row['t_err'], 0, 1e-11 * self.length, what + 't_err')
             self.error(row['evals'], len(ray.hits), 1000 * len(ray.hits), what + 'evals')
 
-    def place(self, hit):
-        """x and y at the image, or the angles of an afocal one."""
-        if self.lens.afocal:
-            return [dec(mp.atan(mpf(str(hit.before[i] / abs(hit.before[2])))) * AFOCAL_UNIT) for i in (0, 1)]
-        return hit.p[:2]
+    def place(self, hit, field, axis=None):
+        """x and y at the image; or the angles of an afocal one from the primary chief ray (or an axis): toward x
+        of the image's frame, and across."""
+        if not self.lens.afocal:
+            return hit.p[:2]
+        z = axis or self.beam(field, self.waves[self.lens.primary]).chief().before
+        x = unit([1 - z[0] * z[0], -z[0] * z[1], -z[0] * z[2]])
+        y = [z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]]
+        return [MRAD * dec(mp.atan2(*(mpf(str(dot(hit.before, e))) for e in (across, z)))) for across in (x, y)]
+
+    def centre(self, field):
+        """Of the primary chief ray: where it ends; its angles from the axis."""
+        chief = self.beam(field, self.waves[self.lens.primary]).chief()
+        return self.place(chief, field, [D(0), D(0), D(1)])
 
     @property
     def size(self):
         """What lengths of the image, or its angles, are compared to."""
-        return AFOCAL_UNIT if self.lens.afocal else self.length
+        return MRAD if self.lens.afocal else self.length
+
+    def cell(self, row, name):
+        return row.get(name + '_mrad' if self.lens.afocal else name)
 
     def fan(self):
         for row in self.rows('fan', *PATTERN):
             what, ray = self.where('fan', row), self.ray(row)
             if not self.fate(row, ray, what):
                 continue
-            chief = self.place(self.beam(int(row['field']), self.waves[self.lens.primary]).chief())
-            error = self.error(row['e_err'], 0, 1e-8 * self.size, what + 'e_err')
-            for cell, a, b in zip(('ex', 'ey'), self.place(ray.hits[-1]), chief):
-                self.close(row[cell], a - b, min(error or math.inf, 1e-10 * self.size), what + cell)
+            field = int(row['field'])
+            chief = self.place(self.beam(field, self.waves[self.lens.primary]).chief(), field)
+            error = self.error(self.cell(row, 'e_err'), 0, 1e-8 * self.size, what + 'e_err')
+            for cell, a, b in zip(('ex', 'ey'), self.place(ray.hits[-1], field), chief):
+                within = min(error or math.inf, 1e-10 * self.size)
+                self.close(self.cell(row, cell), a - b, within, what + cell)
 
     def spot(self):
         for about in ('chief', 'centroid'):
@@ -324,7 +339,8 @@ class Check:
     def spots(self, about):
         rays = self.points()
         for row in self.rows('spot', *PATTERN, '--reference', about):
-            what, field, together = self.where(f'spot ({about})', row), int(row['field']), row['wavelength'] == 'all'
+            what, field = self.where(f'spot ({about})', row), int(row['field'])
+            together = row['wavelength'] == 'all'
             of = [i for i, um in enumerate(self.waves) if together or um == float(row['wavelength'])]
             weights = self.lens.weights or [1.0] * len(self.waves)
             groups = [(um, D(weights[i]) if together else D(1)) for i, um in enumerate(self.waves) if i in of]
@@ -337,18 +353,18 @@ class Check:
             self.same(int(row['rays']), len(sent), what + 'rays')
             for fate in ('passed', *FATES):
                 self.same(int(row[fate]), sum(r.fate == fate for _, _, r in sent), what + fate)
-            passed = [(w * weight(RINGS, math.hypot(*at)), at, self.place(r.hits[-1]))
+            passed = [(w * weight(RINGS, math.hypot(*at)), at, self.place(r.hits[-1], field))
                       for w, at, r in sent if r.fate == 'passed']
             if not passed:
                 continue
             full = self.figures(passed, about, field)
             for cell, wanted in full.items():
-                self.close(row[cell], wanted, 1e-10 * self.size, what + cell)
-            self.digits(row, row['rms'], full['rms'], 1e-13 * self.size, what + 'rms')
+                self.close(self.cell(row, cell), wanted, 1e-10 * self.size, what + cell)
+            self.digits(row, self.cell(row, 'rms'), full['rms'], 1e-13 * self.size, what + 'rms')
             half = [(w / weight(RINGS, math.hypot(*at)) * weight(RINGS // 2, math.hypot(*at)), at, p)
                     for w, at, p in passed if is_of(RINGS // 2, *at)]
             if half:
-                self.close(row['sampling'], full['rms'] - self.figures(half, about, field)['rms'],
+                self.close(self.cell(row, 'sampling'), full['rms'] - self.figures(half, about, field)['rms'],
                            2e-10 * self.size, what + 'sampling')
             self.airy(row, of[0] if not together else self.lens.primary, what)
 
@@ -362,12 +378,13 @@ class Check:
     def figures(self, passed, about, field):
         total = sum(w for w, _, _ in passed)
         if about == 'chief':
-            centre = self.place(self.beam(field, self.waves[self.lens.primary]).chief())
+            centre = self.place(self.beam(field, self.waves[self.lens.primary]).chief(), field)
         else:
             centre = [sum(w * p[i] for w, _, p in passed) / total for i in (0, 1)]
         mean = [sum(w * (p[i] - centre[i]) ** 2 for w, _, p in passed) / total for i in (0, 1)]
         far = max((p[0] - centre[0]) ** 2 + (p[1] - centre[1]) ** 2 for _, _, p in passed)
-        return {'x': centre[0], 'y': centre[1], 'rms': (mean[0] + mean[1]).sqrt(), 'rms_x': mean[0].sqrt(),
+        at = [a + b for a, b in zip(centre, self.centre(field))] if self.lens.afocal else centre
+        return {'x': at[0], 'y': at[1], 'rms': (mean[0] + mean[1]).sqrt(), 'rms_x': mean[0].sqrt(),
                 'rms_y': mean[1].sqrt(), 'geometric': far.sqrt()}
 
     def airy(self, row, wave, what):
@@ -376,11 +393,12 @@ class Check:
         um = mpf(self.waves[wave]) / MICROMETRES[self.lens.units]
         if self.lens.afocal:
             radius = first.data['exit_pupil'][1]
-            wanted = ring * um / (2 * radius) * AFOCAL_UNIT if radius else None
+            n = self.lens.surfaces[-2].index[wave]
+            wanted = ring * um / (n * 2 * radius) * MRAD if radius else None
         else:
             f = first.data['f_number_working']
             wanted = None if f is None else ring * um * f
-        self.close(row['airy'], wanted, 1e-9 * float(wanted or 0), what + 'airy')
+        self.close(self.cell(row, 'airy'), wanted, 1e-9 * float(wanted or 0), what + 'airy')
 
     # -------------------------------------------------------------- wavefronts
 
@@ -398,7 +416,8 @@ class Check:
             longest = max(abs(float(h.opl)) for h in ray.hits) + self.length
             waves = MICROMETRES[self.lens.units] / float(row['wavelength'])
             error = self.error(row['opd_err'], 0, 1e-13 * longest * waves, what + 'opd_err')
-            self.close(row['opd'], wanted, error if error is not None else 1e-13 * longest * waves, what + 'opd')
+            within = error if error is not None else 1e-13 * longest * waves
+            self.close(row['opd'], wanted, within, what + 'opd')
             at = row['field'], row['wavelength']
             off[at] = max(off.get(at, 0), error if error is not None else math.inf)
             values.setdefault(at, []).append((float(row['px']), float(row['py']), wanted))
@@ -416,7 +435,8 @@ class Check:
             full, half = self.rms_of(several, RINGS), self.rms_of(
                 [v for v in several if is_of(RINGS // 2, *v[:2])], RINGS // 2)
             self.close(row['rms'], full, within, what + 'rms')
-            self.close(row['pv'], max(v for _, _, v in several) - min(v for _, _, v in several), 2 * within, what + 'pv')
+            every = [v for _, _, v in several]
+            self.close(row['pv'], max(every) - min(every), 2 * within, what + 'pv')
             self.digits(row, row['rms'], full, 10 * within, what + 'rms')
             if half is not None:
                 self.close(row['sampling'], full - half, 2 * within, what + 'sampling')
@@ -482,10 +502,10 @@ class Check:
         self.same(row['fate'], 'passed', what + 'fate')
         if row['fate'] != 'passed':
             return
-        place, u = self.place(beam.chief()), beam.along_field()
-        error = self.error(row['xy_err'], 0, 1e-8 * self.size, what + 'xy_err')
+        place, u = self.place(beam.chief(), 0, [D(0), D(0), D(1)]), beam.along_field()
+        error = self.error(self.cell(row, 'xy_err'), 0, 1e-8 * self.size, what + 'xy_err')
         for cell, wanted in zip('xy', place):
-            self.close(row[cell], wanted, min(error or math.inf, 1e-10 * self.size), what + cell)
+            self.close(self.cell(row, cell), wanted, min(error or math.inf, 1e-10 * self.size), what + cell)
         for cell, way in (('tangential', u), ('sagittal', (-u[1], u[0]))):
             wanted = beam.focus(way)
             far = abs(float(wanted or 0))
@@ -493,7 +513,8 @@ class Check:
                 continue
             # in a lens without a plane of symmetry the command's sections turn with the chief ray
             within = 1e-10 * (self.length + far + far * far / self.length)
-            self.close(row[cell], wanted, within if self.symmetric(field) else 1e-3 * self.length, what + cell)
+            within = within if self.symmetric(field) else 1e-3 * self.length
+            self.close(row[cell], wanted, within, what + cell)
         height, size = place[0] * u[0] + place[1] * u[1], float(root(place[0] ** 2 + place[1] ** 2))
         self.digits(row, size, size, 1e-13 * self.size, what + 'height')
         if self.lens.afocal:
