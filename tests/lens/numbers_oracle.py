@@ -220,6 +220,9 @@ class FirstOrder:
             y, nu = (lens.pupil_radius() * v for v in lens.marginal())
             nu *= n0 / lens.before[primary]
             self.radius = lens.pupil_radius()
+        if not lens.telecentric:  # the slope of the ray through the centre of the pupil, behind by in front
+            z = lens.entrance_pupil()
+            self.angular = end(-z, n0)[1] / ni
         out['stop_radius'] = abs(end(y, nu, 0, stop)[0])
         y, nu_end = end(y, nu)
         out['f_number_working'] = 1 / abs(2 * nu_end) if abs(nu_end) > mpf(10) ** -40 else None

@@ -204,6 +204,9 @@ class Check:
             self.same(got['units'], self.lens.units, 'info units')
             self.same([(f['x'], f['y'], f['kind']) for f in got['fields']],
                       [(float(f.x), float(f.y), self.lens.kind) for f in self.lens.fields], 'info fields')
+            if 'angular_magnification' in got and self.lens.afocal:
+                what = f'info {self.waves[wave]} angular_magnification'
+                self.length_of(got['angular_magnification'], first.angular, what)
             self.heights(got, first, wave)
 
     def heights(self, got, first, wave):
@@ -298,14 +301,15 @@ class Check:
             self.error(row['evals'], len(ray.hits), 1000 * len(ray.hits), what + 'evals')
 
     def place(self, hit, field, axis=None):
-        """x and y at the image; or the angles of an afocal one from the primary chief ray (or an axis): toward x
-        of the image's frame, and across."""
+        """x and y at the image; or the angles of an afocal one from the primary chief ray (or an axis):
+        toward x of the image's frame, and across."""
         if not self.lens.afocal:
             return hit.p[:2]
         z = axis or self.beam(field, self.waves[self.lens.primary]).chief().before
         x = unit([1 - z[0] * z[0], -z[0] * z[1], -z[0] * z[2]])
         y = [z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]]
-        return [MRAD * dec(mp.atan2(*(mpf(str(dot(hit.before, e))) for e in (across, z)))) for across in (x, y)]
+        cosines = [mpf(str(dot(hit.before, e))) for e in (x, y, z)]
+        return [MRAD * dec(mp.atan2(a, cosines[2])) for a in cosines[:2]]
 
     def centre(self, field):
         """Of the primary chief ray: where it ends; its angles from the axis."""
@@ -502,10 +506,12 @@ class Check:
         self.same(row['fate'], 'passed', what + 'fate')
         if row['fate'] != 'passed':
             return
-        place, u = self.place(beam.chief(), 0, [D(0), D(0), D(1)]), beam.along_field()
-        error = self.error(self.cell(row, 'xy_err'), 0, 1e-8 * self.size, what + 'xy_err')
-        for cell, wanted in zip('xy', place):
-            self.close(self.cell(row, cell), wanted, min(error or math.inf, 1e-10 * self.size), what + cell)
+        angles, u = self.lens.afocal and 'x_mrad' in row, beam.along_field()
+        place = self.place(beam.chief(), 0, [D(0), D(0), D(1)]) if angles else beam.chief().p[:2]
+        x, y, xy_err = (row[name + '_mrad' * angles] for name in ('x', 'y', 'xy_err'))
+        error = self.error(xy_err, 0, 1e-8 * self.size, what + 'xy_err')
+        for cell, mine, wanted in zip('xy', (x, y), place):
+            self.close(mine, wanted, min(error or math.inf, 1e-10 * self.size), what + cell)
         for cell, way in (('tangential', u), ('sagittal', (-u[1], u[0]))):
             wanted = beam.focus(way)
             far = abs(float(wanted or 0))
