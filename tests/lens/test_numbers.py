@@ -441,7 +441,7 @@ class Check:
             self.close(row['rms'], full, within, what + 'rms')
             every = [v for _, _, v in several]
             self.close(row['pv'], max(every) - min(every), 2 * within, what + 'pv')
-            self.digits(row, row['rms'], full, 10 * within, what + 'rms')
+            self.digits(row, row['rms'], full, 30 * within, what + 'rms')
             if half is not None:
                 self.close(row['sampling'], full - half, 2 * within, what + 'sampling')
             self.same(sum(int(row[k]) for k in ('passed', *FATES)), int(row['rays']), what + 'fates')
