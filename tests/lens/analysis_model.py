@@ -39,7 +39,7 @@ class Fails(Exception):
 def root(x):
     if x < 0:
         raise Fails('beyond the equator')
-    return math.sqrt(x) if isinstance(x, float) else mp.sqrt(x)
+    return math.sqrt(x) if isinstance(x, float) else x.sqrt() if hasattr(x, 'sqrt') else mp.sqrt(x)
 
 
 def zernike(order, j):

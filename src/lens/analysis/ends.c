@@ -91,9 +91,9 @@ static sgt_ray_end not_traced(const sgt_pupil_point *at, const sgt_launched *l)
 {
     const double none = (double)NAN;
     const sgt_vec3 nowhere = {none, none, none};
-    return (sgt_ray_end){.px = at->x, .py = at->y, .weight = at->weight, .aimed = l->status, .within = l->within, .fate = SGT_LOST,
-                         .status = SGT_EXHAUSTED, .p = nowhere, .d = nowhere, .opl = none, .p_err = none,
-                         .opl_err = none, .d_err = none};
+    return (sgt_ray_end){.px = at->x, .py = at->y, .weight = at->weight, .aimed = l->status,
+                         .within = l->within, .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = nowhere,
+                         .d = nowhere, .opl = none, .p_err = none, .opl_err = none, .d_err = none};
 }
 
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
