@@ -94,7 +94,7 @@ static void require_cell(const watching *w, const sgt_step *s)
                 ABOUT "F is %.17g at %.17g, and its bounds %.17g ... %.17g", ABOUT_OF, e.f, t, s->f_lo,
                 s->f_hi);
         /* at a kink or beside a pole the gradient of `value` is one of several */
-        if (isnan(s->slope_lo) || !(fabs(e.slope) < FAR)) continue;
+        if (isnan(s->slope_lo) || !(fabs(e.slope) < 1e6)) continue;
         double out = fmax(s->slope_lo - e.slope, e.slope - s->slope_hi) - e.slope_err;
         if (!(out > 0)) continue;
         double h = 0x1p-30 * (1 + fabs(t));
