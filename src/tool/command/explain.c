@@ -67,7 +67,7 @@ static void verdict(table *t, method m, const record *r)
         table_line(t, "wandering at first, quadratic in the end: a start nearer to the root saves the first steps");
     else table_line(t, "%s", advice(d.verdict, m, r));
     table_line(t, "%s.", text);
-    if (d.before > 2)
+    if (d.before > 2 && (d.verdict == SGT_QUADRATIC || d.verdict == SGT_LINEAR))
         table_line(t, "%d of these came before the steps began to close in on the end.", d.before);
 }
 
