@@ -4,7 +4,8 @@
 
 #include "judge.h"
 
-namespace catalogue {
+namespace catalogue
+{
 
 // ------------------------------------------------------------------ surfaces at another scale
 
@@ -26,12 +27,12 @@ inline int power_of(const sgt_unit &u, int i, int j) { return u.length + i * u.b
 
 struct scaling {
     std::vector<std::shared_ptr<void>> kept;
-    double most;                         // of squares, or of fourth powers, neither is lost
-    bool exact = true, moderate = true;  // no number is rounded; all are below `most` and above its inverse
+    double most;                        // of squares, or of fourth powers, neither is lost
+    bool exact = true, moderate = true; // no number is rounded; all are below `most` and above its inverse
     explicit scaling(const std::string &type)
     {
-        const bool fourth = type == "torus" || type == "toroidal" || type == "biconic" ||
-                            type == "cylinder" || type == "sum";
+        const bool fourth =
+            type == "torus" || type == "toroidal" || type == "biconic" || type == "cylinder" || type == "sum";
         most = fourth ? 0x1p230 : 0x1p480;
     }
 
@@ -47,8 +48,8 @@ struct scaling {
 
     sgt_surface surface(const sgt_builtin *row, const sgt_surface &s, int k)
     {
-        std::shared_ptr<std::vector<double>> room = std::make_shared<std::vector<double>>(
-            row->size / sizeof(double) + 2);
+        std::shared_ptr<std::vector<double>> room =
+            std::make_shared<std::vector<double>>(row->size / sizeof(double) + 2);
         kept.push_back(room);
         char *to = reinterpret_cast<char *>(room->data());
         std::memcpy(to, s.self, row->size);
@@ -60,8 +61,8 @@ struct scaling {
             } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
                 sgt_numbers a;
                 std::memcpy(&a, to + p->offset, sizeof a);
-                std::shared_ptr<std::vector<double>> x = std::make_shared<std::vector<double>>(
-                    a.x, a.x + a.rows * a.columns);
+                std::shared_ptr<std::vector<double>> x =
+                    std::make_shared<std::vector<double>>(a.x, a.x + a.rows * a.columns);
                 for (std::size_t i = 0; i < x->size(); i++) {
                     const int at_row = static_cast<int>(i / a.columns),
                               at_column = static_cast<int>(i % a.columns);
@@ -115,13 +116,14 @@ inline target random_target(generator &g, const std::string &type)
             a.c *= 0.9 / (std::fabs(a.c) * t.shape.h);
         t.s = t.shape;
         if (type == "even_asphere") {
-            const std::vector<double> terms = random_terms(g, random_length(g, 4, 8),
-                                                           t.s.h * g.log_uniform(1e-6, 0.1));
+            const std::vector<double> terms =
+                random_terms(g, random_length(g, 4, 8), t.s.h * g.log_uniform(1e-6, 0.1));
             for (std::size_t i = 0; i < terms.size(); i++)
                 a.a[i] = terms[i] / std::pow(t.s.h, 2 * static_cast<double>(i) + 2);
             t.s.s = {&sgt_asphere_ops, t.s.keep(a)};
             sum.terms = t.s.keep(t.s.s), sum.count = 1;
-        } else t.s.s = {&sgt_conic_ops, t.s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};
+        } else
+            t.s.s = {&sgt_conic_ops, t.s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};
         sum.c = a.c, sum.k = a.k;
         t.shape.s.self = t.s.keep(sum);
         t.s.type = t.shape.type = type;
@@ -138,9 +140,12 @@ inline target random_target(generator &g, const std::string &type)
         j.at[3] = m.at[3] = g.uniform(-0.1, 0.1);
         j.iterations = m.iterations = 3 + g.below(8);
         j.power = m.power = g.chance(0.7) ? 2 : 3;
-        if (type == "julia") t.s.s = {&sgt_julia_ops, t.s.keep(j)};
-        else t.s.s = {&sgt_mandelbrot_ops, t.s.keep(m)};
-    } else t.s = t.shape = random_specimen(g, type);
+        if (type == "julia")
+            t.s.s = {&sgt_julia_ops, t.s.keep(j)};
+        else
+            t.s.s = {&sgt_mandelbrot_ops, t.s.keep(m)};
+    } else
+        t.s = t.shape = random_specimen(g, type);
     return t;
 }
 
@@ -151,7 +156,10 @@ inline bool same(double a, double b)
 {
     return a == b || (a != a && b != b) || (std::fabs(a) < 1e-290 && std::fabs(b) < 1e-290);
 }
-inline bool same(const sgt_vec3 &a, const sgt_vec3 &b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
+inline bool same(const sgt_vec3 &a, const sgt_vec3 &b)
+{
+    return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z);
+}
 // The ends of what is not decided: a far one may stand for the greatest number.
 inline bool same_end(double a, double b)
 {

@@ -1,16 +1,18 @@
-// Surfaces whose departure from a plane is far below what its square, or its product with a length, can be told
-// from 0; and ones that are as steep.  Proofs must not take a bound that underflows for none.
+// Surfaces whose departure from a plane is far below what its square, or its product with a length, can be
+// told from 0; and ones that are as steep.  Proofs must not take a bound that underflows for none.
 //
-// A ray crosses the plane z = 0 well within the rim.  F = z - P has certain unlike signs at both ends of a chord
-// that is 2^-30 long, as |P| is at most 1e-25 of the rim: so a root is there, and it is the plane's to rounding.
-// A miss, or a hit that is elsewhere by more than its t_err, is wrong.  For z = A x the root is a quotient.
+// A ray crosses the plane z = 0 well within the rim.  F = z - P has certain unlike signs at both ends of a
+// chord that is 2^-30 long, as |P| is at most 1e-25 of the rim: so a root is there, and it is the plane's to
+// rounding. A miss, or a hit that is elsewhere by more than its t_err, is wrong.  For z = A x the root is a
+// quotient.
 #include "judge.h"
 
 #include <sagitta/formula.h>
 
 using namespace catalogue;
 
-namespace {
+namespace
+{
 
 long asked, decided, failures;
 
@@ -23,14 +25,15 @@ void judge(const std::string &name, const sgt_surface &s, const sgt_ray &r, long
         sgt_hit all[8];
         const int n = sgt_intersect_all(s, r, 8, all, &o);
         asked++, decided += h.status == SGT_HIT;
-        const bool off = h.status == SGT_HIT &&
-                         !(std::fabs(static_cast<double>(h.t - t)) <=
-                           h.t_err + static_cast<double>(room) + 0x1p-52 * std::fabs(h.t));
+        const bool off =
+            h.status == SGT_HIT && !(std::fabs(static_cast<double>(h.t - t)) <=
+                                     h.t_err + static_cast<double>(room) + 0x1p-52 * std::fabs(h.t));
         if (h.status == SGT_MISS || h.status == SGT_INVALID || n == 0 || off) {
             if (failures++ < 20)
-                std::printf("FAIL %s, proof %d: %s at %.17g, want %.17Lg; %d in all\n    ray {%a, %a, %a} {%a, %a, %a}\n",
-                            name.c_str(), proof, sgt_status_text(h.status), h.t, t, n, r.o.x, r.o.y, r.o.z, r.d.x,
-                            r.d.y, r.d.z);
+                std::printf("FAIL %s, proof %d: %s at %.17g, want %.17Lg; %d in all\n    ray {%a, %a, %a} "
+                            "{%a, %a, %a}\n",
+                            name.c_str(), proof, sgt_status_text(h.status), h.t, t, n, r.o.x, r.o.y, r.o.z,
+                            r.d.x, r.d.y, r.d.z);
         }
     }
 }
@@ -38,7 +41,8 @@ void judge(const std::string &name, const sgt_surface &s, const sgt_ray &r, long
 // Meets z = 0 at about (x, y), at *t.
 sgt_ray ray_to(generator &g, double x, double y, double h, long double *t)
 {
-    const double l = g.uniform(-1, 1), m = g.uniform(-1, 1), n = g.sign() * g.uniform(0.5, 2), away = h * g.uniform(1, 4);
+    const double l = g.uniform(-1, 1), m = g.uniform(-1, 1), n = g.sign() * g.uniform(0.5, 2),
+                 away = h * g.uniform(1, 4);
     const sgt_ray r = {{x - away * l, y - away * m, -away * n}, {l, m, n}, 0, HUGE_VAL};
     *t = -static_cast<long double>(r.o.z) / n;
     return r;
@@ -71,8 +75,8 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 30, 20260803);
     generator g(r.seed);
-    const char *const kinds[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid",
-                                 "sum"};
+    const char *const kinds[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike",
+                                 "q_con",       "q_bfs",         "grid",      "sum"};
     for (long i = 0; i < r.count; i++) {
         for (const char *kind : kinds) {
             specimen s = {};
@@ -84,14 +88,16 @@ int main(int argc, char **argv)
                                                   random_departure(g, &s, "polynomial_xy", h, size, false)};
                 const std::vector<sgt_surface> &own = *s.keep(terms);
                 s.s = {&sgt_sum_ops, s.keep(sgt_sum{0, 0, 0, own.data(), own.size()})};
-            } else s.s = random_departure(g, &s, kind, h, size, false);
+            } else
+                s.s = random_departure(g, &s, kind, h, size, false);
             first_number(s.s)[0] = 0;
             if (g.chance(0.7)) *rim_of(s) = 0.9 * h;
             long double t;
             const sgt_ray ray = ray_to(g, h * g.uniform(-0.4, 0.4), h * g.uniform(-0.4, 0.4), h, &t);
             judge(kind, s.s, ray, t, 1e-25L * h);
         }
-        for (const char *power : {"x", "x*y", "x^2 + y^2", "r", "r^3", "x^3 - y", "sin(x)", "hypot(x, y)", "abs(x) + y"}) {
+        for (const char *power :
+             {"x", "x*y", "x^2 + y^2", "r", "r^3", "x^3 - y", "sin(x)", "hypot(x, y)", "abs(x) + y"}) {
             char text[96];
             std::snprintf(text, sizeof text, "1e-%d*(%s)", 40 + g.below(270), power);
             sag_of_text(g, text, g.log_uniform(1e-3, 10), 0);

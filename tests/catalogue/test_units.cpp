@@ -27,16 +27,17 @@
 
 using namespace catalogue;
 
-namespace {
+namespace
+{
 
 long compared, failures, far_out;
 std::map<std::string, long> failed;
 
-// A ray without an end that is searched through this many pieces has gone to where powers of r leave the range
-// of doubles.  That is at one number, whatever the unit of length.  There the evaluations, the reason why a
-// stretch is undecided, where it begins, and the extent of a graze along a whole line may differ; no hit and
-// no miss may.  A number of such a formula that is 1 at one scale is dropped by the reader of formulas, with
-// the rounding of its product: none of the numbers below is a power of two.
+// A ray without an end that is searched through this many pieces has gone to where powers of r leave the
+// range of doubles.  That is at one number, whatever the unit of length.  There the evaluations, the reason
+// why a stretch is undecided, where it begins, and the extent of a graze along a whole line may differ; no
+// hit and no miss may.  A number of such a formula that is 1 at one scale is dropped by the reader of
+// formulas, with the rounding of its product: none of the numbers below is a power of two.
 enum { SEARCHED = 40 };
 
 // A surface at each scale.  Numbers of F are 2^(k by_f) times those at k = 0.
@@ -53,8 +54,8 @@ void fail(const maker &m, int k, const std::string &what, const sgt_ray &r, cons
 {
     failures++;
     if (failed[m.name + ": " + what]++ >= 1) return;
-    std::printf("FAIL %s, %s: lengths times 2^%d; pick %d proof %d t_tol %a\n", m.name.c_str(), what.c_str(), k,
-                static_cast<int>(o.pick), static_cast<int>(o.proof), o.t_tol);
+    std::printf("FAIL %s, %s: lengths times 2^%d; pick %d proof %d t_tol %a\n", m.name.c_str(), what.c_str(),
+                k, static_cast<int>(o.pick), static_cast<int>(o.proof), o.t_tol);
     bool exact;
     const sgt_surface s = m.at(0, &exact);
     if (row_named(m.name)->type) print_surface(s);
@@ -63,16 +64,17 @@ void fail(const maker &m, int k, const std::string &what, const sgt_ray &r, cons
     for (const sgt_hit *h : {want, got})
         if (h)
             std::printf("    %-4s %s evals %d t %a t_err %a t_lo %a [%a, %a] p_err %a n.x %a f %a\n",
-                        h == want ? "want" : "got", sgt_status_text(h->status), h->evals, h->t, h->t_err, h->t_lo,
-                        h->lo, h->hi, h->p_err, h->n.x, h->f);
+                        h == want ? "want" : "got", sgt_status_text(h->status), h->evals, h->t, h->t_err,
+                        h->t_lo, h->lo, h->hi, h->p_err, h->n.x, h->f);
 }
 
-void compare(const maker &m, int k, const char *by, const sgt_ray &r, const sgt_options &o, const sgt_hit &got,
-             const sgt_hit &want)
+void compare(const maker &m, int k, const char *by, const sgt_ray &r, const sgt_options &o,
+             const sgt_hit &got, const sgt_hit &want)
 {
     compared++;
     const char *why = difference(got, want);
-    const bool endless = !std::isfinite(r.tmin) || !std::isfinite(r.tmax) || by[0] == 't'; // a trace has no ends
+    const bool endless =
+        !std::isfinite(r.tmin) || !std::isfinite(r.tmax) || by[0] == 't'; // a trace has no ends
     if (why && endless && std::max(got.evals, want.evals) >= SEARCHED) {
         sgt_hit like = got;
         like.evals = want.evals;
@@ -93,10 +95,7 @@ void compare(const maker &m, int k, const char *what, const sgt_ray &r, const sg
     }
 }
 
-sgt_ray scaled(const sgt_ray &r, int k)
-{
-    return {times(r.o, k), r.d, times(r.tmin, k), times(r.tmax, k)};
-}
+sgt_ray scaled(const sgt_ray &r, int k) { return {times(r.o, k), r.d, times(r.tmin, k), times(r.tmax, k)}; }
 
 // Elements of glass, an ideal lens, a mirror and a plane about a surface, with all that has a length.
 struct row_of_elements {
@@ -107,7 +106,8 @@ struct row_of_elements {
     sgt_conic mirror, flat;
     sgt_element e[4];
 
-    row_of_elements(const sgt_surface &s, double h0, int k) : items(), corners(), aperture(), phase(), mirror(), flat()
+    row_of_elements(const sgt_surface &s, double h0, int k)
+        : items(), corners(), aperture(), phase(), mirror(), flat()
     {
         const double h = times(h0, k);
         items[0].shape = SGT_ELLIPSE, items[0].half = {0.9 * h, 0.8 * h}, items[0].degrees = 20;
@@ -129,8 +129,8 @@ struct row_of_elements {
     row_of_elements(const row_of_elements &) = delete;
 };
 
-void compare_traces(const maker &m, int k, const sgt_surface &plain, const sgt_surface &resized, const sgt_ray &r,
-                    const sgt_options &o)
+void compare_traces(const maker &m, int k, const sgt_surface &plain, const sgt_surface &resized,
+                    const sgt_ray &r, const sgt_options &o)
 {
     row_of_elements a(plain, m.h, 0), b(resized, m.h, k);
     sgt_passage pa[4] = {}, pb[4] = {};
@@ -138,7 +138,8 @@ void compare_traces(const maker &m, int k, const sgt_surface &plain, const sgt_s
     sgt_fate fa, fb;
     sgt_options ob = o;
     ob.t_tol = times(o.t_tol, k);
-    const std::size_t na = sgt_trace(4, a.e, 1, &ra, pa, &fa, &o), nb = sgt_trace(4, b.e, 1, &rb, pb, &fb, &ob);
+    const std::size_t na = sgt_trace(4, a.e, 1, &ra, pa, &fa, &o),
+                      nb = sgt_trace(4, b.e, 1, &rb, pb, &fb, &ob);
     compared++;
     if (na != nb || fa != fb) {
         fail(m, k, "trace, fate", r, o);
@@ -156,7 +157,8 @@ void compare_traces(const maker &m, int k, const sgt_surface &plain, const sgt_s
     const sgt_ray launch = scaled(r, k);
     const bool known = sgt_trace_error(n, a.e, 1, &r, pa, &ea);
     compared++;
-    if (known != sgt_trace_error(n, b.e, 1, &launch, pb, &eb)) fail(m, k, "error of the end, known", r, o);
+    if (known != sgt_trace_error(n, b.e, 1, &launch, pb, &eb))
+        fail(m, k, "error of the end, known", r, o);
     else if (known) {
         compare(m, k, "error of the end", r, o, eb.point, ea.point, k);
         compare(m, k, "error of the path", r, o, eb.path, ea.path, k);
@@ -253,7 +255,8 @@ void ask(const maker &m, generator &g, const std::vector<sgt_ray> &rays, const s
                     sgt_hit some[room] = {};
                     const int found = sgt_intersect_all(s, r, room, some, &o);
                     compared++;
-                    if (found != many[q][i]) fail(m, k, "all, how many", rays[i], plain_o);
+                    if (found != many[q][i])
+                        fail(m, k, "all, how many", rays[i], plain_o);
                     else
                         for (int j = 0; j < found && j < room; j++)
                             compare(m, k, "all", rays[i], plain_o, some[j],
@@ -279,15 +282,20 @@ void ask(const maker &m, generator &g, const std::vector<sgt_ray> &rays, const s
                 }
             }
             sgt_hits hits = {};
-            hits.status = status.data(), hits.t = out[0].data(), hits.t_err = out[1].data(), hits.t_lo = out[2].data();
-            sgt_intersect_batch(s, n, {{in[0].data(), in[1].data(), in[2].data()},
-                                       {in[3].data(), in[4].data(), in[5].data()}, in[6].data(), in[7].data()},
+            hits.status = status.data(), hits.t = out[0].data(), hits.t_err = out[1].data(),
+            hits.t_lo = out[2].data();
+            sgt_intersect_batch(s, n,
+                                {{in[0].data(), in[1].data(), in[2].data()},
+                                 {in[3].data(), in[4].data(), in[5].data()},
+                                 in[6].data(),
+                                 in[7].data()},
                                 hits, &o);
             for (std::size_t i = 0; i < n; i++) {
                 const sgt_hit h = expected(want[q][i], k, k, m.by_f * k);
                 compared++;
                 const bool endless = !std::isfinite(rays[i].tmin) || !std::isfinite(rays[i].tmax);
-                if (endless && h.evals >= SEARCHED) continue; // `one ray`, and tests of batches, have judged it
+                if (endless && h.evals >= SEARCHED)
+                    continue; // `one ray`, and tests of batches, have judged it
                 if (status[i] != h.status || !same(out[0][i], h.t) || !same(out[1][i], h.t_err) ||
                     !same(out[2][i], h.t_lo))
                     fail(m, k, "batch", rays[i], plain_o);
@@ -305,7 +313,8 @@ std::vector<sgt_ray> rays_at(generator &g, const target &t, int n)
     const subject of(t.shape);
     std::vector<sgt_ray> rays;
     for (int i = 0; i < n; i++)
-        rays.push_back(random_ray(g, of, g.chance(0.6) ? ordinary : static_cast<ray_kind>(g.below(ray_kinds))));
+        rays.push_back(
+            random_ray(g, of, g.chance(0.6) ? ordinary : static_cast<ray_kind>(g.below(ray_kinds))));
     return rays;
 }
 
@@ -314,7 +323,10 @@ void built_in(generator &g, const std::string &type, const std::vector<int> &pow
     const target t = random_target(g, type);
     const sgt_builtin *row = row_named(type);
     std::vector<std::shared_ptr<scaling>> kept;
-    maker m = {type, t.s.h, type == "quadric" ? 2 : row->family == SGT_LEVEL_SET ? 0 : 1,
+    maker m = {type, t.s.h,
+               type == "quadric"              ? 2
+               : row->family == SGT_LEVEL_SET ? 0
+                                              : 1,
                [&](int k, bool *exact) {
                    kept.push_back(std::make_shared<scaling>(type));
                    const sgt_surface s = kept.back()->surface(t.s, k);
@@ -328,7 +340,8 @@ void built_in(generator &g, const std::string &type, const std::vector<int> &pow
     offers.own_ = nullptr;
     const int kind = g.below(4);
     if (kind == 1) offers.enclose = nullptr, offers.encloses = nullptr;
-    if (kind == 2) offers.span = nullptr, offers.spans = nullptr, offers.first = nullptr, offers.firsts = nullptr;
+    if (kind == 2)
+        offers.span = nullptr, offers.spans = nullptr, offers.first = nullptr, offers.firsts = nullptr;
     if (kind == 3) offers.first = nullptr, offers.firsts = nullptr, offers.rounding = nullptr;
     const auto built = m.at;
     m.name = "user's " + type + std::to_string(kind);
@@ -366,7 +379,8 @@ const formula_case formulas[] = {
     {"x^2 + y^2 + z^2 - <9:2>", false, 2, 5},
     {"z^2 + y^2*(<1.1:2> + y^2*<0.1:0>)*<0.3:-2> + x*y*<0.2:0> - <4:2>", false, 2, 6},
     {"sqrt(x^2 + <1.1:2>) + hypot(y, z) - <3.3:1>", false, 1, 6},
-    {"sin(x*<1.1:-1>)*cos(y*<1.1:-1>) + sin(y*<1.1:-1>)*cos(z*<1.1:-1>) + sin(z*<1.1:-1>)*cos(x*<1.1:-1>)", false, 0, 5},
+    {"sin(x*<1.1:-1>)*cos(y*<1.1:-1>) + sin(y*<1.1:-1>)*cos(z*<1.1:-1>) + sin(z*<1.1:-1>)*cos(x*<1.1:-1>)",
+     false, 0, 5},
     {"max(x^2 + y^2 - <2.1:2>, abs(z)*<1.5:1> - <2.1:2>)", false, 2, 6},
     {"exp(-(x^2 + y^2)*<0.3:-2>)*<1.1:1> + cbrt(z*<2.3:2>) - <0.2:1>", false, 1, 5},
     {"<0.05:-1>*(x^2 + y^2)/(1 + sqrt(1 - <0.002:-2>*(x^2 + y^2)))", true, 1, 4},
@@ -392,8 +406,8 @@ void formula_made(generator &g, const formula_case &f, const std::vector<int> &p
                          to.room.resize(size / sizeof(double) + 8);
                          sgt_formula_error error;
                          const sgt_tape *tape = sgt_formula_read(
-                             text.c_str(), f.sag ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, 0, nullptr, to.room.data(),
-                             to.room.size() * sizeof(double), &error);
+                             text.c_str(), f.sag ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, 0, nullptr,
+                             to.room.data(), to.room.size() * sizeof(double), &error);
                          if (!tape) failures++, std::printf("FAIL %s: %s\n", text.c_str(), error.text);
                          *exact = tape != nullptr;
                          to.whole = {tape, times(f.ball, k), {0, 0, 0}, {0, 0, 0}};

@@ -60,7 +60,8 @@ static int radial_bounds(const sgt_tape *tape, const region *where, bounds *out)
     sgt_interval across = sgt_interval_scaled(jet.u, 2),
                  along = sgt_interval_sum(across, sgt_interval_scaled(sgt_interval_product(s, jet.uv), 4));
     double twice = sgt_interval_greatest(across), most = larger(twice, sgt_interval_greatest(along));
-    *out = (bounds){or_none(sgt_interval_greatest(jet.f)), or_none(sgt_product_above(twice, where->r_hi)), or_none(most)};
+    *out = (bounds){or_none(sgt_interval_greatest(jet.f)), or_none(sgt_product_above(twice, where->r_hi)),
+                    or_none(most)};
     return jet.whole ? 1 : -1;
 }
 
