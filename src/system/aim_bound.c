@@ -26,11 +26,11 @@
  * rule over eight), the conic's by 8 u (1 + w / (1 - w)) with w = (1 + k) c^2 r^2.  Of others
  * 64 u |n| (1 + slope^2) is a guess.
  *
- * A PHASE puts the direction off by 8 u in each component, and W by 64 u of its size (phase.h).  If |n| in front
- * is below 2^-50 n1 / n2, nothing is known of the direction.
+ * A PHASE puts the direction off by 8 u in each component, and W by 64 u of its size (phase.h).  If |n| in
+ * front is below 2^-50 n1 / n2, nothing is known of the direction.
  *
- * tests/sensitivity/test_aim.cpp, test_ideal.cpp and tests/lens/test_analysis.py hold the sum against 113 bits and 50
- * digits.  A half is added for the second order.
+ * tests/sensitivity/test_aim.cpp, test_ideal.cpp and tests/lens/test_analysis.py hold the sum against 113
+ * bits and 50 digits.  A half is added for the second order.
  *
  * THE ERROR OF THE PATH.  Let the path be that of the polygon through the points as computed, and move these
  * to those of the exact ray.  By Fermat's principle the change is, to first order, the sum of
