@@ -73,7 +73,7 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
     sgt_element *open = sgt_open_elements(from, e);
     bool fine = passages && open;
-    if (fine) open[count - 1].index = 0, open[count - 1].phase = NULL; /* what the image does to light: no say */
+    if (fine) open[count - 1].index = 0, open[count - 1].phase = NULL; /* what it does to light has no say */
     fine = fine && sgt_launch_rays(from, &b, open, index_before, 1, &centre, &chief);
     if (fine) {
         size_t passed = 0;
