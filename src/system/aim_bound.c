@@ -45,7 +45,7 @@
  * A_p = -n d.  A point that is off by dp makes the last side of the polygon longer by d . dp, so its error
  * counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a phase is W for p and
  * d as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d, as a launch point that
- * is moved along the ray makes the path longer by as much, and that is no error of a direction; and by A_d. */
+ * is moved along the ray makes the path longer by as much, and is no error of a direction; and by A_d. */
 #include "aim.h"
 
 #include <stdint.h>
