@@ -252,7 +252,8 @@ typedef struct sgt_aiming {
  * ideal lenses on them or not.  It is not for bodies, level sets and a user's surfaces:
  * their `enclose` is about one ray.  What is often left undecided: points that are nearly
  * met; rays that graze; aspheres and departures without a rim (semi_diameter of the
- * surface), where rays pass outside of the element's aperture, as roots far out might be meant. */
+ * surface), where rays pass outside of the element's aperture, as roots far out might be
+ * meant. */
 SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before,
                           const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
                           const sgt_aim_options *opt, sgt_aiming *out);
