@@ -248,11 +248,12 @@ typedef struct sgt_aiming {
  * that leaves out and on all rounding (Taylor models of the first order: Makino and Berz
  * 2003, Int. J. Pure Appl. Math. 4, 379).  A part is done if no ray of it gets to the
  * stop, or none to the point.  It is about the exact rays, and covers every root that
- * sgt_trace may mean.  It is offered for all sags of surfaces.h, in any frames, with ideal
- * lenses on them or not.  It is not for bodies, level sets and a user's surfaces: their
- * `enclose` is about one ray.  What is often left undecided: points that are nearly met;
- * rays that graze; aspheres and departures without a rim (semi_diameter of the surface),
- * where rays pass outside of the element's aperture, as roots far out might be meant. */
+ * sgt_trace may mean.  It is offered for all sags of surfaces.h, in any frames, with
+ * ideal lenses on them or not.  It is not for bodies, level sets and a user's surfaces:
+ * their `enclose` is about one ray.  What is often left undecided: points that are nearly
+ * met; rays that graze; aspheres and departures without a rim (semi_diameter of the
+ * surface), where rays pass outside of the element's aperture, as roots far out might be
+ * meant. */
 SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before,
                           const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
                           const sgt_aim_options *opt, sgt_aiming *out);

@@ -414,7 +414,8 @@ static void read_ideal(source *s, const node *map, sgt_element *e)
         phase_length(s, f, "focal_length", tree_read_number(s, f, "focal_length", NUMBER_FINITE));
     /* 0: not given, see conjugates */
     if (from) phase->object_distance = tree_read_number(s, from, "object_distance", NUMBER_MAYBE_INFINITE);
-    if (from && isfinite(phase->object_distance)) phase_length(s, from, "object_distance", phase->object_distance);
+    if (from && isfinite(phase->object_distance))
+        phase_length(s, from, "object_distance", phase->object_distance);
     char known[200];
     snprintf(known, sizeof known, "type, focal_length, object_distance%s", OTHER_KEYS);
     tree_finish(s, map, known);
@@ -546,7 +547,8 @@ static void conjugates(whole_lens *w, source *s)
     sgt_lens *l = &w->lens;
     const sgt_lens_surface *unknown = NULL;
     bool any = false;
-    for (size_t i = 0; i < l->count; i++) any = any || (w->element[i].phase && !w->element[i].phase->object_distance);
+    for (size_t i = 0; i < l->count; i++)
+        any = any || (w->element[i].phase && w->element[i].phase->object_distance == 0);
     if (!any) return;
     sgt_phase *conjugate = tree_room(s, l->wavelengths * l->count, sizeof *conjugate);
     double *distance = tree_room(s, l->count, sizeof *distance);

@@ -12,8 +12,9 @@ typedef struct whole_lens {
     sgt_element *element;
     sgt_lens_surface *about;
     medium *medium;          /* [count + 1]: in front of the first surface, behind each */
-    sgt_phase *conjugate;    /* [wavelengths * count]: of the ideal lenses whose file gives no object_distance,
-                                at each wavelength; kind 0: of no such one.  NULL: there is none */
+    sgt_phase *conjugate;    /* [wavelengths * count]: of the ideal lenses whose file gives no
+                                object_distance, at each wavelength; kind 0: of no such one.  NULL: there
+                                is none */
     formula_text *formula;   /* of the surfaces that are formulas, in any order */
     media media;             /* while it is read */
 } whole_lens;

@@ -26,11 +26,11 @@
  * rule over eight), the conic's by 8 u (1 + w / (1 - w)) with w = (1 + k) c^2 r^2.  Of others
  * 64 u |n| (1 + slope^2) is a guess.
  *
- * A PHASE puts the direction off by 8 u in each component, and W by 64 u of its size (phase.h).  If |n| in front
- * is below 2^-50 n1 / n2, nothing is known of the direction.
+ * A PHASE puts the direction off by 8 u in each component, and W by 64 u of its size (phase.h).  If |n| in
+ * front is below 2^-50 n1 / n2, nothing is known of the direction.
  *
- * tests/sensitivity/test_aim.cpp, test_ideal.cpp and tests/lens/test_analysis.py hold the sum against 113 bits and 50
- * digits.  A half is added for the second order.
+ * tests/sensitivity/test_aim.cpp, test_ideal.cpp and tests/lens/test_analysis.py hold the sum against 113
+ * bits and 50 digits.  A half is added for the second order.
  *
  * THE ERROR OF THE PATH.  Let the path be that of the polygon through the points as computed, and move these
  * to those of the exact ray.  By Fermat's principle the change is, to first order, the sum of
@@ -43,9 +43,9 @@
  * elements go through the derivatives, as those of the point do.  The number at the end is L - n d . p: the
  * path to the foot of the perpendicular from a fixed point near the end.  It has the adjoints A_L = 1,
  * A_p = -n d.  A point that is off by dp makes the last side of the polygon longer by d . dp, so its error
- * counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a phase is W for p and d
- * as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d, as a launch point that is
- * moved along the ray makes the path longer by as much, and that is no error of a direction; and by A_d. */
+ * counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a phase is W for p and
+ * d as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d, as a launch point that
+ * is moved along the ray makes the path longer by as much, and is no error of a direction; and by A_d. */
 #include "aim.h"
 
 #include <stdint.h>
@@ -148,7 +148,6 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, int
     for (size_t i = task->stop + 1; i-- > 0;) {
         const sgt_element *e = &task->e[i];
         bool turns = i < task->stop;
-        if (!turns) bare.phase = NULL; /* what the last element does to light moves no point of it */
         chain_link c;
         link_at(task, launch, i, &c);
         if (c.bends && turns) chain_second(chain_surface(e->surface), &c);

@@ -1,6 +1,6 @@
 /* phase.h - what a phase does to light.  There is one kind, an ideal thin lens.
  *
- * WHAT A KIND HAS TO OFFER.  The rest of the library asks for these things, and knows nothing else of a phase:
+ * WHAT A KIND HAS TO OFFER.  The rest of the library asks for these things, and knows nothing else of it:
  *
  *     is_phase_sound    are its numbers in range?
  *     focus_by          the direction behind it          (in the loops of a batch, too)
@@ -67,15 +67,17 @@
  *
  * THE DERIVATIVES.  With s = 1 or -1 the sign of n, dw = (dl, dm) / |n| - s w dn / |n|.  Then
  *
- *     n2 dw' = n1 dw - dp / f + w dn1 - w' dn2,     dw0 = dw - dp / a,     n2 dw0' = n1 dw0 + w0 dn1 - w0' dn2.
+ *     n2 dw' = n1 dw - dp / f + w dn1 - w' dn2,   dw0 = dw - dp / a,
+ *     n2 dw0' = n1 dw0 + w0 dn1 - w0' dn2.
  *
- * d' is e / |e| with e = (u', v', -+1), and |e| = 1 / |n'|.  So dd' = |n'| (de - d' (d' . de)).  Each term of W
- * is m = N / T with N = p . (w + w0) and T = S(w) + S(w0), and behind the same with a stroke:
+ * d' is e / |e| with e = (u', v', -+1), and |e| = 1 / |n'|.  So dd' = |n'| (de - d' (d' . de)).  Each term of
+ * W is m = N / T with N = p . (w + w0) and T = S(w) + S(w0), and behind the same with a stroke:
  *
  *     W = n2 m' - n1 m,   dm = (dN - m dT) / T,   dT = w . dw / S(w) + w0 . dw0 / S(w0).
  *
- * The two terms of dW are alike where the lens is weak.  They are at most n1 and n2 times a slope (by p), or p
- * (by the direction, times |n|), and dW is off by some u of that.  It is no gradient of an eikonal: an ideal
+ * The two terms of dW are alike where the lens is weak.  They are at most n1 and n2 times a slope (by p), or
+ * p (by the direction, times |n|), and dW is off by some u of that.  It is no gradient of an eikonal: an
+ * ideal
  * lens that images one plane without aberration does not fulfil the sine condition, so no lens of any shape
  * does what it does to all rays.  Therefore W changes to first order with the direction, too.
  *
@@ -232,7 +234,7 @@ SGT_INLINE bool phase_forms(const sgt_phase *phase, double n1, double n2, bool m
 {
     const double r = n1 / n2, F = 1 / (n2 * phase->focal_length), least = 0x1p-48 * larger(1, r);
     const linear ratio = {r, 0, 0, 4 * SGT_U * r}, power = {F, 0, 0, 4 * SGT_U * fabs(F)};
-    if (!form_above(d->z, least) && !form_below(d->z, -least)) return false; /* along the plane, or both ways */
+    if (!form_above(d->z, least) && !form_below(d->z, -least)) return false; /* along it, or both ways */
     const linear n = form_above(d->z, least) ? d->z : form_negative(d->z), nF = form_product(n, power);
     d->x = form_difference(form_product(ratio, d->x), form_product(nF, p.x));
     d->y = form_difference(form_product(ratio, d->y), form_product(nF, p.y));

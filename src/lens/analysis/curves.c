@@ -108,7 +108,7 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
     sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
     bool fine = passages && own;
     for (size_t i = 0; fine && i < count; i++) own[i] = e[i];
-    if (fine) own[count - 1].index = 0; /* what the image does to light is not looked at */
+    if (fine) own[count - 1].index = 0, own[count - 1].phase = NULL; /* what it does to light has no say */
     fine = fine && sgt_launch_rays(from, &b, own, index_before, 1, &centre, &chief);
     if (fine) {
         size_t passed = 0;
