@@ -151,8 +151,8 @@ SGT_API bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *bea
                              const sgt_element e[], double index_before,
                              sgt_ray_end *out);
 
-/* For an afocal image space: sets out[i] to end[i] with angles in place of points.  p.x and
- * p.y are those of d from `axis` (of unit length; in the frame of the last element), in
+/* For an afocal image space: sets out[i] to end[i] with angles in place of points.  p.x
+ * and p.y are those of d from `axis` (of unit length; in the frame of the last element), in
  * milliradians: toward x of that frame, and across it and the axis.  p.z is 0, and p_err
  * is the error of an angle, d_err in milliradians.  out may be end. */
 SGT_API void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count,

@@ -393,8 +393,8 @@ typedef struct sgt_first_order {
     size_t without_vertex;      /* the first surface, from 1, that has no vertex curvature
                                    or stands off the axis by `origin`: what depends on its
                                    power is NaN.  0: none */
-    double angular_magnification; /* the slope of the paraxial chief ray behind the lens by
-                                   that in front */
+    double angular_magnification; /* the slope of the paraxial chief ray behind the lens
+                                   by that in front */
 } sgt_first_order;
 
 /* The Seidel sums of one surface, for the marginal ray and the chief ray of the field

@@ -47,7 +47,9 @@ def oracle(table):
 
 
 def path_of(lens):
-    return lens if isinstance(lens, pathlib.Path) else next(p for p in (LENSES / lens, DATA / lens, DATA / 'zmx' / lens) if p.exists())
+    if isinstance(lens, pathlib.Path):
+        return lens
+    return next(p for p in (LENSES / lens, DATA / lens, DATA / 'zmx' / lens) if p.exists())
 
 
 def length_of(lens):
@@ -238,6 +240,28 @@ def test_angles():
                 mean = sum(power[0] * x * x + power[1] * y * y for x, y in angles) / len(angles)
                 close(row[column], math.sqrt(mean), 1e-12 * (1 + math.sqrt(mean)), f'{lens} {key(row)[:2]}: {column}')
             assert int(row['digits']) > 5 or float(row['rms_mrad']) < 1e-6, row
+
+
+def test_afocal_field():
+    """The chief ray's angles are the oracle's; vergences are what rays beside it do, by differences."""
+    lens, near = 'analysis_afocal.yaml', 1e-4
+    path = written(run('import', path_of(lens)).stdout + 'afocal: true\n')
+    chief = {key(row)[:2]: row for row in oracle('rays')[lens] if key(row)[2:] == (0, 0)}
+    beside = {}
+    for row in rows('trace', path, '--no-apertures', '--wavelength', 'all', '--pupil', '0 0', '--pupil',
+                    f'0 {near}', '--pupil', f'{near} 0'):
+        beside.setdefault(key(row)[:2], {})[float(row['px']), float(row['py'])] = row  # the last element's stays
+    for row in rows('field', path):
+        at = beside[key(row)]
+        l, m, n = (float(chief[key(row)][k]) for k in 'lmn')
+        for name, wanted in (('x_mrad', math.atan2(l, n)), ('y_mrad', math.atan2(m, n))):
+            close(row[name], 1e3 * wanted, float(row['xy_err_mrad']) + 1e-11, f'{key(row)} {name}')
+        middle = at[0.0, 0.0]
+        across, ahead = (float(at[near, 0.0][k]) - float(middle[k]) for k in 'xl')
+        close(row['sagittal_dioptre'], -1e3 * ahead / across, 1e-4, f'{key(row)}: sagittal')
+        y, m2, n2 = (float(at[0.0, near][k]) - float(middle[k]) for k in 'ymn')
+        turn = m2 * n - n2 * m  # in the plane of the field; the ray beside is y n away across the chief ray
+        close(row['tangential_dioptre'], -1e3 * turn / (y * n), 1e-4, f'{key(row)}: tangential')
 
 
 def test_unknown_exit_pupil():

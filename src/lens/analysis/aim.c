@@ -150,7 +150,8 @@ bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error)
     from->stop_radius = from->data.stop_radius;
     if (room && from->aim == SGT_AIM_REAL_STOP) {
         const sgt_ray edge = sgt_field_ray(&b, 0, 1);
-        size_t passed = sgt_trace_through(stop + 1, from->element, from->before, &edge, open, passages, &fate);
+        size_t passed =
+            sgt_trace_through(stop + 1, from->element, from->before, &edge, open, passages, &fate);
         const sgt_hit *hit = &passages[stop].hit;
         from->stop_radius = passed >= stop && hit->status > 0 ? hypot(hit->p.x, hit->p.y) : (double)NAN;
     }

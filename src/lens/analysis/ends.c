@@ -31,7 +31,7 @@ double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], doub
     const double FAR = 0x1p10;
     const size_t count = from->lens->count;
     const sgt_pose *pose = &e[count - 1].pose;
-    double away = (double)NAN, length = length3(end->p) + length3(pose->origin) + fabs(from->lens->surface[0].z);
+    double away = (double)NAN, length = length3(end->p) + fabs(from->lens->surface[0].z);
     sgt_element *more = sgt_launch_take(from, count + 1, sizeof *more);
     sgt_passage *passages = sgt_launch_take(from, count + 1, sizeof *passages);
     for (size_t i = 0; i < count; i++) length += length3(e[i].pose.origin);
@@ -120,8 +120,8 @@ void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count, const sgt_ray_end en
     for (size_t i = 0; i < count; i++) {
         const sgt_vec3 d = end[i].d, off = minus3(d, z); /* whose parts across the axis lose no digits */
         out[i] = end[i];
-        out[i].p = (sgt_vec3){MILLI * atan2(dot3(off, ex), dot3(d, z)), MILLI * atan2(dot3(off, ey), dot3(d, z)),
-                              0 * d.z};
+        const double ahead = dot3(d, z);
+        out[i].p = (sgt_vec3){MILLI * atan2(dot3(off, ex), ahead), MILLI * atan2(dot3(off, ey), ahead), 0};
         out[i].p_err = MILLI * (end[i].d_err + 0x1p-51);
     }
 }

@@ -31,7 +31,8 @@ void  sgt_launch_forget(const sgt_launcher *from, void *room);
 /* Sets the object point, or from afar the direction by its angles in degrees. */
 void sgt_beam_point(const sgt_launcher *from, sgt_field_beam *b, double x, double y);
 
-/* (ends.c) A bound, in radians, on what is off in end->d; end->p and p_err are read, too.  Infinite: not known. */
+/* (ends.c) A bound, in radians, on what is off in end->d; end->p and p_err are read, too.  Infinite: not
+ * known. */
 double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], double before,
                            const sgt_ray *launch, const sgt_ray_end *end);
 

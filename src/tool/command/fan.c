@@ -91,7 +91,7 @@ exit_status command_fan(int argc, char *argv[])
         fan_rows(&w, f);
     }
     if (afocal)
-        table_line(w.table, "ex_mrad, ey_mrad: angles from the chief ray of the primary wavelength, milliradians.");
+        table_line(w.table, "ex_mrad, ey_mrad: angles from the chief ray of the primary wavelength.");
     else
         table_line(w.table, "ex, ey: from the chief ray of the primary wavelength.  Unit of length: %s.",
                    *w.look.primary.lens.units ? w.look.primary.lens.units : "that of the lens");

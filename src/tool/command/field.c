@@ -213,8 +213,8 @@ exit_status command_field(int argc, char *argv[])
         }
     }
     if (afocal)
-        table_line(t, "Angles of the chief ray from z of the last surface, milliradians; vergences there, dioptres"
-                      " (1/m).  distortion: of tangents, against the angular magnification.");
+        table_line(t, "Angles of the chief ray from z of the last surface; vergences there, in dioptres (1/m)."
+                      "   distortion: of tangents, against the angular magnification.");
     else table_line(t, "tangential, sagittal: z from the image surface.  distortion: a fraction, against %s.",
                a.distortion == SGT_DISTORTION_THETA                  ? "f theta"
                : isfinite(l.primary.lens.of->object_distance) ? "the magnification"

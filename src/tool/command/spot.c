@@ -346,7 +346,7 @@ exit_status command_spot(int argc, char *argv[])
         }
     const char *about = a.centroid ? "the centroid" : "the chief ray of the primary wavelength";
     if (spot_afocal(&w.look))
-        table_line(w.table, "rms_mrad, geometric_mrad: angles about %s.  airy_mrad: radius.  Milliradians.", about);
+        table_line(w.table, "rms_mrad, geometric_mrad: angles about %s.  airy_mrad: radius.", about);
     else
         table_line(w.table, "rms, geometric: about %s.  airy: radius.  Unit of length: %s.", about,
                    *w.look.primary.lens.units ? w.look.primary.lens.units : "that of the lens");
