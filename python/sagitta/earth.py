@@ -112,7 +112,8 @@ class Geoid(_Earth):
     """
     type = "geoid"
 
-    def __init__(self, *, file: Union[str, "os.PathLike[str]", None] = None, h: Optional[float] = None) -> None:
+    def __init__(self, *, file: Union[str, "os.PathLike[str]", None] = None,
+                 h: Optional[float] = None) -> None:
         object.__setattr__(self, "_file", None if file is None else os.fspath(file))
         self._make(dict(h=h))
 

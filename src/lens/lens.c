@@ -119,8 +119,8 @@ static void read_wavelengths(sgt_lens *l, source *s)
                                       l->wavelengths, "wavelength");
     if (!primary && l->wavelengths > 1)
         tree_remark(s, SGT_REMARK_NOTE, n->line, "primary",
-                    "missing: the first of %zu wavelengths, %.9g, is taken, at which focal length and pupil are "
-                    "computed; primary: 1 says so", l->wavelengths, list[0]);
+                    "missing: the first of %zu wavelengths, %.9g, is taken, at which focal length and "
+                    "pupil are computed; primary: 1 says so", l->wavelengths, list[0]);
     if (!primary) return;
     double place = tree_read_number(s, primary, "primary", NUMBER_FINITE);
     if (!(place >= 1 && place <= (double)l->wavelengths) || place != floor(place))
@@ -145,7 +145,8 @@ static void read_object(whole_lens *w, source *s)
         tree_fail(s, telecentric->line, "object.telecentric", "the object must be at a distance");
     w->medium[0] = medium_of(w, map, "object.", w->medium[0]);
     if (w->medium[0].kind == MEDIUM_BEFORE)
-        tree_fail(s, w->medium[0].line, w->medium[0].key, "nothing is in front of the object to be the same as");
+        tree_fail(s, w->medium[0].line, w->medium[0].key,
+                  "nothing is in front of the object to be the same as");
     tree_finish(s, map, "distance, telecentric, index or glass");
 }
 

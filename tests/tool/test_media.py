@@ -66,7 +66,7 @@ def drawn(draw):
             lens['surfaces'].append({'type': 'break', 'decenter': [0.01, 0], 'thickness': 0})
         kind = draw.choice(('sphere', 'sphere', 'plane', 'ideal'))
         s = {'type': kind, 'thickness': draw.uniform(0.5, 2),
-             **said(draw, ('', '', 'air', 'same', 'one', 'list', 'index', 'model'))}
+             **said(draw, ('', '', '', '', '', 'air', 'same', 'one', 'list', 'index', 'index', 'model', 'model'))}
         if kind == 'sphere':
             s['radius'] = draw.choice((-1, 1)) * draw.uniform(40, 90)
         if kind == 'ideal':
@@ -113,7 +113,8 @@ def test_random_lenses():
             if not s.get('mirror'):
                 s.update({'glass': MODEL} if index == MODEL_INDEX else {'index': index})
         equal(run('trace', written(lines(lens)[0]), *arguments, stdin=launch, exit=None).stdout, got)
-    assert refused > 20 * SCALE, refused
+    print(f'       {refused} refused')
+    assert refused > 0, refused
 
 
 BOOK = '''wavelengths: [0.5876]

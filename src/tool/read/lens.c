@@ -216,7 +216,7 @@ const char *lens_primary(const sgt_lens *of)
 {
     static char text[80];
     if (!of->wavelength || of->wavelengths < 2) return NULL;
-    snprintf(text, sizeof text, "Primary wavelength: %.9g, number %zu of the lens.", of->wavelength[of->primary],
-             of->primary + 1);
+    snprintf(text, sizeof text, "Primary wavelength: %.9g, number %zu of the lens.",
+             of->wavelength[of->primary], of->primary + 1);
     return text;
 }
