@@ -148,7 +148,8 @@ static beam_ray marginal_ray(const paraxial *p, const sgt_first_order *o)
     return ray_at_first(p, d * u, p->before * u);
 }
 
-/* The chief ray, at the first vertex, of the field that is farthest from the axis. */
+/* The chief ray, at the first vertex, of the field that is farthest from the axis.  o: of the primary
+ * wavelength, at which image heights say a field; its rays are the same at every other. */
 static beam_ray chief_ray(const paraxial *p, const sgt_first_order *o)
 {
     const sgt_lens *l = p->lens;
@@ -165,7 +166,7 @@ static beam_ray chief_ray(const paraxial *p, const sgt_first_order *o)
     if (l->telecentric) return ray_at_first(p, -most, 0);
     double slope = l->field_kind == SGT_FIELD_ANGLE ? most
                    : isfinite(d)                    ? most / (d + o->entrance_pupil)
-                                                    : most * fabs(o->power) / p->before;
+                                                    : most / fabs(o->front_principal - o->ffd); /* P / n */
     return ray_at_first(p, -o->entrance_pupil * slope, p->before * slope);
 }
 
@@ -218,11 +219,11 @@ static void set_points(const paraxial *p, sgt_first_order *o)
     o->magnification = axial.w == 0 ? none : n / axial.w;
 }
 
-static void set_field(const paraxial *p, sgt_first_order *o)
+static void set_field(const paraxial *p, const sgt_first_order *primary, sgt_first_order *o)
 {
     const double d = p->lens->object_distance;
     double sum = 0, n = p->before;
-    beam_ray marginal = marginal_ray(p, o), chief = chief_ray(p, o);
+    beam_ray marginal = marginal_ray(p, o), chief = chief_ray(p, primary ? primary : o);
     o->image_height = isfinite(d) ? fabs((chief.y - d * chief.w / n) * o->magnification)
                                   : fabs(chief.w * o->efl);
     o->lagrange = marginal.w * chief.y - chief.w * marginal.y;
@@ -266,15 +267,15 @@ static const char *lacks_symmetry(const sgt_lens *l)
     return NULL;
 }
 
-static const char *set_seidel(const paraxial *p, const sgt_first_order *o, const double dn[],
-                              sgt_seidel seidel[])
+static const char *set_seidel(const paraxial *p, const sgt_first_order *primary, const sgt_first_order *o,
+                              const double dn[], sgt_seidel seidel[])
 {
     const sgt_lens *l = p->lens;
     const char *lacks = lacks_symmetry(l);
     if (lacks) return lacks;
     if (o->without_vertex) return "a surface has no vertex curvature";
     if (isnan(o->lagrange)) return "the pupil or the fields are not known";
-    beam_ray ray = marginal_ray(p, o), chief = chief_ray(p, o);
+    beam_ray ray = marginal_ray(p, o), chief = chief_ray(p, primary ? primary : o);
     for (size_t i = 0; i <= p->last; i++) {
         const vertex *v = &p->at[i];
         double n = ray.n, g;
@@ -371,9 +372,9 @@ static bool first_order_at(const whole_lens *w, double um, const sgt_first_order
     if (fine) {
         set_points(&p, out);
         set_pupils(&p, primary, out);
-        set_field(&p, out);
+        set_field(&p, primary, out);
         if (seidel) set_changes(&p, room.element, room.dn);
-        const char *lacks = seidel ? set_seidel(&p, out, room.dn, seidel) : NULL;
+        const char *lacks = seidel ? set_seidel(&p, primary, out, room.dn, seidel) : NULL;
         const double none = (double)NAN;
         for (size_t i = 0; lacks && i < lens->count; i++)
             seidel[i] = (sgt_seidel){none, none, none, none, none, {none, none}};

@@ -211,21 +211,19 @@ class Check:
 
     def heights(self, got, first, wave):
         """Paraxial images of the fields, and the invariant of the farthest."""
+        # a real height is that of rays whose paraxial image is as high, at the primary wavelength
+        kind = 'paraxial_image_height' if self.lens.kind == 'real_image_height' else None
         for i, (f, mine) in enumerate(zip(self.lens.fields, got['image_height']), 1):
-            beam, size = Beam(self.lens, model.Field(f.x, f.y), wave), None
+            beam, size = Beam(self.lens, f, wave, kind), None
             across = root(beam.start[D][0] ** 2 + beam.start[D][1] ** 2)
-            if self.lens.kind == 'real_image_height':
-                size = mp.sqrt(f.x ** 2 + f.y ** 2)
-            elif self.lens.object is not None:
+            if self.lens.object is not None:
                 m = first.data['magnification']
                 size = None if m is None else across * dec(abs(m))
             elif first.power:
                 size = across * dec(abs(self.lens.before[wave] / first.power))
             self.length_of(mine, size, f'info {self.waves[wave]} image height {i}')
         if self.lens.object is None:  # n u ybar - n ubar y in the entrance pupil, where ybar is 0
-            real = self.lens.kind == 'real_image_height'  # then of rays whose paraxial image is as high
-            beams = [Beam(self.lens, f, wave, 'paraxial_image_height' if real else None)
-                     for f in self.lens.fields]
+            beams = [Beam(self.lens, f, wave, kind) for f in self.lens.fields]
             slope = max(root(b.start[D][0] ** 2 + b.start[D][1] ** 2) for b in beams)
             wanted = -slope * dec(first.radius * self.lens.before[wave])
         else:                         # at the object, where y is 0
