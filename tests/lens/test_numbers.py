@@ -529,11 +529,12 @@ class Check:
                 wanted = MRAD * dec(mp.atan(mpf(str(slope))))
                 self.close(row['ideal_mrad'], wanted, 1e-10 * MRAD, what + 'ideal')
                 tangent = (chief[0] * u[0] + chief[1] * u[1]) / chief[2]
-                self.close(row['distortion'], tangent / slope - 1 if slope else None, 1e-9, what + 'distortion')
+                wanted = tangent / slope - 1 if slope else None
+                self.close(row['distortion'], wanted, 1e-9, what + 'distortion')
             for cell, way in (('tangential', u), ('sagittal', (-u[1], u[0]))):
                 far = beam.focus(way)
                 # along the chief ray, in 1/m
-                wanted = 0 if far is None else MICROMETRES[self.lens.units] * chief[2] / far
+                wanted = 0 if far is None else D(1000000) / MICROMETRES[self.lens.units] * chief[2] / far
                 self.close(row[cell + '_dioptre'], wanted, 1e-8 * (1 + abs(float(wanted))), what + cell)
         if self.lens.afocal:
             return
