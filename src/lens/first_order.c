@@ -148,8 +148,8 @@ static beam_ray marginal_ray(const paraxial *p, const sgt_first_order *o)
     return ray_at_first(p, d * u, p->before * u);
 }
 
-/* The chief ray, at the first vertex, of the field that is farthest from the axis.  o: of the primary wavelength,
- * at which image heights say a field; its rays are the same at every other. */
+/* The chief ray, at the first vertex, of the field that is farthest from the axis.  o: of the primary
+ * wavelength, at which image heights say a field; its rays are the same at every other. */
 static beam_ray chief_ray(const paraxial *p, const sgt_first_order *o)
 {
     const sgt_lens *l = p->lens;

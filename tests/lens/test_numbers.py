@@ -521,6 +521,21 @@ class Check:
             self.close(row[cell], wanted, within, what + cell)
         height, size = place[0] * u[0] + place[1] * u[1], float(root(place[0] ** 2 + place[1] ** 2))
         self.digits(row, size, size, 1e-13 * self.size, what + 'height')
+        if angles:  # tangents, against the angular magnification
+            first = FirstOrder(self.lens, beam.wave)
+            slope = dec(first.angular) * (beam.start[D][0] * u[0] + beam.start[D][1] * u[1])
+            chief = beam.chief().before
+            if kind == 'tan':
+                wanted = MRAD * dec(mp.atan(mpf(str(slope))))
+                self.close(row['ideal_mrad'], wanted, 1e-10 * MRAD, what + 'ideal')
+                tangent = (chief[0] * u[0] + chief[1] * u[1]) / chief[2]
+                wanted = tangent / slope - 1 if slope else None
+                self.close(row['distortion'], wanted, 1e-9, what + 'distortion')
+            for cell, way in (('tangential', u), ('sagittal', (-u[1], u[0]))):
+                far = beam.focus(way)
+                # along the chief ray, in 1/m
+                wanted = 0 if far is None else D(1000000) / MICROMETRES[self.lens.units] * chief[2] / far
+                self.close(row[cell + '_dioptre'], wanted, 1e-8 * (1 + abs(float(wanted))), what + cell)
         if self.lens.afocal:
             return
         ideal = beam.ideal_height(kind == 'theta')
