@@ -194,7 +194,8 @@ class Remark:
 @dataclass
 class Rays:
     """Rays of a field: o, d (3, n) as trace() wants them; the points of the unit circle of the pupil, with
-    their weights; aimed (int32, Aimed): only where it is MET, o and d are a ray (else NaN)."""
+    their weights; aimed (int32, Aimed): only where it is MET, o and d are a ray (else NaN).
+    NO_SUCH_RAY is proven of all that the rims in front let through (analysis.h); else it is undecided."""
 
     o: Floats
     d: Floats

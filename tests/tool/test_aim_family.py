@@ -101,6 +101,53 @@ def test_telecentric_cones():
                 close(p[k] + t * d[k], float(point) * size, 1e-11, (path, key))
 
 
+TELECENTRIC_ZMX = '''VERS 140124 258 36214
+MODE SEQ
+UNIT MM X W X CM MR CPMM
+OBNA 0.2 0
+RAIM 0 2 1 1 0 0 0 0 0
+FTYP 1 1 2 1 0 0 0
+XFLN 0 0
+YFLN 0 2
+FWGN 1 1
+WAVM 1 0.55 1
+PWAV 1
+SURF 0
+  TYPE STANDARD
+  CURV 0
+  DISZ 15
+SURF 1
+  TYPE STANDARD
+  CURV 0.05
+  DISZ 7
+  GLAS ___BLANK 1 0 1.5 60 0 0 0 0 0 0
+SURF 2
+  TYPE STANDARD
+  CURV -0.05
+  DISZ 15
+SURF 3
+  STOP
+  TYPE STANDARD
+  CURV 0
+  DISZ 15
+SURF 4
+  TYPE STANDARD
+  CURV 0
+  DISZ 0
+'''
+
+
+def test_a_telecentric_import_is_not_aimed():
+    """OpticStudio ignores ray aiming there; the reader says so, and --aim real aims."""
+    path = written(TELECENTRIC_ZMX, 'telecentric.zmx')
+    done = run('trace', path, '--chief', '--format', 'csv')
+    assert 'RAIM' in done.stderr and 'telecentric' in done.stderr, done.stderr
+    chief = list(at_stop(path, 3, '--chief', '--fields', 2).values())[0]
+    assert float(chief['y']) > .1, chief
+    aimed = list(at_stop(path, 3, '--chief', '--fields', 2, '--aim', 'real').values())[0]
+    close(aimed['y'], 0, 1e-12)
+
+
 def test_an_ideal_lens_as_stop():
     """The ray through its centre is not bent: it meets the focal plane at f tan; all rays do.  Also behind another."""
     for _ in times(20):
