@@ -246,13 +246,13 @@ static void explain_nearest(table *t, const job *j, const sgt_launched *l)
     }
     if (isnan(n->miss)) {
         table_line(t, "No ray was found that gets to the stop.  The first that was tried, through %.6g, "
-                      "%.6g of the paraxial pupil, %s element %zu.", n->from.x, n->from.y, what, element);
+                      "%.6g of\nthe paraxial pupil, %s element %zu.", n->from.x, n->from.y, what, element);
         return;
     }
-    table_line(t, "The nearest ray that was found, through %.6g, %.6g of the paraxial pupil, passes the stop "
-                  "%.3g beside the point.", n->to.x, n->to.y, n->miss);
+    table_line(t, "The nearest ray that was found goes through %.6g, %.6g of the paraxial pupil, and meets "
+                  "the stop\n%.3g from the point.", n->to.x, n->to.y, n->miss);
     if (n->reason == SGT_AIM_AT_EDGE)
-        table_line(t, "It is on the edge of the rays that were searched: the point lies farther out.");
+        table_line(t, "It is at the edge of what was searched: rays that are nearer lie farther out.");
     if (n->reason == SGT_AIM_CUT && stopped)
         table_line(t, "A ray that would be nearer %s element %zu%s.", what, element,
                    element - 1 == j->lens.of->stop ? ", the stop" : "");
@@ -270,10 +270,10 @@ static bool diagnose_missing(const diagnose_arguments *a, const job *j, const la
     if (!sgt_launch_rays(j->how->from, &beam, j->element, j->lens.index_before, 1, &at, &launched))
         fail_input("out of memory");
     table *t = table_begin(&a->shared.target, HEAD_COUNT, diagnose_head);
-    table_line(t, "%s: ray %zu, field %zu, through %g, %g of the pupil.  It was not traced: aimed at %.6g, "
-                  "%.6g of the stop, element %zu,\n%s.",
-               *j->lens.name ? j->lens.name : j->lens.of->file, l->number, l->field + 1, l->px, l->py,
-               launched.wanted.x, launched.wanted.y, j->lens.of->stop + 1,
+    table_line(t, "%s: ray %zu, field %zu, through %g, %g of the pupil.  It was not traced.  It has to meet\n"
+                  "the stop, element %zu, at %.6g, %.6g: %s.",
+               *j->lens.name ? j->lens.name : j->lens.of->file, l->number, j->field_number[l->field] + 1,
+               l->px, l->py, j->lens.of->stop + 1, launched.wanted.x, launched.wanted.y,
                launch_words(l->status, l->within));
     explain_nearest(t, j, &launched);
     table_end(t);

@@ -420,6 +420,7 @@ job job_read(const job_options *o)
     const bool aimed = (aim ? *aim : j.lens.of->aim) != SGT_AIM_PUPIL;
     j.how = memory_take(1, sizeof *j.how);
     *j.how = launch_by(&j.lens, aim);
+    j.how->field_number = j.field_number;
     if (o->parts) {
         plan_rays(&j, points);
         return j;
