@@ -252,7 +252,7 @@ static void explain_nearest(table *t, const job *j, const sgt_launched *l)
     table_line(t, "The nearest ray that was found goes through %.6g, %.6g of the paraxial pupil, and meets "
                   "the stop\n%.3g from the point.", n->to.x, n->to.y, n->miss);
     if (n->reason == SGT_AIM_AT_EDGE)
-        table_line(t, "It is at the edge of what was searched: rays that are nearer lie farther out.");
+        table_line(t, "It is at the edge of the rays that were searched: nearer ones lie farther out.");
     if (n->reason == SGT_AIM_CUT && stopped)
         table_line(t, "A ray that would be nearer %s element %zu%s.", what, element,
                    element - 1 == j->lens.of->stop ? ", the stop" : "");

@@ -41,10 +41,10 @@ const char *launch_words(sgt_aimed status, double within)
 {
     char text[200];
     if (status == SGT_NO_SUCH_RAY)
-        return "there is no such ray, as is proven for all that the rims in front let through";
-    if (!(within > 0)) return "no such ray was found, but there may be one";
+        return "there is no ray, as is proven for all that the rims in front let through";
+    if (!(within > 0)) return "no ray was found, but there may be one";
     snprintf(text, sizeof text,
-             "no such ray was found (none within %g pupil radii; beyond that there may be one)", within);
+             "no ray was found (none within %g pupil radii; beyond that there may be one)", within);
     return memory_text(text, strlen(text));
 }
 
