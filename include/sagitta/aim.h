@@ -112,9 +112,9 @@ typedef struct sgt_end_error {
                      perpendicular from a fixed point near the end on the ray.  opl itself
                      is off by at most path + index * point */
     double grain; /* how far an ulp of each number of the launch ray moves the point */
-    double path_grain; /* and by how much it changes the path, but for moving the launch
-                          point along the ray.  0 without a phase: by Fermat's principle
-                          that is of second order */
+    double path_grain; /* how far it changes the path, except by moving the launch point
+                          along the ray.  0 if there is no phase: by Fermat's principle
+                          the change is then of second order */
 } sgt_end_error;
 
 /* Bounds on the errors of the end of a ray that sgt_trace took through all n elements, or
@@ -258,13 +258,12 @@ SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_befor
                           const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
                           const sgt_aim_options *opt, sgt_aiming *out);
 
-/* Bounds on u and v, whatever the box of the beam: every ray of the family is in them
- * that meets the point and is let through by the rims of the elements that it comes to
- * before it is bent.
+/* Bounds on u and v of the rays that meet the point and that the rims in front let
+ * through.  The box of the beam has no say in them.
  *
- * A rim is semi_diameter and what `aperture` lets through, the semi_diameter of the
- * surface, and the edge of a conic with k > -1.  The last such element is the first that
- * bends rays (its own rim counts), or the stop, where the point itself is the bound.
+ * Rims are semi_diameter, what `aperture` lets through, the semi_diameter of the surface,
+ * and the edge of a conic with k > -1.  They count up to the first element that bends
+ * rays, and at it; or up to the stop, where the point itself is the bound.
  * The family has one origin or one direction: du = dv = 0 or ou = ov = 0.
  *
  * true: they are bounds.  They may be empty (lo > hi): then there is no such ray.

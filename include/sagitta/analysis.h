@@ -83,11 +83,13 @@ typedef struct sgt_launched {
     sgt_ray   ray;
     sgt_aimed status; /* SGT_MET: there it is.
                          SGT_NO_SUCH_RAY: proven, there is none.  See WHAT IS PROVEN
-                         SGT_AIM_UNDECIDED: none was found, and none excluded */
+                         SGT_AIM_UNDECIDED: none was found, and it is not proven that
+                         there is none */
     bool      folded; /* near it the pupil is inside out, as neighbouring rays reach the
                          stop in reversed order: the pupil folds back on itself, and
                          another ray of the field may reach the same point */
-    sgt_vec2  wanted; /* if the lens is aimed at the stop: where there, in its frame */
+    sgt_vec2  wanted; /* if the lens is aimed at the stop: the point of the stop, in its
+                         frame */
     /* Unless SGT_MET: */
     double    within;     /* proven: there is none with |u|, |v| <= within, in radii of
                              the paraxial entrance pupil; 0: not proven */
@@ -99,12 +101,12 @@ typedef struct sgt_launched {
  * are the lens at the wavelength of the rays.  A telecentric object has a cone in the
  * pupil's place: u, v are slopes, in units of its marginal ray's.
  *
- * WHAT IS PROVEN.  A ray that is found may be clipped: apertures do not count.  The
- * family has no end, so a search in it has one: some hundred pupil radii.
- * SGT_NO_SUCH_RAY says that no ray of the family meets the point, but for rays that a rim
- * clips before they are bent (sgt_beam_bounds).  Where no rim bounds the family that is
- * never said:
- * the status is SGT_AIM_UNDECIDED, and `within` says how much of the family is excluded.
+ * WHAT IS PROVEN.  A ray that is found may be clipped: apertures do not count.  Rays of
+ * a field have no bound, so the search has one: 600 pupil radii.  SGT_NO_SUCH_RAY is
+ * about all rays of the field but those that a rim clips before they are bent
+ * (sgt_beam_bounds).  If no rim bounds them, it is never the answer: the status is
+ * SGT_AIM_UNDECIDED, and `within` says which part holds no such ray.
+ *
  * false: no memory. */
 SGT_API bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before, size_t count,
@@ -134,7 +136,7 @@ typedef struct sgt_ray_end {
      * path to the foot of a perpendicular from a fixed point near p (sgt_trace_error).
      * The rounding of the launch ray is in them. */
     double p_err, opl_err;
-    /* The same of d, an angle in radians.  NaN unless the lens is afocal. */
+    /* A bound on the error of d, an angle in radians.  NaN unless the lens is afocal. */
     double d_err;
     double within;       /* unless aimed is SGT_MET: as in sgt_launched */
 } sgt_ray_end;
@@ -152,10 +154,11 @@ SGT_API bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *bea
                              const sgt_element e[], double index_before,
                              sgt_ray_end *out);
 
-/* For an afocal image space: sets out[i] to end[i] with angles in place of points.  p.x
- * and p.y are those of d from `axis` (of unit length; in the frame of the last element), in
- * milliradians: toward x of that frame, and across it and the axis.  p.z is 0, and p_err
- * is the error of an angle, d_err in milliradians.  out may be end. */
+/* For an afocal image space: sets out[i] to end[i], with angles in place of the point.
+ * p.x and p.y are the angles of d from `axis`, in milliradians: toward x of the frame of
+ * the last element, and across x and the axis.  `axis` is of unit length, in that frame.
+ * p.z is 0, and p_err bounds the error of either angle, in milliradians.  out may be
+ * end. */
 SGT_API void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count,
                                 const sgt_ray_end end[], sgt_ray_end out[]);
 
@@ -262,9 +265,9 @@ typedef struct sgt_field_point {
                                     along the field; NaN: there is none */
     double   distortion;         /* (height - ideal) / ideal; NaN on the axis */
     double   within;             /* unless aimed is SGT_MET: as in sgt_launched */
-    /* Of a lens that is afocal image, error and ideal are angles from z of the image, in
-     * milliradians; distortion compares their tangents, and there is none for an object
-     * at a distance; tangential and sagittal are vergences there, index / distance. */
+    /* If the lens is afocal, image, error and ideal are angles from z of the image, in
+     * milliradians.  distortion compares tangents of angles; it is NaN for an object at a
+     * distance.  tangential and sagittal are vergences at the image: index / distance. */
 } sgt_field_point;
 
 typedef enum sgt_distortion {

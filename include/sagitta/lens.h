@@ -239,9 +239,9 @@ typedef struct sgt_lens_surface {
                                 SGT_PUPIL_STOP_SIZE.  It clips nothing */
     double      focal_length; /* of the type "ideal", whose element is a plane with an
                                 sgt_phase; else 0.  If the file gives no object_distance,
-                                that of the phase is where the paraxial image of the
-                                object is, seen from the lens, at the wavelength of the
-                                elements */
+                                that of the phase is the distance of the paraxial image
+                                that the surfaces in front form of the object, at the
+                                wavelength of the elements */
 } sgt_lens_surface;
 
 /* Where the points of a pattern are. */
@@ -265,8 +265,8 @@ typedef struct sgt_lens {
     double object_distance;
     bool   telecentric;      /* chief rays are parallel to the axis in object space; the
                                 pupil is then a cone (object_na, object_angle) */
-    bool   afocal;           /* light leaves as parallel rays: what is asked of the image
-                                space are angles, and paths go to a plane */
+    bool   afocal;           /* light leaves as parallel rays: analyses answer in angles,
+                                and paths go to a plane */
 
     sgt_pupil_kind pupil;
     double pupil_size;       /* as the kind says; NaN for none */
@@ -332,10 +332,10 @@ SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
 
 /* The elements at a wavelength in um: copies lens->element to `element`, room for
  * lens->count, with the indices of that wavelength, and sets *index_before.  um NaN:
- * where the file gives no wavelengths.  Ideal lenses whose file gives no object_distance
- * have the paraxial one of that wavelength, or that of the primary one if the file does
- * not list it.  false: some medium has no index there (a list
- * of indices for other wavelengths, a pole), and `error` says which. */
+ * where the file gives no wavelengths.  An ideal lens for which the file gives no
+ * object_distance has the paraxial one of that wavelength, or of the primary one if the
+ * file does not list it.  false: some medium has no index there (a list of indices for
+ * other wavelengths, a pole), and `error` says which. */
 SGT_API bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[],
                          double *index_before, sgt_lens_error *error);
 
@@ -393,8 +393,8 @@ typedef struct sgt_first_order {
     size_t without_vertex;      /* the first surface, from 1, that has no vertex curvature
                                    or stands off the axis by `origin`: what depends on its
                                    power is NaN.  0: none */
-    double angular_magnification; /* the slope of the paraxial chief ray behind the lens
-                                   by that in front */
+    double angular_magnification; /* slope of the paraxial chief ray behind the lens, over
+                                   its slope in front */
 } sgt_first_order;
 
 /* The Seidel sums of one surface, for the marginal ray and the chief ray of the field

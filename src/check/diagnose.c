@@ -20,7 +20,8 @@
  *
  * WHICH STEPS.  Only a run of Newton steps has an order.  A bisection, a back-off or a march begins a new
  * run; the last run is judged.  Probes, which look beside a root already found, are skipped.  So are
- * evaluations that gave NaN, and bounds over cells.  If a log has several solves (eval begins at 1 again), the last is judged.
+ * evaluations that gave NaN, and bounds over cells.  If a log has several solves (eval begins at 1 again),
+ * the last is judged.
  *
  * WHEN IT FAILS.  Two steps have no order: it is NaN, and the verdict goes by how much one gained on the
  * other.  A log that was cut short (n > cap) is judged by what it kept.
@@ -166,8 +167,8 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
 }
 
 /* How many iterates come before those whose steps shrink to the end, each to half or less.  A step that
- * rounding has touched, below `least`, says nothing.  A step before the first that is seen to shrink is the one
- * that led to where it begins: what it began from is of the history too. */
+ * rounding has touched, below `least`, says nothing.  The step that leads to the first of those belongs to
+ * what came before. */
 static int before_closing(const sgt_step *step, int n, double least)
 {
     const sgt_step *later = NULL;

@@ -119,8 +119,8 @@ static void read_wavelengths(sgt_lens *l, source *s)
                                       l->wavelengths, "wavelength");
     if (!primary && l->wavelengths > 1)
         tree_remark(s, SGT_REMARK_NOTE, n->line, "primary",
-                    "missing: the first of %zu wavelengths, %.9g, is taken, at which focal length and "
-                    "pupil are computed; primary: 1 says so", l->wavelengths, list[0]);
+                    "missing: the first of %zu wavelengths, %.9g, is taken for focal length and pupil; "
+                    "primary: 1 says that it is meant", l->wavelengths, list[0]);
     if (!primary) return;
     double place = tree_read_number(s, primary, "primary", NUMBER_FINITE);
     if (!(place >= 1 && place <= (double)l->wavelengths) || place != floor(place))
@@ -362,9 +362,9 @@ static const char *medium_name(source *s, const medium *m)
 
 /* The medium behind a surface; *now is that in front of it, and then that behind it.
  *
- * To leave it out means air in books and other programs, and "as in front" to who puts a plane into a glass.
- * So it may be left out only where nobody can be misled: at a mirror, behind the last surface, and where
- * light is in the medium of the object already. */
+ * If it is left out, books and other programs mean air, and who puts a plane into a glass means that glass.
+ * So it may be left out only where both are the same: at a mirror, behind the last surface, and while light
+ * is in the medium of the object. */
 static void read_medium(whole_lens *w, source *s, const node *map, size_t i, const medium **now)
 {
     const node *mirror = tree_take(map, "mirror");
@@ -375,7 +375,7 @@ static void read_medium(whole_lens *w, source *s, const node *map, size_t i, con
     bool said = reflects || own->line != 0; /* line 0: as_before */
     if (!said && i + 1 < w->lens.count && !same_medium(*now, &w->medium[0], w->lens.wavelengths))
         tree_fail(s, map->line, "glass",
-                  "missing, and light comes to this surface in %s: say what is behind it, glass: air (air) "
+                  "missing, and light comes to this surface in %s: say what is behind it, glass: air, "
                   "or glass: same (as in front of it)", medium_name(s, *now));
     if (own->kind == MEDIUM_BEFORE) return;
     if (!reflects) {

@@ -84,8 +84,8 @@ static void tell_others(source *s, const sgt_catalogue *c, const sgt_glass *g, s
     }
     if (*list)
         tree_remark(s, SGT_REMARK_NOTE, line, key,
-                    "taken as %s of %s, nd %.5f; also of %s.  makers or MAKER NAME decides", g->name,
-                    g->maker, nd, list);
+                    "taken as %s of %s, nd %.5f; also of %s.  makers: [%s] or glass: %s %s chooses", g->name,
+                    g->maker, nd, list, g->maker, g->maker, g->name);
 }
 
 static const sgt_glass *glass_named(media *m, const node *n, const char *key)

@@ -33,8 +33,8 @@ bundle_fate sgt_bundle_conic(double c, double k, double rim, double aperture, co
                              bundle_hit *h);
 bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_lines *w, bundle_hit *h);
 
-/* The points of a conic or one of these sags within r <= reach, its rim and its edge: x (and y), and z.  false:
- * nothing bounds them.  (bundle_sag.c) */
+/* The points of a conic or one of these sags within r <= reach, its rim and its edge: x (and y), and z.
+ * false: nothing bounds them.  (bundle_sag.c) */
 bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, sgt_interval *z);
 
 /* Is it one of these, with valid parameters?  (bundle_sag.c) */

@@ -27,8 +27,8 @@ static const char diagnose_help[] =
     "\n"
     "Shows how the root of one ray is found: a row for each evaluation of F (the surface is where\n"
     "F = 0), and then what to conclude.  Of a lens: why the ray ended, and the search at the element\n"
-    "where it did.  Of a ray that passed: a row for each element.  Of a ray that aiming has not\n"
-    "found: how near the search came, and what stopped the rays that would be nearer.\n"
+    "where it did.  Of a ray that passed: a row for each element.  Of a ray that aiming did not\n"
+    "find: how near the search came, and what stopped the rays that would be nearer.\n"
     "\n"
     "Columns\n"
     "  ray, element       the ray, counted from 0; the element, counted from 1\n"
@@ -37,11 +37,11 @@ static const char diagnose_help[] =
     "                     probe (beside a root)\n"
     "  t                  place on the ray (in lengths of its direction; through a lens: distance\n"
     "                     from the element before)\n"
-    "  f, slope           F there, and its derivative by t; none (nan) if the row is over a cell\n"
-    "  lo, hi             the bracket that holds the root, where there is one (like t); or the cell,\n"
-    "                     and t is its middle\n"
-    "  f_lo, f_hi         (csv, json) bounds of F all over the cell; at a point both are f\n"
-    "  slope_lo, slope_hi (csv, json) the same of the slope\n"
+    "  f, slope           F there, and its derivative by t; none (nan) if the row is about a cell\n"
+    "  lo, hi             the bracket that holds the root, where there is one (like t).  Of a cell: its\n"
+    "                     ends, and t is its middle\n"
+    "  f_lo, f_hi         (csv, json) bounds on F all over the cell; at a point both are f\n"
+    "  slope_lo, slope_hi (csv, json) the same for the slope\n"
     "\n"
     "Options\n"
     "  --surface SPEC     one surface, as in sagitta intersect\n"
@@ -74,9 +74,14 @@ static const column diagnose_head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"eval", COLUMN_COUNT}, {"move", COLUMN_WORD},
     {"t", COLUMN_EXACT}, {"f", COLUMN_NUMBER}, {"slope", COLUMN_NUMBER},
     {"lo", COLUMN_EXACT}, {"hi", COLUMN_EXACT},
-    {"f_lo", COLUMN_NUMBER}, {"f_hi", COLUMN_NUMBER}, {"slope_lo", COLUMN_NUMBER}, {"slope_hi", COLUMN_NUMBER},
+    {"f_lo", COLUMN_NUMBER}, {"f_hi", COLUMN_NUMBER},
+    {"slope_lo", COLUMN_NUMBER}, {"slope_hi", COLUMN_NUMBER},
 };
-enum { HEAD_COUNT = sizeof diagnose_head / sizeof diagnose_head[0], OF_TEXT = HEAD_COUNT - 4, BARE_EVALS = 100 };
+enum {
+    HEAD_COUNT = sizeof diagnose_head / sizeof diagnose_head[0],
+    OF_TEXT = HEAD_COUNT - 4,
+    BARE_EVALS = 100
+};
 
 /* Text has no bounds: they would make it too wide. */
 static table *rows_begin(const table_target *target)
@@ -150,7 +155,8 @@ static void diagnose_write_rows(table *t, bool text, size_t ray, size_t element,
         table_count(t, (long long)element + 1);
         table_count(t, (long long)i + 1); /* s->eval begins anew where the library searches twice */
         table_word(t, sgt_move_text(s->move));
-        const double numbers[] = {s->t, s->f, s->slope, s->lo, s->hi, s->f_lo, s->f_hi, s->slope_lo, s->slope_hi};
+        const double numbers[] = {s->t,    s->f,    s->slope,    s->lo,      s->hi,
+                                  s->f_lo, s->f_hi, s->slope_lo, s->slope_hi};
         for (int k = 0; k < (text ? 5 : 9); k++)
             if (text && k > 0 && k < 3 && s->kind == SGT_OVER_CELL) table_empty(t);
             else table_number(t, numbers[k]);
@@ -240,13 +246,13 @@ static void explain_nearest(table *t, const job *j, const sgt_launched *l)
     }
     if (isnan(n->miss)) {
         table_line(t, "No ray was found that gets to the stop.  The first that was tried, through %.6g, "
-                      "%.6g of the paraxial pupil, %s element %zu.", n->from.x, n->from.y, what, element);
+                      "%.6g of\nthe paraxial pupil, %s element %zu.", n->from.x, n->from.y, what, element);
         return;
     }
-    table_line(t, "The nearest ray that was found, through %.6g, %.6g of the paraxial pupil, passes the stop "
-                  "%.3g beside the point.", n->to.x, n->to.y, n->miss);
+    table_line(t, "The nearest ray that was found goes through %.6g, %.6g of the paraxial pupil, and meets "
+                  "the stop\n%.3g from the point.", n->to.x, n->to.y, n->miss);
     if (n->reason == SGT_AIM_AT_EDGE)
-        table_line(t, "It is on the edge of the rays that were searched: the point lies farther out.");
+        table_line(t, "It is at the edge of the rays that were searched: nearer ones lie farther out.");
     if (n->reason == SGT_AIM_CUT && stopped)
         table_line(t, "A ray that would be nearer %s element %zu%s.", what, element,
                    element - 1 == j->lens.of->stop ? ", the stop" : "");
@@ -264,10 +270,10 @@ static bool diagnose_missing(const diagnose_arguments *a, const job *j, const la
     if (!sgt_launch_rays(j->how->from, &beam, j->element, j->lens.index_before, 1, &at, &launched))
         fail_input("out of memory");
     table *t = table_begin(&a->shared.target, HEAD_COUNT, diagnose_head);
-    table_line(t, "%s: ray %zu, field %zu, through %g, %g of the pupil.  It was not traced: aimed at %.6g, "
-                  "%.6g of the stop, element %zu,\n%s.",
-               *j->lens.name ? j->lens.name : j->lens.of->file, l->number, l->field + 1, l->px, l->py,
-               launched.wanted.x, launched.wanted.y, j->lens.of->stop + 1,
+    table_line(t, "%s: ray %zu, field %zu, through %g, %g of the pupil.  It was not traced.  It has to meet\n"
+                  "the stop, element %zu, at %.6g, %.6g: %s.",
+               *j->lens.name ? j->lens.name : j->lens.of->file, l->number, j->field_number[l->field] + 1,
+               l->px, l->py, j->lens.of->stop + 1, launched.wanted.x, launched.wanted.y,
                launch_words(l->status, l->within));
     explain_nearest(t, j, &launched);
     table_end(t);

@@ -64,7 +64,8 @@ static void verdict(table *t, method m, const record *r)
     if (isfinite(d.order))
         snprintf(text + length, sizeof text - (size_t)length, "; order %.3g, rate %.3g", d.order, d.rate);
     if (d.before > 2 && d.verdict == SGT_QUADRATIC)
-        table_line(t, "wandering at first, quadratic in the end: a start nearer to the root saves the first steps");
+        table_line(t, "wandering at first, quadratic in the end: a start nearer to the root saves the first "
+                      "steps");
     else table_line(t, "%s", advice(d.verdict, m, r));
     table_line(t, "%s.", text);
     if (d.before > 2 && (d.verdict == SGT_QUADRATIC || d.verdict == SGT_LINEAR))
@@ -114,7 +115,7 @@ static void explain_rows(table *t, const record *r)
     size_t cells = 0;
     for (size_t i = 0; i < r->count; i++) cells += r->step[i].kind == SGT_OVER_CELL;
     if (cells)
-        table_line(t, "A row without f is over the cell lo ... hi, about t; csv and json have the bounds of F "
+        table_line(t, "A row without f is about the whole cell lo ... hi; csv and json have the bounds on F "
                       "there.");
 }
 
@@ -250,7 +251,7 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     }
 }
 
-/* Why a root on which a bare method settled is not one of the ray; nothing is printed if that is not known. */
+/* Says why a root on which a bare method settled is not accepted, if that is known. */
 static void explain_not_accepted(table *t, const record *r, const search *s)
 {
     const sgt_ray *ray = &s->ray;
@@ -258,7 +259,8 @@ static void explain_not_accepted(table *t, const record *r, const search *s)
                  close = 0x1p-40 * (fabs(r->t) + fabs(tmin));
     const sgt_surface surface = s->surface;
     sgt_vec3 p = vector_along(ray->o, ray->d, r->t);
-    double radius = hypot(p.x, p.y), rim = undecided_has_rim(surface) ? undecided_without_rim(surface).rim : 0;
+    const double radius = hypot(p.x, p.y),
+                 rim = undecided_has_rim(surface) ? undecided_without_rim(surface).rim : 0;
     char at[NUMBER_SIZE], end[NUMBER_SIZE];
     number_print_short(at, r->t, 6);
     sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL};
@@ -275,10 +277,10 @@ static void explain_not_accepted(table *t, const record *r, const search *s)
         number_print_short(end, radius, 6);
         table_line(t, "The t = %s on which it settled lies outside semi_diameter, at r = %s.", at, end);
     } else if (r->t < span.lo || r->t > span.hi) {
-        table_line(t, "The t = %s on which it settled lies outside of the part of space that the surface is in.",
+        table_line(t, "The t = %s on which it settled lies outside the part of space that holds the surface.",
                    at);
-    } else if (s->hit->status <= 0) {
-        table_line(t, "The t = %s on which it settled is no accepted root: F only comes near 0 there, or jumps.",
+    } else if (s->hit->status == SGT_MISS) {
+        table_line(t, "The t = %s on which it settled is no root: F only comes near 0 there, or jumps.",
                    at);
     } else if (r->t > s->hit->t) {
         table_line(t, "The library's answer comes before it on the ray.");

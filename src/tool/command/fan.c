@@ -20,7 +20,7 @@ static const char fan_help[] =
     "  ex, ey             the errors in x and y (length, in the frame of the last surface)\n"
     "  e_err              rounding puts neither off by more (length)\n"
     "  ex_mrad, ey_mrad, e_err_mrad\n"
-    "                     of a lens that is afocal, instead: angles from the chief ray (milliradians)\n"
+    "                     instead, if the lens is afocal: angles from the chief ray (milliradians)\n"
     "\n"
     "Options\n";
 

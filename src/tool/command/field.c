@@ -23,8 +23,8 @@ static const char field_help[] =
     "  x, y, xy_err       where it meets the image, and how far rounding may have put that off (length)\n"
     "  ideal              the height of the image without distortion (length)\n"
     "  tangential_dioptre, sagittal_dioptre, x_mrad, y_mrad, xy_err_mrad, ideal_mrad\n"
-    "                     of a lens that is afocal, instead: vergences at the last surface (1/m), and the\n"
-    "                     angles of the chief ray from its z (milliradians)\n"
+    "                     instead, if the lens is afocal: vergences at the last surface (1/m), and angles\n"
+    "                     of the chief ray from its z (milliradians)\n"
     "  digits             so many decimal digits of the image's height are certain\n"
     "\n"
     "Options\n"
@@ -126,6 +126,13 @@ static field_curves field_curves_of(const look *l, const field_arguments *a, con
     return c;
 }
 
+/* What an image without distortion is, unless the lens is afocal. */
+static const char *field_ideal(const look *l, const field_arguments *a)
+{
+    if (a->distortion == SGT_DISTORTION_THETA) return "f theta";
+    return isfinite(l->primary.lens.of->object_distance) ? "the magnification" : "f tan(theta)";
+}
+
 static void draw_field(const look *l, const field_arguments *a)
 {
     enum { STEPS = 33 };
@@ -151,14 +158,15 @@ static void draw_field(const look *l, const field_arguments *a)
                                   .y = c.field};
     }
     const char *units = l->primary.lens.units;
+    const bool afocal = l->primary.lens.of->afocal;
     const sgt_lens_field *far = look_farthest(l);
     const double end = far->x == 0 ? far->y : hypot(far->x, far->y);
     const chart_rule zero = {.upright = true};
     static const char *const dashes[] = {"solid: sagittal, dashed: tangential"};
     const chart_panel panel[] = {
         {.title = "field curvature",
-         .x_label = l->primary.lens.of->afocal ? "vergence at the last surface (dioptres)"
-                                               : look_text("z from the image (%s)", *units ? units : "length"),
+         .x_label = afocal ? "vergence at the last surface (dioptres)"
+                           : look_text("z from the image (%s)", *units ? units : "length"),
          .y_label = look_field_axis(l),
          .y_low = fmin(end, 0),
          .y_high = fmax(end, 0),
@@ -168,9 +176,7 @@ static void draw_field(const look *l, const field_arguments *a)
          .notes = 1,
          .rules = 1,
          .rule = &zero},
-        {.title = l->primary.lens.of->afocal ? "distortion of angles" : a->distortion == SGT_DISTORTION_THETA           ? "distortion against f theta"
-                  : isfinite(l->primary.lens.of->object_distance) ? "distortion against the magnification"
-                                                                  : "distortion against f tan(theta)",
+        {.title = afocal ? "distortion of angles" : look_text("distortion against %s", field_ideal(l, a)),
          .x_label = "distortion (%)",
          .y_label = look_field_axis(l),
          .y_low = fmin(end, 0),
@@ -213,12 +219,11 @@ exit_status command_field(int argc, char *argv[])
         }
     }
     if (afocal)
-        table_line(t, "Angles of the chief ray from z of the last surface; vergences there, in dioptres (1/m)."
-                      "   distortion: of tangents, against the angular magnification.");
-    else table_line(t, "tangential, sagittal: z from the image surface.  distortion: a fraction, against %s.",
-               a.distortion == SGT_DISTORTION_THETA                  ? "f theta"
-               : isfinite(l.primary.lens.of->object_distance) ? "the magnification"
-                                                                     : "f tan(theta)");
+        table_line(t, "Vergences at the last surface, in dioptres (1/m); angles of the chief ray from its z.\n"
+                      "distortion: of tangents, against the angular magnification.");
+    else
+        table_line(t, "tangential, sagittal: z from the image surface.  distortion: a fraction, against %s.",
+                   field_ideal(&l, &a));
     look_verdict(t, &l);
     table_end(t);
     if (a.look.picture) draw_field(&l, &a);

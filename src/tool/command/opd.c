@@ -40,7 +40,7 @@ static const char opd_help[] =
     "\n"
     "Options\n"
     "  --afocal           for light that leaves as parallel rays: against a plane across the chief ray\n"
-    "                     (so it is by itself where the lens says `afocal: true`)\n"
+    "                     (the default if the lens says `afocal: true`)\n"
     "  --summary          a row for each field and wavelength\n"
     "  --zernike N        fits the first N Zernike polynomials\n"
     "  --order O          noll (the default; Noll 1976; each has the mean square 1), or fringe (Wyant and\n"

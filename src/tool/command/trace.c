@@ -454,6 +454,8 @@ static void write_ended(const trace_work *w)
 static void write_doubts(const trace_work *w)
 {
     const job *j = w->job;
+    const job_options *o = &w->asked->job;
+    const bool aimed = o->aim_given ? o->aimed : j->lens.of->aim != SGT_AIM_PUPIL;
     for (size_t k = 1; k < j->lens.count; k++)
         if (w->back[k])
             table_line(
@@ -469,9 +471,8 @@ static void write_doubts(const trace_work *w)
                  w->field[f].first, w->field[f].last);
         table_line(w->table, "No ray of field %zu gets through: they end at %s%s",
                    j->field_number[f] + 1, range,
-                   w->asked->job.aimed
-                       ? "."
-                       : ". --aim real sends them through the stop; --no-apertures clips none.");
+                   aimed ? "."
+                         : ". --aim real sends them through the stop; --no-apertures clips none.");
     }
 }
 

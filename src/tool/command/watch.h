@@ -1,8 +1,8 @@
 /* watch.h - --watch FILE: every evaluation of those rays of a batch that were lost, as csv.
  *
- * The columns are those of sagitta diagnose; of a trace, the wavelength in micrometres (empty if the lens gives
- * none) stands before the bounds f_lo ... slope_hi.  Rows are in the order of the rays, whatever the number of threads.  Each function
- * may be called for no watch, NULL, and then does nothing. */
+ * The columns are those of sagitta diagnose.  Those of a trace have the wavelength in micrometres before the
+ * bounds f_lo ... slope_hi; it is empty if the lens gives none.  Rows are in the order of the rays, whatever
+ * the number of threads.  Each function may be called for no watch, NULL, and then does nothing. */
 #ifndef TOOL_WATCH_H
 #define TOOL_WATCH_H
 #include "../base/tiles.h"

@@ -32,9 +32,9 @@ static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells 
 #define FIELDS_HELP                                                                                     \
     "  --field DEG        angle of a field in the y-z plane, in degrees; the chief ray of a positive\n" \
     "                     field climbs toward +y.  May be repeated\n"                                   \
-    "  --field-at \"X Y K\" any field: two numbers as `fields` of a lens file has them.  K (may be left\n"   \
-    "                     out: as the lens has it) is angle, object_height, paraxial_image_height or\n"      \
-    "                     real_image_height.  May be repeated, with the same K\n"                           \
+    "  --field-at \"X Y K\" a field: two numbers, as `fields` of a lens file has them.  K is angle,\n"    \
+    "                     object_height, paraxial_image_height or real_image_height; left out: as\n"     \
+    "                     the lens has it.  May be repeated, with the same K\n"                          \
     "  --fields LIST      fields of the lens by their numbers, counted from 1: 1,3.  Or all, the default\n"
 
 #define PATTERNS_HELP                                                                                        \
@@ -53,9 +53,9 @@ static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells 
 #define AIM_HELP                                                                                           \
     "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n" \
     "                     (its radius is the marginal ray's height there).  Default: as the lens says.\n"  \
-    "                     Rays are searched in 600 pupil radii, and in all that rims in front let\n" \
-    "                     through.  If rims bound them, it can be proven that there is none; else a ray\n" \
-    "                     that is not found is undecided\n"
+    "                     Rays are searched in 600 pupil radii, and in all that rims in front let\n"       \
+    "                     through.  Only if rims bound them can it be proven that there is no such ray.\n" \
+    "                     Else a ray that is not found is undecided\n"
 
 #define FILE_HELP                                                                                      \
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"     \
@@ -71,8 +71,8 @@ static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells 
 
 #define LENS_HELP                                                                                          \
     "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"   \
-    "                     that ship.  May be repeated.  A name of several makers: of the first of the\n"    \
-    "                     lens's makers, else of such a catalogue, else of SCHOTT, OHARA, HOYA, CDGM,\n"    \
+    "                     that ship.  May be repeated.  If several makers have a name, the first of the\n"  \
+    "                     lens's `makers` decides; else such a catalogue; else SCHOTT, OHARA, HOYA, CDGM,\n" \
     "                     HIKARI, SUMITA\n"                                                                \
     "  --strict           what the reader of a .zmx file leaves out, and a wavelength outside the range\n" \
     "                     of a glass, are errors\n"                                                        \
@@ -420,6 +420,7 @@ job job_read(const job_options *o)
     const bool aimed = (aim ? *aim : j.lens.of->aim) != SGT_AIM_PUPIL;
     j.how = memory_take(1, sizeof *j.how);
     *j.how = launch_by(&j.lens, aim);
+    j.how->field_number = j.field_number;
     if (o->parts) {
         plan_rays(&j, points);
         return j;

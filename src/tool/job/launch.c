@@ -41,10 +41,10 @@ const char *launch_words(sgt_aimed status, double within)
 {
     char text[200];
     if (status == SGT_NO_SUCH_RAY)
-        return "there is no ray, as is proven of all that the rims in front let through";
-    if (!(within > 0)) return "no ray was found, nor excluded";
-    snprintf(text, sizeof text, "no ray was found (none within %g pupil radii; beyond that it is open)",
-             within);
+        return "there is no ray, as is proven for all that the rims in front let through";
+    if (!(within > 0)) return "no ray was found, but there may be one";
+    snprintf(text, sizeof text,
+             "no ray was found (none within %g pupil radii; beyond that there may be one)", within);
     return memory_text(text, strlen(text));
 }
 
@@ -53,15 +53,10 @@ static void note_missing(launch_how *how, const launch *l)
     enum { TOLD = 4 };
     const size_t before = how->none + how->undecided;
     if (before < TOLD)
-        note("ray %zu (field %zu, px %g, py %g): %s; it is aimed at this point of the stop", l->number,
-             l->field + 1, l->px, l->py, launch_words(l->status, l->within));
+        note("ray %zu (field %zu, px %g, py %g of the stop): %s", l->number,
+             how->field_number[l->field] + 1, l->px, l->py, launch_words(l->status, l->within));
     else if (before == TOLD) note("and more rays that are not there");
-    if (l->status == SGT_NO_SUCH_RAY) {
-        how->none++;
-        return;
-    }
-    how->within = how->undecided ? fmin(how->within, l->within) : l->within;
-    how->undecided++;
+    *(l->status == SGT_NO_SUCH_RAY ? &how->none : &how->undecided) += 1;
 }
 
 bool launch_there(launch_how *how, const launch *l)
@@ -96,8 +91,7 @@ void launch_part(const launch_plan *plan, size_t first, size_t count, launch out
         for (size_t i = 0; i < part; i++)
             out[done + i] = (launch){.ray = launched[i].ray, .number = number + i, .field = field,
                                      .px = p[i].x, .py = p[i].y, .status = launched[i].status,
-                                     .folded = launched[i].folded,
-                                     .within = launched[i].within};
+                                     .folded = launched[i].folded, .within = launched[i].within};
     }
 }
 
@@ -121,16 +115,12 @@ void launch_field(ray_list *list, launch_how *how, const lens *traced, const sgt
 void launch_note(const launch_how *how, size_t wavelengths)
 {
     if (how->none + how->undecided)
-        note("%zu of %zu rays are not there: of %zu that is proven", how->none + how->undecided,
+        note("%zu of %zu rays are not there; this is proven for %zu", how->none + how->undecided,
              how->count * wavelengths, how->none);
     if (how->undecided)
-        note("%zu %s undecided%s; sagitta diagnose with the same options and --ray I shows why",
-             how->undecided,
-             how->undecided == 1 ? "is" : "are",
-             how->within > 0 ? ", as rays were searched in a limited part of the pupil's plane" : "");
+        note("%zu undecided: sagitta diagnose with the same options and --ray I shows why", how->undecided);
     if (how->folded)
         note("%zu of %zu rays come through the pupil where it is folded: they reach the stop in reversed "
-             "order, "
-             "and another ray of the field may reach the same point",
+             "order, and another ray of the field may reach the same point",
              how->folded, how->count * wavelengths);
 }

@@ -21,8 +21,8 @@ typedef struct launch_how {
     size_t count;              /* of rays that were asked for */
     size_t none, undecided;    /* for which aiming has proven that there is none, or found none */
     size_t folded;             /* that are on a fold of the pupil */
-    double within;             /* of those that were not found: the least `within` (sgt_launched) */
     ray_list missing;          /* that launch_field did not find */
+    const size_t *field_number; /* of each field, counted from 0: its number in the lens */
 } launch_how;
 
 /* aim NULL: as the lens says.  A fault of the lens ends the command, and the message names the key. */

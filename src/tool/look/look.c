@@ -320,14 +320,13 @@ void look_verdict(table *t, const look *l)
     const look_fates *f = &l->fates;
     if (!f->lost) return;
     if (f->unfound && f->within > 0)
-        table_line(t,
-                   "%zu lost: aiming has not found them; none lies within %g pupil radii, beyond that it "
-                   "is open.",
-                   f->unfound, f->within);
+        table_line(t, "%zu lost, as aiming did not find them: none lies within %g pupil radii; beyond that "
+                      "there may be some.", f->unfound, f->within);
     else if (f->unfound)
-        table_line(t, "%zu lost: aiming has not found them, nor proven that there are none.", f->unfound);
-    table_line(t, "Of a lost ray it could not be decided what becomes of it.  The first is shown by\n"
-                  "    sagitta diagnose %s%s", l->asked->job.lens, l->lost ? l->lost : "");
+        table_line(t, "%zu lost, as aiming did not find them; there may be some.", f->unfound);
+    const char *quote = strpbrk(l->asked->job.lens, " '()&;") ? "\"" : "";
+    table_line(t, "What becomes of a lost ray could not be decided.  This shows the first:\n"
+                  "    sagitta diagnose %s%s%s%s", quote, l->asked->job.lens, quote, l->lost ? l->lost : "");
 }
 
 exit_status look_status(const look *l) { return l->fates.lost ? EXIT_UNDECIDED : EXIT_DECIDED; }
