@@ -33,12 +33,12 @@ namespace
 long compared, failures, far_out;
 std::map<std::string, long> failed;
 
-// A ray without an end that is searched through this many pieces has gone to where powers of r leave the
-// range of doubles.  That is at one number, whatever the unit of length.  There the evaluations, the reason
-// why a stretch is undecided, where it begins, and the extent of a graze along a whole line may differ; no
-// hit and no miss may.  A number of such a formula that is 1 at one scale is dropped by the reader of
-// formulas, with the rounding of its product: none of the numbers below is a power of two.
-enum { SEARCHED = 40 };
+// A ray without an end that takes a thousand evaluations has been divided near where powers of r leave the
+// range of doubles.  That is at one number, whatever the unit of length.  There the evaluations may differ,
+// where an undecided stretch begins, and why it is undecided; no hit and no miss may.  Up to there nothing
+// may differ.  A number of such a formula that is 1 at one scale is dropped by the reader of formulas, with
+// the rounding of its product: none of the numbers below is a power of two.
+enum { SEARCHED = 1000 };
 
 // A surface at each scale.  Numbers of F are 2^(k by_f) times those at k = 0.
 struct maker {
@@ -78,9 +78,8 @@ void compare(const maker &m, int k, const char *by, const sgt_ray &r, const sgt_
     if (why && endless && std::max(got.evals, want.evals) >= SEARCHED) {
         sgt_hit like = got;
         like.evals = want.evals;
-        const bool undecided = got.status < 0 && want.status < 0,
-                   grazes = got.status == SGT_GRAZE && want.status == SGT_GRAZE;
-        if (undecided || grazes || !difference(like, want)) why = nullptr, far_out++;
+        const bool undecided = got.status < 0 && want.status < 0;
+        if (undecided || !difference(like, want)) why = nullptr, far_out++;
     }
     if (why) fail(m, k, std::string(by) + ", " + why, r, o, &got, &want);
 }
@@ -192,15 +191,9 @@ void compare_aims(const maker &m, int k, const sgt_surface &plain, const sgt_sur
     sgt_passage pa[2], pb[2];
     sgt_aiming x, y;
     sgt_aim(1, a.e, 1, &beam, at, pa, &o, &x);
-    // the number of traces is not compared: rays have no ends, see SEARCHED
     sgt_aim(1, b.e, 1, &other, {times(at.x, k), times(at.y, k)}, pb, &o, &y);
     compared++;
-    // the trace of a user's surface without a span: the same
-    if (m.name[0] == 'u' && x.status == SGT_MET && y.status == SGT_MET && x.traces > 40) {
-        far_out++;
-        return;
-    }
-    if (x.status != y.status || !same(x.u, y.u) || !same(x.v, y.v) || x.boxes != y.boxes ||
+    if (x.status != y.status || !same(x.u, y.u) || !same(x.v, y.v) || x.boxes != y.boxes || x.traces != y.traces ||
         x.clipped != y.clipped || !same(times(x.miss, k), y.miss) || !same(times(x.point.x, k), y.point.x)) {
         fail(m, k, "aim", {}, {});
         if (failed[m.name + ": aim"] <= 1)
@@ -449,6 +442,6 @@ int main(int argc, char **argv)
     for (const auto &f : failed) std::printf("  FAIL %8ld  %s\n", f.second, f.first.c_str());
     std::printf("%ld comparisons, %ld failures; %ld searches beyond the range of doubles took another time\n",
                 compared, failures, far_out);
-    if (far_out * 200 > compared) failures++, std::printf("FAIL these are too many\n");
+    if (far_out * 1000 > compared) failures++, std::printf("FAIL these are too many\n");
     return failures != 0;
 }
