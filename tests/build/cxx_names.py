@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Every constant and type of every public header, named in a C++ program.  C++ scopes what stands inside a struct.
+"""Every constant and type of every public header, named in a C++ program.
+
+C++ scopes what stands inside a struct, and C does not.
 
     python3 cxx_names.py INCLUDE C++
 """
@@ -19,6 +21,6 @@ assert len(constants) > 50 and len(types) > 30, (len(constants), len(types))
 program = ''.join(f'#include <sagitta/{h.name}>\n' for h in headers) + 'int main()\n{\n'
 program += ''.join(f'    (void)sizeof({t});\n' for t in sorted(types))
 program += ''.join(f'    (void)({c});\n' for c in sorted(constants)) + '}\n'
-done = subprocess.run([*shlex.split(sys.argv[2]), '-fsyntax-only', '-x', 'c++', f'-I{include}', '-'], input=program,
-                      text=True, capture_output=True)
+done = subprocess.run([*shlex.split(sys.argv[2]), '-fsyntax-only', '-x', 'c++', f'-I{include}', '-'],
+                      input=program, text=True, capture_output=True)
 sys.exit(done.stderr if done.returncode else 0)

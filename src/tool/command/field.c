@@ -204,6 +204,10 @@ exit_status command_field(int argc, char *argv[])
     look l = look_begin(&a.look);
     const size_t count = a.steps ? (size_t)a.steps : l.fields.count;
     const bool afocal = l.primary.lens.of->afocal;
+    if (afocal && a.distortion == SGT_DISTORTION_THETA)
+        note("--distortion theta: not used; of an afocal lens tangents of angles are compared");
+    if (afocal && isnan(l.um))
+        note("units of the lens must be mm, cm, m, um or in for vergences in dioptres");
     if (afocal) {
         columns[2].name = "tangential_dioptre", columns[3].name = "sagittal_dioptre";
         columns[8].name = "x_mrad", columns[9].name = "y_mrad", columns[10].name = "xy_err_mrad";

@@ -332,6 +332,8 @@ exit_status command_spot(int argc, char *argv[])
     spot_work w = {.asked = &a, .points = job_points(&a.look.job, SGT_PATTERN_HEXAPOLAR, RINGS),
                    .surfaces = a.defocuses ? a.defocuses : 1};
     w.look = look_begin(&a.look);
+    if (a.defocuses && spot_afocal(&w.look))
+        note("--defocus: not used; the angles of an afocal lens are the same at each image surface");
     w.coarse = look_coarser(&w.look, &w.points);
     w.panel = memory_take(w.look.fields.count * w.surfaces, sizeof *w.panel);
     w.fine = spot_rooms(&w.look, &w.points), w.half = spot_rooms(&w.look, &w.coarse);
