@@ -50,6 +50,7 @@ static const char diagnose_help[] =
     "                     default: the ray that took most evaluations\n"
     "  --element J        the search at element J of the lens, counted from 1\n"
     "  --all-elements     the search at each element that the ray reached; csv and json have it anyway\n"
+    "  --defocus Z        with LENS: moves the last element by Z along its own z, as in sagitta spot\n"
     "  --method M         which search to show:\n"
     "                     safeguarded (the default): what the library does\n"
     "                     newton: Newton's steps alone; t is halved where F is NaN\n"
@@ -106,13 +107,20 @@ static method method_of(const char *name)
     fail_usage("--method must be safeguarded, newton, newton-normalised or bisection, not \"%s\"", name);
 }
 
+static double defocus_of(const char *word)
+{
+    const double z = options_number("defocus", word);
+    if (!isfinite(z)) fail_usage("--defocus must be finite, not %s", word);
+    return z;
+}
+
 static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
 {
-    enum { SURFACE = OPTION_AFTER_JOB, RAY, ELEMENT, ALL_ELEMENTS, METHOD };
+    enum { SURFACE = OPTION_AFTER_JOB, RAY, ELEMENT, ALL_ELEMENTS, METHOD, DEFOCUS };
     static const struct option known[] = {
         {"surface", required_argument, NULL, SURFACE}, {"ray", required_argument, NULL, RAY},
         {"element", required_argument, NULL, ELEMENT}, {"method", required_argument, NULL, METHOD},
-        {"all-elements", no_argument, NULL, ALL_ELEMENTS},
+        {"all-elements", no_argument, NULL, ALL_ELEMENTS}, {"defocus", required_argument, NULL, DEFOCUS},
         JOB_OPTIONS, PROOF_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[HELP_SIZE];
@@ -125,6 +133,7 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
         case RAY: a.ray = optarg; break;
         case ELEMENT: a.element = options_integer("element", optarg, 1, INT_MAX); break;
         case ALL_ELEMENTS: a.all_elements = true; break;
+        case DEFOCUS: a.job.defocus = defocus_of(optarg), rays_of_lens = true; break;
         case METHOD: a.method = method_of(optarg), a.method_given = true; break;
         default:
             if (job_take(&a.job, code)) rays_of_lens = true;
