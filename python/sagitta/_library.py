@@ -575,6 +575,7 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
         [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_size_t, c_void_p, POINTER(Options), c_void_p],
     ),
     "sgt_trace_chief": (c_bool, [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_void_p]),
+    "sgt_ends_as_angles": (None, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "sgt_spot_of": (Spot, [c_size_t, POINTER(Ends), c_void_p]),
     # formula.h
     "sgt_formula_room": (c_size_t, [c_char_p, c_size_t]),

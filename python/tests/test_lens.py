@@ -125,6 +125,37 @@ def test_spots_are_the_command_s(command, tree):
         assert lens.spot(i, reference=spot.reference).rms == spot.rms >= lens.spot(i).rms
 
 
+def test_spots_of_an_afocal_lens_are_angles(command, tree):
+    """Those of the command, and of the directions that trace() gives."""
+    path = tree / "tests" / "data" / "lenses" / "afocal_expander.yaml"
+    said = json.loads(
+        subprocess.run(
+            [command, "spot", str(path), "--hexapolar", "6", "--format", "json"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+    )
+    lens = Lens.read(path)
+    assert lens.afocal and not singlet().afocal and singlet(afocal=True).afocal
+    assert singlet().spot().unit == "mm"
+    first = lens.first_order(0.55)
+    assert math.isnan(first.efl) and first.angular_magnification == -0.5
+    for i, row in enumerate(said):
+        spot = lens.spot(i, "hexapolar", 6, reference="chief")
+        assert spot.unit == "mrad" and spot.reference.tolist() == [0, 0]
+        assert [spot.rms, spot.rms_x, spot.rms_y, spot.geometric] == [
+            row[key + "_mrad"] for key in ("rms", "rms_x", "rms_y", "geometric")
+        ]
+        traced = lens.trace(lens.launch(i, "hexapolar", 6)), lens.trace(lens.launch(i, "fan", 1))
+        d, chief = (t.d / np.linalg.norm(t.d, axis=0) for t in traced)
+        apart = 1000 * np.arcsin(np.linalg.norm(np.cross(d, chief, axis=0), axis=0))
+        assert np.allclose(np.hypot(spot.x, spot.y), apart, rtol=0, atol=1e-10)
+        w = spot.ends["weight"]
+        assert abs(math.sqrt((w * apart**2).sum() / w.sum()) - spot.rms) < 1e-10
+        assert lens.spot(i, reference=(0, 0)).rms == spot.rms > lens.spot(i).rms > 0
+
+
 def test_made_in_python_is_as_read(tree):
     """The same lens from text and from elements."""
     text = """

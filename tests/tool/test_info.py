@@ -468,6 +468,15 @@ def test_colour():
     close(blue['focus'] - red['focus'], -float(total['axial']) / marginal ** 2, 0.1 * abs(blue['focus'] - red['focus']) + 2e-3)
 
 
+def test_afocal():
+    """An afocal lens says so, in text and in json; a lens without power that does not say it is none."""
+    plain = {'pupil': {'semi_diameter': 1}, 'surfaces': [{'type': 'plane', 'thickness': 3}, {'type': 'plane'}]}
+    for lens, afocal in ((plain, False), ({**plain, 'afocal': False}, False), ({**plain, 'afocal': True}, True)):
+        path = written(json.dumps(lens))
+        equal(info(path)['afocal'], afocal)
+        equal('Afocal: light leaves as parallel rays.' in run('info', path).stdout, afocal)
+
+
 def test_what_is_not_there():
     afocal = {'pupil': {'semi_diameter': 1}, 'surfaces': [{'type': 'plane', 'thickness': 3}, {'type': 'plane'}]}
     got = flat(written(json.dumps(afocal)))

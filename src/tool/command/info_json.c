@@ -137,6 +137,7 @@ static void put_lens(json *j, const lens *l)
     json_number(j, "rear_nodal", o.rear_nodal);
     put_seidel(j, l, seidel, why_not);
     json_number(j, "angular_magnification", o.angular_magnification);
+    json_truth(j, "afocal", of->afocal);
     json_close(j);
 }
 
