@@ -350,10 +350,10 @@ class FirstOrder(Structure):
             "exit_radius",
             "stop_radius",
             "f_number",
-            "working_f_number",
+            "f_number_working",
             "image_height",
             "lagrange",
-            "petzval",
+            "petzval_radius",
         )
     ] + [("without_vertex", c_size_t), ("angular_magnification", c_double)]
 
@@ -390,7 +390,7 @@ class PupilPoint(Structure):
 
 class Attempt(Structure):
     _fields_ = [
-        ("from_", Pair),
+        ("from", Pair),
         ("to", Pair),
         ("miss", c_double),
         ("reason", c_int),

@@ -254,9 +254,9 @@ class FirstOrder:
     entrance_pupil, entrance_radius from the first vertex; its semi-diameter
     exit_pupil, exit_radius         from the last element; its semi-diameter
     stop_radius                     the height of the marginal ray at the stop
-    f_number, working_f_number      |efl| / (2 entrance_radius); 1 / (2 n' u') of the marginal ray
+    f_number, f_number_working      |efl| / (2 entrance_radius); 1 / (2 n' u') of the marginal ray
     image_height                    of the field farthest from the axis
-    lagrange, petzval               the invariant; the Petzval radius
+    lagrange, petzval_radius        the invariant; the Petzval radius
     angular_magnification           the slope of the paraxial chief ray behind the lens by that in front: also
                                     of an afocal lens
     without_vertex                  the first element, from 1, that has no vertex curvature or stands off the
@@ -282,10 +282,10 @@ class FirstOrder:
     exit_radius: float
     stop_radius: float
     f_number: float
-    working_f_number: float
+    f_number_working: float
     image_height: float
     lagrange: float
-    petzval: float
+    petzval_radius: float
     without_vertex: int
     angular_magnification: float
 

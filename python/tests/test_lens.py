@@ -85,6 +85,15 @@ def test_traces_are_the_command_s(name, command, tree, tmp_path, rng):
     assert (last["fate"] == mine.fate).all() and mine.through.sum() > 20
 
 
+def test_afocal_but_for_rounding(tmp_path):
+    """A telescope of foci 0.7 and 0.1, whose sum is no double."""
+    ideal = "{type: ideal, focal_length: %r, thickness: %r, index: 1}"
+    rows = ["pupil: {semi_diameter: 1}\nsurfaces:", ideal % (0.7, 0.7 + 0.1), ideal % (0.1, 1.0), "type: plane"]
+    (tmp_path / "telescope.yaml").write_text("\n- ".join(rows))
+    data = Lens.read(tmp_path / "telescope.yaml").first_order()
+    assert data.power == 0 and math.isnan(data.efl) and math.isnan(data.focus) and math.isnan(data.f_number_working)
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_first_order_data_are_the_command_s(name, command, tree):
     path = tree / "examples" / "lenses" / name
@@ -98,7 +107,7 @@ def test_first_order_data_are_the_command_s(name, command, tree):
         (said["efl"], mine.efl),
         (said["bfd"], mine.bfd),
         (said["f_number"], mine.f_number),
-        (said["petzval_radius"], mine.petzval),
+        (said["petzval_radius"], mine.petzval_radius),
         (said["stop_radius"], mine.stop_radius),
     ):
         assert theirs == value or (theirs is None and math.isnan(value))

@@ -35,13 +35,13 @@ static const char diagnose_help[] =
     "  eval               the evaluation, counted from 1\n"
     "  move               how its t was chosen: seed, newton, bisect, march, retreat (F was NaN), or\n"
     "                     probe (beside a root)\n"
-    "  t                  place on the ray (in lengths of its direction; through a lens: distance\n"
-    "                     from the element before)\n"
-    "  f, slope           F there, and its derivative by t; none (nan) if the row is about a cell\n"
-    "  lo, hi             the bracket that holds the root, where there is one (like t).  Of a cell: its\n"
-    "                     ends, and t is its middle\n"
-    "  f_lo, f_hi         (csv, json) bounds on F all over the cell; at a point both are f\n"
-    "  slope_lo, slope_hi (csv, json) the same for the slope\n"
+    "  t                  place on the ray, in lengths of its direction; through a lens: the length along\n"
+    "                     the ray from the element before, or from its start at element 1\n"
+    "  f, slope           F there, and its derivative by t; none (nan) if the row is over a cell\n"
+    "  lo, hi             the bracket that holds the root, where there is one (like t); or the cell,\n"
+    "                     and t is its middle\n"
+    "  f_lo, f_hi         (csv, json) bounds of F all over the cell; at a point both are f\n"
+    "  slope_lo, slope_hi (csv, json) the same of the slope\n"
     "\n"
     "Options\n"
     "  --surface SPEC     one surface, as in sagitta intersect\n"
@@ -69,7 +69,7 @@ static const char diagnose_help[] =
 static const char legend_of_surface[] =
     "t, lo, hi: in lengths of the ray's direction.  f: F at t.  slope: the derivative of f by t.";
 static const char legend_of_lens[] =
-    "t, lo, hi: distance from the element before.  f: F at t.  slope: the derivative of f by t.";
+    "t, lo, hi: from the element before, or the ray's start.  f: F at t.  slope: the derivative of f by t.";
 
 static const column diagnose_head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"eval", COLUMN_COUNT}, {"move", COLUMN_WORD},

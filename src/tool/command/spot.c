@@ -194,7 +194,7 @@ static double spot_airy(const look *l, const look_band *b)
 {
     if (spot_afocal(l)) /* 1.22 wavelength / (n diameter of the beam) */
         return 1e3 * sgt_airy_radius(b->lens.wavelength / l->um, 0.5 / (spot_index(b) * b->data.exit_radius));
-    return sgt_airy_radius(b->lens.wavelength / l->um, b->data.working_f_number);
+    return sgt_airy_radius(b->lens.wavelength / l->um, b->data.f_number_working);
 }
 
 /* The wavelength of the Airy disc of a field: the primary one, or the only one that is traced. */
