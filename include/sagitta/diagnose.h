@@ -36,7 +36,9 @@ typedef enum sgt_verdict {
     SGT_BISECTING,    /* the bracket did the work */
     SGT_OSCILLATING,  /* to and fro without closing in */
     SGT_WANDERING,    /* no pattern, or not enough of one */
-    SGT_ROUNDING      /* at the limit of rounding from the first evaluation on */
+    SGT_ROUNDING,     /* at the limit of rounding from the first evaluation on */
+    SGT_LATE          /* as Newton should in the end, but three evaluations or more came
+                         before that (sgt_diagnosis.before) */
 } sgt_verdict;
 
 typedef struct sgt_diagnosis {
@@ -45,9 +47,9 @@ typedef struct sgt_diagnosis {
                             NaN: too few */
     double condition;    /* |dt| / |dF| at the root, 1/|slope|: how grazing, how flat */
     int newton, bisect, march, retreat;  /* how many evaluations were chosen so */
-    int before;  /* how many evaluations of F came before those whose steps shrink to the
-                    end, each to half of the one before or less.  The verdict is about the
-                    latter.  Marches and probes are not counted */
+    int before;  /* how many evaluations of F came before the steps began to shrink, each
+                    to half of the one before or less, to the end; NaN too.  The verdict is
+                    of the steps behind them.  Marches and probes are not counted */
 } sgt_diagnosis;
 
 /* Made from the steps kept in the log.  An empty log: SGT_WANDERING, NaN numbers. */

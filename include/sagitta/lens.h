@@ -368,7 +368,11 @@ SGT_API const char *sgt_lens_yaml(sgt_lens *lens, size_t *length);
  * NaN is "there is none": the focal length of an afocal system, a pupil at infinity. */
 typedef struct sgt_first_order {
     double wavelength;          /* um, or NaN */
-    double power;               /* P, 1/length; 0: afocal */
+    double power;               /* P, 1/length; 0: afocal, to rounding: some ulps of each
+                                   radius, thickness and index, and of the trace,
+                                   explain it (src/lens/first_order.c).  What would be
+                                   divided by it is then NaN.  So are the others: 0
+                                   within their bounds, NaN if divided by such a 0 */
     double efl;                 /* 1 / P: the focal length, in the medium 1 */
     double efl_image;           /* |n'| / P: in the image medium */
     double ffd;                 /* from the first vertex to the front focus */
@@ -385,10 +389,10 @@ typedef struct sgt_first_order {
     double exit_radius;         /* its semi-diameter */
     double stop_radius;         /* the height of the paraxial marginal ray at the stop */
     double f_number;            /* |efl| / (2 entrance_radius) */
-    double working_f_number;    /* 1 / (2 n' u') of the marginal ray, positive */
+    double f_number_working;    /* 1 / (2 n' u') of the marginal ray, positive */
     double image_height;        /* paraxial, of the field farthest from the axis */
     double lagrange;            /* n (u ybar - ubar y), marginal and that chief ray */
-    double petzval;             /* the Petzval radius of curvature; negative: it bends
+    double petzval_radius;      /* the Petzval radius of curvature; negative: it bends
                                    toward a lens of positive power */
     size_t without_vertex;      /* the first surface, from 1, that has no vertex curvature
                                    or stands off the axis by `origin`: what depends on its

@@ -211,11 +211,12 @@ SGT_API const char *sgt_fate_text(sgt_fate fate);
  * status, fate and what a proof says are about the rounded ray.  t_err of a graze, too,
  * is as good as its first order.
  *
- * LENGTHS.  Axes that are of unit length but for rounding change lengths by 2^-51.  At
- * the first element t is in the lengths of the launch ray, at the others in those of the
- * element's frame. */
+ * LENGTHS.  hit.t is the length along the ray from the element before, or from its start
+ * (ray->o) at element 1, in the unit of the lens, however long ray->d is.  Axes that are
+ * of unit length but for rounding change lengths by 2^-51: the first t is of the global
+ * frame, the others are of that of their element. */
 typedef struct sgt_passage {
-    sgt_hit  hit;        /* hit.t is a length: the direction in front is of unit length */
+    sgt_hit  hit;        /* hit.t is a length (LENGTHS above) */
     sgt_vec3 direction;  /* behind the surface, of unit length; zero unless passed */
     double   opl;        /* the sum of index * length from the launch to here.  A stretch
                             travelled backwards (t < 0) is negative.  What phases add is

@@ -350,10 +350,10 @@ class FirstOrder(Structure):
             "exit_radius",
             "stop_radius",
             "f_number",
-            "working_f_number",
+            "f_number_working",
             "image_height",
             "lagrange",
-            "petzval",
+            "petzval_radius",
         )
     ] + [("without_vertex", c_size_t), ("angular_magnification", c_double)]
 
@@ -390,7 +390,7 @@ class PupilPoint(Structure):
 
 class Attempt(Structure):
     _fields_ = [
-        ("from_", Pair),
+        ("from", Pair),
         ("to", Pair),
         ("miss", c_double),
         ("reason", c_int),
@@ -575,6 +575,7 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
         [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_size_t, c_void_p, POINTER(Options), c_void_p],
     ),
     "sgt_trace_chief": (c_bool, [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_void_p]),
+    "sgt_ends_as_angles": (None, [c_void_p, c_size_t, c_void_p, c_void_p]),
     "sgt_spot_of": (Spot, [c_size_t, POINTER(Ends), c_void_p]),
     # formula.h
     "sgt_formula_room": (c_size_t, [c_char_p, c_size_t]),

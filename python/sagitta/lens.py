@@ -212,7 +212,10 @@ class Rays:
 class Spot:
     """A spot in the frame of the last element: rms, rms_x, rms_y about the reference (the centroid), the
     largest distance `geometric`, and how far rounding may put rms off (`error`).  x, y: where rays met it,
-    NaN if they did not pass.  ends: all that is known of each ray (sgt_ray_end of analysis.h)."""
+    NaN if they did not pass.  ends: all that is known of each ray (sgt_ray_end of analysis.h).
+
+    unit: of all of these; "" if the lens does not say.  Of an afocal lens it is "mrad": they are angles of
+    the rays from the chief ray of the first wavelength, toward x of that frame and across it."""
 
     rays: int
     passed: int
@@ -223,6 +226,7 @@ class Spot:
     geometric: float
     error: float
     ends: NDArray[Any] = field(repr=False)
+    unit: str = ""
 
     @property
     def x(self) -> Floats:
@@ -250,9 +254,11 @@ class FirstOrder:
     entrance_pupil, entrance_radius from the first vertex; its semi-diameter
     exit_pupil, exit_radius         from the last element; its semi-diameter
     stop_radius                     the height of the marginal ray at the stop
-    f_number, working_f_number      |efl| / (2 entrance_radius); 1 / (2 n' u') of the marginal ray
+    f_number, f_number_working      |efl| / (2 entrance_radius); 1 / (2 n' u') of the marginal ray
     image_height                    of the field farthest from the axis
-    lagrange, petzval               the invariant; the Petzval radius
+    lagrange, petzval_radius        the invariant; the Petzval radius
+    angular_magnification           the slope of the paraxial chief ray behind the lens by that in front: also
+                                    of an afocal lens
     without_vertex                  the first element, from 1, that has no vertex curvature or stands off the
                                     axis: what depends on its power is NaN.  0: none
     """
@@ -276,10 +282,10 @@ class FirstOrder:
     exit_radius: float
     stop_radius: float
     f_number: float
-    working_f_number: float
+    f_number_working: float
     image_height: float
     lagrange: float
-    petzval: float
+    petzval_radius: float
     without_vertex: int
     angular_magnification: float
 
@@ -781,6 +787,11 @@ class Lens:
         sums: dict[str, Any] = dict(zip(names, columns))
         return Seidel(**sums, why_not=C.text(why.value))
 
+    @property
+    def afocal(self) -> bool:
+        """Whether the lens says that light leaves it as parallel rays; spot() then answers in angles."""
+        return bool(self._c.afocal)
+
     # -------------------------------------------------------------------------- fields
 
     @property
@@ -873,7 +884,7 @@ class Lens:
     ) -> Spot:
         """The spot of a field: rms and more, and where each ray ended.  Several wavelengths: one spot of all,
         with equal weights.  reference: distances are from the "centroid", from the "chief" ray (of the first
-        wavelength), or from (x, y)."""
+        wavelength), or from (x, y).  Of an afocal lens all are angles, and (x, y) are, too (Spot)."""
         C.check_arithmetic()
         if isinstance(reference, str) and reference not in ("centroid", "chief"):
             raise ValueError(f"reference: must be 'centroid', 'chief' or (x, y), not {reference!r}")
@@ -899,12 +910,17 @@ class Lens:
         middle = None if isinstance(reference, str) else np.array(doubles(reference, "reference"))
         if middle is not None and middle.shape != (2,):
             raise ValueError(f"reference: must be (x, y); it has the shape {middle.shape}")
-        if isinstance(reference, str) and reference == "chief":
+        if self.afocal or isinstance(reference, str) and reference == "chief":
             launcher, beam = self._launch(field, several[0])
             row, before = self._elements(several[0])
             chief = np.zeros(1, kind)
             C.library.sgt_trace_chief(launcher.pointer, _byref(beam), row, before, address(chief))
-            middle = chief["p"][0, :2].copy()
+            if self.afocal:
+                axis = chief["d"][0].copy()
+                for part in (*ends, chief):
+                    C.library.sgt_ends_as_angles(address(axis), len(part), address(part), address(part))
+            if isinstance(reference, str) and reference == "chief":
+                middle = chief["p"][0, :2].copy()
         groups = (C.Ends * len(several))(*(C.Ends(n, address(part), 1.0) for part in ends))
         found = C.library.sgt_spot_of(len(several), groups, None if middle is None else address(middle))
         return Spot(
@@ -917,6 +933,7 @@ class Lens:
             found.geometric,
             found.error,
             ends.reshape(-1),
+            "mrad" if self.afocal else self.units,
         )
 
     def surface_z(self, i: int, x: ArrayLike, y: ArrayLike) -> Floats:

@@ -79,7 +79,7 @@ def spots(
     for k, (part, um) in enumerate(zip(parts, several)):
         ax.plot(*part, ".", color=f"C{k}", markersize=3, label=None if um is None else f"{um:g} um")
     ax.set_aspect("equal")
-    ax.set_title(f"rms {whole.rms:.3g}{f' {lens.units}' if lens.units else ''}")
+    ax.set_title(f"rms {whole.rms:.3g} {whole.unit}".rstrip())
     if len(several) > 1:
         ax.legend()
     return ax

@@ -180,11 +180,18 @@ STEP_TABLE = np.dtype(
         ("ray", "u8"),
         ("eval", "i4"),
         ("move", "i4"),
+        ("kind", "i4"),
+        ("reserved_", "u4"),
         ("t", "f8"),
         ("f", "f8"),
         ("slope", "f8"),
         ("lo", "f8"),
         ("hi", "f8"),
+        ("f_lo", "f8"),
+        ("f_hi", "f8"),
+        ("slope_lo", "f8"),
+        ("slope_hi", "f8"),
+        ("more_", "f8", (4,)),
     ],
     align=True,
 )
@@ -234,8 +241,9 @@ class Traced(Columns):
 
 class Passage(Hits):
     """One element, as many rays met it, in the element's frame: all of Hits, and `direction` behind it, and
-    `opl` from the launch to it.  A ray that did not reach it: status MISS, evals 0, direction 0, all else
-    NaN."""
+    `opl` from the launch to it.  `t` is the length along the ray from the element before, or from its start at
+    element 1, in the unit of the lens.  A ray that did not reach it: status MISS, evals 0, direction 0, all
+    else NaN."""
 
     FIELDS = {**Hits.FIELDS, "direction": ("f8", 3), "opl": ("f8", 1)}
     direction: Floats

@@ -79,6 +79,7 @@ class Verdict(enum.IntEnum):
     OSCILLATING = 3
     WANDERING = 4
     ROUNDING = 5
+    LATE = 6
 
 
 @dataclass
@@ -90,7 +91,9 @@ class Diagnosis:
     condition           1 / |slope| at the root: how grazing, how flat
     newton, bisect, march, retreat    how many evaluations were chosen so
     hit                 the answer
-    steps               each evaluation: eval, move, t, f, slope, lo, hi
+    before              how many evaluations came before the steps began to close in
+    steps               each evaluation: eval, move, kind, t, f, slope, lo, hi, and the bounds f_lo, f_hi, slope_lo,
+                        slope_hi.  kind 0: at t; 1: over the cell lo ... hi (sagitta.h, sgt_step)
     """
 
     verdict: Verdict
@@ -102,6 +105,7 @@ class Diagnosis:
     bisect: int
     march: int
     retreat: int
+    before: int
     hit: Hit
     steps: NDArray[Any]
 
@@ -467,6 +471,7 @@ class Surface:
             found.bisect,
             found.march,
             found.retreat,
+            found.before,
             hit,
             steps[: min(log.n, log.cap)].copy(),
         )

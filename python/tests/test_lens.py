@@ -85,6 +85,15 @@ def test_traces_are_the_command_s(name, command, tree, tmp_path, rng):
     assert (last["fate"] == mine.fate).all() and mine.through.sum() > 20
 
 
+def test_afocal_but_for_rounding(tmp_path):
+    """A telescope of foci 0.7 and 0.1, whose sum is no double."""
+    ideal = "{type: ideal, focal_length: %r, thickness: %r, index: 1}"
+    rows = ["pupil: {semi_diameter: 1}\nsurfaces:", ideal % (0.7, 0.7 + 0.1), ideal % (0.1, 1.0), "type: plane"]
+    (tmp_path / "telescope.yaml").write_text("\n- ".join(rows))
+    data = Lens.read(tmp_path / "telescope.yaml").first_order()
+    assert data.power == 0 and math.isnan(data.efl) and math.isnan(data.focus) and math.isnan(data.f_number_working)
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_first_order_data_are_the_command_s(name, command, tree):
     path = tree / "examples" / "lenses" / name
@@ -98,7 +107,7 @@ def test_first_order_data_are_the_command_s(name, command, tree):
         (said["efl"], mine.efl),
         (said["bfd"], mine.bfd),
         (said["f_number"], mine.f_number),
-        (said["petzval_radius"], mine.petzval),
+        (said["petzval_radius"], mine.petzval_radius),
         (said["stop_radius"], mine.stop_radius),
     ):
         assert theirs == value or (theirs is None and math.isnan(value))
@@ -123,6 +132,37 @@ def test_spots_are_the_command_s(command, tree):
             row[key] for key in ("rms", "rms_x", "rms_y", "geometric", "x", "y")
         ]
         assert lens.spot(i, reference=spot.reference).rms == spot.rms >= lens.spot(i).rms
+
+
+def test_spots_of_an_afocal_lens_are_angles(command, tree):
+    """Those of the command, and of the directions that trace() gives."""
+    path = tree / "tests" / "data" / "lenses" / "afocal_expander.yaml"
+    said = json.loads(
+        subprocess.run(
+            [command, "spot", str(path), "--hexapolar", "6", "--format", "json"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+    )
+    lens = Lens.read(path)
+    assert lens.afocal and not singlet().afocal and singlet(afocal=True).afocal
+    assert singlet().spot().unit == "mm"
+    first = lens.first_order(0.55)
+    assert math.isnan(first.efl) and first.angular_magnification == -0.5
+    for i, row in enumerate(said):
+        spot = lens.spot(i, "hexapolar", 6, reference="chief")
+        assert spot.unit == "mrad" and spot.reference.tolist() == [0, 0]
+        assert [spot.rms, spot.rms_x, spot.rms_y, spot.geometric] == [
+            row[key + "_mrad"] for key in ("rms", "rms_x", "rms_y", "geometric")
+        ]
+        traced = lens.trace(lens.launch(i, "hexapolar", 6)), lens.trace(lens.launch(i, "fan", 1))
+        d, chief = (t.d / np.linalg.norm(t.d, axis=0) for t in traced)
+        apart = 1000 * np.arcsin(np.linalg.norm(np.cross(d, chief, axis=0), axis=0))
+        assert np.allclose(np.hypot(spot.x, spot.y), apart, rtol=0, atol=1e-10)
+        w = spot.ends["weight"]
+        assert abs(math.sqrt((w * apart**2).sum() / w.sum()) - spot.rms) < 1e-10
+        assert lens.spot(i, reference=(0, 0)).rms == spot.rms > lens.spot(i).rms > 0
 
 
 def test_made_in_python_is_as_read(tree):

@@ -226,6 +226,15 @@ def test_a_diagnosis():
     assert (found.steps["eval"] == np.arange(1, len(found.steps) + 1)).all()
     assert found.newton + found.bisect + found.march + found.retreat <= len(found.steps)
     assert found.text
+    steps = sagitta.Torus(major=2, minor=1).diagnose((0.3, 1.2, -5), (0.1, 0.2, 1)).steps
+    at = steps[steps["kind"] == 0]
+    assert (at["f_lo"] == at["f"]).all() and (at["slope_hi"] == at["slope"]).all()
+    cells = sagitta.Formula("x^4 + y^4 + z^4 = 4").diagnose((0.3, 1.2, -5), (0.1, 0.2, 1)).steps
+    cells = cells[cells["kind"] == 1]
+    assert len(cells) and np.isnan(cells["f"]).all() and (cells["f_lo"] <= cells["f_hi"]).all()
+    # a cubic seen from its turning point: the words are those of the command
+    far = sagitta.Formula("z^3 - z - 1").diagnose((0, 0, 0.55), (0, 0, 1))
+    assert far.before >= 0 and (far.verdict == sagitta.Verdict.LATE) == far.text.startswith("wandering at first")
 
 
 def test_check_is_sound(rng):

@@ -37,7 +37,10 @@
  *     order 1.5           is between 1 (linear) and 1.618 (the secant method), 2 (Newton)
  *     SETTLING 0.9        to and fro by nine tenths each time would take 350 steps to 16 digits.  The
  *                         normalised gradient of the scan lens (tests/unit/test_diagnose.c) shows 0.93 to
- *                         0.99 */
+ *                         0.99
+ *     LATE 3              evaluations before the steps close in.  They are all that a better start can save.
+ *                         It has to be evaluated itself, and the step from any start may be too long: so one
+ *                         or two are no fault, three are one or more saved */
 #include <sagitta/diagnose.h>
 
 #include "../num/elementary.h"
@@ -46,6 +49,7 @@
 #include <limits.h>
 #include <math.h>
 
+enum { LATE = 3 };
 static const double FLOOR_ULPS = 16, CLOSED = 0x1p-20, NEWTON_GAIN = 0x1p-7, SETTLING = 0.9;
 
 int sgt_log_step(void *log, const sgt_step *step)
@@ -114,7 +118,7 @@ static sgt_verdict diagnose_judge(double s1, double s2, double s3, sgt_diagnosis
 
 static int before_closing(const sgt_step *step, int n, double least);
 
-sgt_diagnosis sgt_diagnose(const sgt_log *log)
+static sgt_diagnosis diagnose_log(const sgt_log *log)
 {
     sgt_diagnosis d = {
         .verdict = SGT_WANDERING, .order = (double)NAN, .rate = (double)NAN, .condition = (double)NAN};
@@ -166,6 +170,13 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
     return d;
 }
 
+sgt_diagnosis sgt_diagnose(const sgt_log *log)
+{
+    sgt_diagnosis d = diagnose_log(log);
+    if (d.verdict == SGT_QUADRATIC && d.before >= LATE) d.verdict = SGT_LATE;
+    return d;
+}
+
 /* How many iterates come before those whose steps shrink to the end, each to half or less.  A step that
  * rounding has touched, below `least`, says nothing.  The step that leads to the first of those belongs to
  * what came before. */
@@ -176,8 +187,13 @@ static int before_closing(const sgt_step *step, int n, double least)
     double size = 0;
     bool shrinks = true;
     for (int i = n - 1; i >= 0; i--) {
-        if (!is_iterate(&step[i]) || step[i].move == SGT_MARCH) continue;
+        if (step[i].kind != SGT_AT_POINT || step[i].move == SGT_PROBE || step[i].move == SGT_MARCH) continue;
         all++;
+        if (!is_iterate(&step[i])) { /* NaN: what led there was no step toward the root */
+            if (later) shrinks = false;
+            else all--;
+            continue;
+        }
         if (later && shrinks) {
             double s = fabs(later->t - step[i].t);
             shrinks = s <= least || size == 0 || size <= 0.5 * s;
@@ -207,6 +223,8 @@ const char *sgt_verdict_text(sgt_verdict v)
                "near the root";
     case SGT_ROUNDING:
         return "rounding: the seed is the root already, to within rounding; no step can come closer";
+    case SGT_LATE:
+        return "wandering at first, quadratic in the end: a start nearer to the root saves the first steps";
     }
     return "?";
 }

@@ -23,7 +23,19 @@
  * is what the media do: y (w' dn'/n' - w dn/n), and with ybar and wbar.
  *
  * A surface z = C r^2/2 + (C^3/8 + g) r^4 + ... adds 8 g D(n) y^4 to S1, and to S2, S3, S5 the
- * same with one, two, three of the y replaced by ybar.  Colour: A y D(dn/n), Abar y D(dn/n). */
+ * same with one, two, three of the y replaced by ybar.  Colour: A y D(dn/n), Abar y D(dn/n).
+ *
+ * WHAT IS ZERO.  The power of an afocal lens, made from its doubles, is hardly ever 0: radii, thicknesses
+ * and indices are rounded, and so is each step.  So each number has a bound of its error beside it (`number`;
+ * Higham 2002, 3.3): what it takes over from those it is made of, and u = 2^-53 of itself.  The rounding
+ * of the bounds is in the factor of `settled`.  The input is off by
+ *
+ *     4 u of a curvature    half an ulp of the radius, that of 1 / R, and two more for a surface that adds
+ *                           terms
+ *     2 u of a place z      half an ulp of the thickness, and that of the sum
+ *     4 u of an index       half an ulp if it was given; a glass adds terms.  1 is exact
+ *
+ * A quantity within its bound of 0 is 0: rounding alone may have made it.  One beyond it is never made 0. */
 #include "lens.h"
 
 #include "reader.h"
@@ -33,8 +45,38 @@
 #include <string.h>
 
 static const double SMOOTH = 0x1p-10, FLAT = 0x1p-40; /* of C; of the slope at y = h */
-static const double AT_INFINITY = 0x1p-40;            /* a height below this is rounding: it began as 1 */
 static const double RADIAN = 0.017453292519943295;    /* pi / 180 */
+static const double U = 0x1p-53;
+
+/* A number and a bound of its error. */
+typedef struct number { double x, err; } number;
+
+static number exactly(double x) { return (number){x, 0}; }
+static number within(double x, double units) { return (number){x, units * U * fabs(x)}; }
+
+static number sum(number a, number b)
+{
+    double x = a.x + b.x;
+    return (number){x, a.err + b.err + U * fabs(x)};
+}
+
+static number difference(number a, number b) { return sum(a, (number){-b.x, b.err}); }
+
+static number product(number a, number b)
+{
+    double x = a.x * b.x;
+    return (number){x, fabs(a.x) * b.err + fabs(b.x) * a.err + a.err * b.err + U * fabs(x)};
+}
+
+/* b is beyond its bound. */
+static number quotient(number a, number b)
+{
+    double x = a.x / b.x;
+    return (number){x, (a.err + fabs(x) * b.err) / (fabs(b.x) - b.err) + U * fabs(x)};
+}
+
+/* 0 where it cannot be told from 0; NaN stays. */
+static double settled(number a) { return fabs(a.x) <= a.err * (1 + 0x1p-10) ? 0 : a.x; }
 
 /* NaN: there is no vertex, or its normal is not along z. */
 static double vertex_curvature(sgt_surface s, double h)
@@ -55,20 +97,20 @@ static double vertex_curvature(sgt_surface s, double h)
 }
 
 /* A surface as paraxial rays meet it. */
-typedef struct vertex { double z, c, n, power; } vertex; /* n: behind it, with sign */
+typedef struct vertex { number z, n, power; double c; } vertex; /* n: behind it, with sign */
 
 typedef struct paraxial {
     const sgt_lens *lens;
-    double before;        /* the index in front */
+    number before;        /* the index in front */
     size_t last;          /* the place of the image */
     vertex *at;           /* [lens->count] */
 } paraxial;
 
-typedef struct beam_ray { double y, w, n, z; } beam_ray;
+typedef struct beam_ray { number y, w, n, z; } beam_ray;
 
-static void go_to(beam_ray *r, double z)
+static void go_to(beam_ray *r, number z)
 {
-    r->y += (z - r->z) * r->w / r->n;
+    if (z.x != r->z.x) r->y = sum(r->y, quotient(product(difference(z, r->z), r->w), r->n));
     r->z = z;
 }
 
@@ -78,16 +120,16 @@ static void go_through(const paraxial *p, beam_ray *r, size_t first, size_t end)
     for (size_t i = first; i < end; i++) {
         const vertex *v = &p->at[i];
         go_to(r, v->z);
-        r->w -= r->y * v->power, r->n = v->n;
+        r->w = difference(r->w, product(r->y, v->power)), r->n = v->n;
     }
 }
 
-static beam_ray ray_at_first(const paraxial *p, double y, double w)
+static beam_ray ray_at_first(const paraxial *p, number y, number w)
 {
     return (beam_ray){y, w, p->before, p->at[0].z};
 }
 
-static beam_ray at_image(const paraxial *p, double y, double w)
+static beam_ray at_image(const paraxial *p, number y, number w)
 {
     beam_ray r = ray_at_first(p, y, w);
     go_through(p, &r, 0, p->last);
@@ -95,7 +137,7 @@ static beam_ray at_image(const paraxial *p, double y, double w)
     return r;
 }
 
-static double at_stop(const paraxial *p, double y, double w)
+static number at_stop(const paraxial *p, number y, number w)
 {
     beam_ray r = ray_at_first(p, y, w);
     go_through(p, &r, 0, p->lens->stop);
@@ -103,8 +145,22 @@ static double at_stop(const paraxial *p, double y, double w)
     return r.y;
 }
 
+static const number no_number = {(double)NAN, 0};
+
+/* a / b; NaN: b is 0. */
+static number ratio(number a, number b) { return settled(b) == 0 ? no_number : quotient(a, b); }
+
 /* Where a ray crosses the axis, from where it is. */
-static double crossing(const beam_ray *r) { return r->w == 0 ? (double)NAN : -r->y * r->n / r->w; }
+static number crossing(const beam_ray *r)
+{
+    return ratio(product((number){-r->y.x, r->y.err}, r->n), r->w);
+}
+
+/* The ray from the axis point of an object. */
+static beam_ray axial_ray(const paraxial *p)
+{
+    return at_image(p, within(p->lens->object_distance, 1), p->before);
+}
 
 /* --------------------------------------------------------------- the pupil */
 
@@ -112,7 +168,7 @@ static double crossing(const beam_ray *r) { return r->w == 0 ? (double)NAN : -r-
 static double cone_slope(const paraxial *p)
 {
     const sgt_lens *l = p->lens;
-    return l->pupil == SGT_PUPIL_OBJECT_NA      ? tan(asin(l->pupil_size / p->before))
+    return l->pupil == SGT_PUPIL_OBJECT_NA      ? tan(asin(l->pupil_size / p->before.x))
            : l->pupil == SGT_PUPIL_OBJECT_ANGLE ? tan(l->pupil_size * RADIAN)
                                                 : (double)NAN;
 }
@@ -129,11 +185,13 @@ static double entrance_radius(const paraxial *p, const sgt_first_order *o)
     case SGT_PUPIL_F_NUMBER: return fabs(o->efl) / (2 * size);
     case SGT_PUPIL_WORKING_F_NUMBER:
         if (!isfinite(d)) return fabs(o->efl) / (2 * size);
-        slope = 1 / (2 * size * fabs(at_image(p, d, p->before).w));
+        slope = settled(axial_ray(p).w);
+        slope = slope == 0 ? (double)NAN : 1 / (2 * size * fabs(slope));
         break;
     case SGT_PUPIL_OBJECT_NA:
     case SGT_PUPIL_OBJECT_ANGLE: slope = cone_slope(p); break;
-    case SGT_PUPIL_STOP_SIZE: return l->surface[l->stop].size / fabs(at_stop(p, 1, 0));
+    case SGT_PUPIL_STOP_SIZE:
+        return l->surface[l->stop].size / fabs(settled(at_stop(p, exactly(1), exactly(0))));
     }
     return isfinite(d) ? slope * fabs(d + pupil) : (double)NAN;
 }
@@ -141,11 +199,11 @@ static double entrance_radius(const paraxial *p, const sgt_first_order *o)
 /* The marginal ray at the first vertex: toward the edge of the entrance pupil. */
 static beam_ray marginal_ray(const paraxial *p, const sgt_first_order *o)
 {
-    const double d = p->lens->object_distance;
-    if (p->lens->telecentric) return ray_at_first(p, d * cone_slope(p), p->before * cone_slope(p));
-    if (!isfinite(d)) return ray_at_first(p, o->entrance_radius, 0);
-    double u = o->entrance_radius / (d + o->entrance_pupil);
-    return ray_at_first(p, d * u, p->before * u);
+    const double d = p->lens->object_distance, pupil = o->entrance_pupil;
+    if (!isfinite(d) && !p->lens->telecentric)
+        return ray_at_first(p, exactly(o->entrance_radius), exactly(0));
+    number u = exactly(p->lens->telecentric ? cone_slope(p) : o->entrance_radius / (d + pupil));
+    return ray_at_first(p, product(within(d, 1), u), product(p->before, u));
 }
 
 /* The chief ray, at the first vertex, of the field that is farthest from the axis.  o: of the primary
@@ -163,11 +221,11 @@ static beam_ray chief_ray(const paraxial *p, const sgt_first_order *o)
     bool image = l->field_kind == SGT_FIELD_PARAXIAL_IMAGE_HEIGHT ||
                  l->field_kind == SGT_FIELD_REAL_IMAGE_HEIGHT;
     if (image && isfinite(d)) most /= fabs(o->magnification); /* an object height */
-    if (l->telecentric) return ray_at_first(p, -most, 0);
+    if (l->telecentric) return ray_at_first(p, exactly(-most), exactly(0));
     double slope = l->field_kind == SGT_FIELD_ANGLE ? most
                    : isfinite(d)                    ? most / (d + o->entrance_pupil)
                                                     : most / fabs(o->front_principal - o->ffd); /* P / n */
-    return ray_at_first(p, -o->entrance_pupil * slope, p->before * slope);
+    return ray_at_first(p, within(-o->entrance_pupil * slope, 1), product(p->before, exactly(slope)));
 }
 
 /* ----------------------------------------------------------------- together */
@@ -177,63 +235,70 @@ static beam_ray chief_ray(const paraxial *p, const sgt_first_order *o)
 static void set_pupils(const paraxial *p, const sgt_first_order *primary, sgt_first_order *o)
 {
     const sgt_lens *l = p->lens;
-    double a = at_stop(p, 1, 0), b = at_stop(p, 0, p->before);
-    o->entrance_pupil = fabs(a) > AT_INFINITY ? b / a : (double)NAN;
-    if (!isnan(l->pupil_distance)) o->entrance_pupil = l->pupil_distance;
-    if (primary) o->entrance_pupil = primary->entrance_pupil;
-    if (l->telecentric) o->entrance_pupil = (double)NAN;
+    number pupil = ratio(at_stop(p, exactly(0), p->before), at_stop(p, exactly(1), exactly(0)));
+    if (!isnan(l->pupil_distance)) pupil = within(l->pupil_distance, 1);
+    if (primary) pupil = within(primary->entrance_pupil, 1);
+    if (l->telecentric) pupil = no_number;
+    o->entrance_pupil = settled(pupil);
     o->entrance_radius = primary ? primary->entrance_radius : entrance_radius(p, o);
 
-    beam_ray chief = {0, 1, p->before, p->at[l->stop].z}, marginal = marginal_ray(p, o);
-    if (l->stop > 0) chief.n = p->at[l->stop - 1].n;
-    chief.w = chief.n;
+    beam_ray chief = {exactly(0), p->before, p->before, p->at[l->stop].z}, marginal = marginal_ray(p, o);
+    if (l->stop > 0) chief.w = chief.n = p->at[l->stop - 1].n;
     go_through(p, &chief, l->stop, p->last);
     go_to(&chief, p->at[p->last].z);
-    o->exit_pupil = l->stop < p->last ? crossing(&chief) : (double)NAN;
-    beam_ray from_pupil = at_image(p, -o->entrance_pupil, p->before);
-    o->angular_magnification = from_pupil.w / from_pupil.n;
+    o->exit_pupil = l->stop < p->last ? settled(crossing(&chief)) : (double)NAN;
+    beam_ray from_pupil = at_image(p, (number){-pupil.x, pupil.err}, p->before);
+    o->angular_magnification = settled(quotient(from_pupil.w, from_pupil.n));
     beam_ray end = at_image(p, marginal.y, marginal.w);
-    o->stop_radius = fabs(at_stop(p, marginal.y, marginal.w));
-    o->exit_radius = fabs(end.y + o->exit_pupil * end.w / end.n);
-    o->working_f_number = end.w == 0 ? (double)NAN : 1 / (2 * fabs(end.w));
+    const double slope = settled(end.w);
+    o->stop_radius = fabs(at_stop(p, marginal.y, marginal.w).x);
+    o->exit_radius = fabs(end.y.x + o->exit_pupil * slope / end.n.x);
+    o->f_number_working = slope == 0 ? (double)NAN : 1 / (2 * fabs(slope));
     o->f_number = fabs(o->efl) / (2 * o->entrance_radius);
 }
 
+/* With (A, -P) what (1, 0) becomes, (B, D) what (0, 1) becomes, n in front and n' behind, from the first
+ * vertex and from the image
+ *
+ *     foci             -D n / P,        A n' / P
+ *     principal points (1 - D) n / P,   (A - 1) n' / P
+ *     nodal points     (n' - D n) / P,  (A n' - n) / P. */
 static void set_points(const paraxial *p, sgt_first_order *o)
 {
-    const double d = p->lens->object_distance, image_z = p->at[p->last].z;
-    beam_ray from_afar = at_image(p, 1, 0), other = at_image(p, 0, 1);
-    const double n = p->before, behind = from_afar.n;
-    o->power = -from_afar.w;
-    bool afocal = o->power == 0;
-    const double none = (double)NAN, reciprocal = afocal ? none : 1 / o->power;
-    o->efl = reciprocal, o->efl_image = fabs(behind) * reciprocal;
-    o->focus = afocal ? none : crossing(&from_afar);
-    o->bfd = o->focus + image_z - (p->last ? p->at[p->last - 1].z : image_z);
-    o->ffd = -other.w * n * reciprocal;
-    o->front_principal = o->ffd + n * reciprocal, o->rear_principal = o->focus - behind * reciprocal;
-    o->front_nodal = o->ffd + behind * reciprocal, o->rear_nodal = o->focus - n * reciprocal;
-    o->image = o->focus, o->magnification = none;
-    if (!isfinite(d)) return;
-    beam_ray axial = at_image(p, d, n);
-    if (fabs(axial.w) <= AT_INFINITY * n) axial.w = 0; /* the object is at the front focus */
-    o->image = crossing(&axial);
-    o->magnification = axial.w == 0 ? none : n / axial.w;
+    const number n = p->before, one = exactly(1), image_z = p->at[p->last].z;
+    beam_ray from_afar = at_image(p, one, exactly(0)), other = at_image(p, exactly(0), one);
+    const number behind = from_afar.n, a = from_afar.y, d = other.w;
+    const number power = {-from_afar.w.x, from_afar.w.err};
+    number focus = ratio(product(a, behind), power);
+    o->power = settled(power);
+    o->efl = ratio(one, power).x, o->efl_image = fabs(behind.x) * o->efl;
+    o->focus = settled(focus);
+    o->bfd = settled(sum(focus, difference(image_z, p->last ? p->at[p->last - 1].z : image_z)));
+    o->ffd = settled(ratio(product((number){-d.x, d.err}, n), power));
+    o->front_principal = settled(ratio(product(difference(one, d), n), power));
+    o->rear_principal = settled(ratio(product(difference(a, one), behind), power));
+    o->front_nodal = settled(ratio(difference(behind, product(d, n)), power));
+    o->rear_nodal = settled(ratio(difference(product(a, behind), n), power));
+    o->image = o->focus, o->magnification = (double)NAN;
+    if (!isfinite(p->lens->object_distance)) return;
+    beam_ray axial = axial_ray(p); /* w = 0: the object is at the front focus */
+    o->image = settled(crossing(&axial));
+    o->magnification = ratio(n, axial.w).x;
 }
 
 static void set_field(const paraxial *p, const sgt_first_order *primary, sgt_first_order *o)
 {
     const double d = p->lens->object_distance;
-    double sum = 0, n = p->before;
+    number curvature = exactly(0), n = p->before;
     beam_ray marginal = marginal_ray(p, o), chief = chief_ray(p, primary ? primary : o);
-    o->image_height = isfinite(d) ? fabs((chief.y - d * chief.w / n) * o->magnification)
-                                  : fabs(chief.w * o->efl);
-    o->lagrange = marginal.w * chief.y - chief.w * marginal.y;
+    o->image_height = isfinite(d) ? fabs((chief.y.x - d * chief.w.x / n.x) * o->magnification)
+                                  : fabs(chief.w.x * o->efl);
+    o->lagrange = marginal.w.x * chief.y.x - chief.w.x * marginal.y.x;
     for (size_t i = 0; i < p->last; i++) {
-        sum += p->at[i].power / (n * p->at[i].n);
+        curvature = sum(curvature, quotient(p->at[i].power, product(n, p->at[i].n)));
         n = p->at[i].n;
     }
-    o->petzval = sum == 0 ? (double)NAN : -1 / (n * sum);
+    o->petzval_radius = -ratio(exactly(1), product(n, curvature)).x;
 }
 
 /* -------------------------------------------------------------- Seidel sums */
@@ -280,13 +345,14 @@ static const char *set_seidel(const paraxial *p, const sgt_first_order *primary,
     beam_ray ray = marginal_ray(p, o), chief = chief_ray(p, primary ? primary : o);
     for (size_t i = 0; i <= p->last; i++) {
         const vertex *v = &p->at[i];
-        double n = ray.n, g;
+        double n = ray.n.x, g;
         go_to(&ray, v->z), go_to(&chief, v->z);
         if (!fourth_order(l, i, v->c, &g)) return "a surface is not a plane, sphere, conic or even asphere";
-        double a = ray.w + n * ray.y * v->c, abar = chief.w + n * chief.y * v->c, y = ray.y, ybar = chief.y;
-        double u = ray.w / n, h = a * ybar - abar * y, m = i < p->last ? v->n : n, w = ray.w, wbar = chief.w;
+        double y = ray.y.x, ybar = chief.y.x, w = ray.w.x, wbar = chief.w.x;
+        double a = w + n * y * v->c, abar = wbar + n * ybar * v->c;
+        double u = w / n, h = a * ybar - abar * y, m = i < p->last ? v->n.x : n;
         go_through(p, &ray, i, i + (i < p->last)), go_through(p, &chief, i, i + (i < p->last));
-        double by_n = 1 / m - 1 / n, by_n2 = 1 / (m * m) - 1 / (n * n), slopes = ray.w / (m * m) - u / n;
+        double by_n = 1 / m - 1 / n, by_n2 = 1 / (m * m) - 1 / (n * n), slopes = ray.w.x / (m * m) - u / n;
         double aspheric = 8 * g * (m - n), colour = dn[i + 1] / m - dn[i] / n;
         seidel[i] = (sgt_seidel){
             .spherical = -a * a * y * slopes + aspheric * y * y * y * y,
@@ -298,8 +364,8 @@ static const char *set_seidel(const paraxial *p, const sgt_first_order *primary,
             .chromatic = {a * y * colour, abar * y * colour},
         };
         if (l->surface[i].focal_length != 0)
-            seidel[i] = (sgt_seidel){.chromatic = {y * (ray.w * dn[i + 1] / m - w * dn[i] / n),
-                                                   y * (chief.w * dn[i + 1] / m - wbar * dn[i] / n)}};
+            seidel[i] = (sgt_seidel){.chromatic = {y * (ray.w.x * dn[i + 1] / m - w * dn[i] / n),
+                                                   y * (chief.w.x * dn[i + 1] / m - wbar * dn[i] / n)}};
         if (i == p->last) seidel[i] = (sgt_seidel){0};
     }
     return NULL;
@@ -331,23 +397,30 @@ static void set_changes(const paraxial *p, sgt_element e[], double dn[])
 
 /* ---------------------------------------------------------------- the whole */
 
+static number index_of(double n) { return within(n, fabs(n) == 1 ? 0 : 4); }
+
 /* An element without a vertex has the power NaN, and so has what depends on it. */
 static bool set_vertices(paraxial *p, sgt_element e[], double um, size_t *without_vertex,
                          sgt_lens_error *error)
 {
     const sgt_lens *l = p->lens;
-    if (!sgt_lens_at(l, um, e, &p->before, error)) return false;
-    double n = p->before, sign = 1;
+    double before;
+    if (!sgt_lens_at(l, um, e, &before, error)) return false;
+    number n = p->before = index_of(before);
+    double sign = 1;
     for (size_t i = 0; i < l->count; i++) {
         vertex *v = &p->at[i];
-        v->z = l->surface[i].z;
+        v->z = within(l->surface[i].z, 2);
         double size = l->surface[i].size > 0 && l->surface[i].size < 1e100 ? l->surface[i].size : 0x1p-10;
         double focal_length = l->surface[i].focal_length;
         v->c = focal_length != 0 ? 0 : vertex_curvature(e[i].surface, size * 0x1p-30);
         if (e[i].index == SGT_MIRROR) sign = -sign;
-        v->n = e[i].index == SGT_MIRROR ? -n : copysign(e[i].index, sign);
-        v->power = focal_length != 0 ? 1 / focal_length : v->c * (v->n - n);
-        if (l->surface[i].off_axis) v->c = v->power = (double)NAN;
+        v->n = e[i].index == SGT_MIRROR ? (number){-n.x, n.err} : index_of(copysign(e[i].index, sign));
+        if (l->surface[i].off_axis) v->c = (double)NAN;
+        v->power = focal_length != 0    ? within(1 / focal_length, 2)
+                   : v->n.x == n.x      ? exactly(0 * v->c) /* one medium */
+                                        : product(within(v->c, 4), difference(v->n, n));
+        if (l->surface[i].off_axis) v->power = no_number;
         if (isnan(v->c) && i < p->last && !*without_vertex) *without_vertex = i + 1;
         n = v->n;
     }
@@ -362,10 +435,11 @@ void sgt_paraxial_objects(const sgt_lens *l, double um, source *s, double distan
     for (size_t i = 0; i < l->count; i++) distance[i] = (double)NAN;
     if (!set_vertices(&p, tree_room(s, l->count, sizeof(sgt_element)), um, &without_vertex, &unread)) return;
     const double d = l->object_distance;
-    beam_ray r = isfinite(d) ? ray_at_first(&p, d, p.before) : ray_at_first(&p, 1, 0);
+    beam_ray r = isfinite(d) ? ray_at_first(&p, within(d, 1), p.before)
+                             : ray_at_first(&p, exactly(1), exactly(0));
     for (size_t i = 0; i < l->count; i++) {
         go_to(&r, p.at[i].z);
-        distance[i] = r.w == 0 ? HUGE_VAL : r.y * fabs(r.n) / r.w;
+        distance[i] = settled(r.w) == 0 ? HUGE_VAL : r.y.x * fabs(r.n.x) / r.w.x;
         go_through(&p, &r, i, i + 1);
     }
 }

@@ -188,7 +188,8 @@ static void read_record(zmx *z, piece line)
 
 void sgt_zmx_tally(zmx *z, zmx_tally which, size_t line, const char *key)
 {
-    zmx_count *t = &z->tally[which];
+    zmx_count *t = z->tally[which], *last = t + ZMX_KEYS - 1;
+    while (t < last && t->count && strcmp(t->key, key) != 0) t++;
     if (t->count++ == 0) t->line = line, t->key = key;
 }
 
@@ -221,7 +222,8 @@ static void tell_tallies(zmx *z)
         [ZMX_VIGNETTED] = {LEFT, "vignetting factors"},
     };
     for (size_t i = 0; i < ZMX_TALLIES; i++)
-        tell(z, (sgt_remark_kind)tallies[i].kind, z->tally[i].key, &z->tally[i], tallies[i].words);
+        for (const zmx_count *t = z->tally[i]; t < z->tally[i] + ZMX_KEYS; t++)
+            tell(z, (sgt_remark_kind)tallies[i].kind, t->key, t, tallies[i].words);
 }
 
 static void tell_records(zmx *z)

@@ -87,7 +87,7 @@ typedef enum zmx_lists {
     ZMX_VIGNETTING, ZMX_LISTS = ZMX_VIGNETTING + 10
 } zmx_lists;
 
-/* Remarks that are told once, with how many there were. */
+/* Remarks that are told once for each keyword, with how many there were. */
 typedef enum zmx_tally {
     ZMX_BREAKS, ZMX_TILTED, ZMX_SCBD, ZMX_RETURNS, ZMX_SOLVES, ZMX_PICKUPS, ZMX_MODELS,
     ZMX_FLAP, ZMX_UNUSED, ZMX_BREAK_GLASS, ZMX_APERTURES, ZMX_VIGNETTED, ZMX_TALLIES
@@ -95,7 +95,7 @@ typedef enum zmx_tally {
 
 typedef struct zmx_count { const char *key; size_t line, count; } zmx_count;
 
-enum { ZMX_RECORDS = 48, ZMX_UNKNOWN = 32 };
+enum { ZMX_RECORDS = 48, ZMX_UNKNOWN = 32, ZMX_KEYS = 6 }; /* KEYS: those that share a remark */
 
 struct zmx {
     source *s;
@@ -127,7 +127,7 @@ struct zmx {
     size_t stop, stop_line; /* the surface; 0: none */
     bool behind;            /* records of the system stand behind the surfaces */
 
-    zmx_count tally[ZMX_TALLIES], unknown[ZMX_UNKNOWN];
+    zmx_count tally[ZMX_TALLIES][ZMX_KEYS], unknown[ZMX_UNKNOWN];
     size_t unknowns, others; /* others: unknown records that found no room */
     struct { zmx_count count; size_t met; } record[2][ZMX_RECORDS];
 };

@@ -170,6 +170,7 @@ static void read_glass(zmx *z)
     current(z)->glass = g;
 }
 
+/* CLAP a b from: from a surface whose aperture it copies; 0: none. */
 static void read_aperture(zmx *z)
 {
     zmx_aperture *a = &current(z)->aperture;
@@ -178,6 +179,7 @@ static void read_aperture(zmx *z)
                   "surface %zu has a second aperture, after that in line %zu", z->count - 1, a->line);
     a->key = z->row->key, a->line = z->lines.line;
     a->a = sgt_zmx_number(z), a->b = sgt_zmx_number(z);
+    if (sgt_zmx_number_or(z, 0) != 0) sgt_zmx_tally(z, ZMX_SOLVES, a->line, a->key);
 }
 
 static void read_offset(zmx *z)

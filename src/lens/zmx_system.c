@@ -151,6 +151,15 @@ static void read_apodisation(zmx *z)
         left_out(z, "the apodisation: all rays of the pupil have the same weight");
 }
 
+/* ROPD: 2 is the exit pupil. */
+static void read_reference(zmx *z)
+{
+    if (sgt_zmx_number_or(z, 2) != 2)
+        left_out(z, "what path differences refer to: here it is the sphere about the exit pupil, or a plane");
+}
+
+/* FTYP type telecentric fields wavelengths normalised iterated afocal ...: whether fields are normalised over
+ * a circle or a rectangle, and how often solves are iterated, has no effect on rays. */
 static void read_field_type(zmx *z)
 {
     size_t type = sgt_zmx_whole(z), telecentric = sgt_zmx_whole_or(z, 0);
@@ -158,7 +167,7 @@ static void read_field_type(zmx *z)
     z->field_type = (unsigned)type, z->ftyp_line = z->lines.line;
     z->telecentric = telecentric != 0;
     z->fields = sgt_zmx_whole_or(z, SIZE_MAX), z->waves = sgt_zmx_whole_or(z, SIZE_MAX);
-    sgt_zmx_number_or(z, 0), sgt_zmx_number_or(z, 0); /* how fields are normalised; iterated solves */
+    sgt_zmx_number_or(z, 0), sgt_zmx_number_or(z, 0);
     z->afocal = sgt_zmx_number_or(z, 0) != 0;
 }
 
@@ -228,6 +237,7 @@ static const zmx_record system_rows[] = {
     {"WAVL", ZMX_ONCE, read_values, ZMX_WAVL},
     {"WWGT", ZMX_ONCE, read_values, ZMX_WWGT},
     {"PWAV", ZMX_ONCE, read_primary, 0},
+    {"ROPD", ZMX_ONCE, read_reference, 0},
     {"VDXN", ZMX_ONCE, read_values, ZMX_VIGNETTING},
     {"VDYN", ZMX_ONCE, read_values, ZMX_VIGNETTING + 1},
     {"VCXN", ZMX_ONCE, read_values, ZMX_VIGNETTING + 2},
@@ -244,10 +254,10 @@ static const zmx_record system_rows[] = {
 _Static_assert(sizeof system_rows / sizeof *system_rows <= (size_t)ZMX_RECORDS, "zmx counts them");
 
 /* Preferences, data for drawings and tolerances, polarisation (POLS), how a pupil is shifted for
- * aiming (PUSH), margins of automatic semi-diameters (SDMA), the frame that is printed as global (GLRS), what
- * path differences refer to (ROPD), a sum over the file (CSUM). */
+ * aiming (PUSH), margins of automatic semi-diameters (SDMA), the frame that is printed as global (GLRS), a sum
+ * over the file (CSUM). */
 const zmx_table sgt_zmx_system_records = {sizeof system_rows / sizeof *system_rows, system_rows,
-                                          "VERS AUTH IWDP PFIL LANG PUSH SDMA OMMA ROPD HYPR PICB POLS "
+                                          "VERS AUTH IWDP PFIL LANG PUSH SDMA OMMA HYPR PICB POLS "
                                           "GLRS GSTD NSCD COFN LUID EERA TOL  MOFF CSUM "};
 
 /* -------------------------------------------------------------- the system */

@@ -279,13 +279,14 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
         if (!over(&w)) { /* step 4 */
             double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
             sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};
-            if (is_catalogue(s.ops) && !span.single) cut_to_reach(&a, ray, &cut);
+            if (s.ops->enclose) cut_to_reach(&a, ray, &cut);
+            bool whole = cut.lo == lo && cut.hi == hi;
             sgt_root r = sgt_walk_begin(&w, cut);
             sgt_walk_solve(&w, &r, &at);
             /* proof.c knows over what length the ray touches */
             if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN;
             bool taken = sgt_walk_take(&w, &r, at);
-            if (taken || (span.single && (r.status == SGT_MISS || (r.status > 0 && w.off))))
+            if (taken || (span.single && ((whole && r.status == SGT_MISS) || (r.status > 0 && w.off))))
                 return w.told.evals - w.told.before;
         }
     }

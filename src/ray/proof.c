@@ -65,7 +65,8 @@
  * much smaller than they end, there may be none; then the ray's own t is used.
  *
  * WITHOUT AN END.  The far stretch from T to DBL_MAX is asked as a whole.  If that does not decide it, it
- * is divided at the geometric mean, as often as it takes.  So a ray is as long as its t can be told.
+ * is divided at distances that are fixed multiples of the ray's own (RUNGS), and between these at the
+ * geometric mean, as often as it takes.  So a ray is as long as its t can be told.
  *
  * ONE ROOT that need not be the first (SGT_PROVE_ROOT, near the seed or with span.single) is first looked
  * for by the estimate, with a few evaluations, and proven where that finds it.  If that fails, it is the
@@ -519,21 +520,39 @@ static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, doub
 
 /* ---------------------------------------------------------------------- the search */
 
+/* The far rungs, in lengths of w->size.  Beyond FAR a piece is no longer divided once F leaves the range of
+ * doubles in its middle.  The border of that range is one number, whatever the unit of length, and costs a
+ * thousand evaluations to find.  The undecided stretch then begins at a rung or between two.  The rungs lie
+ * where polynomials of degree 2, 3, 4, 5 and 6 do not leave the range within 2^40 of an ordinary unit.
+ * Behind the last nothing is divided. */
+#define FAR 0x1p60
+#define LAST 0x1p420
+static const double RUNGS[] = {0x1p34, 0x1p67, 0x1p115, 0x1p225, LAST};
+
+/* The first rung that is far beyond a, a distance from the centre; infinity behind the last. */
+static double rung_beyond(const proof *w, double a)
+{
+    for (size_t i = 0; i < sizeof RUNGS / sizeof *RUNGS; i++)
+        if (RUNGS[i] * w->size > 0x1p8 * a) return RUNGS[i] * w->size;
+    return HUGE_VAL;
+}
+
 /* Where a piece is divided: its middle, or the geometric middle if it is long for its distance from the
- * centre.  DBL_MAX stands for an end at infinity, and is no length.  Such a piece is divided at 2^32 times
- * the distance of its other end, whatever the unit of length.  sqrt(b / a) has no unit, and sqrt(a) has one:
- * it rounds otherwise in a unit of length that is an odd power of two of this one.  If b / a overflows, the
- * plain middle is taken. */
+ * centre.  DBL_MAX stands for an end at infinity, and is no length.  Such a piece is divided at a rung,
+ * whatever the unit of length.  sqrt(b / a) has no unit, and sqrt(a) has one: it rounds otherwise in a unit
+ * of length that is an odd power of two of this one.  If b / a overflows, the plain middle is taken. */
 static double middle_of(const proof *w, sgt_interval x)
 {
-    const double times = 0x1p32;
     double a = x.lo - w->centre, b = x.hi - w->centre, m = (double)NAN;
-    if (x.hi == DBL_MAX && a > 0 && b > 4 * times * a) m = w->centre + times * a;
-    else if (x.lo == -DBL_MAX && b < 0 && a < 4 * times * b) m = w->centre + times * b;
-    else if (a > 0 && b > 4 * a) m = w->centre + a * sqrt(b / a);
-    else if (b < 0 && a < 4 * b) m = w->centre + b * sqrt(a / b);
+    if (x.hi == DBL_MAX && a > 0) m = w->centre + rung_beyond(w, a);
+    else if (x.lo == -DBL_MAX && b < 0) m = w->centre - rung_beyond(w, -b);
+    if (!(m > x.lo && m < x.hi) && a > 0 && b > 4 * a) m = w->centre + a * sqrt(b / a);
+    if (!(m > x.lo && m < x.hi) && b < 0 && a < 4 * b) m = w->centre + b * sqrt(a / b);
     return m > x.lo && m < x.hi ? m : sgt_interval_middle(x);
 }
+
+/* The end of x that is nearer to the centre, of a piece on one side of it. */
+static double near_end(const proof *w, sgt_interval x) { return x.hi <= w->centre ? x.hi : x.lo; }
 
 static bool proof_ended(void *self) { return proof_over(self); }
 
@@ -547,9 +566,9 @@ static cells_kind proof_classify(void *self, cells *c)
     c->at.end = x.hi;
     if (!has_zero(g)) return CELLS_EMPTY;
     if (proof_over(w)) return CELLS_AGAIN;
-    double m = middle_of(w, x), past = m;
-    bool smooth = is_bounded(slope),
-         room = m > x.lo && m < x.hi && x.hi - x.lo > w->least && c->count + 2 <= PIECES;
+    double m = middle_of(w, x), past = m, end = near_end(w, x), away = fabs(end - w->centre);
+    bool smooth = is_bounded(slope), room = m > x.lo && m < x.hi && x.hi - x.lo > w->least &&
+                                            away < LAST * w->size && c->count + 2 <= PIECES;
     bool asked = smooth || !is_bounded(g) || !room;
     if (asked) G = ask_at(w, m, SGT_MARCH);
     if (proof_over(w)) return CELLS_AGAIN;
@@ -566,8 +585,9 @@ static cells_kind proof_classify(void *self, cells *c)
     }
     bool noise = asked && has_zero(G) && (sgt_interval_width(g) <= 4 * sgt_interval_width(G)
                            || sgt_interval_greatest(slope) * (x.hi - x.lo) <= sgt_interval_width(G));
-    /* out of range at m: at the end of X, too? */
-    if (noise && room && !is_bounded(G)) noise = !is_bounded(ask_at(w, x.lo, SGT_MARCH));
+    /* out of range at m: at the near end of X, too? */
+    if (noise && room && !is_bounded(G) && !(away > FAR * w->size))
+        noise = !is_bounded(ask_at(w, end, SGT_MARCH));
     if (!room || noise) return CELLS_NOISE;
     if (smooth && G.lo <= G.hi && !has_zero(G)) {
         double size = G.lo > 0 ? G.lo : -G.hi, down = G.lo > 0 ? slope.hi : -slope.lo,
@@ -603,7 +623,9 @@ static bool search_part(proof *w, sgt_interval part)
     if (far_right) cells_push(c, right, to), to = right;
     cells_push(c, far_left ? left : from, to);
     if (far_left) cells_push(c, from, left);
-    w->least = 0x1p-80 * (to - (far_left ? left : from));
+    /* an end at infinity is no length */
+    double begin = far_left || from == -DBL_MAX ? left : from, stop = to == DBL_MAX ? right : to;
+    w->least = 0x1p-80 * (stop > begin ? stop - begin : larger(fabs(begin - w->centre), fabs(stop - w->centre)));
     cells_ops ops = {.over = proof_ended, .classify = proof_classify, .tell = proof_dark};
     bool whole = cells_march(c, w, ops);
     c->rest = NULL;
@@ -674,6 +696,7 @@ proof sgt_proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, co
     w.reach = proof_length_of(o) / sqrt(length2) * scale;
     if (!(fabs(w.centre) < HUGE_VAL)) w.centre = 0;
     if (!(w.reach > 0 && w.reach < HUGE_VAL)) w.reach = scale;
+    w.size = larger(w.reach, 0x1p-64 * scale); /* an origin beside the frame's says nothing of the surface */
     if (!(fabs(w.seed) < HUGE_VAL)) w.seed = w.centre;
     double off = fabs(w.centre) / scale;
     double c = w.centre;

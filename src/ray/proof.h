@@ -17,7 +17,7 @@ typedef struct proof {
     bool anew;             /* max_evals is for each root anew */
     /* The t where the ray is nearest the origin of the surface's frame, and the distance of that origin
      * from the ray's start, as a length of t. */
-    double centre, reach;
+    double centre, reach, size;
     double t0;             /* what t counts from: 0 or `far` */
     double far;            /* the t of the centre, or near it; 0 if the centre is not far off */
     sgt_ray at_far;        /* a user's surface: the ray that begins there */

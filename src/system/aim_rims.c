@@ -98,6 +98,13 @@ static bool points_of(const aim_task *task, size_t i, box3 *out)
     return true;
 }
 
+/* All w with y w = x for some x and y of theirs: any w if both may be 0. */
+static sgt_interval ratio(sgt_interval x, sgt_interval y)
+{
+    const bool any = x.lo <= 0 && x.hi >= 0 && y.lo <= 0 && y.hi >= 0;
+    return any ? sgt_interval_all() : sgt_interval_quotient(x, y);
+}
+
 /* Cuts u and v down to the rays whose line meets the box. */
 static void lines_through(const sgt_beam *b, box3 p, sgt_interval *u, sgt_interval *v)
 {
@@ -113,8 +120,8 @@ static void lines_through(const sgt_beam *b, box3 p, sgt_interval *u, sgt_interv
         by_u = box_dot(box_of(b->ou), across_u), by_v = box_dot(box_of(b->ov), across_v);
         at_u = box_dot(q, across_u), at_v = box_dot(q, across_v);
     }
-    *u = sgt_interval_intersection(*u, sgt_interval_quotient(at_u, by_u));
-    *v = sgt_interval_intersection(*v, sgt_interval_quotient(at_v, by_v));
+    *u = sgt_interval_intersection(*u, ratio(at_u, by_u));
+    *v = sgt_interval_intersection(*v, ratio(at_v, by_v));
 }
 
 bool sgt_beam_bounds(size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam,

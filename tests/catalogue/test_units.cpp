@@ -33,12 +33,12 @@ namespace
 long compared, failures, far_out;
 std::map<std::string, long> failed;
 
-// A ray without an end that is searched through this many pieces has gone to where powers of r leave the
-// range of doubles.  That is at one number, whatever the unit of length.  There the evaluations, the reason
-// why a stretch is undecided, where it begins, and the extent of a graze along a whole line may differ; no
-// hit and no miss may.  A number of such a formula that is 1 at one scale is dropped by the reader of
-// formulas, with the rounding of its product: none of the numbers below is a power of two.
-enum { SEARCHED = 40 };
+// A ray without an end that takes some hundred evaluations has been divided near where powers of r leave the
+// range of doubles.  That is at one number, whatever the unit of length.  There the evaluations may differ,
+// where an undecided stretch begins, and why it is undecided; no hit and no miss may.  Up to there nothing
+// may differ.  A number of such a formula that is 1 at one scale is dropped by the reader of formulas, with
+// the rounding of its product: none of the numbers below is a power of two.
+enum { SEARCHED = 500 };
 
 // A surface at each scale.  Numbers of F are 2^(k by_f) times those at k = 0.
 struct maker {
@@ -46,7 +46,7 @@ struct maker {
     double h;
     int by_f;
     std::function<sgt_surface(int k, bool *exact)> at;
-    std::function<int(std::size_t j)> by_parameter; // the power of length of parameter j; NULL: not asked
+    std::vector<int> powers; // of length, of each parameter for derivatives
 };
 
 void fail(const maker &m, int k, const std::string &what, const sgt_ray &r, const sgt_options &o,
@@ -78,9 +78,8 @@ void compare(const maker &m, int k, const char *by, const sgt_ray &r, const sgt_
     if (why && endless && std::max(got.evals, want.evals) >= SEARCHED) {
         sgt_hit like = got;
         like.evals = want.evals;
-        const bool undecided = got.status < 0 && want.status < 0,
-                   grazes = got.status == SGT_GRAZE && want.status == SGT_GRAZE;
-        if (undecided || grazes || !difference(like, want)) why = nullptr, far_out++;
+        const bool undecided = got.status < 0 && want.status < 0;
+        if (undecided || !difference(like, want)) why = nullptr, far_out++;
     }
     if (why) fail(m, k, std::string(by) + ", " + why, r, o, &got, &want);
 }
@@ -152,28 +151,41 @@ void compare_traces(const maker &m, int k, const sgt_surface &plain, const sgt_s
         if (!same(pb[i].direction, pa[i].direction)) fail(m, k, "trace, direction", r, o);
     }
     if (na < 4) return;
-    const std::size_t n = 1; // an ideal lens has no derivatives: the surface alone
     sgt_end_error ea, eb;
     const sgt_ray launch = scaled(r, k);
-    const bool known = sgt_trace_error(n, a.e, 1, &r, pa, &ea);
+    const bool known = sgt_trace_error(4, a.e, 1, &r, pa, &ea);
     compared++;
-    if (known != sgt_trace_error(n, b.e, 1, &launch, pb, &eb))
+    if (known != sgt_trace_error(4, b.e, 1, &launch, pb, &eb))
         fail(m, k, "error of the end, known", r, o);
     else if (known) {
         compare(m, k, "error of the end", r, o, eb.point, ea.point, k);
         compare(m, k, "error of the path", r, o, eb.path, ea.path, k);
         compare(m, k, "grain", r, o, eb.grain, ea.grain, k);
     }
-    if (!m.by_parameter) return;
-    const std::size_t count = sgt_trace_parameters(n, a.e);
-    const sgt_ray_change weight = {{1, 0.5, 0}, {0, 0, 0}, 0.25}; // of a length
-    std::vector<double> ga(count), gb(count);
-    const int la = sgt_trace_gradient(n, a.e, 1, &r, pa, 1, &weight, ga.data()),
-              lb = sgt_trace_gradient(n, b.e, 1, &launch, pb, 1, &weight, gb.data());
+    std::vector<int> powers = {1, 1, 1, 0, 0, 0, 0}; // of the launch and the index before
+    for (int i = 0; i < 4; i++) {
+        if (i == 0)
+            powers.insert(powers.end(), m.powers.begin(), m.powers.end());
+        else
+            powers.insert(powers.end(), {-1, 0}); // c and k
+        powers.insert(powers.end(), {1, 1, 1, 0, 0, 0, 0});
+    }
+    const std::size_t count = sgt_trace_parameters(4, a.e);
+    compared++;
+    if (count != powers.size()) {
+        fail(m, k, "gradient, parameters", r, o);
+        return;
+    }
+    const sgt_ray_change weight[2] = {{{1, 0.5, 0}, {0, 0, 0}, 0.25}, {{0, 0, 0}, {1, 0, 0.5}, 0}};
+    std::vector<double> ga(2 * count), gb(2 * count);
+    const int la = sgt_trace_gradient(4, a.e, 1, &r, pa, 2, weight, ga.data()),
+              lb = sgt_trace_gradient(4, b.e, 1, &launch, pb, 2, weight, gb.data());
     compared++;
     if (la != lb) fail(m, k, "gradient, lacks", r, o);
-    for (std::size_t j = 0; j < 3 && j < count && la == lb; j++)
-        compare(m, k, "gradient", r, o, gb[j], ga[j], 0);
+    for (std::size_t j = 0; j < count && la == lb; j++) {
+        compare(m, k, "gradient of a length", r, o, gb[j], ga[j], k * (1 - powers[j]));
+        compare(m, k, "gradient of a direction", r, o, gb[count + j], ga[count + j], -k * powers[j]);
+    }
 }
 
 void compare_aims(const maker &m, int k, const sgt_surface &plain, const sgt_surface &resized, generator g)
@@ -192,15 +204,9 @@ void compare_aims(const maker &m, int k, const sgt_surface &plain, const sgt_sur
     sgt_passage pa[2], pb[2];
     sgt_aiming x, y;
     sgt_aim(1, a.e, 1, &beam, at, pa, &o, &x);
-    // the number of traces is not compared: rays have no ends, see SEARCHED
     sgt_aim(1, b.e, 1, &other, {times(at.x, k), times(at.y, k)}, pb, &o, &y);
     compared++;
-    // the trace of a user's surface without a span: the same
-    if (m.name[0] == 'u' && x.status == SGT_MET && y.status == SGT_MET && x.traces > 40) {
-        far_out++;
-        return;
-    }
-    if (x.status != y.status || !same(x.u, y.u) || !same(x.v, y.v) || x.boxes != y.boxes ||
+    if (x.status != y.status || !same(x.u, y.u) || !same(x.v, y.v) || x.boxes != y.boxes || x.traces != y.traces ||
         x.clipped != y.clipped || !same(times(x.miss, k), y.miss) || !same(times(x.point.x, k), y.point.x)) {
         fail(m, k, "aim", {}, {});
         if (failed[m.name + ": aim"] <= 1)
@@ -264,7 +270,7 @@ void ask(const maker &m, generator &g, const std::vector<sgt_ray> &rays, const s
                     compare_traces(m, k, plain, s, rays[i], plain_o);
                 }
                 if (q == 0 && got.status > 0 && want[q][i].status == got.status) {
-                    const std::size_t count = m.by_parameter ? sgt_parameters(s) : 0;
+                    const std::size_t count = m.powers.size();
                     std::vector<sgt_change> pa(count), pb(count);
                     sgt_change a[3], b[3];
                     sgt_differentiate(plain, &rays[i], &want[q][i], a, count ? pa.data() : nullptr);
@@ -275,7 +281,7 @@ void ask(const maker &m, generator &g, const std::vector<sgt_ray> &rays, const s
                         compare(m, k, "dn/do", rays[i], plain_o, b[j].n.x, a[j].n.x, (m.by_f - 2) * k);
                     }
                     for (std::size_t j = 0; j < count; j++) {
-                        const int by = m.by_parameter(j);
+                        const int by = m.powers[j];
                         compare(m, k, "dt/da", rays[i], plain_o, pb[j].t, pa[j].t, k * (1 - by));
                         compare(m, k, "dn/da", rays[i], plain_o, pb[j].n.x, pa[j].n.x, k * (m.by_f - 1 - by));
                     }
@@ -318,6 +324,43 @@ std::vector<sgt_ray> rays_at(generator &g, const target &t, int n)
     return rays;
 }
 
+// The powers of length of the parameters for derivatives, in their order: those of the struct but for the rim
+// and what makes coordinates of length 1.  Planes and spheres are conics; the heights of a grid are none.
+std::vector<int> powers_of(const sgt_surface &s, bool base = true)
+{
+    const char *const left_out[] = {"semi_diameter", "norm", "norm_x", "norm_y", "step_x", "step_y"};
+    if (s.ops == &sgt_conic_ops) return {-1, 0};
+    if (row_of(s.ops)->family == SGT_LEVEL_SET) return {};
+    if (s.ops == &sgt_grid_ops) return base ? std::vector<int>{-1, 0} : std::vector<int>{};
+    std::vector<int> powers;
+    for (const sgt_param *p = row_of(s.ops)->params; p->name; p++) {
+        const char *at = static_cast<const char *>(s.self) + p->offset;
+        const std::string name = p->name;
+        bool left = !base && (name == "curvature" || name == "conic") && s.ops != &sgt_toroidal_ops;
+        for (const char *x : left_out) left = left || name == x;
+        if (left) continue;
+        if (p->kind == SGT_REAL || p->kind == SGT_VECTOR)
+            for (int i = 0; i < p->count; i++) powers.push_back(power_of(p->unit, i, 0));
+        sgt_numbers a;
+        if (p->kind == SGT_LIST || p->kind == SGT_TABLE) std::memcpy(&a, at, sizeof a);
+        if (p->kind == SGT_LIST || p->kind == SGT_TABLE)
+            for (std::size_t i = 0; i < a.rows * a.columns; i++) {
+                const int row = static_cast<int>(i / a.columns), column = static_cast<int>(i % a.columns);
+                powers.push_back(power_of(p->unit, p->kind == SGT_LIST ? column : row, column));
+            }
+        if (p->kind != SGT_TERMS) continue;
+        const sgt_surface *terms;
+        std::size_t count;
+        std::memcpy(&terms, at, sizeof terms);
+        std::memcpy(&count, at + sizeof terms, sizeof count);
+        for (std::size_t i = 0; i < count; i++) {
+            const std::vector<int> own = powers_of(terms[i], false);
+            powers.insert(powers.end(), own.begin(), own.end());
+        }
+    }
+    return powers;
+}
+
 void built_in(generator &g, const std::string &type, const std::vector<int> &powers)
 {
     const target t = random_target(g, type);
@@ -333,8 +376,11 @@ void built_in(generator &g, const std::string &type, const std::vector<int> &pow
                    *exact = kept.back()->exact && kept.back()->moderate;
                    return s;
                },
-               nullptr};
+               powers_of(t.s.s)};
     const std::vector<sgt_ray> rays = rays_at(g, t, 6);
+    if (sgt_parameters(t.s.s) != m.powers.size())
+        failures++, std::printf("FAIL %s: %zu parameters, not %zu\n", type.c_str(), sgt_parameters(t.s.s),
+                                m.powers.size());
     ask(m, g, rays, powers);
     sgt_surface_ops offers = *row->ops;
     offers.own_ = nullptr;
@@ -415,7 +461,7 @@ void formula_made(generator &g, const formula_case &f, const std::vector<int> &p
                          return f.sag ? sgt_surface{&sgt_formula_sag_ops, &to.sag}
                                       : sgt_surface{&sgt_formula_ops, &to.whole};
                      },
-                     nullptr};
+                     {}};
     std::vector<sgt_ray> rays;
     for (int i = 0; i < 6; i++) {
         const sgt_vec3 d = random_direction(g);
@@ -449,6 +495,6 @@ int main(int argc, char **argv)
     for (const auto &f : failed) std::printf("  FAIL %8ld  %s\n", f.second, f.first.c_str());
     std::printf("%ld comparisons, %ld failures; %ld searches beyond the range of doubles took another time\n",
                 compared, failures, far_out);
-    if (far_out * 200 > compared) failures++, std::printf("FAIL these are too many\n");
+    if (far_out * 1000 > compared) failures++, std::printf("FAIL these are too many\n");
     return failures != 0;
 }

@@ -4,6 +4,7 @@
     python3 test_diagnose.py SAGITTA
 """
 import math
+import os
 import random
 import re
 
@@ -157,6 +158,92 @@ def test_formulas():
     assert 'passed' in run('diagnose', lens, '--fan', 3, '--ray', '0').stdout
     done = run('diagnose', '--surface', '{type: formula, f: "x^4 + (y = 1"}', '--ray', '0 0 -5 0 0 1', exit=BAD_INPUT)
     assert 'column 10' in done.stderr and not done.stdout, done.stderr
+
+
+def polynomial(draw):
+    """Its roots, some far apart and some close, real and in pairs, and the text of a surface z = root."""
+    real = [draw.uniform(-8, 8) for _ in range(draw.randint(1, 4))]
+    pairs = [(draw.uniform(-8, 8), 10 ** draw.uniform(-2, 1)) for _ in range(draw.randint(0, 2))]
+    if draw.random() < 0.2:
+        real.append(real[0])
+    text = '*'.join([f'(z - ({a!r}))' for a in real] + [f'((z - ({a!r}))^2 + {b!r})' for a, b in pairs])
+    return real, '{type: formula, f: "%s"}' % text
+
+
+def closing(history, root, by):
+    """From which place on each error is at most `by` of the one before, to rounding: of a history of t, None: NaN.
+    This is of errors, which a program does not know."""
+    error = [math.inf if t is None else abs(t - root) for t in history]
+    at = len(error) - 1
+    while at > 0 and (error[at] <= by * error[at - 1] or max(error[at], error[at - 1]) < 1e-12 * (1 + abs(root))):
+        at -= 1
+    return at
+
+
+def test_verdicts_of_polynomials():
+    """Nothing to mend is said of no history that wandered, and is said where Newton's method is at its best, judged by
+    the errors from known roots."""
+    draw, seen = random.Random(SEED), {}
+    for _ in range(max(6, int(60 * float(os.environ.get('SAGITTA_TEST_SCALE', '1'))))):
+        roots, surface = polynomial(draw)
+        lo, hi = sorted((draw.uniform(-12, 12), draw.uniform(-12, 12)))
+        for method in ('newton', 'newton-normalised', 'bisection', 'safeguarded'):
+            what = 'diagnose', '--surface', surface, '--ray', f'0 0 0 0 0 1 {lo!r} {hi!r}', '--method', method
+            text = run(*what, exit=None).stdout
+            table = rows(*what, exit=None)
+            best = 'nothing to mend' in text
+            history = [None if r['f'] == 'nan' else float(r['t']) for r in table if r['move'] not in ('probe', 'march')]
+            if method == 'safeguarded':
+                history = [t for t in history if t is not None]  # cells
+            if not history or history[-1] is None:
+                continue
+            root = min(roots, key=lambda x: abs(x - history[-1]))
+            where = (what, history, text)
+            if method == 'bisection':
+                assert not best and 'order' not in text, where
+                continue
+            if method == 'newton-normalised':  # each step leaves |1 - |F'|| of the error
+                slope = abs(float(table[-1]['slope']))
+                assert not best or len(history) <= 4 or abs(1 - slope) < 1e-6, where
+                continue
+            settled = abs(history[-1] - root) < 1e-5 * (1 + abs(root))
+            simple = sum(abs(x - root) < 1e-6 for x in roots) == 1
+            if best:
+                seen['best'] = seen.get('best', 0) + 1
+                # a step at most half of the one before leaves an error at most 3/2 of it
+                assert settled and closing(history, root, 1.5) <= 3, where
+            late = 'wandering at first, quadratic' in text
+            if late:
+                seen['late'] = seen.get('late', 0) + 1
+                # errors that fall to a quarter each have steps that fall to 1.25 / 3 or less
+                assert settled and closing(history, root, 0.25) >= 3, where
+                assert re.search(r'\b([3-9]|\d\d+) of these came before', text), where
+            if method == 'newton' and settled and simple and len(history) >= 5 and closing(history, root, 0.1) <= 1:
+                assert best or 'rounding:' in text, where
+            if method == 'newton' and settled and closing(history, root, 1.5) > 4:
+                assert not best, where
+    assert seen['best'] > 5 and seen['late'] > 2, seen
+
+
+def test_each_reason_not_to_accept():
+    """Newton's method settles on a root, (z - 1)(z - 2)(z - 5) or others: why the ray does not meet it there."""
+    cubic = '{type: formula, f: "(z - 1)*(z - 2)*(z - 5)"}'
+    ball = '{type: formula, f: "(z - 2)*(z - 5)", inside: {ball: 1.5}}'
+    plane = '{type: plane, semi_diameter: 1}'
+    for surface, ray, settles, reason in (
+            (cubic, '0 0 0 0 0 1 2.5 4.9', 1, "lies before the ray's start, tmin = 2.5."),
+            (cubic, '0 0 0 0 0 1 3.9 4.9', 5, "lies beyond the ray's end, tmax = 4.9."),
+            (cubic, '0 0 0 0 0 1 5 5.1', 5, "is the ray's own start, which is not accepted."),
+            (ball, '0 0 0 0 0 1 -9 20', 2, 'outside of the part of space that the surface is in.'),
+            (cubic, '0 0 0 0 0 1 0 11', 5, "The library's answer comes before it on the ray."),
+            (plane, '2 0 -3 0 0 1', 3, 'lies outside semi_diameter, at r = 2.'),
+            (plane, '0 0 -3 0 0 1 0 2', 3, "lies beyond the ray's end, tmax = 2."),
+            (plane, '0 0 -3 0 0 1 4 9', 3, "lies before the ray's start, tmin = 4."),
+            ('{type: formula, f: "z^2 + 1e-34"}', '0 0 -1 0 0 1 0 3', 1, 'F only comes near 0 there')):
+        text = run('diagnose', '--surface', surface, '--ray', ray, '--method', 'newton', exit=None).stdout
+        line = line_with(text, 'on which it settled' if 'answer comes' not in reason else 'comes before')
+        assert line.endswith(reason) or reason in line, (surface, ray, text)
+        close(re.search(r'Settled at t = ([-\d.e]+)\.', text).group(1), settles, 1e-6, text)
 
 
 def test_ray_that_took_most():

@@ -75,6 +75,28 @@ static void test_quadratic(void **state)
     require_verdict(&log, SGT_QUADRATIC, "a straight line");
 }
 
+static double g_cubic(double t, double *s) { return *s = 3 * t * t - 1, t * t * t - t - 1; }
+
+/* From beside its turning point: to 17.9, and back by a third of what is left each time. */
+static void test_late(void **state)
+{
+    (void)state;
+    sgt_log log = newton(g_cubic, 0.6, 13, 1);
+    require_verdict(&log, SGT_LATE, "a cubic from its turning point");
+    REQUIRE(sgt_diagnose(&log).before >= 3 && sgt_diagnose(&log).before < log.n - 3, "%d of %d before",
+            sgt_diagnose(&log).before, log.n);
+    log = newton(g_cubic, 1.5, 7, 1);
+    require_verdict(&log, SGT_QUADRATIC, "a cubic from near its root");
+    /* NaN where a search began is of its history */
+    for (int nan = 0; nan < 6; nan++) {
+        sgt_log in = {kept, CAP, 0};
+        for (int i = 0; i < nan; i++) add(&in, i ? SGT_RETREAT : SGT_SEED, 48 >> i, NOT, NOT);
+        for (double t = 1.5, f = 1, slope; f != 0 && in.n < nan + 7; t -= f / slope)
+            f = g_cubic(t, &slope), add(&in, in.n == nan ? SGT_RETREAT : SGT_NEWTON, t, f, slope);
+        require_verdict(&in, nan >= 3 ? SGT_LATE : SGT_QUADRATIC, "NaN at first");
+    }
+}
+
 static void test_linear(void **state)
 {
     (void)state;
@@ -247,7 +269,7 @@ static void test_few_and_strange(void **state)
             add(&log, (sgt_move)below(&g, 6), v[0], v[1], v[2]);
         }
         d = sgt_diagnose(&log);
-        REQUIRE(d.verdict >= SGT_QUADRATIC && d.verdict <= SGT_ROUNDING, "case %ld: verdict %d", i,
+        REQUIRE(d.verdict >= SGT_QUADRATIC && d.verdict <= SGT_LATE, "case %ld: verdict %d", i,
                 (int)d.verdict);
         REQUIRE(d.newton + d.bisect + d.march + d.retreat <= log.n, "case %ld: counts", i);
         REQUIRE(!(d.condition < 0), "case %ld: condition %g", i, d.condition);
@@ -303,7 +325,7 @@ static void test_watching(void **state)
 static void test_texts(void **state)
 {
     (void)state;
-    for (int i = SGT_QUADRATIC; i <= SGT_ROUNDING; i++) {
+    for (int i = SGT_QUADRATIC; i <= SGT_LATE; i++) {
         const char *text = sgt_verdict_text((sgt_verdict)i);
         assert_true(text && strlen(text) > 10 && strlen(text) < 160 && !strchr(text, '\n'));
         for (int j = SGT_QUADRATIC; j < i; j++)
@@ -316,6 +338,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_quadratic),       cmocka_unit_test(test_linear),
+        cmocka_unit_test(test_late),
         cmocka_unit_test(test_oscillating),     cmocka_unit_test(test_solver),
         cmocka_unit_test(test_few_and_strange), cmocka_unit_test(test_log),
         cmocka_unit_test(test_watching),        cmocka_unit_test(test_texts),

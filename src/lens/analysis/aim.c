@@ -13,7 +13,13 @@
  *     REACH[1], REACH[2] radii: a stop may lie far beside the axis.  If none is found, it is
  *     undecided, and `within` says in which box it is proven that there is none
  *
- * Outer boxes are proven only if the inner one is: it is a part of them.
+ * Outer boxes are proven only if the inner one is: it is a part of them.  A proof costs a hundred times
+ * as much as a search.  So where the rims keep all within NEAR times REACH[0], only theirs is proven.
+ *
+ * THE CHIEF RAY is a reference also where it is clipped.  So it is looked for in the outer boxes even
+ * if no ray there gets through the rims.  If it is found in one of them (a stop beside the axis), the
+ * other rays are looked for in that one first.  Else the outer boxes are worth little for them: none if
+ * the rims keep all rays within REACH[0], and few traces if not.
  *
  * WHERE THE SEARCH BEGINS: where the linear map about the chief ray puts the point.  So a ray depends
  * on no other but the chief ray, and rays may be aimed in any parts.
@@ -33,6 +39,9 @@ static const double RADIANS = 0.017453292519943295; /* a degree */
 static const double REACH[] = {6, 60, 600}, SLOPES = 50; /* of the pupil; a direction of 88.9 degrees */
 static const double WIDER = 10;                           /* times the paraxial height of the object */
 enum { STEPS = 12, REACHES = 3, TOLD = 16 };
+/* of a box in which a ray is not expected: what most that are there need, and a proof of a far region */
+static const double NEAR = 2;
+enum { FEW_TRACES = 60, FEW_BOXES = 300 };
 
 /* The rays of a beam by their coordinates in the pupil, or the slopes of the cone. */
 static sgt_beam family_of(const sgt_field_beam *b)
@@ -78,18 +87,20 @@ typedef struct aim_search {
     sgt_passage *passages;
     size_t starts;
     sgt_vec2 start[2];
+    bool chief;            /* it is wanted whatever clips it */
+    int home;              /* of REACH: the box where the chief ray was found */
     double within;         /* radii of the pupil: it is proven that no ray there meets the point */
     sgt_attempt nearest;
 } aim_search;
 
-/* max_boxes: of sgt_aim. */
-static sgt_aiming aim_in(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int max_boxes)
+/* max_traces and max_boxes: of sgt_aim. */
+static sgt_aiming aim_in(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int max_traces, int max_boxes)
 {
     sgt_aiming a;
     sgt_attempt tried[TOLD];
     sgt_aim(s->element, s->e, s->before, f, wanted, s->passages,
-            &(sgt_aim_options){.starts = s->starts, .start = s->start, .max_boxes = max_boxes,
-                               .room = TOLD, .attempt = tried},
+            &(sgt_aim_options){.starts = s->starts, .start = s->start, .max_traces = max_traces,
+                               .max_boxes = max_boxes, .room = TOLD, .attempt = tried},
             &a);
     for (size_t i = 0; i < a.attempts && i < TOLD; i++)
         if (s->nearest.traces == 0 || tried[i].miss < s->nearest.miss ||
@@ -104,37 +115,58 @@ static sgt_beam boxed(sgt_beam f, sgt_interval u, sgt_interval v)
     return f;
 }
 
-static bool is_within(sgt_interval x, double reach) { return x.lo >= -reach && x.hi <= reach; }
+static sgt_beam reaching(const sgt_beam *f, int i)
+{
+    const sgt_interval x = {-REACH[i], REACH[i]};
+    return boxed(*f, x, x);
+}
+
+static bool are_within(sgt_interval u, sgt_interval v, double reach)
+{
+    return u.lo >= -reach && u.hi <= reach && v.lo >= -reach && v.hi <= reach;
+}
 
 /* The ray of the whole family f; see the head. */
-static sgt_aiming aim_at(aim_search *s, const sgt_beam *f, sgt_vec2 wanted)
+static sgt_aiming aim_at(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int *where)
 {
     sgt_interval u, v;
+    sgt_beam box;
+    sgt_aiming a;
     s->nearest = (sgt_attempt){.miss = (double)NAN};
-    sgt_aiming a = aim_in(s, f, wanted, 0);
+    *where = s->home;
+    if (s->home > 0) {
+        box = reaching(f, s->home);
+        a = aim_in(s, &box, wanted, 0, -1);
+        if (a.status == SGT_MET) return a;
+    }
+    *where = 0;
+    box = reaching(f, 0);
+    a = aim_in(s, &box, wanted, 0, -1);
     if (a.status == SGT_MET || a.status == SGT_AIM_INVALID) return a;
+    const bool bounded = sgt_beam_bounds(s->element, s->e, s->before, f, wanted, &u, &v),
+               empty = bounded && !(u.lo <= u.hi), inside = empty || (bounded && are_within(u, v, REACH[0])),
+               near = empty || (bounded && are_within(u, v, NEAR * REACH[0]));
+    if (!near || s->chief) a = aim_in(s, &box, wanted, 0, 0);
+    if (a.status == SGT_MET) return a;
     bool none = a.status == SGT_NO_SUCH_RAY;
     s->within = none ? REACH[0] : 0;
-    if (sgt_beam_bounds(s->element, s->e, s->before, f, wanted, &u, &v)) {
-        const bool empty = !(u.lo <= u.hi);
-        if (!empty && !(none && is_within(u, REACH[0]) && is_within(v, REACH[0]))) {
-            const sgt_beam box = boxed(*f, u, v);
-            a = aim_in(s, &box, wanted, 0);
-        } else {
-            a.status = SGT_NO_SUCH_RAY;
-        }
-        if (a.status == SGT_MET || a.status == SGT_NO_SUCH_RAY) return a;
+    a.status = empty || (none && inside) ? SGT_NO_SUCH_RAY : SGT_AIM_UNDECIDED;
+    if (bounded && a.status != SGT_NO_SUCH_RAY) {
+        box = boxed(*f, u, v);
+        a = aim_in(s, &box, wanted, 0, 0);
+        if (a.status == SGT_MET) return a;
     }
+    const sgt_aiming last = a;
+    if (!s->chief && (inside || a.status == SGT_NO_SUCH_RAY)) return a;
     for (int i = 1; i < REACHES; i++) {
-        const sgt_interval x = {-REACH[i], REACH[i]};
-        const sgt_beam box = boxed(*f, x, x);
-        a = aim_in(s, &box, wanted, none ? 0 : -1);
+        box = reaching(f, i);
+        a = aim_in(s, &box, wanted, s->chief ? 0 : FEW_TRACES, none ? FEW_BOXES : -1);
+        *where = i;
         if (a.status == SGT_MET) return a;
         none = none && a.status == SGT_NO_SUCH_RAY;
         if (none) s->within = REACH[i];
     }
-    a.status = SGT_AIM_UNDECIDED;
-    return a;
+    return last;
 }
 
 bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error)
@@ -185,8 +217,10 @@ static void aim_all(const sgt_launcher *from, const sgt_field_beam *b, const sgt
 {
     const size_t stop = s->element;
     aim_search chief_search = *s;
-    chief_search.starts = 1, chief_search.start[0] = (sgt_vec2){0, 0};
-    const sgt_aiming chief = aim_at(&chief_search, f, (sgt_vec2){0, 0});
+    chief_search.starts = 1, chief_search.start[0] = (sgt_vec2){0, 0}, chief_search.chief = true;
+    int where, home;
+    const sgt_aiming chief = aim_at(&chief_search, f, (sgt_vec2){0, 0}, &home);
+    if (chief.status != SGT_MET) home = 0;
     linear map = {.determinant = 0};
     if (chief.status == SGT_MET) map = linear_at(stop, s->e, s->before, f, &chief.ray, s->passages);
     const bool mapped = fabs(map.determinant) > 0;
@@ -195,12 +229,13 @@ static void aim_all(const sgt_launcher *from, const sgt_field_beam *b, const sgt
         const sgt_vec2 wanted = {q.x * from->stop_radius, q.y * from->stop_radius};
         aim_search one = *s;
         one.starts = 2, one.start[0] = one.start[1] = q;
+        one.home = home, one.chief = at[i].x == 0 && at[i].y == 0;
         if (mapped) {
             const double x = wanted.x - chief.point.x, y = wanted.y - chief.point.y;
             one.start[0].x = chief.u + (map.yv * x - map.xv * y) / map.determinant;
             one.start[0].y = chief.v + (map.xu * y - map.yu * x) / map.determinant;
         }
-        const sgt_aiming a = aim_at(&one, f, wanted);
+        const sgt_aiming a = aim_at(&one, f, wanted, &where);
         out[i] = (sgt_launched){.ray = of_unit_length(a.ray), .status = a.status, .wanted = wanted};
         if (a.status != SGT_MET) out[i].within = one.within, out[i].nearest = one.nearest;
         else if (from->sense != 0)
@@ -263,9 +298,10 @@ static bool image_of(const field_search *s, sgt_field_beam b, sgt_vec2 at, sgt_v
     set_point(s->from, &b, at);
     const sgt_beam f = family_of(&b);
     sgt_fate fate;
+    int where;
     aim_search one = {s->from->lens->stop, s->from->element, s->from->before, s->passages, .starts = 1,
-                      .start = {*pupil}};
-    sgt_aiming a = aim_at(&one, &f, (sgt_vec2){0, 0});
+                      .start = {*pupil}, .chief = true};
+    sgt_aiming a = aim_at(&one, &f, (sgt_vec2){0, 0}, &where);
     if (a.status != SGT_MET) return false;
     *pupil = (sgt_vec2){a.u, a.v};
     size_t passed = sgt_trace_through(s->count, s->from->element, s->from->before, &a.ray, s->open,
@@ -314,7 +350,7 @@ static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 
     }
     aim_search one = {l->count - 1, s->from->element, s->from->before, s->passages, .starts = 1,
                       .start = {*found}};
-    const sgt_aiming a = aim_in(&one, &f, wanted, 0);
+    const sgt_aiming a = aim_in(&one, &f, wanted, 0, 0);
     *limit = b->finite ? f.u.hi : SLOPES;
     *found = (sgt_vec2){a.u, a.v};
     return a.status == SGT_MET;

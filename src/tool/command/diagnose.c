@@ -35,13 +35,13 @@ static const char diagnose_help[] =
     "  eval               the evaluation, counted from 1\n"
     "  move               how its t was chosen: seed, newton, bisect, march, retreat (F was NaN), or\n"
     "                     probe (beside a root)\n"
-    "  t                  place on the ray (in lengths of its direction; through a lens: distance\n"
-    "                     from the element before)\n"
-    "  f, slope           F there, and its derivative by t; none (nan) if the row is about a cell\n"
-    "  lo, hi             the bracket that holds the root, where there is one (like t).  Of a cell: its\n"
-    "                     ends, and t is its middle\n"
-    "  f_lo, f_hi         (csv, json) bounds on F all over the cell; at a point both are f\n"
-    "  slope_lo, slope_hi (csv, json) the same for the slope\n"
+    "  t                  place on the ray, in lengths of its direction; through a lens: the length along\n"
+    "                     the ray from the element before, or from its start at element 1\n"
+    "  f, slope           F there, and its derivative by t; none (nan) if the row is over a cell\n"
+    "  lo, hi             the bracket that holds the root, where there is one (like t); or the cell,\n"
+    "                     and t is its middle\n"
+    "  f_lo, f_hi         (csv, json) bounds of F all over the cell; at a point both are f\n"
+    "  slope_lo, slope_hi (csv, json) the same of the slope\n"
     "\n"
     "Options\n"
     "  --surface SPEC     one surface, as in sagitta intersect\n"
@@ -50,6 +50,7 @@ static const char diagnose_help[] =
     "                     default: the ray that took most evaluations\n"
     "  --element J        the search at element J of the lens, counted from 1\n"
     "  --all-elements     the search at each element that the ray reached; csv and json have it anyway\n"
+    "  --defocus Z        with LENS: moves the last element by Z along its own z, as in sagitta spot\n"
     "  --method M         which search to show:\n"
     "                     safeguarded (the default): what the library does\n"
     "                     newton: Newton's steps alone; t is halved where F is NaN\n"
@@ -68,7 +69,7 @@ static const char diagnose_help[] =
 static const char legend_of_surface[] =
     "t, lo, hi: in lengths of the ray's direction.  f: F at t.  slope: the derivative of f by t.";
 static const char legend_of_lens[] =
-    "t, lo, hi: distance from the element before.  f: F at t.  slope: the derivative of f by t.";
+    "t, lo, hi: from the element before, or the ray's start.  f: F at t.  slope: the derivative of f by t.";
 
 static const column diagnose_head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"eval", COLUMN_COUNT}, {"move", COLUMN_WORD},
@@ -106,13 +107,20 @@ static method method_of(const char *name)
     fail_usage("--method must be safeguarded, newton, newton-normalised or bisection, not \"%s\"", name);
 }
 
+static double defocus_of(const char *word)
+{
+    const double z = options_number("defocus", word);
+    if (!isfinite(z)) fail_usage("--defocus must be finite, not %s", word);
+    return z;
+}
+
 static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
 {
-    enum { SURFACE = OPTION_AFTER_JOB, RAY, ELEMENT, ALL_ELEMENTS, METHOD };
+    enum { SURFACE = OPTION_AFTER_JOB, RAY, ELEMENT, ALL_ELEMENTS, METHOD, DEFOCUS };
     static const struct option known[] = {
         {"surface", required_argument, NULL, SURFACE}, {"ray", required_argument, NULL, RAY},
         {"element", required_argument, NULL, ELEMENT}, {"method", required_argument, NULL, METHOD},
-        {"all-elements", no_argument, NULL, ALL_ELEMENTS},
+        {"all-elements", no_argument, NULL, ALL_ELEMENTS}, {"defocus", required_argument, NULL, DEFOCUS},
         JOB_OPTIONS, PROOF_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[HELP_SIZE];
@@ -125,6 +133,7 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
         case RAY: a.ray = optarg; break;
         case ELEMENT: a.element = options_integer("element", optarg, 1, INT_MAX); break;
         case ALL_ELEMENTS: a.all_elements = true; break;
+        case DEFOCUS: a.job.defocus = defocus_of(optarg), rays_of_lens = true; break;
         case METHOD: a.method = method_of(optarg), a.method_given = true; break;
         default:
             if (job_take(&a.job, code)) rays_of_lens = true;

@@ -40,7 +40,7 @@ static const char *advice(sgt_verdict v, method m, const record *r)
         return own ? "wandering: no pattern, or too few steps to tell; the rows show its way"
                    : "wandering: no pattern, or too few steps to tell; compare the rows with --method "
                      "safeguarded";
-    case SGT_QUADRATIC: case SGT_ROUNDING: break;
+    case SGT_QUADRATIC: case SGT_ROUNDING: case SGT_LATE: break;
     }
     return sgt_verdict_text(v);
 }
@@ -63,12 +63,9 @@ static void verdict(table *t, method m, const record *r)
     }
     if (isfinite(d.order))
         snprintf(text + length, sizeof text - (size_t)length, "; order %.3g, rate %.3g", d.order, d.rate);
-    if (d.before > 2 && d.verdict == SGT_QUADRATIC)
-        table_line(t, "wandering at first, quadratic in the end: a start nearer to the root saves the first "
-                      "steps");
-    else table_line(t, "%s", advice(d.verdict, m, r));
+    table_line(t, "%s", advice(d.verdict, m, r));
     table_line(t, "%s.", text);
-    if (d.before > 2 && (d.verdict == SGT_QUADRATIC || d.verdict == SGT_LINEAR))
+    if (d.before > 2 && (d.verdict == SGT_LATE || d.verdict == SGT_LINEAR))
         table_line(t, "%d of these came before the steps began to close in on the end.", d.before);
 }
 

@@ -95,7 +95,7 @@ static const struct { const char *column, *name, *what; lack needs; size_t offse
     QUANTITY(image, "image", "paraxial image, from the image surface", POWER),
     QUANTITY(f_number, "f_number", "|efl| / diameter of the entrance pupil", SIZE),
     {"f_number_working", "f_number_working", "1 / (2 n' u') of the marginal ray", SIZE,
-     offsetof(sgt_first_order, working_f_number)},
+     offsetof(sgt_first_order, f_number_working)},
     QUANTITY(magnification, "magnification", "of the object", OBJECT),
     QUANTITY(entrance_pupil, "entrance_pupil.z", "from the first vertex", PUPIL),
     QUANTITY(entrance_radius, "entrance_pupil.radius", "semi-diameter of the entrance pupil", SIZE),
@@ -109,7 +109,7 @@ static const struct { const char *column, *name, *what; lack needs; size_t offse
     QUANTITY(image_height, "image_height", "paraxial, of the field farthest from the axis", POWER),
     QUANTITY(lagrange, "lagrange", "invariant n (u ybar - ubar y) of marginal and chief ray", SIZE),
     {"petzval_radius", "petzval_radius", "radius of the Petzval surface", CURVE,
-     offsetof(sgt_first_order, petzval)},
+     offsetof(sgt_first_order, petzval_radius)},
     QUANTITY(angular_magnification, "angular_magnification", "slope of the chief ray behind by that in front",
              PUPIL),
 #undef QUANTITY
@@ -216,6 +216,8 @@ static void say_lens(table *t, const sgt_lens *l, const sgt_first_order *o)
                *l->units ? l->units : "that of the lens");
     table_line(t, "Object: at %s.  %zu field%s %s.", object, l->fields, l->fields == 1 ? "" : "s",
                kinds[l->field_kind]);
+    if (l->afocal)
+        table_line(t, "Afocal: light leaves as parallel rays.  spot, fan, opd and field answer in angles.");
     const char *primary = lens_primary(l);
     if (primary) table_line(t, "%s", primary);
     if (o->without_vertex)

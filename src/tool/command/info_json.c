@@ -115,12 +115,12 @@ static void put_lens(json *j, const lens *l)
     json_number(j, "bfd", o.bfd);
     json_number(j, "ffd", o.ffd);
     json_number(j, "f_number", o.f_number);
-    json_number(j, "f_number_working", o.working_f_number);
+    json_number(j, "f_number_working", o.f_number_working);
     json_number(j, "magnification", o.magnification);
     put_pupil(j, "entrance_pupil", o.entrance_pupil, o.entrance_radius);
     put_pupil(j, "exit_pupil", o.exit_pupil, o.exit_radius);
     put_numbers(j, "image_height", of->fields, info_image_heights(l, &o));
-    json_number(j, "petzval_radius", o.petzval);
+    json_number(j, "petzval_radius", o.petzval_radius);
     json_number(j, "lagrange", o.lagrange);
     put_fields(j, of);
     put_numbers(j, "wavelengths", of->wavelength ? of->wavelengths : 0, of->wavelength);
@@ -137,6 +137,7 @@ static void put_lens(json *j, const lens *l)
     json_number(j, "rear_nodal", o.rear_nodal);
     put_seidel(j, l, seidel, why_not);
     json_number(j, "angular_magnification", o.angular_magnification);
+    json_truth(j, "afocal", of->afocal);
     json_close(j);
 }
 

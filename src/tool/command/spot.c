@@ -109,10 +109,7 @@ static sgt_element *spot_defocused(const look_band *b, double z)
     const size_t count = b->lens.count;
     sgt_element *e = memory_take(count, sizeof *e);
     memcpy(e, b->element, count * sizeof *e);
-    sgt_pose *last = &e[count - 1].pose;
-    const bool straight = last->ex.x == 0 && last->ex.y == 0 && last->ex.z == 0;
-    const sgt_vec3 along = straight ? (sgt_vec3){0, 0, 1} : last->ez;
-    last->origin.x += z * along.x, last->origin.y += z * along.y, last->origin.z += z * along.z;
+    job_move(&e[count - 1].pose, z);
     return e;
 }
 
@@ -168,6 +165,7 @@ static spot_panel spot_panel_of(spot_work *w, size_t field, double z)
         const sgt_element *e = spot_defocused(band, z);
         const double weight = l->bands > 1 ? band->weight : 1;
         const sgt_ray_end *end = w->fine[b], *half = w->half[b];
+        l->options = w->asked->defocuses ? look_text(" --defocus %.17g", z) : NULL;
         look_trace(l, beam, band, e, &w->points, true, w->fine[b]);
         look_trace(l, beam, band, e, &w->coarse, false, w->half[b]);
         if (afocal) sgt_ends_as_angles(&chief.d, w->points.count, end, w->fine[b]);
@@ -196,7 +194,7 @@ static double spot_airy(const look *l, const look_band *b)
 {
     if (spot_afocal(l)) /* 1.22 wavelength / (n diameter of the beam) */
         return 1e3 * sgt_airy_radius(b->lens.wavelength / l->um, 0.5 / (spot_index(b) * b->data.exit_radius));
-    return sgt_airy_radius(b->lens.wavelength / l->um, b->data.working_f_number);
+    return sgt_airy_radius(b->lens.wavelength / l->um, b->data.f_number_working);
 }
 
 /* The wavelength of the Airy disc of a field: the primary one, or the only one that is traced. */

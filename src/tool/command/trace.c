@@ -31,7 +31,8 @@ static const char trace_help[] =
     "                     told; miss; or why it is undecided: unproven, undefined, exhausted\n"
     "  x, y, z            the point (length), in the surface's own frame; see --frame\n"
     "  l, m, n            the direction behind the surface (length 1), in the same frame\n"
-    "  t, t_err           distance from the element before, and a bound on its error (length)\n"
+    "  t, t_err           the length along the ray from the element before, or from its start at\n"
+    "                     element 1, and a bound on its error (length)\n"
     "  opl                optical path length since the start of the ray (length).  The rays of a\n"
     "                     field start at the object, or on one wavefront if that is at infinity\n"
     "  evals              evaluations of the surface's equation\n"
@@ -484,7 +485,8 @@ static void write_legend(const trace_work *w)
                w->asked->global ? "the global" : "its own");
     table_line(
         w->table,
-        "the element before.  opl: optical path so far.  evals: evaluations.  Unit of length: %.20s.%s%s\n",
+        "the element before, or the ray's start.  opl: optical path so far.  evals: evaluations.  Unit of "
+        "length: %.20s.%s%s\n",
         *units ? units : "that of the lens", primary ? "\n" : "", primary ? primary : "");
 }
 

@@ -272,6 +272,13 @@ lens_list job_lenses(const job_options *o)
     return all;
 }
 
+void job_move(sgt_pose *pose, double z)
+{
+    const bool straight = pose->ex.x == 0 && pose->ex.y == 0 && pose->ex.z == 0;
+    const sgt_vec3 along = straight ? (sgt_vec3){0, 0, 1} : pose->ez;
+    pose->origin.x += z * along.x, pose->origin.y += z * along.y, pose->origin.z += z * along.z;
+}
+
 sgt_element *job_elements(const job_options *o, const lens *l)
 {
     sgt_element *element = memory_take(l->count, sizeof *element);
@@ -288,7 +295,13 @@ static void read_wavelengths(job *j, const job_options *o)
     j->wavelengths = all.count;
     j->at = memory_take(all.count, sizeof *j->at);
     for (size_t c = 0; c < all.count; c++) {
-        const lens *l = &all.lens[c];
+        lens *l = &all.lens[c];
+        if (o->defocus != 0) {
+            sgt_element *moved = memory_take(l->count, sizeof *moved);
+            memcpy(moved, l->element, l->count * sizeof *moved);
+            job_move(&moved[l->count - 1].pose, o->defocus);
+            l->element = moved;
+        }
         j->at[c] = (job_lens){.lens = *l, .element = job_elements(o, l)};
     }
     j->lens = j->at[0].lens, j->element = j->at[0].element;

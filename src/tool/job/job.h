@@ -30,6 +30,7 @@ typedef struct job_options {
     bool skip_bad, no_apertures, glass, strict;
     char *again;                      /* --glass, --strict, --aim and --no-apertures as given; NULL: none */
     int threads;                      /* to read rays with; 0: one */
+    double defocus;                   /* set by a command: moves the last element along its own z */
 } job_options;
 
 enum {
@@ -145,6 +146,9 @@ launch_pattern job_points(const job_options *o, sgt_pattern otherwise, long n);
 
 /* Where rays are sent: NULL is as the lens says. */
 const sgt_lens_aim *job_aim(const job_options *o, const sgt_lens *l);
+
+/* Moves an element along its own z. */
+void job_move(sgt_pose *pose, double z);
 
 /* The elements without apertures for --no-apertures. */
 sgt_element *job_elements(const job_options *o, const lens *l);

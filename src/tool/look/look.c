@@ -176,7 +176,8 @@ void look_lost(look *l, const look_band *band, const char *options, const sgt_ra
     const sgt_options *s = &l->asked->shared.solver;
     const char *again = l->asked->job.again ? l->asked->job.again : "";
     if (end->aimed == SGT_NO_SUCH_RAY || end->fate != SGT_LOST || l->lost) return;
-    l->lost = look_text("%s%s --pupil \"%.17g %.17g\"%s%s%s%s%s", options, wavelength_option(band), end->px,
+    l->lost = look_text("%s%s%s --pupil \"%.17g %.17g\"%s%s%s%s%s", options, l->options ? l->options : "",
+                        wavelength_option(band), end->px,
                         end->py, again, s->proof ? look_text(" --proof %s", proof[s->proof]) : "",
                         s->pick == SGT_NEAR_SEED ? " --pick near-seed" : s->pick ? " --pick first" : "",
                         s->max_evals ? look_text(" --max-evals %d", s->max_evals) : "",

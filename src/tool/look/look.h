@@ -59,6 +59,7 @@ typedef struct look {
     sgt_field_beam *beam;       /* [fields.count] */
     double um;                  /* the unit of length in micrometres; NaN: it is not known */
     look_fates fates;           /* of all rays of look_trace */
+    const char *options;        /* of what is traced now, for `lost`; NULL: none */
     const char *lost;           /* the options of sagitta diagnose that show the first lost ray; NULL: none */
 } look;
 

@@ -108,6 +108,13 @@ void json_word(json *j, const char *key, const char *text)
     else put_bytes(j, "null", 4);
 }
 
+void json_truth(json *j, const char *key, bool value)
+{
+    put_key(j, key);
+    if (value) put_bytes(j, "true", 4);
+    else put_bytes(j, "false", 5);
+}
+
 void json_end(json *j)
 {
     put_bytes(j, "\n", 1);

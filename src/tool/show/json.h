@@ -15,6 +15,7 @@ void json_close(json *j);
 
 void json_number(json *j, const char *key, double value); /* NaN: null; infinities: "inf", "-inf" */
 void json_count(json *j, const char *key, size_t value);
+void json_truth(json *j, const char *key, bool value);
 void json_word(json *j, const char *key, const char *text); /* NULL: null */
 
 /* Writes it.  If the file cannot be written the command ends. */
