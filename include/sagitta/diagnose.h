@@ -47,9 +47,9 @@ typedef struct sgt_diagnosis {
                             NaN: too few */
     double condition;    /* |dt| / |dF| at the root, 1/|slope|: how grazing, how flat */
     int newton, bisect, march, retreat;  /* how many evaluations were chosen so */
-    int before;  /* how many evaluations of F came before the steps began to shrink, each
-                    to half of the one before or less, to the end; NaN too.  The verdict is
-                    of the steps behind them.  Marches and probes are not counted */
+    int before;  /* how many evaluations of F, NaN or not, came before those whose steps
+                    shrink to the end, each to half of the one before or less.  The order
+                    is that of the latter.  Marches and probes are not counted */
 } sgt_diagnosis;
 
 /* Made from the steps kept in the log.  An empty log: SGT_WANDERING, NaN numbers. */

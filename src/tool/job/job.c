@@ -318,7 +318,8 @@ const sgt_lens_aim *job_aim(const job_options *o, const sgt_lens *l)
 field_list job_fields(const job_options *o, const lens *l)
 {
     const sgt_lens *of = l->of;
-    if (o->fields && o->numbers) fail_usage("give %s or --fields, not both", o->field_at ? "--field-at" : "--field");
+    if (o->fields && o->numbers)
+        fail_usage("give %s or --fields, not both", o->field_at ? "--field-at" : "--field");
     field_list list = {.count = o->fields ? o->fields : o->numbers ? o->numbers : of->fields,
                        .at = o->fields ? o->field : of->field,
                        .kind = o->fields ? SGT_FIELD_ANGLE : of->field_kind};
