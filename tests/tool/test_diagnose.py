@@ -234,7 +234,7 @@ def test_each_reason_not_to_accept():
             (cubic, '0 0 0 0 0 1 2.5 4.9', 1, "lies before the ray's start, tmin = 2.5."),
             (cubic, '0 0 0 0 0 1 3.9 4.9', 5, "lies beyond the ray's end, tmax = 4.9."),
             (cubic, '0 0 0 0 0 1 5 5.1', 5, "is the ray's own start, which is not accepted."),
-            (ball, '0 0 0 0 0 1 -9 20', 2, 'outside of the part of space that the surface is in.'),
+            (ball, '0 0 0 0 0 1 -9 20', 2, 'outside the part of space that holds the surface.'),
             (cubic, '0 0 0 0 0 1 0 11', 5, "The library's answer comes before it on the ray."),
             (plane, '2 0 -3 0 0 1', 3, 'lies outside semi_diameter, at r = 2.'),
             (plane, '0 0 -3 0 0 1 0 2', 3, "lies beyond the ray's end, tmax = 2."),
