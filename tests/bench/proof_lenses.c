@@ -16,7 +16,7 @@ proof_lens proof_lens_read(const char *path, size_t rays)
     const launch_pattern grid = launch_points(SGT_PATTERN_GRID, (size_t)side, 0);
     for (size_t i = 0; i < l->of->fields; i++) {
         ray_list list = {0};
-        launch_field(&list, &how, l, i, SGT_FIELD_ANGLE, l->of->field[i], &grid);
+        launch_field(&list, &how, l, l->element, i, SGT_FIELD_ANGLE, l->of->field[i], &grid);
         sgt_ray *all = memory_take(list.count, sizeof *all);
         for (size_t j = 0; j < list.count; j++) all[j] = list.ray[j].ray;
         field[i] = (proof_field){l->of->field[i].y, list.count, all};

@@ -109,8 +109,8 @@ static int look(void *data, const sgt_step *s)
 {
     watching *w = data;
     REQUIRE(s->kind == SGT_AT_POINT || s->kind == SGT_OVER_CELL, "%s: kind %d", w->what, (int)s->kind);
-    REQUIRE(!s->reserved_ && !s->more_[0] && !s->more_[1] && !s->more_[2] && !s->more_[3], "%s: reserved",
-            w->what);
+    REQUIRE(s->reserved_ == 0, "%s: reserved", w->what);
+    for (int i = 0; i < 4; i++) REQUIRE(s->more_[i] == 0, "%s: reserved", w->what);
     const double places[] = {s->t, s->lo, s->hi};
     for (int i = 0; i < 3; i++)
         if (fabs(places[i]) < FAR) w->far = fmax(w->far, fabs(places[i]));
