@@ -67,6 +67,7 @@
 #define sgt_poly_sample_fine SGT_SET_NAME(sgt_poly_sample_fine)
 #define sgt_poly_settle SGT_SET_NAME(sgt_poly_settle)
 #define sgt_poly_side SGT_SET_NAME(sgt_poly_side)
+#define sgt_poly_tell SGT_SET_NAME(sgt_poly_tell)
 #define sgt_departure_by_parameter SGT_SET_NAME(sgt_departure_by_parameter)
 #define sgt_departure_chords SGT_SET_NAME(sgt_departure_chords)
 #define sgt_departure_enclose SGT_SET_NAME(sgt_departure_enclose)

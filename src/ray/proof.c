@@ -566,8 +566,8 @@ static cells_kind proof_classify(void *self, cells *c)
     if (!has_zero(g)) return CELLS_EMPTY;
     if (proof_over(w)) return CELLS_AGAIN;
     double m = middle_of(w, x), past = m, end = near_end(w, x), away = fabs(end - w->centre);
-    bool smooth = is_bounded(slope), room = m > x.lo && m < x.hi && x.hi - x.lo > w->least &&
-                                            c->count + 2 <= PIECES;
+    bool smooth = is_bounded(slope),
+         room = m > x.lo && m < x.hi && x.hi - x.lo > w->least && c->count + 2 <= PIECES;
     bool asked = smooth || !is_bounded(g) || !room;
     if (asked) G = ask_at(w, m, SGT_MARCH);
     if (proof_over(w)) return CELLS_AGAIN;
