@@ -624,7 +624,8 @@ static bool search_part(proof *w, sgt_interval part)
     if (far_left) cells_push(c, from, left);
     /* an end at infinity is no length */
     double begin = far_left || from == -DBL_MAX ? left : from, stop = to == DBL_MAX ? right : to;
-    w->least = 0x1p-80 * (stop > begin ? stop - begin : larger(fabs(begin - w->centre), fabs(stop - w->centre)));
+    double away = larger(fabs(begin - w->centre), fabs(stop - w->centre));
+    w->least = 0x1p-80 * (stop > begin ? stop - begin : away);
     cells_ops ops = {.over = proof_ended, .classify = proof_classify, .tell = proof_dark};
     bool whole = cells_march(c, w, ops);
     c->rest = NULL;
