@@ -127,7 +127,8 @@ void plane_quadric(generator &g)
     sgt_quadric q = {};
     q.linear[2] = factor;
     const double less = factor / h * g.log_uniform(1e-140, 1e-27);
-    for (int i = 0; i < 3; i++) q.squares[i] = less * g.uniform(-1, 1), q.products[i] = less * g.uniform(-1, 1);
+    for (int i = 0; i < 3; i++)
+        q.squares[i] = less * g.uniform(-1, 1), q.products[i] = less * g.uniform(-1, 1);
     long double at;
     const sgt_ray ray = ray_to(g, h * g.uniform(-0.4, 0.4), h * g.uniform(-0.4, 0.4), h, &at);
     judge("quadric", {&sgt_quadric_ops, &q}, ray, at, 1e-25L * h);
@@ -187,7 +188,8 @@ int main(int argc, char **argv)
             const sgt_ray ray = ray_to(g, h * g.uniform(-0.4, 0.4), h * g.uniform(-0.4, 0.4), h, &t);
             judge(kind, s.s, ray, t, 1e-25L * h);
         }
-        from_the_vertex(g), flat_profile(g), plane_quadric(g), ring(g), steep_slope(g, true), steep_slope(g, false);
+        from_the_vertex(g), flat_profile(g), plane_quadric(g), ring(g);
+        steep_slope(g, true), steep_slope(g, false);
         for (const char *power :
              {"x", "x*y", "x^2 + y^2", "r", "r^3", "x^3 - y", "sin(x)", "hypot(x, y)", "abs(x) + y"}) {
             char text[96];

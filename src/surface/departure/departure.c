@@ -439,7 +439,7 @@ static sgt_interval departure_over(const departure_sag *s, const sgt_ray *ray, d
     s->of->at(s->self, 1, &x, &y, (sag_values){&p, &px, &py});
     s->of->rounding(s->self, x, y, &p_err, &grad_err);
     /* A plane is exact, and so is a departure on the axis.  Where a normal number bounds the bend, a size and
-     * a slope of 0 have not underflown, or the departure is below all numbers: a cylinder met where y is 0. */
+     * a slope of 0 have not underflown, or the departure is below all numbers: a cylinder where y is 0. */
     double lost = b.size > 0 || (r.hi > 0 && (b.steep > 0 || (b.bend > 0 && b.bend < 0x1p-1000)))
                       ? DEPARTURE_LOST : 0;
     p_err += lost, grad_err += lost, b.size += lost, b.steep += lost, b.bend += lost;
