@@ -524,17 +524,16 @@ static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, doub
  * doubles in its middle.  The border of that range is one number, whatever the unit of length, and costs a
  * thousand evaluations to find.  The undecided stretch then begins at a rung or between two.  The rungs lie
  * where polynomials of degree 2, 3, 4, 5 and 6 do not leave the range within 2^40 of an ordinary unit.
- * Behind the last nothing is divided. */
+ * Behind the last the next is 2^32 times as far: d may have components that differ by such a factor. */
 #define FAR 0x1p60
-#define LAST 0x1p420
-static const double RUNGS[] = {0x1p34, 0x1p67, 0x1p115, 0x1p225, LAST};
+static const double RUNGS[] = {0x1p34, 0x1p67, 0x1p115, 0x1p225, 0x1p420};
 
-/* The first rung that is far beyond a, a distance from the centre; infinity behind the last. */
+/* The first rung that is far beyond a, a distance from the centre. */
 static double rung_beyond(const proof *w, double a)
 {
     for (size_t i = 0; i < sizeof RUNGS / sizeof *RUNGS; i++)
         if (RUNGS[i] * w->size > 0x1p8 * a) return RUNGS[i] * w->size;
-    return HUGE_VAL;
+    return 0x1p32 * a;
 }
 
 /* Where a piece is divided: its middle, or the geometric middle if it is long for its distance from the
@@ -567,8 +566,8 @@ static cells_kind proof_classify(void *self, cells *c)
     if (!has_zero(g)) return CELLS_EMPTY;
     if (proof_over(w)) return CELLS_AGAIN;
     double m = middle_of(w, x), past = m, end = near_end(w, x), away = fabs(end - w->centre);
-    bool smooth = is_bounded(slope), room = m > x.lo && m < x.hi && x.hi - x.lo > w->least &&
-                                            away < LAST * w->size && c->count + 2 <= PIECES;
+    bool smooth = is_bounded(slope),
+         room = m > x.lo && m < x.hi && x.hi - x.lo > w->least && c->count + 2 <= PIECES;
     bool asked = smooth || !is_bounded(g) || !room;
     if (asked) G = ask_at(w, m, SGT_MARCH);
     if (proof_over(w)) return CELLS_AGAIN;
@@ -625,7 +624,8 @@ static bool search_part(proof *w, sgt_interval part)
     if (far_left) cells_push(c, from, left);
     /* an end at infinity is no length */
     double begin = far_left || from == -DBL_MAX ? left : from, stop = to == DBL_MAX ? right : to;
-    w->least = 0x1p-80 * (stop > begin ? stop - begin : larger(fabs(begin - w->centre), fabs(stop - w->centre)));
+    double away = larger(fabs(begin - w->centre), fabs(stop - w->centre));
+    w->least = 0x1p-80 * (stop > begin ? stop - begin : away);
     cells_ops ops = {.over = proof_ended, .classify = proof_classify, .tell = proof_dark};
     bool whole = cells_march(c, w, ops);
     c->rest = NULL;

@@ -237,6 +237,40 @@ void ask(const subject &s, double c, double k, const sgt_ray &ray, double t0, sg
 
 } // namespace
 
+// A ray whose tmin lies beyond the surface's origin and its own start by any factor, without an end: the root
+// behind tmin is proven as it is from 0.  F = c x^2 / 2 - z has one root there, where x is sqrt(2 z / c).
+void late_starts(generator &g, int many)
+{
+    sgt_surface_ops own = {};
+    own.size = sizeof own, own.name = "parabolic cylinder";
+    own.value = [](const void *self, sgt_vec3 p, sgt_vec3 *grad) {
+        const double c = *static_cast<const double *>(self);
+        if (grad) *grad = {c * p.x, 0, -1};
+        return 0.5 * c * p.x * p.x - p.z;
+    };
+    own.enclose = [](const void *self, const sgt_ray *r, sgt_interval t, sgt_interval *slope) {
+        const sgt_interval c = sgt_interval_of(*static_cast<const double *>(self)),
+                           x = sgt_interval_sum(sgt_interval_of(r->o.x), sgt_interval_scaled(t, r->d.x)),
+                           z = sgt_interval_sum(sgt_interval_of(r->o.z), sgt_interval_scaled(t, r->d.z)),
+                           cx = sgt_interval_product(c, x);
+        *slope = sgt_interval_difference(sgt_interval_scaled(cx, r->d.x), sgt_interval_of(r->d.z));
+        return sgt_interval_difference(
+            sgt_interval_scaled(sgt_interval_product(c, sgt_interval_square(x)), 0.5), z);
+    };
+    for (int i = 0; i < many; i++) {
+        const double c = g.log_uniform(1e-6, 1e-2), at = g.log_uniform(10, 1e4), z = 0.5 * c * at * at,
+                     size = g.log_uniform(1e-3, 1);
+        const sgt_ray ray = {{0, 0, size}, {1, 0, (z - size) / at}, at * g.uniform(0.05, 0.9), HUGE_VAL};
+        if (!(ray.tmin > 3 * size)) continue;
+        sgt_options o = {};
+        o.proof = SGT_PROVE_FIRST;
+        const sgt_hit h = sgt_intersect({&own, &c}, ray, &o);
+        if (h.status == SGT_HIT && std::fabs(h.t - at) <= 1e-9 * at) continue;
+        if (failures++ < 20)
+            std::printf("FAIL tmin %g, root %g: %s at %.17g\n", ray.tmin, at, sgt_status_text(h.status), h.t);
+    }
+}
+
 int main()
 {
     const char *seed_given = std::getenv("SAGITTA_TEST_SEED"),
@@ -249,6 +283,7 @@ int main()
                 "type", "away", "hits", "misses", "grazes", "undecided");
     generator g(seed);
     const int few = std::max(1, static_cast<int>(60 * scale));
+    late_starts(g, few);
     std::map<std::pair<std::string, int>, tally> told;
     std::vector<std::string> order;
     const double away[] = {1, 1e3, 1e6, 1e9, 1e12};

@@ -206,7 +206,8 @@ void compare_aims(const maker &m, int k, const sgt_surface &plain, const sgt_sur
     sgt_aim(1, a.e, 1, &beam, at, pa, &o, &x);
     sgt_aim(1, b.e, 1, &other, {times(at.x, k), times(at.y, k)}, pb, &o, &y);
     compared++;
-    if (x.status != y.status || !same(x.u, y.u) || !same(x.v, y.v) || x.boxes != y.boxes || x.traces != y.traces ||
+    if (x.status != y.status || !same(x.u, y.u) || !same(x.v, y.v) || x.boxes != y.boxes ||
+        x.traces != y.traces ||
         x.clipped != y.clipped || !same(times(x.miss, k), y.miss) || !same(times(x.point.x, k), y.point.x)) {
         fail(m, k, "aim", {}, {});
         if (failed[m.name + ": aim"] <= 1)

@@ -438,8 +438,10 @@ static sgt_interval departure_over(const departure_sag *s, const sgt_ray *ray, d
     double x = inside(xm, where.x), y = inside(ym, where.y), p, px, py, p_err, grad_err;
     s->of->at(s->self, 1, &x, &y, (sag_values){&p, &px, &py});
     s->of->rounding(s->self, x, y, &p_err, &grad_err);
-    /* a plane is exact; the size of a departure may underflow while its slope does not */
-    double lost = b.size > 0 || b.steep > 0 || b.bend > 0 ? DEPARTURE_LOST : 0;
+    /* A plane is exact, and so is a departure on the axis.  Where a normal number bounds the bend, a size and
+     * a slope of 0 have not underflown, or the departure is below all numbers: a cylinder where y is 0. */
+    double lost = b.size > 0 || (r.hi > 0 && (b.steep > 0 || (b.bend > 0 && b.bend < 0x1p-1000)))
+                      ? DEPARTURE_LOST : 0;
     p_err += lost, grad_err += lost, b.size += lost, b.steep += lost, b.bend += lost;
     sgt_interval whole = !(b.steep < HUGE_VAL) && s->of->range ? s->of->range(s->self, &where)
                                                                : departure_within(b.size);
