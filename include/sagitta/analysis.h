@@ -266,9 +266,10 @@ typedef struct sgt_field_point {
     /* Of a lens that is afocal image, error and ideal are angles from z of the image, in
      * milliradians; distortion compares their tangents, and there is none for an object
      * at a distance; tangential and sagittal are vergences there, index / distance. */
-    size_t   lacks;              /* 0; or the first element, counted from 1, that bends the
-                                    chief ray and has no second derivatives: tangential and
-                                    sagittal are NaN then, and error is infinite */
+    size_t   lacks;              /* 0; or the first element, counted from 1, that bends
+                                    the chief ray and has no second derivatives:
+                                    tangential and sagittal are NaN then, and error is
+                                    infinite */
 } sgt_field_point;
 
 typedef enum sgt_distortion {

@@ -22,7 +22,7 @@ DATA = HERE.parent / 'data'
 os.environ['SAGITTA_GLASS'] = str(HERE.parents[1] / 'data' / 'glass')
 WITHIN = 1e-10   # of the length of a lens
 ULPS = 64       # an error of a path difference, in ulps of the longest path
-IDEAL_ULPS = 128 # the same behind an ideal lens: errors of directions count to first order there.  86 observed
+IDEAL_ULPS = 128 # the same behind an ideal lens: errors of directions are of first order there.  86 observed
 DEEP = 'DeepLens__zemax_double_gaussian__e5f0f7.zmx'
 # Elements tilted or beside the axis by `origin`, or without a curvature at the vertex: no paraxial data.
 NOT_PARAXIAL = ('figured_mirror.yaml', 'newtonian.yaml', 'analysis_odd_asphere.yaml',

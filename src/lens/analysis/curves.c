@@ -65,8 +65,10 @@ static size_t lacking(size_t n, const sgt_element e[], double before, const sgt_
 {
     const sgt_ray_change change = {.d = {1, 0, 0}};
     sgt_ray_change out;
-    for (size_t i = 1; i < n; i++) /* the last one bends no light */
-        if (sgt_trace_sensitivity(i, e, before, chief, passages, 1, &change, &out) & SGT_LACKS_SECOND) return i;
+    for (size_t i = 1; i < n; i++) { /* the last one bends no light */
+        const int lacks = sgt_trace_sensitivity(i, e, before, chief, passages, 1, &change, &out);
+        if (lacks & SGT_LACKS_SECOND) return i;
+    }
     return 0;
 }
 

@@ -171,7 +171,8 @@ static void draw_field(const look *l, const field_arguments *a)
          .notes = 1,
          .rules = 1,
          .rule = &zero},
-        {.title = l->primary.lens.of->afocal ? "distortion of angles" : a->distortion == SGT_DISTORTION_THETA           ? "distortion against f theta"
+        {.title = l->primary.lens.of->afocal                      ? "distortion of angles"
+                  : a->distortion == SGT_DISTORTION_THETA         ? "distortion against f theta"
                   : isfinite(l->primary.lens.of->object_distance) ? "distortion against the magnification"
                                                                   : "distortion against f tan(theta)",
          .x_label = "distortion (%)",
@@ -220,15 +221,15 @@ exit_status command_field(int argc, char *argv[])
         }
     }
     if (afocal)
-        table_line(t, "Angles of the chief ray from z of the last surface; vergences there, in dioptres (1/m)."
-                      "   distortion: of tangents, against the angular magnification.");
+        table_line(t, "Angles of the chief ray from z of the last surface; vergences there, in dioptres "
+                      "(1/m).  distortion: of tangents, against the angular magnification.");
     else table_line(t, "tangential, sagittal: z from the image surface.  distortion: a fraction, against %s.",
                a.distortion == SGT_DISTORTION_THETA                  ? "f theta"
                : isfinite(l.primary.lens.of->object_distance) ? "the magnification"
                                                                      : "f tan(theta)");
     if (lacks)
-        table_line(t, "No tangential and sagittal image, and no digits, where a chief ray goes through surface "
-                      "%zu: its type (%s) has no second derivatives.",
+        table_line(t, "No tangential and sagittal image, and no digits, where a chief ray goes through "
+                      "surface %zu: its type (%s) has no second derivatives.",
                    lacks, l.primary.lens.surface[lacks - 1].type);
     look_verdict(t, &l);
     table_end(t);
