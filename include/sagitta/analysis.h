@@ -131,7 +131,8 @@ typedef struct sgt_ray_end {
     /* Where it met the last element, and its direction in front of it, in that frame; NaN
      * unless it passed. */
     sgt_vec3 p, d;
-    double   opl;        /* from the object, or the common wavefront */
+    double   opl;        /* from the object, or the common wavefront, to p: a phase of the
+                            last element is not in it */
     /* Bounds, to first order: how far x and y of p are off (infinite: not known), and the
      * path to the foot of a perpendicular from a fixed point near p (sgt_trace_error).
      * The rounding of the launch ray is in them. */
@@ -268,6 +269,10 @@ typedef struct sgt_field_point {
     /* If the lens is afocal, image, error and ideal are angles from z of the image, in
      * milliradians.  distortion compares tangents of angles; it is NaN for an object at a
      * distance.  tangential and sagittal are vergences at the image: index / distance. */
+    size_t   lacks;              /* 0; or the first element, counted from 1, that bends
+                                    the chief ray and has no second derivatives:
+                                    tangential and sagittal are NaN then, and error is
+                                    infinite */
 } sgt_field_point;
 
 typedef enum sgt_distortion {

@@ -254,8 +254,8 @@ static const zmx_record system_rows[] = {
 _Static_assert(sizeof system_rows / sizeof *system_rows <= (size_t)ZMX_RECORDS, "zmx counts them");
 
 /* Preferences, data for drawings and tolerances, polarisation (POLS), how a pupil is shifted for
- * aiming (PUSH), margins of automatic semi-diameters (SDMA), the frame that is printed as global (GLRS), a sum
- * over the file (CSUM). */
+ * aiming (PUSH), margins of automatic semi-diameters (SDMA), the frame that is printed as global (GLRS), a
+ * sum over the file (CSUM). */
 const zmx_table sgt_zmx_system_records = {sizeof system_rows / sizeof *system_rows, system_rows,
                                           "VERS AUTH IWDP PFIL LANG PUSH SDMA OMMA HYPR PICB POLS "
                                           "GLRS GSTD NSCD COFN LUID EERA TOL  MOFF CSUM "};

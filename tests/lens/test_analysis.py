@@ -21,8 +21,8 @@ from command import *  # noqa: E402
 DATA = HERE.parent / 'data'
 os.environ['SAGITTA_GLASS'] = str(HERE.parents[1] / 'data' / 'glass')
 WITHIN = 1e-10   # of the length of a lens
-IDEAL_ULPS = 20000 # behind an ideal lens, where directions count to first order
 ULPS = 64       # an error of a path difference, in ulps of the longest path
+IDEAL_ULPS = 128 # the same behind an ideal lens: errors of directions are of first order there.  86 observed
 DEEP = 'DeepLens__zemax_double_gaussian__e5f0f7.zmx'
 # Elements tilted or beside the axis by `origin`, or without a curvature at the vertex: no paraxial data.
 NOT_PARAXIAL = ('figured_mirror.yaml', 'newtonian.yaml', 'analysis_odd_asphere.yaml',
@@ -187,6 +187,54 @@ def test_relays():
         for spot in rows('spot', path):
             assert float(spot['geometric']) < 1e-12, (what, spot)
         assert all(int(x['digits']) > 8 for x in rows('spot', path, '--defocus', '1') if x['digits']), what
+
+
+def test_the_last_surface_has_no_say():
+    """An ideal lens as the last surface is the plane that it stands on, in every analysis."""
+    front = """units: mm
+wavelengths: [0.4861, 0.5876]
+primary: 2
+pupil: {semi_diameter: 5}
+fields: [0, 3]
+surfaces:
+  - {type: sphere, radius: 51.68, thickness: 4, index: [1.5224, 1.5168], stop: true}
+  - {type: sphere, radius: -700, thickness: 60, index: 1}
+"""
+    plane = written(front + '  - {type: plane, index: 1}\n')
+    for last in ('{type: ideal, focal_length: 30, index: 1}', '{type: ideal, focal_length: -3, index: 1.5}',
+                 '{type: ideal, focal_length: 30, object_distance: 10, mirror: true}'):
+        ideal = written(f'{front}  - {last}\n')
+        for command in (('spot',), ('opd', '--grid', 7), ('opd', '--summary'), ('fan',), ('field',),
+                        ('map', '--cells', 5), ('sweep',), ('info', '--parabasal')):
+            got, wanted = (rows(command[0], path, *command[1:]) for path in (ideal, plane))
+            assert wanted
+            equal(got, wanted, f'{last}: {command}')
+
+
+def test_no_second_derivatives():
+    """Where they are missing for a surface that bends the chief ray, `field` names it, and the columns are empty;
+    elsewhere, and where such a surface is the last, it does not."""
+    julia = '{type: julia, c: [-0.2, 0.4, 0, 0], iterations: 6, decenter: [0, 0, 2], '
+    head = """units: mm
+wavelengths: [0.55]
+pupil: {semi_diameter: 0.1, distance: 0}
+fields: [0, 1]
+surfaces:
+  - {type: sphere, radius: 50, thickness: 2, index: 1.5, stop: true}
+"""
+    for more, lacks in ((julia + 'thickness: 5, index: 1}', 2), (julia + 'thickness: 5, mirror: true}', 2),
+                        ('{type: ideal, focal_length: 30, thickness: 5, index: 1}', 0)):
+        for afocal in ('', 'afocal: true\n'):
+            path = written(f'{afocal}{head}  - {more}\n  - {{type: plane, index: 1}}\n')
+            for row in rows('field', path):
+                equal(row['fate'], 'passed')
+                equal(int(row['lacks']), lacks, more)
+                for focus in ('tangential', 'sagittal'):
+                    equal(row[focus + ('_dioptre' if afocal else '')] == '', lacks != 0, (more, focus))
+            text = run('field', path).stdout
+            equal(f'through surface {lacks}: its type (julia) has no second derivatives.' in text, lacks != 0, text)
+    for row in rows('field', written(f'{head}  - {julia[:-2]}}}\n')):
+        equal((row['lacks'], row['tangential'] == ''), ('0', False))
 
 
 def test_explicit_object_distance():

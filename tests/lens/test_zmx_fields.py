@@ -4,7 +4,7 @@
     python3 test_zmx_fields.py SAGITTA
 
 Each field of each record is changed to another value that such a field may have, one at a time.  Then the
-imported lens differs, or a remark names the record, or the reading is refused by its name, or the field stands
+imported lens differs, or a remark names the record, or the reading is refused by its name, or the field is
 in the table "Fields without effect" of docs/lens_file.md.  The table is held to it, too: what stands there
 changes nothing and makes no remark.
 
@@ -31,8 +31,9 @@ DOCS = HERE.parent.parent / 'docs' / 'lens_file.md'
 os.environ['SAGITTA_GLASS'] = str(zmx_oracle.GLASSES)
 
 # What may stand in place of a word.
-WORDS = {'SEQ': ['NSC'], 'MM': ['CM', 'IN'], 'IN': ['MM'], 'METER': ['MM'], 'STANDARD': ['TILTSURF', 'COORDBRK'],
-         'INFINITY': ['300'], 'SCHOTT': ['OHARA'], 'N-BK7': ['N-SF6'], '""': ['"A"']}
+WORDS = {'SEQ': ['NSC'], 'MM': ['CM', 'IN'], 'IN': ['MM'], 'METER': ['MM'],
+         'STANDARD': ['TILTSURF', 'COORDBRK'], 'INFINITY': ['300'], 'SCHOTT': ['OHARA'],
+         'N-BK7': ['N-SF6'], '""': ['"A"']}
 # A remark that says of a whole record what becomes of it.
 WHOLE = re.compile('left out: |taken as the number that is stored|taken as the numbers that are stored')
 
@@ -347,12 +348,13 @@ def test_fields():
                 lines_of_it = [generator.choice(lines_of_it)] if idle else lines_of_it
             for at in lines_of_it:
                 count += 1
-                told = any(shows(text, at, field, value, before) for value in others(lines[at].split()[field]))
+                word = lines[at].split()[field]
+                told = any(shows(text, at, field, value, before) for value in others(word))
                 if not idle and told:
                     seen[record].add(field)
                 if idle and told:
-                    faults.append(f'{name}:{at + 1}: {record}, field {field}, is listed as without effect, and '
-                                  f'has one: {lines[at].strip()}')
+                    faults.append(f'{name}:{at + 1}: {record}, field {field}, is listed as without effect, '
+                                  f'and has one: {lines[at].strip()}')
                 if not idle and not told and (here or field not in seen[record]):
                     faults.append(f'{name}:{at + 1}: {record}, field {field}, is dropped without a word: '
                                   f'{lines[at].strip()}')

@@ -59,6 +59,19 @@ static void tell_angles(const sgt_launcher *from, const sgt_field_beam *b, const
     if (ideal != 0) out->distortion = (slope - ideal) / ideal;
 }
 
+/* The first element, from 1, without the second derivatives that it needs; 0: there is none. */
+static size_t lacking(size_t n, const sgt_element e[], double before, const sgt_ray *chief,
+                      const sgt_passage passages[])
+{
+    const sgt_ray_change change = {.d = {1, 0, 0}};
+    sgt_ray_change out;
+    for (size_t i = 1; i < n; i++) { /* the last one bends no light */
+        const int lacks = sgt_trace_sensitivity(i, e, before, chief, passages, 1, &change, &out);
+        if (lacks & SGT_LACKS_SECOND) return i;
+    }
+    return 0;
+}
+
 /* What the passages of a chief ray tell. */
 static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                        double before, const sgt_first_order *data, sgt_distortion distortion,
@@ -77,6 +90,7 @@ static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const 
     if (isnan(out->error)) out->error = HUGE_VAL;
     const bool known = sgt_parabasal_about((sgt_vec3){way.h.y, -way.h.x, 0}, count, e, before, b->finite,
                                            chief, passages, &near, &sections);
+    if (!known) out->lacks = lacking(count, e, before, chief, passages);
     if (known) {
         out->sagittal = sections.focus[0] * last->direction.z;
         out->tangential = sections.focus[1] * last->direction.z;
@@ -107,8 +121,7 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
     sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
     bool fine = passages && own;
-    for (size_t i = 0; fine && i < count; i++) own[i] = e[i];
-    if (fine) own[count - 1].index = 0, own[count - 1].phase = NULL; /* what it does to light has no say */
+    if (fine) sgt_launch_ending(count, e, own), own[count - 1].index = 0; /* nor does it reflect totally */
     fine = fine && sgt_launch_rays(from, &b, own, index_before, 1, &centre, &chief);
     if (fine) {
         size_t passed = 0;

@@ -10,6 +10,9 @@
  * so the angle between both rays is at most the sum of both over L.  L is FAR times the lens, and the plane's
  * own rounding is of the order of u.
  *
+ * THE LAST ELEMENT is where rays end.  An ideal lens there would add its own path to theirs, though the
+ * light that it bends is looked at no more: so it counts as the plane that it stands on.
+ *
  * WHATEVER CLIPS.  Sizes and references are those of rays through the surfaces, and do not depend on which
  * of them are obscured.  But a semi_diameter has a say in which root is meant (sgt_trace).  It clips a ray
  * only where no root lies inside, and then the root is the one without it.  So a ray that it clips is traced
@@ -96,20 +99,30 @@ static sgt_ray_end not_traced(const sgt_pupil_point *at, const sgt_launched *l)
                          .d = nowhere, .opl = none, .p_err = none, .opl_err = none, .d_err = none};
 }
 
+void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[])
+{
+    for (size_t i = 0; i < count; i++) out[i] = e[i];
+    if (out[count - 1].phase) out[count - 1].index = 0, out[count - 1].phase = NULL;
+}
+
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
                      sgt_ray_end out[])
 {
+    sgt_element *own = sgt_launch_take(from, from->lens->count, sizeof *own);
     sgt_passage *passages = sgt_launch_take(from, from->lens->count, sizeof *passages);
     sgt_launched *launched = sgt_launch_take(from, count, sizeof *launched);
-    bool fine = passages && launched && sgt_launch_rays(from, b, e, index_before, count, at, launched);
+    bool fine = own && passages && launched;
+    if (fine) sgt_launch_ending(from->lens->count, e, own);
+    fine = fine && sgt_launch_rays(from, b, own, index_before, count, at, launched);
     for (size_t i = 0; fine && i < count; i++) {
         out[i] = not_traced(&at[i], &launched[i]);
         if (launched[i].status == SGT_MET)
-            follow(from, b, e, index_before, &launched[i], opt, passages, &out[i]);
+            follow(from, b, own, index_before, &launched[i], opt, passages, &out[i]);
     }
     sgt_launch_forget(from, launched);
     sgt_launch_forget(from, passages);
+    sgt_launch_forget(from, own);
     return fine;
 }
 
@@ -144,17 +157,19 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
     static const sgt_pupil_point centre = {0, 0, 1};
     const size_t count = from->lens->count;
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
-    sgt_element *open = sgt_launch_take(from, count, sizeof *open);
+    sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
     sgt_launched launched;
-    bool fine = passages && open && sgt_launch_rays(from, b, e, index_before, 1, &centre, &launched);
+    bool fine = passages && own;
+    if (fine) sgt_launch_ending(count, e, own);
+    fine = fine && sgt_launch_rays(from, b, own, index_before, 1, &centre, &launched);
     if (fine) {
         *out = not_traced(&centre, &launched);
         if (launched.status == SGT_MET) {
-            sgt_trace_through(count, e, index_before, &launched.ray, open, passages, &out->fate);
+            sgt_trace_through(count, own, index_before, &launched.ray, open, passages, &out->fate);
             follow(from, b, open, index_before, &launched, NULL, passages, out);
         }
     }
-    sgt_launch_forget(from, open);
+    sgt_launch_forget(from, own);
     sgt_launch_forget(from, passages);
     return fine;
 }

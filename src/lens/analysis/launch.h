@@ -31,6 +31,9 @@ void  sgt_launch_forget(const sgt_launcher *from, void *room);
 /* Sets the object point, or from afar the direction by its angles in degrees. */
 void sgt_beam_point(const sgt_launcher *from, sgt_field_beam *b, double x, double y);
 
+/* (ends.c) The elements for rays that end at the last of them: without its phase. */
+void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[]);
+
 /* (ends.c) A bound, in radians, on what is off in end->d; end->p and p_err are read, too.  Infinite: not
  * known. */
 double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], double before,

@@ -26,6 +26,8 @@ static const char field_help[] =
     "                     instead, if the lens is afocal: vergences at the last surface (1/m), and angles\n"
     "                     of the chief ray from its z (milliradians)\n"
     "  digits             so many decimal digits of the image's height are certain\n"
+    "  lacks              (csv, json, npy) the surface without second derivatives, for which tangential,\n"
+    "                     sagittal and digits are not known; 0: none\n"
     "\n"
     "Options\n"
     "  --distortion D     tan (the default): the ideal height is efl tan(angle), of an object at a\n"
@@ -105,6 +107,7 @@ static void field_row(table *t, look *l, size_t number, const look_band *band, s
     const double each[] = {p->image.x, p->image.y, p->error, p->ideal};
     for (size_t i = 0; i < sizeof each / sizeof *each; i++) look_number(t, each[i]);
     table_count(t, look_digits(hypot(p->image.x, p->image.y), p->error));
+    if (l->asked->shared.target.format != TABLE_TEXT) table_count(t, (long long)p->lacks);
 }
 
 /* ---------------------------------------------------------------- picture */
@@ -198,8 +201,9 @@ exit_status command_field(int argc, char *argv[])
         {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"tangential", COLUMN_NUMBER},
         {"sagittal", COLUMN_NUMBER}, {"distortion", COLUMN_NUMBER}, {"fx", COLUMN_NUMBER},
         {"fy", COLUMN_NUMBER}, {"fate", COLUMN_CODE}, {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER},
-        {"xy_err", COLUMN_ERROR}, {"ideal", COLUMN_NUMBER}, {"digits", COLUMN_COUNT},
+        {"xy_err", COLUMN_ERROR}, {"ideal", COLUMN_NUMBER}, {"digits", COLUMN_COUNT}, {"lacks", COLUMN_COUNT},
     };
+    enum { COUNT = sizeof columns / sizeof columns[0] };
     const field_arguments a = field_arguments_of(argc, argv);
     look l = look_begin(&a.look);
     const size_t count = a.steps ? (size_t)a.steps : l.fields.count;
@@ -213,13 +217,16 @@ exit_status command_field(int argc, char *argv[])
         columns[8].name = "x_mrad", columns[9].name = "y_mrad", columns[10].name = "xy_err_mrad";
         columns[11].name = "ideal_mrad";
     }
-    table *t = table_begin(&a.look.shared.target, sizeof columns / sizeof columns[0], columns);
+    const bool text = a.look.shared.target.format == TABLE_TEXT; /* a sentence tells what lacks */
+    size_t lacks = 0;
+    table *t = table_begin(&a.look.shared.target, text ? COUNT - 1 : COUNT, columns);
     for (size_t f = 0; f < count; f++) {
         if (f > 0) table_gap(t);
         const sgt_lens_field at = a.steps ? field_step(&l, f, count) : l.fields.at[f];
         for (size_t b = 0; b < l.bands; b++) {
             const sgt_field_point p = field_point(&l, &a, &l.band[b], at);
             field_row(t, &l, a.steps ? f : l.fields.number[f], &l.band[b], at, &p);
+            if (!lacks) lacks = p.lacks;
         }
     }
     if (afocal)
@@ -228,6 +235,10 @@ exit_status command_field(int argc, char *argv[])
     else
         table_line(t, "tangential, sagittal: z from the image surface.  distortion: a fraction, against %s.",
                    field_ideal(&l, &a));
+    if (lacks)
+        table_line(t, "No tangential and sagittal image, and no digits, where a chief ray goes through "
+                      "surface %zu: its type (%s) has no second derivatives.",
+                   lacks, l.primary.lens.surface[lacks - 1].type);
     look_verdict(t, &l);
     table_end(t);
     if (a.look.picture) draw_field(&l, &a);

@@ -367,6 +367,8 @@ static const char *chief_data(const lens *l, const sgt_ray *chief, sgt_parabasal
     sgt_passage *passage = memory_take(l->count, sizeof *passage);
     sgt_element *open = memory_take(l->count, sizeof *open);
     for (size_t i = 0; i < l->count; i++) open[i] = l->element[i], open[i].aperture = NULL;
+    sgt_element *end = &open[l->count - 1];
+    if (end->phase) end->phase = NULL, end->index = 0; /* an image, as in the paraxial data */
     sgt_fate fate;
     size_t passed;
     for (size_t left = l->count;; left--) { /* whatever clips it, by the roots that are meant */

@@ -9,7 +9,8 @@
 static const char sweep_help[] =
     "sagitta sweep LENS [options]\n"
     "\n"
-    "Counts what becomes of the rays of one field after another, in the y-z plane.\n"
+    "Counts what becomes of the rays of one field after another, in the y-z plane.  No number is of the\n"
+    "image, so an afocal lens has the same columns.\n"
     "\n"
     "Columns\n"
     "  at                 the field: its angle in degrees, or, of an object at a distance, its height\n"
