@@ -99,12 +99,14 @@ typedef struct sgt_launched {
  * are the lens at the wavelength of the rays.  A telecentric object has a cone in the
  * pupil's place: u, v are slopes, in units of its marginal ray's.
  *
- * WHAT IS PROVEN.  A ray that is found may be clipped: apertures do not count.  The
- * family has no end, so a search in it has one: some hundred pupil radii.
- * SGT_NO_SUCH_RAY says that no ray of the family meets the point, but for rays that a rim
- * clips before they are bent (sgt_beam_bounds).  Where no rim bounds the family that is
- * never said:
- * the status is SGT_AIM_UNDECIDED, and `within` says how much of the family is excluded.
+ * WHAT IS PROVEN.  The family of rays has no end.  A search in it has one: some hundred
+ * pupil radii.  A ray that is found there may be clipped, as apertures do not count.
+ * SGT_NO_SUCH_RAY is proven of the whole family, but for rays that a rim clips before
+ * they are bent (sgt_beam_bounds).  The ray through the point 0, 0 is looked for all the
+ * same: it is a reference also where it is clipped.  Without a rim that bounds the
+ * family there is no such proof.  The status is then SGT_AIM_UNDECIDED, and `within`
+ * says how much of the family is excluded.
+ *
  * false: no memory. */
 SGT_API bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before, size_t count,
