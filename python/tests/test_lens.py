@@ -403,7 +403,7 @@ def test_rays_that_are_not_there(tmp_path, rim, none):
     path = tmp_path / "stop.yaml"
     path.write_text(
         "units: mm\naim: stop\npupil: {semi_diameter: 1, distance: 0}\nfields: [0]\nsurfaces:\n"
-        f"  - {{type: plane, {rim}thickness: 5, index: 1}}\n"
+        f"  - {{type: plane, {rim}thickness: 5, index: 1.5}}\n"
         "  - {type: plane, decenter: [0, 5000, 0], thickness: 50, stop: true, index: 1}\n  - {type: plane, index: 1}\n"
     )
     lens = Lens.read(path)

@@ -246,7 +246,7 @@ def test_each_lost_trace_can_be_asked_for():
         more = ['--defocus', '-2'] if '-2' in command else ['--defocus', '3'] if '3' in command else []
         done = run(*command, path, '--aim', 'paraxial', '--max-evals', '1', exit=None)
         asked = [line for line in done.stdout.splitlines() if line.startswith('    sagitta diagnose ')]
-        assert 'lost' not in done.stdout or asked, (command, done.stdout)
+        assert asked or command == ['field'], (command, done.stdout)  # curves of fields have no searches of one step
         for line in asked:
             words = shlex.split(line)[1:]
             for word in more:
