@@ -258,4 +258,39 @@ def test_each_lost_trace_can_be_asked_for():
     assert shown['3'] != shown['-2']
 
 
+# S = A r^2 + B r^4 is 0 at r = 10 and -2 at r = 2, where its slope is -23/12
+STEEP = {'type': 'even_asphere', 'coefficients': [-100 / 192, 1 / 192], 'index': 1.5, 'semi_diameter': 2.3}
+HIDDEN = {'apertures': [{'type': 'circle', 'radius': 1, 'obscures': True, 'offset': [0, 2]}]}
+
+
+def test_the_root_that_the_lens_means():
+    """A line of slope 4 through (0, -2.5) meets the sag at y = 10, near the vertex plane and outside of semi_diameter, and at y = 2.
+
+    The chief ray and the marginal ray follow the second, also where it is hidden by an obscuration.
+    """
+    steepest = math.degrees(math.atan(4))
+    for more in ({}, HIDDEN):
+        path = lens([{'type': 'plane', 'thickness': 2.5, 'stop': True}, {**STEEP, **more, 'thickness': 3}, {'type': 'plane'}],
+                    pupil={'semi_diameter': .01}, fields=[steepest])
+        for aim in 'real', 'paraxial':
+            got = at_stop(path, 2, '--chief', '--aim', aim)
+            equal(len(got), 1)
+            for r in got.values():
+                close(r['y'], 2, 1e-11), close(r['z'], -2, 1e-11)
+            bare = list(at_stop(path, 2, '--chief', '--aim', aim, '--no-apertures').values())[0]
+            close(bare['y'], 10, 1e-9)  # no aperture says that another root is meant
+    # the marginal ray of an object at (0, -2.5), by Snell's law at (2, -2), and a plane stop 2 behind the vertex
+    d, n, mu = (4 / math.sqrt(17), 1 / math.sqrt(17)), (23 / 12 / math.hypot(23 / 12, 1), 1 / math.hypot(23 / 12, 1)), 1 / 1.5
+    cosine = d[0] * n[0] + d[1] * n[1]
+    more_n = math.sqrt(1 - mu * mu * (1 - cosine * cosine)) - mu * cosine
+    behind = [mu * a + more_n * b for a, b in zip(d, n)]
+    radius = 2 + 4 * behind[0] / behind[1]
+    for more in ({}, HIDDEN):
+        path = lens([{**STEEP, **more, 'thickness': 2}, {'type': 'plane', 'stop': True, 'index': 1.5, 'thickness': 3}, {'type': 'plane'}],
+                    object={'distance': 2.5, 'index': 1}, pupil={'object_na': 4 / math.sqrt(17)}, field_type='object_height', fields=[0], aim='real_stop')
+        # the ray across the axis tells of that size, as the marginal ray itself may be clipped
+        got = list(at_stop(path, 2, '--pupil', '0 -1', exit=None).values())
+        equal(len(got), 1), close(got[0]['y'], -radius, 1e-11 * radius)
+
+
 main(globals())
