@@ -62,6 +62,16 @@ def test_a_stop_beside_the_axis_behind_a_lens():
             close(r['x'], 0, 1e-12), close(r['y'], 0, 1e-12)
 
 
+def test_a_stop_beside_a_rim():
+    """A rim in front lets nothing through to the stop: its rays are found, as they are far from the pupil, and clipped."""
+    for _ in times(10):
+        way = draw.uniform(8, 50)
+        path = lens([{'type': 'plane', 'thickness': 5, 'semi_diameter': 2}, {'type': 'plane', 'decenter': [0, way, 0], 'thickness': 50, 'stop': True},
+                     {'type': 'plane'}], pupil={'semi_diameter': 1, 'distance': 0}, fields=[0])
+        assert '331 rays: 331 clipped' in run('spot', path, exit=None).stdout, path
+        assert '331 rays: 331 passed' in run('spot', path, '--no-apertures').stdout, path
+
+
 def sphere_on(o, d, z, radius, index_ratio):
     """Where a ray meets the sphere with its vertex at z, near it, and the direction behind; at 50 digits."""
     centre = z + radius
