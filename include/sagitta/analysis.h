@@ -101,11 +101,13 @@ typedef struct sgt_launched {
  * are the lens at the wavelength of the rays.  A telecentric object has a cone in the
  * pupil's place: u, v are slopes, in units of its marginal ray's.
  *
- * WHAT IS PROVEN.  A ray that is found may be clipped: apertures do not count.  Rays of
- * a field have no bound, so the search has one: 600 pupil radii.  SGT_NO_SUCH_RAY is
- * about all rays of the field but those that a rim clips before they are bent
- * (sgt_beam_bounds).  If no rim bounds them, it is never the answer: the status is
- * SGT_AIM_UNDECIDED, and `within` says which part holds no such ray.
+ * WHAT IS PROVEN.  A ray that is found may be clipped: apertures do not count.  The rays
+ * of a field have no bound, so the search has one: some hundred pupil radii.
+ * SGT_NO_SUCH_RAY is about all rays of the field but those that a rim clips before they
+ * are bent (sgt_beam_bounds).  The ray through the point 0, 0 is searched for even there:
+ * it is a reference also where it is clipped.  If no rim bounds the rays,
+ * SGT_NO_SUCH_RAY is never the answer: the status is SGT_AIM_UNDECIDED, and `within`
+ * says which part holds no such ray.
  *
  * false: no memory. */
 SGT_API bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *beam,

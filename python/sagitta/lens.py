@@ -24,7 +24,7 @@ from . import _library as C
 from .earth import lens_options
 from ._arrays import Floats, RayArrays, VectorsLike, address, doubles
 from .function import Function
-from .results import Fate, Passage, Traced
+from .results import Aimed, Fate, Passage, Traced
 from .surface import BUILTINS, CLASSES, Surface
 from .surface import _read as _parameters_at
 
@@ -191,11 +191,22 @@ class Remark:
     words: str
 
 
+def _not_there(aimed: int, within: float) -> str:
+    """The words of the command."""
+    if aimed == Aimed.NO_SUCH_RAY:
+        return "there is no ray, as is proven of all that the rims in front let through"
+    if not within > 0:
+        return "no ray was found, nor excluded"
+    return f"no ray was found (none within {within:g} pupil radii; beyond that it is open)"
+
+
 @dataclass
 class Rays:
     """Rays of a field: o, d (3, n) as trace() wants them; the points of the unit circle of the pupil, with
     their weights; aimed (int32, Aimed): only where it is MET, o and d are a ray (else NaN).
-    NO_SUCH_RAY is proven of all that the rims in front let through (analysis.h); else it is undecided."""
+    NO_SUCH_RAY is proven of all that the rims in front let through (analysis.h); else it is undecided.
+    within: of those that are not MET: it is proven that there is none within so many radii of the paraxial
+    entrance pupil; 0: not proven.  wanted (2, n): where on the stop they are aimed; 0 without aiming."""
 
     o: Floats
     d: Floats
@@ -203,16 +214,28 @@ class Rays:
     py: Floats
     weight: Floats
     aimed: NDArray[np.int32]
+    within: Floats
+    wanted: Floats
 
     def __len__(self) -> int:
         return len(self.px)
+
+    def missing(self) -> list[str]:
+        """What is known of each ray that is not there, in words."""
+        return [
+            f"ray {i} (px {self.px[i]:g}, py {self.py[i]:g}): {_not_there(self.aimed[i], self.within[i])}; "
+            f"it is aimed at {self.wanted[0, i]:.6g}, {self.wanted[1, i]:.6g} of the stop"
+            for i in np.flatnonzero(self.aimed != Aimed.MET)
+        ]
 
 
 @dataclass
 class Spot:
     """A spot in the frame of the last element: rms, rms_x, rms_y about the reference (the centroid), the
     largest distance `geometric`, and how far rounding may put rms off (`error`).  x, y: where rays met it,
-    NaN if they did not pass.  ends: all that is known of each ray (sgt_ray_end of analysis.h).
+    NaN if they did not pass.  ends: all that is known of each ray (sgt_ray_end of analysis.h).  none,
+    undecided: how many rays aiming has proven not to be there, and how many it has neither found nor
+    excluded.
 
     unit: of all of these; "" if the lens does not say.  Of an afocal lens it is "mrad": they are angles of
     the rays from the chief ray of the first wavelength, toward x of that frame and across it."""
@@ -227,6 +250,21 @@ class Spot:
     error: float
     ends: NDArray[Any] = field(repr=False)
     unit: str = ""
+
+    @property
+    def none(self) -> int:
+        return int(np.count_nonzero(self.ends["aimed"] == Aimed.NO_SUCH_RAY))
+
+    @property
+    def undecided(self) -> int:
+        return int(np.count_nonzero(self.ends["aimed"] == Aimed.UNDECIDED))
+
+    def missing(self) -> list[str]:
+        """What is known of each ray that is not there, in words."""
+        return [
+            f"px {e['px']:g}, py {e['py']:g}: {_not_there(e['aimed'], e['within'])}"
+            for e in self.ends[self.ends["aimed"] != Aimed.MET]
+        ]
 
     @property
     def x(self) -> Floats:
@@ -869,7 +907,9 @@ class Lens:
         x = points.T.copy()
         o, d = out["ray"]["o"].T.copy(), out["ray"]["d"].T.copy()
         o[:, out["status"] != 1] = d[:, out["status"] != 1] = np.nan
-        return Rays(o, d, x[0], x[1], x[2], out["status"].copy())
+        missing, within = out["status"] != Aimed.MET, out["within"].copy()
+        within[~missing] = np.nan
+        return Rays(o, d, x[0], x[1], x[2], out["status"].copy(), within, out["wanted"].T.copy())
 
     def spot(
         self,

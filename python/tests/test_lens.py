@@ -436,3 +436,25 @@ def test_a_million_rays_reuse_their_room(rng):
     assert same(p, want.o) and same(v, want.d)
     by_rows = lens.trace(o.T.copy(), (0, 0, 1))
     assert by_rows.o.shape == (10**5, 3) and same(by_rows.o, want.o.T)
+
+
+@pytest.mark.parametrize("rim, none", [("", False), ("semi_diameter: 4, ", True)])
+def test_rays_that_are_not_there(tmp_path, rim, none):
+    """A stop that no ray reaches: with a rim in front that is proven; without one it is told how far."""
+    path = tmp_path / "stop.yaml"
+    path.write_text(
+        "units: mm\naim: stop\npupil: {semi_diameter: 1, distance: 0}\nfields: [0]\nsurfaces:\n"
+        f"  - {{type: plane, {rim}thickness: 5, index: 1.5}}\n"
+        "  - {type: plane, decenter: [0, 5000, 0], thickness: 50, stop: true, index: 1}\n  - {type: plane, index: 1}\n"
+    )
+    lens = Lens.read(path)
+    rays = lens.launch(0, "fan", 3)
+    assert (rays.aimed == (sagitta.Aimed.NO_SUCH_RAY if none else sagitta.Aimed.UNDECIDED)).all()
+    assert np.allclose(rays.wanted, [[0, 0, 0], [-1, 0, 1]]) and np.isnan(rays.o).all()
+    assert (rays.within == 600).all() or none
+    assert len(rays.missing()) == 3 and all(
+        ("as is proven" if none else "none within 600") in words for words in rays.missing()
+    )
+    spot = lens.spot(0, "fan", 3)
+    assert (spot.none, spot.undecided) == ((3, 0) if none else (0, 3))
+    assert len(spot.missing()) == 3

@@ -2,14 +2,14 @@
 //
 //     test_bounds
 //
-// BOUNDS.  Random elements (turned, decentred, curved, with rims, apertures and mirrors) and families of rays.
-// A point of one element is chosen, half of the time on its rim or on the edge of a conic.  The ray of the family through
-// it is the solution of three linear equations, in 113 bits.  If the rims of the other elements let it through, up to
-// the first that bends it, its u and v must be within the bounds.
+// BOUNDS.  Random elements (turned, decentred, curved, with rims, apertures and mirrors) and families of
+// rays. A point of one element is chosen, half of the time on its rim or on the edge of a conic.  The ray of
+// the family through it is the solution of three linear equations, in 113 bits.  If the rims of the other
+// elements let it through, up to the first that bends it, its u and v must be within the bounds.
 //
-// PROOFS.  Random lenses: cones, finite objects, tilted elements, aspheres, ideal lenses, mirrors, apertures.  Of each
-// ray that is not found, Newton's method in 113 bits seeks one from 200 random starts.  One that is found must
-// be clipped in front, and lie outside of `within`.
+// PROOFS.  Random lenses: cones, finite objects, tilted elements, aspheres, ideal lenses, mirrors, apertures.
+// Of each ray that is not found, Newton's method in 113 bits seeks one from 200 random starts.  One that is
+// found must be clipped in front, and lie outside of `within`.
 //
 // SAGITTA_TEST_SCALE multiplies the cases; SAGITTA_TEST_SEED replaces the seed.
 #include "slow_trace.h"
@@ -42,28 +42,35 @@ static bool item_passes(const sgt_aperture_item &i, double x, double y)
     const double soft = std::ldexp(1.0, -45), a = i.degrees * std::acos(-1.0) / 180;
     const double dx = x - i.centre.x, dy = y - i.centre.y, qx = dx * std::cos(a) + dy * std::sin(a),
                  qy = dy * std::cos(a) - dx * std::sin(a);
-    const double away = soft * (std::fabs(i.centre.x) + std::fabs(i.centre.y) + std::fabs(dx) + std::fabs(dy));
+    const double away =
+        soft * (std::fabs(i.centre.x) + std::fabs(i.centre.y) + std::fabs(dx) + std::fabs(dy));
     if (i.obscuring) return true; // at most: more rays are tried than pass
     switch (i.shape) {
     case SGT_CIRCLE:
-    case SGT_ANNULUS: return std::hypot(dx, dy) <= i.radius * (1 + soft) + away;
-    case SGT_RECTANGLE: return std::fabs(qx) <= i.half.x + away && std::fabs(qy) <= i.half.y + away;
-    case SGT_ELLIPSE: return std::hypot(qx / (i.half.x + away), qy / (i.half.y + away)) <= 1;
+    case SGT_ANNULUS:
+        return std::hypot(dx, dy) <= i.radius * (1 + soft) + away;
+    case SGT_RECTANGLE:
+        return std::fabs(qx) <= i.half.x + away && std::fabs(qy) <= i.half.y + away;
+    case SGT_ELLIPSE:
+        return std::hypot(qx / (i.half.x + away), qy / (i.half.y + away)) <= 1;
     case SGT_POLYGON: {
         bool inside = false;
         for (std::size_t k = 0, last = i.count - 1; k < i.count; last = k++) {
             const sgt_vec2 p = i.vertices[last], q = i.vertices[k];
-            if ((p.y > qy) != (q.y > qy) && qx < p.x + (qy - p.y) * (q.x - p.x) / (q.y - p.y)) inside = !inside;
+            if ((p.y > qy) != (q.y > qy) && qx < p.x + (qy - p.y) * (q.x - p.x) / (q.y - p.y))
+                inside = !inside;
         }
         return inside;
     }
-    default: return true;
+    default:
+        return true;
     }
 }
 
 static bool passes(const sgt_element &e, double rim, const vec &p)
 {
-    const double x = to_double(p.x), y = to_double(p.y), soft = 1 + std::ldexp(1.0, -45), r = std::hypot(x, y);
+    const double x = to_double(p.x), y = to_double(p.y), soft = 1 + std::ldexp(1.0, -45),
+                 r = std::hypot(x, y);
     if (e.semi_diameter > 0 && r > e.semi_diameter * soft) return false;
     if (rim > 0 && r > rim * soft) return false;
     for (std::size_t k = 0; e.aperture && k < e.aperture->count; k++)
@@ -113,8 +120,10 @@ static void fill(row &r, oracle::generator &random)
         r.conics[k] = {c, conic, rim};
         r.aspheres[k] = {c, conic, rim, {random.uniform(-1, 1) * 1e-2, random.uniform(-1, 1) * 1e-4}};
         r.zernikes[k] = {c, conic, rim, 12, SGT_FRINGE, 0, {terms, 1, 9}};
-        const sgt_surface types[] = {{&sgt_conic_ops, &r.conics[k]}, {&sgt_conic_ops, &r.conics[k]},
-                                     {&sgt_asphere_ops, &r.aspheres[k]}, {&sgt_zernike_ops, &r.zernikes[k]}};
+        const sgt_surface types[] = {{&sgt_conic_ops, &r.conics[k]},
+                                     {&sgt_conic_ops, &r.conics[k]},
+                                     {&sgt_asphere_ops, &r.aspheres[k]},
+                                     {&sgt_zernike_ops, &r.zernikes[k]}};
         sgt_element e = {};
         e.surface = types[random.below(4)];
         e.semi_diameter = random.chance(0.5) ? random.uniform(1, 12) : 0;
@@ -122,12 +131,13 @@ static void fill(row &r, oracle::generator &random)
         const sgt_vec3 origin = {random.uniform(-3, 3), random.uniform(-3, 3), z};
         e.pose.origin = origin;
         if (random.chance(0.5))
-            e.pose = sgt_pose_tilted(origin, {random.uniform(-40, 40), random.uniform(-40, 40), random.uniform(-90, 90)});
+            e.pose = sgt_pose_tilted(
+                origin, {random.uniform(-40, 40), random.uniform(-40, 40), random.uniform(-90, 90)});
         const int items = random.below(3);
         for (int j = 0; j < items; j++) {
             sgt_aperture_item &i = r.items[2 * k + std::size_t(j)];
-            static const sgt_aperture_shape shapes[] = {SGT_CIRCLE, SGT_ANNULUS, SGT_RECTANGLE, SGT_ELLIPSE, SGT_POLYGON,
-                                                        SGT_SPIDER};
+            static const sgt_aperture_shape shapes[] = {SGT_CIRCLE,  SGT_ANNULUS, SGT_RECTANGLE,
+                                                        SGT_ELLIPSE, SGT_POLYGON, SGT_SPIDER};
             i = {};
             i.shape = shapes[random.below(6)], i.obscuring = random.chance(0.3);
             i.centre = {random.uniform(-4, 4), random.uniform(-4, 4)}, i.degrees = random.uniform(-180, 180);
@@ -150,19 +160,32 @@ static sgt_vec3 any(oracle::generator &random, double size)
 }
 
 // From a point (before or behind the elements) or of one direction (forward or backward).
-static sgt_beam family(oracle::generator &random)
+// *flat: one of its parameters does nothing, or makes a direction longer.
+static sgt_beam family(oracle::generator &random, bool *flat)
 {
     sgt_beam b = {};
     const double way = random.sign() * random.log_uniform(1, 500);
-    const int kind = random.below(5);
+    const int kind = random.below(8);
+    *flat = kind > 3;
     b.u = b.v = {-1, 1};
     b.o = {random.uniform(-5, 5), random.uniform(-5, 5), -way};
     b.d = {random.uniform(-.5, .5), random.uniform(-.5, .5), random.sign() * 1.0};
-    if (kind == 0) b.ou = {3, 0, 0}, b.ov = {0, 3, 0};
-    else if (kind == 1) b.ou = any(random, 2), b.ov = any(random, 2);
-    else if (kind == 2) b.du = {.2, 0, 0}, b.dv = {0, .2, 0};
-    else if (kind == 3) b.du = any(random, 1), b.dv = any(random, 1);
-    else b.d = {0, 0, 1}, b.du = {1, 0, 0}, b.dv = {0, 0, .5}; // v only makes d longer
+    if (kind == 0)
+        b.ou = {3, 0, 0}, b.ov = {0, 3, 0};
+    else if (kind == 1)
+        b.ou = any(random, 2), b.ov = any(random, 2);
+    else if (kind == 2)
+        b.du = {.2, 0, 0}, b.dv = {0, .2, 0};
+    else if (kind == 3)
+        b.du = any(random, 1), b.dv = any(random, 1);
+    else if (kind == 4)
+        b.d = {0, 0, 1}, b.du = {1, 0, 0}, b.dv = {0, 0, .5};
+    else if (kind == 5)
+        b.du = {0, .2, 0};
+    else if (kind == 6)
+        b.ov = {3, 0, 0};
+    else
+        b.d = {0, 0, 1}, b.ou = {3, 0, 0}, b.ov = {0, 0, 1};
     return b;
 }
 
@@ -173,26 +196,27 @@ static void bounds(oracle::generator &random)
     for (long n = 0; n < cases; n++) {
         row r;
         fill(r, random);
-        sgt_beam b = family(random);
+        bool flat;
+        sgt_beam b = family(random, &flat);
         const std::size_t at = std::size_t(random.below(int(r.last) + 1)), count = r.e.size(),
-                          stop = random.chance(0.5) ? r.last : r.last + std::size_t(random.below(int(count - r.last)));
+                          stop = random.chance(0.5) ? r.last
+                                                    : r.last + std::size_t(random.below(int(count - r.last)));
         double most = std::min(r.edge[at], 20.0);
         if (r.rim[at] > 0) most = std::min(most, r.rim[at]);
         if (r.e[at].semi_diameter > 0) most = std::min(most, r.e[at].semi_diameter);
-        const double part = random.chance(0.5) ? 1 : std::sqrt(random.uniform(0, 1)), turn = random.uniform(0, 7),
+        const double part = random.chance(0.5) ? 1 : std::sqrt(random.uniform(0, 1)),
+                     turn = random.uniform(0, 7),
                      soft = most < r.edge[at] ? std::ldexp(part, -46) : -std::ldexp(1.0, -50),
                      radius = most * part * (1 + soft);
         const double x = radius * std::cos(turn), y = radius * std::sin(turn);
         const element &e = r.slow[at];
         const vec p = e.origin + e.global({x, y, sag(e, x, y)}), q = p - of(b.o);
         quad s[3], u, v;
-        if (b.ou.x == 0 && b.ou.y == 0 && b.ou.z == 0) {
-            if (b.dv.z == .5 && b.du.x == 1) { // every v: a ray of the plane y = b.o.y
-                u = random.uniform(-9, 9), v = random.uniform(-1, 9);
-            } else {
-                if (!solve(q, quad(-1) * of(b.du), quad(-1) * of(b.dv), of(b.d), s)) continue;
-                u = s[1], v = s[2];
-            }
+        if (flat) { // no ray of it need go through the point
+            u = random.uniform(-3, 3), v = random.uniform(-1, 3);
+        } else if (b.ou.x == 0 && b.ou.y == 0 && b.ou.z == 0) {
+            if (!solve(q, quad(-1) * of(b.du), quad(-1) * of(b.dv), of(b.d), s)) continue;
+            u = s[1], v = s[2];
         } else {
             if (!solve(of(b.ou), of(b.ov), of(b.d), q, s)) continue;
             u = s[0], v = s[1];
@@ -205,14 +229,18 @@ static void bounds(oracle::generator &random)
             const vec lo = m.local(o - m.origin), ld = m.local(d);
             quad t = 0;
             vec hit = m.local(p - m.origin);
-            if (i != at || (b.dv.z == .5 && b.du.x == 1)) {
-                through = m.surface.ops == &sgt_conic_ops ? meet_conic(m.a, lo, ld, &t) : meet_other(m, lo, ld, &t);
+            if (i != at || flat) {
+                through =
+                    m.surface.ops == &sgt_conic_ops ? meet_conic(m.a, lo, ld, &t) : meet_other(m, lo, ld, &t);
                 hit = lo + t * ld;
-                through = through && (r.edge[i] == 100 || to_double(hit.x * hit.x + hit.y * hit.y) <= r.edge[i] * r.edge[i]);
+                through = through && (r.edge[i] == 100 ||
+                                      to_double(hit.x * hit.x + hit.y * hit.y) <= r.edge[i] * r.edge[i]);
             }
             through = through && to_double(magnitude(hit.x) + magnitude(hit.y)) < 1e6;
-            if (i == stop) wanted = {to_double(hit.x), to_double(hit.y)}; // no rim of its own
-            else through = through && passes(r.e[i], r.rim[i], hit);
+            if (i == stop)
+                wanted = {to_double(hit.x), to_double(hit.y)}; // no rim of its own
+            else
+                through = through && passes(r.e[i], r.rim[i], hit);
             if (i == stop && r.rim[i] > 0) through = through && std::hypot(wanted.x, wanted.y) <= r.rim[i];
         }
         if (!through) continue;
@@ -220,11 +248,13 @@ static void bounds(oracle::generator &random)
         sgt_interval bu, bv;
         if (!sgt_beam_bounds(stop, r.e.data(), 1, &b, wanted, &bu, &bv)) continue;
         bounded++;
-        if (!(u >= bu.lo && u <= bu.hi)) fail("u is not within its bounds", n, to_double(u), bu.lo > to_double(u) ? bu.lo : bu.hi);
-        if (!(v >= bv.lo && v <= bv.hi)) fail("v is not within its bounds", n, to_double(v), bv.lo > to_double(v) ? bv.lo : bv.hi);
+        if (!(u >= bu.lo && u <= bu.hi))
+            fail("u is not within its bounds", n, to_double(u), bu.lo > to_double(u) ? bu.lo : bu.hi);
+        if (!(v >= bv.lo && v <= bv.hi))
+            fail("v is not within its bounds", n, to_double(v), bv.lo > to_double(v) ? bv.lo : bv.hi);
     }
     std::printf("%ld cases: %ld rays that get through, %ld of them bounded\n", cases, within, bounded);
-    if (bounded * 20 < cases) fail("too few", cases, double(bounded), 0);
+    if (bounded * 8 < cases) fail("too few", cases, double(bounded), 0);
 }
 
 // -------------------------------------------------------------------------- proofs
@@ -240,27 +270,44 @@ static std::string random_lens(oracle::generator &random)
     const double rim = random.uniform(2, 8);
     if (object == 1) put("object: {distance: %.17g}\n", random.log_uniform(10, 200));
     if (object == 2) put("object: {distance: %.17g, telecentric: true}\n", random.uniform(10, 60));
-    put(object == 2 ? "pupil: {object_na: %.17g}\n" : "pupil: {stop_size: true, distance: 0}\n", random.uniform(.05, .3));
-    if (object == 1 || object == 2) put("field_type: object_height\nfields: [0, %.17g]\n", random.uniform(1, 15));
-    else put("fields: [0, %.17g]\n", random.uniform(1, 40));
+    put(object == 2 ? "pupil: {object_na: %.17g}\n" : "pupil: {stop_size: true, distance: 0}\n",
+        random.uniform(.05, .3));
+    if (object == 1 || object == 2)
+        put("field_type: object_height\nfields: [0, %.17g]\n", random.uniform(1, 15));
+    else
+        put("fields: [0, %.17g]\n", random.uniform(1, 40));
     s += "surfaces:\n";
     const int kind = random.below(4);
     double way = 1;
     if (random.chance(0.4)) { // a rim in front that bends nothing
         put("  - {type: plane, thickness: %.17g, index: 1", random.uniform(1, 20));
-        if (random.chance(0.5)) put(", apertures: [{type: rectangle, half_width: %.17g, half_height: %.17g, offset: [%.17g, 0]}]", rim, rim / 2, rim / 3);
-        else put(", semi_diameter: %.17g", rim);
+        if (random.chance(0.5))
+            put(", apertures: [{type: rectangle, half_width: %.17g, half_height: %.17g, offset: [%.17g, 0]}]",
+                rim, rim / 2, rim / 3);
+        else
+            put(", semi_diameter: %.17g", rim);
         s += "}\n";
     }
     const double radius = random.sign() * random.uniform(8, 30);
-    if (kind == 0) put("  - {type: sphere, radius: %.17g, thickness: %.17g, index: 1.9", radius, random.uniform(3, 16));
-    if (kind == 1) put("  - {type: even_asphere, radius: %.17g, thickness: %.17g, coefficients: [0, %.17g], index: 1.6", radius, random.uniform(3, 16), random.uniform(-1e-4, 1e-4));
-    if (kind == 2) put("  - {type: ideal, focal_length: %.17g, thickness: %.17g, index: 1", random.uniform(10, 80), random.uniform(3, 60));
-    if (kind == 3) put("  - {type: conic, radius: %.17g, conic: %.17g, thickness: %.17g, mirror: true", radius, random.uniform(-2, 1), random.uniform(-12, -3)), way = -1;
+    if (kind == 0)
+        put("  - {type: sphere, radius: %.17g, thickness: %.17g, index: 1.9", radius, random.uniform(3, 16));
+    if (kind == 1)
+        put("  - {type: even_asphere, radius: %.17g, thickness: %.17g, coefficients: [0, %.17g], index: 1.6",
+            radius, random.uniform(3, 16), random.uniform(-1e-4, 1e-4));
+    if (kind == 2)
+        put("  - {type: ideal, focal_length: %.17g, thickness: %.17g, index: 1", random.uniform(10, 80),
+            random.uniform(3, 60));
+    if (kind == 3)
+        put("  - {type: conic, radius: %.17g, conic: %.17g, thickness: %.17g, mirror: true", radius,
+            random.uniform(-2, 1), random.uniform(-12, -3)),
+            way = -1;
     put(", semi_diameter: %.17g", rim);
-    if (random.chance(0.3)) put(", decenter: [%.17g, %.17g, 0], tilt: [%.17g, 0, 0]", random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-20, 20));
+    if (random.chance(0.3))
+        put(", decenter: [%.17g, %.17g, 0], tilt: [%.17g, 0, 0]", random.uniform(-2, 2),
+            random.uniform(-2, 2), random.uniform(-20, 20));
     s += "}\n";
-    put("  - {type: plane, stop: true, draw_to: %.17g, thickness: %.17g, index: 1", random.uniform(1, 25), way);
+    put("  - {type: plane, stop: true, draw_to: %.17g, thickness: %.17g, index: 1", random.uniform(1, 25),
+        way);
     if (random.chance(0.3)) put(", decenter: [0, %.17g, 0]", random.uniform(-60, 60));
     s += "}\n  - {type: plane, index: 1}\n";
     return s;
@@ -270,12 +317,14 @@ static std::string random_lens(oracle::generator &random)
 static std::size_t first_bend(const sgt_lens *l)
 {
     std::size_t i = 0;
-    while (i + 1 < l->count && !l->element[i].phase && (l->element[i].index == 0 || l->element[i].index == l->index_before)) i++;
+    while (i + 1 < l->count && !l->element[i].phase &&
+           (l->element[i].index == 0 || l->element[i].index == l->index_before))
+        i++;
     return i;
 }
 
-static bool sought(const sgt_lens *l, const std::vector<element> &slow, const sgt_field_beam &beam, sgt_vec2 wanted,
-                   double reach, oracle::generator &random, sgt_vec2 *at)
+static bool sought(const sgt_lens *l, const std::vector<element> &slow, const sgt_field_beam &beam,
+                   sgt_vec2 wanted, double reach, oracle::generator &random, sgt_vec2 *at)
 {
     double x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
     const auto miss = [&](double a, double b, quad f[2]) {
@@ -294,9 +343,11 @@ static bool sought(const sgt_lens *l, const std::vector<element> &slow, const sg
             *at = {x, y};
             return true;
         }
-        const double a = to_double(g[0] - f[0]) / step, b = to_double(h[0] - f[0]) / step, c = to_double(g[1] - f[1]) / step,
-                     d = to_double(h[1] - f[1]) / step, det = a * d - b * c;
-        double sx = -(d * to_double(f[0]) - b * to_double(f[1])) / det, sy = -(a * to_double(f[1]) - c * to_double(f[0])) / det;
+        const double a = to_double(g[0] - f[0]) / step, b = to_double(h[0] - f[0]) / step,
+                     c = to_double(g[1] - f[1]) / step, d = to_double(h[1] - f[1]) / step,
+                     det = a * d - b * c;
+        double sx = -(d * to_double(f[0]) - b * to_double(f[1])) / det,
+               sy = -(a * to_double(f[1]) - c * to_double(f[0])) / det;
         if (!(std::fabs(sx) + std::fabs(sy) < 1e6)) return false;
         for (int k = 0; k < 12; k++, sx /= 2, sy /= 2)
             if (miss(x + sx, y + sy, g) && std::hypot(to_double(g[0]), to_double(g[1])) < best) break;
@@ -340,21 +391,23 @@ static void proofs(oracle::generator &random)
                     sgt_vec2 there;
                     if (k != 1 || field != 0) continue;
                     for (int start = 0; start < 200 && !again; start++)
-                        again = sought(l, slow, beam, out[k].wanted, random.log_uniform(1, 30), random, &there);
+                        again =
+                            sought(l, slow, beam, out[k].wanted, random.log_uniform(1, 30), random, &there);
                     known++, known_found += again;
                     continue;
                 }
                 excluded += out[k].within > 0;
                 for (int start = 0; start < 200; start++) {
                     sgt_vec2 there;
-                    if (!sought(l, slow, beam, out[k].wanted, random.log_uniform(1, 300), random, &there)) continue;
+                    if (!sought(l, slow, beam, out[k].wanted, random.log_uniform(1, 300), random, &there))
+                        continue;
                     // is that the way that sgt_trace means, without apertures, and is it clipped in front?
                     std::vector<sgt_element> open(l->element, l->element + l->stop + 1);
                     for (sgt_element &e : open) e.semi_diameter = 0, e.aperture = nullptr;
                     std::vector<sgt_passage> passages(l->stop + 1);
                     sgt_ray ray = sgt_field_ray(&beam, there.x, there.y);
-                    const std::size_t passed =
-                        sgt_trace(l->stop + 1, open.data(), l->index_before, &ray, passages.data(), nullptr, nullptr);
+                    const std::size_t passed = sgt_trace(l->stop + 1, open.data(), l->index_before, &ray,
+                                                         passages.data(), nullptr, nullptr);
                     if (passed < l->stop || passages[l->stop].hit.status <= 0) continue;
                     const sgt_vec3 p = passages[l->stop].hit.p;
                     if (!(std::hypot(p.x - out[k].wanted.x, p.y - out[k].wanted.y) < 1e-6)) continue;
@@ -380,10 +433,11 @@ static void proofs(oracle::generator &random)
         sgt_launcher_free(from);
         sgt_lens_free(l);
     }
-    std::printf("%ld lenses: %ld rays met, %ld none, %ld undecided (%ld not met with a box excluded); the attack found %ld, %ld "
-                "of them clipped in front, and %ld of %ld that are known\n", cases, met, none, undecided, excluded, found, clipped,
-                known_found, known);
-    if (known_found * 10 < known * 9) fail("the attack is weak", cases, double(known_found), double(known));
+    std::printf("%ld lenses: %ld rays met, %ld none, %ld undecided (%ld not met with a box excluded); the "
+                "attack found %ld, %ld "
+                "of them clipped in front, and %ld of %ld that are known\n",
+                cases, met, none, undecided, excluded, found, clipped, known_found, known);
+    if (known_found * 10 < known * 7) fail("the attack is weak", cases, double(known_found), double(known));
     if (none * 20 < cases) fail("too few proofs", cases, double(none), 0);
 }
 

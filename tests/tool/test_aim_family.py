@@ -62,6 +62,16 @@ def test_a_stop_beside_the_axis_behind_a_lens():
             close(r['x'], 0, 1e-12), close(r['y'], 0, 1e-12)
 
 
+def test_a_stop_beside_a_rim():
+    """A rim in front lets nothing through to the stop: its rays are found, as they are far from the pupil, and clipped."""
+    for _ in times(10):
+        way = draw.uniform(8, 50)
+        path = lens([{'type': 'plane', 'thickness': 5, 'semi_diameter': 2}, {'type': 'plane', 'decenter': [0, way, 0], 'thickness': 50, 'stop': True},
+                     {'type': 'plane'}], pupil={'semi_diameter': 1, 'distance': 0}, fields=[0])
+        assert '331 rays: 331 clipped' in run('spot', path, exit=None).stdout, path
+        assert '331 rays: 331 passed' in run('spot', path, '--no-apertures').stdout, path
+
+
 def sphere_on(o, d, z, radius, index_ratio):
     """Where a ray meets the sphere with its vertex at z, near it, and the direction behind; at 50 digits."""
     centre = z + radius
@@ -224,8 +234,73 @@ def test_each_lost_ray_can_be_asked_for():
                 shown = run(*shlex.split(line)[1:], exit=None)
                 asked += 1
                 assert 'element' in shown.stdout and 'no ray' in shown.stdout, (line, shown.stdout)
+                assert command[0] == 'field' or same_point(line, shown.stdout), (line, shown.stdout)
     print(f'       asked {asked} times')
     assert asked >= 5
+
+
+def same_point(line, shown):
+    """Diagnose tells of the point of the pupil that the printed command names."""
+    words = shlex.split(line)
+    x, y = (float(a) for a in words[words.index('--pupil') + 1].split())
+    return f'through {x:g}, {y:g} of the pupil' in shown
+
+
+def test_each_lost_trace_can_be_asked_for():
+    """A ray that is traced and lost, as its evaluations are spent: each analysis prints a command that shows it so."""
+    path = lens([{'type': 'even_asphere', 'radius': 50, 'coefficients': [0, 1e-6, 2e-9], 'thickness': 4, 'index': 1.5, 'stop': True},
+                 {'type': 'plane', 'thickness': 90}, {'type': 'even_asphere', 'radius': -80, 'coefficients': [0, 1e-7]}],
+                pupil={'semi_diameter': 8}, fields=[0, 5], wavelengths=[0.55])
+    for command in (['spot'], ['spot', '--defocus', '3'], ['spot', '--defocus', '-2'], ['sweep', '--steps', 3, '--to', 20],
+                    ['fan'], ['opd'], ['map', '--fields', '2'], ['field']):
+        more = ['--defocus', '-2'] if '-2' in command else ['--defocus', '3'] if '3' in command else []
+        done = run(*command, path, '--aim', 'paraxial', '--max-evals', '1', exit=None)
+        asked = [line for line in done.stdout.splitlines() if line.startswith('    sagitta diagnose ')]
+        assert asked or command == ['field'], (command, done.stdout)  # curves of fields have no searches of one step
+        for line in asked:
+            words = shlex.split(line)[1:]
+            for word in more:
+                assert word.lstrip('-') in ' '.join(words), (command, line)
+            shown = run(*words, exit=None).stdout
+            assert 'lost' in shown or 'exhausted' in shown, (line, shown)
+    # with --defocus the last element is met elsewhere: the ray that is shown ends where spot had it
+    shown = {z: run('diagnose', path, '--pupil', '0 1', '--fields', '1', '--defocus', z).stdout for z in ('3', '-2')}
+    assert shown['3'] != shown['-2']
+
+
+# S = A r^2 + B r^4 is 0 at r = 10 and -2 at r = 2, where its slope is -23/12
+STEEP = {'type': 'even_asphere', 'coefficients': [-100 / 192, 1 / 192], 'index': 1.5, 'semi_diameter': 2.3}
+HIDDEN = {'apertures': [{'type': 'circle', 'radius': 1, 'obscures': True, 'offset': [0, 2]}]}
+
+
+def test_the_root_that_the_lens_means():
+    """A line of slope 4 through (0, -2.5) meets the sag at y = 10, near the vertex plane and outside of semi_diameter, and at y = 2.
+
+    The chief ray and the marginal ray follow the second, also where it is hidden by an obscuration.
+    """
+    steepest = math.degrees(math.atan(4))
+    for more in ({}, HIDDEN):
+        path = lens([{'type': 'plane', 'thickness': 2.5, 'stop': True}, {**STEEP, **more, 'thickness': 3}, {'type': 'plane'}],
+                    pupil={'semi_diameter': .01}, fields=[steepest])
+        for aim in 'real', 'paraxial':
+            got = at_stop(path, 2, '--chief', '--aim', aim)
+            equal(len(got), 1)
+            for r in got.values():
+                close(r['y'], 2, 1e-11), close(r['z'], -2, 1e-11)
+            bare = list(at_stop(path, 2, '--chief', '--aim', aim, '--no-apertures').values())[0]
+            close(bare['y'], 10, 1e-9)  # no aperture says that another root is meant
+    # the marginal ray of an object at (0, -2.5), by Snell's law at (2, -2), and a plane stop 2 behind the vertex
+    d, n, mu = (4 / math.sqrt(17), 1 / math.sqrt(17)), (23 / 12 / math.hypot(23 / 12, 1), 1 / math.hypot(23 / 12, 1)), 1 / 1.5
+    cosine = d[0] * n[0] + d[1] * n[1]
+    more_n = math.sqrt(1 - mu * mu * (1 - cosine * cosine)) - mu * cosine
+    behind = [mu * a + more_n * b for a, b in zip(d, n)]
+    radius = 2 + 4 * behind[0] / behind[1]
+    for more in ({}, HIDDEN):
+        path = lens([{**STEEP, **more, 'thickness': 2}, {'type': 'plane', 'stop': True, 'index': 1.5, 'thickness': 3}, {'type': 'plane'}],
+                    object={'distance': 2.5, 'index': 1}, pupil={'object_na': 4 / math.sqrt(17)}, field_type='object_height', fields=[0], aim='real_stop')
+        # the ray across the axis tells of that size, as the marginal ray itself may be clipped
+        got = list(at_stop(path, 2, '--pupil', '0 -1', exit=None).values())
+        equal(len(got), 1), close(got[0]['y'], -radius, 1e-11 * radius)
 
 
 main(globals())
