@@ -301,8 +301,14 @@ typedef enum sgt_step_kind {
     SGT_OVER_CELL  /* bounds on F and on its slope, all over [lo, hi] */
 } sgt_step_kind;
 
-/* One evaluation, as a watcher sees it.  All t are in lengths of d, on the caller's ray,
- * and rounded.
+/* One evaluation, as a watcher sees it.  All t are in lengths of d, on the caller's ray.
+ *
+ * ROUNDING OF t.  A search has an origin of its own on the ray: near the surface, at its
+ * seed, or at an end of the ray.  So t, lo and hi are rounded by at most 2^-50 times the
+ * largest of |t|, |lo|, |hi|, the distances to these places and that from o to the
+ * frame's origin.  The last point of a hit is told as the answer has it (hit.t, hit.f,
+ * the slope by hit.n), with t -+ t_err as lo and hi: F and its slope are f and `slope`
+ * somewhere between these.
  *
  *     member            at a point                     over a cell
  *     t                 the point                      the middle of the cell

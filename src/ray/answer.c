@@ -53,6 +53,10 @@ static bool prove_estimate(proof *w, sgt_hit *hit)
     if (hit->status <= 0) return hit->status == SGT_STOPPED;
     if (near_an_end(w->ray, hit)) return false; /* the search decides whether it is accepted */
     sgt_proof_take(w, hit->t, hit->t_lo, hit->t_err);
+    if (w->told.stopped) {
+        *hit = hit_without(SGT_STOPPED, w->ray, w->told.evals);
+        return true;
+    }
     *hit = w->list->last;
     bool proven = w->list->count > 0 && hit->status > 0;
     w->list->count = 0, w->told.before = 0, w->found = false;

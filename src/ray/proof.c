@@ -406,6 +406,7 @@ static bool refuted(proof *w, sgt_interval only)
     int signs[2];
     for (int i = 0; i < 2; i++) {
         proof_place at = proof_place_of(w, i ? only.hi : only.lo, 0, sgt_interval_all());
+        if (w->told.stopped) return true;
         double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, at.p) : 0,
                off = 8 * (own + 2 * SGT_U * proof_absolute(at.p) * proof_absolute(at.n));
         signs[i] = (int)sign_of(at.f, off);
