@@ -150,7 +150,9 @@ def test_spots_of_an_afocal_lens_are_angles(command, tree):
     assert singlet().spot().unit == "mm"
     first = lens.first_order(0.55)
     assert math.isnan(first.efl) and first.angular_magnification == -0.5
-    for i, row in enumerate(said):
+    rows = [row for row in said if row["wavelength"] != "all"]
+    assert len(rows) == len(lens.fields)
+    for i, row in enumerate(rows):
         spot = lens.spot(i, "hexapolar", 6, reference="chief")
         assert spot.unit == "mrad" and spot.reference.tolist() == [0, 0]
         assert [spot.rms, spot.rms_x, spot.rms_y, spot.geometric] == [

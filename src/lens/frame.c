@@ -8,26 +8,26 @@
 
 static sgt_vec3 scaled(double a, sgt_vec3 v) { return (sgt_vec3){a * v.x, a * v.y, a * v.z}; }
 
-static sgt_vec3 sum(sgt_vec3 a, sgt_vec3 b) { return (sgt_vec3){a.x + b.x, a.y + b.y, a.z + b.z}; }
+static sgt_vec3 added(sgt_vec3 a, sgt_vec3 b) { return (sgt_vec3){a.x + b.x, a.y + b.y, a.z + b.z}; }
 
-static double product(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static double dot(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 /* R v: a direction of the frame, seen from outside. */
 static sgt_vec3 outward(const sgt_pose *r, sgt_vec3 v)
 {
-    return sum(sum(scaled(v.x, r->ex), scaled(v.y, r->ey)), scaled(v.z, r->ez));
+    return added(added(scaled(v.x, r->ex), scaled(v.y, r->ey)), scaled(v.z, r->ez));
 }
 
 static sgt_vec3 mended(sgt_vec3 v, sgt_vec3 a, sgt_vec3 b)
 {
-    double own = (3 - product(v, v)) / 2, along_a = -product(v, a) / 2, along_b = -product(v, b) / 2;
-    return sum(scaled(own, v), sum(scaled(along_a, a), scaled(along_b, b)));
+    double own = (3 - dot(v, v)) / 2, along_a = -dot(v, a) / 2, along_b = -dot(v, b) / 2;
+    return added(scaled(own, v), added(scaled(along_a, a), scaled(along_b, b)));
 }
 
 static sgt_pose axes_of(sgt_vec3 degrees)
 {
     sgt_pose p = sgt_pose_tilted((sgt_vec3){0, 0, 0}, degrees);
-    if (product(p.ex, p.ex) == 0) p.ex.x = p.ey.y = p.ez.z = 1;
+    if (dot(p.ex, p.ex) == 0) p.ex.x = p.ey.y = p.ez.z = 1;
     return p;
 }
 
@@ -52,12 +52,12 @@ void sgt_frame_advance(running *at, double thickness)
 {
     at->z += thickness;
     sgt_vec3 way = {0, 0, thickness};
-    at->pose.origin = sum(at->pose.origin, at->turned ? scaled(thickness, at->pose.ez) : way);
+    at->pose.origin = added(at->pose.origin, at->turned ? scaled(thickness, at->pose.ez) : way);
 }
 
 static void shift_by(running *at, sgt_vec3 shift)
 {
-    at->pose.origin = sum(at->pose.origin, at->turned ? outward(&at->pose, shift) : shift);
+    at->pose.origin = added(at->pose.origin, at->turned ? outward(&at->pose, shift) : shift);
 }
 
 static void turn_by(running *at, sgt_vec3 degrees)

@@ -518,7 +518,7 @@ static const medium *fill_indices(const whole_lens *w, double um, sgt_element el
 /* ---------------------------------------------------------- ideal lenses */
 
 /* Which of the wavelengths of the file it is; the primary one if it is none of them. */
-static size_t place_of(const sgt_lens *l, double um)
+static size_t wavelength_place(const sgt_lens *l, double um)
 {
     for (size_t k = 0; l->wavelength && k < l->wavelengths; k++)
         if (l->wavelength[k] == um) return k;
@@ -528,7 +528,7 @@ static size_t place_of(const sgt_lens *l, double um)
 static void put_conjugates(const whole_lens *w, double um, sgt_element element[])
 {
     if (!w->conjugate) return;
-    const sgt_phase *phase = w->conjugate + place_of(&w->lens, um) * w->lens.count;
+    const sgt_phase *phase = w->conjugate + wavelength_place(&w->lens, um) * w->lens.count;
     for (size_t i = 0; i < w->lens.count; i++)
         if (phase[i].kind) element[i].phase = &phase[i];
 }

@@ -70,7 +70,7 @@ static double reach_of(const sgt_element *e)
 }
 
 /* The points of element i that a ray may go through, in global axes.  false: nothing bounds them. */
-static bool points_of(const aim_task *task, size_t i, box3 *out)
+static bool points_met(const aim_task *task, size_t i, box3 *out)
 {
     const sgt_element *e = &task->e[i];
     double reach = reach_of(e);
@@ -99,7 +99,7 @@ static bool points_of(const aim_task *task, size_t i, box3 *out)
 }
 
 /* All w with y w = x for some x and y of theirs: any w if both may be 0. */
-static sgt_interval ratio(sgt_interval x, sgt_interval y)
+static sgt_interval multiple(sgt_interval x, sgt_interval y)
 {
     const bool any = x.lo <= 0 && x.hi >= 0 && y.lo <= 0 && y.hi >= 0;
     return any ? sgt_interval_all() : sgt_interval_quotient(x, y);
@@ -120,8 +120,8 @@ static void lines_through(const sgt_beam *b, box3 p, sgt_interval *u, sgt_interv
         by_u = box_dot(box_of(b->ou), across_u), by_v = box_dot(box_of(b->ov), across_v);
         at_u = box_dot(q, across_u), at_v = box_dot(q, across_v);
     }
-    *u = sgt_interval_intersection(*u, ratio(at_u, by_u));
-    *v = sgt_interval_intersection(*v, ratio(at_v, by_v));
+    *u = sgt_interval_intersection(*u, multiple(at_u, by_u));
+    *v = sgt_interval_intersection(*v, multiple(at_v, by_v));
 }
 
 bool sgt_beam_bounds(size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam,
@@ -136,7 +136,7 @@ bool sgt_beam_bounds(size_t stop, const sgt_element e[], double index_before, co
     for (size_t i = 0; i <= stop && from_point != along; i++) {
         box3 p;
         if (!is_plain(&e[i]) || !is_aperture_sound(&e[i]) || !is_sound(&e[i], index)) break;
-        if (points_of(&task, i, &p)) lines_through(beam, p, u, v);
+        if (points_met(&task, i, &p)) lines_through(beam, p, u, v);
         const double behind = index_behind(&e[i], index);
         if (e[i].phase || bending_of(index, behind, e[i].index == SGT_MIRROR).kind != STRAIGHT) break;
         index = behind;

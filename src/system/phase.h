@@ -76,9 +76,9 @@
  *     W = n2 m' - n1 m,   dm = (dN - m dT) / T,   dT = w . dw / S(w) + w0 . dw0 / S(w0).
  *
  * The two terms of dW are alike where the lens is weak.  They are at most n1 and n2 times a slope (by p), or
- * p (by the direction, times |n|), and dW is off by some u of that.  It is no gradient of an eikonal: an ideal
- * lens that images one plane without aberration does not fulfil the sine condition, so no lens of any shape
- * does what it does to all rays.  Therefore W changes to first order with the direction, too.
+ * p (by the direction, times |n|), and dW is off by some u of that.  It is no gradient of an eikonal: an
+ * ideal lens that images one plane without aberration does not fulfil the sine condition, so no lens of any
+ * shape does what it does to all rays.  Therefore W changes to first order with the direction, too.
  *
  * BUNDLES.  d' is along (r l - |n| x F, r m - |n| y F, -+n), r = n1 / n2.  Forms (form.h) take care of all
  * but r and F, each of which is off by 2 u.

@@ -103,7 +103,7 @@ def main(build, compiler):
         rest = ' '.join(names[1:])
 
         projects.runs(f'find_package(sagitta {major}.{minor} REQUIRED COMPONENTS {rest})', names, 'shared')
-        projects.runs('find_package(sagitta 0.2 CONFIG REQUIRED)', names[:1], 'shared')
+        projects.runs(f'find_package(sagitta {major}.{minor} CONFIG REQUIRED)', names[:1], 'shared')
         projects.runs(f'find_package(sagitta {version} EXACT REQUIRED static {rest})', names, 'static')
         projects.runs('find_package(sagitta REQUIRED)', names[:1], 'static', '_static')
         # A project with two libraries that ask for it independently, and one that wants both forms.

@@ -331,7 +331,7 @@ class Lens:
     def __init__(self, name):
         self.name, self.units, self.surfaces, self.wavelengths, self.before = name, 'mm', [], [], []
         self.primary, self.stop, self.object, self.kind, self.aim = 0, 0, None, 'angle', 'pupil'
-        self.size, self.fields, self.thicknesses = None, [Field(0, 0)], []
+        self.size, self.pupil_at, self.fields, self.thicknesses = None, None, [Field(0, 0)], []
 
     def unfold(self):
         """Distances from vertex to vertex where only places are given: the axis goes from one to the next."""
@@ -367,7 +367,9 @@ class Lens:
         return -self.paraxial(mpf(1), mpf(0), 0, len(self.surfaces) - 1, wave)[1]
 
     def entrance_pupil(self):
-        """Its z from the first vertex: where rays to the stop's centre cross the axis in object space."""
+        """Its z from the first vertex: where rays to the stop's centre cross the axis in object space, unless said."""
+        if self.pupil_at is not None:
+            return self.pupil_at
         a, b = (self.paraxial(mpf(y), mpf(nu), 0, self.stop, self.primary)[0] for y, nu in ((1, 0), (0, 1)))
         return b * self.before[self.primary] / a  # y + z (-nu / n) with a y + b nu = 0
 

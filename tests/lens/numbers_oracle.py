@@ -130,7 +130,9 @@ def read_yaml(path):
     lens.telecentric, lens.afocal = far.get('telecentric', False), file.get('afocal', False)
     lens.kind = file.get('field_type', 'angle')
     lens.fields = [model.Field(*map(float, f if isinstance(f, list) else (0, f))) for f in file['fields']]
-    (kind, value), = file['pupil'].items()
+    pupil = dict(file['pupil'])
+    lens.pupil_at = mpf(float(pupil.pop('distance'))) if 'distance' in pupil else None
+    (kind, value), = pupil.items()
     lens.size = kind, mpf(float(value))
     before = lens.before = medium(far, lens, [mpf(1)] * len(lens.wavelengths), [])
     z = mpf(0)

@@ -24,6 +24,8 @@ static sgt_vec3 along(const sgt_ray *ray, double t)
                       (double)(o.z + (long double)t * d.z)};
 }
 
+static double absolute(sgt_vec3 v) { return sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
+
 /* What rounding of the point may hide of F and of its slope there. */
 typedef struct seen { double f, slope, f_err, slope_err; } seen;
 
@@ -44,15 +46,15 @@ static seen seen_at(const watching *w, double t)
 #define ABOUT_OF w->what, w->ray.o.x, w->ray.o.y, w->ray.o.z, w->ray.d.x, w->ray.d.y, w->ray.d.z, \
                  sgt_move_text(s->move), s->eval, s->t, s->lo, s->hi
 
-/* What is between the t that is told and that where F was evaluated (sgt_step), and the rounding of points here. */
+/* Between the t that is told and that where F was evaluated (sgt_step), and the rounding of points here. */
 static double rounding_of_t(const watching *w, const sgt_step *s)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const sgt_ray *r = &w->ray;
-    sgt_vec3 o = r->o, d = r->d;
-    double nearest = sqrt((o.x * o.x + o.y * o.y + o.z * o.z) / (d.x * d.x + d.y * d.y + d.z * d.z));
+    double nearest = absolute(r->o) / absolute(r->d);
     double seed = ops->span ? ops->span(w->s.self, r).seed : 0, most = fmax(fabs(s->t), nearest);
-    const double places[] = {s->lo, s->hi, r->tmin, r->tmax, seed, o.z / d.z}; /* the last: in a trace, on a sag */
+    /* the last: in a trace, on a sag */
+    const double places[] = {s->lo, s->hi, r->tmin, r->tmax, seed, r->o.z / r->d.z};
     for (size_t i = 0; i < COUNT_OF(places); i++)
         if (fabs(places[i]) < FAR) most = fmax(most, fabs(places[i]));
     return 0x1p-50 * most;
@@ -65,8 +67,10 @@ static void require_point(const watching *w, const sgt_step *s)
     step = rounding_of_t(w, s);
     /* the last point of a hit is told as the answer has it, and F takes f within lo ... hi */
     if (s->hi - s->lo <= 1e-6) step += s->hi - s->lo;
-    for (int i = -4; i <= 4; i++) {
-        seen e = seen_at(w, s->t + 0.25 * i * step);
+    /* near the point, too: far from it a function may not be defined */
+    const double near = 0x1p-50 * (fabs(s->t) + absolute(w->ray.o));
+    for (int i = -8; i <= 8; i++) {
+        seen e = seen_at(w, s->t + (i % 2 ? 0.125 * i * near : 0.125 * i * step));
         if (!(fabs(e.f) < FAR)) undefined = true;
         if (!(fabs(e.f) < FAR)) continue;
         least = fmin(least, e.f), most = fmax(most, e.f), err = fmax(err, e.f_err);
@@ -158,9 +162,9 @@ static void stop_ray(const watching *w, sgt_options o, int evals)
         sgt_hit hit = sgt_intersect(w->s, w->ray, &o);
         const sgt_ray *r = &w->ray;
         REQUIRE(s.calls == at && hit.evals == at && hit.status == SGT_STOPPED,
-                "%s, ray (%a, %a, %a) + t (%a, %a, %a), %a ... %a, pick %d, proof %d: stopped at %d of %d, and "
-                "asked %d times: %s", w->what, r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, r->tmax, (int)o.pick,
-                (int)o.proof, at, evals, s.calls, sgt_status_text(hit.status));
+                "%s, ray (%a, %a, %a) + t (%a, %a, %a), %a ... %a, pick %d, proof %d: stopped at %d of %d, "
+                "and asked %d times: %s", w->what, r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin,
+                r->tmax, (int)o.pick, (int)o.proof, at, evals, s.calls, sgt_status_text(hit.status));
         s.calls = 0;
         int n = sgt_intersect_all(w->s, w->ray, 8, hits, &o);
         REQUIRE(s.calls <= at, "%s: stopped at %d, and asked %d times for all roots", w->what, at, s.calls);
@@ -189,8 +193,7 @@ static void watch_ray(watching *w)
     sgt_element e = {.surface = w->s, .index = 1, .semi_diameter = 3};
     sgt_passage passage;
     sgt_fate fate;
-    double length = sqrt(w->ray.d.x * w->ray.d.x + w->ray.d.y * w->ray.d.y + w->ray.d.z * w->ray.d.z);
-    if (fabs(length - 1) < 0x1p-40) sgt_trace(1, &e, 1, &w->ray, &passage, &fate, &o);
+    if (fabs(absolute(w->ray.d) - 1) < 0x1p-40) sgt_trace(1, &e, 1, &w->ray, &passage, &fate, &o);
     signed char status;
     sgt_ray *r = &w->ray;
     sgt_rays one = {{&r->o.x, &r->o.y, &r->o.z}, {&r->d.x, &r->d.y, &r->d.z}, &r->tmin, &r->tmax};

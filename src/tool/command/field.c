@@ -230,8 +230,8 @@ exit_status command_field(int argc, char *argv[])
         }
     }
     if (afocal)
-        table_line(t, "Vergences at the last surface, in dioptres (1/m); angles of the chief ray from its z.\n"
-                      "distortion: of tangents, against the angular magnification.");
+        table_line(t, "Vergences at the last surface, in dioptres (1/m); angles of the chief ray from its "
+                      "z.\ndistortion: of tangents, against the angular magnification.");
     else
         table_line(t, "tangential, sagittal: z from the image surface.  distortion: a fraction, against %s.",
                    field_ideal(&l, &a));

@@ -217,8 +217,8 @@ static void say_lens(table *t, const sgt_lens *l, const sgt_first_order *o)
     table_line(t, "Object: at %s.  %zu field%s %s.", object, l->fields, l->fields == 1 ? "" : "s",
                kinds[l->field_kind]);
     if (l->afocal)
-        table_line(t, "Afocal: light leaves as parallel rays.  spot, fan and field answer in angles, opd compares "
-                      "with a plane.");
+        table_line(t, "Afocal: light leaves as parallel rays.  spot, fan and field answer in angles, opd "
+                      "compares with a plane.");
     const char *primary = lens_primary(l);
     if (primary) table_line(t, "%s", primary);
     if (o->without_vertex)

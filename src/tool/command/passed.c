@@ -57,7 +57,7 @@ void passed_write(table *t, const job *j, const watched *w)
     }
     const char *units = *l->units ? l->units : "that of the lens";
     table_line(t, "r: from the axis of the element.  share: r / semi_diameter.  incidence: degrees from the");
-    table_line(t, "normal.  t, t_err: from the element before, or the ray's start.  evals: evaluations.  Unit of "
-                  "length: %.20s.", units);
+    table_line(t, "normal.  t, t_err: from the element before, or the ray's start.  evals: evaluations.  "
+                  "Unit of length: %.20s.", units);
     table_line(t, "\n--all-elements shows how each root was found; --element J that at one element.");
 }
