@@ -52,6 +52,13 @@
 #define SGT_NOINLINE
 #endif
 
+/* A function that is seldom called: what its arguments need is worked out there, not in front of the question. */
+#if defined(__GNUC__) || defined(__clang__)
+#define SGT_COLD __attribute__((cold))
+#else
+#define SGT_COLD
+#endif
+
 /* Marks a loop over rays that is to become vector code.  It is a function of its own: inlined, or cloned
  * for some of its arguments, it may lose that.  It is in a section of its own, where
  * tests/build/vectorised.py finds it. */

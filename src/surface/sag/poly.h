@@ -127,8 +127,8 @@ sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_
                              sgt_interval *slope);
 
 /* Tells the watcher of F, not of G, at tau from q->t0 + q->t0_lo of the ray. */
-void sgt_poly_tell(const shape *s, const sgt_ray *ray, tally *w, const local *q, double tau, sgt_move move,
-                   double lo, double hi);
+SGT_COLD void sgt_poly_tell(const shape *s, const sgt_ray *ray, tally *w, const local *q, double tau,
+                            sgt_move move, double lo, double hi);
 
 /* Counts one evaluation of G, and reports it to the watcher, if there is one. */
 SGT_INLINE void observe(const shape *s, const sgt_ray *ray, tally *w, const local *q, double tau,
