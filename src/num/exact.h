@@ -52,8 +52,8 @@
 #define SGT_NOINLINE
 #endif
 
-/* A function that is seldom called: what its arguments need is worked out there, not in front of the question. */
-#if defined(__GNUC__) || defined(__clang__)
+/* A function that is seldom called: what it needs is worked out there, not before it is asked for. */
+#if defined(__GNUC__)
 #define SGT_COLD __attribute__((cold))
 #else
 #define SGT_COLD
