@@ -19,6 +19,7 @@ static inline char *bytes_room(bytes *b, size_t more)
 
 static inline void bytes_put(bytes *b, const void *from, size_t length)
 {
+    if (length == 0) return; /* of nothing, `from` may be null, and memcpy takes no null */
     memcpy(bytes_room(b, length), from, length);
     b->length += length;
 }
