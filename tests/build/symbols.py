@@ -69,7 +69,7 @@ def exported_of(shared):
 
 
 def faults_of_versions(shared):
-    """Each name is of the interface that the soname says, or of a later node of it (SAGITTA_1_3), so that a
+    """Each name is of the interface that the soname says, or of a later node of it (SAGITTA_2_1), so that a
     program asks for it by version."""
     [soname] = re.findall(r'\(SONAME\).*\.so\.(\d+)\]', output('readelf', '-dW', shared)) or ['?']
     faults = []
