@@ -46,6 +46,7 @@ NEAREST = [
     (r'src/surface/(sag|conic|asphere)/|src/solve/accept', ['climb', 'edges', 'unit rows', 'unit all', 'unit check', 'unit table', 'oracle quad', 'oracle random', 'oracle hard', 'oracle equator', 'batch', 'proof']),
     (r'src/surface/body/', ['climb', 'enclosures', 'clearances', 'edges', 'catalogue roots', 'catalogue laws', 'catalogue batch', 'catalogue']),
     (r'src/surface/builtin', ['unit general', 'unit all', 'batch']),
+    (r'src/surface/formula/', ['formula operations', 'unit formula', 'formula']),
     (r'src/surface/', ['climb', 'enclosures', 'edges', 'catalogue', 'sensitivity']),
     (r'src/ray/cells_batch', ['oracle cells', 'batch user_batch']),
     (r'src/ray/(lanes|batch)', ['batch', 'catalogue batch']),
