@@ -43,7 +43,7 @@ NEAREST = [
     (r'src/check/', ['unit check']),
     (r'src/surface/orbit/', ['unit levels', 'climb', 'oracle levels', 'tool level', 'batch']),
     (r'src/surface/.*/second|src/ray/sensitivity', ['sensitivity', 'catalogue values']),
-    (r'src/surface/(sag|conic|asphere)/|src/solve/accept', ['climb', 'edges', 'unit rows', 'unit all', 'unit check', 'unit table', 'oracle quad', 'oracle random', 'oracle hard', 'oracle equator', 'batch', 'proof']),
+    (r'src/surface/(sag|conic|asphere)/|src/solve/accept', ['climb', 'edges', 'unit rows', 'unit all', 'unit check', 'unit table', 'oracle quad', 'oracle random', 'oracle hard', 'oracle equator', 'oracle only', 'batch', 'proof']),
     (r'src/surface/body/', ['climb', 'enclosures', 'clearances', 'edges', 'catalogue roots', 'catalogue laws', 'catalogue batch', 'catalogue']),
     (r'src/surface/builtin', ['unit general', 'unit all', 'batch']),
     (r'src/surface/formula/', ['formula operations', 'unit formula', 'formula']),
