@@ -308,7 +308,9 @@ void judge(const Product &s, sgt_surface plain, const sgt_ray &given, const sgt_
     }
     if (h.status < 0 && opt.max_evals) {
         cut_short++;
-        if (h.evals > opt.max_evals + 1) fail("more evaluations than allowed", s, given, h, every);
+        // where cells say nothing, or another thing than `value`, a quick try at a root is ended, too
+        const int more = s.fault == MUTE || s.fault == SHIFTED ? 16 : 1;
+        if (h.evals > opt.max_evals + more) fail("more evaluations than allowed", s, given, h, every);
         const bool begun = h.lo <= h.hi;
         if (!begun) fail("undecided, and no stretch", s, given, h, every);
         for (quad t : roots)
