@@ -54,7 +54,7 @@ quad distance(const meridian &m, quad rho, quad z, double angle)
 // The least distance of the samples.  Both halves of the meridian: the curve may cross the axis.
 quad nearest(const meridian &m, sgt_vec3 p)
 {
-    enum { samples = 96 };
+    constexpr int samples = 96;
     const double turn = 6.283185307179586, golden = 0.6180339887498949;
     const quad rho = oracle::square_root(quad(p.x) * p.x + quad(p.y) * p.y);
     quad best = quad(HUGE_VAL);
