@@ -368,6 +368,30 @@ void randomly(const oracle::run &run, double seconds, const char *only)
                 read, read ? static_cast<double>(nodes) / static_cast<double>(read) : 0, undefined, refused);
 }
 
+// More points than are worked out at once: each has the bits that it has alone.
+void many_at_once(generator &g, const written &f, const sgt_surface &s)
+{
+    const std::size_t n = static_cast<std::size_t>(1 + g.below(400));
+    std::vector<double> p[3], out[4];
+    for (auto &v : p) v.resize(n);
+    for (auto &v : out) v.resize(n);
+    for (std::size_t i = 0; i < n; i++) {
+        const sgt_vec3 at = random_point(g, f.where);
+        p[0][i] = at.x, p[1][i] = at.y, p[2][i] = at.z;
+    }
+    s.ops->values(s.self, n, {{p[0].data(), p[1].data(), p[2].data()}},
+                  {out[0].data(), {out[1].data(), out[2].data(), out[3].data()}});
+    for (std::size_t i = 0; i < n; i++) {
+        const sgt_vec3 at = {p[0][i], p[1][i], p[2][i]};
+        sgt_vec3 grad;
+        const double v = s.ops->value(s.self, at, &grad), alone[4] = {v, grad.x, grad.y, grad.z};
+        for (int k = 0; k < 4; k++)
+            if (std::memcmp(&alone[k], &out[k][i], sizeof v) &&
+                !(alone[k] != alone[k] && out[k][i] != out[k][i]))
+                fail(f, "a point among many", at, out[k][i], alone[k]);
+    }
+}
+
 // Each operation alone (grown.h, singles), at some points and rays.
 void singly(const oracle::run &run, const char *only)
 {
@@ -381,7 +405,7 @@ void singly(const oracle::run &run, const char *only)
         const subject s(f, false);
         const long before = failures;
         asked = 0;
-        if (s.error().empty()) operations(g, f, s.surface(), points);
+        if (s.error().empty()) operations(g, f, s.surface(), points), many_at_once(g, f, s.surface());
         else if (f.may_be_refused() || s.error().find("none of x, y, z, r") != std::string::npos) refused++;
         else fail(f, s.error().c_str(), {0, 0, 0}, 0, 0);
         undefined += asked == 0;
