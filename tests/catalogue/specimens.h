@@ -297,6 +297,97 @@ inline specimen random_specimen(generator &g, const std::string &type, bool larg
     return s;
 }
 
+// T_n(t) as a polynomial: its coefficients by t^0 ... t^n.
+inline std::vector<double> chebyshev_polynomial(int n)
+{
+    std::vector<double> before(1, 1.0), now = {0, 1};
+    if (n == 0) return before;
+    for (int k = 1; k < n; k++) {
+        std::vector<double> next(static_cast<std::size_t>(k) + 2);
+        for (std::size_t i = 0; i < now.size(); i++) next[i + 1] = 2 * now[i];
+        for (std::size_t i = 0; i < before.size(); i++) next[i] -= before[i];
+        before = now, now = next;
+    }
+    return now;
+}
+
+// A flat or weakly curved sag with ridges, many or one: a departure of one high order, or a grid that is 0
+// but in some of its rows or columns.  *height: of a ridge; *ridges: how many there are across, at most.
+inline specimen ridged_specimen(generator &g, const std::string &type, double *height, int *ridges)
+{
+    specimen s = {};
+    s.type = type, s.sag = true;
+    const double h = s.h = g.log_uniform(0.1, 10), by = *height = h * g.log_uniform(1e-3, 0.05);
+    s.rim = g.chance(0.5) ? h : 0;
+    const double c = g.chance(0.5) ? 0 : 0.02 * g.uniform(-1, 1) / h;
+    const int n = 4 + g.below(5);
+    *ridges = 2 * n;
+    if (type == "grid") {
+        const std::size_t along = static_cast<std::size_t>(4 + g.below(10)),
+                          across = static_cast<std::size_t>(8 + g.below(g.chance(0.5) ? 20 : 150));
+        const bool turned = g.chance(0.5);
+        std::vector<double> z(along * across);
+        const auto raise = [&](std::size_t i, double to) {
+            for (std::size_t j = 0; j < along; j++) z[turned ? i * along + j : j * across + i] = to;
+        };
+        const int many = g.chance(0.3) ? 3 + g.below(8) : 1 + g.below(3);
+        for (int i = 0; i < many; i++)
+            raise(static_cast<std::size_t>(g.below(static_cast<int>(across))), by * g.uniform(0.1, 1));
+        if (g.chance(0.1)) raise(0, by);
+        if (g.chance(0.1)) raise(across - 1, by);
+        const std::size_t rows = turned ? across : along, columns = turned ? along : across;
+        sgt_grid *grid = s.keep(sgt_grid{c, 0, s.rim, 2.02 * h / double(columns - 1),
+                                         2.02 * h / double(rows - 1), s.numbers(rows, columns, z), 0, 0, 0});
+        if (g.chance(0.7)) sgt_grid_measure(grid);
+        *ridges = static_cast<int>(across);
+        s.s = {&sgt_grid_ops, grid};
+    } else if (type == "chebyshev") {
+        const std::size_t rows = static_cast<std::size_t>(g.chance(0.3) ? 0 : 5 + g.below(20)),
+                          columns = static_cast<std::size_t>(rows ? g.below(4) : 5 + g.below(20));
+        std::vector<double> a((rows + 1) * (columns + 1));
+        a.back() = by;
+        *ridges = static_cast<int>(rows + columns);
+        s.s = {&sgt_chebyshev_ops, s.keep(sgt_chebyshev{c, 0, s.rim, 1.05 * h, 1.05 * h,
+                                                        s.numbers(rows + 1, columns + 1, a)})};
+    } else if (type == "zernike") {
+        std::vector<double> a(static_cast<std::size_t>(30 + g.below(200)));
+        a.back() = by;
+        *ridges = 24;
+        const sgt_numbers list = s.numbers(1, a.size(), a);
+        const sgt_zernike z = {c, 0, s.rim, 1.02 * h, g.chance(0.5) ? SGT_NOLL : SGT_FRINGE, false, list};
+        s.s = {&sgt_zernike_ops, s.keep(z)};
+    } else if (type == "q_con" || type == "q_bfs") {
+        std::vector<double> a(static_cast<std::size_t>(5 + g.below(25)));
+        a.back() = by;
+        *ridges = 2 * static_cast<int>(a.size());
+        const sgt_numbers list = s.numbers(1, a.size(), a);
+        if (type == "q_con") s.s = {&sgt_q_con_ops, s.keep(sgt_q_con{c, 0, s.rim, h, list})};
+        else s.s = {&sgt_q_bfs_ops, s.keep(sgt_q_bfs{c, s.rim, h, list})};
+    } else if (type == "odd_asphere" || type == "toroidal") { // T_2n(r / h) or T_2n(y / h), n at most 8
+        const std::vector<double> t = chebyshev_polynomial(2 * n);
+        sgt_odd_asphere odd = {c, 0, s.rim, {}};
+        sgt_toroidal swept = {c, 0, c, s.rim, {}};
+        for (int i = 0; i < n; i++) {
+            const double a = by * t[2 * static_cast<std::size_t>(i) + 2] / std::pow(h, 2 * i + 2);
+            odd.a[2 * i + 1] = swept.a[i] = a;
+        }
+        s.s = type == "toroidal" ? sgt_surface{&sgt_toroidal_ops, s.keep(swept)}
+                                 : sgt_surface{&sgt_odd_asphere_ops, s.keep(odd)};
+    } else { // T_m(x / h) as an XY polynomial, by itself or as the term of a sum
+        const std::vector<double> t = chebyshev_polynomial(2 * n);
+        std::vector<double> a(t.size());
+        for (std::size_t i = 0; i < t.size(); i++) a[i] = by * t[i] / std::pow(h, static_cast<double>(i));
+        const bool turned = g.chance(0.5);
+        const sgt_numbers table = s.numbers(turned ? 1 : a.size(), turned ? a.size() : 1, a);
+        s.s = {&sgt_polynomial_xy_ops, s.keep(sgt_polynomial_xy{c, 0, s.rim, table})};
+        if (type == "sum") {
+            const std::vector<sgt_surface> &terms = *s.keep(std::vector<sgt_surface>(1, s.s));
+            s.s = {&sgt_sum_ops, s.keep(sgt_sum{c, 0, s.rim, terms.data(), 1})};
+        }
+    }
+    return s;
+}
+
 // ------------------------------------------------------------------ printing
 
 inline void print_numbers(const sgt_numbers &a)

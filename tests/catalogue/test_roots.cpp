@@ -8,7 +8,10 @@
 //   all roots    are in the list, in order, and each hit of it is a root;
 //   near seed    a root that counts; where a proof is asked for, the only one;
 //   a proof      is of one root alone; what it costs is that more is undecided;
-//   the rim      is sharp to a part in 2^46.
+//   the rim      is sharp to a part in 2^46;
+//   ridges       rays along a sag that has ridges, as a grid of rows or a term of high order has: each may
+//                be the first that is met, and an enclosure has to see each of them.  The judge takes 40
+//                samples a ridge.  By estimate, and the first proven, alone and in a batch.
 #include "judge.h"
 
 using namespace catalogue;
@@ -209,6 +212,64 @@ void check(const subject &of, generator &g, ray_kind kind, const sgt_ray &ray, t
     }
 }
 
+// From beside one point of a sag to beside another, over or through what is between.
+void along_ridges(generator &g, const std::string &type, tally *t)
+{
+    enum { rays = 8 };
+    double height;
+    int ridges;
+    const specimen s = ridged_specimen(g, type, &height, &ridges);
+    const subject of(s);
+    double in[6][rays], at[rays];
+    sgt_ray all[rays];
+    signed char status[rays];
+    for (int i = 0; i < rays; i++) {
+        sgt_vec3 end[2];
+        for (sgt_vec3 &p : end) {
+            const double r = 0.95 * s.h * (g.chance(0.5) ? 1 : std::sqrt(g.uniform(0, 1))),
+                         about = g.chance(0.5) ? g.below(4) * 1.5707963267948966 + g.uniform(-0.05, 0.05)
+                                               : g.uniform(0, 6.283185307179586);
+            p = {r * std::cos(about), r * std::sin(about), height * g.uniform(-1.2, 1.2)};
+            p.z += first_number(s.s)[0] * r * r / 2;
+        }
+        if (i % 2) end[1].x = -end[0].x, end[1].y = -end[0].y + s.h * g.uniform(-0.1, 0.1);
+        const sgt_vec3 &a = end[0], &b = end[1];
+        all[i] = {a, {b.x - a.x, b.y - a.y, b.z - a.z}, 0, g.chance(0.5) ? 1 : HUGE_VAL};
+        const double v[6] = {a.x, a.y, a.z, all[i].d.x, all[i].d.y, all[i].d.z};
+        for (int k = 0; k < 6; k++) in[k][i] = v[k];
+        at[i] = all[i].tmax;
+    }
+    for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof += 2) {
+        sgt_options options = {};
+        options.proof = static_cast<sgt_proof>(proof);
+        sgt_hits out = {};
+        double found[rays];
+        out.status = status, out.t = found;
+        sgt_intersect_batch(s.s, rays, {{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, nullptr, at}, out,
+                            &options);
+        for (int i = 0; i < rays; i++) {
+            const sgt_ray &ray = all[i];
+            if (!(ray.d.x * ray.d.x + ray.d.y * ray.d.y > 0.01 * s.h * s.h)) continue;
+            const judgement j(of, ray, std::max(240, 40 * ridges));
+            const sgt_hit h = sgt_intersect(s.s, ray, &options);
+            if (h.status != status[i] || (h.status > 0 && std::memcmp(&h.t, &found[i], sizeof h.t)))
+                fail("ridges: a batch says something else", of, ray, j, 1, &h, status[i]);
+            if (j.everywhere) continue;
+            t->rays++, t->hit += h.status > 0, t->miss += h.status == SGT_MISS, t->undecided += h.status < 0;
+            t->several += j.roots.size() > 1, t->doubtful += !j.doubtful.empty();
+            if (h.status > 0) check_hit(of, ray, j, h);
+            for (const root &r : j.roots) {
+                if (counting(r, ray.tmin, ray.tmax) != oracle::yes || in_doubt(j, r.t, r.t)) continue;
+                if (h.status == SGT_MISS) fail("ridges: a miss that meets", of, ray, j, 1, &h, plain(r.t));
+                if (h.status > 0 && before(j, r, h))
+                    fail("ridges: not the first", of, ray, j, 1, &h, plain(r.t));
+                if (h.status < 0 && h.lo <= h.hi && r.t < quad(h.lo) - quad(1e-12))
+                    fail("ridges: undecided, and a root before", of, ray, j, 1, &h, plain(r.t));
+            }
+        }
+    }
+}
+
 // Axial rays at the rim: x^2 + y^2 says at once on which side they are.
 void at_rim(const subject &of, generator &g, long *sure, long *unsure)
 {
@@ -282,6 +343,21 @@ int main(int argc, char **argv)
             failed[std::string(types[k]) + ": these rays are no test"]++;
         if (double(o.proven[0] + o.proven[1]) < 0.8 * double(o.asked[0] + o.asked[1]) - 3)
             failed[std::string(types[k]) + ": too few ordinary rays are proven"]++;
+    }
+    for (const char *type : {"grid", "chebyshev", "zernike", "q_con", "q_bfs", "odd_asphere", "toroidal",
+                             "polynomial_xy", "sum"}) {
+        if (only && std::strcmp(only, type)) continue;
+        generator g(r.seed ^ static_cast<std::uint64_t>(type[0]) << 48 ^
+                    static_cast<std::uint64_t>(type[2]) << 40);
+        tally t = {};
+        const bool grid = !std::strcmp(type, "grid");
+        for (long done = 0; done < r.count; done += grid ? 4 : 26) along_ridges(g, type, &t);
+        std::printf("%-14s %6ld rays along ridges, %6ld hits, %5ld misses, %ld with several roots, %ld "
+                    "doubtful; %ld undecided\n",
+                    type, t.rays, t.hit, t.miss, t.several, t.doubtful, t.undecided);
+        if (t.several < t.rays / 8) failed[std::string(type) + ": these ridges are no test"]++;
+        if (double(t.undecided) > 6 + 0.1 * double(t.rays)) // seen: 1 to 6 %
+            failed[std::string(type) + ": too many rays along ridges are undecided"]++;
     }
     for (const auto &f : failed) std::printf("FAIL %6ld  %s\n", f.second, f.first.c_str());
     return !failed.empty();

@@ -1,7 +1,8 @@
 // The first root of sags without a rim.  Coming from afar the ray passes the wings, which a departure of
 // high powers makes as steep as can be, and a wing may be met before what is near the axis is.  Leaving
 // from beside the surface it may meet one, too, or none: with an end to the ray, or as far as the surface
-// goes.
+// goes.  From the side it comes nearly parallel to the vertex plane, or from far out beside the surface, and
+// may miss.
 //
 // The judge is F in 113 bits (formulas.h), at points between the start and the root that are closer
 // together the nearer they are to the axis and to the root:
@@ -75,10 +76,15 @@ bool changes(const formula<quad> &f, const sgt_ray &r, double h)
         }
         end = in;
     }
+    const double nearest = -(r.o.x * r.d.x + r.o.y * r.d.y) / (r.d.x * r.d.x + r.d.y * r.d.y),
+                 centre = std::min(std::max(nearest, from), end);
     int before = 0;
     for (int i = 0; i < 600; i++) {
         const double part = std::pow(1e-9, i / 600.0),
-                     t = i % 2 ? end - part * (end - from) : from + (end - from) / (1e9 * part);
+                     near = i % 6 == 5 ? centre + part * (end - centre) : centre - part * (centre - from),
+                     t = i % 3 == 2   ? near
+                         : i % 3 == 1 ? end - part * (end - from)
+                                      : from + (end - from) / (1e9 * part);
         const quad g = along(f, r, i == 599 ? end : t);
         const int is = g == g ? sign(g) : 0;
         if (g != g) before = 0;
@@ -108,7 +114,7 @@ int main()
             const formula<double> rough(s.s);
             const formula<quad> exact(s.s);
             const double away = s.h * g.log_uniform(3, 3e4);
-            const bool leave = round % 2;
+            const bool side = round % 4 == 3, leave = round % 2; // either may miss
             std::vector<sgt_ray> all;
             for (int i = 0; i < RAYS; i++) {
                 const double r = s.h * std::sqrt(g.uniform(0, 0.9)), about = g.uniform(0, 6.283185307179586),
@@ -119,6 +125,16 @@ int main()
                                     (g.chance(0.3) ? -1 : 1) * std::cos(tilt)};
                 const double beside = s.h * g.log_uniform(1e-6, 3),
                              last = g.chance(0.3) ? beside + s.h * g.log_uniform(1e-3, 1e2) : INFINITY;
+                if (z == z && side) { // toward a point of the surface from the side, or past it
+                    const double steep = g.log_uniform(1e-6, 1), far = s.h * g.log_uniform(0.5, 1e4),
+                                 past = g.chance(0.5) ? 0 : s.h * g.sign() * g.log_uniform(1e-6, 1);
+                    const sgt_vec3 way = {std::cos(to), std::sin(to), g.sign() * steep};
+                    all.push_back({{x - far * way.x, y - far * way.y, z - far * way.z + past},
+                                   {way.x * size, way.y * size, way.z * size},
+                                   0,
+                                   (g.chance(0.5) ? 2 * far : far + last) / size});
+                    continue;
+                }
                 if (z == z && leave)
                     all.push_back({{x + beside * d.x, y + beside * d.y, z + beside * d.z},
                                    {d.x * size, d.y * size, d.z * size},

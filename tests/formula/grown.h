@@ -4,6 +4,9 @@
 // need or more, whole and real powers, every function.  Half of the trees are sums of plain terms, which have
 // roots; the others are anything.  A whole number as exponent is a product (formula.h), so one that is not
 // meant as a product is made of a parameter or of a variable.
+//
+// And formulas of one operation each (`single`), which are counted and not drawn.  What has code of its own
+// for an operation or a power has a formula here that nothing else of that formula can hide behind.
 #ifndef FORMULA_GROWN_H
 #define FORMULA_GROWN_H
 
@@ -28,6 +31,35 @@ struct node {
     int a, b;     // nodes before this one; n and k of a wave
 };
 
+// One operation of one operand or two, each in a form of its own: x^2 + y^2, x, a sum of products, r.
+struct single {
+    op what;
+    int power;    // of op::whole
+    int form;     // of the operand
+    int second;   // 0: none; the other operand is 1: a number, 2: the first one is, 3: the same, 4: a number
+                  // more than that form, 5: another form, 6: both are sums
+    bool sag;
+};
+
+inline std::vector<single> singles()
+{
+    std::vector<single> all;
+    const auto ops = [](op from, op to) {
+        std::vector<op> found;
+        for (int i = static_cast<int>(from); i <= static_cast<int>(to); i++)
+            found.push_back(static_cast<op>(i));
+        return found;
+    };
+    for (int sag = 0; sag < 2; sag++)
+        for (int form = 0; form < 4; form++) {
+            for (op what : ops(op::negative, op::absolute)) all.push_back({what, 0, form, 0, sag > 0});
+            for (int n = -4; n <= 20; n++) all.push_back({op::whole, n, form, 0, sag > 0});
+            for (op what : ops(op::sum, op::power))
+                for (int second = 1; second <= 6; second++) all.push_back({what, 0, form, second, sag > 0});
+        }
+    return all;
+}
+
 class grown : public written {
 public:
     using second = dual<dual<ball>>;
@@ -48,6 +80,43 @@ public:
         } while (!varies_);
         if (g.chance(0.3)) where = {0, {g.uniform(0.5, 2), g.uniform(0.5, 2), 1}, 0, 0, false};
         special = {{0, 0, 0}, {1, 0, 0}, {-1, 0, 0.5}, {0, 0, 1}, {0.5, 0.5, 0.5}, {0, -0.25, 0}};
+        text = print(last(), 1);
+    }
+    // a + b op(u, v): the numbers about it are parameters half of the time.
+    grown(oracle::generator &g, long number, const single &of) : g_(g)
+    {
+        name = "single " + std::to_string(number);
+        where = {1.5, {0, 0, 0}, 0, 0, false};
+        if (of.sag) where = {0, {0, 0, 0}, 1.25, 3, false};
+        touches = false;
+        const auto some = [&](double value) {
+            if (named.size() >= 3 || g.chance(0.5)) return add(op::number, value);
+            static const char *const names[] = {"a", "b2", "long_name"};
+            named.push_back({names[named.size()], value});
+            return add(op::parameter, static_cast<double>(named.size()) - 1);
+        };
+        const auto operand = [&](int form) {
+            const auto square = [&](op of_what) { return add(op::whole, 2, add(of_what)); };
+            if (form == 0) { // numbered, for the order of evaluation
+                const int x2 = square(op::x), y2 = square(op::y);
+                return add(op::product, 0, some(g.uniform(0.4, 0.9)), add(op::sum, 0, x2, y2));
+            }
+            if (form == 1) return add(op::product, 0, some(g.uniform(0.4, 0.9)), add(op::x));
+            if (form == 3) return add(op::r);
+            const int x = add(op::x), y = add(op::y), third = add(of.sag ? op::y : op::z),
+                      xy = add(op::product, 0, x, y);
+            return add(op::sum, 0, xy, add(op::product, 0, some(g.uniform(0.4, 0.9)), third));
+        };
+        int u = operand(of.form), v = of.second == 3 ? u : 0;
+        const auto more_than = [&](int base) { return add(op::sum, 0, some(g.uniform(0.3, 2)), base); };
+        if (of.second == 6) u = more_than(u);
+        if (of.second == 4 || of.second == 6) v = more_than(operand(of.form));
+        if (of.second == 5) v = operand((of.form + 1 + g.below(3)) % 4);
+        if (of.second == 1 || of.second == 2) v = some(g.uniform(0.3, 2));
+        if (of.second == 2) std::swap(u, v);
+        const int it = add(of.what, of.power, u, v), times = add(op::product, 0, some(g.uniform(0.2, 1)), it);
+        add(g.chance(0.5) ? op::sum : op::difference, 0, some(g.uniform(-1, 1)), times);
+        special = {{0, 0, 0}, {1, 0, 0}, {0, -0.25, 0}, {0.5, 0.5, 0.5}};
         text = print(last(), 1);
     }
     std::size_t size() const { return nodes_.size(); }
@@ -85,7 +154,7 @@ public:
         second a[3];
         for (std::size_t i = 0; i < named.size(); i++)
             a[i] = second(dual<ball>(named[i].value), dual<ball>(i == j ? 1.0 : 0.0));
-        return walked(x, y, z, a);
+        return level(z, walked(x, y, z, a));
     }
 
     // Is some part of numbers and parameters alone not certainly defined?  Such a text may be refused.
@@ -245,8 +314,9 @@ private:
     {
         N a[3];
         for (std::size_t i = 0; i < named.size(); i++) a[i] = N(named[i].value);
-        return walked(x, y, z, a);
+        return level(z, walked(x, y, z, a));
     }
+    template <class N> N level(const N &z, const N &v) const { return sag() ? z - v : v; }
     template <class N> N part(const N &x, const N &y, const N &z, std::size_t to) const
     {
         N a[3];

@@ -8,9 +8,10 @@
 //   second, by_parameter, sgt_differentiate   the same by dual numbers of dual numbers of balls
 //   sgt_formula_set   another value of a parameter is the formula read with it
 //
-//     test_operations [--count N] [--seed S] [--only NAME] [--random [--seconds T]]
+//     test_operations [--count N] [--seed S] [--only NAME] [--random [--seconds T]] [--single]
 //
 // --random: of random formulas (grown.h), for so long.
+// --single: of formulas of one operation, each operation, whole power and form of its operands once.
 #include "grown.h"
 #include "rays.h"
 #include "subject.h"
@@ -367,21 +368,76 @@ void randomly(const oracle::run &run, double seconds, const char *only)
                 read, read ? static_cast<double>(nodes) / static_cast<double>(read) : 0, undefined, refused);
 }
 
+// More points than are worked out at once: each has the bits that it has alone.
+void many_at_once(generator &g, const written &f, const sgt_surface &s)
+{
+    const std::size_t n = static_cast<std::size_t>(1 + g.below(400));
+    std::vector<double> p[3], out[4];
+    for (auto &v : p) v.resize(n);
+    for (auto &v : out) v.resize(n);
+    for (std::size_t i = 0; i < n; i++) {
+        const sgt_vec3 at = random_point(g, f.where);
+        p[0][i] = at.x, p[1][i] = at.y, p[2][i] = at.z;
+    }
+    s.ops->values(s.self, n, {{p[0].data(), p[1].data(), p[2].data()}},
+                  {out[0].data(), {out[1].data(), out[2].data(), out[3].data()}});
+    for (std::size_t i = 0; i < n; i++) {
+        const sgt_vec3 at = {p[0][i], p[1][i], p[2][i]};
+        sgt_vec3 grad;
+        const double v = s.ops->value(s.self, at, &grad), alone[4] = {v, grad.x, grad.y, grad.z};
+        for (int k = 0; k < 4; k++)
+            if (std::memcmp(&alone[k], &out[k][i], sizeof v) &&
+                !(alone[k] != alone[k] && out[k][i] != out[k][i]))
+                fail(f, "a point among many", at, out[k][i], alone[k]);
+    }
+}
+
+// Each operation alone (grown.h, singles), at some points and rays.
+void singly(const oracle::run &run, const char *only)
+{
+    const std::vector<single> all = singles();
+    long refused = 0, undefined = 0, told = 0, most = only ? std::atol(only) : -1;
+    const long points = std::max(run.count / 50, 1L);
+    for (long i = 0; i < static_cast<long>(all.size()); i++) {
+        if (most >= 0 && i != most) continue;
+        generator g(run.seed + 7919 * static_cast<std::uint64_t>(i));
+        const grown f(g, i, all[static_cast<std::size_t>(i)]);
+        const subject s(f, false);
+        const long before = failures;
+        asked = 0;
+        if (s.error().empty()) operations(g, f, s.surface(), points), many_at_once(g, f, s.surface());
+        else if (f.may_be_refused() || s.error().find("none of x, y, z, r") != std::string::npos) refused++;
+        else fail(f, s.error().c_str(), {0, 0, 0}, 0, 0);
+        undefined += asked == 0;
+        if ((failures > before && told++ < 40) || only) {
+            std::printf("    %s\n   ", f.text.c_str());
+            for (const sgt_named &n : f.named) std::printf(" %s = %a", n.name, n.value);
+            std::printf("\n");
+        }
+    }
+    std::printf("%zu formulas of one operation tried, %ld points each; %ld undefined there, %ld refused\n",
+                all.size(), points, undefined, refused);
+    if (!only && undefined > static_cast<long>(all.size()) / 20) failures++;
+}
+
 } // namespace
 
 int main(int argc, char **argv)
 {
     const char *only = nullptr;
     double seconds = 0;
-    bool random = false;
+    bool random = false, alone = false;
     for (int i = 1; i < argc; i++) {
         if (!std::strcmp(argv[i], "--only") && i + 1 < argc) only = argv[i + 1];
         if (!std::strcmp(argv[i], "--random")) random = true;
+        if (!std::strcmp(argv[i], "--single")) alone = true;
         if (!std::strcmp(argv[i], "--seconds") && i + 1 < argc) seconds = std::atof(argv[i + 1]);
     }
     const oracle::run run(argc, argv, 200, 20261124);
     if (random) {
         randomly(run, seconds, only);
+    } else if (alone) {
+        singly(run, only);
     } else {
         std::uint64_t number = 0;
         for (const auto &f : formulas()) {

@@ -7,6 +7,9 @@
 //   leaving       rays that begin in the vertex, or behind the vertex plane, or behind the surface, with
 //                 tmin = 0 or
 //                 later, by every pick and proof, alone and in a batch: a miss has no root that counts.
+//   one in t_err  under either proof a hit has exactly one root within t_err, accepted or not: conics and
+//                 aspheres without a rim, from 1 to 1e20 times their size away, by every pick.  From so
+//                 far t is rounded by more than the roots are apart, and no t_err holds one alone.
 #include "cases.h"
 #include "quad.h"
 
@@ -92,6 +95,64 @@ long misses_of(const test_case &t, const answer &a)
     return misses;
 }
 
+// From far away, at any tilt to 85 degrees or nearly along a tangent.
+test_case far_case(generator &g)
+{
+    test_case t = g.chance(0.3) ? random_narrow_case(g) : random_case(g);
+    if (!t.asphere || g.chance(0.5))
+        for (double &a : t.surface.a) a = 0;
+    t.asphere = false;
+    for (double a : t.surface.a) t.asphere = t.asphere || a != 0;
+    t.surface.semi_diameter = 0;
+    const double away = t.h * g.log_uniform(1, 1e20) /
+                        std::sqrt(t.ray.d.x * t.ray.d.x + t.ray.d.y * t.ray.d.y + t.ray.d.z * t.ray.d.z);
+    const double r = t.h * std::sqrt(g.uniform(0, 1)), at = g.uniform(0, 6.283185307179586),
+                 x = r * std::cos(at), y = r * std::sin(at), z = rough_sag(t.surface, r * r);
+    if (!t.narrow)
+        t.ray.o = {x - away * t.ray.d.x, y - away * t.ray.d.y, z - away * t.ray.d.z};
+    if (!t.narrow && g.chance(0.3)) t.ray.d.x = t.ray.d.y = 0, t.ray.o.x = x, t.ray.o.y = y;
+    t.ray.tmin = -HUGE_VAL, t.ray.tmax = HUGE_VAL;
+    if (g.chance(0.3)) t.ray.tmin = 0;
+    return t;
+}
+
+// told[0]: hits; told[1]: refusals on a ray that has roots.
+void alone_within(const test_case &t, long told[2])
+{
+    sgt_conic conic;
+    const sgt_surface s = as_surface(t, &conic);
+    const answer a = all_roots(surface(t.surface), t.ray);
+    if (a.gave_up || !a.doubtful.empty()) return;
+    for (int proof = SGT_PROVE_ROOT; proof <= SGT_PROVE_FIRST; proof++)
+        for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+            sgt_options o = {};
+            o.proof = static_cast<sgt_proof>(proof), o.pick = static_cast<sgt_pick>(pick);
+            sgt_hit h = sgt_intersect(s, t.ray, &o);
+            for (int batch = 0; batch < 2; batch++) {
+                signed char status;
+                sgt_hits out = {};
+                out.status = &status, out.t = &h.t, out.t_err = &h.t_err;
+                const sgt_ray &r = t.ray;
+                if (batch) {
+                    const sgt_rays one = {
+                        {&r.o.x, &r.o.y, &r.o.z}, {&r.d.x, &r.d.y, &r.d.z}, &r.tmin, &r.tmax};
+                    sgt_intersect_batch(s, 1, one, out, &o);
+                    h.status = static_cast<sgt_status>(status);
+                }
+                if (h.status < 0 && !a.roots.empty()) told[1]++;
+                if (h.status != SGT_HIT) continue;
+                told[0]++;
+                long within = 0, surely = 0;
+                for (const meeting &m : a.roots) {
+                    within += is_of(m, h);
+                    surely += magnitude(m.minus(h.t)) <= quad(h.t_err) * (1 - quad(1e-9)) - m.blur;
+                }
+                if (surely > 1) fail("proven, and two roots within t_err", t, a, h);
+                if (within < 1) fail("proven, and no root within t_err", t, a, h);
+            }
+        }
+}
+
 }  // namespace
 
 int main(int argc, char **argv)
@@ -130,6 +191,11 @@ int main(int argc, char **argv)
         leaving++, misses += misses_of(t, a);
     }
     std::printf("%ld rays that leave, %ld misses of %ld answers\n", leaving, misses, 6 * leaving);
+    long told[2] = {0, 0};
+    for (long i = 0; i < r.count; i++) alone_within(far_case(g), told);
+    std::printf("%ld proven hits from afar, %ld refusals\n", told[0], told[1]);
+    if (told[0] < r.count || told[1] < r.count / 50)
+        failures++, std::printf("FAIL: these rays are no test\n");
     if (static_cast<double>(decided) < 0.97 * static_cast<double>(single))
         failures++, std::printf("FAIL: too few are decided\n");
     return failures != 0;
