@@ -34,16 +34,18 @@ long compared, failures, far_out;
 std::map<std::string, long> failed;
 
 // A ray without an end is searched to where powers of r leave the range of doubles.  That is at one number,
-// whatever the unit of length.  So the last cells before it are divided a few times more or less, and after
-// hundreds of evaluations more than a few.  The count of evaluations may differ by that, and of what is
-// undecided where it begins and why; no hit and no miss may, and no number of a hit.  A number of such a
+// whatever the unit of length.  So the last cells before it are divided a few times more or less, and an
+// eighth of all; after hundreds of evaluations more than that.  The count of evaluations may differ by that, and of what is
+// undecided, a ray within the surface too, where it begins and ends and why; no hit and no miss may, and no number of a hit.  A number of such a
 // formula that is 1 at one scale is dropped by the reader of formulas, with the rounding of its product: none
 // of the numbers below is a power of two.
-enum { SEARCHED = 500, A_FEW = 8 };
+enum { SEARCHED = 500, A_FEW = 8, PART = 8 };
+
+bool undecided_of(int status) { return status != SGT_HIT && status != SGT_MISS; }
 
 bool by_range(int got, int want)
 {
-    return std::max(got, want) >= SEARCHED || std::abs(got - want) <= A_FEW;
+    return std::max(got, want) >= SEARCHED || std::abs(got - want) <= A_FEW + std::max(got, want) / PART;
 }
 
 // A surface at each scale.  Numbers of F are 2^(k by_f) times those at k = 0.
@@ -84,7 +86,7 @@ void compare(const maker &m, int k, const char *by, const sgt_ray &r, const sgt_
     if (why && endless && by_range(got.evals, want.evals)) {
         sgt_hit like = got;
         like.evals = want.evals;
-        const bool undecided = got.status < 0 && want.status < 0;
+        const bool undecided = undecided_of(got.status) && undecided_of(want.status);
         if (undecided || !difference(like, want)) why = nullptr, far_out++;
     }
     if (why) fail(m, k, std::string(by) + ", " + why, r, o, &got, &want);
@@ -307,7 +309,7 @@ void ask(const maker &m, generator &g, const std::vector<sgt_ray> &rays, const s
                 const sgt_hit h = expected(want[q][i], k, k, m.by_f * k);
                 compared++;
                 const bool endless = !std::isfinite(rays[i].tmin) || !std::isfinite(rays[i].tmax);
-                if (endless && (h.evals >= SEARCHED || (h.status < 0 && status[i] < 0)))
+                if (endless && (h.evals >= SEARCHED || (undecided_of(h.status) && undecided_of(status[i]))))
                     continue; // `one ray`, and tests of batches, have judged it
                 if (status[i] != h.status || !same(out[0][i], h.t) || !same(out[1][i], h.t_err) ||
                     !same(out[2][i], h.t_lo))
