@@ -24,7 +24,6 @@
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
-#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -34,23 +33,6 @@
 #include <sys/mman.h>
 #include <ucontext.h>
 #endif
-
-/* ------------------------------------------------------------------- arithmetic */
-
-enum { FLUSHES = 1, DENORMALS_ARE_ZERO = 2, NOT_TO_NEAREST = 4 };
-
-/* 0: as the library needs it.  Else a sum of those above. */
-SGT_API int sagitta_arithmetic(void);
-int sagitta_arithmetic(void)
-{
-    volatile double least = DBL_MIN, denormal = DBL_TRUE_MIN, one = 1, ulp = DBL_EPSILON, half = 0.5;
-    int bad = 0;
-    if (least * half == 0) bad |= FLUSHES;
-    if (denormal * (1 / DBL_EPSILON) == 0) bad |= DENORMALS_ARE_ZERO;
-    if (one + ulp * 0.4 != 1 || one + ulp * 0.6 == 1 || -one - ulp * 0.6 == -1 || -one - ulp * 0.4 != -1)
-        bad |= NOT_TO_NEAREST;
-    return bad;
-}
 
 /* ------------------------------------------------- a function of Python as a surface */
 
@@ -550,7 +532,7 @@ static void in_fibres(run *r, size_t count)
 SGT_API int sagitta_run(sagitta_call *call);
 int sagitta_run(sagitta_call *call)
 {
-    int bad = sagitta_arithmetic();
+    int bad = sgt_arithmetic();
     if (bad) return bad;
     call->met = 0, call->lacks = 0;
     if (!call->python) return part(call, call->begin, call->end - call->begin) ? 0 : -2;
@@ -581,7 +563,7 @@ int sagitta_run(sagitta_call *call)
 SGT_API int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
 int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
 {
-    int bad = sagitta_arithmetic();
+    int bad = sgt_arithmetic();
     if (bad) return bad;
     run *outer = current, here = {0};
     current = &here;

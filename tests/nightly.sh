@@ -3,6 +3,8 @@
 #
 #   scale      all random tests, oracles and proofs at ten times their scale (SAGITTA_TEST_SCALE=10; SAGITTA_TEST_SEED
 #              chooses other cases: the day of the year, unless it is set)
+#   rest       what a plain `meson test` leaves out: the suite `nightly` (random lenses against mpmath, the ways of a
+#              search, the costs of a render, the library as a subproject)
 #   tapes      random formulas against Arb, their operations and rays to them, ten minutes each
 #   platforms  the library on other systems (platforms/run.py): all sums, the speed, and the oracles by wine and qemu at
 #              a tenth of their scale
@@ -24,10 +26,11 @@ stage() {  # stage NAME COMMAND...
     name=$1
     shift
     echo "== $name, $(date +%H:%M)"
+    began=$(date +%s)
     if "$@" >"$logs/$name.log" 2>&1; then
-        echo "   passed"
+        echo "   passed, $(($(date +%s) - began)) s"
     else
-        echo "   FAILED, see $logs/$name.log:"
+        echo "   FAILED, $(($(date +%s) - began)) s, see $logs/$name.log:"
         tail -25 "$logs/$name.log"
         failed="$failed $name"
     fi
@@ -40,7 +43,7 @@ sanitized_examples() {
 }
 
 if [ ! -f $build/build.ninja ]; then
-    meson setup $build || exit 1
+    meson setup $build --libdir=lib -Dauto_features=enabled || exit 1
 fi
 meson compile -C $build || exit 1
 sh .ci/install clang || exit 1
@@ -50,6 +53,7 @@ export SAGITTA_TEST_SEED
 SAGITTA_TEST_SCALE=10 stage scale meson test -C $build --no-rebuild --timeout-multiplier 0 --print-errorlogs \
     --suite unit --suite batch --suite oracle --suite interval --suite extremes \
     --suite sensitivity --suite geo --suite catalogue --suite lens --suite formula
+stage rest meson test -C $build --no-rebuild --print-errorlogs --suite nightly
 for what in operations roots; do
     stage tapes_$what $build/tests/formula/test_formula_$what --seconds 600 --seed "$SAGITTA_TEST_SEED" --random
 done

@@ -16,7 +16,7 @@ sh .ci/install gcc g++ libc6-dev meson pkg-config python3 \
     libgeographiclib-dev proj-data \
     git mypy universal-ctags python3-matplotlib python3-mesonpy python3-pip python3-pytest python3-scipy python3-venv \
     libbenchmark-dev libboost-dev libgsl-dev \
-    valgrind llvm python3-mpmath python3-numpy python3-yaml \
+    valgrind llvm python3-gmpy2 python3-mpmath python3-numpy python3-yaml \
     cmake make abigail-tools gfortran rustc octave-dev
 
 if [ -f $build/build.ninja ]; then

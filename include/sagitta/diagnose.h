@@ -74,7 +74,8 @@ typedef enum sgt_fault {
     SGT_WRONG_ENCLOSURE,
     SGT_WRONG_FIRST,
     SGT_WRONG_FIRSTS,
-    SGT_WRONG_ENCLOSURES  /* of `encloses`; from version 0.3 on */
+    SGT_WRONG_ENCLOSURES, /* of `encloses`; from version 0.3 on */
+    SGT_WRONG_ARITHMETIC  /* not the surface's: see sgt_arithmetic.  Nothing was tried. */
 } sgt_fault;
 
 /* Walks n rays and tries to catch the surface breaking a promise of sgt_surface_ops.  The

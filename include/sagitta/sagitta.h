@@ -55,6 +55,31 @@ extern "C" {
 SGT_API const char *sgt_version(void);
 SGT_API int         sgt_version_number(void);
 
+/* ------------------------------------------------------------ arithmetic */
+
+/* What is wrong with the arithmetic of the calling thread: 0, or a sum of these. */
+typedef enum sgt_arithmetic_fault {
+    SGT_FLUSHES = 1,            /* results below 2.2e-308 become zero (flush-to-zero) */
+    SGT_DENORMALS_ARE_ZERO = 2, /* numbers below 2.2e-308 are read as zero */
+    SGT_NOT_TO_NEAREST = 4      /* rounding is not to nearest */
+} sgt_arithmetic_fault;
+
+/* Every bound of this library takes each operation as rounded to nearest, and small
+ * numbers as they are (IEEE 754-2019, sections 4.3.1 and 3.3: roundTiesToEven, gradual
+ * underflow).  A processor can be told otherwise, for each thread: by fesetround, or by
+ * -Ofast and -ffast-math when a program or a library is LINKED with them (gcc then sets
+ * flush-to-zero as it is loaded).  Then no bound holds, and nothing is proven.
+ *
+ * The functions of this library do not look, and print nothing.  So ask once in each
+ * thread that traces, after all libraries are loaded; threads begin with what the thread
+ * that makes them has.  sgt_check, the command and the package for Python ask by
+ * themselves.  It costs a few nanoseconds. */
+SGT_API int sgt_arithmetic(void);
+
+/* A few words that name the faults of `arithmetic`, what sgt_arithmetic has said; for 0
+ * that there is none.  Constant, never NULL. */
+SGT_API const char *sgt_arithmetic_text(int arithmetic);
+
 /* ------------------------------------------------------------------ rays */
 
 typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;

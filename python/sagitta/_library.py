@@ -526,7 +526,8 @@ ROWS = {
 }
 
 _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
-    "sagitta_arithmetic": (c_int, []),
+    "sgt_arithmetic": (c_int, []),
+    "sgt_arithmetic_text": (c_char_p, [c_int]),
     "sagitta_function_size": (c_size_t, []),
     "sagitta_function_begin": (None, [c_void_p, Asker, c_double, Vector, Vector, c_double, c_int]),
     "sagitta_run": (c_int, [c_void_p]),
@@ -603,24 +604,15 @@ def refuse(bad: int) -> None:
     """Raises what sagitta_run and its kin have returned."""
     if bad == -2:
         raise MemoryError("sagitta: no memory")
-    faults = [
-        said
-        for bit, said in (
-            (1, "results below 2.2e-308 are set to zero (flush-to-zero)"),
-            (2, "numbers below 2.2e-308 are read as zero (denormals-are-zero)"),
-            (4, "rounding is not to nearest"),
-        )
-        if bad & bit
-    ]
     raise ArithmeticFault(
         "sagitta: the arithmetic of this thread has been changed: "
-        + ", ".join(faults)
+        + text(library.sgt_arithmetic_text(bad))
         + ".  No bound of the library would hold.  A library compiled with -ffast-math, "
         "loaded into this process, is the usual cause"
     )
 
 
 def check_arithmetic() -> None:
-    bad = library.sagitta_arithmetic()
+    bad = library.sgt_arithmetic()
     if bad:
         refuse(bad)

@@ -125,6 +125,7 @@ class Fault(enum.IntEnum):
     WRONG_FIRST = 9
     WRONG_FIRSTS = 10
     WRONG_ENCLOSURES = 11
+    WRONG_ARITHMETIC = 12
 
 
 @dataclass

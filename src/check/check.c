@@ -644,7 +644,9 @@ sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *whe
         = s.ops ? rim2_of_builtin(s) : HUGE_VAL; /* the table has the public operations */
     s = in_set(s);
     check c = {.s = s, .fault = SGT_SOUND, .where = {(double)NAN, (double)NAN, (double)NAN}};
-    if (!s.ops || !s.ops->value || !is_whole(s.ops) ||
+    if (sgt_arithmetic()) {
+        c.fault = SGT_WRONG_ARITHMETIC;
+    } else if (!s.ops || !s.ops->value || !is_whole(s.ops) ||
         (is_catalogue(s.ops) && s.ops->own_->object(s.self).reason)) {
         c.fault = SGT_NO_VALUE;
     } else {
@@ -685,6 +687,8 @@ const char *sgt_fault_text(sgt_fault fault)
     case SGT_WRONG_ENCLOSURES:
         return "wrong encloses: F or its slope leaves an interval, or a cell's depends on its neighbours, or "
                "there is no enclose";
+    case SGT_WRONG_ARITHMETIC:
+        return "wrong arithmetic: this thread flushes small numbers to zero, or does not round to nearest";
     case SGT_NO_VALUE:
         return "no value: the surface has no function F, a table of a wrong size, or a parameter that is not "
                "valid";

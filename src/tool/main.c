@@ -2,6 +2,8 @@
 #include "command/commands.h"
 #include "job/options.h"
 
+#include <sagitta/sagitta.h>
+
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
@@ -55,9 +57,20 @@ static void hold_standard_files(void)
 #endif
 }
 
+/* A library that is loaded before the command may have been linked with -Ofast. */
+static void require_arithmetic(void)
+{
+    int bad = sgt_arithmetic();
+    if (bad)
+        fail_input("the arithmetic of this process has been changed: %s.  No bound would hold.  A library "
+                   "linked with -ffast-math or -Ofast and loaded into it (LD_PRELOAD, say) is the usual cause",
+                   sgt_arithmetic_text(bad));
+}
+
 int main(int argc, char *argv[])
 {
     hold_standard_files();
+    require_arithmetic();
     const char *name = argc > 1 ? argv[1] : "";
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         if (strcmp(name, commands[i].name) != 0) continue;

@@ -149,7 +149,8 @@ class Copy:
         if run(['nice', 'ninja', '-C', self.build, '-j', str(arguments.threads)], self.log, 7200) != 0:
             fail(f'the build of the copy: see {self.log}')
         listed = subprocess.run(['meson', 'introspect', '--tests', self.build], capture_output=True, check=True).stdout
-        self.tests = [t for t in json.loads(listed) if not re.match(NEVER, t['name'])]
+        self.tests = [t for t in json.loads(listed) if not re.match(NEVER, t['name'])
+                      and not any(s.split(':')[-1] == 'nightly' for s in t['suite'])]
         self.targets = [os.path.relpath(t['filename'][0], self.build)
                         for t in json.loads(subprocess.run(['meson', 'introspect', '--targets', self.build], capture_output=True, check=True).stdout)
                         if t['type'] == 'shared library' or t['type'] == 'executable' and self.depends_on_src(t)]

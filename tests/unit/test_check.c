@@ -680,7 +680,7 @@ static void test_level_sets(void **state)
 static void test_texts(void **state)
 {
     (void)state;
-    for (int i = SGT_SOUND; i <= SGT_WRONG_ENCLOSURES; i++) {
+    for (int i = SGT_SOUND; i <= SGT_WRONG_ARITHMETIC; i++) {
         const char *text = sgt_fault_text((sgt_fault)i);
         assert_true(text && strlen(text) > 5 && !strchr(text, '\n'));
         for (int j = SGT_SOUND; j < i; j++) assert_string_not_equal(text, sgt_fault_text((sgt_fault)j));
