@@ -63,7 +63,8 @@ static void require_arithmetic(void)
     int bad = sgt_arithmetic();
     if (bad)
         fail_input("the arithmetic of this process has been changed: %s.  No bound would hold.  A library "
-                   "linked with -ffast-math or -Ofast and loaded into it (LD_PRELOAD, say) is the usual cause",
+                   "linked with -ffast-math or -Ofast and loaded into it (LD_PRELOAD, say) is the usual "
+                   "cause",
                    sgt_arithmetic_text(bad));
 }
 

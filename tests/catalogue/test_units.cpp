@@ -38,7 +38,7 @@ std::map<std::string, long> failed;
 // whatever the unit of length.  So the last cells before it are divided a few times more or less, and an
 // eighth of all; after hundreds of evaluations more than that.  The count of evaluations may differ by that.
 // Of what is undecided, a ray within the surface too, it may differ where it begins and ends, why, and how
-// many such stretches are told; and a root that one tells may lie in a stretch that the other leaves undecided.
+// many such stretches are told.  A root that one tells may lie in a stretch that the other leaves undecided.
 // No hit and no miss may differ else, and no number of a hit.
 //
 // A number of a formula that is 1 at one scale is dropped by the reader of formulas, with the rounding of its
@@ -54,8 +54,8 @@ bool by_range(int got, int want)
     return std::max(got, want) >= SEARCHED || std::abs(got - want) <= A_FEW + std::max(got, want) / PART;
 }
 
-// Do two lists of an endless ray tell the same roots?  Each root of one is a root of the other, to the bit, or
-// lies in a stretch that the other leaves undecided.
+// Do two lists of an endless ray tell the same roots?  Each root of one is a root of the other, to the bit,
+// or lies in a stretch that the other leaves undecided.
 bool same_roots(const std::vector<sgt_hit> &a, const std::vector<sgt_hit> &b)
 {
     const auto told = [](const sgt_hit &h, const std::vector<sgt_hit> &list) {
