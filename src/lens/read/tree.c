@@ -1,8 +1,8 @@
 /* tree.c - building the tree of a lens file, and reading the values in it. */
 #include "tree.h"
 
-#include "../text/number.h"
-#include "reader.h"
+#include "../../text/number.h"
+#include "../base/reader.h"
 
 #include <math.h>
 #include <stdarg.h>

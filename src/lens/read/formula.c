@@ -7,7 +7,7 @@
  * parameter that the formula does not name is refused, and so are the names of keys of lens files. */
 #include "formula.h"
 
-#include "reader.h"
+#include "../base/reader.h"
 
 #include <sagitta/formula.h>
 

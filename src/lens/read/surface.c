@@ -14,10 +14,10 @@
  * tables all rows are equally long. */
 #include "surface.h"
 
-#include "../text/number.h"
+#include "../../text/number.h"
 #include "formula.h"
 #include "matrix.h"
-#include "reader.h"
+#include "../base/reader.h"
 
 #include <float.h>
 #include <math.h>

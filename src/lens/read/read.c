@@ -4,7 +4,7 @@
  * takes is in the arena of the lens, but for a catalogue of glasses. */
 #include "lens.h"
 
-#include "reader.h"
+#include "../base/reader.h"
 
 #include <stdio.h>
 #include <string.h>

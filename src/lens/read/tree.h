@@ -18,7 +18,7 @@
  * nothing that is not in the arena while it calls any of them. */
 #ifndef SGT_LENS_TREE_H
 #define SGT_LENS_TREE_H
-#include "arena.h"
+#include "../base/arena.h"
 
 #include <setjmp.h>
 #include <sagitta/lens.h>

@@ -11,7 +11,7 @@
  * Source: NumPy's enhancement proposal 1 and numpy.lib.format. */
 #include "matrix.h"
 
-#include "../text/number.h"
+#include "../../text/number.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -2,7 +2,7 @@
  * zmx_surface.c read them, zmx_elements.c makes surfaces and breaks of them. */
 #ifndef SGT_LENS_ZMX_H
 #define SGT_LENS_ZMX_H
-#include "reader.h"
+#include "../base/reader.h"
 #include "tree.h"
 
 /* ----------------------------------------------------------------- surfaces */

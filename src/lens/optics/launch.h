@@ -1,7 +1,7 @@
 /* launch.h - a launcher from inside. */
-#ifndef SGT_ANALYSIS_LAUNCH_H
-#define SGT_ANALYSIS_LAUNCH_H
-#include "../vec3.h"
+#ifndef SGT_OPTICS_LAUNCH_H
+#define SGT_OPTICS_LAUNCH_H
+#include "../base/vec3.h"
 
 #include <sagitta/analysis.h>
 

@@ -11,7 +11,7 @@
 
 #include "aperture.h"
 #include "frame.h"
-#include "reader.h"
+#include "../base/reader.h"
 #include "surface.h"
 
 #include <math.h>

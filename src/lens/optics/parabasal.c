@@ -22,7 +22,7 @@
  * section still vanishes at -A_xx / C_xx, or -B_xx / D_xx: there the ray fan of the section has no slope. */
 #include "parabasal.h"
 
-#include "vec3.h"
+#include "../base/vec3.h"
 
 #include <sagitta/aim.h>
 

@@ -16,9 +16,9 @@
  * THE ERROR.  L and L0 have theirs (sgt_trace_error), and to first order a point of the ray that is off
  * changes L - n b by nothing.  Its direction is off by some u: 8 u |v|.  The point changes h^2 by
  * 2 h p_err, and with b and v . d0 that of the chief ray, c, counts by |d - d0|. */
-#include "launch.h"
+#include "../optics/launch.h"
 
-#include "../arena.h"
+#include "../base/arena.h"
 
 static const double ROUND = 0x1p-52;
 

@@ -15,7 +15,7 @@
  * the pupil and of all surfaces. */
 #include "launch.h"
 
-#include "../arena.h"
+#include "../base/arena.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -36,9 +36,9 @@
  *     4 u of an index       half an ulp if it was given; a glass adds terms.  1 is exact
  *
  * A quantity within its bound of 0 is 0: rounding alone may have made it.  One beyond it is never made 0. */
-#include "lens.h"
+#include "../read/lens.h"
 
-#include "reader.h"
+#include "../base/reader.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * ERROR.  An rms is a norm of the distances, each weighted: if each point is off by p_err, it is off by
  * the same norm of the p_err at most (the triangle inequality).  So is the centroid, by their mean, and
  * hence the rms about it by no more.  Sums of n terms are off by n roundings. */
-#include "launch.h"
+#include "../optics/launch.h"
 
 static bool counts(const sgt_ray_end *e) { return e->fate == SGT_PASSED; }
 

@@ -11,9 +11,9 @@
  * AFOCAL.  In place of heights there are the angles of the chief ray from z of the image, and their tangents
  * are compared: without distortion that behind is the paraxial angular magnification times that in front.
  * In place of foci there are vergences, index over distance: 0 is parallel light, positive converges. */
-#include "launch.h"
+#include "../optics/launch.h"
 
-#include "../parabasal.h"
+#include "../optics/parabasal.h"
 
 /* The direction of the field across the axis, and what the image height is in proportion to. */
 typedef struct field_way { sgt_vec2 h; double size; } field_way;
