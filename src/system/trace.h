@@ -410,4 +410,19 @@ sgt_fate sgt_pass(const sgt_element *e, bool sound, state *at, const sgt_options
 /* The passage of a ray without a hit, with the status `why`. */
 sgt_passage sgt_not_met(sgt_status why);
 
+/* Write what is wanted of ray i. */
+SGT_INLINE void tell_vector(double *const out[3], size_t i, sgt_vec3 a)
+{
+    if (out[0]) out[0][i] = a.x, out[1][i] = a.y, out[2][i] = a.z;
+}
+
+SGT_INLINE void tell_number(double *out, size_t i, double a) { if (out) out[i] = a; }
+
+SGT_INLINE void tell_passage(const sgt_passages *out, size_t i, const sgt_passage *p)
+{
+    put_hit(&out->hits, i, &p->hit);
+    tell_vector(out->direction, i, p->direction);
+    tell_number(out->opl, i, p->opl);
+}
+
 #endif

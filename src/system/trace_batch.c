@@ -344,20 +344,6 @@ static void tell_vectors(const tile *w, double *const out[3], const vectors *fro
     tell_all(w, out[0], from->x), tell_all(w, out[1], from->y), tell_all(w, out[2], from->z);
 }
 
-static void tell_vector(double *const out[3], size_t i, sgt_vec3 a)
-{
-    if (out[0]) out[0][i] = a.x, out[1][i] = a.y, out[2][i] = a.z;
-}
-
-static void tell_number(double *out, size_t i, double a) { if (out) out[i] = a; }
-
-static void tell_passage(const sgt_passages *out, size_t i, const sgt_passage *p)
-{
-    put_hit(&out->hits, i, &p->hit);
-    tell_vector(out->direction, i, p->direction);
-    tell_number(out->opl, i, p->opl);
-}
-
 /* Writes what has become of ray i of the batch; o, d: as it is at return. */
 static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d,
                       double opl)
