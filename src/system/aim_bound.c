@@ -183,5 +183,6 @@ bool sgt_trace_error(size_t n, const sgt_element e[], double index_before, const
     through_derivatives(&task, launch, phases ? ERROR_ROWS : OF_PATH, error, ulp);
     out->point = of_point(error[0], error[1]), out->grain = ulp[0] + ulp[1];
     if (phases) out->path += 1.5 * error[OF_PATH], out->path_grain = ulp[OF_PATH];
+    out->path = told_path(out->path);
     return true;
 }

@@ -130,6 +130,10 @@ SGT_INLINE double of_kick(double n1, double n2, sgt_vec3 d, sgt_vec3 after, doub
     return is_zero(after) ? 0 : kick;
 }
 
+/* The told error of a path.  Between surfaces that do not bend, the first term, which is computed, is all of
+ * the error: so what the sum rounds is added (2^-53 at each element). */
+SGT_INLINE double told_path(double off) { return off * (1 + 0x1p-45); }
+
 /* What the axes of a turned frame do to lengths. */
 SGT_INLINE double of_axes(sgt_vec3 p, double n1, double n2) { return 8 * SGT_U * size_of(p) * (n1 + n2); }
 

@@ -253,7 +253,7 @@ static void path_ends(size_t n, const double *opl, const error_path *w, const do
         const twofold path = {w->hi[i], w->lo[i]};
         double off = w->off[i] + fabs(twofold_difference(twofold_of(opl[i]), path).hi);
         off += more[i];
-        out[i] = ok[i] != 0 ? off : (double)NAN;
+        out[i] = ok[i] != 0 ? told_path(off) : (double)NAN;
     }
 }
 
