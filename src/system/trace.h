@@ -296,9 +296,11 @@ SGT_INLINE bool may_be_inside(sgt_surface s, const sgt_options *opt, sgt_status 
     return status < 0 && (searched || status == SGT_STOPPED || status == SGT_EXHAUSTED);
 }
 
+/* path + index (t + t_lo), off by some u^2 of the magnitudes: not of the sum, which may cancel. */
 SGT_INLINE twofold longer(twofold path, double index, double t, double t_lo)
 {
-    return twofold_sum(twofold_sum(path, two_product(index, t)), twofold_of(index * t_lo));
+    twofold more = two_product(index, t), sum = two_sum(path.hi, more.hi);
+    return quick_two_sum(sum.hi, sum.lo + (path.lo + sgt_fma(index, t_lo, more.lo)));
 }
 
 /* The hit that is meant on such a chord; *inside is set if it is inside.  A root where the chord is longer
