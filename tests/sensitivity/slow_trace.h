@@ -3,9 +3,9 @@
 // Each element is a matrix and an origin.  Its axes are orthogonal and of unit length to some 1e-16 only: so
 // directions are made of unit length wherever they are turned, and lengths are those of the global frame.
 // Conics are met by the quadratic formula, other surfaces by Newton on the definition of F
-// (catalogue/formulas.h), from the vertex plane.  Bending takes the unit normal and the cosines of both angles
-// (Glassner 1989, An Introduction to Ray Tracing, chapter 2).  Ideal lenses are as system.h defines them, by
-// slopes.  Numbers of the lens are quads, so that they may be changed by less than an ulp.
+// (catalogue/formulas.h), from the vertex plane.  Bending takes the unit normal and the cosines of both
+// angles (Glassner 1989, An Introduction to Ray Tracing, chapter 2).  Ideal lenses are as system.h defines
+// them, by slopes.  Numbers of the lens are quads, so that they may be changed by less than an ulp.
 #ifndef SENSITIVITY_SLOW_TRACE_H
 #define SENSITIVITY_SLOW_TRACE_H
 #include "../catalogue/formulas.h"
