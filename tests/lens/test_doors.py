@@ -134,6 +134,31 @@ def test_command_and_c():
                     assert (cell is None and math.isnan(value)) or bits(cell) == bits(value), (path.name, name, key, row)
 
 
+def test_patterns_in_blocks():
+    """A study makes its points block by block: those of sgt_pupil_points, in their order."""
+    lens = sagitta.Lens.read(TREE / 'examples/lenses/cooke_triplet.yaml')
+    for pattern, several in (('fan', (1, 300)), ('grid', (1, 3, 25)), ('hexapolar', (1, 12)), ('random', (1, 400)),
+                             ('sobol', (1, 128, 129, 400)), ('cells', (1, 2, 21)), ('cross', (1, 2, 131, 200))):
+        for rays in several:
+            mine, whole = lens.ends(1, pattern=pattern, rays=rays, seed=5), lens.launch(1, pattern, rays, seed=5)
+            for one, other in ((mine.px, whole.px), (mine.py, whole.py), (mine.weight, whole.weight)):
+                assert one.tobytes() == other.tobytes(), (pattern, rays)
+
+
+def test_memory():
+    """It does not grow with the number of rays."""
+    if b'__asan_init' in pathlib.Path(SAGITTA).read_bytes():
+        return                                             # what is freed is kept for a while
+
+    def most(rays):
+        child = subprocess.Popen([SAGITTA, 'spot', TREE / 'examples/lenses/cooke_triplet.yaml', '--fields', '1',
+                                  '--cells', str(rays)], stdout=subprocess.DEVNULL)
+        _, _, usage = os.wait4(child.pid, 0)
+        return usage.ru_maxrss                             # kB
+    less, more = most(60), most(400)
+    assert more < less + 3000, f'{more} kB for 125,000 rays, {less} kB for 2,800'
+
+
 def test_threads():
     lens = sagitta.Lens.read(TREE / 'examples/lenses/double_gauss.yaml')
     for name in analyses():

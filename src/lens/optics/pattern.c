@@ -100,15 +100,15 @@ static bool net_inside(sgt_pattern pattern, double x, double y)
     return x * x + y * y <= (pattern == SGT_PATTERN_GRID ? soft : 1);
 }
 
-/* How many points the row at y has, and the place of the first of them. */
-static size_t net_row(sgt_pattern pattern, double y, size_t n, size_t *first)
+/* How many points the row at x has (rows run along y), and the place of the first of them. */
+static size_t net_row(sgt_pattern pattern, double x, size_t n, size_t *first)
 {
-    size_t in = n / 2, out = n; /* from the middle to the right */
+    size_t in = n / 2, out = n; /* from the middle up */
     *first = 0;
-    if (n == 0 || !net_inside(pattern, net_place(pattern, in, n), y)) return 0;
+    if (n == 0 || !net_inside(pattern, x, net_place(pattern, in, n))) return 0;
     while (out - in > 1) {
         const size_t middle = in + (out - in) / 2;
-        *(net_inside(pattern, net_place(pattern, middle, n), y) ? &in : &out) = middle;
+        *(net_inside(pattern, x, net_place(pattern, middle, n)) ? &in : &out) = middle;
     }
     *first = n - 1 - in;
     return in - *first + 1;
@@ -197,10 +197,10 @@ size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t mos
     size_t count = 0;
     uint32_t k = 0;
     for (size_t i = 0; i < n && is_net(pattern); i++) {
-        const double y = net_place(pattern, i, n);
-        size_t first, many = net_row(pattern, y, n, &first);
+        const double x = net_place(pattern, i, n);
+        size_t first, many = net_row(pattern, x, n, &first);
         for (size_t j = 0; j < many && count + j < most; j++)
-            at[count + j] = (sgt_pupil_point){net_place(pattern, first + j, n), y, 1};
+            at[count + j] = (sgt_pupil_point){x, net_place(pattern, first + j, n), 1};
         count += many;
     }
     if (!is_net(pattern)) count = count_of(pattern, n);
@@ -244,7 +244,7 @@ sgt_pupil sgt_pupil_of(sgt_pattern pattern, size_t n, uint64_t seed, size_t row[
 void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
 {
     size_t low = 0, high = p->n, row_first = 0, row_end = 0, begin = 0;
-    double y = 0;
+    double x = 0;
     if (p->given) {
         for (size_t i = 0; i < count; i++) at[i] = p->given[first + i];
         return;
@@ -259,10 +259,10 @@ void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
         if (is_net(p->pattern)) {
             if (i >= row_end) {
                 while (p->row[low + 1] <= i) low++;
-                y = net_place(p->pattern, low, p->n), row_first = p->row[low], row_end = p->row[low + 1];
-                net_row(p->pattern, y, p->n, &begin);
+                x = net_place(p->pattern, low, p->n), row_first = p->row[low], row_end = p->row[low + 1];
+                net_row(p->pattern, x, p->n, &begin);
             }
-            *to = (sgt_pupil_point){net_place(p->pattern, begin + (i - row_first), p->n), y, 1};
+            *to = (sgt_pupil_point){x, net_place(p->pattern, begin + (i - row_first), p->n), 1};
         } else if (p->pattern == SGT_PATTERN_SOBOL) {
             k = sobol_next(k, to);
         } else {
