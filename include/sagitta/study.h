@@ -71,8 +71,8 @@ typedef struct sgt_study_options {
 typedef struct sgt_study sgt_study;
 
 /* The lens, and what the options point to, have to last as long as the study.  NULL:
- * `error` (may be NULL) says what is wrong: a number of a field or wavelength that the
- * lens does not have, an index that is not known, no pupil, no memory. */
+ * `error` (may be NULL) says what is wrong: no memory, no marginal ray to the real stop.
+ * Fields, wavelengths and points are looked at when the study is asked. */
 SGT_API sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt,
                                  sgt_lens_error *error);
 SGT_API void       sgt_study_free(sgt_study *study); /* NULL: nothing */
@@ -158,7 +158,9 @@ typedef struct sgt_setting {
 
 typedef struct sgt_asking sgt_asking; /* a study that is being asked (src/lens/study) */
 
-/* Plain data.  What is added later stands behind. */
+/* Plain data of the library.  What is added later stands behind; so columns and settings
+ * are had by sgt_analysis_column and sgt_analysis_setting, which know how long a row of
+ * these tables is. */
 typedef struct sgt_analysis {
     const char  *name, *title, *help;
     bool         primary_alone;  /* by default at the primary wavelength */
@@ -181,6 +183,12 @@ SGT_API const sgt_analysis *sgt_analysis_at(size_t place);
 /* NULL: there is none of that name. */
 SGT_API const sgt_analysis *sgt_analysis_named(const char *name);
 
+/* The column or the setting at a place, from 0; NULL: there are no more. */
+SGT_API const sgt_column  *sgt_analysis_column(const sgt_analysis *analysis,
+                                               size_t place);
+SGT_API const sgt_setting *sgt_analysis_setting(const sgt_analysis *analysis,
+                                                size_t place);
+
 /* A column as this study fills it: its name and its unit ("mm", "mrad", "%"; "" where
  * there is none or the lens does not say), zero-ended.  options: of the analysis, or
  * NULL.  false: it is not there. */
@@ -197,6 +205,7 @@ typedef struct sgt_fates {
     double within;               /* none of these is so near, in radii of the pupil */
     size_t folded;               /* on a fold of the pupil */
     size_t proven;               /* passed, and proven at each surface */
+    size_t reserved[4];
 } sgt_fates;
 
 /* A ray that was lost, and how to ask for it again. */
@@ -236,7 +245,8 @@ typedef struct sgt_sink {
 } sgt_sink;
 
 /* Asks.  options: those of the analysis, or NULL.  false: `error` (may be NULL) says why;
- * rows may have come. */
+ * rows may have come.  A wrong setting is told with its name as the key, and line 0.
+ * What is reserved in options and sink must be NULL. */
 SGT_API bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis,
                            const void *options, const sgt_sink *sink,
                            sgt_study_total *total, sgt_lens_error *error);

@@ -504,6 +504,7 @@ class Fates(Structure):
         ("within", c_double),
         ("folded", c_size_t),
         ("proven", c_size_t),
+        ("reserved", c_size_t * 4),
     ]
 
 

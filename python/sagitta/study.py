@@ -327,7 +327,7 @@ def _ask(
         C.library.sagitta_forget(ctypes.byref(answer))
     del lists
     rows = np.frombuffer(bytearray(held), dtype)
-    fates = Fates(*(getattr(answer.fates, name) for name, _ in C.Fates._fields_))
+    fates = Fates(*(getattr(answer.fates, name) for name, _ in C.Fates._fields_[:-1]))
     notes = [s[1:] for s in said if s.startswith("n")]
     return Answer(C.text(analysis.name), rows, units, fates, notes, [s[1:] for s in said if s.startswith("l")])
 

@@ -25,6 +25,16 @@ const sgt_analysis *sgt_analysis_named(const char *name)
     return NULL;
 }
 
+const sgt_column *sgt_analysis_column(const sgt_analysis *a, size_t place)
+{
+    return place < a->columns ? &a->column[place] : NULL;
+}
+
+const sgt_setting *sgt_analysis_setting(const sgt_analysis *a, size_t place)
+{
+    return place < a->settings ? &a->setting[place] : NULL;
+}
+
 static bool is_given(const sgt_analysis *a, const void *options, const char *name)
 {
     const unsigned char *at = options;

@@ -458,6 +458,22 @@ void sgt_study_free(sgt_study *study)
     sgt_launcher_free(from);
 }
 
+/* What later versions may give a meaning to: zeros at the end of a struct. */
+static bool reserved_is_zero(const void *end)
+{
+    void *reserved[4];
+    memcpy(reserved, (const char *)end - sizeof reserved, sizeof reserved);
+    return !reserved[0] && !reserved[1] && !reserved[2] && !reserved[3];
+}
+
+static bool knows_all(const sgt_asking *a)
+{
+    const sgt_study_options *o = &a->study->opt;
+    return reserved_is_zero(o + 1) && reserved_is_zero(a->sink + 1) &&
+           (!a->options || !a->of->options_size ||
+            reserved_is_zero((const char *)a->options + a->of->options_size));
+}
+
 bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis, const void *options,
                    const sgt_sink *sink, sgt_study_total *total, sgt_lens_error *error)
 {
@@ -466,6 +482,7 @@ bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis, const v
     sgt_asking a = {.study = study, .lens = study->lens, .from = study->from, .of = analysis,
                     .options = options, .sink = sink ? sink : &nowhere, .error = error ? error : &unread,
                     .counts = true, .memory = {.allocator = study->from->allocator}};
+    if (!knows_all(&a)) return sgt_ask_fail(&a, "", "a member that this version does not know is set");
     if (!a.options) a.options = sgt_ask_room(&a, analysis->options_size + 1, 1);
     const bool fine = !a.failed && set_bands(&a) && set_fields(&a) && pick_pupil(&a) && analysis->ask(&a) &&
                       !a.failed;

@@ -48,8 +48,8 @@ static void put_afocal(bytes *to, const sgt_analysis *a, sgt_dimension of, const
 {
     bytes names = {.length = 0};
     for (size_t i = 0; i < a->columns; i++)
-        if (a->column[i].dimension == of)
-            bytes_text(&names, look_text("%s%s", names.length ? ", " : "", a->column[i].name));
+        if (sgt_analysis_column(a, i)->dimension == of)
+            bytes_text(&names, look_text("%s%s", names.length ? ", " : "", sgt_analysis_column(a, i)->name));
     if (!names.length) return;
     bytes_one(&names, 0);
     put_item(to, look_text("..._%s", end),
@@ -59,7 +59,7 @@ static void put_afocal(bytes *to, const sgt_analysis *a, sgt_dimension of, const
 static void put_columns(bytes *to, const sgt_analysis *a)
 {
     for (size_t i = 0; i < a->columns; i++) {
-        const sgt_column *c = &a->column[i];
+        const sgt_column *c = sgt_analysis_column(a, i);
         const char *when = c->flags & SGT_COLUMN_PROVEN   ? "with --proof"
                            : c->flags & SGT_COLUMN_GIVEN  ? "if it is given"
                            : c->flags & SGT_COLUMN_DETAIL ? "not in text"
@@ -74,10 +74,10 @@ static void put_columns(bytes *to, const sgt_analysis *a)
 static void put_settings(bytes *to, const sgt_analysis *a, const sgt_analysis *main, const char *argument)
 {
     for (size_t i = 0; i < a->settings; i++) {
-        const sgt_setting *s = &a->setting[i];
+        const sgt_setting *s = sgt_analysis_setting(a, i);
         bool known = argument && strcmp(s->name, argument) == 0;
         for (size_t k = 0; k < main->settings && a != main; k++)
-            known = known || strcmp(main->setting[k].name, s->name) == 0;
+            known = known || strcmp(sgt_analysis_setting(main, k)->name, s->name) == 0;
         static const char *const value[] = {[SGT_SETTING_FLAG] = "", [SGT_SETTING_COUNT] = " N",
                                             [SGT_SETTING_WORD] = " WORD", [SGT_SETTING_NUMBER] = " X",
                                             [SGT_SETTING_NUMBERS] = " X,X..."};

@@ -27,7 +27,7 @@ enum { PICTURE = OPTION_AFTER_JOB, OWN, VIEW, SETTING = VIEW + 100 };
 static void know_settings(known_options *k, const sgt_analysis *a)
 {
     for (size_t i = 0; i < a->settings; i++) {
-        const sgt_setting *s = &a->setting[i];
+        const sgt_setting *s = sgt_analysis_setting(a, i);
         bool known = false;
         for (size_t j = 0; j < k->settings; j++) known = known || strcmp(k->setting[j]->name, s->name) == 0;
         if (known) continue;
@@ -125,7 +125,7 @@ bool look_given(const look *l, const char *setting)
 static const sgt_setting *setting_named(const sgt_analysis *a, const char *name)
 {
     for (size_t i = 0; i < a->settings; i++)
-        if (strcmp(a->setting[i].name, name) == 0) return &a->setting[i];
+        if (strcmp(sgt_analysis_setting(a, i)->name, name) == 0) return sgt_analysis_setting(a, i);
     return NULL;
 }
 
@@ -261,7 +261,7 @@ static void begin_study(look *l, const job_points_asked *points, int *threads)
 size_t look_column(const look *l, const char *name)
 {
     size_t i = 0;
-    while (i < l->of->columns && strcmp(l->of->column[i].name, name) != 0) i++;
+    while (i < l->of->columns && strcmp(sgt_analysis_column(l->of, i)->name, name) != 0) i++;
     return i;
 }
 
@@ -288,7 +288,7 @@ static int fate_at(const void *row, size_t offset)
 
 double look_value(const look *l, const void *row, size_t place)
 {
-    const sgt_column *c = &l->of->column[place];
+    const sgt_column *c = sgt_analysis_column(l->of, place);
     return c->kind == SGT_COLUMN_COUNT || c->kind == SGT_COLUMN_PLACE ? (double)count_at(row, c->offset)
            : c->kind == SGT_COLUMN_FATE                               ? fate_at(row, c->offset)
                                                                       : number_at(row, c->offset);
@@ -331,7 +331,7 @@ static column head_of(const look *l, size_t i, char unit[32])
         [SGT_COLUMN_WHOLE] = COLUMN_COUNT,   [SGT_COLUMN_FATE] = COLUMN_CODE};
     char name[32];
     sgt_study_column(l->study, l->of, l->options, i, name, unit);
-    return (column){look_text("%s", name), kinds[l->of->column[i].kind]};
+    return (column){look_text("%s", name), kinds[sgt_analysis_column(l->of, i)->kind]};
 }
 
 static void begin_table(printing *p)
@@ -345,7 +345,7 @@ static void begin_table(printing *p)
     p->wavelength = look_column(l, "wavelength");
     for (size_t i = 0; i < l->of->columns; i++) {
         if (!sgt_study_column(l->study, l->of, l->options, i, name, unit)) continue;
-        if (p->text && l->of->column[i].flags & SGT_COLUMN_DETAIL) continue;
+        if (p->text && sgt_analysis_column(l->of, i)->flags & SGT_COLUMN_DETAIL) continue;
         head[p->count] = head_of(l, i, unit), units[p->count] = look_text("%s", unit);
         p->place[p->count++] = i;
     }
@@ -409,7 +409,7 @@ static bool new_group(const printing *p, const void *row)
 {
     const sgt_analysis *a = p->look->of;
     for (size_t i = 0; i < p->count && p->before; i++) {
-        const sgt_column *c = &a->column[p->place[i]];
+        const sgt_column *c = sgt_analysis_column(a, p->place[i]);
         if (!(c->flags & SGT_COLUMN_GROUPS)) continue;
         const double one = look_value(p->look, p->before, p->place[i]);
         const double other = look_value(p->look, row, p->place[i]);
@@ -424,11 +424,12 @@ static void print_row(void *context, const void *row)
     look *l = p->look;
     const size_t size = l->of->row_size;
     if (l->picture) keep_row(l, row);
-    const bool together = p->wavelength < l->of->columns &&
-                          number_at(row, l->of->column[p->wavelength].offset) == SGT_ALL_WAVELENGTHS;
+    const bool together =
+        p->wavelength < l->of->columns &&
+        number_at(row, sgt_analysis_column(l->of, p->wavelength)->offset) == SGT_ALL_WAVELENGTHS;
     if (together && l->bands == 1 && l->shared.target.format == TABLE_TEXT) return;
     if (new_group(p, row)) table_gap(l->table);
-    for (size_t i = 0; i < p->count; i++) put_column(p, &l->of->column[p->place[i]], row);
+    for (size_t i = 0; i < p->count; i++) put_column(p, sgt_analysis_column(l->of, p->place[i]), row);
     if (!p->before) p->before = memory_take(size, 1);
     memcpy(p->before, row, size);
 }

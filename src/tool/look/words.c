@@ -163,7 +163,7 @@ const char *look_unit(const look *l, const char *name)
     const size_t i = look_column(l, name);
     if (i == l->of->columns || !sgt_study_column(l->study, l->of, l->options, i, shown, unit)) return "";
     if (strcmp(unit, "um") == 0) return "\302\265m";
-    const bool none = l->of->column[i].dimension == SGT_UNIT_NONE;
+    const bool none = sgt_analysis_column(l->of, i)->dimension == SGT_UNIT_NONE;
     return look_text("%s", *unit ? unit : none ? "" : "units of the lens");
 }
 
