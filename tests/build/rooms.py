@@ -10,8 +10,7 @@
 - A name that a file keeps to itself (static functions and tables, types, macros) stands in no other file
   of the library, nor in two of the command.
 - Lines have at most 110 columns, also those of tests and examples, and of meson; in public headers 90.
-- Each folder has a README.md of at most 40 lines; that of src/ray, which has the list of searches, 70,
-  and that of src/lens, which has two dozen files, 50.
+- Each folder has a README.md of at most 40 lines; that of src/ray, which has the list of searches, 70.
 """
 import pathlib
 import re
@@ -20,7 +19,7 @@ import sys
 import tempfile
 
 SOURCE = {'.c', '.h', '.cpp', '.hpp'}
-COLUMNS, COLUMNS_PUBLIC, README_LINES, README_LINES_OF = 110, 90, 40, {'ray': 70, 'lens': 50}
+COLUMNS, COLUMNS_PUBLIC, README_LINES, README_LINES_OF = 110, 90, 40, {'ray': 70}
 COMMENT = re.compile(r'/\*.*?\*/|//[^\n]*', re.DOTALL)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 # A definition begins in the first column.  SGT_INLINE and its kin are static (src/num/exact.h).
