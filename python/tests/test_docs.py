@@ -12,14 +12,15 @@ import pytest
 import sagitta
 
 
-def test_the_page(tree, monkeypatch):
-    page = tree / "docs" / "python.md"
+@pytest.mark.parametrize("name, least", [("python.md", 60), ("analysis.md", 2)])
+def test_the_page(tree, monkeypatch, name, least):
+    page = tree / "docs" / name
     if not page.exists():
         pytest.skip("no docs beside the tests")
     monkeypatch.chdir(tree)
     blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
     test = doctest.DocTestParser().get_doctest("\n".join(blocks), {}, str(page), str(page), 0)
-    assert len(test.examples) > 60
+    assert len(test.examples) >= least
     said = []
     doctest.DocTestRunner().run(test, out=said.append)
     assert not said, "".join(said)

@@ -11,7 +11,7 @@ import tempfile
 
 FLOORS = ['num', 'solve', 'surface', 'ray', 'check', 'system', 'dispatch']  # the library, from the ground up
 CLIENTS = ['geo', 'lens', 'tool']                      # see <sagitta/...> as any program does
-SHARED = {'text': ['lens', 'tool']}                    # compiled into each of these clients
+SHARED = {'text': ['lens', 'tool'], 'truth': ['tool']}  # compiled into each of these clients
 
 # All the library may ask of C: nothing that allocates, prints, ends the program
 # or keeps a state (errno, the locale).
