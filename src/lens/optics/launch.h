@@ -17,12 +17,15 @@ struct sgt_launcher {
     double          sense;
 };
 
-/* Fills in *error, if there is one, with the file and its first line; false. */
 #ifdef __GNUC__
-__attribute__((format(printf, 4, 5)))
+#define SGT_LAUNCH_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#else
+#define SGT_LAUNCH_PRINTF(text, first)
 #endif
+
+/* Fills in *error, if there is one, with the file and its first line; false. */
 bool sgt_launch_fail(const sgt_launcher *from, sgt_lens_error *error, const char *key, const char *words,
-                     ...);
+                     ...) SGT_LAUNCH_PRINTF(4, 5);
 
 /* Room for `count` things; NULL: no memory.  Freed by sgt_launch_forget. */
 void *sgt_launch_take(const sgt_launcher *from, size_t count, size_t size);

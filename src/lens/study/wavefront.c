@@ -15,10 +15,19 @@
  *
  * THE ERROR.  L and L0 have theirs (sgt_trace_error), and to first order a point of the ray that is off
  * changes L - n b by nothing.  Its direction is off by some u: 8 u |v|.  The point changes h^2 by
- * 2 h p_err, and with b and v . d0 that of the chief ray, c, counts by |d - d0|. */
-#include "../optics/launch.h"
+ * 2 h p_err, and with b and v . d0 that of the chief ray, c, counts by |d - d0|.
+ *
+ * SUMS.  A block of rays is summed about its own mean, and blocks are joined as Chan, Golub & LeVeque (1983,
+ * The American Statistician 37, 242) have it: with weights w, means m and sums of squares q about them,
+ *
+ *     q = q1 + q2 + (m2 - m1)^2 w1 w2 / (w1 + w2),
+ *
+ * in which nothing cancels. */
+#include "wavefront.h"
 
 #include "../base/arena.h"
+#include "../optics/launch.h"
+#include "../optics/pattern.h"
 
 static const double ROUND = 0x1p-52;
 
@@ -64,25 +73,65 @@ double sgt_opd(const sgt_reference *of, const sgt_ray_end *end, double *error)
     return opd;
 }
 
+/* A block: about its own mean, of which the second sum takes the rounding. */
+void sgt_wavefront_add(sgt_wavefront_sum *s, size_t count, const sgt_ray_end end[], const double opd[],
+                       const double error[])
+{
+    double first = 0;
+    s->rays += count, s->least = s->most = (double)NAN;
+    for (size_t i = 0; i < count; i++) {
+        if (isnan(opd[i])) continue;
+        s->passed++;
+        s->least = fmin(s->least, opd[i]), s->most = fmax(s->most, opd[i]); /* which ignore a NaN */
+        s->w += end[i].weight, first += end[i].weight * opd[i], s->off = fmax(s->off, error[i]);
+    }
+    if (!(s->w > 0)) return;
+    s->mean = first / s->w;
+    for (size_t i = 0; i < count; i++)
+        if (!isnan(opd[i])) s->square += end[i].weight * (opd[i] - s->mean) * (opd[i] - s->mean);
+}
+
+void sgt_wavefront_join(sgt_wavefront_sum *s, const sgt_wavefront_sum *more)
+{
+    const size_t rays = s->rays + more->rays;
+    if (more->passed && !s->passed) *s = *more;
+    else if (more->passed) {
+        const double w = s->w + more->w, apart = more->mean - s->mean;
+        s->passed += more->passed, s->off = fmax(s->off, more->off);
+        s->least = fmin(s->least, more->least), s->most = fmax(s->most, more->most);
+        if (w > 0) {
+            s->square += more->square + apart * apart * s->w * more->w / w;
+            s->mean += apart * more->w / w;
+        }
+        s->w = w;
+    }
+    s->rays = rays;
+}
+
+sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s)
+{
+    const double none = (double)NAN;
+    sgt_wavefront w = {.rays = s->rays, .passed = s->passed, .mean = none, .rms = none, .least = none,
+                       .most = none, .error = none};
+    if (s->passed) w.least = s->least, w.most = s->most;
+    if (!(s->w > 0)) return w;
+    w.mean = s->mean, w.rms = sqrt(s->square / s->w);
+    w.error = 2 * s->off + (double)w.passed * ROUND * fmax(fabs(w.least), fabs(w.most));
+    return w;
+}
+
 sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[], const double opd[],
                                const double error[])
 {
-    const double none = (double)NAN;
-    sgt_wavefront w = {.rays = count, .mean = none, .rms = none, .least = none, .most = none, .error = none};
-    double sum = 0, first = 0, square = 0, off = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (isnan(opd[i])) continue;
-        w.passed++;
-        w.least = fmin(w.least, opd[i]), w.most = fmax(w.most, opd[i]); /* which ignore a NaN */
-        sum += end[i].weight, first += end[i].weight * opd[i], off = fmax(off, error[i]);
+    sgt_wavefront_sum all = {.rays = 0};
+    for (size_t first = 0; first < count; first += PUPIL_PART) {
+        sgt_wavefront_sum part = {.rays = 0};
+        const size_t left = count - first;
+        sgt_wavefront_add(&part, left < PUPIL_PART ? left : PUPIL_PART, end + first, opd + first,
+                          error + first);
+        sgt_wavefront_join(&all, &part);
     }
-    if (!(sum > 0)) return w;
-    w.mean = first / sum;
-    for (size_t i = 0; i < count; i++)
-        if (!isnan(opd[i])) square += end[i].weight * (opd[i] - w.mean) * (opd[i] - w.mean);
-    w.rms = sqrt(square / sum);
-    w.error = 2 * off + (double)w.passed * ROUND * fmax(fabs(w.least), fabs(w.most));
-    return w;
+    return sgt_wavefront_sum_of(&all);
 }
 
 /* ------------------------------------------------------------------------ the fit */
