@@ -91,7 +91,16 @@ static void draw_field(const look *l)
                                      .columns = 2, .panels = 2, .panel = panel, .same_y = true});
 }
 
-exit_status command_field(int argc, char *argv[])
+static exit_status field_run(const command *c, int argc, char *argv[])
 {
-    return look_run("field", &(look_way){.draw = draw_field, .check = check_field}, argc, argv);
+    return look_run(c, &(look_way){.draw = draw_field, .check = check_field}, argc, argv);
 }
+
+const command command_field = {
+    .name = "field",
+    .brief = "field curvature, astigmatism, distortion",
+    .often = "fields steps field distortion wavelength aim picture format output",
+    .examples = "  sagitta field examples/lenses/cooke_triplet.yaml\n"
+                "  sagitta field examples/lenses/cooke_triplet.yaml --steps 11 --picture field.svg\n",
+    .run = field_run,
+};

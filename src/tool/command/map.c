@@ -6,16 +6,19 @@
 #include <math.h>
 #include <string.h>
 
-typedef enum map_number { MAP_FATE, MAP_ELEMENT, MAP_EVALS, MAP_T_ERR, MAP_CONDITION, MAP_NUMBERS
-} map_number;
+typedef enum map_number { MAP_FATE, MAP_ELEMENT, MAP_EVALS, MAP_T_ERR, MAP_CONDITION } map_number;
 static const char *const map_names[] = {"fate", "element", "evals", "t_err", "condition"};
 static map_number map_of;
 
-static bool take_of(const char *value)
+static void take_of(void *into, const option_row *row, const char *value)
 {
-    for (map_of = MAP_FATE; map_of < MAP_NUMBERS && strcmp(value, map_names[map_of]) != 0;) map_of++;
-    return map_of < MAP_NUMBERS;
+    (void)into;
+    map_of = (map_number)options_word(row, value);
 }
+
+static const option_row map_own = {
+    "of", "NUMBER", "what the picture shows: fate (the default), element, evals, t_err, condition",
+    OPTION_TAKE, .words = "fate element evals t_err condition", .take = take_of};
 
 static bool over_field(const look *l) { return ((const sgt_map_options *)l->options)->over == 1; }
 
@@ -26,7 +29,7 @@ static void check_map(look *l)
     size_t n;
     bool cells;
     if (o->steps && !o->over) fail_usage("--steps goes with --over field; over the pupil give --cells N");
-    if (o->over && (j->pattern_given || j->across || j->pupils > 1))
+    if (o->over && (j->points || j->pupils > 1))
         fail_usage("--over field sends one ray of each field: the chief ray, or that of one --pupil");
     if (l->picture && !o->over && !look_is_net(l, &n, &cells))
         fail_usage("--picture: a map is drawn of --cells N or --grid N%s",
@@ -128,16 +131,16 @@ static void draw_fates(const look *l)
                                      .panels = panels, .panel = panel});
 }
 
-exit_status command_map(int argc, char *argv[])
+static exit_status map_run(const command *c, int argc, char *argv[])
 {
-    return look_run("map",
-                    &(look_way){.draw = draw_fates,
-                                .check = check_map,
-                                .own = "of",
-                                .take_own = take_of,
-                                .own_words = "fate, element, evals, t_err or condition",
-                                .own_help =
-                                    "what the picture shows: fate (the default), element, evals, t_err, "
-                                    "condition"},
-                    argc, argv);
+    return look_run(c, &(look_way){.draw = draw_fates, .check = check_map, .own = &map_own}, argc, argv);
 }
+
+const command command_map = {
+    .name = "map",
+    .brief = "where rays are lost, over pupil or field",
+    .often = "over cells steps of fields field wavelength picture proof format output",
+    .examples = "  sagitta map examples/lenses/double_gauss.yaml --cells 11\n"
+                "  sagitta map examples/lenses/double_gauss.yaml --over field --of evals --picture map.png\n",
+    .run = map_run,
+};

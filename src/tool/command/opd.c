@@ -58,11 +58,20 @@ static void draw_opd(const look *asked)
     else look_lines_draw(l, opd_against, "opd", "opd");
 }
 
-exit_status command_opd(int argc, char *argv[])
+static exit_status opd_run(const command *c, int argc, char *argv[])
 {
     static const look_view views[] = {
         {"summary", "wavefront", NULL, "a row for each field and wavelength"},
         {"zernike", "zernike", "terms", "fits the first N Zernike polynomials"},
         {NULL, NULL, NULL, NULL}};
-    return look_run("opd", &(look_way){.view = views, .check = check_opd, .draw = draw_opd}, argc, argv);
+    return look_run(c, &(look_way){.view = views, .check = check_opd, .draw = draw_opd}, argc, argv);
 }
+
+const command command_opd = {
+    .name = "opd",
+    .brief = "optical path differences, Zernike polynomials",
+    .often = "fields field cross cells wavelength summary zernike order picture format output",
+    .examples = "  sagitta opd examples/lenses/cooke_triplet.yaml --summary\n"
+                "  sagitta opd examples/lenses/cooke_triplet.yaml --zernike 11 --picture opd.svg\n",
+    .run = opd_run,
+};

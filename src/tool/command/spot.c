@@ -88,7 +88,16 @@ static void draw_spots(const look *l)
                                      .panel = panel, .same_x = true, .same_y = true});
 }
 
-exit_status command_spot(int argc, char *argv[])
+static exit_status spot_run(const command *c, int argc, char *argv[])
 {
-    return look_run("spot", &(look_way){.draw = draw_spots, .ends = true}, argc, argv);
+    return look_run(c, &(look_way){.draw = draw_spots, .ends = true}, argc, argv);
 }
+
+const command command_spot = {
+    .name = "spot",
+    .brief = "spot diagrams: how rays scatter at the image",
+    .often = "fields field hexapolar grid wavelength reference defocus picture proof format output",
+    .examples = "  sagitta spot examples/lenses/cooke_triplet.yaml\n"
+                "  sagitta spot examples/lenses/cooke_triplet.yaml --hexapolar 20 --picture spots.svg\n",
+    .run = spot_run,
+};

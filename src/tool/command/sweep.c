@@ -58,7 +58,16 @@ static void draw_sweep(const look *l)
                                      .panels = l->bands, .panel = panel});
 }
 
-exit_status command_sweep(int argc, char *argv[])
+static exit_status sweep_run(const command *c, int argc, char *argv[])
 {
-    return look_run("sweep", &(look_way){.draw = draw_sweep}, argc, argv);
+    return look_run(c, &(look_way){.draw = draw_sweep}, argc, argv);
 }
+
+const command command_sweep = {
+    .name = "sweep",
+    .brief = "what becomes of rays, against the field",
+    .often = "from to steps hexapolar grid wavelength picture proof format output",
+    .examples = "  sagitta sweep examples/lenses/double_gauss.yaml --to 30 --steps 7\n"
+                "  sagitta sweep examples/lenses/double_gauss.yaml --picture sweep.svg\n",
+    .run = sweep_run,
+};

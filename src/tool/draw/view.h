@@ -21,9 +21,6 @@ typedef struct spot {
 
 view_axes view_of(view_plane plane);
 
-/* The plane of that name ("yz", "xz", "3d"); false: there is none. */
-bool view_named(const char *name, view_plane *plane);
-
 /* "y-z section", for a title. */
 const char *view_title(view_plane plane);
 

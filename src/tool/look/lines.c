@@ -12,7 +12,7 @@ void look_lines_check(look *l)
     const bool fits = asked.pattern == SGT_PATTERN_FAN || asked.pattern == SGT_PATTERN_CROSS;
     size_t count[2] = {0, 0};
     if (!l->picture || (fits && !asked.count)) return;
-    const launch_pattern points = job_points(o, l->of->pattern);
+    const launch_pattern points = job_points(o, l->of->pattern, l->of->rays);
     for (size_t i = 0; i < points.count; i++)
         count[0] += points.at[i].x == 0, count[1] += points.at[i].y == 0;
     if (count[0] < 2 && count[1] < 2)
