@@ -12,10 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct block {
-    struct block *before, *after;
-    max_align_t data[];
-} block;
+typedef struct block { struct block *before, *after; max_align_t data[]; } block;
 
 static block ring = {&ring, &ring};
 

@@ -113,21 +113,17 @@ static const char diagnose_all[] =
     "  slope_lo, slope_hi (csv, json) the same of the slope\n";
 
 const command command_diagnose = {
-    .name = "diagnose",
-    .usage = "(--surface SPEC --ray \"ox oy oz dx dy dz\" | LENS [--ray I]) [options]",
+    .name = "diagnose", .usage = "(--surface SPEC --ray \"ox oy oz dx dy dz\" | LENS [--ray I]) [options]",
     .brief = "one ray, evaluation by evaluation",
     .what = "Shows how the root of one ray is found: a row for each evaluation of F (the surface is "
             "where F = 0), and then what to conclude.  Of a lens: why the ray ended, and the search at "
             "the element where it did. Of a ray that passed: a row for each element.  Of a ray that "
             "aiming did not find: how near the search came, and what stopped the rays that would be "
             "nearer.",
-    .often = "surface ray element all-elements method field fan proof format output",
-    .rays = "--fan 5",
+    .often = "surface ray element all-elements method field fan proof format output", .rays = "--fan 5",
     .examples = "  sagitta diagnose --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
                 "  sagitta diagnose examples/lenses/double_gauss.yaml --field 14 --ray 4\n",
-    .docs = "docs/tour.md",
-    .all = diagnose_all,
-    .group = {&diagnose_own, &diagnose_defocus, JOB_GROUPS,
+    .docs = "docs/tour.md", .all = diagnose_all, .group = {&diagnose_own, &diagnose_defocus, JOB_GROUPS,
               &diagnose_search, &options_solver, &options_output},
     .run = diagnose_run,
 };

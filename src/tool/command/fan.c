@@ -13,8 +13,7 @@ static exit_status fan_run(const command *c, int argc, char *argv[])
 }
 
 const command command_fan = {
-    .name = "fan",
-    .brief = "transverse errors across the pupil",
+    .name = "fan", .brief = "transverse errors across the pupil",
     .often = "fields field cross fan wavelength picture proof format output",
     .examples = "  sagitta fan examples/lenses/cooke_triplet.yaml --cross 5\n"
                 "  sagitta fan examples/lenses/cooke_triplet.yaml --picture fans.svg\n",

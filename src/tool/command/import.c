@@ -31,9 +31,7 @@ static const option_group import_own = {OPTIONS_OWN, "Options", .row = import_ro
 static exit_status import_run(const command *c, int argc, char *argv[]);
 
 const command command_import = {
-    .name = "import",
-    .usage = "FILE [-o LENS] [options]",
-    .brief = "a .zmx file as a lens file",
+    .name = "import", .usage = "FILE [-o LENS] [options]", .brief = "a .zmx file as a lens file",
     .what = "Reads a lens and writes it as a lens file (YAML, docs/lens_file.md).  FILE is a .zmx file, "
             "or a lens file, which is written anew.  (All commands take a .zmx file as it is, too.)",
     .often = "output glass configuration strict quiet",
@@ -46,8 +44,7 @@ const command command_import = {
     .exits = "  0  the lens was written\n"
              "  2  wrong arguments\n"
              "  3  bad input, or output that cannot be written\n",
-    .group = {&import_own, &job_glass_options, &import_output},
-    .run = import_run,
+    .group = {&import_own, &job_glass_options, &import_output}, .run = import_run,
 };
 
 static exit_status import_run(const command *c, int argc, char *argv[])

@@ -114,22 +114,17 @@ static const char info_all[] =
     "distortion (S1 to S5, wavefront, in lengths), axial, lateral (colour, over the lens's wavelengths).\n";
 
 const command command_info = {
-    .name = "info",
-    .usage = "LENS [options]",
-    .brief = "focal length, pupils, Seidel sums",
+    .name = "info", .usage = "LENS [options]", .brief = "focal length, pupils, Seidel sums",
     .what = "Prints the first-order data of a lens, at its primary wavelength or those that are asked "
             "for; with --seidel its Seidel sums by surface, with --parabasal data along its real chief "
             "rays.  json has all.",
     .often = "seidel parabasal wavelength glass strict format output hex",
     .examples = "  sagitta info examples/lenses/cooke_triplet.yaml\n"
                 "  sagitta info examples/lenses/cooke_triplet.yaml --seidel --format csv\n",
-    .docs = "docs/lens_file.md (what the numbers are)",
-    .all = info_all,
-    .exits = "  0  done\n"
+    .docs = "docs/lens_file.md (what the numbers are)", .all = info_all, .exits = "  0  done\n"
              "  2  wrong arguments\n"
              "  3  bad input, or output that cannot be written\n",
-    .group = {&info_own, &job_wavelength_options, &job_glass_options, &options_output},
-    .run = info_run,
+    .group = {&info_own, &job_wavelength_options, &job_glass_options, &options_output}, .run = info_run,
 };
 
 static info_arguments info_arguments_of(const command *c, int argc, char *argv[])

@@ -101,8 +101,7 @@ static const char intersect_all[] =
     "                     stretch of the ray still in doubt (like t)\n";
 
 const command command_intersect = {
-    .name = "intersect",
-    .usage = "--surface SPEC (--rays FILE | --ray \"ox oy oz dx dy dz\") [options]",
+    .name = "intersect", .usage = "--surface SPEC (--rays FILE | --ray \"ox oy oz dx dy dz\") [options]",
     .brief = "one surface, many rays",
     .what = "Where do rays meet a surface F(x, y, z) = 0?  Prints a row for each ray; with --all, for "
             "each root. Lengths have any unit; the surface and the rays share it.  A root is accepted "
@@ -110,8 +109,7 @@ const command command_intersect = {
     .often = "surface ray rays all proof pick columns format output",
     .examples = "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
                 "  sagitta intersect --surface '{type: conic, radius: 20, conic: -1}' --rays FILE --all\n",
-    .docs = "docs/tour.md, docs/lens_file.md (every type of surface)",
-    .all = intersect_all,
+    .docs = "docs/tour.md, docs/lens_file.md (every type of surface)", .all = intersect_all,
     .group = {&intersect_own, &intersect_search, &options_solver, &options_in_threads, &options_rows},
     .run = intersect_run,
 };

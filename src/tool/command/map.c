@@ -137,8 +137,7 @@ static exit_status map_run(const command *c, int argc, char *argv[])
 }
 
 const command command_map = {
-    .name = "map",
-    .brief = "where rays are lost, over pupil or field",
+    .name = "map", .brief = "where rays are lost, over pupil or field",
     .often = "over cells steps of fields field wavelength picture proof format output",
     .examples = "  sagitta map examples/lenses/double_gauss.yaml --cells 11\n"
                 "  sagitta map examples/lenses/double_gauss.yaml --over field --of evals --picture map.png\n",

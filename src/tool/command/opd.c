@@ -37,10 +37,7 @@ static void draw_opd_maps(const look *asked, const look *l)
         map[i].about_zero = true;
         panel[i] = (chart_panel){.title = look_text("%s, %s", look_field_name(l, i / l->bands),
                                                     look_wavelength_name(l, i % l->bands)),
-                                 .x_label = "px",
-                                 .y_label = "py",
-                                 .square = true,
-                                 .map = &map[i]};
+                                 .x_label = "px", .y_label = "py", .square = true, .map = &map[i]};
     }
     look_same_scale(panels, map);
     const char *line[] = {look_lens_line(l), opd_against, look_fates_line(l, &l->total.fates)};
@@ -68,8 +65,7 @@ static exit_status opd_run(const command *c, int argc, char *argv[])
 }
 
 const command command_opd = {
-    .name = "opd",
-    .brief = "optical path differences, Zernike polynomials",
+    .name = "opd", .brief = "optical path differences, Zernike polynomials",
     .often = "fields field cross cells wavelength summary zernike order picture format output",
     .examples = "  sagitta opd examples/lenses/cooke_triplet.yaml --summary\n"
                 "  sagitta opd examples/lenses/cooke_triplet.yaml --zernike 11 --picture opd.svg\n",

@@ -57,8 +57,7 @@ static chart_panel spot_panel(const look *l, size_t panel, double half)
     for (size_t b = 0; b < l->bands; b++) series[b] = spot_series(l, panel, b);
     chart_circle *circle = memory_take(1, sizeof *circle);
     *circle =
-        (chart_circle){.radius = row->airy,
-                       .name = look_text("Airy disc, %.4g \302\265m",
+        (chart_circle){.radius = row->airy, .name = look_text("Airy disc, %.4g \302\265m",
                                          l->bands == 1 ? l->band[0].wavelength : l->primary.wavelength)};
     const char **note = memory_take(2, sizeof *note);
     note[0] = isnan(row->rms) ? isnan(row->x) && row->passed ? "no reference" : "no ray passed"
@@ -94,8 +93,7 @@ static exit_status spot_run(const command *c, int argc, char *argv[])
 }
 
 const command command_spot = {
-    .name = "spot",
-    .brief = "spot diagrams: how rays scatter at the image",
+    .name = "spot", .brief = "spot diagrams: how rays scatter at the image",
     .often = "fields field hexapolar grid wavelength reference defocus picture proof format output",
     .examples = "  sagitta spot examples/lenses/cooke_triplet.yaml\n"
                 "  sagitta spot examples/lenses/cooke_triplet.yaml --hexapolar 20 --picture spots.svg\n",

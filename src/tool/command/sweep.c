@@ -32,13 +32,8 @@ static chart_panel sweep_panel(const look *l, size_t band)
             any = any || y[i] > 0;
         }
         if (any)
-            series[n++] = (chart_series){.name = names[k],
-                                         .colour = (size_t)k,
-                                         .mark = marks[k],
-                                         .line = true,
-                                         .count = steps,
-                                         .x = x,
-                                         .y = y};
+            series[n++] = (chart_series){.name = names[k], .colour = (size_t)k, .mark = marks[k],
+                                         .line = true, .count = steps, .x = x, .y = y};
     }
     return (chart_panel){.title = l->bands > 1 ? look_wavelength_name(l, band) : NULL,
                          .x_label = isfinite(l->primary.of->object_distance)
@@ -64,8 +59,7 @@ static exit_status sweep_run(const command *c, int argc, char *argv[])
 }
 
 const command command_sweep = {
-    .name = "sweep",
-    .brief = "what becomes of rays, against the field",
+    .name = "sweep", .brief = "what becomes of rays, against the field",
     .often = "from to steps hexapolar grid wavelength picture proof format output",
     .examples = "  sagitta sweep examples/lenses/double_gauss.yaml --to 30 --steps 7\n"
                 "  sagitta sweep examples/lenses/double_gauss.yaml --picture sweep.svg\n",

@@ -117,18 +117,14 @@ static const char trace_all[] =
     "            mirror, stop, decenter and tilt: [x, y, z]; or origin and tilt in every surface\n";
 
 const command command_trace = {
-    .name = "trace",
-    .usage = "LENS [options]",
-    .brief = "rays through a lens file, surface by surface",
+    .name = "trace", .usage = "LENS [options]", .brief = "rays through a lens file, surface by surface",
     .what = "Traces rays through a lens file.  Prints a row for each ray and each element it reached: "
             "what became of the ray there, the point, the direction behind it, and a bound on the "
             "error.",
-    .often = "field fan grid rays wavelength picture last frame proof format output",
-    .rays = "--fan 5",
+    .often = "field fan grid rays wavelength picture last frame proof format output", .rays = "--fan 5",
     .examples = "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n"
                 "  sagitta trace examples/lenses/cooke_triplet.yaml --fan 7 --picture triplet.svg\n",
-    .docs = "docs/lens_file.md (every key of a lens file)",
-    .all = trace_all,
+    .docs = "docs/lens_file.md (every key of a lens file)", .all = trace_all,
     .group = {&trace_own, &trace_pictures, JOB_GROUPS,
               &trace_search, &options_solver, &options_in_threads, &options_rows},
     .run = trace_run,
@@ -223,8 +219,7 @@ static trace_room trace_room_for(const trace_work *w, size_t rays)
         for (size_t k = 0; k < 9; k++) n[k] = number + (9 * i + k) * rays;
         r.passages[i] = (sgt_passages){.hits = {.status = record->status, .evals = record->evals,
                                                 .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
-                                       .direction = {n[3], n[4], n[5]},
-                                       .opl = n[8]};
+                                       .direction = {n[3], n[4], n[5]}, .opl = n[8]};
     }
     return r;
 }
@@ -348,8 +343,7 @@ static void keep_ended(trace_work *w, const trace_room *r, const launch *l, size
         .from = frame_point_in(&e->pose, from),
         .direction = frame_direction_in(&e->pose, (sgt_vec3){d.x / length, d.y / length, d.z / length}),
         .p = vector_at(r->record[element].number, i),
-        .index = element ? of->index[element - 1] : of->index_before,
-        .behind = of->index[element]};
+        .index = element ? of->index[element - 1] : of->index_before, .behind = of->index[element]};
     size_t k = w->ended_shown++;
     w->ended[k].ray = *l, w->ended[k].at = w->at, w->ended[k].element = element;
     stopped_print(w->ended[k].why, e, (sgt_fate)r->fate[i], &a);
@@ -559,8 +553,7 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     scene picture = scene_begin(&j, pictures_plane(&a.pictures));
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
                     .watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, count),
-                    .picture = a.pictures.file ? &picture : NULL,
-                    .launches = all || j.wavelengths > 1,
+                    .picture = a.pictures.file ? &picture : NULL, .launches = all || j.wavelengths > 1,
                     .stretches = all && a.shared.solver.proof,
                     .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),
                     .field = memory_take(j.fields, sizeof *w.field),

@@ -130,24 +130,20 @@ static const char trade_all[] =
     "and those of the options below.\n";
 
 const command command_trade = {
-    .name = "trade",
-    .usage = "[LENS | --surface SPEC [--rays FILE | --ray \"...\"]] [options]",
+    .name = "trade", .usage = "[LENS | --surface SPEC [--rays FILE | --ray \"...\"]] [options]",
     .brief = "speed against accuracy, measured",
     .what = "What does accuracy cost, and what does speed cost?  Changes one option at a time, with all "
             "others at their defaults, and measures each setting on this machine.  Without a lens or a "
             "surface: a conic, an asphere, a scan lens and a Julia set.  A surface may have any type "
             "except those about the Earth.",
-    .often = "surface rays ray t-tol max-evals proof seconds picture format output",
-    .rays = "--grid 21",
+    .often = "surface rays ray t-tol max-evals proof seconds picture format output", .rays = "--grid 21",
     .examples = "  sagitta trade --surface '{type: conic, radius: 20, conic: -1}' --seconds 3\n"
                 "  sagitta trade examples/lenses/cooke_triplet.yaml --picture trade.svg\n",
-    .docs = "docs/accuracy.md (the trade)",
-    .all = trade_all,
+    .docs = "docs/accuracy.md (the trade)", .all = trade_all,
     .exits = "  0  measured, even if some ray is undecided\n"
              "  2  wrong arguments\n"
              "  3  bad input, or output that cannot be written\n",
-    .group = {&trade_own, &trade_settings, JOB_GROUPS, &options_output},
-    .run = trade_run,
+    .group = {&trade_own, &trade_settings, JOB_GROUPS, &options_output}, .run = trade_run,
 };
 
 static void check(const trade_arguments *a, bool of_lens)

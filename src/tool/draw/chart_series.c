@@ -12,9 +12,7 @@ static const double LINE_WIDTH = 1.2, THIN_LINE = 0.8, RADIUS = 2.7, SMALL = 1.6
                     SMALLEST_CIRCLE = 0.01; /* cairo refuses a scale of 0 */
 enum { BATCH = 500, MANY = 1000 };
 
-typedef struct chart_point {
-    double x, y;
-} chart_point;
+typedef struct chart_point { double x, y; } chart_point;
 
 static chart_point point_of(const chart_place *p, double x, double y)
 {

@@ -48,10 +48,7 @@ void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y)
 
 /* ---------------------------------------------------------------- entries */
 
-typedef struct flow {
-    cairo_t *cr;
-    double left, right, x, y;
-} flow;
+typedef struct flow { cairo_t *cr; double left, right, x, y; } flow;
 
 /* Makes room for a sample and a text, and draws the text; returns x of the sample. */
 static double entry(flow *f, double sample, const char *text)
@@ -155,10 +152,7 @@ double legend_draw(cairo_t *cr, const scene *s, const char *words, double left, 
                    double scale)
 {
     chart_font(cr, CHART_NORMAL, false);
-    flow f = {.cr = cr,
-              .left = left,
-              .right = right - (scale > 0 ? BAR_ROOM : 0),
-              .x = left,
+    flow f = {.cr = cr, .left = left, .right = right - (scale > 0 ? BAR_ROOM : 0), .x = left,
               .y = top + CHART_NORMAL};
     ray_entries(&f, s);
     if (s->job->lens.of->stop_marked) stop_entry(&f, s);

@@ -16,9 +16,7 @@ static const double SIZE = CHART_SMALL, FIRST = 9, ROW = 10.5, AWAY = 1.5, LETTE
                     STOP_BEYOND = 13, PAGE_EDGE = 4;
 enum { ROWS = 6, NUMBERED = 400 };
 
-typedef struct number_box {
-    double left, top, right, bottom;
-} number_box;
+typedef struct number_box { double left, top, right, bottom; } number_box;
 
 static number_box box_of(const page *p, const char *text, page_dot middle)
 {
@@ -51,15 +49,8 @@ static bool line_meets(page_dot a, page_dot b, number_box in)
 /* ---------------------------------------------------------------- obstacles */
 
 /* A line on the page, and the box about it. */
-typedef struct obstacle {
-    size_t count;
-    page_dot *at;
-    number_box about;
-} obstacle;
-typedef struct obstacles {
-    obstacle *all;
-    size_t count, room;
-} obstacles;
+typedef struct obstacle { size_t count; page_dot *at; number_box about; } obstacle;
+typedef struct obstacles { obstacle *all; size_t count, room; } obstacles;
 
 static void add_obstacle(obstacles *o, const page *p, const sgt_vec3 at[], size_t count)
 {

@@ -30,8 +30,7 @@ const option_group options_solver = {OPTIONS_SHARED, NULL, .row = solver_rows};
     {"hex", NULL, "numbers in hexadecimal", OPTION_FLAG, .to = offsetof(shared_options, target.hexadecimal)}
 static const option_row output_rows[] = {
     {"format", "F", "text (for people, the default), csv or json", OPTION_WORD,
-     .to = offsetof(shared_options, target.format),
-     .words = "text csv json"},
+     .to = offsetof(shared_options, target.format), .words = "text csv json"},
     OUTPUT_ROWS, {0},
 };
 static const option_row rows_rows[] = {

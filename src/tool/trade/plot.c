@@ -37,11 +37,7 @@ typedef struct box { double left, top, right, bottom; } box;
 typedef struct plot_stroke { double x0, y0, x1, y1; } plot_stroke;
 
 /* A dot; of: its setting, the first of those that are the same. */
-typedef struct plot_dot {
-    double x, y, radius;
-    const setting *of;
-    bool best;
-} plot_dot;
+typedef struct plot_dot { double x, y, radius; const setting *of; bool best; } plot_dot;
 
 typedef struct panel {
     cairo_t *cr;
@@ -326,11 +322,7 @@ static void plot_append(char text[TEXT_SIZE], const char *more)
     snprintf(text + length, TEXT_SIZE - length, "%s", more);
 }
 
-typedef struct name {
-    const plot_dot *of;
-    int lines;
-    char line[LINES][TEXT_SIZE];
-} name;
+typedef struct name { const plot_dot *of; int lines; char line[LINES][TEXT_SIZE]; } name;
 
 /* Adds the lines "20 % undecided" and "0.1 % wrong". */
 static void add_shares(name *n, const setting *s, size_t rays)

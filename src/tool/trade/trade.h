@@ -74,10 +74,7 @@ typedef struct trade_case {
     size_t settings, capacity;
 } trade_case;
 
-typedef struct trade {
-    trade_case *list;
-    size_t count, capacity;
-} trade;
+typedef struct trade { trade_case *list; size_t count, capacity; } trade;
 
 /* "t_tol": what stands before the = in the names of a knob's settings. */
 extern const char *const trade_knob_name[KNOBS];
