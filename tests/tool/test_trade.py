@@ -640,7 +640,7 @@ def test_picture_that_cannot_be_written():
     path = written('').parent / 'no' / 'picture.svg'
     done = run('trade', '--surface', CONIC, *QUICK, '--picture', path, exit=BAD_INPUT)
     assert str(path) in done.stderr and not done.stdout, done.stderr
-    same = written('', 'same')
+    same = written('', 'same.svg')
     done = run('trade', '--surface', CONIC, *QUICK, '--picture', same, '--output', same, exit=USAGE)
     assert 'written over' in done.stderr, done.stderr
 

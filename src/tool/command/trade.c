@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "../base/input.h"
+#include "../draw/chart.h"
 
 #include <limits.h>
 #include <math.h>
@@ -63,7 +64,7 @@ static const option_row trade_rows[] = {
     {"ray", "\"...\"", "a ray for it: ox oy oz dx dy dz", OPTION_TAKE, .take = trade_take_ray},
     {"seconds", "S", "time to spend on measuring, about (default 10)", OPTION_LENGTH,
      .to = offsetof(trade_arguments, trade.seconds)},
-    {"picture", "FILE", "draw error against time, as svg", OPTION_TEXT,
+    {"picture", "FILE", "draw error against time: svg, png or pdf, by the ending of the name", OPTION_TEXT,
      .to = offsetof(trade_arguments, picture)},
     {"svg", "FILE", "--svg FILE is now --picture FILE", .kind = OPTION_REFUSED},
     {0},
@@ -168,7 +169,7 @@ static trade_arguments trade_arguments_of(const command *c, int argc, char *argv
     if (optind < argc) a.trade.job.lens = argv[optind++];
     if (optind < argc) fail_usage("unexpected argument \"%s\"; trade takes one lens file", argv[optind]);
     check(&a, given & 1u << OPTIONS_OF_JOB);
-    if (a.picture) trade_picture_check();
+    if (a.picture) chart_check("picture", a.picture);
     quad_check();
     return a;
 }

@@ -7,6 +7,14 @@
 
 typedef struct chart_box { double left, top, right, bottom; } chart_box;
 
+static inline bool chart_boxes_meet(const chart_box *a, const chart_box *b)
+{
+    return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
+}
+
+/* (chart_series.c) Does the line from x0, y0 to x1, y1 enter the box? */
+bool chart_line_enters(double x0, double y0, double x1, double y1, const chart_box *b);
+
 /* ------------------------------------------------------------------ chart_text.c */
 
 #define CHART_SMALL 9.0

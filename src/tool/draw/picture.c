@@ -28,8 +28,6 @@ static const double TITLE_FONT = 15, LINE_FONT = 10.5, AXIS_BEYOND = 12, CORNER 
 /* of a beam: more rays are thinner; still more let shine through what is behind */
 static const double MANY_RAYS = 60, FULL_RAYS = 150, FAINTEST = 0.12;
 
-void picture_check(const char *option) { (void)option; }
-
 /* --------------------------------------------------------------------- page */
 
 typedef struct layout {

@@ -2,13 +2,14 @@
 #include "pictures.h"
 
 #include "../base/input.h"
+#include "chart.h"
 #include "../read/surface.h"
 
 #include <math.h>
 
 void pictures_check(const pictures *p)
 {
-    if (p->file) picture_check("picture"), picture_kind_of("picture", p->file);
+    if (p->file) chart_check("picture", p->file);
     else if (p->plane) fail_usage("--plane: is of a picture; give --picture FILE, too");
 }
 

@@ -97,7 +97,7 @@ const truth *trade_truth(const trade_case *c, const setting *s);
 /* The most evaluations that a ray takes (of a lens: at one element). */
 int trade_most_evals(const trade_case *c, const setting *s);
 
-void trade_picture_check(void);
+/* file: as chart_check takes it. */
 void trade_picture(const char *file, const trade *t);
 
 #endif
