@@ -1,5 +1,6 @@
 /* main.c - which subcommand? */
 #include "command/commands.h"
+#include "look/look.h"
 
 #include <sagitta/sagitta.h>
 
@@ -13,11 +14,25 @@ static const command *const commands[] = {
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
+/* The commands from 0 on: behind those above, the analyses of the library that are none of them.  false:
+ * there are no more. */
+static bool command_at(size_t place, command *c)
+{
+    if (place < COMMANDS) return *c = *commands[place], true;
+    for (size_t i = 0; sgt_analysis_at(i); i++) {
+        const sgt_analysis *a = sgt_analysis_at(i);
+        bool own = a->part_of != NULL;
+        for (size_t k = 0; k < COMMANDS; k++) own = own || strcmp(a->name, commands[k]->name) == 0;
+        if (!own && place-- == COMMANDS) return *c = look_command(a), true;
+    }
+    return false;
+}
+
 static void print_main_help(FILE *to)
 {
+    command c;
     fputs("sagitta: where does a ray meet a surface, and how sure is the answer?\n\n", to);
-    for (size_t i = 0; i < COMMANDS; i++)
-        fprintf(to, "  sagitta %-10s %s\n", commands[i]->name, commands[i]->brief);
+    for (size_t i = 0; command_at(i, &c); i++) fprintf(to, "  sagitta %-10s %s\n", c.name, c.brief);
     fputs("\n  sagitta COMMAND --help     a command in one screen; --help all: all of it\n"
           "  sagitta --version\n"
           "\n"
@@ -54,13 +69,14 @@ int main(int argc, char *argv[])
     hold_standard_files();
     require_arithmetic();
     const char *name = argc > 1 ? argv[1] : "";
-    for (size_t i = 0; i < COMMANDS; i++) {
-        if (strcmp(name, commands[i]->name) != 0) continue;
+    command c;
+    for (size_t i = 0; command_at(i, &c); i++) {
+        if (strcmp(name, c.name) != 0) continue;
         char full[40]; /* in messages of getopt */
         snprintf(full, sizeof full, "sagitta %s", name);
         argv[1] = full;
-        fail_name(commands[i]->name);
-        return (int)commands[i]->run(commands[i], argc - 1, argv + 1);
+        fail_name(c.name);
+        return (int)c.run(&c, argc - 1, argv + 1);
     }
     if (strcmp(name, "--version") == 0) command_version();
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {

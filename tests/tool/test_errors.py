@@ -446,7 +446,8 @@ def test_help_and_version():
     assert all(command in run('--help').stdout for command in COMMANDS)
 
 
-COMMANDS = ('intersect', 'trace', 'diagnose', 'info', 'spot', 'fan', 'opd', 'field', 'map', 'sweep', 'import', 'trade')
+COMMANDS = ('intersect', 'trace', 'diagnose', 'info', 'spot', 'fan', 'opd', 'field', 'map', 'sweep', 'import', 'trade',
+            'ends', 'energy')
 
 
 def test_help_in_one_screen():

@@ -53,7 +53,7 @@ surfaces:
   - {{type: sphere, radius: -200, mirror: true, thickness: {behind}}}
   - {{type: plane}}
 '''
-ANALYSES = ('spot', 'fan', 'opd', 'field', 'map', 'sweep')
+ANALYSES = ('spot', 'fan', 'opd', 'field', 'map', 'sweep', 'energy', 'ends')
 
 
 def ends(lens, *options):
@@ -198,6 +198,29 @@ def test_fan():
                 equal((row['ex'], row['ey']), ('', ''))
                 continue
             close(row['ex'], float(ray[0]['x']) - chief[0], 0), close(row['ey'], float(ray[0]['y']) - chief[1], 0)
+
+
+def test_energy():
+    """The share of the traced rays within each radius, about their centroid or the chief ray."""
+    for lens in (TRIPLET, written(COLOURED)):
+        groups = ends(lens, '--cells', 12, '--wavelength', 'all')
+        weight = {'0.4861327': 1, '0.5875618': 2, '0.6562725': 1, '0.55': 1}
+        for field in sorted({f for f, _ in groups}):
+            several = {w: passed(g) for (f, w), g in groups.items() if f == field}
+            every = [(weight[w] / len(groups[field, w]), p) for w, points in several.items() for p in points]
+            total = math.fsum(w for w, _ in every)
+            middle = [math.fsum(w * p[k] for w, p in every) / total for k in (0, 1)]
+            chief = passed(ends(lens, '--chief', '--fields', field)[field, '0.5875618' if len(several) > 1 else '0.55'])[0]
+            for reference, about in (('centroid', middle), ('chief', chief)):
+                table = rows('energy', lens, '--cells', 12, '--reference', reference, '--fields', field)
+                for row in table:
+                    r, own = float(row['radius']), several.get(row['wavelength'])
+                    kept = [(1, p) for p in own] if own else every
+                    share = math.fsum(w for w, p in kept if math.dist(p, about) <= r) / math.fsum(w for w, _ in kept)
+                    close(row['fraction'], share, float(row['unsure']) + 1e-12, (lens, row))
+                equal((table[-1]['wavelength'], float(table[-1]['fraction']) > 1 - 1e-12), ('all', True))  # the last radius is the largest distance
+    three = rows('energy', TRIPLET, '--radius', '0.02,0.01', '--radius', 0.005, '--fields', 1)
+    equal([r['radius'] for r in three if r['wavelength'] == 'all'], ['0.005', '0.01', '0.02'])
 
 
 def test_a_perfect_mirror():

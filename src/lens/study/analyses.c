@@ -6,9 +6,12 @@
 #include <string.h>
 
 /* To add one: a file that defines it, its row here and its line in analyses.h. */
-static const sgt_analysis *const all[] = {&sgt_spot_analysis,  &sgt_fan_analysis,       &sgt_opd_analysis,
-                                          &sgt_wavefront_analysis, &sgt_zernike_analysis, &sgt_field_analysis,
-                                          &sgt_map_analysis,   &sgt_sweep_analysis,     &sgt_ends_analysis};
+static const sgt_analysis *const all[] = {
+    &sgt_spot_analysis,      &sgt_fan_analysis,     &sgt_opd_analysis,
+    &sgt_wavefront_analysis, &sgt_zernike_analysis, &sgt_field_analysis,
+    &sgt_map_analysis,       &sgt_sweep_analysis,   &sgt_ends_analysis,
+    &sgt_energy_analysis,
+};
 
 const sgt_analysis *sgt_analysis_at(size_t place)
 {

@@ -497,3 +497,20 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     else if (l.picture) look_draw_curves(&l);
     return l.total.fates.lost ? EXIT_UNDECIDED : EXIT_DECIDED;
 }
+
+static exit_status run_plain(const command *c, int argc, char *argv[])
+{
+    return look_run(c, &(look_way){.draw = NULL}, argc, argv);
+}
+
+command look_command(const sgt_analysis *a)
+{
+    const char *often = "";
+    for (size_t i = 0; i < a->settings; i++) often = look_text("%s%s ", often, a->setting[i].name);
+    return (command){
+        .name = a->name, .brief = a->title, .run = run_plain,
+        .often = look_text("%sfields field hexapolar grid wavelength picture proof format output", often),
+        .examples = look_text("  sagitta %s examples/lenses/cooke_triplet.yaml\n"
+                              "  sagitta %s examples/lenses/cooke_triplet.yaml --picture %s.svg\n",
+                              a->name, a->name, a->name)};
+}

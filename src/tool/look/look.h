@@ -49,6 +49,9 @@ typedef struct look_way {
 /* The command has the name of its analysis; its options and most of its help are those of the library. */
 exit_status look_run(const command *c, const look_way *way, int argc, char *argv[]);
 
+/* A command for an analysis that has none of its own. */
+command look_command(const sgt_analysis *a);
+
 /* Is this setting of the analysis given? */
 bool look_given(const look *l, const char *setting);
 
