@@ -65,11 +65,11 @@ static void draw_field(const look *l)
     const chart_rule zero = {.upright = true};
     const chart_panel panel[] = {
         {.title = "field curvature", .x_label = afocal ? "vergence at the last surface (dioptres)"
-                           : look_text("z from the image (%s)", look_unit(l, "sagittal")),
+                           : memory_print("z from the image (%s)", look_unit(l, "sagittal")),
          .y_label = look_field_axis(l), .y_low = fmin(end, 0), .y_high = fmax(end, 0),
          .series_count = 2 * l->bands, .series = focus, .note = dashes, .notes = 1, .rules = 1,
          .rule = &zero},
-        {.title = afocal ? "distortion of angles" : look_text("distortion against %s", field_ideal(l)),
+        {.title = afocal ? "distortion of angles" : memory_print("distortion against %s", field_ideal(l)),
          .x_label = "distortion (%)", .y_label = look_field_axis(l), .y_low = fmin(end, 0),
          .y_high = fmax(end, 0), .series_count = l->bands, .series = shift, .rules = 1, .rule = &zero},
     };

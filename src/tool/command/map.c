@@ -70,7 +70,7 @@ static map_kinds map_kinds_of(const look *l)
         k.name[k.count++] = fate            ? fates[i]
                             : i == 0        ? "passed"
                             : i > of->count ? "no such ray"
-                                            : look_text("ends at %zu (%s)", i, of->surface[i - 1].type);
+                                            : memory_print("ends at %zu (%s)", i, of->surface[i - 1].type);
     }
     return k;
 }
@@ -97,7 +97,7 @@ static const char *map_title(const look *l, size_t panel)
     const char *name = look_wavelength_name(l, panel % l->bands);
     if (over_field(l)) return name ? name : "";
     const char *field = look_field_name(l, panel / l->bands);
-    return l->bands > 1 ? look_text("%s, %s", field, name) : field;
+    return l->bands > 1 ? memory_print("%s, %s", field, name) : field;
 }
 
 static void draw_fates(const look *l)
@@ -118,15 +118,15 @@ static void draw_fates(const look *l)
                        : look_net(l, p * points, points, n, cells, value, label);
         map[p].kinds = kinds.count ? kinds.name : NULL, map[p].kind_count = kinds.count;
         panel[p] = (chart_panel){.title = map_title(l, p), .square = true, .map = &map[p],
-                                 .x_label = field ? look_text("x, %s", look_field_axis(l)) : "px",
-                                 .y_label = field ? look_text("y, %s", look_field_axis(l)) : "py"};
+                                 .x_label = field ? memory_print("x, %s", look_field_axis(l)) : "px",
+                                 .y_label = field ? memory_print("y, %s", look_field_axis(l)) : "py"};
     }
     if (!kinds.count) look_same_scale(panels, map);
     const char *line[] = {look_lens_line(l), look_fates_line(l, &l->total.fates)};
     const char *number = map_of == MAP_FATE      ? "fates"
                          : map_of == MAP_ELEMENT ? "where rays end"
                                                  : map_names[map_of];
-    const char *what = look_text("%s, over the %s", number, field ? "field" : "pupil");
+    const char *what = memory_print("%s, over the %s", number, field ? "field" : "pupil");
     chart_write(l->picture, &(chart){.title = look_title(l, what), .line = line, .lines = 2,
                                      .panels = panels, .panel = panel});
 }

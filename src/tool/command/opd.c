@@ -35,7 +35,7 @@ static void draw_opd_maps(const look *asked, const look *l)
         for (size_t k = 0; k < points; k++) waves[k] = look_value(l, look_row(l, i * points + k), value);
         map[i] = look_net(l, i * points, points, n, cells, waves, "waves");
         map[i].about_zero = true;
-        panel[i] = (chart_panel){.title = look_text("%s, %s", look_field_name(l, i / l->bands),
+        panel[i] = (chart_panel){.title = memory_print("%s, %s", look_field_name(l, i / l->bands),
                                                     look_wavelength_name(l, i % l->bands)),
                                  .x_label = "px", .y_label = "py", .square = true, .map = &map[i]};
     }

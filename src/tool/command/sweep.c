@@ -37,7 +37,7 @@ static chart_panel sweep_panel(const look *l, size_t band)
     }
     return (chart_panel){.title = l->bands > 1 ? look_wavelength_name(l, band) : NULL,
                          .x_label = isfinite(l->primary.of->object_distance)
-                                        ? look_text("object height (%s)", look_unit(l, "at"))
+                                        ? memory_print("object height (%s)", look_unit(l, "at"))
                                         : "field angle (degrees)",
                          .y_label = "rays (%)", .x_low = fmin(first->at, last->at),
                          .x_high = fmax(first->at, last->at), .y_high = 100, .series_count = n,

@@ -194,7 +194,7 @@ typedef struct trace_work {
         launch ray;
         const job_lens *at;
         size_t element;
-        char why[STOPPED_SIZE];
+        const char *why;
     } ended[UNDECIDED_SHOWN];
     size_t ended_shown, ended_count;
     size_t *back;                  /* [elements]: how many rays came to it at t < 0 */
@@ -346,7 +346,7 @@ static void keep_ended(trace_work *w, const trace_room *r, const launch *l, size
         .index = element ? of->index[element - 1] : of->index_before, .behind = of->index[element]};
     size_t k = w->ended_shown++;
     w->ended[k].ray = *l, w->ended[k].at = w->at, w->ended[k].element = element;
-    stopped_print(w->ended[k].why, e, (sgt_fate)r->fate[i], &a);
+    w->ended[k].why = stopped_why(e, (sgt_fate)r->fate[i], &a);
 }
 
 static void count_field(trace_work *w, const launch *l, size_t passed)
@@ -386,10 +386,9 @@ static void trace_take(void *data, const tile *t)
 
 /* ---------------------------------------------------------------- verdict */
 
-static void trace_append(char text[400], size_t n, const char *what, const char *reason)
+static const char *trace_also(const char *text, size_t n, const char *what)
 {
-    size_t length = strlen(text);
-    if (n) snprintf(text + length, 400 - length, "%s %zu %s%s", length ? "," : "", n, what, reason);
+    return n ? memory_print("%s%s %zu %s", text, *text ? "," : "", n, what) : text;
 }
 
 /* Prints what is proven of the rays that passed. */
@@ -414,40 +413,32 @@ static void write_proof(const trace_work *w)
 static void write_losses(table *t, const job *j, const losses loss[])
 {
     for (size_t i = 0; i < j->lens.count; i++) {
-        char text[400] = "";
-        trace_append(text, loss[i].missed, "missed it", "");
-        trace_append(text, loss[i].clipped, "clipped", "");
-        trace_append(text, loss[i].tir, "totally reflected", "");
-        for (int s = 0; s >= SGT_INVALID; s--) {
-            char reason[40];
-            snprintf(reason, sizeof reason, " (%s)",
-                     s ? sgt_status_text((sgt_status)s) : "direction undecided");
-            trace_append(text, loss[i].lost[s - SGT_INVALID], "lost", reason);
-        }
+        const char *text = trace_also("", loss[i].missed, "missed it");
+        text = trace_also(text, loss[i].clipped, "clipped");
+        text = trace_also(text, loss[i].tir, "totally reflected");
+        for (int s = 0; s >= SGT_INVALID; s--)
+            text = trace_also(text, loss[i].lost[s - SGT_INVALID],
+                              memory_print("lost (%s)", s ? sgt_status_text((sgt_status)s)
+                                                          : "direction undecided"));
         if (*text) table_line(t, "element %zu (%s):%s", i + 1, j->lens.surface[i].type, text);
     }
 }
 
 /* "Ray 9 (field 2, px 0, py -0.33, 0.4861 um)" */
-static void print_ray(char text[120], const trace_work *w, const launch *l, const job_lens *at)
+static const char *ray_name(const trace_work *w, const launch *l, const job_lens *at)
 {
-    int n = snprintf(text, 120, "Ray %zu", l->number);
-    if (w->job->fields)
-        n += snprintf(text + n, (size_t)(120 - n), " (field %zu, px %.4g, py %.4g",
-                      w->job->field_number[l->field] + 1, l->px,
-                      l->py);
-    if (w->job->fields && w->job->wavelengths > 1 && !isnan(at->lens.wavelength))
-        n += snprintf(text + n, (size_t)(120 - n), ", %.6g um", at->lens.wavelength);
-    if (w->job->fields) snprintf(text + n, (size_t)(120 - n), ")");
+    if (!w->job->fields) return memory_print("Ray %zu", l->number);
+    const bool coloured = w->job->wavelengths > 1 && !isnan(at->lens.wavelength);
+    return memory_print("Ray %zu (field %zu, px %.4g, py %.4g%s)", l->number,
+                        w->job->field_number[l->field] + 1,
+                        l->px, l->py, coloured ? memory_print(", %.6g um", at->lens.wavelength) : "");
 }
 
 static void write_ended(const trace_work *w)
 {
-    char who[120];
-    for (size_t k = 0; k < w->ended_shown; k++) {
-        print_ray(who, w, &w->ended[k].ray, w->ended[k].at);
-        table_line(w->table, "%s at element %zu: %s.", who, w->ended[k].element + 1, w->ended[k].why);
-    }
+    for (size_t k = 0; k < w->ended_shown; k++)
+        table_line(w->table, "%s at element %zu: %s.", ray_name(w, &w->ended[k].ray, w->ended[k].at),
+                   w->ended[k].element + 1, w->ended[k].why);
     if (w->ended_count > w->ended_shown)
         table_line(w->table, "%zu more did not get through: sagitta diagnose LENS --ray N shows why.",
                    w->ended_count - w->ended_shown);
@@ -468,10 +459,9 @@ static void write_doubts(const trace_work *w)
                 k + 1, j->lens.surface[k].type, w->back[k], w->back[k] == 1 ? "" : "s");
     for (size_t f = 0; f < j->fields; f++) {
         if (!w->field[f].rays || w->field[f].passed) continue;
-        char range[60];
-        snprintf(range, sizeof range,
-                 w->field[f].first < w->field[f].last ? "elements %zu to %zu" : "element %zu",
-                 w->field[f].first, w->field[f].last);
+        const char *range = w->field[f].first < w->field[f].last
+                                ? memory_print("elements %zu to %zu", w->field[f].first, w->field[f].last)
+                                : memory_print("element %zu", w->field[f].first);
         table_line(w->table, "No ray of field %zu gets through: they end at %s%s",
                    j->field_number[f] + 1, range,
                    aimed ? "."
@@ -509,9 +499,7 @@ static void write_lost(const trace_work *w)
                           .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
                           .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED),
                           .fast = options_fast(asked, e->surface), .hit = &alone[passed].hit};
-        char ray_name[120], who[160];
-        print_ray(ray_name, w, &w->lost[i].ray, at);
-        snprintf(who, sizeof who, "%s at element %zu: ", ray_name, passed + 1);
+        const char *who = memory_print("%s at element %zu: ", ray_name(w, &w->lost[i].ray, at), passed + 1);
         undecided_explain(w->table, who, &s);
     }
     if (w->undecided > (size_t)w->shown)

@@ -1,5 +1,6 @@
 /* help.c - the columns of an analysis for --help all, from the tables of the library. */
 #include "look.h"
+#include "../base/memory.h"
 
 #include "../base/bytes.h"
 
@@ -11,11 +12,11 @@ static void print_afocal(const sgt_analysis *a, sgt_dimension of, const char *en
     bytes names = {.length = 0};
     for (size_t i = 0; i < a->columns; i++)
         if (a->column[i].dimension == of)
-            bytes_text(&names, look_text("%s%s", names.length ? ", " : "", a->column[i].name));
+            bytes_text(&names, memory_print("%s%s", names.length ? ", " : "", a->column[i].name));
     if (!names.length) return;
     bytes_one(&names, 0);
-    command_print_item(look_text("..._%s", end),
-             look_text("in place of %s, if the lens is afocal: %s", names.at, what));
+    command_print_item(memory_print("..._%s", end),
+             memory_print("in place of %s, if the lens is afocal: %s", names.at, what));
 }
 
 static void print_columns(const sgt_analysis *a)
@@ -26,7 +27,7 @@ static void print_columns(const sgt_analysis *a)
                            : c->flags & SGT_COLUMN_GIVEN  ? "if it is given"
                            : c->flags & SGT_COLUMN_DETAIL ? "not in text"
                                                           : "";
-        command_print_item(c->name, *when ? look_text("%s (%s)", c->help, when) : c->help);
+        command_print_item(c->name, *when ? memory_print("%s (%s)", c->help, when) : c->help);
     }
     print_afocal(a, SGT_UNIT_IMAGE, "mrad", "angles in milliradians");
     print_afocal(a, SGT_UNIT_FOCUS, "dioptre", "vergences in 1/m");
@@ -38,7 +39,7 @@ const char *look_default_rays(const sgt_analysis *a)
         [SGT_PATTERN_FAN] = "fan", [SGT_PATTERN_GRID] = "grid", [SGT_PATTERN_HEXAPOLAR] = "hexapolar",
         [SGT_PATTERN_RANDOM] = "random", [SGT_PATTERN_SOBOL] = "sobol", [SGT_PATTERN_CELLS] = "cells",
         [SGT_PATTERN_CROSS] = "cross"};
-    return look_text("--%s %zu", name[a->pattern], a->rays);
+    return memory_print("--%s %zu", name[a->pattern], a->rays);
 }
 
 void look_print_columns(const void *context)

@@ -54,7 +54,7 @@ void look_lines_draw(const look *l, const char *line, const char *tangential, co
             both = both && series[0].count > 1;
             if (series[0].count < 2) continue;
             panel[n++] = (chart_panel){
-                .title = look_text("%s, %s", look_field_name(l, f), k ? "sagittal" : "tangential"),
+                .title = memory_print("%s, %s", look_field_name(l, f), k ? "sagittal" : "tangential"),
                 .x_label = k ? "px (pupil radii)" : "py (pupil radii)", .y_label = look_label(l, name),
                 .x_low = -1, .x_high = 1, .series_count = l->bands, .series = series};
         }

@@ -143,7 +143,7 @@ static const char *view_with(const look_way *way, const char *setting)
 {
     for (const look_view *v = way->view; v && v->option; v++)
         if (setting_named(sgt_analysis_named(v->analysis), setting))
-            return look_text("--%s%s", v->option, v->setting ? " N" : "");
+            return memory_print("--%s%s", v->option, v->setting ? " N" : "");
     return "";
 }
 
@@ -151,7 +151,7 @@ static const char *rays_by_default(const sgt_analysis *a, const look_view *v)
 {
     const char *rays = look_default_rays(a);
     for (; v && v->option; v++)
-        rays = look_text("%s; with --%s %s", rays, v->option,
+        rays = memory_print("%s; with --%s %s", rays, v->option,
                          look_default_rays(sgt_analysis_named(v->analysis)));
     return rays;
 }
@@ -342,7 +342,7 @@ static column head_of(const look *l, size_t i, char unit[32])
         [SGT_COLUMN_WHOLE] = COLUMN_COUNT,   [SGT_COLUMN_FATE] = COLUMN_CODE};
     char name[32];
     sgt_study_column(l->study, l->of, l->options, i, name, unit);
-    return (column){look_text("%s", name), kinds[l->of->column[i].kind]};
+    return (column){memory_print("%s", name), kinds[l->of->column[i].kind]};
 }
 
 static void begin_table(printing *p)
@@ -357,7 +357,7 @@ static void begin_table(printing *p)
     for (size_t i = 0; i < l->of->columns; i++) {
         if (!sgt_study_column(l->study, l->of, l->options, i, name, unit)) continue;
         if (p->text && l->of->column[i].flags & SGT_COLUMN_DETAIL) continue;
-        head[p->count] = head_of(l, i, unit), units[p->count] = look_text("%s", unit);
+        head[p->count] = head_of(l, i, unit), units[p->count] = memory_print("%s", unit);
         p->place[p->count++] = i;
     }
     l->shared.target.unit = units;
@@ -452,7 +452,7 @@ static void take_sentence(void *context, sgt_remark_of_study kind, const char *s
         return;
     }
     p->legend = memory_grow(p->legend, p->legends + 1, sizeof *p->legend);
-    p->legend[p->legends++] = look_text("%s", sentence);
+    p->legend[p->legends++] = memory_print("%s", sentence);
 }
 
 static void keep_ends(void *context, size_t field, size_t surface, size_t wavelength, size_t count,
@@ -506,11 +506,11 @@ static exit_status run_plain(const command *c, int argc, char *argv[])
 command look_command(const sgt_analysis *a)
 {
     const char *often = "";
-    for (size_t i = 0; i < a->settings; i++) often = look_text("%s%s ", often, a->setting[i].name);
+    for (size_t i = 0; i < a->settings; i++) often = memory_print("%s%s ", often, a->setting[i].name);
     return (command){
         .name = a->name, .brief = a->title, .run = run_plain,
-        .often = look_text("%sfields field hexapolar grid wavelength picture proof format output", often),
-        .examples = look_text("  sagitta %s examples/lenses/cooke_triplet.yaml\n"
+        .often = memory_print("%sfields field hexapolar grid wavelength picture proof format output", often),
+        .examples = memory_print("  sagitta %s examples/lenses/cooke_triplet.yaml\n"
                               "  sagitta %s examples/lenses/cooke_triplet.yaml --picture %s.svg\n",
                               a->name, a->name, a->name)};
 }

@@ -75,7 +75,6 @@ size_t look_band_of(const look *l, double um);
 size_t look_field_of(const look *l, size_t number);
 
 /* Texts that last until the command ends. */
-const char *look_text(const char *format, ...) LIKE_PRINTF(1, 2);
 const char *look_signed(double x);                         /* with the minus sign of the axes */
 const char *look_title(const look *l, const char *what);   /* "Cooke triplet: spots" */
 const char *look_lens_line(const look *l);                 /* its wavelengths, unit, and what is proven */
