@@ -11,8 +11,8 @@ import tempfile
 
 FLOORS = ['num', 'solve', 'surface', 'ray', 'check', 'system', 'dispatch']  # the library, from the ground up
 CLIENTS = ['geo', 'lens', 'tool']                      # see <sagitta/...> as any program does
-SHARED = ['text']                                      # compiled into the clients that see it
-SEEN = {'text': ['lens', 'tool'], 'num': ['text']}     # by these, as well as by the floors above
+SHARED = ['text', 'truth']                             # compiled into the clients that see them
+SEEN = {'text': ['lens', 'tool'], 'truth': ['tool'], 'num': ['text']}  # by these; num by the floors above, too
 
 # All the library may ask of C: nothing that allocates, prints, ends the program
 # or keeps a state (errno, the locale).

@@ -128,7 +128,7 @@ def faults(tree, libraries=()):
     found += include_faults(src)
     for library in libraries:
         found += symbol_faults(src, library)
-    clients = [src / 'tool', src / 'geo', src / 'lens']
+    clients = [src / name for name in ('tool', 'geo', 'lens', 'truth')]
     found += name_faults([p for p in sources(src) if not any(c in p.parents for c in clients)], src)
     for client in clients:
         found += name_faults(sources(client), src)

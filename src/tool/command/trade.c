@@ -170,7 +170,9 @@ static trade_arguments trade_arguments_of(const command *c, int argc, char *argv
     if (optind < argc) fail_usage("unexpected argument \"%s\"; trade takes one lens file", argv[optind]);
     check(&a, given & 1u << OPTIONS_OF_JOB);
     if (a.picture) chart_check("picture", a.picture);
-    quad_check();
+    if (!quad_there())
+        fail_usage("trade is not available; this command was built without C++ or without numbers of 113 "
+                   "bits, which it measures errors by");
     return a;
 }
 

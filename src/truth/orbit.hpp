@@ -1,8 +1,8 @@
 // orbit.hpp - quaternions and the orbit Q -> Q^p + c by its definition, for any type of number.
 //
 // Shared by formulas.hpp and the oracles of tests/.
-#ifndef TOOL_ORBIT_HPP
-#define TOOL_ORBIT_HPP
+#ifndef TRUTH_ORBIT_HPP
+#define TRUTH_ORBIT_HPP
 
 namespace oracle {
 

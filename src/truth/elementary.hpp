@@ -10,8 +10,8 @@
 //          Farther out it is NaN: not known in 113 bits
 //   atan   atan x = pi/2 - atan(1/x) for x > 1; atan x = 2 atan(x / (1 + sqrt(1 + x^2))), three times
 //   sinh   by its series for |x| < 1/2, where exp(x) - exp(-x) would cancel
-#ifndef TOOL_ELEMENTARY_HPP
-#define TOOL_ELEMENTARY_HPP
+#ifndef TRUTH_ELEMENTARY_HPP
+#define TRUTH_ELEMENTARY_HPP
 #include "quad.hpp"
 
 namespace oracle {

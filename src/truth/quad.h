@@ -3,8 +3,8 @@
  * The library's own certain answer says which root is meant, and which elements a ray passes.
  * Where the root lies is computed here without any code of the library: by Newton's method
  * (quad.c) on the definitions of the surfaces (formulas.hpp, text.hpp). */
-#ifndef TOOL_QUAD_H
-#define TOOL_QUAD_H
+#ifndef TRUTH_QUAD_H
+#define TRUTH_QUAD_H
 #include <float.h>
 #include <sagitta/formula.h>
 #include <sagitta/surfaces.h>
@@ -19,14 +19,13 @@ typedef long double quad;
 #elif defined(__SIZEOF_FLOAT128__)
 __extension__ typedef __float128 quad;
 #else
-typedef double quad; /* a stand-in: QUAD_MISSING is then defined, and trade ends with an error */
+typedef double quad; /* a stand-in: QUAD_MISSING is then defined */
 #endif
 
 typedef struct quad3 { quad x, y, z; } quad3;
 
-/* Ends with a usage error if the command was built without such numbers, or without C++, in which
- * the formulas are written. */
-void quad_check(void);
+/* false: this was built without such numbers, or without C++, in which the formulas are written. */
+bool quad_there(void);
 
 /* The formula of a surface, which lasts until the command ends; NULL: there is none for its type.  Of a
  * surface that is a text there is one after quad_formula_read. */

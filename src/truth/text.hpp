@@ -17,8 +17,8 @@
 // Nobody asks for it, since the library finds no root there.)
 //
 // Test: tests/formula/test_text.cpp.
-#ifndef TOOL_TEXT_HPP
-#define TOOL_TEXT_HPP
+#ifndef TRUTH_TEXT_HPP
+#define TRUTH_TEXT_HPP
 #include "elementary.hpp"
 #include "formulas.hpp"
 

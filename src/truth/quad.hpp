@@ -2,8 +2,8 @@
 //
 // The arithmetic is in the compiler's own library.  The square root is here, so no other library is needed.
 // The command's trade and the oracles of tests/ share this file and formulas.hpp.
-#ifndef TOOL_QUAD_HPP
-#define TOOL_QUAD_HPP
+#ifndef TRUTH_QUAD_HPP
+#define TRUTH_QUAD_HPP
 #include "quad.h"
 
 #include <cmath>

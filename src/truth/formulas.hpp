@@ -25,8 +25,8 @@
 //
 // To add a type: FORMULA in its row of types.def.  A formula that does not fit there is written here: its
 // parameters, its formula, and a row in `rows`, which comes before what types.def says.
-#ifndef TOOL_FORMULAS_HPP
-#define TOOL_FORMULAS_HPP
+#ifndef TRUTH_FORMULAS_HPP
+#define TRUTH_FORMULAS_HPP
 #include "orbit.hpp"
 #include "quad.hpp"
 
@@ -644,7 +644,7 @@ template <class T> struct row {
         static_cast<void>(s), static_cast<void>(p), static_cast<void>(x), static_cast<void>(y);         \
         return formula;                                                                                 \
     }
-#include "../../types.def"
+#include "../types.def"
 #undef TYPE
 
 // The row of a surface's type; NULL: there is none.
@@ -669,7 +669,7 @@ template <class T> const row<T> *row_of(const sgt_surface &s)
         {&sgt_julia_ops, 0, nullptr, julia_level<T>},
         {&sgt_mandelbrot_ops, 0, nullptr, mandelbrot_level<T>},
 #define TYPE(KIND, type, NAME, ...) {&sgt_##NAME##_ops, 2, type##_listed<T>, nullptr},
-#include "../../types.def"
+#include "../types.def"
 #undef TYPE
     };
     for (const row<T> &r : rows)
