@@ -651,9 +651,121 @@ static void test_from_surface(void **state)
     REQUIRE(outward > n / 4 && unknown > n / 4, "these rays are no test");
 }
 
+/* The ball from afar, and tmin next to its first root: within some ulps of t either root is the first, else the
+ * one that is on the ray, and it is found. */
+static void test_start_beside_root(void **state)
+{
+    (void)state;
+    generator g = seeded("a start beside a root, from afar");
+    const sgt_surface_ops ops = {.name = "ball", .value = ball_value, .rounding = ball_rounding,
+                                 .span = ball_span, .enclose = ball_enclose};
+    long n = scaled(10000), undecided = 0, near = 0;
+    for (long i = 0; i < n; i++) {
+        ball s = {.c = random_point(&g, 2), .r = log_uniform(&g, 0.1, 10)};
+        sgt_vec3 u = random_direction(&g), d = random_direction(&g);
+        double along = u.x * d.x + u.y * d.y + u.z * d.z, far = s.r * log_uniform(&g, 1, 1e6);
+        if (along > 0) along = -along, u = (sgt_vec3){-u.x, -u.y, -u.z};
+        if (along > -0.2) continue;
+        sgt_ray ray = {.o = {s.c.x + s.r * u.x - far * d.x, s.c.y + s.r * u.y - far * d.y,
+                             s.c.z + s.r * u.z - far * d.z},
+                       .d = d, .tmax = HUGE_VAL};
+        long double x = (long double)ray.o.x - s.c.x, y = (long double)ray.o.y - s.c.y,
+                    z = (long double)ray.o.z - s.c.z,
+                    d2 = (long double)d.x * d.x + (long double)d.y * d.y + (long double)d.z * d.z,
+                    b = (x * d.x + y * d.y + z * d.z) / d2, px = x - b * d.x, py = y - b * d.y,
+                    pz = z - b * d.z, half = sqrtl(((long double)s.r * s.r - px * px - py * py - pz * pz) / d2),
+                    root[2] = {-b - half, -b + half};
+        double ulp = 0x1p-52 * (far + 8 * s.r + 4), by = either_sign(&g) * log_uniform(&g, 0.1, 1e5) * ulp;
+        ray.tmin = (double)root[0] + by;
+        sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, NULL);
+        undecided += hit.status <= 0, near++;
+        if (hit.status <= 0) continue;
+        bool first = fabsl(hit.t - root[0]) < fabsl(hit.t - root[1]);
+        REQUIRE(fabsl(hit.t - root[first ? 0 : 1]) <= hit.t_err + 64 * (long double)ulp,
+                "case %ld: t %.17g +- %g is no root", i, hit.t, hit.t_err);
+        REQUIRE(fabs(by) < 256 * ulp || first == (by < 0),
+                "case %ld: tmin is %g ulps behind the root, and the %s one is met", i, by / ulp,
+                first ? "first" : "second");
+    }
+    print_message("%ld of %ld undecided\n", undecided, near);
+    REQUIRE(undecided * 1000 <= near, "%ld of %ld are undecided", undecided, near);
+}
+
+/* --------------------------------------------------------- which searches ask `encloses` */
+
+/* Of a ball that is met from outside, near its middle: the half of the chord in front has one root.  asked:
+ * how many cells. */
+typedef struct told_ball {
+    ball ball;
+    bool single;
+    long *asked;
+} told_ball;
+
+static sgt_span told_span(const void *self, const sgt_ray *ray)
+{
+    sgt_span span = ball_span(self, ray);
+    const told_ball *s = self;
+    if (s->single) span.hi = 0.5 * (span.lo + span.hi), span.single = true;
+    return span;
+}
+static void told_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
+                          sgt_enclosures out)
+{
+    const told_ball *s = self;
+    *s->asked += (long)n;
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {.o = {rays.o[0][i], rays.o[1][i], rays.o[2][i]},
+                       .d = {rays.d[0][i], rays.d[1][i], rays.d[2][i]}};
+        sgt_interval slope, g;
+        REQUIRE(t_lo[i] <= t_hi[i] && fabs(t_lo[i]) < HUGE_VAL && fabs(t_hi[i]) < HUGE_VAL, "the cell %g, %g",
+                t_lo[i], t_hi[i]);
+        g = ball_enclose(self, &ray, (sgt_interval){t_lo[i], t_hi[i]}, &slope);
+        out.lo[i] = g.lo, out.hi[i] = g.hi;
+        if (out.slope_lo) out.slope_lo[i] = slope.lo, out.slope_hi[i] = slope.hi;
+    }
+}
+
+/* It is asked for first roots, but not where the surface has `first`, nor of single spans without a proof; the
+ * root is the same, with no more evaluations than a single root takes. */
+static void test_asked(void **state)
+{
+    (void)state;
+    generator g = seeded("who asks encloses");
+    for (long i = 0; i < 2000; i++) {
+        long asked = 0;
+        told_ball s = {{random_point(&g, 2), log_uniform(&g, 0.1, 10)}, chance(&g, 0.5), &asked};
+        const bool first = chance(&g, 0.3), proof = chance(&g, 0.3), many = chance(&g, 0.5);
+        const sgt_surface_ops ops = {.size = sizeof ops, .name = "told ball", .value = ball_value,
+                                     .rounding = ball_rounding, .span = told_span, .enclose = ball_enclose,
+                                     .encloses = told_encloses, .first = first ? told_span : NULL};
+        sgt_vec3 d = random_direction(&g), b = random_point(&g, 0.3);
+        sgt_ray ray = {.o = {s.ball.c.x + s.ball.r * (b.x - 3 * d.x), s.ball.c.y + s.ball.r * (b.y - 3 * d.y),
+                             s.ball.c.z + s.ball.r * (b.z - 3 * d.z)},
+                       .d = d, .tmax = HUGE_VAL};
+        const bool quick = s.single && !proof;
+        sgt_options opt = {.pick = SGT_FIRST, .proof = proof ? SGT_PROVE_FIRST : SGT_ESTIMATE,
+                           .max_evals = quick ? 16 : 0};
+        double t;
+        signed char status;
+        if (many) {
+            sgt_rays rays = {{&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, &ray.tmin, &ray.tmax};
+            sgt_intersect_batch((sgt_surface){&ops, &s}, 1, rays, (sgt_hits){.status = &status, .t = &t}, &opt);
+        } else {
+            sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, &opt);
+            status = (signed char)hit.status, t = hit.t;
+        }
+        REQUIRE((asked > 0) == !(first || quick), "case %ld: %ld cells; first %d, single %d, proof %d", i, asked,
+                first, s.single, proof);
+        double f = ball_value(&s, (sgt_vec3){ray.o.x + t * d.x, ray.o.y + t * d.y, ray.o.z + t * d.z}, NULL);
+        REQUIRE(status == SGT_HIT && fabs(f) < 1e-12 * (1 + s.ball.r) * (1 + s.ball.r) && t < 3.3 * s.ball.r,
+                "case %ld: %s at %g, F %g", i, sgt_status_text((sgt_status)status), t, f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_start_beside_root), cmocka_unit_test(test_asked),
         cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole),
         cmocka_unit_test(test_noisy_poles),
         cmocka_unit_test(test_random_answers),  cmocka_unit_test(test_undecided),
