@@ -110,10 +110,12 @@ void beside_edge(generator &g, int rays)
         const sgt_zernike zernike = {c, k, 0, edge, SGT_FRINGE, 0, {terms.data(), 1, 16}};
         specimen s = {};
         s.type = "beside the edge", s.h = edge;
-        s.s = g.chance(0.5) ? sgt_surface{&sgt_zernike_ops, &zernike} : sgt_surface{&sgt_odd_asphere_ops, &odd};
+        s.s =
+            g.chance(0.5) ? sgt_surface{&sgt_zernike_ops, &zernike} : sgt_surface{&sgt_odd_asphere_ops, &odd};
         const double r = edge * (1 - g.log_uniform(1e-6, 0x1p-8)), about = g.uniform(0, 6.283185307179586),
                      x = r * std::cos(about), y = r * std::sin(about), tilt = g.uniform(-1.5, 1.5),
-                     to = about + g.uniform(-1.5, 1.5), back = g.chance(0.5) ? 0 : edge * g.log_uniform(1e-3, 100);
+                     to = about + g.uniform(-1.5, 1.5),
+                     back = g.chance(0.5) ? 0 : edge * g.log_uniform(1e-3, 100);
         const sgt_vec3 d = {std::cos(to) * std::cos(tilt), std::sin(to) * std::cos(tilt), std::sin(tilt)};
         const double z = -formula<double>(s.s)(x, y, 0.0) + g.sign() * edge * g.log_uniform(1e-9, 0.5);
         const sgt_ray ray = {{x - back * d.x, y - back * d.y, z - back * d.z}, d, back, INFINITY};

@@ -8,8 +8,8 @@
 // nearest of them.  The proof alone, without a search, is asked of points that are met: of the same lenses,
 // and of random rows of surfaces.  A point inside the aperture of the stop has to be met.
 //
-// What is told of a search is tried as well: `miss` with a tolerance, and each attempt.  So are the proofs that
-// must not get lost: of each sag and each reason why there is no ray.
+// What is told of a search is tried as well: `miss` with a tolerance, and each attempt.  So are the proofs
+// that must not get lost: of each sag and each reason why there is no ray.
 //
 // SAGITTA_TEST_SCALE multiplies the points and the attacking rays; SAGITTA_TEST_SEED replaces the seed.
 #include "slow_trace.h"
@@ -205,19 +205,22 @@ static long known_rays(const question &q, oracle::generator &random, double angl
             x->lo = at - random.uniform(0.01, 1) * wide, x->hi = at + random.uniform(0.01, 1) * wide;
         }
         asked++;
-        if (proof_alone(other) == SGT_NO_SUCH_RAY)
-            fail(q.name, "a known ray is said not to be", u, v);
+        if (proof_alone(other) == SGT_NO_SUCH_RAY) fail(q.name, "a known ray is said not to be", u, v);
     }
     return asked;
 }
 
 // The digits of i in the base behind the point, backward (Halton 1960).
-static double digits_of(int i, int base) { return i == 0 ? 0 : (i % base + digits_of(i / base, base)) / base; }
+static double digits_of(int i, int base)
+{
+    return i == 0 ? 0 : (i % base + digits_of(i / base, base)) / base;
+}
 
 static double start_in(const sgt_interval &box, double part) { return box.lo + part * (box.hi - box.lo); }
 
-// The attempts of a search without a proof.  They begin at the user's starts, moved into the box, in the middle
-// of it, and then all over it.  Each is as if there had been none before; together they spend the traces.
+// The attempts of a search without a proof.  They begin at the user's starts, moved into the box, in the
+// middle of it, and then all over it.  Each is as if there had been none before; together they spend the
+// traces.
 static void try_attempts(const question &q, oracle::generator &random)
 {
     enum { ROOM = 70 };
@@ -235,7 +238,8 @@ static void try_attempts(const question &q, oracle::generator &random)
     int spent = 0;
     for (std::size_t i = 0; i < a.attempts && i < ROOM; i++) {
         const int k = int(i) - int(opt.starts);
-        sgt_vec2 from = {start_in(u, k == 0 ? 0.5 : digits_of(k, 2)), start_in(v, k == 0 ? 0.5 : digits_of(k, 3))};
+        sgt_vec2 from = {start_in(u, k == 0 ? 0.5 : digits_of(k, 2)),
+                         start_in(v, k == 0 ? 0.5 : digits_of(k, 3))};
         if (k < 0)
             from = {std::min(std::max(starts[i].x, u.lo), u.hi), std::min(std::max(starts[i].y, v.lo), v.hi)};
         if (!(std::fabs(all[i].from.x - from.x) <= 1e-12 * (u.hi - u.lo)) ||
@@ -296,11 +300,13 @@ static void try_lens(const std::string &folder, const char *name, oracle::genera
     options = &loose;
     tally near = {};
     for (int i = 0; i < std::max(10, points / 8); i++) {
-        q.beam = beam_of(random, angle, 1.2 * first, 2 * first), loose.tol = random.log_uniform(1e-12, 1) * first;
+        q.beam = beam_of(random, angle, 1.2 * first, 2 * first),
+        loose.tol = random.log_uniform(1e-12, 1) * first;
         q.wanted = {random.uniform(-1.5, 1.5) * q.e[q.stop].semi_diameter, random.uniform(-0.5, 0.5) * first};
         loose.max_boxes = -1, ask(q, random, &near, false);
         if (i % 2 == 0) continue;
-        q.beam = beam_of(random, 2 * angle, random.log_uniform(0.5, 8) * first, 2 * first); // many starts miss
+        q.beam =
+            beam_of(random, 2 * angle, random.log_uniform(0.5, 8) * first, 2 * first); // many starts miss
         try_attempts(q, random);
     }
     options = nullptr;
@@ -366,8 +372,9 @@ static void random_systems(oracle::generator &random)
     if (asked < systems) fail("random", "too few rays", double(asked), systems);
 }
 
-// Rays of one surface and a plane stop behind it, of which the root is meant that is not the nearer one: that is
-// on the other sheet of a hyperboloid, or outside of the rim or of the aperture.  The proof has to know of it.
+// Rays of one surface and a plane stop behind it, of which the root is meant that is not the nearer one: that
+// is on the other sheet of a hyperboloid, or outside of the rim or of the aperture.  The proof has to know of
+// it.
 static void other_roots(oracle::generator &random)
 {
     static sgt_conic plane = {0, 0, 0};
@@ -376,13 +383,14 @@ static void other_roots(oracle::generator &random)
     for (long tried = 0; std::min(asked[0], asked[1]) < wanted && tried < 4000 * wanted; tried++) {
         const bool sheets = asked[0] < wanted, by_rim = random.chance(0.5);
         const double c = random.sign() * random.uniform(0.05, 0.3), inner = sheets ? 0 : random.uniform(2, 6),
-                     k = sheets ? -random.log_uniform(1.2, 30) : -random.uniform(0, 1), rim = by_rim ? inner : 0;
+                     k = sheets ? -random.log_uniform(1.2, 30) : -random.uniform(0, 1),
+                     rim = by_rim ? inner : 0;
         const double terms[9] = {0, 0, 0, 0, 0, 0, 0, 0, -random.uniform(0.1, 1) * c};
         sgt_conic conic = {c, k, rim};
         sgt_asphere asphere = {c, k, rim, {0, -random.log_uniform(3e-4, 3e-2) * c}};
         sgt_zernike zernike = {c, k, rim, 6, SGT_FRINGE, 0, {terms, 1, 9}};
-        const sgt_surface types[] = {{&sgt_conic_ops, &conic}, {&sgt_asphere_ops, &asphere},
-                                     {&sgt_zernike_ops, &zernike}};
+        const sgt_surface types[] = {
+            {&sgt_conic_ops, &conic}, {&sgt_asphere_ops, &asphere}, {&sgt_zernike_ops, &zernike}};
         question q = {"the other root", {}, {}, 1, 1, {}, {0, 0}};
         sgt_element e = {};
         e.surface = types[sheets ? 0 : 1 + random.below(2)], e.semi_diameter = by_rim ? 0 : inner;
@@ -417,7 +425,8 @@ static void other_roots(oracle::generator &random)
         if (proof_alone(q) == SGT_NO_SUCH_RAY) fail(q.name, "a known ray is said not to be", c, k);
     }
     std::printf("%ld and %ld rays of which the other root is meant\n", asked[0], asked[1]);
-    if (std::min(asked[0], asked[1]) < wanted) fail("the other root", "too few", double(asked[0]), double(asked[1]));
+    if (std::min(asked[0], asked[1]) < wanted)
+        fail("the other root", "too few", double(asked[0]), double(asked[1]));
 }
 
 // -------------------------------------------------------- proofs that must not be lost

@@ -257,8 +257,8 @@ static void bounds(oracle::generator &random)
     if (bounded * 8 < cases) fail("too few", cases, double(bounded), 0);
 }
 
-// Of one surface whose sag rises outward, in a family of one direction, the bounds are those of the box about its
-// points: x and y within the least of its rims, z from the vertex to there.
+// Of one surface whose sag rises outward, in a family of one direction, the bounds are those of the box about
+// its points: x and y within the least of its rims, z from the vertex to there.
 static void tight(oracle::generator &random)
 {
     const long cases = long(2000 * scale) + 50;

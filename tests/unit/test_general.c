@@ -19,7 +19,7 @@ typedef enum kind {
     POLE_EVEN,
     POLE_COT,
     POLE_WALLED, /* infinite but next to the pole */
-    POLES, /* no root where F changes sign */
+    POLES,       /* no root where F changes sign */
     SIGN = POLES,
     FLOOR,
     JUMP_UP,
@@ -76,7 +76,8 @@ static double of_w(kind k, double w, double *slope)
     case POLE_FALLING: return *slope = 1 / (w * w), -1 / w;
     case POLE_EVEN: return *slope = -2 / (w * w * w), 1 / (w * w);
     case POLE_COT: return c = tan(0.25 * w), *slope = -0.25 * (1 + 1 / (c * c)), 1 / c;
-    case POLE_WALLED: return *slope = -1 / (w * w), size <= 1e-14 ? 1 / w : sign * HUGE_VAL;
+    case POLE_WALLED:
+        return *slope = -1 / (w * w), size <= 1e-14 ? 1 / w : sign * HUGE_VAL;
     case SIGN: return *slope = 0, sign;
     case FLOOR: return *slope = 0, floor(w) + 0.5;
     case JUMP_UP: return *slope = 1, sign * (1 + size);
@@ -651,14 +652,17 @@ static void test_from_surface(void **state)
     REQUIRE(outward > n / 4 && unknown > n / 4, "these rays are no test");
 }
 
-/* The ball from afar, and tmin next to its first root: within 4096 ulps of t either root is the first, else the
- * one that is on the ray, and it is found. */
+/* The ball from afar, and tmin next to its first root: within 4096 ulps of t either root is the first, else
+ * the one that is on the ray, and it is found. */
 static void test_start_beside_root(void **state)
 {
     (void)state;
     generator g = seeded("a start beside a root, from afar");
-    const sgt_surface_ops ops = {.name = "ball", .value = ball_value, .rounding = ball_rounding,
-                                 .span = ball_span, .enclose = ball_enclose};
+    const sgt_surface_ops ops = {.name = "ball",
+                                 .value = ball_value,
+                                 .rounding = ball_rounding,
+                                 .span = ball_span,
+                                 .enclose = ball_enclose};
     long n = scaled(10000), undecided = 0, near = 0;
     for (long i = 0; i < n; i++) {
         ball s = {.c = random_point(&g, 2), .r = log_uniform(&g, 0.1, 10)};
@@ -668,12 +672,14 @@ static void test_start_beside_root(void **state)
         if (along > -0.2) continue;
         sgt_ray ray = {.o = {s.c.x + s.r * u.x - far * d.x, s.c.y + s.r * u.y - far * d.y,
                              s.c.z + s.r * u.z - far * d.z},
-                       .d = d, .tmax = HUGE_VAL};
+                       .d = d,
+                       .tmax = HUGE_VAL};
         long double x = (long double)ray.o.x - s.c.x, y = (long double)ray.o.y - s.c.y,
                     z = (long double)ray.o.z - s.c.z,
                     d2 = (long double)d.x * d.x + (long double)d.y * d.y + (long double)d.z * d.z,
                     b = (x * d.x + y * d.y + z * d.z) / d2, px = x - b * d.x, py = y - b * d.y,
-                    pz = z - b * d.z, half = sqrtl(((long double)s.r * s.r - px * px - py * py - pz * pz) / d2),
+                    pz = z - b * d.z,
+                    half = sqrtl(((long double)s.r * s.r - px * px - py * py - pz * pz) / d2),
                     root[2] = {-b - half, -b + half};
         double ulp = 0x1p-52 * (far + 8 * s.r + 4), by = either_sign(&g) * log_uniform(&g, 0.1, 1e6) * ulp;
         ray.tmin = (double)root[0] + by;
@@ -725,8 +731,8 @@ static void told_encloses(const void *self, size_t n, sgt_rays rays, const doubl
     }
 }
 
-/* It is asked for first roots, but not where the surface has `first`, nor of single spans without a proof; the
- * root is the same, with no more evaluations than a single root takes. */
+/* It is asked for first roots, but not where the surface has `first`, nor of single spans without a proof;
+ * the root is the same, with no more evaluations than a single root takes. */
 static void test_asked(void **state)
 {
     (void)state;
@@ -735,27 +741,35 @@ static void test_asked(void **state)
         long asked = 0;
         told_ball s = {{random_point(&g, 2), log_uniform(&g, 0.1, 10)}, chance(&g, 0.5), &asked};
         const bool first = chance(&g, 0.3), proof = chance(&g, 0.3), many = chance(&g, 0.5);
-        const sgt_surface_ops ops = {.size = sizeof ops, .name = "told ball", .value = ball_value,
-                                     .rounding = ball_rounding, .span = told_span, .enclose = ball_enclose,
-                                     .encloses = told_encloses, .first = first ? told_span : NULL};
+        const sgt_surface_ops ops = {.size = sizeof ops,
+                                     .name = "told ball",
+                                     .value = ball_value,
+                                     .rounding = ball_rounding,
+                                     .span = told_span,
+                                     .enclose = ball_enclose,
+                                     .encloses = told_encloses,
+                                     .first = first ? told_span : NULL};
         sgt_vec3 d = random_direction(&g), b = random_point(&g, 0.3);
         sgt_ray ray = {.o = {s.ball.c.x + s.ball.r * (b.x - 3 * d.x), s.ball.c.y + s.ball.r * (b.y - 3 * d.y),
                              s.ball.c.z + s.ball.r * (b.z - 3 * d.z)},
-                       .d = d, .tmax = HUGE_VAL};
+                       .d = d,
+                       .tmax = HUGE_VAL};
         const bool quick = s.single && !proof;
-        sgt_options opt = {.pick = SGT_FIRST, .proof = proof ? SGT_PROVE_FIRST : SGT_ESTIMATE,
-                           .max_evals = quick ? 16 : 0};
+        sgt_options opt = {
+            .pick = SGT_FIRST, .proof = proof ? SGT_PROVE_FIRST : SGT_ESTIMATE, .max_evals = quick ? 16 : 0};
         double t;
         signed char status;
         if (many) {
-            sgt_rays rays = {{&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, &ray.tmin, &ray.tmax};
-            sgt_intersect_batch((sgt_surface){&ops, &s}, 1, rays, (sgt_hits){.status = &status, .t = &t}, &opt);
+            sgt_rays rays = {
+                {&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, &ray.tmin, &ray.tmax};
+            sgt_intersect_batch((sgt_surface){&ops, &s}, 1, rays, (sgt_hits){.status = &status, .t = &t},
+                                &opt);
         } else {
             sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, &opt);
             status = (signed char)hit.status, t = hit.t;
         }
-        REQUIRE((asked > 0) == !(first || quick), "case %ld: %ld cells; first %d, single %d, proof %d", i, asked,
-                first, s.single, proof);
+        REQUIRE((asked > 0) == !(first || quick), "case %ld: %ld cells; first %d, single %d, proof %d", i,
+                asked, first, s.single, proof);
         double f = ball_value(&s, (sgt_vec3){ray.o.x + t * d.x, ray.o.y + t * d.y, ray.o.z + t * d.z}, NULL);
         REQUIRE(status == SGT_HIT && fabs(f) < 1e-12 * (1 + s.ball.r) * (1 + s.ball.r) && t < 3.3 * s.ball.r,
                 "case %ld: %s at %g, F %g", i, sgt_status_text((sgt_status)status), t, f);
@@ -764,9 +778,12 @@ static void test_asked(void **state)
 
 /* -------------------------------------------- cells whose enclosures are at their limits */
 
-/* `value` is F + by, the enclosure [F, F + 2 w] or [F - 2 w, F]: so the root is as far from that of `value` as the
- * enclosures allow, and the slope all over the way there has a say in the bound. */
-typedef struct edge_ball { ball ball; double w, by; } edge_ball;
+/* `value` is F + by, the enclosure [F, F + 2 w] or [F - 2 w, F]: so the root is as far from that of `value`
+ * as the enclosures allow, and the slope all over the way there has a say in the bound. */
+typedef struct edge_ball {
+    ball ball;
+    double w, by;
+} edge_ball;
 
 static double edge_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
@@ -799,8 +816,12 @@ static void test_enclosures_at_their_limits(void **state)
 {
     (void)state;
     generator g = seeded("enclosures at their limits");
-    const sgt_surface_ops ops = {.size = sizeof ops, .name = "edge ball", .value = edge_value,
-                                 .rounding = edge_rounding, .span = ball_span, .enclose = edge_enclose,
+    const sgt_surface_ops ops = {.size = sizeof ops,
+                                 .name = "edge ball",
+                                 .value = edge_value,
+                                 .rounding = edge_rounding,
+                                 .span = ball_span,
+                                 .enclose = edge_enclose,
                                  .encloses = edge_encloses};
     double worst = 0, widest = 0;
     long n = scaled(5000), loose = 0;
@@ -811,13 +832,15 @@ static void test_enclosures_at_their_limits(void **state)
         sgt_vec3 d = random_direction(&g), b = random_point(&g, 0.4);
         sgt_ray ray = {.o = {s.ball.c.x + r * (b.x - 3 * d.x), s.ball.c.y + r * (b.y - 3 * d.y),
                              s.ball.c.z + r * (b.z - 3 * d.z)},
-                       .d = d, .tmax = HUGE_VAL};
+                       .d = d,
+                       .tmax = HUGE_VAL};
         sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, &(sgt_options){.t_tol = 0.1 * r});
         long double x = (long double)ray.o.x - s.ball.c.x, y = (long double)ray.o.y - s.ball.c.y,
                     z = (long double)ray.o.z - s.ball.c.z,
                     d2 = (long double)d.x * d.x + (long double)d.y * d.y + (long double)d.z * d.z,
-                    m = (x * d.x + y * d.y + z * d.z) / d2, px = x - m * d.x, py = y - m * d.y, pz = z - m * d.z,
-                    half = sqrtl(((long double)r * r - px * px - py * py - pz * pz) / d2), t = -m - half;
+                    m = (x * d.x + y * d.y + z * d.z) / d2, px = x - m * d.x, py = y - m * d.y,
+                    pz = z - m * d.z, half = sqrtl(((long double)r * r - px * px - py * py - pz * pz) / d2),
+                    t = -m - half;
         REQUIRE(hit.status == SGT_HIT, "case %ld: %s", i, sgt_status_text(hit.status));
         REQUIRE(fabsl(hit.t - t) <= hit.t_err, "case %ld: w %g, t is off by %Lg, more than %.17g", i, s.w,
                 fabsl(hit.t - t), hit.t_err);
@@ -825,8 +848,8 @@ static void test_enclosures_at_their_limits(void **state)
         worst = fmax(worst, (double)fabsl(hit.t - t) / hit.t_err), widest = fmax(widest, hit.t_err / left);
         loose += s.w < 1e-5 * r * r && hit.t_err > 4 * left;
     }
-    print_message("worst %.6f of t_err, which is up to %.3g of what the enclosures leave; %ld looser\n", worst,
-                  widest, loose);
+    print_message("worst %.6f of t_err, which is up to %.3g of what the enclosures leave; %ld looser\n",
+                  worst, widest, loose);
     REQUIRE(loose * 1000 <= n, "%ld of %ld are looser than the enclosures", loose, n);
 }
 
@@ -834,10 +857,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_enclosures_at_their_limits),
-        cmocka_unit_test(test_start_beside_root), cmocka_unit_test(test_asked),
-        cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole),
+        cmocka_unit_test(test_start_beside_root),
+        cmocka_unit_test(test_asked),
+        cmocka_unit_test(test_poles_and_jumps),
+        cmocka_unit_test(test_root_beside_pole),
         cmocka_unit_test(test_noisy_poles),
-        cmocka_unit_test(test_random_answers),  cmocka_unit_test(test_undecided),
+        cmocka_unit_test(test_random_answers),
+        cmocka_unit_test(test_undecided),
         cmocka_unit_test(test_from_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
