@@ -489,6 +489,11 @@ def test_import_writes():
     assert 'import' in run('import', '--help').stdout
 
 
+def test_one_stop():
+    lens = {'surfaces': [{'type': 'plane', 'stop': i in (1, 3), 'thickness': 1} for i in range(4)]}
+    assert 'a second stop' in run('import', written(json.dumps(lens)), exit=BAD_INPUT).stderr
+
+
 def test_import_keeps_each_character():
     """A name has every character of the first plane after it has been written as YAML."""
     points = [*range(1, 0xD800), *range(0xE000, 0x10000)]
