@@ -121,8 +121,8 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, int
             if (turns) x->p = into(&e->pose, x->p), x->d = into(&e->pose, x->d); /* else in its frame */
             const sgt_vec3 direction = x->d;
             const chain_step by = chain_backward(&c, turns, *x);
-            error[k] += of_element(c.bends, c.phased, c, turns, turned, task->passages[i].hit.p_err, off, direction,
-                                   by);
+            error[k] += of_element(c.bends, c.phased, c, turns, turned, task->passages[i].hit.p_err, off,
+                                   direction, by);
             *x = by.x;
             if (c.phased) error[k] += of_phase(e, &c, turns, direction, x->opl);
             x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);

@@ -19,8 +19,8 @@ SGT_INLINE gradient_kind gradient_kind_of(sgt_surface s) /* with the operations 
 
 /* How far the gradient is off across itself.  n2 and n: its square and its length, by_n = 1 / n; a: of
  * GRADIENT_OF_ASPHERE. */
-SGT_INLINE double of_gradient(gradient_kind kind, const sgt_asphere *a, sgt_vec3 p, sgt_vec3 normal, double n2,
-                              double n, double by_n)
+SGT_INLINE double of_gradient(gradient_kind kind, const sgt_asphere *a, sgt_vec3 p, sgt_vec3 normal,
+                              double n2, double n, double by_n)
 {
     if (kind == GRADIENT_OF_CONIC) {
         const double across = sqrt(normal.x * normal.x + normal.y * normal.y);
