@@ -1,6 +1,7 @@
 /* main.c - which subcommand? */
 #include "command/commands.h"
 #include "job/options.h"
+#include "look/look.h"
 
 #include <sagitta/sagitta.h>
 
@@ -21,6 +22,7 @@ static const char main_help[] =
     "  sagitta field LENS [--picture FILE]               field curvature, astigmatism, distortion\n"
     "  sagitta map LENS [--picture FILE]                 where rays are lost, over pupil or field\n"
     "  sagitta sweep LENS [--picture FILE]               what becomes of rays, against the field\n"
+    "%s"
     "  sagitta import FILE [-o LENS]                     a .zmx file as a lens file\n"
     "  sagitta trade [LENS | --surface SPEC]             speed against accuracy, measured\n"
     "\n"
@@ -45,6 +47,41 @@ static const struct { const char *name, *full; exit_status (*run)(int argc, char
     {"map", "sagitta map", command_map},
     {"sweep", "sagitta sweep", command_sweep},
 };
+
+/* An analysis of the library that has no subcommand of its own: those have pictures that they draw. */
+static const sgt_analysis *plain_analysis(size_t place)
+{
+    const sgt_analysis *a = sgt_analysis_at(place);
+    for (size_t i = 0; a && i < sizeof commands / sizeof commands[0]; i++)
+        if (a->part_of || strcmp(a->name, commands[i].name) == 0) return plain_analysis(place + 1);
+    return a;
+}
+
+static exit_status run_plain(const sgt_analysis *a, int argc, char *argv[])
+{
+    static char full[60];
+    static const look_way plain = {.draw = NULL};
+    snprintf(full, sizeof full, "sagitta %s", a->name);
+    argv[0] = full;
+    fail_name(a->name);
+    return look_run(a->name, &plain, argc, argv);
+}
+
+static const char *plain_help(void)
+{
+    static char text[2000];
+    size_t n = 0;
+    const sgt_analysis *before = NULL;
+    for (size_t i = 0; plain_analysis(i) && n < sizeof text - 200; i++) {
+        const sgt_analysis *a = plain_analysis(i);
+        char head[60];
+        if (a == before) continue;
+        snprintf(head, sizeof head, "sagitta %s LENS [--picture FILE]", a->name);
+        n += (size_t)snprintf(text + n, sizeof text - n, "  %-48s  %s\n", head, a->title);
+        before = a;
+    }
+    return text;
+}
 
 /* If a standard file is closed at the start, the next file opened would take its number, and a message for
  * standard error would be written into it.  So open /dev/null in its place. */
@@ -81,11 +118,14 @@ int main(int argc, char *argv[])
         fail_name(commands[i].name);
         return (int)commands[i].run(argc - 1, argv + 1);
     }
+    for (size_t i = 0; plain_analysis(i); i++)
+        if (strcmp(name, plain_analysis(i)->name) == 0)
+            return (int)run_plain(plain_analysis(i), argc - 1, argv + 1);
     if (strcmp(name, "--version") == 0) options_version();
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0)
-        print_and_end("%s", main_help);
+        print_and_end(main_help, plain_help());
     if (*name)
         fail_usage("no such command: %s; sagitta --help lists them", name);
-    fputs(main_help, stderr);
+    fprintf(stderr, main_help, plain_help());
     return EXIT_USAGE;
 }

@@ -11,7 +11,7 @@ import tempfile
 
 FLOORS = ['num', 'solve', 'surface', 'ray', 'check', 'system', 'dispatch']  # the library, from the ground up
 CLIENTS = ['geo', 'lens', 'tool']                      # see <sagitta/...> as any program does
-SHARED = {'text': ['lens', 'tool']}                    # compiled into each of these clients
+SHARED = {'text': ['lens', 'tool'], 'truth': ['tool']}  # compiled into each of these clients
 
 # All the library may ask of C: nothing that allocates, prints, ends the program
 # or keeps a state (errno, the locale).
@@ -23,7 +23,7 @@ ASKING = {'choose.c': {'cpuid.h', 'stdlib.h'}}
 # The floor that answers for a public header; those below do not know of it.
 PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'pair.h': 'num', 'interval.h': 'num', 'diagnose.h': 'check',
           'surfaces.h': 'surface', 'formula.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system',
-          'aim.h': 'system', 'geo.h': 'geo', 'lens.h': 'lens', 'analysis.h': 'lens',
+          'aim.h': 'system', 'geo.h': 'geo', 'lens.h': 'lens', 'analysis.h': 'lens', 'study.h': 'lens',
           'sagitta.hpp': 'C++'}
 
 # The list of the built-in types, which is on no floor: data for all of them.
@@ -145,7 +145,7 @@ SOUND = {
     'src/ray/intersect.c': '# include "solve/root.h"\n#include <sagitta/surfaces.h>\n',
     'src/tool/main.c': '#include "main.h"\n#include <stdio.h>\n#include <sagitta/sagitta.h>\n',
     'src/text/number.h': '#include <sagitta/fma.h>\n',
-    'src/lens/read.c': '#include "../text/number.h"\n',
+    'src/lens/read/read.c': '#include "../../text/number.h"\n',
     'src/tool/main.h': '/* #include "num/exact.h" */\n',
     'examples/one.c': '#include <sagitta/system.h>\n#include <stdio.h>\n',
     'include/sagitta/sagitta.h': '#include <stddef.h>\n',
@@ -170,7 +170,7 @@ PLANTED = [
     ('src/ray/client.c', '#include <sagitta/lens.h>\n'),
     ('src/lens/in.c', '#include "num/exact.h"\n'),
     ('src/geo/in.c', '#include "../text/number.h"\n'),
-    ('src/text/up.c', '#include "../lens/read.c"\n'),
+    ('src/text/up.c', '#include "../lens/read/read.c"\n'),
     ('examples/in.c', '#include "../src/num/exact.h"\n'),
     ('src/attic/old.c', ''),
     ('src/loose.c', ''),

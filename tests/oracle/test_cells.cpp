@@ -22,7 +22,7 @@
 // root.  Each answer of a batch is that of the ray alone, to the last bit.
 //
 //     test_cells     SAGITTA_TEST_SCALE multiplies the number of surfaces, SAGITTA_TEST_SEED chooses others
-#include "../../src/tool/trade/quad.hpp"
+#include "../../src/truth/quad.hpp"
 
 #include <algorithm>
 #include <cinttypes>

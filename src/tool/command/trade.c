@@ -178,7 +178,9 @@ static trade_arguments trade_arguments_of(int argc, char *argv[])
     if (optind < argc) fail_usage("unexpected argument \"%s\"; trade takes one lens file", argv[optind]);
     check(&a);
     if (a.svg) trade_picture_check();
-    quad_check();
+    if (!quad_there())
+        fail_usage("trade is not available; this command was built without C++ or without numbers of 113 "
+                   "bits, which it measures errors by");
     return a;
 }
 

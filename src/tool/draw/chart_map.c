@@ -83,6 +83,8 @@ chart_scale chart_scale_of(const chart_map *m, double length)
     chart_scale s = {.shown = false};
     chart_range r = chart_range_none();
     for (size_t i = 0; i < m->columns * m->rows; i++) chart_range_add(r.fixed, scaled(m, m->value[i]));
+    if (m->scaled)
+        chart_range_add(r.fixed, scaled(m, m->least)), chart_range_add(r.fixed, scaled(m, m->most));
     if (two_hues(m)) {
         double most = fmax(fabs(r.fixed[0]), fabs(r.fixed[1]));
         chart_range_add(r.fixed, most);

@@ -352,22 +352,31 @@ static long points_across(sgt_pattern pattern, long across)
     return (long)ceil(QUARTER * (double)across * (double)across);
 }
 
-launch_pattern job_points(const job_options *o, sgt_pattern otherwise, long n)
+job_points_asked job_points_of(const job_options *o, sgt_pattern otherwise)
 {
+    const sgt_pattern pattern = o->pattern_given ? o->pattern : otherwise;
     if (o->pupils && (o->pattern_given || o->across))
         fail_usage("give --chief and --pupil, or a pattern, not both");
     if (o->points && o->across) fail_usage("--rays-across goes with --pattern");
-    const sgt_pattern pattern = o->pattern_given ? o->pattern : otherwise;
     if (o->seed && pattern != SGT_PATTERN_RANDOM) fail_usage("--seed goes with --random N");
-    if (o->pupils) {
-        for (size_t i = 0; i < o->pupils; i++) o->pupil[i].weight = 1 / (double)o->pupils;
-        return (launch_pattern){.count = o->pupils, .at = o->pupil};
-    }
-    const long count = o->across                    ? points_across(pattern, o->across)
-                       : o->points                  ? o->points
-                       : n > 0 && !o->pattern_given ? n
-                                                    : patterns[pattern].points;
-    const launch_pattern points = launch_points(pattern, (size_t)count, o->seed ? (uint64_t)o->seed : 1);
+    for (size_t i = 0; i < o->pupils; i++) o->pupil[i].weight = 1 / (double)o->pupils;
+    return (job_points_asked){.pattern_given = o->pattern_given,
+                              .pattern = pattern,
+                              .rays = (size_t)o->points,
+                              .across = (size_t)o->across,
+                              .seed = o->seed ? (uint64_t)o->seed : 1,
+                              .count = o->pupils,
+                              .at = o->pupil};
+}
+
+launch_pattern job_points(const job_options *o, sgt_pattern otherwise)
+{
+    const job_points_asked asked = job_points_of(o, otherwise);
+    if (asked.count) return (launch_pattern){.count = asked.count, .at = asked.at};
+    const long count = o->across   ? points_across(asked.pattern, o->across)
+                       : o->points ? o->points
+                                   : patterns[asked.pattern].points;
+    const launch_pattern points = launch_points(asked.pattern, (size_t)count, asked.seed);
     if (!points.count)
         fail_usage("--grid %ld: no ray lies inside the pupil's circle; use 1, or 3 or more", count);
     return points;
@@ -429,7 +438,7 @@ job job_read(const job_options *o)
     const field_list fields = job_fields(o, &j.lens);
     j.field = fields.at, j.fields = fields.count, j.field_number = fields.number, j.field_kind = fields.kind;
     launch_pattern *points = memory_take(1, sizeof *points);
-    *points = job_points(o, SGT_PATTERN_FAN, 0);
+    *points = job_points(o, SGT_PATTERN_FAN);
     const sgt_lens_aim *aim = job_aim(o, j.lens.of);
     const bool aimed = (aim ? *aim : j.lens.of->aim) != SGT_AIM_PUPIL;
     j.how = memory_take(1, sizeof *j.how);

@@ -140,9 +140,20 @@ field_list job_fields(const job_options *o, const lens *l);
 /* The KIND of --field-at. */
 const char *job_field_kind(sgt_field_kind kind);
 
-/* The points of the pupil that are asked for; without any, those of `otherwise`, n of them (0: as --pattern
- * has it). */
-launch_pattern job_points(const job_options *o, sgt_pattern otherwise, long n);
+/* The points of the pupil that are asked for; without any, those of `otherwise`. */
+launch_pattern job_points(const job_options *o, sgt_pattern otherwise);
+
+/* The same without the points: what was asked for, as sgt_study_options has it (study.h).  otherwise: the
+ * pattern if none was. */
+typedef struct job_points_asked {
+    bool pattern_given;
+    sgt_pattern pattern;
+    size_t rays, across;
+    uint64_t seed;
+    size_t count;             /* of single points */
+    const sgt_pupil_point *at;
+} job_points_asked;
+job_points_asked job_points_of(const job_options *o, sgt_pattern otherwise);
 
 /* Where rays are sent: NULL is as the lens says. */
 const sgt_lens_aim *job_aim(const job_options *o, const sgt_lens *l);

@@ -50,6 +50,7 @@ struct table {
     size_t chosen;
     const size_t *choice;       /* [chosen]: which cells are written */
     column *head;               /* [chosen] */
+    const char **unit;          /* [chosen]; NULL: none */
     bytes kept, words;
     block *block;               /* of text */
     bool part, block_written;
@@ -89,6 +90,9 @@ static void choose(table *t)
     t->choice = choice, t->chosen = count;
     t->head = memory_take(count, sizeof *t->head);
     for (size_t i = 0; i < count; i++) t->head[i] = t->column[choice[i]];
+    if (!t->to.unit) return;
+    t->unit = memory_take(count, sizeof *t->unit);
+    for (size_t i = 0; i < count; i++) t->unit[i] = t->to.unit[choice[i]];
 }
 
 /* ------------------------------------------------------------------ begin */
@@ -99,7 +103,7 @@ static table *table_new(const table *like)
     *t = *like;
     t->cell = memory_take(t->columns + 1, sizeof *t->cell);
     t->last = memory_take(t->columns, sizeof *t->last);
-    if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head);
+    if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head, t->unit);
     return t;
 }
 

@@ -7,7 +7,7 @@
 #ifndef TOOL_TRADE_H
 #define TOOL_TRADE_H
 #include "../job/job.h"
-#include "quad.h"
+#include "../../truth/quad.h"
 
 /* The values of a knob, given or by default. */
 typedef struct knob_list { size_t count; double value[16]; } knob_list;
