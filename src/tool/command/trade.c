@@ -184,7 +184,7 @@ static void note_unread(const trade_arguments *a, const trade *t)
     bool deep = false;
     for (size_t i = 0; i < t->count; i++) {
         const trade_case *c = &t->list[i];
-        if (c->lens) options_note_unread(&asked, c->lens->lens.count, c->lens->element);
+        if (c->lens) options_note_unread(&asked, c->lens->count, c->lens->element);
         else if (t->count <= 2)
             options_note_unread(&asked, 1, &(sgt_element){.surface = c->setting[0].surface});
         deep = deep || c->setting[0].turned == KNOB_ITERATIONS;
@@ -341,7 +341,8 @@ static exit_status trade_run(const command *c, int argc, char *argv[])
     if (a.picture) output_reserve("picture", a.picture);
     header h = header_of(&t, a.shared.target.format == TABLE_TEXT);
     table *written = table_begin(&a.shared.target, h.count, h.column);
-    trade_measure(&t, a.trade.seconds);
+    measure_all(&t, a.trade.seconds);
+    trade_say_effects(&t);
     trade_write_rows(written, &h, &t);
     table_end(written);
     if (a.picture) trade_picture(a.picture, &t);

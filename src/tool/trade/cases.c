@@ -19,6 +19,7 @@
 #include "../read/surface.h"
 
 #include <math.h>
+#include <sagitta/study.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -143,7 +144,8 @@ static trade_case *add_case(trade *t, const char *name, const ray_list *rays)
 {
     t->list = memory_room(t->list, t->count, &t->capacity, sizeof *t->list);
     trade_case *c = &t->list[t->count++];
-    *c = (trade_case){.name = name, .rays = rays->count, .ray = memory_take(rays->count, sizeof *c->ray)};
+    *c = (trade_case){.take = memory_take, .name = name, .rays = rays->count,
+                      .ray = memory_take(rays->count, sizeof *c->ray)};
     double *array[8];
     for (int k = 0; k < 8; k++) array[k] = memory_take(rays->count, sizeof **array);
     bool ended = false;
@@ -213,7 +215,7 @@ static void add_settings(trade_case *c, const trade_options *o, setting base, bo
     }
     s = base;
     knob_list budgets = {0};
-    for (int most = trade_most_evals(c, &base) / 2; most > 0 && budgets.count < 3; most /= 2)
+    for (int most = measure_most_evals(c, &base) / 2; most > 0 && budgets.count < 3; most /= 2)
         budgets.value[budgets.count++] = most;
     list = given_or(&o->max_evals, &budgets);
     for (size_t i = 0; i < list->count; i++) {
@@ -223,7 +225,7 @@ static void add_settings(trade_case *c, const trade_options *o, setting base, bo
     s = base;
     if (seed && o->pick == SGT_PICK_DEFAULT) {
         s.options.pick = c->lens ? SGT_FIRST : SGT_NEAR_SEED;
-        s.truth = trade_truth(c, &s);
+        s.truth = measure_truth(c, &s);
         add(c, s, KNOB_PICK, "pick=%s", c->lens ? "first" : "near-seed"), s = base;
     }
     static const sgt_proof proofs[] = {SGT_PROVE_ROOT, SGT_PROVE_FIRST};
@@ -283,7 +285,7 @@ static void iterations_case(trade *t, const trade_options *o, const char *name, 
     snprintf(c->about, sizeof c->about, "%.300s; errors against N = %d", about, deepest);
     setting s_of_n = {
         .surface = with_iterations(s, deepest), .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
-    s_of_n.truth = trade_truth(c, &s_of_n);
+    s_of_n.truth = measure_truth(c, &s_of_n);
     for (size_t i = 0; i < list->count; i++) {
         int n = (int)list->value[i];
         s_of_n.surface = with_iterations(s, n);
@@ -322,7 +324,7 @@ static void surface_case(trade *t, const trade_options *o, const char *name, con
     trade_case *c = add_case(t, name, &rays);
     snprintf(c->about, sizeof c->about, "%.300s", about);
     setting base = {.surface = s, .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
-    base.truth = trade_truth(c, &base);
+    base.truth = measure_truth(c, &base);
     add_settings(c, o, base, !surface_is_level_set(s), surface_is_level_set(s));
     char deeper[100];
     snprintf(deeper, sizeof deeper, "%.60s-iterations", name);
@@ -340,11 +342,15 @@ static void lens_case(trade *t, const trade_options *o, const char *name, const 
         seed = seed || !is_set, set = set || is_set;
     }
     trade_case *c = add_case(t, name, &j->rays);
-    c->lens = j;
+    measured_lens *l = memory_take(1, sizeof *l);
+    *l = (measured_lens){.count = j->lens.count, .element = j->element, .index_before = j->lens.index_before,
+                         .length = sgt_lens_unit(j->lens.of), .wavelength = j->lens.wavelength,
+                         .units = j->lens.units};
+    c->lens = l;
     snprintf(c->about, sizeof c->about, "%zu elements%s%.20s", j->lens.count,
              *j->lens.units ? ", unit of length: " : "", j->lens.units);
     setting base = {.outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
-    base.truth = trade_truth(c, &base);
+    base.truth = measure_truth(c, &base);
     add_settings(c, o, base, seed, set);
 }
 

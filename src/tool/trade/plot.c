@@ -125,7 +125,7 @@ static void error_label(const panel *p)
     char text[80];
     if (p->c->lens)
         snprintf(text, sizeof text, "error of the last point (%.20s)",
-                 *p->c->lens->lens.units ? p->c->lens->lens.units : "lengths of the lens");
+                 *p->c->lens->units ? p->c->lens->units : "lengths of the lens");
     else
         snprintf(text, sizeof text, "error of t (lengths of the direction)");
     chart_text_up(cr, p->plot.left - LEFT + 16, (p->plot.top + p->plot.bottom) / 2,
@@ -168,13 +168,13 @@ static bool changes_nothing(const setting *s) { return strstr(s->effect, "nothin
 
 static const setting *shared_dot(const panel *p, size_t i)
 {
-    const setting *s = &p->c->setting[i], *base = trade_base(p->c);
+    const setting *s = &p->c->setting[i], *base = measure_base(p->c);
     if (!plot_shown(s)) return NULL;
     if (base && plot_shown(base) && changes_nothing(s)) return base;
     for (size_t k = 0; k < i; k++) {
         const setting *other = p->stands_for[k];
         if (other == &p->c->setting[k] && other != base && other->turned == s->turned &&
-            other->outputs == s->outputs && trade_same(other, s))
+            other->outputs == s->outputs && measure_same(other, s))
             return other;
     }
     return s;
@@ -263,7 +263,7 @@ static void stair(panel *p, double x0, double y0, double x1, double y1)
 static void draw_stairs(panel *p)
 {
     const plot_dot **step = dots_sorted(p, by_time);
-    const setting *base = trade_base(p->c);
+    const setting *base = measure_base(p->c);
     double x = 0, y = p->plot.top;
     bool begun = false;
     chart_grey(p->cr, 0.62);
@@ -351,7 +351,7 @@ static name name_of(const panel *p, const plot_dot *d)
 {
     name n = {.of = d, .lines = 1};
     plot_append(n.line[0], d->of->name);
-    if (d->of == trade_base(p->c)) {
+    if (d->of == measure_base(p->c)) {
         add_shares(&n, d->of, p->c->rays);
         name_same(&n, p);
         return n;
@@ -491,7 +491,7 @@ static void place_name(panel *p, const name *n)
     cairo_rectangle(cr, b.left, b.top, b.right - b.left, b.bottom - b.top);
     cairo_fill(cr);
     for (int i = 0; i < n->lines; i++) {
-        bool same = strncmp(n->line[i], "= ", 2) == 0 || (i > 1 && n->of->of == trade_base(p->c));
+        bool same = strncmp(n->line[i], "= ", 2) == 0 || (i > 1 && n->of->of == measure_base(p->c));
         chart_grey(cr, n->of->best && !same ? 0 : 0.4);
         chart_text(cr, b.left + 2, b.top + 1 + (i + 0.8) * LINE, 0, HUGE_VAL, n->line[i]);
     }

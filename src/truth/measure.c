@@ -11,17 +11,12 @@
  * reaches from one of the sorted times to another (order statistics, David and Nagaraja 2003, section 7.1):
  * of 31 rounds from the 10th to the 22nd; of few rounds it is all of them.  Two times differ only if their
  * ranges do not touch. */
-#include "trade.h"
-
-#include "../base/memory.h"
+#include "measure.h"
 
 #include <math.h>
-#include <sagitta/study.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 enum { ROUNDS = 31, ROUNDS_LEAST = 5 };
@@ -36,13 +31,13 @@ typedef struct answers {
     sgt_passage *passage;    /* [elements], of one ray */
 } answers;
 
-static double *numbers(size_t n) { return memory_take(n, sizeof(double)); }
+static double *numbers(const trade_case *c) { return c->take(c->rays, sizeof(double)); }
 
-static sgt_hits room_for_hits(size_t n)
+static sgt_hits room_for_hits(const trade_case *c)
 {
-    sgt_hits h = {.status = memory_take(n, 1), .evals = memory_take(n, sizeof(int)), .t = numbers(n),
-                  .t_err = numbers(n), .t_lo = numbers(n), .p_err = numbers(n)};
-    for (int k = 0; k < 3; k++) h.p[k] = numbers(n), h.n[k] = numbers(n);
+    sgt_hits h = {.status = c->take(c->rays, 1), .evals = c->take(c->rays, sizeof(int)), .t = numbers(c),
+                  .t_err = numbers(c), .t_lo = numbers(c), .p_err = numbers(c)};
+    for (int k = 0; k < 3; k++) h.p[k] = numbers(c), h.n[k] = numbers(c);
     return h;
 }
 
@@ -50,17 +45,17 @@ static answers measure_room_for(const trade_case *c)
 {
     answers a = {.element = NULL};
     if (!c->lens) {
-        a.hits = room_for_hits(c->rays);
+        a.hits = room_for_hits(c);
         return a;
     }
-    a.traced = (sgt_traced){.fate = memory_take(c->rays, 1), .passed = memory_take(c->rays, sizeof(int)),
-                            .opl = numbers(c->rays)};
-    for (int k = 0; k < 3; k++) a.traced.o[k] = numbers(c->rays), a.traced.d[k] = numbers(c->rays);
-    a.element = memory_take(c->lens->lens.count, sizeof *a.element);
-    a.passage = memory_take(c->lens->lens.count, sizeof *a.passage);
-    for (size_t i = 0; i < c->lens->lens.count; i++) {
-        a.element[i] = (sgt_passages){.hits = room_for_hits(c->rays), .opl = numbers(c->rays)};
-        for (int k = 0; k < 3; k++) a.element[i].direction[k] = numbers(c->rays);
+    a.traced = (sgt_traced){.fate = c->take(c->rays, 1), .passed = c->take(c->rays, sizeof(int)),
+                            .opl = numbers(c)};
+    for (int k = 0; k < 3; k++) a.traced.o[k] = numbers(c), a.traced.d[k] = numbers(c);
+    a.element = c->take(c->lens->count, sizeof *a.element);
+    a.passage = c->take(c->lens->count, sizeof *a.passage);
+    for (size_t i = 0; i < c->lens->count; i++) {
+        a.element[i] = (sgt_passages){.hits = room_for_hits(c), .opl = numbers(c)};
+        for (int k = 0; k < 3; k++) a.element[i].direction[k] = numbers(c);
     }
     return a;
 }
@@ -97,16 +92,16 @@ static void meet_surface(const trade_case *c, const setting *s, const sgt_hits *
 static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *to,
                        const sgt_passages *element, sgt_passage *passage)
 {
-    const job *j = c->lens;
+    const measured_lens *j = c->lens;
     if (!s->single) {
-        sgt_trace_batch(j->lens.count, j->element, j->lens.index_before, c->rays, c->columns, *to, element,
+        sgt_trace_batch(j->count, j->element, j->index_before, c->rays, c->columns, *to, element,
                         &s->options);
         return;
     }
     for (size_t i = 0; i < c->rays; i++) {
         sgt_ray ray = c->ray[i];
         sgt_fate fate;
-        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.index_before, &ray, passage, &fate,
+        size_t passed = sgt_trace(j->count, j->element, j->index_before, &ray, passage, &fate,
                                   &s->options);
         if (to->fate) to->fate[i] = (signed char)fate;
         if (to->passed) to->passed[i] = (int)passed;
@@ -114,7 +109,7 @@ static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *
         measure_put(to->o, i, ray.o);
         measure_put(to->d, i, ray.d);
         size_t reached = passed + (fate != SGT_PASSED);
-        for (size_t e = 0; element && e < j->lens.count; e++)
+        for (size_t e = 0; element && e < j->count; e++)
             put_hit(&element[e].hits, i, e < reached ? &passage[e].hit : &(sgt_hit){.status = SGT_MISS});
     }
 }
@@ -147,22 +142,23 @@ static truth truth_of_hit(sgt_surface s, const sgt_ray *ray, const sgt_hit *h)
     return is;
 }
 
-static truth truth_of_trace(const job *j, const sgt_ray *ray, const sgt_options *opt, sgt_passage *seen)
+static truth truth_of_trace(const measured_lens *j, const sgt_ray *ray, const sgt_options *opt,
+                            sgt_passage *seen)
 {
     sgt_ray end = *ray;
     sgt_fate fate;
-    size_t passed = sgt_trace(j->lens.count, j->element, j->lens.index_before, &end, seen, &fate, opt);
+    size_t passed = sgt_trace(j->count, j->element, j->index_before, &end, seen, &fate, opt);
     truth is = {
         .known = fate >= 0, .met = fate == SGT_PASSED, .kind = (signed char)fate, .passed = (int)passed};
     if (is.met)
-        is.known = quad_trace(passed, j->element, j->lens.index_before, ray, seen, &is.point, &is.path);
+        is.known = quad_trace(passed, j->element, j->index_before, ray, seen, &is.point, &is.path);
     return is;
 }
 
-const truth *trade_truth(const trade_case *c, const setting *s)
+const truth *measure_truth(const trade_case *c, const setting *s)
 {
-    truth *is = memory_take(c->rays, sizeof *is);
-    sgt_passage *seen = c->lens ? memory_take(c->lens->lens.count, sizeof *seen) : NULL;
+    truth *is = c->take(c->rays, sizeof *is);
+    sgt_passage *seen = c->lens ? c->take(c->lens->count, sizeof *seen) : NULL;
     for (size_t i = 0; i < c->rays; i++) {
         if (c->lens) {
             is[i] = truth_of_trace(c->lens, &c->ray[i], &s->options, seen);
@@ -197,8 +193,7 @@ static double quantile(size_t n, double *x, double part)
     return x[below > 0 ? below - 1 : 0];
 }
 
-/* Rounds to `digits` significant digits. */
-static double measure_rounded(double x, int digits)
+double measure_rounded(double x, int digits)
 {
     char text[40];
     snprintf(text, sizeof text, "%.*e", digits - 1, x);
@@ -238,14 +233,14 @@ static void judge_hits(const trade_case *c, setting *s, const answers *a, double
 /* A trace is wrong if the ray ends at another element, or with another fate, than it should. */
 static void judge_traces(const trade_case *c, setting *s, const answers *a, double *error)
 {
-    const job *j = c->lens;
+    const measured_lens *j = c->lens;
     size_t n = 0;
     long long evals = 0;
     double path = 0;
     for (size_t i = 0; i < c->rays; i++) {
         const truth *is = &s->truth[i];
         int fate = a->traced.fate[i];
-        for (size_t e = 0; e < j->lens.count; e++) evals += a->element[e].hits.evals[i];
+        for (size_t e = 0; e < j->count; e++) evals += a->element[e].hits.evals[i];
         if (fate < 0) s->undecided++;
         if (fate < 0 || !is->known) continue;
         if (fate != is->kind || a->traced.passed[i] != is->passed) {
@@ -258,25 +253,25 @@ static void judge_traces(const trade_case *c, setting *s, const answers *a, doub
     }
     s->evals = measure_rounded((double)evals / (double)c->rays, 4);
     s->path_worst = n ? path : (double)NAN;
-    s->waves_worst = s->path_worst * sgt_lens_unit(j->lens.of) / j->lens.wavelength;
+    s->waves_worst = s->path_worst * j->length / j->wavelength;
     find_quantiles(s, n, error);
 }
 
 static void find_errors(trade_case *c, answers *room)
 {
-    double *error = numbers(c->rays);
+    double *error = numbers(c);
     for (size_t i = 0; i < c->settings; i++) {
         call(c, &c->setting[i], OUTPUTS_ALL, room);
         (c->lens ? judge_traces : judge_hits)(c, &c->setting[i], room, error);
     }
 }
 
-int trade_most_evals(const trade_case *c, const setting *s)
+int measure_most_evals(const trade_case *c, const setting *s)
 {
     answers a = measure_room_for(c);
     int most = 0;
     call(c, s, OUTPUTS_ALL, &a);
-    for (size_t e = 0; e < (c->lens ? c->lens->lens.count : 1); e++) {
+    for (size_t e = 0; e < (c->lens ? c->lens->count : 1); e++) {
         const int *evals = c->lens ? a.element[e].hits.evals : a.hits.evals;
         for (size_t i = 0; i < c->rays; i++)
             if (evals[i] > most) most = evals[i];
@@ -322,7 +317,7 @@ static void find_times(trade *t, answers room[], double seconds)
 {
     size_t n = 0;
     for (size_t i = 0; i < t->count; i++) n += t->list[i].settings;
-    timed *all = memory_take(n, sizeof *all), **order = memory_take(n, sizeof *order);
+    timed *all = t->list->take(n, sizeof *all), **order = t->list->take(n, sizeof *order);
     n = 0;
     for (size_t i = 0; i < t->count; i++) {
         trade_case *c = &t->list[i];
@@ -352,7 +347,7 @@ static void find_times(trade *t, answers room[], double seconds)
     }
 }
 
-const setting *trade_base(const trade_case *c)
+const setting *measure_base(const trade_case *c)
 {
     for (size_t i = 0; i < c->settings; i++)
         if (c->setting[i].turned == KNOB_NONE ||
@@ -363,36 +358,33 @@ const setting *trade_base(const trade_case *c)
 
 /* --------------------------------------------------------------- the best */
 
-/* Ratios up to which two times, or two errors, are the same: a smaller gain of time is not worth a knob, and
- * rounding errors scatter so much. */
-static const double SAME_TIME = 1.1, SAME_ERROR = 2;
-
-/* Is it slower by more than its range and by more than SAME_TIME? */
-static bool slower(const setting *a, const setting *b)
+bool measure_slower(const setting *a, const setting *b)
 {
-    return a->ns > SAME_TIME * b->ns && a->ns_low > b->ns_high;
+    return a->ns > MEASURE_SAME_TIME * b->ns && a->ns_low > b->ns_high;
 }
 
 /* Is it worse in something?  A larger error is not worse if the other has more undecided rays: its error is
  * of fewer rays. */
 static bool worse(const setting *a, const setting *b)
 {
-    bool far = a->error_99 > SAME_ERROR * b->error_99 && b->undecided <= a->undecided;
-    return slower(a, b) || far || a->undecided > b->undecided || a->wrong > b->wrong;
+    bool far = a->error_99 > MEASURE_SAME_ERROR * b->error_99 && b->undecided <= a->undecided;
+    return measure_slower(a, b) || far || a->undecided > b->undecided || a->wrong > b->wrong;
 }
 
-bool trade_same(const setting *a, const setting *b)
+bool measure_same(const setting *a, const setting *b)
 {
     return isnan(a->error_99) == isnan(b->error_99) && !worse(a, b) && !worse(b, a);
 }
 
-/* Does it give all that the other gives: outputs and proof? */
-static bool gives(const setting *a, const setting *b)
+bool measure_gives(const setting *a, const setting *b)
 {
     return a->outputs >= b->outputs && a->options.proof >= b->options.proof;
 }
 
-static bool beats(const setting *a, const setting *b) { return gives(a, b) && worse(b, a) && !worse(a, b); }
+static bool beats(const setting *a, const setting *b)
+{
+    return measure_gives(a, b) && worse(b, a) && !worse(a, b);
+}
 
 typedef enum standing { OPEN, BEST, BEATEN } standing;
 
@@ -413,11 +405,11 @@ static standing standing_of(const trade_case *c, size_t i, const standing now[])
  * not beat C.  So settings are decided round by round, until nothing changes. */
 static void find_best(trade_case *c)
 {
-    standing *now = memory_take(c->settings, sizeof *now);
-    const setting *base = trade_base(c);
+    standing *now = c->take(c->settings, sizeof *now);
+    const setting *base = measure_base(c);
     for (size_t i = 0; i < c->settings; i++) {
         const setting *s = &c->setting[i];
-        bool nothing = base && s != base && gives(base, s) && trade_same(base, s);
+        bool nothing = base && s != base && measure_gives(base, s) && measure_same(base, s);
         if (nothing || isnan(s->error_99)) now[i] = BEATEN; /* it meets nothing: its speed is worthless */
     }
     for (bool changed = true; changed;) {
@@ -429,62 +421,16 @@ static void find_best(trade_case *c)
         setting *s = &c->setting[i];
         s->best = now[i] != BEATEN;
         for (const setting *k = c->setting; k < s && s->best; k++)
-            if (k->best && gives(k, s) && trade_same(k, s)) s->best = false;
+            if (k->best && measure_gives(k, s) && measure_same(k, s)) s->best = false;
     }
 }
 
-/* --------------------------------------------------------------- the words */
-
-static void say(setting *s, const char *format, ...) LIKE_PRINTF(2, 3);
-
-static void say(setting *s, const char *format, ...)
+void measure_all(trade *t, double seconds)
 {
-    size_t length = strlen(s->effect);
-    va_list values;
-    if (length) length += (size_t)snprintf(s->effect + length, sizeof s->effect - length, "; ");
-    va_start(values, format);
-    vsnprintf(s->effect + length, sizeof s->effect - length, format, values);
-    va_end(values);
-}
-
-/* 1.52 becomes 1.5, 15.2 becomes 15, 152.3 becomes 152. */
-static double two_digits(double x) { return x < 100 ? measure_rounded(x, 2) : measure_rounded(x, 3); }
-
-static void say_more(setting *s, size_t now, size_t before, const char *what)
-{
-    if (now == before) return;
-    size_t n = now > before ? now - before : before - now;
-    say(s, "%zu %s ray%s %s", n, now > before ? "more" : "fewer", n == 1 ? "" : "s", what);
-}
-
-static void find_effect(setting *s, const setting *base)
-{
-    if (slower(base, s)) say(s, "%.15g times as fast", two_digits(base->ns / s->ns));
-    if (slower(s, base)) say(s, "%.15g times as slow", two_digits(s->ns / base->ns));
-    if (isnan(s->error_99) && !isnan(base->error_99)) say(s, "no hit is left");
-    else if (s->error_99 > SAME_ERROR * base->error_99 || base->error_99 > SAME_ERROR * s->error_99)
-        say(s, "err_99 %.2g, not %.2g", s->error_99, base->error_99);
-    say_more(s, s->undecided, base->undecided, "undecided");
-    say_more(s, s->wrong, base->wrong, "wrong");
-    if (*s->effect) return;
-    bool apart = s->ns > SAME_TIME * base->ns || base->ns > SAME_TIME * s->ns;
-    say(s, "%s",
-        apart            ? "nothing beyond the scatter of the runs"
-        : gives(base, s) ? "changes nothing"
-                         : "costs nothing");
-}
-
-void trade_measure(trade *t, double seconds)
-{
-    answers *room = memory_take(t->count, sizeof *room);
+    if (t->count == 0) return;
+    answers *room = t->list->take(t->count, sizeof *room);
     for (size_t i = 0; i < t->count; i++)
         room[i] = measure_room_for(&t->list[i]), find_errors(&t->list[i], &room[i]);
     find_times(t, room, seconds);
-    for (size_t i = 0; i < t->count; i++) {
-        trade_case *c = &t->list[i];
-        const setting *base = trade_base(c);
-        find_best(c);
-        for (size_t k = 0; k < c->settings && base; k++)
-            if (&c->setting[k] != base) find_effect(&c->setting[k], base);
-    }
+    for (size_t i = 0; i < t->count; i++) find_best(&t->list[i]);
 }
