@@ -108,12 +108,12 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, int
         const sgt_element *e = &task->e[i];
         const sgt_surface s = chain_surface(e->surface);
         const bool turns = i < task->stop, turned = is_turned(&e->pose);
-        double bent_off = 0, gradient = 0;
+        bend_off off = {0, 0};
         chain_link c;
         link_at(task, launch, i, &c);
         if (c.bends && turns) {
             chain_second(s, &c);
-            bent_off = of_bending(c), gradient = of_gradient(gradient_kind_of(s), s.self, c.p, c.n);
+            off = bend_off_of(gradient_kind_of(s), s.self, c);
         }
         if (i == task->stop) back[OF_PATH] = (chain_back){times(-c.n1, c.d), {0, 0, 0}, 1, 0};
         for (int k = 0; k < rows; k++) {
@@ -121,8 +121,8 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, int
             if (turns) x->p = into(&e->pose, x->p), x->d = into(&e->pose, x->d); /* else in its frame */
             const sgt_vec3 direction = x->d;
             const chain_step by = chain_backward(&c, turns, *x);
-            error[k] += of_element(c.bends, c.phased, c, turns, turned, task->passages[i].hit.p_err, bent_off,
-                                   gradient, direction, by);
+            error[k] += of_element(c.bends, c.phased, c, turns, turned, task->passages[i].hit.p_err, off,
+                                   direction, by);
             *x = by.x;
             if (c.phased) error[k] += of_phase(e, &c, turns, direction, x->opl);
             x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);

@@ -17,13 +17,14 @@ SGT_INLINE gradient_kind gradient_kind_of(sgt_surface s) /* with the operations 
     return s.ops == &sgt_asphere_ops ? GRADIENT_OF_ASPHERE : GRADIENT_OF_OTHER;
 }
 
-/* How far the gradient is off across itself.  a: of GRADIENT_OF_ASPHERE. */
-SGT_INLINE double of_gradient(gradient_kind kind, const sgt_asphere *a, sgt_vec3 p, sgt_vec3 normal)
+/* How far the gradient is off across itself.  n2 and n: its square and its length, by_n = 1 / n; a: of
+ * GRADIENT_OF_ASPHERE. */
+SGT_INLINE double of_gradient(gradient_kind kind, const sgt_asphere *a, sgt_vec3 p, sgt_vec3 normal,
+                              double n2, double n, double by_n)
 {
-    const double n2 = dot(normal, normal), n = sqrt(n2);
     if (kind == GRADIENT_OF_CONIC) {
         const double across = sqrt(normal.x * normal.x + normal.y * normal.y);
-        return SGT_U * across * (2 + 4 * (1 + fabs(1 - normal.z)) / n);
+        return SGT_U * across * (2 + 4 * (1 + fabs(1 - normal.z)) * by_n);
     }
     if (kind == GRADIENT_OF_OTHER) return 64 * SGT_U * n * (normal.z == 1 ? n2 : 1);
     const double r2 = p.x * p.x + p.y * p.y, r = sqrt(r2), w = (1 + a->k) * a->c * a->c * r2;
@@ -39,14 +40,22 @@ SGT_INLINE double of_gradient(gradient_kind kind, const sgt_asphere *a, sgt_vec3
 }
 
 /* How far the direction behind is off, for the gradient and the direction in front as they are. */
-SGT_INLINE double of_bending(chain_link c)
+SGT_INLINE double of_bending(chain_link c, double n, double by_n)
 {
-    const double n = sqrt(dot(c.n, c.n)), by_n = 1 / n, fn = fabs(c.f) * n;
-    const double behind = fabs(dot(c.after, c.n)) * by_n, q = c.r * fabs(dot(c.d, c.n)) * by_n + behind;
+    const double fn = fabs(c.f) * n, tangent = n * fabs(c.by_S); /* 1 / c2 */
+    const double q = (c.r * fabs(dot(c.d, c.n)) + fabs(dot(c.after, c.n))) * by_n;
     const sgt_vec3 cross = cross_product(c.after, c.n);
-    const double sine = sqrt(dot(cross, cross)) * by_n, tangent = 1 / behind;
-    const double part = 6 + (6 * c.r + 2 + 6 * tangent) / q;
+    const double sine = sqrt(dot(cross, cross)) * by_n, part = 6 + (6 * c.r + 2 + 6 * tangent) / q;
     return SGT_U * (c.r + fn + 3 + sine * (fn * part + tangent));
+}
+
+/* Both, of an element that bends. */
+typedef struct bend_off { double bending, gradient; } bend_off;
+
+SGT_INLINE bend_off bend_off_of(gradient_kind kind, const sgt_asphere *a, chain_link c)
+{
+    const double n2 = dot(c.n, c.n), n = sqrt(n2), by_n = 1 / n;
+    return (bend_off){of_bending(c, n, by_n), of_gradient(kind, a, c.p, c.n, n2, n, by_n)};
 }
 
 /* What the rounding at one element adds to a number at the end, as far as points, frames and bending go.
@@ -55,17 +64,17 @@ SGT_INLINE double of_bending(chain_link c)
  *     turns      the direction behind has a say in it
  *     turned     the element's frame is
  *     direction  the adjoint of the direction behind it; by: the step to the front
- *     bent_off, gradient  those above; read if the element bends */
+ *     off        as above; read if the element bends */
 SGT_INLINE double of_element(bool bends, bool phased, chain_link c, bool turns, bool turned, double p_err,
-                             double bent_off, double gradient, sgt_vec3 direction, chain_step by)
+                             bend_off off, sgt_vec3 direction, chain_step by)
 {
     const double frame = 8 * SGT_U;
-    double off = size_of(plus_times(by.in.p, by.x.opl * c.n1, c.d)) * p_err;
-    if (turned && (turns || phased)) off += size_of(by.front) * frame;
-    if (!turns) return off;
+    double sum = size_of(plus_times(by.in.p, by.x.opl * c.n1, c.d)) * p_err;
+    if (turned && (turns || phased)) sum += size_of(by.front) * frame;
+    if (!turns) return sum;
     const double size = turned || bends ? size_of(direction) : 0;
-    if (turned) off += size * frame;
-    return bends ? off + size * bent_off + size_of(by.in.n) * gradient : off;
+    if (turned) sum += size * frame;
+    return bends ? sum + size * off.bending + size_of(by.in.n) * off.gradient : sum;
 }
 
 /* What a phase adds to that. */

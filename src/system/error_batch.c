@@ -37,7 +37,8 @@ SGT_INLINE void link_off_by(gradient_kind kind, chain_tile *b, const sgt_asphere
     LANES for (size_t i = 0; i < n; i++)
     {
         const chain_link c = chain_link_of(&v, true, i);
-        bent_off[i] = of_bending(c), gradient[i] = of_gradient(kind, &a, c.p, c.n);
+        const bend_off off = bend_off_of(kind, &a, c);
+        bent_off[i] = off.bending, gradient[i] = off.gradient;
     }
 }
 
@@ -65,8 +66,8 @@ SGT_INLINE void error_back_by(bool bends, bool turns, bool turned, const error_t
         const chain_link c = chain_link_of(&v, bends, i);
         const chain_back x = {chain_get(&row->p, i), chain_get(&row->d, i), opl, 0};
         const chain_step by = chain_backward_by(bends, false, c, turns, x);
-        row->error[i] += of_element(bends, false, c, turns, turned, p_err[i], bends ? w->bent_off[i] : 0,
-                                    bends ? w->gradient[i] : 0, x.d, by);
+        const bend_off off = {bends ? w->bent_off[i] : 0, bends ? w->gradient[i] : 0};
+        row->error[i] += of_element(bends, false, c, turns, turned, p_err[i], off, x.d, by);
         chain_put(&row->p, i, by.x.p), chain_put(&row->d, i, by.x.d);
     }
 }
@@ -97,7 +98,7 @@ static void error_back_phased(bool turns, const error_tile *w, const double *p_e
         const chain_link c = chain_phased_link(b, i);
         const chain_back x = {chain_get(&row->p, i), chain_get(&row->d, i), row->opl, 0};
         const chain_step by = chain_backward(&c, turns, x);
-        row->error[i] += of_element(false, true, c, turns, b->turned, p_err[i], 0, 0, x.d, by);
+        row->error[i] += of_element(false, true, c, turns, b->turned, p_err[i], (bend_off){0, 0}, x.d, by);
         row->error[i] += of_phase(b->e, &c, turns, x.d, x.opl);
         chain_put(&row->p, i, by.x.p), chain_put(&row->d, i, by.x.d);
     }
