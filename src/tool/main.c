@@ -1,6 +1,5 @@
 /* main.c - which subcommand? */
 #include "command/commands.h"
-#include "job/options.h"
 #include "look/look.h"
 
 #include <sagitta/sagitta.h>
@@ -9,78 +8,38 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char main_help[] =
-    "sagitta: where does a ray meet a surface, and how sure is the answer?\n"
-    "\n"
-    "  sagitta intersect --surface SPEC --rays FILE      one surface, many rays\n"
-    "  sagitta trace LENS [--picture FILE]               rays through a lens file\n"
-    "  sagitta diagnose --surface SPEC --ray \"...\"       one ray, evaluation by evaluation\n"
-    "  sagitta info LENS                                 focal length, pupils, Seidel sums\n"
-    "  sagitta spot LENS [--picture FILE]                spot diagrams: how rays scatter at the image\n"
-    "  sagitta fan LENS [--picture FILE]                 transverse errors across the pupil\n"
-    "  sagitta opd LENS [--picture FILE]                 optical path differences, Zernike polynomials\n"
-    "  sagitta field LENS [--picture FILE]               field curvature, astigmatism, distortion\n"
-    "  sagitta map LENS [--picture FILE]                 where rays are lost, over pupil or field\n"
-    "  sagitta sweep LENS [--picture FILE]               what becomes of rays, against the field\n"
-    "%s"
-    "  sagitta import FILE [-o LENS]                     a .zmx file as a lens file\n"
-    "  sagitta trade [LENS | --surface SPEC]             speed against accuracy, measured\n"
-    "\n"
-    "  sagitta COMMAND --help     the options and the columns of a command\n"
-    "  sagitta --version\n"
-    "\n"
-    "For example:\n"
-    "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
-    "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n";
-
-static const struct { const char *name, *full; exit_status (*run)(int argc, char *argv[]); } commands[] = {
-    {"intersect", "sagitta intersect", command_intersect},
-    {"trace", "sagitta trace", command_trace},
-    {"diagnose", "sagitta diagnose", command_diagnose},
-    {"trade", "sagitta trade", command_trade},
-    {"info", "sagitta info", command_info},
-    {"import", "sagitta import", command_import},
-    {"spot", "sagitta spot", command_spot},
-    {"fan", "sagitta fan", command_fan},
-    {"opd", "sagitta opd", command_opd},
-    {"field", "sagitta field", command_field},
-    {"map", "sagitta map", command_map},
-    {"sweep", "sagitta sweep", command_sweep},
+static const command *const commands[] = {
+    &command_intersect, &command_trace, &command_diagnose, &command_info, &command_spot, &command_fan,
+    &command_opd, &command_field, &command_map, &command_sweep, &command_import, &command_trade,
 };
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
-/* An analysis of the library that has no subcommand of its own: those have pictures that they draw. */
-static const sgt_analysis *plain_analysis(size_t place)
+/* The commands from 0 on: behind those above, the analyses of the library that are none of them.  false:
+ * there are no more. */
+static bool command_at(size_t place, command *c)
 {
-    const sgt_analysis *a = sgt_analysis_at(place);
-    for (size_t i = 0; a && i < sizeof commands / sizeof commands[0]; i++)
-        if (a->part_of || strcmp(a->name, commands[i].name) == 0) return plain_analysis(place + 1);
-    return a;
-}
-
-static exit_status run_plain(const sgt_analysis *a, int argc, char *argv[])
-{
-    static char full[60];
-    static const look_way plain = {.draw = NULL};
-    snprintf(full, sizeof full, "sagitta %s", a->name);
-    argv[0] = full;
-    fail_name(a->name);
-    return look_run(a->name, &plain, argc, argv);
-}
-
-static const char *plain_help(void)
-{
-    static char text[2000];
-    size_t n = 0;
-    const sgt_analysis *before = NULL;
-    for (size_t i = 0; plain_analysis(i) && n < sizeof text - 200; i++) {
-        const sgt_analysis *a = plain_analysis(i);
-        char head[60];
-        if (a == before) continue;
-        snprintf(head, sizeof head, "sagitta %s LENS [--picture FILE]", a->name);
-        n += (size_t)snprintf(text + n, sizeof text - n, "  %-48s  %s\n", head, a->title);
-        before = a;
+    if (place < COMMANDS) return *c = *commands[place], true;
+    for (size_t i = 0; sgt_analysis_at(i); i++) {
+        const sgt_analysis *a = sgt_analysis_at(i);
+        bool own = a->part_of != NULL;
+        for (size_t k = 0; k < COMMANDS; k++) own = own || strcmp(a->name, commands[k]->name) == 0;
+        if (!own && place-- == COMMANDS) return *c = look_command(a), true;
     }
-    return text;
+    return false;
+}
+
+static void print_main_help(FILE *to)
+{
+    command c;
+    fputs("sagitta: where does a ray meet a surface, and how sure is the answer?\n\n", to);
+    for (size_t i = 0; command_at(i, &c); i++) fprintf(to, "  sagitta %-10s %s\n", c.name, c.brief);
+    fputs("\n  sagitta COMMAND --help     a command in one screen; --help all: all of it\n"
+          "  sagitta --version\n"
+          "\n"
+          "For example:\n"
+          "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
+          "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n"
+          "  sagitta spot examples/lenses/cooke_triplet.yaml --picture spots.svg\n", to);
 }
 
 /* If a standard file is closed at the start, the next file opened would take its number, and a message for
@@ -110,22 +69,22 @@ int main(int argc, char *argv[])
     hold_standard_files();
     require_arithmetic();
     const char *name = argc > 1 ? argv[1] : "";
-    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
-        if (strcmp(name, commands[i].name) != 0) continue;
-        char full[40];
-        snprintf(full, sizeof full, "%s", commands[i].full);
+    command c;
+    for (size_t i = 0; command_at(i, &c); i++) {
+        if (strcmp(name, c.name) != 0) continue;
+        char full[40]; /* in messages of getopt */
+        snprintf(full, sizeof full, "sagitta %s", name);
         argv[1] = full;
-        fail_name(commands[i].name);
-        return (int)commands[i].run(argc - 1, argv + 1);
+        fail_name(c.name);
+        return (int)c.run(&c, argc - 1, argv + 1);
     }
-    for (size_t i = 0; plain_analysis(i); i++)
-        if (strcmp(name, plain_analysis(i)->name) == 0)
-            return (int)run_plain(plain_analysis(i), argc - 1, argv + 1);
-    if (strcmp(name, "--version") == 0) options_version();
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0)
-        print_and_end(main_help, plain_help());
+    if (strcmp(name, "--version") == 0) command_version();
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+        print_main_help(stdout);
+        print_and_end("%s", "");
+    }
     if (*name)
         fail_usage("no such command: %s; sagitta --help lists them", name);
-    fprintf(stderr, main_help, plain_help());
+    print_main_help(stderr);
     return EXIT_USAGE;
 }

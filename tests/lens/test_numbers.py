@@ -189,7 +189,7 @@ class Check:
             for key, wanted in first.data.items():
                 what = f'info {self.waves[wave]} {key}'
                 if isinstance(wanted, tuple):
-                    columns = key, key.split('_')[0] + '_radius'
+                    columns = key + '.z', key + '.radius'
                     for name, value, column in zip(('z', 'radius'), wanted, columns):
                         mine = (got[key] or {}).get(name)
                         self.length_of(mine, value, f'{what} {name}')

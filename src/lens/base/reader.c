@@ -1,7 +1,8 @@
 /* reader.c - memory, lines, words, numbers, errors. */
 #include "reader.h"
 
-#include <locale.h>
+#include "../../text/number.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -95,43 +96,7 @@ size_t sgt_reader_distance(piece a, piece b)
     return row[n];
 }
 
-static const char *digits(const char *s, const char *end)
-{
-    while (s < end && *s >= '0' && *s <= '9') s++;
-    return s;
-}
-
-/* The form is checked first: strtod takes also what is no decimal (0x10, inf, nan), and what
- * it takes for the point is the locale's. */
-bool sgt_reader_number(piece word, double *value)
-{
-    const char *s = word.begin, *end = word.end, *point = NULL;
-    s += s < end && (*s == '+' || *s == '-');
-    const char *first = s;
-    s = digits(s, end);
-    size_t many = (size_t)(s - first);
-    if (s < end && *s == '.') point = s, s = digits(s + 1, end), many += (size_t)(s - point - 1);
-    if (many == 0) return false;
-    if (s < end && (*s == 'e' || *s == 'E')) {
-        s++;
-        s += s < end && (*s == '+' || *s == '-');
-        first = s, s = digits(s, end);
-        if (s == first) return false;
-    }
-    char text[128];
-    const char *mark = localeconv()->decimal_point;
-    size_t length = (size_t)(end - word.begin), wide = strlen(mark);
-    if (s != end || length + wide >= sizeof text) return false;
-    size_t before = point ? (size_t)(point - word.begin) : length, at = before;
-    memcpy(text, word.begin, before);
-    if (point) {
-        memcpy(text + at, mark, wide), at += wide;
-        memcpy(text + at, point + 1, length - before - 1), at += length - before - 1;
-    }
-    text[at] = 0;
-    *value = strtod(text, NULL);
-    return isfinite(*value);
-}
+bool sgt_reader_number(piece word, double *value) { return number_read_decimal(word.begin, word.end, value); }
 
 bool sgt_reader_whole(const reader *r, const char *key)
 {

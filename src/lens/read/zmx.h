@@ -1,5 +1,5 @@
 /* zmx.h - a .zmx file on its way into a tree: zmx.c tells the records apart, zmx_system.c and
- * zmx_surface.c read them, zmx_elements.c makes surfaces and breaks of them. */
+ * zmx_surface.c read them by the fields of zmx_field.c, zmx_elements.c makes surfaces and breaks of them. */
 #ifndef SGT_LENS_ZMX_H
 #define SGT_LENS_ZMX_H
 #include "../base/reader.h"
@@ -132,7 +132,7 @@ struct zmx {
     struct { zmx_count count; size_t met; } record[2][ZMX_RECORDS];
 };
 
-/* zmx.c: the next field of the record.  What is missing or wrong is told, with its number. */
+/* zmx_field.c: the next field of the record.  What is missing or wrong is told, with its number. */
 piece sgt_zmx_field(zmx *z); /* empty: there is none */
 piece sgt_zmx_needed(zmx *z);
 double sgt_zmx_number_in(zmx *z, piece word);

@@ -64,34 +64,29 @@ static void draw_field(const look *l)
     const double end = field_height(far, far);
     const chart_rule zero = {.upright = true};
     const chart_panel panel[] = {
-        {.title = "field curvature",
-         .x_label = afocal ? "vergence at the last surface (dioptres)"
-                           : look_text("z from the image (%s)", look_unit(l, "sagittal")),
-         .y_label = look_field_axis(l),
-         .y_low = fmin(end, 0),
-         .y_high = fmax(end, 0),
-         .series_count = 2 * l->bands,
-         .series = focus,
-         .note = dashes,
-         .notes = 1,
-         .rules = 1,
+        {.title = "field curvature", .x_label = afocal ? "vergence at the last surface (dioptres)"
+                           : memory_print("z from the image (%s)", look_unit(l, "sagittal")),
+         .y_label = look_field_axis(l), .y_low = fmin(end, 0), .y_high = fmax(end, 0),
+         .series_count = 2 * l->bands, .series = focus, .note = dashes, .notes = 1, .rules = 1,
          .rule = &zero},
-        {.title = afocal ? "distortion of angles" : look_text("distortion against %s", field_ideal(l)),
-         .x_label = "distortion (%)",
-         .y_label = look_field_axis(l),
-         .y_low = fmin(end, 0),
-         .y_high = fmax(end, 0),
-         .series_count = l->bands,
-         .series = shift,
-         .rules = 1,
-         .rule = &zero},
+        {.title = afocal ? "distortion of angles" : memory_print("distortion against %s", field_ideal(l)),
+         .x_label = "distortion (%)", .y_label = look_field_axis(l), .y_low = fmin(end, 0),
+         .y_high = fmax(end, 0), .series_count = l->bands, .series = shift, .rules = 1, .rule = &zero},
     };
     const char *line[] = {look_lens_line(l), "along the real chief ray"};
     chart_write(l->picture, &(chart){.title = look_title(l, l->of->title), .line = line, .lines = 2,
                                      .columns = 2, .panels = 2, .panel = panel, .same_y = true});
 }
 
-exit_status command_field(int argc, char *argv[])
+static exit_status field_run(const command *c, int argc, char *argv[])
 {
-    return look_run("field", &(look_way){.draw = draw_field, .check = check_field}, argc, argv);
+    return look_run(c, &(look_way){.draw = draw_field, .check = check_field}, argc, argv);
 }
+
+const command command_field = {
+    .name = "field", .brief = "field curvature, astigmatism, distortion",
+    .often = "fields steps field distortion wavelength aim picture format output",
+    .examples = "  sagitta field examples/lenses/cooke_triplet.yaml\n"
+                "  sagitta field examples/lenses/cooke_triplet.yaml --steps 11 --picture field.svg\n",
+    .run = field_run,
+};

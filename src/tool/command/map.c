@@ -6,16 +6,19 @@
 #include <math.h>
 #include <string.h>
 
-typedef enum map_number { MAP_FATE, MAP_ELEMENT, MAP_EVALS, MAP_T_ERR, MAP_CONDITION, MAP_NUMBERS
-} map_number;
+typedef enum map_number { MAP_FATE, MAP_ELEMENT, MAP_EVALS, MAP_T_ERR, MAP_CONDITION } map_number;
 static const char *const map_names[] = {"fate", "element", "evals", "t_err", "condition"};
 static map_number map_of;
 
-static bool take_of(const char *value)
+static void take_of(void *into, const option_row *row, const char *value)
 {
-    for (map_of = MAP_FATE; map_of < MAP_NUMBERS && strcmp(value, map_names[map_of]) != 0;) map_of++;
-    return map_of < MAP_NUMBERS;
+    (void)into;
+    map_of = (map_number)options_word(row, value);
 }
+
+static const option_row map_own = {
+    "of", "NUMBER", "what the picture shows: fate (the default), element, evals, t_err, condition",
+    OPTION_TAKE, .words = "fate element evals t_err condition", .take = take_of};
 
 static bool over_field(const look *l) { return ((const sgt_map_options *)l->options)->over == 1; }
 
@@ -26,7 +29,7 @@ static void check_map(look *l)
     size_t n;
     bool cells;
     if (o->steps && !o->over) fail_usage("--steps goes with --over field; over the pupil give --cells N");
-    if (o->over && (j->pattern_given || j->across || j->pupils > 1))
+    if (o->over && (j->points || j->pupils > 1))
         fail_usage("--over field sends one ray of each field: the chief ray, or that of one --pupil");
     if (l->picture && !o->over && !look_is_net(l, &n, &cells))
         fail_usage("--picture: a map is drawn of --cells N or --grid N%s",
@@ -67,7 +70,7 @@ static map_kinds map_kinds_of(const look *l)
         k.name[k.count++] = fate            ? fates[i]
                             : i == 0        ? "passed"
                             : i > of->count ? "no such ray"
-                                            : look_text("ends at %zu (%s)", i, of->surface[i - 1].type);
+                                            : memory_print("ends at %zu (%s)", i, of->surface[i - 1].type);
     }
     return k;
 }
@@ -94,7 +97,7 @@ static const char *map_title(const look *l, size_t panel)
     const char *name = look_wavelength_name(l, panel % l->bands);
     if (over_field(l)) return name ? name : "";
     const char *field = look_field_name(l, panel / l->bands);
-    return l->bands > 1 ? look_text("%s, %s", field, name) : field;
+    return l->bands > 1 ? memory_print("%s, %s", field, name) : field;
 }
 
 static void draw_fates(const look *l)
@@ -115,29 +118,28 @@ static void draw_fates(const look *l)
                        : look_net(l, p * points, points, n, cells, value, label);
         map[p].kinds = kinds.count ? kinds.name : NULL, map[p].kind_count = kinds.count;
         panel[p] = (chart_panel){.title = map_title(l, p), .square = true, .map = &map[p],
-                                 .x_label = field ? look_text("x, %s", look_field_axis(l)) : "px",
-                                 .y_label = field ? look_text("y, %s", look_field_axis(l)) : "py"};
+                                 .x_label = field ? memory_print("x, %s", look_field_axis(l)) : "px",
+                                 .y_label = field ? memory_print("y, %s", look_field_axis(l)) : "py"};
     }
     if (!kinds.count) look_same_scale(panels, map);
     const char *line[] = {look_lens_line(l), look_fates_line(l, &l->total.fates)};
     const char *number = map_of == MAP_FATE      ? "fates"
                          : map_of == MAP_ELEMENT ? "where rays end"
                                                  : map_names[map_of];
-    const char *what = look_text("%s, over the %s", number, field ? "field" : "pupil");
+    const char *what = memory_print("%s, over the %s", number, field ? "field" : "pupil");
     chart_write(l->picture, &(chart){.title = look_title(l, what), .line = line, .lines = 2,
                                      .panels = panels, .panel = panel});
 }
 
-exit_status command_map(int argc, char *argv[])
+static exit_status map_run(const command *c, int argc, char *argv[])
 {
-    return look_run("map",
-                    &(look_way){.draw = draw_fates,
-                                .check = check_map,
-                                .own = "of",
-                                .take_own = take_of,
-                                .own_words = "fate, element, evals, t_err or condition",
-                                .own_help =
-                                    "what the picture shows: fate (the default), element, evals, t_err, "
-                                    "condition"},
-                    argc, argv);
+    return look_run(c, &(look_way){.draw = draw_fates, .check = check_map, .own = &map_own}, argc, argv);
 }
+
+const command command_map = {
+    .name = "map", .brief = "where rays are lost, over pupil or field",
+    .often = "over cells steps of fields field wavelength picture proof format output",
+    .examples = "  sagitta map examples/lenses/double_gauss.yaml --cells 11\n"
+                "  sagitta map examples/lenses/double_gauss.yaml --over field --of evals --picture map.png\n",
+    .run = map_run,
+};

@@ -35,12 +35,9 @@ static void draw_opd_maps(const look *asked, const look *l)
         for (size_t k = 0; k < points; k++) waves[k] = look_value(l, look_row(l, i * points + k), value);
         map[i] = look_net(l, i * points, points, n, cells, waves, "waves");
         map[i].about_zero = true;
-        panel[i] = (chart_panel){.title = look_text("%s, %s", look_field_name(l, i / l->bands),
+        panel[i] = (chart_panel){.title = memory_print("%s, %s", look_field_name(l, i / l->bands),
                                                     look_wavelength_name(l, i % l->bands)),
-                                 .x_label = "px",
-                                 .y_label = "py",
-                                 .square = true,
-                                 .map = &map[i]};
+                                 .x_label = "px", .y_label = "py", .square = true, .map = &map[i]};
     }
     look_same_scale(panels, map);
     const char *line[] = {look_lens_line(l), opd_against, look_fates_line(l, &l->total.fates)};
@@ -58,11 +55,19 @@ static void draw_opd(const look *asked)
     else look_lines_draw(l, opd_against, "opd", "opd");
 }
 
-exit_status command_opd(int argc, char *argv[])
+static exit_status opd_run(const command *c, int argc, char *argv[])
 {
     static const look_view views[] = {
         {"summary", "wavefront", NULL, "a row for each field and wavelength"},
         {"zernike", "zernike", "terms", "fits the first N Zernike polynomials"},
         {NULL, NULL, NULL, NULL}};
-    return look_run("opd", &(look_way){.view = views, .check = check_opd, .draw = draw_opd}, argc, argv);
+    return look_run(c, &(look_way){.view = views, .check = check_opd, .draw = draw_opd}, argc, argv);
 }
+
+const command command_opd = {
+    .name = "opd", .brief = "optical path differences, Zernike polynomials",
+    .often = "fields field cross cells wavelength summary zernike order picture format output",
+    .examples = "  sagitta opd examples/lenses/cooke_triplet.yaml --summary\n"
+                "  sagitta opd examples/lenses/cooke_triplet.yaml --zernike 11 --picture opd.svg\n",
+    .run = opd_run,
+};

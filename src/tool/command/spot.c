@@ -44,7 +44,7 @@ static const char *spot_title(const look *l, size_t panel, const sgt_spot_row *r
 {
     const char *name = look_field_name(l, panel / l->surfaces), *units = l->primary.units;
     if (!look_given(l, "defocus")) return name;
-    return look_text("%s, z %s%s%s%s", name, row->defocus < 0 ? "" : "+", look_signed(row->defocus),
+    return memory_print("%s, z %s%s%s%s", name, row->defocus < 0 ? "" : "+", look_signed(row->defocus),
                      *units ? " " : "", units);
 }
 
@@ -57,15 +57,14 @@ static chart_panel spot_panel(const look *l, size_t panel, double half)
     for (size_t b = 0; b < l->bands; b++) series[b] = spot_series(l, panel, b);
     chart_circle *circle = memory_take(1, sizeof *circle);
     *circle =
-        (chart_circle){.radius = row->airy,
-                       .name = look_text("Airy disc, %.4g \302\265m",
+        (chart_circle){.radius = row->airy, .name = memory_print("Airy disc, %.4g \302\265m",
                                          l->bands == 1 ? l->band[0].wavelength : l->primary.wavelength)};
     const char **note = memory_take(2, sizeof *note);
     note[0] = isnan(row->rms) ? isnan(row->x) && row->passed ? "no reference" : "no ray passed"
-                              : look_text("RMS %.4g, largest %.4g %s", row->rms, row->geometric, unit);
+                              : memory_print("RMS %.4g, largest %.4g %s", row->rms, row->geometric, unit);
     note[1] = look_fates_line(l, &fates);
-    return (chart_panel){.title = spot_title(l, panel, row), .x_label = look_text("x (%s)", unit),
-                         .y_label = look_text("y (%s)", unit), .note = note, .notes = 2, .square = true,
+    return (chart_panel){.title = spot_title(l, panel, row), .x_label = memory_print("x (%s)", unit),
+                         .y_label = memory_print("y (%s)", unit), .note = note, .notes = 2, .square = true,
                          .bar = true, .x_low = -half, .x_high = half, .y_low = -half, .y_high = half,
                          .series_count = l->bands, .series = series, .circles = isnan(row->airy) ? 0U : 1U,
                          .circle = circle};
@@ -88,7 +87,15 @@ static void draw_spots(const look *l)
                                      .panel = panel, .same_x = true, .same_y = true});
 }
 
-exit_status command_spot(int argc, char *argv[])
+static exit_status spot_run(const command *c, int argc, char *argv[])
 {
-    return look_run("spot", &(look_way){.draw = draw_spots, .ends = true}, argc, argv);
+    return look_run(c, &(look_way){.draw = draw_spots, .ends = true}, argc, argv);
 }
+
+const command command_spot = {
+    .name = "spot", .brief = "spot diagrams: how rays scatter at the image",
+    .often = "fields field hexapolar grid wavelength reference defocus picture proof format output",
+    .examples = "  sagitta spot examples/lenses/cooke_triplet.yaml\n"
+                "  sagitta spot examples/lenses/cooke_triplet.yaml --hexapolar 20 --picture spots.svg\n",
+    .run = spot_run,
+};

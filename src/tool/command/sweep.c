@@ -32,17 +32,12 @@ static chart_panel sweep_panel(const look *l, size_t band)
             any = any || y[i] > 0;
         }
         if (any)
-            series[n++] = (chart_series){.name = names[k],
-                                         .colour = (size_t)k,
-                                         .mark = marks[k],
-                                         .line = true,
-                                         .count = steps,
-                                         .x = x,
-                                         .y = y};
+            series[n++] = (chart_series){.name = names[k], .colour = (size_t)k, .mark = marks[k],
+                                         .line = true, .count = steps, .x = x, .y = y};
     }
     return (chart_panel){.title = l->bands > 1 ? look_wavelength_name(l, band) : NULL,
                          .x_label = isfinite(l->primary.of->object_distance)
-                                        ? look_text("object height (%s)", look_unit(l, "at"))
+                                        ? memory_print("object height (%s)", look_unit(l, "at"))
                                         : "field angle (degrees)",
                          .y_label = "rays (%)", .x_low = fmin(first->at, last->at),
                          .x_high = fmax(first->at, last->at), .y_high = 100, .series_count = n,
@@ -58,7 +53,15 @@ static void draw_sweep(const look *l)
                                      .panels = l->bands, .panel = panel});
 }
 
-exit_status command_sweep(int argc, char *argv[])
+static exit_status sweep_run(const command *c, int argc, char *argv[])
 {
-    return look_run("sweep", &(look_way){.draw = draw_sweep}, argc, argv);
+    return look_run(c, &(look_way){.draw = draw_sweep}, argc, argv);
 }
+
+const command command_sweep = {
+    .name = "sweep", .brief = "what becomes of rays, against the field",
+    .often = "from to steps hexapolar grid wavelength picture proof format output",
+    .examples = "  sagitta sweep examples/lenses/double_gauss.yaml --to 30 --steps 7\n"
+                "  sagitta sweep examples/lenses/double_gauss.yaml --picture sweep.svg\n",
+    .run = sweep_run,
+};

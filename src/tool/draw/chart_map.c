@@ -180,10 +180,7 @@ void chart_map_draw(cairo_t *cr, const chart_map *m, const chart_scale *s, const
 
 /* -------------------------------------------------------------------- bar */
 
-typedef struct bar_tick {
-    double at;
-    char text[CHART_TEXT];
-} bar_tick;
+typedef struct bar_tick { double at; char text[CHART_TEXT]; } bar_tick;
 enum { MOST_TICKS = 60 };
 
 /* Of a logarithmic scale: powers of ten, and 2 and 5 times those where there is room. */

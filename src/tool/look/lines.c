@@ -12,7 +12,7 @@ void look_lines_check(look *l)
     const bool fits = asked.pattern == SGT_PATTERN_FAN || asked.pattern == SGT_PATTERN_CROSS;
     size_t count[2] = {0, 0};
     if (!l->picture || (fits && !asked.count)) return;
-    const launch_pattern points = job_points(o, l->of->pattern);
+    const launch_pattern points = job_points(o, l->of->pattern, l->of->rays);
     for (size_t i = 0; i < points.count; i++)
         count[0] += points.at[i].x == 0, count[1] += points.at[i].y == 0;
     if (count[0] < 2 && count[1] < 2)
@@ -54,7 +54,7 @@ void look_lines_draw(const look *l, const char *line, const char *tangential, co
             both = both && series[0].count > 1;
             if (series[0].count < 2) continue;
             panel[n++] = (chart_panel){
-                .title = look_text("%s, %s", look_field_name(l, f), k ? "sagittal" : "tangential"),
+                .title = memory_print("%s, %s", look_field_name(l, f), k ? "sagittal" : "tangential"),
                 .x_label = k ? "px (pupil radii)" : "py (pupil radii)", .y_label = look_label(l, name),
                 .x_low = -1, .x_high = 1, .series_count = l->bands, .series = series};
         }

@@ -14,74 +14,82 @@
 
 /* -------------------------------------------------------------------- options */
 
-/* The options of getopt_long, and what each of an analysis is: a setting, or a view. */
-typedef struct known_options {
-    struct option *option;
-    size_t count;
-    const sgt_setting **setting; /* [settings] */
-    size_t settings;
-} known_options;
+/* Settings as they are given, which are of an analysis that a later option may choose; and this option. */
+typedef struct given { const sgt_setting *setting; const char *value; } given;
+typedef struct asking {
+    look *look;
+    const look_way *way;
+    const sgt_setting **setting; /* [row.to] */
+    given *given;
+    size_t settings, count;
+    const look_view *view;
+    const char *view_value;
+} asking;
 
-enum { PICTURE = OPTION_AFTER_JOB, OWN, VIEW, SETTING = VIEW + 100 };
-
-static void know_settings(known_options *k, const sgt_analysis *a)
+static void note_setting(void *into, const option_row *row, const char *value)
 {
+    asking *a = into;
+    a->given[a->count++] = (given){a->setting[row->to], value};
+}
+
+static void note_view(void *into, const option_row *row, const char *value)
+{
+    asking *a = into;
+    const look_view *v = a->way->view + row->to;
+    if (a->view && a->view != v) fail_usage("give --%s or --%s, not both", a->view->option, v->option);
+    a->view = v, a->view_value = value;
+}
+
+static void take_picture(void *into, const option_row *row, const char *value)
+{
+    chart_check(row->name, value);
+    ((shared_options *)into)->picture = value;
+}
+
+static const option_row look_rows[] = {
+    {"picture", "FILE", "draw it: svg, png or pdf, by the ending of the name", OPTION_TAKE,
+     .take = take_picture},
+    PICK_OPTION("which root: near-seed or first, as in sagitta trace"),
+    {0},
+};
+static const option_row proof_rows[] = {
+    PROOF_OPTION("what must be proven of each hit: estimate, root or first (see sagitta trace)\n"
+                 "A ray for which it is not is lost"),
+    {0},
+};
+static const option_group look_group = {OPTIONS_SHARED, "The search, and the picture", .row = look_rows};
+
+enum { OWN_MOST = 30 };
+
+/* Appends the settings of an analysis, but for those that are there, and the one that is the argument of a
+ * view. */
+static option_row *look_settings(asking *to, option_row *row, const sgt_analysis *a, const char *argument)
+{
+    static const char *const value[] = {[SGT_SETTING_FLAG] = NULL, [SGT_SETTING_COUNT] = "N",
+                                        [SGT_SETTING_WORD] = "WORD", [SGT_SETTING_NUMBER] = "X",
+                                        [SGT_SETTING_NUMBERS] = "X,X..."};
     for (size_t i = 0; i < a->settings; i++) {
         const sgt_setting *s = &a->setting[i];
-        bool known = false;
-        for (size_t j = 0; j < k->settings; j++) known = known || strcmp(k->setting[j]->name, s->name) == 0;
+        bool known = argument && strcmp(s->name, argument) == 0;
+        for (size_t k = 0; k < to->settings; k++) known = known || strcmp(to->setting[k]->name, s->name) == 0;
         if (known) continue;
-        k->option[k->count++] = (struct option){
-            s->name, s->kind == SGT_SETTING_FLAG ? no_argument : required_argument, NULL,
-            SETTING + (int)k->settings};
-        k->setting[k->settings++] = s;
+        *row++ = (option_row){s->name, value[s->kind], s->help, OPTION_TAKE, .to = to->settings,
+                              .take = note_setting};
+        to->setting[to->settings++] = s;
     }
+    return row;
 }
 
-static known_options options_of(const sgt_analysis *a, const look_way *way)
+static const option_row *own_rows(asking *a)
 {
-    static const struct option shared[] = {{"picture", required_argument, NULL, PICTURE},
-                                           JOB_OPTIONS,
-                                           PROOF_OPTION,
-                                           THREADS_OPTION,
-                                           ROWS_OPTIONS,
-                                           SHARED_OPTIONS};
-    enum { SHARED = sizeof shared / sizeof *shared, MORE = 100 };
-    known_options k = {.option = memory_take(SHARED + MORE, sizeof *k.option),
-                       .setting = memory_take(MORE, sizeof *k.setting)};
-    know_settings(&k, a);
-    for (const look_view *v = way->view; v && v->option; v++) {
-        k.option[k.count++] = (struct option){v->option, v->setting ? required_argument : no_argument, NULL,
-                                              VIEW + (int)(v - way->view)};
-        know_settings(&k, sgt_analysis_named(v->analysis));
+    option_row *all = memory_take(OWN_MOST, sizeof *all), *row = look_settings(a, all, a->look->of, NULL);
+    for (const look_view *v = a->way->view; v && v->option; v++) {
+        *row++ = (option_row){v->option, v->setting ? "N" : NULL, v->help, OPTION_TAKE,
+                              .to = (size_t)(v - a->way->view), .take = note_view};
+        row = look_settings(a, row, sgt_analysis_named(v->analysis), v->setting);
     }
-    if (way->own) k.option[k.count++] = (struct option){way->own, required_argument, NULL, OWN};
-    memcpy(k.option + k.count, shared, sizeof shared);
-    return k;
-}
-
-typedef struct given { const sgt_setting *setting; const char *value; } given;
-
-/* "tan or theta", "a, b or c" */
-static const char *words_or(const char *words)
-{
-    char text[200];
-    size_t n = 0;
-    for (const char *w = words; *w && n + 8 < sizeof text; w++) {
-        if (*w != '|') text[n++] = *w;
-        else n += (size_t)snprintf(text + n, sizeof text - n, "%s", strchr(w + 1, '|') ? ", " : " or ");
-    }
-    text[n] = 0;
-    return look_text("%s", text);
-}
-
-static int word_place(const sgt_setting *s, const char *value)
-{
-    const size_t length = strlen(value);
-    int place = 0;
-    for (const char *w = s->words; w; w = strchr(w, '|') ? strchr(w, '|') + 1 : NULL, place++)
-        if (strcspn(w, "|") == length && strncmp(w, value, length) == 0) return place;
-    fail_usage("--%s must be %s, not \"%s\"", s->name, words_or(s->words), value);
+    if (a->way->own) *row = *a->way->own;
+    return all;
 }
 
 /* Appends the numbers of a list with commas to one that was given before. */
@@ -107,7 +115,9 @@ static void take_setting(look *l, const sgt_setting *s, const char *name, const 
     case SGT_SETTING_COUNT:
         *(size_t *)(void *)to = (size_t)options_integer(name, value, (long)s->least, (long)s->most);
         return;
-    case SGT_SETTING_WORD: *(int *)(void *)to = word_place(s, value); return;
+    case SGT_SETTING_WORD:
+        *(int *)(void *)to = options_word(&(option_row){.name = s->name, .words = s->words}, value);
+        return;
     case SGT_SETTING_NUMBER:
     case SGT_SETTING_NUMBERS:
         *(sgt_list *)(void *)to = numbers_of(s, *(sgt_list *)(void *)to, value);
@@ -133,69 +143,71 @@ static const char *view_with(const look_way *way, const char *setting)
 {
     for (const look_view *v = way->view; v && v->option; v++)
         if (setting_named(sgt_analysis_named(v->analysis), setting))
-            return look_text("--%s%s", v->option, v->setting ? " N" : "");
+            return memory_print("--%s%s", v->option, v->setting ? " N" : "");
     return "";
 }
 
-static void take_options(look *l, const look_way *way, int argc, char *argv[])
+static const char *rays_by_default(const sgt_analysis *a, const look_view *v)
 {
-    const known_options k = options_of(l->of, way);
-    const look_view *view = NULL;
-    const char *view_value = NULL;
-    given *all = memory_take((size_t)argc, sizeof *all);
-    size_t count = 0;
-    for (int code; (code = getopt_long(argc, argv, ROWS_LETTERS, k.option, NULL)) != -1;) {
-        l->shared.scales = true;
-        if (code == PICTURE) {
-            chart_check("picture", optarg);
-            l->picture = optarg;
-        } else if (code == OWN) {
-            if (!way->take_own(optarg))
-                fail_usage("--%s must be %s, not \"%s\"", way->own, way->own_words, optarg);
-        } else if (code >= SETTING) {
-            all[count++] = (given){k.setting[code - SETTING], optarg};
-        } else if (code >= VIEW) {
-            const look_view *v = way->view + (code - VIEW);
-            if (view && view != v) fail_usage("give --%s or --%s, not both", view->option, v->option);
-            view = v, view_value = optarg;
-        } else if (!job_take(&l->job, code)) {
-            options_take(&l->shared, code, look_help(l, way));
-        }
-    }
-    if (view) l->of = sgt_analysis_named(view->analysis);
-    l->options = memory_take(l->of->options_size + 1, 1);
-    l->set = memory_take(count + 1, sizeof *l->set);
-    if (view && view->setting)
-        take_setting(l, setting_named(l->of, view->setting), view->option, view_value);
-    for (size_t i = 0; i < count; i++) {
-        const char *name = all[i].setting->name;
-        const sgt_setting *s = setting_named(l->of, name);
-        if (!s) fail_usage("--%s goes with %s", name, view_with(way, name));
-        take_setting(l, s, name, all[i].value);
-    }
+    const char *rays = look_default_rays(a);
+    for (; v && v->option; v++)
+        rays = memory_print("%s; with --%s %s", rays, v->option,
+                         look_default_rays(sgt_analysis_named(v->analysis)));
+    return rays;
 }
 
-static void take_lens(look *l, int argc, char *argv[])
+static void take_lens(look *l, const command *c, int argc, char *argv[])
 {
-    const char *name = l->of->part_of ? l->of->part_of : l->of->name;
     job_options *o = &l->job;
-    if (optind == argc) fail_usage("the lens file is missing: sagitta %s LENS", name);
-    if (optind + 1 < argc)
-        fail_usage("unexpected argument \"%s\"; %s takes one lens file", argv[optind + 1], name);
-    if (o->rays) fail_usage("--rays: %s launches the rays of fields; sagitta trace takes a file", name);
-    if (o->skip_bad) fail_usage("--skip-bad goes with --rays; %s launches the rays of fields", name);
+    o->lens = command_file(c, "lens file", argc, argv), o->several = true;
+    if (o->rays) fail_usage("--rays: %s launches the rays of fields; sagitta trace takes a file", c->name);
+    if (o->skip_bad) fail_usage("--skip-bad goes with --rays; %s launches the rays of fields", c->name);
     if (l->of->no_fields && (o->fields || o->numbers))
-        fail_usage("--field, --fields: %s takes --from and --to", name);
-    if (l->of->no_rays && (o->pupils || o->pattern_given || o->across))
+        fail_usage("--field, --fields: %s takes --from and --to", c->name);
+    if (l->of->no_rays && (o->pupils || o->points))
         fail_usage("a pattern of rays is of no use here: the rays are those near the chief ray");
     if (l->of->no_rays && l->shared.solver.proof)
         fail_usage("--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and sweep do",
-                   name);
-    o->lens = argv[optind], o->several = true;
+                   c->name);
     if (!l->of->primary_alone && !o->wavelengths) o->all_wavelengths = true;
+    l->picture = l->shared.picture;
     if (!l->picture) return;
     if (l->shared.target.path) output_check("output", l->shared.target.path);
     output_reserve("picture", l->picture);
+}
+
+static void take_options(look *l, const command *c, const look_way *way, int argc, char *argv[])
+{
+    const sgt_setting *setting[OWN_MOST];
+    asking a = {.look = l, .way = way, .setting = setting,
+                .given = memory_take((size_t)argc, sizeof *a.given)};
+    const option_group own = {OPTIONS_OWN, "Options", .row = own_rows(&a)};
+    const option_group proof = {OPTIONS_SHARED, NULL, .row = proof_rows, .hidden = l->of->no_rays};
+    const look_help columns = {l->of, way->view};
+    command all = *c;
+    all.usage = "LENS [options]", all.what = l->of->help, all.docs = "docs/analysis.md";
+    all.rays = l->of->no_rays ? NULL : rays_by_default(l->of, way->view);
+    all.print_all = look_print_columns, all.context = &columns;
+    const option_group *const groups[] = {
+        &own, l->of->no_fields ? &job_no_fields : &job_fields_options,
+        l->of->no_rays ? &job_no_pattern : &job_pattern_options, &job_no_file, &job_aim_options,
+        &job_wavelength_options, &job_glass_options, &job_aperture_options, &look_group, &proof,
+        &options_solver, &options_in_threads, &options_rows,
+    };
+    memcpy(all.group, groups, sizeof groups);
+    command_read(&all, &a, &l->job, &l->shared, argc, argv);
+    if (a.view) l->of = sgt_analysis_named(a.view->analysis);
+    l->options = memory_take(l->of->options_size + 1, 1);
+    l->set = memory_take(a.count + 1, sizeof *l->set);
+    if (a.view && a.view->setting)
+        take_setting(l, setting_named(l->of, a.view->setting), a.view->option, a.view_value);
+    for (size_t i = 0; i < a.count; i++) {
+        const char *name = a.given[i].setting->name;
+        const sgt_setting *s = setting_named(l->of, name);
+        if (!s) fail_usage("--%s goes with %s", name, view_with(way, name));
+        take_setting(l, s, name, a.given[i].value);
+    }
+    take_lens(l, &all, argc, argv);
 }
 
 /* ------------------------------------------------------------------ the study */
@@ -241,15 +253,14 @@ static void begin_study(look *l, const job_points_asked *points, int *threads)
     *threads = options_threads(&l->shared);
     /* (A picture may ask another analysis for the same points.) */
     const bool fixed = l->picture && l->of->part_of;
-    const bool by_default = !points->pattern_given && !points->rays && !points->across;
     const sgt_study_options options = {
         .aim = job_aim(o, of), .solver = &l->shared.solver, .open = o->no_apertures,
         .fields = o->fields || o->numbers ? l->fields.count : 0, .field = o->fields ? NULL : number,
         .field_at = l->fields.at, .field_kind = &l->fields.kind,
         .wavelengths = of->wavelength || o->wavelengths ? l->bands : 0, .wavelength = wavelength,
-        .pattern = points->pattern_given || fixed ? &points->pattern : NULL,
-        .rays = fixed && by_default ? l->of->rays : points->rays,
-        .across = points->across, .seed = points->seed, .points = points->count, .point = points->at,
+        .pattern = points->rays || fixed ? &points->pattern : NULL,
+        .rays = fixed && !points->rays ? l->of->rays : points->rays, .seed = points->seed,
+        .points = points->count, .point = points->at,
         .run = *threads > 1 ? in_threads : NULL, .context = threads};
     l->study = studies[0] = sgt_study_new(of, &options, &e);
     if (!l->study) lens_refuse(&e);
@@ -331,7 +342,7 @@ static column head_of(const look *l, size_t i, char unit[32])
         [SGT_COLUMN_WHOLE] = COLUMN_COUNT,   [SGT_COLUMN_FATE] = COLUMN_CODE};
     char name[32];
     sgt_study_column(l->study, l->of, l->options, i, name, unit);
-    return (column){look_text("%s", name), kinds[l->of->column[i].kind]};
+    return (column){memory_print("%s", name), kinds[l->of->column[i].kind]};
 }
 
 static void begin_table(printing *p)
@@ -346,7 +357,7 @@ static void begin_table(printing *p)
     for (size_t i = 0; i < l->of->columns; i++) {
         if (!sgt_study_column(l->study, l->of, l->options, i, name, unit)) continue;
         if (p->text && l->of->column[i].flags & SGT_COLUMN_DETAIL) continue;
-        head[p->count] = head_of(l, i, unit), units[p->count] = look_text("%s", unit);
+        head[p->count] = head_of(l, i, unit), units[p->count] = memory_print("%s", unit);
         p->place[p->count++] = i;
     }
     l->shared.target.unit = units;
@@ -441,7 +452,7 @@ static void take_sentence(void *context, sgt_remark_of_study kind, const char *s
         return;
     }
     p->legend = memory_grow(p->legend, p->legends + 1, sizeof *p->legend);
-    p->legend[p->legends++] = look_text("%s", sentence);
+    p->legend[p->legends++] = memory_print("%s", sentence);
 }
 
 static void keep_ends(void *context, size_t field, size_t surface, size_t wavelength, size_t count,
@@ -458,15 +469,14 @@ static void keep_ends(void *context, size_t field, size_t surface, size_t wavele
     e->count += count;
 }
 
-exit_status look_run(const char *analysis, const look_way *way, int argc, char *argv[])
+exit_status look_run(const command *c, const look_way *way, int argc, char *argv[])
 {
-    look l = {.of = sgt_analysis_named(analysis)};
+    look l = {.of = sgt_analysis_named(c->name)};
     printing p = {.look = &l, .way = way};
     sgt_sink sink = {.context = &p, .row = print_row, .say = take_sentence};
     sgt_lens_error e;
     int threads;
-    take_options(&l, way, argc, argv);
-    take_lens(&l, argc, argv);
+    take_options(&l, c, way, argc, argv);
     job_points_asked points = {.count = 0};
     if (!l.of->no_rays) points = job_points_of(&l.job, l.of->pattern);
     if (way->check) way->check(&l);
@@ -486,4 +496,21 @@ exit_status look_run(const char *analysis, const look_way *way, int argc, char *
     if (l.picture && way->draw) way->draw(&l);
     else if (l.picture) look_draw_curves(&l);
     return l.total.fates.lost ? EXIT_UNDECIDED : EXIT_DECIDED;
+}
+
+static exit_status run_plain(const command *c, int argc, char *argv[])
+{
+    return look_run(c, &(look_way){.draw = NULL}, argc, argv);
+}
+
+command look_command(const sgt_analysis *a)
+{
+    const char *often = "";
+    for (size_t i = 0; i < a->settings; i++) often = memory_print("%s%s ", often, a->setting[i].name);
+    return (command){
+        .name = a->name, .brief = a->title, .run = run_plain,
+        .often = memory_print("%sfields field hexapolar grid wavelength picture proof format output", often),
+        .examples = memory_print("  sagitta %s examples/lenses/cooke_triplet.yaml\n"
+                              "  sagitta %s examples/lenses/cooke_triplet.yaml --picture %s.svg\n",
+                              a->name, a->name, a->name)};
 }

@@ -40,15 +40,17 @@ typedef struct look_view { const char *option, *analysis, *setting, *help; } loo
 /* What a subcommand adds to its analysis. */
 typedef struct look_way {
     const look_view *view;      /* ends with {NULL} */
-    const char *own, *own_help; /* an option that only the picture has; NULL: none */
-    bool (*take_own)(const char *value); /* false: it is none of these */
-    const char *own_words;
+    const option_row *own;      /* an option that only the picture has; NULL: none */
     bool ends;                  /* the picture wants the rays of a spot */
     void (*check)(look *l);     /* before anything is read; a fault ends the command.  NULL: none */
     void (*draw)(const look *l); /* NULL: as draw_x and draw_y of the analysis say */
 } look_way;
 
-exit_status look_run(const char *analysis, const look_way *way, int argc, char *argv[]);
+/* The command has the name of its analysis; its options and most of its help are those of the library. */
+exit_status look_run(const command *c, const look_way *way, int argc, char *argv[]);
+
+/* A command for an analysis that has none of its own. */
+command look_command(const sgt_analysis *a);
 
 /* Is this setting of the analysis given? */
 bool look_given(const look *l, const char *setting);
@@ -73,7 +75,6 @@ size_t look_band_of(const look *l, double um);
 size_t look_field_of(const look *l, size_t number);
 
 /* Texts that last until the command ends. */
-const char *look_text(const char *format, ...) LIKE_PRINTF(1, 2);
 const char *look_signed(double x);                         /* with the minus sign of the axes */
 const char *look_title(const look *l, const char *what);   /* "Cooke triplet: spots" */
 const char *look_lens_line(const look *l);                 /* its wavelengths, unit, and what is proven */
@@ -91,8 +92,9 @@ void look_verdict(const look *l);
 /* (curves.c) A panel for each field (or one), a curve for each wavelength: draw_y against draw_x. */
 void look_draw_curves(const look *l);
 
-/* (help.c) All of --help. */
-const char *look_help(const look *l, const look_way *way);
+/* (help.c) Prints the columns: context is a look_help. */
+typedef struct look_help { const sgt_analysis *of; const look_view *view; } look_help;
+void look_print_columns(const void *context);
 
 /* The rays by default, as an option: "--hexapolar 10". */
 const char *look_default_rays(const sgt_analysis *a);

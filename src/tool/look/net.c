@@ -41,7 +41,6 @@ bool look_is_net(const look *l, size_t *n, bool *cells)
 {
     const job_points_asked asked = job_points_of(&l->job, l->of->pattern);
     *cells = asked.pattern == SGT_PATTERN_CELLS;
-    *n = asked.across ? asked.across : asked.rays ? asked.rays : l->of->rays;
-    if (asked.pattern_given && !asked.across && !asked.rays) *n = job_points(&l->job, l->of->pattern).n;
+    *n = asked.rays ? asked.rays : l->of->rays;
     return !asked.count && (*cells || asked.pattern == SGT_PATTERN_GRID);
 }

@@ -4,19 +4,8 @@
 #include "../base/memory.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-const char *look_text(const char *format, ...)
-{
-    char text[1000];
-    va_list more;
-    va_start(more, format);
-    vsnprintf(text, sizeof text, format, more);
-    va_end(more);
-    return memory_text(text, strlen(text));
-}
 
 const char *look_fates_line(const look *l, const sgt_fates *f)
 {
@@ -40,17 +29,17 @@ const char *look_fates_line(const look *l, const sgt_fates *f)
 
 static const char *field_option(const sgt_lost_ray *r)
 {
-    if (r->field) return look_text(" --fields %zu", r->field);
-    if (r->kind == SGT_FIELD_ANGLE && r->at.x == 0) return look_text(" --field %.17g", r->at.y);
-    return look_text(" --field-at \"%.17g %.17g %s\"", r->at.x, r->at.y, job_field_kind(r->kind));
+    if (r->field) return memory_print(" --fields %zu", r->field);
+    if (r->kind == SGT_FIELD_ANGLE && r->at.x == 0) return memory_print(" --field %.17g", r->at.y);
+    return memory_print(" --field-at \"%.17g %.17g %s\"", r->at.x, r->at.y, job_field_kind(r->kind));
 }
 
 static const char *wavelength_option(const sgt_wavelength *w)
 {
-    if (w->number) return look_text(" --wavelength %zu", w->number);
+    if (w->number) return memory_print(" --wavelength %zu", w->number);
     if (isnan(w->um)) return "";
-    const char *um = look_text("%.17g", w->um);
-    return look_text(" --wavelength %s%s", um, strchr(um, '.') ? "" : ".0");
+    const char *um = memory_print("%.17g", w->um);
+    return memory_print(" --wavelength %s%s", um, strchr(um, '.') ? "" : ".0");
 }
 
 /* The options of sagitta diagnose that show it. */
@@ -59,18 +48,19 @@ static const char *lost_options(const look *l)
     static const char *const proof[] = {"estimate", "root", "first"};
     const sgt_lost_ray *r = &l->total.lost;
     const sgt_options *s = &l->shared.solver;
-    return look_text("%s%s%s%s --pupil \"%.17g %.17g\"%s%s%s%s%s", field_option(r),
+    return memory_print("%s%s%s%s --pupil \"%.17g %.17g\"%s%s%s%s%s", field_option(r),
                      r->open && !l->job.no_apertures ? " --no-apertures" : "",
-                     r->defocus != 0 || look_given(l, "defocus") ? look_text(" --defocus %.17g", r->defocus)
+                     r->defocus != 0 || look_given(l, "defocus") ? memory_print(" --defocus %.17g",
+                                                                                r->defocus)
                                                                  : "",
                      wavelength_option(&r->wavelength), r->px, r->py, l->job.again ? l->job.again : "",
-                     s->proof ? look_text(" --proof %s", proof[s->proof]) : "",
+                     s->proof ? memory_print(" --proof %s", proof[s->proof]) : "",
                      s->pick == SGT_NEAR_SEED ? " --pick near-seed"
                      : s->pick                ? " --pick first"
                                               : "",
-                     s->max_evals ? look_text(" --max-evals %d", s->max_evals) : "",
-                     s->dt_min > 0  ? look_text(" --dt-min %.17g", s->dt_min)
-                     : s->t_tol > 0 ? look_text(" --t-tol %.17g", s->t_tol)
+                     s->max_evals ? memory_print(" --max-evals %d", s->max_evals) : "",
+                     s->dt_min > 0  ? memory_print(" --dt-min %.17g", s->dt_min)
+                     : s->t_tol > 0 ? memory_print(" --t-tol %.17g", s->t_tol)
                                     : "");
 }
 
@@ -98,7 +88,7 @@ const char *look_title(const look *l, const char *what)
 {
     const lens *of = &l->primary;
     const char *file = strrchr(of->of->file, '/');
-    return look_text("%s: %s", *of->name ? of->name : file ? file + 1 : of->of->file, what);
+    return memory_print("%s: %s", *of->name ? of->name : file ? file + 1 : of->of->file, what);
 }
 
 size_t look_colour(const look *l, size_t band)
@@ -114,7 +104,7 @@ size_t look_colour(const look *l, size_t band)
 const char *look_wavelength_name(const look *l, size_t band)
 {
     const double um = l->band[band].wavelength;
-    return isnan(um) ? NULL : look_text("%.6g \302\265m", um);
+    return isnan(um) ? NULL : memory_print("%.6g \302\265m", um);
 }
 
 const char *look_lens_line(const look *l)
@@ -125,23 +115,24 @@ const char *look_lens_line(const look *l)
         n += (size_t)snprintf(text + n, sizeof text - n, "%s%.6g", i ? ", " : "", l->band[i].wavelength);
     const char *units = l->primary.units;
     if (strcmp(units, "in") == 0) units = "inches";
-    return look_text("%s%slengths in %s%s", text, n ? " \302\265m; " : "",
+    return memory_print("%s%slengths in %s%s", text, n ? " \302\265m; " : "",
                      *units ? units : "the unit of the lens",
                      l->shared.solver.proof == SGT_PROVE_FIRST  ? "; every hit proven to be the first"
                      : l->shared.solver.proof == SGT_PROVE_ROOT ? "; every root proven"
                                                                 : "");
 }
 
-const char *look_signed(double x) { return look_text("%s%g", x < 0 ? "\342\210\222" : "", fabs(x)); }
+const char *look_signed(double x) { return memory_print("%s%g", x < 0 ? "\342\210\222" : "", fabs(x)); }
 
 const char *look_field_name(const look *l, size_t field)
 {
     const sgt_lens_field *at = &l->fields.at[field];
     const char *units = l->primary.units;
-    const char *unit = l->fields.kind == SGT_FIELD_ANGLE ? "\302\260" : *units ? look_text(" %s", units) : "";
+    const char *unit = l->fields.kind == SGT_FIELD_ANGLE ? "\302\260" : *units ? memory_print(" %s",
+                                                                                              units) : "";
     const size_t number = l->fields.number[field] + 1;
-    return at->x == 0 ? look_text("field %zu: %s%s", number, look_signed(at->y), unit)
-                      : look_text("field %zu: %s, %s%s", number, look_signed(at->x), look_signed(at->y),
+    return at->x == 0 ? memory_print("field %zu: %s%s", number, look_signed(at->y), unit)
+                      : memory_print("field %zu: %s, %s%s", number, look_signed(at->x), look_signed(at->y),
                                   unit);
 }
 
@@ -151,7 +142,7 @@ const char *look_field_axis(const look *l)
     const char *what = l->fields.kind == SGT_FIELD_ANGLE           ? "field angle"
                        : l->fields.kind == SGT_FIELD_OBJECT_HEIGHT ? "object height"
                                                                    : "image height";
-    return look_text("%s (%s)", what,
+    return memory_print("%s (%s)", what,
                      l->fields.kind == SGT_FIELD_ANGLE ? "degrees"
                      : *units                          ? units
                                                        : "length");
@@ -164,11 +155,11 @@ const char *look_unit(const look *l, const char *name)
     if (i == l->of->columns || !sgt_study_column(l->study, l->of, l->options, i, shown, unit)) return "";
     if (strcmp(unit, "um") == 0) return "\302\265m";
     const bool none = l->of->column[i].dimension == SGT_UNIT_NONE;
-    return look_text("%s", *unit ? unit : none ? "" : "units of the lens");
+    return memory_print("%s", *unit ? unit : none ? "" : "units of the lens");
 }
 
 const char *look_label(const look *l, const char *name)
 {
     const char *unit = look_unit(l, name);
-    return *unit ? look_text("%s (%s)", name, unit) : name;
+    return *unit ? memory_print("%s (%s)", name, unit) : name;
 }

@@ -290,7 +290,6 @@ static void put_binary_row(table *t)
     for (size_t i = 0; i < t->chosen; i++) {
         const cell *c = &t->cell[t->choice[i]];
         const int32_t integer = (int32_t)c->count;
-        const char *word = t->words.at + c->count;
         switch (t->head[i].kind) {
         case COLUMN_NUMBER:
         case COLUMN_EXACT:
@@ -300,7 +299,7 @@ static void put_binary_row(table *t)
         case COLUMN_CODE: *to++ = (char)c->count; break;
         case COLUMN_WORD:
             memset(to, 0, t->word_size);
-            if (c->kind == CELL_WORD) memcpy(to, word, strlen(word));
+            if (c->kind == CELL_WORD) memcpy(to, t->words.at + c->count, strlen(t->words.at + c->count));
             to += t->word_size;
         }
     }
