@@ -42,6 +42,7 @@ enum { STEPS = 12, REACHES = 3, TOLD = 16 };
 /* of a box in which a ray is not expected: what most that are there need, and a proof of a far region */
 static const double NEAR = 2;
 enum { FEW_TRACES = 60, FEW_BOXES = 300 };
+enum { AIM_PART = 64, AIM_HITS = 1 << 16 }; /* rays that are aimed side by side; fewer of a long row */
 
 /* The rays of a beam by their coordinates in the pupil, or the slopes of the cone. */
 static sgt_beam family_of(const sgt_field_beam *b)
@@ -211,36 +212,114 @@ static sgt_ray of_unit_length(sgt_ray ray)
     return ray;
 }
 
-/* s: without starts. */
-static void aim_all(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f, const aim_search *s,
-                    size_t count, const sgt_pupil_point at[], sgt_launched out[])
+/* ---------------------------------------------------------------- many rays at once */
+
+/* Some rays side by side, and how they met the elements up to the stop. */
+typedef struct aim_many {
+    sgt_passages *at;           /* [stop + 1] */
+    sgt_vec2 wanted[AIM_PART], start[2 * AIM_PART];
+    sgt_aiming found[AIM_PART];
+    double o[3][AIM_PART], d[3][AIM_PART], change[12][AIM_PART];
+} aim_many;
+
+static aim_many *aim_many_new(const sgt_launcher *from, size_t elements, size_t part)
 {
-    const size_t stop = s->element;
-    aim_search chief_search = *s;
-    chief_search.starts = 1, chief_search.start[0] = (sgt_vec2){0, 0}, chief_search.chief = true;
-    int where, home;
-    const sgt_aiming chief = aim_at(&chief_search, f, (sgt_vec2){0, 0}, &home);
-    if (chief.status != SGT_MET) home = 0;
-    linear map = {.determinant = 0};
-    if (chief.status == SGT_MET) map = linear_at(stop, s->e, s->before, f, &chief.ray, s->passages);
-    const bool mapped = fabs(map.determinant) > 0;
+    enum { NUMBERS = 11 };
+    const size_t each = sizeof(sgt_passages) + part * (NUMBERS * sizeof(double) + 1);
+    char *room = sgt_launch_take(from, 1, sizeof(aim_many) + elements * each);
+    if (!room) return NULL;
+    aim_many *m = (void *)room;
+    m->at = (void *)(room + sizeof *m);
+    double *number = (double *)(void *)(m->at + elements);
+    signed char *status = (signed char *)(number + elements * NUMBERS * part);
+    for (size_t i = 0; i < elements; i++, status += part) {
+        sgt_passages *p = &m->at[i];
+        *p = (sgt_passages){.hits.status = status, .hits.t = number, .hits.p_err = number + part};
+        number += 2 * part;
+        for (int k = 0; k < 3; k++, number += 3 * part)
+            p->hits.p[k] = number, p->hits.n[k] = number + part, p->direction[k] = number + 2 * part;
+    }
+    return m;
+}
+
+/* The determinants of linear_at for the rays that were found, in change[0]. */
+static void determinants(aim_many *m, const aim_search *s, const sgt_beam *f, size_t count)
+{
+    const double by[12] = {f->ou.x, f->ou.y, f->ou.z, f->du.x, f->du.y, f->du.z,
+                           f->ov.x, f->ov.y, f->ov.z, f->dv.x, f->dv.y, f->dv.z};
+    sgt_ray_changes change[2] = {{.opl = NULL}, {.opl = NULL}};
+    const sgt_rays rays = {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}};
+    for (int k = 0; k < 3; k++)
+        for (int c = 0; c < 2; c++)
+            change[c].p[k] = m->change[6 * c + k], change[c].d[k] = m->change[6 * c + 3 + k];
+    for (size_t i = 0; i < count; i++) {
+        const sgt_ray *ray = &m->found[i].ray;
+        m->o[0][i] = ray->o.x, m->o[1][i] = ray->o.y, m->o[2][i] = ray->o.z;
+        m->d[0][i] = ray->d.x, m->d[1][i] = ray->d.y, m->d[2][i] = ray->d.z;
+        for (int k = 0; k < 12; k++) m->change[k][i] = by[k];
+    }
+    sgt_trace_sensitivity_batch(s->element + 1, s->e, s->before, count, rays, m->at, 2, change, change);
+    for (size_t i = 0; i < count; i++)
+        m->change[0][i] = m->change[0][i] * m->change[7][i] - m->change[6][i] * m->change[1][i];
+}
+
+/* What the search for all rays shares: the chief ray, and the linear map about it. */
+typedef struct aim_map { sgt_aiming chief; int home; linear map; bool mapped; } aim_map;
+
+static aim_map map_of(const sgt_beam *f, const aim_search *s)
+{
+    aim_map of = {.map = {.determinant = 0}};
+    aim_search search = *s;
+    search.starts = 1, search.start[0] = (sgt_vec2){0, 0}, search.chief = true;
+    of.chief = aim_at(&search, f, (sgt_vec2){0, 0}, &of.home);
+    if (of.chief.status != SGT_MET) of.home = 0;
+    else of.map = linear_at(s->element, s->e, s->before, f, &of.chief.ray, s->passages);
+    of.mapped = fabs(of.map.determinant) > 0;
+    return of;
+}
+
+/* One ray that the loops have left, as aim_at finds it. */
+static void aim_left(const sgt_launcher *from, const sgt_beam *f, const aim_search *s, const aim_map *of,
+                     const sgt_pupil_point *at, sgt_vec2 wanted, const sgt_vec2 start[2], sgt_launched *out)
+{
+    int where;
+    aim_search one = *s;
+    one.starts = 2, one.start[0] = start[0], one.start[1] = start[1];
+    one.home = of->home, one.chief = at->x == 0 && at->y == 0;
+    const sgt_aiming a = aim_at(&one, f, wanted, &where);
+    *out = (sgt_launched){.ray = of_unit_length(a.ray), .status = a.status, .wanted = wanted};
+    if (a.status != SGT_MET) out->within = one.within, out->nearest = one.nearest;
+    else if (from->sense != 0)
+        out->folded =
+            linear_at(s->element, s->e, s->before, f, &a.ray, s->passages).determinant * from->sense < 0;
+}
+
+/* s: without starts; m->at and s->passages: room.  A ray that is found in the box of the chief ray is the one
+ * that aim_at finds first.  So all are looked for there side by side, and aim_at does the rest. */
+static void aim_part(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
+                     const aim_search *s, const aim_map *of, aim_many *m, size_t count,
+                     const sgt_pupil_point at[], sgt_launched out[])
+{
+    const sgt_beam box = reaching(f, of->home);
+    const linear *map = &of->map;
     for (size_t i = 0; i < count; i++) {
         const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
-        const sgt_vec2 wanted = {q.x * from->stop_radius, q.y * from->stop_radius};
-        aim_search one = *s;
-        one.starts = 2, one.start[0] = one.start[1] = q;
-        one.home = home, one.chief = at[i].x == 0 && at[i].y == 0;
-        if (mapped) {
-            const double x = wanted.x - chief.point.x, y = wanted.y - chief.point.y;
-            one.start[0].x = chief.u + (map.yv * x - map.xv * y) / map.determinant;
-            one.start[0].y = chief.v + (map.xu * y - map.yu * x) / map.determinant;
-        }
-        const sgt_aiming a = aim_at(&one, f, wanted, &where);
-        out[i] = (sgt_launched){.ray = of_unit_length(a.ray), .status = a.status, .wanted = wanted};
-        if (a.status != SGT_MET) out[i].within = one.within, out[i].nearest = one.nearest;
-        else if (from->sense != 0)
-            out[i].folded =
-                linear_at(stop, s->e, s->before, f, &a.ray, s->passages).determinant * from->sense < 0;
+        m->wanted[i] = (sgt_vec2){q.x * from->stop_radius, q.y * from->stop_radius};
+        m->start[2 * i] = m->start[2 * i + 1] = q;
+        if (!of->mapped) continue;
+        const double x = m->wanted[i].x - of->chief.point.x, y = m->wanted[i].y - of->chief.point.y;
+        m->start[2 * i].x = of->chief.u + (map->yv * x - map->xv * y) / map->determinant;
+        m->start[2 * i].y = of->chief.v + (map->xu * y - map->yu * x) / map->determinant;
+    }
+    sgt_aim_batch(s->element, s->e, s->before, &box, count, m->wanted, m->at, s->passages,
+                  &(sgt_aim_options){.starts = 2, .start = m->start, .max_boxes = -1}, m->found);
+    if (from->sense != 0) determinants(m, s, f, count);
+    for (size_t i = 0; i < count; i++) {
+        const sgt_aiming *a = &m->found[i];
+        out[i] = (sgt_launched){.ray = of_unit_length(a->ray), .status = a->status, .wanted = m->wanted[i],
+                                .folded = from->sense != 0 && m->change[0][i] * from->sense < 0};
+        if (a->status != SGT_MET)
+            aim_left(from, f, s, of, &at[i], m->wanted[i], &m->start[2 * i], &out[i]);
     }
 }
 
@@ -251,12 +330,20 @@ bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_e
     const sgt_beam f = family_of(b);
     sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
     sgt_element *bare = sgt_launch_take(from, stop + 1, sizeof *bare);
-    const bool room = passages && bare;
+    const size_t fit = AIM_HITS / (stop + 1), most = fit < 1 ? 1 : fit < AIM_PART ? fit : AIM_PART;
+    const size_t part = count < most ? count : most;
+    aim_many *many = aim_many_new(from, stop + 1, part);
+    const bool room = passages && bare && many;
     for (size_t i = 0; room && i <= stop; i++) bare[i] = e[i];
     if (room) {
         bare[stop].phase = NULL; /* what the stop does to light has no say in where it is met */
-        aim_all(from, b, &f, &(aim_search){stop, bare, before, passages, .starts = 0}, count, at, out);
+        const aim_search s = {stop, bare, before, passages, .starts = 0};
+        const aim_map of = map_of(&f, &s);
+        for (size_t first = 0; first < count; first += part)
+            aim_part(from, b, &f, &s, &of, many, count - first < part ? count - first : part, at + first,
+                     out + first);
     }
+    sgt_launch_forget(from, many);
     sgt_launch_forget(from, passages);
     sgt_launch_forget(from, bare);
     return room;
