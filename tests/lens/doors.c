@@ -1,52 +1,205 @@
-/* doors.c - spots, fans, sweeps and curves of a lens as a program of C asks for them, in hexadecimal, for
- * test_doors.py: doors LENS. */
+/* doors.c - any analysis of a lens as a program of C asks for it, for test_doors.py: doors LENS.
+ *
+ * Each line of standard input is a question:
+ *
+ *     first_order WAVELENGTH                           micrometres, or nan: the primary one
+ *     ANALYSIS FIELDS WAVELENGTHS RAYS [SETTING=X,X...]...
+ *
+ * FIELDS and WAVELENGTHS are numbers with commas, or -: by default.  A wavelength that is not a whole number
+ * is in micrometres; "all" are all.  A word is given as its place.  Columns and settings are those of the
+ * library's tables, so an analysis that is added is asked like the rest.  Numbers come out as the 16 digits
+ * of their bits. */
 #include <sagitta/study.h>
 
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
-static void spot(void *context, const void *row)
+enum { MOST = 16 };
+
+typedef struct asked { const sgt_study *study; const sgt_analysis *of; const void *options; } asked;
+
+static void put_double(double x)
 {
-    const sgt_spot_row *r = row;
-    (void)context;
-    printf("spot %zx %zx %a %a %zx\n", r->field, r->rays, r->rms, r->y, r->digits);
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    if (isnan(x)) printf(" nan");
+    else printf(" %016llx", (unsigned long long)bits);
 }
 
-static void fan(void *context, const void *row)
+static void put_cell(const sgt_column *c, const char *at)
 {
-    const sgt_fan_row *r = row;
-    (void)context;
-    printf("fan %zx %a %a %a\n", r->field, r->px, r->ey, r->e_err);
+    size_t count;
+    double number;
+    int fate;
+    switch (c->kind) {
+    case SGT_COLUMN_COUNT:
+    case SGT_COLUMN_PLACE: memcpy(&count, at, sizeof count), printf(" %016zx", count); return;
+    case SGT_COLUMN_FATE: memcpy(&fate, at, sizeof fate), printf(" %d", fate); return;
+    default: memcpy(&number, at, sizeof number), put_double(number);
+    }
 }
 
-static void sweep(void *context, const void *row)
+static void put_row(void *context, const void *row)
 {
-    const sgt_sweep_row *r = row;
-    (void)context;
-    printf("sweep %a %zx %a\n", r->at, r->passed, r->evals);
+    const asked *a = context;
+    char name[32], unit[32];
+    printf("row");
+    for (size_t i = 0; sgt_analysis_column(a->of, i); i++) {
+        const sgt_column *c = sgt_analysis_column(a->of, i);
+        if (sgt_study_column(a->study, a->of, a->options, i, name, unit))
+            put_cell(c, (const char *)row + c->offset);
+    }
+    printf("\n");
 }
 
-static void field(void *context, const void *row)
+static void put_sentence(void *context, sgt_remark_of_study kind, const char *sentence)
 {
-    const sgt_field_row *r = row;
     (void)context;
-    printf("field %zx %a %a\n", r->field, r->fy, r->distortion_percent);
+    printf("%s %s\n", kind == SGT_STUDY_NOTE ? "note" : "legend", sentence);
+}
+
+static void put_fates(const sgt_fates *f)
+{
+    printf("fates %zu %zu %zu %zu %zu %zu %zu %zu", f->rays, f->passed, f->missed, f->clipped, f->tir,
+           f->lost, f->none, f->unfound);
+    put_double(f->within);
+    printf(" %zu %zu\n", f->folded, f->proven);
+}
+
+static void put_fault(const sgt_lens_error *e) { printf("refused %s: %s\n", e->key, e->words); }
+
+static size_t read_list(char *words, double at[MOST])
+{
+    size_t count = 0;
+    for (char *rest = words; *rest && count < MOST; rest += *rest == ',')
+        at[count++] = strtod(rest, &rest);
+    return count;
+}
+
+/* Sets SETTING=X,X... in the options of an analysis; lists stay in `list`. */
+static bool set(const sgt_analysis *of, char *options, char *words, double list[MOST])
+{
+    char *value = strchr(words, '=');
+    const sgt_setting *s = NULL;
+    for (size_t i = 0; value && (s = sgt_analysis_setting(of, i)); i++)
+        if (strlen(s->name) == (size_t)(value - words) && !strncmp(s->name, words, strlen(s->name))) break;
+    if (!s) return false;
+    const sgt_list numbers = {read_list(value + 1, list), list};
+    const bool flag = true;
+    const size_t count = (size_t)list[0];
+    const int word = (int)list[0];
+    switch (s->kind) {
+    case SGT_SETTING_FLAG: memcpy(options + s->offset, &flag, sizeof flag); break;
+    case SGT_SETTING_COUNT: memcpy(options + s->offset, &count, sizeof count); break;
+    case SGT_SETTING_WORD: memcpy(options + s->offset, &word, sizeof word); break;
+    case SGT_SETTING_NUMBER:
+    case SGT_SETTING_NUMBERS: memcpy(options + s->offset, &numbers, sizeof numbers); break;
+    }
+    return true;
+}
+
+static void ask(const sgt_lens *lens, const sgt_analysis *of, const sgt_study_options *how,
+                const void *options)
+{
+    sgt_lens_error error = {.line = 0};
+    sgt_study *study = sgt_study_new(lens, how, &error);
+    asked a = {study, of, options};
+    const sgt_sink sink = {.context = &a, .row = put_row, .say = put_sentence};
+    sgt_study_total total;
+    char name[32], unit[32];
+    printf("columns");
+    for (size_t i = 0; study && sgt_analysis_column(of, i); i++)
+        if (sgt_study_column(study, of, options, i, name, unit)) printf(" %s=%s", name, unit);
+    printf("\n");
+    if (!study || !sgt_study_run(study, of, options, &sink, &total, &error)) put_fault(&error);
+    else put_fates(&total.fates);
+    sgt_study_free(study);
+}
+
+static bool ask_analysis(const sgt_lens *lens, const sgt_analysis *of)
+{
+    char *fields = strtok(NULL, " "), *wavelengths = strtok(NULL, " "), *rays = strtok(NULL, " "), *words;
+    double number[MOST], list[MOST][MOST];
+    size_t field[MOST], settings = 0;
+    sgt_wavelength wavelength[MOST];
+    char *options = rays ? calloc(1, of->options_size + 1) : NULL;
+    if (!options) return false;
+    sgt_study_options how = {
+        .rays = (size_t)strtoul(rays, NULL, 10), .field = field, .wavelength = wavelength};
+    if (*fields != '-') how.fields = read_list(fields, number);
+    for (size_t i = 0; i < how.fields; i++) field[i] = (size_t)number[i];
+    how.every_wavelength = strcmp(wavelengths, "all") == 0;
+    if (*wavelengths != '-' && !how.every_wavelength) how.wavelengths = read_list(wavelengths, number);
+    for (size_t i = 0; i < how.wavelengths; i++)
+        wavelength[i] = number[i] == floor(number[i]) ? (sgt_wavelength){(size_t)number[i], 0}
+                                                      : (sgt_wavelength){0, number[i]};
+    bool fine = true;
+    while (fine && settings < MOST && (words = strtok(NULL, " ")))
+        fine = set(of, options, words, list[settings++]);
+    if (fine) ask(lens, of, &how, options);
+    free(options);
+    return fine;
+}
+
+/* The members in their order. */
+static bool ask_first_order(const sgt_lens *lens)
+{
+    static const struct { const char *name; size_t offset; } member[] = {
+#define MEMBER(name) {#name, offsetof(sgt_first_order, name)}
+        MEMBER(wavelength), MEMBER(power), MEMBER(efl), MEMBER(efl_image), MEMBER(ffd), MEMBER(bfd),
+        MEMBER(focus), MEMBER(image), MEMBER(front_principal), MEMBER(rear_principal), MEMBER(front_nodal),
+        MEMBER(rear_nodal), MEMBER(magnification), MEMBER(entrance_pupil), MEMBER(entrance_radius),
+        MEMBER(exit_pupil), MEMBER(exit_radius), MEMBER(stop_radius), MEMBER(f_number),
+        MEMBER(f_number_working), MEMBER(image_height), MEMBER(lagrange), MEMBER(petzval_radius),
+        MEMBER(angular_magnification)
+#undef MEMBER
+    };
+    const char *um = strtok(NULL, " "), *why_not;
+    sgt_lens_error error = {.line = 0};
+    sgt_first_order data;
+    sgt_seidel *seidel = um ? calloc(lens->count, sizeof *seidel) : NULL;
+    if (!seidel) return false;
+    if (!sgt_lens_first_order(lens, strtod(um, NULL), &data, seidel, &why_not, &error)) put_fault(&error);
+    else {
+        for (size_t i = 0; i < sizeof member / sizeof *member; i++) {
+            double x;
+            memcpy(&x, (const char *)&data + member[i].offset, sizeof x);
+            printf("%s", member[i].name), put_double(x), printf("\n");
+        }
+        printf("without_vertex %016zx\n", data.without_vertex);
+        for (size_t i = 0; i < lens->count; i++) {
+            const double x[] = {seidel[i].spherical, seidel[i].coma, seidel[i].astigmatism, seidel[i].petzval,
+                                seidel[i].distortion, seidel[i].chromatic[0], seidel[i].chromatic[1]};
+            printf("seidel");
+            for (size_t k = 0; k < sizeof x / sizeof *x; k++) put_double(x[k]);
+            printf("\n");
+        }
+        printf("why_not %s\n", why_not ? why_not : "");
+    }
+    free(seidel);
+    return true;
 }
 
 int main(int argc, char *argv[])
 {
-    static const struct { const char *name; void (*row)(void *context, const void *row); } each[] = {
-        {"spot", spot}, {"fan", fan}, {"sweep", sweep}, {"field", field}};
     sgt_lens_error error = {.line = 0};
     sgt_lens *lens = argc == 2 ? sgt_lens_read(argv[1], NULL, &error) : NULL;
-    const sgt_study_options few = {.rays = 3};
-    sgt_study *study = lens ? sgt_study_new(lens, &few, &error) : NULL;
-    bool fine = study;
-    for (size_t i = 0; i < sizeof each / sizeof *each && fine; i++) {
-        const sgt_sink sink = {.row = each[i].row};
-        fine = sgt_study_run(study, sgt_analysis_named(each[i].name), NULL, &sink, NULL, &error);
-    }
+    bool fine = lens;
     if (!fine) fprintf(stderr, "%s:%zu: %s: %s\n", error.file, error.line, error.key, error.words);
-    sgt_study_free(study);
+    char line[1000];
+    while (fine && fgets(line, sizeof line, stdin)) {
+        line[strcspn(line, "\n")] = '\0';
+        const char *what = strtok(line, " ");
+        const sgt_analysis *of = what ? sgt_analysis_named(what) : NULL;
+        fine = of ? ask_analysis(lens, of)
+                  : what && strcmp(what, "first_order") == 0 && ask_first_order(lens);
+        if (!fine) fprintf(stderr, "doors: not a question: %s\n", what ? what : "");
+        printf("end\n");
+    }
     sgt_lens_free(lens);
     return fine ? 0 : 1;
 }

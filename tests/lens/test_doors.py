@@ -3,14 +3,17 @@
 
     python3 test_doors.py SAGITTA LIBRARY_OF_PYTHON DOORS
 
-Every analysis that the library lists, of every lens of tests/data/zmx and examples/lenses, at several wavelengths and
-fields.  The json of the command is compared with Python's numbers bit by bit, and what C (doors.c) writes of its rows
-with both.  What is right is another matter: test_analysis.py and test_numbers.py have oracles.
+Every analysis that the library lists, of every lens of tests/data/zmx and examples/lenses, and first-order data:
+as they come by default, for all wavelengths at the farthest field, and, for a share of them, with fields,
+wavelengths and settings that are drawn (SAGITTA_TEST_SEED).  Columns and settings are read from the library's
+tables.  The bits of C (doors.c) are compared with Python's, and the json of the command with Python's.  What is
+right is another matter: test_analysis.py and test_numbers.py have oracles.
 """
 import json
 import math
 import os
 import pathlib
+import random
 import struct
 import sys
 
@@ -28,9 +31,16 @@ except ImportError as missing:
     print(f'skipped: {missing}')
     sys.exit(77)
 
+from sagitta import _library as library  # noqa: E402
+
+SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'), 0)
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '1'))
+SHARE = 0.4 * SCALE            # of the analyses of a lens, with what is drawn
 FEW = {'field': {}, 'sweep': {'steps': 4, 'rays': 2}, 'map': {'rays': 5}, 'zernike': {'rays': 8, 'terms': 6}}
-PART = {'wavefront': ['opd', '--summary'], 'zernike': ['opd', '--zernike', '6']}
+PART = {'wavefront': ['opd', '--summary'], 'zernike': ['opd', '--zernike']}
 FATES = {'passed': 1, 'clipped': 2, 'tir': 3, 'missed': 0, 'lost': -1, 'none': -2}
+FLAG, COUNT, WORD, NUMBER, NUMBERS = range(5)
+SEIDEL = ('spherical', 'coma', 'astigmatism', 'petzval', 'distortion', 'axial', 'lateral')
 
 
 def lenses():
@@ -54,7 +64,7 @@ def told(*arguments):
 def same(cell, mine, what):
     """A cell of json and a number of Python."""
     if cell is None:
-        assert math.isnan(mine) or mine == 0, (what, cell, mine)    # 0: a place that there is not
+        assert math.isnan(mine) or mine == 0 and not isinstance(mine, float), (what, mine)  # (no such place)
     elif cell == 'all':
         equal(mine, 0, what)
     elif isinstance(cell, str):
@@ -63,27 +73,125 @@ def same(cell, mine, what):
         equal(bits(cell), bits(mine), what)
 
 
-def both(lens, path, name, wavelength, field):
-    """Asks at both doors; returns the command's words and Python's answer, or why there is none."""
+def analysis_of(name):
+    place = 0
+    while at := library.library.sgt_analysis_at(place):
+        if library.text(at.contents.name) == name:
+            return at.contents
+        place += 1
+    raise KeyError(name)
+
+
+def settings_of(name):
+    analysis = analysis_of(name)
+    return analysis.setting[:analysis.settings]
+
+
+def drawn_settings(draw, name):
+    """What suits its kind; steps are few."""
+    given = {}
+    for s in settings_of(name):
+        if s.kind == WORD:
+            given[library.text(s.name)] = draw.choice(library.text(s.words).split('|'))
+        elif s.kind == FLAG:
+            given[library.text(s.name)] = draw.random() < 0.5
+        elif s.kind == COUNT:
+            given[library.text(s.name)] = max(s.least, draw.randint(3, 7))
+        else:
+            given[library.text(s.name)] = [draw.uniform(0, 3) for _ in range(1 if s.kind == NUMBER else 2)]
+    if given.get('over') == 'pupil':
+        del given['steps']
+    if 'radius' in given:
+        del given[draw.choice(['radius', 'steps'])]
+    if 'from' in given:
+        given['to'] = [given['from'][0] + given['to'][0] + 0.5]
+    return given
+
+
+def questions(draw, lens, name):
+    """fields, wavelengths, settings; None: by default."""
     few = FEW.get(name, {'rays': 3})
-    arguments = [*PART.get(name, [name]), path, '--format', 'json', '--quiet', '--threads', 1]
-    given = dict(few)
-    for key, value in few.items():
+    no_fields = analysis_of(name).no_fields
+    yield None, None, few
+    yield None if no_fields else [len(lens.fields)], 'all', few
+    if draw.random() < SHARE:
+        fields = sorted(draw.sample(range(1, len(lens.fields) + 1), draw.randint(1, len(lens.fields))))
+        least, most = min(lens.wavelengths), max(lens.wavelengths)
+        bands = draw.choice([[draw.randint(1, len(lens.wavelengths))], [draw.uniform(least, most + 0.01)],
+                             [len(lens.wavelengths), draw.uniform(least, most + 0.01)]])
+        yield None if no_fields else fields, bands, {**few, **drawn_settings(draw, name)}
+
+
+def of_command(name, path, fields, wavelengths, given):
+    arguments = [*PART.get(name, [name]), *([given['terms']] if name == 'zernike' else []), path, '--format', 'json',
+                 '--quiet', '--threads', 1]
+    for key, value in given.items():
         if key == 'rays':
-            arguments += [f'--{sagitta_pattern(name)}', value]
+            if given.get('over') != 'field':
+                arguments += [f'--{sagitta_pattern(name)}', value]
+        elif isinstance(value, bool):
+            arguments += [f'--{key}'] if value else []
         elif key != 'terms':
-            arguments += [f'--{key}', value]
-    if wavelength:
-        arguments += ['--wavelength', wavelength]
-        given['wavelength'] = 'all' if wavelength == 'all' else int(wavelength)
-    if field and name != 'sweep':
-        arguments += ['--fields', field]
-        given['field'] = int(field)
-    done = told(*arguments)
+            arguments += [f'--{key}={",".join(map(repr, value)) if isinstance(value, list) else value}']
+    for w in [wavelengths] if wavelengths == 'all' else wavelengths or []:
+        arguments += ['--wavelength', w]
+    if fields:
+        arguments += ['--fields', ','.join(map(str, fields))]
+    return told(*arguments)
+
+
+def of_python(lens, name, fields, wavelengths, given):
+    given = {key: value for key, value in given.items() if key != 'rays' or given.get('over') != 'field'}
     try:
-        return done, getattr(lens, name)(**given)
+        return getattr(lens, name)(fields=fields, wavelength=wavelengths, **given)
     except (ValueError, IndexError) as error:
-        return done, error
+        return error
+
+
+def for_c(name, fields, wavelengths, given):
+    """The question as a line for doors.c."""
+    listed = wavelengths if wavelengths == 'all' else ','.join(map(repr, wavelengths or '')) or '-'
+    rays = given.get('rays', 0) if given.get('over') != 'field' else 0
+    words = [name, ','.join(map(str, fields or '')) or '-', listed, str(rays)]
+    of = {library.text(s.name): s for s in settings_of(name)}
+    for key, value in given.items():
+        if key != 'rays' and value is not False:
+            if of[key].kind == WORD:
+                value = library.text(of[key].words).split('|').index(value)
+            words.append(f'{key}={",".join(map(repr, value if isinstance(value, list) else [value + 0]))}')
+    return ' '.join(words)
+
+
+def ask_c(path, lines):
+    """For each line what doors.c says of it: lists of [first word, the rest]."""
+    done = subprocess.run([DOORS, path], input='\n'.join(lines) + '\n', capture_output=True, text=True)
+    equal((done.returncode, done.stderr), (0, ''), path)
+    answers = done.stdout.split('end\n')[:-1]
+    equal(len(answers), len(lines), path)
+    return [[(line.split(' ', 1) + [''])[:2] for line in answer.splitlines()] for answer in answers]
+
+
+def as_c(x):
+    """A number of Python as doors.c writes it."""
+    if isinstance(x, float):
+        return 'nan' if math.isnan(x) else struct.pack('>d', x).hex()
+    return f'{int(x):016x}'
+
+
+def same_as_c(answer, said, what):
+    """Rows, columns and their units, sentences and fates."""
+    def all_of(first):
+        return [rest for word, rest in said if word == first]
+    equal(all_of('columns')[0].split(), [f'{name}={unit}' for name, unit in answer.units.items()], what)
+    equal(len(all_of('row')), len(answer), what)
+    kinds = [answer.rows.dtype[name].kind for name in answer.rows.dtype.names]
+    for words, row in zip(all_of('row'), answer.rows):
+        mine = [str(int(x)) if kind == 'i' else as_c(x.item()) for x, kind in zip(row, kinds)]
+        equal(words.split(), mine, what)
+    equal(all_of('note'), answer.notes, what)
+    equal(all_of('legend'), answer.legend, what)
+    fates = [as_c(x) if isinstance(x, float) else str(x) for x in vars(answer.fates).values()]
+    equal(all_of('fates')[0].split(), fates, what)
 
 
 def sagitta_pattern(name):
@@ -91,47 +199,80 @@ def sagitta_pattern(name):
     return words.split('so many rays across.  Default: ')[1].split(',')[0].strip()
 
 
-def test_command_and_python():
-    compared = told = 0
+def test_analyses():
+    draw = random.Random(SEED)
+    compared = refused = 0
     for path in lenses():
         lens = sagitta.Lens.read(path)
-        for name in analyses():
-            for wavelength, field in (('', ''), ('all', str(len(lens.fields)))):
-                what = f'{path.name} {name} {wavelength} {field}'
-                done, answer = both(lens, path, name, wavelength, field)
-                if isinstance(answer, Exception):
-                    assert done.returncode not in (0, 1), (what, answer)
-                    told += 1
-                    continue
-                table = json.loads(done.stdout, parse_int=float)
-                equal(len(table), len(answer), what)
-                for row, mine in zip(table, answer):
-                    equal(list(row), list(mine.dtype.names), what)
-                    for key, cell in row.items():
-                        same(cell, mine[key], (what, key))
-                        compared += 1
-    print(f'       {compared} numbers the same, {told} times both refuse')
-    assert compared > 10000
+        asked = [(name, *question) for name in analyses() for question in questions(draw, lens, name)]
+        for question, said in zip(asked, ask_c(path, [for_c(*question) for question in asked])):
+            name, what = question[0], (path.name, *question)
+            answer, done = of_python(lens, *question), of_command(name, path, *question[1:])
+            if isinstance(answer, Exception):
+                assert done.returncode not in (0, 1), (what, answer)
+                assert dict(said).get('refused', '?') in str(answer), (what, said, answer)
+                refused += 1
+                continue
+            assert done.returncode in (0, 1), (what, done.stderr)
+            same_as_c(answer, said, what)
+            table = json.loads(done.stdout, parse_int=float)
+            equal(len(table), len(answer), what)
+            for row, mine in zip(table, answer):
+                equal(list(row), list(mine.dtype.names), what)
+                for key, cell in row.items():
+                    same(cell, mine[key], (what, key))
+                    compared += 1
+    print(f'       {compared} numbers the same, {refused} times all refuse')
+    assert compared > 10000 and refused * 20 < compared
 
 
-def test_command_and_c():
-    """Typed rows, as a program of C reads them."""
+def same_info(told_of, data, seidel, what):
+    """An object of `info`, and what Python has."""
+    flat = dict(told_of)
+    for pupil in ('entrance', 'exit'):
+        at = flat.pop(f'{pupil}_pupil')
+        flat[f'{pupil}_pupil'], flat[f'{pupil}_radius'] = at['z'], at['radius']
+    flat['image_height'] = max((h for h in flat['image_height'] if h is not None), default=None)
+    for key, mine in vars(data).items():
+        if key not in ('power', 'without_vertex'):                  # (which json has not)
+            same(flat[key], mine, (*what, key))
+    equal(flat['seidel_why_not'] or '', seidel.why_not, what)
+    total = dict.fromkeys(SEIDEL, 0.0)
+    for i, row in enumerate(flat['seidel'] or []):
+        for key in SEIDEL:
+            same(row[key], getattr(seidel, key)[i], (*what, i, key))
+            total[key] += float(getattr(seidel, key)[i])
+    for key in SEIDEL if flat['seidel'] else ():
+        same(flat['seidel_sum'][key], total[key], (*what, 'sum', key))
+
+
+def test_first_order():
+    """At each wavelength of the lens, and at one that is drawn."""
+    draw = random.Random(SEED)
+    answered = refused = 0
     for path in lenses():
-        done = subprocess.run([DOORS, path], capture_output=True, text=True)
-        if done.returncode:
-            continue
-        rows_of_c = [line.split() for line in done.stdout.splitlines()]
-        for name, keys in (('spot', ('field', 'rays', 'rms', 'y', 'digits')), ('fan', ('field', 'px', 'ey', 'e_err')),
-                           ('sweep', ('at', 'passed', 'evals')), ('field', ('field', 'fy', 'distortion_percent'))):
-            rays = [] if name == 'field' else ['--' + sagitta_pattern(name), 3]
-            table = json.loads(told(name, path, '--format', 'json', '--quiet', *rays).stdout, parse_int=float)
-            mine = [words[1:] for words in rows_of_c if words[0] == name]
-            equal(len(table), len(mine), (path.name, name))
-            for row, words in zip(table, mine):
-                for key, word in zip(keys, words):
-                    cell = row.get(key, row.get(f'{key}_mrad'))
-                    value = float.fromhex(word)
-                    assert (cell is None and math.isnan(value)) or bits(cell) == bits(value), (path.name, name, key, row)
+        lens = sagitta.Lens.read(path)
+        several = [*lens.wavelengths, draw.uniform(min(lens.wavelengths), max(lens.wavelengths) + 0.01)]
+        asked = [*(n + 1 for n in range(len(lens.wavelengths))), several[-1]]
+        for w, said in zip(asked, ask_c(path, [f'first_order {um!r}' for um in several])):
+            what, done = (path.name, w), told('info', path, '--format', 'json', '--quiet', '--wavelength', w)
+            try:
+                data, seidel = lens.first_order(w), lens.seidel(w)
+            except ValueError as error:                             # the index is not known there
+                assert done.returncode == BAD_INPUT, (what, error)
+                assert dict(said).get('refused', '?') in str(error), (what, said, error)
+                refused += 1
+                continue
+            equal(done.returncode, 0, (*what, done.stderr))
+            mine = {key: as_c(x) for key, x in vars(data).items()}
+            rows = [' '.join(as_c(float(getattr(seidel, key)[i])) for key in SEIDEL) for i in range(len(lens))]
+            equal({key: rest for key, rest in said if key not in ('seidel', 'why_not')}, mine, what)
+            equal([rest for key, rest in said if key == 'seidel'], rows, what)
+            equal([rest for key, rest in said if key == 'why_not'], [seidel.why_not], what)
+            same_info(json.loads(done.stdout, parse_int=float), data, seidel, what)
+            answered += 1
+    print(f'       {answered} times the same, {refused} times all refuse')
+    assert answered > 20
 
 
 def test_patterns_in_blocks():
@@ -170,4 +311,5 @@ def test_threads():
                 assert several[column].tobytes() == one[column].tobytes(), (name, threads, column)
 
 
+print(f'SAGITTA_TEST_SEED={SEED}')
 main(globals())
