@@ -32,10 +32,19 @@ static void field(void *context, const void *row)
     printf("field %zx %a %a\n", r->field, r->fy, r->distortion_percent);
 }
 
+static void illumination(void *context, const void *row)
+{
+    const sgt_illumination_row *r = row;
+    (void)context;
+    printf("illumination %zx %zx %a %a %a\n", r->field, r->passed, r->fraction, r->illumination,
+           r->illumination_err);
+}
+
 int main(int argc, char *argv[])
 {
     static const struct { const char *name; void (*row)(void *context, const void *row); } each[] = {
-        {"spot", spot}, {"fan", fan}, {"sweep", sweep}, {"field", field}};
+        {"spot", spot}, {"fan", fan}, {"sweep", sweep}, {"field", field},
+        {"illumination", illumination}};
     sgt_lens_error error = {.line = 0};
     sgt_lens *lens = argc == 2 ? sgt_lens_read(argv[1], NULL, &error) : NULL;
     const sgt_study_options few = {.rays = 3};

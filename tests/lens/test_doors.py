@@ -122,7 +122,8 @@ def test_command_and_c():
             continue
         rows_of_c = [line.split() for line in done.stdout.splitlines()]
         for name, keys in (('spot', ('field', 'rays', 'rms', 'y', 'digits')), ('fan', ('field', 'px', 'ey', 'e_err')),
-                           ('sweep', ('at', 'passed', 'evals')), ('field', ('field', 'fy', 'distortion_percent'))):
+                           ('sweep', ('at', 'passed', 'evals')), ('field', ('field', 'fy', 'distortion_percent')),
+                           ('illumination', ('field', 'passed', 'fraction', 'illumination', 'illumination_err'))):
             rays = [] if name == 'field' else ['--' + sagitta_pattern(name), 3]
             table = json.loads(told(name, path, '--format', 'json', '--quiet', *rays).stdout, parse_int=float)
             mine = [words[1:] for words in rows_of_c if words[0] == name]
