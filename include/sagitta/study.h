@@ -1,6 +1,6 @@
 /* study.h - what a designer asks of a lens: spots, fans, path differences, field curves,
- * maps, sweeps, encircled energy.  Part of sagitta_lens.  The command, Python and C ask
- * here, and get the same bits.
+ * maps, sweeps, encircled energy, illumination.  Part of sagitta_lens.  The command,
+ * Python and C ask here, and get the same bits.
  *
  * A STUDY is fields x wavelengths x points of the pupil.  Fields and wavelengths count
  * from 1, as in the lens file.  An ANALYSIS is computed of it, and answers in rows.
@@ -404,6 +404,23 @@ typedef struct sgt_energy_row {
                                     the radius: fraction is off by no more */
     double sampling;             /* fraction, less that of half as many rays across */
 } sgt_energy_row;
+
+/* "illumination": how much of the pupil passes, and what reaches the image of it. */
+typedef struct sgt_illumination_row {
+    size_t field;
+    double wavelength;
+    size_t rays, passed;
+    double fraction;             /* of the area of the pupil whose rays pass: 0 to 1 */
+    double cos4;                 /* cos^4 of the angle of the chief ray of the wavelength
+                                    from the z axis of the last element; NaN: the chief
+                                    ray does not reach it */
+    double illumination;         /* fraction cos4 */
+    double unsure;               /* the share of rays that were lost: the fraction is too
+                                    small by no more */
+    double sampling;             /* fraction, less that of half as many rays across */
+    sgt_fate_counts fates;
+    double cos4_err, illumination_err; /* bounds on the error of each */
+} sgt_illumination_row;
 
 #ifdef __cplusplus
 }

@@ -447,7 +447,7 @@ def test_help_and_version():
 
 
 COMMANDS = ('intersect', 'trace', 'diagnose', 'info', 'spot', 'fan', 'opd', 'field', 'map', 'sweep', 'import', 'trade',
-            'ends', 'energy')
+            'ends', 'energy', 'illumination')
 
 
 def test_help_in_one_screen():

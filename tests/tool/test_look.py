@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The analyses: spot, fan, opd, field, map, sweep.
+"""The analyses: spot, fan, opd, field, map, sweep, energy, illumination.
 
     python3 test_look.py SAGITTA [--without-cairo]
 
@@ -30,6 +30,17 @@ surfaces:
   - {type: sphere, radius: -51.68, thickness: 48, index: 1}
   - {type: plane}
 '''
+# A stop of radius 5, and 10 behind it a hole of radius 6.
+VIGNETTED = '''
+units: mm
+wavelengths: [0.5]
+pupil: {semi_diameter: 5}
+fields: [0, 5, 20, 40]
+surfaces:
+  - {type: plane, stop: true, semi_diameter: 5, thickness: 10}
+  - {type: plane, semi_diameter: 6, thickness: 10, index: 1}
+  - {type: plane}
+'''
 # Seen at 15 degrees the chief ray passes beside the ball, and rays from below meet it.
 BALL = '''
 units: mm
@@ -53,7 +64,7 @@ surfaces:
   - {{type: sphere, radius: -200, mirror: true, thickness: {behind}}}
   - {{type: plane}}
 '''
-ANALYSES = ('spot', 'fan', 'opd', 'field', 'map', 'sweep', 'energy', 'ends')
+ANALYSES = ('spot', 'fan', 'opd', 'field', 'map', 'sweep', 'energy', 'ends', 'illumination')
 
 
 def ends(lens, *options):
@@ -221,6 +232,39 @@ def test_energy():
                 equal((table[-1]['wavelength'], float(table[-1]['fraction']) > 1 - 1e-12), ('all', True))  # the last radius is the largest distance
     three = rows('energy', TRIPLET, '--radius', '0.02,0.01', '--radius', 0.005, '--fields', 1)
     equal([r['radius'] for r in three if r['wavelength'] == 'all'], ['0.005', '0.01', '0.02'])
+
+
+def test_illumination():
+    """Counts and the chief ray's direction are those that trace tells."""
+    for lens in (TRIPLET, NEWTONIAN, written(VIGNETTED), written(COLOURED)):
+        groups = ends(lens, '--cells', 12, '--wavelength', 'all')
+        chiefs = ends(lens, '--chief', '--wavelength', 'all')
+        for row in rows('illumination', lens, '--cells', 12):
+            group, chief = groups[row['field'], row['wavelength']], chiefs[row['field'], row['wavelength']][0]
+            equal((int(row['rays']), int(row['passed'])), (len(group), len(passed(group))), lens)
+            close(row['fraction'], len(passed(group)) / len(group), 1e-13, lens)
+            if chief['fate'] == 'passed':                  # else trace does not follow it to the image
+                close(row['cos4'], float(chief['n']) ** 4, float(row['cos4_err']) + 1e-15, lens)
+            close(row['illumination'], float(row['fraction']) * float(row['cos4']), 1e-15, lens)
+
+
+def test_illumination_of_two_circles():
+    """Nothing bends light: the part of a disc inside another, and cos^4 of the field."""
+    table = rows('illumination', written(VIGNETTED), '--cells', 200)
+    for row, degrees in zip(table, (0, 5, 20, 40)):
+        far, r, big = 10 * math.tan(math.radians(degrees)), 5, 6
+        if far <= big - r:
+            part = 1
+        elif far >= big + r:
+            part = 0
+        else:
+            a = (far * far + r * r - big * big) / (2 * far)  # from the middle of the disc to the common chord
+            b = far - a
+            part = (r * r * math.acos(a / r) - a * math.sqrt(r * r - a * a) +
+                    big * big * math.acos(b / big) - b * math.sqrt(big * big - b * b)) / (math.pi * r * r)
+        close(row['fraction'], part, 5e-4, row)
+        close(row['cos4'], math.cos(math.radians(degrees)) ** 4, float(row['cos4_err']), row)
+    assert float(table[0]['fraction']) == 1 and .1 < float(table[3]['fraction']) < .9, table
 
 
 def test_a_perfect_mirror():

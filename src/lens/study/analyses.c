@@ -10,7 +10,7 @@ static const sgt_analysis *const all[] = {
     &sgt_spot_analysis,      &sgt_fan_analysis,     &sgt_opd_analysis,
     &sgt_wavefront_analysis, &sgt_zernike_analysis, &sgt_field_analysis,
     &sgt_map_analysis,       &sgt_sweep_analysis,   &sgt_ends_analysis,
-    &sgt_energy_analysis,
+    &sgt_energy_analysis,    &sgt_illumination_analysis,
 };
 
 const sgt_analysis *sgt_analysis_at(size_t place)

@@ -1,19 +1,27 @@
-/* curves.c - one column against another, as an analysis says: a panel for each field, a curve for each
- * wavelength, in the order of the rows. */
+/* curves.c - one column against another, as an analysis says: a panel for each field (one for all if
+ * that is the field), a curve for each wavelength, in the order of the rows. */
 #include "look.h"
 
 #include "../base/memory.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Which panel and which curve a row is of. */
 typedef struct place { size_t panel, curve; } place;
+
+/* What is drawn against the field has one panel for all of them. */
+static bool panel_each_field(const look *l)
+{
+    const char *x = l->of->draw_x;
+    return look_column(l, "field") < l->of->columns && !(x && strcmp(x, "field") == 0);
+}
 
 static place place_of_row(const look *l, const void *row)
 {
     const size_t field = look_column(l, "field"), wavelength = look_column(l, "wavelength");
     place p = {0, 0};
-    if (field < l->of->columns) p.panel = look_field_of(l, (size_t)look_value(l, row, field));
+    if (panel_each_field(l)) p.panel = look_field_of(l, (size_t)look_value(l, row, field));
     if (wavelength < l->of->columns) p.curve = look_band_of(l, look_value(l, row, wavelength));
     return p;
 }
@@ -39,7 +47,7 @@ static chart_series curve_of(const look *l, place at)
 
 void look_draw_curves(const look *l)
 {
-    const bool fields = look_column(l, "field") < l->of->columns;
+    const bool fields = panel_each_field(l);
     const size_t panels = fields ? l->fields.count : 1;
     if (!l->of->draw_x) {
         note("--picture: %s has none", l->of->name);
