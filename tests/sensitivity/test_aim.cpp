@@ -254,7 +254,8 @@ static void try_attempts(const question &q, oracle::generator &random)
         if (one.reason != all[i].reason || one.fate != all[i].fate || one.element != all[i].element ||
             one.traces != all[i].traces || one.to.x != all[i].to.x || one.to.y != all[i].to.y ||
             !(one.miss == all[i].miss || (std::isnan(one.miss) && std::isnan(all[i].miss))))
-            fail(q.name, "an attempt depends on those before it", double(i), double(all[i].fate) - double(one.fate));
+            fail(q.name, "an attempt depends on those before it", double(i),
+                 double(all[i].fate) - double(one.fate));
     }
     if (spent != a.traces) fail(q.name, "the traces of the attempts", spent, a.traces);
 }
