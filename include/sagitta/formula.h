@@ -82,9 +82,9 @@ typedef struct sgt_tape sgt_tape;
 /* The longest text (bytes), the deepest nesting of parentheses and powers, and how many
  * parameters there may be. */
 enum {
-    SGT_FORMULA_LONGEST = 32768,
-    SGT_FORMULA_DEEPEST = 200,
-    SGT_FORMULA_PARAMETERS = 256
+    SGT_LONGEST_FORMULA = 32768,
+    SGT_DEEPEST_FORMULA = 200,
+    SGT_MOST_FORMULA_PARAMETERS = 256
 };
 
 /* How many bytes of room suffice for the text with n parameters; 0 if it is too long, or

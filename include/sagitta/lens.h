@@ -77,18 +77,18 @@ typedef struct sgt_lens_error {
  *   12 Extended 2  as 1, + C7 w^4 + C8 w^6
  *   13 Extended 3  n^2 = C1 + C2 w^2 + C3 w^4 + C4 w^-2 + C5 w^-4 ... + C9 w^-12
  *
- * SGT_FORMULA_PAIRS: C1 a wavelength, C2 the index there, C3 the next wavelength ...,
+ * SGT_DISPERSION_PAIRS: C1 a wavelength, C2 the index there, C3 the next wavelength ...,
  *   rising.  Straight lines between them, and beyond the ends the lines there; one pair
  *   is one index for all.
- * SGT_FORMULA_MODEL: C1 = nd, C2 = vd (0: no dispersion), C3 = the deviation of PgF from
- *   the normal line 0.6438 - 0.001682 vd (0 if missing).  n = nd + a v + b v^2 with
+ * SGT_DISPERSION_MODEL: C1 = nd, C2 = vd (0: no dispersion), C3 = the deviation of PgF
+ *   from the normal line 0.6438 - 0.001682 vd (0 if missing).  n = nd + a v + b v^2 with
  *   v = x / (1 + 2.5 x), x = w - 0.5875618 (Buchdahl's coordinate), a and b such that
  *   nF - nC = (nd - 1) / vd and ng - nF = PgF (nF - nC).  APPROXIMATE: good to some 1e-4
  *   in the visible; ranges and catalogues do not bind it. */
 enum {
-    SGT_FORMULA_AGF = 100,    /* plus the number */
-    SGT_FORMULA_PAIRS = 201,
-    SGT_FORMULA_MODEL = 202
+    SGT_DISPERSION_AGF = 100, /* plus the number */
+    SGT_DISPERSION_PAIRS = 201,
+    SGT_DISPERSION_MODEL = 202
 };
 
 /* A glass as plain data.  One from a catalogue borrows its texts and coefficients:
@@ -246,9 +246,10 @@ typedef struct sgt_lens_surface {
 
 /* Where the points of a pattern are. */
 typedef enum sgt_lens_aim {
-    SGT_AIM_PUPIL,      /* in the paraxial entrance pupil */
-    SGT_AIM_STOP,       /* on the stop, out to the height of the paraxial marginal ray */
-    SGT_AIM_REAL_STOP   /* on the stop, out to the height of the real marginal ray */
+    SGT_LENS_AIM_PUPIL,    /* in the paraxial entrance pupil */
+    SGT_LENS_AIM_STOP,     /* on the stop, out to the height of the paraxial marginal
+                              ray */
+    SGT_LENS_AIM_REAL_STOP /* on the stop, out to the height of the real marginal ray */
 } sgt_lens_aim;
 
 typedef struct sgt_lens {

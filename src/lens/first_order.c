@@ -314,8 +314,8 @@ static bool fourth_order(const sgt_lens *l, size_t i, double c, double *g)
         *g = conic->k * c * c * c / 8;
         return true;
     }
-    if (s.ops == &sgt_asphere_ops) {
-        const sgt_asphere *a = s.self;
+    if (s.ops == &sgt_even_asphere_ops) {
+        const sgt_even_asphere *a = s.self;
         *g = ((1 + a->k) * a->c * a->c * a->c - c * c * c) / 8 + a->a[1];
         return true;
     }

@@ -125,9 +125,9 @@ sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const 
 {
     static const sgt_builtin
         implicit = {.type = "formula", .ops = &sgt_formula_ops, .size = sizeof(sgt_formula),
-                    .family = SGT_BODY},
+                    .family = SGT_FAMILY_BODY},
         sag = {.type = "formula", .ops = &sgt_formula_sag_ops, .size = sizeof(sgt_formula_sag),
-               .family = SGT_DEPARTURE};
+               .family = SGT_FAMILY_DEPARTURE};
     const node *f = tree_take(map, "f"), *of_sag = tree_take(map, "sag"), *inside = tree_take(map, "inside"),
                *semi = rim == SURFACE_OWN_RIM ? tree_take(map, "semi_diameter") : NULL;
     if (!f && !of_sag)

@@ -94,8 +94,8 @@ static double of_gradient(sgt_surface s, const chain_link *c)
 {
     const double n2 = dot(c->n, c->n), n = sqrt(n2), across = sqrt(c->n.x * c->n.x + c->n.y * c->n.y);
     if (s.ops == &sgt_conic_ops) return SGT_U * across * (2 + 4 * (1 + fabs(1 - c->n.z)) / n);
-    if (s.ops != &sgt_asphere_ops) return 64 * SGT_U * n * (c->n.z == 1 ? n2 : 1);
-    const sgt_asphere *a = s.self;
+    if (s.ops != &sgt_even_asphere_ops) return 64 * SGT_U * n * (c->n.z == 1 ? n2 : 1);
+    const sgt_even_asphere *a = s.self;
     const double r2 = c->p.x * c->p.x + c->p.y * c->p.y, r = sqrt(r2), w = (1 + a->k) * a->c * a->c * r2;
     double terms = 0;
     for (int i = 8; i-- > 0;) terms = terms * r2 + (2 * i + 2) * fabs(a->a[i]);

@@ -154,14 +154,14 @@ static const sgt_surface front_surface = {&sgt_conic_ops, &front};
 static void add_lens(generator *g, int rounds)
 {
     const sgt_conic back = {.c = -0.03, .k = -0.6}, flat = {0}, mirror = {.c = -0.02, .k = -1};
-    const sgt_asphere corrector = {.c = 0.01, .k = -1, .semi_diameter = 9, .a = {0, 1e-5, -2e-8, 1e-11}};
+    const sgt_even_asphere corrector = {.c = 0.01, .k = -1, .semi_diameter = 9, .a = {0, 1e-5, -2e-8, 1e-11}};
     const sgt_element e[] = {
         {.surface = front_surface, .pose = {.origin = {0, 0, 5}}, .index = 1.62, .semi_diameter = 8},
         {.surface = {&sgt_conic_ops, &back}, .pose = {.origin = {0, 0, 9}}, .index = 1, .semi_diameter = 8},
         {.surface = {&sgt_conic_ops, &flat},
          .pose = sgt_pose_tilted((sgt_vec3){0, 0.1, 12}, (sgt_vec3){2, -3, 10}),
          .semi_diameter = 5},
-        {.surface = {&sgt_asphere_ops, &corrector}, .pose = {.origin = {0, 0, 15}}, .index = 1.5},
+        {.surface = {&sgt_even_asphere_ops, &corrector}, .pose = {.origin = {0, 0, 15}}, .index = 1.5},
         {.surface = {&saddles[3], &dented},
          .pose = sgt_pose_tilted((sgt_vec3){0, 0, 20}, (sgt_vec3){0, 5, 0}),
          .index = 1},
@@ -169,7 +169,7 @@ static void add_lens(generator *g, int rounds)
          .pose = {.origin = {0, 0, 40}},
          .index = SGT_MIRROR,
          .semi_diameter = 30},
-        {.surface = {&sgt_asphere_ops, &corrector},
+        {.surface = {&sgt_even_asphere_ops, &corrector},
          .pose = sgt_pose_tilted((sgt_vec3){0, 0, 30}, (sgt_vec3){0, 90, 0}),
          .index = 1.8},
         {.surface = {&sgt_conic_ops, &flat}, .pose = {.origin = {0, 0, 2}}, .index = 1},

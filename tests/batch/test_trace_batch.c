@@ -134,7 +134,7 @@ static void as_built(generator *g, lens *l)
 {
     const sgt_builtin *asphere = NULL;
     for (const sgt_builtin *b = sgt_builtins; b->type; b++)
-        if (b->ops == &sgt_asphere_ops) asphere = b;
+        if (b->ops == &sgt_even_asphere_ops) asphere = b;
     double z = chance(g, 0.8) ? 0 : uniform(g, -2, 2), step = 1, index = 1;
     bool coaxial = chance(g, 0.5), tight = chance(g, 0.4);
     for (size_t i = 0; i < l->n; i++) {
@@ -149,8 +149,9 @@ static void as_built(generator *g, lens *l)
         survey(g, s);
         if (!coaxial && chance(g, 0.5))
             origin = sum(origin, (sgt_vec3){uniform(g, -0.3, 0.3), uniform(g, -0.3, 0.3), 0});
-        l->e[i] = (sgt_element){.surface = {chance(g, 0.6) ? &sgt_asphere_ops : &sgt_conic_ops, &s->with},
-                                .pose.origin = origin};
+        l->e[i] =
+            (sgt_element){.surface = {chance(g, 0.6) ? &sgt_even_asphere_ops : &sgt_conic_ops, &s->with},
+                          .pose.origin = origin};
         if (!coaxial && chance(g, 0.4))
             l->e[i].pose = sgt_pose_tilted(origin, chance(g, 0.2) ? (sgt_vec3){0, 0, 90.0 * below(g, 4)}
                                                                   : point(g, chance(g, 0.7) ? 8 : 40));
@@ -207,7 +208,7 @@ static void spoil_element(generator *g, lens *l, size_t i)
     case 4: e->pose.ey.x = hostile_number(g); break;
     case 5: /* (not of a quilt: that is shorter than an asphere) */
         e->surface = (sgt_surface){chance(g, 0.1)   ? NULL
-                                   : chance(g, 0.5) ? &sgt_asphere_ops
+                                   : chance(g, 0.5) ? &sgt_even_asphere_ops
                                                     : &sgt_conic_ops,
                                    &l->s[i].with};
         break;
@@ -225,7 +226,7 @@ static void hostile_surface(generator *g, lens *l, size_t i)
     int types = 0;
     while (sgt_builtins[types].type && answers_itself(&sgt_builtins[types])) types++; /* they come first */
     const sgt_builtin *type = &sgt_builtins[below(g, types)];
-    if (type->ops != &sgt_conic_ops && type->ops != &sgt_asphere_ops && chance(g, 0.9))
+    if (type->ops != &sgt_conic_ops && type->ops != &sgt_even_asphere_ops && chance(g, 0.9))
         type = &sgt_builtins[0];
     l->s[i] = random_specimen(g, type);
     l->e[i].surface = surface_of(&l->s[i]);

@@ -129,12 +129,12 @@ bool same(const sgt_hits &h, size_t i, const sgt_hit &hit)
 
 // ------------------------------------------------------------ one surface
 
-sgt_asphere plain(const Case &s) { return Surface(s).asphere; }
+sgt_even_asphere plain(const Case &s) { return Surface(s).asphere; }
 
 struct Work {
     const Case *of;
     Surface built_in;
-    sgt_asphere formula;
+    sgt_even_asphere formula;
     sgt_surface own;  // what the batch is asked of: the built-in or a user's
     Rays *rays;
     std::vector<double> points;
@@ -340,7 +340,7 @@ struct Lens {
     {
         double z = 0;
         for (const Optic &o : from.optics) {
-            sgt_asphere s = {};
+            sgt_even_asphere s = {};
             s.c = o.radius != 0 ? 1 / o.radius : 0;
             s.k = o.k;
             bool terms = false;
@@ -360,7 +360,7 @@ struct Lens {
         }
         for (size_t i = 0; i < elements.size(); i++) {
             if (peers[i].asphere)
-                elements[i].surface = { &sgt_asphere_ops, &peers[i].surface };
+                elements[i].surface = { &sgt_even_asphere_ops, &peers[i].surface };
             else
                 elements[i].surface = { &sgt_conic_ops, &conics[i] };
         }

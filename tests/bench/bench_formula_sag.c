@@ -98,14 +98,14 @@ int main(void)
 {
     launch();
     const sgt_conic conic = {.c = 0.1, .k = -0.6, .semi_diameter = 4};
-    const sgt_asphere asphere = {.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
+    const sgt_even_asphere asphere = {.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
     const sgt_named named[] = {{"c", 0.1}, {"k", -0.6}, {"a", 1e-4}, {"b", -2e-6}, {"g", 1e-8}};
     const sgt_named twist[] = {{"c", 0.1}, {"k", -0.6}, {"a", 1e-4}};
     printf("%-8s %14s %14s %8s %14s %14s %8s %8s\n", "ns a ray", "near, formula", "built-in", "times",
            "first, formula", "built-in", "times", "unlike");
     bool good = compare("conic", (sgt_surface){&sgt_conic_ops, &conic},
                         "c*r^2/(1 + sqrt(1 - (1 + k)*c^2*r^2))", 2, named);
-    good &= compare("asphere", (sgt_surface){&sgt_asphere_ops, &asphere},
+    good &= compare("asphere", (sgt_surface){&sgt_even_asphere_ops, &asphere},
                     "c*r^2/(1 + sqrt(1 - (1 + k)*c^2*r^2)) + a*r^4 + b*r^6 + g*r^8", 5, named);
     const sgt_odd_asphere odd = {.c = 0.1, .k = -0.6, .semi_diameter = 4,
                                  .a = {0, 0, 0, 1e-4, 0, -2e-6, 0, 1e-8}};

@@ -88,8 +88,8 @@ double steepest(sgt_surface s, double aperture)
     if (s.ops == &sgt_conic_ops) {
         const sgt_conic *q = static_cast<const sgt_conic *>(s.self);
         c = q->c, k = q->k, rim = q->semi_diameter;
-    } else if (s.ops == &sgt_asphere_ops) {
-        const sgt_asphere *q = static_cast<const sgt_asphere *>(s.self);
+    } else if (s.ops == &sgt_even_asphere_ops) {
+        const sgt_even_asphere *q = static_cast<const sgt_even_asphere *>(s.self);
         c = q->c, k = q->k, rim = q->semi_diameter, a = q->a;
     } else {
         return NAN;
@@ -290,11 +290,11 @@ sgt_surface surface_of(const Sag &s, double rim)
         *made = { s.c, s.k, rim };
         return { &sgt_conic_ops, made };
     }
-    sgt_asphere *made = new sgt_asphere;
+    sgt_even_asphere *made = new sgt_even_asphere;
     *made = {};
     made->c = s.c, made->k = s.k, made->semi_diameter = rim;
     std::copy(TERMS, TERMS + s.terms, made->a);
-    return { &sgt_asphere_ops, made };
+    return { &sgt_even_asphere_ops, made };
 }
 
 // ---------------------------------------------------------------- level sets

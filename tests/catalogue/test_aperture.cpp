@@ -170,7 +170,7 @@ specimen hump(generator &g, bool even)
     s.type = even ? "even_asphere" : "odd_asphere", s.sag = true, s.rim = s.h = g.uniform(0.5, 2);
     const double wide = g.uniform(1.2, 1.6) * s.rim, high = g.uniform(-2, 2), a2 = high / wide,
                  a4 = -a2 / wide / wide;
-    if (even) s.s = {&sgt_asphere_ops, s.keep(sgt_asphere{0, 0, s.rim, {a2, a4}})};
+    if (even) s.s = {&sgt_even_asphere_ops, s.keep(sgt_even_asphere{0, 0, s.rim, {a2, a4}})};
     else s.s = {&sgt_odd_asphere_ops, s.keep(sgt_odd_asphere{0, 0, s.rim, {0, a2, 0, a4}})};
     return s;
 }
@@ -185,9 +185,10 @@ specimen with_rim(generator &g, const std::string &type)
     }
     s.type = type, s.sag = true, s.rim = s.h = g.uniform(0.5, 2);
     const double c = g.chance(0.1) ? 0 : g.uniform(-0.65, 0.65) / s.rim;
-    const sgt_asphere a = {c, g.uniform(-2, 1), s.rim, {0, g.uniform(-0.1, 0.1) / s.rim / s.rim / s.rim}};
+    const sgt_even_asphere a = {
+        c, g.uniform(-2, 1), s.rim, {0, g.uniform(-0.1, 0.1) / s.rim / s.rim / s.rim}};
     if (type == "conic") s.s = {&sgt_conic_ops, s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};
-    else s.s = {&sgt_asphere_ops, s.keep(a)};
+    else s.s = {&sgt_even_asphere_ops, s.keep(a)};
     return s;
 }
 

@@ -82,7 +82,7 @@ void spoil(generator &g, specimen *s)
 {
     int numbers = 0;
     for (const sgt_param *p = row_named(s->type)->params; p->name; p++)
-        if (p->kind == SGT_REAL || p->kind == SGT_VECTOR) numbers += p->count;
+        if (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR) numbers += p->count;
     first_number(s->s)[g.below(numbers)] = g.chance(0.5) ? hostile_number(g) : g.uniform(-2, 2);
     if (s->sag) s->rim = *rim_of(*s);
 }

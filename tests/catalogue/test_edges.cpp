@@ -569,7 +569,7 @@ void all_again(const oracle::run &r, const char *type, std::size_t k)
         o.proof = static_cast<sgt_proof>(done % 3), o.pick = g.chance(0.3) ? SGT_NEAR_SEED : SGT_FIRST;
         ask_again(g, &sum, o);
     }
-    const bool conic = !std::strcmp(type, "conic"), body = row_named(type)->family == SGT_BODY;
+    const bool conic = !std::strcmp(type, "conic"), body = row_named(type)->family == SGT_FAMILY_BODY;
     const double most_lost = conic ? 0.015 : body ? 0.22 : 0.08;
     std::printf("%-14s %6ld hits asked again: %ld lost with tmax = t (%.2f %%); %ld with an end behind, "
                 "%ld undecided\n", type, sum.hits, sum.lost,

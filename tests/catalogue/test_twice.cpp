@@ -90,9 +90,10 @@ question conic_question(generator &g, const std::string &type)
         if (type == "plane") t.surface.c = 0;
         if (type == "plane" || type == "sphere") t.surface.k = 0;
         question q = {type, {}, with_ends(t.ray), {}, true};
-        std::shared_ptr<sgt_asphere> p = std::make_shared<sgt_asphere>(t.surface); // a conic is its beginning
+        std::shared_ptr<sgt_even_asphere> p =
+            std::make_shared<sgt_even_asphere>(t.surface); // a conic is its beginning
         q.kept.push_back(p);
-        q.s = {t.asphere ? &sgt_asphere_ops : &sgt_conic_ops, p.get()};
+        q.s = {t.asphere ? &sgt_even_asphere_ops : &sgt_conic_ops, p.get()};
         return q;
     }
 }

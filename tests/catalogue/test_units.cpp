@@ -364,7 +364,7 @@ std::vector<int> powers_of(const sgt_surface &s, bool base = true)
 {
     const char *const left_out[] = {"semi_diameter", "norm", "norm_x", "norm_y", "step_x", "step_y"};
     if (s.ops == &sgt_conic_ops) return {-1, 0};
-    if (row_of(s.ops)->family == SGT_LEVEL_SET) return {};
+    if (row_of(s.ops)->family == SGT_FAMILY_LEVEL_SET) return {};
     if (s.ops == &sgt_grid_ops) return base ? std::vector<int>{-1, 0} : std::vector<int>{};
     std::vector<int> powers;
     for (const sgt_param *p = row_of(s.ops)->params; p->name; p++) {
@@ -373,16 +373,16 @@ std::vector<int> powers_of(const sgt_surface &s, bool base = true)
         bool left = !base && (name == "curvature" || name == "conic") && s.ops != &sgt_toroidal_ops;
         for (const char *x : left_out) left = left || name == x;
         if (left) continue;
-        if (p->kind == SGT_REAL || p->kind == SGT_VECTOR)
+        if (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR)
             for (int i = 0; i < p->count; i++) powers.push_back(power_of(p->unit, i, 0));
         sgt_numbers a;
-        if (p->kind == SGT_LIST || p->kind == SGT_TABLE) std::memcpy(&a, at, sizeof a);
-        if (p->kind == SGT_LIST || p->kind == SGT_TABLE)
+        if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) std::memcpy(&a, at, sizeof a);
+        if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE)
             for (std::size_t i = 0; i < a.rows * a.columns; i++) {
                 const int row = static_cast<int>(i / a.columns), column = static_cast<int>(i % a.columns);
-                powers.push_back(power_of(p->unit, p->kind == SGT_LIST ? column : row, column));
+                powers.push_back(power_of(p->unit, p->kind == SGT_PARAM_LIST ? column : row, column));
             }
-        if (p->kind != SGT_TERMS) continue;
+        if (p->kind != SGT_PARAM_TERMS) continue;
         const sgt_surface *terms;
         std::size_t count;
         std::memcpy(&terms, at, sizeof terms);
@@ -402,7 +402,7 @@ void built_in(generator &g, const std::string &type, const std::vector<int> &pow
     std::vector<std::shared_ptr<scaling>> kept;
     maker m = {type, t.s.h,
                type == "quadric"              ? 2
-               : row->family == SGT_LEVEL_SET ? 0
+               : row->family == SGT_FAMILY_LEVEL_SET ? 0
                                               : 1,
                [&](int k, bool *exact) {
                    kept.push_back(std::make_shared<scaling>(type));

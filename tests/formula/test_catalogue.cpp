@@ -105,7 +105,7 @@ pair_of even_asphere(part &p)
     pair_of r = on_base(p, " + p0*r^4 + p1*r^6 + p2*(x^2+y^2)^4");
     const std::vector<double> a = {p.term(4), p.term(6), p.term(8)};
     r.name_all(a);
-    r.built_in = {&sgt_asphere_ops, r.keep(sgt_asphere{p.c, p.k, p.h, {0, a[0], a[1], a[2]}})};
+    r.built_in = {&sgt_even_asphere_ops, r.keep(sgt_even_asphere{p.c, p.k, p.h, {0, a[0], a[1], a[2]}})};
     return r;
 }
 pair_of odd_asphere(part &p)

@@ -30,18 +30,18 @@ static void require_surface(sgt_surface s, const char *type, double size)
         const double *x = at;
         size_t count = (size_t)p->count;
         double whole;
-        if (p->kind == SGT_TERMS) {
+        if (p->kind == SGT_PARAM_TERMS) {
             size_t terms;
             memcpy(&terms, (const char *)at + sizeof(sgt_surface *), sizeof terms);
             REQUIRE(terms <= count, "%s: %zu terms", type, terms);
             continue;
         }
-        if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
-            REQUIRE((table->rows <= count || p->kind == SGT_LIST) && table->columns <= count &&
+        if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
+            REQUIRE((table->rows <= count || p->kind == SGT_PARAM_LIST) && table->columns <= count &&
                         (!table->rows || table->x),
                     "%s: %s: %zu rows, %zu columns", type, p->name, table->rows, table->columns);
             x = table->x, count = table->rows * table->columns;
-        } else if (p->kind != SGT_REAL && p->kind != SGT_VECTOR) {
+        } else if (p->kind != SGT_PARAM_REAL && p->kind != SGT_PARAM_VECTOR) {
             whole = *(const int *)at, x = &whole;
         }
         for (size_t i = 0; i < count; i++)

@@ -257,7 +257,7 @@ static void random_systems(oracle::generator &random)
     const int systems = std::max(20, int(300 * scale));
     for (int i = 0; i < systems; i++) {
         std::vector<sgt_conic> conics(6);
-        std::vector<sgt_asphere> aspheres(6);
+        std::vector<sgt_even_asphere> aspheres(6);
         std::vector<sgt_odd_asphere> odds(6);
         std::vector<sgt_zernike> zernikes(6);
         const double terms[9] = {0, 0.02, -0.03, 0.05, 0.1, -0.04, 0.03, 0, 0.02};
@@ -279,9 +279,10 @@ static void random_systems(oracle::generator &random)
             odds[k] = {c, conic, rim, {0, 1e-4, random.uniform(-1, 1) * 1e-4, random.uniform(-1, 1) * 1e-5}};
             const double norm = 12;
             zernikes[k] = {c, conic, rim, norm, SGT_FRINGE, 0, {terms, 1, 9}};
-            const sgt_surface types[] = {{&sgt_conic_ops, &conics[k]},     {&sgt_conic_ops, &conics[k]},
-                                         {&sgt_asphere_ops, &aspheres[k]}, {&sgt_asphere_ops, &aspheres[k]},
-                                         {&sgt_odd_asphere_ops, &odds[k]}, {&sgt_zernike_ops, &zernikes[k]}};
+            const sgt_surface types[] = {
+                {&sgt_conic_ops, &conics[k]},          {&sgt_conic_ops, &conics[k]},
+                {&sgt_even_asphere_ops, &aspheres[k]}, {&sgt_even_asphere_ops, &aspheres[k]},
+                {&sgt_odd_asphere_ops, &odds[k]},      {&sgt_zernike_ops, &zernikes[k]}};
             e.surface = types[random.below(6)];
             e.index = random.chance(0.25) ? SGT_MIRROR : random.chance(0.1) ? 0 : random.uniform(1, 1.9);
             e.semi_diameter = random.chance(0.6) ? random.uniform(2, 12) : 0;
@@ -343,28 +344,28 @@ static void odd_questions()
     if (count.met < 15) fail("known", "too few", double(count.met), 15);
     q.stop = 2, q.wanted = {1, 0.5};
     question bad = q;
-    bad.wanted.x = NAN, expect("wanted NaN", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.o.y = NAN, expect("origin NaN", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.du.z = INFINITY, expect("infinite", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.u = {1, -1}, expect("empty box", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.v.lo = NAN, expect("box NaN", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.d = {0, 0, 0}, expect("no direction", bad, SGT_AIM_INVALID);
+    bad.wanted.x = NAN, expect("wanted NaN", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.o.y = NAN, expect("origin NaN", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.du.z = INFINITY, expect("infinite", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.u = {1, -1}, expect("empty box", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.v.lo = NAN, expect("box NaN", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.d = {0, 0, 0}, expect("no direction", bad, SGT_AIMED_INVALID);
     sgt_aim_options opt = {};
-    opt.tol = NAN, expect("tol NaN", q, SGT_AIM_INVALID, &opt);
-    opt.tol = 0, opt.max_traces = -1, expect("no traces", q, SGT_AIM_INVALID, &opt);
-    opt.max_traces = 0, opt.reserved_[2] = 1, expect("reserved", q, SGT_AIM_INVALID, &opt);
+    opt.tol = NAN, expect("tol NaN", q, SGT_AIMED_INVALID, &opt);
+    opt.tol = 0, opt.max_traces = -1, expect("no traces", q, SGT_AIMED_INVALID, &opt);
+    opt.max_traces = 0, opt.reserved_[2] = 1, expect("reserved", q, SGT_AIMED_INVALID, &opt);
     // one parameter, or none: met only where the point is on its curve
     bad = q, bad.beam.ov = {0, 0, 0}, bad.wanted = {1, 0}, expect("a fan", bad, SGT_MET);
     bad.wanted = {1, 0.5};
     sgt_aim_options search = {};
     search.max_boxes = -1;
-    expect("beside a fan", bad, SGT_AIM_UNDECIDED, &search);
+    expect("beside a fan", bad, SGT_AIMED_UNDECIDED, &search);
     bad = q, bad.beam.ov = bad.beam.ou, bad.wanted = {1, 0}, expect("u + v", bad, SGT_MET);
     bad = q, bad.beam.ou = bad.beam.ov = {0, 0, 0}, bad.wanted = {0, 0}, expect("one ray", bad, SGT_MET);
     bad = q, bad.beam.u = {2, 2}, bad.beam.v = {0, 0},
-    expect("a point of the box", bad, SGT_AIM_UNDECIDED, &search);
+    expect("a point of the box", bad, SGT_AIMED_UNDECIDED, &search);
     // a bad element
-    bad = q, bad.e[1].index = -3, expect("a bad index", bad, SGT_AIM_UNDECIDED, &search);
+    bad = q, bad.e[1].index = -3, expect("a bad index", bad, SGT_AIMED_UNDECIDED, &search);
     // the attempts, a start, a tolerance, and a budget
     sgt_attempt attempt[3];
     const sgt_vec2 start = {1.2, 0.6};
@@ -372,14 +373,14 @@ static void odd_questions()
     expect("a start", q, SGT_MET, &search);
     if (attempt[0].reason != SGT_AIM_ARRIVED || attempt[0].from.x != 1.2 || attempt[0].traces > 8)
         fail("a start", "attempt", attempt[0].reason, attempt[0].traces);
-    search.max_traces = 2, expect("a budget", q, SGT_AIM_UNDECIDED, &search);
+    search.max_traces = 2, expect("a budget", q, SGT_AIMED_UNDECIDED, &search);
     if (attempt[0].reason != SGT_AIM_SPENT) fail("a budget", "reason", attempt[0].reason, 0);
     search.max_traces = 0, search.tol = 0.5, expect("a tolerance", q, SGT_MET, &search);
     if (attempt[0].traces > 3) fail("a tolerance", "traces", attempt[0].traces, 3);
     search.tol = 0, bad = q, bad.wanted = {30, 0}, bad.beam.u = bad.beam.v = {-8, 8};
-    expect("beyond the edge", bad, SGT_AIM_UNDECIDED, &search);
+    expect("beyond the edge", bad, SGT_AIMED_UNDECIDED, &search);
     if (attempt[1].reason != SGT_AIM_AT_EDGE) fail("beyond the edge", "reason", attempt[1].reason, 0);
-    bad.beam.o.x = 500, expect("beside the lens", bad, SGT_AIM_UNDECIDED, &search);
+    bad.beam.o.x = 500, expect("beside the lens", bad, SGT_AIMED_UNDECIDED, &search);
     if (attempt[1].reason != SGT_AIM_NO_WAY || attempt[1].fate != SGT_MISSED)
         fail("beside the lens", "reason", attempt[1].reason, 0);
 }

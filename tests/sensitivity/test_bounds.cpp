@@ -93,7 +93,7 @@ static bool solve(const vec &a, const vec &b, const vec &c, const vec &q, quad s
 
 struct row {
     std::vector<sgt_conic> conics;
-    std::vector<sgt_asphere> aspheres;
+    std::vector<sgt_even_asphere> aspheres;
     std::vector<sgt_zernike> zernikes;
     std::vector<sgt_aperture_item> items;
     std::vector<sgt_aperture> apertures;
@@ -122,7 +122,7 @@ static void fill(row &r, oracle::generator &random)
         r.zernikes[k] = {c, conic, rim, 12, SGT_FRINGE, 0, {terms, 1, 9}};
         const sgt_surface types[] = {{&sgt_conic_ops, &r.conics[k]},
                                      {&sgt_conic_ops, &r.conics[k]},
-                                     {&sgt_asphere_ops, &r.aspheres[k]},
+                                     {&sgt_even_asphere_ops, &r.aspheres[k]},
                                      {&sgt_zernike_ops, &r.zernikes[k]}};
         sgt_element e = {};
         e.surface = types[random.below(4)];
@@ -385,7 +385,7 @@ static void proofs(oracle::generator &random)
             sgt_launch_rays(from, &beam, l->element, l->index_before, 3, at, out);
             for (int k = 0; k < 3; k++) {
                 met += out[k].status == SGT_MET, none += out[k].status == SGT_NO_SUCH_RAY,
-                    undecided += out[k].status == SGT_AIM_UNDECIDED;
+                    undecided += out[k].status == SGT_AIMED_UNDECIDED;
                 if (out[k].status == SGT_MET) { // is the attack worth something?
                     bool again = false;
                     sgt_vec2 there;

@@ -599,8 +599,8 @@ static void test_parameters(void **state)
         {{{"q\n\xc3", 1}, {"p", 1}}, "the parameter q?? is no name"},
     };
     static double room[2000];
-    static sgt_named many[SGT_FORMULA_PARAMETERS + 1];
-    static char names[SGT_FORMULA_PARAMETERS + 1][8];
+    static sgt_named many[SGT_MOST_FORMULA_PARAMETERS + 1];
+    static char names[SGT_MOST_FORMULA_PARAMETERS + 1][8];
     sgt_formula_error error;
     for (size_t i = 0; i < COUNT_OF(rows); i++)
         for (int kind = SGT_FORMULA_XYZ; kind <= SGT_FORMULA_XY; kind++) {
@@ -611,16 +611,16 @@ static void test_parameters(void **state)
             REQUIRE(error.column == 0 && strstr(error.text, rows[i].says), "row %zu: column %d: %s", i,
                     (int)error.column, error.text);
         }
-    for (int i = 0; i <= SGT_FORMULA_PARAMETERS; i++)
+    for (int i = 0; i <= SGT_MOST_FORMULA_PARAMETERS; i++)
         sprintf(names[i], "p%d", i), many[i] = (sgt_named){names[i], i};
-    sgt_tape *t =
-        sgt_formula_read("x+p255", SGT_FORMULA_XYZ, SGT_FORMULA_PARAMETERS, many, room, sizeof room, &error);
+    sgt_tape *t = sgt_formula_read("x+p255", SGT_FORMULA_XYZ, SGT_MOST_FORMULA_PARAMETERS, many, room,
+                                   sizeof room, &error);
     REQUIRE(t && tape_value(t, (const long double[]){1, 0, 0}) == 256, "256 parameters: %s", error.text);
-    REQUIRE(!sgt_formula_read("x+p255", SGT_FORMULA_XYZ, SGT_FORMULA_PARAMETERS + 1, many, room, sizeof room,
-                              &error) &&
+    REQUIRE(!sgt_formula_read("x+p255", SGT_FORMULA_XYZ, SGT_MOST_FORMULA_PARAMETERS + 1, many, room,
+                              sizeof room, &error) &&
                 strstr(error.text, "more than 256 parameters"),
             "257 parameters: %s", error.text);
-    REQUIRE(sgt_formula_room("x", SGT_FORMULA_PARAMETERS + 1) == 0, "the room for 257 parameters");
+    REQUIRE(sgt_formula_room("x", SGT_MOST_FORMULA_PARAMETERS + 1) == 0, "the room for 257 parameters");
 }
 
 /* ------------------------------------------------- equal parts, simpler parts */
@@ -859,10 +859,10 @@ static void test_large(void **state)
     memset(text, '1', 100000);
     REQUIRE(sgt_formula_room(text, 0) == 0, "a room for 10^5 characters");
     REQUIRE(!sgt_formula_read(text, SGT_FORMULA_XYZ, 0, NULL, room, sizeof room, &error) &&
-                error.column == SGT_FORMULA_LONGEST + 1 && strstr(error.text, "at most 32768 characters"),
+                error.column == SGT_LONGEST_FORMULA + 1 && strstr(error.text, "at most 32768 characters"),
             "10^5 characters: %s", error.text);
     /* one less than too many is a number that is too large */
-    text[SGT_FORMULA_LONGEST] = 0;
+    text[SGT_LONGEST_FORMULA] = 0;
     REQUIRE(!read_in(text, SGT_FORMULA_XYZ, 0, &error) && error.column == 1, "32768 digits: %s", error.text);
     /* 10^4 parentheses, functions, powers; any number of minuses */
     static const struct {
@@ -884,7 +884,7 @@ static void test_large(void **state)
     /* the longest text, of different parts */
     length = 0;
     put("x");
-    for (int i = 0; length < SGT_FORMULA_LONGEST - 30; i++) {
+    for (int i = 0; length < SGT_LONGEST_FORMULA - 30; i++) {
         char part[40];
         sprintf(part, "+sin(x*y+%d)/%d", i % 800, i % 800 + 1);
         put(part);
@@ -911,7 +911,7 @@ static void test_large(void **state)
     /* waves: as many nodes as they can make */
     length = 0;
     put("x");
-    for (int i = 0; length < SGT_FORMULA_LONGEST - 60; i++) {
+    for (int i = 0; length < SGT_LONGEST_FORMULA - 60; i++) {
         char part[60];
         sprintf(part, "+r^%d*%s(%d*atan2(y,x))", 63 - i % 60, i % 2 ? "sin" : "cos", 63 - i % 60);
         put(part);

@@ -569,12 +569,12 @@ static void test_watch(void **state)
     generator g = seeded("watch");
     torus shape = {1, 0.4};
     sgt_conic conic = {.c = -1 / 2.2136};
-    sgt_asphere asphere = {.c = 0.1, .k = -0.5, .a = {0, 1e-4, -2e-6}};
+    sgt_even_asphere asphere = {.c = 0.1, .k = -0.5, .a = {0, 1e-4, -2e-6}};
     const sgt_surface surfaces[] = {{&torus_ops, &shape},
                                     {&torus_value_only, &shape},
                                     {&forward, &conic},
                                     {&sgt_conic_ops, &conic},
-                                    {&sgt_asphere_ops, &asphere}};
+                                    {&sgt_even_asphere_ops, &asphere}};
     long n = scaled(1000);
     for (long i = 0; i < n; i++) {
         sgt_ray ray = torus_ray(&g);

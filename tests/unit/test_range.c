@@ -47,20 +47,20 @@ static void fill(generator *g, const sgt_builtin *b, parameters *with, double (*
     pooled = 0;
     for (const sgt_param *p = b->params; p->name; p++) {
         unsigned char *to = (unsigned char *)with + p->offset;
-        if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
-            size_t rows = p->kind == SGT_LIST ? 1 : 4, columns = 4;
+        if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
+            size_t rows = p->kind == SGT_PARAM_LIST ? 1 : 4, columns = 4;
             sgt_numbers n = {&pool[pooled], rows, columns};
             for (size_t i = 0; i < rows * columns; i++) pool[pooled++] = chance(g, 0.5) ? 0 : make(g);
             memcpy(to, &n, sizeof n);
-        } else if (p->kind == SGT_TERMS) {
+        } else if (p->kind == SGT_PARAM_TERMS) {
             of_term = (sgt_odd_asphere){.a = {0, make(g), chance(g, 0.5) ? 0 : make(g), make(g)}};
             term = (sgt_surface){&sgt_odd_asphere_ops, &of_term};
             sgt_sum *sum = (sgt_sum *)(void *)with;
             sum->terms = &term, sum->count = 1;
-        } else if (p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
-            int whole = p->kind == SGT_WORD ? 1 + below(g, 2) : below(g, 2);
+        } else if (p->kind == SGT_PARAM_WORD || p->kind == SGT_PARAM_TRUTH) {
+            int whole = p->kind == SGT_PARAM_WORD ? 1 + below(g, 2) : below(g, 2);
             memcpy(to, &whole, sizeof whole);
-        } else if (p->kind == SGT_WHOLE) {
+        } else if (p->kind == SGT_PARAM_WHOLE) {
             continue;
         } else if (strcmp(p->name, "slice") != 0) {
             for (int i = 0; i < p->count; i++) {
@@ -188,7 +188,7 @@ static void test_in_it(void **state)
             for (const sgt_param *p = b->params; p->name; p++) {
                 if (strcmp(p->name, "semi_diameter") == 0)
                     sag = true, memcpy((unsigned char *)&with + p->offset, &rim, sizeof rim);
-                if (strncmp(p->name, "norm", 4) == 0 && p->kind == SGT_REAL)
+                if (strncmp(p->name, "norm", 4) == 0 && p->kind == SGT_PARAM_REAL)
                     memcpy((unsigned char *)&with + p->offset, &one, sizeof one);
                 if (strncmp(p->name, "step", 4) == 0) sag = false; /* a grid ends */
             }
@@ -286,7 +286,7 @@ static void test_stretched(void **state)
                 double *at = (double *)(void *)((unsigned char *)&with + p->offset), minus = -1;
                 if (strcmp(p->name, "conic") == 0) *at = minus;
                 if (strcmp(p->name, "semi_diameter") == 0) *at = rim;
-                if (strncmp(p->name, "norm", 4) == 0 && p->kind == SGT_REAL) *at = 8;
+                if (strncmp(p->name, "norm", 4) == 0 && p->kind == SGT_PARAM_REAL) *at = 8;
                 if (strncmp(p->name, "step", 4) == 0) *at = 4;
             }
             stretched = with;
@@ -305,7 +305,7 @@ static void test_stretched(void **state)
             for (int j = 0; j < 16; j++) exact = stretch(&of_term.a[j], k) && exact;
             for (const sgt_param *p = b->params; p->name; p++)
                 if (strcmp(p->name, "curvature") == 0 ||
-                    (strcmp(p->name, "coefficients") == 0 && p->kind == SGT_REAL))
+                    (strcmp(p->name, "coefficients") == 0 && p->kind == SGT_PARAM_REAL))
                     for (int j = 0; j < p->count; j++)
                         exact = stretch((double *)(void *)((unsigned char *)&stretched + p->offset) + j, k) &&
                                 exact;

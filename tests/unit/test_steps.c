@@ -231,14 +231,15 @@ static void test_builtins(void **state)
         memcpy(with, row->specimen, row->size);
         if (row->prepare) row->prepare(with);
         watch_rays(&g, (sgt_surface){row->ops, with}, row->type,
-                   scaled(row->family == SGT_LEVEL_SET ? 5 : 12));
+                   scaled(row->family == SGT_FAMILY_LEVEL_SET ? 5 : 12));
         sgt_surface_ops users = *row->ops;
         users.own_ = NULL;
         watch_rays(&g, (sgt_surface){&users, with}, "  as a user's", scaled(5));
     }
     /* without a rim, and steep */
-    sgt_asphere steep = {.c = -0.4, .k = 0.7, .a = {0.01, -2e-3, 1e-4, -3e-5}};
-    watch_rays(&g, (sgt_surface){&sgt_asphere_ops, &steep}, "a steep asphere without a rim", scaled(100));
+    sgt_even_asphere steep = {.c = -0.4, .k = 0.7, .a = {0.01, -2e-3, 1e-4, -3e-5}};
+    watch_rays(&g, (sgt_surface){&sgt_even_asphere_ops, &steep}, "a steep asphere without a rim",
+               scaled(100));
 }
 
 static void test_formulas(void **state)

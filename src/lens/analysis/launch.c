@@ -71,7 +71,7 @@ sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options 
                                              : (double)NAN;
     if (sgt_lens_at(lens, um, from->element, &from->before, error) &&
         sgt_lens_first_order(lens, um, &from->data, NULL, NULL, error) &&
-        (from->aim == SGT_AIM_PUPIL || sgt_aim_at_stop(from, error)))
+        (from->aim == SGT_LENS_AIM_PUPIL || sgt_aim_at_stop(from, error)))
         return from;
     sgt_launcher_free(from);
     return NULL;
@@ -257,7 +257,7 @@ sgt_ray sgt_field_ray(const sgt_field_beam *b, double x, double y)
 bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, size_t count, const sgt_pupil_point at[], sgt_launched out[])
 {
-    if (from->aim != SGT_AIM_PUPIL)
+    if (from->aim != SGT_LENS_AIM_PUPIL)
         return sgt_aim_rays(from, b, e, index_before, count, at, out);
     for (size_t i = 0; i < count; i++) {
         sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);

@@ -12,7 +12,7 @@ struct sgt_launcher {
     double          before;    /* and the index in front, there */
     sgt_first_order data;      /* there */
     sgt_lens_aim    aim;
-    double          stop_radius; /* unless SGT_AIM_PUPIL */
+    double          stop_radius; /* unless SGT_LENS_AIM_PUPIL */
     /* the sign of a turn in the pupil as seen at the stop, on the axis; 0: not known */
     double          sense;
 };

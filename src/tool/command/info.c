@@ -406,7 +406,7 @@ info_chief *info_chiefs(const lens *l)
     const size_t fields = l->of->fields;
     const double none = (double)NAN;
     info_chief *out = memory_take(fields, sizeof *out);
-    const sgt_lens_aim aim = l->of->telecentric ? SGT_AIM_PUPIL : SGT_AIM_STOP;
+    const sgt_lens_aim aim = l->of->telecentric ? SGT_LENS_AIM_PUPIL : SGT_LENS_AIM_STOP;
     sgt_lens_error e;
     sgt_launcher *from = sgt_launcher_new(
         l->of, &(sgt_launcher_options){.aim = &aim, .wavelength = isnan(l->wavelength) ? 0 : l->wavelength},

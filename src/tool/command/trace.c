@@ -456,7 +456,7 @@ static void write_doubts(const trace_work *w)
 {
     const job *j = w->job;
     const job_options *o = &w->asked->job;
-    const bool aimed = o->aim_given ? o->aimed : j->lens.of->aim != SGT_AIM_PUPIL;
+    const bool aimed = o->aim_given ? o->aimed : j->lens.of->aim != SGT_LENS_AIM_PUPIL;
     for (size_t k = 1; k < j->lens.count; k++)
         if (w->back[k])
             table_line(

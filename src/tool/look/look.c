@@ -219,7 +219,7 @@ launch_pattern look_coarser(const look *l, const launch_pattern *points)
 void look_count(look_fates *f, const sgt_ray_end *end)
 {
     f->rays++, f->folded += end->folded;
-    if (end->aimed == SGT_AIM_UNDECIDED) {
+    if (end->aimed == SGT_AIMED_UNDECIDED) {
         f->within = f->unfound ? fmin(f->within, end->within) : end->within;
         f->unfound++;
     }

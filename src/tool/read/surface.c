@@ -28,13 +28,13 @@ const sgt_builtin *surface_row(sgt_surface s)
     return b;
 }
 
-bool surface_is_level_set(sgt_surface s) { return surface_row(s)->family == SGT_LEVEL_SET; }
+bool surface_is_level_set(sgt_surface s) { return surface_row(s)->family == SGT_FAMILY_LEVEL_SET; }
 
 const double *surface_number(sgt_surface s, const char *key)
 {
     for (const sgt_builtin *b = sgt_builtins; b->type; b++)
         for (const sgt_param *p = b->params; b->ops == s.ops && p->name; p++)
-            if (p->kind == SGT_REAL && strcmp(p->name, key) == 0)
+            if (p->kind == SGT_PARAM_REAL && strcmp(p->name, key) == 0)
                 return (const void *)((const char *)s.self + p->offset);
     return NULL;
 }
