@@ -111,7 +111,7 @@ static char *surface_text(document *d, const node *map, const char *more)
 
 static const sgt_builtin *row_of(const char *type)
 {
-    const sgt_builtin *const tables[] = {sgt_builtins, own_surfaces};
+    const sgt_builtin *const tables[] = {sgt_builtins(), own_surfaces};
     for (int i = 0; i < 2; i++)
         for (const sgt_builtin *b = tables[i]; b->type; b++)
             if (strcmp(b->type, type) == 0) return b;

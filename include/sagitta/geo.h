@@ -98,10 +98,10 @@ SGT_API double sgt_geoid_undulation(const sgt_geoid *geoid, double latitude,
 extern SGT_API const sgt_surface_ops sgt_geodetic_height_ops, sgt_level_gravity_ops,
     sgt_geoid_height_ops;
 
-/* As sgt_builtins (surfaces.h): "geodetic_height", "level_gravity", "geoid".  A geoid is
+/* As sgt_builtins() (surfaces.h): "geodetic_height", "level_gravity", "geoid".  A geoid is
  * a pointer too, which no row can describe.  A reader of "geoid" opens its `file`
  * (sgt_geoid_find if none is named) and puts it in. */
-extern SGT_API const sgt_builtin sgt_geo_builtins[];
+SGT_API const sgt_builtin *sgt_geo_builtins(void);
 
 #ifdef __cplusplus
 }

@@ -453,9 +453,11 @@ typedef struct sgt_builtin {
  * Example:
  *
  *     int count = 0;
- *     for (const sgt_builtin *b = sgt_builtins; b->type; b++) count++;
- */
-extern SGT_API const sgt_builtin sgt_builtins[];
+ *     for (const sgt_builtin *b = sgt_builtins(); b->type; b++) count++;
+ *
+ * Constant, never NULL, and the same address at each call.  (A function: a program copies
+ * exported data as long as they were when it was linked, and this list grows.) */
+SGT_API const sgt_builtin *sgt_builtins(void);
 
 #ifdef __cplusplus
 }

@@ -535,6 +535,7 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sagitta_nothing": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "sagitta_layouts": (POINTER(Layout), []),
     "sgt_version": (c_char_p, []),
+    "sgt_builtins": (c_void_p, []),
     "sgt_status_text": (c_char_p, [c_int]),
     "sgt_fate_text": (c_char_p, [c_int]),
     "sgt_aimed_text": (c_char_p, [c_int]),

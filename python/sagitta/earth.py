@@ -13,8 +13,9 @@ from . import _library as C
 from .surface import ROWS, Catalogue, builtins_at
 
 try:
-    _TABLE: Optional[int] = C.address_of("sgt_geo_builtins")
-except ValueError:
+    C.library.sgt_geo_builtins.restype = ctypes.c_void_p
+    _TABLE: Optional[int] = C.library.sgt_geo_builtins()
+except AttributeError:
     _TABLE = None
 
 available: bool = _TABLE is not None  # was the library built with GeographicLib?

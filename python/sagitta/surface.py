@@ -520,7 +520,7 @@ class Surface:
 
 
 def builtins_at(at: int) -> Iterator[C.Builtin]:
-    """The rows of a table like sgt_builtins."""
+    """The rows of a table like that of sgt_builtins()."""
     while True:
         row = C.Builtin.from_address(at)
         if not row.type:
@@ -529,7 +529,7 @@ def builtins_at(at: int) -> Iterator[C.Builtin]:
         at += ctypes.sizeof(C.Builtin)
 
 
-BUILTINS: dict[str, C.Builtin] = {row.type.decode(): row for row in builtins_at(C.address_of("sgt_builtins"))}
+BUILTINS: dict[str, C.Builtin] = {row.type.decode(): row for row in builtins_at(C.library.sgt_builtins())}
 ROWS: dict[str, C.Builtin] = dict(BUILTINS)  # and those about the Earth (earth.py)
 
 

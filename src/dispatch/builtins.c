@@ -1,4 +1,4 @@
-/* builtins.c - the built-in surfaces as data: sgt_builtins, made of the rows of types.def. */
+/* builtins.c - the built-in surfaces as data: sgt_builtins(), made of the rows of types.def. */
 #include "dispatch.h"
 
 #include <sagitta/surfaces.h>
@@ -68,7 +68,9 @@ sgt_objection sgt_cylinder_object(const void *self)
     {#type,   &sgt_##NAME##_ops, sizeof(sgt_##NAME), type##_params, OBJECT_##KIND(type), prepare, \
      SGT_FAMILY_##KIND, &type##_specimen},
 
-const sgt_builtin sgt_builtins[] = {
+static const sgt_builtin builtins[] = {
 #include "../types.def"
     {0},
 };
+
+const sgt_builtin *sgt_builtins(void) { return builtins; }

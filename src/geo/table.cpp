@@ -1,4 +1,4 @@
-// table.cpp - the table of the surfaces about the Earth, like the library's sgt_builtins.
+// table.cpp - the table of the surfaces about the Earth, like the library's sgt_builtins().
 #include "earth.hpp"
 
 #include <cfloat>
@@ -19,9 +19,7 @@ const sgt_param level_gravity[] = {number("h", offsetof(sgt_level_gravity, h), 1
                                    {}};
 const sgt_param geoid[] = {number("h", offsetof(sgt_geoid_height, h), 1), {}};
 
-} // namespace
-
-const sgt_builtin sgt_geo_builtins[] = {
+const sgt_builtin builtins[] = {
     {"geodetic_height", &sgt_geodetic_height_ops, sizeof(sgt_geodetic_height), geodetic_height,
      geo::object_to_geodetic_height, nullptr, SGT_FAMILY_OTHER, nullptr},
     {"level_gravity", &sgt_level_gravity_ops, sizeof(sgt_level_gravity), level_gravity,
@@ -30,3 +28,7 @@ const sgt_builtin sgt_geo_builtins[] = {
      SGT_FAMILY_OTHER, nullptr},
     {},
 };
+
+} // namespace
+
+const sgt_builtin *sgt_geo_builtins(void) { return builtins; }

@@ -50,7 +50,7 @@ static void print_types_with(char text[], size_t size, const char *key, const ch
     int count = 0;
     size_t length = 0;
     *text = 0;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         for (const sgt_param *p = b->params; p->name; p++) {
             if (strcmp(p->name, key) != 0 || strcmp(b->type, own) == 0) continue;
             if (count < SHOWN && length < size)
@@ -95,7 +95,7 @@ static const sgt_builtin *type_of(source *s, const node *map)
     const char *name = tree_read_text(s, n, "type");
     char known[900];
     size_t length = 0;
-    const sgt_builtin *const several[] = {sgt_builtins, s->options->types};
+    const sgt_builtin *const several[] = {sgt_builtins(), s->options->types};
     for (int i = 0; i < 2; i++)
         for (const sgt_builtin *b = several[i]; b && b->type; b++) {
             if (strcmp(b->type, name) == 0) return b;
@@ -112,7 +112,7 @@ static const sgt_builtin *type_of(source *s, const node *map)
                       "build again", name);
     const char *near = "", *words = "";
     size_t least = strlen(name) / 3 + 1;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {
         piece own = {name, name + strlen(name)}, other = {b->type, b->type + strlen(b->type)};
         size_t apart = sgt_reader_distance(own, other);
         if (apart < least) near = b->type, words = "did you mean ", least = apart;

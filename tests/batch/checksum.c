@@ -132,7 +132,7 @@ static const sgt_surface_ops saddles[] = {
 
 static void add_own_surface(generator *g, int rounds)
 {
-    const specimen like = {.type = sgt_builtins, .size = 2, .sag = true};
+    const specimen like = {.type = sgt_builtins(), .size = 2, .sag = true};
     while (rounds-- > 0) {
         sgt_surface s = {&saddles[below(g, COUNT_OF(saddles))], &dented};
         sgt_options opt = chance(g, 0.6) ? (sgt_options){0} : hostile_options(g);
@@ -179,7 +179,7 @@ static void add_lens(generator *g, int rounds)
     static double direction[ELEMENTS][3][BATCH], opl[ELEMENTS][BATCH], end[7][BATCH];
     static signed char fates[BATCH];
     static int passed[BATCH];
-    const specimen like = {.type = sgt_builtins, .size = 8, .sag = true};
+    const specimen like = {.type = sgt_builtins(), .size = 8, .sag = true};
     sgt_passages recorded[ELEMENTS];
     for (int j = 0; j < ELEMENTS; j++)
         recorded[j] = (sgt_passages){
@@ -256,12 +256,12 @@ int main(int argc, char **argv)
     enum { FIRST_TYPES = 20 };
     generator g = {test_seed(2)};
     double scale = test_scale();
-    for (int i = 0; i < FIRST_TYPES; i++) part_of_type(&sgt_builtins[i], &g, scale, argc, argv);
+    for (int i = 0; i < FIRST_TYPES; i++) part_of_type(&sgt_builtins()[i], &g, scale, argc, argv);
     generator own = {random_bits(&g)}, lens = {random_bits(&g)}, poses = {random_bits(&g)};
     if (begin("own surface", argc, argv)) add_own_surface(&own, (int)(60 * scale) + 1), end("own surface");
     if (begin("lens", argc, argv)) add_lens(&lens, (int)(60 * scale) + 1), end("lens");
     if (begin("poses", argc, argv)) add_poses(&poses, (int)(1000 * scale) + 1), end("poses");
-    for (const sgt_builtin *b = &sgt_builtins[FIRST_TYPES]; b->type; b++)
+    for (const sgt_builtin *b = &sgt_builtins()[FIRST_TYPES]; b->type; b++)
         part_of_type(b, &g, scale, argc, argv);
     return 0;
 }

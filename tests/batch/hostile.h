@@ -490,7 +490,7 @@ static UNUSED void random_by_row(generator *g, const sgt_builtin *type, paramete
             if (used + n > TERMS) used = 0;
             const sgt_surface *first = terms + used;
             for (size_t i = 0; i < n; i++, used++) {
-                const sgt_builtin *kind = sgt_builtins;
+                const sgt_builtin *kind = sgt_builtins();
                 for (int chosen_kind = below(g, COUNT_OF(kinds));
                      kind->type && strcmp(kind->type, kinds[chosen_kind]);)
                     kind++;
@@ -938,7 +938,7 @@ static UNUSED void print_parameters(const sgt_builtin *type, const parameters *w
             size_t n;
             memcpy(&terms, at, sizeof terms), memcpy(&n, at + sizeof terms, sizeof n);
             for (size_t i = 0; i < n; i++)
-                for (const sgt_builtin *kind = sgt_builtins; kind->type; kind++)
+                for (const sgt_builtin *kind = sgt_builtins(); kind->type; kind++)
                     if (!strcmp(kind->type, terms[i].ops->name))
                         printf("\n    "), print_parameters(kind, terms[i].self);
         } else for (int i = 0; i < p->count; i++) {

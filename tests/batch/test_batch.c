@@ -237,9 +237,9 @@ int main(int argc, char **argv)
     printf("SAGITTA_TEST_SEED=%llu SAGITTA_TEST_SCALE=%g\n", (unsigned long long)seed, test_scale());
     test_door();
     bool faulty = failures > 0;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {
         if (argc > 1 && strcmp(argv[1], b->type)) continue;
-        generator g = {seed ^ (uint64_t)(b - sgt_builtins) << 40};
+        generator g = {seed ^ (uint64_t)(b - sgt_builtins()) << 40};
         bool known = !answers_itself(b);
         for (size_t i = 0; i < COUNT_OF(chosen); i++) known |= !strcmp(chosen[i].type, b->type);
         if (!known || b->size > sizeof(parameters))

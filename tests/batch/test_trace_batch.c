@@ -133,7 +133,7 @@ static void give_phase(generator *g, lens *l, size_t i)
 static void as_built(generator *g, lens *l)
 {
     const sgt_builtin *asphere = NULL;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         if (b->ops == &sgt_even_asphere_ops) asphere = b;
     double z = chance(g, 0.8) ? 0 : uniform(g, -2, 2), step = 1, index = 1;
     bool coaxial = chance(g, 0.5), tight = chance(g, 0.4);
@@ -223,11 +223,11 @@ static void spoil_element(generator *g, lens *l, size_t i)
 /* A surface of hostile.h; most of these are sags, level sets take long. */
 static void hostile_surface(generator *g, lens *l, size_t i)
 {
+    const sgt_builtin *all = sgt_builtins(), *type = all;
     int types = 0;
-    while (sgt_builtins[types].type && answers_itself(&sgt_builtins[types])) types++; /* they come first */
-    const sgt_builtin *type = &sgt_builtins[below(g, types)];
-    if (type->ops != &sgt_conic_ops && type->ops != &sgt_even_asphere_ops && chance(g, 0.9))
-        type = &sgt_builtins[0];
+    while (all[types].type && answers_itself(&all[types])) types++; /* they come first */
+    type = &all[below(g, types)];
+    if (type->ops != &sgt_conic_ops && type->ops != &sgt_even_asphere_ops && chance(g, 0.9)) type = all;
     l->s[i] = random_specimen(g, type);
     l->e[i].surface = surface_of(&l->s[i]);
 }

@@ -167,7 +167,7 @@ inline std::vector<Subject> subjects(Kept &kept, double rim = RIM)
         {"torus", "torus", {&sgt_torus_ops, kept.keep(sgt_torus{2, 1.5})}, false},
         {"ellipsoid", "ellipsoid", {&sgt_ellipsoid_ops, kept.keep(sgt_ellipsoid{5, 0.2})}, false},
     };
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {  // any other, by its specimen, whose rim is RIM
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {  // any other, by its specimen, of rim RIM
         bool known = b->family == SGT_FAMILY_CONIC || b->family == SGT_FAMILY_LEVEL_SET;
         for (const Subject &s : all)
             known = known || s.s.ops == b->ops;

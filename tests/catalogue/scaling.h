@@ -11,13 +11,13 @@ namespace catalogue
 
 inline const sgt_builtin *row_of(const std::string &type)
 {
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++)
         if (type == row->type) return row;
     return nullptr;
 }
 inline const sgt_builtin *row_of(const sgt_surface_ops *ops)
 {
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++)
         if (row->ops == ops) return row;
     return nullptr;
 }

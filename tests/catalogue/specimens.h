@@ -40,7 +40,7 @@ struct specimen {
 // The types of these families, behind the names that are given.
 inline std::vector<const char *> types_of(std::vector<const char *> found, bool of_sags, bool of_bodies)
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         if ((of_sags && b->family == SGT_FAMILY_DEPARTURE) || (of_bodies && b->family == SGT_FAMILY_BODY))
             found.push_back(b->type);
     return found;
@@ -51,14 +51,14 @@ static const std::vector<const char *> types = types_of({}, true, true), sags = 
 
 inline const sgt_builtin *row_named(const std::string &type)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->type && type != b->type) b++;
     return b;
 }
 
 inline const sgt_builtin *row_of_ops(const sgt_surface_ops *ops)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->ops != ops) b++;
     return b;
 }

@@ -22,7 +22,7 @@ long failures;
 // The same parameters without a semi_diameter.
 sgt_surface without_rim(specimen *s)
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         for (const sgt_param *p = b->params; b->ops == s->s.ops && p->name; p++) {
             if (std::string(p->name) != "semi_diameter") continue;
             std::vector<char> &copy = *s->keep(std::vector<char>(b->size));

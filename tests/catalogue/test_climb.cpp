@@ -353,7 +353,7 @@ int main(int argc, char **argv)
     const bool pinned = r.seed == 20261101 && r.count == standard && !limits && !table;
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
     std::vector<std::string> names;
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) names.push_back(row->type);
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) names.push_back(row->type);
     if (!table) {
         names.push_back("even_asphere, steep");
         for (const char *type : {"chebyshev", "zernike", "q_con", "q_bfs"})

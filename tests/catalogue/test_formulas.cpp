@@ -192,7 +192,7 @@ static void level_sets()
 // A type that is added to the library wants its row here.
 static void rows()
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         if (!row_of<quad>({b->ops, nullptr})) failures++, std::printf("FAIL %s has no formula\n", b->type);
 }
 

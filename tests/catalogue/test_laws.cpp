@@ -56,7 +56,7 @@ void sound(generator &g, const char *type)
 
 const sgt_builtin *row_of(const std::string &type)
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         if (type == b->type) return b;
     return nullptr;
 }

@@ -255,9 +255,9 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 25, 20260801);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (only && std::strcmp(only, row->type)) continue;
-        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins) * 1000003);
+        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins()) * 1000003);
         for (long i = 0; i < r.count; i++) one_target(g, row->type);
     }
     for (const auto &f : failed) std::printf("  FAIL %8ld  %s\n", f.second, f.first.c_str());

@@ -482,7 +482,7 @@ int main(int argc, char **argv)
     std::vector<std::string> names(themselves, themselves + 6);
     names.insert(names.end(), types.begin(), types.end());
     names.insert(names.end(), offer_names, offer_names + offers);
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         if (std::find(names.begin(), names.end(), b->type) == names.end())
             failed[std::string(b->type) + ": a row that is not asked"]++;
     for (std::size_t k = 0; k < names.size(); k++) {

@@ -512,9 +512,9 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 1, 20260802);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (only && std::strcmp(only, row->type)) continue;
-        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins) * 1000003);
+        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins()) * 1000003);
         for (long i = 0; i < r.count; i++) {
             std::vector<int> powers = {1, -1, 3, -2, 39, -37, 40, -40};
             if (r.count >= 10) {
@@ -522,7 +522,7 @@ int main(int argc, char **argv)
                 for (int k = 1; k <= 40; k++) powers.push_back(k), powers.push_back(-k);
             }
             built_in(g, row->type, powers);
-            if (row == sgt_builtins)
+            if (row == sgt_builtins())
                 for (const formula_case &f : formulas) formula_made(g, f, powers);
         }
     }

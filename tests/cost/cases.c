@@ -428,7 +428,7 @@ int main(int argc, char **argv)
         batch(of, MANY, &first);
         ask_case(name, "derivatives by the ray", differentiate, of, MANY, first);
     }
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) { /* any other, by its specimen */
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++) { /* any other, by its specimen */
         bool named = false;
         for (size_t i = 0; i < COUNT_OF(surfaces); i++) named = named || surfaces[i].of.surface.ops == b->ops;
         const subject of = {{b->ops, b->specimen}, NULL};

@@ -68,7 +68,7 @@ static sgt_options now_opt;
 
 static const sgt_builtin *row_of(const sgt_surface_ops *ops)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->ops != ops) b++;
     return b;
 }
@@ -409,9 +409,9 @@ static subject take_subject(bytes *b)
     enum { FIRST = 6 }; /* the rows that there were when the corpus was made */
     subject s = {0};
     unsigned which = take_byte(b), flags = take_byte(b), rows = 0;
-    while (sgt_builtins[rows].type) rows++;
+    while (sgt_builtins()[rows].type) rows++;
     s.catalogue = 0x1188u >> (flags >> 4) & 1;
-    s.row = &sgt_builtins[s.catalogue ? FIRST + which % (rows - FIRST) : which % FIRST];
+    s.row = &sgt_builtins()[s.catalogue ? FIRST + which % (rows - FIRST) : which % FIRST];
     bool tamed = flags & 1;
     s.kind = (flags >> 1 & 7) == 6 ? USER : (flags >> 1 & 7) == 7 ? LIAR : OWN;
     s.sag = s.row->ops == &sgt_conic_ops || s.row->ops == &sgt_even_asphere_ops;

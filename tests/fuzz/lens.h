@@ -21,7 +21,7 @@ static const sgt_allocator counted = {counted_resize, NULL};
 
 static void require_surface(sgt_surface s, const char *type, double size)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->type && strcmp(b->type, type) != 0) b++;
     REQUIRE(b->type && b->ops == s.ops, "%s", type);
     for (const sgt_param *p = b->params; p->name; p++) {

@@ -597,7 +597,7 @@ int main(int argc, char **argv)
     if (const char *e = std::getenv("SAGITTA_TEST_SCALE")) scale = std::atof(e);
     std::printf("SAGITTA_TEST_SEED=%" PRIu64 "\n", seed);
     generator g = {seed};
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (row->ops->values) continue; // met by its operations: tests/catalogue
         if (argc > 1 && std::strcmp(argv[1], row->type)) continue;
         if (!row->ops->enclose) {

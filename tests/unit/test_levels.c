@@ -26,7 +26,7 @@ static sgt_mandelbrot sliced_alike(const sgt_julia *s)
 
 static const sgt_builtin *row_of(const char *type)
 {
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++)
         if (!strcmp(row->type, type)) return row;
     fail_msg("no row for %s", type);
     return NULL;

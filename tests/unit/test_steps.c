@@ -226,7 +226,7 @@ static void test_builtins(void **state)
 {
     (void)state;
     generator g = seeded("built-in surfaces");
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         static double with[LARGEST / sizeof(double)];
         memcpy(with, row->specimen, row->size);
         if (row->prepare) row->prepare(with);

@@ -58,7 +58,7 @@ static void test_rows(void **state)
 {
     (void)state;
     size_t rows = 0;
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++, rows++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++, rows++) {
         assert_non_null(row->ops);
         assert_non_null(row->ops->name);
         assert_non_null(row->ops->value);
@@ -71,7 +71,7 @@ static void test_rows(void **state)
         for (const char *c = row->type; *c; c++)
             REQUIRE((*c >= 'a' && *c <= 'z') || *c == '_' || (*c >= '0' && *c <= '9'), "%s: not a key",
                     row->type);
-        for (const sgt_builtin *other = sgt_builtins; other != row; other++)
+        for (const sgt_builtin *other = sgt_builtins(); other != row; other++)
             assert_string_not_equal(row->type, other->type);
         for (const sgt_param *p = row->params; p->name; p++) {
             REQUIRE(p->count >= 1 && p->offset % alignment_of(p) == 0 && p->offset + size_of(p) <= row->size,
@@ -97,11 +97,11 @@ static void test_rows(void **state)
         }
     }
     assert_true(rows >= 4);
-    const sgt_builtin *end = &sgt_builtins[rows];
+    const sgt_builtin *end = &sgt_builtins()[rows];
     assert_true(!end->type && !end->ops && !end->size && !end->params);
     static const char *const wanted[] = {"plane", "sphere", "conic", "even_asphere"};
     for (size_t i = 0; i < COUNT_OF(wanted); i++) {
-        const sgt_builtin *row = sgt_builtins;
+        const sgt_builtin *row = sgt_builtins();
         while (row->type && strcmp(row->type, wanted[i])) row++;
         REQUIRE(row->type, "no row for %s", wanted[i]);
     }
@@ -112,7 +112,7 @@ static void test_zero(void **state)
 {
     (void)state;
     generator g = seeded("zero is a plane");
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (is_level_set(row)) continue;
         static parameters all_zero;
         const void *zero = &all_zero.is;
@@ -176,10 +176,10 @@ static void random_parameters(generator *g, const sgt_builtin *row, double h, pa
 static void random_terms(generator *g, const sgt_builtin *row, const sgt_param *p, double h, parameters *out)
 {
     size_t count = (size_t)below(g, MOST_TERMS + 1), rows = 0;
-    while (sgt_builtins[rows].type) rows++;
+    while (sgt_builtins()[rows].type) rows++;
     if (!out->of_term) out->of_term = calloc(MOST_TERMS, sizeof *out->of_term);
     for (size_t i = 0; i < count;) {
-        const sgt_builtin *of = &sgt_builtins[below(g, (int)rows)];
+        const sgt_builtin *of = &sgt_builtins()[below(g, (int)rows)];
         if (of == row || is_level_set(of)) continue;
         random_parameters(g, of, h, &out->of_term[i]);
         out->terms[i] = (sgt_surface){of->ops, &out->of_term[i].is};
@@ -232,7 +232,7 @@ static void test_conformance(void **state)
     (void)state;
     generator g = seeded("conformance");
     long n = scaled(200);
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (is_level_set(row)) continue;
         static parameters p;
         long met = 0, missed = 0, undecided = 0, past = 0;
@@ -311,7 +311,7 @@ static void test_not_finite(void **state)
     (void)state;
     generator g = seeded("not finite");
     const double bad[] = {NOT, FAR, -FAR};
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++)
         for (const sgt_param *param = row->params; param->name; param++)
             for (size_t k = 0; k < COUNT_OF(bad); k++) {
                 static parameters p;
@@ -343,7 +343,7 @@ static void test_not_finite(void **state)
 static void test_specimens(void **state)
 {
     (void)state;
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         static double with[LARGEST / sizeof(double)];
         REQUIRE(row->specimen, "%s has no specimen", row->type);
         memcpy(with, row->specimen, row->size);

@@ -23,7 +23,7 @@ sgt_surface surface_parse(const char *option, const char *text)
 
 const sgt_builtin *surface_row(sgt_surface s)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->type && b->ops != s.ops) b++;
     return b;
 }
@@ -32,7 +32,7 @@ bool surface_is_level_set(sgt_surface s) { return surface_row(s)->family == SGT_
 
 const double *surface_number(sgt_surface s, const char *key)
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         for (const sgt_param *p = b->params; b->ops == s.ops && p->name; p++)
             if (p->kind == SGT_PARAM_REAL && strcmp(p->name, key) == 0)
                 return (const void *)((const char *)s.self + p->offset);

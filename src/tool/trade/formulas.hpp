@@ -682,7 +682,7 @@ inline std::vector<double> parameters_beyond_base(const sgt_surface &s)
 {
     std::vector<double> p;
     const row<double> *r = row_of<double>(s);
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->ops != s.ops) b++;
     for (const sgt_param *of = b->params; of->name && b->family != SGT_FAMILY_LEVEL_SET; of++) {
         const std::string key = of->name;
