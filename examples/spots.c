@@ -8,21 +8,21 @@
 
 /* The lens is at its primary wavelength, as it was read. */
 static bool print_field(const sgt_launcher *from, const sgt_lens *lens, size_t field, size_t count,
-                        const sgt_pupil_point at[], sgt_lens_error *error)
+                        const sgt_pupil_point at[], sgt_error *error)
 {
     sgt_ray_end *end = malloc(count * sizeof *end), chief;
     double *opd = malloc(2 * count * sizeof *opd), *opd_err = opd + count;
     sgt_field_beam beam;
     sgt_reference about;
     bool fine = end && opd && sgt_launch_field(from, lens->field_kind, &lens->field[field], &beam, error) &&
-                sgt_trace_chief(from, &beam, lens->element, lens->index_before, &chief) &&
-                sgt_trace_pupil(from, &beam, lens->element, lens->index_before, count, at, NULL, end);
+                sgt_trace_chief(from, &beam, lens->element, lens->index_before, &chief, error) &&
+                sgt_trace_pupil(from, &beam, lens->element, lens->index_before, count, at, NULL, end, error);
     if (fine) {
         sgt_spot spot = sgt_spot_of(1, &(sgt_ends){count, end, 1}, NULL);
         printf("field %zu: %zu of %zu rays passed, rms %.6g +- %.1g", field + 1, spot.passed, spot.rays,
                spot.rms, spot.error);
         if (sgt_reference_of(lens, sgt_launcher_data(from), lens->element, lens->index_before, &chief, false,
-                             &about)) {
+                             &about, NULL)) {
             for (size_t i = 0; i < count; i++) opd[i] = sgt_opd(&about, &end[i], &opd_err[i]);
             sgt_wavefront front = sgt_wavefront_of(count, end, opd, opd_err);
             printf(", wavefront rms %.6g +- %.1g", front.rms, front.error);
@@ -36,7 +36,7 @@ static bool print_field(const sgt_launcher *from, const sgt_lens *lens, size_t f
 
 int main(int argc, char *argv[])
 {
-    sgt_lens_error error = {.line = 0};
+    sgt_error error = {.line = 0};
     sgt_lens *lens = argc > 1 ? sgt_lens_read(argv[1], NULL, &error) : NULL;
     sgt_launcher *from = lens ? sgt_launcher_new(lens, NULL, &error) : NULL;
     size_t across = argc > 2 ? (size_t)atoi(argv[2]) : 20;

@@ -352,8 +352,9 @@ static sgt_rays rays_at(const sgt_rays *all, size_t from)
 
 static sgt_ray ray_at(const sgt_rays *all, size_t i)
 {
-    return (sgt_ray){{all->o[0][i], all->o[1][i], all->o[2][i]}, {all->d[0][i], all->d[1][i], all->d[2][i]},
-                     all->tmin ? all->tmin[i] : 0, all->tmax ? all->tmax[i] : HUGE_VAL};
+    return sgt_ray_between((sgt_vec3){all->o[0][i], all->o[1][i], all->o[2][i]},
+                           (sgt_vec3){all->d[0][i], all->d[1][i], all->d[2][i]},
+                           all->tmin ? all->tmin[i] : 0, all->tmax ? all->tmax[i] : HUGE_VAL);
 }
 
 static sgt_hits hits_at(const sgt_hits *all, size_t from)
@@ -391,7 +392,7 @@ static size_t gradient_of(sagitta_call *c, size_t i, sgt_passage *passage)
     size_t passed = sgt_trace(n, c->element, c->index_before, &ray, passage, &fate, c->opt);
     double *gradient = c->gradient + i * numbers;
     const double none = (double)NAN;
-    c->traced.fate[i] = (signed char)fate, c->traced.passed[i] = (int)passed;
+    c->traced.fate[i] = fate, c->traced.passed[i] = (int)passed;
     c->ends[i] = (sgt_ray_change){{none, none, none}, {none, none, none}, none};
     if (passed < n) {
         for (size_t j = 0; j < numbers; j++) gradient[j] = none;
@@ -559,7 +560,7 @@ int sagitta_run(sagitta_call *call)
     return !done ? -2 : here.failed ? -1 : 0;
 }
 
-/* One ray, and all there is to say of it.  Returns as sagitta_run. */
+/* One ray, its ends as they stand, and all there is to say of it.  Returns as sagitta_run. */
 SGT_API int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
 int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
 {
@@ -567,7 +568,7 @@ int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_option
     if (bad) return bad;
     run *outer = current, here = {0};
     current = &here;
-    *hit = sgt_intersect(*surface, *ray, opt);
+    *hit = sgt_intersect(*surface, sgt_ray_between(ray->o, ray->d, ray->tmin, ray->tmax), opt);
     current = outer;
     return here.failed ? -1 : 0;
 }

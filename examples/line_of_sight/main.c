@@ -211,12 +211,13 @@ typedef union earth { sgt_geodetic_height ellipsoid; sgt_level_gravity level; sg
 
 static sgt_geoid *open_geoid(const request *r)
 {
-    char found[4096], error[4096];
+    char found[4096];
+    sgt_error error;
     if (!r->geoid && !sgt_geoid_find(found, sizeof found))
         fail_input(
             "--surface geoid: egm96_15.gtx is not installed (Debian: proj-data); --geoid names a grid");
-    sgt_geoid *geoid = sgt_geoid_open(r->geoid ? r->geoid : found, error, sizeof error);
-    if (!geoid) fail_input("%s", error);
+    sgt_geoid *geoid = sgt_geoid_open(r->geoid ? r->geoid : found, &error);
+    if (!geoid) fail_input("%s: %s", error.file, error.words);
     return geoid;
 }
 

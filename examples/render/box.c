@@ -94,7 +94,7 @@ static sgt_span box_first(const void *self, const sgt_ray *ray)
 {
     passage p = passage_of(self, ray->o, ray->d);
     double middle = 0.5 * (p.in + p.out), apart = 4 * p.off;
-    double tmax = ray->tmax == 0 && ray->tmin >= 0 ? HUGE_VAL : ray->tmax;
+    double tmax = ray->tmax == 0 && ray->tmin == 0 ? HUGE_VAL : ray->tmax;
     sgt_span none = {.lo = 1, .hi = -1, .seed = (double)NAN, .single = true},
              in = {.lo = p.in - p.off, .hi = middle, .seed = p.in, .single = true},
              out = {.lo = middle, .hi = p.out + p.off, .seed = p.out, .single = true};

@@ -140,7 +140,7 @@ static bool is_bounded(const sgt_surface_ops *ops)
 void shape_read(document *d, const node *map, const char *more, object *o)
 {
     const sgt_lens_options options = {.types = own_surfaces};
-    sgt_lens_error e;
+    sgt_error e;
     document_keys(d, map, "objects");
     char *text = surface_text(d, map, more);
     o->read = sgt_lens_read_surface(d->file, text, &options, &e);

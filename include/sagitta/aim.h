@@ -115,6 +115,7 @@ typedef struct sgt_end_error {
     double path_grain; /* how far it changes the path, except by moving the launch point
                           along the ray.  0 if there is no phase: by Fermat's principle
                           the change is then of second order */
+    unsigned long long reserved_[2];
 } sgt_end_error;
 
 /* Bounds on the errors of the end of a ray that sgt_trace took through all n elements, or
@@ -147,6 +148,7 @@ typedef struct sgt_beam {
     sgt_vec3 o, ou, ov;  /* length */
     sgt_vec3 d, du, dv;  /* of any length */
     sgt_interval u, v;   /* lo <= hi: the box that is searched, ends included */
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_beam;
 
 /* A launch ray of the beam, from its origin on. */
@@ -158,7 +160,9 @@ typedef enum sgt_aimed {
     SGT_NO_SUCH_RAY   =  0,  /* proven: no launch ray of the box meets it */
     SGT_AIMED_UNDECIDED = -1,  /* none was found, and none excluded: see the attempts */
     SGT_AIMED_INVALID   = -2   /* a number of the beam, the point or the options is NaN,
-                                infinite, or not in its range; no direction at all */
+                                infinite, or not in its range; no direction at all; a
+                                member for later versions that is not zero.
+                                sgt_explain_aim says which */
 } sgt_aimed;
 
 /* "met", "no such ray", "undecided" or "invalid". */
@@ -182,6 +186,7 @@ typedef struct sgt_attempt {
     sgt_fate       fate;      /* of the last ray that did not get there, and at which */
     size_t         element;   /* element; SGT_PASSED if all have */
     int            traces;    /* spent */
+    unsigned long long reserved_[2];
 } sgt_attempt;
 
 /* Zeros are the defaults. */
@@ -211,6 +216,7 @@ typedef struct sgt_aiming {
                             clips it; stop + 1: none does */
     size_t    attempts;  /* starts that were tried */
     int       traces, boxes; /* spent on the search and on the proof */
+    unsigned long long reserved_[2];
 } sgt_aiming;
 
 /* The launch ray of the beam that meets element `stop` where x and y of its frame are
@@ -257,6 +263,11 @@ typedef struct sgt_aiming {
 SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before,
                           const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
                           const sgt_aim_options *opt, sgt_aiming *out);
+
+/* Why does sgt_aim answer SGT_AIMED_INVALID?  As sgt_explain_intersect. */
+SGT_API bool sgt_explain_aim(size_t stop, const sgt_element e[], double index_before,
+                             const sgt_beam *beam, sgt_vec2 wanted,
+                             const sgt_aim_options *opt, sgt_error *error);
 
 /* Bounds on u and v of the rays that meet the point and that the rims in front let
  * through.  The box of the beam has no say in them.

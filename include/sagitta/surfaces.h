@@ -416,6 +416,7 @@ typedef struct sgt_param {
     double      lo, hi;  /* the legal values: lo <= x <= hi, all finite */
     sgt_param_kind    kind;
     const char *words;   /* of an SGT_PARAM_WORD, separated by |; else NULL */
+    unsigned long long reserved_[2];
 } sgt_param;
 
 /* The first parameter that makes a struct SGT_INVALID, and why.  {NULL, NULL}: none. */
@@ -447,6 +448,7 @@ typedef struct sgt_builtin {
     sgt_family  family;
     const void *specimen;  /* a usual surface of the type, of a few units of length, to
                               test and to try.  NULL: there is none */
+    unsigned long long reserved_[4];
 } sgt_builtin;
 
 /* All types, for a parser, a benchmark, or a test of them all.  Ends with a row of zeros.

@@ -43,7 +43,7 @@ class LensError(ValueError):
         return LensError, (str(self), self.file, self.line, self.key)
 
 
-def _fault(error: C.LensError) -> LensError:
+def _fault(error: C.Error) -> LensError:
     file, key, words = C.text(error.file), C.text(error.key), C.text(error.words)
     where = f"{file}:{error.line}: " if file and error.line else f"{file}: " if file else ""
     words = words.replace("--glass PATH", "glasses=PATH")  # what the command calls it
@@ -72,7 +72,7 @@ def _catalogue(paths: Iterable[Union[str, os.PathLike[str], None]]) -> int:
     if not handle:
         raise MemoryError("sagitta: no memory")
     for path in paths:
-        error = C.LensError()
+        error = C.Error()
         if not C.library.sgt_catalogue_add(
             handle, os.fsencode(path) if path is not None else None, _byref(error)
         ):
@@ -96,7 +96,7 @@ class _Launcher:
     """An sgt_launcher, freed with this object."""
 
     def __init__(self, handle: _Handle, wavelength: float) -> None:
-        self.handle, error = handle, C.LensError()
+        self.handle, error = handle, C.Error()
         option = C.LauncherOptions(wavelength=0 if math.isnan(wavelength) else wavelength)
         self.pointer = C.library.sgt_launcher_new(handle.pointer, _byref(option), _byref(error))
         if not self.pointer:
@@ -478,7 +478,7 @@ class Lens:
         C.check_arithmetic()
         self = cls.__new__(cls)
         option, keep = _reading(glasses, configuration)
-        error = C.LensError()
+        error = C.Error()
         pointer = C.library.sgt_lens_read(os.fsencode(path), _byref(option), _byref(error))
         del keep
         if not pointer:
@@ -579,7 +579,7 @@ class Lens:
         if wavelength is not None and not um > 0:
             raise ValueError(f"wavelength: must be above 0 (micrometres), not {um}")
         if key not in self._at:
-            row, before, error = (C.Element * len(self))(), ctypes.c_double(), C.LensError()
+            row, before, error = (C.Element * len(self))(), ctypes.c_double(), C.Error()
             if wavelength is None:
                 ctypes.memmove(row, self._c.element, ctypes.sizeof(row))
                 before.value = self._c.index_before
@@ -799,23 +799,22 @@ class Lens:
         """Paraxial data: efl, bfd, f_number, pupils, magnification ... as attributes."""
         self._only_files("first_order")
         C.check_arithmetic()
-        out, error = C.FirstOrder(), C.LensError()
+        out, error = C.FirstOrder(), C.Error()
         um = math.nan if wavelength is None else float(wavelength)
         if not C.library.sgt_lens_first_order(
-            self._handle.pointer, um, _byref(out), None, None, _byref(error)
+            self._handle.pointer, um, _byref(out), None, _byref(error)
         ):
             raise _fault(error)
-        return FirstOrder(*(getattr(out, name) for name, _ in C.FirstOrder._fields_))
+        return FirstOrder(**{of.name: getattr(out, of.name) for of in fields(FirstOrder)})
 
     def seidel(self, wavelength: Optional[float] = None) -> Seidel:
         """The Seidel sums, surface by surface."""
         self._only_files("seidel")
         C.check_arithmetic()
-        rows, out, error = (C.Seidel * len(self))(), C.FirstOrder(), C.LensError()
-        why = ctypes.c_char_p()
+        rows, out, error = (C.Seidel * len(self))(), C.FirstOrder(), C.Error()
         um = math.nan if wavelength is None else float(wavelength)
         if not C.library.sgt_lens_first_order(
-            self._handle.pointer, um, _byref(out), rows, _byref(why), _byref(error)
+            self._handle.pointer, um, _byref(out), rows, _byref(error)
         ):
             raise _fault(error)
         columns = np.array(
@@ -823,7 +822,7 @@ class Lens:
         ).T
         names = ("spherical", "coma", "astigmatism", "petzval", "distortion", "axial", "lateral")
         sums: dict[str, Any] = dict(zip(names, columns))
-        return Seidel(**sums, why_not=C.text(why.value))
+        return Seidel(**sums, why_not=C.text(out.without_seidel))
 
     @property
     def afocal(self) -> bool:
@@ -854,7 +853,7 @@ class Lens:
         launcher = self._launchers.get(key)
         if launcher is None:
             launcher = self._launchers[key] = _Launcher(self._handle, key)
-        beam, error = C.FieldBeam(), C.LensError()
+        beam, error = C.FieldBeam(), C.Error()
         if not C.library.sgt_launch_field(
             launcher.pointer, self._c.field_kind, _byref(self._field(given)), _byref(beam), _byref(error)
         ):
@@ -899,11 +898,11 @@ class Lens:
         row, before = self._elements(wavelength)
         points = self._points(pattern, rays, seed)
         n = len(points)
-        out = np.zeros(n, _dtype(C.Launched))
+        out, error = np.zeros(n, _dtype(C.Launched)), C.Error()
         if not C.library.sgt_launch_rays(
-            launcher.pointer, _byref(beam), row, before, n, address(points), address(out)
+            launcher.pointer, _byref(beam), row, before, n, address(points), address(out), _byref(error)
         ):
-            raise MemoryError("sagitta: no memory")
+            raise _fault(error)
         x = points.T.copy()
         o, d = out["ray"]["o"].T.copy(), out["ray"]["d"].T.copy()
         o[:, out["status"] != 1] = d[:, out["status"] != 1] = np.nan
@@ -932,7 +931,7 @@ class Lens:
         several = list(wavelength) if isinstance(wavelength, (list, tuple, np.ndarray)) else [wavelength]
         points = self._points(pattern, rays, seed)
         n, kind = len(points), _dtype(C.RayEnd)
-        ends = np.zeros((len(several), n), kind)
+        ends, error = np.zeros((len(several), n), kind), C.Error()
         for i, um in enumerate(several):
             launcher, beam = self._launch(field, um)
             row, before = self._elements(um)
@@ -945,8 +944,9 @@ class Lens:
                 address(points),
                 None if option is None else _byref(option),
                 address(ends[i]),
+                _byref(error),
             ):
-                raise MemoryError("sagitta: no memory")
+                raise _fault(error)
         middle = None if isinstance(reference, str) else np.array(doubles(reference, "reference"))
         if middle is not None and middle.shape != (2,):
             raise ValueError(f"reference: must be (x, y); it has the shape {middle.shape}")
@@ -954,7 +954,10 @@ class Lens:
             launcher, beam = self._launch(field, several[0])
             row, before = self._elements(several[0])
             chief = np.zeros(1, kind)
-            C.library.sgt_trace_chief(launcher.pointer, _byref(beam), row, before, address(chief))
+            if not C.library.sgt_trace_chief(
+                launcher.pointer, _byref(beam), row, before, address(chief), _byref(error)
+            ):
+                raise _fault(error)
             if self.afocal:
                 axis = chief["d"][0].copy()
                 for part in (*ends, chief):
@@ -1056,7 +1059,7 @@ class _Catalogue:
 def _read_text(name: str, text: str, glasses: Any, configuration: int) -> _Handle:
     C.check_arithmetic()
     option, keep = _reading(glasses, configuration)
-    raw, error = text.encode(), C.LensError()
+    raw, error = text.encode(), C.Error()
     pointer = C.library.sgt_lens_read_text(os.fsencode(name), raw, len(raw), _byref(option), _byref(error))
     del keep
     if not pointer:

@@ -7,21 +7,25 @@
 #include <math.h>
 
 #define ANY_REAL -DBL_MAX, DBL_MAX
+#define ROW(...) ROW_OF(__VA_ARGS__) /* ANY_REAL is two arguments */
+#define ROW_OF(key, at_0, by_i, by_j, at, most, least, greatest, of_kind, of_words) \
+    {.name = key, .unit = {at_0, by_i, by_j, 0}, .offset = at, .count = most, .lo = least, .hi = greatest, \
+     .kind = of_kind, .words = of_words}
 #define NUMBERS(kind, type, key, of, most, at_0, by_i, by_j) \
-    {key, {at_0, by_i, by_j, 0}, offsetof(type, of), most, ANY_REAL, kind, NULL}
+    ROW(key, at_0, by_i, by_j, offsetof(type, of), most, ANY_REAL, kind, NULL)
 #define REAL(type, key, of, length) NUMBERS(SGT_PARAM_REAL, type, key, of, 1, length, 0, 0)
 #define REALS(...) NUMBERS(SGT_PARAM_REAL, __VA_ARGS__)
 #define LIST(...) NUMBERS(SGT_PARAM_LIST, __VA_ARGS__)
 #define TABLE(...) NUMBERS(SGT_PARAM_TABLE, __VA_ARGS__)
 #define TERMS(type, key, of, most) NUMBERS(SGT_PARAM_TERMS, type, key, of, most, 0, 0, 0)
 #define VECTOR(type, key, of, count, limit, length) \
-    {key, {length, 0, 0, 0}, offsetof(type, of), count, -limit, limit, SGT_PARAM_VECTOR, NULL}
+    ROW(key, length, 0, 0, offsetof(type, of), count, -limit, limit, SGT_PARAM_VECTOR, NULL)
 #define RANGE(kind, type, key, of, lo, hi, words) \
-    {key, {0, 0, 0, 0}, offsetof(type, of), 1, lo, hi, kind, words}
+    ROW(key, 0, 0, 0, offsetof(type, of), 1, lo, hi, kind, words)
 
 #define CURVATURE(type) REAL(type, "curvature", c, -1)
 #define RIM(type) \
-    {"semi_diameter", {1, 0, 0, 0}, offsetof(type, semi_diameter), 1, 0, DBL_MAX, SGT_PARAM_REAL, NULL}
+    ROW("semi_diameter", 1, 0, 0, offsetof(type, semi_diameter), 1, 0, DBL_MAX, SGT_PARAM_REAL, NULL)
 #define BASE(type) CURVATURE(type), REAL(type, "conic", k, 0), RIM(type)
 #define SLICE(type)                                                  \
     VECTOR(type, "at", at, 4, 1e6, 0),                               \
@@ -65,8 +69,8 @@ sgt_objection sgt_cylinder_object(const void *self)
 #define OBJECT_LEVEL_SET(type) sgt_##type##_object
 #define SGT_FAMILY_QUADRIC SGT_FAMILY_BODY
 #define TYPE(KIND, type, NAME, file, formula, where, specimen, params, prepare)                    \
-    {#type,   &sgt_##NAME##_ops, sizeof(sgt_##NAME), type##_params, OBJECT_##KIND(type), prepare, \
-     SGT_FAMILY_##KIND, &type##_specimen},
+    {#type, &sgt_##NAME##_ops, sizeof(sgt_##NAME), type##_params, OBJECT_##KIND(type), prepare,    \
+     SGT_FAMILY_##KIND, &type##_specimen, {0}},
 
 static const sgt_builtin builtins[] = {
 #include "../types.def"

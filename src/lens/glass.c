@@ -13,9 +13,12 @@
  * Applied Optics 22, 1983, 1198): in v = x / (1 + 2.5 x) the index of a glass is nearly a
  * parabola.  What OpticStudio does is not published; where its indices are known the two
  * differ by 2e-7 at 0.63 um and 2.5e-5 at 0.92 um. */
+#include "reader.h"
+
 #include <sagitta/lens.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const struct { const char *name; double um; } line[] = {
@@ -171,6 +174,8 @@ const char *sgt_glass_fault(const sgt_glass *g)
 {
     static const size_t needed[] = {6, 6, 6, 5, 3, 8, 4, 4, 5, 8, 10, 8, 9};
     static const size_t most[] = {0, 0, 0, 0, 0, 0, 6, 4, 6}; /* 0: any number */
+    for (size_t i = 0; i < sizeof g->reserved_ / sizeof *g->reserved_; i++)
+        if (g->reserved_[i]) return "a member of a later version of sagitta";
     int agf = g->formula - SGT_DISPERSION_AGF;
     bool pairs = g->formula == SGT_DISPERSION_PAIRS, of_model = g->formula == SGT_DISPERSION_MODEL;
     if (!(g->formula >= 1 && g->formula <= 9) && !(agf >= 1 && agf <= 13) && !pairs && !of_model)
@@ -193,6 +198,17 @@ const char *sgt_glass_fault(const sgt_glass *g)
     if (!isfinite(g->from) || !isfinite(g->to) || !(g->from >= 0) || !(g->to >= g->from))
         return "the range of wavelengths is not one";
     return NULL;
+}
+
+bool sgt_glass_sound(const sgt_glass *g, sgt_error *error)
+{
+    const char *fault = sgt_glass_fault(g);
+    if (!fault || !error) return !fault;
+    *error = (sgt_error){.line = g->line};
+    snprintf(error->file, sizeof error->file, "%s", g->file ? g->file : "");
+    snprintf(error->key, sizeof error->key, "%s", g->name ? g->name : "");
+    snprintf(error->words, sizeof error->words, "%s", fault);
+    return false;
 }
 
 double sgt_glass_index(const sgt_glass *g, double um)

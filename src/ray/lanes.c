@@ -897,7 +897,7 @@ static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], s
 }
 
 SGT_KERNEL
-static void lanes_narrow(const lanes *a, size_t n, signed char *status, int *evals)
+static void lanes_narrow(const lanes *a, size_t n, sgt_status *status, int *evals)
 {
     int state[LANE_COUNT];
 #pragma omp simd
@@ -947,8 +947,7 @@ static size_t lanes_run(lanes_job *w, const sgt_tile *tile, size_t from, size_t 
     return write(w, n, hits, &tile->hits, from);
 }
 
-/* Makes tmax explicit, and sets the state to 1 if the ray is valid, else to 0.  Returns how many are
- * valid. */
+/* Sets the state to 1 if the ray is valid, else to 0.  Returns how many are valid. */
 SGT_KERNEL
 static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 {

@@ -325,9 +325,9 @@ static bool aim_sound(const aim_task *t, const sgt_aim_options *opt)
     if (is_zero(b->d) && is_zero(b->du) && is_zero(b->dv)) return false;
     for (size_t i = 0; i < opt->starts; i++)
         if (!isfinite(opt->start[i].x) || !isfinite(opt->start[i].y)) return false;
-    const unsigned long long *r = opt->reserved_;
+    if (!ROOM_IS_ZERO(b)) return false;
     return isfinite(t->wanted.x) && isfinite(t->wanted.y) && opt->tol >= 0 && opt->max_traces >= 0 &&
-           (r[0] | r[1] | r[2] | r[3]) == 0;
+           ROOM_IS_ZERO(opt);
 }
 
 sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam,

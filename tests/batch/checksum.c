@@ -177,13 +177,13 @@ static void add_lens(generator *g, int rounds)
     enum { ELEMENTS = COUNT_OF(e) };
     static hit_arrays met[ELEMENTS];
     static double direction[ELEMENTS][3][BATCH], opl[ELEMENTS][BATCH], end[7][BATCH];
-    static signed char fates[BATCH];
+    static sgt_fate fates[BATCH];
     static int passed[BATCH];
     const specimen like = {.type = sgt_builtins(), .size = 8, .sag = true};
     sgt_passages recorded[ELEMENTS];
     for (int j = 0; j < ELEMENTS; j++)
         recorded[j] = (sgt_passages){
-            pointers(&met[j]), {direction[j][0], direction[j][1], direction[j][2]}, opl[j]};
+            pointers(&met[j]), {direction[j][0], direction[j][1], direction[j][2]}, opl[j], {0}};
     const sgt_traced out = {.fate = fates,
                             .passed = passed,
                             .o = {end[0], end[1], end[2]},

@@ -414,7 +414,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
     }
     double *fates = guarded_array(&fate_room, g, all || chance(g, 0.6)),
            *passes = guarded_array(&passed_room, g, all || chance(g, 0.5));
-    sgt_traced traced = {.fate = (signed char *)fates,
+    sgt_traced traced = {.fate = (sgt_fate *)fates,
                          .passed = (int *)(void *)passes,
                          .o = {to[0], to[1], to[2]},
                          .d = {to[3], to[4], to[5]},
@@ -429,7 +429,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
         for (int j = 0; j < OF_ELEMENT; j++) r->to[j] = guarded_array(&r->number[j], g, wanted[j]);
         double *status = guarded_array(&r->status, g, all || chance(g, 0.5)),
                *evals = guarded_array(&r->evals, g, all || chance(g, 0.5));
-        passages[k] = (sgt_passages){.hits = {.status = (signed char *)status,
+        passages[k] = (sgt_passages){.hits = {.status = (sgt_status *)status,
                                               .evals = (int *)(void *)evals,
                                               .t = r->to[0],
                                               .t_err = r->to[1],
@@ -454,7 +454,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
                                      a->ray.d.y, a->ray.d.z, a->opl};
         compared++;
         expected += a->passed == l->n && a->fate == SGT_PASSED;
-        if (traced.fate && traced.fate[i] != (signed char)a->fate) report(l, opt, i, "another fate");
+        if (traced.fate && traced.fate[i] != a->fate) report(l, opt, i, "another fate");
         if (traced.passed && traced.passed[i] != (int)a->passed) report(l, opt, i, "another number passed");
         for (int j = 0; j < OF_RAY; j++)
             if (to[j] && !same(to[j][i], ends[j]))
@@ -476,7 +476,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
                                                           "p",         "p",         "n",         "n",     "n",
                                                           "direction", "direction", "direction", "opl"};
             const sgt_hits *b = &passages[k].hits;
-            if (b->status && b->status[i] != (signed char)h->status)
+            if (b->status && b->status[i] != h->status)
                 report(l, opt, i, "another status of a passage");
             if (b->evals && b->evals[i] != h->evals) report(l, opt, i, "other evaluations of a passage");
             for (int j = 0; j < OF_ELEMENT; j++)

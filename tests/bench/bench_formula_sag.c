@@ -17,7 +17,7 @@
 
 enum { RAYS = 1000, TURNS = 41, CALLS = 20, ROOM = 1 << 16 };
 static double o[3][RAYS], d[3][RAYS], number[2][8][RAYS];
-static signed char status[2][RAYS];
+static sgt_status status[2][RAYS];
 
 static double now(void)
 {
@@ -68,9 +68,9 @@ static int unlike(void)
 static bool compare(const char *name, sgt_surface builtin, const char *text, size_t n, const sgt_named *named)
 {
     static double room[ROOM / sizeof(double)];
-    sgt_formula_error error;
+    sgt_error error;
     const sgt_tape *tape = sgt_formula_read(text, SGT_FORMULA_XY, n, named, room, sizeof room, &error);
-    if (!tape) return printf("%s: column %zu: %s\n", text, error.column, error.text), false;
+    if (!tape) return printf("%s: column %zu: %s\n", text, error.column, error.words), false;
     const sgt_formula_sag sag = {.tape = tape, .semi_diameter = 4};
     const sgt_surface formula = {&sgt_formula_sag_ops, &sag};
     double ns[4][TURNS];

@@ -83,7 +83,7 @@ struct Arrays {
         for (size_t i = 0; i < n; i++) {
             const sgt_ray &r = from[i];
             const double x[] = { r.o.x, r.o.y, r.o.z,  r.d.x,
-                                 r.d.y, r.d.z, r.tmin, r.tmax == 0 && r.tmin >= 0 ? INFINITY : r.tmax };
+                                 r.d.y, r.d.z, r.tmin, r.tmax == 0 && r.tmin == 0 ? INFINITY : r.tmax };
             for (size_t k = 0; k < 8; k++)
                 in[k][i] = x[k];
         }
@@ -120,7 +120,7 @@ struct Arrays {
     }
     size_t n;
     std::vector<std::vector<double>> in, out;
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
 };
 
 std::vector<sgt_ray> bundle(size_t n)
@@ -184,7 +184,7 @@ struct Side {  // rays, and the surface or the lens that they meet
         Arrays &a = *arrays;
         for (size_t i = 0; i < few(); i++) {
             double x[8] = { 0, 0, 0, 0, 0, 0, 0, 0 };
-            a.status[i] = static_cast<signed char>(one(i, opt, x));
+            a.status[i] = one(i, opt, x);
             for (size_t k = 0; k < 8; k++)
                 a.out[k][i] = x[k];
         }
@@ -225,7 +225,7 @@ struct Side {  // rays, and the surface or the lens that they meet
         std::string said;
         for (int status = 4; status >= -5; status--) {
             long count =
-                std::count(arrays->status.begin(), arrays->status.end(), static_cast<signed char>(status));
+                std::count(arrays->status.begin(), arrays->status.end(), status);
             const char *text = lens.empty() ? sgt_status_text(static_cast<sgt_status>(status))
                                             : sgt_fate_text(static_cast<sgt_fate>(status));
             if (count)

@@ -213,7 +213,7 @@ private:
       return {{ray[0] + i, ray[1] + i, ray[2] + i}, {ray[3] + i, ray[4] + i, ray[5] + i}, nullptr, nullptr};
   }
     Block in, out;
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
     std::vector<double *> by_parameter, turned[3];
     double *ray[6], *by_ray[3], *turned_by_ray[3][2];
     sgt_hits hits;

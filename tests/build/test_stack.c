@@ -168,7 +168,8 @@ static const struct { const char *name; sgt_surface surface;
 };
 
 static double numbers[8][RAYS], out[2][14][RAYS];
-static signed char status[2][RAYS];
+static sgt_status status[2][RAYS];
+static sgt_fate fates[RAYS];
 static int evals[2][RAYS];
 static const sgt_rays rays = {
     {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, numbers[6], numbers[7]};
@@ -199,7 +200,8 @@ static void make_rays(void)
 static sgt_hits hits_of(int j)
 {
     double(*o)[RAYS] = out[j];
-    return (sgt_hits){status[j], evals[j], o[0], o[1], o[2], {o[3], o[4], o[5]}, {o[6], o[7], o[8]}, o[9]};
+    return (sgt_hits){status[j],          evals[j],           o[0], o[1], o[2],
+                      {o[3], o[4], o[5]}, {o[6], o[7], o[8]}, o[9], {0}};
 }
 
 static sgt_ray ray_of(size_t i)
@@ -274,13 +276,14 @@ static sgt_element elements[3];
 
 static void trace_batch(void)
 {
-    sgt_traced traced = {
-        status[1], evals[1], {out[1][0], out[1][1], out[1][2]}, {out[1][3], out[1][4], out[1][5]}, out[1][6]};
-    sgt_passages passage = {hits_of(0), {out[0][10], out[0][11], out[0][12]}, out[0][13]};
+    sgt_traced traced = {.fate = fates, .passed = evals[1], .o = {out[1][0], out[1][1], out[1][2]},
+                         .d = {out[1][3], out[1][4], out[1][5]}, .opl = out[1][6]};
+    sgt_passages passage = {.hits = hits_of(0), .direction = {out[0][10], out[0][11], out[0][12]},
+                            .opl = out[0][13]};
     sgt_passages passages[3] = {passage, passage, passage};
     for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
         met += sgt_trace_batch(3, elements, 1, count, rays, traced, passages, &ways[w]);
-        met += sgt_trace_batch(3, elements, 1, count, rays, (sgt_traced){.fate = status[1]}, NULL, &ways[w]);
+        met += sgt_trace_batch(3, elements, 1, count, rays, (sgt_traced){.fate = fates}, NULL, &ways[w]);
     }
 }
 

@@ -61,7 +61,7 @@ bool same(const sgt_hit &a, const sgt_hit &b)
 
 sgt_hit by_batch(const sgt_surface &s, const sgt_ray &r, const sgt_options &o)
 {
-    signed char status;
+    sgt_status status;
     double t;
     sgt_hits out = {};
     out.status = &status, out.t = &t;
@@ -244,7 +244,7 @@ void apertures()
                 const sgt_ray start = ray;
                 sgt_fate fate;
                 sgt_trace(1, &e, 1, &ray, nullptr, &fate, &o);
-                signed char batch;
+                sgt_status batch;
                 sgt_traced out = {};
                 out.fate = &batch;
                 sgt_trace_batch(1, &e, 1, 1,

@@ -10,6 +10,7 @@
 // much to ask.  There, and far out on a ray that has no end, where squares overflow at one scale and not at
 // another, the answers may differ in what is undecided; but a hit at one scale is no miss at another, nor
 // another root.
+#include "../ends.h"
 #include "agree.h"
 #include "scaling.h"
 
@@ -204,9 +205,9 @@ void one_target(generator &g, const std::string &type)
         if (!to.exact) continue;
         std::vector<double> in[8];
         std::vector<double> t_out(rays.size());
-        std::vector<signed char> status(rays.size());
+        std::vector<sgt_status> status(rays.size());
         for (const sgt_ray &m : moved) {
-            const double x[8] = {m.o.x, m.o.y, m.o.z, m.d.x, m.d.y, m.d.z, m.tmin, m.tmax};
+            const double x[8] = {m.o.x, m.o.y, m.o.z, m.d.x, m.d.y, m.d.z, m.tmin, end_of(&m)};
             for (int i = 0; i < 8; i++) in[i].push_back(x[i]);
         }
         sgt_hits out = {};

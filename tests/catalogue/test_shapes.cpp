@@ -204,7 +204,7 @@ sgt_ray hostile_ray(generator &g, const subject &of, const shape &f)
         if (at.status > 0)
             (g.chance(0.5) ? r.tmin : r.tmax) =
                 g.chance(0.5) ? at.t : std::nextafter(at.t, g.chance(0.5) ? -HUGE_VAL : HUGE_VAL);
-        if (r.tmin >= 0 && r.tmax == 0) r.tmax = HUGE_VAL;
+        if (r.tmin == 0 && r.tmax == 0) r.tmax = HUGE_VAL;
     }
     return r;
 }

@@ -18,6 +18,7 @@
 // The Julia and Mandelbrot sets take part with their slices scaled.  Surfaces of the Earth have one size.
 //
 // SAGITTA_TEST_SCALE from 10 on asks for all 80 powers; else for eight of them, odd and even.
+#include "../ends.h"
 #include "scaling.h"
 
 #include <sagitta/aim.h>
@@ -277,14 +278,14 @@ void ask(const maker &m, generator &g, const std::vector<sgt_ray> &rays, const s
         for (int q = 0; q < 6; q++) {
             const sgt_options o = options_of(q, k), plain_o = options_of(q, 0);
             std::vector<double> in[8], out[12];
-            std::vector<signed char> status(n);
+            std::vector<sgt_status> status(n);
             for (std::vector<double> &x : out) x.resize(n);
             for (std::size_t i = 0; i < n; i++) {
                 const sgt_ray r = scaled(rays[i], k);
                 const auto expect = [&](const sgt_hit &h) { return expected(h, k, k, m.by_f * k); };
                 const sgt_hit got = sgt_intersect(s, r, &o);
                 compare(m, k, "one ray", rays[i], plain_o, got, expect(want[q][i]));
-                const double x[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax};
+                const double x[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, end_of(&r)};
                 for (int j = 0; j < 8; j++) in[j].push_back(x[j]);
                 if (q < 3) {
                     sgt_hit some[room] = {};
@@ -484,11 +485,11 @@ void formula_made(generator &g, const formula_case &f, const std::vector<int> &p
                          const std::string text = text_at(f.text, k);
                          const std::size_t size = sgt_formula_room(text.c_str(), 0);
                          to.room.resize(size / sizeof(double) + 8);
-                         sgt_formula_error error;
+                         sgt_error error;
                          const sgt_tape *tape = sgt_formula_read(
                              text.c_str(), f.sag ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, 0, nullptr,
                              to.room.data(), to.room.size() * sizeof(double), &error);
-                         if (!tape) failures++, std::printf("FAIL %s: %s\n", text.c_str(), error.text);
+                         if (!tape) failures++, std::printf("FAIL %s: %s\n", text.c_str(), error.words);
                          *exact = tape != nullptr;
                          to.whole = {tape, times(f.ball, k), {0, 0, 0}, {0, 0, 0}};
                          to.sag = {tape, times(f.ball, k)};

@@ -259,7 +259,8 @@ static void make_others(const sgt_element *lens)
 
 static sgt_ray rays[MANY];
 static double in[6][MANY], out[10][MANY], derivatives[12][MANY];
-static signed char status[MANY];
+static sgt_status status[MANY];
+static sgt_fate fates[MANY];
 
 static void draw(sgt_ray (*ray)(void))
 {
@@ -327,7 +328,7 @@ static void trace(const subject *of, size_t n, const sgt_options *opt)
 
 static void trace_batch(const subject *of, size_t n, const sgt_options *opt)
 {
-    const sgt_traced end = {.fate = status, .o = {out[0], out[1], out[2]}, .d = {out[3], out[4], out[5]}};
+    const sgt_traced end = {.fate = fates, .o = {out[0], out[1], out[2]}, .d = {out[3], out[4], out[5]}};
     sgt_trace_batch(ELEMENTS, of->lens, 1, n, arrays(), end, NULL, opt);
 }
 

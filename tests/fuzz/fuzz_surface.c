@@ -25,6 +25,7 @@
  *     differ; where there is a hit, `enclose` over [lo, hi] does not exclude 0;
  *   - `enclose` contains F where it is known;
  *   - one ray's answers do not contradict each other: under each proof, in the list, under each pick. */
+#include "../ends.h"
 #include "fuzz.h"
 
 #include <sagitta/diagnose.h>
@@ -520,7 +521,7 @@ static sgt_ray take_ray(bytes *b, const subject *s, const sgt_ray *before)
 static bool ray_is_valid(const sgt_ray *r)
 {
     double big = fmax(fabs(r->d.x), fmax(fabs(r->d.y), fabs(r->d.z)));
-    bool ends = r->tmin <= r->tmax || (r->tmax == 0 && r->tmin >= 0);
+    bool ends = r->tmin <= end_of(r);
     /* a ray that begins at infinity or ends at -infinity has no points */
     return isfinite(r->o.x) && isfinite(r->o.y) && isfinite(r->o.z) && isfinite(r->d.x) && isfinite(r->d.y) &&
            isfinite(r->d.z) && big >= DBL_MIN && ends && r->tmin < HUGE_VAL && r->tmax > -HUGE_VAL;
@@ -561,7 +562,7 @@ static bool same_hit(const sgt_hit *a, const sgt_hit *b)
 /* The ends made explicit. */
 static sgt_ray plain(sgt_ray r)
 {
-    if (r.tmax == 0 && r.tmin >= 0) r.tmax = (double)INFINITY;
+    r.tmax = end_of(&r);
     return r;
 }
 
@@ -838,12 +839,12 @@ static void check_batch(const subject *s, size_t n, const sgt_ray ray[], const s
                         const sgt_options *opt, unsigned how)
 {
     static double in[8][MOST_LANES], out[10][MOST_LANES];
-    static signed char status[MOST_LANES];
+    static sgt_status status[MOST_LANES];
     static int evals[MOST_LANES];
     size_t positive = 0;
     for (size_t i = 0; i < n; i++) {
         const sgt_ray *r = &ray[i % (size_t)distinct];
-        const double numbers[8] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, r->tmax};
+        const double numbers[8] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, end_of(r)};
         for (int k = 0; k < 8; k++) in[k][i] = numbers[k];
         positive += alone[i % (size_t)distinct].status > 0;
     }
@@ -944,7 +945,8 @@ static void check_trace(const subject *s, bytes *b, size_t n, const sgt_ray ray[
         if (how & 8) e[i].semi_diameter = fabs(take_number(b));
     }
     static double in[6][MOST_RAYS], out[6][MOST_RAYS], opl[MOST_RAYS], met[MOST_ELEMENTS][15][MOST_RAYS];
-    static signed char fates[MOST_RAYS], status[MOST_ELEMENTS][MOST_RAYS];
+    static sgt_fate fates[MOST_RAYS];
+    static sgt_status status[MOST_ELEMENTS][MOST_RAYS];
     static int passed[MOST_RAYS], evals[MOST_ELEMENTS][MOST_RAYS];
     sgt_passages passages[MOST_ELEMENTS];
     for (size_t i = 0; i < n; i++) {
@@ -966,8 +968,8 @@ static void check_trace(const subject *s, bytes *b, size_t n, const sgt_ray ray[
         };
     size_t all = sgt_trace_batch(
                elements, e, before, n, (sgt_rays){{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, NULL, NULL},
-               (sgt_traced){fates, passed, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, opl}, passages,
-               opt),
+               (sgt_traced){fates, passed, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, opl, {0}},
+               passages, opt),
            whole = 0;
     for (size_t i = 0; i < n; i++) {
         sgt_ray r = ray[i];

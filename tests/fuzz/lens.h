@@ -107,7 +107,7 @@ static void require_lens(const sgt_lens *l)
 static void require_again(sgt_lens *l, const char *name, const sgt_lens_options *options)
 {
     size_t length;
-    sgt_lens_error e = {0};
+    sgt_error e = {0};
     const char *text = sgt_lens_yaml(l, &length);
     REQUIRE(text, "%zu surfaces", l->count);
     sgt_lens *same_lens = sgt_lens_read_text(name, text, length, options, &e);

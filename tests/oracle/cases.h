@@ -141,7 +141,7 @@ inline test_case random_case(generator &g)
         const double span = unit / length;
         t.ray.tmin = away + g.sign() * span * g.log_uniform(1e-4, 10);
         t.ray.tmax = t.ray.tmin + span * g.log_uniform(1e-2, 100);
-        if (t.ray.tmin >= 0 && t.ray.tmax == 0) t.ray.tmax = 1;
+        if (t.ray.tmin == 0 && t.ray.tmax == 0) t.ray.tmax = 1;
         if (g.chance(0.2)) t.ray.tmin = -HUGE_VAL;
         else if (g.chance(0.2)) t.ray.tmax = HUGE_VAL;
     }
@@ -192,7 +192,7 @@ inline test_case random_narrow_case(generator &g)
 inline void ends_of(const sgt_ray &r, double *tmin, double *tmax)
 {
     *tmin = r.tmin;
-    *tmax = r.tmax == 0 && r.tmin >= 0 ? HUGE_VAL : r.tmax;
+    *tmax = r.tmax == 0 && r.tmin == 0 ? HUGE_VAL : r.tmax;
 }
 
 // Everything of a case in hexadecimal: c k semi_diameter a[8] o d tmin tmax.

@@ -262,7 +262,7 @@ void solve(const std::string &where, const test_case &t, const sgt_hit &h, const
     const double reach = 4 * wide + 4 * DBL_EPSILON * std::fabs(here) + start;
     part.tmin = here - reach;
     part.tmax = here + reach;
-    if (part.tmin >= 0 && part.tmax == 0) return;
+    if (part.tmin == 0 && part.tmax == 0) return;
     const sgt_hit other = ask(t, part, SGT_FIRST);
     if (other.status < 0) {
         counted["... at another root, undecided"]++;

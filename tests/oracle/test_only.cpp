@@ -80,7 +80,7 @@ long misses_of(const test_case &t, const answer &a)
             o.proof = static_cast<sgt_proof>(proof), o.pick = static_cast<sgt_pick>(pick);
             const sgt_hit h = sgt_intersect(s, t.ray, &o);
             const sgt_ray &r = t.ray;
-            signed char status;
+            sgt_status status;
             int evals;
             sgt_hits out = {};
             out.status = &status, out.evals = &evals;
@@ -129,7 +129,7 @@ void alone_within(const test_case &t, long told[2])
             o.proof = static_cast<sgt_proof>(proof), o.pick = static_cast<sgt_pick>(pick);
             sgt_hit h = sgt_intersect(s, t.ray, &o);
             for (int batch = 0; batch < 2; batch++) {
-                signed char status;
+                sgt_status status;
                 sgt_hits out = {};
                 out.status = &status, out.t = &h.t, out.t_err = &h.t_err;
                 const sgt_ray &r = t.ray;

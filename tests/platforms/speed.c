@@ -45,7 +45,7 @@ static double uniform(double lo, double hi) /* splitmix64 */
 }
 
 static double in[6][RAYS], t[RAYS], t_err[RAYS], p[3][RAYS], n[3][RAYS];
-static signed char status[RAYS];
+static sgt_status status[RAYS];
 
 static void draw_rays(double radius, double from, double slope)
 {

@@ -84,7 +84,7 @@ inline void set_ends(generator &g, sgt_ray *ray, double away, double unit)
     }
     ray->tmin = away + g.sign() * unit * g.log_uniform(1e-4, 10);
     ray->tmax = ray->tmin + unit * g.log_uniform(1e-2, 100);
-    if (ray->tmin >= 0 && ray->tmax == 0) ray->tmax = 1;
+    if (ray->tmin == 0 && ray->tmax == 0) ray->tmax = 1;
     if (g.chance(0.2)) ray->tmin = -HUGE_VAL;
     else if (g.chance(0.2)) ray->tmax = HUGE_VAL;
 }

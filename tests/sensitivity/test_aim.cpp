@@ -203,7 +203,7 @@ static long known_rays(const question &q, oracle::generator &random, double angl
 
 static void try_lens(const std::string &folder, const char *name, oracle::generator &random)
 {
-    sgt_lens_error error;
+    sgt_error error;
     sgt_lens *lens = sgt_lens_read((folder + "/" + name + ".yaml").c_str(), nullptr, &error);
     if (!lens) return fail(name, error.words, 0, 0);
     question q = of_lens(lens, name);

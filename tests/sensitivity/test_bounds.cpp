@@ -362,7 +362,7 @@ static void proofs(oracle::generator &random)
     long met = 0, none = 0, undecided = 0, excluded = 0, found = 0, clipped = 0, known = 0, known_found = 0;
     for (long n = 0; n < cases; n++) {
         const std::string text = random_lens(random);
-        sgt_lens_error error;
+        sgt_error error;
         sgt_lens *l = sgt_lens_read_text("random.yaml", text.c_str(), text.size(), nullptr, &error);
         if (!l) {
             std::printf("%s", text.c_str()), fail(error.words, n, 0, 0);
@@ -382,7 +382,7 @@ static void proofs(oracle::generator &random)
             if (!sgt_launch_field(from, l->field_kind, &l->field[field], &beam, &error)) continue;
             const sgt_pupil_point at[3] = {{0, 0, 1}, {.6, .3, 1}, {0, -1, 1}};
             sgt_launched out[3];
-            sgt_launch_rays(from, &beam, l->element, l->index_before, 3, at, out);
+            sgt_launch_rays(from, &beam, l->element, l->index_before, 3, at, out, nullptr);
             for (int k = 0; k < 3; k++) {
                 met += out[k].status == SGT_MET, none += out[k].status == SGT_NO_SUCH_RAY,
                     undecided += out[k].status == SGT_AIMED_UNDECIDED;

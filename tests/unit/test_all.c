@@ -105,7 +105,7 @@ static void test_ends(void **state)
     sgt_hit full[2], hit[2];
     sgt_intersect_all(bowl_surface, across, 2, full, NULL);
     sgt_ray ray = across;
-    ray.tmin = full[0].t; /* on the first: it does not count */
+    ray.tmin = full[0].t, ray.tmax = FAR; /* on the first: it does not count */
     assert_int_equal(sgt_intersect_all(bowl_surface, ray, 2, hit, NULL), 1);
     assert_true(same_bits(hit[0].t, full[1].t) || fabs(hit[0].t - full[1].t) <= hit[0].t_err + full[1].t_err);
     ray.tmin = full[0].t - 1e-9; /* a little less: it does */

@@ -2,6 +2,7 @@
  * and one whose enclosure decides little.  Poles and steep roots look alike to a search by signs; all ways
  * to a root are tried: the first and the one near the seed, single or not, with each thing that a surface
  * can offer, alone, all of them, and in a batch. */
+#include "../ends.h"
 #include "unit.h"
 
 #include <sagitta/interval.h>
@@ -219,11 +220,12 @@ static void test_poles_and_jumps(void **state)
         met[s.kind] += h.status > 0, asked[s.kind]++;
         enum { RAYS = 3 };
         double o[3][RAYS], d[3][RAYS], tmin[RAYS], tmax[RAYS], t[RAYS], t_err[RAYS];
-        signed char status[RAYS];
+        sgt_status status[RAYS];
         int evals[RAYS];
         for (int k = 0; k < RAYS; k++) {
             o[0][k] = ray.o.x + (k == 0), o[1][k] = ray.o.y, o[2][k] = ray.o.z;
-            d[0][k] = ray.d.x, d[1][k] = ray.d.y, d[2][k] = ray.d.z, tmin[k] = ray.tmin, tmax[k] = ray.tmax;
+            d[0][k] = ray.d.x, d[1][k] = ray.d.y, d[2][k] = ray.d.z, tmin[k] = ray.tmin,
+            tmax[k] = end_of(&ray);
         }
         sgt_intersect_batch((sgt_surface){ops, &s}, RAYS,
                             (sgt_rays){{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, tmin, tmax},

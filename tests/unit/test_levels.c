@@ -2,6 +2,7 @@
  * forms.  With c = 0 the level set is the sphere |Q| = E^(1/p^N); a Mandelbrot's N = 1 is the ball
  * of radius E, its N = 2 cuts the real axis where x^2 + x = 2; and for c = -2 the real axis maps
  * by 2 cos a to 2 cos 2a, which touches E = 2 again and again. */
+#include "../ends.h"
 #include "unit.h"
 
 #include <sagitta/diagnose.h>
@@ -588,7 +589,7 @@ static void test_start_at_origin(void **state)
                        .d = chance(&g, 0.5) ? d : random_direction(&g)};
         sgt_hit hit = sgt_intersect(surface, ray, NULL);
         double t, t_err, tmax = FAR;
-        signed char status;
+        sgt_status status;
         sgt_rays one = {.o = {&ray.o.x, &ray.o.y, &ray.o.z},
                         .d = {&ray.d.x, &ray.d.y, &ray.d.z},
                         .tmin = &ray.tmin,
@@ -624,11 +625,11 @@ static void numbers_of(const sgt_hit *h, double to[NUMBERS])
 static void meet_all(sgt_surface s, const sgt_ray ray[RAYS], const sgt_options *opt, sgt_hit hit[RAYS])
 {
     static double in[8][RAYS], out[NUMBERS][RAYS];
-    static signed char status[RAYS];
+    static sgt_status status[RAYS];
     static int evals[RAYS];
     for (int i = 0; i < RAYS; i++) {
         sgt_vec3 o = ray[i].o, d = ray[i].d;
-        const double numbers[8] = {o.x, o.y, o.z, d.x, d.y, d.z, ray[i].tmin, ray[i].tmax};
+        const double numbers[8] = {o.x, o.y, o.z, d.x, d.y, d.z, ray[i].tmin, end_of(&ray[i])};
         for (int k = 0; k < 8; k++) in[k][i] = numbers[k];
     }
     const sgt_rays rays = {{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]};

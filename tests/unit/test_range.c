@@ -16,6 +16,7 @@
  *   stretched   F = z - P(x, y) with z, the ray's z and the coefficients times 2^-k has the roots it had:
  *               what underflows as k
  *               grows to 1060 is in t_err.  Rays that have two roots or none, a double one between. */
+#include "../ends.h"
 #include "unit.h"
 
 #include <sagitta/surfaces.h>
@@ -125,11 +126,11 @@ static sgt_hit ask(const sgt_builtin *b, const parameters *with, sgt_ray r, cons
     sgt_hit list[MOST], h = sgt_intersect((sgt_surface){b->ops, with}, r, o);
     int n = sgt_intersect_all((sgt_surface){b->ops, with}, r, MOST, list, o), evals;
     double t, t_err;
-    signed char status;
+    sgt_status status;
+    r.tmax = end_of(&r);
     sgt_intersect_batch((sgt_surface){b->ops, with}, 1,
                         (sgt_rays){{&r.o.x, &r.o.y, &r.o.z}, {&r.d.x, &r.d.y, &r.d.z}, &r.tmin, &r.tmax},
                         (sgt_hits){.status = &status, .evals = &evals, .t = &t, .t_err = &t_err}, o);
-    if (r.tmax == 0 && r.tmin >= 0) r.tmax = FAR;
     check(b, with, &r, o, &h, false);
     for (int i = 0; i < n && i < MOST; i++) check(b, with, &r, o, &list[i], true);
     if (status != h.status || evals != h.evals ||

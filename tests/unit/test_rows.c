@@ -230,14 +230,13 @@ static void test_undecided_inside_the_aperture(void **state)
         const double aperture = r + 2e-5 * i * r;
         sgt_element e = {.surface = {&sgt_polynomial_xy_ops, &s}, .semi_diameter = aperture, .index = 1.5};
         sgt_ray one = ray;
-        signed char of_batch;
-        sgt_fate fate;
+        sgt_fate fate, of_batch;
         sgt_options opt = {.t_tol = 0x1p-1000};
         sgt_rays rays = {{&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, NULL, NULL};
         sgt_trace(1, &e, 1, &one, NULL, &fate, &opt);
         sgt_trace_batch(1, &e, 1, 1, rays, (sgt_traced){.fate = &of_batch}, NULL, &opt);
         REQUIRE(fate != SGT_CLIPPED && fate != SGT_MISSED && of_batch == fate, "aperture %.17g: %s, %s",
-                aperture, sgt_fate_text(fate), sgt_fate_text((sgt_fate)of_batch));
+                aperture, sgt_fate_text(fate), sgt_fate_text(of_batch));
     }
 }
 

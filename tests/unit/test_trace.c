@@ -348,7 +348,8 @@ static void test_invalid(void **state)
         REQUIRE(sgt_trace(2, two, 1, &ray, p, &fate, NULL) == 1 && fate == SGT_LOST &&
                     p[1].hit.status == SGT_INVALID && ray.o.z == 0,
                 "reserved %zu", i);
-        signed char status = 9, lost = 9;
+        sgt_status status = SGT_HIT;
+        sgt_fate lost = SGT_PASSED;
         int passed = -1;
         sgt_rays rays = {.o = {&launch.o.x, &launch.o.y, &launch.o.z},
                          .d = {&launch.d.x, &launch.d.y, &launch.d.z}};

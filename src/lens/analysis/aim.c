@@ -169,7 +169,7 @@ static sgt_aiming aim_at(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int 
     return last;
 }
 
-bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error)
+bool sgt_aim_at_stop(sgt_launcher *from, sgt_error *error)
 {
     const size_t stop = from->lens->stop;
     sgt_field_beam b;
@@ -197,7 +197,7 @@ bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error)
     }
     sgt_launch_forget(from, open);
     sgt_launch_forget(from, passages);
-    if (!room) return sgt_launch_fail(from, error, "", "no memory");
+    if (!room) return sgt_launch_memory(from, error);
     return !isnan(from->stop_radius) ||
            sgt_launch_fail(from, error, "aim",
                            "the real marginal ray on the axis does not reach the stop, element %zu",
@@ -356,7 +356,7 @@ static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 
     return a.status == SGT_MET;
 }
 
-bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted, sgt_lens_error *error)
+bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted, sgt_error *error)
 {
     const sgt_lens *l = from->lens;
     if (b->finite) b->object.z = l->surface[0].z - l->object_distance;
@@ -375,7 +375,7 @@ bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted,
         set_point(from, b, found);
         return true;
     }
-    if (!room) return sgt_launch_fail(from, error, "", "no memory");
+    if (!room) return sgt_launch_memory(from, error);
     static const char way_out[] = "there may be one yet; give --field or --rays";
     if (limit == 0)
         return sgt_launch_fail(from, error, "fields",

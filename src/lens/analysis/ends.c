@@ -107,14 +107,14 @@ void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[])
 
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
-                     sgt_ray_end out[])
+                     sgt_ray_end out[], sgt_error *error)
 {
     sgt_element *own = sgt_launch_take(from, from->lens->count, sizeof *own);
     sgt_passage *passages = sgt_launch_take(from, from->lens->count, sizeof *passages);
     sgt_launched *launched = sgt_launch_take(from, count, sizeof *launched);
-    bool fine = own && passages && launched;
+    bool fine = (own && passages && launched) || sgt_launch_memory(from, error);
     if (fine) sgt_launch_ending(from->lens->count, e, own);
-    fine = fine && sgt_launch_rays(from, b, own, index_before, count, at, launched);
+    fine = fine && sgt_launch_rays(from, b, own, index_before, count, at, launched, error);
     for (size_t i = 0; fine && i < count; i++) {
         out[i] = not_traced(&at[i], &launched[i]);
         if (launched[i].status == SGT_MET)
@@ -152,16 +152,16 @@ size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const s
 }
 
 bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                     double index_before, sgt_ray_end *out)
+                     double index_before, sgt_ray_end *out, sgt_error *error)
 {
     static const sgt_pupil_point centre = {0, 0, 1};
     const size_t count = from->lens->count;
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
     sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
     sgt_launched launched;
-    bool fine = passages && own;
+    bool fine = (passages && own) || sgt_launch_memory(from, error);
     if (fine) sgt_launch_ending(count, e, own);
-    fine = fine && sgt_launch_rays(from, b, own, index_before, 1, &centre, &launched);
+    fine = fine && sgt_launch_rays(from, b, own, index_before, 1, &centre, &launched, error);
     if (fine) {
         *out = not_traced(&centre, &launched);
         if (launched.status == SGT_MET) {

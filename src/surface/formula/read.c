@@ -187,7 +187,7 @@ static sgt_tape *tape_read(formula_reader *r, size_t length, void *room, size_t 
 }
 
 sgt_tape *sgt_formula_read(const char *text, sgt_formula_kind kind, size_t n, const sgt_named parameters[],
-                           void *room, size_t size, sgt_formula_error *error)
+                           void *room, size_t size, sgt_error *error)
 {
     formula_reader r = {.kind = kind, .names = n, .name = parameters, .scan = {.text = text ? text : ""}};
     sgt_tape *tape = NULL;

@@ -84,7 +84,7 @@ static sgt_field_point field_point(const look *l, const field_arguments *a, cons
     sgt_field_point p;
     const double dioptre = l->primary.lens.of->afocal ? 1e6 / l->um : 1; /* of 1 / length */
     if (!sgt_field_curve(l->from, &beam, band->element, band->lens.index_before, &band->data, a->distortion,
-                         &p))
+                         &p, NULL))
         fail_input("out of memory");
     p.tangential *= dioptre, p.sagittal *= dioptre;
     return p;

@@ -118,7 +118,7 @@ static void opd_trace(opd_work *w, size_t field, const look_band *band, const la
     const sgt_ray_end chief = look_chief(l, beam, band, band->element);
     sgt_reference about;
     of->reference = sgt_reference_of(band->lens.of, &l->primary.data, band->element, band->lens.index_before,
-                                     &chief, w->afocal, &about);
+                                     &chief, w->afocal, &about, NULL);
     for (size_t i = 0; i < points->count; i++) {
         of->waves[i] = of->error[i] = (double)NAN;
         if (!of->reference) continue;
@@ -210,7 +210,7 @@ static void opd_zernike_rows(opd_work *w, size_t field, const look_band *band, c
     for (size_t i = 0; i < count; i++)
         x[i] = of->end[i].px, y[i] = of->end[i].py, weight[i] = of->end[i].weight;
     if (!sgt_zernike_fit(w->asked->order, terms, count, x, y, of->waves, weight, coefficient, &residual,
-                         NULL)) {
+                         NULL, NULL)) {
         note("%s: the rays that passed do not determine %zu polynomials, or there is no memory; take more "
              "rays, or fewer terms",
              opd_name(&w->look, field, band), terms);

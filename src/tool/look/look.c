@@ -62,9 +62,9 @@ static look_band band_of(const look_options *o, const lens *l)
 {
     const sgt_lens *of = l->of;
     look_band b = {.lens = *l, .element = job_elements(&o->job, l), .weight = 1};
-    sgt_lens_error e;
+    sgt_error e;
     if (l->chosen && of->wavelength_weight) b.weight = of->wavelength_weight[l->chosen - 1];
-    if (!sgt_lens_first_order(of, l->wavelength, &b.data, NULL, NULL, &e)) lens_refuse(&e);
+    if (!sgt_lens_first_order(of, l->wavelength, &b.data, NULL, &e)) lens_refuse(&e);
     return b;
 }
 
@@ -95,7 +95,7 @@ static sgt_lens_field latest_field;
 sgt_field_beam look_beam(const look *l, sgt_field_kind kind, sgt_lens_field at)
 {
     sgt_field_beam beam;
-    sgt_lens_error e;
+    sgt_error e;
     latest_kind = kind, latest_field = at;
     if (!sgt_launch_field(l->from, kind, &at, &beam, &e)) lens_refuse(&e);
     return beam;
@@ -136,7 +136,7 @@ static void trace_part(void *data, const tile *t)
 {
     const look_work *w = data;
     if (!sgt_trace_pupil(w->look->from, w->beam, w->element, w->before, t->count, w->at + t->first,
-                         &w->look->asked->shared.solver, w->end + t->first))
+                         &w->look->asked->shared.solver, w->end + t->first, NULL))
         fail_input("out of memory");
 }
 
@@ -203,7 +203,8 @@ sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_ban
                        const sgt_element *element)
 {
     sgt_ray_end end;
-    if (!sgt_trace_chief(l->from, beam, element, band->lens.index_before, &end)) fail_input("out of memory");
+    if (!sgt_trace_chief(l->from, beam, element, band->lens.index_before, &end, NULL))
+        fail_input("out of memory");
     return end;
 }
 

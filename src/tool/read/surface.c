@@ -8,7 +8,7 @@
 sgt_surface surface_parse_typed(const char *option, const char *text, const char **type)
 {
     sgt_lens_options o = lens_options();
-    sgt_lens_error e;
+    sgt_error e;
     sgt_lens *l = sgt_lens_read_surface(option, text, &o, &e);
     if (!l) lens_refuse(&e);
     *type = lens_keep(l)->surface[0].type;

@@ -9,6 +9,7 @@
 #include "../base/memory.h"
 #include "../../text/number.h"
 #include "profile.h"
+#include "../read/rays.h"
 #include "../read/surface.h"
 
 #include <math.h>
@@ -208,8 +209,7 @@ static void print_reason(char text[REASON_SIZE], const search *s)
 static void print_stretch(char text[REASON_SIZE], const search *s)
 {
     char from[NUMBER_SIZE], to[NUMBER_SIZE];
-    double lo = s->hit->lo, hi = s->hit->hi,
-           tmax = s->ray.tmax == 0 && s->ray.tmin >= 0 ? HUGE_VAL : s->ray.tmax;
+    double lo = s->hit->lo, hi = s->hit->hi, tmax = ray_end(&s->ray);
     bool starts = lo > s->ray.tmin, ends = hi < tmax;
     number_print(from, lo, false);
     number_print(to, hi, false);

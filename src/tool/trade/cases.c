@@ -150,7 +150,7 @@ static trade_case *add_case(trade *t, const char *name, const ray_list *rays)
     for (size_t i = 0; i < c->rays; i++) {
         const sgt_ray *r = &rays->ray[i].ray;
         const double number[8] = {r->o.x, r->o.y, r->o.z,  r->d.x,
-                                  r->d.y, r->d.z, r->tmin, r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax};
+                                  r->d.y, r->d.z, r->tmin, ray_end(r)};
         for (int k = 0; k < 8; k++) array[k][i] = number[k];
         ended = ended || number[6] != 0 || number[7] < HUGE_VAL;
         c->ray[i] = *r;
