@@ -430,13 +430,14 @@ typedef struct sgt_parabasal {
     unsigned long long reserved_[4];
 } sgt_parabasal;
 
-/* chief and passages: as given to sgt_trace, and as it left them, of all n elements.
+/* chief and passages: as given to sgt_trace, and as it left them, of all elements.
  * from_point: the chief ray starts at its object point; else from afar, and image is
  * focus.  false: it did not get through, or a surface has no second derivatives; all is
  * NaN. */
-SGT_API bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before,
-                                bool from_point, const sgt_ray *chief,
-                                const sgt_passage passages[], sgt_parabasal *out);
+SGT_API bool sgt_lens_parabasal(size_t elements, const sgt_element e[],
+                                double index_before, bool from_point,
+                                const sgt_ray *chief, const sgt_passage passages[],
+                                sgt_parabasal *out);
 
 /* ---------------------------------------------------------- points of a pupil */
 

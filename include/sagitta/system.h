@@ -224,14 +224,14 @@ typedef struct sgt_passage {
     unsigned long long reserved_[2];
 } sgt_passage;
 
-/* Traces a ray through e[0] ... e[n-1] in this order.  Returns how many elements it
- * passed: n is all of them.
+/* Traces a ray through the elements e[0], e[1] ... in this order.  Returns how many it
+ * passed: `elements` is all of them.  (n counts rays, here and everywhere.)
  *
  *     ray           in: the launch ray.  The whole line of it is traced; tmin and tmax
  *                   are not read.  At return: it starts at the last point passed, in the
  *                   global frame, with a direction of unit length
  *     index_before  the refractive index in front of e[0]; 0: 1
- *     passages      NULL, or room for n.  passages[i] says how element i was met, the one
+ *     passages      NULL, or room for all.  passages[i] says how e[i] was met, the one
  *                   that stopped the ray included.  It is stored before a watcher
  *                   (options.watch) is told of an evaluation at the next element
  *     fate          NULL, or what became of the ray at last
@@ -255,7 +255,7 @@ typedef struct sgt_passage {
  *
  * SGT_LOST with SGT_UNDEFINED: no normal at the point, or no direction behind it, as the
  * indices are too unlike; at an ideal lens, a direction along its plane (n = 0). */
-SGT_API size_t sgt_trace(size_t n, const sgt_element e[], double index_before,
+SGT_API size_t sgt_trace(size_t elements, const sgt_element e[], double index_before,
                          sgt_ray *ray, sgt_passage passages[], sgt_fate *fate,
                          const sgt_options *opt);
 

@@ -1,5 +1,6 @@
 // Rays on which published programs have failed: the first root, or the miss, and then
 // each root in its turn, from the one before.  The roots have 30 digits, no more.
+#include "../ends.h"
 #include "table.h"
 
 #include <sagitta/sagitta.h>
@@ -28,7 +29,7 @@ static void walk(const hard_case &c, const char *how, sgt_surface s, bool aspher
             return fail(c.id, how, "not the first root, or t_err is no bound", h);
         if (!(h.t_err <= 1e-6 * std::max(1.0, std::fabs(h.t)))) return fail(c.id, how, "t_err is large", h);
         if (!(h.t > before)) return fail(c.id, how, "no progress", h);
-        before = ray.tmin = h.t; // the next one, from here
+        before = ray.tmin = h.t, ray.tmax = end_of(&c.ray); // the next one, from here
     }
     const sgt_hit h = sgt_intersect(s, ray, nullptr);
     if (h.status == SGT_MISS || (asphere && h.status < 0 && h.status != SGT_INVALID))
@@ -65,7 +66,7 @@ static void catalogue(const table &t, std::size_t row)
         if (!(std::fabs(root.minus(h.t)) <= h.t_err))
             return fail(id, "one by one", "not the first root, or t_err is no bound", h);
         if (!(h.t > ray.tmin)) return fail(id, "one by one", "no progress", h);
-        ray.tmin = h.t;
+        ray.tmin = h.t, ray.tmax = HUGE_VAL;
     }
     const sgt_hit h = sgt_intersect(s.surface, ray, nullptr);
     if (h.status > 0 || h.status == SGT_INVALID) fail(id, "one by one", "a root after the last", h);

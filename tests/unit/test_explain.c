@@ -133,11 +133,11 @@ static void test_aims(void **state)
         {.key = "beam.u", .beam = &b[2], .wanted = 0},
         {.key = "beam.v", .beam = &b[3], .wanted = 0},
         {.key = "beam.d", .beam = &b[4], .wanted = 0},
-        {"beam.reserved_[1]", &b[5], 0, {0}},
+        {.key = "beam.reserved_[1]", .beam = &b[5], .wanted = 0},
         {.key = "wanted", .beam = &b[0], .wanted = nan},
-        {"opt.tol", &b[0], 0, {.tol = -1}},
-        {"opt.max_traces", &b[0], 0, {.max_traces = -1}},
-        {"opt.start", &b[0], 0, {.starts = 1, .start = no, .tol = 0}},
+        {.key = "opt.tol", .beam = &b[0], .wanted = 0, .opt = {.tol = -1}},
+        {.key = "opt.max_traces", .beam = &b[0], .wanted = 0, .opt = {.max_traces = -1}},
+        {.key = "opt.start", .beam = &b[0], .wanted = 0, .opt = {.tol = 0, .starts = 1, .start = no}},
         {"opt.reserved_[3]", &b[0], 0, {.reserved_ = {0, 0, 0, 1}}},
     };
     for (size_t i = 0; i < COUNT_OF(row); i++) {
