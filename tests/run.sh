@@ -2,7 +2,7 @@
 # sh tests/run.sh   from a bare Debian 12 to everything built and every test run.
 # Can be run again at any time; words after it go to `meson test`.
 # Nothing is left out in silence: with all features enabled a missing one ends the set-up, and a test that skips
-# itself is a failure here.
+# itself or a part of itself is a failure here.
 set -eu
 cd "$(dirname "$0")/.."
 build=build/tests
@@ -17,7 +17,7 @@ sh .ci/install gcc g++ libc6-dev meson pkg-config python3 \
     git mypy universal-ctags python3-matplotlib python3-mesonpy python3-pip python3-pytest python3-scipy python3-venv \
     libbenchmark-dev libboost-dev libgsl-dev \
     valgrind llvm python3-gmpy2 python3-mpmath python3-numpy python3-yaml \
-    cmake make abigail-tools gfortran rustc octave-dev
+    cmake make abigail-tools gfortran rustc octave-dev poppler-utils
 
 if [ -f $build/build.ninja ]; then
     # What was not found before may have been installed since.
@@ -30,8 +30,11 @@ fi
 meson compile -C $build
 echo "$(meson test -C $build --list 2>/dev/null | wc -l) tests"
 meson test -C $build --print-errorlogs "$@"
-skipped=$(grep -c '"result": "SKIP"' $build/meson-logs/testlog.json || :)
+# A test that skips itself, or a part of itself, says so by a line that begins with one of these words.
+skipped=$(grep -cE '^(skipped: |SKIPPED )|"result": "SKIP"' $build/meson-logs/testlog.txt \
+    $build/meson-logs/testlog.json | awk -F: '{n += $NF} END {print n}')
 if [ "$skipped" -ne 0 ]; then
-    echo "$skipped skipped, and here none may be: see $build/meson-logs/testlog.txt" >&2
+    echo "skipped, and here nothing may be: see $build/meson-logs/testlog.txt" >&2
+    grep -hE '^(skipped: |SKIPPED )' $build/meson-logs/testlog.txt >&2 || :
     exit 1
 fi

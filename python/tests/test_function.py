@@ -165,7 +165,7 @@ def test_many_functions_at_once():
     lens = sagitta.Lens(
         [sagitta.Element(steep(k), index=1 + k % 2 * 0.1, thickness=1) for k in range(1, 8)]
     )
-    n = 640
+    n = 320
     o = np.array([np.linspace(0, 1, n), np.zeros(n), np.full(n, -5.0)])
     together = lens.trace(o, (0, 0, 1))
     blocks, _calls.BLOCKS = _calls.BLOCKS, 1

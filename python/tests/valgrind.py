@@ -26,7 +26,7 @@ gc.collect()
 """
 
 
-def main(valgrind, rounds="100"):
+def main(valgrind, rounds="30"):
     work = WORK.format(tests=str(here), package=str(here.parent), rounds=int(rounds))
     with tempfile.TemporaryDirectory() as folder:
         log = pathlib.Path(folder) / "log"

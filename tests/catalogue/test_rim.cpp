@@ -268,7 +268,7 @@ void apertures()
 
 int main(int argc, char **argv)
 {
-    const oracle::run r(argc, argv, 12, 20260802);
+    const oracle::run r(argc, argv, 8, 20260802);
     apertures();
     for (const char *type : all_sags) {
         generator g(r.seed + std::strlen(type) * 7919);

@@ -254,7 +254,7 @@ void one_target(generator &g, const std::string &type)
 
 int main(int argc, char **argv)
 {
-    const oracle::run r(argc, argv, 25, 20260801);
+    const oracle::run r(argc, argv, 14, 20260801);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
     for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (only && std::strcmp(only, row->type)) continue;

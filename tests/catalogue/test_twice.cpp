@@ -477,7 +477,7 @@ void ask(generator &g, const question &q)
 
 int main(int argc, char **argv)
 {
-    const oracle::run r(argc, argv, 200, 20260401);
+    const oracle::run r(argc, argv, 120, 20260401);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
     std::vector<std::string> names(themselves, themselves + 6);
     names.insert(names.end(), types.begin(), types.end());

@@ -102,7 +102,7 @@ int main()
     const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE"),
                *only = std::getenv("SAGITTA_TEST_TYPE");
     const std::uint64_t from = seed ? std::strtoull(seed, nullptr, 0) : 14;
-    const int rounds = static_cast<int>(16 * (scale ? std::atof(scale) : 1));
+    const int rounds = static_cast<int>(9 * (scale ? std::atof(scale) : 1));
     constexpr int RAYS = 24;
     std::printf("seed %llu\n", static_cast<unsigned long long>(from));
     for (const char *type : sags) {

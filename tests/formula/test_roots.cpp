@@ -489,7 +489,7 @@ int main(int argc, char **argv)
                    const_cast<char *>("--seed"), const_cast<char *>(seed)};
     char *own_seed[] = {argv[0], const_cast<char *>("--seed"), const_cast<char *>(seed)};
     const oracle::run run = count ? oracle::run(seed ? 5 : 3, own, 200, 20261123)
-                                  : oracle::run(seed ? 3 : 1, own_seed, 200, 20261123);
+                                  : oracle::run(seed ? 3 : 1, own_seed, 120, 20261123);
 
     if (random) {
         randomly(run, seconds, only);

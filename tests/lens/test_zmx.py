@@ -786,7 +786,7 @@ def test_quiet():
     equal(left, sorted(left, reverse=True), 'what is left out comes first')
     assert any(left), kinds
     for how in (['import'], ['info'], ['trace', '--chief'], ['spot'], ['fan'], ['opd'], ['field'],
-                ['map'], ['diagnose', '--fan', '1', '--ray', '0'], ['trade', '--fan', '3']):
+                ['map'], ['diagnose', '--fan', '1', '--ray', '0'], ['trade', '--fan', '3', '--seconds', '0']):
         loud = run(how[0], path, *how[1:], exit=None)
         assert 'ZZQX' in loud.stderr, (how, loud.stderr)
         for word in ('-q', '--quiet'):

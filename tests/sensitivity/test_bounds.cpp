@@ -191,7 +191,7 @@ static sgt_beam family(oracle::generator &random, bool *flat)
 
 static void bounds(oracle::generator &random)
 {
-    const long cases = long(60000 * scale) + 100;
+    const long cases = long(30000 * scale) + 100;
     long within = 0, bounded = 0;
     for (long n = 0; n < cases; n++) {
         row r;
@@ -358,7 +358,7 @@ static bool sought(const sgt_lens *l, const std::vector<element> &slow, const sg
 
 static void proofs(oracle::generator &random)
 {
-    const long cases = long(150 * scale) + 5;
+    const long cases = long(80 * scale) + 5;
     long met = 0, none = 0, undecided = 0, excluded = 0, found = 0, clipped = 0, known = 0, known_found = 0;
     for (long n = 0; n < cases; n++) {
         const std::string text = random_lens(random);

@@ -522,7 +522,7 @@ def test_output_that_cannot_be_written():
     words = [[w for w in line if w] for line in words] + [['-h'], ['help']]
     data = [[*line, '--format', form] for form in ('text', 'csv', 'json')
             for line in (['intersect', *surface], ['intersect', *surface, '--all'], ['trace', lens], ['diagnose', *surface], ['diagnose', lens])]
-    data.append(['trade', *surface, '--max-evals', '100', '--format', 'csv'])
+    data.append(['trade', *surface, '--max-evals', '100', '--seconds', '0', '--format', 'csv'])
     for line in words + data:
         for how in ('full', 'closed'):
             equal(ended(line, how), (BAD_INPUT, 'sagitta: standard output: could not be written\n'), f'{line}, {how}')

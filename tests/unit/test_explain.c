@@ -138,7 +138,7 @@ static void test_aims(void **state)
         {.key = "opt.tol", .beam = &b[0], .wanted = 0, .opt = {.tol = -1}},
         {.key = "opt.max_traces", .beam = &b[0], .wanted = 0, .opt = {.max_traces = -1}},
         {.key = "opt.start", .beam = &b[0], .wanted = 0, .opt = {.tol = 0, .starts = 1, .start = no}},
-        {"opt.reserved_[3]", &b[0], 0, {.reserved_ = {0, 0, 0, 1}}},
+        {.key = "opt.reserved_[3]", .beam = &b[0], .opt = {.reserved_ = {0, 0, 0, 1}}},
     };
     for (size_t i = 0; i < COUNT_OF(row); i++) {
         sgt_error error;

@@ -147,7 +147,7 @@ static void test_random(void **state)
     (void)state;
     generator g = seeded("random");
     long told[7] = {0};
-    for (long i = 0, n = scaled(200); i < n; i++)
+    for (long i = 0, n = scaled(100); i < n; i++)
         for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {
             parameters with;
             fill(&g, b, &with, any);
@@ -180,7 +180,7 @@ static void test_in_it(void **state)
     (void)state;
     generator g = seeded("in it");
     long grazes = 0, misses = 0, open = 0;
-    for (long i = 0, n = scaled(80); i < n; i++)
+    for (long i = 0, n = scaled(40); i < n; i++)
         for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {
             parameters with;
             double rim = chance(&g, 0.2) ? 0 : ldexp(uniform(&g, 1, 2), below(&g, 200) - 100), one = 1;
@@ -273,7 +273,7 @@ static void test_stretched(void **state)
     static const char *const kinds[] = {"even_asphere", "odd_asphere", "polynomial_xy", "chebyshev",
                                         "zernike", "q_con", "grid", "sum"};
     long hits = 0, open = 0;
-    for (long i = 0, n = scaled(500); i < n; i++)
+    for (long i = 0, n = scaled(250); i < n; i++)
         for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {
             bool wanted = false;
             for (size_t j = 0; j < COUNT_OF(kinds); j++) wanted = wanted || strcmp(b->type, kinds[j]) == 0;

@@ -231,7 +231,7 @@ static void test_conformance(void **state)
 {
     (void)state;
     generator g = seeded("conformance");
-    long n = scaled(200);
+    long n = scaled(100);
     for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (is_level_set(row)) continue;
         static parameters p;
