@@ -70,7 +70,7 @@ pub struct sgt_options {
     pub proof: c_int,
     pub watch: *const c_void,
     pub watch_data: *mut c_void,
-    pub reserved_: [c_ulonglong; 3],
+    pub reserved_: [c_ulonglong; 2],
 }
 
 #[repr(C)]

@@ -460,7 +460,7 @@ typedef struct sgt_options {
     sgt_proof  proof;       /* what must be proven */
     sgt_watch *watch;       /* called once for each evaluation; NULL: nobody */
     void      *watch_data;  /* its first argument */
-    unsigned long long reserved_[3]; /* leave it zero */
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_options;
 
 /* The hit that options.pick asks for.  opt may be NULL.

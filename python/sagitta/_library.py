@@ -91,7 +91,7 @@ class Options(Structure):
         ("proof", c_int),
         ("watch", c_void_p),
         ("watch_data", c_void_p),
-        ("reserved_", Words * 3),
+        ("reserved_", Words * 2),
     ]
 
 

@@ -35,7 +35,7 @@ static void test_rays_and_options(void **state)
         {"opt.max_evals", along, {.max_evals = -1}},
         {"opt.proof", along, {.proof = (sgt_proof)7}},
         {"opt.reserved_[0]", along, {.reserved_ = {1}}},
-        {"opt.reserved_[2]", along, {.reserved_ = {0, 0, 1ULL << 63}}},
+        {"opt.reserved_[1]", along, {.reserved_ = {0, 1ULL << 63}}},
     };
     const sgt_surface s = {&sgt_conic_ops, &bowl};
     for (size_t i = 0; i < COUNT_OF(row); i++) {
