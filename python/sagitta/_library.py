@@ -149,14 +149,14 @@ class Numbers(Structure):
     _fields_ = [("x", c_void_p), ("rows", c_size_t), ("columns", c_size_t)]
 
 
-class Unit(Structure):
+class ParamUnit(Structure):
     _fields_ = [("length", c_int), ("by_i", c_int), ("by_j", c_int), ("time", c_int)]
 
 
 class Param(Structure):
     _fields_ = [
         ("name", c_char_p),
-        ("unit", Unit),
+        ("unit", ParamUnit),
         ("offset", c_size_t),
         ("count", c_int),
         ("lo", c_double),
