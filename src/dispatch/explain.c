@@ -12,7 +12,8 @@
 /* Appends what fits. */
 static void append(char *to, size_t size, const char *text)
 {
-    size_t at = strlen(to);
+    size_t at = 0;
+    while (at + 1 < size && to[at]) at++;
     while (*text && at + 1 < size) to[at++] = *text++;
     to[at] = 0;
 }
