@@ -17,7 +17,7 @@ formula_fault *sgt_formula_blame(formula_fault *f, size_t column)
 static void fault_append(formula_fault *f, char c)
 {
     size_t at = 0;
-    while (f->error.words[at]) at++;
+    while (at + 1 < sizeof f->error.words && f->error.words[at]) at++;
     if (at + 1 < sizeof f->error.words) f->error.words[at] = c, f->error.words[at + 1] = 0;
 }
 
