@@ -44,7 +44,8 @@ std::vector<traced> trace(const sgt_element &e, const std::vector<sgt_ray> &rays
 {
     const std::size_t n = rays.size();
     std::vector<double> a[6], told[8];
-    std::vector<sgt_fate> fate(n), status(n);
+    std::vector<sgt_fate> fate(n);
+    std::vector<sgt_status> status(n);
     std::vector<int> evals(n);
     for (std::vector<double> &x : a) x.resize(n);
     for (std::vector<double> &x : told) x.resize(n);

@@ -164,7 +164,7 @@ std::size_t one_batch(generator &g, const char *type)
         for (int k = 0; k < 8; k++)
             for (std::size_t i = 0; i < n && in[static_cast<std::size_t>(k)].wanted; i++)
                 in[static_cast<std::size_t>(k)].data()[i] = *component(rays[order[i]], k);
-        std::vector<sgt_status> status(n + 2, 99);
+        std::vector<sgt_status> status(n + 2, SGT_STOPPED);
         std::vector<int> evals(n + 2, 99);
         const sgt_rays r = {{in[0].data(), in[1].data(), in[2].data()},
                             {in[3].data(), in[4].data(), in[5].data()},
@@ -200,7 +200,7 @@ std::size_t one_batch(generator &g, const char *type)
         if (met != expected) fail("the count returned", s, nullptr, options, nullptr, nullptr);
         for (const array &a : out)
             if (!a.kept(n)) fail("written around an output", s, nullptr, options, nullptr, nullptr);
-        if (status[0] != 99 || status[n + 1] != 99 || evals[0] != 99 || evals[n + 1] != 99)
+        if (status[0] != SGT_STOPPED || status[n + 1] != SGT_STOPPED || evals[0] != 99 || evals[n + 1] != 99)
             fail("written around status or evals", s, nullptr, options, nullptr, nullptr);
     }
     return n;
@@ -230,7 +230,8 @@ std::size_t one_trace(generator &g)
     }
     const std::size_t n = static_cast<std::size_t>(1 + g.below(150)), elements = lens.size();
     std::vector<double> in[6], out[7], t(n * elements), direction(n * elements);
-    std::vector<sgt_fate> fate(n), status(n * elements);
+    std::vector<sgt_fate> fate(n);
+    std::vector<sgt_status> status(n * elements);
     std::vector<int> passed(n);
     for (auto &v : in) v.resize(n);
     for (auto &v : out) v.resize(n);

@@ -68,7 +68,7 @@ void invalid(const char *type, const char *param, const char *what, const void *
     const double z[3] = {0.1, 0.2, -3}, d[3] = {0, 0, 1};
     const sgt_ray ray = {{0.1, 0.2, -3}, {0, 0, 1}, 0, HUGE_VAL};
     double t = 0;
-    sgt_status status = 77;
+    sgt_status status = SGT_STOPPED;
     const sgt_rays rays = {{z, z + 1, z + 2}, {d, d + 1, d + 2}, nullptr, nullptr};
     sgt_hits hits = {};
     hits.t = &t, hits.status = &status;
@@ -87,7 +87,7 @@ void invalid(const char *type, const char *param, const char *what, const void *
             sgt_ray launch = ray;
             sgt_passage passage;
             sgt_fate fate;
-            sgt_fate fate_of = 77;
+            sgt_fate fate_of = SGT_TIR;
             sgt_traced out = {};
             out.fate = &fate_of;
             traced = traced && sgt_trace(1, &e, 1, &launch, &passage, &fate, &opt) == 0 && fate == SGT_LOST;

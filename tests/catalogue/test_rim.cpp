@@ -244,7 +244,7 @@ void apertures()
                 const sgt_ray start = ray;
                 sgt_fate fate;
                 sgt_trace(1, &e, 1, &ray, nullptr, &fate, &o);
-                sgt_status batch;
+                sgt_fate batch;
                 sgt_traced out = {};
                 out.fate = &batch;
                 sgt_trace_batch(1, &e, 1, 1,

@@ -424,7 +424,7 @@ int main(int argc, char **argv)
             const pair_of p = r.make(of);
             const std::size_t size = sgt_formula_room(p.text.c_str(), p.named.size());
             std::vector<double> room(size / sizeof(double) + 1);
-            sgt_error e = {0, ""};
+            sgt_error e = {};
             sgt_tape *tape = sgt_formula_read(p.text.c_str(), p.sag ? SGT_FORMULA_XY : SGT_FORMULA_XYZ,
                                               p.named.size(), p.named.data(), room.data(), size, &e);
             if (!tape) {
