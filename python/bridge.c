@@ -394,7 +394,7 @@ static size_t gradient_of(sagitta_call *c, size_t i, sgt_passage *passage)
     size_t passed = sgt_trace(n, c->element, c->index_before, &ray, passage, &fate, c->opt);
     double *gradient = c->gradient + i * numbers;
     const double none = (double)NAN;
-    c->traced.fate[i] = (signed char)fate, c->traced.passed[i] = (int)passed;
+    c->traced.fate[i] = fate, c->traced.passed[i] = (int)passed;
     c->ends[i] = (sgt_ray_change){{none, none, none}, {none, none, none}, none};
     if (passed < n) {
         for (size_t j = 0; j < numbers; j++) gradient[j] = none;
@@ -657,18 +657,18 @@ static void in_threads(void *context, size_t tasks, void (*one)(void *data, size
 
 /* A study that works in answer->threads; the answer lasts as long as it. */
 SGT_API sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
-                                 sgt_lens_error *error);
+                                 sgt_error *error);
 sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
-                         sgt_lens_error *error)
+                         sgt_error *error)
 {
     if (answer->threads > 1) opt->run = in_threads, opt->context = answer;
     return sgt_study_new(lens, opt, error);
 }
 
 SGT_API bool sagitta_ask(const sgt_study *study, const sgt_analysis *analysis, const void *options,
-                         sagitta_answer *answer, sgt_lens_error *error);
+                         sagitta_answer *answer, sgt_error *error);
 bool sagitta_ask(const sgt_study *study, const sgt_analysis *analysis, const void *options,
-                 sagitta_answer *answer, sgt_lens_error *error)
+                 sagitta_answer *answer, sgt_error *error)
 {
     const sgt_sink sink = {.context = answer, .row = keep_row, .say = keep_words};
     sgt_study_total total;

@@ -216,8 +216,8 @@ SGT_API sgt_ray sgt_beam_ray(const sgt_beam *beam, double u, double v);
 typedef enum sgt_aimed {
     SGT_MET           =  1,  /* `ray` meets the point, within `miss` */
     SGT_NO_SUCH_RAY   =  0,  /* proven: no launch ray of the box meets it */
-    SGT_AIM_UNDECIDED = -1,  /* none was found, and none excluded: see the attempts */
-    SGT_AIM_INVALID   = -2   /* a number of the beam, the point or the options is NaN,
+    SGT_AIMED_UNDECIDED = -1,  /* none was found, and none excluded: see the attempts */
+    SGT_AIMED_INVALID   = -2   /* a number of the beam, the point or the options is NaN,
                                 infinite, or not in its range; no direction at all */
 } sgt_aimed;
 

@@ -43,7 +43,7 @@ typedef struct sgt_launcher_options {
  * space, of the size that the lens defines. */
 SGT_API sgt_launcher *sgt_launcher_new(const sgt_lens *lens,
                                        const sgt_launcher_options *opt,
-                                       sgt_lens_error *error);
+                                       sgt_error *error);
 SGT_API void          sgt_launcher_free(sgt_launcher *from); /* NULL: nothing */
 
 /* The first-order data by which rays are launched. */
@@ -73,7 +73,7 @@ typedef struct sgt_field_beam {
  * false: `error` (may be NULL) names the key that is missing or does not fit. */
 SGT_API bool sgt_launch_field(const sgt_launcher *from, sgt_field_kind kind,
                               const sgt_lens_field *field, sgt_field_beam *beam,
-                              sgt_lens_error *error);
+                              sgt_error *error);
 
 /* The ray through x, y of the unit circle of the paraxial entrance pupil.  Vignetting
  * does not count. */
@@ -83,7 +83,7 @@ typedef struct sgt_launched {
     sgt_ray   ray;
     sgt_aimed status; /* SGT_MET: there it is.
                          SGT_NO_SUCH_RAY: proven, there is none.  See WHAT IS PROVEN
-                         SGT_AIM_UNDECIDED: none was found, and it is not proven that
+                         SGT_AIMED_UNDECIDED: none was found, and it is not proven that
                          there is none */
     bool      folded; /* near it the pupil is inside out, as neighbouring rays reach the
                          stop in reversed order: the pupil folds back on itself, and
@@ -106,7 +106,7 @@ typedef struct sgt_launched {
  * SGT_NO_SUCH_RAY is about all rays of the field but those that a rim clips before they
  * are bent (sgt_beam_bounds).  The ray through the point 0, 0 is searched for even there:
  * it is a reference also where it is clipped.  If no rim bounds the rays,
- * SGT_NO_SUCH_RAY is never the answer: the status is SGT_AIM_UNDECIDED, and `within`
+ * SGT_NO_SUCH_RAY is never the answer: the status is SGT_AIMED_UNDECIDED, and `within`
  * says which part holds no such ray.
  *
  * false: no memory. */

@@ -448,7 +448,7 @@ SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt
 /* Many answers: one array for each number of sgt_hit.  An array that is NULL is not
  * wanted and not written.  Of p and of n give all three arrays or none. */
 typedef struct sgt_hits {
-    signed char *status;  /* an sgt_status */
+    sgt_status *status;  /* an sgt_status */
     int         *evals;
     double      *t, *t_err, *t_lo;
     double      *p[3], *n[3];

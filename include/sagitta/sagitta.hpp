@@ -110,7 +110,7 @@ struct rays {
 
 /* sgt_hits: set the members that are wanted. */
 struct hits {
-    view<signed char> status;
+    view<sgt_status> status;
     view<int> evals;
     view<double> t, t_err, t_lo;
     views<double> p, n;
@@ -136,7 +136,7 @@ struct hits {
 
 /* sgt_traced: the same. */
 struct traced {
-    view<signed char> fate;
+    view<sgt_fate> fate;
     view<int> passed;
     views<double> o, d;
     view<double> opl;

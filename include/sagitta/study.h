@@ -74,7 +74,7 @@ typedef struct sgt_study sgt_study;
  * `error` (may be NULL) says what is wrong: no memory, no marginal ray to the real stop.
  * Fields, wavelengths and points are looked at when the study is asked. */
 SGT_API sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt,
-                                 sgt_lens_error *error);
+                                 sgt_error *error);
 SGT_API void       sgt_study_free(sgt_study *study); /* NULL: nothing */
 
 /* The unit of length of a lens in micrometres; NaN: it does not say, or is not known. */
@@ -249,7 +249,7 @@ typedef struct sgt_sink {
  * What is reserved in options and sink must be NULL. */
 SGT_API bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis,
                            const void *options, const sgt_sink *sink,
-                           sgt_study_total *total, sgt_lens_error *error);
+                           sgt_study_total *total, sgt_error *error);
 
 /* How many decimal digits of a value are certain, if it is off by no more than error: 0
  * to 16. */

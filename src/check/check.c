@@ -600,7 +600,7 @@ static bool check_ray(check *c)
 /* The square of the rim of a built-in surface; infinite without one. */
 static double rim2_of_builtin(sgt_surface s)
 {
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (row->ops != s.ops) continue;
         for (const sgt_param *p = row->params; p->name; p++) {
             const char *a = p->name, *b = "semi_diameter";

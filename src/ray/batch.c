@@ -25,7 +25,7 @@
 /* How many statuses are positive, eight at a time.  A status is below 127, so adding 127 to a byte sets
  * its sign bit if the status is positive.  A negative status has its sign bit set already; that bit is
  * masked out. */
-static size_t positives(const signed char status[], size_t n)
+static size_t positives(const sgt_status status[], size_t n)
 {
     const unsigned long long low = 0x7f7f7f7f7f7f7f7f, ones = 0x0101010101010101;
     size_t sum = 0, i = 0;
@@ -176,7 +176,7 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     s = in_set(s);
     if (!opt) opt = &none;
     if (opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
-    signed char status[SGT_MOST_TILE];
+    sgt_status status[SGT_MOST_TILE];
     double tmin[SGT_MOST_TILE], tmax[SGT_MOST_TILE], t_tol[SGT_MOST_TILE];
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
     if (s.ops && s.ops->value && !answers_itself(s.ops) && sgt_cells_offered(s, opt))

@@ -616,7 +616,7 @@ size_t sgt_cells_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *op
 
 bool sgt_cells_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
 {
-    signed char status = SGT_HARD;
+    sgt_status status = SGT_HARD;
     int evals = 0;
     sgt_hit a = {.status = SGT_HARD};
     sgt_tile tile = {.n = 1,

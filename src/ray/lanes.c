@@ -908,7 +908,7 @@ static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], s
 }
 
 SGT_KERNEL
-static void lanes_narrow(const lanes *a, size_t n, signed char *status, int *evals)
+static void lanes_narrow(const lanes *a, size_t n, sgt_status *status, int *evals)
 {
     int state[LANE_COUNT];
 #pragma omp simd

@@ -55,7 +55,7 @@ SGT_INLINE sgt_ray ray_of(const sgt_rays *r, size_t i)
 /* Writes what is wanted of the hit of ray i. */
 SGT_INLINE void put_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
 {
-    if (out->status) out->status[i] = (signed char)hit->status;
+    if (out->status) out->status[i] = hit->status;
     if (out->evals) out->evals[i] = hit->evals;
     if (out->t) out->t[i] = hit->t;
     if (out->t_err) out->t_err[i] = hit->t_err;

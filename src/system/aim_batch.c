@@ -44,7 +44,7 @@ typedef struct aim_tile {
     size_t count;             /* the rays below, */
     unsigned char of[POINTS]; /* and the points that they are of */
     aim_row u, v, ox, oy, oz, dx, dy, dz;
-    signed char fate[POINTS];
+    sgt_fate fate[POINTS];
     size_t clipped[POINTS]; /* by which element first; stop + 1: by none */
 } aim_tile;
 

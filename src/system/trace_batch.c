@@ -70,7 +70,7 @@ typedef struct tile {
         double t_tol[TILE], good[TILE];
     };
     int evals[TILE];
-    signed char status[TILE];
+    sgt_status status[TILE];
 } tile;
 
 /* What was asked for. */
@@ -364,7 +364,7 @@ static void tell_vectors(const tile *w, double *const out[3], const vectors *fro
 static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d,
                       double opl)
 {
-    if (out->fate) out->fate[i] = (signed char)fate;
+    if (out->fate) out->fate[i] = fate;
     if (out->passed) out->passed[i] = (int)passed;
     tell_vector(out->o, i, o);
     tell_vector(out->d, i, d);
@@ -542,7 +542,7 @@ typedef struct chords {
     size_t n, of[SGT_FEW];
     few ox, oy, oz, dx, dy, dz, tmin, tmax, t_tol, x, y, z;
     int evals[SGT_FEW];
-    signed char status[SGT_FEW];
+    sgt_status status[SGT_FEW];
     sgt_extents kept;
 } chords;
 
@@ -598,7 +598,7 @@ static void ask_inside(const bundle_work *job, tile *w, size_t j, chords *c)
             own.t_tol = c->t_tol[k];
             sgt_hit other = sgt_ask_inside(in_set(e->surface), bundle_chord_of(c, k), aperture2, &own,
                                            &inside);
-            c->status[k] = (signed char)other.status, c->evals[k] = other.evals;
+            c->status[k] = other.status, c->evals[k] = other.evals;
         }
         if (inside || may_be_inside(in_set(e->surface), &own, (sgt_status)c->status[k]))
             w->good[c->of[k]] = -ASK_ANEW;

@@ -47,7 +47,7 @@ static sgt_rays as_arrays(size_t n)
 }
 
 typedef struct hit_arrays {
-    signed char status[BATCH];
+    sgt_status status[BATCH];
     int evals[BATCH];
     double number[10][BATCH];
 } hit_arrays;

@@ -70,7 +70,7 @@ int main(int argc, char **argv)
     double scale = test_scale();
     sgt_geoid *geoid = rough_geoid(&g);
     if (!geoid) return 1;
-    for (const sgt_builtin *b = sgt_geo_builtins; b->type; b++) {
+    for (const sgt_builtin *b = sgt_geo_builtins(); b->type; b++) {
         generator own = {random_bits(&g)};
         if (begin(b->type, argc, argv)) add_type(b, &own, (int)(40 * scale) + 1, geoid), end(b->type);
     }

@@ -58,7 +58,7 @@ static void ask(question *q, generator *g, const size_t order[])
     double *status_room = guarded_array(&out_status, g, status_wanted),
            *evals_room = guarded_array(&out_evals, g, evals_wanted);
     size_t shift = (size_t)below(g, 8), half = (size_t)below(g, 2); /* bytes and ints begin anywhere */
-    sgt_hits h = {.status = status_room ? (signed char *)status_room + shift : NULL,
+    sgt_hits h = {.status = status_room ? (sgt_status *)status_room + shift : NULL,
                   .evals = evals_room ? (int *)(void *)evals_room + half : NULL,
                   .t = to[0],
                   .t_err = to[1],
@@ -218,7 +218,7 @@ static void test_door(void)
     const sgt_surface bad[] = {{NULL, NULL}, {&empty, NULL}};
     const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
     for (size_t i = 0; i < COUNT_OF(bad); i++) {
-        signed char status[3] = {1, 1, 1};
+        sgt_status status[3] = {1, 1, 1};
         double t[3] = {0, 0, 0};
         sgt_rays r = {.o = {zero, zero, zero}, .d = {zero, zero, one}};
         size_t met = sgt_intersect_batch(bad[i], 3, r, (sgt_hits){.status = status, .t = t}, NULL);
@@ -237,9 +237,9 @@ int main(int argc, char **argv)
     printf("SAGITTA_TEST_SEED=%llu SAGITTA_TEST_SCALE=%g\n", (unsigned long long)seed, test_scale());
     test_door();
     bool faulty = failures > 0;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {
         if (argc > 1 && strcmp(argv[1], b->type)) continue;
-        generator g = {seed ^ (uint64_t)(b - sgt_builtins) << 40};
+        generator g = {seed ^ (uint64_t)(b - sgt_builtins()) << 40};
         bool known = !answers_itself(b);
         for (size_t i = 0; i < COUNT_OF(chosen); i++) known |= !strcmp(chosen[i].type, b->type);
         if (!known || b->size > sizeof(parameters))

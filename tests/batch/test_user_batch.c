@@ -296,7 +296,7 @@ static void ask(generator *g, const sgt_surface_ops *ops, const shape *s, const 
                 const size_t order[])
 {
     static double in[8][MOST], out[10][MOST + 2];
-    static signed char status[MOST + 2];
+    static sgt_status status[MOST + 2];
     static int evals[MOST + 2];
     bool some[12];
     for (int j = 0; j < 12; j++) some[j] = chance(g, 0.8);
@@ -389,7 +389,7 @@ static void watched_batch(generator *g)
     enum { COUNT = 90 };
     static double in[8][COUNT], t[2][COUNT];
     static int evals[2][COUNT];
-    static signed char status[2][COUNT];
+    static sgt_status status[2][COUNT];
     shape s = random_shape(g);
     sgt_surface_ops ops = random_offer(g);
     sgt_options opt = user_options(g, &s);

@@ -120,7 +120,7 @@ struct Arrays {
     }
     size_t n;
     std::vector<std::vector<double>> in, out;
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
 };
 
 std::vector<sgt_ray> bundle(size_t n)
@@ -225,7 +225,7 @@ struct Side {  // rays, and the surface or the lens that they meet
         std::string said;
         for (int status = 4; status >= -5; status--) {
             long count =
-                std::count(arrays->status.begin(), arrays->status.end(), static_cast<signed char>(status));
+                std::count(arrays->status.begin(), arrays->status.end(), status);
             const char *text = lens.empty() ? sgt_status_text(static_cast<sgt_status>(status))
                                             : sgt_fate_text(static_cast<sgt_fate>(status));
             if (count)
@@ -393,8 +393,8 @@ sgt_surface conic(double c, double k, double rim) { return of_conic(sgt_conic{ c
 
 sgt_surface asphere(double rim, double strength)
 {
-    return { &sgt_asphere_ops,
-             kept.keep(sgt_asphere{ C, K, rim, { 0, 1e-4 * strength, -2e-6 * strength, 1e-8 * strength } }) };
+    return { &sgt_even_asphere_ops,
+             kept.keep(sgt_even_asphere{ C, K, rim, { 0, 1e-4 * strength, -2e-6 * strength, 1e-8 * strength } }) };
 }
 
 std::vector<Subject> sags(double rim)
@@ -837,13 +837,13 @@ sgt_surface built(const Drawn &d, const std::string &type, double c, double k, d
     if (type == "conic")
         return conic(c, k, rim);
     if (type == "even_asphere" || type == "toroidal") {
-        sgt_asphere s = { c, k, rim, {} };
+        sgt_even_asphere s = { c, k, rim, {} };
         sgt_toroidal toroid = { c, k, c == 0 ? 0 : d.c_x, rim, {} };
         for (size_t i = 0; i < d.terms; i++)
             s.a[i] = toroid.a[i] = power(i, 2 * i + 2);
         if (type == "toroidal")
             return { &sgt_toroidal_ops, kept.keep(toroid) };
-        return { &sgt_asphere_ops, kept.keep(s) };
+        return { &sgt_even_asphere_ops, kept.keep(s) };
     }
     if (type == "odd_asphere") {
         sgt_odd_asphere s = { c, k, rim, {} };

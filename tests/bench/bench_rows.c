@@ -41,7 +41,7 @@ static sgt_passages *answers(size_t elements)
 static size_t trace(const sgt_lens *lens, double *const ray[6], size_t first, size_t count, sgt_passages *out)
 {
     double end[6][RAYS];
-    signed char fate[RAYS];
+    sgt_fate fate[RAYS];
     int passed[RAYS];
     size_t through = 0;
     const sgt_rays in = {.o = {ray[0] + first, ray[1] + first, ray[2] + first},
@@ -74,7 +74,7 @@ static void launch(const sgt_lens *lens, size_t n, double *const ray[6])
 
 int main(int argc, char *argv[])
 {
-    sgt_lens_error error;
+    sgt_error error;
     sgt_lens *lens = argc == 4 ? sgt_lens_read(argv[1], NULL, &error) : NULL;
     if (!lens) return fprintf(stderr, "bench_rows LENS N THREADS\n"), 2;
     const size_t n = strtoul(argv[2], NULL, 10);

@@ -35,7 +35,7 @@ LENS = r'''
 #include <stdio.h>
 int main(void)
 {
-    sgt_lens_error error;
+    sgt_error error;
     sgt_catalogue *c = sgt_catalogue_new(NULL);
     sgt_glass g;
     if (!sgt_catalogue_add(c, NULL, &error) || !sgt_catalogue_find(c, "SCHOTT N-BK7", 0, NULL, &g, &error))

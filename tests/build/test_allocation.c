@@ -69,7 +69,7 @@ static void many_wave_spans(const void *self, size_t n, sgt_rays rays, sgt_spans
 /* The rays again, many at a time. */
 enum { MANY = 300 };
 static double in[6][MANY], out[14][MANY];
-static signed char status[MANY];
+static sgt_status status[MANY];
 static int evals[MANY];
 
 int main(void)
@@ -83,14 +83,14 @@ int main(void)
     static const sgt_surface_ops many_ops = {
         .name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = many_wave_spans};
     const sgt_conic mirror = { .c = -0.1, .k = -1 }, lens = { .c = 0.2, .k = -0.6, .semi_diameter = 4 };
-    const sgt_asphere asphere = { .c = 0.2, .k = -0.6, .semi_diameter = 4, .a = { 0, 1e-4, -2e-6, 1e-8 } };
+    const sgt_even_asphere asphere = { .c = 0.2, .k = -0.6, .semi_diameter = 4, .a = { 0, 1e-4, -2e-6, 1e-8 } };
     const sgt_julia julia = {.c = {-0.2, 0.8, 0, 0}, .iterations = 8},
                     cubic = {.c = {0.1, 0.3, 0.2, 0}, .iterations = 5, .power = 3};
     const sgt_mandelbrot mandelbrot = { .iterations = 6 };
     const sgt_surface surfaces[] = {
         {&sgt_conic_ops, &mirror},
         {&sgt_conic_ops, &lens},
-        {&sgt_asphere_ops, &asphere},
+        {&sgt_even_asphere_ops, &asphere},
         {&wave_ops, NULL},
         {&many_ops, NULL},
         {&sgt_julia_ops, &julia},

@@ -100,7 +100,7 @@ static const sgt_surface_ops sure_sheet = {
 static const sgt_surface_ops all_sheets = {
     .name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = wave_spans};
 static const sgt_conic mirror = {.c = -0.1, .k = -1}, rimmed = {.c = 0.2, .k = -0.6, .semi_diameter = 4};
-static const sgt_asphere asphere = {.c = 0.2, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
+static const sgt_even_asphere asphere = {.c = 0.2, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
 static const sgt_julia julia = {.c = {-0.2, 0.8, 0, 0}, .iterations = 8},
                        cubic = {.c = {0.1, 0.3, 0.2, 0}, .iterations = 5, .power = 3};
 static const sgt_mandelbrot mandelbrot = {.iterations = 6};
@@ -156,7 +156,7 @@ static const struct { const char *name; sgt_surface surface;
     {"ellipsoid", {&sgt_ellipsoid_ops, &ellipsoid}},
     {"paraboloid", {&sgt_conic_ops, &mirror}},
     {"conic", {&sgt_conic_ops, &rimmed}},
-    {"asphere", {&sgt_asphere_ops, &asphere}},
+    {"asphere", {&sgt_even_asphere_ops, &asphere}},
     {"own, value", {&sheet, NULL}},
     {"own, values", {&sheets, NULL}},
     {"own, enclose", {&sure_sheet, NULL}},
@@ -167,7 +167,7 @@ static const struct { const char *name; sgt_surface surface;
 };
 
 static double numbers[8][RAYS], out[2][14][RAYS];
-static signed char status[2][RAYS];
+static sgt_status status[2][RAYS];
 static int evals[2][RAYS];
 static const sgt_rays rays = {
     {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, numbers[6], numbers[7]};
@@ -317,7 +317,7 @@ static void aim_many(void)
 {
     enum { MANY = 70, ELEMENTS = 3, LIST = 4096 };
     static double array[16 * ELEMENTS][MANY], to[6][MANY], *gradient[2 * LIST];
-    static signed char fates[ELEMENTS][MANY];
+    static sgt_fate fates[ELEMENTS][MANY];
     static sgt_vec2 wanted[MANY];
     const sgt_beam beam = {.o = {0, 0, -9}, .ou = {1, 0, 0}, .ov = {0, 1, 0}, .d = {0, 0, 1}, .u = {-2, 2},
                            .v = {-2, 2}};
@@ -357,7 +357,7 @@ static void check(void)
 }
 
 /* The deepest formulas. */
-static char formula[9 * SGT_FORMULA_DEEPEST + 8];
+static char formula[9 * SGT_DEEPEST_FORMULA + 8];
 
 static void read_formula(void)
 {
@@ -368,10 +368,10 @@ static void read_formula(void)
     met += tape != NULL;
 }
 
-/* SGT_FORMULA_DEEPEST parentheses or powers, a part of the text having `many`. */
+/* SGT_DEEPEST_FORMULA parentheses or powers, a part of the text having `many`. */
 static void make_formula(const char *part, int many, bool parentheses)
 {
-    int count_of_parts = SGT_FORMULA_DEEPEST / many;
+    int count_of_parts = SGT_DEEPEST_FORMULA / many;
     formula[0] = 0;
     for (int i = 0; i < count_of_parts; i++) strcat(formula, part);
     strcat(formula, "z");

@@ -82,7 +82,7 @@ void spoil(generator &g, specimen *s)
 {
     int numbers = 0;
     for (const sgt_param *p = row_named(s->type)->params; p->name; p++)
-        if (p->kind == SGT_REAL || p->kind == SGT_VECTOR) numbers += p->count;
+        if (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR) numbers += p->count;
     first_number(s->s)[g.below(numbers)] = g.chance(0.5) ? hostile_number(g) : g.uniform(-2, 2);
     if (s->sag) s->rim = *rim_of(*s);
 }
@@ -164,7 +164,7 @@ std::size_t one_batch(generator &g, const char *type)
         for (int k = 0; k < 8; k++)
             for (std::size_t i = 0; i < n && in[static_cast<std::size_t>(k)].wanted; i++)
                 in[static_cast<std::size_t>(k)].data()[i] = *component(rays[order[i]], k);
-        std::vector<signed char> status(n + 2, 99);
+        std::vector<sgt_status> status(n + 2, 99);
         std::vector<int> evals(n + 2, 99);
         const sgt_rays r = {{in[0].data(), in[1].data(), in[2].data()},
                             {in[3].data(), in[4].data(), in[5].data()},
@@ -230,7 +230,7 @@ std::size_t one_trace(generator &g)
     }
     const std::size_t n = static_cast<std::size_t>(1 + g.below(150)), elements = lens.size();
     std::vector<double> in[6], out[7], t(n * elements), direction(n * elements);
-    std::vector<signed char> fate(n), status(n * elements);
+    std::vector<sgt_fate> fate(n), status(n * elements);
     std::vector<int> passed(n);
     for (auto &v : in) v.resize(n);
     for (auto &v : out) v.resize(n);

@@ -204,7 +204,7 @@ void one_target(generator &g, const std::string &type)
         if (!to.exact) continue;
         std::vector<double> in[8];
         std::vector<double> t_out(rays.size());
-        std::vector<signed char> status(rays.size());
+        std::vector<sgt_status> status(rays.size());
         for (const sgt_ray &m : moved) {
             const double x[8] = {m.o.x, m.o.y, m.o.z, m.d.x, m.d.y, m.d.z, m.tmin, m.tmax};
             for (int i = 0; i < 8; i++) in[i].push_back(x[i]);
@@ -255,9 +255,9 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 14, 20260801);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (only && std::strcmp(only, row->type)) continue;
-        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins) * 1000003);
+        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins()) * 1000003);
         for (long i = 0; i < r.count; i++) one_target(g, row->type);
     }
     for (const auto &f : failed) std::printf("  FAIL %8ld  %s\n", f.second, f.first.c_str());

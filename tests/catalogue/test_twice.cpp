@@ -90,9 +90,9 @@ question conic_question(generator &g, const std::string &type)
         if (type == "plane") t.surface.c = 0;
         if (type == "plane" || type == "sphere") t.surface.k = 0;
         question q = {type, {}, with_ends(t.ray), {}, true};
-        std::shared_ptr<sgt_asphere> p = std::make_shared<sgt_asphere>(t.surface); // a conic is its beginning
+        std::shared_ptr<sgt_even_asphere> p = std::make_shared<sgt_even_asphere>(t.surface); // a conic is its beginning
         q.kept.push_back(p);
-        q.s = {t.asphere ? &sgt_asphere_ops : &sgt_conic_ops, p.get()};
+        q.s = {t.asphere ? &sgt_even_asphere_ops : &sgt_conic_ops, p.get()};
         return q;
     }
 }
@@ -481,7 +481,7 @@ int main(int argc, char **argv)
     std::vector<std::string> names(themselves, themselves + 6);
     names.insert(names.end(), types.begin(), types.end());
     names.insert(names.end(), offer_names, offer_names + offers);
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         if (std::find(names.begin(), names.end(), b->type) == names.end())
             failed[std::string(b->type) + ": a row that is not asked"]++;
     for (std::size_t k = 0; k < names.size(); k++) {

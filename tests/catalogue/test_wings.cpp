@@ -192,7 +192,7 @@ int main()
             const std::size_t n = all.size();
             if (!n) continue;
             std::vector<double> in[8], t(n), t_err(n), p[3];
-            std::vector<signed char> status(n);
+            std::vector<sgt_status> status(n);
             std::vector<int> evals(n);
             for (std::vector<double> &a : in) a.resize(n);
             for (std::vector<double> &a : p) a.resize(n);

@@ -125,7 +125,7 @@ class judge
         std::vector<double> in[8], out[10];
         for (auto &v : in) v.resize(n);
         for (auto &v : out) v.resize(n);
-        std::vector<signed char> status(n);
+        std::vector<sgt_status> status(n);
         std::vector<int> evals(n);
         for (std::size_t i = 0; i < n; i++) {
             const sgt_ray &r = rays[i];

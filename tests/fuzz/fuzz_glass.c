@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static const char *const name[] = {"maker.agf", "a.csv", "maker/a.yml"};
     if (size == 0) return 0;
     const char *file = name[data[0] % COUNT_OF(name)];
-    sgt_lens_error e = {0};
+    sgt_error e = {0};
     sgt_catalogue *c = sgt_catalogue_new(&(sgt_allocator){counted_resize, NULL});
     if (!c) return 0;
     size_t length = size - 1;

@@ -263,7 +263,7 @@ void far_sheet()
 
 const sgt_builtin *row(const char *type)
 {
-    for (const sgt_builtin *r = sgt_geo_builtins; r->type; r++)
+    for (const sgt_builtin *r = sgt_geo_builtins(); r->type; r++)
         if (std::string(r->type) == type) return r;
     return nullptr;
 }

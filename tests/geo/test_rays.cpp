@@ -204,7 +204,7 @@ void run(const char *name, long count, const earth::grid *grid, const sgt_geoid 
             s.about = [&](const earth::vec &p) { return grid->about(p, h); }, s.bumps = 220;
         std::vector<sgt_ray> rays(block);
         std::vector<double> x[6], t(block), t_err(block), p[3];
-        std::vector<signed char> status(block);
+        std::vector<sgt_status> status(block);
         for (auto &v : x) v.resize(block);
         for (auto &v : p) v.resize(block);
         for (size_t i = 0; i < block; i++) {

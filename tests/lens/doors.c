@@ -36,7 +36,7 @@ int main(int argc, char *argv[])
 {
     static const struct { const char *name; void (*row)(void *context, const void *row); } each[] = {
         {"spot", spot}, {"fan", fan}, {"sweep", sweep}, {"field", field}};
-    sgt_lens_error error = {.line = 0};
+    sgt_error error = {.line = 0};
     sgt_lens *lens = argc == 2 ? sgt_lens_read(argv[1], NULL, &error) : NULL;
     const sgt_study_options few = {.rays = 3};
     sgt_study *study = lens ? sgt_study_new(lens, &few, &error) : NULL;

@@ -441,7 +441,7 @@ int main()
         for (auto &a : in) a.resize(N);
         for (auto &a : out) a.resize(N);
         std::vector<int> evals(N);
-        std::vector<signed char> status(N);
+        std::vector<sgt_status> status(N);
         std::vector<sgt_ray> rays(N);
         for (size_t k = 0; k < N; k++) {
             rays[k] = ray_to(s);

@@ -329,7 +329,7 @@ int main(int argc, char **argv)
                         o.pick = static_cast<sgt_pick>(pick), o.proof = static_cast<sgt_proof>(proof);
                         const sgt_hit h = sgt_intersect(s, ray, &o);
                         judge(c.q, ray, t, h, o);
-                        signed char status;
+                        sgt_status status;
                         double at, err;
                         sgt_hits out = {};
                         out.status = &status, out.t = &at, out.t_err = &err;

@@ -76,14 +76,14 @@ int main(int argc, char **argv)
     if (argc < 2) return std::printf("usage: test_hard FOLDER-OF-DATA\n"), 2;
     const std::vector<hard_case> cases = hard_cases(argv[1]);
     for (const hard_case &c : cases) {
-        sgt_asphere a = c.surface;
+        sgt_even_asphere a = c.surface;
         sgt_conic k = {a.c, a.k, a.semi_diameter};
         const bool terms = has_terms(a);
         if (!terms) walk(c, "as conic", sgt_surface{&sgt_conic_ops, &k}, false);
-        walk(c, "as asphere", sgt_surface{&sgt_asphere_ops, &a}, terms);
+        walk(c, "as asphere", sgt_surface{&sgt_even_asphere_ops, &a}, terms);
         if (a.semi_diameter > 0) {
             a.semi_diameter = 0;
-            walk(c, "without its rim", sgt_surface{&sgt_asphere_ops, &a}, terms);
+            walk(c, "without its rim", sgt_surface{&sgt_even_asphere_ops, &a}, terms);
         }
     }
     const table others(std::string(argv[1]) + "/catalogue_cases.csv");

@@ -63,7 +63,7 @@ struct answer {
 
 class optical {
 public:
-    optical(const sgt_asphere &s, bool asphere, const sgt_ray &r) : c_(s.c), terms_(0), rim_(s.semi_diameter)
+    optical(const sgt_even_asphere &s, bool asphere, const sgt_ray &r) : c_(s.c), terms_(0), rim_(s.semi_diameter)
     {
         const precision p(256);
         k1_ = ball(s.k) + 1;

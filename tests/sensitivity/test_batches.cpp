@@ -82,13 +82,13 @@ static sgt_surface random_surface(generator &g, train &r)
     } else if (g.chance(0.6)) {
         const double c = g.chance(0.2) ? 0 : g.sign() / g.log_uniform(6, 200),
                      k = g.chance(0.5) ? 0 : g.uniform(-2, 1);
-        sgt_asphere a = {c, k, g.chance(0.3) ? 6.0 : 0.0, {}};
+        sgt_even_asphere a = {c, k, g.chance(0.3) ? 6.0 : 0.0, {}};
         for (double &term : a.a)
             term = g.chance(0.3) ? g.uniform(-1, 1) * std::pow(10.0, -3 - 2 * double(&term - a.a)) : 0;
         if (g.chance(0.5))
             s.s = {&sgt_conic_ops, s.keep(sgt_conic{c, k, a.semi_diameter})};
         else
-            s.s = {&sgt_asphere_ops, s.keep(a)};
+            s.s = {&sgt_even_asphere_ops, s.keep(a)};
     } else {
         const char *type = types[std::size_t(g.below(int(types.size())))];
         do s = random_specimen(g, type);

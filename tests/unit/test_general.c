@@ -226,7 +226,7 @@ static void test_poles_and_jumps(void **state)
         met[s.kind] += h.status > 0, asked[s.kind]++;
         enum { RAYS = 3 };
         double o[3][RAYS], d[3][RAYS], tmin[RAYS], tmax[RAYS], t[RAYS], t_err[RAYS];
-        signed char status[RAYS];
+        sgt_status status[RAYS];
         int evals[RAYS];
         for (int k = 0; k < RAYS; k++) {
             o[0][k] = ray.o.x + (k == 0), o[1][k] = ray.o.y, o[2][k] = ray.o.z;
@@ -758,7 +758,7 @@ static void test_asked(void **state)
         sgt_options opt = {
             .pick = SGT_FIRST, .proof = proof ? SGT_PROVE_FIRST : SGT_ESTIMATE, .max_evals = quick ? 16 : 0};
         double t;
-        signed char status;
+        sgt_status status;
         if (many) {
             sgt_rays rays = {
                 {&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, &ray.tmin, &ray.tmax};
@@ -766,7 +766,7 @@ static void test_asked(void **state)
                                 &opt);
         } else {
             sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, &opt);
-            status = (signed char)hit.status, t = hit.t;
+            status = hit.status, t = hit.t;
         }
         REQUIRE((asked > 0) == !(first || quick), "case %ld: %ld cells; first %d, single %d, proof %d", i,
                 asked, first, s.single, proof);

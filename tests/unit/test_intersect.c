@@ -534,7 +534,7 @@ static void test_size_of_table(void **state)
         REQUIRE(hit.status == SGT_INVALID && isnan(hit.t), "size %zu: %s", cut[i],
                 sgt_status_text(hit.status));
         assert_int_equal(sgt_intersect_all(s, ray, 1, &entry, NULL), SGT_INVALID);
-        signed char status = 9;
+        sgt_status status = 9;
         sgt_rays rays = {.o = {&ray.o.x, &ray.o.y, &ray.o.z}, .d = {&ray.d.x, &ray.d.y, &ray.d.z}};
         assert_int_equal(sgt_intersect_batch(s, 1, rays, (sgt_hits){.status = &status}, NULL), 0);
         assert_int_equal(status, SGT_INVALID);
@@ -569,12 +569,12 @@ static void test_watch(void **state)
     generator g = seeded("watch");
     torus shape = {1, 0.4};
     sgt_conic conic = {.c = -1 / 2.2136};
-    sgt_asphere asphere = {.c = 0.1, .k = -0.5, .a = {0, 1e-4, -2e-6}};
+    sgt_even_asphere asphere = {.c = 0.1, .k = -0.5, .a = {0, 1e-4, -2e-6}};
     const sgt_surface surfaces[] = {{&torus_ops, &shape},
                                     {&torus_value_only, &shape},
                                     {&forward, &conic},
                                     {&sgt_conic_ops, &conic},
-                                    {&sgt_asphere_ops, &asphere}};
+                                    {&sgt_even_asphere_ops, &asphere}};
     long n = scaled(1000);
     for (long i = 0; i < n; i++) {
         sgt_ray ray = torus_ray(&g);

@@ -255,7 +255,7 @@ static void test_fates(void **state)
         else
             e.semi_diameter = 2;
         double ox[3] = {0, 3, 1}, oy[3] = {0}, oz[3] = {-5, -5, -5}, dx[3] = {0}, dz[3] = {1, 1, 1}, opl[3];
-        signed char fate[3];
+        sgt_fate fate[3];
         sgt_passages told = {.opl = opl};
         assert_int_equal(sgt_trace_batch(1, &e, 1, 3, (sgt_rays){{ox, oy, oz}, {dx, dx, dz}, NULL, NULL},
                                          (sgt_traced){.fate = fate}, &told, NULL),

@@ -947,7 +947,7 @@ static void test_batch(void **state)
     generator g = seeded("batch");
     enum { RAYS = 300 };
     static double o[3][RAYS], d[3][RAYS], tmin[RAYS], tmax[RAYS], out[12][RAYS];
-    static signed char status[RAYS];
+    static sgt_status status[RAYS];
     static int evals[RAYS];
     const sgt_surface_ops *const all[] = {&torus_ops, &torus_span_ops, &quartic_span_ops, &torus_bare_ops,
                                           &ball_ops};

@@ -119,7 +119,7 @@ int main(void)
                                  enclosed = {.value = saddle_value, .rounding = saddle_rounding,
                                              .span = saddle_span, .enclose = saddle_enclose};
     puts("type,rays,root,closed,rounds,quick,careful,cells,steps,parted,batch: one by one");
-    for (const sgt_builtin *type = sgt_builtins; type->type; type++) {
+    for (const sgt_builtin *type = sgt_builtins(); type->type; type++) {
         specimen s;
         draw_ordinary();
         lines(type->type, "ordinary", (sgt_surface){type->ops, type->specimen});

@@ -145,24 +145,24 @@ static double by_formula(const sgt_glass *g, double w)
         x = w - at(g, 4);
         return root(at(g, 0) + (at(g, 1) != 0 ? at(g, 1) / (w2 - at(g, 2)) : 0) +
                     (at(g, 3) != 0 ? at(g, 3) * x / (x * x + at(g, 5)) : 0));
-    case SGT_FORMULA_AGF + 1: return root(laurent(g, 6, extended, w));
-    case SGT_FORMULA_AGF + 2: return root(1 + resonances(g, 0, 6, false, w2));
-    case SGT_FORMULA_AGF + 3: return herzberger(g, w2);
-    case SGT_FORMULA_AGF + 4:
+    case SGT_DISPERSION_AGF + 1: return root(laurent(g, 6, extended, w));
+    case SGT_DISPERSION_AGF + 2: return root(1 + resonances(g, 0, 6, false, w2));
+    case SGT_DISPERSION_AGF + 3: return herzberger(g, w2);
+    case SGT_DISPERSION_AGF + 4:
         return root(1 + at(g, 0) + resonances(g, 1, 3, true, w2) +
                     (at(g, 3) != 0 ? at(g, 3) / (w2 - at(g, 4) * at(g, 4)) : 0));
-    case SGT_FORMULA_AGF + 5: return at(g, 0) + at(g, 1) / w + at(g, 2) / pow(w, 3.5);
-    case SGT_FORMULA_AGF + 6: return root(1 + resonances(g, 0, 8, false, w2));
-    case SGT_FORMULA_AGF + 7:
+    case SGT_DISPERSION_AGF + 5: return at(g, 0) + at(g, 1) / w + at(g, 2) / pow(w, 3.5);
+    case SGT_DISPERSION_AGF + 6: return root(1 + resonances(g, 0, 8, false, w2));
+    case SGT_DISPERSION_AGF + 7:
         return root(at(g, 0) + (at(g, 1) != 0 ? at(g, 1) / (w2 - at(g, 2)) : 0) - at(g, 3) * w2);
-    case SGT_FORMULA_AGF + 8: return root(at(g, 0) + resonances(g, 1, 3, false, w2) - at(g, 3) * w2);
-    case SGT_FORMULA_AGF + 9: return root(at(g, 0) + resonances(g, 1, 5, false, w2));
-    case SGT_FORMULA_AGF + 10: return root(laurent(g, 8, extended, w));
-    case SGT_FORMULA_AGF + 11: return root(1 + resonances(g, 0, 10, false, w2));
-    case SGT_FORMULA_AGF + 12: return root(laurent(g, 8, extended_2, w));
-    case SGT_FORMULA_AGF + 13: return root(laurent(g, 9, extended_3, w));
-    case SGT_FORMULA_PAIRS: return between(g, w);
-    case SGT_FORMULA_MODEL: return model(g, w);
+    case SGT_DISPERSION_AGF + 8: return root(at(g, 0) + resonances(g, 1, 3, false, w2) - at(g, 3) * w2);
+    case SGT_DISPERSION_AGF + 9: return root(at(g, 0) + resonances(g, 1, 5, false, w2));
+    case SGT_DISPERSION_AGF + 10: return root(laurent(g, 8, extended, w));
+    case SGT_DISPERSION_AGF + 11: return root(1 + resonances(g, 0, 10, false, w2));
+    case SGT_DISPERSION_AGF + 12: return root(laurent(g, 8, extended_2, w));
+    case SGT_DISPERSION_AGF + 13: return root(laurent(g, 9, extended_3, w));
+    case SGT_DISPERSION_PAIRS: return between(g, w);
+    case SGT_DISPERSION_MODEL: return model(g, w);
     default: return (double)NAN;
     }
 }
@@ -171,8 +171,8 @@ const char *sgt_glass_fault(const sgt_glass *g)
 {
     static const size_t needed[] = {6, 6, 6, 5, 3, 8, 4, 4, 5, 8, 10, 8, 9};
     static const size_t most[] = {0, 0, 0, 0, 0, 0, 6, 4, 6}; /* 0: any number */
-    int agf = g->formula - SGT_FORMULA_AGF;
-    bool pairs = g->formula == SGT_FORMULA_PAIRS, of_model = g->formula == SGT_FORMULA_MODEL;
+    int agf = g->formula - SGT_DISPERSION_AGF;
+    bool pairs = g->formula == SGT_DISPERSION_PAIRS, of_model = g->formula == SGT_DISPERSION_MODEL;
     if (!(g->formula >= 1 && g->formula <= 9) && !(agf >= 1 && agf <= 13) && !pairs && !of_model)
         return "no such dispersion formula";
     if (g->count == 0) return "no coefficients";

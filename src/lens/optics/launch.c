@@ -23,7 +23,7 @@
 
 static const double TO_RADIANS = 0.017453292519943295; /* pi / 180 */
 
-bool sgt_launch_fail(const sgt_launcher *from, sgt_lens_error *error, const char *key, const char *words, ...)
+bool sgt_launch_fail(const sgt_launcher *from, sgt_error *error, const char *key, const char *words, ...)
 {
     if (!error) return false;
     const char *file = from->lens->file;
@@ -52,7 +52,7 @@ void sgt_launch_forget(const sgt_launcher *from, void *room)
 
 /* --------------------------------------------------------------- the launcher */
 
-sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options *opt, sgt_lens_error *error)
+sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options *opt, sgt_error *error)
 {
     const sgt_launcher_options defaults = {.wavelength = 0};
     if (!opt) opt = &defaults;
@@ -71,7 +71,7 @@ sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options 
                                              : (double)NAN;
     if (sgt_lens_at(lens, um, from->element, &from->before, error) &&
         sgt_lens_first_order(lens, um, &from->data, NULL, NULL, error) &&
-        (from->aim == SGT_AIM_PUPIL || sgt_aim_at_stop(from, error)))
+        (from->aim == SGT_LENS_AIM_PUPIL || sgt_aim_at_stop(from, error)))
         return from;
     sgt_launcher_free(from);
     return NULL;
@@ -90,7 +90,7 @@ const sgt_first_order *sgt_launcher_data(const sgt_launcher *from) { return &fro
 /* ---------------------------------------------------------------- the pupil */
 
 /* Paraxial rays cannot pass an element, and so `key` must be given. */
-static bool fail_without_vertex(const sgt_launcher *from, sgt_lens_error *error, const char *key,
+static bool fail_without_vertex(const sgt_launcher *from, sgt_error *error, const char *key,
                                 size_t number, const char *where)
 {
     const char *why = from->lens->surface[number - 1].off_axis ? "is tilted or off the axis"
@@ -98,7 +98,7 @@ static bool fail_without_vertex(const sgt_launcher *from, sgt_lens_error *error,
     return sgt_launch_fail(from, error, key, "needed: element %zu, %s, %s", number, where, why);
 }
 
-static bool has_pupil(const sgt_launcher *from, sgt_lens_error *error)
+static bool has_pupil(const sgt_launcher *from, sgt_error *error)
 {
     const sgt_lens *l = from->lens;
     const sgt_first_order *o = &from->data;
@@ -171,7 +171,7 @@ static double degrees_of(double slope) { return atan(slope) / TO_RADIANS; }
 
 /* Sets the slope of the marginal rays of a telecentric object. */
 static bool set_cone(const sgt_launcher *from, sgt_field_kind kind, const sgt_lens_field *at, double *cone,
-                     sgt_lens_error *error)
+                     sgt_error *error)
 {
     const sgt_lens *l = from->lens;
     if (l->pupil != SGT_PUPIL_OBJECT_NA && l->pupil != SGT_PUPIL_OBJECT_ANGLE)
@@ -200,7 +200,7 @@ void sgt_beam_point(const sgt_launcher *from, sgt_field_beam *b, double x, doubl
 }
 
 bool sgt_launch_field(const sgt_launcher *from, sgt_field_kind kind, const sgt_lens_field *at,
-                      sgt_field_beam *b, sgt_lens_error *error)
+                      sgt_field_beam *b, sgt_error *error)
 {
     const sgt_lens *l = from->lens;
     const sgt_first_order *o = &from->data;
@@ -257,7 +257,7 @@ sgt_ray sgt_field_ray(const sgt_field_beam *b, double x, double y)
 bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, size_t count, const sgt_pupil_point at[], sgt_launched out[])
 {
-    if (from->aim != SGT_AIM_PUPIL)
+    if (from->aim != SGT_LENS_AIM_PUPIL)
         return sgt_aim_rays(from, b, e, index_before, count, at, out);
     for (size_t i = 0; i < count; i++) {
         sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);

@@ -82,10 +82,10 @@ static bool read_by(maker make, whole_lens *w, source *s, const char *name, cons
 }
 
 static sgt_lens *lens_by(maker make, const char *name, const char *text, size_t length,
-                         const sgt_lens_options *opt, sgt_lens_error *error)
+                         const sgt_lens_options *opt, sgt_error *error)
 {
     static const sgt_lens_options defaults = {0};
-    sgt_lens_error unread;
+    sgt_error unread;
     if (!error) error = &unread;
     sgt_allocator a = sgt_allocator_or(opt ? opt->allocator : NULL);
     whole_lens *w = a.resize(a.context, NULL, sizeof *w);
@@ -104,19 +104,19 @@ static sgt_lens *lens_by(maker make, const char *name, const char *text, size_t 
     return NULL;
 }
 
-sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt, sgt_lens_error *error)
+sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt, sgt_error *error)
 {
     return lens_by(sgt_read_lens, path, NULL, 0, opt, error);
 }
 
 sgt_lens *sgt_lens_read_text(const char *name, const char *text, size_t length, const sgt_lens_options *opt,
-                             sgt_lens_error *error)
+                             sgt_error *error)
 {
     return lens_by(sgt_read_lens, name, text, length, opt, error);
 }
 
 sgt_lens *sgt_lens_read_surface(const char *name, const char *text, const sgt_lens_options *opt,
-                                sgt_lens_error *error)
+                                sgt_error *error)
 {
     return lens_by(sgt_read_one_surface, name, text, strlen(text), opt, error);
 }
@@ -134,7 +134,7 @@ const char *sgt_lens_yaml(sgt_lens *lens, size_t *length)
 {
     whole_lens *w = (whole_lens *)(void *)lens;
     static const sgt_lens_options defaults = {0};
-    sgt_lens_error unread;
+    sgt_error unread;
     source s = {
         .arena = &w->memory, .options = &defaults, .error = &unread, .file = lens->file, .root = w->root,
         .comment = w->comment, .comments = w->comments};

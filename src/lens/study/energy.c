@@ -28,7 +28,7 @@ typedef struct energy {
     double *beyond;             /* [cells]: the weight beyond the last radius */
 } energy;
 
-static bool energy_place(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+static bool energy_place(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     return sgt_place_study(p, i, out, fault);
 }

@@ -11,7 +11,7 @@ typedef struct curve {
     double dioptre;             /* of 1 / length, if the lens is afocal; else 1 */
 } curve;
 
-typedef struct curve_point { bool placed; sgt_lens_field at; sgt_field_point of; sgt_lens_error fault;
+typedef struct curve_point { bool placed; sgt_lens_field at; sgt_field_point of; sgt_error fault;
 } curve_point;
 
 /* Cells are field * bands + band. */

@@ -44,7 +44,7 @@ static sgt_lens_field map_field(const map_net *net, size_t i)
     return (sgt_lens_field){.x = net->half * x, .y = net->half * y, .weight = 1};
 }
 
-static bool map_net_place(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+static bool map_net_place(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     const map_net *net = p->data;
     const sgt_asking *a = p->ask;

@@ -148,7 +148,7 @@ bool sgt_spots_begin(sgt_asking *a, bool centroid, const sgt_list *defocus, spot
     return !a->failed;
 }
 
-bool sgt_spots_place(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+bool sgt_spots_place(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     const spots *w = p->data;
     const sgt_asking *a = p->ask;
@@ -239,7 +239,7 @@ static void spread_end(const pass *p, size_t i, const sgt_fates *fates)
 }
 
 /* (Both passes find their cells by `of`, the first member of what they are given.) */
-static bool place_of_sums(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+static bool place_of_sums(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     pass of = *p;
     const spot_sums *s = p->data;

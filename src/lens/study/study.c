@@ -43,7 +43,7 @@ bool sgt_ask_refuse(sgt_asking *a, const char *setting, const char *words, ...)
 {
     if (a->failed) return false;
     a->failed = true;
-    *a->error = (sgt_lens_error){.line = 0};
+    *a->error = (sgt_error){.line = 0};
     snprintf(a->error->key, sizeof a->error->key, "%s", setting);
     va_list more;
     va_start(more, words);
@@ -128,7 +128,7 @@ const char *sgt_study_fate_text(int fate)
 void sgt_fates_count(sgt_fates *f, const sgt_ray_end *end)
 {
     f->rays++, f->folded += end->folded;
-    if (end->aimed == SGT_AIM_UNDECIDED) {
+    if (end->aimed == SGT_AIMED_UNDECIDED) {
         f->within = f->unfound ? fmin(f->within, end->within) : end->within;
         f->unfound++;
     }
@@ -197,7 +197,7 @@ typedef struct block {
     size_t count, lost;
     sgt_fates fates;
     bool placed;
-    sgt_lens_error fault;
+    sgt_error fault;
     sgt_ray_end end[PUPIL_PART];
 } block_of_rays;
 
@@ -264,7 +264,7 @@ bool sgt_ask_pass(const pass *p)
     return sgt_ask_rounds(p->ask, &r);
 }
 
-bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     const sgt_asking *a = p->ask;
     const band *b = &a->band[i % a->bands];
@@ -424,7 +424,7 @@ static bool pick_pupil(sgt_asking *a)
 
 /* ------------------------------------------------------------------- the study */
 
-sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt_lens_error *error)
+sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt_error *error)
 {
     const sgt_study_options defaults = {.allocator = NULL};
     if (!opt) opt = &defaults;
@@ -475,10 +475,10 @@ static bool knows_all(const sgt_asking *a)
 }
 
 bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis, const void *options,
-                   const sgt_sink *sink, sgt_study_total *total, sgt_lens_error *error)
+                   const sgt_sink *sink, sgt_study_total *total, sgt_error *error)
 {
     static const sgt_sink nowhere;
-    sgt_lens_error unread;
+    sgt_error unread;
     sgt_asking a = {.study = study, .lens = study->lens, .from = study->from, .of = analysis,
                     .options = options, .sink = sink ? sink : &nowhere, .error = error ? error : &unread,
                     .counts = true, .memory = {.allocator = study->from->allocator}};

@@ -31,7 +31,7 @@ struct sgt_asking {
     const sgt_analysis *of;
     const void *options;
     const sgt_sink *sink;
-    sgt_lens_error *error;
+    sgt_error *error;
     arena memory;               /* freed when all is answered */
     size_t bands;
     band *band;                 /* [bands] */
@@ -102,7 +102,7 @@ typedef struct pass {
     const sgt_pupil *points;
     size_t cells, size;
     void *data;
-    bool (*place)(const struct pass *p, size_t i, cell *out, sgt_lens_error *fault);
+    bool (*place)(const struct pass *p, size_t i, cell *out, sgt_error *fault);
     void (*block)(const struct pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum);
     void (*take)(const struct pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum);
     void (*end)(const struct pass *p, size_t i, const sgt_fates *fates);
@@ -112,7 +112,7 @@ typedef struct pass {
 bool sgt_ask_pass(const pass *p);
 
 /* For cells field * bands + band of the study: place and lost. */
-bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_lens_error *fault);
+bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_error *fault);
 void sgt_lost_study(const pass *p, size_t i, sgt_lost_ray *out);
 
 void sgt_fates_count(sgt_fates *f, const sgt_ray_end *end);

@@ -30,7 +30,7 @@ static sgt_field_kind sweep_kind(const sweep *w)
     return w->angle ? SGT_FIELD_ANGLE : SGT_FIELD_OBJECT_HEIGHT;
 }
 
-static bool sweep_place(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+static bool sweep_place(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     const sweep *w = p->data;
     const sgt_asking *a = p->ask;

@@ -140,7 +140,7 @@ static info_arguments info_arguments_of(const command *c, int argc, char *argv[]
 sgt_first_order info_first_order(const lens *l, sgt_seidel seidel[], const char **why_not)
 {
     sgt_first_order o;
-    sgt_lens_error e;
+    sgt_error e;
     if (!sgt_lens_first_order(l->of, l->wavelength, &o, seidel, why_not, &e)) lens_refuse(&e);
     return o;
 }
@@ -329,7 +329,7 @@ static void note_limits(const sgt_lens *l)
 /* ------------------------------------------------------------- chief rays */
 
 /* "FILE:LINE: key: words" */
-static const char *fault_of(const sgt_lens_error *e)
+static const char *fault_of(const sgt_error *e)
 {
     char text[sizeof *e + 40];
     snprintf(text, sizeof text, "%s:%zu: %s%s%s", e->file, e->line, e->key, *e->key ? ": " : "", e->words);
@@ -368,7 +368,7 @@ static const char *find_chief(const sgt_launcher *from, const lens *l, size_t fi
 {
     const sgt_pupil_point centre = {0, 0, 1};
     sgt_field_beam beam;
-    sgt_lens_error e;
+    sgt_error e;
     if (!sgt_launch_field(from, l->of->field_kind, &l->of->field[field], &beam, &e)) return fault_of(&e);
     if (!sgt_launch_rays(from, &beam, l->element, l->index_before, 1, &centre, chief))
         fail_input("out of memory");
@@ -382,8 +382,8 @@ info_chief *info_chiefs(const lens *l)
     const size_t fields = l->of->fields;
     const double none = (double)NAN;
     info_chief *out = memory_take(fields, sizeof *out);
-    const sgt_lens_aim aim = l->of->telecentric ? SGT_AIM_PUPIL : SGT_AIM_STOP;
-    sgt_lens_error e;
+    const sgt_lens_aim aim = l->of->telecentric ? SGT_LENS_AIM_PUPIL : SGT_LENS_AIM_STOP;
+    sgt_error e;
     sgt_launcher *from = sgt_launcher_new(
         l->of, &(sgt_launcher_options){.aim = &aim, .wavelength = isnan(l->wavelength) ? 0 : l->wavelength},
         &e);

@@ -27,7 +27,7 @@ static void free_launchers(void)
 
 launch_how launch_by(const lens *l, const sgt_lens_aim *aim)
 {
-    sgt_lens_error e;
+    sgt_error e;
     const sgt_launcher_options options = {.aim = aim, .wavelength = isnan(l->wavelength) ? 0 : l->wavelength};
     launch_how how = {.from = sgt_launcher_new(l->of, &options, &e)};
     if (!how.from) lens_refuse(&e);
@@ -69,7 +69,7 @@ bool launch_there(launch_how *how, const launch *l)
 sgt_field_beam launch_beam(const launch_how *how, sgt_field_kind kind, sgt_lens_field at)
 {
     sgt_field_beam beam;
-    sgt_lens_error e;
+    sgt_error e;
     if (!sgt_launch_field(how->from, kind, &at, &beam, &e)) lens_refuse(&e);
     return beam;
 }

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const sgt_builtin *earth_types(void) { return sgt_geo_builtins; }
+const sgt_builtin *earth_types(void) { return sgt_geo_builtins(); }
 
 static sgt_geoid **opened;
 static size_t count, room;

@@ -23,7 +23,7 @@ bool undecided_has_rim(sgt_surface s) { return surface_number(s, RIM) != NULL; }
 bare_surface undecided_without_rim(sgt_surface s)
 {
     const sgt_builtin *row = surface_row(s);
-    bare_surface b = {.surface = s, .terms = row->family != SGT_CONIC};
+    bare_surface b = {.surface = s, .terms = row->family != SGT_FAMILY_CONIC};
     const double *rim = surface_number(s, RIM), *c = surface_number(s, "curvature"),
                  *k = surface_number(s, "conic");
     if (!rim) return b;
@@ -34,7 +34,7 @@ bare_surface undecided_without_rim(sgt_surface s)
     b.rim = *rim;
     /* with a curvature_x, c and k belong to one section only */
     if (!surface_number(s, "curvature_x")) b.c = c ? *c : 0, b.k = k ? *k : 0;
-    if (row->family == SGT_ASPHERE) { /* of no terms it is a conic */
+    if (row->family == SGT_FAMILY_ASPHERE) { /* of no terms it is a conic */
         const double *a = surface_number(s, "coefficients");
         b.terms = false;
         for (int i = 0; i < 8; i++) b.terms = b.terms || a[i] != 0;
