@@ -26,7 +26,7 @@ mkdir -p $results
 lens=examples/lenses/ftheta.yaml
 fans='--field 0 --field 10 --field 20 --fan 9'
 # shellcheck disable=SC2086
-$sagitta trace $lens $fans --svg $results/ftheta.svg --output $results/ftheta.txt
+$sagitta trace $lens $fans --picture $results/ftheta.svg --output $results/ftheta.txt
 # shellcheck disable=SC2086
 $sagitta trace $lens $fans --format csv --output $results/ftheta.csv
 

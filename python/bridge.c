@@ -21,10 +21,13 @@
 #include <sagitta/diagnose.h>
 #include <sagitta/formula.h>
 #include <sagitta/sensitivity.h>
+#include <sagitta/study.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
 #include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -580,6 +583,107 @@ int sagitta_nothing(const sgt_surface *surface, const sgt_ray *ray, const sgt_op
 {
     (void)surface, (void)ray, (void)opt, (void)hit;
     return 0;
+}
+
+/* --------------------------------------------------------------------- what a designer asks */
+
+/* The rows of an analysis, one behind another, and what was said: sentences, each with an 'n' (a note) or an
+ * 'l' (a legend) in front and a zero byte at its end. */
+typedef struct sagitta_answer {
+    char *row;
+    size_t rows, room, size;
+    char *words;
+    size_t length, words_room;
+    int threads;
+    bool no_memory;
+    sgt_fates fates;
+} sagitta_answer;
+
+/* Room for `more` bytes behind `used`; NULL: none, and *at is as before. */
+static char *more_room(sagitta_answer *a, char **at, size_t used, size_t *room, size_t more)
+{
+    if (used + more > *room) {
+        char *grown = realloc(*at, 2 * *room + more);
+        a->no_memory = a->no_memory || !grown;
+        if (!grown) return NULL;
+        *at = grown, *room = 2 * *room + more;
+    }
+    return *at + used;
+}
+
+static void keep_row(void *context, const void *row)
+{
+    sagitta_answer *a = context;
+    char *to = more_room(a, &a->row, a->rows * a->size, &a->room, a->size);
+    if (to) memcpy(to, row, a->size), a->rows++;
+}
+
+static void keep_words(void *context, sgt_remark_of_study kind, const char *sentence)
+{
+    sagitta_answer *a = context;
+    const size_t length = strlen(sentence) + 2;
+    char *to = more_room(a, &a->words, a->length, &a->words_room, length);
+    if (!to) return;
+    *to = kind == SGT_STUDY_NOTE ? 'n' : 'l';
+    memcpy(to + 1, sentence, length - 1), a->length += length;
+}
+
+/* Tasks in threads: each takes the next that is left. */
+typedef struct crew {
+    void (*one)(void *data, size_t i);
+    void *data;
+    size_t tasks;
+    atomic_size_t next;
+} crew;
+
+static void *work_on(void *of)
+{
+    crew *c = of;
+    for (size_t i; (i = atomic_fetch_add(&c->next, 1)) < c->tasks;) c->one(c->data, i);
+    return NULL;
+}
+
+static void in_threads(void *context, size_t tasks, void (*one)(void *data, size_t i), void *data)
+{
+    enum { MOST = 1024 };
+    const sagitta_answer *a = context;
+    pthread_t thread[MOST];
+    crew c = {.one = one, .data = data, .tasks = tasks};
+    size_t others = 0, wanted = (size_t)a->threads - 1;
+    if (wanted >= tasks) wanted = tasks - 1;
+    while (others < wanted && others < MOST && pthread_create(&thread[others], NULL, work_on, &c) == 0) others++;
+    work_on(&c);
+    for (size_t i = 0; i < others; i++) pthread_join(thread[i], NULL);
+}
+
+/* A study that works in answer->threads; the answer lasts as long as it. */
+SGT_API sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
+                                 sgt_error *error);
+sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
+                         sgt_error *error)
+{
+    if (answer->threads > 1) opt->run = in_threads, opt->context = answer;
+    return sgt_study_new(lens, opt, error);
+}
+
+SGT_API bool sagitta_ask(const sgt_study *study, const sgt_analysis *analysis, const void *options,
+                         sagitta_answer *answer, sgt_error *error);
+bool sagitta_ask(const sgt_study *study, const sgt_analysis *analysis, const void *options,
+                 sagitta_answer *answer, sgt_error *error)
+{
+    const sgt_sink sink = {.context = answer, .row = keep_row, .say = keep_words};
+    sgt_study_total total;
+    answer->size = analysis->row_size;
+    if (!sgt_study_run(study, analysis, options, &sink, &total, error)) return false;
+    answer->fates = total.fates;
+    return true;
+}
+
+SGT_API void sagitta_forget(sagitta_answer *answer);
+void sagitta_forget(sagitta_answer *answer)
+{
+    free(answer->row), free(answer->words);
+    answer->row = answer->words = NULL;
 }
 
 /* ------------------------------------------------ what the structs of Python are held to */

@@ -53,7 +53,7 @@ export SAGITTA_TEST_SEED
 SAGITTA_TEST_SCALE=10 stage scale meson test -C $build --no-rebuild --timeout-multiplier 0 --print-errorlogs \
     --suite unit --suite batch --suite oracle --suite interval --suite extremes \
     --suite sensitivity --suite geo --suite catalogue --suite lens --suite formula
-stage rest meson test -C $build --no-rebuild --print-errorlogs --suite nightly
+stage rest meson test -C $build --print-errorlogs --suite nightly
 for what in operations roots; do
     stage tapes_$what $build/tests/formula/test_formula_$what --seconds 600 --seed "$SAGITTA_TEST_SEED" --random
 done

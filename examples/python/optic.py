@@ -67,7 +67,7 @@ class Optic:
             self._state = state
         return self._lens
 
-    def trace(self, field=0, rays=6, pattern="hexapolar"):
+    def trace(self, field=1, rays=6, pattern="hexapolar"):
         """Rays of a field; afterwards each surface has the global points and directions."""
         launched = self.lens.launch(field, pattern, rays)
         return self.trace_rays(*launched.o, *launched.d)
@@ -84,8 +84,8 @@ class Optic:
     def focal_length(self):
         return self.lens.first_order().efl
 
-    def rms_spot(self, field=0):
-        return self.lens.spot(field).rms
+    def rms_spot(self, field=1):
+        return float(self.lens.spot(field, rays=6, reference="centroid").rms[0])
 
     def gradient(self, field, surface, name):
         """d(mean square of the spot) / d(radius, conic, thickness ...) of a surface."""
@@ -114,11 +114,11 @@ def main():
     optic = cooke_triplet()
     traced = optic.trace(1)
     print(f"{len(optic.surfaces)} surfaces, {int(traced.through.sum())} of {len(traced)} rays at the image")
-    print(f"focal length {optic.focal_length():.3f}, rms {optic.rms_spot(1):.4f}")
+    print(f"focal length {optic.focal_length():.3f}, rms {optic.rms_spot(2):.4f}")
     image = optic.surfaces[-1]
     print(f"image: y from {image.y.min():.3f} to {image.y.max():.3f}")
     optic.surfaces[-2].thickness += 0.1
-    print(f"refocused by 0.1: rms {optic.rms_spot(1):.4f}")
+    print(f"refocused by 0.1: rms {optic.rms_spot(2):.4f}")
     print(f"d(mean square)/d(radius of the front): {optic.gradient(1, 0, 'radius'):.5f}")
 
 

@@ -32,7 +32,7 @@ def lens_of(v):
 
 def launched():
     """Rays of all fields through the stop, and where each ought to end."""
-    at = lens_of(START).launch(0, "hexapolar", 5)
+    at = lens_of(START).launch(1, "hexapolar", 5)
     stop = 10 * np.array([at.px, at.py, 0 * at.px])
     d = [np.array([[0], [np.tan(a)], [1]]) + 0 * stop for a in FIELDS]
     wanted = [np.array([[0], [FOCAL * np.tan(a)]]) + 0 * stop[:2] for a in FIELDS]

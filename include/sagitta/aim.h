@@ -138,6 +138,66 @@ SGT_API bool sgt_trace_error(size_t elements, const sgt_element e[], double inde
                              const sgt_ray *launch, const sgt_passage passages[],
                              sgt_end_error *out);
 
+/* ------------------------------------------------------------------- many rays at once
+ *
+ * The functions above, for n rays.  Each number is the one that the function for one ray
+ * gives, bit for bit (a NaN for a NaN), whatever its neighbours are.  What they have in
+ * common:
+ *
+ *     rays      the launch rays as they were given to sgt_trace_batch; o and d are read,
+ *               in the global frame
+ *     passages  as sgt_trace_batch left them, one entry for each element.  hits.status
+ *               (NULL: all were met), hits.t, hits.p, hits.n and direction are read
+ *
+ * Arrays have n numbers.  Outputs must not overlap inputs or each other, but where it is
+ * said.  A ray whose hit at an element is not positive is not shown to the surface there.
+ *
+ * Rays go through all elements 64 at a time, in loops over rays; ideal lenses go ray by
+ * ray, and surfaces as fast as their `second` and `by_parameter` are.  12 numbers an
+ * element are read of each ray.  So take some hundred rays at a time from sgt_trace_batch
+ * to here: then they are still in the processor's cache. */
+
+/* Changes of many rays, one array for each number of sgt_ray_change.  p and d: all three
+ * arrays, or none.  NULL: of an input, no change; of an output, not wanted. */
+typedef struct sgt_ray_changes {
+    double *p[3], *d[3], *opl;
+    unsigned long long reserved_[2]; /* leave it zero: else SGT_LACKS_MEMBER */
+} sgt_ray_changes;
+
+/* sgt_trace_sensitivity of n rays.  change[j] and out[j] are column j; they may be the
+ * same arrays. */
+SGT_API int sgt_trace_sensitivity_batch(size_t elements, const sgt_element e[],
+                                        double index_before, size_t n, sgt_rays rays,
+                                        const sgt_passages passages[], size_t columns,
+                                        const sgt_ray_changes change[],
+                                        const sgt_ray_changes out[]);
+
+/* sgt_trace_gradient of n rays.
+ *
+ *     weight    weight[r]: number r of each ray
+ *     gradient  rows * sgt_trace_parameters(elements, e) arrays, row by row; one that is
+ *               NULL is not wanted.  All parameters of a surface unwanted: it is not
+ *               asked for them */
+SGT_API int sgt_trace_gradient_batch(size_t elements, const sgt_element e[],
+                                     double index_before, size_t n, sgt_rays rays,
+                                     const sgt_passages passages[], size_t rows,
+                                     const sgt_ray_changes weight[],
+                                     double *const gradient[]);
+
+/* The numbers of sgt_end_error of many rays.  An array that is NULL is not wanted.  If
+ * path is not, and there is no phase, the path is not worked out again, which is a third
+ * of the work. */
+typedef struct sgt_end_errors {
+    double *point, *path, *grain, *path_grain;
+    unsigned long long reserved_[2]; /* leave it zero: else all is NaN */
+} sgt_end_errors;
+
+/* sgt_trace_error of n rays.  Of the passages hits.p_err is read besides, and opl of the
+ * last one if path is wanted.  Returns for how many rays all hits are positive. */
+SGT_API size_t sgt_trace_error_batch(size_t elements, const sgt_element e[],
+                                     double index_before, size_t n, sgt_rays rays,
+                                     const sgt_passages passages[], sgt_end_errors out);
+
 /* ------------------------------------------------------------------------- aiming */
 
 /* A family of launch rays with two parameters:
@@ -264,6 +324,28 @@ typedef struct sgt_aiming {
 SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before,
                           const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
                           const sgt_aim_options *opt, sgt_aiming *out);
+
+/* sgt_aim at n points: the same answers, bit for bit, counts included.
+ *
+ *     wanted    n points of the stop's frame
+ *     passages  stop + 1 entries; each with the arrays hits.status, t, p, n, p_err and
+ *               direction, of n.  At return: those of sgt_aim for each point, to the
+ *               stop.  Other arrays that are there are written as well
+ *     room      work space for stop + 1 passages
+ *     opt       as for one point.  start: opt->starts of them for each point; those of
+ *               point i are start[i * starts] and on.  attempt: room of them for each
+ *               point, those of point i are attempt[i * room] and on
+ *     out       n answers, or NULL
+ *
+ * Returns how many are met.  All points go together as long as Newton's steps from the
+ * first start lead straight on.  A point where they do not is left to sgt_aim.  So good
+ * starts are worth much: each round costs a trace and half of one.  The passages of a
+ * point that is not met are those of a ray that met nothing.  The stack needed is below
+ * 96 KiB. */
+SGT_API size_t sgt_aim_batch(size_t stop, const sgt_element e[], double index_before,
+                             const sgt_beam *beam, size_t n, const sgt_vec2 wanted[],
+                             const sgt_passages passages[], sgt_passage room[],
+                             const sgt_aim_options *opt, sgt_aiming out[]);
 
 /* Why does sgt_aim answer SGT_AIMED_INVALID?  As sgt_explain_intersect. */
 SGT_API bool sgt_explain_aim(size_t stop, const sgt_element e[], double index_before,

@@ -368,9 +368,10 @@ typedef struct sgt_first_order {
     double wavelength;          /* um, or NaN */
     double power;               /* P, 1/length; 0: afocal, to rounding: some ulps of each
                                    radius, thickness and index, and of the trace,
-                                   explain it (src/lens/first_order.c).  What would be
-                                   divided by it is then NaN.  So are the others: 0
-                                   within their bounds, NaN if divided by such a 0 */
+                                   explain it (src/lens/optics/first_order.c).
+                                   What would be divided by it is then NaN.
+                                   So are the others: 0 within their bounds, NaN
+                                   if divided by such a 0 */
     double efl;                 /* 1 / P: the focal length, in the medium 1 */
     double efl_image;           /* |n'| / P: in the image medium */
     double ffd;                 /* from the first vertex to the front focus */
@@ -418,9 +419,9 @@ SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_ord
 
 /* First-order data along a real ray, for lenses that are folded, tilted or freeform: of
  * the rays near it.  [0] is the section of the global x, [1] that of y, carried along
- * with the ray (src/lens/parabasal.c).  Distances are along the ray, from where it meets
- * the last element.  On the axis of a centred lens they agree with sgt_first_order.  NaN:
- * there is none, or the sections mix (power[0][1] or power[1][0] is not 0). */
+ * with the ray (src/lens/optics/parabasal.c).  Distances are along the ray, from where it
+ * meets the last element.  On the axis of a centred lens they agree with sgt_first_order.
+ * NaN: there is none, or the sections mix (power[0][1] or power[1][0] is not 0). */
 typedef struct sgt_parabasal {
     double power[2][2];       /* -n' times the change of direction by a displacement */
     double efl[2];            /* 1 / power */

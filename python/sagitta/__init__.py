@@ -18,8 +18,9 @@ from ._library import ArithmeticFault
 from .earth import GeodeticHeight, Geoid, LevelGravity
 from .formula import Formula, FormulaError, Sag
 from .function import Function
-from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Rays, Remark, Seidel, Sensitivity, Spot
+from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Rays, Remark, Seidel, Sensitivity
 from .results import Aimed, Fate, Hit, Hits, Passage, Status, Traced
+from .study import Answer, Fates
 from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
 from .surfaces import *  # noqa: F401,F403
 
@@ -29,12 +30,14 @@ __all__ = [
     "Aimed",
     "Aims",
     "AllHits",
+    "Answer",
     "ArithmeticFault",
     "Beam",
     "Check",
     "Diagnosis",
     "Element",
     "Fate",
+    "Fates",
     "Fault",
     "FirstOrder",
     "Formula",
@@ -55,7 +58,6 @@ __all__ = [
     "Sag",
     "Seidel",
     "Sensitivity",
-    "Spot",
     "Status",
     "Surface",
     "Traced",

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 import os
 import pathlib
-from ctypes import POINTER, Structure, c_bool, c_char, c_char_p, c_double, c_int, c_size_t, c_void_p
+from ctypes import POINTER, Structure, c_bool, c_char, c_char_p, c_double, c_int, c_size_t, c_uint, c_uint64, c_void_p
 from typing import Any
 
 Vector = c_double * 3
@@ -452,46 +452,118 @@ class Launched(Structure):
     ]
 
 
-class RayEnd(Structure):
+class Wavelength(Structure):
+    _fields_ = [("number", c_size_t), ("um", c_double)]
+
+
+class StudyOptions(Structure):
     _fields_ = [
-        ("px", c_double),
-        ("py", c_double),
-        ("weight", c_double),
-        ("aimed", c_int),
-        ("fate", ctypes.c_byte),
-        ("status", ctypes.c_byte),
-        ("element", c_size_t),
-        ("folded", c_bool),
-        ("proven", c_bool),
-        ("evals", c_int),
-        ("t_err", c_double),
-        ("condition", c_double),
-        ("p", Vector),
-        ("d", Vector),
-        ("opl", c_double),
-        ("p_err", c_double),
-        ("opl_err", c_double),
-        ("d_err", c_double),
-        ("within", c_double),
+        ("allocator", c_void_p),
+        ("aim", c_void_p),
+        ("solver", c_void_p),
+        ("open", c_bool),
+        ("fields", c_size_t),
+        ("field", c_void_p),
+        ("field_at", c_void_p),
+        ("field_kind", c_void_p),
+        ("wavelengths", c_size_t),
+        ("wavelength", c_void_p),
+        ("every_wavelength", c_bool),
+        ("pattern", c_void_p),
+        ("rays", c_size_t),
+        ("across", c_size_t),
+        ("seed", c_uint64),
+        ("points", c_size_t),
+        ("point", c_void_p),
+        ("run", c_void_p),
+        ("context", c_void_p),
         ("reserved_", Words * 4),
     ]
 
 
-class Ends(Structure):
-    _fields_ = [("count", c_size_t), ("end", c_void_p), ("weight", c_double)]
+class List(Structure):
+    _fields_ = [("count", c_size_t), ("at", c_void_p)]
 
 
-class Spot(Structure):
+class Column(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("kind", c_int),
+        ("dimension", c_int),
+        ("flags", c_uint),
+        ("offset", c_size_t),
+        ("error", c_size_t),
+        ("help", c_char_p),
+        ("reserved_", Words * 4),
+    ]
+
+
+class Setting(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("kind", c_int),
+        ("offset", c_size_t),
+        ("words", c_char_p),
+        ("least", c_size_t),
+        ("most", c_size_t),
+        ("help", c_char_p),
+        ("reserved_", Words * 4),
+    ]
+
+
+class Analysis(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("title", c_char_p),
+        ("help", c_char_p),
+        ("primary_alone", c_bool),
+        ("no_fields", c_bool),
+        ("no_rays", c_bool),
+        ("pattern", c_int),
+        ("rays", c_size_t),
+        ("part_of", c_char_p),
+        ("draw_x", c_char_p),
+        ("draw_y", c_char_p),
+        ("row_size", c_size_t),
+        ("columns", c_size_t),
+        ("column", POINTER(Column)),
+        ("options_size", c_size_t),
+        ("settings", c_size_t),
+        ("setting", POINTER(Setting)),
+        ("ask", c_void_p),
+        ("reserved_", Words * 4),
+    ]
+
+
+class Fates(Structure):
     _fields_ = [
         ("rays", c_size_t),
         ("passed", c_size_t),
-        ("reference", Pair),
-        ("rms", c_double),
-        ("rms_x", c_double),
-        ("rms_y", c_double),
-        ("geometric", c_double),
-        ("error", c_double),
+        ("missed", c_size_t),
+        ("clipped", c_size_t),
+        ("tir", c_size_t),
+        ("lost", c_size_t),
+        ("none", c_size_t),
+        ("unfound", c_size_t),
+        ("within", c_double),
+        ("folded", c_size_t),
+        ("proven", c_size_t),
         ("reserved_", Words * 4),
+    ]
+
+
+class Answer(Structure):
+    _fields_ = [
+        ("row", c_void_p),
+        ("rows", c_size_t),
+        ("room", c_size_t),
+        ("size", c_size_t),
+        ("words", c_void_p),
+        ("length", c_size_t),
+        ("words_room", c_size_t),
+        ("threads", c_int),
+        ("no_memory", c_bool),
+        ("fates", Fates),
     ]
 
 
@@ -611,19 +683,22 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
         c_bool,
         [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_size_t, c_void_p, c_void_p, POINTER(Error)],
     ),
-    "sgt_trace_pupil": (
+    "sgt_spectral_line": (c_double, [c_char_p]),
+    # study.h
+    "sgt_analysis_at": (POINTER(Analysis), [c_size_t]),
+    "sgt_study_new": (c_void_p, [POINTER(Lens), POINTER(StudyOptions), POINTER(Error)]),
+    "sgt_study_free": (None, [c_void_p]),
+    "sgt_study_column": (c_bool, [c_void_p, POINTER(Analysis), c_void_p, c_size_t, c_char * 32, c_char * 32]),
+    "sgt_study_fate_text": (c_char_p, [c_int]),
+    "sagitta_ask": (
         c_bool,
-        [
-            *(c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_size_t),
-            *(c_void_p, POINTER(Options), c_void_p, POINTER(Error)),
-        ],
+        [c_void_p, POINTER(Analysis), c_void_p, POINTER(Answer), POINTER(Error)],
     ),
-    "sgt_trace_chief": (
-        c_bool,
-        [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_void_p, POINTER(Error)],
+    "sagitta_study": (
+        c_void_p,
+        [POINTER(Lens), POINTER(StudyOptions), POINTER(Answer), POINTER(Error)],
     ),
-    "sgt_ends_as_angles": (None, [c_void_p, c_size_t, c_void_p, c_void_p]),
-    "sgt_spot_of": (Spot, [c_size_t, POINTER(Ends), c_void_p]),
+    "sagitta_forget": (None, [POINTER(Answer)]),
     # formula.h
     "sgt_formula_room": (c_size_t, [c_char_p, c_size_t]),
     "sgt_formula_read": (

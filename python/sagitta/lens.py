@@ -14,7 +14,7 @@ import os
 import pathlib
 import threading
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Iterable, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,10 +25,10 @@ from .earth import lens_options
 from ._arrays import Floats, RayArrays, VectorsLike, address, doubles
 from .function import Function
 from .results import Aimed, Fate, Passage, Traced
+from .study import PATTERNS, Answer, Wavelength, add_to, field_number, points_of, wavelength_of, whole
 from .surface import BUILTINS, CLASSES, Surface
 from .surface import _read as _parameters_at
 
-_PATTERNS = {"fan": 0, "grid": 1, "hexapolar": 2, "random": 3, "sobol": 4, "cells": 5, "cross": 6}
 _byref = ctypes.byref
 
 
@@ -227,54 +227,6 @@ class Rays:
             f"it is aimed at {self.wanted[0, i]:.6g}, {self.wanted[1, i]:.6g} of the stop"
             for i in np.flatnonzero(self.aimed != Aimed.MET)
         ]
-
-
-@dataclass
-class Spot:
-    """A spot in the frame of the last element: rms, rms_x, rms_y about the reference (the centroid), the
-    largest distance `geometric`, and how far rounding may put rms off (`error`).  x, y: where rays met it,
-    NaN if they did not pass.  ends: all that is known of each ray (sgt_ray_end of analysis.h).  none,
-    undecided: how many rays aiming has proven not to be there, and how many it has neither found nor
-    excluded.
-
-    unit: of all of these; "" if the lens does not say.  Of an afocal lens it is "mrad": they are angles of
-    the rays from the chief ray of the first wavelength, toward x of that frame and across it."""
-
-    rays: int
-    passed: int
-    reference: Floats
-    rms: float
-    rms_x: float
-    rms_y: float
-    geometric: float
-    error: float
-    ends: NDArray[Any] = field(repr=False)
-    unit: str = ""
-
-    @property
-    def none(self) -> int:
-        return int(np.count_nonzero(self.ends["aimed"] == Aimed.NO_SUCH_RAY))
-
-    @property
-    def undecided(self) -> int:
-        return int(np.count_nonzero(self.ends["aimed"] == Aimed.UNDECIDED))
-
-    def missing(self) -> list[str]:
-        """What is known of each ray that is not there, in words."""
-        return [
-            f"px {e['px']:g}, py {e['py']:g}: {_not_there(e['aimed'], e['within'])}"
-            for e in self.ends[self.ends["aimed"] != Aimed.MET]
-        ]
-
-    @property
-    def x(self) -> Floats:
-        result: Floats = self.ends["p"][:, 0]
-        return result
-
-    @property
-    def y(self) -> Floats:
-        result: Floats = self.ends["p"][:, 1]
-        return result
 
 
 @dataclass
@@ -572,15 +524,22 @@ class Lens:
 
     # --------------------------------------------------------------------------- rays
 
-    def _elements(self, wavelength: Optional[float]) -> tuple[Any, float]:
+    def _um(self, wavelength: Wavelength) -> float:
+        """In micrometres; NaN: the primary one, or the lens has none."""
+        if wavelength is None:
+            return math.nan
+        at = wavelength_of(wavelength, self.wavelengths)
+        if not at.number:
+            return float(at.um)
+        return float(self.wavelengths[at.number - 1]) if self.wavelengths else math.nan
+
+    def _elements(self, wavelength: Wavelength) -> tuple[Any, float]:
         """The row of elements at a wavelength (None: the primary one), and the index in front."""
-        um = math.nan if wavelength is None else float(wavelength)
-        key = -1.0 if wavelength is None else um
-        if wavelength is not None and not um > 0:
-            raise ValueError(f"wavelength: must be above 0 (micrometres), not {um}")
+        um = self._um(wavelength)
+        key = -1.0 if math.isnan(um) else um
         if key not in self._at:
             row, before, error = (C.Element * len(self))(), ctypes.c_double(), C.Error()
-            if wavelength is None:
+            if math.isnan(um):
                 ctypes.memmove(row, self._c.element, ctypes.sizeof(row))
                 before.value = self._c.index_before
             elif not C.library.sgt_lens_at(self._handle.pointer, um, row, _byref(before), _byref(error)):
@@ -592,7 +551,7 @@ class Lens:
         return self._at[key]
 
     def _call(
-        self, task: int, rays: RayArrays, option: Optional[C.Options], wavelength: Optional[float]
+        self, task: int, rays: RayArrays, option: Optional[C.Options], wavelength: Wavelength
     ) -> C.Call:
         row, before = self._elements(wavelength)
         call = C.Call(
@@ -608,7 +567,7 @@ class Lens:
         o: Union[VectorsLike, Rays],
         d: Optional[VectorsLike] = None,
         *,
-        wavelength: Optional[float] = None,
+        wavelength: Wavelength = None,
         passages: bool = False,
         pick: Optional[str] = None,
         proof: Optional[str] = None,
@@ -623,7 +582,7 @@ class Lens:
         """Traces rays through all elements, in their order; the whole line of each ray counts.
 
         o, d        as of Surface.intersect(); or the Rays of launch() alone
-        wavelength  in micrometres; None: the primary one
+        wavelength  a whole number: that of the lens, from 1; a float: micrometres; None: the primary one
         passages    tell how each element was met, too: traced.passages[i]
         out         Traced to write to (its passages are written if it has them)
         The rest is as of Surface.intersect().  One ray is an array of one.
@@ -694,7 +653,7 @@ class Lens:
         d: Optional[VectorsLike] = None,
         of: Sequence[str] = ("x", "y"),
         *,
-        wavelength: Optional[float] = None,
+        wavelength: Wavelength = None,
         threads: int = 1,
         axis: Optional[int] = None,
     ) -> Sensitivity:
@@ -737,7 +696,7 @@ class Lens:
         points: ArrayLike,
         beam: Beam,
         *,
-        wavelength: Optional[float] = None,
+        wavelength: Wavelength = None,
         tol: float = 0.0,
         max_traces: int = 0,
         max_boxes: int = 0,
@@ -795,24 +754,24 @@ class Lens:
                     "about its vertex; trace() and sensitivity() take it"
                 )
 
-    def first_order(self, wavelength: Optional[float] = None) -> FirstOrder:
+    def first_order(self, wavelength: Wavelength = None) -> FirstOrder:
         """Paraxial data: efl, bfd, f_number, pupils, magnification ... as attributes."""
         self._only_files("first_order")
         C.check_arithmetic()
         out, error = C.FirstOrder(), C.Error()
-        um = math.nan if wavelength is None else float(wavelength)
+        um = self._um(wavelength)
         if not C.library.sgt_lens_first_order(
             self._handle.pointer, um, _byref(out), None, _byref(error)
         ):
             raise _fault(error)
         return FirstOrder(**{of.name: getattr(out, of.name) for of in fields(FirstOrder)})
 
-    def seidel(self, wavelength: Optional[float] = None) -> Seidel:
+    def seidel(self, wavelength: Wavelength = None) -> Seidel:
         """The Seidel sums, surface by surface."""
         self._only_files("seidel")
         C.check_arithmetic()
         rows, out, error = (C.Seidel * len(self))(), C.FirstOrder(), C.Error()
-        um = math.nan if wavelength is None else float(wavelength)
+        um = self._um(wavelength)
         if not C.library.sgt_lens_first_order(
             self._handle.pointer, um, _byref(out), rows, _byref(error)
         ):
@@ -829,6 +788,15 @@ class Lens:
         """Whether the lens says that light leaves it as parallel rays; spot() then answers in angles."""
         return bool(self._c.afocal)
 
+    # -------------------------------------------------------- what a designer asks (study.py)
+
+    _fault = staticmethod(_fault)
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, analysis: str) -> Callable[..., Answer]:
+            """spot, fan, opd, wavefront, zernike, field, map, sweep, ends ..."""
+
     # -------------------------------------------------------------------------- fields
 
     @property
@@ -838,18 +806,16 @@ class Lens:
 
     def _field(self, given: Union[int, Sequence[float]]) -> C.LensField:
         if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
-            if not 0 <= given < self._c.fields:
-                raise IndexError(f"field {given}: the lens has fields 0 to {self._c.fields - 1}")
-            result: C.LensField = self._c.field[int(given)]
+            result: C.LensField = self._c.field[field_number(given, int(self._c.fields)) - 1]
             return result
         x, y = (float(v) for v in given)  # type: ignore[union-attr]
         return C.LensField(x=x, y=y, weight=1.0)
 
     def _launch(
-        self, given: Union[int, Sequence[float]], wavelength: Optional[float]
+        self, given: Union[int, Sequence[float]], wavelength: Wavelength
     ) -> tuple[_Launcher, Any]:
         self._only_files("launch")
-        key = math.nan if wavelength is None or self.wavelengths else float(wavelength)
+        key = math.nan if self.wavelengths else self._um(wavelength)
         launcher = self._launchers.get(key)
         if launcher is None:
             launcher = self._launchers[key] = _Launcher(self._handle, key)
@@ -864,32 +830,25 @@ class Lens:
     def _points(pattern: Any, rays: int, seed: int) -> Floats:
         """x, y, weight in the unit circle, a row each."""
         if not isinstance(pattern, str):
-            given = doubles(pattern, "pattern")
-            if given.ndim != 2 or given.shape[0] != 2:
-                raise ValueError(f"pattern: must be a word or points of the pupil, (2, n); not {given.shape}")
-            points = np.empty((given.shape[1], 3))
-            points[:, :2], points[:, 2] = given.T, 1 / max(given.shape[1], 1)
-            return points
-        kind = _calls.of_words(pattern, _PATTERNS, "pattern")  # type: ignore[arg-type]
-        if not isinstance(rays, (int, np.integer)) or rays < 1:
-            raise ValueError(f"rays: must be a whole number above 0, not {rays!r}")
-        n = C.library.sgt_pupil_points(kind, rays, seed, 0, None)
+            return points_of(pattern)
+        kind = _calls.of_words(pattern, PATTERNS, "pattern")  # type: ignore[arg-type]
+        n = C.library.sgt_pupil_points(kind, whole(rays, "rays", 1), seed, 0, None)
         points = np.empty((n, 3))
         C.library.sgt_pupil_points(kind, rays, seed, n, address(points))
         return points
 
     def launch(
         self,
-        field: Union[int, Sequence[float]] = 0,
+        field: Union[int, Sequence[float]] = 1,
         pattern: Any = "hexapolar",
         rays: int = 6,
         *,
-        wavelength: Optional[float] = None,
+        wavelength: Wavelength = None,
         seed: int = 0,
     ) -> Rays:
         """Rays of a field through points of the pupil, as trace() takes them.
 
-        field       its place in the lens, from 0, or (x, y) in the lens's own kind
+        field       its number, from 1 as in the lens file, or (x, y) in the lens's own kind
         pattern     "fan", "grid", "hexapolar", "random", "sobol", "cells", "cross" with `rays` as lens.h
                     says, or points of the unit circle, (2, n)
         """
@@ -909,75 +868,6 @@ class Lens:
         missing, within = out["status"] != Aimed.MET, out["within"].copy()
         within[~missing] = np.nan
         return Rays(o, d, x[0], x[1], x[2], out["status"].copy(), within, out["wanted"].T.copy())
-
-    def spot(
-        self,
-        field: Union[int, Sequence[float]] = 0,
-        pattern: Any = "hexapolar",
-        rays: int = 6,
-        *,
-        wavelength: Union[None, float, Sequence[float]] = None,
-        seed: int = 0,
-        proof: Optional[str] = None,
-        reference: Union[str, Sequence[float]] = "centroid",
-    ) -> Spot:
-        """The spot of a field: rms and more, and where each ray ended.  Several wavelengths: one spot of all,
-        with equal weights.  reference: distances are from the "centroid", from the "chief" ray (of the first
-        wavelength), or from (x, y).  Of an afocal lens all are angles, and (x, y) are, too (Spot)."""
-        C.check_arithmetic()
-        if isinstance(reference, str) and reference not in ("centroid", "chief"):
-            raise ValueError(f"reference: must be 'centroid', 'chief' or (x, y), not {reference!r}")
-        option = _calls.options(None, proof)
-        several = list(wavelength) if isinstance(wavelength, (list, tuple, np.ndarray)) else [wavelength]
-        points = self._points(pattern, rays, seed)
-        n, kind = len(points), _dtype(C.RayEnd)
-        ends, error = np.zeros((len(several), n), kind), C.Error()
-        for i, um in enumerate(several):
-            launcher, beam = self._launch(field, um)
-            row, before = self._elements(um)
-            if not C.library.sgt_trace_pupil(
-                launcher.pointer,
-                _byref(beam),
-                row,
-                before,
-                n,
-                address(points),
-                None if option is None else _byref(option),
-                address(ends[i]),
-                _byref(error),
-            ):
-                raise _fault(error)
-        middle = None if isinstance(reference, str) else np.array(doubles(reference, "reference"))
-        if middle is not None and middle.shape != (2,):
-            raise ValueError(f"reference: must be (x, y); it has the shape {middle.shape}")
-        if self.afocal or isinstance(reference, str) and reference == "chief":
-            launcher, beam = self._launch(field, several[0])
-            row, before = self._elements(several[0])
-            chief = np.zeros(1, kind)
-            if not C.library.sgt_trace_chief(
-                launcher.pointer, _byref(beam), row, before, address(chief), _byref(error)
-            ):
-                raise _fault(error)
-            if self.afocal:
-                axis = chief["d"][0].copy()
-                for part in (*ends, chief):
-                    C.library.sgt_ends_as_angles(address(axis), len(part), address(part), address(part))
-            if isinstance(reference, str) and reference == "chief":
-                middle = chief["p"][0, :2].copy()
-        groups = (C.Ends * len(several))(*(C.Ends(n, address(part), 1.0) for part in ends))
-        found = C.library.sgt_spot_of(len(several), groups, None if middle is None else address(middle))
-        return Spot(
-            found.rays,
-            found.passed,
-            np.array(found.reference),
-            found.rms,
-            found.rms_x,
-            found.rms_y,
-            found.geometric,
-            found.error,
-            ends.reshape(-1),
-            "mrad" if self.afocal else self.units,
-        )
 
     def surface_z(self, i: int, x: ArrayLike, y: ArrayLike) -> Floats:
         """The sag of element i at x, y of its frame, by rays along z, for drawings; NaN where there is
@@ -1087,5 +977,6 @@ __all__ = [
     "Remark",
     "Seidel",
     "Sensitivity",
-    "Spot",
 ]
+
+add_to(Lens)

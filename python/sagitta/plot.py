@@ -46,7 +46,7 @@ def layout(
         origin, axes = lens.vertex(i)
         points = origin[:, None] + axes @ np.array([0 * y, y, lens.surface_z(i, 0 * y, y)])
         ax.plot(points[2], points[1], color="black", linewidth=1)
-    for k, field in enumerate(range(len(lens.fields)) if fields is None else fields):
+    for k, field in enumerate(range(1, len(lens.fields) + 1) if fields is None else fields):
         there = lens.launch(field, "fan", rays, wavelength=wavelength)
         traced = lens.trace(there, wavelength=wavelength, passages=True)
         path = [there.o]
@@ -64,7 +64,7 @@ def layout(
 def spots(
     lens: Lens,
     *,
-    field: Union[int, Sequence[float]] = 0,
+    field: Union[int, Sequence[float]] = 1,
     pattern: Any = "hexapolar",
     rays: int = 8,
     wavelengths: Optional[Sequence[float]] = None,
@@ -72,14 +72,15 @@ def spots(
 ) -> Any:
     """The spot of a field about its centroid, a colour for each wavelength (None: all of the lens)."""
     ax = _axes(ax)
-    several: Any = wavelengths or lens.wavelengths or [None]
-    whole = lens.spot(field, pattern, rays, wavelength=None if several == [None] else several)
-    points = np.array([whole.x, whole.y]) - whole.reference[:, None]
-    parts = np.split(points, len(several), axis=1)
-    for k, (part, um) in enumerate(zip(parts, several)):
-        ax.plot(*part, ".", color=f"C{k}", markersize=3, label=None if um is None else f"{um:g} um")
+    given: dict[str, Any] = {"pattern": pattern, "rays": rays, "wavelength": wavelengths}
+    whole = lens.spot(field, reference="centroid", **given)[-1]
+    ends = lens.ends(field, **given)
+    for k, um in enumerate(np.unique(ends.wavelength)):
+        part = ends.of(wavelength=um) if um == um else ends
+        label = f"{um:g} um" if um == um else None
+        ax.plot(part.x - whole["x"], part.y - whole["y"], ".", color=f"C{k}", markersize=3, label=label)
     ax.set_aspect("equal")
-    ax.set_title(f"rms {whole.rms:.3g} {whole.unit}".rstrip())
-    if len(several) > 1:
+    ax.set_title(f"rms {whole['rms']:.3g} {lens.units}".rstrip())
+    if len(np.unique(ends.wavelength)) > 1:
         ax.legend()
     return ax

@@ -48,7 +48,7 @@ def lenses():
     )
     lens.trace(O, D, passages=True)
     lens.sensitivity(O, D)
-    lens.spot(0, "fan", 3)
+    lens.spot(1, pattern="fan", rays=3)
     lens.first_order()
     try:
         Lens([Element(Sphere(radius=50), index=-1)])

@@ -42,7 +42,7 @@ def test_every_member():
 
 
 def test_tables_of_numpy():
-    for table, struct in ((HIT_TABLE, C.Hit), (STEP_TABLE, C.Step), (_dtype(C.RayEnd), C.RayEnd)):
+    for table, struct in ((HIT_TABLE, C.Hit), (STEP_TABLE, C.Step), (_dtype(C.Launched), C.Launched)):
         assert table.itemsize == ctypes.sizeof(struct)
         for member in struct._fields_:
             assert table.fields[member[0]][1] == getattr(struct, member[0]).offset, member

@@ -52,7 +52,7 @@ def test_first_order_has_the_members_of_the_struct():
 def test_traces_are_the_command_s(name, command, tree, tmp_path, rng):
     path = tree / "examples" / "lenses" / name
     lens = Lens.read(path)
-    launched = lens.launch(0, "grid", 15)
+    launched = lens.launch(1, "grid", 15)
     np.save(tmp_path / "rays.npy", np.ascontiguousarray(np.vstack([launched.o, launched.d]).T))
     said = subprocess.run(
         [
@@ -114,61 +114,42 @@ def test_first_order_data_are_the_command_s(name, command, tree):
         assert theirs == value or (theirs is None and math.isnan(value))
 
 
+def asked(command, *arguments):
+    """The rows that the command prints."""
+    done = subprocess.run(
+        [command, *map(str, arguments), "--format", "json"], capture_output=True, text=True, check=True
+    )
+    return json.loads(done.stdout)
+
+
 def test_spots_are_the_command_s(command, tree):
+    """(tests/lens/test_doors.py has every analysis of every lens.)"""
     path = tree / "examples" / "lenses" / "double_gauss.yaml"
-    said = json.loads(
-        subprocess.run(
-            [command, "spot", str(path), "--hexapolar", "6", "--format", "json"],
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-    )
-    lens = Lens.read(path)
-    rows = [row for row in said if row["wavelength"] != "all"]
-    assert len(rows) == len(lens.fields) == 3
-    for i, row in enumerate(rows):
-        spot = lens.spot(i, "hexapolar", 6, reference="chief")
-        assert [spot.rms, spot.rms_x, spot.rms_y, spot.geometric, *spot.reference] == [
-            row[key] for key in ("rms", "rms_x", "rms_y", "geometric", "x", "y")
-        ]
-        assert lens.spot(i, reference=spot.reference).rms == spot.rms >= lens.spot(i).rms
+    said, spot = asked(command, "spot", path, "--hexapolar", 6), Lens.read(path).spot(rays=6)
+    assert len(said) == len(spot) == 2 * len(Lens.read(path).fields) == 6
+    for row, mine in zip(said, spot):
+        for key, value in row.items():
+            assert mine[key] == (0 if value == "all" else value), key
 
 
-def test_spots_of_an_afocal_lens_are_angles(command, tree):
-    """Those of the command, and of the directions that trace() gives."""
-    path = tree / "tests" / "data" / "lenses" / "afocal_expander.yaml"
-    said = json.loads(
-        subprocess.run(
-            [command, "spot", str(path), "--hexapolar", "6", "--format", "json"],
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-    )
-    lens = Lens.read(path)
+def test_spots_of_an_afocal_lens_are_angles(tree):
+    """Those of the directions that trace() gives."""
+    lens = Lens.read(tree / "tests" / "data" / "lenses" / "afocal_expander.yaml")
     assert lens.afocal and not singlet().afocal and singlet(afocal=True).afocal
-    assert singlet().spot().unit == "mm"
     first = lens.first_order(0.55)
     assert math.isnan(first.efl) and first.angular_magnification == -0.5
-    rows = [row for row in said if row["wavelength"] != "all"]
-    assert len(rows) == len(lens.fields)
-    for i, row in enumerate(rows):
-        spot = lens.spot(i, "hexapolar", 6, reference="chief")
-        assert spot.unit == "mrad" and spot.reference.tolist() == [0, 0]
-        assert [spot.rms, spot.rms_x, spot.rms_y, spot.geometric] == [
-            row[key + "_mrad"] for key in ("rms", "rms_x", "rms_y", "geometric")
-        ]
+    for i in range(1, len(lens.fields) + 1):
+        spot = lens.spot(i, rays=6)
+        assert spot.units["rms_mrad"] == "mrad" and not hasattr(spot, "rms")
         traced = lens.trace(lens.launch(i, "hexapolar", 6)), lens.trace(lens.launch(i, "fan", 1))
         d, chief = (t.d / np.linalg.norm(t.d, axis=0) for t in traced)
         apart = 1000 * np.arcsin(np.linalg.norm(np.cross(d, chief, axis=0), axis=0))
-        tangent = np.hypot(np.tan(spot.x / 1000), np.tan(spot.y / 1000))
-        assert np.allclose(1000 * np.arctan(tangent), apart, rtol=0, atol=1e-10)
-        w = spot.ends["weight"]
+        w = lens.launch(i, "hexapolar", 6).weight
         # An angle toward x and one toward y: beside their hypotenuse, `apart` differs by third orders.
-        assert abs(math.sqrt((w * apart**2).sum() / w.sum()) - spot.rms) < 1e-10 + 1e-6 * apart.max() ** 3
-        assert lens.spot(i, reference=(0, 0)).rms == spot.rms
-        assert 0 < lens.spot(i).rms <= spot.rms * (1 + 1e-14)
+        rms = math.sqrt((w * apart**2).sum() / w.sum())
+        assert abs(rms - spot.rms_mrad[0]) < 1e-10 + 1e-6 * apart.max() ** 3
+        about = lens.spot(i, rays=6, reference="centroid")
+        assert 0 < about.rms_mrad[0] <= spot.rms_mrad[0] * (1 + 1e-14)
 
 
 def test_made_in_python_is_as_read(tree):
@@ -185,7 +166,7 @@ surfaces:
 """
     a, b = singlet(), Lens.text(text)
     assert same_data(a, b) and a.fields == b.fields == [(0, 0), (0, 5)]
-    there, here = a.launch(1), b.launch(1)
+    there, here = a.launch(2), b.launch(2)
     assert same(there.o, here.o) and same(there.d, here.d) and same(there.weight, here.weight)
     x, y = a.trace(there.o, there.d, passages=True), b.trace(there.o, there.d, passages=True)
     assert same(x.o, y.o) and same(x.opl, y.opl) and x.through.all()
@@ -221,7 +202,7 @@ def test_all_that_an_element_may_have():
 def test_again_from_a_pickle(name, tree):
     lens = Lens.read(tree / "examples" / "lenses" / name)
     other = pickle.loads(pickle.dumps(lens))
-    launched = lens.launch(0, "grid", 11)
+    launched = lens.launch(1, "grid", 11)
     a, b = lens.trace(launched.o, launched.d), other.trace(launched.o, launched.d)
     assert same(a.o, b.o) and same(a.opl, b.opl) and same(a.fate, b.fate)
     made = pickle.loads(pickle.dumps(singlet()))
@@ -279,9 +260,18 @@ def test_zmx(name, tree):
             "passages for 2 elements",
         ),
         (lambda: singlet().sensitivity((0, 0, 0), (0, 0, 1), "q"), "unknown 'q'"),
-        (lambda: singlet().launch(7), "fields 0 to 1"),
-        (lambda: singlet().launch(0, "star"), "pattern"),
-        (lambda: singlet().launch(0, "grid", 0), "rays"),
+        (lambda: singlet().launch(7), "fields 1 to 2"),
+        (lambda: singlet().launch(0), "fields count from 1, as in the lens file"),
+        (lambda: singlet().spot(field=0), "fields count from 1, as in the lens file"),
+        (lambda: singlet().spot(wavelength=0), "wavelength 0: a whole number is that of the lens"),
+        (lambda: singlet().spot(colour=1), "no setting 'colour'; its settings: reference, defocus"),
+        (lambda: singlet().spot(reference="middle"), "reference: must be one of 'chief', 'centroid'"),
+        (lambda: singlet().sweep(from_=1), "no setting"),
+        (lambda: singlet().sweep(to=95), "to: angles must be between"),
+        (lambda: singlet().field(pattern="grid"), "takes no rays"),
+        (lambda: singlet(units="").opd(wavelength=0.55), "units: must be mm"),
+        (lambda: singlet().launch(1, "star"), "pattern"),
+        (lambda: singlet().launch(1, "grid", 0), "rays"),
         (lambda: singlet(pupil={}).launch(), "pupil"),
         (lambda: singlet().aim(9, (0, 0), Beam((0, 0, 0), (0, 0, 1))), "element 9"),
         (lambda: singlet().aim(1, (0, 0, 0), Beam((0, 0, 0), (0, 0, 1))), "points"),
@@ -377,25 +367,32 @@ def test_aims(rng):
 
 def test_fields_and_spots():
     lens = singlet(wavelengths=[0.5876, 0.4861])
-    spot = lens.spot(1, "hexapolar", 8)
-    assert spot.rays == 217 and spot.passed == spot.rays and spot.error < 1e-9
-    w = spot.ends["weight"]
-    mean = np.array([(w * spot.x).sum(), (w * spot.y).sum()]) / w.sum()
-    assert np.allclose(mean, spot.reference, atol=1e-12)
-    rms = math.sqrt((w * ((spot.x - mean[0]) ** 2 + (spot.y - mean[1]) ** 2)).sum() / w.sum())
-    assert abs(rms - spot.rms) < 1e-12 * rms + spot.error
-    launched = lens.launch(1, "hexapolar", 8)
+    spot = lens.spot(2, 1, rays=8, reference="centroid")
+    assert (spot.rays == 217).all() and (spot.passed == spot.rays).all() and (spot.digits > 9).all()
+    ends = lens.ends(2, 1, rays=8)
+    w, x, y = ends.weight, ends.x, ends.y
+    mean = np.array([(w * x).sum(), (w * y).sum()]) / w.sum()
+    assert np.allclose(mean, [spot.x[0], spot.y[0]], atol=1e-12)
+    rms = math.sqrt((w * ((x - mean[0]) ** 2 + (y - mean[1]) ** 2)).sum() / w.sum())
+    assert abs(rms - spot.rms[0]) < 1e-12 * rms + ends.xy_err.max()
+    launched = lens.launch(2, "hexapolar", 8)
     traced = lens.trace(launched.o, launched.d, passages=True)
-    assert same(traced.passages[3].p[1], spot.y) and (launched.aimed == 1).all()
-    assert same(lens.launch((0, 5)).d, lens.launch(1).d)
-    three = lens.launch(0, "fan", 3)
+    assert same(traced.passages[3].p[1], y) and (launched.aimed == 1).all()
+    assert same(lens.launch((0, 5)).d, lens.launch(2).d)
+    three = lens.launch(1, "fan", 3)
     assert same(lens.trace(three).o, lens.trace(three.o, three.d, axis=0).o)
     for bad in (lambda: lens.trace(three, three.d), lambda: lens.trace(three.o)):
         with pytest.raises((TypeError, ValueError), match="d: is"):
             bad()
-    assert lens.spot(0, np.array([[0, 0, 0], [0, 0.5, 1]])).rays == 3
-    both = lens.spot(1, wavelength=lens.wavelengths)
-    assert both.rays == 2 * lens.spot(1).rays
+    assert lens.spot(1, pattern=np.array([[0, 0, 0], [0, 0.5, 1]])).rays[0] == 3
+    both = lens.spot(2)
+    assert both.of(wavelength=0).rays[0] == 2 * lens.spot(2, 1).rays[0] and len(both) == 3
+    for one, other in ((1, 0.5876), (2, 0.4861), ("F", 0.4861327)):
+        assert same(lens.ends(1, one).y, lens.ends(1, other).y)
+        assert same(lens.trace(three, wavelength=one).o, lens.trace(three, wavelength=other).o)
+    assert lens.map(1).wavelength[0] == 0.5876 and len(lens.map(1, "all", rays=5)) == 2 * len(lens.map(1, rays=5))
+    assert [len(lens.spot(fields=f, wavelength=1)) for f in ([1], [1, 2], [2, (0, 1)])] == [2, 4, 4]
+    assert same(lens.ends(rays=12, threads=3).y, lens.ends(rays=12).y)
     sums = lens.seidel()
     assert len(sums.spherical) == 4 and sums.why_not == "" and abs(sums.spherical.sum()) > 0
 
@@ -453,13 +450,12 @@ def test_rays_that_are_not_there(tmp_path, rim, none):
         "  - {type: plane, decenter: [0, 5000, 0], thickness: 50, stop: true, index: 1}\n  - {type: plane, index: 1}\n"
     )
     lens = Lens.read(path)
-    rays = lens.launch(0, "fan", 3)
+    rays = lens.launch(1, "fan", 3)
     assert (rays.aimed == (sagitta.Aimed.NO_SUCH_RAY if none else sagitta.Aimed.UNDECIDED)).all()
     assert np.allclose(rays.wanted, [[0, 0, 0], [-1, 0, 1]]) and np.isnan(rays.o).all()
     assert (rays.within == 600).all() or none
     assert len(rays.missing()) == 3 and all(
         ("as is proven" if none else "none within 600") in words for words in rays.missing()
     )
-    spot = lens.spot(0, "fan", 3)
-    assert (spot.none, spot.undecided) == ((3, 0) if none else (0, 3))
-    assert len(spot.missing()) == 3
+    fates = lens.ends(1, pattern="fan", rays=3).fates
+    assert (fates.none, fates.lost, fates.unfound) == ((3, 0, 0) if none else (0, 3, 3))

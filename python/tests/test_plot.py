@@ -15,7 +15,7 @@ def test_a_layout(tree, tmp_path):
     ax = sagitta.plot.layout(lens, rays=3)
     lines = [np.array(line.get_data(), float) for line in ax.get_lines()]
     assert len(lines) == 12 + 3 * 3
-    marginal = lens.trace(lens.launch(0, "fan", 3))
+    marginal = lens.trace(lens.launch(1, "fan", 3))
     assert np.allclose(lines[12 + 2][:, -1], marginal.o[[2, 1], 2])
     ax.figure.savefig(tmp_path / "layout.svg")
     assert (tmp_path / "layout.svg").stat().st_size > 1000

@@ -182,19 +182,6 @@ SGT_INLINE bool ends_no_root(two_ends a) { return a.hi < 0; }
 
 /* --------------------------------------------------------------- two of a kind */
 
-SGT_INLINE two_ends ends_hull(two_ends a, two_ends b)
-{
-    double unknown = ends_unknown((a.lo + a.hi) + (b.lo + b.hi));
-    return ends_of(lesser_of(a.lo, b.lo) + unknown, greater_of(a.hi, b.hi) + unknown);
-}
-
-/* What is in both: a NaN gives way. */
-SGT_INLINE two_ends ends_intersection(two_ends a, two_ends b)
-{
-    double lo = a.lo > b.lo ? a.lo : b.lo, hi = a.hi < b.hi ? a.hi : b.hi;
-    return ends_of(b.lo == b.lo ? lo : a.lo, b.hi == b.hi ? hi : a.hi);
-}
-
 SGT_INLINE two_ends ends_minimum(two_ends a, two_ends b)
 {
     double hi = a.hi < b.hi ? a.hi : b.hi;

@@ -16,14 +16,14 @@
  * edge, or with its budget.  It then goes to the next start.
  *
  * ARRIVED.  Rounding puts x and y off by `error`, and the numbers of the ray itself have a grain
- * (aim_bound.c). A miss of NOISE times both is as good as none.  Newton's steps go on below that until one of
- * them does not make it less: one ray more than needed. */
+ * (aim_bound.c). A miss of AIM_NOISE times both is as good as none.  Newton's steps go on below that, down to
+ * half an ulp of the launch ray, or until one of them does not make it less.
+ *
+ * Many points at a time: aim_batch.c.  The step itself is in aim.h, for both. */
 #include "aim.h"
 
-enum { TRACES = 400, BOXES = 1500, HALVES = 10, FEW_STEPS = 60, STARTS = 12, SCAN = 64 };
+enum { BOXES = 1500, HALVES = 10, STARTS = 12, SCAN = 64 };
 enum { FIRST_STARTS = 2, FIRST_SCAN = 8 };
-static const double NOISE = 8;
-
 /* A ray of the beam that got to the stop. */
 typedef struct aim_ray {
     double u, v;
@@ -53,8 +53,6 @@ sgt_ray sgt_beam_ray(const sgt_beam *b, double u, double v)
     return (sgt_ray){.o = o, .d = d};
 }
 
-static double aim_within(double x, sgt_interval box) { return x < box.lo ? box.lo : x > box.hi ? box.hi : x; }
-
 /* Traces the ray at (u, v), moved into the box.  false: it does not get there. */
 static bool aim_at(aim_search *s, double u, double v, aim_ray *r)
 {
@@ -75,11 +73,6 @@ static bool aim_at(aim_search *s, double u, double v, aim_ray *r)
 }
 
 /* ----------------------------------------------------------------- derivatives */
-
-/* [i][j]: of x or y by u or v, in units of the box. */
-typedef struct aim_slopes {
-    double x[2], y[2];
-} aim_slopes;
 
 /* By differences, where a surface has no second derivatives.  false: a ray beside it does not get there. */
 static bool aim_differences(aim_search *s, const aim_ray *r, aim_slopes *j)
@@ -125,44 +118,19 @@ static bool aim_slopes_at(aim_search *s, const aim_ray *r, aim_slopes *j)
 {
     const aim_task *t = s->task;
     const sgt_beam *b = t->beam;
-    sgt_ray_change c[2] = {{times(s->wide[0], b->ou), times(s->wide[0], b->du), 0},
-                           {times(s->wide[1], b->ov), times(s->wide[1], b->dv), 0}};
+    sgt_ray_change c[2] = {aim_change(s->wide[0], b->ou, b->du), aim_change(s->wide[1], b->ov, b->dv)};
     aim_sensitivity(t, &r->ray, c);
     for (int k = 0; k < 2; k++) j->x[k] = c[k].p.x, j->y[k] = c[k].p.y;
-    double sum = fabs(j->x[0]) + fabs(j->x[1]) + fabs(j->y[0]) + fabs(j->y[1]);
+    double sum = aim_size(j);
     if (!(sum < HUGE_VAL)) {
         if (!aim_differences(s, r, j)) return false;
-        sum = fabs(j->x[0]) + fabs(j->x[1]) + fabs(j->y[0]) + fabs(j->y[1]);
+        sum = aim_size(j);
     }
-    const double o = s->wide[0] * (absolute(b->ou) + absolute(b->ov)),
-                 d = s->wide[0] * (absolute(b->du) + absolute(b->dv));
-    const double by_o = o > 0 ? absolute(r->ray.o) / o : 0, by_d = d > 0 ? absolute(r->ray.d) / d : 0;
-    s->steep = 2 * SGT_U * sum * (by_o + by_d);
+    s->steep = aim_steep(b, s->wide[0], &r->ray, sum);
     return true;
 }
 
 /* ------------------------------------------------------------------------ steps */
-
-/* (J^T J + m I) s = -J^T f, m in units of the mean square of J.  Without m it is Newton's, by J itself, or
- * that of one parameter if the other is held. */
-static sgt_vec2 aim_step(const aim_slopes *j, sgt_vec2 f, double m, bool hold_u, bool hold_v)
-{
-    double a = hold_u ? 0 : j->x[0], b = hold_v ? 0 : j->x[1], c = hold_u ? 0 : j->y[0],
-           d = hold_v ? 0 : j->y[1];
-    double size = a * a + b * b + c * c + d * d, det = difference_of_products(a, d, b, c);
-    if (m == 0 && fabs(det) > 0x1p-40 * size)
-        return (sgt_vec2){-difference_of_products(d, f.x, b, f.y) / det,
-                          -difference_of_products(a, f.y, c, f.x) / det};
-    double more = (m > 0 ? m : 0x1p-40) * size, uu = a * a + c * c + more, vv = b * b + d * d + more,
-           uv = a * b + c * d, gu = a * f.x + c * f.y, gv = b * f.x + d * f.y, all = uu * vv - uv * uv;
-    return (sgt_vec2){-(vv * gu - uv * gv) / all, -(uu * gv - uv * gu) / all};
-}
-
-/* Does the step go out of the box where r is on its edge? */
-static bool goes_out(double at, sgt_interval box, double step)
-{
-    return (at <= box.lo && step < 0) || (at >= box.hi && step > 0);
-}
 
 /* Tries r + s, r + s/2, ..., at most `halves` halvings.  true: *r is the new ray, with its passages.  *missed
  * is set if rays did not get there. */
@@ -175,7 +143,7 @@ static bool aim_take(aim_search *s, aim_ray *r, sgt_vec2 step, int halves, bool 
         if (!(fabs(u) < HUGE_VAL && fabs(v) < HUGE_VAL)) return false;
         bool there = aim_at(s, u, v, &next);
         if (next.u == r->u && next.v == r->v) return false; /* at the edge, or less than an ulp */
-        if (there && next.miss < r->miss * (1 - 1e-3 * part)) {
+        if (there && aim_is_less(next.miss, r->miss, part)) {
             *r = next;
             return true;
         }
@@ -194,7 +162,7 @@ static bool is_there(const aim_search *s, const aim_ray *r, double *error)
         sgt_vec3 p = s->task->passages[s->task->stop].hit.p;
         noise = s->task->passages[s->task->stop].hit.p_err + 0x1p-46 * (fabs(p.x) + fabs(p.y)) + s->steep;
     }
-    return r->miss <= s->tol || r->miss <= NOISE * noise;
+    return r->miss <= s->tol || r->miss <= AIM_NOISE * noise;
 }
 
 /* From r on, with its passages.  Sets *r to the best ray, with its passages, and *error if it is there. */
@@ -202,12 +170,14 @@ static sgt_aim_reason aim_walk(aim_search *s, aim_ray *r, double *error)
 {
     static const double DAMPED[] = {1e-4, 1e-2, 1, 100};
     const sgt_beam *box = s->task->beam;
-    bool edge = false, missed = false;
-    for (int i = 0; i < FEW_STEPS && s->traces < s->most; i++) {
+    bool edge = false, missed = false, last = true; /* last: the passages are those of r */
+    s->steep = 0;
+    for (int i = 0; i < AIM_STEPS && s->traces < s->most; i++) {
         aim_slopes j;
         aim_ray best = *r;
-        if (r->miss <= s->tol || r->miss == 0) break;
+        if (aim_is_enough(r->miss, s->tol, s->steep)) break;
         edge = missed = false;
+        last = false;
         if (!aim_slopes_at(s, r, &j))
             missed = true;
         else {
@@ -215,19 +185,20 @@ static sgt_aim_reason aim_walk(aim_search *s, aim_ray *r, double *error)
             bool out_u = goes_out(r->u, box->u, step.x), out_v = goes_out(r->v, box->v, step.y);
             edge = out_u || out_v;
             if (edge) step = aim_step(&j, r->f, 0, out_u, out_v);
-            bool small = fabs(step.x) + fabs(step.y) < 0x1p-36;
+            bool small = aim_is_small(step);
             bool better = aim_take(s, r, step, small ? 0 : HALVES, &missed);
             for (size_t m = 0; m < 4 && !better && !small && r->miss > 0; m++) {
                 step = aim_step(&j, r->f, DAMPED[m], false, false);
                 better = aim_take(s, r, step, 0, &missed);
             }
+            last = better;
             if (better) continue;
         }
         *r = best;
         break;
     }
     aim_ray again = *r;
-    if (!aim_at(s, r->u, r->v, &again)) return SGT_AIM_CUT; /* never: it was traced before */
+    if (!last && !aim_at(s, r->u, r->v, &again)) return SGT_AIM_CUT; /* never: it was traced before */
     *r = again;
     if (is_there(s, r, error)) return SGT_AIM_ARRIVED;
     if (s->traces >= s->most) return SGT_AIM_SPENT;
@@ -245,7 +216,7 @@ static double aim_digits(int i, int base)
 }
 
 /* Start i: the user's, the middle, then all over the box. */
-static sgt_vec2 aim_start(const aim_task *task, const sgt_aim_options *opt, size_t i)
+sgt_vec2 sgt_aim_start(const aim_task *task, const sgt_aim_options *opt, size_t i)
 {
     const sgt_interval u = task->beam->u, v = task->beam->v;
     if (i < opt->starts) return (sgt_vec2){aim_within(opt->start[i].x, u), aim_within(opt->start[i].y, v)};
@@ -282,7 +253,7 @@ static bool aim_from_starts(aim_search *s, const sgt_aim_options *opt, int most,
                             aim_ray *r, double *error)
 {
     for (; s->next < opt->starts + last && s->walked < most && s->traces < s->most; s->next++) {
-        sgt_aim_reason reason = aim_told(s, opt, out, aim_start(s->task, opt, s->next), r, error);
+        sgt_aim_reason reason = aim_told(s, opt, out, sgt_aim_start(s->task, opt, s->next), r, error);
         if (reason == SGT_AIM_ARRIVED) return true;
         if (s->next >= opt->starts && reason != SGT_AIM_NO_WAY) s->walked++;
     }
@@ -316,7 +287,7 @@ static bool aim_find(aim_search *s, const sgt_aim_options *opt, sgt_aiming *out,
 static bool aim_finite(sgt_vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 static bool aim_is_box(sgt_interval x) { return isfinite(x.lo) && isfinite(x.hi) && x.lo <= x.hi; }
 
-static bool aim_sound(const aim_task *t, const sgt_aim_options *opt)
+bool sgt_aim_sound(const aim_task *t, const sgt_aim_options *opt)
 {
     const sgt_beam *b = t->beam;
     if (!aim_finite(b->o) || !aim_finite(b->ou) || !aim_finite(b->ov) || !aim_finite(b->d) ||
@@ -343,18 +314,18 @@ sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before, const
                       .point = {none, none},
                       .miss = none,
                       .ray = {{none, none, none}, {none, none, none}, none, none}};
-    if (!aim_sound(&task, &given)) return a->status;
+    if (!sgt_aim_sound(&task, &given)) return a->status;
     aim_search s = {.task = &task,
                     .wide = {beam->u.hi - beam->u.lo, beam->v.hi - beam->v.lo},
                     .tol = given.tol,
-                    .most = given.max_traces ? given.max_traces : TRACES};
+                    .most = given.max_traces ? given.max_traces : AIM_TRACES};
     aim_ray r;
     double error = none;
     a->status = SGT_AIMED_UNDECIDED;
     if (aim_find(&s, &given, a, &r, &error)) {
         const sgt_vec3 p = passages[stop].hit.p;
         a->status = SGT_MET, a->u = r.u, a->v = r.v, a->ray = r.ray, a->point = (sgt_vec2){p.x, p.y};
-        a->miss = (r.miss + error) * (1 + 8 * SGT_U), a->clipped = r.clipped;
+        a->miss = aim_told_miss(r.miss, error), a->clipped = r.clipped;
     }
     a->traces = s.traces;
     return a->status;

@@ -112,22 +112,40 @@ SGT_INLINE void chain_phase(const sgt_element *e, chain_link *c)
     for (int i = 0; i < PHASE_PATH; i++) c->by_phase.by_p[i] = c->by_phase.by_d[i] = nothing;
 }
 
+/* Sets what is the same for all rays, with n1 in front.  Returns how they are bent. */
+SGT_INLINE bending chain_set(const sgt_element *e, double n1, chain_link *c)
+{
+    bending by = bending_of(n1, index_behind(e, n1), e->index == SGT_MIRROR);
+    c->n1 = n1, c->n2 = index_behind(e, n1), c->r = by.kind == BACK ? 1 : by.r;
+    c->own_index = has_own_index(e), c->phased = e->phase != NULL;
+    c->bends = by.kind != STRAIGHT && !c->phased;
+    if (c->phased) by.kind = BY_PHASE;
+    return by;
+}
+
+/* What the quotients of a link are, for d in front, the gradient n, and the direction `after`. */
+typedef struct chain_slope { double inverse, by_S, f, passed; } chain_slope;
+
+SGT_INLINE chain_slope chain_slope_of(bending by, sgt_vec3 d, sgt_vec3 n, sgt_vec3 after, double met)
+{
+    const double g = dot(d, n), passed = is_zero(after) ? (double)NAN : 1;
+    const bool straight = by.kind == STRAIGHT || by.kind == BY_PHASE;
+    double S = straight ? g : dot(after, n), f = 0;
+    if (by.kind == BACK) f = -2 * g / dot(n, n);
+    else if (!straight) f = by.k / (by.r * g + S);
+    return (chain_slope){met / g, passed / S, f, passed};
+}
+
 /* Sets all but H.  d: in front, in the element's frame. */
 SGT_INLINE void chain_at(const sgt_element *e, sgt_vec3 d, double n1, const sgt_passage *passage,
                          chain_link *c)
 {
-    const double n2 = index_behind(e, n1), none = (double)NAN;
-    bending by = bending_of(n1, n2, e->index == SGT_MIRROR);
-    double met = passage->hit.status > 0 ? 1 : none;
-    c->passed = is_zero(passage->direction) ? none : 1;
+    const bending by = chain_set(e, n1, c);
+    const double met = passage->hit.status > 0 ? 1 : (double)NAN;
+    const chain_slope s = chain_slope_of(by, d, passage->hit.n, passage->direction, met);
     c->p = passage->hit.p, c->n = passage->hit.n, c->t = passage->hit.t, c->d = d;
-    c->after = passage->direction, c->n1 = n1, c->n2 = n2;
-    c->own_index = has_own_index(e);
-    c->phased = e->phase != NULL, c->bends = by.kind != STRAIGHT && !c->phased;
-    double g = dot(d, c->n), S = by.kind == STRAIGHT ? g : dot(c->after, c->n);
-    c->inverse = met / g, c->by_S = c->passed / S;
-    c->r = by.kind == BACK ? 1 : by.r;
-    c->f = by.kind == STRAIGHT ? 0 : by.kind == BACK ? -2 * g / dot(c->n, c->n) : by.k / (by.r * g + S);
+    c->after = passage->direction;
+    c->inverse = s.inverse, c->by_S = s.by_S, c->f = s.f, c->passed = s.passed;
     if (c->phased) chain_phase(e, c);
 }
 
@@ -143,11 +161,10 @@ SGT_INLINE bool chain_second(sgt_surface s, chain_link *c)
     return false;
 }
 
-SGT_INLINE sgt_vec3 chain_bend(const chain_link *c, sgt_vec3 a)
+SGT_INLINE sgt_vec3 chain_bend(chain_link c, sgt_vec3 a)
 {
-    const double *h = c->h;
-    return (sgt_vec3){h[0] * a.x + h[1] * a.y + h[2] * a.z, h[1] * a.x + h[3] * a.y + h[4] * a.z,
-                      h[2] * a.x + h[4] * a.y + h[5] * a.z};
+    return (sgt_vec3){c.h[0] * a.x + c.h[1] * a.y + c.h[2] * a.z, c.h[1] * a.x + c.h[3] * a.y + c.h[4] * a.z,
+                      c.h[2] * a.x + c.h[4] * a.y + c.h[5] * a.z};
 }
 
 SGT_INLINE sgt_vec3 plus_times(sgt_vec3 a, double f, sgt_vec3 b)
@@ -160,23 +177,41 @@ SGT_INLINE sgt_vec3 cross_product(sgt_vec3 a, sgt_vec3 b)
     return (sgt_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/* The change of p, d' and L by that of o, d and L. */
+/* The change of the point and of t by that of o and d. */
+typedef struct chain_shift { sgt_vec3 p; double t; } chain_shift;
+
+SGT_INLINE chain_shift chain_point(chain_link c, sgt_ray_change x)
+{
+    const sgt_vec3 q = plus_times(x.p, c.t, x.d);
+    const double dt = -dot(c.n, q) * c.inverse;
+    return (chain_shift){plus_times(q, dt, c.d), dt};
+}
+
+/* The change of p, d' and L by that of o, d and L.  There is no phase.  bends: that of the link.
+ *
+ * FOR LOOPS.  Here and below, links and the like are given by value: a variable whose address is taken inside
+ * a loop keeps gcc 12 from making vector code of it.  bends and own_index are constants there. */
+SGT_INLINE sgt_ray_change chain_forward_by(bool bends, chain_link c, sgt_ray_change x)
+{
+    const chain_shift by = chain_point(c, x);
+    sgt_vec3 dd = times(c.passed, x.d);
+    if (bends) {
+        sgt_vec3 dn = chain_bend(c, by.p);
+        double df = -c.f * c.by_S * (dot(c.after, dn) + c.r * dot(c.n, x.d));
+        dd = plus_times(plus_times(times(c.r, dd), c.f, dn), df, c.n);
+    }
+    return (sgt_ray_change){by.p, dd, x.opl + c.n1 * by.t};
+}
+
+/* The same with a phase or without. */
 SGT_INLINE sgt_ray_change chain_forward(const chain_link *c, sgt_ray_change x)
 {
-    sgt_vec3 q = plus_times(x.p, c->t, x.d);
-    double dt = -dot(c->n, q) * c->inverse;
-    sgt_vec3 dp = plus_times(q, dt, c->d), dd = times(c->passed, x.d);
-    if (c->phased) {
-        const phase_slopes *s = &c->by_phase;
-        double by[PHASE_ROWS];
-        for (int i = 0; i < PHASE_ROWS; i++) by[i] = dot(s->by_p[i], dp) + dot(s->by_d[i], x.d);
-        dd = (sgt_vec3){by[0], by[1], by[2]}, x.opl += by[PHASE_PATH];
-    } else if (c->bends) {
-        sgt_vec3 dn = chain_bend(c, dp);
-        double df = -c->f * c->by_S * (dot(c->after, dn) + c->r * dot(c->n, x.d));
-        dd = plus_times(plus_times(times(c->r, dd), c->f, dn), df, c->n);
-    }
-    return (sgt_ray_change){dp, dd, x.opl + c->n1 * dt};
+    if (!c->phased) return chain_forward_by(c->bends, *c, x);
+    const phase_slopes *s = &c->by_phase;
+    const chain_shift at = chain_point(*c, x);
+    double by[PHASE_ROWS];
+    for (int i = 0; i < PHASE_ROWS; i++) by[i] = dot(s->by_p[i], at.p) + dot(s->by_d[i], x.d);
+    return (sgt_ray_change){at.p, {by[0], by[1], by[2]}, x.opl + by[PHASE_PATH] + c->n1 * at.t};
 }
 
 /* What the end has of an element: the adjoints of the point and the direction, of the path, and of the index
@@ -187,39 +222,56 @@ typedef struct chain_back { sgt_vec3 p, d; double opl, index; } chain_back;
  * the indices in front and behind by the direction and a phase. */
 typedef struct chain_inside { sgt_vec3 n, p; double w, n1, n2; } chain_inside;
 
-/* From p, d', L and the index behind to o, d, L and the index in front.  *front is the direction in front
- * without the share that comes by way of the point: t A_o is not added.  turns: the direction behind has a
- * say. */
-SGT_INLINE chain_inside chain_backward(const chain_link *c, bool turns, chain_back *x, sgt_vec3 *front)
+/* A step backward: the adjoints in front, those inside, and that of the direction in front without the share
+ * that comes by way of the point (t A_o is not added). */
+typedef struct chain_step { chain_back x; chain_inside in; sgt_vec3 front; } chain_step;
+
+/* The rest of the step.  to_p: the adjoint of the point as it is met. */
+SGT_INLINE chain_step chain_back_point(chain_link c, chain_inside in, sgt_vec3 to_p, sgt_vec3 front,
+                                       chain_back x)
+{
+    in.p = to_p;
+    in.w = -(dot(to_p, c.d) + c.n1 * x.opl) * c.inverse;
+    x.p = plus_times(to_p, in.w, c.n);
+    x.d = plus_times(front, c.t, x.p);
+    return (chain_step){x, in, front};
+}
+
+/* From p, d', L and the index behind to o, d, L and the index in front.  turns: the direction behind has a
+ * say.  There is no phase; bends and own_index: those of the link (chain_forward_by). */
+SGT_INLINE chain_step chain_backward_by(bool bends, bool own_index, chain_link c, bool turns, chain_back x)
 {
     chain_inside in = {.n = {0, 0, 0}};
-    sgt_vec3 a = x->d, to_p = x->p;
-    *front = a;
-    if (c->phased) {
-        const phase_slopes *s = &c->by_phase;
-        const double by[PHASE_ROWS] = {a.x, a.y, a.z, x->opl};
-        *front = (sgt_vec3){0, 0, 0};
-        for (int i = turns ? 0 : PHASE_PATH; i < PHASE_ROWS; i++) {
-            to_p = plus_times(to_p, by[i], s->by_p[i]), *front = plus_times(*front, by[i], s->by_d[i]);
-            in.n1 += by[i] * s->by_n1[i], in.n2 += by[i] * s->by_n2[i];
-        }
-    } else if (turns) {
-        double b = dot(a, c->n) * c->by_S;
-        if (c->bends) {
-            in.n = times(c->f, plus_times(a, -b, c->after));
-            *front = times(c->r, plus_times(a, -c->f * b, c->n));
+    const sgt_vec3 a = x.d;
+    sgt_vec3 to_p = x.p, front = a;
+    if (turns) {
+        double b = dot(a, c.n) * c.by_S;
+        if (bends) {
+            in.n = times(c.f, plus_times(a, -b, c.after));
+            front = times(c.r, plus_times(a, -c.f * b, c.n));
             to_p = plus(to_p, chain_bend(c, in.n));
         }
-        if (c->own_index) {
-            const double r = dot(a, c->d) - b * dot(c->d, c->after);
-            in.n1 = r / c->n2, in.n2 = -(c->r / c->n2 * r);
+        if (own_index) {
+            const double r = dot(a, c.d) - b * dot(c.d, c.after);
+            in.n1 = r / c.n2, in.n2 = -(c.r / c.n2 * r);
         }
     }
-    in.p = to_p;
-    in.w = -(dot(to_p, c->d) + c->n1 * x->opl) * c->inverse;
-    x->p = plus_times(to_p, in.w, c->n);
-    x->d = plus_times(*front, c->t, x->p);
-    return in;
+    return chain_back_point(c, in, to_p, front, x);
+}
+
+/* The same with a phase or without. */
+SGT_INLINE chain_step chain_backward(const chain_link *c, bool turns, chain_back x)
+{
+    if (!c->phased) return chain_backward_by(c->bends, c->own_index, *c, turns, x);
+    const phase_slopes *s = &c->by_phase;
+    const double by[PHASE_ROWS] = {x.d.x, x.d.y, x.d.z, x.opl};
+    chain_inside in = {.n = {0, 0, 0}};
+    sgt_vec3 to_p = x.p, front = {0, 0, 0};
+    for (int i = turns ? 0 : PHASE_PATH; i < PHASE_ROWS; i++) {
+        to_p = plus_times(to_p, by[i], s->by_p[i]), front = plus_times(front, by[i], s->by_d[i]);
+        in.n1 += by[i] * s->by_n1[i], in.n2 += by[i] * s->by_n2[i];
+    }
+    return chain_back_point(*c, in, to_p, front, x);
 }
 
 #endif

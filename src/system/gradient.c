@@ -92,16 +92,20 @@ static void behind(const sweep *w, size_t i, size_t m, chain_back *x, double *to
     put_three(to + m + 3, plus(cross_product(passage->hit.p, x->p), cross_product(passage->direction, x->d)));
 }
 
-/* The derivatives of F by each parameter, and by the gradient of it where the direction turns. */
+/* The derivatives of F by each parameter, and by the gradient of it for rows whose direction turns. */
 static void by_surface(const sweep *w, sgt_surface s, const chain_link *c, size_t m,
-                       const chain_inside in[ROWS], bool turns)
+                       const chain_inside in[ROWS], const bool turns[ROWS])
 {
+    bool any = false;
+    for (size_t r = 0; r < w->rows; r++) any = any || turns[r];
     for (size_t j = 0; j < m; j++) {
         double f, x = 0, y = 0, z = 0;
-        sgt_values out = {&f, {turns ? &x : NULL, turns ? &y : NULL, turns ? &z : NULL}};
+        sgt_values out = {&f, {any ? &x : NULL, any ? &y : NULL, any ? &z : NULL}};
         s.ops->by_parameter(s.self, j, 1, (sgt_points){{&c->p.x, &c->p.y, &c->p.z}}, out);
-        for (size_t r = 0; r < w->rows; r++)
-            w->at[r * w->stride + j] = in[r].w * f + (in[r].n.x * x + in[r].n.y * y + in[r].n.z * z);
+        for (size_t r = 0; r < w->rows; r++) {
+            const double by = in[r].w * f, more = in[r].n.x * x + in[r].n.y * y + in[r].n.z * z;
+            w->at[r * w->stride + j] = turns[r] ? by + more : by;
+        }
     }
 }
 
@@ -114,7 +118,7 @@ static int element_back(const sweep *w, size_t i, bool last)
     int lacks = s.ops->parameters && s.ops->by_parameter ? 0 : SGT_LACKS_PARAMETERS;
     chain_link c;
     chain_inside in[ROWS];
-    bool turns = false;
+    bool turns = false, by_normal[ROWS];
     chain_at(e, chain_direction(w->e, i, w->launch, w->passages),
              chain_index(w->e, i, w->index_before), &w->passages[i], &c);
     for (size_t r = 0; r < w->rows; r++) turns = turns || !last || !is_zero(w->back[r].d);
@@ -122,18 +126,18 @@ static int element_back(const sweep *w, size_t i, bool last)
     for (size_t r = 0; r < w->rows; r++) {
         double *to = w->at + r * w->stride;
         chain_back *x = &w->back[r];
-        sgt_vec3 front;
         if (last) memset(to + m, 0, 6 * sizeof(double));
         else behind(w, i, m, x, to);
         bool own = !last || !is_zero(x->d);
-        in[r] = chain_backward(&c, own, x, &front);
-        add_three(to + m + 3, times(-1, plus(cross_product(c.p, x->p), cross_product(c.d, front))));
+        const chain_step by = chain_backward(&c, own, *x);
+        *x = by.x, in[r] = by.in, by_normal[r] = own && c.bends;
+        add_three(to + m + 3, times(-1, plus(cross_product(c.p, x->p), cross_product(c.d, by.front))));
         to[m + 6] = c.own_index ? x->index + in[r].n2 : 0;
         x->index = (c.own_index ? in[r].n1 : x->index + in[r].n1 + in[r].n2) + c.t * x->opl;
         x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);
         add_three(to + m, times(-1, x->p));
     }
-    by_surface(w, s, &c, m, in, turns && c.bends);
+    by_surface(w, s, &c, m, in, by_normal);
     return lacks;
 }
 

@@ -296,9 +296,11 @@ SGT_INLINE bool may_be_inside(sgt_surface s, const sgt_options *opt, sgt_status 
     return status < 0 && (searched || status == SGT_STOPPED || status == SGT_EXHAUSTED);
 }
 
+/* path + index (t + t_lo), off by some u^2 of the magnitudes: not of the sum, which may cancel. */
 SGT_INLINE twofold longer(twofold path, double index, double t, double t_lo)
 {
-    return twofold_sum(twofold_sum(path, two_product(index, t)), twofold_of(index * t_lo));
+    twofold more = two_product(index, t), sum = two_sum(path.hi, more.hi);
+    return quick_two_sum(sum.hi, sum.lo + (path.lo + sgt_fma(index, t_lo, more.lo)));
 }
 
 /* The hit that is meant on such a chord; *inside is set if it is inside.  A root where the chord is longer
@@ -408,5 +410,20 @@ sgt_fate sgt_pass(const sgt_element *e, bool sound, state *at, const sgt_options
 
 /* The passage of a ray without a hit, with the status `why`. */
 sgt_passage sgt_not_met(sgt_status why);
+
+/* Write what is wanted of ray i. */
+SGT_INLINE void tell_vector(double *const out[3], size_t i, sgt_vec3 a)
+{
+    if (out[0]) out[0][i] = a.x, out[1][i] = a.y, out[2][i] = a.z;
+}
+
+SGT_INLINE void tell_number(double *out, size_t i, double a) { if (out) out[i] = a; }
+
+SGT_INLINE void tell_passage(const sgt_passages *out, size_t i, const sgt_passage *p)
+{
+    put_hit(&out->hits, i, &p->hit);
+    tell_vector(out->direction, i, p->direction);
+    tell_number(out->opl, i, p->opl);
+}
 
 #endif

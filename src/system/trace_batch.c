@@ -338,24 +338,26 @@ static void tell_all(const tile *w, double *out, const double *from)
     else for (size_t i = 0; i < w->n; i++) out[w->index[i]] = from[i];
 }
 
+static void tell_statuses(const tile *w, signed char *out, const signed char *from)
+{
+    if (!out) return;
+    out += w->first;
+    if (w->n == w->whole) memcpy(out, from, w->n);
+    else for (size_t i = 0; i < w->n; i++) out[w->index[i]] = from[i];
+}
+
+static void tell_counts(const tile *w, int *out, const int *from)
+{
+    if (!out) return;
+    out += w->first;
+    if (w->n == w->whole) memcpy(out, from, w->n * sizeof *from);
+    else for (size_t i = 0; i < w->n; i++) out[w->index[i]] = from[i];
+}
+
 static void tell_vectors(const tile *w, double *const out[3], const vectors *from)
 {
     if (!out[0]) return;
     tell_all(w, out[0], from->x), tell_all(w, out[1], from->y), tell_all(w, out[2], from->z);
-}
-
-static void tell_vector(double *const out[3], size_t i, sgt_vec3 a)
-{
-    if (out[0]) out[0][i] = a.x, out[1][i] = a.y, out[2][i] = a.z;
-}
-
-static void tell_number(double *out, size_t i, double a) { if (out) out[i] = a; }
-
-static void tell_passage(const sgt_passages *out, size_t i, const sgt_passage *p)
-{
-    put_hit(&out->hits, i, &p->hit);
-    tell_vector(out->direction, i, p->direction);
-    tell_number(out->opl, i, p->opl);
 }
 
 /* Writes what has become of ray i of the batch; o, d: as it is at return. */
@@ -720,8 +722,7 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, d
     }
     if (shifted) shift_all(w->n, w->t0, w->t, w->t_lo, w->t_err);
 
-    for (size_t i = 0; h->status && i < w->n; i++) h->status[w->first + (size_t)w->index[i]] = w->status[i];
-    for (size_t i = 0; h->evals && i < w->n; i++) h->evals[w->first + (size_t)w->index[i]] = w->evals[i];
+    tell_statuses(w, h->status, w->status), tell_counts(w, h->evals, w->evals);
     tell_all(w, h->t, w->t), tell_all(w, h->t_lo, w->t_lo), tell_all(w, h->t_err, w->t_err),
         tell_all(w, h->p_err, w->p_err);
     tell_vectors(w, h->p, w->p);
@@ -812,7 +813,8 @@ static void tell_passed(const bundle_work *job, tile *w)
     tell_vectors(w, out->o, w->o);
     tell_vectors(w, out->d, w->now.d);
     if (job->path) tell_all(w, out->opl, w->now.path->hi);
-    for (size_t i = 0; out->fate && i < w->n; i++) out->fate[w->first + (size_t)w->index[i]] = SGT_PASSED;
+    memset(w->status, SGT_PASSED, w->n);
+    tell_statuses(w, out->fate, w->status);
     for (size_t i = 0; out->passed && i < w->n; i++)
         out->passed[w->first + (size_t)w->index[i]] = (int)job->elements;
 }

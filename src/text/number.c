@@ -10,15 +10,10 @@
  * at most 179 bits, and is made exactly.  Its upper bits are x 10^k rounded down, the others say
  * what is left: so the nearest decimal is found without any rounding.
  *
- * BACK.  A whole number D < 2^62 is h + l, both doubles.  With q = h / 10^k rounded,
- * r = fma(-q, 10^k, h) is exact, so D / 10^k = q + (r + l) / 10^k.  The second term is computed
- * to a relative 2^-51.  If q plus slightly less of it and q plus slightly more round to the same
- * double, that is the double nearest to D / 10^k, because rounding is monotone.
- *
- * Source of "10^22 is exact": Clinger 1990, How to read floating point numbers accurately. */
+ * BACK: num/decimal.h. */
 #include "number.h"
 
-#include <sagitta/fma.h>
+#include "../num/decimal.h"
 
 #include <errno.h>
 #include <locale.h>
@@ -30,11 +25,7 @@
 #include <string.h>
 #include <strings.h>
 
-enum { POWER_MOST = 22, LONGEST = 2000 }; /* a number with more characters is read in the locale "C" only */
-static const double power[POWER_MOST + 1] = {
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11,
-    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
-};
+enum { LONGEST = 2000 }; /* a longer hexadecimal number is read in the locale "C" only */
 
 /* A decimal: digits / 10^places. */
 typedef struct decimal {
@@ -43,17 +34,6 @@ typedef struct decimal {
     int left;   /* of what was rounded, what is left, or if negative missing, in units of its last digit */
 } decimal;
 
-/* The double nearest to digits / 10^places, digits < 2^62; NaN if the quick way cannot decide. */
-static double double_of(uint64_t digits, int places)
-{
-    if (places < -POWER_MOST || places > POWER_MOST) return (double)NAN;
-    double h = (double)digits, l = (double)((int64_t)digits - (int64_t)h);
-    if (places <= 0) return l == 0 ? h * power[-places] : (double)NAN;
-    double q = h / power[places], more = (sgt_fma(-q, power[places], h) + l) / power[places];
-    double least = q + more * (1 - 0x1p-50), most = q + more * (1 + 0x1p-50);
-    return least == most ? least : (double)NAN;
-}
-
 /* -------------------------------------------------------------------- in */
 
 static bool number_named(const char *text, const char *name)
@@ -61,46 +41,8 @@ static bool number_named(const char *text, const char *name)
     return strcasecmp(text, name) == 0 || (*text == '.' && strcasecmp(text + 1, name) == 0);
 }
 
-/* Appends the digits from s on to *n; returns where they end. */
-static const char *read_digits(const char *s, uint64_t *n)
-{
-    for (; *s >= '0' && *s <= '9'; s++) *n = 10 * *n + (uint64_t)(*s - '0');
-    return s;
-}
-
-static const char *skip_zeros(const char *s)
-{
-    while (*s == '0') s++;
-    return s;
-}
-
-/* Reads 12, 1.5, .5, 5., 1e-06, without a sign; false: another form, or the quick way cannot decide. */
-static bool read_quick(const char *text, double *value)
-{
-    uint64_t digits = 0;
-    const char *first = skip_zeros(text), *s = read_digits(first, &digits), *point = s;
-    ptrdiff_t many = s - first, places = 0;
-    if (*s == '.') {
-        first = many ? s + 1 : skip_zeros(s + 1);
-        s = read_digits(first, &digits);
-        many += s - first, places = s - point - 1;
-    }
-    if (s == text + (*point == '.') || many > 18 || places > 2 * POWER_MOST) return false;
-    if (*s == 'e' || *s == 'E') {
-        bool down = *++s == '-';
-        s += *s == '-' || *s == '+';
-        int exponent = 0;
-        for (first = s; *s >= '0' && *s <= '9' && s - first < 4; s++) exponent = 10 * exponent + (*s - '0');
-        if (s == first) return false;
-        places += down ? exponent : -exponent;
-    }
-    if (*s) return false;
-    *value = double_of(digits, (int)places);
-    return !isnan(*value);
-}
-
-/* By strtod, with the locale's point in place of a point. */
-static bool read_slowly(const char *text, double *value)
+/* By strtod, which takes the locale's point. */
+static bool read_hexadecimal(const char *text, double *value)
 {
     const char *mark = localeconv()->decimal_point, *point = strchr(text, '.');
     char own[LONGEST], *end;
@@ -116,15 +58,24 @@ static bool read_slowly(const char *text, double *value)
     return end != text && *end == 0 && isfinite(*value);
 }
 
+bool number_read_decimal(const char *text, const char *end, double *value)
+{
+    size_t length;
+    const bool sign = text != end && (*text == '+' || *text == '-');
+    *value = decimal_read(text + sign, end, &length);
+    if (length == 0 || !isfinite(*value)) return false;
+    if (sign && *text == '-') *value = -*value;
+    return end ? text + sign + length == end : !text[sign + length];
+}
+
 bool number_read(const char *text, double *value)
 {
     const char *bare = text + (*text == '+' || *text == '-');
     double sign = *text == '-' ? -1 : 1;
-    if (read_quick(bare, value)) return *value *= sign, true;
+    if (number_read_decimal(text, NULL, value)) return true;
     if (number_named(bare, "inf")) return *value = sign * HUGE_VAL, true;
     if (number_named(bare, "nan")) return *value = (double)NAN, true;
-    if (!strchr("0123456789.", *bare) || !*bare) return false; /* strtod takes blanks, "infinity", "nan(x)" */
-    return read_slowly(text, value);
+    return *bare == '0' && (bare[1] == 'x' || bare[1] == 'X') && read_hexadecimal(text, value);
 }
 
 bool number_read_integer(const char *text, long lowest, long highest, long *value)
@@ -290,8 +241,8 @@ static double gap_of(const decimal *d, const magnified *x)
     const int whole = d->left < 0 ? -d->left - (x->fraction > 0) : d->left;
     double gap = ((double)whole + part) * (1 + 0x1p-50);
     int places = x->places;
-    for (; places > POWER_MOST; places -= POWER_MOST) gap /= power[POWER_MOST];
-    return gap / power[places];
+    for (; places > DECIMAL_POWER; places -= DECIMAL_POWER) gap /= decimal_ten[DECIMAL_POWER];
+    return gap / decimal_ten[places];
 }
 
 static const char pairs[] = "00010203040506070809101112131415161718192021222324252627282930313233343536373839"
@@ -455,14 +406,14 @@ static bool rounded_up(double x, decimal *d)
     magnified three;
     if (!(raised < 1e2) || !number_scale(raised, 3, &three)) return false;
     *d = rounded_to(&three, 1);
-    return d->digits > 100 || double_of(d->digits, d->places) >= x;
+    return d->digits > 100 || decimal_quick(d->digits, -d->places) >= x;
 }
 
 double number_round_up(double x)
 {
     char text[NUMBER_SIZE];
     decimal d;
-    const double value = rounded_up(x, &d) ? double_of(d.digits, d.places) : (double)NAN;
+    const double value = rounded_up(x, &d) ? decimal_quick(d.digits, -d.places) : (double)NAN;
     if (!isnan(value)) return fmax(x, value);
     snprintf(text, sizeof text, "%.2e", x * 1.005);
     return fmax(x, strtod(text, NULL));

@@ -8,6 +8,9 @@
  * large for a double. */
 bool number_read(const char *text, double *value);
 
+/* Reads a decimal number up to `end` (NULL: the whole text), and nothing else: not inf, nan, 0x1p3. */
+bool number_read_decimal(const char *text, const char *end, double *value);
+
 /* Reads a whole number from lowest to highest. */
 bool number_read_integer(const char *text, long lowest, long highest, long *value);
 

@@ -1,6 +1,6 @@
 /* main.c - which subcommand? */
 #include "command/commands.h"
-#include "job/options.h"
+#include "look/look.h"
 
 #include <sagitta/sagitta.h>
 
@@ -8,43 +8,39 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char main_help[] =
-    "sagitta: where does a ray meet a surface, and how sure is the answer?\n"
-    "\n"
-    "  sagitta intersect --surface SPEC --rays FILE      one surface, many rays\n"
-    "  sagitta trace LENS [--picture FILE]               rays through a lens file\n"
-    "  sagitta diagnose --surface SPEC --ray \"...\"       one ray, evaluation by evaluation\n"
-    "  sagitta info LENS                                 focal length, pupils, Seidel sums\n"
-    "  sagitta spot LENS [--picture FILE]                spot diagrams: how rays scatter at the image\n"
-    "  sagitta fan LENS [--picture FILE]                 transverse errors across the pupil\n"
-    "  sagitta opd LENS [--picture FILE]                 optical path differences, Zernike polynomials\n"
-    "  sagitta field LENS [--picture FILE]               field curvature, astigmatism, distortion\n"
-    "  sagitta map LENS [--picture FILE]                 where rays are lost, over pupil or field\n"
-    "  sagitta sweep LENS [--picture FILE]               what becomes of rays, against the field\n"
-    "  sagitta import FILE [-o LENS]                     a .zmx file as a lens file\n"
-    "  sagitta trade [LENS | --surface SPEC]             speed against accuracy, measured\n"
-    "\n"
-    "  sagitta COMMAND --help     the options and the columns of a command\n"
-    "  sagitta --version\n"
-    "\n"
-    "For example:\n"
-    "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
-    "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n";
-
-static const struct { const char *name, *full; exit_status (*run)(int argc, char *argv[]); } commands[] = {
-    {"intersect", "sagitta intersect", command_intersect},
-    {"trace", "sagitta trace", command_trace},
-    {"diagnose", "sagitta diagnose", command_diagnose},
-    {"trade", "sagitta trade", command_trade},
-    {"info", "sagitta info", command_info},
-    {"import", "sagitta import", command_import},
-    {"spot", "sagitta spot", command_spot},
-    {"fan", "sagitta fan", command_fan},
-    {"opd", "sagitta opd", command_opd},
-    {"field", "sagitta field", command_field},
-    {"map", "sagitta map", command_map},
-    {"sweep", "sagitta sweep", command_sweep},
+static const command *const commands[] = {
+    &command_intersect, &command_trace, &command_diagnose, &command_info, &command_spot, &command_fan,
+    &command_opd, &command_field, &command_map, &command_sweep, &command_import, &command_trade,
 };
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+/* The commands from 0 on: behind those above, the analyses of the library that are none of them.  false:
+ * there are no more. */
+static bool command_at(size_t place, command *c)
+{
+    if (place < COMMANDS) return *c = *commands[place], true;
+    for (size_t i = 0; sgt_analysis_at(i); i++) {
+        const sgt_analysis *a = sgt_analysis_at(i);
+        bool own = a->part_of != NULL;
+        for (size_t k = 0; k < COMMANDS; k++) own = own || strcmp(a->name, commands[k]->name) == 0;
+        if (!own && place-- == COMMANDS) return *c = look_command(a), true;
+    }
+    return false;
+}
+
+static void print_main_help(FILE *to)
+{
+    command c;
+    fputs("sagitta: where does a ray meet a surface, and how sure is the answer?\n\n", to);
+    for (size_t i = 0; command_at(i, &c); i++) fprintf(to, "  sagitta %-10s %s\n", c.name, c.brief);
+    fputs("\n  sagitta COMMAND --help     a command in one screen; --help all: all of it\n"
+          "  sagitta --version\n"
+          "\n"
+          "For example:\n"
+          "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
+          "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n"
+          "  sagitta spot examples/lenses/cooke_triplet.yaml --picture spots.svg\n", to);
+}
 
 /* If a standard file is closed at the start, the next file opened would take its number, and a message for
  * standard error would be written into it.  So open /dev/null in its place. */
@@ -73,19 +69,22 @@ int main(int argc, char *argv[])
     hold_standard_files();
     require_arithmetic();
     const char *name = argc > 1 ? argv[1] : "";
-    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
-        if (strcmp(name, commands[i].name) != 0) continue;
-        char full[40];
-        snprintf(full, sizeof full, "%s", commands[i].full);
+    command c;
+    for (size_t i = 0; command_at(i, &c); i++) {
+        if (strcmp(name, c.name) != 0) continue;
+        char full[40]; /* in messages of getopt */
+        snprintf(full, sizeof full, "sagitta %s", name);
         argv[1] = full;
-        fail_name(commands[i].name);
-        return (int)commands[i].run(argc - 1, argv + 1);
+        fail_name(c.name);
+        return (int)c.run(&c, argc - 1, argv + 1);
     }
-    if (strcmp(name, "--version") == 0) options_version();
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0)
-        print_and_end("%s", main_help);
+    if (strcmp(name, "--version") == 0) command_version();
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+        print_main_help(stdout);
+        print_and_end("%s", "");
+    }
     if (*name)
         fail_usage("no such command: %s; sagitta --help lists them", name);
-    fputs(main_help, stderr);
+    print_main_help(stderr);
     return EXIT_USAGE;
 }

@@ -10,6 +10,15 @@
 //     gradient   sgt_trace_gradient of one number by all parameters: beside the trace, at most 5
 //     jacobian   the gradients of all seven numbers: ns for each of its entries
 //
+// Then the same for many rays at a time, 256 of them as an analysis takes them: ns a ray, and in brackets how
+// many plain sgt_trace_batch that is.
+//
+//     trace, path, passages   sgt_trace_batch: plain; with opl; with what the others read
+//     point, errors           sgt_trace_error_batch: of the point, of the path too
+//     launch, gradient        sgt_trace_sensitivity_batch of two columns, sgt_trace_gradient_batch of one
+//     number aim                     sgt_aim_batch at points of the front of the last lens, from starts by a
+//     linear map one by one              sgt_trace_error, and sgt_aim, of one ray
+//
 // Then sgt_aim, from a field of 5 degrees: at points of the front of the last lens, and of its surface far
 // outside: us a point, traces, and boxes of the proof.
 #include <sagitta/aim.h>
@@ -150,6 +159,116 @@ void derivatives(const Lens &lens)
                 t[1] / t[0], t[2] / t[0], count, t[3] / double(7 * count), 7 * count);
 }
 
+// Rooms for n rays.
+struct Room {
+    std::vector<std::vector<double>> arrays;
+    std::vector<std::vector<sgt_fate>> fates;
+    std::vector<sgt_passages> passages;
+    size_t n;
+    Room(size_t rays, size_t elements) : n(rays)
+    {
+        for (size_t e = 0; e < elements; e++) {
+            sgt_passages p = {};
+            fates.emplace_back(n), p.hits.status = fates.back().data();
+            p.hits.t = next(), p.hits.p_err = next(), p.opl = next();
+            for (int k = 0; k < 3; k++) p.hits.p[k] = next(), p.hits.n[k] = next(), p.direction[k] = next();
+            passages.push_back(p);
+        }
+    }
+    double *next() { return arrays.emplace_back(n), arrays.back().data(); }
+};
+
+sgt_rays many_rays(Room &room, const std::vector<sgt_ray> &rays)
+{
+    sgt_rays r = {};
+    double *of[6];
+    for (double *&x : of) x = room.next();
+    for (int k = 0; k < 3; k++) r.o[k] = of[k], r.d[k] = of[3 + k];
+    for (size_t i = 0; i < room.n; i++) {
+        const double numbers[6] = {rays[i].o.x, rays[i].o.y, rays[i].o.z,
+                                   rays[i].d.x, rays[i].d.y, rays[i].d.z};
+        for (int k = 0; k < 6; k++) of[k][i] = numbers[k];
+    }
+    return r;
+}
+
+void many(const Lens &lens)
+{
+    const size_t n = 256, m = lens.e.size(), stop = 4, count = sgt_trace_parameters(m, lens.e.data());
+    const sgt_element *e = lens.e.data();
+    Room room(n, m), aimed(n, stop + 1);
+    const std::vector<sgt_ray> all = rays_of(lens);
+    const sgt_rays rays = many_rays(room, all);
+    sgt_traced plain = {}, path = {};
+    for (int k = 0; k < 3; k++) plain.o[k] = room.next(), plain.d[k] = room.next();
+    path = plain, path.opl = room.next();
+    sgt_end_errors point = {}, errors = {};
+    point.point = errors.point = room.next(), point.grain = errors.grain = room.next();
+    errors.path = room.next();
+    sgt_ray_changes column[2] = {}, end[2] = {}, weight = {};
+    double *const one = room.next(), *const none = room.next();
+    std::fill(one, one + n, 1.0);
+    for (int j = 0; j < 2; j++)
+        for (int k = 0; k < 3; k++)
+            column[j].d[k] = j == k ? one : none, end[j].p[k] = room.next(), end[j].d[k] = room.next();
+    weight.p[0] = one, weight.p[1] = weight.p[2] = none;
+    std::vector<double *> gradient;
+    for (size_t j = 0; j < count; j++) gradient.push_back(room.next());
+
+    // a beam, and starts by the derivatives of its middle ray
+    sgt_beam beam = {};
+    beam.o = {0, 0, -20}, beam.ou = {1, 0, 0}, beam.ov = {0, 1, 0}, beam.d = {0, 0.0875, 1};
+    beam.u = {-9, 9}, beam.v = {-11, 7};
+    std::vector<sgt_passage> single(m), work(m);
+    sgt_aiming chief, a;
+    sgt_aim(stop, e, 1, &beam, {0, 0}, single.data(), nullptr, &chief);
+    sgt_ray_change by[2] = {{beam.ou, beam.du, 0}, {beam.ov, beam.dv, 0}};
+    sgt_trace_sensitivity(stop + 1, e, 1, &chief.ray, single.data(), 2, by, by);
+    const double det = by[0].p.x * by[1].p.y - by[1].p.x * by[0].p.y;
+    std::vector<sgt_vec2> wanted(n), start(n);
+    for (size_t i = 0; i < n; i++) {
+        const double turn = 0.0628 * double(i), r = 3 * double(i % 10 + 1) / 10, x = r * std::cos(turn),
+                     y = r * std::sin(turn);
+        wanted[i] = {x, y};
+        start[i] = {chief.u + (by[1].p.y * x - by[1].p.x * y) / det,
+                    chief.v + (by[0].p.x * y - by[0].p.y * x) / det};
+    }
+    sgt_aim_options from = {}, first = {};
+    from.starts = first.starts = 1, from.max_boxes = first.max_boxes = -1, from.start = start.data();
+    const sgt_traced nothing = {};
+    std::vector<double> t = medians(
+        {[&](size_t) { sgt_trace_batch(m, e, 1, n, rays, plain, nullptr, nullptr); },
+         [&](size_t) { sgt_trace_batch(m, e, 1, n, rays, path, nullptr, nullptr); },
+         [&](size_t) { sgt_trace_batch(m, e, 1, n, rays, nothing, room.passages.data(), nullptr); },
+         [&](size_t) { sgt_trace_error_batch(m, e, 1, n, rays, room.passages.data(), point); },
+         [&](size_t) { sgt_trace_error_batch(m, e, 1, n, rays, room.passages.data(), errors); },
+         [&](size_t) { sgt_trace_sensitivity_batch(m, e, 1, n, rays, room.passages.data(), 2, column, end); },
+         [&](size_t) {
+             sgt_trace_gradient_batch(m, e, 1, n, rays, room.passages.data(), 1, &weight, gradient.data());
+         },
+         [&](size_t) {
+             sgt_aim_batch(stop, e, 1, &beam, n, wanted.data(), aimed.passages.data(), work.data(), &from,
+                           nullptr);
+         }},
+        1);
+    sgt_ray ray = all[0];
+    sgt_trace(m, e, 1, &ray, single.data(), nullptr, nullptr);
+    const std::vector<double> alone =
+        medians({[&](size_t) {
+                     sgt_end_error told;
+                     sgt_trace_error(m, e, 1, &all[0], single.data(), &told);
+                 },
+                 [&](size_t i) {
+                     first.start = &start[i];
+                     sgt_aim(stop, e, 1, &beam, wanted[i], work.data(), &first, &a);
+                 }},
+                n);
+    for (double &x : t) x /= double(n);
+    std::printf("%-26s %6.1f %7.1f %7.1f  (%4.2f)", lens.name.c_str(), t[0], t[1], t[2], t[2] / t[0]);
+    for (size_t k = 3; k < t.size(); k++) std::printf(" %6.0f (%4.2f)", t[k], t[k] / t[0]);
+    std::printf("   %.0f, %.0f\n", alone[0], alone[1]);
+}
+
 // Points at `size` from the axis.
 void aim_at(const Lens &lens, double size, const char *what)
 {
@@ -181,10 +300,15 @@ void aim_at(const Lens &lens, double size, const char *what)
 int main()
 {
     std::printf("%-26s %10s  %8s  %15s  %s\n", "lens", "trace", "launch", "gradient", "jacobian, each");
-    for (const Lens &lens : lenses())
+    std::vector<Lens> all = lenses();
+    for (const Lens &lens : all)
         derivatives(lens);
+    std::printf("\n%-26s %6s %7s %16s %13s %13s %13s %13s %13s   %s\n", "many rays", "trace", "path",
+                "passages", "point", "errors", "launch", "gradient", "aim", "one by one");
+    for (const Lens &lens : all)
+        many(lens);
     std::printf("\n");
-    for (Lens lens : lenses()) {
+    for (Lens &lens : all) {
         lens.e.resize(5); // to the front of the last lens
         aim_at(lens, 1, "inside");
         aim_at(lens, 60, "outside");

@@ -106,7 +106,7 @@ def differing(page, programs, folder, somewhere):
             words = [str(somewhere / word) if word in files else word for word in words]
             # A picture is drawn, and not where the page says.
             for i, word in enumerate(words[:-1]):
-                if word in ('--svg', '--output', '--picture'):
+                if word in ('--output', '--picture'):
                     words[i + 1] = str(somewhere / ('out' + pathlib.Path(words[i + 1]).suffix))
             said = subprocess.run([programs[words[0]]] + words[1:], text=True, capture_output=True,
                                   cwd=folder)

@@ -3,7 +3,7 @@
 #ifndef TESTS_CATALOGUE_FORMULAS_H
 #define TESTS_CATALOGUE_FORMULAS_H
 
-#include "../../src/tool/trade/formulas.hpp"
+#include "../../src/truth/formulas.hpp"
 #include "../oracle/quad.h"
 
 #endif

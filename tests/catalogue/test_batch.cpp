@@ -178,7 +178,8 @@ std::size_t one_batch(generator &g, const char *type)
                             out[2].data(),
                             {out[4].data(), out[5].data(), out[6].data()},
                             {out[7].data(), out[8].data(), out[9].data()},
-                            out[3].data()};
+                            out[3].data(),
+                            {}};
         const std::size_t met = sgt_intersect_batch(s.s, n, r, h, &options);
         std::size_t expected = 0;
         for (std::size_t k = 0; k < n; k++) {
@@ -257,7 +258,8 @@ std::size_t one_trace(generator &g)
                                passed.data(),
                                {out[0].data(), out[1].data(), out[2].data()},
                                {out[3].data(), out[4].data(), out[5].data()},
-                               out[6].data()};
+                               out[6].data(),
+                               {}};
     sgt_trace_batch(elements, lens.data(), 1, n, rays, traced, passages.data(), &options);
     for (std::size_t i = 0; i < n; i++) {
         sgt_ray ray = {{in[0][i], in[1][i], in[2][i]}, {in[3][i], in[4][i], in[5][i]}, 0, 0};

@@ -355,7 +355,7 @@ int main(int argc, char **argv)
         std::printf("%-14s %6ld rays along ridges, %6ld hits, %5ld misses, %ld with several roots, %ld "
                     "doubtful; %ld undecided\n",
                     type, t.rays, t.hit, t.miss, t.several, t.doubtful, t.undecided);
-        if (t.several < t.rays / 8) failed[std::string(type) + ": these ridges are no test"]++;
+        if (t.several < t.rays / 20) failed[std::string(type) + ": these ridges are no test"]++;
         if (double(t.undecided) > 6 + 0.1 * double(t.rays)) // seen: 1 to 6 %
             failed[std::string(type) + ": too many rays along ridges are undecided"]++;
     }

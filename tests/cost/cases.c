@@ -9,6 +9,7 @@
  * 0.01.  Rays come from z = -5, uniform in the disk of radius 2.5, with slopes up to 0.15.  Nothing here
  * calls the C library's mathematics: the rays are the same bits everywhere. */
 #include <math.h>
+#include <sagitta/aim.h>
 #include <sagitta/interval.h>
 #include <sagitta/sensitivity.h>
 #include <sagitta/surfaces.h>
@@ -332,6 +333,49 @@ static void trace_batch(const subject *of, size_t n, const sgt_options *opt)
     sgt_trace_batch(ELEMENTS, of->lens, 1, n, arrays(), end, NULL, opt);
 }
 
+static void trace_batch_with_paths(const subject *of, size_t n, const sgt_options *opt)
+{
+    const sgt_traced end = {.fate = fates, .o = {out[0], out[1], out[2]}, .d = {out[3], out[4], out[5]},
+                            .opl = out[6]};
+    sgt_trace_batch(ELEMENTS, of->lens, 1, n, arrays(), end, NULL, opt);
+}
+
+/* What the functions of aim.h read of many rays. */
+static sgt_passages passages[ELEMENTS];
+
+static void trace_batch_with_passages(const subject *of, size_t n, const sgt_options *opt)
+{
+    static double room[ELEMENTS][12][MANY];
+    static sgt_status statuses[ELEMENTS][MANY];
+    for (int e = 0; e < ELEMENTS; e++) {
+        double(*x)[MANY] = room[e];
+        passages[e] = (sgt_passages){.hits = {.status = statuses[e], .t = x[0], .p_err = x[1],
+                                              .p = {x[2], x[3], x[4]}, .n = {x[5], x[6], x[7]}},
+                                     .direction = {x[8], x[9], x[10]}, .opl = x[11]};
+    }
+    sgt_trace_batch(ELEMENTS, of->lens, 1, n, arrays(), (sgt_traced){.fate = fates}, passages, opt);
+}
+
+/* The passages are those of the case before. */
+static void errors(const subject *of, size_t n, const sgt_options *opt)
+{
+    (void)opt;
+    const sgt_end_errors told = {.point = out[0], .path = out[1], .grain = out[2]};
+    seen = (double)sgt_trace_error_batch(ELEMENTS, of->lens, 1, n, arrays(), passages, told);
+}
+
+static void gradient(const subject *of, size_t n, const sgt_options *opt)
+{
+    (void)opt;
+    static double ones[MANY], numbers[MANY], *list[ELEMENTS * 100];
+    size_t count = sgt_trace_parameters(ELEMENTS, of->lens);
+    for (size_t i = 0; i < COUNT_OF(list); i++) list[i] = numbers;
+    for (size_t i = 0; i < n; i++) ones[i] = 1;
+    const sgt_ray_changes weight = {.p = {ones, ones, ones}};
+    if (count <= COUNT_OF(list))
+        sgt_trace_gradient_batch(ELEMENTS, of->lens, 1, n, arrays(), passages, 1, &weight, list);
+}
+
 /* cost.py counts from the call of this function to its return, and by its name: not inlined, not copied,
  * seen from outside. */
 void measured(question *ask, const subject *of, size_t n, const sgt_options *opt);
@@ -465,6 +509,10 @@ int main(int argc, char **argv)
         const char *name = lenses[i].name;
         ask_case(name, "a trace", trace, of, ALONE, near);
         ask_case(name, "a trace batch", trace_batch, of, MANY, near);
+        ask_case(name, "a trace batch with paths", trace_batch_with_paths, of, MANY, near);
+        ask_case(name, "a trace batch with passages", trace_batch_with_passages, of, MANY, near);
+        ask_case(name, "a batch of errors", errors, of, MANY, near);
+        ask_case(name, "a batch of gradients", gradient, of, MANY, near);
         const subject open = {{NULL, NULL}, open_lens}, clipping = {{NULL, NULL}, clipping_lens};
         make_others(of->lens);
         ask_case(name, "a trace batch without apertures", trace_batch, &open, MANY, near);

@@ -1,4 +1,4 @@
-// A formula as the command's trade works it out in 113 bits (src/tool/trade/text.hpp), against Arb: at random
+// A formula as the command's trade works it out in 113 bits (src/truth/text.hpp), against Arb: at random
 // points of each formula of formulas.h, at special ones and at the vertex, and at points of random formulas
 // (grown.h).  Values and gradients have to agree as far as balls of 96 bits can tell, at a point that is
 // known to 96 bits; so a function that is only right as a double fails.  Where F is not defined it is NaN.
@@ -7,7 +7,7 @@
 // error is printed, and is at most 2^-108 of the value.
 //
 //     test_text [--count N] [--seed S] [--only NAME]
-#include "../../src/tool/trade/text.hpp"
+#include "../../src/truth/text.hpp"
 #undef FORMULA
 
 #include "grown.h"

@@ -103,8 +103,25 @@ static void test_exact(void)
             p[28].x);
 }
 
+/* The order of points is that of the rows of every table: of a net x by x, from below. */
+static void test_order(void)
+{
+    static const sgt_pupil_point grid[] = {{-1, 0, 0.2}, {0, -1, 0.2}, {0, 0, 0.2}, {0, 1, 0.2}, {1, 0, 0.2}};
+    static const double cells[][2] = {{-0.5, -0.5}, {-0.5, 0.5}, {0.5, -0.5}, {0.5, 0.5}};
+    sgt_pupil_point at[8];
+    REQUIRE(sgt_pupil_points(SGT_PATTERN_GRID, 3, 0, 8, at) == 5, "grid of 3");
+    for (int i = 0; i < 5; i++)
+        REQUIRE(at[i].x == grid[i].x && at[i].y == grid[i].y && at[i].weight == grid[i].weight, "point %d",
+                i);
+    REQUIRE(sgt_pupil_points(SGT_PATTERN_CELLS, 2, 0, 8, at) == 4, "cells of 2");
+    for (int i = 0; i < 4; i++) REQUIRE(at[i].x == cells[i][0] && at[i].y == cells[i][1], "cell %d", i);
+    REQUIRE(sgt_pupil_points(SGT_PATTERN_GRID, 2, 0, 0, NULL) == 0, "grid of 2");
+    REQUIRE(sgt_pupil_points(SGT_PATTERN_CROSS, 4, 0, 0, NULL) == 8, "cross of 4");
+}
+
 int main(void)
 {
+    test_order();
     test_philox();
     test_pattern(SGT_PATTERN_GRID, 201, sgt_pupil_points(SGT_PATTERN_GRID, 201, 0, 0, NULL), 2e-3);
     test_pattern(SGT_PATTERN_HEXAPOLAR, 30, 1 + 3 * 30 * 31, 1e-3);

@@ -189,7 +189,7 @@ class Check:
             for key, wanted in first.data.items():
                 what = f'info {self.waves[wave]} {key}'
                 if isinstance(wanted, tuple):
-                    columns = key, key.split('_')[0] + '_radius'
+                    columns = key + '.z', key + '.radius'
                     for name, value, column in zip(('z', 'radius'), wanted, columns):
                         mine = (got[key] or {}).get(name)
                         self.length_of(mine, value, f'{what} {name}')
@@ -532,7 +532,8 @@ class Check:
                 tangent = (chief[0] * u[0] + chief[1] * u[1]) / chief[2]
                 wanted = tangent / slope - 1 if slope else None
                 within = 1e-9 if self.symmetric(field) else near * (1 + abs(float(wanted or 0)))
-                self.close(row['distortion'], wanted, within, what + 'distortion')
+                self.close(row['distortion_percent'], None if wanted is None else 100 * wanted, 100 * within,
+                           what + 'distortion')
             for cell, way in (('tangential', u), ('sagittal', (-u[1], u[0]))):
                 far = beam.focus(way)
                 # along the chief ray, in 1/m
@@ -543,7 +544,8 @@ class Check:
         ideal = beam.ideal_height(kind == 'theta')
         self.close(row['ideal'], ideal, 1e-10 * self.length, what + 'ideal')
         within = 1e-10 * self.length / abs(float(ideal or 1)) if self.symmetric(field) else 1e-5
-        self.close(row['distortion'], height / ideal - 1 if ideal else None, within, what + 'distortion')
+        self.close(row['distortion_percent'], 100 * (height / ideal - 1) if ideal else None, 100 * within,
+                   what + 'distortion')
 
     def symmetric(self, field):
         """x = 0 is a plane of symmetry, or the lens is one of rotation."""

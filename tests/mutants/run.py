@@ -5,13 +5,16 @@
     python3 tests/mutants/run.py n03 m12       these
     python3 tests/mutants/run.py --check       only: does each old text still occur once?
 
---work DIR      holds one copy of the tree for each job, its build, and results.txt (build/mutants); it may be used again
+--work DIR      holds one copy of the tree for each job, its build, results.txt and times.txt (build/mutants); it may be used again
 --jobs N        copies that work side by side (1)
 --threads N     of the compiler in each (2)
 --only-nearest  the tests nearest to the file, not the rest of the suite
 --resume        not those again that results.txt has; and the copies are not brought up to date
 --timeout S     of one test (600): a hang is a kill
 --limit S       of one edit (3600): then it counts as a survivor, and the line says so
+
+The nearest tests are those of the table below, in its order; the rest follow, short ones first, by the time that each took
+last (times.txt).  Those whose programs are not built of the file's library are left out.
 
 An edit is killed by the first test that fails, is stopped by a signal or runs out of time, and passes without the edit.  What does not compile is no
 edit: mend it.  The line of an edit has its id, what became of it, seconds, and its note.
@@ -39,6 +42,12 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 # The tests nearest to a file of src: the first row whose pattern matches.  Names are those of `meson test --list`.
 NEAREST = [
     (r'src/num/', ['unit exact', 'unit table', 'catalogue climb', 'proof']),
+    (r'src/lens/(.*/)?(agf|csv|rii|catalogue|glass|medium|reader|arena)', ['lens glass', 'fuzz glass', 'tool glass', 'tool media', 'tool info', 'numbers']),
+    (r'src/lens/(.*/)?zmx', ['fuzz zmx', 'zmx fields', 'zmx', 'tool lens_files']),
+    (r'src/lens/(.*/)?(pattern)', ['patterns', 'tool spot', 'analysis']),
+    (r'src/lens/(.*/)?(matrix|tree|yaml|read|write|text|lens|surface|formula|aperture|frame)', ['fuzz lens', 'tool lens_files', 'tool formula', 'tool trace', 'tool info', 'tool media', 'tool all', 'zmx fields', 'tool errors', 'numbers']),
+    (r'src/lens/(.*/)?(launch|aim)', ['tool aim', 'analysis units', 'numbers', 'analysis', 'tool aim_family', 'zmx fields']),
+    (r'src/lens/', ['tool info', 'analysis units', 'numbers', 'analysis', 'tool aim', 'zmx fields', 'zmx']),
     (r'src/check/diagnose', ['unit diagnose', 'tool diagnose']),
     (r'src/check/', ['unit check']),
     (r'src/surface/orbit/', ['unit levels', 'climb', 'oracle levels', 'tool level', 'batch']),
@@ -46,19 +55,28 @@ NEAREST = [
     (r'src/surface/(sag|conic|asphere)/|src/solve/accept', ['climb', 'edges', 'unit rows', 'unit all', 'unit check', 'unit table', 'oracle quad', 'oracle random', 'oracle hard', 'oracle equator', 'oracle only', 'batch', 'proof']),
     (r'src/surface/body/', ['climb', 'enclosures', 'clearances', 'edges', 'catalogue roots', 'catalogue laws', 'catalogue batch', 'catalogue']),
     (r'src/surface/builtin', ['unit general', 'unit all', 'batch']),
-    (r'src/surface/formula/', ['formula operations', 'unit formula', 'formula']),
+    (r'src/surface/formula/enclose_lanes', ['fuzz formula', 'enclose lanes', 'formula roots by hand', 'formula random roots', 'unit formula', 'formula']),
+    (r'src/surface/formula/(decimal|scan|read|grammar|fault)', ['fuzz formula', 'formula text', 'unit decimal', 'unit formula', 'formula']),
+    (r'src/surface/formula/', ['fuzz formula', 'formula operations singly', 'unit formula', 'formula random roots', 'formula catalogue', 'formula']),
+    (r'src/surface/departure/', ['fuzz surface', 'catalogue formulas', 'checksums', 'catalogue values', 'differences', 'catalogue laws', 'catalogue enclosures', 'catalogue wings', 'catalogue rim', 'catalogue climb', 'catalogue roots', 'edges', 'catalogue']),
     (r'src/surface/', ['climb', 'enclosures', 'edges', 'catalogue', 'sensitivity']),
-    (r'src/ray/cells_batch', ['oracle cells', 'batch user_batch']),
+    (r'src/ray/cells_batch', ['unit general', 'checksums', 'oracle cells', 'formula random roots', 'batch user_batch', 'batch']),
+    (r'src/ray/wings', ['catalogue wings', 'catalogue rim', 'edges', 'unit rows', 'catalogue roots', 'batch']),
+    (r'src/ray/(proof|enclosed)', ['unit prove', 'unit general', 'oracle only', 'oracle proof', 'tool proof', 'catalogue clearances', 'edges', 'rays that are not there', 'catalogue twice']),
     (r'src/ray/(lanes|batch)', ['batch', 'catalogue batch']),
-    (r'src/ray/(cells|walk|general)|src/solve/step', ['unit intersect', 'unit general', 'unit all', 'catalogue twice', 'edges', 'unit rows', 'oracle brute', 'catalogue roots', 'batch']),
+    (r'src/ray/(cells|walk|general)|src/solve/step', ['unit general', 'unit intersect', 'unit all', 'catalogue twice', 'edges', 'unit rows', 'oracle brute', 'catalogue roots', 'batch']),
     (r'src/solve/', ['unit root', 'unit intersect', 'unit rows', 'oracle brute']),
     (r'src/ray/(prove|unique)', ['unit prove', 'edges', 'unit trace', 'proof', 'catalogue roots', 'catalogue laws']),
+    (r'src/system/(aim|bundle|form)', ['unit form', 'tool aim', 'sensitivity aim', 'rays that are not there', 'tool aim_family', 'analysis units', 'ideal lenses', 'tool look']),
+    (r'src/system/gradient', ['sensitivities of traces', 'differences', 'ideal lenses', 'sensitivity']),
     (r'src/system/', ['unit trace', 'unit aperture', 'unit pose', 'edges', 'unit refract', 'batch trace', 'oracle reference']),
     (r'src/geo/', ['earth']),
     (r'src/tool/', ['tool']),
 ]
-# What an edit of src cannot change, or what builds the library anew.
-NEVER = r'^(sets|installed|floors|headers|symbols|readme|vectorised|one surface|interval, builds|cost|no allocation|stack)'
+# What an edit of src cannot change, what builds the library anew, and what has a library of its own (Python).
+NEVER = (r'^(sets|installed|floors|rooms|names|tags|tables of the types|headers|symbols|saved interface|readme|vectorised|fast math'
+         r'|one surface|builds|found by CMake|page |example in |examples in |python |cost|no allocation|stack|version)')
+SECONDS = 5.0 # of a test whose time is not known yet
 
 
 def fail(text):
@@ -131,6 +149,11 @@ class Copy:
         self.log = os.path.join(work, f'log{index}')
         os.environ.setdefault('CCACHE_BASEDIR', work), os.environ.setdefault('CCACHE_NOHASHDIR', '1')
         self.trusted = set() # tests that failed with an edit and pass without
+        self.times_file, self.times = os.path.join(work, 'times.txt'), {}
+        if os.path.exists(self.times_file):
+            for line in open(self.times_file):
+                seconds, name = line.rstrip('\n').split('\t')
+                self.times[name] = float(seconds)
         if not os.path.isdir(self.root):
             os.makedirs(self.root)
             self.bring()
@@ -151,14 +174,24 @@ class Copy:
         listed = subprocess.run(['meson', 'introspect', '--tests', self.build], capture_output=True, check=True).stdout
         self.tests = [t for t in json.loads(listed) if not re.match(NEVER, t['name'])
                       and not any(s.split(':')[-1] == 'nightly' for s in t['suite'])]
-        self.targets = [os.path.relpath(t['filename'][0], self.build)
-                        for t in json.loads(subprocess.run(['meson', 'introspect', '--targets', self.build], capture_output=True, check=True).stdout)
-                        if t['type'] == 'shared library' or t['type'] == 'executable' and self.depends_on_src(t)]
+        listed = json.loads(subprocess.run(['meson', 'introspect', '--targets', self.build], capture_output=True, check=True).stdout)
+        self.programs = {t['id']: t['filename'][0] for t in listed if t['type'] == 'executable'}
+        self.own = {t['filename'][0] for t in listed if t['type'] == 'executable' and self.has_src(t)}
+        self.targets = [os.path.relpath(f, self.build)
+                        for f in [t['filename'][0] for t in listed if t['type'] == 'shared library'] + sorted(self.own)]
 
-    def depends_on_src(self, target):
+    def has_src(self, target):
+        """Whether the program has a part of src in itself: the command, what includes a file of src, or is linked statically."""
         sources = [f for group in target['target_sources'] for f in group.get('sources', []) if f.endswith('.c')]
         included = target['name'].startswith('test_') and any('#include "../../src/' in open(f).read() for f in sources)
-        return target['name'] == 'sagitta' or included
+        return target['name'] in ('sagitta', 'test_enclose_lanes') or included
+
+    def may_notice(self, test, path):
+        """Whether a program of the test has in it, or is linked to, what is built of the file."""
+        room = path.split('/')[1]
+        library = f'libsagitta_{room}.so' if room in ('lens', 'geo') else 'libsagitta.so'
+        programs = [self.programs[i] for i in test['depends'] if i in self.programs]
+        return any(library.encode() in open(p, 'rb').read() or p in self.own and room not in ('lens', 'geo') for p in programs)
 
     def bring(self):
         listed = subprocess.run(['git', '-C', ROOT, 'ls-files', '-z', '--cached', '--others', '--exclude-standard'], capture_output=True, check=True).stdout
@@ -175,9 +208,10 @@ class Copy:
         """The tests, the nearest first; a name in the table stands for all tests whose name has it."""
         nearest = next((names for pattern, names in NEAREST if re.match(pattern, path)), [])
         first = []
+        tests = sorted((t for t in self.tests if self.may_notice(t, path)), key=lambda t: self.times.get(t['name'], SECONDS))
         for name in nearest:
-            first += [t for t in self.tests if name in f'{t["suite"][0].split(":")[-1]} {t["name"]}' and t not in first]
-        return first, [t for t in self.tests if t not in first]
+            first += [t for t in tests if name in f'{t["suite"][0].split(":")[-1]} {t["name"]}' and t not in first]
+        return first, [t for t in tests if t not in first]
 
     def make(self):
         return run(['nice', 'ninja', '-C', self.build, '-j', str(self.arguments.threads)] + self.targets, self.log, 1800)
@@ -186,7 +220,12 @@ class Copy:
         """'' or how it failed."""
         environment = dict(os.environ, **test['env'])
         environment.pop('SAGITTA_TEST_SEED', None), environment.pop('SAGITTA_TEST_SCALE', None)
+        began = time.time()
         result = run(['nice'] + test['cmd'], self.log, self.arguments.timeout, env=environment, cwd=test['workdir'] or self.build)
+        if result == 0:
+            self.times[test['name']] = time.time() - began
+            with open(self.times_file, 'w') as out:
+                out.writelines(f'{seconds:.2f}\t{name}\n' for name, seconds in sorted(self.times.items(), key=lambda t: t[1]))
         return '' if result in (0, 77) else ' (time)' if result == 'timeout' else f' (signal {-result})' if result < 0 else ' '
 
     def judge(self, edit):

@@ -13,7 +13,7 @@
 #ifndef ORACLE_LEVELS_H
 #define ORACLE_LEVELS_H
 
-#include "../../src/tool/trade/orbit.hpp"
+#include "../../src/truth/orbit.hpp"
 #include "cases.h"
 
 #include <sagitta/surfaces.h>

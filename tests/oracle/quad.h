@@ -33,7 +33,7 @@
 #ifndef ORACLE_QUAD_H
 #define ORACLE_QUAD_H
 
-#include "../../src/tool/trade/quad.hpp"
+#include "../../src/truth/quad.hpp"
 
 #include <sagitta/sagitta.h>
 #include <sagitta/surfaces.h>

@@ -23,7 +23,7 @@
 //
 //     test_cells     SAGITTA_TEST_SCALE multiplies the number of surfaces, SAGITTA_TEST_SEED chooses others
 #include "../ends.h"
-#include "../../src/tool/trade/quad.hpp"
+#include "../../src/truth/quad.hpp"
 
 #include <algorithm>
 #include <cinttypes>

@@ -116,9 +116,9 @@ class Platform:
             files = ([f'{kind}={HERE / self.machine}'] if self.machine else []) + [f'{kind}={overlay}']
             self.run('meson', 'setup', self.folder, *files, '-Dexamples=false', '-Dauto_features=disabled',
                      *self.more)
-        targets = [] if oracles else [f'tests/{name}' + ('.exe' if self.by == 'wine' else '')
-                                      for name in ('batch/checksum', 'platforms/speed')]
-        self.run('ninja', '-C', self.folder, *targets)
+        targets = [f'tests/{name}' + ('.exe' if self.by == 'wine' else '')
+                   for name in ('batch/checksum', 'platforms/speed')]
+        self.run('ninja', '-C', self.folder, *targets, *(['all'] if oracles else []))
 
     def program(self, path):
         """The command that runs a program of the build."""

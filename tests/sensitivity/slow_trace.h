@@ -1,10 +1,11 @@
 // slow_trace.h - a ray through a lens in 113 bits, written from the books and not from the library.
 //
-// Each element is a matrix and an origin.  Conics are met by the quadratic formula, other surfaces by Newton
-// on the definition of F (catalogue/formulas.h), from the vertex plane.  Bending takes the unit normal and
-// the cosines of both angles (Glassner 1989, An Introduction to Ray Tracing, chapter 2).  Ideal lenses are as
-// system.h defines them, by slopes.  Numbers of the lens
-// are quads, so that they may be changed by less than an ulp.
+// Each element is a matrix and an origin.  Its axes are orthogonal and of unit length to some 1e-16 only: so
+// directions are made of unit length wherever they are turned, and lengths are those of the global frame.
+// Conics are met by the quadratic formula, other surfaces by Newton on the definition of F
+// (catalogue/formulas.h), from the vertex plane.  Bending takes the unit normal and the cosines of both
+// angles (Glassner 1989, An Introduction to Ray Tracing, chapter 2).  Ideal lenses are as system.h defines
+// them, by slopes.  Numbers of the lens are quads, so that they may be changed by less than an ulp.
 #ifndef SENSITIVITY_SLOW_TRACE_H
 #define SENSITIVITY_SLOW_TRACE_H
 #include "../catalogue/formulas.h"
@@ -28,6 +29,7 @@ inline vec operator-(const vec &a, const vec &b) { return {a.x - b.x, a.y - b.y,
 inline vec operator*(quad f, const vec &a) { return {f * a.x, f * a.y, f * a.z}; }
 inline quad inner(const vec &a, const vec &b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline quad length(const vec &a) { return square_root(inner(a, a)); }
+inline vec unit(const vec &a) { return quad(1) / length(a) * a; }
 inline vec outer(const vec &a, const vec &b)
 {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -163,18 +165,20 @@ inline end trace(const std::vector<element> &e, std::size_t count, quad index, v
     vec at = o, way = r.d;
     for (std::size_t i = 0; i < count; i++) {
         const element &s = e[i];
-        const vec p = s.local(at - s.origin), l = s.local(way);
+        const vec p = s.local(at - s.origin);
+        vec l = s.local(way);
         quad t = 0;
         const bool conic = s.surface.ops == &sgt_conic_ops;
         if (!(conic ? meet_conic(s.a, p, l, &t) : meet_other(s, p, l, &t))) return r.why = 'm', r;
         r.p = p + t * l, r.opl += index * t;
+        l = unit(l);
         if (to_point && i + 1 == count) return r.d = l, r;
         if (s.phase) {
             const quad behind = s.index == 0 || s.index == -1 ? index : s.index;
             quad more;
             r.d = focused(*s.phase, s.index == -1, index, behind, r.p, l, &more);
             r.opl += more, index = behind, r.passed = i + 1;
-            at = s.origin + s.global(r.p), way = s.global(r.d);
+            at = s.origin + s.global(r.p), way = unit(s.global(r.d));
             continue;
         }
         const vec n = normal_at(s, r.p);
@@ -190,7 +194,7 @@ inline end trace(const std::vector<element> &e, std::size_t count, quad index, v
             index = behind;
         }
         r.passed = i + 1;
-        at = s.origin + s.global(r.p), way = s.global(r.d);
+        at = s.origin + s.global(r.p), way = unit(s.global(r.d));
     }
     return r;
 }

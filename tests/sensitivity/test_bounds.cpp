@@ -257,6 +257,49 @@ static void bounds(oracle::generator &random)
     if (bounded * 8 < cases) fail("too few", cases, double(bounded), 0);
 }
 
+// Of one surface whose sag rises outward, in a family of one direction, the bounds are those of the box about
+// its points: x and y within the least of its rims, z from the vertex to there.
+static void tight(oracle::generator &random)
+{
+    const long cases = long(2000 * scale) + 50;
+    for (long n = 0; n < cases; n++) {
+        static const double constants[] = {0, 0, -1, -0.5, 0.7, 0.3};
+        const double c = random.uniform(0.02, 0.3), k = constants[random.below(6)],
+                     edge = k > -1 ? 1 / (c * std::sqrt(1 + k)) : 100;
+        const double rim = random.chance(0.5) ? random.uniform(1, 12) : 0,
+                     aperture = rim == 0 || random.chance(0.5) ? random.uniform(1, 12) : 0;
+        sgt_conic conic = {c, k, rim};
+        sgt_even_asphere asphere = {c, k, rim, {random.uniform(0, 1e-2), random.uniform(0, 1e-4), 0, 1e-9}};
+        const bool even = random.chance(0.5);
+        sgt_element e = {};
+        e.surface = {even ? &sgt_even_asphere_ops : &sgt_conic_ops, even ? (const void *)&asphere : &conic};
+        e.index = 1.5, e.semi_diameter = aperture, e.pose.origin = {0, 0, random.uniform(-5, 5)};
+        double R = edge, r2, z;
+        if (rim > 0) R = std::min(R, rim);
+        if (aperture > 0) R = std::min(R, aperture);
+        r2 = R * R, z = c * r2 / (1 + std::sqrt(std::max(0.0, 1 - (1 + k) * c * c * r2)));
+        for (int i = 0; even && i < 8; i++) z += asphere.a[i] * std::pow(r2, i + 1);
+        sgt_beam b = {};
+        b.o = {random.uniform(-5, 5), random.uniform(-5, 5), -20}, b.ou = {1, 0, 0}, b.ov = {0, 1, 0};
+        b.d = {random.uniform(-1, 1), random.uniform(-1, 1), 1};
+        const sgt_element two[2] = {e, e};
+        sgt_interval got[2];
+        if (!sgt_beam_bounds(1, two, 1, &b, {0, 0}, &got[0], &got[1])) {
+            fail("no bounds", n, R, z);
+            continue;
+        }
+        for (int i = 0; i < 2; i++) {
+            const double slope = i ? b.d.y : b.d.x, o = i ? b.o.y : b.o.x, from = e.pose.origin.z - b.o.z,
+                         moved = -o - slope * from, more = -slope * z, room = 1e-6 * (R + z);
+            const sgt_interval want = {moved - R + std::min(more, 0.0), moved + R + std::max(more, 0.0)};
+            if (!(got[i].lo <= want.lo + room && got[i].hi >= want.hi - room))
+                fail("bounds that are too narrow", n, got[i].lo, want.lo);
+            if (!(got[i].lo >= want.lo - room && got[i].hi <= want.hi + room))
+                fail("bounds that are too wide", n, got[i].hi - got[i].lo, want.hi - want.lo);
+        }
+    }
+}
+
 // -------------------------------------------------------------------------- proofs
 
 static std::string random_lens(oracle::generator &random)
@@ -449,6 +492,7 @@ int main()
     std::printf("seed %llu\n", first);
     oracle::generator random(first);
     bounds(random);
+    tight(random);
     proofs(random);
     return failures != 0;
 }

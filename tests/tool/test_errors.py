@@ -4,6 +4,8 @@
     python3 test_errors.py SAGITTA
 """
 import re
+import shlex
+import subprocess
 
 from command import *
 
@@ -437,11 +439,48 @@ def test_help_and_version():
     assert 'docs/lens_file.md' in run('trace', '--help').stdout
     for command in ('intersect', 'trace', 'diagnose'):
         equal(run(command, '--version').stdout, run('--version').stdout)
-        text = run(command, '--help').stdout
+        text = run(command, '--help', 'all').stdout
         for option in ('--format', '--output', '--help', '--version', '--dt-min', '--max-evals', 'Exit status'):
             assert option in text, (command, option)
         assert max(map(len, text.splitlines())) <= 100
-    assert all(command in run('--help').stdout for command in ('intersect', 'trace', 'diagnose'))
+    assert all(command in run('--help').stdout for command in COMMANDS)
+
+
+COMMANDS = ('intersect', 'trace', 'diagnose', 'info', 'spot', 'fan', 'opd', 'field', 'map', 'sweep', 'import', 'trade',
+            'ends', 'energy')
+
+
+def test_help_in_one_screen():
+    """Its options are those of --help all, by the same words, and its examples run."""
+    root = pathlib.Path(__file__).parents[2]
+    for command in COMMANDS:
+        short, whole = run(command, '--help').stdout, run(command, '--help', 'all').stdout
+        assert len(short.splitlines()) <= 40 and len(short) < len(whole), command
+        assert max(map(len, (short + whole).splitlines())) <= 100, command
+        options = [line for line in short.splitlines() if line.startswith('  --')]
+        assert 5 <= len(options) <= 12, (command, options)
+        for line in options:
+            assert line[:60] in whole, (command, line)
+        names = [line.split()[0] for line in whole.splitlines() if line.startswith('  --')]
+        equal(len(set(names) - {'--output'}), len(names) - names.count('--output'), (command, names))
+        for name in ('--output', '--quiet', '--help', '--version'):
+            assert name in names, (command, name)
+        assert f'sagitta {command} --help all' in short and 'Exit status' in whole, command
+        examples = re.findall(r'^  sagitta (.*)$', short[short.index('Examples'):short.index('\nMore')], re.MULTILINE)
+        assert len(examples) >= 2, command
+        for line in examples:
+            if 'trade' not in line and 'FILE' not in line and 'triplet.zmx' not in line and '--picture' not in line:
+                subprocess.run([SAGITTA, *shlex.split(line)], cwd=root, check=True, capture_output=True, timeout=100)
+
+
+def test_old_spellings():
+    """Each is refused, and the new one is told."""
+    lens = written(GOOD)
+    for new, *arguments in (('--picture FILE', 'trace', lens, '--svg', 'a.svg'), ('--picture FILE', 'trade', '--svg', 'a.svg'),
+                            ('--grid N', 'trace', lens, '--pattern', 'grid'), ('--grid', 'spot', lens, '--rays-across', '9'),
+                            ('--fields all', 'trace', lens, '--field', 'all')):
+        done = run(*arguments, exit=USAGE)
+        assert ' is now ' in done.stderr and new in done.stderr and not done.stdout, (arguments, done.stderr)
 
 
 # ------------------------------------------------------------ long and deep input

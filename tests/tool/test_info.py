@@ -30,8 +30,8 @@ def flat(path, *options):
     """The object with the names of csv, whose numbers are the same."""
     got = info(path, *options)
     for pupil in ('entrance', 'exit'):
-        z, radius = got[pupil + '_pupil'].values()
-        got[pupil + '_pupil'], got[pupil + '_radius'] = z, radius
+        for name, value in got.pop(pupil + '_pupil').items():
+            got[f'{pupil}_pupil.{name}'] = value
     got['image_height'] = max(got['image_height'], key=lambda x: x or 0)
     return got
 
@@ -72,8 +72,8 @@ def test_published_seidel_sums():
             close(row[key], value, 0.6e-6, (row['surface'], key))
     got = flat(path)
     for key, value, within in (('efl', 50, 0.5), ('ffd', -37.1, 0.05), ('bfd', 41.24, 0.005), ('f_number', 4, 0.05),
-                               ('entrance_pupil', 11.68, 0.005), ('exit_pupil', -10.01 - 41.24, 0.01),
-                               ('exit_radius', 6.406, 5e-4), ('image_height', 18.2, 0.05), ('front_principal', 12.9, 0.05),
+                               ('entrance_pupil.z', 11.68, 0.005), ('exit_pupil.z', -10.01 - 41.24, 0.01),
+                               ('exit_pupil.radius', 6.406, 5e-4), ('image_height', 18.2, 0.05), ('front_principal', 12.9, 0.05),
                                ('rear_principal', 41.24 - 50.0 - 41.2365, 0.05)):
         close(got[key], value, within, key)
 
@@ -270,9 +270,9 @@ def test_random_lenses():
         close(got['efl'], efl, 1e-12 * abs(efl), case)
         close(got['bfd'], m[0, 0] * efl, 1e-11 * abs(efl), case)
         close(got['ffd'], -m[1, 1] * efl, 1e-11 * abs(efl), case)
-        close(got['entrance_pupil'], pupil, 1e-12 * (1 + abs(pupil)), case)
+        close(got['entrance_pupil.z'], pupil, 1e-12 * (1 + abs(pupil)), case)
         exit = -rear[0, 1] / rear[1, 1]
-        close(got['exit_pupil'], exit, 1e-11 * (1 + abs(exit)), case)
+        close(got['exit_pupil.z'], exit, 1e-11 * (1 + abs(exit)), case)
         distance = lens['object']['distance']
         if distance == '.inf':
             equal(got['magnification'], None, case)
@@ -349,7 +349,7 @@ def test_seidel_sums_of_random_lenses():
                 d = [mpmath.mpf(0), h * e * slope, mpmath.mpf(1)]
                 length = mpmath.sqrt(sum(x * x for x in d))
                 z = -mpmath.mpf(30)
-                pupil = mpmath.mpf(got['entrance_pupil'])
+                pupil = mpmath.mpf(got['entrance_pupil.z'])
                 start = [px * e * 5, py * e * 5 + (z - pupil) * d[1], z]
                 p, _ = through(lens, start, [x / length for x in d])
                 ideal = h * e * slope * mpmath.mpf(got['efl'])

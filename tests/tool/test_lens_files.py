@@ -489,4 +489,21 @@ def test_import_writes():
     assert 'import' in run('import', '--help').stdout
 
 
+def test_one_stop():
+    lens = {'surfaces': [{'type': 'plane', 'stop': i in (1, 3), 'thickness': 1} for i in range(4)]}
+    assert 'a second stop' in run('import', written(json.dumps(lens)), exit=BAD_INPUT).stderr
+
+
+def test_import_keeps_each_character():
+    """A name has every character of the first plane after it has been written as YAML."""
+    points = [*range(1, 0xD800), *range(0xE000, 0x10000)]
+    for i in range(0, len(points), 4096):
+        name = '"' + ''.join(map(chr, points[i:i + 4096])) + '.'
+        lens = json.dumps({'name': name, 'surfaces': [{'type': 'plane'}]})
+        line = run('import', written(lens)).stdout.split('\n')[0]
+        got = json.loads(line.removeprefix('"name": '))
+        wrong = [f'{ord(a):X} as {ord(b):X}' for a, b in zip(got, name) if a != b]
+        equal((len(got), wrong[:5]), (len(name), []), f'from {points[i]:X} on')
+
+
 main(globals())

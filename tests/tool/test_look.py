@@ -53,7 +53,7 @@ surfaces:
   - {{type: sphere, radius: -200, mirror: true, thickness: {behind}}}
   - {{type: plane}}
 '''
-ANALYSES = ('spot', 'fan', 'opd', 'field', 'map', 'sweep')
+ANALYSES = ('spot', 'fan', 'opd', 'field', 'map', 'sweep', 'energy', 'ends')
 
 
 def ends(lens, *options):
@@ -200,6 +200,29 @@ def test_fan():
             close(row['ex'], float(ray[0]['x']) - chief[0], 0), close(row['ey'], float(ray[0]['y']) - chief[1], 0)
 
 
+def test_energy():
+    """The share of the traced rays within each radius, about their centroid or the chief ray."""
+    for lens in (TRIPLET, written(COLOURED)):
+        groups = ends(lens, '--cells', 12, '--wavelength', 'all')
+        weight = {'0.4861327': 1, '0.5875618': 2, '0.6562725': 1, '0.55': 1}
+        for field in sorted({f for f, _ in groups}):
+            several = {w: passed(g) for (f, w), g in groups.items() if f == field}
+            every = [(weight[w] / len(groups[field, w]), p) for w, points in several.items() for p in points]
+            total = math.fsum(w for w, _ in every)
+            middle = [math.fsum(w * p[k] for w, p in every) / total for k in (0, 1)]
+            chief = passed(ends(lens, '--chief', '--fields', field)[field, '0.5875618' if len(several) > 1 else '0.55'])[0]
+            for reference, about in (('centroid', middle), ('chief', chief)):
+                table = rows('energy', lens, '--cells', 12, '--reference', reference, '--fields', field)
+                for row in table:
+                    r, own = float(row['radius']), several.get(row['wavelength'])
+                    kept = [(1, p) for p in own] if own else every
+                    share = math.fsum(w for w, p in kept if math.dist(p, about) <= r) / math.fsum(w for w, _ in kept)
+                    close(row['fraction'], share, float(row['unsure']) + 1e-12, (lens, row))
+                equal((table[-1]['wavelength'], float(table[-1]['fraction']) > 1 - 1e-12), ('all', True))  # the last radius is the largest distance
+    three = rows('energy', TRIPLET, '--radius', '0.02,0.01', '--radius', 0.005, '--fields', 1)
+    equal([r['radius'] for r in three if r['wavelength'] == 'all'], ['0.005', '0.01', '0.02'])
+
+
 def test_a_perfect_mirror():
     """A paraboloid has no spot and no path difference on the axis, as far as it says that it knows."""
     row = rows('spot', NEWTONIAN, '--fields', 1)[0]
@@ -266,7 +289,7 @@ def test_field_of_a_sphere():
         for curve in ('tangential', 'sagittal'):
             close(row[curve], z, 1e-11, row)
         if angle:
-            close(row['distortion'], 0, 1e-13, row)
+            close(row['distortion_percent'], 0, 1e-11, row)
 
 
 def test_distortion():
@@ -276,7 +299,7 @@ def test_distortion():
         float(row['tan']['fy'])))
     for rule, ideal in (('tan', efl * math.tan(angle)), ('theta', efl * angle)):
         close(row[rule]['ideal'], ideal, 1e-12 * abs(ideal))
-        close(row[rule]['distortion'], float(row[rule]['y']) / ideal - 1, 1e-14)
+        close(row[rule]['distortion_percent'], 100 * (float(row[rule]['y']) / ideal - 1), 1e-12)
     steps = rows('field', TRIPLET, '--steps', 5)
     equal([(s['field'], float(s['fy'])) for s in steps], [(str(i + 1), 5.0 * i) for i in range(5)])
 
@@ -393,26 +416,25 @@ surfaces:
 
 
 def test_help():
-    """--help offers what is taken, and tells the defaults."""
+    """--help all offers what is taken, and tells the defaults."""
     for name, default in (('spot', '--hexapolar 10'), ('fan', '--cross 41'), ('opd', '--cross 41; with'),
                           ('field', None), ('map', '--cells 41'), ('sweep', '--hexapolar 10')):
-        said = run(name, '--help').stdout
+        said = run(name, '--help', 'all').stdout
         options = [line.split()[0] for line in said.splitlines() if line.startswith('  --')]
         for option in ('--wavelength', '--aim', '--glass', '--proof', '--picture', '--threads', '--max-evals'):
-            equal(options.count(option), 1, (name, option))
+            equal(options.count(option), 0 if (name, option) == ('field', '--proof') else 1, (name, option))
         for option in ('--rays', '--skip-bad'):
             assert option not in options, (name, option)
         for option in ('--field', '--fields'):
             equal(option in options, name != 'sweep', (name, option))
-        for option in ('--fan', '--cells', '--rays-across', '--chief', '--pupil'):
+        for option in ('--fan', '--cells', '--chief', '--pupil'):
             equal(option in options, name != 'field', (name, option))
         if default:
             assert f'none of these      {default}' in said, name
-        wavelength = said[said.index('--wavelength W'):said.index('--glass')]
-        assert ('Default: its primary one' if name in ('map', 'sweep') else 'Default: all\n') in wavelength, name
-    said = run('trace', '--help').stdout
+        assert 'Default: the primary one; of spot, fan, opd and field' in said, name
+    said = run('trace', '--help', 'all').stdout
     for words in ('--rays FILE', '--skip-bad', '--fields LIST', 'none of these      --fan 5',
-                  'Default: its primary one'):
+                  'Default: the primary one'):
         equal(said.count(words), 1, words)
 
 
@@ -421,7 +443,7 @@ def test_errors():
             ('the lens file is missing: sagitta spot LENS', 'spot'),
             ('--reference must be chief or centroid, not "middle"', 'spot', TRIPLET, '--reference', 'middle'),
             ('--defocus', 'spot', TRIPLET, '--defocus', 'a'),
-            ('--defocus must be a length', 'spot', TRIPLET, '--defocus', ''),
+            ('--defocus must be a number', 'spot', TRIPLET, '--defocus', ''),
             ('give --summary or --zernike', 'opd', TRIPLET, '--summary', '--zernike', 3),
             ('--order goes with --zernike', 'opd', TRIPLET, '--order', 'noll'),
             ('--zernike', 'opd', TRIPLET, '--zernike', 0),
@@ -431,8 +453,8 @@ def test_errors():
             ('--of must be fate', 'map', TRIPLET, '--of', 'x'),
             ('--steps goes with --over field', 'map', TRIPLET, '--steps', 3),
             ('sweep takes --from and --to', 'sweep', TRIPLET, '--field', 3),
-            ('--from, --to: angles', 'sweep', TRIPLET, '--to', 90),
-            ('--from and --to are the same: 5; give a range of angles', 'sweep', TRIPLET, '--from', 5, '--to', 5),
+            ('--to: angles', 'sweep', TRIPLET, '--to', 90),
+            ('--from: the same as to: 5; give a range of angles', 'sweep', TRIPLET, '--from', 5, '--to', 5),
             ('give a range of object heights', 'sweep',
              written(COLOURED.replace('fields:', 'object: {distance: 100}\nfield_type: object_height\nfields:')),
              '--from', 5, '--to', 5),

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""sagitta trace --picture, --svg: a picture is XML, of a sensible size, and shows what it should.
+"""sagitta trace --picture: a picture is XML, of a sensible size, and shows what it should.
 
     python3 test_picture.py SAGITTA
 """
@@ -21,7 +21,7 @@ surfaces:
 
 def picture(lens, *arguments, **how):
     path = written('').parent / 'picture.svg'
-    run('trace', lens, *arguments, '--svg', path, **how)
+    run('trace', lens, *arguments, '--picture', path, **how)
     return xml.parse(path).getroot()
 
 
@@ -129,7 +129,7 @@ surfaces:
   - {type: plane, semi_diameter: 12}
 ''')
     path = written('').parent / 'picture.svg'
-    assert not run('trace', lens, '--fan', 2, '--svg', path).stderr
+    assert not run('trace', lens, '--fan', 2, '--picture', path).stderr
     drawn = list(points(xml.parse(path).getroot()))
     bare = list(points(picture(written(lens.read_text().replace('torus, major: 10, minor: 2', 'plane, semi_diameter: 12')), '--fan', 2)))
     assert len(drawn) > len(bare) + 200, (len(drawn), len(bare))
@@ -171,12 +171,12 @@ surfaces:
   - {type: plane}
 ''')
     path = written('').parent / 'picture.svg'
-    said = run('trace', lens, '--fan', 3, '--svg', path).stderr
-    assert '--svg: element 2 (julia)' in said, said
+    said = run('trace', lens, '--fan', 3, '--picture', path).stderr
+    assert '--picture: element 2 (julia)' in said, said
     bare = picture(written(lens.read_text().replace('julia, c: [-0.2, 0.8, 0, 0], iterations: 5', 'plane')), '--fan', 3)
     drawn, lines = strokes(xml.parse(path).getroot()), strokes(bare)
     assert 0 < sum(drawn.values()) < sum(lines.values()), (drawn, lines)  # the surface, and the glass behind it
-    assert not run('trace', LENSES / 'ftheta.yaml', '--svg', path).stderr
+    assert not run('trace', LENSES / 'ftheta.yaml', '--picture', path).stderr
 
 
 def test_many_fields_need_more_rows():
@@ -194,21 +194,21 @@ def test_long_names_and_units():
 
 def test_file_that_cannot_be_written():
     path = written('').parent / 'no' / 'picture.svg'
-    done = run('trace', LENSES / 'ftheta.yaml', '--svg', path, exit=BAD_INPUT)
+    done = run('trace', LENSES / 'ftheta.yaml', '--picture', path, exit=BAD_INPUT)
     assert f'{path}: No such file or directory' in done.stderr, done.stderr
     equal(done.stdout, '')
 
 
 def test_inputs_are_not_written_over():
-    lens = written(FOLDED)
-    for arguments in (('--svg', lens), ('--svg', lens.parent / 'x', '--output', lens.parent / 'x')):
+    lens = written(FOLDED, 'lens.svg')
+    for arguments in (('--picture', lens), ('--picture', lens.parent / 'x.svg', '--output', lens.parent / 'x.svg')):
         done = run('trace', lens, *arguments, exit=USAGE)
         assert 'written over' in done.stderr, done.stderr
         equal((done.stdout, lens.read_text()), ('', FOLDED))
 
 
 def without_cairo():
-    done = run('trace', LENSES / 'ftheta.yaml', '--svg', written('').parent / 'x.svg', exit=USAGE)
+    done = run('trace', LENSES / 'ftheta.yaml', '--picture', written('').parent / 'x.svg', exit=USAGE)
     assert 'without cairo' in done.stderr, done.stderr
     done = run('trace', LENSES / 'ftheta.yaml', '--picture', written('').parent / 'x.png', exit=USAGE)
     assert '--picture: not available' in done.stderr, done.stderr

@@ -137,7 +137,7 @@ def test_picture():
     pictures = []
     for n in (1, 2, 7):
         path = written('').parent / 'lens.svg'
-        done = run('trace', LENS, '--grid', 25, '--svg', path, '--threads', n, exit=None)
+        done = run('trace', LENS, '--grid', 25, '--picture', path, '--threads', n, exit=None)
         pictures.append((done.stdout, path.read_bytes()))
     assert all(p == pictures[0] for p in pictures)
 
@@ -154,7 +154,7 @@ def test_number_of_threads():
     for n in (1, 2, 1024):
         equal(run(*ray, '--threads', n, binary=True).stderr, note(n))
     for command in ('intersect', 'trace'):
-        assert '--threads N' in run(command, '--help').stdout
+        assert '--threads N' in run(command, '--help', 'all').stdout
 
 
 def test_threads_of_the_environment():

@@ -566,8 +566,8 @@ def test_what_is_not_used_is_told():
 
 
 def test_help():
-    text = run('trade', '--help').stdout
-    for option in ('--surface', '--rays', '--ray', '--grid', '--t-tol', '--max-evals', '--proof', '--dt-min', '--iterations', '--pick', '--seconds', '--svg'):
+    text = run('trade', '--help', 'all').stdout
+    for option in ('--surface', '--rays', '--ray', '--grid', '--t-tol', '--max-evals', '--proof', '--dt-min', '--iterations', '--pick', '--seconds', '--picture'):
         assert option in text, option
     assert 'differ from run to run' in text
     assert max(map(len, text.splitlines())) <= 100
@@ -580,7 +580,7 @@ SVG = '{http://www.w3.org/2000/svg}'
 
 def picture(*arguments):
     path = written('').parent / 'picture.svg'
-    run('trade', *arguments, *QUICK, '--svg', path)
+    run('trade', *arguments, *QUICK, '--picture', path)
     return xml.parse(path).getroot()
 
 
@@ -638,16 +638,16 @@ def test_what_is_drawn_can_be_seen():
 @with_cairo
 def test_picture_that_cannot_be_written():
     path = written('').parent / 'no' / 'picture.svg'
-    done = run('trade', '--surface', CONIC, *QUICK, '--svg', path, exit=BAD_INPUT)
+    done = run('trade', '--surface', CONIC, *QUICK, '--picture', path, exit=BAD_INPUT)
     assert str(path) in done.stderr and not done.stdout, done.stderr
-    same = written('', 'same')
-    done = run('trade', '--surface', CONIC, *QUICK, '--svg', same, '--output', same, exit=USAGE)
+    same = written('', 'same.svg')
+    done = run('trade', '--surface', CONIC, *QUICK, '--picture', same, '--output', same, exit=USAGE)
     assert 'written over' in done.stderr, done.stderr
 
 
 def test_without_cairo():
     if '--without-cairo' in sys.argv:
-        assert 'without cairo' in run('trade', '--svg', written('').parent / 'x.svg', exit=USAGE).stderr
+        assert 'without cairo' in run('trade', '--picture', written('').parent / 'x.svg', exit=USAGE).stderr
 
 
 main(globals())

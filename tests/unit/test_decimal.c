@@ -1,8 +1,9 @@
-/* Numbers in formulas (src/surface/formula/decimal.c) against strtod of the C library, which rounds
- * correctly: random digits, doubles printed with 1 to 800 digits, middles between two doubles exactly and
- * next to them, the ends of the range, and forms of every kind. */
+/* Decimal numbers (src/num/decimal.h), as they are in formulas and in files, against strtod of the C library,
+ * which rounds correctly: random digits, doubles printed with 1 to 800 digits, middles between two doubles
+ * exactly and next to them, the ends of the range, and forms of every kind. */
 #include "unit.h"
 
+#include "../../src/num/decimal.h"
 #include "../../src/surface/formula/tape.h"
 
 /* The number that a text is read as: x - number has it as its only uniform. */
@@ -20,10 +21,23 @@ static double number_of(const char *text, sgt_error *error)
     return t->uniforms ? t->uniform[0].number : 1;
 }
 
+/* The text as a part of a longer one: what follows must not be read. */
+static double part_of(const char *text)
+{
+    static char longer[4000];
+    const size_t all = strlen(text);
+    size_t length;
+    snprintf(longer, sizeof longer, "%s00e9", text);
+    const double x = decimal_read(longer, longer + all, &length);
+    REQUIRE(length == all, "%.60s...: %zu of %zu characters", text, length, all);
+    return x;
+}
+
 static void judge(const char *text)
 {
     sgt_error error = {0};
-    double want = strtod(text, NULL), got = number_of(text, &error);
+    double want = strtod(text, NULL), got = number_of(text, &error), part = part_of(text);
+    REQUIRE(same_bits(want, part), "%.60s...: %a, not %a", text, part, want);
     if (isinf(want)) {
         REQUIRE(isnan(got) && error.column == 1 && strstr(error.words, "larger"), "%.60s...: column %d, %s",
                 text, (int)error.column, error.words);

@@ -9,6 +9,8 @@
 
 #include "tape_run.h"
 
+#include <ctype.h>
+
 enum { PARAMETERS = 4, TEXT = 40000 };
 static const sgt_named parameters[PARAMETERS] = {{"a", 1.5}, {"b", -0.25}, {"k2", 3}, {"long_name", 0.75}};
 
@@ -569,6 +571,17 @@ static void test_errors(void **state)
         REQUIRE(!read_in(sags[i].text, SGT_FORMULA_XY, 0, &error), "%s: no error", sags[i].text);
         REQUIRE(error.column == sags[i].column && strstr(error.words, sags[i].says), "%s: column %d: %s",
                 sags[i].text, (int)error.column, error.words);
+    }
+    /* Each byte that no formula has is told as what it is. */
+    for (int c = 1; c < 256; c++) {
+        if (isalnum(c) || strchr("_ \t\n\r+-*/^(),.=", c)) continue;
+        const char text[] = {'x', '+', (char)c, 0}, *says = c >= 0x80 ? "only ASCII"
+                                                            : c < ' ' || c > '~'
+                                                                ? "a control character"
+                                                                : " has no meaning in a formula";
+        REQUIRE(!read_in(text, SGT_FORMULA_XYZ, 0, &error), "byte %02x: no error", c);
+        REQUIRE(error.column == 3 && strstr(error.words, says), "byte %02x: column %d: %s", c,
+                (int)error.column, error.words);
     }
     REQUIRE(!sgt_formula_read("2x", SGT_FORMULA_XYZ, 0, NULL, NULL, 0, NULL), "no error wanted");
     REQUIRE(!sgt_formula_read(NULL, SGT_FORMULA_XYZ, 0, NULL, NULL, 0, &error), "no text");

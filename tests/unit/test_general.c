@@ -19,7 +19,8 @@ typedef enum kind {
     POLE_FALLING,
     POLE_EVEN,
     POLE_COT,
-    POLES, /* no root where F changes sign */
+    POLE_WALLED, /* infinite but next to the pole */
+    POLES,       /* no root where F changes sign */
     SIGN = POLES,
     FLOOR,
     JUMP_UP,
@@ -41,6 +42,7 @@ static const char *const names[KINDS] = {"1/w",
                                          "-1/w",
                                          "1/w^2",
                                          "cot w",
+                                         "1/w up to 1e-14, infinite beyond",
                                          "sign w",
                                          "floor w + 1/2",
                                          "sign w (1 + |w|)",
@@ -75,6 +77,8 @@ static double of_w(kind k, double w, double *slope)
     case POLE_FALLING: return *slope = 1 / (w * w), -1 / w;
     case POLE_EVEN: return *slope = -2 / (w * w * w), 1 / (w * w);
     case POLE_COT: return c = tan(0.25 * w), *slope = -0.25 * (1 + 1 / (c * c)), 1 / c;
+    case POLE_WALLED:
+        return *slope = -1 / (w * w), size <= 1e-14 ? 1 / w : sign * HUGE_VAL;
     case SIGN: return *slope = 0, sign;
     case FLOOR: return *slope = 0, floor(w) + 0.5;
     case JUMP_UP: return *slope = 1, sign * (1 + size);
@@ -138,6 +142,7 @@ static sgt_interval enclose(const void *self, const sgt_ray *ray, sgt_interval t
     if (lo <= 0 && hi >= 0 && s->kind < POLES) return sgt_interval_all();
     double f = of_w(s->kind, lo, &unused), g = of_w(s->kind, hi, &unused),
            more = 0x1p-45 * fmax(fabs(f), fabs(g));
+    if (!(more < HUGE_VAL)) return sgt_interval_all();
     bool least = s->kind == RUNGE && lo <= -1e-10 && hi >= -1e-10,
          most = s->kind == RUNGE && lo <= 1e-10 && hi >= 1e-10;
     return (sgt_interval){least ? -5.1e9 : fmin(f, g) - more, most ? 5.1e9 : fmax(f, g) + more};
@@ -195,6 +200,8 @@ static void test_poles_and_jumps(void **state)
         sgt_options opt = {.pick = chance(&g, 0.5) ? SGT_NEAR_SEED : SGT_FIRST,
                            .t_tol = chance(&g, 0.6) ? 0 : log_uniform(&g, 1e-15, 1e-3) / length,
                            .dt_min = chance(&g, 0.7) ? 0 : log_uniform(&g, 1e-2, 1) / length};
+        /* Within more than its walls it is as good as a jump. */
+        if (s.kind == POLE_WALLED) opt.t_tol = 0, s.lie = HONEST;
         const sgt_surface_ops *ops = &offers[below(&g, OFFERS)];
         sgt_hit hit[8], h = sgt_intersect((sgt_surface){ops, &s}, ray, &opt);
         int count = sgt_intersect_all((sgt_surface){ops, &s}, ray, 8, hit, &opt);
@@ -647,12 +654,278 @@ static void test_from_surface(void **state)
     REQUIRE(outward > n / 4 && unknown > n / 4, "these rays are no test");
 }
 
+/* The ball from afar, and tmin next to its first root: within 4096 ulps of t either root is the first, else
+ * the one that is on the ray, and it is found. */
+static void test_start_beside_root(void **state)
+{
+    (void)state;
+    generator g = seeded("a start beside a root, from afar");
+    const sgt_surface_ops ops = {.name = "ball",
+                                 .value = ball_value,
+                                 .rounding = ball_rounding,
+                                 .span = ball_span,
+                                 .enclose = ball_enclose};
+    long n = scaled(10000), undecided = 0, near = 0;
+    for (long i = 0; i < n; i++) {
+        ball s = {.c = random_point(&g, 2), .r = log_uniform(&g, 0.1, 10)};
+        sgt_vec3 u = random_direction(&g), d = random_direction(&g);
+        double along = u.x * d.x + u.y * d.y + u.z * d.z, far = s.r * log_uniform(&g, 1, 1e6);
+        if (along > 0) along = -along, u = (sgt_vec3){-u.x, -u.y, -u.z};
+        if (along > -0.2) continue;
+        sgt_ray ray = {.o = {s.c.x + s.r * u.x - far * d.x, s.c.y + s.r * u.y - far * d.y,
+                             s.c.z + s.r * u.z - far * d.z},
+                       .d = d,
+                       .tmax = HUGE_VAL};
+        long double x = (long double)ray.o.x - s.c.x, y = (long double)ray.o.y - s.c.y,
+                    z = (long double)ray.o.z - s.c.z,
+                    d2 = (long double)d.x * d.x + (long double)d.y * d.y + (long double)d.z * d.z,
+                    b = (x * d.x + y * d.y + z * d.z) / d2, px = x - b * d.x, py = y - b * d.y,
+                    pz = z - b * d.z,
+                    half = sqrtl(((long double)s.r * s.r - px * px - py * py - pz * pz) / d2),
+                    root[2] = {-b - half, -b + half};
+        double ulp = 0x1p-52 * (far + 8 * s.r + 4), by = either_sign(&g) * log_uniform(&g, 0.1, 1e6) * ulp;
+        ray.tmin = (double)root[0] + by;
+        sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, NULL);
+        undecided += hit.status <= 0, near++;
+        if (hit.status <= 0) continue;
+        bool first = fabsl(hit.t - root[0]) < fabsl(hit.t - root[1]);
+        REQUIRE(fabsl(hit.t - root[first ? 0 : 1]) <= hit.t_err + 64 * (long double)ulp,
+                "case %ld: t %.17g +- %g is no root", i, hit.t, hit.t_err);
+        REQUIRE(fabs(by) < 4096 * ulp || first == (by < 0),
+                "case %ld: tmin is %g ulps behind the root, and the %s one is met", i, by / ulp,
+                first ? "first" : "second");
+    }
+    print_message("%ld of %ld undecided\n", undecided, near);
+    REQUIRE(undecided * 1000 <= near, "%ld of %ld are undecided", undecided, near);
+}
+
+/* --------------------------------------------------------- which searches ask `encloses` */
+
+/* Of a ball that is met from outside, near its middle: the half of the chord in front has one root.  asked:
+ * how many cells. */
+typedef struct told_ball {
+    ball ball;
+    bool single;
+    long *asked;
+} told_ball;
+
+static sgt_span told_span(const void *self, const sgt_ray *ray)
+{
+    sgt_span span = ball_span(self, ray);
+    const told_ball *s = self;
+    if (s->single) span.hi = 0.5 * (span.lo + span.hi), span.single = true;
+    return span;
+}
+static void told_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
+                          sgt_enclosures out)
+{
+    const told_ball *s = self;
+    *s->asked += (long)n;
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {.o = {rays.o[0][i], rays.o[1][i], rays.o[2][i]},
+                       .d = {rays.d[0][i], rays.d[1][i], rays.d[2][i]}};
+        sgt_interval slope, g;
+        REQUIRE(t_lo[i] <= t_hi[i] && fabs(t_lo[i]) < HUGE_VAL && fabs(t_hi[i]) < HUGE_VAL, "the cell %g, %g",
+                t_lo[i], t_hi[i]);
+        g = ball_enclose(self, &ray, (sgt_interval){t_lo[i], t_hi[i]}, &slope);
+        out.lo[i] = g.lo, out.hi[i] = g.hi;
+        if (out.slope_lo) out.slope_lo[i] = slope.lo, out.slope_hi[i] = slope.hi;
+    }
+}
+
+/* It is asked for first roots, but not where the surface has `first`, nor of single spans without a proof;
+ * the root is the same, with no more evaluations than a single root takes. */
+static void test_asked(void **state)
+{
+    (void)state;
+    generator g = seeded("who asks encloses");
+    for (long i = 0; i < 2000; i++) {
+        long asked = 0;
+        told_ball s = {{random_point(&g, 2), log_uniform(&g, 0.1, 10)}, chance(&g, 0.5), &asked};
+        const bool first = chance(&g, 0.3), proof = chance(&g, 0.3), many = chance(&g, 0.5);
+        const sgt_surface_ops ops = {.size = sizeof ops,
+                                     .name = "told ball",
+                                     .value = ball_value,
+                                     .rounding = ball_rounding,
+                                     .span = told_span,
+                                     .enclose = ball_enclose,
+                                     .encloses = told_encloses,
+                                     .first = first ? told_span : NULL};
+        sgt_vec3 d = random_direction(&g), b = random_point(&g, 0.3);
+        sgt_ray ray = {.o = {s.ball.c.x + s.ball.r * (b.x - 3 * d.x), s.ball.c.y + s.ball.r * (b.y - 3 * d.y),
+                             s.ball.c.z + s.ball.r * (b.z - 3 * d.z)},
+                       .d = d,
+                       .tmax = HUGE_VAL};
+        const bool quick = s.single && !proof;
+        sgt_options opt = {
+            .pick = SGT_FIRST, .proof = proof ? SGT_PROVE_FIRST : SGT_ESTIMATE, .max_evals = quick ? 16 : 0};
+        double t;
+        sgt_status status;
+        if (many) {
+            sgt_rays rays = {
+                {&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, &ray.tmin, &ray.tmax};
+            sgt_intersect_batch((sgt_surface){&ops, &s}, 1, rays, (sgt_hits){.status = &status, .t = &t},
+                                &opt);
+        } else {
+            sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, &opt);
+            status = hit.status, t = hit.t;
+        }
+        REQUIRE((asked > 0) == !(first || quick), "case %ld: %ld cells; first %d, single %d, proof %d", i,
+                asked, first, s.single, proof);
+        double f = ball_value(&s, (sgt_vec3){ray.o.x + t * d.x, ray.o.y + t * d.y, ray.o.z + t * d.z}, NULL);
+        REQUIRE(status == SGT_HIT && fabs(f) < 1e-12 * (1 + s.ball.r) * (1 + s.ball.r) && t < 3.3 * s.ball.r,
+                "case %ld: %s at %g, F %g", i, sgt_status_text((sgt_status)status), t, f);
+    }
+}
+
+/* ------------------------------------------------- a touch that rounding is to tell */
+
+/* F = w^2, w = z - a.  Its rounding is told to be `wide`^2 within |w| < `wide`, and hardly anything beyond.
+ */
+typedef struct touch {
+    double a, wide;
+} touch;
+
+static double touch_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    double w = p.z - ((const touch *)self)->a;
+    if (grad) *grad = (sgt_vec3){0, 0, 2 * w};
+    return w * w;
+}
+static double touch_rounding(const void *self, sgt_vec3 p)
+{
+    const touch *s = self;
+    return fabs(p.z - s->a) < s->wide ? s->wide * s->wide : 1e-40;
+}
+static sgt_span touch_span(const void *self, const sgt_ray *ray)
+{
+    double at = (((const touch *)self)->a - ray->o.z) / ray->d.z, half = 1 / fabs(ray->d.z);
+    return (sgt_span){.lo = at - half, .hi = at + half, .seed = NOT};
+}
+static sgt_interval touch_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const touch *s = self;
+    sgt_interval d = sgt_interval_of(ray->d.z),
+                 w = sgt_interval_sum(sgt_interval_of(ray->o.z - s->a), sgt_interval_product(t, d)),
+                 g = sgt_interval_square(w);
+    *slope = sgt_interval_scaled(sgt_interval_product(w, d), 2);
+    if (w.lo < s->wide && w.hi > -s->wide) g.lo -= s->wide * s->wide;
+    return g;
+}
+
+/* It is told as a graze, although F is certain where the stretch begins in which it is not.  (A few stretches
+ * are wider than what is told as rounding: unproven.) */
+static void test_touch(void **state)
+{
+    (void)state;
+    generator g = seeded("touches");
+    const sgt_surface_ops ops = {.name = "touch",
+                                 .value = touch_value,
+                                 .rounding = touch_rounding,
+                                 .span = touch_span,
+                                 .enclose = touch_enclose};
+    long n = 2000, grazes = 0;
+    for (long i = 0; i < n; i++) {
+        touch s = {uniform(&g, -1, 1), log_uniform(&g, 1e-6, 1e-2)};
+        sgt_ray ray = {.o = {0, 0, -3}, .d = {0, 0, log_uniform(&g, 0.1, 10)}, .tmax = HUGE_VAL};
+        sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, &(sgt_options){.pick = SGT_FIRST});
+        REQUIRE(hit.status == SGT_GRAZE || hit.status == SGT_UNPROVEN, "case %ld: %s", i,
+                sgt_status_text(hit.status));
+        grazes += hit.status == SGT_GRAZE;
+    }
+    print_message("%ld of %ld are grazes\n", grazes, n);
+    REQUIRE(grazes * 10 >= n * 9, "%ld of %ld are grazes", grazes, n);
+}
+
+/* -------------------------------------------- cells whose enclosures are at their limits */
+
+/* `value` is F + by, the enclosure [F, F + 2 w] or [F - 2 w, F]: so the root is as far from that of `value`
+ * as the enclosures allow, and the slope all over the way there has a say in the bound. */
+typedef struct edge_ball {
+    ball ball;
+    double w, by;
+} edge_ball;
+
+static double edge_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    return ball_value(self, p, grad) + ((const edge_ball *)self)->by;
+}
+static double edge_rounding(const void *self, sgt_vec3 p)
+{
+    return fabs(((const edge_ball *)self)->by) + ball_rounding(self, p);
+}
+static sgt_interval edge_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const edge_ball *s = self;
+    sgt_interval g = ball_enclose(self, ray, t, slope);
+    return sgt_interval_sum(g, s->by < 0 ? (sgt_interval){-2 * s->w, 0} : (sgt_interval){0, 2 * s->w});
+}
+static void edge_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
+                          sgt_enclosures out)
+{
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {.o = {rays.o[0][i], rays.o[1][i], rays.o[2][i]},
+                       .d = {rays.d[0][i], rays.d[1][i], rays.d[2][i]}};
+        sgt_interval slope, g = edge_enclose(self, &ray, (sgt_interval){t_lo[i], t_hi[i]}, &slope);
+        out.lo[i] = g.lo, out.hi[i] = g.hi;
+        if (out.slope_lo) out.slope_lo[i] = slope.lo, out.slope_hi[i] = slope.hi;
+    }
+}
+
+/* The root is within t_err, and t_err is what the enclosures leave, whatever t_tol allows. */
+static void test_enclosures_at_their_limits(void **state)
+{
+    (void)state;
+    generator g = seeded("enclosures at their limits");
+    const sgt_surface_ops ops = {.size = sizeof ops,
+                                 .name = "edge ball",
+                                 .value = edge_value,
+                                 .rounding = edge_rounding,
+                                 .span = ball_span,
+                                 .enclose = edge_enclose,
+                                 .encloses = edge_encloses};
+    double worst = 0, widest = 0;
+    long n = scaled(5000), loose = 0;
+    for (long i = 0; i < n; i++) {
+        edge_ball s = {.ball = {random_point(&g, 2), log_uniform(&g, 0.1, 10)}};
+        double r = s.ball.r;
+        s.w = r * r * log_uniform(&g, 1e-12, 3e-3), s.by = either_sign(&g) * 2 * s.w;
+        sgt_vec3 d = random_direction(&g), b = random_point(&g, 0.4);
+        sgt_ray ray = {.o = {s.ball.c.x + r * (b.x - 3 * d.x), s.ball.c.y + r * (b.y - 3 * d.y),
+                             s.ball.c.z + r * (b.z - 3 * d.z)},
+                       .d = d,
+                       .tmax = HUGE_VAL};
+        sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, &(sgt_options){.t_tol = 0.1 * r});
+        long double x = (long double)ray.o.x - s.ball.c.x, y = (long double)ray.o.y - s.ball.c.y,
+                    z = (long double)ray.o.z - s.ball.c.z,
+                    d2 = (long double)d.x * d.x + (long double)d.y * d.y + (long double)d.z * d.z,
+                    m = (x * d.x + y * d.y + z * d.z) / d2, px = x - m * d.x, py = y - m * d.y,
+                    pz = z - m * d.z, half = sqrtl(((long double)r * r - px * px - py * py - pz * pz) / d2),
+                    t = -m - half;
+        REQUIRE(hit.status == SGT_HIT, "case %ld: %s", i, sgt_status_text(hit.status));
+        REQUIRE(fabsl(hit.t - t) <= hit.t_err, "case %ld: w %g, t is off by %Lg, more than %.17g", i, s.w,
+                fabsl(hit.t - t), hit.t_err);
+        double left = 2 * s.w / (double)(2 * half) + 1e-15 * (r + 8);
+        worst = fmax(worst, (double)fabsl(hit.t - t) / hit.t_err), widest = fmax(widest, hit.t_err / left);
+        loose += s.w < 1e-5 * r * r && hit.t_err > 4 * left;
+    }
+    print_message("worst %.6f of t_err, which is up to %.3g of what the enclosures leave; %ld looser\n",
+                  worst, widest, loose);
+    REQUIRE(loose * 1000 <= n, "%ld of %ld are looser than the enclosures", loose, n);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole),
+        cmocka_unit_test(test_touch),
+        cmocka_unit_test(test_enclosures_at_their_limits),
+        cmocka_unit_test(test_start_beside_root),
+        cmocka_unit_test(test_asked),
+        cmocka_unit_test(test_poles_and_jumps),
+        cmocka_unit_test(test_root_beside_pole),
         cmocka_unit_test(test_noisy_poles),
-        cmocka_unit_test(test_random_answers),  cmocka_unit_test(test_undecided),
+        cmocka_unit_test(test_random_answers),
+        cmocka_unit_test(test_undecided),
         cmocka_unit_test(test_from_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -471,7 +471,9 @@ static void test_torus(void **state)
         /* of the last, overflow hides what is far */
         long open = told[1].open, most = all[k] == &quartic_ops ? cases : cases / 100;
         REQUIRE(open <= most, "%s: %ld of %ld undecided", all[k]->name, open, cases);
-        REQUIRE(told[0].hit > cases / 6 && (told[0].miss > cases / 20 || all[k] == &quartic_ops),
+        /* (of a few cases nothing can be said) */
+        REQUIRE(cases < 100 ||
+                    (told[0].hit > cases / 6 && (told[0].miss > cases / 20 || all[k] == &quartic_ops)),
                 "%s: %ld hits, %ld misses", all[k]->name, told[0].hit, told[0].miss);
     }
 }

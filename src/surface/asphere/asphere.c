@@ -179,7 +179,7 @@ static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wav
 }
 
 /* The second loop: point, gradient, acceptance.  vertex: also for rays that start in the vertex. */
-SGT_INLINE mask lane_ending(const wavy *s, int terms, bool rich, bool vertex, const sgt_tile *tile,
+SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool vertex, const sgt_tile *tile,
                              wavy_room *room)
 {
     const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
@@ -193,13 +193,13 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, bool rich, bool vertex, co
         mask exact = vertex ? at_vertex(r.x, r.y, oz[i]) : 0;
         lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], exact, l[i], m[i], n[i], tmin[i], tmax[i],
                           t_tol[i]);
-        LANE_STORE(to, i, e, rich);
+        LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
     return all;
 }
 
-SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile,
+SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
                              wavy_room *room)
 {
     const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
@@ -238,9 +238,9 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich,
             if (room->again[i]) room->from[i] = room->tau[i];
         }
     }
-    mask all = lane_ending(s, terms, rich, false, tile, room), vertex = 0;
+    mask all = lane_ending(s, terms, wish, false, tile, room), vertex = 0;
     for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
-    if (vertex) all = lane_ending(s, terms, rich, true, tile, room);
+    if (vertex) all = lane_ending(s, terms, wish, true, tile, room);
     if (first && !all_first(s, terms, false, tile, room) && !all_first(s, terms, true, tile, room)) {
         all = 0;
         LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
@@ -251,18 +251,19 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich,
     return 8 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
 }
 
-#define LANES_OF_TERMS(name, terms, first, rich)                                                       \
-    SGT_KERNEL static size_t name(const wavy *s, const sgt_tile *tile, wavy_room *room)        \
-    {                                                                                               \
-        return lane_terms(s, terms, first, rich, tile, room);                                      \
+#define LANES_OF_TERMS(name, terms, first, wish)                                                \
+    SGT_KERNEL static size_t name(const wavy *s, const sgt_tile *tile, wavy_room *room)         \
+    {                                                                                           \
+        return lane_terms(s, terms, first, wish, tile, room);                                   \
     }
 
-LANES_OF_TERMS(asphere_lanes_few_near, FEW_TERMS, false, false)
-LANES_OF_TERMS(asphere_lanes_few_first, FEW_TERMS, true, false)
-LANES_OF_TERMS(asphere_lanes_few_near_rich, FEW_TERMS, false, true)
-LANES_OF_TERMS(asphere_lanes_few_first_rich, FEW_TERMS, true, true)
-LANES_OF_TERMS(asphere_lanes_near, ALL_TERMS, false, true)
-LANES_OF_TERMS(asphere_lanes_first, ALL_TERMS, true, true)
+LANES_OF_TERMS(asphere_lanes_few_near, FEW_TERMS, false, LANE_PLAIN)
+LANES_OF_TERMS(asphere_lanes_few_near_fine, FEW_TERMS, false, LANE_FINE)
+LANES_OF_TERMS(asphere_lanes_few_first, FEW_TERMS, true, LANE_PLAIN)
+LANES_OF_TERMS(asphere_lanes_few_near_rich, FEW_TERMS, false, LANE_RICH)
+LANES_OF_TERMS(asphere_lanes_few_first_rich, FEW_TERMS, true, LANE_RICH)
+LANES_OF_TERMS(asphere_lanes_near, ALL_TERMS, false, LANE_RICH)
+LANES_OF_TERMS(asphere_lanes_first, ALL_TERMS, true, LANE_RICH)
 
 /* ------------------------------------------------------------------ quick */
 
@@ -495,7 +496,8 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
     wavy_room room;
     wavy v;
     int terms = asphere_terms_of(s);
-    bool rich = tile->hits.t_lo || tile->hits.p_err, near = opt->pick == SGT_NEAR_SEED,
+    const lane_wish wish = lane_wish_of(&tile->hits);
+    bool near = opt->pick == SGT_NEAR_SEED,
          enough = !opt->max_evals || opt->max_evals > MOST_EASY;
     if (asphere_valid(s) && !terms) return sgt_conic_lanes(s->c, s->k, s->semi_diameter, tile, opt);
     if (asphere_valid(s) && enough) {
@@ -504,7 +506,9 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
             size_t hard;
             if (terms > FEW_TERMS)
                 hard = near ? asphere_lanes_near(&v, tile, &room) : asphere_lanes_first(&v, tile, &room);
-            else if (rich)
+            else if (wish == LANE_FINE && near)
+                hard = asphere_lanes_few_near_fine(&v, tile, &room);
+            else if (wish != LANE_PLAIN)
                 hard = near ? asphere_lanes_few_near_rich(&v, tile, &room)
                             : asphere_lanes_few_first_rich(&v, tile, &room);
             else

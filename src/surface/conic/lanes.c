@@ -13,7 +13,7 @@ typedef struct bowl_room {
     lane_ends ends;
 } bowl_room;
 
-SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof, bool rich,
+SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof, lane_wish wish,
                             const sgt_tile *tile, bowl_room *room)
 {
     const bowl own = *self, *s = &own; /* a copy, so that no output can alias it */
@@ -25,17 +25,19 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
         near_root r = plane ? plane_start(s, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i])
                             : easy_start(s, first, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
         room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
-        if (rich) room->tau_err[i] = r.tau_err, room->t0[i] = r.t0, room->small[i] = r.small;
+        if (wish != LANE_PLAIN) room->t0[i] = r.t0, room->small[i] = r.small;
+        if (wish == LANE_RICH) room->tau_err[i] = r.tau_err;
     }
     lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         near_root r = {
             .x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
-        if (rich) r.tau_err = room->tau_err[i], r.t0 = room->t0[i], r.small = room->small[i];
+        if (wish != LANE_PLAIN) r.t0 = room->t0[i], r.small = room->small[i];
+        if (wish == LANE_RICH) r.tau_err = room->tau_err[i];
         lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
                        : easy_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
-        LANE_STORE(to, i, e, rich);
+        LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
     return lane_told(tile, &room->ends, 1, all);
@@ -82,24 +84,26 @@ static void conic_lanes_far(const bowl *self, const sgt_tile *tile, mask *gone, 
     }
 }
 
-#define LANES_OF_BOWL(name, plane, first, proof, rich)                                                 \
-    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
-    {                                                                                               \
-        return lane_bowl(s, plane, first, proof, rich, tile, room);                                \
+#define LANES_OF_BOWL(name, plane, first, proof, wish)                                          \
+    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)         \
+    {                                                                                           \
+        return lane_bowl(s, plane, first, proof, wish, tile, room);                             \
     }
 
-LANES_OF_BOWL(conic_lanes_plane, true, false, false, false)
-LANES_OF_BOWL(conic_lanes_plane_rich, true, false, false, true)
-LANES_OF_BOWL(conic_lanes_plane_sure, true, false, true, false)
-LANES_OF_BOWL(conic_lanes_plane_sure_rich, true, false, true, true)
-LANES_OF_BOWL(conic_lanes_near, false, false, false, false)
-LANES_OF_BOWL(conic_lanes_near_rich, false, false, false, true)
-LANES_OF_BOWL(conic_lanes_near_sure, false, false, true, false)
-LANES_OF_BOWL(conic_lanes_near_sure_rich, false, false, true, true)
-LANES_OF_BOWL(conic_lanes_first, false, true, false, false)
-LANES_OF_BOWL(conic_lanes_first_rich, false, true, false, true)
-LANES_OF_BOWL(conic_lanes_first_sure, false, true, true, false)
-LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, true)
+LANES_OF_BOWL(conic_lanes_plane, true, false, false, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_plane_fine, true, false, false, LANE_FINE)
+LANES_OF_BOWL(conic_lanes_plane_rich, true, false, false, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_plane_sure, true, false, true, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_plane_sure_rich, true, false, true, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_near, false, false, false, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_near_fine, false, false, false, LANE_FINE)
+LANES_OF_BOWL(conic_lanes_near_rich, false, false, false, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_near_sure, false, false, true, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_near_sure_rich, false, false, true, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_first, false, true, false, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_first_rich, false, true, false, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_first_sure, false, true, true, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, LANE_RICH)
 
 /* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY).  One loop, because few
  * tiles are met so. */
@@ -116,7 +120,7 @@ SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, const sg
         lane e = plane ? plane_at_start(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
                        : easy_or_nearby(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i],
                                         t_tol[i]);
-        LANE_STORE(to, i, e, true);
+        LANE_STORE(to, i, e, LANE_RICH);
         all &= e.hit;
     }
     return lane_told(tile, &room->ends, 1, all);
@@ -147,20 +151,25 @@ static beginning beginning_of(const bowl *s, const sgt_tile *tile)
     return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
 }
 
-static size_t lane_near(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
+/* Traces ask for near roots, and for t_lo with paths: so there is a loop for that alone. */
+static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
+    bool rich = wish != LANE_PLAIN, fine = wish == LANE_FINE;
     if (nearby)
         return s->c == 0 ? conic_lanes_plane_nearby(s, tile, room) : conic_lanes_near_nearby(s, tile, room);
     if (s->c == 0 && s->proof)
         return rich ? conic_lanes_plane_sure_rich(s, tile, room) : conic_lanes_plane_sure(s, tile, room);
+    if (s->c == 0 && fine) return conic_lanes_plane_fine(s, tile, room);
     if (s->c == 0) return rich ? conic_lanes_plane_rich(s, tile, room) : conic_lanes_plane(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_near_sure_rich(s, tile, room) : conic_lanes_near_sure(s, tile, room);
+    if (fine) return conic_lanes_near_fine(s, tile, room);
     return rich ? conic_lanes_near_rich(s, tile, room) : conic_lanes_near(s, tile, room);
 }
 
-static size_t lane_first(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
+static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
+    bool rich = wish != LANE_PLAIN;
     if (nearby) return conic_lanes_first_nearby(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
@@ -181,7 +190,8 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         memset(status, SGT_HARD, tile->n);
         return tile->n;
     }
-    bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
+    const lane_wish wish = lane_wish_of(&tile->hits);
+    bool first = opt->pick != SGT_NEAR_SEED && c != 0;
     beginning from = beginning_of(&s, tile);
     bool hollow =
         first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be first */
@@ -190,7 +200,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     size_t hard = tile->n;
     if (later) memset(status, SGT_HARD, tile->n);
     else
-        hard = first ? lane_first(&s, rich, nearby, tile, &room) : lane_near(&s, rich, nearby, tile, &room);
+        hard = first ? lane_first(&s, wish, nearby, tile, &room) : lane_near(&s, wish, nearby, tile, &room);
     if (8 * hard <= tile->n) return hard; /* one by one */
     if (c == 0) conic_lanes_plane_away(&s, tile, away);
     else conic_lanes_away(&s, tile, away, far_gone);
@@ -200,7 +210,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         else nearest |= ~away[i] & (first ? far_gone[i] : MASK(later));
     }
     if (nearest)
-        lane_near(&s, rich, nearby, tile, &room); /* all rays: those found before get the same answer */
+        lane_near(&s, wish, nearby, tile, &room); /* all rays: those found before get the same answer */
     else if (later) lane_nothing(tile, &room.ends);
     hard = 0;
     for (size_t i = 0; i < tile->n; i++) {

@@ -76,7 +76,8 @@ typedef struct cell_rows { row v, s; } cell_rows;
     {                                                                                  \
         EACH_LANE                                                                      \
         {                                                                              \
-            two_ends x = LANE(a), y = LANE(b), z = LANE(c);                           \
+            two_ends x = LANE(a), y = LANE(b), z = LANE(c);                            \
+            (void)x, (void)y, (void)z; /* not every RESULT has all of them */          \
             PUT(out, RESULT)                                                           \
         }                                                                              \
     }
@@ -170,17 +171,24 @@ static void by_number(row *out, const double *lo, const double *hi, double k)
     }
 }
 
-/* The slopes: x is the value of the operand, y its slope, z the value of the result. */
-OF_2(square_slope, ends_two_products(x, y, x, y))
-OF_2(root_slope, ends_quotient(x, ends_sum(y, y)))
-OF_2(log_slope, ends_quotient(y, x))
-OF_2(cube_root_slope, ends_quotient(x, ends_scaled(ends_square(y), 3)))
-OF_2(tangent_slope, ends_product(x, ends_sum(ends_of(1, 1), ends_square(y))))
-OF_2(arc_slope, ends_quotient(y, ends_root(ends_difference(ends_of(1, 1), ends_square(x)))))
-OF_2(arc_tangent_slope, ends_quotient(y, ends_sum(ends_of(1, 1), ends_square(x))))
-OF_2(hyperbolic_tangent_slope,
-     ends_product(x, ends_within(ends_difference(ends_of(1, 1), ends_square(y)), 0, 1)))
-OF_2(cube_slope, ends_product(y, ends_scaled(ends_square(x), 3)))
+/* Slopes of one operand: x is its value, y its slope, z the value of the result. */
+OF_3(copy_slope, y)
+OF_3(negative_slope, ends_negative(y))
+OF_3(square_slope, ends_two_products(x, y, x, y))
+OF_3(cube_slope, ends_product(y, ends_scaled(ends_square(x), 3)))
+OF_3(root_slope, ends_quotient(y, ends_sum(z, z)))
+OF_3(cube_root_slope, ends_quotient(y, ends_scaled(ends_square(z), 3)))
+OF_3(exponential_slope, ends_product(z, y))
+OF_3(log_slope, ends_quotient(y, x))
+OF_3(tangent_slope, ends_product(y, ends_sum(ends_of(1, 1), ends_square(z))))
+OF_3(arc_sine_slope, ends_quotient(y, ends_root(ends_difference(ends_of(1, 1), ends_square(x)))))
+OF_3(arc_cosine_slope,
+     ends_negative(ends_quotient(y, ends_root(ends_difference(ends_of(1, 1), ends_square(x))))))
+OF_3(arc_tangent_slope, ends_quotient(y, ends_sum(ends_of(1, 1), ends_square(x))))
+OF_3(hyperbolic_sine_slope, ends_product(ends_cosh(x), y))
+OF_3(hyperbolic_cosine_slope, ends_product(ends_sinh(x), y))
+OF_3(hyperbolic_tangent_slope,
+     ends_product(y, ends_within(ends_difference(ends_of(1, 1), ends_square(z)), 0, 1)))
 
 /* A minimum of x and y with the slopes z and w: a branch that is not possible is moved to infinity. */
 SGT_INLINE two_ends slope_of_branches(two_ends x, two_ends y, two_ends z, two_ends w)
@@ -193,7 +201,7 @@ SGT_INLINE two_ends slope_of_branches(two_ends x, two_ends y, two_ends z, two_en
 OF_4(branch_slope, slope_of_branches(x, y, z, w))
 
 /* |x|, with the slope y, as the maximum of x and -x. */
-OF_2(absolute_slope, slope_of_branches(ends_negative(x), x, y, ends_negative(y)))
+OF_3(absolute_slope, slope_of_branches(ends_negative(x), x, y, ends_negative(y)))
 
 /* x: a a' + b b'.  y: the hypotenuse of a and b.  z, w: a' and b'. */
 SGT_INLINE two_ends slope_of_hypotenuse(two_ends x, two_ends y, two_ends z, two_ends w)
@@ -307,7 +315,7 @@ static void power_step(run *w, const cell_rows *a, int n, cell_rows *out)
 {
     row less;
     if (n == 3) {
-        if (w->slopes) cube_slope(&out->s, &a->v, &a->s);
+        if (w->slopes) cube_slope(&out->s, &a->v, &a->s, &a->v);
         cube(&out->v, &a->v);
         return;
     }
@@ -375,7 +383,7 @@ static void real_power_step(run *w, const cell_rows *a, const cell_rows *b, cell
     product(&q, &b->v, &l);
     exponential(&out->v, &q);
     if (!w->slopes) return;
-    log_slope(&q, &a->v, &a->s);
+    quotient(&q, &a->s, &a->v);
     two_products(&q, &b->s, &l, &b->v, &q);
     product(&out->s, &out->v, &q);
 }
@@ -403,74 +411,34 @@ static void wave_step(run *w, const formula_step *s, cell_rows *out)
     if (!is_sine) negative(&out->s, &out->s);
 }
 
-/* Of one operand. */
+/* What an operation of one operand is made of; none: NULL, it is defined everywhere. */
+static const struct {
+    void (*value)(row *out, const row *a);
+    void (*none)(double *none, const row *a);
+    void (*slope)(row *out, const row *value, const row *slope, const row *result);
+} of_one[] = {
+    [FORMULA_COPY] = {copy, NULL, copy_slope},
+    [FORMULA_NEG] = {negative, NULL, negative_slope},
+    [FORMULA_ABS] = {absolute, NULL, absolute_slope},
+    [FORMULA_SQUARE] = {square, NULL, square_slope},
+    [FORMULA_SQRT] = {root, none_of_root, root_slope},
+    [FORMULA_CBRT] = {cube_root, NULL, cube_root_slope},
+    [FORMULA_EXP] = {exponential, NULL, exponential_slope},
+    [FORMULA_LOG] = {logarithm, none_of_log, log_slope},
+    [FORMULA_TAN] = {tangent, NULL, tangent_slope},
+    [FORMULA_ASIN] = {arc_sine, none_of_arc, arc_sine_slope},
+    [FORMULA_ACOS] = {arc_cosine, none_of_arc, arc_cosine_slope},
+    [FORMULA_ATAN] = {arc_tangent, NULL, arc_tangent_slope},
+    [FORMULA_SINH] = {hyperbolic_sine, NULL, hyperbolic_sine_slope},
+    [FORMULA_COSH] = {hyperbolic_cosine, NULL, hyperbolic_cosine_slope},
+    [FORMULA_TANH] = {hyperbolic_tangent, NULL, hyperbolic_tangent_slope},
+};
+
 static void step_of_one(run *w, const formula_step *s, const cell_rows *a, cell_rows *out)
 {
-    bool slopes = w->slopes;
-    switch ((formula_op)s->op) {
-    case FORMULA_POWER: power_step(w, a, s->n, out); return;
-    case FORMULA_HALF_POWER: half_power_step(w, a, s->n, out); return;
-    case FORMULA_SQUARE:
-        square(&out->v, &a->v);
-        if (slopes) square_slope(&out->s, &a->v, &a->s);
-        return;
-    case FORMULA_NEG:
-        negative(&out->v, &a->v);
-        if (slopes) negative(&out->s, &a->s);
-        return;
-    case FORMULA_ABS:
-        absolute(&out->v, &a->v);
-        if (slopes) absolute_slope(&out->s, &a->v, &a->s);
-        return;
-    case FORMULA_SQRT:
-        root(&out->v, &a->v);
-        none_of_root(w->none, &a->v);
-        if (slopes) root_slope(&out->s, &a->s, &out->v);
-        return;
-    case FORMULA_CBRT:
-        cube_root(&out->v, &a->v);
-        if (slopes) cube_root_slope(&out->s, &a->s, &out->v);
-        return;
-    case FORMULA_EXP:
-        exponential(&out->v, &a->v);
-        if (slopes) product(&out->s, &out->v, &a->s);
-        return;
-    case FORMULA_LOG:
-        logarithm(&out->v, &a->v);
-        none_of_log(w->none, &a->v);
-        if (slopes) log_slope(&out->s, &a->v, &a->s);
-        return;
-    case FORMULA_TAN:
-        tangent(&out->v, &a->v);
-        if (slopes) tangent_slope(&out->s, &a->s, &out->v);
-        return;
-    case FORMULA_ASIN:
-    case FORMULA_ACOS:
-        (s->op == FORMULA_ASIN ? arc_sine : arc_cosine)(&out->v, &a->v);
-        none_of_arc(w->none, &a->v);
-        if (slopes) arc_slope(&out->s, &a->v, &a->s);
-        if (slopes && s->op == FORMULA_ACOS) negative(&out->s, &out->s);
-        return;
-    case FORMULA_ATAN:
-        arc_tangent(&out->v, &a->v);
-        if (slopes) arc_tangent_slope(&out->s, &a->v, &a->s);
-        return;
-    case FORMULA_SINH:
-    case FORMULA_COSH:
-        (s->op == FORMULA_SINH ? hyperbolic_sine : hyperbolic_cosine)(&out->v, &a->v);
-        if (!slopes) return;
-        (s->op == FORMULA_SINH ? hyperbolic_cosine : hyperbolic_sine)(&out->s, &a->v);
-        product(&out->s, &out->s, &a->s);
-        return;
-    case FORMULA_TANH:
-        hyperbolic_tangent(&out->v, &a->v);
-        if (slopes) hyperbolic_tangent_slope(&out->s, &a->s, &out->v);
-        return;
-    default: /* FORMULA_COPY */
-        copy(&out->v, &a->v);
-        if (slopes) copy(&out->s, &a->s);
-        return;
-    }
+    of_one[s->op].value(&out->v, &a->v);
+    if (of_one[s->op].none) of_one[s->op].none(w->none, &a->v);
+    if (w->slopes) of_one[s->op].slope(&out->s, &a->v, &a->s, &out->v);
 }
 
 static void step_of_two(run *w, const formula_step *s, const cell_rows *a, const cell_rows *b, cell_rows *out)
@@ -568,6 +536,8 @@ static void step_on_rows(run *w, const formula_step *s, cell_rows *out)
     }
     if (two) step_of_two(w, s, a, b, out);
     else if (s->op == FORMULA_SIN || s->op == FORMULA_COS) wave_step(w, s, out);
+    else if (s->op == FORMULA_POWER) power_step(w, a, s->n, out);
+    else if (s->op == FORMULA_HALF_POWER) half_power_step(w, a, s->n, out);
     else step_of_one(w, s, a, out);
 }
 

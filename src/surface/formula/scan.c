@@ -7,7 +7,7 @@
  * Test: tests/unit/test_formula.c. */
 #include "scan.h"
 
-#include "decimal.h"
+#include "num/decimal.h"
 
 #include <math.h>
 
@@ -55,7 +55,7 @@ static void scan_foreign(const formula_scan *s, char c)
 static void scan_number(formula_scan *s)
 {
     s->word = WORD_NUMBER;
-    s->number = sgt_formula_decimal(s->text + s->start, &s->length);
+    s->number = decimal_read(s->text + s->start, NULL, &s->length);
     s->at = s->start + s->length;
     if (s->length == 0) {
         sgt_formula_say(sgt_formula_blame(s->fault, sgt_scan_column(s)), "a point alone is no number");

@@ -107,15 +107,23 @@ SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
                      h->p_err ? h->p_err : no, ends->hit};
 }
 
-/* rich: t_lo and p_err are wanted. */
-#define LANE_STORE(to, i, e, rich)                                                              \
+/* What is wanted besides: nothing, t_lo as for paths, or p_err too. */
+typedef enum lane_wish { LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish;
+
+#define LANE_STORE(to, i, e, wish)                                                              \
     do {                                                                                        \
         (to).t[i] = (e).t, (to).t_err[i] = (e).t_err, (to).px[i] = (e).px, (to).py[i] = (e).py, \
         (to).pz[i] = (e).pz;                                                                    \
         (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), \
         (to).hit[i] = (e).hit;                                                                  \
-        if (rich) (to).t_lo[i] = (e).t_lo, (to).p_err[i] = (e).p_err;                           \
+        if ((wish) != LANE_PLAIN) (to).t_lo[i] = (e).t_lo;                                      \
+        if ((wish) == LANE_RICH) (to).p_err[i] = (e).p_err;                                     \
     } while (0)
+
+SGT_INLINE lane_wish lane_wish_of(const sgt_hits *hits)
+{
+    return hits->p_err ? LANE_RICH : hits->t_lo ? LANE_FINE : LANE_PLAIN;
+}
 
 /* Writes what LANE_STORE writes for rays that are not met. */
 SGT_INLINE void lane_nothing(const sgt_tile *tile, lane_ends *ends)

@@ -8,14 +8,13 @@
 #include "fail.h"
 #include "threads.h"
 
+#include <stdarg.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct block {
-    struct block *before, *after;
-    max_align_t data[];
-} block;
+typedef struct block { struct block *before, *after; max_align_t data[]; } block;
 
 static block ring = {&ring, &ring};
 
@@ -76,6 +75,19 @@ char *memory_text(const char *text, size_t length)
     memcpy(copy, text, length);
     copy[length] = 0;
     return copy;
+}
+
+char *memory_print(const char *format, ...)
+{
+    va_list values, again;
+    va_start(values, format);
+    va_copy(again, values);
+    const int length = vsnprintf(NULL, 0, format, values);
+    char *text = memory_take((size_t)length + 1, 1);
+    vsnprintf(text, (size_t)length + 1, format, again);
+    va_end(again);
+    va_end(values);
+    return text;
 }
 
 void *memory_room(void *data, size_t count, size_t *capacity, size_t size)

@@ -1,6 +1,8 @@
 /* memory.h - memory that lasts until the command ends, and is freed then. */
 #ifndef TOOL_MEMORY_H
 #define TOOL_MEMORY_H
+#include "fail.h"
+
 #include <stddef.h>
 
 /* Room for `count` things of `size` bytes, zeroed.  Never NULL: without memory the command ends. */
@@ -11,6 +13,9 @@ void *memory_grow(void *block, size_t count, size_t size);
 
 /* A copy of `length` bytes, with a zero byte behind them. */
 char *memory_text(const char *text, size_t length);
+
+/* A text as printf makes it, of any length. */
+char *memory_print(const char *format, ...) LIKE_PRINTF(1, 2);
 
 /* Makes room for one more: if `count` has reached *capacity, doubles it. */
 void *memory_room(void *data, size_t count, size_t *capacity, size_t size);

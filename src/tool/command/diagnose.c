@@ -21,50 +21,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char diagnose_help[] =
-    "sagitta diagnose --surface SPEC --ray \"ox oy oz dx dy dz\" [--method M] [options]\n"
-    "sagitta diagnose LENS [--ray I] [--element J] [--all-elements] [--method M] [options]\n"
-    "\n"
-    "Shows how the root of one ray is found: a row for each evaluation of F (the surface is where\n"
-    "F = 0), and then what to conclude.  Of a lens: why the ray ended, and the search at the element\n"
-    "where it did.  Of a ray that passed: a row for each element.  Of a ray that aiming did not\n"
-    "find: how near the search came, and what stopped the rays that would be nearer.\n"
-    "\n"
-    "Columns\n"
-    "  ray, element       the ray, counted from 0; the element, counted from 1\n"
-    "  eval               the evaluation, counted from 1\n"
-    "  move               how its t was chosen: seed, newton, bisect, march, retreat (F was NaN), or\n"
-    "                     probe (beside a root)\n"
-    "  t                  place on the ray, in lengths of its direction; through a lens: the length along\n"
-    "                     the ray from the element before, or from its start at element 1\n"
-    "  f, slope           F there, and its derivative by t; none (nan) if the row is over a cell\n"
-    "  lo, hi             the bracket that holds the root, where there is one (like t); or the cell,\n"
-    "                     and t is its middle\n"
-    "  f_lo, f_hi         (csv, json) bounds of F all over the cell; at a point both are f\n"
-    "  slope_lo, slope_hi (csv, json) the same of the slope\n"
-    "\n"
-    "Options\n"
-    "  --surface SPEC     one surface, as in sagitta intersect\n"
-    "  --ray ...          with --surface, the ray: six numbers in quotes, ox oy oz dx dy dz, or eight,\n"
-    "                     with tmin tmax at the end.  With LENS, the number of a ray, counted from 0;\n"
-    "                     default: the ray that took most evaluations\n"
-    "  --element J        the search at element J of the lens, counted from 1\n"
-    "  --all-elements     the search at each element that the ray reached; csv and json have it anyway\n"
-    "  --defocus Z        with LENS: moves the last element by Z along its own z, as in sagitta spot\n"
-    "  --method M         which search to show:\n"
-    "                     safeguarded (the default): what the library does\n"
-    "                     newton: Newton's steps alone; t is halved where F is NaN\n"
-    "                     newton-normalised: the same with the gradient scaled to length 1, a\n"
-    "                     common mistake\n"
-    "                     bisection\n"
-    "                     Of a ray that passed a lens, at each element.\n"
-    "                     The last three start where the ray crosses the vertex plane (on a surface\n"
-    "                     without one: in the middle of the span) and stop after --max-evals\n"
-    "                     (default 100)\n"
-    "  --pick P           the root that the library looks for: first or near-seed\n"
-    "  --proof P          what the library must prove: estimate (the default), root or first, as in\n"
-    "                     sagitta intersect and sagitta trace\n";
-
 /* At the end, for people: what has a unit. */
 static const char legend_of_surface[] =
     "t, lo, hi: in lengths of the ray's direction.  f: F at t.  slope: the derivative of f by t.";
@@ -94,52 +50,90 @@ typedef struct diagnose_arguments {
     shared_options shared;
     job_options job;
     const char *surface, *ray;
-    long element;         /* from 1; 0: not given */
+    int element;          /* from 1; 0: not given */
     bool all_elements, method_given;
-    method method;
+    int method;           /* a method */
 } diagnose_arguments;
 
-static method method_of(const char *name)
-{
-    static const char *const names[] = {"safeguarded", "newton", "newton-normalised", "bisection"};
-    for (int m = 0; m < 4; m++)
-        if (strcmp(name, names[m]) == 0) return (method)m;
-    fail_usage("--method must be safeguarded, newton, newton-normalised or bisection, not \"%s\"", name);
-}
+static const option_row diagnose_rows[] = {
+    {"surface", "SPEC", "one surface, as in sagitta intersect", OPTION_TEXT,
+     .to = offsetof(diagnose_arguments, surface)},
+    {"ray", "...",
+     "with --surface the ray, six numbers in quotes; with LENS its number, from 0\n"
+     "Or eight numbers, with tmin tmax at the end.  Of a lens by default the ray that took most\n"
+     "evaluations",
+     OPTION_TEXT, .to = offsetof(diagnose_arguments, ray)},
+    {"element", "J", "the search at element J of the lens, counted from 1", OPTION_WHOLE,
+     .to = offsetof(diagnose_arguments, element), 1, INT_MAX},
+    {"all-elements", NULL,
+     "the search at each element that the ray reached\n"
+     "csv and json have it anyway",
+     OPTION_FLAG, .to = offsetof(diagnose_arguments, all_elements)},
+    {"method", "M",
+     "which search: safeguarded, newton, newton-normalised or bisection\n"
+     "safeguarded (the default): what the library does; newton: Newton's steps alone, t is\n"
+     "halved where F is NaN; newton-normalised: the same with the gradient scaled to length\n"
+     "1, a common mistake.  Of a ray that passed a lens, at each element.  The last three\n"
+     "start where the ray crosses the vertex plane (on a surface without one: in the middle\n"
+     "of the span) and stop after --max-evals (default 100)",
+     OPTION_WORD, .to = offsetof(diagnose_arguments, method), .least = METHOD_SAFEGUARDED + 1,
+     .words = "safeguarded newton newton-normalised bisection"},
+    {0},
+};
+static const option_row diagnose_defocus_rows[] = {
+    {"defocus", "Z", "with LENS: moves the last element by Z along its own z, as in sagitta spot",
+     OPTION_REAL,
+     .to = offsetof(job_options, defocus)},
+    {0},
+};
+static const option_row diagnose_search_rows[] = {
+    PICK_OPTION("the root that the library looks for: first or near-seed"),
+    PROOF_OPTION("what the library must prove: estimate (the default), root or first\n"
+                 "As in sagitta intersect and sagitta trace"),
+    {0},
+};
+static const option_group diagnose_own = {OPTIONS_OWN, "Options", .row = diagnose_rows},
+                          diagnose_defocus = {OPTIONS_OF_JOB, NULL, .row = diagnose_defocus_rows},
+                          diagnose_search = {OPTIONS_SHARED, "The search", .row = diagnose_search_rows};
 
-static double defocus_of(const char *word)
-{
-    const double z = options_number("defocus", word);
-    if (!isfinite(z)) fail_usage("--defocus must be finite, not %s", word);
-    return z;
-}
+static exit_status diagnose_run(const command *c, int argc, char *argv[]);
 
-static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
+static const char diagnose_all[] =
+    "Columns\n"
+    "  ray, element       the ray, counted from 0; the element, counted from 1\n"
+    "  eval               the evaluation, counted from 1\n"
+    "  move               how its t was chosen: seed, newton, bisect, march, retreat (F was NaN), or\n"
+    "                     probe (beside a root)\n"
+    "  t                  place on the ray, in lengths of its direction; through a lens: the length along\n"
+    "                     the ray from the element before, or from its start at element 1\n"
+    "  f, slope           F there, and its derivative by t; none (nan) if the row is over a cell\n"
+    "  lo, hi             the bracket that holds the root, where there is one (like t); or the cell,\n"
+    "                     and t is its middle\n"
+    "  f_lo, f_hi         (csv, json) bounds of F all over the cell; at a point both are f\n"
+    "  slope_lo, slope_hi (csv, json) the same of the slope\n";
+
+const command command_diagnose = {
+    .name = "diagnose", .usage = "(--surface SPEC --ray \"ox oy oz dx dy dz\" | LENS [--ray I]) [options]",
+    .brief = "one ray, evaluation by evaluation",
+    .what = "Shows how the root of one ray is found: a row for each evaluation of F (the surface is "
+            "where F = 0), and then what to conclude.  Of a lens: why the ray ended, and the search at "
+            "the element where it did. Of a ray that passed: a row for each element.  Of a ray that "
+            "aiming did not find: how near the search came, and what stopped the rays that would be "
+            "nearer.",
+    .often = "surface ray element all-elements method field fan proof format output", .rays = "--fan 5",
+    .examples = "  sagitta diagnose --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
+                "  sagitta diagnose examples/lenses/double_gauss.yaml --field 14 --ray 4\n",
+    .docs = "docs/tour.md", .all = diagnose_all, .group = {&diagnose_own, &diagnose_defocus, JOB_GROUPS,
+              &diagnose_search, &options_solver, &options_output},
+    .run = diagnose_run,
+};
+
+static diagnose_arguments diagnose_arguments_of(const command *c, int argc, char *argv[])
 {
-    enum { SURFACE = OPTION_AFTER_JOB, RAY, ELEMENT, ALL_ELEMENTS, METHOD, DEFOCUS };
-    static const struct option known[] = {
-        {"surface", required_argument, NULL, SURFACE}, {"ray", required_argument, NULL, RAY},
-        {"element", required_argument, NULL, ELEMENT}, {"method", required_argument, NULL, METHOD},
-        {"all-elements", no_argument, NULL, ALL_ELEMENTS}, {"defocus", required_argument, NULL, DEFOCUS},
-        JOB_OPTIONS, PROOF_OPTION, SHARED_OPTIONS, {0},
-    };
-    char all_help[HELP_SIZE];
-    snprintf(all_help, sizeof all_help, "%s%s", diagnose_help, job_help);
-    diagnose_arguments a = {.method = METHOD_SAFEGUARDED};
-    bool rays_of_lens = false;
-    for (int code; (code = getopt_long(argc, argv, "hq", known, NULL)) != -1;) {
-        switch (code) {
-        case SURFACE: a.surface = optarg; break;
-        case RAY: a.ray = optarg; break;
-        case ELEMENT: a.element = options_integer("element", optarg, 1, INT_MAX); break;
-        case ALL_ELEMENTS: a.all_elements = true; break;
-        case DEFOCUS: a.job.defocus = defocus_of(optarg), rays_of_lens = true; break;
-        case METHOD: a.method = method_of(optarg), a.method_given = true; break;
-        default:
-            if (job_take(&a.job, code)) rays_of_lens = true;
-            else options_take(&a.shared, code, all_help);
-        }
-    }
+    diagnose_arguments a = {.element = 0};
+    const unsigned given = command_read(c, &a, &a.job, &a.shared, argc, argv);
+    a.method_given = a.method > 0;
+    if (a.method_given) a.method--;
     if (optind + 1 < argc)
         fail_usage("unexpected argument \"%s\"; diagnose takes one lens file", argv[optind + 1]);
     if (optind < argc) a.job.lens = argv[optind];
@@ -147,7 +141,8 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
         fail_usage(a.surface ? "give --surface or a lens file, not both"
                              : "give --surface SPEC or a lens file");
     if (a.surface && !a.ray) fail_usage("--ray is missing; for example --ray \"ox oy oz dx dy dz\"");
-    if (a.surface && (rays_of_lens || a.element || a.all_elements))
+    if (a.surface &&
+        (given & (1u << OPTIONS_OF_JOB | 1u << OPTIONS_OF_RAYS) || a.element || a.all_elements))
         fail_usage("--field, --fan, --grid, --rays, --skip-bad, --wavelength, --glass, --no-apertures, "
                    "--element and --all-elements go with a lens file, not with --surface");
     if (a.element && a.all_elements) fail_usage("give --element or --all-elements, not both");
@@ -183,9 +178,9 @@ static bool show(table *t, const diagnose_arguments *a, size_t number, size_t el
         return s->hit->status >= 0;
     }
     int most = a->shared.solver.max_evals ? a->shared.solver.max_evals : BARE_EVALS;
-    record bare = method_run(a->method, s->surface, s->semi_diameter, &s->ray, most);
+    record bare = method_run((method)a->method, s->surface, s->semi_diameter, &s->ray, most);
     diagnose_write_rows(t, a->shared.target.format == TABLE_TEXT, number, element, &bare);
-    explain_bare(t, a->method, &bare, s);
+    explain_bare(t, (method)a->method, &bare, s);
     return bare.settled;
 }
 
@@ -300,7 +295,7 @@ static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const
     if (a->ray && !number_read_integer(a->ray, 0, LONG_MAX, &number))
         fail_usage("--ray: with a lens give the number of a ray, counted from 0, not \"%s\"", a->ray);
     if ((size_t)a->element > j->lens.count)
-        fail_usage("--element %ld: the lens has %zu element%s", a->element, j->lens.count,
+        fail_usage("--element %d: the lens has %zu element%s", a->element, j->lens.count,
                    j->lens.count == 1 ? "" : "s");
     for (size_t i = 0; i < j->rays.count; i++) {
         const launch *l = &j->rays.ray[i];
@@ -318,7 +313,7 @@ static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const
            : alike == j->rays.count     ? ", the first; each took as many evaluations"
                                         : ", the first of those that took most evaluations";
     if ((size_t)a->element > chosen_reached)
-        fail_usage("--element %ld: ray %zu does not get there; it is %s at element %zu", a->element,
+        fail_usage("--element %d: ray %zu does not get there; it is %s at element %zu", a->element,
                    chosen->number, sgt_fate_text(chosen_fate), chosen_reached);
     return chosen;
 }
@@ -375,9 +370,9 @@ static bool diagnose_lens(const diagnose_arguments *a, const job *j, const launc
     return decided && w.fate >= 0;
 }
 
-exit_status command_diagnose(int argc, char *argv[])
+static exit_status diagnose_run(const command *c, int argc, char *argv[])
 {
-    diagnose_arguments a = diagnose_arguments_of(argc, argv);
+    diagnose_arguments a = diagnose_arguments_of(c, argc, argv);
     bool decided;
     if (a.surface) {
         ray_list rays = {.count = 0};

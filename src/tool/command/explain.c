@@ -1,15 +1,21 @@
 /* explain.c - one line of verdict, and the numbers that support it. */
 #include "explain.h"
 
+#include "../base/memory.h"
 #include "../show/frame.h"
 #include "../../text/number.h"
 #include "../read/rays.h"
 #include "../read/surface.h"
 
 #include <math.h>
-#include <stdio.h>
 
-enum { ROOT_SIZE = 4 * NUMBER_SIZE };
+/* x with six digits. */
+static const char *short_number(double x)
+{
+    char text[NUMBER_SIZE];
+    number_print_short(text, x, 6);
+    return memory_print("%s", text);
+}
 
 /* A verdict in words for the user of the command; sgt_verdict_text is for programmers. */
 static const char *advice(sgt_verdict v, method m, const record *r)
@@ -53,17 +59,11 @@ static void verdict(table *t, method m, const record *r)
     const struct { int n; const char *what; } kinds[] = {
         {d.newton, "Newton"}, {d.bisect, "bisecting"}, {d.march, "marching"}, {d.retreat, "backing off"},
     };
-    char text[200];
-    int length = snprintf(text, sizeof text, "%zu evaluation%s", r->count, r->count == 1 ? "" : "s");
-    const char *between = ": ";
-    for (int i = 0; i < 4; i++) {
-        if (kinds[i].n == 0) continue;
-        length += snprintf(text + length, sizeof text - (size_t)length, "%s%d %s", between, kinds[i].n,
-                           kinds[i].what);
-        between = ", ";
-    }
-    if (isfinite(d.order))
-        snprintf(text + length, sizeof text - (size_t)length, "; order %.3g, rate %.3g", d.order, d.rate);
+    const char *text = memory_print("%zu evaluation%s", r->count, r->count == 1 ? "" : "s"), *between = ": ";
+    for (int i = 0; i < 4; i++)
+        if (kinds[i].n)
+            text = memory_print("%s%s%d %s", text, between, kinds[i].n, kinds[i].what), between = ", ";
+    if (isfinite(d.order)) text = memory_print("%s; order %.3g, rate %.3g", text, d.order, d.rate);
     table_line(t, "%s", advice(d.verdict, m, r));
     table_line(t, "%s.", text);
     if (d.before > 2 && (d.verdict == SGT_LATE || d.verdict == SGT_LINEAR))
@@ -71,12 +71,12 @@ static void verdict(table *t, method m, const record *r)
 }
 
 /* "hit at t = 4.1, at most 3.6e-15 off" */
-static void print_root(char text[ROOT_SIZE], const sgt_hit *hit)
+static const char *root_text(const sgt_hit *hit)
 {
-    char t[NUMBER_SIZE], off[NUMBER_SIZE] = "exactly";
+    char t[NUMBER_SIZE];
     number_print(t, hit->t, false);
-    if (hit->t_err > 0) snprintf(off, sizeof off, "at most %.2g off", hit->t_err);
-    snprintf(text, ROOT_SIZE, "%s at t = %s, %s", sgt_status_text(hit->status), t, off);
+    return memory_print("%s at t = %s, %s", sgt_status_text(hit->status), t,
+                        hit->t_err > 0 ? memory_print("at most %.2g off", hit->t_err) : "exactly");
 }
 
 const char explain_fast[] =
@@ -97,8 +97,7 @@ static void answer(table *t, const search *s, double condition, bool told)
     if (hit->status == SGT_MISS) table_line(t, "miss: the ray certainly does not meet the surface.");
     if (hit->status < 0 && !told) undecided_explain(t, "", s);
     if (hit->status <= 0) return;
-    char root[ROOT_SIZE];
-    print_root(root, hit);
+    const char *root = root_text(hit);
     bool proven = s->asked->proof && hit->status == SGT_HIT;
     table_line(t, "%s%s%s.", root, proven ? ", " : "",
                proven ? explain_proof(s->asked, s->near_seed, false) : "");
@@ -197,9 +196,9 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     const bare_surface b = undecided_without_rim(surface);
     sgt_ray line = {.o = ray->o, .d = ray->d, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
     sgt_hit whole = sgt_intersect(surface, line, NULL);
-    char at[NUMBER_SIZE];
+    const char *at;
     if (whole.status > 0) {
-        number_print_short(at, whole.t, 6);
+        at = short_number(whole.t);
         table_line(
             t, "Ray %zu: there is a root at t = %s, but it is outside tmin ... tmax, or the ray's own start.",
             number, at);
@@ -212,7 +211,7 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     }
     sgt_hit beyond = sgt_intersect(b.surface, line, NULL);
     if (beyond.status > 0) {
-        number_print_short(at, hypot(beyond.p.x, beyond.p.y), 6);
+        at = short_number(hypot(beyond.p.x, beyond.p.y));
         table_line(t, "Ray %zu: it meets the surface only outside semi_diameter, first at r = %s.", number,
                    at);
         return;
@@ -224,7 +223,7 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     }
     double domain = b.k > -1 && b.c != 0 ? 1 / (fabs(b.c) * sqrt(1 + b.k)) : HUGE_VAL;
     double nearest = vector_axis_distance(ray->o, ray->d);
-    number_print_short(at, domain, 6);
+    at = short_number(domain);
     if (nearest > domain * margin) {
         table_line(t, "Ray %zu: it never comes within r = %s of the axis, and the surface ends there.",
                    number, at);
@@ -259,20 +258,19 @@ static void explain_not_accepted(table *t, const record *r, const search *s)
     sgt_vec3 p = vector_along(ray->o, ray->d, r->t);
     const double radius = hypot(p.x, p.y),
                  rim = undecided_has_rim(surface) ? undecided_without_rim(surface).rim : 0;
-    char at[NUMBER_SIZE], end[NUMBER_SIZE];
-    number_print_short(at, r->t, 6);
+    const char *at = short_number(r->t), *end;
     sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL};
     if (surface.ops->span) span = surface.ops->span(surface.self, ray);
     if (r->t > tmax) {
-        number_print_short(end, tmax, 6);
+        end = short_number(tmax);
         table_line(t, "The t = %s on which it settled lies beyond the ray's end, tmax = %s.", at, end);
     } else if (r->t < tmin && tmin - r->t > close) {
-        number_print_short(end, tmin, 6);
+        end = short_number(tmin);
         table_line(t, "The t = %s on which it settled lies before the ray's start, tmin = %s.", at, end);
     } else if (fabs(r->t - tmin) <= close) {
         table_line(t, "The t = %s on which it settled is the ray's own start, which is not accepted.", at);
     } else if (rim > 0 && radius > rim) {
-        number_print_short(end, radius, 6);
+        end = short_number(radius);
         table_line(t, "The t = %s on which it settled lies outside semi_diameter, at r = %s.", at, end);
     } else if (r->t < span.lo || r->t > span.hi) {
         table_line(t, "The t = %s on which it settled lies outside the part of space that holds the surface.",
@@ -289,9 +287,8 @@ void explain_bare(table *t, method m, const record *r, const search *s)
 {
     const sgt_hit *hit = s->hit;
     if (r->count > 0) verdict(t, m, r);
-    char end[NUMBER_SIZE], root[ROOT_SIZE];
+    char end[NUMBER_SIZE];
     number_print(end, r->t, false);
-    print_root(root, hit);
     if (!r->settled) table_line(t, "Not settled after %zu evaluation%s: %s.", r->count,
                                r->count == 1 ? "" : "s", r->stopped);
     else table_line(t, "Settled at t = %s.", end);
@@ -303,7 +300,7 @@ void explain_bare(table *t, method m, const record *r, const search *s)
         /* a bare method rounds o + t d, so a few ulps outside the library's bound still agree */
         double apart = fabs(r->t - hit->t), close = hit->t_err + 0x1p-40 * fabs(hit->t);
         const char *how = !r->settled ? "" : apart <= close ? ": the same" : ": another root, or none";
-        table_line(t, "The library's answer: %s%s.", root, how);
+        table_line(t, "The library's answer: %s%s.", root_text(hit), how);
         if (!(apart <= close) && r->settled) explain_not_accepted(t, r, s);
     }
     if (hit->status <= 0 && r->settled) explain_not_accepted(t, r, s);

@@ -8,22 +8,19 @@
 #include "failed.h"
 
 #include "explain.h"
+#include "../base/memory.h"
 #include "../show/frame.h"
 #include "../show/nearest.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
-
-enum { NAME_SIZE = 120 };
 
 /* "Element 2 (sphere, stop, rear of the field lens)" */
-static void print_element(char text[NAME_SIZE], const lens *l, size_t at)
+static const char *element_name(const lens *l, size_t at)
 {
     const sgt_lens_surface *s = &l->surface[at];
     bool stop = l->of->stop_marked && l->of->stop == at;
-    snprintf(text, NAME_SIZE, "Element %zu (%s%s%s%.60s)", at + 1, s->type, stop ? ", stop" : "",
-             *s->name ? ", " : "", s->name);
+    return memory_print("Element %zu (%s%s%s%.60s)", at + 1, s->type, stop ? ", stop" : "",
+                        *s->name ? ", " : "", s->name);
 }
 
 /* A circle says by how much; other shapes have said it. */
@@ -75,7 +72,7 @@ typedef struct attempts {
     table *table;
     const failed *of;
     bool any;              /* has decided the ray */
-    char in_vain[200];     /* the others */
+    const char *in_vain;   /* the others */
 } attempts;
 
 /* Traces the ray to the element with other options. */
@@ -90,8 +87,7 @@ static void attempt(attempts *a, const sgt_options *with, const char *option)
         a->any = true;
         return;
     }
-    size_t length = strlen(a->in_vain);
-    snprintf(a->in_vain + length, sizeof a->in_vain - length, "%s%.40s", length ? ", " : "", option);
+    a->in_vain = memory_print("%s%s%s", a->in_vain, *a->in_vain ? ", " : "", option);
 }
 
 /* Those options that may decide a ray, one at a time. */
@@ -101,10 +97,8 @@ static void attempt_all(attempts *a, const search *s)
     const sgt_options asked = *s->asked;
     const int evals = asked.max_evals ? asked.max_evals : DEFAULT;
     sgt_options with = asked;
-    char more[40];
     with.max_evals = evals < MOST / MORE ? MORE * evals : MOST;
-    snprintf(more, sizeof more, "--max-evals %d", with.max_evals);
-    attempt(a, &with, more);
+    attempt(a, &with, memory_print("--max-evals %d", with.max_evals));
     with = asked, with.proof = SGT_PROVE_ROOT;
     if (asked.proof == SGT_PROVE_FIRST) attempt(a, &with, "--proof root");
     with.proof = SGT_ESTIMATE;
@@ -119,10 +113,8 @@ static void attempt_all(attempts *a, const search *s)
 
 static void explain_lost(table *t, const failed *f, const char *name)
 {
-    attempts a = {.table = t, .of = f};
-    char who[NAME_SIZE + 20];
-    snprintf(who, sizeof who, "\n%s: lost, ", name);
-    undecided_explain(t, who, f->search);
+    attempts a = {.table = t, .of = f, .in_vain = ""};
+    undecided_explain(t, memory_print("\n%s: lost, ", name), f->search);
     if (f->search->hit->status == SGT_INVALID) return;
     attempt_all(&a, f->search);
     if (!a.any) table_line(t, "Tried in vain: %s.", a.in_vain);
@@ -130,13 +122,12 @@ static void explain_lost(table *t, const failed *f, const char *name)
 
 void failed_explain(table *t, const failed *f)
 {
-    char name[NAME_SIZE], why[STOPPED_SIZE];
-    print_element(name, f->lens, f->at);
+    const char *name = element_name(f->lens, f->at);
     if (f->fate == SGT_LOST) {
         explain_lost(t, f, name);
         return;
     }
-    stopped_print(why, &f->element[f->at], f->fate, &f->come);
+    const char *why = stopped_why(&f->element[f->at], f->fate, &f->come);
     table_line(t, "\n%s: %s%s", name, *why ? why : sgt_fate_text(f->fate), *why ? "." : "");
     if (f->fate == SGT_CLIPPED) explain_clipped(t, f);
     if (f->fate == SGT_TIR) explain_tir(t, f);

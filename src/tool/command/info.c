@@ -14,13 +14,66 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char info_help[] =
-    "sagitta info LENS [options]\n"
-    "\n"
-    "Prints the first-order data of a lens, at its primary wavelength or those that are asked for;\n"
-    "with --seidel its Seidel sums by surface, with --parabasal data along its real chief rays.  json\n"
-    "has all three.\n"
-    "\n"
+/* The quantities in the order of csv: the name, as in json, what it is, and what is lacking if it is not
+ * there. */
+typedef enum lack { POWER, OBJECT, PUPIL, SIZE, CURVE, WAVELENGTH } lack;
+static const struct { const char *name, *what; lack needs; size_t offset; } quantity[] = {
+#define QUANTITY(member, name, what, needs) {name, what, needs, offsetof(sgt_first_order, member)}
+    QUANTITY(wavelength, "wavelength", "micrometres", WAVELENGTH),
+    QUANTITY(efl, "efl", "focal length, 1 / power", POWER),
+    QUANTITY(efl_image, "efl_image", "focal length in the image medium", POWER),
+    QUANTITY(ffd, "ffd", "front focus, from the first vertex", POWER),
+    QUANTITY(bfd, "bfd", "rear focus, from the last vertex before the image", POWER),
+    QUANTITY(focus, "focus", "rear focus, from the image surface", POWER),
+    QUANTITY(image, "image", "paraxial image, from the image surface", POWER),
+    QUANTITY(f_number, "f_number", "|efl| / diameter of the entrance pupil", SIZE),
+    {"f_number_working", "1 / (2 n' u') of the marginal ray", SIZE,
+     offsetof(sgt_first_order, f_number_working)},
+    QUANTITY(magnification, "magnification", "of the object", OBJECT),
+    QUANTITY(entrance_pupil, "entrance_pupil.z", "from the first vertex", PUPIL),
+    QUANTITY(entrance_radius, "entrance_pupil.radius", "semi-diameter of the entrance pupil", SIZE),
+    QUANTITY(exit_pupil, "exit_pupil.z", "from the image surface", PUPIL),
+    QUANTITY(exit_radius, "exit_pupil.radius", "semi-diameter of the exit pupil", SIZE),
+    QUANTITY(stop_radius, "stop_radius", "height of the marginal ray at the stop", SIZE),
+    QUANTITY(front_principal, "front_principal", "front principal point, from the first vertex", POWER),
+    QUANTITY(rear_principal, "rear_principal", "rear principal point, from the image surface", POWER),
+    QUANTITY(front_nodal, "front_nodal", "front nodal point, from the first vertex", POWER),
+    QUANTITY(rear_nodal, "rear_nodal", "rear nodal point, from the image surface", POWER),
+    QUANTITY(image_height, "image_height", "paraxial, of the field farthest from the axis", POWER),
+    QUANTITY(lagrange, "lagrange", "invariant n (u ybar - ubar y) of marginal and chief ray", SIZE),
+    {"petzval_radius", "radius of the Petzval surface", CURVE,
+     offsetof(sgt_first_order, petzval_radius)},
+    QUANTITY(angular_magnification, "angular_magnification", "slope of the chief ray behind by that in front",
+             PUPIL),
+#undef QUANTITY
+};
+enum { QUANTITIES = sizeof quantity / sizeof quantity[0], SEIDEL_COLUMNS = 9 };
+
+static double value_of(const sgt_first_order *o, int k)
+{
+    double x;
+    memcpy(&x, (const char *)o + quantity[k].offset, sizeof x);
+    return x;
+}
+
+typedef struct info_arguments {
+    table_target target;
+    job_options job;
+    bool seidel, parabasal;
+} info_arguments;
+
+static const option_row info_rows[] = {
+    {"seidel", NULL, "the Seidel sums, at the first wavelength that is asked for", OPTION_FLAG,
+     .to = offsetof(info_arguments, seidel)},
+    {"parabasal", NULL, "along the real chief rays, at the first wavelength that is asked for", OPTION_FLAG,
+     .to = offsetof(info_arguments, parabasal)},
+    {0},
+};
+static const option_group info_own = {OPTIONS_OWN, "Options", .row = info_rows};
+
+static exit_status info_run(const command *c, int argc, char *argv[]);
+
+static const char info_all[] =
     "Paraxial rays go from vertex to vertex along the unfolded axis: tilts, decentres and breaks do\n"
     "not count.  Surfaces count from 1; the last is the image.  Lengths have the unit of the lens.\n"
     "- (text), nan (csv), null (json): there is none.\n"
@@ -44,8 +97,8 @@ static const char info_help[] =
     "  lagrange           invariant n (u ybar - ubar y) of the marginal ray and that chief ray\n"
     "  petzval_radius     radius of the Petzval surface\n"
     "\n"
-    "csv has a row for each wavelength.  There the pupils are entrance_pupil, entrance_radius,\n"
-    "exit_pupil, exit_radius.\n"
+    "csv has a row for each wavelength.  There the pupils are entrance_pupil.z, entrance_pupil.radius,\n"
+    "exit_pupil.z, exit_pupil.radius, as in text.\n"
     "\n"
     "json is one object; with --wavelength all, or several, a list of them.  Beside the quantities it\n"
     "has name, units, fields ({x, y, kind, weight}), wavelengths, surfaces (how many), stop (which),\n"
@@ -58,105 +111,28 @@ static const char info_help[] =
     "from the image surface), power_xy (not 0: the sections mix, and there is no such data).\n"
     "\n"
     "With --seidel a row for each surface, and their sum: spherical, coma, astigmatism, petzval,\n"
-    "distortion (S1 to S5, wavefront, in lengths), axial, lateral (colour, over the lens's wavelengths).\n"
-    "\n"
-    "Options\n"
-    "  --parabasal        along the real chief rays, at the first wavelength that is asked for\n"
-    "  --seidel           the Seidel sums, at the first wavelength that is asked for\n"
-    "  --wavelength W     as for sagitta trace: a number in the lens, micrometres, a spectral line, or\n"
-    "                     all; may be repeated\n"
-    "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"
-    "                     that ship.  If several makers have a name, the first of the lens's `makers`\n"
-    "                     decides; else such a catalogue; else SCHOTT, OHARA, HOYA, CDGM, HIKARI, SUMITA\n"
-    "  --strict           what a reader leaves out, and a wavelength outside the range of a glass, are\n"
-    "                     errors\n"
-    "  --format F         text (for people, the default), csv or json\n"
-    "  --hex              numbers in hexadecimal\n"
-    "  --output FILE      write to FILE instead of standard output\n"
-    "  -q, --quiet        print no remarks on how a lens file was read\n"
-    "  --help, --version\n"
-    "\n"
-    "Exit status\n"
-    "  0  done\n"
-    "  2  wrong arguments\n"
-    "  3  bad input, or output that cannot be written\n";
+    "distortion (S1 to S5, wavefront, in lengths), axial, lateral (colour, over the lens's wavelengths).\n";
 
-/* The quantities in the order of csv: the name there and the one in text (as in json), what it is, and what
- * is lacking if it is not there. */
-typedef enum lack { POWER, OBJECT, PUPIL, SIZE, CURVE, WAVELENGTH } lack;
-static const struct { const char *column, *name, *what; lack needs; size_t offset; } quantity[] = {
-#define QUANTITY(member, name, what, needs) {#member, name, what, needs, offsetof(sgt_first_order, member)}
-    QUANTITY(wavelength, "wavelength", "micrometres", WAVELENGTH),
-    QUANTITY(efl, "efl", "focal length, 1 / power", POWER),
-    QUANTITY(efl_image, "efl_image", "focal length in the image medium", POWER),
-    QUANTITY(ffd, "ffd", "front focus, from the first vertex", POWER),
-    QUANTITY(bfd, "bfd", "rear focus, from the last vertex before the image", POWER),
-    QUANTITY(focus, "focus", "rear focus, from the image surface", POWER),
-    QUANTITY(image, "image", "paraxial image, from the image surface", POWER),
-    QUANTITY(f_number, "f_number", "|efl| / diameter of the entrance pupil", SIZE),
-    {"f_number_working", "f_number_working", "1 / (2 n' u') of the marginal ray", SIZE,
-     offsetof(sgt_first_order, f_number_working)},
-    QUANTITY(magnification, "magnification", "of the object", OBJECT),
-    QUANTITY(entrance_pupil, "entrance_pupil.z", "from the first vertex", PUPIL),
-    QUANTITY(entrance_radius, "entrance_pupil.radius", "semi-diameter of the entrance pupil", SIZE),
-    QUANTITY(exit_pupil, "exit_pupil.z", "from the image surface", PUPIL),
-    QUANTITY(exit_radius, "exit_pupil.radius", "semi-diameter of the exit pupil", SIZE),
-    QUANTITY(stop_radius, "stop_radius", "height of the marginal ray at the stop", SIZE),
-    QUANTITY(front_principal, "front_principal", "front principal point, from the first vertex", POWER),
-    QUANTITY(rear_principal, "rear_principal", "rear principal point, from the image surface", POWER),
-    QUANTITY(front_nodal, "front_nodal", "front nodal point, from the first vertex", POWER),
-    QUANTITY(rear_nodal, "rear_nodal", "rear nodal point, from the image surface", POWER),
-    QUANTITY(image_height, "image_height", "paraxial, of the field farthest from the axis", POWER),
-    QUANTITY(lagrange, "lagrange", "invariant n (u ybar - ubar y) of marginal and chief ray", SIZE),
-    {"petzval_radius", "petzval_radius", "radius of the Petzval surface", CURVE,
-     offsetof(sgt_first_order, petzval_radius)},
-    QUANTITY(angular_magnification, "angular_magnification", "slope of the chief ray behind by that in front",
-             PUPIL),
-#undef QUANTITY
+const command command_info = {
+    .name = "info", .usage = "LENS [options]", .brief = "focal length, pupils, Seidel sums",
+    .what = "Prints the first-order data of a lens, at its primary wavelength or those that are asked "
+            "for; with --seidel its Seidel sums by surface, with --parabasal data along its real chief "
+            "rays.  json has all.",
+    .often = "seidel parabasal wavelength glass strict format output hex",
+    .examples = "  sagitta info examples/lenses/cooke_triplet.yaml\n"
+                "  sagitta info examples/lenses/cooke_triplet.yaml --seidel --format csv\n",
+    .docs = "docs/lens_file.md (what the numbers are)", .all = info_all, .exits = "  0  done\n"
+             "  2  wrong arguments\n"
+             "  3  bad input, or output that cannot be written\n",
+    .group = {&info_own, &job_wavelength_options, &job_glass_options, &options_output}, .run = info_run,
 };
-enum { QUANTITIES = sizeof quantity / sizeof quantity[0], SEIDEL_COLUMNS = 9 };
 
-static double value_of(const sgt_first_order *o, int k)
+static info_arguments info_arguments_of(const command *c, int argc, char *argv[])
 {
-    double x;
-    memcpy(&x, (const char *)o + quantity[k].offset, sizeof x);
-    return x;
-}
-
-typedef struct info_arguments {
-    table_target target;
-    job_options job;
-    bool seidel, parabasal;
-} info_arguments;
-
-static info_arguments info_arguments_of(int argc, char *argv[])
-{
-    enum { SEIDEL = OPTION_AFTER_JOB, PARABASAL };
-    static const struct option known[] = {
-        {"seidel", no_argument, NULL, SEIDEL}, {"parabasal", no_argument, NULL, PARABASAL},
-        {"wavelength", required_argument, NULL, JOB_WAVELENGTH},
-        {"glass", required_argument, NULL, JOB_GLASS},
-        {"strict", no_argument, NULL, JOB_STRICT},
-        {"format", required_argument, NULL, OPTION_FORMAT},
-        {"output", required_argument, NULL, OPTION_OUTPUT},
-        {"hex", no_argument, NULL, OPTION_HEX},
-        {"quiet", no_argument, NULL, OPTION_QUIET},
-        {"help", no_argument, NULL, OPTION_HELP},
-        {"version", no_argument, NULL, OPTION_VERSION},
-        {0},
-    };
     shared_options shared = {.threads = 0};
     info_arguments a = {.job = {.several = true}};
-    for (int code; (code = getopt_long(argc, argv, "hq", known, NULL)) != -1;) {
-        if (code == 'h' || code == OPTION_HELP) print_and_end("%s", info_help);
-        if (code == SEIDEL) a.seidel = true;
-        else if (code == PARABASAL) a.parabasal = true;
-        else if (!job_take(&a.job, code)) options_take(&shared, code, info_help);
-    }
-    if (optind == argc) fail_usage("the lens file is missing: sagitta info LENS");
-    if (optind + 1 < argc)
-        fail_usage("unexpected argument \"%s\"; info takes one lens file", argv[optind + 1]);
-    a.job.lens = argv[optind];
+    command_read(c, &a, &a.job, &shared, argc, argv);
+    a.job.lens = command_file(c, "lens file", argc, argv);
     a.target = shared.target;
     return a;
 }
@@ -173,7 +149,7 @@ sgt_first_order info_first_order(const lens *l, sgt_seidel seidel[])
 static void write_by_columns(const info_arguments *a, const lens_list *at)
 {
     column columns[QUANTITIES];
-    for (int k = 0; k < QUANTITIES; k++) columns[k] = (column){quantity[k].column, COLUMN_EXACT};
+    for (int k = 0; k < QUANTITIES; k++) columns[k] = (column){quantity[k].name, COLUMN_EXACT};
     table *t = table_begin(&a->target, QUANTITIES, columns);
     for (size_t i = 0; i < at->count; i++) {
         sgt_first_order o = info_first_order(&at->lens[i], NULL);
@@ -454,9 +430,9 @@ static void write_parabasal(const info_arguments *a, const lens *l)
     table_end(t);
 }
 
-exit_status command_info(int argc, char *argv[])
+static exit_status info_run(const command *c, int argc, char *argv[])
 {
-    info_arguments a = info_arguments_of(argc, argv);
+    info_arguments a = info_arguments_of(c, argc, argv);
     if (a.seidel && a.parabasal) fail_usage("give --seidel or --parabasal, not both");
     lens_list at = job_lenses(&a.job);
     const bool json = a.target.format == TABLE_JSON;

@@ -13,49 +13,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char intersect_help[] =
-    "sagitta intersect --surface SPEC [--rays FILE] [--ray \"ox oy oz dx dy dz\"] [options]\n"
-    "\n"
-    "Where do rays meet a surface F(x, y, z) = 0?  Prints a row for each ray; with --all, a row\n"
-    "for each root.  Lengths have any unit; the surface and the rays share it.  A root is accepted\n"
-    "if it lies between tmin and tmax and within semi_diameter, and is not the ray's own start.\n"
-    "\n"
-    "Columns\n"
-    "  ray                the ray, counted from 0: data rows of the file, or --ray options\n"
-    "  root               the root, counted from 0 along the ray; -1: there is none\n"
-    "  status             hit; graze: the ray touches, as far as can be told; miss; or, undecided:\n"
-    "                     unproven, undefined (F is NaN there), exhausted (--max-evals)\n"
-    "  t, t_err           place on the ray, and a bound on its error (in lengths of the direction)\n"
-    "  x, y, z            the point (length)\n"
-    "  nx, ny, nz         the gradient of F there, not scaled to length 1\n"
-    "  evals              evaluations of F\n"
-    "  id                 as the file gives it, if it has this column\n"
-    "  lo, hi             with --proof root or first, csv and json only: of an undecided row, the\n"
-    "                     stretch of the ray still in doubt (like t)\n"
-    "\n"
-    "Options\n"
-    "  --surface SPEC     the surface, in YAML: '{type: sphere, radius: 20, semi_diameter: 2}' or\n"
-    "                     '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 8}'.\n"
-    "                     docs/lens_file.md has every type and its keys\n"
-    "  --rays FILE        rays from csv with a header row: ox,oy,oz,dx,dy,dz and optionally\n"
-    "                     tmin,tmax,id.  FILE may be - for standard input; or an array of NumPy,\n"
-    "                     NAME.npy, or a folder with an array for each column\n"
-    "  --ray \"...\"        a ray: six numbers in quotes, ox oy oz dx dy dz, or eight, with tmin tmax\n"
-    "                     at the end.  May be repeated\n"
-    "  --skip-bad         skip bad rows of the file, and say how many\n"
-    "  --all              every root.  A stretch of the ray that could not be decided has a row too:\n"
-    "                     its t is the middle, its t_err half the length\n"
-    "  --watch FILE       write the evaluations of each ray that is undecided, as csv: the columns of\n"
-    "                     sagitta diagnose\n"
-    "  --pick P           first (the default): the accepted root of the smallest t; near-seed: on a\n"
-    "                     sag, the root that belongs to the ray's crossing of the vertex plane\n"
-    "  --proof P          what must be proven before a ray is a hit:\n"
-    "                     estimate (the default): a root lies within t_err of t\n"
-    "                     root: and it is the only one there\n"
-    "                     first: and no accepted root comes before it; with --pick near-seed, no\n"
-    "                     other root on the ray is accepted\n"
-    "                     A ray for which this is not proven is unproven\n";
-
 /* Under the table for people: what has a unit. */
 static const char intersect_legend[] =
     "t, t_err: in lengths of the ray's direction.  x y z: the point, in the unit of the surface.\n"
@@ -74,47 +31,103 @@ enum { HEAD_COUNT = sizeof intersect_head / sizeof intersect_head[0] };
 
 typedef struct intersect_arguments {
     shared_options shared;
-    const char *surface;
+    const char *surface, *file;
     ray_list rays;
-    bool all;
+    bool all, skip_bad;
     const char *watch;
 } intersect_arguments;
 
-static intersect_arguments intersect_arguments_of(int argc, char *argv[])
+static void take_ray(void *into, const option_row *row, const char *value)
 {
-    enum { SURFACE = OPTION_OWN, RAYS, RAY, SKIP_BAD, ALL, WATCH };
-    static const struct option known[] = {
-        {"surface", required_argument, NULL, SURFACE}, {"rays", required_argument, NULL, RAYS},
-        {"ray", required_argument, NULL, RAY}, {"skip-bad", no_argument, NULL, SKIP_BAD},
-        {"all", no_argument, NULL, ALL}, {"watch", required_argument, NULL, WATCH},
-        PROOF_OPTION, THREADS_OPTION, ROWS_OPTIONS, SHARED_OPTIONS, {0},
-    };
-    intersect_arguments a = {.shared.scales = true};
-    const char *file = NULL;
-    bool skip_bad = false;
-    char all_help[HELP_SIZE];
-    snprintf(all_help, sizeof all_help, "%s%s%s", intersect_help, options_threads_help, options_rows_help);
-    for (int code; (code = getopt_long(argc, argv, ROWS_LETTERS, known, NULL)) != -1;) {
-        switch (code) {
-        case SURFACE: a.surface = optarg; break;
-        case RAYS: file = optarg; break;
-        case RAY: rays_parse(&a.rays, optarg); break;
-        case SKIP_BAD: skip_bad = true; break;
-        case ALL: a.all = true; break;
-        case WATCH: a.watch = optarg; break;
-        default: options_take(&a.shared, code, all_help);
-        }
-    }
+    (void)row;
+    rays_parse(&((intersect_arguments *)into)->rays, value);
+}
+
+static const option_row intersect_rows[] = {
+    {"surface", "SPEC",
+     "the surface, in YAML: '{type: sphere, radius: 20, semi_diameter: 2}'\n"
+     "Or '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 8}'.  docs/lens_file.md has every\n"
+     "type and its keys",
+     OPTION_TEXT, .to = offsetof(intersect_arguments, surface)},
+    {"rays", "FILE",
+     "rays from csv with a header row: ox,oy,oz,dx,dy,dz and optionally tmin,tmax,id\n"
+     "FILE may be - for standard input; or an array of NumPy, NAME.npy, or a folder with an\n"
+     "array for each column",
+     OPTION_TEXT, .to = offsetof(intersect_arguments, file)},
+    {"ray", "\"...\"",
+     "a ray: six numbers in quotes, ox oy oz dx dy dz.  May be repeated\n"
+     "Or eight, with tmin tmax at the end",
+     OPTION_TAKE, .take = take_ray},
+    {"skip-bad", NULL, "skip bad rows of the file, and say how many", OPTION_FLAG,
+     .to = offsetof(intersect_arguments, skip_bad)},
+    {"all", NULL,
+     "every root\n"
+     "A stretch of the ray that could not be decided has a row too: its t is the middle, its\n"
+     "t_err half the length",
+     OPTION_FLAG, .to = offsetof(intersect_arguments, all)},
+    {"watch", "FILE",
+     "write the evaluations of each ray that is undecided, as csv\n"
+     "The columns are those of sagitta diagnose",
+     OPTION_TEXT, .to = offsetof(intersect_arguments, watch)},
+    {0},
+};
+static const option_row intersect_search_rows[] = {
+    PICK_OPTION("which root: first or near-seed\n"
+                "first (the default): the accepted root of the smallest t; near-seed: on a sag, the root\n"
+                "that belongs to the ray's crossing of the vertex plane"),
+    PROOF_OPTION("what must be proven before a ray is a hit: estimate, root or first\n"
+                 "estimate (the default): a root lies within t_err of t; root: and it is the only one\n"
+                 "there; first: and no accepted root comes before it; with --pick near-seed, no other\n"
+                 "root on the ray is accepted.  A ray for which this is not proven is unproven"),
+    {0},
+};
+static const option_group intersect_own = {OPTIONS_OWN, "Options", .row = intersect_rows},
+                          intersect_search = {OPTIONS_SHARED, "The search", .row = intersect_search_rows};
+
+static exit_status intersect_run(const command *c, int argc, char *argv[]);
+
+static const char intersect_all[] =
+    "Columns\n"
+    "  ray                the ray, counted from 0: data rows of the file, or --ray options\n"
+    "  root               the root, counted from 0 along the ray; -1: there is none\n"
+    "  status             hit; graze: the ray touches, as far as can be told; miss; or, undecided:\n"
+    "                     unproven, undefined (F is NaN there), exhausted (--max-evals)\n"
+    "  t, t_err           place on the ray, and a bound on its error (in lengths of the direction)\n"
+    "  x, y, z            the point (length)\n"
+    "  nx, ny, nz         the gradient of F there, not scaled to length 1\n"
+    "  evals              evaluations of F\n"
+    "  id                 as the file gives it, if it has this column\n"
+    "  lo, hi             with --proof root or first, csv and json only: of an undecided row, the\n"
+    "                     stretch of the ray still in doubt (like t)\n";
+
+const command command_intersect = {
+    .name = "intersect", .usage = "--surface SPEC (--rays FILE | --ray \"ox oy oz dx dy dz\") [options]",
+    .brief = "one surface, many rays",
+    .what = "Where do rays meet a surface F(x, y, z) = 0?  Prints a row for each ray; with --all, for "
+            "each root. Lengths have any unit; the surface and the rays share it.  A root is accepted "
+            "if it lies between tmin and tmax and within semi_diameter, and is not the ray's own start.",
+    .often = "surface ray rays all proof pick columns format output",
+    .examples = "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
+                "  sagitta intersect --surface '{type: conic, radius: 20, conic: -1}' --rays FILE --all\n",
+    .docs = "docs/tour.md, docs/lens_file.md (every type of surface)", .all = intersect_all,
+    .group = {&intersect_own, &intersect_search, &options_solver, &options_in_threads, &options_rows},
+    .run = intersect_run,
+};
+
+static intersect_arguments intersect_arguments_of(const command *c, int argc, char *argv[])
+{
+    intersect_arguments a = {.surface = NULL};
+    command_read(c, &a, NULL, &a.shared, argc, argv);
     if (optind < argc)
         fail_usage("unexpected argument \"%s\"; give the surface by --surface, rays by --rays or --ray",
                    argv[optind]);
     if (!a.surface) fail_usage("--surface is missing; for example --surface '{type: sphere, radius: 20}'");
     if (a.all && a.shared.solver.pick) fail_usage("give --pick or --all, not both");
-    if (!file == !a.rays.count)
-        fail_usage(file ? "give --rays or --ray, not both"
-                        : "no rays; give --rays FILE or --ray \"ox oy oz dx dy dz\"");
+    if (!a.file == !a.rays.count)
+        fail_usage(a.file ? "give --rays or --ray, not both"
+                          : "no rays; give --rays FILE or --ray \"ox oy oz dx dy dz\"");
     a.rays.threads = options_threads(&a.shared), a.rays.parts = true;
-    if (file) rays_read(&a.rays, file, skip_bad);
+    if (a.file) rays_read(&a.rays, a.file, a.skip_bad);
     return a;
 }
 
@@ -333,9 +346,9 @@ static size_t intersect_columns_of(const intersect_work *w, column to[HEAD_COUNT
     return n;
 }
 
-exit_status command_intersect(int argc, char *argv[])
+static exit_status intersect_run(const command *c, int argc, char *argv[])
 {
-    intersect_arguments a = intersect_arguments_of(argc, argv);
+    intersect_arguments a = intersect_arguments_of(c, argc, argv);
     const bool text = a.shared.target.format == TABLE_TEXT;
     intersect_work w = {.asked = &a, .surface = surface_parse("--surface", a.surface),
                         .stretches = a.shared.solver.proof && (!text || a.shared.target.columns)};

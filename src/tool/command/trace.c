@@ -17,12 +17,77 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char trace_help[] =
-    "sagitta trace LENS [options]\n"
-    "\n"
-    "Traces rays through a lens file.  Prints a row for each ray and each element it reached.\n"
-    "Lengths have the unit of the lens.\n"
-    "\n"
+static const column trace_head[] = {
+    {"ray", COLUMN_COUNT}, {"element", COLUMN_INTEGER}, {"fate", COLUMN_CODE}, {"status", COLUMN_CODE},
+    {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
+    {"l", COLUMN_NUMBER}, {"m", COLUMN_NUMBER}, {"n", COLUMN_NUMBER},
+    {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR}, {"opl", COLUMN_NUMBER}, {"evals", COLUMN_INTEGER},
+};
+static const column launch_head[] = {
+    {"field", COLUMN_INTEGER}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},
+};
+static const column trace_id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
+enum {
+    HEAD_COUNT = sizeof trace_head / sizeof trace_head[0],
+    LAUNCH_COUNT = sizeof launch_head / sizeof launch_head[0],
+    COLUMNS_MOST = HEAD_COUNT + LAUNCH_COUNT + 3
+};
+
+typedef struct trace_arguments {
+    shared_options shared;
+    job_options job;
+    int global;
+    bool last;
+    pictures pictures;
+    const char *watch;
+} trace_arguments;
+
+static const option_row trace_rows[] = {
+    {"last", NULL, "only the last row of each ray: where it ended", OPTION_FLAG,
+     .to = offsetof(trace_arguments, last)},
+    {"frame", "F",
+     "the frame of points and directions: local or global\n"
+     "local (the default): each surface's own; global: that of the first vertex",
+     OPTION_WORD, .to = offsetof(trace_arguments, global), .words = "local global"},
+    {"watch", "FILE",
+     "write the evaluations of each ray that is lost, as csv\n"
+     "The columns are those of sagitta diagnose, and wavelength",
+     OPTION_TEXT, .to = offsetof(trace_arguments, watch)},
+    {"ray", "I", "--ray: give the rays of a lens as a file, --rays FILE, or on standard input, --rays -",
+     .kind = OPTION_REFUSED}, /* else getopt would take it for --rays */
+    {0},
+};
+static const option_row trace_picture_rows[] = {
+    {"picture", "FILE", "draw the lens with the rays: svg, png or pdf, by the ending of the name",
+     OPTION_TEXT,
+     .to = offsetof(trace_arguments, pictures.file)},
+    {"plane", "P",
+     "of the picture: yz, xz or 3d\n"
+     "yz (the default) and xz are sections; 3d is a view in space.  The rays of a fan lie in\n"
+     "yz; --cross N sends as many in xz",
+     OPTION_WORD, .to = offsetof(trace_arguments, pictures.plane), .least = 1, .words = "yz xz 3d"},
+    {"svg", "FILE", "--svg FILE is now --picture FILE; the ending .svg, .png or .pdf says what is drawn",
+     .kind = OPTION_REFUSED},
+    {0},
+};
+static const option_row trace_search_rows[] = {
+    PICK_OPTION("which root: near-seed or first\n"
+                "near-seed (the default): the root near the surface's vertex; first: the first root on\n"
+                "the line of the ray"),
+    PROOF_OPTION("what must be proven at each element: estimate, root or first\n"
+                 "estimate (the default): a root lies within t_err of t; root: and it is the only one\n"
+                 "there; first: and no other root lies within the clear aperture; with --pick first,\n"
+                 "and on a level set, no root lies before it.  A ray for which this is not proven is\n"
+                 "lost, and its status is unproven"),
+    {0},
+};
+static const option_group trace_own = {OPTIONS_OWN, "Options", .row = trace_rows},
+                          trace_pictures = {OPTIONS_OWN, "Pictures", .row = trace_picture_rows},
+                          trace_search = {OPTIONS_SHARED, "The search", .row = trace_search_rows};
+
+static exit_status trace_run(const command *c, int argc, char *argv[]);
+
+static const char trace_all[] =
     "Columns\n"
     "  ray, element       the ray, counted from 0, field after field; the surface, counted from 1\n"
     "  fate               of the ray there: passed; missed; clipped by the clear aperture; tir: total\n"
@@ -49,88 +114,27 @@ static const char trace_help[] =
     "            fields: [degrees], surfaces: [...]\n"
     "  surface:  type, radius or curvature, conic, coefficients, semi_diameter,\n"
     "            thickness (to the next vertex), index or glass (of the medium behind it),\n"
-    "            mirror, stop, decenter and tilt: [x, y, z]; or origin and tilt in every surface\n"
-    "\n"
-    "Options\n";
-static const char trace_more_help[] =
-    "  --frame F          local (the default): points and directions in each surface's own frame;\n"
-    "                     global: in the frame of the first vertex\n"
-    "  --last             only the last row of each ray: where it ended\n"
-    "  --watch FILE       write the evaluations of each ray that is lost, as csv: the columns of sagitta\n"
-    "                     diagnose, and wavelength\n"
-    "  --pick P           near-seed (the default): the root near the surface's vertex; first: the\n"
-    "                     first root on the line of the ray\n"
-    "  --proof P          what must be proven at each element before a ray passes:\n"
-    "                     estimate (the default): a root lies within t_err of t\n"
-    "                     root: and it is the only one there\n"
-    "                     first: and no other root lies within the clear aperture; with --pick\n"
-    "                     first, and on a level set, no root lies before it\n"
-    "                     A ray for which this is not proven is lost, and its status is unproven\n";
+    "            mirror, stop, decenter and tilt: [x, y, z]; or origin and tilt in every surface\n";
 
-static const column trace_head[] = {
-    {"ray", COLUMN_COUNT}, {"element", COLUMN_INTEGER}, {"fate", COLUMN_CODE}, {"status", COLUMN_CODE},
-    {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
-    {"l", COLUMN_NUMBER}, {"m", COLUMN_NUMBER}, {"n", COLUMN_NUMBER},
-    {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR}, {"opl", COLUMN_NUMBER}, {"evals", COLUMN_INTEGER},
-};
-static const column launch_head[] = {
-    {"field", COLUMN_INTEGER}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},
-};
-static const column trace_id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
-enum {
-    HEAD_COUNT = sizeof trace_head / sizeof trace_head[0],
-    LAUNCH_COUNT = sizeof launch_head / sizeof launch_head[0],
-    COLUMNS_MOST = HEAD_COUNT + LAUNCH_COUNT + 3
+const command command_trace = {
+    .name = "trace", .usage = "LENS [options]", .brief = "rays through a lens file, surface by surface",
+    .what = "Traces rays through a lens file.  Prints a row for each ray and each element it reached: "
+            "what became of the ray there, the point, the direction behind it, and a bound on the "
+            "error.",
+    .often = "field fan grid rays wavelength picture last frame proof format output", .rays = "--fan 5",
+    .examples = "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n"
+                "  sagitta trace examples/lenses/cooke_triplet.yaml --fan 7 --picture triplet.svg\n",
+    .docs = "docs/lens_file.md (every key of a lens file)", .all = trace_all,
+    .group = {&trace_own, &trace_pictures, JOB_GROUPS,
+              &trace_search, &options_solver, &options_in_threads, &options_rows},
+    .run = trace_run,
 };
 
-typedef struct trace_arguments {
-    shared_options shared;
-    job_options job;
-    bool global, last;
-    pictures pictures;
-    const char *watch;
-} trace_arguments;
-
-static trace_arguments trace_arguments_of(int argc, char *argv[])
+static trace_arguments trace_arguments_of(const command *c, int argc, char *argv[])
 {
-    enum { FRAME = OPTION_AFTER_JOB, SVG, PICTURE, PLANE, RAY, LAST, WATCH };
-    static const struct option known[] = {
-        {"frame", required_argument, NULL, FRAME}, {"svg", required_argument, NULL, SVG},
-        {"picture", required_argument, NULL, PICTURE}, {"plane", required_argument, NULL, PLANE},
-        {"last", no_argument, NULL, LAST}, {"ray", required_argument, NULL, RAY},
-        {"watch", required_argument, NULL, WATCH},
-        JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, ROWS_OPTIONS, SHARED_OPTIONS, {0},
-    };
-    char all_help[HELP_SIZE];
-    snprintf(all_help, sizeof all_help, "%s%s%s%s%s%s", trace_help, job_help, pictures_help,
-             trace_more_help, options_threads_help, options_rows_help);
-    trace_arguments a = {.shared.scales = true, .job = {.several = true, .parts = true}};
-    for (int code; (code = getopt_long(argc, argv, ROWS_LETTERS, known, NULL)) != -1;) {
-        if (code == SVG) {
-            a.pictures.svg = optarg;
-        } else if (code == PICTURE) {
-            a.pictures.file = optarg;
-        } else if (code == PLANE) {
-            a.pictures.plane_given = optarg;
-        } else if (code == LAST) {
-            a.last = true;
-        } else if (code == WATCH) {
-            a.watch = optarg;
-        } else if (code == FRAME) {
-            a.global = strcmp(optarg, "global") == 0;
-            if (!a.global && strcmp(optarg, "local") != 0)
-                fail_usage("--frame must be local or global, not \"%s\"", optarg);
-        } else if (code == RAY) { /* without this code getopt would take --ray for --rays */
-            fail_usage(
-                "--ray: give the rays of a lens as a file, --rays FILE, or on standard input, --rays -");
-        } else if (!job_take(&a.job, code)) {
-            options_take(&a.shared, code, all_help);
-        }
-    }
-    if (optind == argc) fail_usage("the lens file is missing: sagitta trace LENS");
-    if (optind + 1 < argc)
-        fail_usage("unexpected argument \"%s\"; trace takes one lens file", argv[optind + 1]);
-    a.job.lens = argv[optind];
+    trace_arguments a = {.job = {.several = true, .parts = true}};
+    command_read(c, &a, &a.job, &a.shared, argc, argv);
+    a.job.lens = command_file(c, "lens file", argc, argv);
     pictures_check(&a.pictures);
     return a;
 }
@@ -190,7 +194,7 @@ typedef struct trace_work {
         launch ray;
         const job_lens *at;
         size_t element;
-        char why[STOPPED_SIZE];
+        const char *why;
     } ended[UNDECIDED_SHOWN];
     size_t ended_shown, ended_count;
     size_t *back;                  /* [elements]: how many rays came to it at t < 0 */
@@ -215,8 +219,7 @@ static trace_room trace_room_for(const trace_work *w, size_t rays)
         for (size_t k = 0; k < 9; k++) n[k] = number + (9 * i + k) * rays;
         r.passages[i] = (sgt_passages){.hits = {.status = record->status, .evals = record->evals,
                                                 .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
-                                       .direction = {n[3], n[4], n[5]},
-                                       .opl = n[8]};
+                                       .direction = {n[3], n[4], n[5]}, .opl = n[8]};
     }
     return r;
 }
@@ -340,11 +343,10 @@ static void keep_ended(trace_work *w, const trace_room *r, const launch *l, size
         .from = frame_point_in(&e->pose, from),
         .direction = frame_direction_in(&e->pose, (sgt_vec3){d.x / length, d.y / length, d.z / length}),
         .p = vector_at(r->record[element].number, i),
-        .index = element ? of->index[element - 1] : of->index_before,
-        .behind = of->index[element]};
+        .index = element ? of->index[element - 1] : of->index_before, .behind = of->index[element]};
     size_t k = w->ended_shown++;
     w->ended[k].ray = *l, w->ended[k].at = w->at, w->ended[k].element = element;
-    stopped_print(w->ended[k].why, e, (sgt_fate)r->fate[i], &a);
+    w->ended[k].why = stopped_why(e, (sgt_fate)r->fate[i], &a);
 }
 
 static void count_field(trace_work *w, const launch *l, size_t passed)
@@ -384,10 +386,9 @@ static void trace_take(void *data, const tile *t)
 
 /* ---------------------------------------------------------------- verdict */
 
-static void trace_append(char text[400], size_t n, const char *what, const char *reason)
+static const char *trace_also(const char *text, size_t n, const char *what)
 {
-    size_t length = strlen(text);
-    if (n) snprintf(text + length, 400 - length, "%s %zu %s%s", length ? "," : "", n, what, reason);
+    return n ? memory_print("%s%s %zu %s", text, *text ? "," : "", n, what) : text;
 }
 
 /* Prints what is proven of the rays that passed. */
@@ -412,40 +413,32 @@ static void write_proof(const trace_work *w)
 static void write_losses(table *t, const job *j, const losses loss[])
 {
     for (size_t i = 0; i < j->lens.count; i++) {
-        char text[400] = "";
-        trace_append(text, loss[i].missed, "missed it", "");
-        trace_append(text, loss[i].clipped, "clipped", "");
-        trace_append(text, loss[i].tir, "totally reflected", "");
-        for (int s = 0; s >= SGT_INVALID; s--) {
-            char reason[40];
-            snprintf(reason, sizeof reason, " (%s)",
-                     s ? sgt_status_text((sgt_status)s) : "direction undecided");
-            trace_append(text, loss[i].lost[s - SGT_INVALID], "lost", reason);
-        }
+        const char *text = trace_also("", loss[i].missed, "missed it");
+        text = trace_also(text, loss[i].clipped, "clipped");
+        text = trace_also(text, loss[i].tir, "totally reflected");
+        for (int s = 0; s >= SGT_INVALID; s--)
+            text = trace_also(text, loss[i].lost[s - SGT_INVALID],
+                              memory_print("lost (%s)", s ? sgt_status_text((sgt_status)s)
+                                                          : "direction undecided"));
         if (*text) table_line(t, "element %zu (%s):%s", i + 1, j->lens.surface[i].type, text);
     }
 }
 
 /* "Ray 9 (field 2, px 0, py -0.33, 0.4861 um)" */
-static void print_ray(char text[120], const trace_work *w, const launch *l, const job_lens *at)
+static const char *ray_name(const trace_work *w, const launch *l, const job_lens *at)
 {
-    int n = snprintf(text, 120, "Ray %zu", l->number);
-    if (w->job->fields)
-        n += snprintf(text + n, (size_t)(120 - n), " (field %zu, px %.4g, py %.4g",
-                      w->job->field_number[l->field] + 1, l->px,
-                      l->py);
-    if (w->job->fields && w->job->wavelengths > 1 && !isnan(at->lens.wavelength))
-        n += snprintf(text + n, (size_t)(120 - n), ", %.6g um", at->lens.wavelength);
-    if (w->job->fields) snprintf(text + n, (size_t)(120 - n), ")");
+    if (!w->job->fields) return memory_print("Ray %zu", l->number);
+    const bool coloured = w->job->wavelengths > 1 && !isnan(at->lens.wavelength);
+    return memory_print("Ray %zu (field %zu, px %.4g, py %.4g%s)", l->number,
+                        w->job->field_number[l->field] + 1,
+                        l->px, l->py, coloured ? memory_print(", %.6g um", at->lens.wavelength) : "");
 }
 
 static void write_ended(const trace_work *w)
 {
-    char who[120];
-    for (size_t k = 0; k < w->ended_shown; k++) {
-        print_ray(who, w, &w->ended[k].ray, w->ended[k].at);
-        table_line(w->table, "%s at element %zu: %s.", who, w->ended[k].element + 1, w->ended[k].why);
-    }
+    for (size_t k = 0; k < w->ended_shown; k++)
+        table_line(w->table, "%s at element %zu: %s.", ray_name(w, &w->ended[k].ray, w->ended[k].at),
+                   w->ended[k].element + 1, w->ended[k].why);
     if (w->ended_count > w->ended_shown)
         table_line(w->table, "%zu more did not get through: sagitta diagnose LENS --ray N shows why.",
                    w->ended_count - w->ended_shown);
@@ -466,10 +459,9 @@ static void write_doubts(const trace_work *w)
                 k + 1, j->lens.surface[k].type, w->back[k], w->back[k] == 1 ? "" : "s");
     for (size_t f = 0; f < j->fields; f++) {
         if (!w->field[f].rays || w->field[f].passed) continue;
-        char range[60];
-        snprintf(range, sizeof range,
-                 w->field[f].first < w->field[f].last ? "elements %zu to %zu" : "element %zu",
-                 w->field[f].first, w->field[f].last);
+        const char *range = w->field[f].first < w->field[f].last
+                                ? memory_print("elements %zu to %zu", w->field[f].first, w->field[f].last)
+                                : memory_print("element %zu", w->field[f].first);
         table_line(w->table, "No ray of field %zu gets through: they end at %s%s",
                    j->field_number[f] + 1, range,
                    aimed ? "."
@@ -507,9 +499,7 @@ static void write_lost(const trace_work *w)
                           .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
                           .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED),
                           .fast = options_fast(asked, e->surface), .hit = &alone[passed].hit};
-        char ray_name[120], who[160];
-        print_ray(ray_name, w, &w->lost[i].ray, at);
-        snprintf(who, sizeof who, "%s at element %zu: ", ray_name, passed + 1);
+        const char *who = memory_print("%s at element %zu: ", ray_name(w, &w->lost[i].ray, at), passed + 1);
         undecided_explain(w->table, who, &s);
     }
     if (w->undecided > (size_t)w->shown)
@@ -528,9 +518,9 @@ static size_t trace_columns_of(const trace_work *w, column to[COLUMNS_MOST])
 
 /* ------------------------------------------------------------------ trace */
 
-exit_status command_trace(int argc, char *argv[])
+static exit_status trace_run(const command *c, int argc, char *argv[])
 {
-    trace_arguments a = trace_arguments_of(argc, argv);
+    trace_arguments a = trace_arguments_of(c, argc, argv);
     int threads = a.job.threads = options_threads(&a.shared);
     job j = job_read(&a.job);
     options_note_unread(&a.shared, j.lens.count, j.element);
@@ -548,11 +538,10 @@ exit_status command_trace(int argc, char *argv[])
     watch_tiling(&in, a.watch, &a.shared.solver);
     const size_t places = tiles_places(&in);
     pictures_reserve(&a.pictures, a.shared.target.path, &j);
-    scene picture = scene_begin(&j, a.pictures.plane);
+    scene picture = scene_begin(&j, pictures_plane(&a.pictures));
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
                     .watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, count),
-                    .picture = pictures_wanted(&a.pictures) ? &picture : NULL,
-                    .launches = all || j.wavelengths > 1,
+                    .picture = a.pictures.file ? &picture : NULL, .launches = all || j.wavelengths > 1,
                     .stretches = all && a.shared.solver.proof,
                     .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),
                     .field = memory_take(j.fields, sizeof *w.field),
@@ -562,8 +551,8 @@ exit_status command_trace(int argc, char *argv[])
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
     progress_begin(j.wavelengths * job_count(j.at), !a.shared.target.path, a.shared.progress);
-    for (size_t c = 0; c < j.wavelengths; c++) {
-        w.at = &j.at[c];
+    for (size_t k = 0; k < j.wavelengths; k++) {
+        w.at = &j.at[k];
         in.rays = job_count(w.at);
         tiles_run(&in, &w, send, trace_take);
     }

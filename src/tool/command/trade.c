@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "../base/input.h"
+#include "../draw/chart.h"
 
 #include <limits.h>
 #include <math.h>
@@ -10,13 +11,89 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char trade_help[] =
-    "sagitta trade [--surface SPEC [--rays FILE] [--ray \"...\"] | LENS [rays]] [options]\n"
-    "\n"
-    "What does accuracy cost, and what does speed cost?  Changes one option at a time, with all\n"
-    "others at their defaults, and measures each setting on this machine.  A surface may have any\n"
-    "type except those about the Earth.\n"
-    "\n"
+/* -------------------------------------------------------------- arguments */
+
+typedef struct trade_arguments {
+    shared_options shared;
+    trade_options trade;
+    const char *picture;
+} trade_arguments;
+
+/* Appends numbers separated by commas to the list `to` is the place of: whole numbers if `most`. */
+static void take_list(void *into, const option_row *row, const char *value)
+{
+    knob_list *list = (knob_list *)(void *)((char *)into + row->to);
+    char copy[400];
+    if (snprintf(copy, sizeof copy, "%s", value) >= (int)sizeof copy) fail_usage("--%s: too long", row->name);
+    for (char *rest = copy, *word; (word = strtok_r(rest, ", ", &rest));) {
+        if (list->count == sizeof list->value / sizeof list->value[0])
+            fail_usage("--%s: at most %zu values", row->name, list->count);
+        double x = row->most ? (double)options_integer(row->name, word, 1, row->most)
+                             : options_number(row->name, word);
+        if (!(x > 0)) fail_usage("--%s must be above 0, not \"%s\"", row->name, word);
+        list->value[list->count++] = x;
+    }
+    if (!list->count) fail_usage("--%s needs a number", row->name);
+}
+
+static void take_proofs(void *into, const option_row *row, const char *value)
+{
+    trade_options *o = &((trade_arguments *)into)->trade;
+    char copy[60];
+    snprintf(copy, sizeof copy, "%s", value);
+    size_t before = o->proofs;
+    for (char *rest = copy, *word; (word = strtok_r(rest, ", ", &rest));) {
+        const sgt_proof proof = (sgt_proof)options_word(row, word);
+        if (o->proofs == sizeof o->proof / sizeof o->proof[0]) fail_usage("--proof: give each value once");
+        o->proof[o->proofs++] = proof;
+    }
+    if (o->proofs == before) options_word(row, value);
+}
+
+static void trade_take_ray(void *into, const option_row *row, const char *value)
+{
+    (void)row;
+    rays_parse(&((trade_arguments *)into)->trade.rays, value);
+}
+
+static const option_row trade_rows[] = {
+    {"surface", "SPEC",
+     "a surface, as in sagitta intersect, with --rays FILE or --ray\n"
+     "Default: a thousand rays that suit the surface",
+     OPTION_TEXT, .to = offsetof(trade_arguments, trade.surface)},
+    {"ray", "\"...\"", "a ray for it: ox oy oz dx dy dz", OPTION_TAKE, .take = trade_take_ray},
+    {"seconds", "S", "time to spend on measuring, about (default 10)", OPTION_LENGTH,
+     .to = offsetof(trade_arguments, trade.seconds)},
+    {"picture", "FILE", "draw error against time: svg, png or pdf, by the ending of the name", OPTION_TEXT,
+     .to = offsetof(trade_arguments, picture)},
+    {"svg", "FILE", "--svg FILE is now --picture FILE", .kind = OPTION_REFUSED},
+    {0},
+};
+static const option_row trade_setting_rows[] = {
+    {"t-tol", "X,...", "default 1e-12,1e-9,1e-6,1e-3", OPTION_TAKE,
+     .to = offsetof(trade_arguments, trade.t_tol), .take = take_list},
+    {"max-evals", "N,...", "default: 1/2, 1/4 and 1/8 of what the worst ray takes", OPTION_TAKE,
+     .to = offsetof(trade_arguments, trade.max_evals), .most = INT_MAX, .take = take_list},
+    {"proof", "P,...", "estimate, root or first; default root,first", OPTION_TAKE, .least = SGT_ESTIMATE,
+     .words = "estimate root first", .take = take_proofs},
+    {"dt-min", "X,...",
+     "level sets only: the fast search, which proves nothing\nDefault 1e-1,1e-2,1e-3,1e-4", OPTION_TAKE,
+     .to = offsetof(trade_arguments, trade.dt_min), .take = take_list},
+    {"iterations", "N,...",
+     "level sets only: other values of N, in a table of their own\n"
+     "Errors are against the largest N; default N - 4, N - 2 ... N + 4",
+     OPTION_TAKE, .to = offsetof(trade_arguments, trade.iterations), .most = INT_MAX, .take = take_list},
+    {"pick", "P", "first or near-seed; default: both, each measured against its own root", OPTION_WORD,
+     .to = offsetof(trade_arguments, trade.pick), .least = SGT_FIRST, .words = "first near-seed"},
+    {0},
+};
+static const option_group trade_own = {OPTIONS_OWN, "Options", .row = trade_rows},
+                          trade_settings = {OPTIONS_OWN, "Options of settings; values by commas",
+                                            .row = trade_setting_rows};
+
+static exit_status trade_run(const command *c, int argc, char *argv[]);
+
+static const char trade_all[] =
     "Columns\n"
     "  setting            the option that is changed; see Settings\n"
     "  ns                 time per ray (nanoseconds of one thread, rays in memory)\n"
@@ -45,140 +122,57 @@ static const char trade_help[] =
     "Times are medians of several runs in shuffled order.  They differ from run to run, and more\n"
     "from machine to machine: compare only times of one run.\n"
     "\n"
-    "Options\n"
-    "  --surface SPEC     a surface, as in sagitta intersect, with --rays FILE or --ray\n"
-    "                     \"ox oy oz dx dy dz\".  Default: a thousand rays that suit the surface\n"
-    "  LENS               a lens file, and options for its rays, as in sagitta trace (but --grid 21\n"
-    "                     by default)\n"
-    "                     With neither: a conic, an asphere, a scan lens and a Julia set\n";
-static const char trade_more_help[] =
-    "\n"
     "Settings\n"
     "  default            all rays in one call; outputs: status, t, t_err, point and gradient, or of\n"
     "                     a lens fate, last point, last direction and path\n"
     "  single             one call for each ray\n"
     "  out=t, out=point   only t, or of a lens only the last point, is asked for\n"
     "  out=all            every output\n"
-    "and these; values may be separated by commas, or the option repeated:\n"
-    "  --t-tol X,...      default 1e-12,1e-9,1e-6,1e-3\n"
-    "  --max-evals N,...  default: 1/2, 1/4 and 1/8 of what the worst ray takes\n"
-    "  --proof P,...      estimate, root or first; default root,first\n"
-    "  --dt-min X,...     level sets only: the fast search, which proves nothing; default\n"
-    "                     1e-1,1e-2,1e-3,1e-4\n"
-    "  --iterations N,... level sets only: other values of N, in a table of their own.  Errors are\n"
-    "                     against the largest N; default N - 4, N - 2 ... N + 4\n"
-    "  --pick P           first or near-seed; default: both, each measured against its own root\n"
-    "\n"
-    "  --seconds S        time to spend on measuring, about (default 10)\n"
-    "  --svg FILE         draw error against time\n"
-    "  --format F         text (for people, the default), csv or json\n"
-    "  --hex              numbers in hexadecimal\n"
-    "  --output FILE      write to FILE instead of standard output\n"
-    "  --help, --version\n"
-    "\n"
-    "Exit status\n"
-    "  0  measured, even if some ray is undecided\n"
-    "  2  wrong arguments\n"
-    "  3  bad input, or output that cannot be written\n";
+    "and those of the options below.\n";
 
-/* -------------------------------------------------------------- arguments */
+const command command_trade = {
+    .name = "trade", .usage = "[LENS | --surface SPEC [--rays FILE | --ray \"...\"]] [options]",
+    .brief = "speed against accuracy, measured",
+    .what = "What does accuracy cost, and what does speed cost?  Changes one option at a time, with all "
+            "others at their defaults, and measures each setting on this machine.  Without a lens or a "
+            "surface: a conic, an asphere, a scan lens and a Julia set.  A surface may have any type "
+            "except those about the Earth.",
+    .often = "surface rays ray t-tol max-evals proof seconds picture format output", .rays = "--grid 21",
+    .examples = "  sagitta trade --surface '{type: conic, radius: 20, conic: -1}' --seconds 3\n"
+                "  sagitta trade examples/lenses/cooke_triplet.yaml --picture trade.svg\n",
+    .docs = "docs/accuracy.md (the trade)", .all = trade_all,
+    .exits = "  0  measured, even if some ray is undecided\n"
+             "  2  wrong arguments\n"
+             "  3  bad input, or output that cannot be written\n",
+    .group = {&trade_own, &trade_settings, JOB_GROUPS, &options_output}, .run = trade_run,
+};
 
-typedef struct trade_arguments {
-    shared_options shared;
-    trade_options trade;
-    const char *svg;
-} trade_arguments;
-
-/* Appends numbers separated by commas to a list. */
-static void take_list(knob_list *list, const char *option, bool whole)
-{
-    char copy[400];
-    if (snprintf(copy, sizeof copy, "%s", optarg) >= (int)sizeof copy) fail_usage("--%s: too long", option);
-    for (char *rest = copy, *word; (word = strtok_r(rest, ", ", &rest));) {
-        if (list->count == sizeof list->value / sizeof list->value[0])
-            fail_usage("--%s: at most %zu values", option, list->count);
-        double x = whole ? (double)options_integer(option, word, 1, INT_MAX) : options_number(option, word);
-        if (!(x > 0)) fail_usage("--%s must be above 0, not \"%s\"", option, word);
-        list->value[list->count++] = x;
-    }
-    if (!list->count) fail_usage("--%s needs a number", option);
-}
-
-static void take_proofs(trade_options *o)
-{
-    static const char *const name[] = {"estimate", "root", "first"};
-    char copy[60];
-    snprintf(copy, sizeof copy, "%s", optarg);
-    size_t before = o->proofs;
-    for (char *rest = copy, *word; (word = strtok_r(rest, ", ", &rest));) {
-        size_t i = 0;
-        while (i < 3 && strcmp(word, name[i]) != 0) i++;
-        if (i == 3) fail_usage("--proof must be estimate, root or first, not \"%s\"", word);
-        if (o->proofs == sizeof o->proof / sizeof o->proof[0]) fail_usage("--proof: give each value once");
-        o->proof[o->proofs++] = (sgt_proof)i;
-    }
-    if (o->proofs == before) fail_usage("--proof must be estimate, root or first");
-}
-
-/* Is there an option that only a lens has? */
-static bool is_of_lens(const job_options *j)
-{
-    return j->fields || j->points || j->wavelengths || j->all_wavelengths || j->glass || j->strict ||
-           j->no_apertures;
-}
-
-static void check(const trade_arguments *a)
+static void check(const trade_arguments *a, bool of_lens)
 {
     const job_options *j = &a->trade.job;
     bool rays = j->rays || a->trade.rays.count;
     if (a->trade.surface && j->lens) fail_usage("give --surface or a lens file, not both");
-    if (a->trade.surface && is_of_lens(j))
+    if (a->trade.surface && of_lens)
         fail_usage("--field, --fan, --grid, --wavelength, --glass and --no-apertures go with a lens file, "
                    "not with --surface");
     if (j->rays && a->trade.rays.count) fail_usage("give --rays or --ray, not both");
     if (a->trade.rays.count && !a->trade.surface)
         fail_usage("--ray goes with --surface; for a lens give --rays FILE");
-    if (!a->trade.surface && !j->lens &&
-        (rays || is_of_lens(j) || j->skip_bad))
+    if (!a->trade.surface && !j->lens && (rays || of_lens || j->skip_bad))
         fail_usage("there are options for rays, but no --surface and no lens file");
 }
 
-static trade_arguments trade_arguments_of(int argc, char *argv[])
+static trade_arguments trade_arguments_of(const command *c, int argc, char *argv[])
 {
-    enum { SURFACE = OPTION_AFTER_JOB, RAY, ITERATIONS, SECONDS, SVG, PROOF };
-    static const struct option known[] = {
-        {"surface", required_argument, NULL, SURFACE}, {"ray", required_argument, NULL, RAY},
-        {"iterations", required_argument, NULL, ITERATIONS}, {"seconds", required_argument, NULL, SECONDS},
-        {"svg", required_argument, NULL, SVG}, {"proof", required_argument, NULL, PROOF},
-        JOB_OPTIONS, SHARED_OPTIONS, {0},
-    };
     trade_arguments a = {.trade = {.seconds = 10}};
-    for (int code; (code = getopt_long(argc, argv, "hq", known, NULL)) != -1;) {
-        switch (code) {
-        case SURFACE: a.trade.surface = optarg; break;
-        case RAY: rays_parse(&a.trade.rays, optarg); break;
-        case ITERATIONS: take_list(&a.trade.iterations, "iterations", true); break;
-        case SECONDS:
-            a.trade.seconds = options_number("seconds", optarg);
-            if (!(a.trade.seconds >= 0)) fail_usage("--seconds must not be negative, but is %s", optarg);
-            break;
-        case SVG: a.svg = optarg; break;
-        case PROOF: take_proofs(&a.trade); break;
-        case OPTION_T_TOL: take_list(&a.trade.t_tol, "t-tol", false); break;
-        case OPTION_DT_MIN: take_list(&a.trade.dt_min, "dt-min", false); break;
-        case OPTION_MAX_EVALS: take_list(&a.trade.max_evals, "max-evals", true); break;
-        case 'h':
-        case OPTION_HELP: print_and_end("%s%s%s", trade_help, job_help, trade_more_help);
-        default:
-            if (!job_take(&a.trade.job, code)) options_take(&a.shared, code, trade_help);
-        }
-    }
-    a.trade.pick = a.shared.solver.pick;
+    const unsigned given = command_read(c, &a, &a.trade.job, &a.shared, argc, argv);
     if (optind < argc) a.trade.job.lens = argv[optind++];
     if (optind < argc) fail_usage("unexpected argument \"%s\"; trade takes one lens file", argv[optind]);
-    check(&a);
-    if (a.svg) trade_picture_check();
-    quad_check();
+    check(&a, given & 1u << OPTIONS_OF_JOB);
+    if (a.picture) chart_check("picture", a.picture);
+    if (!quad_there())
+        fail_usage("trade is not available; this command was built without C++ or without numbers of 113 "
+                   "bits, which it measures errors by");
     return a;
 }
 
@@ -335,21 +329,21 @@ static void trade_write_rows(table *t, const header *h, const trade *all)
     if (h->lens)
         table_line(t, "path_worst: error of the optical path, in lengths; waves_worst: in wavelengths.");
     table_line(t, "best 1: none with as many outputs and as much proven is as good in ns, err_99,");
-    table_line(t, "undecided and wrong, and better in one of them.  Details: sagitta trade --help.");
+    table_line(t, "undecided and wrong, and better in one of them.  Details: sagitta trade --help all.");
 }
 
-exit_status command_trade(int argc, char *argv[])
+static exit_status trade_run(const command *c, int argc, char *argv[])
 {
-    trade_arguments a = trade_arguments_of(argc, argv);
+    trade_arguments a = trade_arguments_of(c, argc, argv);
     if (a.shared.target.path) output_check("output", a.shared.target.path);
     trade t = trade_cases(&a.trade);
     note_unread(&a, &t);
-    if (a.svg) output_reserve("svg", a.svg);
+    if (a.picture) output_reserve("picture", a.picture);
     header h = header_of(&t, a.shared.target.format == TABLE_TEXT);
     table *written = table_begin(&a.shared.target, h.count, h.column);
     trade_measure(&t, a.trade.seconds);
     trade_write_rows(written, &h, &t);
     table_end(written);
-    if (a.svg) trade_picture(a.svg, &t);
+    if (a.picture) trade_picture(a.picture, &t);
     return EXIT_DECIDED;
 }

@@ -12,8 +12,7 @@ enum { NOT_YET = -1 };
 
 watched watched_room(size_t elements)
 {
-    return (watched){.count = elements,
-                     .passage = memory_take(elements, sizeof(sgt_passage)),
+    return (watched){.count = elements, .passage = memory_take(elements, sizeof(sgt_passage)),
                      .begin = memory_take(elements + 1, sizeof(size_t))};
 }
 
@@ -58,8 +57,6 @@ arrival watched_arrival(const watched *w, const lens *l, size_t element)
     const sgt_vec3 d = frame_direction_in(pose, ray.d);
     double length = vector_length(d);
     return (arrival){.from = frame_point_in(pose, ray.o),
-                     .direction = {d.x / length, d.y / length, d.z / length},
-                     .p = w->passage[element].hit.p,
-                     .index = element ? l->index[element - 1] : l->index_before,
-                     .behind = l->index[element]};
+                     .direction = {d.x / length, d.y / length, d.z / length}, .p = w->passage[element].hit.p,
+                     .index = element ? l->index[element - 1] : l->index_before, .behind = l->index[element]};
 }

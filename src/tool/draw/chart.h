@@ -38,6 +38,8 @@ typedef struct chart_map {
     size_t kind_count;
     bool logarithmic;      /* colours by the logarithm */
     bool about_zero;       /* two hues that meet at 0 */
+    bool scaled;           /* the colours go at least from `least` to `most`, as of other maps beside it */
+    double least, most;
 } chart_map;
 
 typedef struct chart_circle { double x, y, radius; const char *name; chart_dash dash; } chart_circle;

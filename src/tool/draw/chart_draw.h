@@ -5,9 +5,15 @@
 
 #include <cairo.h>
 
-typedef struct chart_box {
-    double left, top, right, bottom;
-} chart_box;
+typedef struct chart_box { double left, top, right, bottom; } chart_box;
+
+static inline bool chart_boxes_meet(const chart_box *a, const chart_box *b)
+{
+    return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
+}
+
+/* (chart_series.c) Does the line from x0, y0 to x1, y1 enter the box? */
+bool chart_line_enters(double x0, double y0, double x1, double y1, const chart_box *b);
 
 /* ------------------------------------------------------------------ chart_text.c */
 
@@ -41,9 +47,7 @@ size_t chart_wrap(cairo_t *cr, double x, double y, double room, double step, con
 
 /* What a panel shows along one direction.  Ends of `fixed` are ends of the axis; about `free` there is a
  * margin. Of an empty pair the first is larger. */
-typedef struct chart_range {
-    double fixed[2], free[2];
-} chart_range;
+typedef struct chart_range { double fixed[2], free[2]; } chart_range;
 
 /* An axis and its ticks: at origin + i * step for whole numbers i.  Their numbers say i * step / 10^exponent.
  */

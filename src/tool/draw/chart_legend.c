@@ -22,10 +22,7 @@ typedef struct chart_entry {
     size_t kind;
 } chart_entry;
 
-typedef struct chart_entries {
-    chart_entry *entry;
-    size_t count, capacity;
-} chart_entries;
+typedef struct chart_entries { chart_entry *entry; size_t count, capacity; } chart_entries;
 
 static bool alike(const chart_entry *a, const chart_entry *b)
 {

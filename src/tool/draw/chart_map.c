@@ -83,6 +83,8 @@ chart_scale chart_scale_of(const chart_map *m, double length)
     chart_scale s = {.shown = false};
     chart_range r = chart_range_none();
     for (size_t i = 0; i < m->columns * m->rows; i++) chart_range_add(r.fixed, scaled(m, m->value[i]));
+    if (m->scaled)
+        chart_range_add(r.fixed, scaled(m, m->least)), chart_range_add(r.fixed, scaled(m, m->most));
     if (two_hues(m)) {
         double most = fmax(fabs(r.fixed[0]), fabs(r.fixed[1]));
         chart_range_add(r.fixed, most);
@@ -178,10 +180,7 @@ void chart_map_draw(cairo_t *cr, const chart_map *m, const chart_scale *s, const
 
 /* -------------------------------------------------------------------- bar */
 
-typedef struct bar_tick {
-    double at;
-    char text[CHART_TEXT];
-} bar_tick;
+typedef struct bar_tick { double at; char text[CHART_TEXT]; } bar_tick;
 enum { MOST_TICKS = 60 };
 
 /* Of a logarithmic scale: powers of ten, and 2 and 5 times those where there is room. */

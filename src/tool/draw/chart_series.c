@@ -7,14 +7,26 @@
 
 #include <math.h>
 
+/* The line is cut at each edge in turn (Liang and Barsky 1984, ACM TOG 3, 1). */
+bool chart_line_enters(double x0, double y0, double x1, double y1, const chart_box *b)
+{
+    double from = 0, to = 1, dx = x1 - x0, dy = y1 - y0;
+    const double way[4] = {-dx, dx, -dy, dy},
+                 room[4] = {x0 - b->left, b->right - x0, y0 - b->top, b->bottom - y0};
+    for (int i = 0; i < 4; i++) {
+        if (way[i] == 0 && room[i] <= 0) return false;
+        if (way[i] < 0) from = fmax(from, room[i] / way[i]);
+        if (way[i] > 0) to = fmin(to, room[i] / way[i]);
+    }
+    return from < to;
+}
+
 static const double LINE_WIDTH = 1.2, THIN_LINE = 0.8, RADIUS = 2.7, SMALL = 1.6, SMALLER = 1,
                     FULL_SIZE = 240, TURN = 6.283185307179586,
                     SMALLEST_CIRCLE = 0.01; /* cairo refuses a scale of 0 */
 enum { BATCH = 500, MANY = 1000 };
 
-typedef struct chart_point {
-    double x, y;
-} chart_point;
+typedef struct chart_point { double x, y; } chart_point;
 
 static chart_point point_of(const chart_place *p, double x, double y)
 {

@@ -2,11 +2,12 @@
  * the right end of the first row. */
 #include "legend.h"
 
+#include "../base/memory.h"
+
 #include "chart_draw.h"
 #include "palette.h"
 
 #include <math.h>
-#include <stdio.h>
 
 static const double LEGEND_ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 210, BAR_LONGEST = 150,
                     TICK = 3;
@@ -48,10 +49,7 @@ void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y)
 
 /* ---------------------------------------------------------------- entries */
 
-typedef struct flow {
-    cairo_t *cr;
-    double left, right, x, y;
-} flow;
+typedef struct flow { cairo_t *cr; double left, right, x, y; } flow;
 
 /* Makes room for a sample and a text, and draws the text; returns x of the sample. */
 static double entry(flow *f, double sample, const char *text)
@@ -66,16 +64,14 @@ static double entry(flow *f, double sample, const char *text)
 }
 
 /* "field 5°" or, of lengths, "field 3, 4 mm"; the word only before the first. */
-static void print_field(char *text, size_t size, const job *j, size_t i)
+static const char *field_name(const job *j, size_t i)
 {
     bool angle = j->field_kind == SGT_FIELD_ANGLE;
     const char *unit = angle ? "\302\260" : j->lens.units, *blank = angle ? "" : " ";
     const char *word = i == 0 ? "field " : "";
     sgt_lens_field at = j->field[i];
-    if (at.x == 0)
-        snprintf(text, size, "%s%g%s%.20s", word, at.y, blank, unit);
-    else
-        snprintf(text, size, "%s(%g, %g)%s%.20s", word, at.x, at.y, blank, unit);
+    return at.x == 0 ? memory_print("%s%g%s%.20s", word, at.y, blank, unit)
+                     : memory_print("%s(%g, %g)%s%.20s", word, at.x, at.y, blank, unit);
 }
 
 /* What the colours of the rays mean. */
@@ -83,11 +79,8 @@ static void ray_entries(flow *f, const scene *s)
 {
     const job *j = s->job;
     for (size_t i = 0; i < (s->by_wavelength ? j->wavelengths : j->fields); i++) {
-        char text[80];
-        if (s->by_wavelength)
-            snprintf(text, sizeof text, "%g \302\265m", j->at[i].lens.wavelength);
-        else
-            print_field(text, sizeof text, j, i);
+        const char *text = s->by_wavelength ? memory_print("%g \302\265m", j->at[i].lens.wavelength)
+                                            : field_name(j, i);
         double x = entry(f, SAMPLE, text), y = f->y - CHART_NORMAL / 3;
         legend_set(f->cr, i);
         cairo_move_to(f->cr, x, y), cairo_line_to(f->cr, x + SAMPLE, y);
@@ -99,9 +92,7 @@ static void ray_entries(flow *f, const scene *s)
 
 static void stop_entry(flow *f, const scene *s)
 {
-    char text[60];
-    snprintf(text, sizeof text, "stop: element %zu", s->job->lens.of->stop + 1);
-    double x = entry(f, LEGEND_STOP_WIDTH, text);
+    double x = entry(f, LEGEND_STOP_WIDTH, memory_print("stop: element %zu", s->job->lens.of->stop + 1));
     cairo_set_source_rgb(f->cr, 0, 0, 0);
     cairo_move_to(f->cr, x + 1, f->y + 1), cairo_line_to(f->cr, x + 1, f->y - CHART_NORMAL + 2);
     cairo_set_line_width(f->cr, LEGEND_STOP_WIDTH);
@@ -123,9 +114,7 @@ static void fate_entries(flow *f, const scene *s)
         size_t n = 0;
         for (size_t i = 0; i < s->paths; i++) n += s->path[i].fate == fates[k].fate;
         if (n == 0) continue;
-        char text[60];
-        snprintf(text, sizeof text, "%zu %s", n, fates[k].name);
-        double x = entry(f, 6, text);
+        double x = entry(f, 6, memory_print("%zu %s", n, fates[k].name));
         legend_mark(f->cr, fates[k].fate, x + 3, f->y - CHART_NORMAL / 3);
     }
 }
@@ -155,10 +144,7 @@ double legend_draw(cairo_t *cr, const scene *s, const char *words, double left, 
                    double scale)
 {
     chart_font(cr, CHART_NORMAL, false);
-    flow f = {.cr = cr,
-              .left = left,
-              .right = right - (scale > 0 ? BAR_ROOM : 0),
-              .x = left,
+    flow f = {.cr = cr, .left = left, .right = right - (scale > 0 ? BAR_ROOM : 0), .x = left,
               .y = top + CHART_NORMAL};
     ray_entries(&f, s);
     if (s->job->lens.of->stop_marked) stop_entry(&f, s);

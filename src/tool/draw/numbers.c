@@ -16,50 +16,22 @@ static const double SIZE = CHART_SMALL, FIRST = 9, ROW = 10.5, AWAY = 1.5, LETTE
                     STOP_BEYOND = 13, PAGE_EDGE = 4;
 enum { ROWS = 6, NUMBERED = 400 };
 
-typedef struct number_box {
-    double left, top, right, bottom;
-} number_box;
-
-static number_box box_of(const page *p, const char *text, page_dot middle)
+static chart_box box_of(const page *p, const char *text, page_dot middle)
 {
     double half = chart_width(p->cr, text) / 2 + AWAY, high = 0.36 * SIZE + AWAY;
-    return (number_box){middle.x - half, middle.y - high, middle.x + half, middle.y + high};
+    return (chart_box){middle.x - half, middle.y - high, middle.x + half, middle.y + high};
 }
 
-static bool boxes_meet(number_box a, number_box b)
+static bool line_meets(page_dot a, page_dot b, chart_box in)
 {
-    return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-}
-
-/* Does the line from a to b enter the box?  It is cut by each side in turn. */
-static bool line_meets(page_dot a, page_dot b, number_box in)
-{
-    const double from[] = {a.x, a.y}, way[] = {b.x - a.x, b.y - a.y}, low[] = {in.left, in.top},
-                 high[] = {in.right, in.bottom};
-    double first = 0, last = 1;
-    for (int k = 0; k < 2; k++) {
-        if (way[k] == 0) {
-            if (!(from[k] > low[k] && from[k] < high[k])) return false;
-            continue;
-        }
-        double s = (low[k] - from[k]) / way[k], t = (high[k] - from[k]) / way[k];
-        first = fmax(first, fmin(s, t)), last = fmin(last, fmax(s, t));
-    }
-    return first < last;
+    return chart_line_enters(a.x, a.y, b.x, b.y, &in);
 }
 
 /* ---------------------------------------------------------------- obstacles */
 
 /* A line on the page, and the box about it. */
-typedef struct obstacle {
-    size_t count;
-    page_dot *at;
-    number_box about;
-} obstacle;
-typedef struct obstacles {
-    obstacle *all;
-    size_t count, room;
-} obstacles;
+typedef struct obstacle { size_t count; page_dot *at; chart_box about; } obstacle;
+typedef struct obstacles { obstacle *all; size_t count, room; } obstacles;
 
 static void add_obstacle(obstacles *o, const page *p, const sgt_vec3 at[], size_t count)
 {
@@ -68,7 +40,7 @@ static void add_obstacle(obstacles *o, const page *p, const sgt_vec3 at[], size_
         page_dot d = page_at(p, at[i]);
         if (!isfinite(d.x + d.y)) continue;
         line.at[line.count++] = d;
-        line.about = (number_box){fmin(line.about.left, d.x), fmin(line.about.top, d.y),
+        line.about = (chart_box){fmin(line.about.left, d.x), fmin(line.about.top, d.y),
                                   fmax(line.about.right, d.x), fmax(line.about.bottom, d.y)};
     }
     o->all = memory_room(o->all, o->count, &o->room, sizeof *o->all);
@@ -101,19 +73,19 @@ static obstacles obstacles_of(const page *p)
 
 static bool is_free(const page *p, const obstacles *o, const element_numbers *done, const number *n)
 {
-    number_box here = box_of(p, n->text, n->at);
+    chart_box here = box_of(p, n->text, n->at);
     for (size_t i = 0; i < done->count; i++) {
         const number *m = &done->number[i];
-        number_box there = box_of(p, m->text, m->at);
-        if (boxes_meet(here, there) || (n->led && line_meets(n->from, n->to, there)) ||
+        chart_box there = box_of(p, m->text, m->at);
+        if (chart_boxes_meet(&here, &there) || (n->led && line_meets(n->from, n->to, there)) ||
             (m->led && line_meets(m->from, m->to, here)))
             return false;
     }
     for (size_t i = 0; i < o->count; i++) {
         const obstacle *line = &o->all[i];
-        const number_box wide = {line->about.left - 1, line->about.top - 1, line->about.right + 1,
+        const chart_box wide = {line->about.left - 1, line->about.top - 1, line->about.right + 1,
                                  line->about.bottom + 1};
-        if (!boxes_meet(here, wide)) continue;
+        if (!chart_boxes_meet(&here, &wide)) continue;
         for (size_t k = 1; k < line->count; k++)
             if (line_meets(line->at[k - 1], line->at[k], here)) return false;
     }
@@ -186,7 +158,7 @@ static bool place_number(const page *p, const obstacles *o, const element_number
         for (int k = 0; k < ROWS * ASIDE; k++) {
             if (allowed * aside[k % ASIDE] < 0) continue;
             number_in_row(n, from, out, k / ASIDE, aside[k % ASIDE]);
-            number_box at = box_of(p, n->text, n->at);
+            chart_box at = box_of(p, n->text, n->at);
             if (at.left > PAGE_EDGE && at.right < width - PAGE_EDGE && is_free(p, o, done, n)) return true;
         }
     }
@@ -207,7 +179,7 @@ element_numbers numbers_of(const page *p, double width)
             n.left_out++;
             continue;
         }
-        number_box at = box_of(p, new->text, new->at);
+        chart_box at = box_of(p, new->text, new->at);
         n.top = fmin(n.top, at.top), n.bottom = fmax(n.bottom, at.bottom);
         n.count++;
     }

@@ -344,10 +344,8 @@ outline outline_of(const job *j, const view_axes *v, size_t i, const reach *met,
     double before = i ? l->index[i - 1] : l->index_before;
     bool mirror = l->surface[i].mirror;
     outline o = {
-        .ahead = frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1}),
-        .mirror = mirror,
-        .stop = l->of->stop_marked && l->of->stop == i,
-        .back = back,
+        .ahead = frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1}), .mirror = mirror,
+        .stop = l->of->stop_marked && l->of->stop == i, .back = back,
         .lens = e->phase ? copysign(1, e->phase->focal_length) : 0,
         .dummy = !mirror && !e->phase && l->index[i] == before && i + 1 < l->count,
     };

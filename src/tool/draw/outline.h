@@ -8,10 +8,7 @@
 enum { OUTLINE_POINTS = 65, RIM_POINTS = 128 };
 
 /* Where rays met an element: how far from its axis, and the box about the points in its own x, y. */
-typedef struct reach {
-    double radius;
-    sgt_vec2 low, high;
-} reach;
+typedef struct reach { double radius; sgt_vec2 low, high; } reach;
 
 typedef enum piece_kind {
     PIECE_SURFACE, /* light meets the element there */

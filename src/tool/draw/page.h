@@ -12,9 +12,7 @@ typedef struct page {
     double left, base; /* x = left + scale right, y = base - scale up */
 } page;
 
-typedef struct page_dot {
-    double x, y;
-} page_dot;
+typedef struct page_dot { double x, y; } page_dot;
 
 /* Widths of lines. */
 #define PAGE_THIN 0.5

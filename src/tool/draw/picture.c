@@ -8,6 +8,7 @@
  * All sizes are points.  A png has two pixels a point. */
 #include "picture.h"
 
+#include "../base/memory.h"
 #include "../read/surface.h"
 #include "chart_draw.h"
 #include "elements.h"
@@ -17,8 +18,6 @@
 #include "sheet.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
 static const double PICTURE_WIDTH = 900, MARGIN = 24, TOP = 78, INSIDE = 14, PLOT_HIGHEST = 460,
@@ -28,8 +27,6 @@ static const double TITLE_FONT = 15, LINE_FONT = 10.5, AXIS_BEYOND = 12, CORNER 
 /* of a beam: more rays are thinner; still more let shine through what is behind */
 static const double MANY_RAYS = 60, FULL_RAYS = 150, FAINTEST = 0.12;
 
-void picture_check(const char *option) { (void)option; }
-
 /* --------------------------------------------------------------------- page */
 
 typedef struct layout {
@@ -37,7 +34,7 @@ typedef struct layout {
     element_numbers numbers;
     double down;           /* by how much the numbers move the lens down */
     frame_box plot;        /* with the numbers */
-    char missing[200];     /* what is not shown, in words; may be empty */
+    const char *missing;   /* what is not shown, in words; may be empty */
     double legend, height; /* the top of the legend; of the page */
 } layout;
 
@@ -59,28 +56,16 @@ static double lay_scale(page *p, double left)
     return TOP + plot + 2 * INSIDE;
 }
 
-/* Adds to a text as far as there is room. */
-static void add_words(char *text, size_t size, const char *format, ...) LIKE_PRINTF(3, 4);
-static void add_words(char *text, size_t size, const char *format, ...)
+/* "level set, not drawn: element 2; 3 elements without a number", or "". */
+static const char *missing_from(const scene *s, size_t left_out)
 {
-    size_t length = strlen(text);
-    va_list values;
-    va_start(values, format);
-    vsnprintf(text + length, size - length, format, values);
-    va_end(values);
-}
-
-/* "level set, not drawn: element 2; 3 elements without a number", or nothing. */
-static void print_missing(char *text, size_t size, const scene *s, size_t left_out)
-{
-    size_t sets = 0;
-    *text = 0;
+    const char *sets = "";
     for (size_t i = 0; i < s->job->lens.count; i++)
         if (surface_is_level_set(s->job->element[i].surface))
-            add_words(text, size, sets++ ? ", %zu" : "level set, not drawn: element %zu", i + 1);
-    if (left_out)
-        add_words(text, size, "%s%zu element%s without a number", sets ? "; " : "", left_out,
-                  left_out == 1 ? "" : "s");
+            sets = memory_print("%s%s%zu", sets, *sets ? ", " : "level set, not drawn: element ", i + 1);
+    return left_out ? memory_print("%s%s%zu element%s without a number", sets, *sets ? "; " : "", left_out,
+                                   left_out == 1 ? "" : "s")
+                    : sets;
 }
 
 /* Finds the layout by a page that is drawn nowhere.  The ruler's width depends on its numbers, and they on
@@ -98,7 +83,7 @@ static layout lay_out(const scene *s)
     l.down = fmax(0, TOP + INSIDE / 2 - l.numbers.top);
     l.plot.bottom = l.down + fmax(l.plot.bottom, l.numbers.bottom + INSIDE / 2);
     l.legend = l.plot.bottom + (space ? 0 : RULER_HEIGHT) + INSIDE / 2;
-    print_missing(l.missing, sizeof l.missing, s, l.numbers.left_out);
+    l.missing = missing_from(s, l.numbers.left_out);
     l.height = l.legend + MARGIN / 2 +
                legend_draw(p->cr, s, l.missing, MARGIN, PICTURE_WIDTH - MARGIN, 0, space ? p->scale : 0);
     p->base += l.down;
@@ -155,41 +140,37 @@ static void draw_marks(const page *p)
 /* -------------------------------------------------------------------- title */
 
 /* "y-z section; 0.4861, 0.5876 um; 20 of 21 rays passed" */
-static void print_facts(char *text, size_t size, const scene *s)
+static const char *facts_of(const scene *s)
 {
     const job *j = s->job;
     size_t passed = 0;
+    const char *text = view_title(s->view.plane);
     for (size_t i = 0; i < s->paths; i++) passed += s->path[i].fate == SGT_PASSED;
-    snprintf(text, size, "%s", view_title(s->view.plane));
     for (size_t i = 0; i < j->wavelengths && !isnan(j->lens.wavelength); i++)
-        add_words(text, size, "%s%g", i ? ", " : "; ", j->at[i].lens.wavelength);
-    if (!isnan(j->lens.wavelength)) add_words(text, size, " \302\265m");
-    if (s->paths)
-        add_words(text, size, "; %zu of %zu ray%s passed", passed, s->paths, s->paths == 1 ? "" : "s");
-    else
-        add_words(text, size, "; no rays");
+        text = memory_print("%s%s%g", text, i ? ", " : "; ", j->at[i].lens.wavelength);
+    return memory_print("%s%s; %s", text, isnan(j->lens.wavelength) ? "" : " \302\265m",
+                        s->paths ? memory_print("%zu of %zu ray%s passed", passed, s->paths,
+                                                s->paths == 1 ? "" : "s")
+                                 : "no rays");
 }
 
 /* "fields: object height 0, 3, 5 mm" */
-static void print_fields(char *text, size_t size, const job *j)
+static const char *fields_of(const job *j)
 {
     static const char *const kinds[] = {
-        [SGT_FIELD_ANGLE] = "angle",
-        [SGT_FIELD_OBJECT_HEIGHT] = "object height",
+        [SGT_FIELD_ANGLE] = "angle", [SGT_FIELD_OBJECT_HEIGHT] = "object height",
         [SGT_FIELD_PARAXIAL_IMAGE_HEIGHT] = "paraxial image height",
         [SGT_FIELD_REAL_IMAGE_HEIGHT] = "real image height",
     };
-    bool angle = j->field_kind == SGT_FIELD_ANGLE;
-    snprintf(text, size, j->fields ? "field%s: %s" : "rays of a file", j->fields == 1 ? "" : "s",
-             kinds[j->field_kind]);
+    const bool angle = j->field_kind == SGT_FIELD_ANGLE;
+    if (!j->fields) return "rays of a file";
+    const char *text = memory_print("field%s: %s", j->fields == 1 ? "" : "s", kinds[j->field_kind]);
     for (size_t i = 0; i < j->fields; i++) {
-        add_words(text, size, i ? ", " : " ");
-        if (j->field[i].x != 0)
-            add_words(text, size, "(%g, %g)", j->field[i].x, j->field[i].y);
-        else
-            add_words(text, size, "%g", j->field[i].y);
+        const sgt_lens_field at = j->field[i];
+        text = memory_print("%s%s%s", text, i ? ", " : " ",
+                            at.x != 0 ? memory_print("(%g, %g)", at.x, at.y) : memory_print("%g", at.y));
     }
-    if (j->fields) add_words(text, size, "%s%.20s", angle ? "\302\260" : " ", angle ? "" : j->lens.units);
+    return memory_print("%s%s%.20s", text, angle ? "\302\260" : " ", angle ? "" : j->lens.units);
 }
 
 static void draw_title(cairo_t *cr, const scene *s)
@@ -197,16 +178,14 @@ static void draw_title(cairo_t *cr, const scene *s)
     const lens *l = &s->job->lens;
     const char *file = strrchr(l->of->file, '/'), *title = *l->name ? l->name : file ? file + 1 : l->of->file;
     const double room = PICTURE_WIDTH - 2 * MARGIN - (s->view.plane == VIEW_3D ? CORNER + MARGIN : 0);
-    char text[600];
     chart_font(cr, TITLE_FONT, true);
     chart_grey(cr, 0);
     chart_text(cr, MARGIN, MARGIN + TITLE_FONT - 3, 0, room, title);
     chart_font(cr, LINE_FONT, false);
     chart_grey(cr, 0.35);
-    print_facts(text, sizeof text, s);
-    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT + 2, 0, room, text);
-    print_fields(text, sizeof text, s->job);
-    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT * (1 + CHART_LINE) + 2, 0, room, text);
+    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT + 2, 0, room, facts_of(s));
+    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT * (1 + CHART_LINE) + 2, 0, room,
+               fields_of(s->job));
 }
 
 /* --------------------------------------------------------------------- file */

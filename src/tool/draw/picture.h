@@ -4,9 +4,6 @@
 #include "kind.h"
 #include "scene.h"
 
-/* Ends with a usage error if the command was built without cairo. */
-void picture_check(const char *option);
-
 /* Writes the picture.  If it cannot be written the command ends. */
 void picture_write(const char *file, picture_kind kind, const scene *s);
 

@@ -1,12 +1,4 @@
 /* picture_missing.c - replaces what draws pictures of a lens if there is no cairo. */
 #include "picture.h"
 
-void picture_check(const char *option)
-{
-    fail_usage("--%s: not available; this command was built without cairo", option);
-}
-
-void picture_write(const char *file, picture_kind kind, const scene *s)
-{
-    (void)file, (void)kind, (void)s;
-}
+void picture_write(const char *file, picture_kind kind, const scene *s) { (void)file, (void)kind, (void)s; }

@@ -4,9 +4,7 @@
 #include "page.h"
 
 /* The box of the plot on the page. */
-typedef struct frame_box {
-    double left, top, right, bottom;
-} frame_box;
+typedef struct frame_box { double left, top, right, bottom; } frame_box;
 
 #define RULER_HEIGHT 34.0 /* of what is drawn below the plot */
 

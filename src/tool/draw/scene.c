@@ -12,9 +12,7 @@ static const double BEYOND_LENS = 3;   /* of the lens's extent: a ray is drawn t
 
 scene scene_begin(const job *j, view_plane plane)
 {
-    scene s = {.job = j,
-               .view = view_of(plane),
-               .reach = memory_take(j->lens.count, sizeof(reach)),
+    scene s = {.job = j, .view = view_of(plane), .reach = memory_take(j->lens.count, sizeof(reach)),
                .outline = memory_take(j->lens.count, sizeof(outline)),
                .by_wavelength = j->wavelengths > 1 && j->fields <= 1};
     for (size_t i = 0; i < j->lens.count; i++)
@@ -34,10 +32,7 @@ static bool astray(sgt_fate fate) { return fate == SGT_MISSED || fate == SGT_LOS
 void scene_add(scene *s, size_t field, size_t wavelength, size_t points, const sgt_vec3 point[],
                sgt_fate fate, sgt_vec3 direction)
 {
-    ray_path p = {.field = field,
-                  .wavelength = wavelength,
-                  .count = points,
-                  .fate = fate,
+    ray_path p = {.field = field, .wavelength = wavelength, .count = points, .fate = fate,
                   .at = memory_take(points + 1, sizeof *p.at)};
     for (size_t i = 0; i < points; i++) {
         p.at[i] = point[i];

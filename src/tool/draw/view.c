@@ -33,13 +33,6 @@ view_axes view_of(view_plane plane)
     return (view_axes){plane, {-s, 0, c}, {S * c, C, S * s}, {-C * c, S, -C * s}};
 }
 
-bool view_named(const char *name, view_plane *plane)
-{
-    for (int k = VIEW_YZ; k <= VIEW_3D; k++)
-        if (strcmp(name, named[k].name) == 0) return *plane = (view_plane)k, true;
-    return false;
-}
-
 const char *view_title(view_plane plane) { return named[plane].title; }
 
 spot view_spot(const view_axes *v, sgt_vec3 p)

@@ -9,20 +9,12 @@
 typedef enum view_plane { VIEW_YZ, VIEW_XZ, VIEW_3D } view_plane;
 
 /* Axes of the picture, of length 1, in the global frame.  toward: from the lens to who looks. */
-typedef struct view_axes {
-    view_plane plane;
-    sgt_vec3 right, up, toward;
-} view_axes;
+typedef struct view_axes { view_plane plane; sgt_vec3 right, up, toward; } view_axes;
 
 /* A point of the picture, in lengths of the lens. */
-typedef struct spot {
-    double right, up;
-} spot;
+typedef struct spot { double right, up; } spot;
 
 view_axes view_of(view_plane plane);
-
-/* The plane of that name ("yz", "xz", "3d"); false: there is none. */
-bool view_named(const char *name, view_plane *plane);
 
 /* "y-z section", for a title. */
 const char *view_title(view_plane plane);

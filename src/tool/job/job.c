@@ -10,79 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { RAYS_MOST = 1000000000, SIDE_MOST = 30000 };
-
-/* The patterns, and how many points each has without a number. */
-static const struct { const char *name; long points;
-} patterns[] = {
-    [SGT_PATTERN_FAN] = {"fan", 5},
-    [SGT_PATTERN_GRID] = {"grid", 11},
-    [SGT_PATTERN_HEXAPOLAR] = {"hexapolar", 6},
-    [SGT_PATTERN_RANDOM] = {"random", 100},
-    [SGT_PATTERN_SOBOL] = {"sobol", 128},
-    [SGT_PATTERN_CELLS] = {"cells", 20},
-    [SGT_PATTERN_CROSS] = {"cross", 21},
-};
-enum { PATTERNS = sizeof patterns / sizeof patterns[0] };
-static const char ONE_PATTERN[] =
-    "give one of --fan, --grid, --hexapolar, --random, --sobol, --cells, --cross, --pattern";
-static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells or cross";
-
-/* The help in parts, and the whole of it. */
-#define FIELDS_HELP                                                                                     \
-    "  --field DEG        angle of a field in the y-z plane, in degrees; the chief ray of a positive\n" \
-    "                     field climbs toward +y.  May be repeated\n"                                   \
-    "  --field-at \"X Y K\" a field: two numbers, as `fields` of a lens file has them.  K is angle,\n"    \
-    "                     object_height, paraxial_image_height or real_image_height; left out: as\n"     \
-    "                     the lens has it.  May be repeated, with the same K\n"                          \
-    "  --fields LIST      fields of the lens by their numbers, counted from 1: 1,3.  Or all, the default\n"
-
-#define PATTERNS_HELP                                                                                        \
-    "  --fan N            N rays across the entrance pupil in y, from edge to edge\n"                        \
-    "  --grid N           a square grid of N x N rays over the pupil, without those outside its circle\n"    \
-    "  --hexapolar N      the centre, and N rings of 6, 12, 18 ... rays\n"                                   \
-    "  --random N         N random rays, uniform over the area; --seed S (default 1) draws others\n"         \
-    "  --sobol N          N rays that fill the area evenly\n"                                                \
-    "  --cells N          the centres of the cells of a square of N x N, those in the circle\n"              \
-    "  --cross N          N rays across in y, and N in x\n"                                                  \
-    "  --pattern P        fan, grid, hexapolar, random, sobol, cells or cross, with as many rays as suit;\n" \
-    "  --rays-across N    or so many across the pupil (of random and sobol as many as a grid would have)\n"  \
-    "  --chief            the ray through the centre of the pupil: --pupil \"0 0\"\n"                        \
-    "  --pupil \"PX PY\"    the ray through a point of the pupil, in radii of it.  May be repeated\n"
-
-#define AIM_HELP                                                                                           \
-    "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n" \
-    "                     (its radius is the marginal ray's height there).  Default: as the lens says.\n"  \
-    "                     Rays are searched in 600 pupil radii, and in all that rims in front let\n"       \
-    "                     through.  Only if rims bound them can it be proven that there is no such ray.\n" \
-    "                     Else a ray that is not found is undecided\n"
-
-#define FILE_HELP                                                                                      \
-    "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"     \
-    "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input; or\n" \
-    "                     an array of NumPy, NAME.npy, or a folder with an array for each column\n"    \
-    "  --skip-bad         skip bad rows of the file, and say how many\n"
-
-#define WAVELENGTH_HELP                                                                          \
-    "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1.  With a\n" \
-    "                     point: micrometres.  Or a spectral line: i h g F' F e d D C' C r s\n"  \
-    "                     t.  Or all: those of the lens, one after another; also W,W... and\n"   \
-    "                     --wavelength repeated.\n"
-
-#define LENS_HELP                                                                                          \
-    "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"   \
-    "                     that ship.  May be repeated.  If several makers have a name, the first of the\n"  \
-    "                     lens's `makers` decides; else such a catalogue; else SCHOTT, OHARA, HOYA, CDGM,\n" \
-    "                     HIKARI, SUMITA\n"                                                                \
-    "  --strict           what the reader of a .zmx file leaves out, and a wavelength outside the range\n" \
-    "                     of a glass, are errors\n"                                                        \
-    "  --no-apertures     ignore the clear apertures: clip no ray\n"
-
-const char job_fields_help[] = FIELDS_HELP, job_patterns_help[] = PATTERNS_HELP, job_aim_help[] = AIM_HELP,
-           job_wavelength_help[] = WAVELENGTH_HELP, job_lens_help[] = LENS_HELP;
-const char job_help[] = FIELDS_HELP PATTERNS_HELP
-    "  none of these      --fan 5\n" AIM_HELP FILE_HELP WAVELENGTH_HELP
-    "                     Default: its primary one\n" LENS_HELP;
+enum { RAYS_MOST = 1000000000, SIDE_MOST = 30000, FAN_DEFAULT = 5 };
 
 static const double NANOMETRES = 100; /* um: light so long is rarer than a slip of the unit */
 static const char LINES[] = "i h g F' F e d D C' C r s t";
@@ -115,68 +43,75 @@ static char *next_word(char **rest)
     return word;
 }
 
-static void take_wavelength(job_options *o)
+static void take_wavelength(void *into, const option_row *row, const char *value)
 {
-    if (strcmp(optarg, "all") == 0) {
+    job_options *o = into;
+    (void)row;
+    if (strcmp(value, "all") == 0) {
         o->all_wavelengths = true;
         return;
     }
-    for (char *rest = memory_text(optarg, strlen(optarg)), *word; (word = next_word(&rest));) {
+    for (char *rest = memory_text(value, strlen(value)), *word; (word = next_word(&rest));) {
         o->wavelength = memory_room(o->wavelength, o->wavelengths, &o->wavelength_capacity,
                                     sizeof *o->wavelength);
         o->wavelength[o->wavelengths++] = wavelength_of(word);
     }
 }
 
-/* --fan N and its like. */
-static void take_points(job_options *o, sgt_pattern pattern)
+/* --fan N and its like; `least` of the row is the pattern, `most` the greatest N. */
+static void take_points(void *into, const option_row *row, const char *value)
 {
-    const bool square = pattern == SGT_PATTERN_GRID || pattern == SGT_PATTERN_CELLS ||
-                        pattern == SGT_PATTERN_HEXAPOLAR;
-    const long most = square ? SIDE_MOST : RAYS_MOST;
-    if (o->pattern_given) fail_usage("%s", ONE_PATTERN);
-    o->pattern = pattern, o->pattern_given = true;
-    o->points = options_integer(patterns[pattern].name, optarg, 1, most);
+    job_options *o = into;
+    if (o->points)
+        fail_usage("give one of --fan, --grid, --hexapolar, --random, --sobol, --cells, --cross");
+    o->pattern = (sgt_pattern)row->least;
+    o->points = options_integer(row->name, value, 1, row->most);
 }
 
-static void take_pattern(job_options *o)
+static void take_seed(void *into, const option_row *row, const char *value)
 {
-    int i = 0;
-    if (o->pattern_given) fail_usage("%s", ONE_PATTERN);
-    while (i < PATTERNS && strcmp(optarg, patterns[i].name) != 0) i++;
-    if (i == PATTERNS) fail_usage("--pattern must be %s, not \"%s\"", PATTERN_NAMES, optarg);
-    o->pattern = (sgt_pattern)i, o->pattern_given = true;
+    ((job_options *)into)->seed = options_integer(row->name, value, 1, LONG_MAX);
 }
 
-static void take_pupil(job_options *o, const char *text)
+/* Of --chief, which has no value, too. */
+static void take_pupil(void *into, const option_row *row, const char *value)
 {
-    double x, y;
+    job_options *o = into;
+    double x = 0, y = 0;
     char more;
-    if (sscanf(text, "%lf %lf %c", &x, &y, &more) != 2 || !(fabs(x) <= 100) || !(fabs(y) <= 100))
-        fail_usage("--pupil must be two numbers, \"PX PY\", in radii of the pupil, not \"%s\"", text);
+    if (row->value &&
+        (sscanf(value, "%lf %lf %c", &x, &y, &more) != 2 || !(fabs(x) <= 100) || !(fabs(y) <= 100)))
+        fail_usage("--pupil must be two numbers, \"PX PY\", in radii of the pupil, not \"%s\"", value);
     o->pupil = memory_room(o->pupil, o->pupils, &o->pupil_capacity, sizeof *o->pupil);
     o->pupil[o->pupils++] = (sgt_pupil_point){x, y, 1};
 }
 
-static void take_fields(job_options *o)
+static void take_fields(void *into, const option_row *row, const char *value)
 {
-    if (strcmp(optarg, "all") == 0) return; /* the default */
-    for (char *rest = memory_text(optarg, strlen(optarg)), *word; (word = next_word(&rest));) {
+    job_options *o = into;
+    if (strcmp(value, "all") == 0) return; /* the default */
+    for (char *rest = memory_text(value, strlen(value)), *word; (word = next_word(&rest));) {
         o->number = memory_room(o->number, o->numbers, &o->number_capacity, sizeof *o->number);
-        o->number[o->numbers++] = (size_t)options_integer("fields", word, 1, INT_MAX) - 1;
+        o->number[o->numbers++] = (size_t)options_integer(row->name, word, 1, INT_MAX) - 1;
     }
 }
 
-static void take_field(job_options *o)
+static void add_field(job_options *o, sgt_lens_field f)
 {
-    if (strcmp(optarg, "all") == 0) return; /* those of the lens: the default */
-    if (strchr(optarg, ','))
-        fail_usage("--field takes one angle, not %s; for several angles repeat --field", optarg);
-    if (o->field_at) fail_usage("give --field or --field-at, not both");
     o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
-    o->field[o->fields] = (sgt_lens_field){.y = options_number("field", optarg), .weight = 1};
-    if (!(fabs(o->field[o->fields++].y) < 90))
-        fail_usage("--field must be between -90 and 90 degrees, not %s", optarg);
+    o->field[o->fields++] = f;
+}
+
+static void take_field(void *into, const option_row *row, const char *value)
+{
+    job_options *o = into;
+    if (strcmp(value, "all") == 0) fail_usage("--field all is now --fields all, the default");
+    if (strchr(value, ','))
+        fail_usage("--field takes one angle, not %s; for several angles repeat --field", value);
+    if (o->field_at) fail_usage("give --field or --field-at, not both");
+    const double angle = options_number(row->name, value);
+    if (!(fabs(angle) < 90)) fail_usage("--field must be between -90 and 90 degrees, not %s", value);
+    add_field(o, (sgt_lens_field){.y = angle, .weight = 1});
 }
 
 static const char *const kinds[] = {[SGT_FIELD_ANGLE] = "angle",
@@ -187,67 +122,135 @@ enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 const char *job_field_kind(sgt_field_kind kind) { return kinds[kind]; }
 
-static void take_field_at(job_options *o)
+static void take_field_at(void *into, const option_row *row, const char *value)
 {
+    job_options *o = into;
     sgt_lens_field f = {.weight = 1};
     char kind[40] = "", more;
-    const int n = sscanf(optarg, "%lf %lf %39s %c", &f.x, &f.y, kind, &more);
+    const int n = sscanf(value, "%lf %lf %39s %c", &f.x, &f.y, kind, &more);
     size_t k = 0;
+    (void)row;
     while (k < KINDS && strcmp(kind, kinds[k]) != 0) k++;
     if (n < 2 || n > 3 || !isfinite(f.x) || !isfinite(f.y) || (n == 3 && k == KINDS))
         fail_usage("--field-at must be \"X Y\" or \"X Y KIND\", KIND angle, object_height, "
-                   "paraxial_image_height or real_image_height, not \"%s\"", optarg);
+                   "paraxial_image_height or real_image_height, not \"%s\"", value);
     const char *own = n == 3 ? kinds[k] : NULL;
     if (o->fields && (!o->field_at || own != o->field_kind))
         fail_usage("give --field, or --field-at with the same KIND each time");
     o->field_at = true, o->field_kind = own;
-    o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
-    o->field[o->fields++] = f;
+    add_field(o, f);
 }
 
-/* Notes an option that a command which repeats the rays has to be given, too. */
-static void give_again(job_options *o, const char *option, const char *value)
+/* Options that a command which repeats the rays has to be given, too: they are noted, then taken. */
+static void take_again(void *into, const option_row *row, const char *value)
 {
+    job_options *o = into;
     const char *before = o->again ? o->again : "";
-    const size_t size = strlen(before) + strlen(option) + (value ? strlen(value) : 0) + 8;
+    const size_t size = strlen(before) + strlen(row->name) + (value ? strlen(value) : 0) + 8;
     char *all = memory_take(size, 1);
-    snprintf(all, size, value ? "%s --%s \"%s\"" : "%s --%s", before, option, value);
+    snprintf(all, size, value ? "%s --%s \"%s\"" : "%s --%s", before, row->name, value);
     o->again = all;
+    if (strcmp(row->name, "aim") == 0) o->aim_given = true, o->aimed = options_word(row, value);
+    else if (strcmp(row->name, "glass") == 0) lens_glass_folder(value);
+    else if (strcmp(row->name, "strict") == 0) lens_be_strict();
+    else o->no_apertures = true;
 }
 
-bool job_take(job_options *o, int code)
-{
-    switch (code) {
-    case JOB_FIELD: take_field(o); return true;
-    case JOB_FIELD_AT: take_field_at(o); return true;
-    case JOB_FIELDS: take_fields(o); return true;
-    case JOB_CHIEF: take_pupil(o, "0 0"); return true;
-    case JOB_PUPIL: take_pupil(o, optarg); return true;
-    case JOB_ACROSS: o->across = options_integer("rays-across", optarg, 1, SIDE_MOST); return true;
-    case JOB_CELLS: take_points(o, SGT_PATTERN_CELLS); return true;
-    case JOB_CROSS: take_points(o, SGT_PATTERN_CROSS); return true;
-    case JOB_FAN:
-    case JOB_GRID:
-    case JOB_HEXAPOLAR:
-    case JOB_RANDOM:
-    case JOB_SOBOL: take_points(o, (sgt_pattern)(code - JOB_FAN)); return true;
-    case JOB_PATTERN: take_pattern(o); return true;
-    case JOB_SEED: o->seed = options_integer("seed", optarg, 1, LONG_MAX); return true;
-    case JOB_RAYS: o->rays = optarg; return true;
-    case JOB_SKIP_BAD: o->skip_bad = true; return true;
-    case JOB_WAVELENGTH: take_wavelength(o); return true;
-    case JOB_GLASS: lens_glass_folder(optarg), o->glass = true, give_again(o, "glass", optarg); return true;
-    case JOB_AIM:
-        give_again(o, "aim", optarg);
-        o->aim_given = true, o->aimed = strcmp(optarg, "real") == 0;
-        if (!o->aimed && strcmp(optarg, "paraxial") != 0)
-            fail_usage("--aim must be paraxial or real, not \"%s\"", optarg);
-        return true;
-    case JOB_STRICT: o->strict = true, give_again(o, "strict", NULL); return true;
-    case JOB_NO_APERTURES: o->no_apertures = true, give_again(o, "no-apertures", NULL); return true;
-    default: return false;
-    }
-}
+#define POINTS(name, pattern, most, help) \
+    {name, "N", help, OPTION_TAKE, 0, pattern, most, .take = take_points}
+
+static const option_row field_rows[] = {
+    {"field", "DEG",
+     "angle of a field in the y-z plane, in degrees.  May be repeated\n"
+     "The chief ray of a positive field climbs toward +y",
+     OPTION_TAKE, .take = take_field},
+    {"field-at", "\"X Y K\"",
+     "a field: two numbers, as `fields` of a lens file has them\n"
+     "K is angle, object_height, paraxial_image_height or real_image_height; left out: as the\n"
+     "lens has it.  May be repeated, with the same K",
+     OPTION_TAKE, .take = take_field_at},
+    {"fields", "LIST", "fields of the lens by their numbers, counted from 1: 1,3.  Or all, the default",
+     OPTION_TAKE, .take = take_fields},
+    {0},
+};
+static const option_row pattern_rows[] = {
+    POINTS("fan", SGT_PATTERN_FAN, RAYS_MOST, "N rays across the entrance pupil in y, from edge to edge"),
+    POINTS("grid", SGT_PATTERN_GRID, SIDE_MOST,
+           "a square grid of N x N rays over the pupil, without those outside its circle"),
+    POINTS("hexapolar", SGT_PATTERN_HEXAPOLAR, SIDE_MOST, "the centre, and N rings of 6, 12, 18 ... rays"),
+    POINTS("random", SGT_PATTERN_RANDOM, RAYS_MOST, "N random rays, uniform over the area"),
+    {"seed", "S", "other random rays (default 1)", OPTION_TAKE, .take = take_seed},
+    POINTS("sobol", SGT_PATTERN_SOBOL, RAYS_MOST, "N rays that fill the area evenly"),
+    POINTS("cells", SGT_PATTERN_CELLS, SIDE_MOST,
+           "the centres of the cells of a square of N x N, those in the circle"),
+    POINTS("cross", SGT_PATTERN_CROSS, RAYS_MOST, "N rays across in y, and N in x"),
+    {"chief", NULL, "the ray through the centre of the pupil: --pupil \"0 0\"", OPTION_TAKE,
+     .take = take_pupil},
+    {"pupil", "\"PX PY\"", "the ray through a point of the pupil, in radii of it.  May be repeated",
+     OPTION_TAKE,
+     .take = take_pupil},
+    {"pattern", "P", "--pattern P is now --P N: --fan N, --grid N, --hexapolar N, --random N and so on",
+     .kind = OPTION_REFUSED},
+    {"rays-across", "N",
+     "--rays-across N is now the N of --fan, --grid, --cells or --cross, and twice that of --hexapolar",
+     .kind = OPTION_REFUSED},
+    {0},
+};
+static const option_row aim_rows[] = {
+    {"aim", "A",
+     "what the points of the pupil are of: paraxial or real\n"
+     "paraxial: of the paraxial entrance pupil; real: of the stop (its radius is the marginal\n"
+     "ray's height there).  Default: as the lens says.  Rays are searched in 600 pupil radii,\n"
+     "and in all that rims in front let through.  Only if rims bound them can it be proven\n"
+     "that there is no such ray.  Else a ray that is not found is undecided",
+     OPTION_TAKE, .words = "paraxial real", .take = take_again},
+    {0},
+};
+static const option_row file_rows[] = {
+    {"rays", "FILE",
+     "rays from a file instead, in the global frame\n"
+     "csv with a header row, ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard\n"
+     "input; or an array of NumPy, NAME.npy, or a folder with an array for each column",
+     OPTION_TEXT, .to = offsetof(job_options, rays)},
+    {"skip-bad", NULL, "skip bad rows of the file, and say how many", OPTION_FLAG,
+     .to = offsetof(job_options, skip_bad)},
+    {0},
+};
+static const option_row wavelength_rows[] = {
+    {"wavelength", "W",
+     "a wavelength of the lens, counted from 1; or micrometres, with a point; or all\n"
+     "Or a spectral line: i h g F' F e d D C' C r s t.  Several: W,W..., or --wavelength\n"
+     "repeated.  Default: the primary one; of spot, fan, opd and field all of the lens",
+     OPTION_TAKE, .take = take_wavelength},
+    {0},
+};
+static const option_row glass_rows[] = {
+    {"glass", "PATH",
+     "glasses of a catalogue (.agf, .yml, .csv) or a folder of them.  May be repeated\n"
+     "They come before those that ship.  If several makers have a name, the first of the\n"
+     "lens's `makers` decides; else such a catalogue; else SCHOTT, OHARA, HOYA, CDGM, HIKARI,\n"
+     "SUMITA",
+     OPTION_TAKE, .take = take_again},
+    {"strict", NULL,
+     "what a reader leaves out is an error\n"
+     "So is a wavelength outside the range of a glass",
+     OPTION_TAKE, .take = take_again},
+    {0},
+};
+static const option_row aperture_rows[] = {
+    {"no-apertures", NULL, "ignore the clear apertures: clip no ray", OPTION_TAKE, .take = take_again},
+    {0},
+};
+const option_group job_fields_options = {OPTIONS_OF_JOB, "Fields", .row = field_rows},
+                   job_pattern_options = {OPTIONS_OF_JOB, "Rays", .row = pattern_rows},
+                   job_aim_options = {OPTIONS_OF_JOB, NULL, .row = aim_rows},
+                   job_file_options = {OPTIONS_OF_RAYS, NULL, .row = file_rows},
+                   job_wavelength_options = {OPTIONS_OF_JOB, "The lens", .row = wavelength_rows},
+                   job_glass_options = {OPTIONS_OF_JOB, NULL, .row = glass_rows},
+                   job_aperture_options = {OPTIONS_OF_JOB, NULL, .row = aperture_rows},
+                   job_no_fields = {OPTIONS_OF_JOB, NULL, .row = field_rows, .hidden = true},
+                   job_no_pattern = {OPTIONS_OF_JOB, NULL, .row = pattern_rows, .hidden = true},
+                   job_no_file = {OPTIONS_OF_RAYS, NULL, .row = file_rows, .hidden = true};
 
 sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray)
 {
@@ -260,7 +263,6 @@ lens_list job_lenses(const job_options *o)
     if (!o->several && (o->all_wavelengths || o->wavelengths > 1))
         fail_usage("--wavelength: give one wavelength");
     if (o->all_wavelengths && o->wavelengths) fail_usage("give --wavelength all, or single ones, not both");
-    if (o->strict) lens_be_strict();
     sgt_lens *of = lens_open(o->lens);
     const lens_wavelength primary = {.um = (double)NAN};
     lens_list all = {.count = o->all_wavelengths ? of->wavelengths : o->wavelengths ? o->wavelengths : 1};
@@ -343,33 +345,24 @@ field_list job_fields(const job_options *o, const lens *l)
     return list;
 }
 
-/* The N of a pattern that has so many rays across the pupil. */
-static long points_across(sgt_pattern pattern, long across)
+job_points_asked job_points_of(const job_options *o, sgt_pattern otherwise)
 {
-    const double QUARTER = 0.785398163397448; /* pi / 4: a circle in its square */
-    if (pattern == SGT_PATTERN_HEXAPOLAR) return across / 2 ? across / 2 : 1;
-    if (pattern != SGT_PATTERN_RANDOM && pattern != SGT_PATTERN_SOBOL) return across;
-    return (long)ceil(QUARTER * (double)across * (double)across);
+    const sgt_pattern pattern = o->points ? o->pattern : otherwise;
+    if (o->pupils && o->points) fail_usage("give --chief and --pupil, or a pattern, not both");
+    if (o->seed && pattern != SGT_PATTERN_RANDOM) fail_usage("--seed goes with --random N");
+    for (size_t i = 0; i < o->pupils; i++) o->pupil[i].weight = 1 / (double)o->pupils;
+    return (job_points_asked){.pattern = pattern, .rays = (size_t)o->points,
+                              .seed = o->seed ? (uint64_t)o->seed : 1, .count = o->pupils, .at = o->pupil};
 }
 
-launch_pattern job_points(const job_options *o, sgt_pattern otherwise, long n)
+launch_pattern job_points(const job_options *o, sgt_pattern otherwise, size_t n)
 {
-    if (o->pupils && (o->pattern_given || o->across))
-        fail_usage("give --chief and --pupil, or a pattern, not both");
-    if (o->points && o->across) fail_usage("--rays-across goes with --pattern");
-    const sgt_pattern pattern = o->pattern_given ? o->pattern : otherwise;
-    if (o->seed && pattern != SGT_PATTERN_RANDOM) fail_usage("--seed goes with --random N");
-    if (o->pupils) {
-        for (size_t i = 0; i < o->pupils; i++) o->pupil[i].weight = 1 / (double)o->pupils;
-        return (launch_pattern){.count = o->pupils, .at = o->pupil};
-    }
-    const long count = o->across                    ? points_across(pattern, o->across)
-                       : o->points                  ? o->points
-                       : n > 0 && !o->pattern_given ? n
-                                                    : patterns[pattern].points;
-    const launch_pattern points = launch_points(pattern, (size_t)count, o->seed ? (uint64_t)o->seed : 1);
+    const job_points_asked asked = job_points_of(o, otherwise);
+    if (asked.count) return (launch_pattern){.count = asked.count, .at = asked.at};
+    const size_t count = asked.rays ? asked.rays : n;
+    const launch_pattern points = launch_points(asked.pattern, count, asked.seed);
     if (!points.count)
-        fail_usage("--grid %ld: no ray lies inside the pupil's circle; use 1, or 3 or more", count);
+        fail_usage("--grid %zu: no ray lies inside the pupil's circle; use 1, or 3 or more", count);
     return points;
 }
 
@@ -413,7 +406,7 @@ void job_end_parts(job *j)
 
 job job_read(const job_options *o)
 {
-    if (o->rays && (o->fields || o->numbers || o->pattern_given || o->pupils || o->across))
+    if (o->rays && (o->fields || o->numbers || o->points || o->pupils))
         fail_usage("give --rays, or --field with --fan, --grid or another pattern, not both");
     if (o->rays && o->seed) fail_usage("--seed goes with --random N");
     job j = {.wavelengths = 0};
@@ -429,7 +422,7 @@ job job_read(const job_options *o)
     const field_list fields = job_fields(o, &j.lens);
     j.field = fields.at, j.fields = fields.count, j.field_number = fields.number, j.field_kind = fields.kind;
     launch_pattern *points = memory_take(1, sizeof *points);
-    *points = job_points(o, SGT_PATTERN_FAN, 0);
+    *points = job_points(o, SGT_PATTERN_FAN, FAN_DEFAULT);
     const sgt_lens_aim *aim = job_aim(o, j.lens.of);
     const bool aimed = (aim ? *aim : j.lens.of->aim) != SGT_LENS_AIM_PUPIL;
     j.how = memory_take(1, sizeof *j.how);

@@ -16,9 +16,7 @@ typedef struct job_options {
     size_t numbers, number_capacity;
     sgt_pupil_point *pupil;           /* --pupil and --chief, one after another */
     size_t pupils, pupil_capacity;
-    bool pattern_given;               /* --pattern or --fan N and its like */
     long points;                      /* the N of --fan N and its like; 0: not given */
-    long across;                      /* --rays-across; 0: not given */
     sgt_pattern pattern;              /* then */
     long seed;                        /* of --random; 0: not given */
     bool aimed, aim_given;            /* --aim real; --aim */
@@ -27,68 +25,20 @@ typedef struct job_options {
     bool all_wavelengths;             /* --wavelength all */
     bool several;                     /* set by a command that takes several wavelengths */
     bool parts;                       /* set by a command that calls job_part */
-    bool skip_bad, no_apertures, glass, strict;
+    bool skip_bad, no_apertures;
     char *again;                      /* --glass, --strict, --aim and --no-apertures as given; NULL: none */
     int threads;                      /* to read rays with; 0: one */
     double defocus;                   /* set by a command: moves the last element along its own z */
 } job_options;
 
-enum {
-    JOB_FIELD = OPTION_OWN,
-    JOB_FAN,
-    JOB_GRID,
-    JOB_HEXAPOLAR,
-    JOB_RANDOM,
-    JOB_SOBOL,
-    JOB_CELLS,
-    JOB_CROSS,
-    JOB_FIELDS,
-    JOB_CHIEF,
-    JOB_PUPIL,
-    JOB_ACROSS,
-    JOB_PATTERN,
-    JOB_SEED, JOB_AIM,
-    JOB_FIELD_AT,
-    JOB_RAYS,
-    JOB_SKIP_BAD,
-    JOB_WAVELENGTH,
-    JOB_NO_APERTURES,
-    JOB_GLASS,
-    JOB_STRICT,
-    OPTION_AFTER_JOB
-};
-
-#define JOB_OPTIONS                                             \
-    {"field", required_argument, NULL, JOB_FIELD},              \
-    {"field-at", required_argument, NULL, JOB_FIELD_AT},        \
-    {"fan", required_argument, NULL, JOB_FAN},                  \
-    {"grid", required_argument, NULL, JOB_GRID},                \
-    {"hexapolar", required_argument, NULL, JOB_HEXAPOLAR},      \
-    {"random", required_argument, NULL, JOB_RANDOM},            \
-    {"sobol", required_argument, NULL, JOB_SOBOL},              \
-    {"pattern", required_argument, NULL, JOB_PATTERN},          \
-    {"seed", required_argument, NULL, JOB_SEED},                \
-    {"cells", required_argument, NULL, JOB_CELLS},              \
-    {"cross", required_argument, NULL, JOB_CROSS},              \
-    {"rays-across", required_argument, NULL, JOB_ACROSS},       \
-    {"chief", no_argument, NULL, JOB_CHIEF},                    \
-    {"pupil", required_argument, NULL, JOB_PUPIL},              \
-    {"fields", required_argument, NULL, JOB_FIELDS},            \
-    {"aim", required_argument, NULL, JOB_AIM},                  \
-    {"rays", required_argument, NULL, JOB_RAYS},                \
-    {"skip-bad", no_argument, NULL, JOB_SKIP_BAD},              \
-    {"wavelength", required_argument, NULL, JOB_WAVELENGTH},    \
-    {"glass", required_argument, NULL, JOB_GLASS},              \
-    {"strict", no_argument, NULL, JOB_STRICT},                  \
-    {"no-apertures", no_argument, NULL, JOB_NO_APERTURES}
-
-/* The help of all options, and its parts: --field and --fields; the patterns; --aim; --wavelength without its
- * default; --glass, --strict and --no-apertures. */
-extern const char job_help[], job_fields_help[], job_patterns_help[], job_aim_help[], job_wavelength_help[],
-    job_lens_help[];
-
-/* Takes an option if its code is one of the above; else returns false. */
-bool job_take(job_options *o, int code);
+/* The groups of OPTIONS_OF_JOB. */
+extern const option_group job_fields_options, job_pattern_options, job_aim_options, job_file_options,
+    job_wavelength_options, job_glass_options, job_aperture_options;
+#define JOB_GROUPS                                                                           \
+    &job_fields_options, &job_pattern_options, &job_aim_options, &job_file_options,          \
+    &job_wavelength_options, &job_glass_options, &job_aperture_options
+/* For commands that tell why they do not take them. */
+extern const option_group job_no_fields, job_no_pattern, job_no_file;
 
 /* The lens at a wavelength; its elements, without apertures for --no-apertures; the rays for it: `rays`, or
  * for a job in parts the plan. */
@@ -140,9 +90,19 @@ field_list job_fields(const job_options *o, const lens *l);
 /* The KIND of --field-at. */
 const char *job_field_kind(sgt_field_kind kind);
 
-/* The points of the pupil that are asked for; without any, those of `otherwise`, n of them (0: as --pattern
- * has it). */
-launch_pattern job_points(const job_options *o, sgt_pattern otherwise, long n);
+/* The points of the pupil that are asked for; without any, those of `otherwise`, n of them. */
+launch_pattern job_points(const job_options *o, sgt_pattern otherwise, size_t n);
+
+/* The same without the points: what was asked for, as sgt_study_options has it (study.h).  otherwise: the
+ * pattern if none was. */
+typedef struct job_points_asked {
+    sgt_pattern pattern;
+    size_t rays;              /* 0: no pattern was asked for */
+    uint64_t seed;
+    size_t count;             /* of single points */
+    const sgt_pupil_point *at;
+} job_points_asked;
+job_points_asked job_points_of(const job_options *o, sgt_pattern otherwise);
 
 /* Where rays are sent: NULL is as the lens says. */
 const sgt_lens_aim *job_aim(const job_options *o, const sgt_lens *l);

@@ -1,94 +1,62 @@
-/* options.c - the options that several subcommands share. */
+/* options.c - the options that several commands share. */
 #include "options.h"
 
-#include "../../text/number.h"
 #include "../base/tiles.h"
-#include "../read/lens.h"
 
 #include <limits.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-const char options_help[] =
-    "  --t-tol X          stop when the error of t is below X (lengths of the direction).\n"
-    "                     0 (the default): go on to the limit of rounding\n"
-    "  --dt-min X         only for level sets (julia, mandelbrot): go along the ray in steps of X\n"
-    "                     (lengths of the direction) or more.  Faster, but it proves nothing, and\n"
-    "                     thin parts may be skipped\n"
-    "  --max-evals N      give up on a root after N evaluations of F (default 2000)\n"
-    "  --format F         text (for people, the default), csv or json\n"
-    "  --hex              numbers in hexadecimal\n"
-    "  --output FILE      write to FILE instead of standard output\n"
-    "  -q, --quiet        print no remarks on how a lens file was read\n"
-    "  --help, --version\n"
-    "\n"
-    "Exit status\n"
-    "  0  every ray is decided (a miss is a decision)\n"
-    "  1  some ray is undecided\n"
-    "  2  wrong arguments\n"
-    "  3  bad input, or output that cannot be written\n";
 
 enum { THREADS_MOST = 1024 };
 
-const char options_threads_help[] =
-    "  --threads N        work in N threads; the output does not depend on N.  Default: what\n"
-    "                     OMP_NUM_THREADS says, else one for each processor\n";
+static const option_row solver_rows[] = {
+    {"t-tol", "X",
+     "stop when the error of t is below X (lengths of the direction)\n"
+     "0 (the default): go on to the limit of rounding",
+     OPTION_LENGTH, .to = offsetof(shared_options, solver.t_tol)},
+    {"dt-min", "X",
+     "only for level sets (julia, mandelbrot): go along the ray in steps of X or more\n"
+     "(lengths of the direction).  Faster, but it proves nothing, and thin parts may be\n"
+     "skipped",
+     OPTION_LENGTH, .to = offsetof(shared_options, solver.dt_min)},
+    {"max-evals", "N", "give up on a root after N evaluations of F (default 2000)", OPTION_WHOLE,
+     .to = offsetof(shared_options, solver.max_evals), 1, INT_MAX},
+    {0},
+};
+const option_group options_solver = {OPTIONS_SHARED, NULL, .row = solver_rows};
 
-const char options_rows_help[] =
-    "  --columns A,B,...  only these columns, in this order\n"
-    "  --format npy       with --output NAME.npy one array of rows for NumPy; with --output FOLDER an\n"
-    "                     array for each column.  docs/lens_file.md has types and codes\n"
-    "  --progress         say on standard error how far it is; without this only on a terminal\n";
+#define OUTPUT_ROWS                                                                    \
+    {"output", "FILE", "write to FILE instead of standard output; or -o", OPTION_TEXT, \
+     .to = offsetof(shared_options, target.path)},                                     \
+    {"hex", NULL, "numbers in hexadecimal", OPTION_FLAG, .to = offsetof(shared_options, target.hexadecimal)}
+static const option_row output_rows[] = {
+    {"format", "F", "text (for people, the default), csv or json", OPTION_WORD,
+     .to = offsetof(shared_options, target.format), .words = "text csv json"},
+    OUTPUT_ROWS, {0},
+};
+static const option_row rows_rows[] = {
+    {"format", "F",
+     "text (for people, the default), csv, json or npy\n"
+     "npy: with --output NAME.npy one array of rows for NumPy; with --output FOLDER an\n"
+     "array for each column.  docs/lens_file.md has types and codes",
+     OPTION_WORD, .to = offsetof(shared_options, target.format), .words = "text csv json npy"},
+    OUTPUT_ROWS,
+    {"columns", "A,B,...", "only these columns, in this order", OPTION_TEXT,
+     .to = offsetof(shared_options, target.columns)},
+    {"progress", NULL, "say on standard error how far it is; without this only on a terminal", OPTION_FLAG,
+     .to = offsetof(shared_options, progress)},
+    {0},
+};
+const option_group options_output = {OPTIONS_SHARED, "Output", .row = output_rows},
+                   options_rows = {OPTIONS_SHARED, "Output", .row = rows_rows};
 
-double options_number(const char *option, const char *text)
-{
-    double x;
-    if (!number_read(text, &x) || !isfinite(x))
-        fail_usage("--%s must be a finite number, not \"%s\"", option, text);
-    return x;
-}
-
-long options_integer(const char *option, const char *text, long lowest, long highest)
-{
-    long n;
-    if (!number_read_integer(text, lowest, highest, &n))
-        fail_usage("--%s must be a whole number from %ld to %ld, not \"%s\"", option, lowest, highest, text);
-    return n;
-}
-
-static double length_of(const char *option)
-{
-    double x = options_number(option, optarg);
-    if (x < 0) fail_usage("--%s must not be negative, but is %s", option, optarg);
-    return x;
-}
-
-static table_format format_of(const char *text, bool scales)
-{
-    if (strcmp(text, "text") == 0) return TABLE_TEXT;
-    if (strcmp(text, "csv") == 0) return TABLE_CSV;
-    if (strcmp(text, "json") == 0) return TABLE_JSON;
-    if (scales && strcmp(text, "npy") == 0) return TABLE_NPY;
-    fail_usage("--format must be text, csv%s json%s, not \"%s\"", scales ? "," : " or",
-               scales ? " or npy" : "", text);
-}
-
-static sgt_pick pick_of(const char *text)
-{
-    if (strcmp(text, "first") == 0) return SGT_FIRST;
-    if (strcmp(text, "near-seed") == 0) return SGT_NEAR_SEED;
-    fail_usage("--pick must be first or near-seed, not \"%s\"", text);
-}
-
-static sgt_proof proof_of(const char *text)
-{
-    if (strcmp(text, "estimate") == 0) return SGT_ESTIMATE;
-    if (strcmp(text, "root") == 0) return SGT_PROVE_ROOT;
-    if (strcmp(text, "first") == 0) return SGT_PROVE_FIRST;
-    fail_usage("--proof must be estimate, root or first, not \"%s\"", text);
-}
+static const option_row threads_rows[] = {
+    {"threads", "N",
+     "work in N threads; the output does not depend on N\n"
+     "Default: what OMP_NUM_THREADS says, else one for each processor",
+     OPTION_WHOLE, .to = offsetof(shared_options, threads), 1, THREADS_MOST},
+    {0},
+};
+const option_group options_in_threads = {OPTIONS_SHARED, NULL, .row = threads_rows};
 
 void options_note_unread(const shared_options *o, size_t count, const sgt_element element[])
 {
@@ -121,35 +89,4 @@ int options_threads(const shared_options *o)
 #else
     return o->threads;
 #endif
-}
-
-void options_version(void)
-{
-    print_and_end("sagitta %s\n", sgt_version());
-}
-
-void options_take(shared_options *o, int code, const char *help)
-{
-    switch (code) {
-    case OPTION_FORMAT: o->target.format = format_of(optarg, o->scales); return;
-    case OPTION_COLUMNS: o->target.columns = optarg; return;
-    case OPTION_PROGRESS: o->progress = true; return;
-    case 'o':
-    case OPTION_OUTPUT: o->target.path = optarg; return;
-    case OPTION_HEX: o->target.hexadecimal = true; return;
-    case OPTION_PICK: o->solver.pick = pick_of(optarg); return;
-    case OPTION_PROOF: o->solver.proof = proof_of(optarg); return;
-    case OPTION_MAX_EVALS:
-        o->solver.max_evals = (int)options_integer("max-evals", optarg, 1, INT_MAX);
-        return;
-    case OPTION_T_TOL: o->solver.t_tol = length_of("t-tol"); return;
-    case OPTION_THREADS: o->threads = (int)options_integer("threads", optarg, 1, THREADS_MOST); return;
-    case OPTION_DT_MIN: o->solver.dt_min = length_of("dt-min"); return;
-    case 'q':
-    case OPTION_QUIET: lens_be_quiet(); return;
-    case OPTION_VERSION: options_version();
-    case 'h':
-    case OPTION_HELP: print_and_end("%s%s", help, options_help);
-    default: fail_hint();
-    }
 }

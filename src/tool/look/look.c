@@ -1,404 +1,517 @@
-/* look.c - the lens at each wavelength, and its rays in threads.
- *
- * Pupil and fields are defined at one wavelength, the primary one of the lens, so all wavelengths share a
- * launcher.  What a ray does depends on that ray alone: parts may be traced in any order. */
+/* look.c - options into a study, and its rows into a table. */
 #include "look.h"
 
 #include "../base/input.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
 #include "../base/tiles.h"
-#include "../draw/chart.h"
 
+#include <limits.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-/* ---------------------------------------------------------------- options */
+/* -------------------------------------------------------------------- options */
 
-static const char look_help[] =
-    "  --picture FILE     draws it: svg, png or pdf, by the ending of the name\n"
-    "  --proof P          estimate, root or first: what must be proven of each hit (sagitta trace --help);\n"
-    "                     a ray for which it is not is lost\n";
+/* Settings as they are given, which are of an analysis that a later option may choose; and this option. */
+typedef struct given { const sgt_setting *setting; const char *value; } given;
+typedef struct asking {
+    look *look;
+    const look_way *way;
+    const sgt_setting **setting; /* [row.to] */
+    given *given;
+    size_t settings, count;
+    const look_view *view;
+    const char *view_value;
+} asking;
 
-void look_take_option(look_options *o, int code, const char *help)
+static void note_setting(void *into, const option_row *row, const char *value)
 {
-    char all[HELP_SIZE];
-    o->shared.scales = true;
-    if (job_take(&o->job, code)) return;
-    if (code == LOOK_PICTURE) {
-        chart_check("picture", optarg);
-        o->picture = optarg;
+    asking *a = into;
+    a->given[a->count++] = (given){a->setting[row->to], value};
+}
+
+static void note_view(void *into, const option_row *row, const char *value)
+{
+    asking *a = into;
+    const look_view *v = a->way->view + row->to;
+    if (a->view && a->view != v) fail_usage("give --%s or --%s, not both", a->view->option, v->option);
+    a->view = v, a->view_value = value;
+}
+
+static void take_picture(void *into, const option_row *row, const char *value)
+{
+    chart_check(row->name, value);
+    ((shared_options *)into)->picture = value;
+}
+
+static const option_row look_rows[] = {
+    {"picture", "FILE", "draw it: svg, png or pdf, by the ending of the name", OPTION_TAKE,
+     .take = take_picture},
+    PICK_OPTION("which root: near-seed or first, as in sagitta trace"),
+    {0},
+};
+static const option_row proof_rows[] = {
+    PROOF_OPTION("what must be proven of each hit: estimate, root or first (see sagitta trace)\n"
+                 "A ray for which it is not is lost"),
+    {0},
+};
+static const option_group look_group = {OPTIONS_SHARED, "The search, and the picture", .row = look_rows};
+
+enum { OWN_MOST = 30 };
+
+/* Appends the settings of an analysis, but for those that are there, and the one that is the argument of a
+ * view. */
+static option_row *look_settings(asking *to, option_row *row, const sgt_analysis *a, const char *argument)
+{
+    static const char *const value[] = {[SGT_SETTING_FLAG] = NULL, [SGT_SETTING_COUNT] = "N",
+                                        [SGT_SETTING_WORD] = "WORD", [SGT_SETTING_NUMBER] = "X",
+                                        [SGT_SETTING_NUMBERS] = "X,X..."};
+    for (size_t i = 0; i < a->settings; i++) {
+        const sgt_setting *s = sgt_analysis_setting(a, i);
+        bool known = argument && strcmp(s->name, argument) == 0;
+        for (size_t k = 0; k < to->settings; k++) known = known || strcmp(to->setting[k]->name, s->name) == 0;
+        if (known) continue;
+        *row++ = (option_row){s->name, value[s->kind], s->help, OPTION_TAKE, .to = to->settings,
+                              .take = note_setting};
+        to->setting[to->settings++] = s;
+    }
+    return row;
+}
+
+static const option_row *own_rows(asking *a)
+{
+    option_row *all = memory_take(OWN_MOST, sizeof *all), *row = look_settings(a, all, a->look->of, NULL);
+    for (const look_view *v = a->way->view; v && v->option; v++) {
+        *row++ = (option_row){v->option, v->setting ? "N" : NULL, v->help, OPTION_TAKE,
+                              .to = (size_t)(v - a->way->view), .take = note_view};
+        row = look_settings(a, row, sgt_analysis_named(v->analysis), v->setting);
+    }
+    if (a->way->own) *row = *a->way->own;
+    return all;
+}
+
+/* Appends the numbers of a list with commas to one that was given before. */
+static sgt_list numbers_of(const sgt_setting *s, sgt_list before, const char *value)
+{
+    double *at = memory_take(before.count + strlen(value) + 1, sizeof *at);
+    sgt_list all = {.count = before.count, .at = at};
+    char *rest, *list = memory_text(value, strlen(value));
+    for (size_t i = 0; i < before.count; i++) at[i] = before.at[i];
+    for (char *word = strtok_r(list, ",", &rest); word; word = strtok_r(NULL, ",", &rest))
+        at[all.count++] = options_number(s->name, word);
+    if (all.count == before.count) fail_usage("--%s must be a number, not \"%s\"", s->name, value);
+    if (s->kind == SGT_SETTING_NUMBER && all.count > 1) at[0] = at[all.count - 1], all.count = 1;
+    return all;
+}
+
+static void take_setting(look *l, const sgt_setting *s, const char *name, const char *value)
+{
+    char *to = (char *)l->options + s->offset;
+    l->set[l->sets++] = s;
+    switch (s->kind) {
+    case SGT_SETTING_FLAG: *(bool *)(void *)to = true; return;
+    case SGT_SETTING_COUNT:
+        *(size_t *)(void *)to = (size_t)options_integer(name, value, (long)s->least, (long)s->most);
+        return;
+    case SGT_SETTING_WORD:
+        *(int *)(void *)to = options_word(&(option_row){.name = s->name, .words = s->words}, value);
+        return;
+    case SGT_SETTING_NUMBER:
+    case SGT_SETTING_NUMBERS:
+        *(sgt_list *)(void *)to = numbers_of(s, *(sgt_list *)(void *)to, value);
         return;
     }
-    int n = snprintf(all, sizeof all, "%s%s%s", help, look_help, o->no_fields ? "" : job_fields_help);
-    if (o->pattern)
-        n += snprintf(all + n, sizeof all - (size_t)n, "%s  none of these      %s\n", job_patterns_help,
-                      o->pattern);
-    snprintf(all + n, sizeof all - (size_t)n, "%s%s                     Default: %s\n%s%s%s", job_aim_help,
-             job_wavelength_help, o->primary_alone ? "its primary one" : "all", job_lens_help,
-             options_threads_help, options_rows_help);
-    options_take(&o->shared, code, all);
 }
 
-void look_take_lens(look_options *o, int argc, char *argv[], const char *name)
+bool look_given(const look *l, const char *setting)
 {
-    if (optind == argc) fail_usage("the lens file is missing: sagitta %s LENS", name);
-    if (optind + 1 < argc)
-        fail_usage("unexpected argument \"%s\"; %s takes one lens file", argv[optind + 1], name);
-    if (o->job.rays) fail_usage("--rays: %s launches the rays of fields; sagitta trace takes a file", name);
-    if (o->job.skip_bad) fail_usage("--skip-bad goes with --rays; %s launches the rays of fields", name);
-    o->job.lens = argv[optind];
-    o->job.several = true;
-    if (!o->primary_alone && !o->job.wavelengths) o->job.all_wavelengths = true;
-    if (!o->picture) return;
-    if (o->shared.target.path) output_check("output", o->shared.target.path);
-    output_reserve("picture", o->picture);
+    for (size_t i = 0; i < l->sets; i++)
+        if (strcmp(l->set[i]->name, setting) == 0) return true;
+    return false;
 }
 
-/* --------------------------------------------------------------- the lens */
-
-static look_band band_of(const look_options *o, const lens *l)
+static const sgt_setting *setting_named(const sgt_analysis *a, const char *name)
 {
-    const sgt_lens *of = l->of;
-    look_band b = {.lens = *l, .element = job_elements(&o->job, l), .weight = 1};
+    for (size_t i = 0; i < a->settings; i++)
+        if (strcmp(sgt_analysis_setting(a, i)->name, name) == 0) return sgt_analysis_setting(a, i);
+    return NULL;
+}
+
+static const char *view_with(const look_way *way, const char *setting)
+{
+    for (const look_view *v = way->view; v && v->option; v++)
+        if (setting_named(sgt_analysis_named(v->analysis), setting))
+            return memory_print("--%s%s", v->option, v->setting ? " N" : "");
+    return "";
+}
+
+static const char *rays_by_default(const sgt_analysis *a, const look_view *v)
+{
+    const char *rays = look_default_rays(a);
+    for (; v && v->option; v++)
+        rays = memory_print("%s; with --%s %s", rays, v->option,
+                         look_default_rays(sgt_analysis_named(v->analysis)));
+    return rays;
+}
+
+static void take_lens(look *l, const command *c, int argc, char *argv[])
+{
+    job_options *o = &l->job;
+    o->lens = command_file(c, "lens file", argc, argv), o->several = true;
+    if (o->rays) fail_usage("--rays: %s launches the rays of fields; sagitta trace takes a file", c->name);
+    if (o->skip_bad) fail_usage("--skip-bad goes with --rays; %s launches the rays of fields", c->name);
+    if (l->of->no_fields && (o->fields || o->numbers))
+        fail_usage("--field, --fields: %s takes --from and --to", c->name);
+    if (l->of->no_rays && (o->pupils || o->points))
+        fail_usage("a pattern of rays is of no use here: the rays are those near the chief ray");
+    if (l->of->no_rays && l->shared.solver.proof)
+        fail_usage("--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and sweep do",
+                   c->name);
+    if (!l->of->primary_alone && !o->wavelengths) o->all_wavelengths = true;
+    l->picture = l->shared.picture;
+    if (!l->picture) return;
+    if (l->shared.target.path) output_check("output", l->shared.target.path);
+    output_reserve("picture", l->picture);
+}
+
+static void take_options(look *l, const command *c, const look_way *way, int argc, char *argv[])
+{
+    const sgt_setting *setting[OWN_MOST];
+    asking a = {.look = l, .way = way, .setting = setting,
+                .given = memory_take((size_t)argc, sizeof *a.given)};
+    const option_group own = {OPTIONS_OWN, "Options", .row = own_rows(&a)};
+    const option_group proof = {OPTIONS_SHARED, NULL, .row = proof_rows, .hidden = l->of->no_rays};
+    const look_help columns = {l->of, way->view};
+    command all = *c;
+    all.usage = "LENS [options]", all.what = l->of->help, all.docs = "docs/analysis.md";
+    all.rays = l->of->no_rays ? NULL : rays_by_default(l->of, way->view);
+    all.print_all = look_print_columns, all.context = &columns;
+    const option_group *const groups[] = {
+        &own, l->of->no_fields ? &job_no_fields : &job_fields_options,
+        l->of->no_rays ? &job_no_pattern : &job_pattern_options, &job_no_file, &job_aim_options,
+        &job_wavelength_options, &job_glass_options, &job_aperture_options, &look_group, &proof,
+        &options_solver, &options_in_threads, &options_rows,
+    };
+    memcpy(all.group, groups, sizeof groups);
+    command_read(&all, &a, &l->job, &l->shared, argc, argv);
+    if (a.view) l->of = sgt_analysis_named(a.view->analysis);
+    l->options = memory_take(l->of->options_size + 1, 1);
+    l->set = memory_take(a.count + 1, sizeof *l->set);
+    if (a.view && a.view->setting)
+        take_setting(l, setting_named(l->of, a.view->setting), a.view->option, a.view_value);
+    for (size_t i = 0; i < a.count; i++) {
+        const char *name = a.given[i].setting->name;
+        const sgt_setting *s = setting_named(l->of, name);
+        if (!s) fail_usage("--%s goes with %s", name, view_with(way, name));
+        take_setting(l, s, name, a.given[i].value);
+    }
+    take_lens(l, &all, argc, argv);
+}
+
+/* ------------------------------------------------------------------ the study */
+
+static void in_threads(void *context, size_t tasks, void (*task)(void *data, size_t i), void *data)
+{
+    const int threads = *(const int *)context;
+    (void)threads; /* unused without OpenMP */
+    THREADS(omp parallel for schedule(dynamic) num_threads(threads))
+    for (size_t i = 0; i < tasks; i++) task(data, i);
+}
+
+static sgt_study *studies[1];
+
+static void free_study(void) { sgt_study_free(studies[0]); }
+
+/* A fault of a setting or of the points is one of the arguments. */
+_Noreturn static void refuse(const look *l, const sgt_error *e)
+{
+    if (!e->line && (setting_named(l->of, e->key) || strcmp(e->key, "rays") == 0))
+        fail_usage("--%s: %s", e->key, e->words);
+    if (strcmp(e->key, "wavelengths") == 0 && strstr(e->words, "give a wavelength"))
+        fail_usage("%s: %s", e->file, e->words);
+    lens_refuse(e);
+}
+
+static void begin_study(look *l, const job_points_asked *points, int *threads)
+{
+    const job_options *o = &l->job;
     sgt_error e;
-    if (l->chosen && of->wavelength_weight) b.weight = of->wavelength_weight[l->chosen - 1];
-    if (!sgt_lens_first_order(of, l->wavelength, &b.data, NULL, &e)) lens_refuse(&e);
+    sgt_lens *of;
+    const lens_list lenses = job_lenses(o);
+    l->band = lenses.lens, l->bands = lenses.count, of = lenses.lens[0].of;
+    l->primary = of->wavelength ? lens_at(of, (lens_wavelength){.um = (double)NAN}) : lenses.lens[0];
+    l->fields = job_fields(o, &l->primary);
+    l->um = sgt_lens_unit(of);
+    options_note_unread(&l->shared, l->primary.count, l->primary.element);
+    size_t *number = memory_take(l->fields.count, sizeof *number);
+    sgt_wavelength *wavelength = memory_take(l->bands, sizeof *wavelength);
+    for (size_t i = 0; i < l->fields.count; i++) number[i] = l->fields.number[i] + 1;
+    for (size_t i = 0; i < l->bands; i++)
+        wavelength[i] = (sgt_wavelength){l->band[i].chosen, l->band[i].wavelength};
+    *threads = options_threads(&l->shared);
+    /* (A picture may ask another analysis for the same points.) */
+    const bool fixed = l->picture && l->of->part_of;
+    const sgt_study_options options = {
+        .aim = job_aim(o, of), .solver = &l->shared.solver, .open = o->no_apertures,
+        .fields = o->fields || o->numbers ? l->fields.count : 0, .field = o->fields ? NULL : number,
+        .field_at = l->fields.at, .field_kind = &l->fields.kind,
+        .wavelengths = of->wavelength || o->wavelengths ? l->bands : 0, .wavelength = wavelength,
+        .pattern = points->rays || fixed ? &points->pattern : NULL,
+        .rays = fixed && !points->rays ? l->of->rays : points->rays, .seed = points->seed,
+        .points = points->count, .point = points->at,
+        .run = *threads > 1 ? in_threads : NULL, .context = threads};
+    l->study = studies[0] = sgt_study_new(of, &options, &e);
+    if (!l->study) lens_refuse(&e);
+    atexit(free_study);
+}
+
+/* ---------------------------------------------------------------------- rows */
+
+size_t look_column(const look *l, const char *name)
+{
+    size_t i = 0;
+    while (i < l->of->columns && strcmp(sgt_analysis_column(l->of, i)->name, name) != 0) i++;
+    return i;
+}
+
+static size_t count_at(const void *row, size_t offset)
+{
+    size_t x;
+    memcpy(&x, (const char *)row + offset, sizeof x);
+    return x;
+}
+
+static double number_at(const void *row, size_t offset)
+{
+    double x;
+    memcpy(&x, (const char *)row + offset, sizeof x);
+    return x;
+}
+
+static int fate_at(const void *row, size_t offset)
+{
+    int x;
+    memcpy(&x, (const char *)row + offset, sizeof x);
+    return x;
+}
+
+double look_value(const look *l, const void *row, size_t place)
+{
+    const sgt_column *c = sgt_analysis_column(l->of, place);
+    return c->kind == SGT_COLUMN_COUNT || c->kind == SGT_COLUMN_PLACE ? (double)count_at(row, c->offset)
+           : c->kind == SGT_COLUMN_FATE                               ? fate_at(row, c->offset)
+                                                                      : number_at(row, c->offset);
+}
+
+const void *look_row(const look *l, size_t i) { return l->row + i * l->of->row_size; }
+
+size_t look_band_of(const look *l, double um)
+{
+    size_t b = 0;
+    while (b < l->bands && l->band[b].wavelength != um && !(isnan(um) && isnan(l->band[b].wavelength))) b++;
     return b;
 }
 
-/* The unit of length in micrometres. */
-static double micrometres_of(const char *units)
+size_t look_field_of(const look *l, size_t number)
 {
-    static const struct { const char *name; double um; } known[] = {
-        {"mm", 1e3}, {"cm", 1e4}, {"m", 1e6}, {"um", 1}, {"\302\265m", 1}, {"in", 25400}, {"inch", 25400},
-        {"millimetres", 1e3}, {"millimeters", 1e3}, {"metres", 1e6}, {"meters", 1e6},
-    };
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-        if (strcmp(units, known[i].name) == 0) return known[i].um;
-    return (double)NAN;
+    size_t f = 0;
+    while (f < l->fields.count && l->fields.number[f] + 1 != number) f++;
+    return f;
 }
 
-const sgt_lens_field *look_farthest(const look *l)
+/* What is printed: the columns that are there. */
+typedef struct printing {
+    look *look;
+    const look_way *way;
+    size_t count, *place;       /* [count]: which columns */
+    bool text;                  /* for people, in the columns by default */
+    size_t wavelength;          /* its column; of->columns: there is none */
+    char *before;               /* the row before; NULL: none yet */
+    const char **legend;
+    size_t legends;
+} printing;
+
+static column head_of(const look *l, size_t i, char unit[32])
 {
-    const sgt_lens_field *far = &l->fields.at[0];
-    for (size_t i = 1; i < l->fields.count; i++)
-        if (hypot(l->fields.at[i].x, l->fields.at[i].y) > hypot(far->x, far->y)) far = &l->fields.at[i];
-    return far;
+    static const column_kind kinds[] = {
+        [SGT_COLUMN_NUMBER] = COLUMN_NUMBER, [SGT_COLUMN_EXACT] = COLUMN_EXACT,
+        [SGT_COLUMN_ERROR] = COLUMN_ERROR,   [SGT_COLUMN_WAVELENGTH] = COLUMN_EXACT,
+        [SGT_COLUMN_COUNT] = COLUMN_COUNT,   [SGT_COLUMN_PLACE] = COLUMN_COUNT,
+        [SGT_COLUMN_WHOLE] = COLUMN_COUNT,   [SGT_COLUMN_FATE] = COLUMN_CODE};
+    char name[32];
+    sgt_study_column(l->study, l->of, l->options, i, name, unit);
+    return (column){memory_print("%s", name), kinds[sgt_analysis_column(l->of, i)->kind]};
 }
 
-/* The field of the latest look_beam. */
-static sgt_field_kind latest_kind;
-static sgt_lens_field latest_field;
-
-sgt_field_beam look_beam(const look *l, sgt_field_kind kind, sgt_lens_field at)
+static void begin_table(printing *p)
 {
-    sgt_field_beam beam;
+    look *l = p->look;
+    char name[32], unit[32];
+    column *head = memory_take(l->of->columns, sizeof *head);
+    const char **units = memory_take(l->of->columns, sizeof *units);
+    p->place = memory_take(l->of->columns, sizeof *p->place);
+    p->text = l->shared.target.format == TABLE_TEXT && !l->shared.target.columns;
+    p->wavelength = look_column(l, "wavelength");
+    for (size_t i = 0; i < l->of->columns; i++) {
+        if (!sgt_study_column(l->study, l->of, l->options, i, name, unit)) continue;
+        if (p->text && sgt_analysis_column(l->of, i)->flags & SGT_COLUMN_DETAIL) continue;
+        head[p->count] = head_of(l, i, unit), units[p->count] = memory_print("%s", unit);
+        p->place[p->count++] = i;
+    }
+    l->shared.target.unit = units;
+    l->table = table_begin(&l->shared.target, p->count, head);
+}
+
+/* In text a number that rounding alone may have made is 0. */
+static void keep_row(look *l, const void *row)
+{
+    const size_t size = l->of->row_size;
+    if (l->rows == l->room) l->room = 2 * l->room + 64, l->row = memory_grow(l->row, l->room, size);
+    memcpy(l->row + l->rows++ * size, row, size);
+}
+
+static void keep_any_row(void *context, const void *row) { keep_row(context, row); }
+
+look look_again(const look *l, const char *analysis)
+{
+    look other = *l;
     sgt_error e;
-    latest_kind = kind, latest_field = at;
-    if (!sgt_launch_field(l->from, kind, &at, &beam, &e)) lens_refuse(&e);
-    return beam;
+    other.of = sgt_analysis_named(analysis), other.row = NULL, other.rows = other.room = 0;
+    const sgt_sink sink = {.context = &other, .row = keep_any_row};
+    if (!sgt_study_run(l->study, other.of, l->options, &sink, NULL, &e)) refuse(l, &e);
+    return other;
 }
 
-look look_begin(const look_options *o)
+static void put_double(const printing *p, const sgt_column *c, const void *row)
 {
-    look l = {.asked = o, .threads = options_threads(&o->shared)};
-    const lens_list lenses = job_lenses(&o->job);
-    sgt_lens *of = lenses.lens[0].of;
-    const lens primary =
-        of->wavelength ? lens_at(of, (lens_wavelength){.um = (double)NAN}) : lenses.lens[0];
-    l.bands = lenses.count;
-    l.band = memory_take(l.bands, sizeof *l.band);
-    for (size_t i = 0; i < l.bands; i++) l.band[i] = band_of(o, &lenses.lens[i]);
-    l.primary = band_of(o, &primary);
-    options_note_unread(&o->shared, primary.count, l.primary.element);
-    l.from = launch_by(&primary, job_aim(&o->job, of)).from;
-    l.fields = job_fields(&o->job, &primary);
-    l.beam = memory_take(l.fields.count, sizeof *l.beam);
-    for (size_t i = 0; i < l.fields.count; i++) l.beam[i] = look_beam(&l, l.fields.kind, l.fields.at[i]);
-    l.um = micrometres_of(primary.units);
-    return l;
+    const double x = number_at(row, c->offset), error = c->error ? number_at(row, c->error) : 0;
+    table *t = p->look->table;
+    if (isnan(x)) table_empty(t);
+    else table_number(t, p->look->shared.target.format == TABLE_TEXT && fabs(x) <= error ? 0 : x);
 }
 
-/* --------------------------------------------------------------- the rays */
-
-typedef struct look_work {
-    const look *look;
-    const sgt_field_beam *beam;
-    const sgt_element *element;
-    double before;
-    const sgt_pupil_point *at;
-    sgt_ray_end *end;
-} look_work;
-
-static void trace_part(void *data, const tile *t)
+static void put_column(const printing *p, const sgt_column *c, const void *row)
 {
-    const look_work *w = data;
-    if (!sgt_trace_pupil(w->look->from, w->beam, w->element, w->before, t->count, w->at + t->first,
-                         &w->look->asked->shared.solver, w->end + t->first, NULL))
-        fail_input("out of memory");
-}
-
-static void nothing_more(void *data, const tile *t)
-{
-    (void)data, (void)t;
-}
-
-const char *look_field_option(sgt_field_kind kind, const sgt_lens_field *at)
-{
-    if (kind == SGT_FIELD_ANGLE && at->x == 0) return look_text(" --field %.17g", at->y);
-    return look_text(" --field-at \"%.17g %.17g %s\"", at->x, at->y, job_field_kind(kind));
-}
-
-/* One of the fields that are asked for, or that of the latest look_beam. */
-static const char *field_of_beam(const look *l, const sgt_field_beam *beam)
-{
-    for (size_t f = 0; f < l->fields.count; f++) {
-        if (beam != &l->beam[f]) continue;
-        if (l->asked->job.fields) return look_field_option(l->fields.kind, &l->fields.at[f]);
-        return look_text(" --fields %zu", l->fields.number[f] + 1);
-    }
-    return look_field_option(latest_kind, &latest_field);
-}
-
-static const char *wavelength_option(const look_band *band)
-{
-    if (band->lens.chosen) return look_text(" --wavelength %zu", band->lens.chosen);
-    if (isnan(band->lens.wavelength)) return "";
-    const char *um = look_text("%.17g", band->lens.wavelength);
-    return look_text(" --wavelength %s%s", um, strchr(um, '.') ? "" : ".0");
-}
-
-void look_lost(look *l, const look_band *band, const char *options, const sgt_ray_end *end)
-{
-    static const char *const proof[] = {"estimate", "root", "first"};
-    const sgt_options *s = &l->asked->shared.solver;
-    const char *again = l->asked->job.again ? l->asked->job.again : "";
-    if (end->aimed == SGT_NO_SUCH_RAY || end->fate != SGT_LOST || l->lost) return;
-    l->lost = look_text("%s%s%s --pupil \"%.17g %.17g\"%s%s%s%s%s", options, l->options ? l->options : "",
-                        wavelength_option(band), end->px,
-                        end->py, again, s->proof ? look_text(" --proof %s", proof[s->proof]) : "",
-                        s->pick == SGT_NEAR_SEED ? " --pick near-seed" : s->pick ? " --pick first" : "",
-                        s->max_evals ? look_text(" --max-evals %d", s->max_evals) : "",
-                        s->dt_min > 0 ? look_text(" --dt-min %.17g", s->dt_min)
-                        : s->t_tol > 0 ? look_text(" --t-tol %.17g", s->t_tol) : "");
-}
-
-void look_trace(look *l, const sgt_field_beam *beam, const look_band *band, const sgt_element *element,
-                const launch_pattern *points, bool counted, sgt_ray_end end[])
-{
-    look_work w = {.look = l, .beam = beam, .element = element, .before = band->lens.index_before,
-                   .at = points->at, .end = end};
-    const tiling in = {.rays = points->count, .threads = l->threads, .share = SHARE_MOST,
-                       .most = points->count < 8 * TILE_RAYS ? TILE_RAYS / 8 : TILE_RAYS};
-    tiles_run(&in, &w, trace_part, nothing_more);
-    for (size_t i = 0; counted && i < points->count; i++) {
-        look_count(&l->fates, &end[i]);
-        if (l->fates.lost && !l->lost) look_lost(l, band, field_of_beam(l, beam), &end[i]);
+    table *t = p->look->table;
+    switch (c->kind) {
+    case SGT_COLUMN_NUMBER:
+    case SGT_COLUMN_EXACT:
+    case SGT_COLUMN_ERROR: put_double(p, c, row); return;
+    case SGT_COLUMN_WAVELENGTH:
+        if (number_at(row, c->offset) != SGT_ALL_WAVELENGTHS) put_double(p, c, row);
+        else if (p->look->shared.target.format == TABLE_NPY) table_empty(t); /* a NaN */
+        else table_word(t, "all");
+        return;
+    case SGT_COLUMN_COUNT: table_count(t, (long long)count_at(row, c->offset)); return;
+    case SGT_COLUMN_WHOLE: table_count(t, (long long)number_at(row, c->offset)); return;
+    case SGT_COLUMN_PLACE:
+        if (count_at(row, c->offset)) table_count(t, (long long)count_at(row, c->offset));
+        else table_empty(t);
+        return;
+    case SGT_COLUMN_FATE:
+        table_code(t, fate_at(row, c->offset), sgt_study_fate_text(fate_at(row, c->offset)));
+        return;
     }
 }
 
-sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
-                       const sgt_element *element)
+static bool new_group(const printing *p, const void *row)
 {
-    sgt_ray_end end;
-    if (!sgt_trace_chief(l->from, beam, element, band->lens.index_before, &end, NULL))
-        fail_input("out of memory");
-    return end;
-}
-
-launch_pattern look_coarser(const look *l, const launch_pattern *points)
-{
-    const bool area = points->pattern == SGT_PATTERN_RANDOM || points->pattern == SGT_PATTERN_SOBOL;
-    const size_t n = points->n / (area ? 4 : 2);
-    const long seed = l->asked->job.seed;
-    if (n == 0) return (launch_pattern){.count = 0};
-    return launch_points(points->pattern, n, seed ? (uint64_t)seed : 1);
-}
-
-void look_count(look_fates *f, const sgt_ray_end *end)
-{
-    f->rays++, f->folded += end->folded;
-    if (end->aimed == SGT_AIMED_UNDECIDED) {
-        f->within = f->unfound ? fmin(f->within, end->within) : end->within;
-        f->unfound++;
+    const sgt_analysis *a = p->look->of;
+    for (size_t i = 0; i < p->count && p->before; i++) {
+        const sgt_column *c = sgt_analysis_column(a, p->place[i]);
+        if (!(c->flags & SGT_COLUMN_GROUPS)) continue;
+        const double one = look_value(p->look, p->before, p->place[i]);
+        const double other = look_value(p->look, row, p->place[i]);
+        if (one != other && !(isnan(one) && isnan(other))) return true;
     }
-    if (end->aimed == SGT_NO_SUCH_RAY) f->none++;
-    else if (end->fate == SGT_PASSED) f->passed++, f->proven += end->proven;
-    else if (end->fate == SGT_MISSED) f->missed++;
-    else if (end->fate == SGT_CLIPPED) f->clipped++;
-    else if (end->fate == SGT_TIR) f->tir++;
-    else f->lost++;
+    return false;
 }
 
-/* ------------------------------------------------------------------ words */
-
-int look_digits(double value, double error)
+static void print_row(void *context, const void *row)
 {
-    enum { MOST = 16 };
-    if (!(error >= 0) || isnan(value) || isinf(error)) return 0;
-    const double digits = error > 0 ? floor(log10(fabs(value) / error)) : MOST;
-    return digits > MOST ? MOST : digits > 0 ? (int)digits : 0;
+    printing *p = context;
+    look *l = p->look;
+    const size_t size = l->of->row_size;
+    if (l->picture) keep_row(l, row);
+    const bool together =
+        p->wavelength < l->of->columns &&
+        number_at(row, sgt_analysis_column(l->of, p->wavelength)->offset) == SGT_ALL_WAVELENGTHS;
+    if (together && l->bands == 1 && l->shared.target.format == TABLE_TEXT) return;
+    if (new_group(p, row)) table_gap(l->table);
+    for (size_t i = 0; i < p->count; i++) put_column(p, sgt_analysis_column(l->of, p->place[i]), row);
+    if (!p->before) p->before = memory_take(size, 1);
+    memcpy(p->before, row, size);
 }
 
-const char *look_fate(const sgt_ray_end *end)
+static void take_sentence(void *context, sgt_remark_of_study kind, const char *sentence)
 {
-    return end->aimed == SGT_NO_SUCH_RAY ? "none" : sgt_fate_text(end->fate);
-}
-
-void look_fate_cell(table *t, const sgt_ray_end *end)
-{
-    table_code(t, end->aimed == SGT_NO_SUCH_RAY ? LOOK_NONE : (int)end->fate, look_fate(end));
-}
-
-void look_cells(table *t, const look *l, size_t field, const look_band *band)
-{
-    table_count(t, (long long)l->fields.number[field] + 1);
-    look_number(t, band->lens.wavelength);
-}
-
-/* The columns of text are fewer, unless they are asked for. */
-static bool is_text(const look *l)
-{
-    const table_target *to = &l->asked->shared.target;
-    return to->format == TABLE_TEXT && !to->columns;
-}
-
-size_t look_fate_columns(const look *l, column *to)
-{
-    static const char *const names[] = {"missed", "clipped", "tir", "lost", "none", "proven"};
-    const size_t count = is_text(l) ? 0 : l->asked->shared.solver.proof ? LOOK_FATES : LOOK_FATES - 1;
-    for (size_t i = 0; i < count; i++) to[i] = (column){names[i], COLUMN_COUNT};
-    return count;
-}
-
-void look_fate_cells(table *t, const look *l, const look_fates *f)
-{
-    const size_t each[] = {f->missed, f->clipped, f->tir, f->lost, f->none, f->proven};
-    column unused[LOOK_FATES];
-    for (size_t i = 0, n = look_fate_columns(l, unused); i < n; i++) table_count(t, (long long)each[i]);
-}
-
-void look_number(table *t, double value)
-{
-    if (isnan(value)) table_empty(t);
-    else table_number(t, value);
-}
-
-const char *look_text(const char *format, ...)
-{
-    char text[1000];
-    va_list more;
-    va_start(more, format);
-    vsnprintf(text, sizeof text, format, more);
-    va_end(more);
-    return memory_text(text, strlen(text));
-}
-
-const char *look_fates_line(const look *l, const look_fates *f)
-{
-    const struct { size_t n; const char *word; } each[] = {
-        {f->passed, "passed"}, {f->missed, "missed a surface"}, {f->clipped, "clipped"},
-        {f->tir, "totally reflected"}, {f->lost, "lost"}, {f->none, "not there, as is proven"},
-    };
-    char text[400];
-    int n = snprintf(text, sizeof text, "%zu ray%s:", f->rays, f->rays == 1 ? "" : "s");
-    for (size_t i = 0; i < sizeof each / sizeof *each; i++)
-        if (each[i].n)
-            n += snprintf(text + n, sizeof text - (size_t)n, "%s %zu %s", text[n - 1] == ':' ? "" : ",",
-                          each[i].n, each[i].word);
-    if (l->asked->shared.solver.proof)
-        n += snprintf(text + n, sizeof text - (size_t)n, "; %zu proven", f->proven);
-    if (f->folded) snprintf(text + n, sizeof text - (size_t)n, "; %zu on a fold of the pupil", f->folded);
-    return memory_text(text, strlen(text));
-}
-
-void look_verdict(table *t, const look *l)
-{
-    const char *primary = lens_primary(l->primary.lens.of);
-    if (primary) table_line(t, "%s", primary);
-    table_line(t, "%s.", look_fates_line(l, &l->fates));
-    const look_fates *f = &l->fates;
-    if (!f->lost) return;
-    if (f->unfound && f->within > 0)
-        table_line(t, "%zu lost, as aiming did not find them: none lies within %g pupil radii; beyond that "
-                      "there may be some.", f->unfound, f->within);
-    else if (f->unfound)
-        table_line(t, "%zu lost, as aiming did not find them; there may be some.", f->unfound);
-    const char *quote = strpbrk(l->asked->job.lens, " '()&;") ? "\"" : "";
-    table_line(t, "What becomes of a lost ray could not be decided.  This shows the first:\n"
-                  "    sagitta diagnose %s%s%s%s", quote, l->asked->job.lens, quote, l->lost ? l->lost : "");
-}
-
-exit_status look_status(const look *l) { return l->fates.lost ? EXIT_UNDECIDED : EXIT_DECIDED; }
-
-double look_small(const look *l, double length) { return isnan(l->um) ? length : length * l->um; }
-
-const char *look_small_unit(const look *l)
-{
-    const char *units = l->primary.lens.units;
-    return !isnan(l->um) ? "\302\265m" : *units ? units : "units of the lens";
-}
-
-const char *look_title(const look *l, const char *what)
-{
-    const lens *of = &l->primary.lens;
-    const char *file = strrchr(of->of->file, '/');
-    return look_text("%s: %s", *of->name ? of->name : file ? file + 1 : of->of->file, what);
-}
-
-size_t look_colour(const look *l, size_t band)
-{
-    size_t shorter = 0;
-    for (size_t b = 0; b < l->bands; b++) {
-        const double one = l->band[b].lens.wavelength, own = l->band[band].lens.wavelength;
-        shorter += one < own || (one == own && b < band);
+    printing *p = context;
+    if (kind == SGT_STUDY_NOTE) {
+        note("%s", sentence);
+        return;
     }
-    return shorter;
+    p->legend = memory_grow(p->legend, p->legends + 1, sizeof *p->legend);
+    p->legend[p->legends++] = memory_print("%s", sentence);
 }
 
-const char *look_wavelength_name(const look_band *band)
+static void keep_ends(void *context, size_t field, size_t surface, size_t wavelength, size_t count,
+                      const sgt_ray_end end[])
 {
-    return isnan(band->lens.wavelength) ? NULL : look_text("%.6g \302\265m", band->lens.wavelength);
+    const printing *p = context;
+    look *l = p->look;
+    look_ends *e = &l->ends[(field * l->surfaces + surface) * l->bands + wavelength];
+    if (e->count + count > e->room) {
+        e->room = 2 * e->room + count;
+        e->end = memory_grow(e->end, e->room, sizeof *e->end);
+    }
+    memcpy(e->end + e->count, end, count * sizeof *end);
+    e->count += count;
 }
 
-const char *look_lens_line(const look *l)
+exit_status look_run(const command *c, const look_way *way, int argc, char *argv[])
 {
-    char text[400] = "";
-    size_t n = 0;
-    for (size_t i = 0; i < l->bands && n < sizeof text - 40 && !isnan(l->band[i].lens.wavelength); i++)
-        n += (size_t)snprintf(text + n, sizeof text - n, "%s%.6g", i ? ", " : "", l->band[i].lens.wavelength);
-    const char *units = l->primary.lens.units;
-    if (strcmp(units, "in") == 0) units = "inches";
-    return look_text("%s%slengths in %s%s", text, n ? " \302\265m; " : "",
-                     *units ? units : "the unit of the lens",
-                     l->asked->shared.solver.proof == SGT_PROVE_FIRST  ? "; every hit proven to be the first"
-                     : l->asked->shared.solver.proof == SGT_PROVE_ROOT ? "; every root proven"
-                                                                       : "");
+    look l = {.of = sgt_analysis_named(c->name)};
+    printing p = {.look = &l, .way = way};
+    sgt_sink sink = {.context = &p, .row = print_row, .say = take_sentence};
+    sgt_error e;
+    int threads;
+    take_options(&l, c, way, argc, argv);
+    job_points_asked points = {.count = 0};
+    if (!l.of->no_rays) points = job_points_of(&l.job, l.of->pattern);
+    if (way->check) way->check(&l);
+    begin_study(&l, &points, &threads);
+    if (l.picture && way->ends) {
+        const sgt_list *defocus =
+            (const void *)((const char *)l.options + offsetof(sgt_spot_options, defocus));
+        l.surfaces = defocus->count ? defocus->count : 1;
+        l.ends = memory_take(l.fields.count * l.surfaces * l.bands, sizeof *l.ends);
+        sink.ends = keep_ends;
+    }
+    begin_table(&p);
+    if (!sgt_study_run(l.study, l.of, l.options, &sink, &l.total, &e)) refuse(&l, &e);
+    for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
+    look_verdict(&l);
+    table_end(l.table);
+    if (l.picture && way->draw) way->draw(&l);
+    else if (l.picture) look_draw_curves(&l);
+    return l.total.fates.lost ? EXIT_UNDECIDED : EXIT_DECIDED;
 }
 
-const char *look_signed(double x) { return look_text("%s%g", x < 0 ? "\342\210\222" : "", fabs(x)); }
-
-const char *look_field_name(const look *l, size_t field)
+static exit_status run_plain(const command *c, int argc, char *argv[])
 {
-    const sgt_lens_field *at = &l->fields.at[field];
-    const char *units = l->primary.lens.units;
-    const char *unit = l->fields.kind == SGT_FIELD_ANGLE ? "\302\260" : *units ? look_text(" %s", units) : "";
-    const size_t number = l->fields.number[field] + 1;
-    return at->x == 0 ? look_text("field %zu: %s%s", number, look_signed(at->y), unit)
-                      : look_text("field %zu: %s, %s%s", number, look_signed(at->x), look_signed(at->y),
-                                  unit);
+    return look_run(c, &(look_way){.draw = NULL}, argc, argv);
 }
 
-const char *look_field_axis(const look *l)
+command look_command(const sgt_analysis *a)
 {
-    const char *units = l->primary.lens.units;
-    const char *what = l->fields.kind == SGT_FIELD_ANGLE           ? "field angle"
-                       : l->fields.kind == SGT_FIELD_OBJECT_HEIGHT ? "object height"
-                                                                   : "image height";
-    return look_text("%s (%s)", what,
-                     l->fields.kind == SGT_FIELD_ANGLE ? "degrees"
-                     : *units                          ? units
-                                                       : "length");
+    const char *often = "";
+    for (size_t i = 0; i < a->settings; i++) often = memory_print("%s%s ", often, a->setting[i].name);
+    return (command){
+        .name = a->name, .brief = a->title, .run = run_plain,
+        .often = memory_print("%sfields field hexapolar grid wavelength picture proof format output", often),
+        .examples = memory_print("  sagitta %s examples/lenses/cooke_triplet.yaml\n"
+                              "  sagitta %s examples/lenses/cooke_triplet.yaml --picture %s.svg\n",
+                              a->name, a->name, a->name)};
 }

@@ -1,139 +1,102 @@
-/* look.h - what the analyses of a lens share: their options, the lens at each wavelength, the beams of its
- * fields, and where their rays end. */
+/* look.h - a subcommand that asks an analysis of sagitta_lens (study.h), and prints and draws the answer.
+ *
+ * Nothing is computed here: the library has the analyses, their columns and their settings, in tables. */
 #ifndef TOOL_LOOK_H
 #define TOOL_LOOK_H
+#include "../draw/chart.h"
 #include "../job/job.h"
+#include "../show/table.h"
 
-#include <sagitta/analysis.h>
+#include <sagitta/study.h>
 
-typedef struct look_options {
+/* The rays of a spot, as they come before its rows. */
+typedef struct look_ends { size_t count, room; sgt_ray_end *end; } look_ends;
+
+/* What was asked and what came of it: all that a picture needs. */
+typedef struct look {
     shared_options shared;
     job_options job;
     const char *picture;        /* NULL: none */
-    /* Set by the analysis; zeros fit one that takes fields and no pattern. */
-    const char *pattern;        /* for --help: the rays by default; NULL: it takes no pattern */
-    bool no_fields;             /* for --help: it takes no --field and no --fields */
-    bool primary_alone;         /* by default at the primary wavelength, not at all of the lens */
-} look_options;
-
-enum { LOOK_PICTURE = OPTION_AFTER_JOB, OPTION_AFTER_LOOK };
-
-/* To be put into the table of options of an analysis, which ends with {0}. */
-#define LOOK_OPTIONS                                    \
-    {"picture", required_argument, NULL, LOOK_PICTURE}, \
-    JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, ROWS_OPTIONS, SHARED_OPTIONS
-#define LOOK_LETTERS ROWS_LETTERS
-
-/* Takes an option that is none of the analysis's own.  help: what --help says before that of the rays. */
-void look_take_option(look_options *o, int code, const char *help);
-
-/* The lens from the arguments that are left.  name: of the analysis. */
-void look_take_lens(look_options *o, int argc, char *argv[], const char *name);
-
-/* How many rays met which fate. */
-typedef struct look_fates {
-    size_t rays, passed, missed, clipped, tir, lost;
-    size_t none;                /* aiming has proven that there is no such ray */
-    size_t unfound;             /* (of those that are lost) that aiming has not found */
-    double within;              /* of these: none lies within so many radii of the pupil; 0: not proven */
-    size_t folded;              /* (of those that were launched) that are on a fold of the pupil */
-    size_t proven;              /* (of those that passed) */
-} look_fates;
-
-/* The lens at a wavelength. */
-typedef struct look_band {
-    lens lens;
-    sgt_element *element;
-    sgt_first_order data;
-    double weight;
-} look_band;
-
-typedef struct look {
-    const look_options *asked;
-    int threads;
+    const sgt_analysis *of;
+    const sgt_setting **set;    /* [sets]: the settings that were given */
+    size_t sets;
+    void *options;              /* of the analysis */
+    sgt_study *study;
+    lens primary, *band; /* [bands]: the lens at its primary wavelength, and at those that are asked for */
     size_t bands;
-    look_band *band;            /* [bands], of the wavelengths that are asked for */
-    look_band primary;          /* of the lens */
-    sgt_launcher *from;
     field_list fields;
-    sgt_field_beam *beam;       /* [fields.count] */
     double um;                  /* the unit of length in micrometres; NaN: it is not known */
-    look_fates fates;           /* of all rays of look_trace */
-    const char *options;        /* of what is traced now, for `lost`; NULL: none */
-    const char *lost;           /* the options of sagitta diagnose that show the first lost ray; NULL: none */
+    table *table;
+    sgt_study_total total;
+    char *row;                  /* [rows] with a picture: each of of->row_size bytes */
+    size_t rows, room;
+    look_ends *ends;            /* [fields * surfaces * bands] if the picture wants them */
+    size_t surfaces;
 } look;
 
-/* Reads the lens and sets what is above, by default for all its wavelengths.  Of a lens without wavelengths
- * `primary` is the first band.  Any error ends the command. */
-look look_begin(const look_options *o);
+/* An option that makes another analysis of it: "--zernike 10" is the analysis zernike with terms 10. */
+typedef struct look_view { const char *option, *analysis, *setting, *help; } look_view;
 
-/* That of the fields of the lens which is farthest from the axis. */
-const sgt_lens_field *look_farthest(const look *l);
+/* What a subcommand adds to its analysis. */
+typedef struct look_way {
+    const look_view *view;      /* ends with {NULL} */
+    const option_row *own;      /* an option that only the picture has; NULL: none */
+    bool ends;                  /* the picture wants the rays of a spot */
+    void (*check)(look *l);     /* before anything is read; a fault ends the command.  NULL: none */
+    void (*draw)(const look *l); /* NULL: as draw_x and draw_y of the analysis say */
+} look_way;
 
-/* The beam of any field. */
-sgt_field_beam look_beam(const look *l, sgt_field_kind kind, sgt_lens_field at);
+/* The command has the name of its analysis; its options and most of its help are those of the library. */
+exit_status look_run(const command *c, const look_way *way, int argc, char *argv[]);
 
-/* Where the rays of a beam end, in threads.  element: those of the band, or the same with another last one.
- * counted: they are added to l->fates.  end: [points->count]. */
-void look_trace(look *l, const sgt_field_beam *beam, const look_band *band, const sgt_element *element,
-                const launch_pattern *points, bool counted, sgt_ray_end end[]);
+/* A command for an analysis that has none of its own. */
+command look_command(const sgt_analysis *a);
 
-/* The end of the chief ray, whatever clips it. */
-sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
-                       const sgt_element *element);
+/* Is this setting of the analysis given? */
+bool look_given(const look *l, const char *setting);
 
-/* Notes how to ask for a ray again, if it is the first that is lost.  options: of the field and more. */
-void look_lost(look *l, const look_band *band, const char *options, const sgt_ray_end *end);
+/* ------------------------------------------------------------------ for pictures */
 
-/* The options of a field. */
-const char *look_field_option(sgt_field_kind kind, const sgt_lens_field *at);
+const void *look_row(const look *l, size_t i);
 
-/* The same pattern with half as many rays across the pupil; none where that cannot be. */
-launch_pattern look_coarser(const look *l, const launch_pattern *points);
+/* The rows of another analysis of the same study, with the same options. */
+look look_again(const look *l, const char *analysis);
 
-void look_count(look_fates *f, const sgt_ray_end *end);
+/* A double of a row by the place of its column, and the column of a name; of->columns: there is none. */
+double look_value(const look *l, const void *row, size_t place);
+size_t look_column(const look *l, const char *name);
 
-/* A number, or an empty cell for a NaN. */
-void look_number(table *t, double value);
+/* Its name and unit as this lens has them: "ey (mm)". */
+const char *look_label(const look *l, const char *name);
+const char *look_unit(const look *l, const char *name);
 
-/* How many decimal digits of a value are certain: 0 to 16. */
-int look_digits(double value, double error);
-
-/* "passed", "lost" and so on, or "none": there is no such ray.  The cell has sgt_fate as its code, or
- * LOOK_NONE. */
-enum { LOOK_NONE = -2 };
-const char *look_fate(const sgt_ray_end *end);
-void look_fate_cell(table *t, const sgt_ray_end *end);
-
-/* The cells of a field's number (from 1) and of a wavelength, which is empty where there is none. */
-void look_cells(table *t, const look *l, size_t field, const look_band *band);
-
-/* The columns that say what became of the rays that did not pass, and their cells.  Text has none of them:
- * the line below the table tells it of all. */
-size_t look_fate_columns(const look *l, column *to);
-enum { LOOK_FATES = 6 };
-void look_fate_cells(table *t, const look *l, const look_fates *f);
-
-/* The last lines under a table for people: what became of the rays. */
-void look_verdict(table *t, const look *l);
-
-exit_status look_status(const look *l);
-
-/* ---------------------------------------------------------------- for pictures */
-
-/* A length as pictures show it: micrometres, or the unit of the lens where that is not known. */
-double look_small(const look *l, double length);
-const char *look_small_unit(const look *l);
+/* Which of the wavelengths this is; l->bands: none.  Which of the fields has this number. */
+size_t look_band_of(const look *l, double um);
+size_t look_field_of(const look *l, size_t number);
 
 /* Texts that last until the command ends. */
-const char *look_text(const char *format, ...) LIKE_PRINTF(1, 2);
 const char *look_signed(double x);                         /* with the minus sign of the axes */
 const char *look_title(const look *l, const char *what);   /* "Cooke triplet: spots" */
 const char *look_lens_line(const look *l);                 /* its wavelengths, unit, and what is proven */
-const char *look_fates_line(const look *l, const look_fates *f); /* "316 rays: 300 passed, 16 clipped" */
+const char *look_fates_line(const look *l, const sgt_fates *f); /* "316 rays: 300 passed, 16 clipped" */
 const char *look_field_name(const look *l, size_t field);  /* "field 2: 14°" */
 size_t look_colour(const look *l, size_t band);            /* bluer where the wavelength is shorter */
-const char *look_wavelength_name(const look_band *band);   /* "0.5876 µm", or NULL */
-const char *look_field_axis(const look *l);                /* "field (degrees)" */
+const char *look_wavelength_name(const look *l, size_t band); /* "0.5876 µm", or NULL */
+const char *look_field_axis(const look *l);                /* "field angle (degrees)" */
+
+/* What became of the rays, for the last lines under a table. */
+void look_verdict(const look *l);
+
+/* ---------------------------------------------------------------------- the parts */
+
+/* (curves.c) A panel for each field (or one), a curve for each wavelength: draw_y against draw_x. */
+void look_draw_curves(const look *l);
+
+/* (help.c) Prints the columns: context is a look_help. */
+typedef struct look_help { const sgt_analysis *of; const look_view *view; } look_help;
+void look_print_columns(const void *context);
+
+/* The rays by default, as an option: "--hexapolar 10". */
+const char *look_default_rays(const sgt_analysis *a);
 
 #endif

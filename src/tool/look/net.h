@@ -1,10 +1,17 @@
-/* net.h - the points of a pupil as a map of squares. */
+/* net.h - numbers over the pupil or the field as maps of squares. */
 #ifndef TOOL_NET_H
 #define TOOL_NET_H
-#include "../draw/chart.h"
 #include "look.h"
 
-/* The values of points that are a grid or cells, as a map over px, py; blank outside the circle. */
-chart_map look_net(const launch_pattern *points, const double value[], const char *label);
+/* The rows of one field and wavelength, from `first` on, as a map over px, py; blank outside the circle.  n:
+ * points across, of a grid or (cells) of cells.  value: of each row. */
+chart_map look_net(const look *l, size_t first, size_t count, size_t n, bool cells, const double value[],
+                   const char *label);
+
+/* One scale of colours for all of them. */
+void look_same_scale(size_t count, chart_map map[]);
+
+/* Is a map drawn of these points: cells or a grid?  *n: points across. */
+bool look_is_net(const look *l, size_t *n, bool *cells);
 
 #endif

@@ -22,16 +22,18 @@ typedef struct width { size_t before, after; } width;
 struct block {
     size_t columns, cells;      /* cells so far, of all rows */
     const column *column;
+    const char *const *unit;    /* [columns]; NULL: none */
     width *width;               /* [columns] */
     bytes kept;
     FILE *aside;                /* NULL: nothing, and all is kept */
     bool in_memory;             /* there are no temporary files */
 };
 
-block *block_new(size_t columns, const column *head)
+block *block_new(size_t columns, const column *head, const char *const *unit)
 {
     block *b = memory_take(1, sizeof *b);
-    *b = (block){.columns = columns, .column = head, .width = memory_take(columns, sizeof *b->width)};
+    *b = (block){
+        .columns = columns, .column = head, .unit = unit, .width = memory_take(columns, sizeof *b->width)};
     return b;
 }
 
@@ -89,14 +91,18 @@ void block_join(block *b, block *part)
 
 static char *fill(char *to, size_t count) { return memset(to, ' ', count), to + count; }
 
+/* The lines of the header: names, then units. */
+typedef enum block_line { LINE_NAMES, LINE_UNITS, LINE_CELLS } block_line;
+
 /* Writes a row; cell: its cells, one behind another.  Returns where they end. */
-static const char *block_write_row(const block *b, const char *cell, char *line, bool header, FILE *file)
+static const char *block_write_row(const block *b, const char *cell, char *line, block_line which, FILE *file)
 {
+    const bool header = which != LINE_CELLS;
     char *to = line;
     for (size_t i = 0; i < b->columns; i++) {
         column_kind kind = b->column[i].kind;
         bool words = is_word(kind);
-        if (header) cell = b->column[i].name;
+        if (header) cell = which == LINE_NAMES ? b->column[i].name : b->unit[i];
         const width *w = &b->width[i];
         size_t length = strlen(cell);
         width own = header ? (width){length, 0} : width_of(cell, length, kind);
@@ -109,6 +115,7 @@ static const char *block_write_row(const block *b, const char *cell, char *line,
         to = fill(to + length, right);
         cell += length + 1;
     }
+    while (which == LINE_UNITS && to > line && to[-1] == ' ') to--;
     *to++ = '\n';
     fwrite(line, 1, (size_t)(to - line), file);
     return cell;
@@ -126,7 +133,7 @@ static void write_rows(const block *b, const bytes *rows, char *line, written *l
         }
         if (*last == GAP_PENDING) fputc('\n', file);
         *last = WRITTEN_ROW;
-        at = block_write_row(b, at, line, false, file);
+        at = block_write_row(b, at, line, LINE_CELLS, file);
     }
 }
 
@@ -155,11 +162,14 @@ void block_write(block *b, FILE *file)
     for (size_t c = 0; c < b->columns; c++) {
         width *w = &b->width[c];
         size_t length = strlen(b->column[c].name), all = w->before + w->after;
+        size_t unit = b->unit ? strlen(b->unit[c]) : 0;
+        if (unit > length) length = unit;
         if (length > all) w->before += length - all;
         longest += w->before + w->after + SPACE_BETWEEN;
     }
     char *line = memory_grow(NULL, longest, 1);
-    block_write_row(b, NULL, line, true, file);
+    block_write_row(b, NULL, line, LINE_NAMES, file);
+    if (b->unit) block_write_row(b, NULL, line, LINE_UNITS, file);
     if (b->aside) write_aside(b, line, &last, file);
     write_rows(b, &b->kept, line, &last, file);
     b->kept.length = b->cells = 0;

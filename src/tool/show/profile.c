@@ -33,9 +33,7 @@ double profile_sag(const sgt_element *e, double x, double y)
 enum { NET = 128, ROOTS = 16 };
 
 /* The plane of a section: the point (u, w) is u across + w along. */
-typedef struct section {
-    sgt_vec3 across, along;
-} section;
+typedef struct section { sgt_vec3 across, along; } section;
 
 static sgt_vec3 section_point(const section *in, double u, double w)
 {
@@ -64,10 +62,8 @@ static bool section_ends(sgt_surface s, const section *in, double reach, double 
     *low = HUGE_VAL, *high = -HUGE_VAL;
     for (int k = 0; k <= NET; k++) {
         sgt_hit hit[ROOTS];
-        sgt_ray line = {.o = section_point(in, reach * (2.0 * k / NET - 1), 0),
-                        .d = in->along,
-                        .tmin = -HUGE_VAL,
-                        .tmax = HUGE_VAL};
+        sgt_ray line = {.o = section_point(in, reach * (2.0 * k / NET - 1), 0), .d = in->along,
+                        .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
         int count = sgt_intersect_all(s, line, ROOTS, hit, NULL);
         for (int i = 0; i < count && i < ROOTS; i++)
             if (hit[i].status > 0) *low = fmin(*low, hit[i].t), *high = fmax(*high, hit[i].t);

@@ -16,9 +16,8 @@ double stopped_incidence(const sgt_element *e, const arrival *a);
 double stopped_critical_angle(const arrival *a);
 
 /* "clipped by its semi_diameter ...", "totally reflected: incidence 53.1 degrees, critical angle 41.2",
- * "missed it: its line crosses the vertex plane 20 from the axis"; empty for a ray that passed or was lost.
- */
-enum { STOPPED_SIZE = 160 };
-void stopped_print(char text[STOPPED_SIZE], const sgt_element *e, sgt_fate fate, const arrival *a);
+ * "clipped by aperture 2 (rectangle): 0.3 beyond its edge", "missed it: its line crosses the vertex plane 20
+ * from the axis"; empty for a ray that passed or was lost. */
+const char *stopped_why(const sgt_element *e, sgt_fate fate, const arrival *a);
 
 #endif

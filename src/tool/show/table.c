@@ -50,6 +50,7 @@ struct table {
     size_t chosen;
     const size_t *choice;       /* [chosen]: which cells are written */
     column *head;               /* [chosen] */
+    const char **unit;          /* [chosen]; NULL: none */
     bytes kept, words;
     block *block;               /* of text */
     bool part, block_written;
@@ -89,6 +90,9 @@ static void choose(table *t)
     t->choice = choice, t->chosen = count;
     t->head = memory_take(count, sizeof *t->head);
     for (size_t i = 0; i < count; i++) t->head[i] = t->column[choice[i]];
+    if (!t->to.unit) return;
+    t->unit = memory_take(count, sizeof *t->unit);
+    for (size_t i = 0; i < count; i++) t->unit[i] = t->to.unit[choice[i]];
 }
 
 /* ------------------------------------------------------------------ begin */
@@ -99,7 +103,7 @@ static table *table_new(const table *like)
     *t = *like;
     t->cell = memory_take(t->columns + 1, sizeof *t->cell);
     t->last = memory_take(t->columns, sizeof *t->last);
-    if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head);
+    if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head, t->unit);
     return t;
 }
 
@@ -286,7 +290,6 @@ static void put_binary_row(table *t)
     for (size_t i = 0; i < t->chosen; i++) {
         const cell *c = &t->cell[t->choice[i]];
         const int32_t integer = (int32_t)c->count;
-        const char *word = t->words.at + c->count;
         switch (t->head[i].kind) {
         case COLUMN_NUMBER:
         case COLUMN_EXACT:
@@ -296,7 +299,7 @@ static void put_binary_row(table *t)
         case COLUMN_CODE: *to++ = (char)c->count; break;
         case COLUMN_WORD:
             memset(to, 0, t->word_size);
-            if (c->kind == CELL_WORD) memcpy(to, word, strlen(word));
+            if (c->kind == CELL_WORD) memcpy(to, t->words.at + c->count, strlen(t->words.at + c->count));
             to += t->word_size;
         }
     }

@@ -18,6 +18,7 @@ typedef struct table_target {
     bool hexadecimal;     /* numbers as 0x1.8p+1; in json as strings, since json has no such numbers */
     const char *columns;  /* of --columns: names with commas, in the order they are wanted; NULL: all */
     size_t word_size;     /* of the longest word in a column of WORD, for npy */
+    const char *const *unit; /* of each column, below its name in text, "" for none; NULL: of no column */
 } table_target;
 
 /* How a column looks as text, and in npy: NUMBER with 9 digits, EXACT with as many as it needs, ERROR with 2,

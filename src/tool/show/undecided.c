@@ -13,15 +13,9 @@
 #include "../read/surface.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
-enum {
-    ENTRIES = 32,
-    DEFAULT_EVALS = 2000 /* sagitta.h */,
-    PLACES_SIZE = 5 * NUMBER_SIZE,
-    REASON_SIZE = 2 * PLACES_SIZE
-};
+enum { ENTRIES = 32, DEFAULT_EVALS = 2000 /* sagitta.h */ };
 
 static const char RIM[] = "semi_diameter";
 
@@ -89,24 +83,27 @@ static view view_of(const search *s)
 
 static const char budget_spent[] = "--max-evals was used up first";
 
+static const char *number_text(double x)
+{
+    char text[NUMBER_SIZE];
+    number_print(text, x, false);
+    return memory_print("%s", text);
+}
+
 /* "t = 1.5 and 2", "t = 1, 2, 3 and 2 more" */
-static void print_places(char text[PLACES_SIZE], const view *v)
+static const char *places_of(const view *v)
 {
     enum { SHOWN = 3 };
-    int length = 0;
-    for (int i = 0; i < v->roots && i < SHOWN; i++) {
-        char at[NUMBER_SIZE];
-        number_print(at, v->root[i].t, false);
-        const char *before = i == 0 ? "t = " : i + 1 == v->roots ? " and " : ", ";
-        length += snprintf(text + length, (size_t)(PLACES_SIZE - length), "%s%s", before, at);
-    }
-    if (v->roots > SHOWN)
-        snprintf(text + length, (size_t)(PLACES_SIZE - length), " and %d more", v->roots - SHOWN);
+    const char *text = "";
+    for (int i = 0; i < v->roots && i < SHOWN; i++)
+        text = memory_print("%s%s%s", text, i == 0 ? "t = " : i + 1 == v->roots ? " and " : ", ",
+                            number_text(v->root[i].t));
+    return v->roots > SHOWN ? memory_print("%s and %d more", text, v->roots - SHOWN) : text;
 }
 
 /* Words for a ray that at t runs along the surface, to a thousandth of a radian, or meets it at the equator,
  * where it ends; else "".  If t is not finite, a ray counts that comes no nearer to the axis than there. */
-static const char *print_where(const search *s, double t)
+static const char *where_of(const search *s, double t)
 {
     const sgt_vec3 d = s->ray.d, p = vector_along(s->ray.o, d, t);
     bare_surface b = undecided_without_rim(s->surface);
@@ -140,90 +137,64 @@ static bool is_spent(const search *s)
            sgt_intersect(s->surface, s->ray, &same).status == SGT_EXHAUSTED;
 }
 
-static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
+static const char *why_unproven(const search *s)
 {
-    if (s->fast) {
-        snprintf(text, REASON_SIZE, "no root was found, but one may have been passed by");
-        return;
-    }
-    if (is_spent(s)) {
-        snprintf(text, REASON_SIZE, "%s", budget_spent);
-        return;
-    }
-    view v = view_of(s);
-    char places[PLACES_SIZE];
-    print_places(places, &v);
-    if (v.rim > 0 && !(v.rim * v.rim > 0x1p-960)) {
-        snprintf(text, REASON_SIZE,
-                 "nothing can be decided: the square of semi_diameter is too small for a double");
-    } else if (v.at_rim >= 0) {
+    if (s->fast) return "no root was found, but one may have been passed by";
+    if (is_spent(s)) return budget_spent;
+    const view v = view_of(s);
+    const char *places = places_of(&v);
+    if (v.rim > 0 && !(v.rim * v.rim > 0x1p-960))
+        return "nothing can be decided: the square of semi_diameter is too small for a double";
+    if (v.at_rim >= 0) {
         const sgt_hit *h = &v.root[v.at_rim];
-        char t[NUMBER_SIZE], r[NUMBER_SIZE], edge[NUMBER_SIZE];
-        number_print(t, h->t, false);
-        number_print(r, hypot(h->p.x, h->p.y), false);
-        number_print(edge, edge_of(v.rim), false);
-        snprintf(
-            text, REASON_SIZE,
-            "rounding hides on which side of the rim the root at t = %s is: r = %s, and the rim ends at %s",
-            t, r, edge);
-    } else if (v.roots > 1 && s->near_seed && s->asked->proof == SGT_PROVE_FIRST) {
-        const char *which = profile_is_sag(s->surface) ? "near the vertex" : "that is picked";
-        snprintf(text, REASON_SIZE, "the root %s is not the only one: the ray meets the surface at %s", which,
-                 places);
-    } else if (v.roots > 1) {
-        snprintf(text, REASON_SIZE, "the ray meets the surface at %s, but none of these roots is proven",
-                 places);
-    } else if (v.roots == 1 && v.root[0].status == SGT_GRAZE) {
-        snprintf(text, REASON_SIZE,
-                 "the ray touches the surface at %s, as far as can be told: one root, two or none", places);
-    } else if (v.roots == 1) {
-        snprintf(text, REASON_SIZE,
-                 "%sthere is a root at %s, at most %.2g off, but it is not proven to be the only one%s",
-                 print_where(s, v.root[0].t), places, v.root[0].t_err,
-                 s->asked->t_tol > 0 ? "; a smaller --t-tol may help" : "");
-    } else {
-        snprintf(text, REASON_SIZE, "%sthere may be a root or none: %s",
-                 print_where(s, 0.5 * s->hit->lo + 0.5 * s->hit->hi),
-                 may_break(s) ? "F may end, jump, or have a pole or a kink there" : "rounding hides which");
+        return memory_print("rounding hides on which side of the rim the root at t = %s is: r = %s, "
+                            "and the rim ends at %s",
+                            number_text(h->t), number_text(hypot(h->p.x, h->p.y)),
+                            number_text(edge_of(v.rim)));
     }
+    if (v.roots > 1 && s->near_seed && s->asked->proof == SGT_PROVE_FIRST)
+        return memory_print("the root %s is not the only one: the ray meets the surface at %s",
+                            profile_is_sag(s->surface) ? "near the vertex" : "that is picked", places);
+    if (v.roots > 1)
+        return memory_print("the ray meets the surface at %s, but none of these roots is proven", places);
+    if (v.roots == 1 && v.root[0].status == SGT_GRAZE)
+        return memory_print("the ray touches the surface at %s, as far as can be told: one root, two or none",
+                            places);
+    if (v.roots == 1)
+        return memory_print("%sthere is a root at %s, at most %.2g off, but it is not proven to be the only "
+                            "one%s",
+                            where_of(s, v.root[0].t), places, v.root[0].t_err,
+                            s->asked->t_tol > 0 ? "; a smaller --t-tol may help" : "");
+    return memory_print("%sthere may be a root or none: %s", where_of(s, 0.5 * s->hit->lo + 0.5 * s->hit->hi),
+                        may_break(s) ? "F may end, jump, or have a pole or a kink there"
+                                     : "rounding hides which");
 }
 
-static void print_reason(char text[REASON_SIZE], const search *s)
+static const char *reason_of(const search *s)
 {
     switch (s->hit->status) {
-    case SGT_UNPROVEN: print_reason_of_unproven(text, s); break;
+    case SGT_UNPROVEN: return why_unproven(s);
     case SGT_UNDEFINED:
-        snprintf(text, REASON_SIZE, "%s",
-                 isnan(s->hit->lo) ? "met, but without a normal there, or a direction behind it"
-                                   : "F is NaN where the root would have to be");
-        break;
-    case SGT_EXHAUSTED: snprintf(text, REASON_SIZE, "%s", budget_spent); break;
-    case SGT_INVALID:
-        snprintf(text, REASON_SIZE, "the ray or the surface is invalid");
-        break;
-    default: snprintf(text, REASON_SIZE, "no answer");
+        return isnan(s->hit->lo) ? "met, but without a normal there, or a direction behind it"
+                                 : "F is NaN where the root would have to be";
+    case SGT_EXHAUSTED: return budget_spent;
+    case SGT_INVALID: return "the ray or the surface is invalid";
+    default: return "no answer";
     }
 }
 
 /* " from t = 1 to 2"; "" for the whole ray. */
-static void print_stretch(char text[REASON_SIZE], const search *s)
+static const char *stretch_of(const search *s)
 {
-    char from[NUMBER_SIZE], to[NUMBER_SIZE];
-    double lo = s->hit->lo, hi = s->hit->hi, tmax = ray_end(&s->ray);
-    bool starts = lo > s->ray.tmin, ends = hi < tmax;
-    number_print(from, lo, false);
-    number_print(to, hi, false);
-    *text = 0;
-    if (starts && ends && strcmp(from, to) == 0) snprintf(text, REASON_SIZE, " at t = %s", from);
-    else if (starts && ends) snprintf(text, REASON_SIZE, " from t = %s to %s", from, to);
-    else if (starts) snprintf(text, REASON_SIZE, " from t = %s on", from);
-    else if (ends) snprintf(text, REASON_SIZE, " up to t = %s", to);
+    const double lo = s->hit->lo, hi = s->hit->hi, tmax = ray_end(&s->ray);
+    const bool starts = lo > s->ray.tmin, ends = hi < tmax;
+    const char *from = number_text(lo), *to = number_text(hi);
+    if (starts && ends && strcmp(from, to) == 0) return memory_print(" at t = %s", from);
+    if (starts && ends) return memory_print(" from t = %s to %s", from, to);
+    return starts ? memory_print(" from t = %s on", from) : ends ? memory_print(" up to t = %s", to) : "";
 }
 
 void undecided_explain(table *t, const char *who, const search *s)
 {
-    char stretch[REASON_SIZE], reason[REASON_SIZE];
-    print_stretch(stretch, s);
-    print_reason(reason, s);
-    table_line(t, "%s%s%s: %s.", who, sgt_status_text(s->hit->status), stretch, reason);
+    table_line(t, "%s%s%s: %s.", who, sgt_status_text(s->hit->status), stretch_of(s), reason_of(s));
 }

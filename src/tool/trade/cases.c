@@ -400,8 +400,8 @@ trade trade_cases(const trade_options *o)
     } else if (o->job.lens) {
         job *j = memory_take(1, sizeof *j);
         job_options asked = o->job;
-        if (!asked.rays && !asked.pattern_given && !asked.pupils)
-            asked.pattern = SGT_PATTERN_GRID, asked.pattern_given = true, asked.points = GRID_DEFAULT;
+        if (!asked.rays && !asked.points && !asked.pupils)
+            asked.pattern = SGT_PATTERN_GRID, asked.points = GRID_DEFAULT;
         *j = job_read(&asked);
         lens_case(&t, o, *j->lens.name ? j->lens.name : o->job.lens, j);
     } else {

@@ -16,6 +16,7 @@
 #include "../base/memory.h"
 
 #include <math.h>
+#include <sagitta/study.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -234,17 +235,6 @@ static void judge_hits(const trade_case *c, setting *s, const answers *a, double
     find_quantiles(s, n, error);
 }
 
-/* Micrometres in a unit of the lens; NaN for an unknown label. */
-static double micrometres(const char *unit)
-{
-    static const struct { const char *name; double is; } known[] = {
-        {"um", 1}, {"mm", 1e3}, {"cm", 1e4}, {"m", 1e6}, {"in", 25400}, {"inch", 25400},
-    };
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
-        if (strcmp(unit, known[i].name) == 0) return known[i].is;
-    return (double)NAN;
-}
-
 /* A trace is wrong if the ray ends at another element, or with another fate, than it should. */
 static void judge_traces(const trade_case *c, setting *s, const answers *a, double *error)
 {
@@ -268,7 +258,7 @@ static void judge_traces(const trade_case *c, setting *s, const answers *a, doub
     }
     s->evals = measure_rounded((double)evals / (double)c->rays, 4);
     s->path_worst = n ? path : (double)NAN;
-    s->waves_worst = s->path_worst * micrometres(j->lens.units) / j->lens.wavelength;
+    s->waves_worst = s->path_worst * sgt_lens_unit(j->lens.of) / j->lens.wavelength;
     find_quantiles(s, n, error);
 }
 

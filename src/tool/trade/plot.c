@@ -14,10 +14,11 @@
  * of the dot joins them, and that must cross nothing either. */
 #include "trade.h"
 
-#include "../draw/palette.h"
 #include "../base/memory.h"
+#include "../draw/chart_draw.h"
+#include "../draw/palette.h"
+#include "../draw/sheet.h"
 
-#include <cairo-svg.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,31 +31,23 @@ static const char *const knob_name[KNOBS] = {"default", "single ray", "outputs",
                                              "pick",    "proof",      "dt_min",  "iterations"};
 static const size_t knob_colour[KNOBS] = {4, 5, 3, 0, 1, 4, 6, 2, 6};
 
-void trade_picture_check(void) {}
-
-typedef struct box { double left, top, right, bottom; } box;
-
 typedef struct plot_stroke { double x0, y0, x1, y1; } plot_stroke;
 
 /* A dot; of: its setting, the first of those that are the same. */
-typedef struct plot_dot {
-    double x, y, radius;
-    const setting *of;
-    bool best;
-} plot_dot;
+typedef struct plot_dot { double x, y, radius; const setting *of; bool best; } plot_dot;
 
 typedef struct panel {
     cairo_t *cr;
     const trade_case *c;
-    box plot;
+    chart_box plot;
     double x_low, x_high, y_low, y_high;  /* ends of the axes, as log10 */
     bool floor;                           /* is there an error of 0? */
     const setting **stands_for;           /* [settings]: whose dot it has; NULL: it has no error */
     plot_dot *dot;
     size_t dots;
-    box *taken;                           /* where names, dots, stems and stairs are */
+    chart_box *taken;                           /* where names, dots, stems and stairs are */
     size_t taken_count, taken_capacity;
-    box *name;                            /* where names are */
+    chart_box *name;                            /* where names are */
     size_t names, name_capacity;
     plot_stroke *leader;
     size_t leaders, leader_capacity;
@@ -95,31 +88,6 @@ static panel panel_of(cairo_t *cr, const trade_case *c, double left, double top,
     return p;
 }
 
-/* ------------------------------------------------------------------- text */
-
-static void grey(cairo_t *cr, double g) { cairo_set_source_rgb(cr, g, g, g); }
-
-static void font(cairo_t *cr, double size, bool bold)
-{
-    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
-                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cr, size);
-}
-
-static double plot_width_of(cairo_t *cr, const char *text)
-{
-    cairo_text_extents_t size;
-    cairo_text_extents(cr, text, &size);
-    return size.x_advance;
-}
-
-/* Writes text that begins at x (part 0), ends there (1), or is centred there (0.5). */
-static void write_text(cairo_t *cr, double x, double y, double part, const char *text)
-{
-    cairo_move_to(cr, x - part * plot_width_of(cr, text), y);
-    cairo_show_text(cr, text);
-}
-
 static void line(cairo_t *cr, double x0, double y0, double x1, double y1, double width)
 {
     cairo_move_to(cr, x0, y0);
@@ -141,12 +109,13 @@ static void time_axis(const panel *p)
             if (x < p->plot.left || x > p->plot.right) continue;
             char text[40];
             snprintf(text, sizeof text, "%g", ns);
-            grey(cr, 0.9);
+            chart_grey(cr, 0.9);
             line(cr, x, p->plot.top, x, p->plot.bottom, 0.6);
-            grey(cr, 0.25);
-            write_text(cr, x, p->plot.bottom + 14, 0.5, text);
+            chart_grey(cr, 0.25);
+            chart_text(cr, x, p->plot.bottom + 14, 0.5, HUGE_VAL, text);
         }
-    write_text(cr, (p->plot.left + p->plot.right) / 2, p->plot.bottom + 31, 0.5, "time per ray (ns)");
+    chart_text(cr, (p->plot.left + p->plot.right) / 2, p->plot.bottom + 31, 0.5, HUGE_VAL,
+               "time per ray (ns)");
 }
 
 /* Written upward, beside the numbers. */
@@ -159,11 +128,9 @@ static void error_label(const panel *p)
                  *p->c->lens->lens.units ? p->c->lens->lens.units : "lengths of the lens");
     else
         snprintf(text, sizeof text, "error of t (lengths of the direction)");
-    cairo_save(cr);
-    cairo_translate(cr, p->plot.left - LEFT + 16, (p->plot.top + p->plot.bottom) / 2);
-    cairo_rotate(cr, -2 * atan(1));
-    write_text(cr, 0, 0, 0.5, text);
-    cairo_restore(cr);
+    chart_text_up(cr, p->plot.left - LEFT + 16, (p->plot.top + p->plot.bottom) / 2,
+                  p->plot.bottom - p->plot.top,
+                  text);
 }
 
 static void error_axis(const panel *p)
@@ -172,16 +139,16 @@ static void error_axis(const panel *p)
     int every = p->y_high - p->y_low > 8 ? 2 : 1;
     for (int decade = (int)p->y_low; decade <= (int)p->y_high; decade++) {
         double y = y_of(p, pow(10, decade));
-        grey(cr, 0.9);
+        chart_grey(cr, 0.9);
         line(cr, p->plot.left, y, p->plot.right, y, 0.6);
         if ((decade - (int)p->y_high) % every) continue;
         char text[40];
         snprintf(text, sizeof text, "1e%d", decade);
-        grey(cr, 0.25);
-        write_text(cr, p->plot.left - 6, y + 4, 1, text);
+        chart_grey(cr, 0.25);
+        chart_text(cr, p->plot.left - 6, y + 4, 1, HUGE_VAL, text);
     }
-    grey(cr, 0.25);
-    if (p->floor) write_text(cr, p->plot.left - 6, p->plot.bottom - FLOOR / 2 + 4, 1, "0");
+    chart_grey(cr, 0.25);
+    if (p->floor) chart_text(cr, p->plot.left - 6, p->plot.bottom - FLOOR / 2 + 4, 1, HUGE_VAL, "0");
     error_label(p);
     cairo_rectangle(cr, p->plot.left, p->plot.top, p->plot.right - p->plot.left,
                     p->plot.bottom - p->plot.top);
@@ -191,7 +158,7 @@ static void error_axis(const panel *p)
 
 /* ------------------------------------------------------------------- dots */
 
-static void plot_take(panel *p, box b)
+static void plot_take(panel *p, chart_box b)
 {
     p->taken = memory_room(p->taken, p->taken_count, &p->taken_capacity, sizeof *p->taken);
     p->taken[p->taken_count++] = b;
@@ -238,7 +205,7 @@ static void find_dots(panel *p)
 static void colour_of(cairo_t *cr, knob turned)
 {
     palette_set(cr, knob_colour[turned]);
-    if (turned == KNOB_NONE) grey(cr, 0);
+    if (turned == KNOB_NONE) chart_grey(cr, 0);
     /* there is no eighth colour in the palette */
     if (turned == KNOB_ITERATIONS) cairo_set_source_rgb(cr, 0.45, 0.3, 0.15);
 }
@@ -248,7 +215,7 @@ static void draw_dot(cairo_t *cr, double x, double y, double radius, knob turned
 {
     cairo_new_path(cr);
     cairo_arc(cr, x, y, radius + 1, 0, 8 * atan(1));
-    grey(cr, 1);
+    chart_grey(cr, 1);
     cairo_fill(cr);
     cairo_arc(cr, x, y, radius, 0, 8 * atan(1));
     colour_of(cr, turned);
@@ -261,10 +228,10 @@ static void draw_stem(panel *p, const plot_dot *d)
 {
     double top = d->of->error_worst > 0 ? y_of(p, d->of->error_worst) : d->y;
     if (d->y - top < DOT) return;
-    grey(p->cr, 0.55);
+    chart_grey(p->cr, 0.55);
     line(p->cr, d->x, d->y, d->x, top, 0.7);
     line(p->cr, d->x - 2.5, top, d->x + 2.5, top, 0.7);
-    plot_take(p, (box){d->x - 1, top, d->x + 1, d->y});
+    plot_take(p, (chart_box){d->x - 1, top, d->x + 1, d->y});
 }
 
 static int by_time(const void *a, const void *b)
@@ -290,7 +257,7 @@ static const plot_dot **dots_sorted(const panel *p, int (*order)(const void *, c
 static void stair(panel *p, double x0, double y0, double x1, double y1)
 {
     line(p->cr, x0, y0, x1, y1, 1.8);
-    plot_take(p, (box){fmin(x0, x1) - 1, fmin(y0, y1) - 1, fmax(x0, x1) + 1, fmax(y0, y1) + 1});
+    plot_take(p, (chart_box){fmin(x0, x1) - 1, fmin(y0, y1) - 1, fmax(x0, x1) + 1, fmax(y0, y1) + 1});
 }
 
 static void draw_stairs(panel *p)
@@ -299,7 +266,7 @@ static void draw_stairs(panel *p)
     const setting *base = trade_base(p->c);
     double x = 0, y = p->plot.top;
     bool begun = false;
-    grey(p->cr, 0.62);
+    chart_grey(p->cr, 0.62);
     cairo_set_line_cap(p->cr, CAIRO_LINE_CAP_SQUARE);
     for (size_t i = 0; i < p->dots; i++) {
         const setting *s = step[i]->of;
@@ -326,11 +293,7 @@ static void plot_append(char text[TEXT_SIZE], const char *more)
     snprintf(text + length, TEXT_SIZE - length, "%s", more);
 }
 
-typedef struct name {
-    const plot_dot *of;
-    int lines;
-    char line[LINES][TEXT_SIZE];
-} name;
+typedef struct name { const plot_dot *of; int lines; char line[LINES][TEXT_SIZE]; } name;
 
 /* Adds the lines "20 % undecided" and "0.1 % wrong". */
 static void add_shares(name *n, const setting *s, size_t rays)
@@ -402,23 +365,9 @@ static name name_of(const panel *p, const plot_dot *d)
     return n;
 }
 
-static bool overlap(const box *a, const box *b)
+static bool plot_enters(const plot_stroke *s, const chart_box *b)
 {
-    return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
-}
-
-/* Does the stroke enter the box?  Cuts it at each edge in turn (Liang and Barsky 1984, ACM TOG 3, 1). */
-static bool plot_enters(const plot_stroke *s, const box *b)
-{
-    double from = 0, to = 1, dx = s->x1 - s->x0, dy = s->y1 - s->y0;
-    const double way[4] = {-dx, dx, -dy, dy},
-                 room[4] = {s->x0 - b->left, b->right - s->x0, s->y0 - b->top, b->bottom - s->y0};
-    for (int i = 0; i < 4; i++) {
-        if (way[i] == 0 && room[i] <= 0) return false;
-        if (way[i] < 0) from = fmax(from, room[i] / way[i]);
-        if (way[i] > 0) to = fmin(to, room[i] / way[i]);
-    }
-    return from < to;
+    return chart_line_enters(s->x0, s->y0, s->x1, s->y1, b);
 }
 
 static double side(const plot_stroke *s, double x, double y)
@@ -437,22 +386,22 @@ static bool cross(const plot_stroke *a, const plot_stroke *b)
  * avoid dots.  NAMES: the same, and its own leader need avoid nothing. */
 typedef enum respect { RESPECT_ALL, RESPECT_LEADERS, RESPECT_DOTS, RESPECT_NAMES, RESPECTS } respect;
 
-static bool thin(const box *b) { return fmin(b->right - b->left, b->bottom - b->top) < STEM; }
+static bool thin(const chart_box *b) { return fmin(b->right - b->left, b->bottom - b->top) < STEM; }
 
-static bool free_place(const panel *p, box b, respect of)
+static bool free_place(const panel *p, chart_box b, respect of)
 {
     if (b.left < p->plot.left + 2 || b.right > p->plot.right - 2 || b.top < p->plot.top + 1 ||
         b.bottom > p->plot.bottom - 1)
         return false;
     for (size_t i = 0; i < p->taken_count; i++)
-        if (!(of != RESPECT_ALL && thin(&p->taken[i])) && overlap(&b, &p->taken[i])) return false;
+        if (!(of != RESPECT_ALL && thin(&p->taken[i])) && chart_boxes_meet(&b, &p->taken[i])) return false;
     for (size_t i = 0; i < p->leaders && of < RESPECT_DOTS; i++)
         if (plot_enters(&p->leader[i], &b)) return false;
     return true;
 }
 
 /* The leader: from the edge of the dot to the nearest place of the name. */
-static plot_stroke leader_to(const plot_dot *d, const box *b)
+static plot_stroke leader_to(const plot_dot *d, const chart_box *b)
 {
     double x = fmin(fmax(d->x, b->left), b->right), y = fmin(fmax(d->y, b->top), b->bottom),
            length = fmax(hypot(x - d->x, y - d->y), 1);
@@ -462,7 +411,8 @@ static plot_stroke leader_to(const plot_dot *d, const box *b)
 
 static bool hits(const plot_stroke *s, const plot_dot *d)
 {
-    return plot_enters(s, &(box){d->x - d->radius, d->y - d->radius, d->x + d->radius, d->y + d->radius});
+    return plot_enters(s, &(chart_box){d->x - d->radius, d->y - d->radius, d->x + d->radius,
+                       d->y + d->radius});
 }
 
 /* May a leader be there?  It may cross stems and stairs and the rings about its own dot, but no other dot, no
@@ -481,14 +431,14 @@ static bool free_leader(const panel *p, const plot_stroke *s, const plot_dot *of
     return true;
 }
 
-static double off(const plot_dot *d, const box *b)
+static double off(const plot_dot *d, const chart_box *b)
 {
     double x = fmin(fmax(d->x, b->left), b->right), y = fmin(fmax(d->y, b->top), b->bottom);
     return hypot(x - d->x, y - d->y) - d->radius;
 }
 
 /* Is it clear whose name it is?  No other dot may be nearer to the place than its own. */
-static bool clear_whose(const panel *p, const box *b, const plot_dot *of)
+static bool clear_whose(const panel *p, const chart_box *b, const plot_dot *of)
 {
     const double NEXT = 10;
     double own = fmin(off(of, b), NEXT);
@@ -498,7 +448,8 @@ static bool clear_whose(const panel *p, const box *b, const plot_dot *of)
 }
 
 /* Tries places on circles about the dot; the name touches the circle from outside. */
-static bool find_place(const panel *p, const name *n, double wide, double high, respect of, bool *led, box *b)
+static bool find_place(const panel *p, const name *n, double wide, double high, respect of, bool *led,
+                       chart_box *b)
 {
     enum { WAYS = 32 };
     const double near = n->of->radius + 4;
@@ -508,7 +459,7 @@ static bool find_place(const panel *p, const name *n, double wide, double high, 
             double x = cos(turn * 8 * atan(1) / WAYS), y = sin(turn * 8 * atan(1) / WAYS);
             double left = n->of->x + d * x - wide * (1 - x) / 2, top = n->of->y + d * y - high * (1 - y) / 2;
             *led = d > near;
-            *b = (box){left - 2, top - 1, left + wide + 2, top + high + 1};
+            *b = (chart_box){left - 2, top - 1, left + wide + 2, top + high + 1};
             plot_stroke leader = leader_to(n->of, b);
             if (of < RESPECT_DOTS && !clear_whose(p, b, n->of)) continue;
             if (free_place(p, *b, of) && (!*led || free_leader(p, &leader, n->of, of))) return true;
@@ -521,8 +472,8 @@ static void place_name(panel *p, const name *n)
     cairo_t *cr = p->cr;
     double wide = 0, high = n->lines * LINE;
     bool found = false, led = false;
-    box b;
-    for (int i = 0; i < n->lines; i++) wide = fmax(wide, plot_width_of(cr, n->line[i]));
+    chart_box b;
+    for (int i = 0; i < n->lines; i++) wide = fmax(wide, chart_width(cr, n->line[i]));
     for (int of = RESPECT_ALL; of < RESPECTS && !found; of++)
         found = find_place(p, n, wide, high, (respect)of, &led, &b);
     if (!found) return; /* every place covers something, or the name is wider than the panel: leave it out */
@@ -541,38 +492,25 @@ static void place_name(panel *p, const name *n)
     cairo_fill(cr);
     for (int i = 0; i < n->lines; i++) {
         bool same = strncmp(n->line[i], "= ", 2) == 0 || (i > 1 && n->of->of == trade_base(p->c));
-        grey(cr, n->of->best && !same ? 0 : 0.4);
-        write_text(cr, b.left + 2, b.top + 1 + (i + 0.8) * LINE, 0, n->line[i]);
+        chart_grey(cr, n->of->best && !same ? 0 : 0.4);
+        chart_text(cr, b.left + 2, b.top + 1 + (i + 0.8) * LINE, 0, HUGE_VAL, n->line[i]);
     }
-}
-
-/* Writes as much of the text as fits between the panel's edges. */
-static void write_fitting(const panel *p, double y, const char *text)
-{
-    char fitting[sizeof p->c->about + 4];
-    size_t length = strlen(text);
-    snprintf(fitting, sizeof fitting, "%s", text);
-    while (plot_width_of(p->cr, fitting) > p->plot.right - p->plot.left && length > 0) {
-        length--;
-        snprintf(fitting + length, sizeof fitting - length, "...");
-    }
-    write_text(p->cr, p->plot.left, y, 0, fitting);
 }
 
 static void draw_panel(panel *p)
 {
     cairo_t *cr = p->cr;
-    font(cr, 13, true);
-    grey(cr, 0);
-    write_fitting(p, p->plot.top - 24, p->c->name);
-    font(cr, FONT, false);
-    grey(cr, 0.35);
-    write_fitting(p, p->plot.top - 8, p->c->about);
+    chart_font(cr, 13, true);
+    chart_grey(cr, 0);
+    chart_text(cr, p->plot.left, p->plot.top - 24, 0, p->plot.right - p->plot.left, p->c->name);
+    chart_font(cr, FONT, false);
+    chart_grey(cr, 0.35);
+    chart_text(cr, p->plot.left, p->plot.top - 8, 0, p->plot.right - p->plot.left, p->c->about);
     time_axis(p);
     error_axis(p);
     find_dots(p);
     if (p->dots == 0)
-        write_text(cr, (p->plot.left + p->plot.right) / 2, (p->plot.top + p->plot.bottom) / 2, 0.5,
+        chart_text(cr, (p->plot.left + p->plot.right) / 2, (p->plot.top + p->plot.bottom) / 2, 0.5, HUGE_VAL,
                    "no ray is met");
     draw_stairs(p);
     for (size_t i = 0; i < p->dots; i++) draw_stem(p, &p->dot[i]);
@@ -580,7 +518,7 @@ static void draw_panel(panel *p)
     for (size_t i = 0; i < p->dots; i++) {
         const plot_dot *d = order[i];
         draw_dot(cr, d->x, d->y, d->radius, d->of->turned, d->best);
-        plot_take(p, (box){d->x - d->radius, d->y - d->radius, d->x + d->radius, d->y + d->radius});
+        plot_take(p, (chart_box){d->x - d->radius, d->y - d->radius, d->x + d->radius, d->y + d->radius});
     }
     for (size_t i = 0; i < p->dots; i++) {
         name n = name_of(p, &p->dot[i]);
@@ -589,27 +527,6 @@ static void draw_panel(panel *p)
 }
 
 /* ------------------------------------------------------------------- page */
-
-/* Writes a text in as many lines as it needs; returns y of the next line. */
-static double write_wrapped(cairo_t *cr, double left, double right, double y, const char *text)
-{
-    char all[200];
-    snprintf(all, sizeof all, "%s", text);
-    for (char *rest = all; *rest; y += LINE + 2) {
-        size_t length = strlen(rest), fits = length;
-        char cut = 0;
-        while (plot_width_of(cr, rest) > right - left && fits > 0) {
-            rest[fits] = cut;
-            do fits--;
-            while (fits > 0 && rest[fits] != ' ');
-            cut = rest[fits];
-            rest[fits] = 0;
-        }
-        write_text(cr, left, y, 0, rest);
-        rest += fits + (fits < length);
-    }
-    return y;
-}
 
 static void draw_key(cairo_t *cr, const trade *t, double left, double right, double y)
 {
@@ -626,45 +543,44 @@ static void draw_key(cairo_t *cr, const trade *t, double left, double right, dou
     for (size_t i = 0; i < t->count; i++)
         for (size_t k = 0; k < t->list[i].settings; k++)
             if (plot_shown(&t->list[i].setting[k])) used[t->list[i].setting[k].turned] = true;
-    font(cr, FONT, false);
+    chart_font(cr, FONT, false);
     for (int k = 0; k < KNOBS; k++) {
         if (!used[k]) continue;
-        double wide = 9 + plot_width_of(cr, knob_name[k]) + 16;
+        double wide = 9 + chart_width(cr, knob_name[k]) + 16;
         if (x + wide > right) x = left, y += LINE + 4;
         draw_dot(cr, x + DOT, y - 3.5, DOT, (knob)k, true);
-        grey(cr, 0.2);
-        write_text(cr, x + 12, y, 0, knob_name[k]);
+        chart_grey(cr, 0.2);
+        chart_text(cr, x + 12, y, 0, HUGE_VAL, knob_name[k]);
         x += wide;
     }
-    grey(cr, 0.35);
+    chart_grey(cr, 0.35);
     y += 20;
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        y = write_wrapped(cr, left, right, y, words[i]);
+        y += (double)chart_wrap(cr, left, y, right - left, LINE + 2, words[i], true) * (LINE + 2);
+}
+
+/* Two panels stand side by side; the key is in the free place, or below. */
+typedef struct plot_sheet { const trade *trade; int columns, rows; bool gap; double width, page; } plot_sheet;
+
+static void draw_plot(cairo_t *cr, const void *what)
+{
+    const plot_sheet *s = what;
+    for (size_t i = 0; i < s->trade->count; i++) {
+        const size_t beside = i % (size_t)s->columns, below = i / (size_t)s->columns;
+        panel p = panel_of(cr, &s->trade->list[i], MARGIN + (double)beside * (s->width + GAP),
+                           (double)below * PANEL_HIGH, s->width);
+        draw_panel(&p);
+    }
+    draw_key(cr, s->trade, MARGIN + LEFT + (s->gap ? s->width + GAP : 0), s->page - MARGIN,
+             s->gap ? (s->rows - 1) * PANEL_HIGH + HEAD_HIGH + 12 : s->rows * PANEL_HIGH + 18);
 }
 
 void trade_picture(const char *file, const trade *t)
 {
-    int columns = t->count > 1 ? 2 : 1, rows = ((int)t->count + columns - 1) / columns;
-    bool gap = columns == 2 && t->count % 2; /* there is a free panel for the key */
-    double width = (columns == 2 ? 1 : 1.4) * (PLOT_WIDTH - 2 * MARGIN - GAP) / 2;
-    double page = columns * width + (columns - 1) * GAP + 2 * MARGIN,
-           height = rows * PANEL_HIGH + (gap ? 0 : KEY_HIGH) + MARGIN;
-    cairo_surface_t *surface = cairo_svg_surface_create(file, page, height);
-    cairo_t *cr = cairo_create(surface);
-    grey(cr, 1);
-    cairo_paint(cr);
-    for (size_t i = 0; i < t->count; i++) {
-        double left = MARGIN + (double)(i % (size_t)columns) * (width + GAP),
-               top = (double)(i / (size_t)columns) * PANEL_HIGH;
-        panel p = panel_of(cr, &t->list[i], left, top, width);
-        draw_panel(&p);
-    }
-    double key = MARGIN + LEFT + (gap ? width + GAP : 0);
-    draw_key(cr, t, key, page - MARGIN,
-             gap ? (rows - 1) * PANEL_HIGH + HEAD_HIGH + 12 : rows * PANEL_HIGH + 18);
-    cairo_destroy(cr);
-    cairo_surface_finish(surface);
-    cairo_status_t status = cairo_surface_status(surface);
-    cairo_surface_destroy(surface);
-    if (status != CAIRO_STATUS_SUCCESS) fail_input("%s: %s", file, cairo_status_to_string(status));
+    plot_sheet s = {.trade = t, .columns = t->count > 1 ? 2 : 1};
+    s.rows = ((int)t->count + s.columns - 1) / s.columns, s.gap = s.columns == 2 && t->count % 2;
+    s.width = (s.columns == 2 ? 1 : 1.4) * (PLOT_WIDTH - 2 * MARGIN - GAP) / 2;
+    s.page = s.columns * s.width + (s.columns - 1) * GAP + 2 * MARGIN;
+    sheet_write(file, picture_kind_of("picture", file), s.page,
+                s.rows * PANEL_HIGH + (s.gap ? 0 : KEY_HIGH) + MARGIN, draw_plot, &s);
 }

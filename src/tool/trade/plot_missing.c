@@ -1,10 +1,4 @@
 /* plot_missing.c - replaces plot.c if there is no cairo. */
-#include "../draw/picture.h"
 #include "trade.h"
 
-void trade_picture_check(void) { picture_check("svg"); }
-
-void trade_picture(const char *file, const trade *t)
-{
-    (void)file, (void)t;
-}
+void trade_picture(const char *file, const trade *t) { (void)file, (void)t; }

@@ -7,7 +7,7 @@
 #ifndef TOOL_TRADE_H
 #define TOOL_TRADE_H
 #include "../job/job.h"
-#include "quad.h"
+#include "../../truth/quad.h"
 
 /* The values of a knob, given or by default. */
 typedef struct knob_list { size_t count; double value[16]; } knob_list;
@@ -74,10 +74,7 @@ typedef struct trade_case {
     size_t settings, capacity;
 } trade_case;
 
-typedef struct trade {
-    trade_case *list;
-    size_t count, capacity;
-} trade;
+typedef struct trade { trade_case *list; size_t count, capacity; } trade;
 
 /* "t_tol": what stands before the = in the names of a knob's settings. */
 extern const char *const trade_knob_name[KNOBS];
@@ -100,7 +97,7 @@ const truth *trade_truth(const trade_case *c, const setting *s);
 /* The most evaluations that a ray takes (of a lens: at one element). */
 int trade_most_evals(const trade_case *c, const setting *s);
 
-void trade_picture_check(void);
+/* file: as chart_check takes it. */
 void trade_picture(const char *file, const trade *t);
 
 #endif

@@ -1,0 +1,475 @@
+/* aim.c - rays aimed at the stop, and fields aimed at the image.
+ *
+ * A RAY OF A BEAM is one of a family with two parameters, its coordinates u, v in the entrance
+ * pupil, or in the cone of a telecentric object: all numbers of origin and direction are linear in
+ * them.  sgt_aim finds the one that meets a point of the stop, or proves that there is none in a box
+ * of u and v.
+ *
+ * A BOX IS NOT THE WORLD.  The family has no end.  So three kinds of boxes are searched in turn:
+ *
+ *     REACH[0] pupil radii on either side: most rays are found here
+ *     all that the rims in front let through (sgt_beam_bounds), if they bound it.  If there is none
+ *     in here, there is none that gets through: SGT_NO_SUCH_RAY
+ *     REACH[1], REACH[2] radii: a stop may lie far beside the axis.  If none is found, it is
+ *     undecided, and `within` says in which box it is proven that there is none
+ *
+ * Outer boxes are proven only if the inner one is: it is a part of them.  A proof costs a hundred times
+ * as much as a search.  So where the rims keep all within NEAR times REACH[0], only theirs is proven.
+ *
+ * THE CHIEF RAY is a reference also where it is clipped.  So it is looked for in the outer boxes even
+ * if no ray there gets through the rims.  If it is found in one of them (a stop beside the axis), the
+ * other rays are looked for in that one first.  Else the outer boxes are worth little for them: none if
+ * the rims keep all rays within REACH[0], and few traces if not.
+ *
+ * WHERE THE SEARCH BEGINS: where the linear map about the chief ray puts the point.  So a ray depends
+ * on no other but the chief ray, and rays may be aimed in any parts.
+ *
+ * FOLDS.  The map from the pupil to the stop has a determinant.  On the axis of any lens it is not 0.
+ * Where it has the other sign, neighbouring rays reach the stop in reversed order: between there and
+ * the axis the pupil is folded, and points near the fold have two rays.
+ *
+ * A FIELD BY ITS REAL IMAGE HEIGHT is a chief ray, as the lens itself aims.  At the paraxial pupil it
+ * goes through the pupil's centre: another family of two parameters, the slopes (from afar) or
+ * the object point, aimed at the image.  Aimed at the stop each of these has its own
+ * chief ray; then Newton's method finds the parameters, with differences for derivatives: they
+ * are good to about 1e-5, and each step gains as much. */
+#include "launch.h"
+
+static const double RADIANS = 0.017453292519943295; /* a degree */
+static const double REACH[] = {6, 60, 600}, SLOPES = 50; /* of the pupil; a direction of 88.9 degrees */
+static const double WIDER = 10;                           /* times the paraxial height of the object */
+enum { STEPS = 12, REACHES = 3, TOLD = 16 };
+/* of a box in which a ray is not expected: what most that are there need, and a proof of a far region */
+static const double NEAR = 2;
+enum { FEW_TRACES = 60, FEW_BOXES = 300 };
+enum { AIM_PART = 64, AIM_HITS = 1 << 16 }; /* rays that are aimed side by side; fewer of a long row */
+
+/* The rays of a beam by their coordinates in the pupil, or the slopes of the cone. */
+static sgt_beam family_of(const sgt_field_beam *b)
+{
+    const double a = b->radius;
+    sgt_beam f = {.u = {-REACH[0], REACH[0]}, .v = {-REACH[0], REACH[0]}};
+    if (b->cone > 0) {
+        f.o = b->object, f.d.z = 1, f.du.x = f.dv.y = b->cone;
+        return f;
+    }
+    if (b->finite) { /* light runs along +z even if the pupil lies in front of the object */
+        const double ahead = copysign(1, b->pupil - b->object.z);
+        f.o = b->object;
+        f.d = along3((sgt_vec3){0, 0, ahead * b->pupil}, -ahead, b->object);
+        f.du.x = f.dv.y = ahead * a;
+        return f;
+    }
+    const sgt_vec3 d = b->direction;
+    f.d = d;
+    f.o = along3((sgt_vec3){0, 0, b->pupil}, b->wave - b->pupil * d.z, d);
+    f.ou = along3((sgt_vec3){a, 0, 0}, -a * d.x, d);
+    f.ov = along3((sgt_vec3){0, a, 0}, -a * d.y, d);
+    return f;
+}
+
+/* The linear map from the beam's parameters to an element, about a ray. */
+typedef struct linear { double xu, xv, yu, yv, determinant; } linear;
+
+static linear linear_at(size_t element, const sgt_element e[], double before, const sgt_beam *f,
+                        const sgt_ray *ray, const sgt_passage passages[])
+{
+    sgt_ray_change by[2] = {{.p = f->ou, .d = f->du}, {.p = f->ov, .d = f->dv}};
+    sgt_trace_sensitivity(element + 1, e, before, ray, passages, 2, by, by);
+    const linear l = {by[0].p.x, by[1].p.x, by[0].p.y, by[1].p.y, 0};
+    return (linear){l.xu, l.xv, l.yu, l.yv, l.xu * l.yv - l.xv * l.yu};
+}
+
+/* A question to sgt_aim, and what is known of the rays that are not there. */
+typedef struct aim_search {
+    size_t element;
+    const sgt_element *e;
+    double before;
+    sgt_passage *passages;
+    size_t starts;
+    sgt_vec2 start[2];
+    bool chief;            /* it is wanted whatever clips it */
+    int home;              /* of REACH: the box where the chief ray was found */
+    double within;         /* radii of the pupil: it is proven that no ray there meets the point */
+    sgt_attempt nearest;
+} aim_search;
+
+/* max_traces and max_boxes: of sgt_aim. */
+static sgt_aiming aim_in(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int max_traces, int max_boxes)
+{
+    sgt_aiming a;
+    sgt_attempt tried[TOLD];
+    sgt_aim(s->element, s->e, s->before, f, wanted, s->passages,
+            &(sgt_aim_options){.starts = s->starts, .start = s->start, .max_traces = max_traces,
+                               .max_boxes = max_boxes, .room = TOLD, .attempt = tried},
+            &a);
+    for (size_t i = 0; i < a.attempts && i < TOLD; i++)
+        if (s->nearest.traces == 0 || tried[i].miss < s->nearest.miss ||
+            (isnan(s->nearest.miss) && !isnan(tried[i].miss)))
+            s->nearest = tried[i];
+    return a;
+}
+
+static sgt_beam boxed(sgt_beam f, sgt_interval u, sgt_interval v)
+{
+    f.u = u, f.v = v;
+    return f;
+}
+
+static sgt_beam reaching(const sgt_beam *f, int i)
+{
+    const sgt_interval x = {-REACH[i], REACH[i]};
+    return boxed(*f, x, x);
+}
+
+static bool are_within(sgt_interval u, sgt_interval v, double reach)
+{
+    return u.lo >= -reach && u.hi <= reach && v.lo >= -reach && v.hi <= reach;
+}
+
+/* The ray of the whole family f; see the head. */
+static sgt_aiming aim_at(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int *where)
+{
+    sgt_interval u, v;
+    sgt_beam box;
+    sgt_aiming a;
+    s->nearest = (sgt_attempt){.miss = (double)NAN};
+    *where = s->home;
+    if (s->home > 0) {
+        box = reaching(f, s->home);
+        a = aim_in(s, &box, wanted, 0, -1);
+        if (a.status == SGT_MET) return a;
+    }
+    *where = 0;
+    box = reaching(f, 0);
+    a = aim_in(s, &box, wanted, 0, -1);
+    if (a.status == SGT_MET || a.status == SGT_AIMED_INVALID) return a;
+    const bool bounded = sgt_beam_bounds(s->element, s->e, s->before, f, wanted, &u, &v),
+               empty = bounded && !(u.lo <= u.hi), inside = empty || (bounded && are_within(u, v, REACH[0])),
+               near = empty || (bounded && are_within(u, v, NEAR * REACH[0]));
+    if (!near || s->chief) a = aim_in(s, &box, wanted, 0, 0);
+    if (a.status == SGT_MET) return a;
+    bool none = a.status == SGT_NO_SUCH_RAY;
+    s->within = none ? REACH[0] : 0;
+    a.status = empty || (none && inside) ? SGT_NO_SUCH_RAY : SGT_AIMED_UNDECIDED;
+    if (bounded && a.status != SGT_NO_SUCH_RAY) {
+        box = boxed(*f, u, v);
+        a = aim_in(s, &box, wanted, 0, 0);
+        if (a.status == SGT_MET) return a;
+    }
+    const sgt_aiming last = a;
+    if (!s->chief && (inside || a.status == SGT_NO_SUCH_RAY)) return a;
+    for (int i = 1; i < REACHES; i++) {
+        box = reaching(f, i);
+        a = aim_in(s, &box, wanted, s->chief ? 0 : FEW_TRACES, none ? FEW_BOXES : -1);
+        *where = i;
+        if (a.status == SGT_MET) return a;
+        none = none && a.status == SGT_NO_SUCH_RAY;
+        if (none) s->within = REACH[i];
+    }
+    return last;
+}
+
+bool sgt_aim_at_stop(sgt_launcher *from, sgt_error *error)
+{
+    const size_t stop = from->lens->stop;
+    sgt_field_beam b;
+    const sgt_lens_field axis = {.weight = 1};
+    if (!sgt_launch_field(from, SGT_FIELD_ANGLE, &axis, &b, error)) return false;
+    sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
+    sgt_element *open = sgt_launch_take(from, stop + 1, sizeof *open);
+    const bool room = passages && open;
+    sgt_fate fate;
+    from->stop_radius = from->data.stop_radius;
+    if (room && from->aim == SGT_LENS_AIM_REAL_STOP) {
+        const sgt_ray edge = sgt_field_ray(&b, 0, 1);
+        size_t passed =
+            sgt_trace_through(stop + 1, from->element, from->before, &edge, open, passages, &fate);
+        const sgt_hit *hit = &passages[stop].hit;
+        from->stop_radius = passed >= stop && hit->status > 0 ? hypot(hit->p.x, hit->p.y) : (double)NAN;
+    }
+    const sgt_beam f = family_of(&b);
+    const sgt_ray chief = sgt_beam_ray(&f, 0, 0);
+    if (room &&
+        sgt_trace_through(stop + 1, from->element, from->before, &chief, open, passages, &fate) >= stop &&
+        passages[stop].hit.status > 0) {
+        double d = linear_at(stop, open, from->before, &f, &chief, passages).determinant;
+        from->sense = d > 0 ? 1 : d < 0 ? -1 : 0;
+    }
+    sgt_launch_forget(from, open);
+    sgt_launch_forget(from, passages);
+    if (!room) return sgt_launch_memory(from, error);
+    return !isnan(from->stop_radius) ||
+           sgt_launch_fail(from, error, "aim",
+                           "the real marginal ray on the axis does not reach the stop, element %zu",
+                           stop + 1);
+}
+
+static sgt_ray of_unit_length(sgt_ray ray)
+{
+    ray.d = unit3(ray.d);
+    ray.tmin = ray.tmax = 0;
+    return ray;
+}
+
+/* ---------------------------------------------------------------- many rays at once */
+
+/* Some rays side by side, and how they met the elements up to the stop. */
+typedef struct aim_many {
+    sgt_passages *at;           /* [stop + 1] */
+    sgt_vec2 wanted[AIM_PART], start[2 * AIM_PART];
+    sgt_aiming found[AIM_PART];
+    double o[3][AIM_PART], d[3][AIM_PART], change[12][AIM_PART];
+} aim_many;
+
+static aim_many *aim_many_new(const sgt_launcher *from, size_t elements, size_t part)
+{
+    enum { NUMBERS = 11 };
+    const size_t each = sizeof(sgt_passages) + part * (NUMBERS * sizeof(double) + 1);
+    char *room = sgt_launch_take(from, 1, sizeof(aim_many) + elements * each);
+    if (!room) return NULL;
+    aim_many *m = (void *)room;
+    m->at = (void *)(room + sizeof *m);
+    double *number = (double *)(void *)(m->at + elements);
+    sgt_status *status = (sgt_status *)(number + elements * NUMBERS * part);
+    for (size_t i = 0; i < elements; i++, status += part) {
+        sgt_passages *p = &m->at[i];
+        *p = (sgt_passages){.hits.status = status, .hits.t = number, .hits.p_err = number + part};
+        number += 2 * part;
+        for (int k = 0; k < 3; k++, number += 3 * part)
+            p->hits.p[k] = number, p->hits.n[k] = number + part, p->direction[k] = number + 2 * part;
+    }
+    return m;
+}
+
+/* The determinants of linear_at for the rays that were found, in change[0]. */
+static void determinants(aim_many *m, const aim_search *s, const sgt_beam *f, size_t count)
+{
+    const double by[12] = {f->ou.x, f->ou.y, f->ou.z, f->du.x, f->du.y, f->du.z,
+                           f->ov.x, f->ov.y, f->ov.z, f->dv.x, f->dv.y, f->dv.z};
+    sgt_ray_changes change[2] = {{.opl = NULL}, {.opl = NULL}};
+    const sgt_rays rays = {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}};
+    for (int k = 0; k < 3; k++)
+        for (int c = 0; c < 2; c++)
+            change[c].p[k] = m->change[6 * c + k], change[c].d[k] = m->change[6 * c + 3 + k];
+    for (size_t i = 0; i < count; i++) {
+        const sgt_ray *ray = &m->found[i].ray;
+        m->o[0][i] = ray->o.x, m->o[1][i] = ray->o.y, m->o[2][i] = ray->o.z;
+        m->d[0][i] = ray->d.x, m->d[1][i] = ray->d.y, m->d[2][i] = ray->d.z;
+        for (int k = 0; k < 12; k++) m->change[k][i] = by[k];
+    }
+    sgt_trace_sensitivity_batch(s->element + 1, s->e, s->before, count, rays, m->at, 2, change, change);
+    for (size_t i = 0; i < count; i++)
+        m->change[0][i] = m->change[0][i] * m->change[7][i] - m->change[6][i] * m->change[1][i];
+}
+
+/* What the search for all rays shares: the chief ray, and the linear map about it. */
+typedef struct aim_map { sgt_aiming chief; int home; linear map; bool mapped; } aim_map;
+
+static aim_map map_of(const sgt_beam *f, const aim_search *s)
+{
+    aim_map of = {.map = {.determinant = 0}};
+    aim_search search = *s;
+    search.starts = 1, search.start[0] = (sgt_vec2){0, 0}, search.chief = true;
+    of.chief = aim_at(&search, f, (sgt_vec2){0, 0}, &of.home);
+    if (of.chief.status != SGT_MET) of.home = 0;
+    else of.map = linear_at(s->element, s->e, s->before, f, &of.chief.ray, s->passages);
+    of.mapped = fabs(of.map.determinant) > 0;
+    return of;
+}
+
+/* One ray that the loops have left, as aim_at finds it. */
+static void aim_left(const sgt_launcher *from, const sgt_beam *f, const aim_search *s, const aim_map *of,
+                     const sgt_pupil_point *at, sgt_vec2 wanted, const sgt_vec2 start[2], sgt_launched *out)
+{
+    int where;
+    aim_search one = *s;
+    one.starts = 2, one.start[0] = start[0], one.start[1] = start[1];
+    one.home = of->home, one.chief = at->x == 0 && at->y == 0;
+    const sgt_aiming a = aim_at(&one, f, wanted, &where);
+    *out = (sgt_launched){.ray = of_unit_length(a.ray), .status = a.status, .wanted = wanted};
+    if (a.status != SGT_MET) out->within = one.within, out->nearest = one.nearest;
+    else if (from->sense != 0)
+        out->folded =
+            linear_at(s->element, s->e, s->before, f, &a.ray, s->passages).determinant * from->sense < 0;
+}
+
+/* s: without starts; m->at and s->passages: room.  A ray that is found in the box of the chief ray is the one
+ * that aim_at finds first.  So all are looked for there side by side, and aim_at does the rest. */
+static void aim_part(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
+                     const aim_search *s, const aim_map *of, aim_many *m, size_t count,
+                     const sgt_pupil_point at[], sgt_launched out[])
+{
+    const sgt_beam box = reaching(f, of->home);
+    const linear *map = &of->map;
+    for (size_t i = 0; i < count; i++) {
+        const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
+        m->wanted[i] = (sgt_vec2){q.x * from->stop_radius, q.y * from->stop_radius};
+        m->start[2 * i] = m->start[2 * i + 1] = q;
+        if (!of->mapped) continue;
+        const double x = m->wanted[i].x - of->chief.point.x, y = m->wanted[i].y - of->chief.point.y;
+        m->start[2 * i].x = of->chief.u + (map->yv * x - map->xv * y) / map->determinant;
+        m->start[2 * i].y = of->chief.v + (map->xu * y - map->yu * x) / map->determinant;
+    }
+    sgt_aim_batch(s->element, s->e, s->before, &box, count, m->wanted, m->at, s->passages,
+                  &(sgt_aim_options){.starts = 2, .start = m->start, .max_boxes = -1}, m->found);
+    if (from->sense != 0) determinants(m, s, f, count);
+    for (size_t i = 0; i < count; i++) {
+        const sgt_aiming *a = &m->found[i];
+        out[i] = (sgt_launched){.ray = of_unit_length(a->ray), .status = a->status, .wanted = m->wanted[i],
+                                .folded = from->sense != 0 && m->change[0][i] * from->sense < 0};
+        if (a->status != SGT_MET)
+            aim_left(from, f, s, of, &at[i], m->wanted[i], &m->start[2 * i], &out[i]);
+    }
+}
+
+bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
+                  size_t count, const sgt_pupil_point at[], sgt_launched out[])
+{
+    const size_t stop = from->lens->stop;
+    const sgt_beam f = family_of(b);
+    sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
+    sgt_element *bare = sgt_launch_take(from, stop + 1, sizeof *bare);
+    const size_t fit = AIM_HITS / (stop + 1), most = fit < 1 ? 1 : fit < AIM_PART ? fit : AIM_PART;
+    const size_t part = count < most ? count : most;
+    aim_many *many = aim_many_new(from, stop + 1, part);
+    const bool room = passages && bare && many;
+    for (size_t i = 0; room && i <= stop; i++) bare[i] = e[i];
+    if (room) {
+        bare[stop].phase = NULL; /* what the stop does to light has no say in where it is met */
+        const aim_search s = {stop, bare, before, passages, .starts = 0};
+        const aim_map of = map_of(&f, &s);
+        for (size_t first = 0; first < count; first += part)
+            aim_part(from, b, &f, &s, &of, many, count - first < part ? count - first : part, at + first,
+                     out + first);
+    }
+    sgt_launch_forget(from, many);
+    sgt_launch_forget(from, passages);
+    sgt_launch_forget(from, bare);
+    return room;
+}
+
+/* ------------------------------------------------------------ real image heights */
+
+/* The chief rays through the centre of the paraxial pupil, by their slopes or by their object point. */
+static sgt_beam chiefs_of(const sgt_field_beam *b)
+{
+    if (b->finite) {
+        sgt_beam f = {.o = {0, 0, b->object.z}, .ou = {1, 0, 0}, .ov = {0, 1, 0}, .d = {0, 0, 1}};
+        const double ahead = b->cone > 0 ? 0 : copysign(1, b->pupil - b->object.z); /* 0: telecentric */
+        if (ahead != 0) f.d.z = fabs(b->pupil - b->object.z), f.du.x = f.dv.y = -ahead;
+        return f;
+    }
+    double way = b->pupil - b->front;
+    return (sgt_beam){.o = {0, 0, b->front}, .ou = {-way, 0, 0}, .ov = {0, -way, 0}, .d = {0, 0, 1},
+                      .du = {1, 0, 0}, .dv = {0, 1, 0}, .u = {-SLOPES, SLOPES}, .v = {-SLOPES, SLOPES}};
+}
+
+static void set_point(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 at)
+{
+    if (b->finite) sgt_beam_point(from, b, at.x, at.y);
+    else sgt_beam_point(from, b, atan(at.x) / RADIANS, atan(at.y) / RADIANS);
+}
+
+/* What a search for a field works with. */
+typedef struct field_search {
+    const sgt_launcher *from;
+    sgt_element *open;       /* room for the lens without what clips a ray */
+    sgt_passage *passages;
+    size_t count;
+} field_search;
+
+/* Where the chief ray through the centre of the stop meets the image, for a field at `at`. */
+static bool image_of(const field_search *s, sgt_field_beam b, sgt_vec2 at, sgt_vec2 *image, sgt_vec2 *pupil)
+{
+    set_point(s->from, &b, at);
+    const sgt_beam f = family_of(&b);
+    sgt_fate fate;
+    int where;
+    aim_search one = {s->from->lens->stop, s->from->element, s->from->before, s->passages, .starts = 1,
+                      .start = {*pupil}, .chief = true};
+    sgt_aiming a = aim_at(&one, &f, (sgt_vec2){0, 0}, &where);
+    if (a.status != SGT_MET) return false;
+    *pupil = (sgt_vec2){a.u, a.v};
+    size_t passed = sgt_trace_through(s->count, s->from->element, s->from->before, &a.ray, s->open,
+                                      s->passages, &fate);
+    if (passed < s->count) return false;
+    *image = (sgt_vec2){s->passages[s->count - 1].hit.p.x, s->passages[s->count - 1].hit.p.y};
+    return true;
+}
+
+/* Newton's method for the field whose aimed chief ray meets the image at `wanted`. */
+static bool solve_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 wanted, sgt_vec2 *at)
+{
+    const sgt_lens *l = s->from->lens;
+    /* of a telecentric object the pupil is at infinity */
+    const double size = b->cone > 0 ? fabs(l->object_distance) : fabs(b->object.z - b->pupil);
+    const double scale = 1e-5 * (b->finite ? size : 1), radius = b->cone > 0 ? b->cone * size : b->radius;
+    double least = HUGE_VAL;
+    sgt_vec2 best = *at, pupil = {0, 0};
+    for (int i = 0; i < STEPS; i++) {
+        sgt_vec2 f, fx, fy, x = {at->x + scale, at->y}, y = {at->x, at->y + scale};
+        if (!image_of(s, *b, *at, &f, &pupil)) break;
+        double miss = hypot(f.x - wanted.x, f.y - wanted.y);
+        if (!(miss < least)) break; /* as near as rounding allows, or off the way */
+        least = miss, best = *at;
+        if (!image_of(s, *b, x, &fx, &pupil) || !image_of(s, *b, y, &fy, &pupil)) break;
+        double a = (fx.x - f.x) / scale, c = (fy.x - f.x) / scale, e = (fx.y - f.y) / scale,
+               g = (fy.y - f.y) / scale, by = a * g - c * e, u = wanted.x - f.x, v = wanted.y - f.y;
+        if (!(fabs(by) > 0)) break;
+        at->x += (g * u - c * v) / by, at->y += (a * v - e * u) / by;
+    }
+    *at = best;
+    return least <= 1e-9 * (hypot(wanted.x, wanted.y) + 1e-3 * radius);
+}
+
+/* *limit: how far slopes or objects were searched; 0: by steps from the paraxial one. */
+static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 wanted, sgt_vec2 *found,
+                       double *limit)
+{
+    const sgt_lens *l = s->from->lens;
+    if (l->aim != SGT_LENS_AIM_PUPIL) return solve_field(s, b, wanted, found);
+    sgt_beam f = chiefs_of(b);
+    if (b->finite) {
+        double reach =
+            WIDER * (hypot(found->x, found->y) + (b->cone > 0 ? hypot(wanted.x, wanted.y) : b->radius));
+        f.u = f.v = (sgt_interval){-reach, reach};
+    }
+    aim_search one = {l->count - 1, s->from->element, s->from->before, s->passages, .starts = 1,
+                      .start = {*found}};
+    const sgt_aiming a = aim_in(&one, &f, wanted, 0, 0);
+    *limit = b->finite ? f.u.hi : SLOPES;
+    *found = (sgt_vec2){a.u, a.v};
+    return a.status == SGT_MET;
+}
+
+bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted, sgt_error *error)
+{
+    const sgt_lens *l = from->lens;
+    if (b->finite) b->object.z = l->surface[0].z - l->object_distance;
+    double by = b->finite ? 1 / from->data.magnification : from->data.power / from->before;
+    sgt_vec2 found = {isfinite(by) ? wanted.x * by : 0, isfinite(by) ? wanted.y * by : 0};
+    field_search s = {.from = from, .count = l->count};
+    s.open = sgt_launch_take(from, l->count, sizeof *s.open);
+    s.passages = sgt_launch_take(from, l->count, sizeof *s.passages);
+    const bool room = s.open && s.passages;
+    bool fine = room;
+    double limit = 0;
+    if (room) fine = find_field(&s, b, wanted, &found, &limit);
+    sgt_launch_forget(from, s.open);
+    sgt_launch_forget(from, s.passages);
+    if (fine) {
+        set_point(from, b, found);
+        return true;
+    }
+    if (!room) return sgt_launch_memory(from, error);
+    static const char way_out[] = "there may be one yet; give --field or --rays";
+    if (limit == 0)
+        return sgt_launch_fail(from, error, "fields",
+                               "no chief ray was found that meets the image at [%g, %g] by %d steps of "
+                               "Newton's method from the paraxial field; %s",
+                               wanted.x, wanted.y, (int)STEPS, way_out);
+    return sgt_launch_fail(from, error, "fields",
+                           "no chief ray was found that meets the image at [%g, %g], with %s up to %g; %s",
+                           wanted.x, wanted.y, b->finite ? "object heights" : "slopes", limit, way_out);
+}

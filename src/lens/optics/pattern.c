@@ -1,0 +1,274 @@
+/* pattern.c - points in the unit circle of a pupil, the same bits on every system.
+ *
+ * What makes them is integers, sums, products and quotients; the cosines of a hexapolar pattern
+ * are those of sgt_pose_tilted, whose bits are the library's own.
+ *
+ * RANDOM.  Philox4x32-10 (Salmon, Moraes, Dror & Shaw 2011, Parallel random numbers: as easy as
+ * 1, 2, 3, SC'11, section 5.3) turns a counter and a key into 128 bits that look random.  The
+ * counter is the number of the point and of the attempt, the key is the seed: so a point depends
+ * on no other.  Two numbers in [-1, 1] make a point of the square; if it lies outside the circle
+ * the next attempt is made.  128 attempts fail with a chance of 2^-285.
+ *
+ * SOBOL.  The first two dimensions of Sobol's sequence (1967): the digits of the number reversed,
+ * and that with the direction numbers of the polynomial x + 1, v_i = v_{i-1} xor v_{i-1} / 2.
+ * The points of the square that lie in the circle are taken in their order.
+ *
+ * HEXAPOLAR.  Ring j of n has the radius j / n and 6 j points.  Weights are areas: a ring stands
+ * for what is nearer to it than to the next.
+ *
+ * PARTS.  A point is made from its number, so that any part of a pattern can be made by itself.  Of a grid
+ * that needs the number of each row's first point, of Sobol's sequence the place of every PUPIL_PART-th point
+ * in it. In a row the points in the circle are neighbours, symmetric about the middle, and x^2 + y^2 as it is
+ * rounded falls nowhere from the middle on: so bisection finds the last of them. */
+#include "pattern.h"
+
+#include <math.h>
+
+/* -------------------------------------------------------------- generators */
+
+void sgt_philox(const uint32_t counter[4], const uint32_t key[2], uint32_t out[4])
+{
+    enum { ROUNDS = 10 };
+    const uint32_t first = 0xD2511F53u, second = 0xCD9E8D57u, weyl[2] = {0x9E3779B9u, 0xBB67AE85u};
+    uint32_t x[4] = {counter[0], counter[1], counter[2], counter[3]}, k[2] = {key[0], key[1]};
+    for (int i = 0; i < ROUNDS; i++) {
+        uint64_t a = (uint64_t)first * x[0], b = (uint64_t)second * x[2];
+        const uint32_t next[4] = {(uint32_t)(b >> 32) ^ x[1] ^ k[0], (uint32_t)b,
+                                  (uint32_t)(a >> 32) ^ x[3] ^ k[1], (uint32_t)a};
+        for (int j = 0; j < 4; j++) x[j] = next[j];
+        k[0] += weyl[0], k[1] += weyl[1];
+    }
+    for (int j = 0; j < 4; j++) out[j] = x[j];
+}
+
+/* [-1, 1), symmetric about 0: the middles of 2^53 parts. */
+static double symmetric(uint32_t high, uint32_t low)
+{
+    uint64_t bits = ((uint64_t)high << 32 | low) >> 11;
+    return ((double)bits + 0.5) * 0x1p-52 - 1;
+}
+
+static bool in_circle(double x, double y) { return x * x + y * y <= 1; }
+
+static sgt_pupil_point random_point(uint64_t seed, size_t i)
+{
+    enum { ATTEMPTS = 128 };
+    const uint32_t key[2] = {(uint32_t)seed, (uint32_t)(seed >> 32)};
+    for (uint32_t attempt = 0; attempt < ATTEMPTS; attempt++) {
+        const uint32_t counter[4] = {(uint32_t)i, (uint32_t)((uint64_t)i >> 32), attempt, 0};
+        uint32_t bits[4];
+        sgt_philox(counter, key, bits);
+        double x = symmetric(bits[0], bits[1]), y = symmetric(bits[2], bits[3]);
+        if (in_circle(x, y)) return (sgt_pupil_point){x, y, 0};
+    }
+    return (sgt_pupil_point){0, 0, 0};
+}
+
+/* The k-th of the square, k < 2^32. */
+static sgt_pupil_point sobol_point(uint32_t k)
+{
+    uint32_t x = 0, y = 0, one = 1u << 31, two = 1u << 31;
+    for (; k; k >>= 1, one >>= 1, two ^= two >> 1)
+        if (k & 1) x ^= one, y ^= two;
+    return (sgt_pupil_point){x * 0x1p-31 - 1, y * 0x1p-31 - 1, 0};
+}
+
+/* ---------------------------------------------------------------- patterns */
+
+/* Quotients of whole numbers: the points are symmetric to the last bit. */
+static double step_of_grid(size_t i, size_t n)
+{
+    double last = (double)(n - 1);
+    return n > 1 ? (2 * (double)i - last) / last : 0;
+}
+
+static bool is_net(sgt_pattern pattern)
+{
+    return pattern == SGT_PATTERN_GRID || pattern == SGT_PATTERN_CELLS;
+}
+
+/* The i-th place of n along a side of the square. */
+static double net_place(sgt_pattern pattern, size_t i, size_t n)
+{
+    if (pattern == SGT_PATTERN_GRID) return step_of_grid(i, n);
+    return (2 * (double)i + 1 - (double)n) / (double)n;
+}
+
+static bool net_inside(sgt_pattern pattern, double x, double y)
+{
+    const double soft = 1 + 0x1p-44; /* of r^2, as for the library's rims */
+    return x * x + y * y <= (pattern == SGT_PATTERN_GRID ? soft : 1);
+}
+
+/* How many points the row at x has (rows run along y), and the place of the first of them. */
+static size_t net_row(sgt_pattern pattern, double x, size_t n, size_t *first)
+{
+    size_t in = n / 2, out = n; /* from the middle up */
+    *first = 0;
+    if (n == 0 || !net_inside(pattern, x, net_place(pattern, in, n))) return 0;
+    while (out - in > 1) {
+        const size_t middle = in + (out - in) / 2;
+        *(net_inside(pattern, x, net_place(pattern, middle, n)) ? &in : &out) = middle;
+    }
+    *first = n - 1 - in;
+    return in - *first + 1;
+}
+
+/* Of two more than twice as many the middle of the row stands alone. */
+static size_t cross_count(size_t n) { return n ? 2 * n - n % 2 : 0; }
+
+static size_t hexapolar_count(size_t n) { return 1 + 3 * n * (n + 1); }
+
+static double hexapolar_weight(size_t j, size_t n)
+{
+    if (j == 0) return 0.25;
+    double inner = (double)j - 0.5, outer = j < n ? (double)j + 0.5 : (double)j;
+    return (outer * outer - inner * inner) / (6 * (double)j);
+}
+
+/* The ring of a point, of which 3 j (j - 1) + 1 have gone before. */
+static size_t ring_of(size_t i)
+{
+    if (i == 0) return 0;
+    size_t j = (size_t)sqrt((double)i / 3);
+    while (j > 0 && 3 * j * (j - 1) >= i) j--;
+    while (3 * j * (j + 1) < i) j++;
+    return j;
+}
+
+static sgt_pupil_point hexapolar_point(size_t i, size_t n)
+{
+    const size_t j = ring_of(i), k = j ? i - 1 - 3 * j * (j - 1) : 0;
+    if (j == 0) return (sgt_pupil_point){0, 0, hexapolar_weight(0, n)};
+    sgt_vec3 turn = {0, 0, 60 * (double)k / (double)j}, ex = {1, 0, 0};
+    if (k > 0) ex = sgt_pose_tilted((sgt_vec3){0, 0, 0}, turn).ex;
+    return (sgt_pupil_point){ex.x * (double)j / (double)n, ex.y * (double)j / (double)n,
+                             hexapolar_weight(j, n)};
+}
+
+static sgt_pupil_point cross_point(size_t i, size_t n)
+{
+    if (i < n) return (sgt_pupil_point){0, step_of_grid(i, n), 1};
+    i -= n;
+    return (sgt_pupil_point){step_of_grid(i + (n % 2 && i >= n / 2), n), 0, 1};
+}
+
+/* How many points a pattern has that is no net. */
+static size_t count_of(sgt_pattern pattern, size_t n)
+{
+    return pattern == SGT_PATTERN_HEXAPOLAR ? hexapolar_count(n)
+           : pattern == SGT_PATTERN_CROSS   ? cross_count(n)
+                                            : n;
+}
+
+/* The sum of all weights, in their order. */
+static double weight_of(sgt_pattern pattern, size_t n, size_t count)
+{
+    double sum = 0;
+    if (pattern != SGT_PATTERN_HEXAPOLAR) return (double)count;
+    for (size_t i = 0, j = 0; i < count; i++) {
+        while (j < n && i > 3 * j * (j + 1)) j++;
+        sum += hexapolar_weight(j, n);
+    }
+    return sum;
+}
+
+/* The next number of Sobol's sequence after k whose point lies in the circle; sets the point. */
+static uint32_t sobol_next(uint32_t k, sgt_pupil_point *at)
+{
+    do *at = sobol_point(++k);
+    while (!in_circle(at->x, at->y) && k < UINT32_MAX);
+    return k;
+}
+
+/* The i-th point of a pattern that is neither a net nor Sobol's. */
+static sgt_pupil_point point_of(sgt_pattern pattern, size_t i, size_t n, uint64_t seed)
+{
+    switch (pattern) {
+    case SGT_PATTERN_HEXAPOLAR: return hexapolar_point(i, n);
+    case SGT_PATTERN_RANDOM: return random_point(seed, i);
+    case SGT_PATTERN_CROSS: return cross_point(i, n);
+    default: return (sgt_pupil_point){0, step_of_grid(i, n), 1};
+    }
+}
+
+size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t most, sgt_pupil_point at[])
+{
+    size_t count = 0;
+    uint32_t k = 0;
+    for (size_t i = 0; i < n && is_net(pattern); i++) {
+        const double x = net_place(pattern, i, n);
+        size_t first, many = net_row(pattern, x, n, &first);
+        for (size_t j = 0; j < many && count + j < most; j++)
+            at[count + j] = (sgt_pupil_point){x, net_place(pattern, first + j, n), 1};
+        count += many;
+    }
+    if (!is_net(pattern)) count = count_of(pattern, n);
+    const size_t kept = count < most ? count : most;
+    for (size_t i = 0; i < kept && !is_net(pattern); i++) {
+        if (pattern == SGT_PATTERN_SOBOL) k = sobol_next(k, &at[i]);
+        else at[i] = point_of(pattern, i, n, seed);
+        if (pattern != SGT_PATTERN_HEXAPOLAR) at[i].weight = 1;
+    }
+    const double sum = weight_of(pattern, n, kept);
+    for (size_t i = 0; i < kept; i++) at[i].weight /= sum;
+    return count;
+}
+
+/* ------------------------------------------------------------------ in parts */
+
+size_t sgt_pupil_rows(sgt_pattern pattern, size_t n)
+{
+    return is_net(pattern) ? n + 1 : pattern == SGT_PATTERN_SOBOL ? n / PUPIL_PART + 1 : 0;
+}
+
+sgt_pupil sgt_pupil_of(sgt_pattern pattern, size_t n, uint64_t seed, size_t row[])
+{
+    sgt_pupil p = {.pattern = pattern, .n = n, .seed = seed, .count = count_of(pattern, n), .row = row};
+    sgt_pupil_point unused;
+    if (is_net(pattern)) {
+        p.count = 0;
+        for (size_t i = 0, first; i < n; i++)
+            row[i] = p.count, p.count += net_row(pattern, net_place(pattern, i, n), n, &first);
+        row[n] = p.count;
+    }
+    uint32_t k = 0;
+    for (size_t i = 0; i < n && pattern == SGT_PATTERN_SOBOL; i++) {
+        if (i % PUPIL_PART == 0) row[i / PUPIL_PART] = k;
+        k = sobol_next(k, &unused);
+    }
+    p.sum = weight_of(pattern, n, p.count);
+    return p;
+}
+
+void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
+{
+    size_t low = 0, high = p->n, row_first = 0, row_end = 0, begin = 0;
+    double x = 0;
+    if (p->given) {
+        for (size_t i = 0; i < count; i++) at[i] = p->given[first + i];
+        return;
+    }
+    while (is_net(p->pattern) && high - low > 1) { /* row[low] <= first < row[high] */
+        const size_t middle = low + (high - low) / 2;
+        *(p->row[middle] <= first ? &low : &high) = middle;
+    }
+    uint32_t k = p->pattern == SGT_PATTERN_SOBOL ? (uint32_t)p->row[first / PUPIL_PART] : 0;
+    for (size_t i = first; i < first + count; i++) {
+        sgt_pupil_point *to = &at[i - first];
+        if (is_net(p->pattern)) {
+            if (i >= row_end) {
+                while (p->row[low + 1] <= i) low++;
+                x = net_place(p->pattern, low, p->n), row_first = p->row[low], row_end = p->row[low + 1];
+                net_row(p->pattern, x, p->n, &begin);
+            }
+            *to = (sgt_pupil_point){x, net_place(p->pattern, begin + (i - row_first), p->n), 1};
+        } else if (p->pattern == SGT_PATTERN_SOBOL) {
+            k = sobol_next(k, to);
+        } else {
+            *to = point_of(p->pattern, i, p->n, p->seed);
+        }
+        if (p->pattern != SGT_PATTERN_HEXAPOLAR) to->weight = 1;
+        to->weight /= p->sum;
+    }
+}

@@ -1,0 +1,28 @@
+/* pattern.h - a pattern of the pupil in parts. */
+#ifndef SGT_OPTICS_PATTERN_H
+#define SGT_OPTICS_PATTERN_H
+#include <sagitta/lens.h>
+#include <stdint.h>
+
+enum { PUPIL_PART = 128 };
+
+typedef struct sgt_pupil {
+    sgt_pattern pattern;
+    size_t n, count;
+    uint64_t seed;
+    double sum;                   /* of the weights */
+    const size_t *row;
+    const sgt_pupil_point *given; /* single points; NULL: the pattern */
+} sgt_pupil;
+
+/* How many numbers `row` of sgt_pupil_of needs. */
+size_t sgt_pupil_rows(sgt_pattern pattern, size_t n);
+
+/* The pattern.  row lasts as long as it is used. */
+sgt_pupil sgt_pupil_of(sgt_pattern pattern, size_t n, uint64_t seed, size_t row[]);
+
+/* The points first ... first + count - 1 of sgt_pupil_points, to the bit.  first is a multiple of PUPIL_PART,
+ * and count at most PUPIL_PART. */
+void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[]);
+
+#endif

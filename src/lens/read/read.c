@@ -1,0 +1,166 @@
+/* read.c - from a file or text to a lens: which form it has, and one place where a reading ends.
+ *
+ * A fault anywhere jumps back to `read_by`, which frees what was read so far.  What a reading
+ * takes is in the arena of the lens, but for a catalogue of glasses. */
+#include "lens.h"
+
+#include "../base/reader.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef void (*maker)(whole_lens *w, source *s);
+
+static bool ends_in_zmx(const char *name)
+{
+    size_t length = strlen(name);
+    if (length < 4) return false;
+    const char *e = name + length - 4;
+    return e[0] == '.' && (e[1] == 'z' || e[1] == 'Z') && (e[2] == 'm' || e[2] == 'M') &&
+           (e[3] == 'x' || e[3] == 'X');
+}
+
+static void read_zmx(source *s, const char *text, size_t length)
+{
+    s->text = sgt_reader_decoded(s->arena, text, &length);
+    if (!s->text) tree_fail(s, 0, NULL, "no memory");
+    s->length = length;
+    sgt_read_zmx(s);
+}
+
+/* The folder of a path, with what ends it; "" for the current one. */
+static const char *folder_of_path(source *s, const char *path)
+{
+    size_t end = strlen(path);
+#ifdef _WIN32
+    while (end > 0 && path[end - 1] != '/' && path[end - 1] != '\\') end--;
+#else
+    while (end > 0 && path[end - 1] != '/') end--;
+#endif
+    return tree_text(s, path, end);
+}
+
+/* Those that change the lens come first: what was left out, then what was turned into something else. */
+static void sort_remarks(source *s)
+{
+    for (size_t i = 1; i < s->remarks; i++) { /* some dozens at most, and mostly in order */
+        const sgt_lens_remark one = s->remark[i];
+        size_t at = i;
+        for (; at > 0 && s->remark[at - 1].kind < one.kind; at--) s->remark[at] = s->remark[at - 1];
+        s->remark[at] = one;
+    }
+}
+
+/* text NULL: that of the file `name`. */
+static void read_into(maker make, whole_lens *w, source *s, const char *name, const char *text, size_t length)
+{
+    w->media.source = s;
+    w->lens.file = s->file = tree_text(s, name, strlen(name));
+    s->folder = folder_of_path(s, name);
+    if (!text) {
+        char *all;
+        const char *fault = tree_file(s, name, &all, &length);
+        if (fault) tree_fail(s, 0, NULL, "%s", fault);
+        text = all;
+    }
+    s->text = text, s->length = length;
+    if (make == sgt_read_lens && ends_in_zmx(name)) read_zmx(s, text, length);
+    else sgt_read_yaml(s);
+    make(w, s);
+    sort_remarks(s);
+    w->lens.remarks = s->remarks, w->lens.remark = s->remark;
+    w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
+}
+
+static void refuse_later(source *s, const char *type, size_t place)
+{
+    tree_fail(s, 0, type, "the program asks for a member that sagitta %s has not: reserved_[%zu]",
+              sgt_version(), place);
+}
+
+/* What is reserved for later versions has to be zero. */
+static void check_options(source *s)
+{
+    const sgt_lens_options *o = s->options;
+    for (size_t i = 0; i < sizeof o->reserved_ / sizeof *o->reserved_; i++)
+        if (o->reserved_[i]) refuse_later(s, "sgt_lens_options", i);
+    for (const sgt_builtin *b = o->types; b && b->type; b++) {
+        for (size_t i = 0; i < sizeof b->reserved_ / sizeof *b->reserved_; i++)
+            if (b->reserved_[i]) refuse_later(s, "sgt_builtin", i);
+        for (const sgt_param *p = b->params; p->name; p++)
+            for (size_t i = 0; i < sizeof p->reserved_ / sizeof *p->reserved_; i++)
+                if (p->reserved_[i]) refuse_later(s, "sgt_param", i);
+    }
+}
+
+static bool read_by(maker make, whole_lens *w, source *s, const char *name, const char *text, size_t length)
+{
+    jmp_buf here;
+    s->refused = &here;
+    if (setjmp(here) != 0) return false;
+    check_options(s);
+    read_into(make, w, s, name, text, length);
+    return true;
+}
+
+static sgt_lens *lens_by(maker make, const char *name, const char *text, size_t length,
+                         const sgt_lens_options *opt, sgt_error *error)
+{
+    static const sgt_lens_options defaults = {0};
+    sgt_error unread;
+    if (!error) error = &unread;
+    sgt_allocator a = sgt_allocator_or(opt ? opt->allocator : NULL);
+    whole_lens *w = a.resize(a.context, NULL, sizeof *w);
+    reader r = {.file = name, .error = error};
+    if (!w) {
+        sgt_reader_fail(&r, 0, "", "no memory");
+        return NULL;
+    }
+    *w = (whole_lens){.memory = {.allocator = a}};
+    source s = {.arena = &w->memory, .options = opt ? opt : &defaults, .error = error, .file = name};
+    bool fine = read_by(make, w, &s, name, text, length);
+    sgt_catalogue_free(w->media.own);
+    w->media = (media){.source = NULL};
+    if (fine) return &w->lens;
+    sgt_lens_free(&w->lens);
+    return NULL;
+}
+
+sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt, sgt_error *error)
+{
+    return lens_by(sgt_read_lens, path, NULL, 0, opt, error);
+}
+
+sgt_lens *sgt_lens_read_text(const char *name, const char *text, size_t length, const sgt_lens_options *opt,
+                             sgt_error *error)
+{
+    return lens_by(sgt_read_lens, name, text, length, opt, error);
+}
+
+sgt_lens *sgt_lens_read_surface(const char *name, const char *text, const sgt_lens_options *opt,
+                                sgt_error *error)
+{
+    return lens_by(sgt_read_one_surface, name, text, strlen(text), opt, error);
+}
+
+void sgt_lens_free(sgt_lens *lens)
+{
+    if (!lens) return;
+    whole_lens *w = (whole_lens *)(void *)lens;
+    sgt_allocator a = w->memory.allocator;
+    sgt_arena_free(&w->memory);
+    a.resize(a.context, w, 0);
+}
+
+const char *sgt_lens_yaml(sgt_lens *lens, size_t *length)
+{
+    whole_lens *w = (whole_lens *)(void *)lens;
+    static const sgt_lens_options defaults = {0};
+    sgt_error unread;
+    source s = {
+        .arena = &w->memory, .options = &defaults, .error = &unread, .file = lens->file, .root = w->root,
+        .comment = w->comment, .comments = w->comments};
+    jmp_buf here;
+    s.refused = &here;
+    return setjmp(here) == 0 ? sgt_write_yaml(&s, length) : NULL;
+}

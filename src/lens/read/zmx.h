@@ -1,0 +1,158 @@
+/* zmx.h - a .zmx file on its way into a tree: zmx.c tells the records apart, zmx_system.c and
+ * zmx_surface.c read them by the fields of zmx_field.c, zmx_elements.c makes surfaces and breaks of them. */
+#ifndef SGT_LENS_ZMX_H
+#define SGT_LENS_ZMX_H
+#include "../base/reader.h"
+#include "tree.h"
+
+/* ----------------------------------------------------------------- surfaces */
+
+/* What is behind a surface. */
+typedef enum zmx_medium { ZMX_AIR, ZMX_MIRROR, ZMX_GLASS, ZMX_MODEL, ZMX_PICKUP } zmx_medium;
+
+typedef struct zmx_glass {
+    zmx_medium medium;
+    size_t line;
+    const char *name;    /* ZMX_GLASS */
+    size_t from;         /* ZMX_PICKUP: the surface it is taken from */
+    double nd, vd, dPgF; /* ZMX_MODEL; vd 0: no dispersion */
+} zmx_glass;
+
+typedef struct zmx_break {
+    size_t line;
+    bool tilt_first;
+    double decenter[2], tilt[3];
+} zmx_break;
+
+typedef struct zmx_aperture {
+    const char *key; /* CLAP, OBSC, SQAP, ELAP or FLAP; NULL: none */
+    size_t line;
+    double a, b; /* radii from the inner one, or half widths */
+    double offset[2];
+} zmx_aperture;
+
+typedef struct zmx_extra { size_t number, line; double value; } zmx_extra;
+
+typedef struct zmx_type zmx_type;
+
+enum { ZMX_PARMS = 12 };
+
+typedef struct zmx_surface {
+    size_t line;
+    const zmx_type *type; /* never NULL */
+    const char *comment;  /* NULL: none */
+    double curvature, conic, thickness, size;
+    size_t curvature_line, conic_line, thickness_line, size_line, parm_line, comment_line;
+    double parm[ZMX_PARMS + 1]; /* from 1 */
+    unsigned parms_given;       /* bits */
+    zmx_extra *extra;
+    size_t extras, extra_room;
+    zmx_glass glass;
+    zmx_break *before, *behind; /* NULL: none */
+    zmx_aperture aperture;
+} zmx_surface;
+
+/* ------------------------------------------------------------------ records */
+
+/* What becomes of a record.  SOLVE: its value is stored elsewhere.  LEFT: it is not imported.
+ * The others are read: once for the system or for a surface (LOOSE: without an end of line,
+ * too), or more often (FREE: without an end of line, too); OPEN begins a surface. */
+typedef enum zmx_fate {
+    ZMX_SOLVE, ZMX_LEFT, ZMX_ONCE, ZMX_LOOSE, ZMX_MANY, ZMX_FREE, ZMX_OPEN
+} zmx_fate;
+
+typedef struct zmx zmx;
+
+typedef struct zmx_record {
+    const char *key;
+    zmx_fate fate;
+    void (*read)(zmx *z);
+    unsigned which; /* what the reader asks */
+} zmx_record;
+
+typedef struct zmx_table {
+    size_t count; /* at most ZMX_RECORDS */
+    const zmx_record *record;
+    const char *idle; /* keywords of four characters that have no effect on rays */
+} zmx_table;
+
+extern const zmx_table sgt_zmx_surface_records, sgt_zmx_system_records;
+
+/* Numbers of a record such as YFLN; line 0: there is none. */
+typedef struct zmx_list { double *value; size_t count, room, line; } zmx_list;
+
+typedef enum zmx_lists {
+    ZMX_XFLN, ZMX_YFLN, ZMX_FWGN, ZMX_XFLD, ZMX_YFLD, ZMX_FWGT, /* the second three: older files */
+    ZMX_WAVM, ZMX_WAVM_WEIGHT, ZMX_WAVN, ZMX_WWGN, ZMX_WAVL, ZMX_WWGT, /* here the last four */
+    ZMX_VIGNETTING, ZMX_LISTS = ZMX_VIGNETTING + 10
+} zmx_lists;
+
+/* Remarks that are told once for each keyword, with how many there were. */
+typedef enum zmx_tally {
+    ZMX_BREAKS, ZMX_TILTED, ZMX_SCBD, ZMX_RETURNS, ZMX_SOLVES, ZMX_PICKUPS, ZMX_MODELS,
+    ZMX_FLAP, ZMX_UNUSED, ZMX_BREAK_GLASS, ZMX_APERTURES, ZMX_VIGNETTED, ZMX_TALLIES
+} zmx_tally;
+
+typedef struct zmx_count { const char *key; size_t line, count; } zmx_count;
+
+enum { ZMX_RECORDS = 48, ZMX_UNKNOWN = 32, ZMX_KEYS = 6 }; /* KEYS: those that share a remark */
+
+struct zmx {
+    source *s;
+    reader lines;          /* only its text, line and end */
+    const zmx_record *row; /* what is read, */
+    piece rest;            /* what is left of it, */
+    unsigned field;        /* and the field that was read last, from 1 */
+
+    const char *name, *units;           /* NULL: none */
+    size_t line, name_line, units_line; /* line: of the first record */
+    node *makers;                       /* NULL: none */
+    const char *pupil, *pupil_key;      /* the keys of the lens file and of this one */
+    double pupil_size;
+    size_t pupil_line; /* 0: none */
+    char *note; /* the paragraph that is read */
+    size_t note_length, note_room, blank_notes;
+    bool note_goes_on;
+    unsigned field_type;
+    bool telecentric, afocal;
+    int aiming; /* 0: at the pupil; 1, 2: at the stop, with its paraxial or its real size */
+    size_t aiming_line;
+    size_t fields, waves; /* SIZE_MAX: not given */
+    size_t ftyp_line, primary, primary_line;
+    size_t configurations, configuration, configuration_line;
+    zmx_list list[ZMX_LISTS];
+
+    zmx_surface *surface;
+    size_t count, room;
+    size_t stop, stop_line; /* the surface; 0: none */
+    bool behind;            /* records of the system stand behind the surfaces */
+
+    zmx_count tally[ZMX_TALLIES][ZMX_KEYS], unknown[ZMX_UNKNOWN];
+    size_t unknowns, others; /* others: unknown records that found no room */
+    struct { zmx_count count; size_t met; } record[2][ZMX_RECORDS];
+};
+
+/* zmx_field.c: the next field of the record.  What is missing or wrong is told, with its number. */
+piece sgt_zmx_field(zmx *z); /* empty: there is none */
+piece sgt_zmx_needed(zmx *z);
+double sgt_zmx_number_in(zmx *z, piece word);
+double sgt_zmx_number(zmx *z);
+double sgt_zmx_number_or(zmx *z, double otherwise);
+size_t sgt_zmx_whole(zmx *z); /* from 0 */
+size_t sgt_zmx_whole_or(zmx *z, size_t otherwise);
+char *sgt_zmx_text(zmx *z); /* to the end of the line; NULL: nothing */
+
+char *sgt_zmx_copy(zmx *z, piece text);
+void sgt_zmx_tally(zmx *z, zmx_tally which, size_t line, const char *key);
+
+/* zmx_elements.c: the type of that name; NULL: it is not read. */
+const zmx_type *sgt_zmx_type(piece name);
+
+/* zmx_system.c: behind the last NOTE. */
+void sgt_zmx_end_note(zmx *z);
+
+/* zmx_system.c and zmx_elements.c: what was read becomes keys of the root. */
+void sgt_zmx_write_system(zmx *z, node *root);
+void sgt_zmx_write_surfaces(zmx *z, node *root);
+
+#endif

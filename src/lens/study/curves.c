@@ -1,0 +1,138 @@
+/* curves.c - where rays near a chief ray meet, and how far its image lies from where it should.
+ *
+ * THE TANGENTIAL PLANE holds the axis and the field: the object's direction, or its point.  The sections
+ * along it and across it are those of parabasal.c; where they mix (a lens without symmetry about that
+ * plane) a focus is where rays of a section have no distance from the chief ray along it.  The height of the
+ * image is told along the plane as it is carried to the image, whose frame may be turned.
+ *
+ * THE IDEAL HEIGHT from afar is that of a paraxial ray at the focus, n u / P for the slope u: it depends on
+ * the slope alone.  For f theta the slope is replaced by the angle.
+ *
+ * AFOCAL.  In place of heights there are the angles of the chief ray from z of the image, and their tangents
+ * are compared: without distortion that behind is the paraxial angular magnification times that in front.
+ * In place of foci there are vergences, index over distance: 0 is parallel light, positive converges. */
+#include "../optics/launch.h"
+
+#include "../optics/parabasal.h"
+
+/* The direction of the field across the axis, and what the image height is in proportion to. */
+typedef struct field_way { sgt_vec2 h; double size; } field_way;
+
+static field_way way_of(const sgt_field_beam *b, const sgt_ray *chief, sgt_distortion distortion)
+{
+    sgt_vec2 v = b->finite ? (sgt_vec2){b->object.x, b->object.y}
+                           : (sgt_vec2){chief->d.x / chief->d.z, chief->d.y / chief->d.z};
+    double size = hypot(v.x, v.y);
+    if (size == 0) return (field_way){{0, 1}, 0};
+    const sgt_vec2 h = {v.x / size, v.y / size};
+    return (field_way){h, !b->finite && distortion == SGT_DISTORTION_THETA ? atan(size) : size};
+}
+
+static double ideal_of(const sgt_field_beam *b, const sgt_first_order *data, double before)
+{
+    const double index = before == 0 ? 1 : before;
+    return b->finite ? data->magnification : data->efl * index;
+}
+
+/* The same of an afocal image space: angles in milliradians, and vergences. */
+static void tell_angles(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                        double before, const sgt_first_order *data, const field_way *way, sgt_vec3 along,
+                        const sgt_sections *sections, bool known, const sgt_ray *chief,
+                        const sgt_passage *last, sgt_field_point *out)
+{
+    const double MILLI = 1e3;
+    const sgt_vec3 d = last->direction, axis = {0, 0, copysign(1, d.z)};
+    double index = before == 0 ? 1 : before;
+    for (size_t i = 0; i + 1 < from->lens->count; i++)
+        if (e[i].index != SGT_MIRROR && e[i].index != 0) index = e[i].index;
+    if (known) {
+        const double s = sections->focus[0], t = sections->focus[1];
+        out->sagittal = isnan(s) ? 0 : index / s, out->tangential = isnan(t) ? 0 : index / t;
+    }
+    sgt_ray_end end = {.p = last->hit.p, .d = d, .p_err = out->error}, angles;
+    end.d_err = sgt_direction_error(from, e, before, chief, &end);
+    sgt_ends_as_angles(&axis, 1, &end, &angles);
+    out->image = (sgt_vec2){angles.p.x, angles.p.y}, out->error = angles.p_err;
+    const double slope = (d.x * along.x + d.y * along.y) / hypot(along.x, along.y) / d.z;
+    const double ideal = b->finite ? (double)NAN : data->angular_magnification * way->size;
+    out->ideal = MILLI * atan(ideal);
+    if (ideal != 0) out->distortion = (slope - ideal) / ideal;
+}
+
+/* The first element, from 1, without the second derivatives that it needs; 0: there is none. */
+static size_t lacking(size_t n, const sgt_element e[], double before, const sgt_ray *chief,
+                      const sgt_passage passages[])
+{
+    const sgt_ray_change change = {.d = {1, 0, 0}};
+    sgt_ray_change out;
+    for (size_t i = 1; i < n; i++) { /* the last one bends no light */
+        const int lacks = sgt_trace_sensitivity(i, e, before, chief, passages, 1, &change, &out);
+        if (lacks & SGT_LACKS_SECOND) return i;
+    }
+    return 0;
+}
+
+/* What the passages of a chief ray tell. */
+static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                       double before, const sgt_first_order *data, sgt_distortion distortion,
+                       const sgt_ray *chief, const sgt_passage passages[], sgt_field_point *out)
+{
+    const size_t count = from->lens->count;
+    const field_way way = way_of(b, chief, distortion);
+    const sgt_passage *last = &passages[count - 1];
+    sgt_vec3 along = {way.h.x, way.h.y, 0};
+    sgt_end_error off;
+    sgt_parabasal near;
+    sgt_sections sections;
+    sgt_trace_error(count, e, before, chief, passages, &off);
+    out->image = (sgt_vec2){last->hit.p.x, last->hit.p.y};
+    out->error = off.point + 4 * off.grain;
+    if (isnan(out->error)) out->error = HUGE_VAL;
+    const bool known = sgt_parabasal_about((sgt_vec3){way.h.y, -way.h.x, 0}, count, e, before, b->finite,
+                                           chief, passages, &near, &sections);
+    if (!known) out->lacks = lacking(count, e, before, chief, passages);
+    if (known) {
+        out->sagittal = sections.focus[0] * last->direction.z;
+        out->tangential = sections.focus[1] * last->direction.z;
+        along = sections.along[1];
+    }
+    const double height =
+        (out->image.x * along.x + out->image.y * along.y) / hypot(along.x, along.y);
+    if (from->lens->afocal) {
+        tell_angles(from, b, e, before, data, &way, along, &sections, known, chief, last, out);
+        return;
+    }
+    out->ideal = ideal_of(b, data, before) * way.size;
+    if (out->ideal != 0) out->distortion = (height - out->ideal) / out->ideal;
+}
+
+bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const sgt_element e[],
+                     double index_before, const sgt_first_order *data, sgt_distortion distortion,
+                     sgt_field_point *out, sgt_error *error)
+{
+    static const sgt_pupil_point centre = {0, 0, 1};
+    const double none = (double)NAN;
+    const size_t count = from->lens->count;
+    sgt_field_beam b = *beam;
+    b.shift = (sgt_vec2){0, 0}, b.scale = (sgt_vec2){1, 1}, b.turn = (sgt_vec2){1, 0};
+    *out = (sgt_field_point){.fate = SGT_LOST, .image = {none, none}, .error = none, .tangential = none,
+                             .sagittal = none, .ideal = none, .distortion = none};
+    sgt_launched chief;
+    sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
+    sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
+    bool fine = (passages && own) || sgt_launch_memory(from, error);
+    if (fine) sgt_launch_ending(count, e, own), own[count - 1].index = 0; /* nor does it reflect totally */
+    fine = fine && sgt_launch_rays(from, &b, own, index_before, 1, &centre, &chief, error);
+    if (fine) {
+        size_t passed = 0;
+        if (chief.status == SGT_MET)
+            passed = sgt_trace_through(count, own, index_before, &chief.ray, open, passages, &out->fate);
+        out->aimed = chief.status, out->within = chief.within;
+        out->element = passed < count ? passed : count - 1;
+        if (passed == count)
+            tell_curve(from, &b, open, index_before, data, distortion, &chief.ray, passages, out);
+    }
+    sgt_launch_forget(from, own);
+    sgt_launch_forget(from, passages);
+    return fine;
+}

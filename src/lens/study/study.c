@@ -1,0 +1,480 @@
+/* study.c - fields x wavelengths x points of the pupil, and their rays in blocks.
+ *
+ * WHAT A STUDY IS stands in one place, here: which fields, wavelengths and points there are if nothing is
+ * said.  Pupil and fields are defined at the primary wavelength of the lens, so all wavelengths share a
+ * launcher.
+ *
+ * BLOCKS.  What a ray does depends on that ray alone.  So blocks of PUPIL_PART points may be traced in any
+ * thread; what is made of a block is made there, too, and then taken in order.  The size of a block has no
+ * part in how many threads there are, so that neither have the sums.  Blocks go in rounds of ROUND: memory
+ * does not grow with the number of rays. */
+#include "study.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { ROUND = 64 };
+
+/* ---------------------------------------------------------------- small things */
+
+void *sgt_ask_room(sgt_asking *a, size_t count, size_t size)
+{
+    void *room =
+        count <= SIZE_MAX / 2 / size ? sgt_arena_take(&a->memory, count ? count * size : size) : NULL;
+    if (room) memset(room, 0, count ? count * size : size);
+    else sgt_ask_fail(a, "", "no memory");
+    return room;
+}
+
+bool sgt_ask_fail(sgt_asking *a, const char *key, const char *words, ...)
+{
+    char text[sizeof a->error->words];
+    if (a->failed) return false;
+    a->failed = true;
+    va_list more;
+    va_start(more, words);
+    vsnprintf(text, sizeof text, words, more);
+    va_end(more);
+    return sgt_launch_fail(a->from, a->error, key, "%s", text);
+}
+
+bool sgt_ask_refuse(sgt_asking *a, const char *setting, const char *words, ...)
+{
+    if (a->failed) return false;
+    a->failed = true;
+    *a->error = (sgt_error){.line = 0};
+    snprintf(a->error->key, sizeof a->error->key, "%s", setting);
+    va_list more;
+    va_start(more, words);
+    vsnprintf(a->error->words, sizeof a->error->words, words, more);
+    va_end(more);
+    return false;
+}
+
+void sgt_ask_row(const sgt_asking *a, const void *row)
+{
+    if (a->sink->row) a->sink->row(a->sink->context, row);
+}
+
+void sgt_ask_say(const sgt_asking *a, sgt_remark_of_study kind, const char *words, ...)
+{
+    char text[1000];
+    va_list more;
+    if (!a->sink->say) return;
+    va_start(more, words);
+    vsnprintf(text, sizeof text, words, more);
+    va_end(more);
+    a->sink->say(a->sink->context, kind, text);
+}
+
+const char *sgt_ask_units(const sgt_asking *a)
+{
+    return *a->lens->units ? a->lens->units : "that of the lens";
+}
+
+double sgt_lens_unit(const sgt_lens *lens)
+{
+    static const struct { const char *name; double um; } known[] = {
+        {"mm", 1e3}, {"cm", 1e4}, {"m", 1e6}, {"um", 1}, {"\302\265m", 1}, {"in", 25400}, {"inch", 25400},
+        {"millimetres", 1e3}, {"millimeters", 1e3}, {"metres", 1e6}, {"meters", 1e6},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (strcmp(lens->units, known[i].name) == 0) return known[i].um;
+    return (double)NAN;
+}
+
+size_t sgt_digits(double value, double error)
+{
+    enum { MOST = 16 };
+    if (!(error >= 0) || isnan(value) || isinf(error)) return 0;
+    const double digits = error > 0 ? floor(log10(fabs(value) / error)) : MOST;
+    return digits > MOST ? MOST : digits > 0 ? (size_t)digits : 0;
+}
+
+const sgt_lens_field *sgt_ask_farthest(const sgt_asking *a)
+{
+    const sgt_lens_field *far = &a->at[0];
+    for (size_t i = 1; i < a->fields; i++)
+        if (hypot(a->at[i].x, a->at[i].y) > hypot(far->x, far->y)) far = &a->at[i];
+    return far;
+}
+
+sgt_element *sgt_ask_moved(sgt_asking *a, const band *b, double z)
+{
+    const size_t count = a->lens->count;
+    if (z == 0) return b->element;
+    sgt_element *e = sgt_ask_room(a, count, sizeof *e);
+    if (!e) return NULL;
+    memcpy(e, b->element, count * sizeof *e);
+    sgt_pose *pose = &e[count - 1].pose;
+    const bool straight = dot3(pose->ex, pose->ex) == 0;
+    pose->origin = along3(pose->origin, z, straight ? (sgt_vec3){0, 0, 1} : pose->ez);
+    return e;
+}
+
+/* ---------------------------------------------------------------------- fates */
+
+int sgt_fate_of(const sgt_ray_end *end)
+{
+    return end->aimed == SGT_NO_SUCH_RAY ? SGT_NO_RAY : (int)end->fate;
+}
+
+const char *sgt_study_fate_text(int fate)
+{
+    return fate == SGT_NO_RAY ? "none" : sgt_fate_text((sgt_fate)fate);
+}
+
+void sgt_fates_count(sgt_fates *f, const sgt_ray_end *end)
+{
+    f->rays++, f->folded += end->folded;
+    if (end->aimed == SGT_AIMED_UNDECIDED) {
+        f->within = f->unfound ? fmin(f->within, end->within) : end->within;
+        f->unfound++;
+    }
+    if (end->aimed == SGT_NO_SUCH_RAY) f->none++;
+    else if (end->fate == SGT_PASSED) f->passed++, f->proven += end->proven;
+    else if (end->fate == SGT_MISSED) f->missed++;
+    else if (end->fate == SGT_CLIPPED) f->clipped++;
+    else if (end->fate == SGT_TIR) f->tir++;
+    else f->lost++;
+}
+
+void sgt_fates_add(sgt_fates *f, const sgt_fates *more)
+{
+    if (more->unfound) f->within = f->unfound ? fmin(f->within, more->within) : more->within;
+    f->rays += more->rays, f->passed += more->passed, f->missed += more->missed;
+    f->clipped += more->clipped, f->tir += more->tir, f->lost += more->lost, f->none += more->none;
+    f->unfound += more->unfound, f->folded += more->folded, f->proven += more->proven;
+}
+
+sgt_fate_counts sgt_fates_row(const sgt_fates *f)
+{
+    return (sgt_fate_counts){f->missed, f->clipped, f->tir, f->lost, f->none, f->proven};
+}
+
+/* --------------------------------------------------------------------- rounds */
+
+typedef struct round_of {
+    const rounds *r;
+    size_t first, step;
+    char *slots;
+    bool failed[ROUND];
+} round_of;
+
+static void round_task(void *data, size_t i)
+{
+    round_of *now = data;
+    now->failed[i] = !now->r->work(now->r->data, now->first + i, now->slots + i * now->step);
+}
+
+bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
+{
+    const sgt_study_options *o = &a->study->opt;
+    const size_t align = 64, most = r->tasks < ROUND ? r->tasks : ROUND;
+    round_of now = {.r = r, .step = (r->size + align) / align * align};
+    if (r->tasks == 0 || a->failed) return !a->failed;
+    now.slots = sgt_launch_take(a->from, most, now.step);
+    if (!now.slots) return sgt_ask_fail(a, "", "no memory");
+    for (; now.first < r->tasks && !a->failed; now.first += most) {
+        const size_t left = r->tasks - now.first, tasks = left < most ? left : most;
+        if (o->run && tasks > 1) o->run(o->context, tasks, round_task, &now);
+        else
+            for (size_t i = 0; i < tasks; i++) round_task(&now, i);
+        for (size_t i = 0; i < tasks && !a->failed; i++) {
+            if (now.failed[i]) sgt_ask_fail(a, "", "no memory");
+            else r->take(r->data, now.first + i, now.slots + i * now.step);
+        }
+    }
+    sgt_launch_forget(a->from, now.slots);
+    return !a->failed;
+}
+
+/* --------------------------------------------------------------------- passes */
+
+/* Of a block: its rays, their fates, and the first that is lost. */
+typedef struct block {
+    size_t count, lost;
+    sgt_fates fates;
+    bool placed;
+    sgt_error fault;
+    sgt_ray_end end[PUPIL_PART];
+} block_of_rays;
+
+typedef struct passing { const pass *p; size_t blocks; sgt_fates fates; } passing;
+
+static size_t sum_at(void) { return (sizeof(block_of_rays) + 63) / 64 * 64; }
+
+static bool work_block(void *data, size_t i, void *slot)
+{
+    const passing *now = data;
+    const pass *p = now->p;
+    const size_t of = i / now->blocks, first = i % now->blocks * PUPIL_PART;
+    const size_t left = p->points->count - first;
+    block_of_rays *b = slot;
+    void *sum = (char *)slot + sum_at();
+    sgt_pupil_point at[PUPIL_PART];
+    cell c = {.beam = NULL};
+    b->count = left < PUPIL_PART ? left : PUPIL_PART;
+    b->fates = (sgt_fates){.rays = 0}, b->lost = PUPIL_PART;
+    memset(sum, 0, p->size);
+    b->placed = p->place(p, of, &c, &b->fault);
+    if (!b->placed) return true;
+    sgt_pupil_part(p->points, first, b->count, at);
+    if (!sgt_trace_pupil(p->ask->from, c.beam, c.element, c.before, b->count, at, p->ask->study->opt.solver,
+                         b->end, NULL))
+        return false;
+    for (size_t k = 0; k < b->count; k++) {
+        const size_t lost = b->fates.lost;
+        sgt_fates_count(&b->fates, &b->end[k]);
+        if (b->fates.lost > lost && lost == 0) b->lost = k;
+    }
+    if (p->block) p->block(p, of, b->count, b->end, sum);
+    return true;
+}
+
+static void take_block(void *data, size_t i, void *slot)
+{
+    passing *now = data;
+    const pass *p = now->p;
+    sgt_asking *a = p->ask;
+    const size_t of = i / now->blocks;
+    const block_of_rays *b = slot;
+    if (!b->placed) {
+        a->failed = true;
+        if (a->error) *a->error = b->fault;
+        return;
+    }
+    if (i % now->blocks == 0) now->fates = (sgt_fates){.rays = 0};
+    if (a->counts && b->lost < b->count && a->total.fates.lost == 0) {
+        p->lost(p, of, &a->total.lost);
+        a->total.lost.px = b->end[b->lost].px, a->total.lost.py = b->end[b->lost].py;
+    }
+    if (a->counts) sgt_fates_add(&a->total.fates, &b->fates);
+    sgt_fates_add(&now->fates, &b->fates);
+    if (p->take) p->take(p, of, b->count, b->end, (const char *)slot + sum_at());
+    if (p->end && i % now->blocks + 1 == now->blocks) p->end(p, of, &now->fates);
+}
+
+bool sgt_ask_pass(const pass *p)
+{
+    passing now = {.p = p, .blocks = (p->points->count + PUPIL_PART - 1) / PUPIL_PART};
+    const rounds r = {.tasks = p->cells * now.blocks, .size = sum_at() + p->size, .data = &now,
+                      .work = work_block, .take = take_block};
+    return sgt_ask_rounds(p->ask, &r);
+}
+
+bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_error *fault)
+{
+    const sgt_asking *a = p->ask;
+    const band *b = &a->band[i % a->bands];
+    (void)fault;
+    out->beam = &a->beam[i / a->bands], out->element = b->element, out->before = b->before;
+    return true;
+}
+
+void sgt_lost_study(const pass *p, size_t i, sgt_lost_ray *out)
+{
+    const sgt_asking *a = p->ask;
+    const size_t f = i / a->bands;
+    *out = (sgt_lost_ray){.field = a->of_lens ? a->number[f] : 0, .kind = a->kind, .at = a->at[f],
+                          .wavelength = a->band[i % a->bands].at};
+}
+
+typedef struct chiefs { sgt_asking *ask; size_t surfaces; sgt_element *const *element; sgt_ray_end *end;
+} chiefs;
+
+static bool chief_of(void *data, size_t i, void *slot)
+{
+    const chiefs *c = data;
+    const sgt_asking *a = c->ask;
+    return sgt_trace_chief(a->from, &a->beam[i / c->surfaces], c->element[i % c->surfaces], a->primary.before,
+                           slot, NULL);
+}
+
+static void keep_chief(void *data, size_t i, void *slot)
+{
+    const chiefs *c = data;
+    memcpy(&c->end[i], slot, sizeof c->end[i]);
+}
+
+sgt_ray_end *sgt_ask_chiefs(sgt_asking *a, size_t surfaces, sgt_element *const element[])
+{
+    chiefs c = {.ask = a, .surfaces = surfaces, .element = element};
+    c.end = sgt_ask_room(a, a->fields * surfaces, sizeof *c.end);
+    const rounds r = {.tasks = a->fields * surfaces, .size = sizeof *c.end, .data = &c, .work = chief_of,
+                      .take = keep_chief};
+    return c.end && sgt_ask_rounds(a, &r) ? c.end : NULL;
+}
+
+/* ---------------------------------------------------------------- what is asked */
+
+static bool set_band(sgt_asking *a, sgt_wavelength at, band *out)
+{
+    const sgt_lens *l = a->lens;
+    if (at.number > l->wavelengths)
+        return sgt_ask_fail(a, "wavelengths", "there is no number %zu: the lens has %zu wavelength%s",
+                            at.number, l->wavelengths, l->wavelengths == 1 ? "" : "s");
+    for (size_t i = 0; l->wavelength && i < l->wavelengths && !at.number; i++)
+        if (l->wavelength[i] == at.um) at.number = i + 1;
+    if (at.number) at.um = l->wavelength ? l->wavelength[at.number - 1] : (double)NAN;
+    *out = (band){.at = at,
+                  .weight = at.number && l->wavelength_weight ? l->wavelength_weight[at.number - 1] : 1};
+    out->element = sgt_ask_room(a, l->count, sizeof *out->element);
+    if (!out->element) return false;
+    if (!sgt_lens_at(l, at.um, out->element, &out->before, a->error) ||
+        !sgt_lens_first_order(l, at.um, &out->data, NULL, a->error)) {
+        a->failed = true;
+        return false;
+    }
+    for (size_t i = 0; a->study->opt.open && i < l->count; i++)
+        out->element[i].semi_diameter = 0, out->element[i].aperture = NULL;
+    return true;
+}
+
+static bool set_bands(sgt_asking *a)
+{
+    const sgt_study_options *o = &a->study->opt;
+    const sgt_lens *l = a->lens;
+    const bool every = !o->wavelengths && (o->every_wavelength || !a->of->primary_alone);
+    a->bands = o->wavelengths ? o->wavelengths : every ? l->wavelengths : 1;
+    a->band = sgt_ask_room(a, a->bands, sizeof *a->band);
+    for (size_t i = 0; i < a->bands && !a->failed; i++)
+        set_band(a, o->wavelengths ? o->wavelength[i]
+                                   : (sgt_wavelength){.number = every ? i + 1 : l->primary + 1},
+                 &a->band[i]);
+    if (a->failed) return false;
+    if (l->wavelength) return set_band(a, (sgt_wavelength){.number = l->primary + 1}, &a->primary);
+    a->primary = a->band[0];
+    return true;
+}
+
+static bool set_fields(sgt_asking *a)
+{
+    const sgt_study_options *o = &a->study->opt;
+    const sgt_lens *l = a->lens;
+    sgt_lens_field *at = NULL;
+    a->fields = o->fields ? o->fields : l->fields;
+    a->of_lens = !o->fields || o->field;
+    a->kind = a->of_lens || !o->field_kind ? l->field_kind : *o->field_kind;
+    a->number = sgt_ask_room(a, a->fields, sizeof *a->number);
+    a->at = at = sgt_ask_room(a, a->fields, sizeof *at);
+    a->beam = sgt_ask_room(a, a->fields, sizeof *a->beam);
+    for (size_t i = 0; i < a->fields && !a->failed; i++) {
+        const size_t number = o->fields && o->field ? o->field[i] : i + 1;
+        if (a->of_lens && (number < 1 || number > l->fields))
+            return sgt_ask_fail(a, "fields",
+                                "there is no number %zu: fields count from 1, as in the file, and "
+                                "the lens has %zu",
+                                number, l->fields);
+        a->number[i] = number;
+        at[i] = a->of_lens ? l->field[number - 1] : o->field_at[i];
+        if (!sgt_launch_field(a->from, a->kind, &at[i], &a->beam[i], a->error)) a->failed = true;
+    }
+    return !a->failed;
+}
+
+static bool pick_points(sgt_asking *a, sgt_pattern pattern, size_t n, sgt_pupil *out)
+{
+    const uint64_t seed = a->study->opt.seed ? a->study->opt.seed : 1;
+    size_t *row = sgt_ask_room(a, sgt_pupil_rows(pattern, n) + 1, sizeof *row);
+    if (row) *out = sgt_pupil_of(pattern, n, seed, row);
+    return row;
+}
+
+/* How many rays suit a pattern, if nothing is said. */
+static size_t rays_of(sgt_pattern pattern)
+{
+    static const size_t suits[] = {
+        [SGT_PATTERN_FAN] = 5, [SGT_PATTERN_GRID] = 11, [SGT_PATTERN_HEXAPOLAR] = 6,
+        [SGT_PATTERN_RANDOM] = 100, [SGT_PATTERN_SOBOL] = 128, [SGT_PATTERN_CELLS] = 20,
+        [SGT_PATTERN_CROSS] = 21,
+    };
+    return suits[pattern];
+}
+
+/* The n of a pattern that has so many rays across the pupil. */
+static size_t rays_across(sgt_pattern pattern, size_t across)
+{
+    const double QUARTER = 0.785398163397448; /* pi / 4: a circle in its square */
+    if (pattern == SGT_PATTERN_HEXAPOLAR) return across / 2 ? across / 2 : 1;
+    if (pattern != SGT_PATTERN_RANDOM && pattern != SGT_PATTERN_SOBOL) return across;
+    return (size_t)ceil(QUARTER * (double)across * (double)across);
+}
+
+static bool pick_pupil(sgt_asking *a)
+{
+    const sgt_study_options *o = &a->study->opt;
+    if (a->of->no_rays) return true;
+    if (o->points) {
+        a->fine = (sgt_pupil){.count = o->points, .given = o->point};
+        return true;
+    }
+    const sgt_pattern pattern = o->pattern ? *o->pattern : a->of->pattern;
+    const bool area = pattern == SGT_PATTERN_RANDOM || pattern == SGT_PATTERN_SOBOL;
+    const size_t n = o->across    ? rays_across(pattern, o->across)
+                     : o->rays    ? o->rays
+                     : o->pattern ? rays_of(pattern)
+                                  : a->of->rays;
+    if (!pick_points(a, pattern, n, &a->fine)) return false;
+    if (a->fine.count == 0)
+        return sgt_ask_refuse(a, "rays", "no ray of the pattern lies inside the pupil's circle");
+    return n / (area ? 4 : 2) == 0 || pick_points(a, pattern, n / (area ? 4 : 2), &a->coarse);
+}
+
+/* ------------------------------------------------------------------- the study */
+
+sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt_error *error)
+{
+    const sgt_study_options defaults = {.allocator = NULL};
+    if (!opt) opt = &defaults;
+    const sgt_wavelength *first = opt->wavelengths ? opt->wavelength : NULL;
+    const sgt_launcher_options o = {
+        .allocator = opt->allocator, .aim = opt->aim,
+        .wavelength = first && !first->number && !isnan(first->um) ? first->um : 0};
+    sgt_launcher *from = sgt_launcher_new(lens, &o, error);
+    if (!from) return NULL;
+    sgt_study *study = sgt_launch_take(from, 1, sizeof *study);
+    if (study) *study = (sgt_study){.opt = *opt, .lens = lens, .from = from, .um = sgt_lens_unit(lens)};
+    if (!study) sgt_launch_memory(from, error);
+    else if (PLAIN(from, opt, "sgt_study_options", error)) return study;
+    sgt_launch_forget(from, study);
+    sgt_launcher_free(from);
+    return NULL;
+}
+
+void sgt_study_free(sgt_study *study)
+{
+    if (!study) return;
+    sgt_launcher *from = study->from;
+    sgt_launch_forget(from, study);
+    sgt_launcher_free(from);
+}
+
+/* What is reserved for later versions is zero: in the sink, and at the end of the options, whatever analysis
+ * they are of. */
+static bool asks_plainly(const sgt_asking *a, sgt_error *error)
+{
+    unsigned long long last[sizeof ((sgt_spot_options *)NULL)->reserved_ / sizeof(unsigned long long)] = {0};
+    if (a->options && a->of->options_size)
+        memcpy(last, (const char *)a->options + a->of->options_size - sizeof last, sizeof last);
+    return PLAIN(a->from, a->sink, "sgt_sink", error) &&
+           sgt_launch_plain(a->from, last, sizeof last / sizeof *last, "options", error);
+}
+
+bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis, const void *options,
+                   const sgt_sink *sink, sgt_study_total *total, sgt_error *error)
+{
+    static const sgt_sink nowhere;
+    sgt_error unread;
+    sgt_asking a = {.study = study, .lens = study->lens, .from = study->from, .of = analysis,
+                    .options = options, .sink = sink ? sink : &nowhere, .error = error ? error : &unread,
+                    .counts = true, .memory = {.allocator = study->from->allocator}};
+    if (!asks_plainly(&a, error)) return false;
+    if (!a.options) a.options = sgt_ask_room(&a, analysis->options_size + 1, 1);
+    const bool fine = !a.failed && set_bands(&a) && set_fields(&a) && pick_pupil(&a) && analysis->ask(&a) &&
+                      !a.failed;
+    if (total) *total = a.total;
+    sgt_arena_free(&a.memory);
+    return fine;
+}

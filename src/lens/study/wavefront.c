@@ -1,0 +1,210 @@
+/* wavefront.c - optical path differences, and Zernike polynomials fitted to them.
+ *
+ * THE PATH TO THE SPHERE.  A ray meets the last element at p, with the path L, and goes along d.  With
+ * v = p - c, c the centre of the sphere, it is at the distance s of the sphere before p, where
+ *
+ *     s^2 - 2 s b + v^2 - R^2 = 0,   b = v . d,   s = b + sqrt(R^2 - h^2),   h^2 = v^2 - b^2 :
+ *
+ * h is the distance of the ray from c.  The chief ray goes through c, and its s is R.  So
+ *
+ *     OPD = (L - n s) - (L0 - n R) = L - L0 + n (h^2 / (R + sqrt(R^2 - h^2)) - b),
+ *
+ * in which nothing cancels but L and L0.  Where R is negative (the exit pupil behind the image) the
+ * same holds.  With R infinite what is left is L - L0 - n b: the path to the foot of the perpendicular.
+ * A plane across the chief ray: s = v . d0 / d . d0, and the chief ray's is 0.
+ *
+ * THE ERROR.  L and L0 have theirs (sgt_trace_error), and to first order a point of the ray that is off
+ * changes L - n b by nothing.  Its direction is off by some u: 8 u |v|.  The point changes h^2 by
+ * 2 h p_err, and with b and v . d0 that of the chief ray, c, counts by |d - d0|.
+ *
+ * SUMS.  A block of rays is summed about its own mean, and blocks are joined as Chan, Golub & LeVeque (1983,
+ * The American Statistician 37, 242) have it: with weights w, means m and sums of squares q about them,
+ *
+ *     q = q1 + q2 + (m2 - m1)^2 w1 w2 / (w1 + w2),
+ *
+ * in which nothing cancels. */
+#include "wavefront.h"
+
+#include "../base/arena.h"
+#include "../optics/launch.h"
+#include "../optics/pattern.h"
+
+static const double ROUND = 0x1p-52;
+
+bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data, const sgt_element e[],
+                      double index_before, const sgt_ray_end *chief, bool afocal, sgt_reference *out,
+                      sgt_error *error)
+{
+    const sgt_launcher of = {.lens = lens};
+    if (chief->fate != SGT_PASSED)
+        return sgt_launch_fail(&of, error, "", "the chief ray does not get through surface %zu",
+                               chief->element + 1);
+    *out = (sgt_reference){.kind = SGT_REFERENCE_SPHERE, .centre = chief->p, .along = chief->d,
+                           .index = index_before == 0 ? 1 : index_before, .opl = chief->opl,
+                           .opl_err = chief->opl_err, .p_err = chief->p_err};
+    for (size_t i = 0; i + 1 < lens->count; i++) /* what the last one does to light is not looked at */
+        if (e[i].index != SGT_MIRROR && e[i].index != 0) out->index = e[i].index;
+    if (afocal) out->kind = SGT_REFERENCE_PLANE;
+    else if (!isfinite(data->exit_pupil)) out->kind = SGT_REFERENCE_INFINITE;
+    if (out->kind != SGT_REFERENCE_SPHERE) return true;
+    const sgt_vec3 pupil = {0, 0, data->exit_pupil}, to = minus3(chief->p, pupil);
+    out->radius = copysign(length3(to), dot3(to, chief->d));
+    return true;
+}
+
+double sgt_opd(const sgt_reference *of, const sgt_ray_end *end, double *error)
+{
+    const double none = (double)NAN, n = of->index, R = of->radius;
+    if (error) *error = none;
+    if (end->fate != SGT_PASSED) return none;
+    const sgt_vec3 v = minus3(end->p, of->centre), d = end->d, turn = minus3(d, of->along);
+    const double b = dot3(v, d), base = end->opl - of->opl;
+    double opd, off = end->opl_err + of->opl_err + n * of->p_err * length3(turn);
+    if (of->kind == SGT_REFERENCE_PLANE) {
+        double s = dot3(v, of->along) / dot3(d, of->along);
+        opd = base - n * s;
+        off += n * end->p_err * length3(turn);
+    } else if (of->kind == SGT_REFERENCE_INFINITE) {
+        opd = base - n * b;
+    } else {
+        const sgt_vec3 across = along3(v, -b, d);
+        const double h2 = dot3(across, across), root = sqrt(R * R - h2);
+        opd = base + n * (h2 / (R + copysign(root, R)) - b);
+        off += n * (end->p_err + of->p_err) * sqrt(h2) / root;
+    }
+    off += 4 * ROUND * (fabs(base) + n * length3(v));
+    if (error) *error = isnan(opd) ? none : isnan(off) ? HUGE_VAL : off;
+    return opd;
+}
+
+/* A block: about its own mean, of which the second sum takes the rounding. */
+void sgt_wavefront_add(sgt_wavefront_sum *s, size_t count, const sgt_ray_end end[], const double opd[],
+                       const double error[])
+{
+    double first = 0;
+    s->rays += count, s->least = s->most = (double)NAN;
+    for (size_t i = 0; i < count; i++) {
+        if (isnan(opd[i])) continue;
+        s->passed++;
+        s->least = fmin(s->least, opd[i]), s->most = fmax(s->most, opd[i]); /* which ignore a NaN */
+        s->w += end[i].weight, first += end[i].weight * opd[i], s->off = fmax(s->off, error[i]);
+    }
+    if (!(s->w > 0)) return;
+    s->mean = first / s->w;
+    for (size_t i = 0; i < count; i++)
+        if (!isnan(opd[i])) s->square += end[i].weight * (opd[i] - s->mean) * (opd[i] - s->mean);
+}
+
+void sgt_wavefront_join(sgt_wavefront_sum *s, const sgt_wavefront_sum *more)
+{
+    const size_t rays = s->rays + more->rays;
+    if (more->passed && !s->passed) *s = *more;
+    else if (more->passed) {
+        const double w = s->w + more->w, apart = more->mean - s->mean;
+        s->passed += more->passed, s->off = fmax(s->off, more->off);
+        s->least = fmin(s->least, more->least), s->most = fmax(s->most, more->most);
+        if (w > 0) {
+            s->square += more->square + apart * apart * s->w * more->w / w;
+            s->mean += apart * more->w / w;
+        }
+        s->w = w;
+    }
+    s->rays = rays;
+}
+
+sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s)
+{
+    const double none = (double)NAN;
+    sgt_wavefront w = {.rays = s->rays, .passed = s->passed, .mean = none, .rms = none, .least = none,
+                       .most = none, .error = none};
+    if (s->passed) w.least = s->least, w.most = s->most;
+    if (!(s->w > 0)) return w;
+    w.mean = s->mean, w.rms = sqrt(s->square / s->w);
+    w.error = 2 * s->off + (double)w.passed * ROUND * fmax(fabs(w.least), fabs(w.most));
+    return w;
+}
+
+sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[], const double opd[],
+                               const double error[])
+{
+    sgt_wavefront_sum all = {.rays = 0};
+    for (size_t first = 0; first < count; first += PUPIL_PART) {
+        sgt_wavefront_sum part = {.rays = 0};
+        const size_t left = count - first;
+        sgt_wavefront_add(&part, left < PUPIL_PART ? left : PUPIL_PART, end + first, opd + first,
+                          error + first);
+        sgt_wavefront_join(&all, &part);
+    }
+    return sgt_wavefront_sum_of(&all);
+}
+
+/* ------------------------------------------------------------------------ the fit */
+
+/* The value of the polynomial `place` (from 0): the height of the surface that has it alone. */
+static double zernike_at(const sgt_zernike *z, double x, double y)
+{
+    return -sgt_zernike_ops.value(z, (sgt_vec3){x, y, 0}, NULL);
+}
+
+/* Householder's reflections of the m x n matrix a (rows of n) and of the right side; then back
+ * substitution.  false: a column hardly differs from those before it. */
+static bool least_squares(size_t m, size_t n, double *a, double *right, double *x)
+{
+    const double ALIKE = 1e-12;
+    for (size_t j = 0; j < n; j++) {
+        double norm = 0, whole = 0;
+        for (size_t i = 0; i < m; i++) {
+            double square = a[i * n + j] * a[i * n + j];
+            whole += square;
+            if (i >= j) norm += square;
+        }
+        norm = sqrt(norm);
+        if (!(norm > ALIKE * sqrt(whole))) return false;
+        double head = a[j * n + j], diagonal = head > 0 ? -norm : norm, by = 1 / (norm * (norm + fabs(head)));
+        a[j * n + j] = head - diagonal; /* the vector of the reflection lies in the column */
+        for (size_t k = j + 1; k <= n; k++) {
+            double dot = 0;
+            for (size_t i = j; i < m; i++) dot += a[i * n + j] * (k < n ? a[i * n + k] : right[i]);
+            dot *= by;
+            for (size_t i = j; i < m; i++) *(k < n ? &a[i * n + k] : &right[i]) -= dot * a[i * n + j];
+        }
+        x[j] = diagonal;
+    }
+    for (size_t j = n; j-- > 0;) {
+        double sum = right[j];
+        for (size_t k = j + 1; k < n; k++) sum -= a[j * n + k] * x[k];
+        x[j] = sum / x[j];
+    }
+    return true;
+}
+
+bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count, const double x[], const double y[],
+                     const double value[], const double weight[], double coefficient[], double *residual,
+                     const sgt_allocator *allocator, sgt_error *error)
+{
+    sgt_launcher none = {.allocator = sgt_allocator_or(allocator)};
+    double *a = NULL, *right = sgt_launch_take(&none, count + terms, sizeof *right);
+    if (terms > 0 && count <= SIZE_MAX / 16 / terms) a = sgt_launch_take(&none, count * terms, sizeof *a);
+    bool fine = (a && right) || sgt_launch_memory(&none, error);
+    size_t rows = 0;
+    double sum = 0, left = 0;
+    for (size_t i = 0; fine && i < count; i++) {
+        if (isnan(value[i] + x[i] + y[i]) || !(weight[i] > 0)) continue;
+        double *one = right + count, w = sqrt(weight[i]);
+        for (size_t j = 0; j < terms; j++) one[j] = 0;
+        for (size_t j = 0; j < terms; j++) {
+            const sgt_zernike z = {.norm = 1, .order = (int)order, .normalised = order == SGT_NOLL,
+                                   .a = {one, 1, j + 1}};
+            one[j] = 1, a[rows * terms + j] = w * zernike_at(&z, x[i], y[i]), one[j] = 0;
+        }
+        right[rows++] = w * value[i];
+        sum += weight[i];
+    }
+    if (fine && !(rows >= terms && least_squares(rows, terms, a, right, coefficient)))
+        fine = sgt_launch_fail(&none, error, "", "%zu points do not determine %zu coefficients", rows, terms);
+    for (size_t i = terms; fine && i < rows; i++) left += right[i] * right[i]; /* reflections keep lengths */
+    if (fine && residual) *residual = sqrt(left / sum);
+    sgt_launch_forget(&none, a);
+    sgt_launch_forget(&none, right);
+    return fine;
+}

@@ -1,0 +1,149 @@
+/* end_error.h - what rounding at one element does to the end of a ray: the formulas of aim_bound.c, for one
+ * ray (aim_bound.c) and in loops over rays (error_batch.c).
+ *
+ * They have no branches but those that an element decides for all rays alike. */
+#ifndef SGT_SYSTEM_END_ERROR_H
+#define SGT_SYSTEM_END_ERROR_H
+#include "chain.h"
+
+SGT_INLINE double size_of(sgt_vec3 a) { return sqrt(dot(a, a)); }
+
+/* What is known of a surface's gradient. */
+typedef enum gradient_kind { GRADIENT_OF_CONIC, GRADIENT_OF_ASPHERE, GRADIENT_OF_OTHER } gradient_kind;
+
+SGT_INLINE gradient_kind gradient_kind_of(sgt_surface s) /* with the operations of the set */
+{
+    if (s.ops == &sgt_conic_ops) return GRADIENT_OF_CONIC;
+    return s.ops == &sgt_even_asphere_ops ? GRADIENT_OF_ASPHERE : GRADIENT_OF_OTHER;
+}
+
+/* How far the gradient is off across itself.  n2 and n: its square and its length, by_n = 1 / n; a: of
+ * GRADIENT_OF_ASPHERE. */
+SGT_INLINE double of_gradient(gradient_kind kind, const sgt_even_asphere *a, sgt_vec3 p, sgt_vec3 normal,
+                              double n2, double n, double by_n)
+{
+    if (kind == GRADIENT_OF_CONIC) {
+        const double across = sqrt(normal.x * normal.x + normal.y * normal.y);
+        return SGT_U * across * (2 + 4 * (1 + fabs(1 - normal.z)) * by_n);
+    }
+    if (kind == GRADIENT_OF_OTHER) return 64 * SGT_U * n * (normal.z == 1 ? n2 : 1);
+    const double r2 = p.x * p.x + p.y * p.y, r = sqrt(r2), w = (1 + a->k) * a->c * a->c * r2;
+    double terms = 16 * fabs(a->a[7]);
+    terms = terms * r2 + 14 * fabs(a->a[6]);
+    terms = terms * r2 + 12 * fabs(a->a[5]);
+    terms = terms * r2 + 10 * fabs(a->a[4]);
+    terms = terms * r2 + 8 * fabs(a->a[3]);
+    terms = terms * r2 + 6 * fabs(a->a[2]);
+    terms = terms * r2 + 4 * fabs(a->a[1]);
+    terms = terms * r2 + 2 * fabs(a->a[0]);
+    return SGT_U * (8 * (1 + fabs(w) / (1 - w)) * fabs(a->c) * r / sqrt(1 - w) + 22 * terms * r);
+}
+
+/* How far the direction behind is off, for the gradient and the direction in front as they are. */
+SGT_INLINE double of_bending(chain_link c, double n, double by_n)
+{
+    const double fn = fabs(c.f) * n, tangent = n * fabs(c.by_S); /* 1 / c2 */
+    const double q = (c.r * fabs(dot(c.d, c.n)) + fabs(dot(c.after, c.n))) * by_n;
+    const sgt_vec3 cross = cross_product(c.after, c.n);
+    const double sine = sqrt(dot(cross, cross)) * by_n, part = 6 + (6 * c.r + 2 + 6 * tangent) / q;
+    return SGT_U * (c.r + fn + 3 + sine * (fn * part + tangent));
+}
+
+/* Both, of an element that bends. */
+typedef struct bend_off { double bending, gradient; } bend_off;
+
+SGT_INLINE bend_off bend_off_of(gradient_kind kind, const sgt_even_asphere *a, chain_link c)
+{
+    const double n2 = dot(c.n, c.n), n = sqrt(n2), by_n = 1 / n;
+    return (bend_off){of_bending(c, n, by_n), of_gradient(kind, a, c.p, c.n, n2, n, by_n)};
+}
+
+/* What the rounding at one element adds to a number at the end, as far as points, frames and bending go.
+ *
+ *     bends, phased  those of the link; constants, where it is in a loop
+ *     turns      the direction behind has a say in it
+ *     turned     the element's frame is
+ *     direction  the adjoint of the direction behind it; by: the step to the front
+ *     off        as above; read if the element bends */
+SGT_INLINE double of_element(bool bends, bool phased, chain_link c, bool turns, bool turned, double p_err,
+                             bend_off off, sgt_vec3 direction, chain_step by)
+{
+    const double frame = 8 * SGT_U;
+    double sum = size_of(plus_times(by.in.p, by.x.opl * c.n1, c.d)) * p_err;
+    if (turned && (turns || phased)) sum += size_of(by.front) * frame;
+    if (!turns) return sum;
+    const double size = turned || bends ? size_of(direction) : 0;
+    if (turned) sum += size * frame;
+    return bends ? sum + size * off.bending + size_of(by.in.n) * off.gradient : sum;
+}
+
+/* What a phase adds to that. */
+SGT_INLINE double of_phase(const sgt_element *e, const chain_link *c, bool turns, sgt_vec3 direction,
+                           double opl)
+{
+    const phase_off off = phase_off_of(e->phase, c->n1, c->n2, c->p, c->d);
+    return (turns ? absolute(direction) * off.direction : 0) + (c->passed == 1 ? fabs(opl) * off.path : 0);
+}
+
+/* What an ulp of each number of the launch ray does to a number at the end; index: in front of all. */
+SGT_INLINE double of_launch(chain_back back, double index, sgt_vec3 o, sgt_vec3 d, unit_launch from)
+{
+    const sgt_vec3 by = plus_times(back.p, back.opl * index, from.d);
+    return 2 * SGT_U * (size_of(by) * absolute(o) + size_of(back.d) * absolute(d) / from.length);
+}
+
+/* Of both coordinates together, with what the second order may add. */
+SGT_INLINE double of_point(double x, double y) { return 1.5 * sqrt(x * x + y * y); }
+
+/* ------------------------------------------------------------------------ the path */
+
+/* A point in global axes. */
+typedef struct far_point {
+    twofold x, y, z;
+} far_point;
+
+SGT_INLINE twofold far_number(twofold sum, sgt_vec3 p, double ex, double ey, double ez)
+{
+    sum = twofold_sum(sum, two_product(p.x, ex));
+    sum = twofold_sum(sum, two_product(p.y, ey));
+    return twofold_sum(sum, two_product(p.z, ez));
+}
+
+SGT_INLINE far_point far_point_of(const sgt_pose *pose, bool turned, sgt_vec3 p)
+{
+    const sgt_vec3 c = pose->origin, ex = pose->ex, ey = pose->ey, ez = pose->ez;
+    if (!turned) return (far_point){two_sum(c.x, p.x), two_sum(c.y, p.y), two_sum(c.z, p.z)};
+    return (far_point){far_number(twofold_of(c.x), p, ex.x, ey.x, ez.x),
+                       far_number(twofold_of(c.y), p, ex.y, ey.y, ez.y),
+                       far_number(twofold_of(c.z), p, ex.z, ey.z, ez.z)};
+}
+
+SGT_INLINE twofold length_between(far_point a, far_point b)
+{
+    const twofold x = twofold_difference(a.x, b.x), y = twofold_difference(a.y, b.y),
+                  z = twofold_difference(a.z, b.z);
+    return twofold_root(
+        twofold_sum(twofold_sum(twofold_product(x, x), twofold_product(y, y)), twofold_product(z, z)));
+}
+
+/* The path with a stretch of length `by`, which is travelled backwards if t < 0. */
+SGT_INLINE twofold path_with(twofold path, twofold by, double n1, double t)
+{
+    return twofold_sum(path, twofold_scaled(by, t < 0 ? -n1 : n1));
+}
+
+/* |n d - n' d'| p_err; 0 if there is no direction behind. */
+SGT_INLINE double of_kick(double n1, double n2, sgt_vec3 d, sgt_vec3 after, double p_err)
+{
+    const double kick = size_of(plus_times(times(n1, d), -n2, after)) * p_err;
+    return is_zero(after) ? 0 : kick;
+}
+
+/* The told error of a path.  Between surfaces that do not bend, the first term, which is computed, is all of
+ * the error: so what the sum rounds is added (2^-53 at each element). */
+SGT_INLINE double told_path(double off) { return off * (1 + 0x1p-45); }
+
+/* What the axes of a turned frame do to lengths. */
+SGT_INLINE double of_axes(sgt_vec3 p, double n1, double n2) { return 8 * SGT_U * size_of(p) * (n1 + n2); }
+
+#endif

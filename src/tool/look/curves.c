@@ -1,0 +1,65 @@
+/* curves.c - one column against another, as an analysis says: a panel for each field, a curve for each
+ * wavelength, in the order of the rows. */
+#include "look.h"
+
+#include "../base/memory.h"
+
+#include <math.h>
+
+/* Which panel and which curve a row is of. */
+typedef struct place { size_t panel, curve; } place;
+
+static place place_of_row(const look *l, const void *row)
+{
+    const size_t field = look_column(l, "field"), wavelength = look_column(l, "wavelength");
+    place p = {0, 0};
+    if (field < l->of->columns) p.panel = look_field_of(l, (size_t)look_value(l, row, field));
+    if (wavelength < l->of->columns) p.curve = look_band_of(l, look_value(l, row, wavelength));
+    return p;
+}
+
+static chart_series curve_of(const look *l, place at)
+{
+    const size_t x = look_column(l, l->of->draw_x), y = look_column(l, l->of->draw_y);
+    chart_series s = {.line = true, .mark = CHART_NO_MARK};
+    double *xs = memory_take(l->rows + 1, sizeof *xs), *ys = memory_take(l->rows + 1, sizeof *ys);
+    for (size_t i = 0; i < l->rows; i++) {
+        const void *row = look_row(l, i);
+        const place own = place_of_row(l, row);
+        if (own.panel != at.panel || own.curve != at.curve) continue;
+        xs[s.count] = look_value(l, row, x), ys[s.count++] = look_value(l, row, y);
+    }
+    const bool together = at.curve == l->bands;
+    s.name = together ? l->bands > 1 ? "all wavelengths" : NULL : look_wavelength_name(l, at.curve);
+    s.colour = together ? l->bands : look_colour(l, at.curve);
+    s.dash = together ? CHART_DASHED : CHART_SOLID;
+    s.x = xs, s.y = ys;
+    return s;
+}
+
+void look_draw_curves(const look *l)
+{
+    const bool fields = look_column(l, "field") < l->of->columns;
+    const size_t panels = fields ? l->fields.count : 1;
+    if (!l->of->draw_x) {
+        note("--picture: %s has none", l->of->name);
+        return;
+    }
+    chart_panel *panel = memory_take(panels, sizeof *panel);
+    for (size_t p = 0; p < panels; p++) {
+        chart_series *series = memory_take(l->bands + 1, sizeof *series);
+        size_t count = 0;
+        for (size_t b = 0; b <= l->bands; b++) {
+            if (b == l->bands && l->bands == 1) continue; /* the same as the one wavelength */
+            const chart_series s = curve_of(l, (place){p, b});
+            if (s.count) series[count++] = s;
+        }
+        panel[p] = (chart_panel){.title = fields ? look_field_name(l, p) : NULL,
+                                 .x_label = look_label(l, l->of->draw_x),
+                                 .y_label = look_label(l, l->of->draw_y),
+                                 .series_count = count, .series = series};
+    }
+    const char *line[] = {look_lens_line(l), look_fates_line(l, &l->total.fates)};
+    chart_write(l->picture, &(chart){.title = look_title(l, l->of->title), .line = line, .lines = 2,
+                                     .panels = panels, .panel = panel, .same_x = true, .same_y = true});
+}
