@@ -27,8 +27,8 @@ typedef struct error_tile {
 
 /* -------------------------------------------------------------------- the point */
 
-SGT_INLINE void link_off_by(gradient_kind kind, chain_tile *b, const sgt_even_asphere *asphere, double *bent_off,
-                            double *gradient)
+SGT_INLINE void link_off_by(gradient_kind kind, chain_tile *b, const sgt_even_asphere *asphere,
+                            double *bent_off, double *gradient)
 {
     const chain_view v = b->view;
     const size_t n = b->n;

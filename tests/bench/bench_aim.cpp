@@ -162,7 +162,7 @@ void derivatives(const Lens &lens)
 // Rooms for n rays.
 struct Room {
     std::vector<std::vector<double>> arrays;
-    std::vector<std::vector<sgt_fate>> fates;
+    std::vector<std::vector<sgt_status>> fates;
     std::vector<sgt_passages> passages;
     size_t n;
     Room(size_t rays, size_t elements) : n(rays)

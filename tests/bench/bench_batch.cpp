@@ -55,7 +55,7 @@ size_t compared_every(size_t n) { return n > 1000 ? 17 : 1; }
 
 struct Rays {  // and room for the answers
     Rays(const std::vector<sgt_ray> &from, const Size &size)
-        : n(size.n), block(16, n, size.pages), status(n), evals(n)
+        : n(size.n), block(16, n, size.pages), status(n), fate(n), evals(n)
     {
         for (int k = 0; k < 6; k++)
             in[k] = block.next();
@@ -88,7 +88,7 @@ struct Rays {  // and room for the answers
     }
     sgt_traced traced()
     {
-        return {status.data(), nullptr, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, nullptr};
+        return {fate.data(), nullptr, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, nullptr, {}};
     }
     void forget()
     {
@@ -101,6 +101,7 @@ struct Rays {  // and room for the answers
 private:
     Block block;
     std::vector<sgt_status> status;
+    std::vector<sgt_fate> fate;
     std::vector<int> evals;
     double *in[6], *out[10];
 };

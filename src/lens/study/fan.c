@@ -46,7 +46,8 @@ static const sgt_column fan_columns[] = {
     {.name = "ex", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FAN_AT(ex), FAN_AT(e_err), "the error in x"},
     {.name = "ey", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FAN_AT(ey), FAN_AT(e_err),
      "and in y, in the frame of the last surface; of an afocal lens angles from the chief ray"},
-    {.name = "e_err", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, 0, FAN_AT(e_err), 0, "rounding puts neither off by more"},
+    {.name = "e_err", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, 0, FAN_AT(e_err), 0,
+     "rounding puts neither off by more"},
 };
 
 const sgt_analysis sgt_fan_analysis = {

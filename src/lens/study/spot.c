@@ -403,8 +403,10 @@ static const sgt_column spot_columns[] = {
     {.name = "rms", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms), SPOT_AT(rms_err),
      "root of the mean square of the distances,"},
     {.name = "rms_x", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms_x), SPOT_AT(rms_err), "of their x"},
-    {.name = "rms_y", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms_y), SPOT_AT(rms_err), "and of their y"},
-    {.name = "geometric", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(geometric), 0, "the largest distance"},
+    {.name = "rms_y", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms_y), SPOT_AT(rms_err),
+     "and of their y"},
+    {.name = "geometric", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(geometric), 0,
+     "the largest distance"},
     {.name = "airy", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(airy), 0,
      "the radius of the first dark ring of diffraction, 1.22 wavelength working F-number (paraxial).  Empty "
      "if the unit or the wavelength is not given"},
@@ -415,7 +417,8 @@ static const sgt_column spot_columns[] = {
      "are "
      "taken"},
     COLUMN_FATES(sgt_spot_row),
-    {.name = "defocus", SGT_COLUMN_EXACT, SGT_UNIT_LENGTH, SGT_COLUMN_GROUPS | SGT_COLUMN_GIVEN, SPOT_AT(defocus), 0,
+    {.name = "defocus", SGT_COLUMN_EXACT, SGT_UNIT_LENGTH, SGT_COLUMN_GROUPS | SGT_COLUMN_GIVEN,
+     SPOT_AT(defocus), 0,
      "how far the image surface was moved"},
     {.name = "xy_err", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, SGT_COLUMN_DETAIL, SPOT_AT(xy_err), 0,
      "rounding puts neither x nor y off by more"},

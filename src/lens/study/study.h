@@ -122,29 +122,29 @@ int  sgt_fate_of(const sgt_ray_end *end);
 
 /* The columns that several analyses have. */
 #define COLUMN_FIELD(row)                                                                                    \
-    {.name = "field", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_GROUPS, offsetof(row, field), 0,                   \
+    {.name = "field", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_GROUPS, offsetof(row, field), 0,           \
      "the field, counted from 1"}
 #define COLUMN_WAVELENGTH(row, flags)                                                                        \
-    {.name = "wavelength", SGT_COLUMN_WAVELENGTH, SGT_UNIT_MICROMETRE, flags, offsetof(row, wavelength), 0,          \
+    {.name = "wavelength", SGT_COLUMN_WAVELENGTH, SGT_UNIT_MICROMETRE, flags, offsetof(row, wavelength), 0,  \
      "micrometres; all: together, as the lens weighs them"}
 #define COLUMN_PUPIL(row, x, y)                                                                              \
-    {.name = "px", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, 0, offsetof(row, x), 0, "the point of the pupil,"},            \
+    {.name = "px", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, 0, offsetof(row, x), 0, "the point of the pupil,"},    \
     {.name = "py", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, 0, offsetof(row, y), 0, "in radii of it"}
 #define COLUMN_OF_FATE(row)                                                                                  \
-    {.name = "fate", SGT_COLUMN_FATE, SGT_UNIT_NONE, 0, offsetof(row, fate), 0,                                      \
+    {.name = "fate", SGT_COLUMN_FATE, SGT_UNIT_NONE, 0, offsetof(row, fate), 0,                              \
      "passed; missed, clipped, tir, lost; none: proven, no such ray"}
 #define COLUMN_FATES(row)                                                                                    \
-    {.name = "missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.missed), 0,           \
+    {.name = "missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.missed), 0,   \
      "what became of"},                                                                                      \
-    {.name = "clipped", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.clipped), 0,         \
+    {.name = "clipped", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.clipped), 0, \
      "the other rays"},                                                                                      \
-    {.name = "tir", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.tir), 0,                 \
+    {.name = "tir", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.tir), 0,         \
      "totally reflected"},                                                                                   \
-    {.name = "lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.lost), 0,               \
+    {.name = "lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.lost), 0,       \
      "it could not be decided"},                                                                             \
-    {.name = "none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.none), 0,               \
+    {.name = "none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.none), 0,       \
      "proven: there is no such ray"},                                                                        \
-    {.name = "proven", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL | SGT_COLUMN_PROVEN,                       \
+    {.name = "proven", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL | SGT_COLUMN_PROVEN,               \
      offsetof(row, fates.proven), 0, "passed, and proven at each surface"}
 
 #endif

@@ -112,7 +112,8 @@ static const sgt_column sweep_columns[] = {
 };
 
 static const sgt_setting sweep_settings[] = {
-    {.name = "from", SGT_SETTING_NUMBER, offsetof(sgt_sweep_options, from), NULL, 0, 0, "where the range begins,"},
+    {.name = "from", SGT_SETTING_NUMBER, offsetof(sgt_sweep_options, from), NULL, 0, 0,
+     "where the range begins,"},
     {.name = "to", SGT_SETTING_NUMBER, offsetof(sgt_sweep_options, to), NULL, 0, 0,
      "and where it ends.  By default from the axis to twice the field of the lens which is farthest from it, "
      "or "
