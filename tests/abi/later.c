@@ -9,7 +9,7 @@
 #include <sagitta/sensitivity.h>
 #include <sagitta/surfaces.h>
 #ifdef WITH_LENS
-#include <sagitta/analysis.h>
+#include <sagitta/study.h>
 #endif
 #include <stdio.h>
 #include <string.h>
@@ -202,6 +202,17 @@ static void asks(void)
         s, N, rays_of(), (sgt_hits){.p = {out[3], out[4], out[5]}, .n = {out[6], out[7], out[8]}},
         (sgt_jacobian){.t_by_o = {out[0]}, .planted_ = 1});
     printf("sgt_jacobian: lacks %d\n", lacks);
+
+    const sgt_passages all = {
+        .hits = {.status = status, .t = out[0], .p = {out[1], out[2], out[3]}, .n = {out[4], out[5], out[6]},
+                 .p_err = out[7]}, .direction = {out[8], out[9], out[10]}};
+    const sgt_ray_changes change = {.planted_ = 1}, end = {.opl = out[11]};
+    sgt_trace_batch(1, lens, 1, N, rays_of(), (sgt_traced){.fate = fate}, &all, NULL);
+    lacks = sgt_trace_sensitivity_batch(1, lens, 1, N, rays_of(), &all, 1, &change, &end);
+    printf("sgt_ray_changes: lacks %d\n", lacks);
+    const sgt_end_errors off = {.point = out[11], .planted_ = 1};
+    const size_t known = sgt_trace_error_batch(1, lens, 1, N, rays_of(), &all, off);
+    printf("sgt_end_errors: %s\n", known && out[11][0] >= 0 ? "known" : "none");
 #ifdef WITH_LENS
     const sgt_lens_options how = {.planted_ = 1};
     sgt_lens *l = sgt_lens_read_text("later.yaml", text, sizeof text - 1, &how, &e);
@@ -218,6 +229,19 @@ static void asks(void)
     bool fine = from && sgt_launch_field(from, SGT_FIELD_ANGLE, &field, &of, &e);
     say("sgt_lens_field", fine ? "launched" : "refused", fine, &e);
     sgt_launcher_free(from);
+    const sgt_study_options later = {.planted_ = 1};
+    sgt_study *study = l ? sgt_study_new(l, &later, &e) : NULL;
+    say("sgt_study_options", study ? "made" : "refused", study, &e);
+    sgt_study_free(study);
+    study = l ? sgt_study_new(l, NULL, &e) : NULL;
+    const sgt_analysis *spot = sgt_analysis_named("spot");
+    const sgt_sink sink = {.planted_ = 1};
+    fine = study && sgt_study_run(study, spot, NULL, &sink, NULL, &e);
+    say("sgt_sink", fine ? "run" : "refused", fine, &e);
+    const sgt_spot_options how_spot = {.planted_ = 1};
+    fine = study && sgt_study_run(study, spot, &how_spot, NULL, NULL, &e);
+    say("sgt_spot_options", fine ? "run" : "refused", fine, &e);
+    sgt_study_free(study);
     sgt_lens_free(l);
     const double index[] = {1.5, 0};
     const sgt_glass glass = {

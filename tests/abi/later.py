@@ -35,10 +35,14 @@ ASKED = {'sgt_options': ('hit', 'invalid', 'opt.reserved_[0]'),
          'sgt_passages': ('passed', 'lost', 'passages[0].passage.reserved_[0]'),
          'sgt_element': ('passed', 'lost', 'e[0].element.reserved_[0]'),
          'sgt_aim_options': ('met', 'invalid', 'opt.reserved_[0]'),
-         'sgt_beam': ('met', 'invalid', 'beam.reserved_[0]'), 'sgt_jacobian': ('lacks 0', 'lacks 4', None)}
+         'sgt_beam': ('met', 'invalid', 'beam.reserved_[0]'), 'sgt_jacobian': ('lacks 0', 'lacks 4', None),
+         'sgt_ray_changes': ('lacks 0', 'lacks 4', None), 'sgt_end_errors': ('known', 'none', None)}
 ASKED_OF_LENSES = {'sgt_lens_options': ('read', 'refused', 'sgt_lens_options'),
                    'sgt_launcher_options': ('made', 'refused', 'sgt_launcher_options.reserved_[0]'),
                    'sgt_lens_field': ('launched', 'refused', 'sgt_lens_field.reserved_[0]'),
+                   'sgt_study_options': ('made', 'refused', 'sgt_study_options.reserved_[0]'),
+                   'sgt_sink': ('run', 'refused', 'sgt_sink.reserved_[0]'),
+                   'sgt_spot_options': ('run', 'refused', 'options.reserved_[0]'),
                    'sgt_glass': ('an index', 'none', '')}
 
 

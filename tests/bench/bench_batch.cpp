@@ -93,6 +93,7 @@ struct Rays {  // and room for the answers
     void forget()
     {
         std::fill(status.begin(), status.end(), static_cast<sgt_status>(77));
+        std::fill(fate.begin(), fate.end(), static_cast<sgt_fate>(77));
         std::fill(evals.begin(), evals.end(), -77);
         for (double *array : out)
             std::fill(array, array + n, -77.0);
@@ -383,7 +384,7 @@ struct Passages {  // everything, of every element
         for (size_t k = 0; k < elements; k++) {
             sgt_passages p = {};
             p.hits = {&status[k * n], &evals[k * n], block.next(), block.next(), block.next(), {}, {},
-                      block.next()};
+                      block.next(), {}};
             for (int j = 0; j < 3; j++)
                 p.hits.p[j] = block.next(), p.hits.n[j] = block.next(), p.direction[j] = block.next();
             p.opl = block.next();
