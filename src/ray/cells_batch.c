@@ -207,9 +207,9 @@ static bool fill_slot(cell_search *j, size_t k)
         while (q->next == q->count)
             if (!refill(j)) return false;
         size_t at = q->next++, i = q->from + at;
-        if (q->state[at] == SGT_MISS)
+        if (q->state[at] == (double)SGT_MISS)
             give(j, i, SGT_MISS, 0);
-        else if (q->state[at] == SGT_HARD)
+        else if (q->state[at] == (double)SGT_HARD)
             leave_hard(j, i, 0);
         else if (q->state[at] != READY)
             give(j, i, (sgt_status)SGT_SINGLE, 0), j->hard++;

@@ -108,15 +108,17 @@ struct Arrays {
                  nullptr,
                  { &out[2][i], &out[3][i], &out[4][i] },
                  { &out[5][i], &out[6][i], &out[7][i] },
-                 nullptr };
+                 nullptr,
+                 {} };
     }
     sgt_traced traced()
     {
-        return { &status[0],
+        return { reinterpret_cast<sgt_fate *>(&status[0]), // one byte, as a status is
                  nullptr,
                  { &out[0][0], &out[1][0], &out[2][0] },
                  { &out[3][0], &out[4][0], &out[5][0] },
-                 nullptr };
+                 nullptr,
+                 {} };
     }
     size_t n;
     std::vector<std::vector<double>> in, out;
@@ -184,7 +186,7 @@ struct Side {  // rays, and the surface or the lens that they meet
         Arrays &a = *arrays;
         for (size_t i = 0; i < few(); i++) {
             double x[8] = { 0, 0, 0, 0, 0, 0, 0, 0 };
-            a.status[i] = one(i, opt, x);
+            a.status[i] = static_cast<sgt_status>(one(i, opt, x));
             for (size_t k = 0; k < 8; k++)
                 a.out[k][i] = x[k];
         }

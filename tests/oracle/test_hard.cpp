@@ -66,7 +66,8 @@ static void catalogue(const table &t, std::size_t row)
         if (!(std::fabs(root.minus(h.t)) <= h.t_err))
             return fail(id, "one by one", "not the first root, or t_err is no bound", h);
         if (!(h.t > ray.tmin)) return fail(id, "one by one", "no progress", h);
-        ray.tmin = h.t, ray.tmax = HUGE_VAL;
+        const double end = end_of(&ray);
+        ray.tmin = h.t, ray.tmax = end; // the next one, from here
     }
     const sgt_hit h = sgt_intersect(s.surface, ray, nullptr);
     if (h.status > 0 || h.status == SGT_INVALID) fail(id, "one by one", "a root after the last", h);
