@@ -48,7 +48,7 @@ def parameters(text):
             found += [(key, '', MEMBERS.get(key, key)) for key in BASES[macro]]
         else:
             most = {'REALS': ', up to {}', 'LIST': ', up to {}', 'TERMS': ', up to {}', 'TABLE': ', up to {0} x {0}'}.get(macro, '')
-            words = own[6].strip('"') if 'SGT_WORD' in own else ''
+            words = own[6].strip('"') if 'SGT_PARAM_WORD' in own else ''
             at = next(i for i, a in enumerate(own) if a.startswith('"'))
             found.append((own[at].strip('"'), most.format(own[3]) if most else f' ({words.replace("|", ", ")})' if words else '', own[at + 1]))
     return found

@@ -14,10 +14,10 @@ int main(void)
     size_t size = sgt_formula_room(text, 1);
     void *room = malloc(size);
     if (!room) return 1;
-    sgt_formula_error error;
+    sgt_error error;
     sgt_tape *tape = sgt_formula_read(text, SGT_FORMULA_XYZ, 1, parameters, room, size, &error);
     if (!tape) {
-        fprintf(stderr, "column %zu: %s\n", error.column, error.text);
+        fprintf(stderr, "column %zu: %s\n", error.column, error.words);
         return 1;
     }
 
@@ -36,7 +36,7 @@ int main(void)
 
     /* A text that is wrong.  The tape is overwritten: the surface is not used any more. */
     if (!sgt_formula_read("x^4 + 2y", SGT_FORMULA_XYZ, 0, NULL, room, size, &error))
-        printf("column %zu: %s\n", error.column, error.text);
+        printf("column %zu: %s\n", error.column, error.words);
     free(room);
 
     /* On the ray x^4 + y^4 = 0.0017: z^4 = 1 - 0.0017, and with a = 0.001 there is no such z. */

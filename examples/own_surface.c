@@ -102,7 +102,7 @@ int main(void)
            sgt_status_text(hit.status), hit.t, hit.t_err, hit.evals);
 
     /* From there on: a root at the start does not count, so this is the next. */
-    ray.tmin = hit.t;
+    ray.tmin = hit.t, ray.tmax = INFINITY;
     sgt_hit next = sgt_intersect(surface, ray, NULL);
     printf("then %s at t = %.17g\n", sgt_status_text(next.status), next.t);
 

@@ -52,13 +52,13 @@ int main()
 
     // Many rays, from any container.  What is not set is not wanted.
     std::vector<double> x, y, z, along(100, 1.0), none(100, 0.0), t(100);
-    std::vector<signed char> status(100);
+    std::vector<sgt_status> status(100);
     for (int i = 0; i < 100; i++) x.push_back(0.06 * i - 3), y.push_back(-8), z.push_back(0.1 * (i % 7));
     sagitta::hits out;
     out.t = t, out.status = status;
     std::size_t met = sagitta::intersect(cube, {{x, y, z}, {none, along, none}, {}, {}}, out, options);
     std::size_t missed = 0;
-    for (signed char s : status) missed += s == SGT_MISS;
+    for (sgt_status s : status) missed += s == SGT_MISS;
     std::printf("many rays: %zu met, %zu certainly missed, of %zu\n", met, missed, t.size());
     sgt_hit alone = sagitta::intersect(cube, sagitta::ray({x[20], y[20], z[20]}, {0, 1, 0}), options);
 

@@ -16,7 +16,7 @@ static void print_spot(void *context, const void *row)
 
 int main(int argc, char *argv[])
 {
-    sgt_lens_error error = {.line = 0};
+    sgt_error error = {.line = 0};
     sgt_lens *lens = argc > 1 ? sgt_lens_read(argv[1], NULL, &error) : NULL;
     sgt_study *study = lens ? sgt_study_new(lens, NULL, &error) : NULL;
     const sgt_sink sink = {.row = print_spot};

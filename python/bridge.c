@@ -355,8 +355,9 @@ static sgt_rays rays_at(const sgt_rays *all, size_t from)
 
 static sgt_ray ray_at(const sgt_rays *all, size_t i)
 {
-    return (sgt_ray){{all->o[0][i], all->o[1][i], all->o[2][i]}, {all->d[0][i], all->d[1][i], all->d[2][i]},
-                     all->tmin ? all->tmin[i] : 0, all->tmax ? all->tmax[i] : HUGE_VAL};
+    return sgt_ray_between((sgt_vec3){all->o[0][i], all->o[1][i], all->o[2][i]},
+                           (sgt_vec3){all->d[0][i], all->d[1][i], all->d[2][i]},
+                           all->tmin ? all->tmin[i] : 0, all->tmax ? all->tmax[i] : HUGE_VAL);
 }
 
 static sgt_hits hits_at(const sgt_hits *all, size_t from)
@@ -394,7 +395,7 @@ static size_t gradient_of(sagitta_call *c, size_t i, sgt_passage *passage)
     size_t passed = sgt_trace(n, c->element, c->index_before, &ray, passage, &fate, c->opt);
     double *gradient = c->gradient + i * numbers;
     const double none = (double)NAN;
-    c->traced.fate[i] = (signed char)fate, c->traced.passed[i] = (int)passed;
+    c->traced.fate[i] = fate, c->traced.passed[i] = (int)passed;
     c->ends[i] = (sgt_ray_change){{none, none, none}, {none, none, none}, none};
     if (passed < n) {
         for (size_t j = 0; j < numbers; j++) gradient[j] = none;
@@ -562,7 +563,7 @@ int sagitta_run(sagitta_call *call)
     return !done ? -2 : here.failed ? -1 : 0;
 }
 
-/* One ray, and all there is to say of it.  Returns as sagitta_run. */
+/* One ray, its ends as they stand, and all there is to say of it.  Returns as sagitta_run. */
 SGT_API int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
 int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
 {
@@ -570,7 +571,7 @@ int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_option
     if (bad) return bad;
     run *outer = current, here = {0};
     current = &here;
-    *hit = sgt_intersect(*surface, *ray, opt);
+    *hit = sgt_intersect(*surface, sgt_ray_between(ray->o, ray->d, ray->tmin, ray->tmax), opt);
     current = outer;
     return here.failed ? -1 : 0;
 }
@@ -657,18 +658,18 @@ static void in_threads(void *context, size_t tasks, void (*one)(void *data, size
 
 /* A study that works in answer->threads; the answer lasts as long as it. */
 SGT_API sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
-                                 sgt_lens_error *error);
+                                 sgt_error *error);
 sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
-                         sgt_lens_error *error)
+                         sgt_error *error)
 {
     if (answer->threads > 1) opt->run = in_threads, opt->context = answer;
     return sgt_study_new(lens, opt, error);
 }
 
 SGT_API bool sagitta_ask(const sgt_study *study, const sgt_analysis *analysis, const void *options,
-                         sagitta_answer *answer, sgt_lens_error *error);
+                         sagitta_answer *answer, sgt_error *error);
 bool sagitta_ask(const sgt_study *study, const sgt_analysis *analysis, const void *options,
-                 sagitta_answer *answer, sgt_lens_error *error)
+                 sagitta_answer *answer, sgt_error *error)
 {
     const sgt_sink sink = {.context = answer, .row = keep_row, .say = keep_words};
     sgt_study_total total;

@@ -29,6 +29,7 @@ module sagitta
     type, bind(C) :: sgt_hits
         type(c_ptr) :: status = c_null_ptr, evals = c_null_ptr, t = c_null_ptr, t_err = c_null_ptr
         type(c_ptr) :: t_lo = c_null_ptr, p(3) = c_null_ptr, n(3) = c_null_ptr, p_err = c_null_ptr
+        integer(c_long_long) :: reserved_(2) = 0
     end type
 
     type, bind(C) :: sgt_pose
@@ -46,6 +47,7 @@ module sagitta
     type, bind(C) :: sgt_traced
         type(c_ptr) :: fate = c_null_ptr, passed = c_null_ptr
         type(c_ptr) :: o(3) = c_null_ptr, d(3) = c_null_ptr, opl = c_null_ptr
+        integer(c_long_long) :: reserved_(2) = 0
     end type
 
     ! The table of operations of the built-in conic: only its address is used, with c_loc.

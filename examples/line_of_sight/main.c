@@ -97,7 +97,7 @@ static int choice(const char *option, const char *text, const char *const words[
 static int surface_named(const char *text)
 {
     const char *names[8] = {NULL};
-    for (int i = 0; i < 7 && sgt_geo_builtins[i].type; i++) names[i] = sgt_geo_builtins[i].type;
+    for (int i = 0; i < 7 && sgt_geo_builtins()[i].type; i++) names[i] = sgt_geo_builtins()[i].type;
     return choice("surface", text, names);
 }
 
@@ -185,7 +185,7 @@ static request parse(int count, char *words[])
     if ((double)c->lines * c->pixels > MOST_RAYS)
         fail_usage("--pixels times --lines is at most %d", MOST_RAYS);
     if (r.height > c->altitude - 1e3) fail_usage("--height wants to be 1 km below --altitude, and more");
-    if (r.geoid && sgt_geo_builtins[r.surface].ops != &sgt_geoid_height_ops)
+    if (r.geoid && sgt_geo_builtins()[r.surface].ops != &sgt_geoid_height_ops)
         fail_usage("--geoid goes with --surface geoid");
     if (r.output && r.format == NONE) fail_usage("--output, and --format none?");
     if (r.picture) {
@@ -211,18 +211,19 @@ typedef union earth { sgt_geodetic_height ellipsoid; sgt_level_gravity level; sg
 
 static sgt_geoid *open_geoid(const request *r)
 {
-    char found[4096], error[4096];
+    char found[4096];
+    sgt_error error;
     if (!r->geoid && !sgt_geoid_find(found, sizeof found))
         fail_input(
             "--surface geoid: egm96_15.gtx is not installed (Debian: proj-data); --geoid names a grid");
-    sgt_geoid *geoid = sgt_geoid_open(r->geoid ? r->geoid : found, error, sizeof error);
-    if (!geoid) fail_input("%s", error);
+    sgt_geoid *geoid = sgt_geoid_open(r->geoid ? r->geoid : found, &error);
+    if (!geoid) fail_input("%s: %s", error.file, error.words);
     return geoid;
 }
 
 static earth earth_of(const request *r, sgt_geoid **geoid)
 {
-    const sgt_builtin *row = &sgt_geo_builtins[r->surface];
+    const sgt_builtin *row = &sgt_geo_builtins()[r->surface];
     earth e;
     memset(&e, 0, sizeof e);
     *geoid = NULL;
@@ -245,7 +246,7 @@ static void write_table(const request *r, const scan *s, FILE *to)
 static void draw(const request *r, const scan *s)
 {
     const camera *c = &r->camera;
-    const sgt_surface_ops *ops = sgt_geo_builtins[r->surface].ops;
+    const sgt_surface_ops *ops = sgt_geo_builtins()[r->surface].ops;
     const char *level = ops == &sgt_level_gravity_ops ? "level of gravity " : "",
                *over = *level                         ? "equator"
                        : ops == &sgt_geoid_height_ops ? "geoid"
@@ -286,7 +287,7 @@ int main(int count, char *words[])
     FILE *to = r.output ? writable(r.output) : stdout;
     if (r.picture) fclose(writable(r.picture));
     scan s = scan_begin(&r.camera);
-    scan_meet(&s, (sgt_surface){sgt_geo_builtins[r.surface].ops, &e});
+    scan_meet(&s, (sgt_surface){sgt_geo_builtins()[r.surface].ops, &e});
     write_table(&r, &s, to);
     if (r.picture) draw(&r, &s);
     tell(&r, &s);

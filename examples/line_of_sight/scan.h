@@ -11,7 +11,7 @@ typedef struct scan {
     struct camera camera;
     size_t rays, met, undecided;
     double *o[3], *d[3];                              /* metres; d of unit length */
-    signed char *status;                              /* an sgt_status */
+    sgt_status *status;                              /* an sgt_status */
     int *evals;
     double *range, *range_err, *p[3], *n[3];          /* metres */
     double *latitude, *longitude, *height;            /* degrees, metres over WGS84 */

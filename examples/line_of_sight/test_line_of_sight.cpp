@@ -337,15 +337,16 @@ int main()
             {"level_gravity", {&sgt_level_gravity_ops, &level}, h, slack, slack, subject::POTENTIAL, nullptr},
             orbits);
     }
-    char path[4096], error[4096];
+    char path[4096];
+    sgt_error error = {};
     if (!sgt_geoid_find(path, sizeof path)) {
         std::printf("geoid: skipped, egm96_15.gtx is not installed\n");
-    } else if (sgt_geoid *geoid = sgt_geoid_open(path, error, sizeof error)) {
+    } else if (sgt_geoid *geoid = sgt_geoid_open(path, &error)) {
         sgt_geoid_height above = {geoid, 0};
         look_at({"geoid", {&sgt_geoid_height_ops, &above}, 0, 110, 90, subject::GEOID, geoid}, orbits);
         sgt_geoid_close(geoid);
     } else {
-        EXPECT(false, "%s", error);
+        EXPECT(false, "%s", error.words);
     }
     std::printf("%ld faults\n", faults);
     return faults ? 1 : 0;

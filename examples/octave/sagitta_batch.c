@@ -31,18 +31,17 @@ static mxArray *numbers(size_t rows, size_t columns_count)
     return mxCreateDoubleMatrix((mwSize)rows, (mwSize)columns_count, mxREAL);
 }
 
-static mxArray *codes(size_t n, signed char **to)
+/* Bytes: sgt_status or sgt_fate. */
+static mxArray *codes(size_t n)
 {
-    mxArray *array = mxCreateNumericMatrix((mwSize)n, 1, mxINT8_CLASS, mxREAL);
-    *to = mxGetData(array);
-    return array;
+    return mxCreateNumericMatrix((mwSize)n, 1, mxINT8_CLASS, mxREAL);
 }
 
 static void intersect(mxArray *out[], sgt_rays rays, size_t n, const double row[3])
 {
     sgt_conic shape = {.c = row[0], .k = row[1], .semi_diameter = row[2]};
     sgt_hits hits = {.status = NULL};
-    out[0] = codes(n, &hits.status);
+    out[0] = codes(n), hits.status = mxGetData(out[0]);
     out[1] = numbers(n, 1), hits.t = mxGetPr(out[1]);
     out[2] = numbers(n, 1), hits.t_err = mxGetPr(out[2]);
     out[3] = numbers(n, 3), columns(out[3], n, hits.p);
@@ -64,7 +63,7 @@ static void trace(mxArray *out[], sgt_rays rays, size_t n, const mxArray *table,
                                 .semi_diameter = at[2 * count + i]};
     }
     sgt_traced ends = {.fate = NULL};
-    out[0] = codes(n, &ends.fate);
+    out[0] = codes(n), ends.fate = mxGetData(out[0]);
     out[1] = numbers(n, 3), columns(out[1], n, ends.o);
     out[2] = numbers(n, 3), columns(out[2], n, ends.d);
     out[3] = numbers(n, 1), ends.opl = mxGetPr(out[3]);

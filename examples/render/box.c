@@ -94,7 +94,7 @@ static sgt_span box_first(const void *self, const sgt_ray *ray)
 {
     passage p = passage_of(self, ray->o, ray->d);
     double middle = 0.5 * (p.in + p.out), apart = 4 * p.off;
-    double tmax = ray->tmax == 0 && ray->tmin >= 0 ? HUGE_VAL : ray->tmax;
+    double tmax = ray->tmax;
     sgt_span none = {.lo = 1, .hi = -1, .seed = (double)NAN, .single = true},
              in = {.lo = p.in - p.off, .hi = middle, .seed = p.in, .single = true},
              out = {.lo = middle, .hi = p.out + p.off, .seed = p.out, .single = true};
@@ -110,7 +110,7 @@ static void box_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out)
 {
     for (size_t i = 0; i < n; i++) {
         sgt_ray ray = {.o = own_at(rays.o, i), .d = own_at(rays.d, i)};
-        ray.tmin = rays.tmin ? rays.tmin[i] : 0, ray.tmax = rays.tmax ? rays.tmax[i] : 0;
+        ray.tmin = rays.tmin ? rays.tmin[i] : 0, ray.tmax = rays.tmax ? rays.tmax[i] : HUGE_VAL;
         sgt_span span = box_first(self, &ray);
         out.lo[i] = span.lo, out.hi[i] = span.hi, out.seed[i] = span.seed, out.single[i] = span.single;
     }

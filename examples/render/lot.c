@@ -110,7 +110,7 @@ void lot_meet(lot *l, const object *o)
         if (!is_start_again(o, side_at(o, b), l->status[i], vector_of(l->n_at, i), vector_of(l->d, i)))
             continue;
         event e = event_alone(o, b, l->lo[i], l->far[i], b->side);
-        l->status[i] = (signed char)e.status, l->evals[i] = e.evals, l->t[i] = e.t;
+        l->status[i] = e.status, l->evals[i] = e.evals, l->t[i] = e.t;
         l->t_err[i] = e.hi - e.t;
         put_vector(l->p, i, e.p);
         put_vector(l->n_at, i, e.n);

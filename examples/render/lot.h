@@ -23,7 +23,7 @@ typedef struct lot {
     size_t n;
     const beam *beam[LOT];
     row world_o[3], world_d[3], lo, far, o[3], d[3], t, t_err, p[3], n_at[3];
-    signed char status[LOT];
+    sgt_status status[LOT];
     int evals[LOT];
 } lot;
 

@@ -15,7 +15,7 @@ static const sgt_param bulb_params[] = {
      .count = 1,
      .lo = 1,
      .hi = BULB_MOST_ITERATIONS,
-     .kind = SGT_WHOLE},
+     .kind = SGT_PARAM_WHOLE},
     {.name = "escape", .offset = offsetof(mandelbulb, escape), .count = 1, .lo = 1.2, .hi = 100},
     {0}};
 
@@ -37,7 +37,7 @@ static const sgt_param box_params[] = {{.name = "half",
                                         .offset = offsetof(box, half),
                                         .count = 3,
                                         .hi = 1e6,
-                                        .kind = SGT_VECTOR},
+                                        .kind = SGT_PARAM_VECTOR},
                                        {0}};
 
 const sgt_builtin own_surfaces[] = {

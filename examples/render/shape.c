@@ -111,7 +111,7 @@ static char *surface_text(document *d, const node *map, const char *more)
 
 static const sgt_builtin *row_of(const char *type)
 {
-    const sgt_builtin *const tables[] = {sgt_builtins, own_surfaces};
+    const sgt_builtin *const tables[] = {sgt_builtins(), own_surfaces};
     for (int i = 0; i < 2; i++)
         for (const sgt_builtin *b = tables[i]; b->type; b++)
             if (strcmp(b->type, type) == 0) return b;
@@ -140,7 +140,7 @@ static bool is_bounded(const sgt_surface_ops *ops)
 void shape_read(document *d, const node *map, const char *more, object *o)
 {
     const sgt_lens_options options = {.types = own_surfaces};
-    sgt_lens_error e;
+    sgt_error e;
     document_keys(d, map, "objects");
     char *text = surface_text(d, map, more);
     o->read = sgt_lens_read_surface(d->file, text, &options, &e);

@@ -140,7 +140,8 @@ static sgt_ray ray_at_bulb(const mandelbulb *s, long kind)
     if (kind % 10 == 2) at.x = at.y = 0;
     if (kind % 10 == 3) at.x = at.y = d.x = d.y = 0;
     double back = uniform(0, 4), size = pow(10, uniform(-1, 1));
-    return (sgt_ray){.o = along(at, -back, d), .d = scaled(d, size), .tmin = back / size};
+    return (sgt_ray){.o = along(at, -back, d), .d = scaled(d, size), .tmin = back / size,
+                     .tmax = HUGE_VAL};
 }
 
 static long double bulb_on_ray(const mandelbulb *s, const sgt_ray *ray, long double t)

@@ -73,6 +73,7 @@ fn main() {
                 p: arrays_mut(&mut p),
                 n: [null_mut(); 3],
                 p_err: null_mut(),
+                reserved_: [0; 2],
             },
             null(),
         )
@@ -108,6 +109,7 @@ fn main() {
                 o: arrays_mut(&mut end),
                 d: arrays_mut(&mut direction),
                 opl: opl.as_mut_ptr(),
+                reserved_: [0; 2],
             },
             null(),
             null(),

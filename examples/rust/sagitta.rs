@@ -57,6 +57,7 @@ pub struct sgt_hits {
     pub p: [*mut f64; 3],
     pub n: [*mut f64; 3],
     pub p_err: *mut f64,
+    pub reserved_: [c_ulonglong; 2],
 }
 
 #[repr(C)]
@@ -69,6 +70,7 @@ pub struct sgt_options {
     pub proof: c_int,
     pub watch: *const c_void,
     pub watch_data: *mut c_void,
+    pub reserved_: [c_ulonglong; 2],
 }
 
 #[repr(C)]
@@ -99,6 +101,7 @@ pub struct sgt_traced {
     pub o: [*mut f64; 3],
     pub d: [*mut f64; 3],
     pub opl: *mut f64,
+    pub reserved_: [c_ulonglong; 2],
 }
 
 #[repr(C)]
@@ -106,6 +109,7 @@ pub struct sgt_passages {
     pub hits: sgt_hits,
     pub direction: [*mut f64; 3],
     pub opl: *mut f64,
+    pub reserved_: [c_ulonglong; 2],
 }
 
 pub const SGT_HIT: c_int = 1;

@@ -14,12 +14,12 @@ extern "C" {
 
 /* --------------------------------------------------- derivatives of a whole trace
  *
- * WHAT IS DIFFERENTIATED.  The end of a ray that sgt_trace took through e[0] ... e[n-1]:
- *     p     passages[n-1].hit.p, IN THE FRAME OF THE LAST ELEMENT
- *     d     passages[n-1].direction, in that frame, of unit length
- *     opl   passages[n-1].opl
+ * WHAT IS DIFFERENTIATED.  The end of a ray that sgt_trace took through all elements e:
+ *     p     hit.p of the last passage, IN THE FRAME OF THE LAST ELEMENT
+ *     d     direction of the last passage, in that frame, of unit length
+ *     opl   opl of the last passage
  * In that frame an image plane sees the spot where it sees it, however the lens moves.
- * With n = 0 it is the launch ray itself, with its direction made of unit length.
+ * Without elements it is the launch ray itself, with its direction made of unit length.
  *
  * METHOD.  The chain rule over the elements, with no ray traced again and no difference
  * taken.  At a surface it is the implicit function theorem (sensitivity.h).  Bending is
@@ -54,7 +54,7 @@ typedef struct sgt_ray_change {
 /* Forward: the changes of the end by changes of the launch ray.
  *
  *     launch    as it was given to sgt_trace; its direction may have any length
- *     passages  as sgt_trace left them, of all n elements
+ *     passages  as sgt_trace left them, of all elements
  *     columns   how many changes
  *     change    by how much the launch ray changes: p is that of launch->o, d that of
  *               launch->d, opl is added to the path.  Global frame
@@ -63,9 +63,10 @@ typedef struct sgt_ray_change {
  * The change of launch->d along launch->d changes nothing but the length of it.  Two
  * columns aim in a pupil; six are the whole Jacobian by the ray.  The second derivatives
  * of a surface are worked out once for all columns. */
-SGT_API int sgt_trace_sensitivity(size_t n, const sgt_element e[], double index_before,
-                                  const sgt_ray *launch, const sgt_passage passages[],
-                                  size_t columns, const sgt_ray_change change[],
+SGT_API int sgt_trace_sensitivity(size_t elements, const sgt_element e[],
+                                  double index_before, const sgt_ray *launch,
+                                  const sgt_passage passages[], size_t columns,
+                                  const sgt_ray_change change[],
                                   sgt_ray_change out[]);
 
 /* The numbers that a trace depends on, in this order.
@@ -83,25 +84,25 @@ SGT_API int sgt_trace_sensitivity(size_t n, const sgt_element e[], double index_
  *
  * The numbers of a phase are not among them.
  *
- * Returns how many they are up to element n: 7 and m + 7 of each.  A thickness is no
+ * Returns how many they are of so many elements: 7 and m + 7 of each.  A thickness is no
  * number of its own: it moves all elements behind it, so its derivative is the sum of
  * theirs by origin. */
-SGT_API size_t sgt_trace_parameters(size_t n, const sgt_element e[]);
+SGT_API size_t sgt_trace_parameters(size_t elements, const sgt_element e[]);
 
 /* Reverse: the gradients of `rows` numbers by all parameters of the trace at once.
  *
  *     weight    number r is weight[r].p . p + weight[r].d . d + weight[r].opl * opl.
  *               With a weight of 1 for one of the seven components it is that one, and
  *               seven rows are the whole Jacobian
- *     gradient  rows * sgt_trace_parameters(n, e) numbers, row by row
+ *     gradient  rows * sgt_trace_parameters(elements, e) numbers, row by row
  *
  * All else is as for sgt_trace_sensitivity.  A sweep backward costs a small multiple of
  * the trace, however many parameters there are, and no work space: what it needs of each
  * element is in the passages.  Eight rows share a sweep. */
-SGT_API int sgt_trace_gradient(size_t n, const sgt_element e[], double index_before,
-                               const sgt_ray *launch, const sgt_passage passages[],
-                               size_t rows, const sgt_ray_change weight[],
-                               double gradient[]);
+SGT_API int sgt_trace_gradient(size_t elements, const sgt_element e[],
+                               double index_before, const sgt_ray *launch,
+                               const sgt_passage passages[], size_t rows,
+                               const sgt_ray_change weight[], double gradient[]);
 
 /* ------------------------------------------------------------ the error of the end */
 
@@ -115,9 +116,10 @@ typedef struct sgt_end_error {
     double path_grain; /* how far it changes the path, except by moving the launch point
                           along the ray.  0 if there is no phase: by Fermat's principle
                           the change is then of second order */
+    unsigned long long reserved_[2];
 } sgt_end_error;
 
-/* Bounds on the errors of the end of a ray that sgt_trace took through all n elements, or
+/* Bounds on the errors of the end of a ray that sgt_trace took through all elements, or
  * up to the last and met it, against the exact ray from the launch ray as it stands.
  *
  * METHOD.  Each element adds p_err, t_err and the rounding of a direction.  For the point
@@ -132,7 +134,7 @@ typedef struct sgt_end_error {
  *
  * point is NaN where a surface that bends has no second derivatives; so are path and
  * path_grain, if there is a phase besides.  false: a hit is not positive; all is NaN. */
-SGT_API bool sgt_trace_error(size_t n, const sgt_element e[], double index_before,
+SGT_API bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before,
                              const sgt_ray *launch, const sgt_passage passages[],
                              sgt_end_error *out);
 
@@ -159,7 +161,7 @@ SGT_API bool sgt_trace_error(size_t n, const sgt_element e[], double index_befor
  * arrays, or none.  NULL: of an input, no change; of an output, not wanted. */
 typedef struct sgt_ray_changes {
     double *p[3], *d[3], *opl;
-    void   *reserved[4]; /* leave it NULL */
+    unsigned long long reserved_[2]; /* leave it zero: else SGT_LACKS_MEMBER */
 } sgt_ray_changes;
 
 /* sgt_trace_sensitivity of n rays.  change[j] and out[j] are column j; they may be the
@@ -187,7 +189,7 @@ SGT_API int sgt_trace_gradient_batch(size_t elements, const sgt_element e[],
  * of the work. */
 typedef struct sgt_end_errors {
     double *point, *path, *grain, *path_grain;
-    void   *reserved[4]; /* leave it NULL */
+    unsigned long long reserved_[2]; /* leave it zero: else all is NaN */
 } sgt_end_errors;
 
 /* sgt_trace_error of n rays.  Of the passages hits.p_err is read besides, and opl of the
@@ -207,6 +209,7 @@ typedef struct sgt_beam {
     sgt_vec3 o, ou, ov;  /* length */
     sgt_vec3 d, du, dv;  /* of any length */
     sgt_interval u, v;   /* lo <= hi: the box that is searched, ends included */
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_beam;
 
 /* A launch ray of the beam, from its origin on. */
@@ -216,9 +219,11 @@ SGT_API sgt_ray sgt_beam_ray(const sgt_beam *beam, double u, double v);
 typedef enum sgt_aimed {
     SGT_MET           =  1,  /* `ray` meets the point, within `miss` */
     SGT_NO_SUCH_RAY   =  0,  /* proven: no launch ray of the box meets it */
-    SGT_AIM_UNDECIDED = -1,  /* none was found, and none excluded: see the attempts */
-    SGT_AIM_INVALID   = -2   /* a number of the beam, the point or the options is NaN,
-                                infinite, or not in its range; no direction at all */
+    SGT_AIMED_UNDECIDED = -1,  /* none was found, and none excluded: see the attempts */
+    SGT_AIMED_INVALID   = -2   /* a number of the beam, the point or the options is NaN,
+                                infinite, or not in its range; no direction at all; a
+                                member for later versions that is not zero.
+                                sgt_explain_aim says which */
 } sgt_aimed;
 
 /* "met", "no such ray", "undecided" or "invalid". */
@@ -242,6 +247,7 @@ typedef struct sgt_attempt {
     sgt_fate       fate;      /* of the last ray that did not get there, and at which */
     size_t         element;   /* element; SGT_PASSED if all have */
     int            traces;    /* spent */
+    unsigned long long reserved_[2];
 } sgt_attempt;
 
 /* Zeros are the defaults. */
@@ -271,6 +277,7 @@ typedef struct sgt_aiming {
                             clips it; stop + 1: none does */
     size_t    attempts;  /* starts that were tried */
     int       traces, boxes; /* spent on the search and on the proof */
+    unsigned long long reserved_[2];
 } sgt_aiming;
 
 /* The launch ray of the beam that meets element `stop` where x and y of its frame are
@@ -339,6 +346,11 @@ SGT_API size_t sgt_aim_batch(size_t stop, const sgt_element e[], double index_be
                              const sgt_beam *beam, size_t n, const sgt_vec2 wanted[],
                              const sgt_passages passages[], sgt_passage room[],
                              const sgt_aim_options *opt, sgt_aiming out[]);
+
+/* Why does sgt_aim answer SGT_AIMED_INVALID?  As sgt_explain_intersect. */
+SGT_API bool sgt_explain_aim(size_t stop, const sgt_element e[], double index_before,
+                             const sgt_beam *beam, sgt_vec2 wanted,
+                             const sgt_aim_options *opt, sgt_error *error);
 
 /* Bounds on u and v of the rays that meet the point and that the rims in front let
  * through.  The box of the beam has no say in them.

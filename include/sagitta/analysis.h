@@ -11,7 +11,8 @@
  *     sgt_launcher *from = sgt_launcher_new(lens, NULL, &error);
  *     sgt_field_beam beam;
  *     sgt_launch_field(from, lens->field_kind, &lens->field[0], &beam, &error);
- *     sgt_trace_pupil(from, &beam, lens->element, lens->index_before, n, at, NULL, end);
+ *     sgt_trace_pupil(from, &beam, lens->element, lens->index_before, n, at, NULL, end,
+ *                     &error);
  *     sgt_spot spot = sgt_spot_of(1, &(sgt_ends){n, end, 1}, NULL);
  *     sgt_launcher_free(from); */
 #ifndef SAGITTA_ANALYSIS_H
@@ -34,6 +35,7 @@ typedef struct sgt_launcher_options {
     double wavelength;              /* um: pupil and fields are defined at the primary
                                        wavelength of the lens; if it has none, there.
                                        0: none */
+    unsigned long long reserved_[4]; /* leave it zero */
 } sgt_launcher_options;
 
 /* The lens has to last as long as the launcher.  NULL: `error` (may be NULL) says why:
@@ -43,7 +45,7 @@ typedef struct sgt_launcher_options {
  * space, of the size that the lens defines. */
 SGT_API sgt_launcher *sgt_launcher_new(const sgt_lens *lens,
                                        const sgt_launcher_options *opt,
-                                       sgt_lens_error *error);
+                                       sgt_error *error);
 SGT_API void          sgt_launcher_free(sgt_launcher *from); /* NULL: nothing */
 
 /* The first-order data by which rays are launched. */
@@ -61,6 +63,7 @@ typedef struct sgt_field_beam {
     double   front, wave;
     sgt_vec2 shift, scale;  /* of the pupil by vignetting, */
     sgt_vec2 turn;          /* and the cosine and sine of its turn */
+    unsigned long long reserved_[4];
 } sgt_field_beam;
 
 /* Sets the beam of a field.  Before vignetting, chief rays go through the centre of the
@@ -73,7 +76,7 @@ typedef struct sgt_field_beam {
  * false: `error` (may be NULL) names the key that is missing or does not fit. */
 SGT_API bool sgt_launch_field(const sgt_launcher *from, sgt_field_kind kind,
                               const sgt_lens_field *field, sgt_field_beam *beam,
-                              sgt_lens_error *error);
+                              sgt_error *error);
 
 /* The ray through x, y of the unit circle of the paraxial entrance pupil.  Vignetting
  * does not count. */
@@ -83,7 +86,7 @@ typedef struct sgt_launched {
     sgt_ray   ray;
     sgt_aimed status; /* SGT_MET: there it is.
                          SGT_NO_SUCH_RAY: proven, there is none.  See WHAT IS PROVEN
-                         SGT_AIM_UNDECIDED: none was found, and it is not proven that
+                         SGT_AIMED_UNDECIDED: none was found, and it is not proven that
                          there is none */
     bool      folded; /* near it the pupil is inside out, as neighbouring rays reach the
                          stop in reversed order: the pupil folds back on itself, and
@@ -94,6 +97,7 @@ typedef struct sgt_launched {
     double    within;     /* proven: there is none with |u|, |v| <= within, in radii of
                              the paraxial entrance pupil; 0: not proven */
     sgt_attempt nearest;  /* the search that came nearest, with u and v in these radii */
+    unsigned long long reserved_[4];
 } sgt_launched;
 
 /* The rays of a field through points of the unit circle of the pupil, after vignetting.
@@ -106,13 +110,14 @@ typedef struct sgt_launched {
  * SGT_NO_SUCH_RAY is about all rays of the field but those that a rim clips before they
  * are bent (sgt_beam_bounds).  The ray through the point 0, 0 is searched for even there:
  * it is a reference also where it is clipped.  If no rim bounds the rays,
- * SGT_NO_SUCH_RAY is never the answer: the status is SGT_AIM_UNDECIDED, and `within`
+ * SGT_NO_SUCH_RAY is never the answer: the status is SGT_AIMED_UNDECIDED, and `within`
  * says which part holds no such ray.
  *
- * false: no memory. */
+ * false: `error` (may be NULL) says why, such as no memory. */
 SGT_API bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before, size_t count,
-                             const sgt_pupil_point at[], sgt_launched out[]);
+                             const sgt_pupil_point at[], sgt_launched out[],
+                             sgt_error *error);
 
 /* ------------------------------------------------------------------- where rays end */
 
@@ -142,20 +147,21 @@ typedef struct sgt_ray_end {
     /* A bound on the error of d, an angle in radians.  NaN unless the lens is afocal. */
     double d_err;
     double within;       /* unless aimed is SGT_MET: as in sgt_launched */
+    unsigned long long reserved_[4];
 } sgt_ray_end;
 
 /* Traces the rays of a field through points of the pupil.  opt: NULL, or for sgt_trace.
- * false: no memory. */
+ * false: `error` (may be NULL) says why. */
 SGT_API bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before, size_t count,
                              const sgt_pupil_point at[], const sgt_options *opt,
-                             sgt_ray_end out[]);
+                             sgt_ray_end out[], sgt_error *error);
 
 /* The same of the chief ray, through the point 0, 0 of the pupil, whatever clips it: it
  * is a reference also where it is obscured. */
 SGT_API bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
-                             sgt_ray_end *out);
+                             sgt_ray_end *out, sgt_error *error);
 
 /* For an afocal image space: sets out[i] to end[i], with angles in place of the point.
  * p.x and p.y are the angles of d from `axis`, in milliradians: toward x of the frame of
@@ -176,6 +182,7 @@ typedef struct sgt_spot {
     double   rms, rms_x, rms_y;    /* root of the weighted mean of squares */
     double   geometric;            /* the largest distance */
     double   error;                /* rounding puts rms off by no more */
+    unsigned long long reserved_[4];
 } sgt_spot;
 
 /* The spot of some groups of rays together, in the frame of the last element.  A ray
@@ -209,15 +216,17 @@ typedef struct sgt_reference {
     double   radius;  /* positive: the centre lies in the direction of the light */
     double   index;   /* of the image space */
     double   opl, opl_err, p_err; /* of the chief ray */
+    unsigned long long reserved_[4];
 } sgt_reference;
 
 /* The reference of a chief ray that passed.  The radius is the distance from the centre
  * to the axial point of the paraxial exit pupil (Welford 1986, 7.1), taken on the z axis
  * of the last element, which bends no light here.  data: of the primary wavelength.
- * afocal: take a plane instead.  false: the chief ray did not pass. */
+ * afocal: take a plane instead.  false: the chief ray did not pass, as `error` says. */
 SGT_API bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data,
                               const sgt_element e[], double index_before,
-                              const sgt_ray_end *chief, bool afocal, sgt_reference *out);
+                              const sgt_ray_end *chief, bool afocal, sgt_reference *out,
+                              sgt_error *error);
 
 /* The optical path of a ray up to the reference, less that of the chief ray; a length.
  * Positive: the ray's path is longer.  *error (may be NULL): a bound, to first order, on
@@ -229,6 +238,7 @@ typedef struct sgt_wavefront {
     double mean, rms;        /* weighted; the root of the mean square about the mean */
     double least, most;      /* most - least: peak to valley */
     double error;            /* rounding puts none of the numbers off by more */
+    unsigned long long reserved_[4];
 } sgt_wavefront;
 
 /* Of path differences opd[i] +- error[i] of end[i], weighted as the points of the
@@ -247,11 +257,12 @@ SGT_API sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[],
  *
  * By Householder's reflections: a coefficient is good to some roundings times the
  * condition of the points.  false: no memory, or the points do not determine all
- * coefficients. */
+ * coefficients: `error` (may be NULL) says which. */
 SGT_API bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count,
                              const double x[], const double y[], const double value[],
                              const double weight[], double coefficient[],
-                             double *residual, const sgt_allocator *allocator);
+                             double *residual, const sgt_allocator *allocator,
+                             sgt_error *error);
 
 /* ------------------------------------------------------------------ curves of a field */
 
@@ -275,6 +286,7 @@ typedef struct sgt_field_point {
                                     the chief ray and has no second derivatives:
                                     tangential and sagittal are NaN then, and error is
                                     infinite */
+    unsigned long long reserved_[4];
 } sgt_field_point;
 
 typedef enum sgt_distortion {
@@ -288,11 +300,11 @@ typedef enum sgt_distortion {
  * focus is where rays of a section have no distance from it along the section), and
  * distortion.  data: first-order data at the wavelength of e.  A field on the axis has
  * its tangential plane along y.  Apertures and vignetting do not count: a chief ray may
- * be obscured.  false: no memory. */
+ * be obscured.  false: `error` (may be NULL) says why. */
 SGT_API bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
                              const sgt_first_order *data, sgt_distortion distortion,
-                             sgt_field_point *out);
+                             sgt_field_point *out, sgt_error *error);
 
 #ifdef __cplusplus
 }

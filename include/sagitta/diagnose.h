@@ -50,6 +50,7 @@ typedef struct sgt_diagnosis {
     int before;  /* how many evaluations of F, NaN or not, came before those whose steps
                     shrink to the end, each to half of the one before or less.  The order
                     is that of the latter.  Marches and probes are not counted */
+    unsigned long long reserved_[4];
 } sgt_diagnosis;
 
 /* Made from the steps kept in the log.  An empty log: SGT_WANDERING, NaN numbers. */

@@ -65,11 +65,6 @@ extern "C" {
  * Its value is finite. */
 typedef struct sgt_named { const char *name; double value; } sgt_named;
 
-/* What is wrong with a text.  column: of the first character that is wrong, from 1, in
- * bytes; 0: no character is to blame (a parameter, the room).  text: a sentence without a
- * full stop, "expected a number, a name or (, not )"; never longer than fits. */
-typedef struct sgt_formula_error { size_t column; char text[120]; } sgt_formula_error;
-
 /* Of which variables a formula is. */
 typedef enum sgt_formula_kind {
     SGT_FORMULA_XYZ, /* x, y, z, r: for sgt_formula */
@@ -82,9 +77,9 @@ typedef struct sgt_tape sgt_tape;
 /* The longest text (bytes), the deepest nesting of parentheses and powers, and how many
  * parameters there may be. */
 enum {
-    SGT_FORMULA_LONGEST = 32768,
-    SGT_FORMULA_DEEPEST = 200,
-    SGT_FORMULA_PARAMETERS = 256
+    SGT_LONGEST_FORMULA = 32768,
+    SGT_DEEPEST_FORMULA = 200,
+    SGT_MOST_FORMULA_PARAMETERS = 256
 };
 
 /* How many bytes of room suffice for the text with n parameters; 0 if it is too long, or
@@ -93,12 +88,13 @@ SGT_API size_t sgt_formula_room(const char *text, size_t n);
 
 /* Reads the text.  The tape is in `room`, `size` bytes that the caller provides, aligned
  * as for a double.  They must stay, and not move, as long as the tape is used.  The text
- * and the names need not stay.  NULL: *error, if not NULL, says what is wrong.  A
- * parameter need not be used.  A formula of SGT_FORMULA_XYZ has one of x, y, z, r; a sag
- * may be a number. */
+ * and the names need not stay.  NULL: *error (may be NULL) says what is wrong, "expected
+ * a number, a name or (, not )", with the column; 0: a parameter or the room is to blame.
+ * A parameter need not be used.  A formula of SGT_FORMULA_XYZ has one of x, y, z, r; a
+ * sag may be a number. */
 SGT_API sgt_tape *sgt_formula_read(const char *text, sgt_formula_kind kind, size_t n,
                                    const sgt_named parameters[], void *room, size_t size,
-                                   sgt_formula_error *error);
+                                   sgt_error *error);
 
 /* Gives the parameters other values, n as when it was read.  false: one is not finite,
  * and nothing is changed. */

@@ -81,9 +81,9 @@ typedef struct sgt_geoid_height {
 
 /* Reads a grid in NOAA's .gtx format that covers the globe, such as egm96_15.gtx of
  * proj-data.  This is the only function of the library that allocates.
- * NULL: it failed.  `error`, of `size` bytes, then names the file and what is wrong with
- * it (cut off, too long, absurd, a hole, a pole of more than one height). */
-SGT_API sgt_geoid *sgt_geoid_open(const char *path, char *error, size_t size);
+ * NULL: it failed.  `error` (may be NULL) then names the file and what is wrong with it
+ * (cut off, too long, absurd, a hole, a pole of more than one height). */
+SGT_API sgt_geoid *sgt_geoid_open(const char *path, sgt_error *error);
 SGT_API void       sgt_geoid_close(sgt_geoid *geoid);  /* NULL is nothing */
 
 /* The path of egm96_15.gtx as PROJ's data are installed: in the folders of PROJ_DATA and
@@ -98,10 +98,10 @@ SGT_API double sgt_geoid_undulation(const sgt_geoid *geoid, double latitude,
 extern SGT_API const sgt_surface_ops sgt_geodetic_height_ops, sgt_level_gravity_ops,
     sgt_geoid_height_ops;
 
-/* As sgt_builtins (surfaces.h): "geodetic_height", "level_gravity", "geoid".  A geoid is
- * a pointer too, which no row can describe.  A reader of "geoid" opens its `file`
+/* As sgt_builtins() (surfaces.h): "geodetic_height", "level_gravity", "geoid".  A geoid
+ * is a pointer too, which no row can describe.  A reader of "geoid" opens its `file`
  * (sgt_geoid_find if none is named) and puts it in. */
-extern SGT_API const sgt_builtin sgt_geo_builtins[];
+SGT_API const sgt_builtin *sgt_geo_builtins(void);
 
 #ifdef __cplusplus
 }

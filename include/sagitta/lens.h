@@ -11,7 +11,7 @@
  * threads at once.  sgt_catalogue_add... needs the catalogue for itself.  Numbers have a
  * point in any locale, as long as no other thread sets the locale meanwhile.
  *
- *     sgt_lens_error error;
+ *     sgt_error error;
  *     sgt_catalogue *c = sgt_catalogue_new(NULL);
  *     sgt_glass glass;
  *     if (c && sgt_catalogue_add(c, NULL, &error) &&
@@ -34,15 +34,6 @@ typedef struct sgt_allocator {
     void *(*resize)(void *context, void *block, size_t size);
     void *context;
 } sgt_allocator;
-
-/* What is wrong.  Texts end with a zero; one that is too long is cut (of a file the end
- * is kept). */
-typedef struct sgt_lens_error {
-    char   file[256];   /* empty: none is to blame */
-    size_t line;        /* from 1; 0: no line */
-    char   key[128];    /* the record or key, such as "CD"; may be empty */
-    char   words[1400]; /* a sentence without a full stop */
-} sgt_lens_error;
 
 /* ---------------------------------------------------------------- formulas
  *
@@ -77,18 +68,18 @@ typedef struct sgt_lens_error {
  *   12 Extended 2  as 1, + C7 w^4 + C8 w^6
  *   13 Extended 3  n^2 = C1 + C2 w^2 + C3 w^4 + C4 w^-2 + C5 w^-4 ... + C9 w^-12
  *
- * SGT_FORMULA_PAIRS: C1 a wavelength, C2 the index there, C3 the next wavelength ...,
+ * SGT_DISPERSION_PAIRS: C1 a wavelength, C2 the index there, C3 the next wavelength ...,
  *   rising.  Straight lines between them, and beyond the ends the lines there; one pair
  *   is one index for all.
- * SGT_FORMULA_MODEL: C1 = nd, C2 = vd (0: no dispersion), C3 = the deviation of PgF from
- *   the normal line 0.6438 - 0.001682 vd (0 if missing).  n = nd + a v + b v^2 with
+ * SGT_DISPERSION_MODEL: C1 = nd, C2 = vd (0: no dispersion), C3 = the deviation of PgF
+ *   from the normal line 0.6438 - 0.001682 vd (0 if missing).  n = nd + a v + b v^2 with
  *   v = x / (1 + 2.5 x), x = w - 0.5875618 (Buchdahl's coordinate), a and b such that
  *   nF - nC = (nd - 1) / vd and ng - nF = PgF (nF - nC).  APPROXIMATE: good to some 1e-4
  *   in the visible; ranges and catalogues do not bind it. */
 enum {
-    SGT_FORMULA_AGF = 100,    /* plus the number */
-    SGT_FORMULA_PAIRS = 201,
-    SGT_FORMULA_MODEL = 202
+    SGT_DISPERSION_AGF = 100, /* plus the number */
+    SGT_DISPERSION_PAIRS = 201,
+    SGT_DISPERSION_MODEL = 202
 };
 
 /* A glass as plain data.  One from a catalogue borrows its texts and coefficients:
@@ -105,6 +96,7 @@ typedef struct sgt_glass {
     const double *coefficient;
     double        from, to;     /* where the formula was fitted, um; 0 and 0: not known */
     double        nd, vd;       /* as the catalogue prints them; 0: it does not */
+    unsigned long long reserved_[4]; /* leave it zero */
 } sgt_glass;
 
 /* The index of refraction at a wavelength in um, also outside the range of the glass: ask
@@ -116,9 +108,9 @@ SGT_API double sgt_glass_index(const sgt_glass *glass, double um);
 /* Whether a wavelength lies in the range of the glass; true if that is not known. */
 SGT_API bool sgt_glass_covers(const sgt_glass *glass, double um);
 
-/* What is wrong with a glass, whatever the wavelength: NULL if nothing, else a constant
- * text (an unknown formula, too few coefficients, pairs that do not rise ...). */
-SGT_API const char *sgt_glass_fault(const sgt_glass *glass);
+/* Is a glass sound, whatever the wavelength?  false: `error` (may be NULL) says what is
+ * wrong (an unknown formula, too few coefficients, pairs that do not rise ...). */
+SGT_API bool sgt_glass_sound(const sgt_glass *glass, sgt_error *error);
 
 /* The wavelength, um, of a spectral line: i h g F' F e d D C' C r s t (SCHOTT, TIE-29);
  * NaN for another name. */
@@ -150,12 +142,12 @@ SGT_API void           sgt_catalogue_free(sgt_catalogue *catalogue); /* NULL: no
  * of the file at fault none does.  A file that ends in the middle of a line of numbers is
  * at fault: it may be cut off. */
 SGT_API bool sgt_catalogue_add(sgt_catalogue *catalogue, const char *path,
-                               sgt_lens_error *error);
+                               sgt_error *error);
 
 /* The same of text in memory; `name` is a file's name, and its ending tells the form. */
 SGT_API bool sgt_catalogue_add_text(sgt_catalogue *catalogue, const char *name,
                                     const char *text, size_t length,
-                                    sgt_lens_error *error);
+                                    sgt_error *error);
 
 /* How many glasses there are, and the one at a place from 0, in the order in which they
  * were added; false: there is none. */
@@ -170,7 +162,7 @@ SGT_API bool   sgt_catalogue_glass(const sgt_catalogue *catalogue, size_t place,
  * false: none, and `error` (may be NULL) names those whose names are nearest. */
 SGT_API bool sgt_catalogue_find(const sgt_catalogue *catalogue, const char *name,
                                 size_t makers_count, const char *const *makers,
-                                sgt_glass *glass, sgt_lens_error *error);
+                                sgt_glass *glass, sgt_error *error);
 
 /* ------------------------------------------------------------------- lenses
  *
@@ -178,7 +170,7 @@ SGT_API bool sgt_catalogue_find(const sgt_catalogue *catalogue, const char *name
  * rays by.  Formats: the lens file of docs/lens_file.md (YAML, any ending), and .zmx as
  * OpticStudio writes it.  Lengths are in the unit of the file, angles in degrees.
  *
- *     sgt_lens_error error;
+ *     sgt_error error;
  *     sgt_lens *lens = sgt_lens_read("triplet.zmx", NULL, &error);
  *     if (!lens) { printf("%s:%zu: %s\n", error.file, error.line, error.words); ... }
  *     sgt_trace(lens->count, lens->element, lens->index_before, &ray, NULL, &fate, NULL);
@@ -197,6 +189,7 @@ typedef struct sgt_lens_remark {
     const char *key;    /* the record or key */
     const char *words;  /* a sentence without a full stop; of what was turned it begins
                            "taken as", of what was left out "left out:" */
+    unsigned long long reserved_[2];
 } sgt_lens_remark;
 
 /* How a file defines the size of the pupil.  Only SGT_PUPIL_RADIUS is a length. */
@@ -223,6 +216,7 @@ typedef enum sgt_field_kind {
 typedef struct sgt_lens_field {
     double x, y, weight;
     double dx, dy, cx, cy, angle;
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_lens_field;
 
 /* A surface, beside its element. */
@@ -242,13 +236,15 @@ typedef struct sgt_lens_surface {
                                 that of the phase is the distance of the paraxial image
                                 that the surfaces in front form of the object, at the
                                 wavelength of the elements */
+    unsigned long long reserved_[4];
 } sgt_lens_surface;
 
 /* Where the points of a pattern are. */
 typedef enum sgt_lens_aim {
-    SGT_AIM_PUPIL,      /* in the paraxial entrance pupil */
-    SGT_AIM_STOP,       /* on the stop, out to the height of the paraxial marginal ray */
-    SGT_AIM_REAL_STOP   /* on the stop, out to the height of the real marginal ray */
+    SGT_LENS_AIM_PUPIL,    /* in the paraxial entrance pupil */
+    SGT_LENS_AIM_STOP,     /* on the stop, out to the height of the paraxial marginal
+                              ray */
+    SGT_LENS_AIM_REAL_STOP /* on the stop, out to the height of the real marginal ray */
 } sgt_lens_aim;
 
 typedef struct sgt_lens {
@@ -287,6 +283,7 @@ typedef struct sgt_lens {
 
     size_t remarks;
     const sgt_lens_remark *remark;
+    unsigned long long reserved_[8];
 } sgt_lens;
 
 /* How to read.  Zeros are the defaults. */
@@ -310,23 +307,24 @@ typedef struct sgt_lens_options {
     void *context;
     /* of a file with several, from 1; 0: the active one */
     int configuration;
+    unsigned long long reserved_[4]; /* leave it zero, and that of the rows of `types` */
 } sgt_lens_options;
 
 /* Reads a lens from a file.  A name that ends in .zmx is read as that, any other as YAML.
  * NULL: `error` (may be NULL) says what and where. */
 SGT_API sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt,
-                                sgt_lens_error *error);
+                                sgt_error *error);
 
 /* The same of text in memory; `name` is a file's name, for messages, and its ending
  * tells the form.  Other files that the lens names are looked for in its folder. */
 SGT_API sgt_lens *sgt_lens_read_text(const char *name, const char *text, size_t length,
-                                     const sgt_lens_options *opt, sgt_lens_error *error);
+                                     const sgt_lens_options *opt, sgt_error *error);
 
 /* One surface from text, "{type: sphere, radius: 20}": a lens of one element at the
  * origin, whose semi_diameter is the surface's own rim.  name: for messages. */
 SGT_API sgt_lens *sgt_lens_read_surface(const char *name, const char *text,
                                         const sgt_lens_options *opt,
-                                        sgt_lens_error *error);
+                                        sgt_error *error);
 
 SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
 
@@ -337,7 +335,7 @@ SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
  * file does not list it.  false: some medium has no index there (a list of indices for
  * other wavelengths, a pole), and `error` says which. */
 SGT_API bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[],
-                         double *index_before, sgt_lens_error *error);
+                         double *index_before, sgt_error *error);
 
 /* The glass behind a surface (place 1 ... count), or in front of the first (place 0), and
  * the line that names it.  false: an index by numbers, or the medium in front. */
@@ -400,6 +398,9 @@ typedef struct sgt_first_order {
                                    power is NaN.  0: none */
     double angular_magnification; /* slope of the paraxial chief ray behind the lens, over
                                    its slope in front */
+    const char *without_seidel; /* why there are no Seidel sums, if they were asked for;
+                                   constant.  NULL: there are */
+    unsigned long long reserved_[8];
 } sgt_first_order;
 
 /* The Seidel sums of one surface, for the marginal ray and the chief ray of the field
@@ -407,15 +408,14 @@ typedef struct sgt_first_order {
  * lateral, for the indices at the shortest and the longest wavelength of the file. */
 typedef struct sgt_seidel {
     double spherical, coma, astigmatism, petzval, distortion, chromatic[2];
+    unsigned long long reserved_[2];
 } sgt_seidel;
 
 /* Sets *out for a wavelength in um (NaN: the primary one).  seidel: NULL, or room for
- * lens->count; *why_not is then NULL, or a constant text that says why there are no
- * Seidel sums (all are NaN then).  false: some medium has no index there, or there is no
- * memory. */
+ * lens->count; where out->without_seidel says why there are none, all are NaN.  false:
+ * some medium has no index there, or there is no memory. */
 SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out,
-                                  sgt_seidel seidel[], const char **why_not,
-                                  sgt_lens_error *error);
+                                  sgt_seidel seidel[], sgt_error *error);
 
 /* First-order data along a real ray, for lenses that are folded, tilted or freeform: of
  * the rays near it.  [0] is the section of the global x, [1] that of y, carried along
@@ -428,15 +428,17 @@ typedef struct sgt_parabasal {
     double focus[2];          /* to where rays meet that came parallel to it */
     double image[2];          /* to where rays meet that came from its start */
     double magnification[2];  /* there */
+    unsigned long long reserved_[4];
 } sgt_parabasal;
 
-/* chief and passages: as given to sgt_trace, and as it left them, of all n elements.
+/* chief and passages: as given to sgt_trace, and as it left them, of all elements.
  * from_point: the chief ray starts at its object point; else from afar, and image is
  * focus.  false: it did not get through, or a surface has no second derivatives; all is
  * NaN. */
-SGT_API bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before,
-                                bool from_point, const sgt_ray *chief,
-                                const sgt_passage passages[], sgt_parabasal *out);
+SGT_API bool sgt_lens_parabasal(size_t elements, const sgt_element e[],
+                                double index_before, bool from_point,
+                                const sgt_ray *chief, const sgt_passage passages[],
+                                sgt_parabasal *out);
 
 /* ---------------------------------------------------------- points of a pupil */
 

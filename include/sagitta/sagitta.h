@@ -9,8 +9,13 @@
  * A root is a t with g(t) = 0.  It is *accepted* if it lies between the ends of the ray
  * and within the rim of the surface, and is not the root at the start (see sgt_ray).
  *
- * Four rules hold everywhere:
+ * Five rules hold everywhere:
  *   - Zero means default.  {0} and NULL options are valid and sensible.
+ *   - Structs do not change their size.  What a later version adds takes room from
+ *     `reserved_`, the last member.  Leave it zero in what you fill in: {0} and
+ *     designated initialisers do.  In what the library fills in it is zero, so a member
+ *     that this library does not know yet reads as 0.  (docs/api.md, "How the interface
+ *     grows")
  *   - NaN means undefined.  A surface answers NaN where it does not exist.
  *   - Nothing is allocated, nothing is global, nothing is printed.  Parameters are
  *     borrowed for the length of the call.  So every function may run in any number of
@@ -34,6 +39,13 @@
 #else
 #define SGT_API
 #endif
+#endif
+
+/* An enumeration of one byte, of which a batch writes arrays. */
+#if !defined(SGT_ONE_BYTE) && defined(__GNUC__)
+#define SGT_ONE_BYTE __attribute__((__packed__))
+#elif !defined(SGT_ONE_BYTE)
+#error "define SGT_ONE_BYTE to what makes an enumeration one byte long"
 #endif
 
 #ifdef __cplusplus
@@ -80,6 +92,29 @@ SGT_API int sgt_arithmetic(void);
  * that there is none.  Constant, never NULL. */
 SGT_API const char *sgt_arithmetic_text(int arithmetic);
 
+/* ---------------------------------------------------------------- errors */
+
+/* What is wrong with a call.
+ *
+ * ONE WAY.  What became of a ray is a status, of each ray by itself.  All else that may
+ * be wrong is told as follows: the function returns false or NULL, and sets the sgt_error
+ * that its last parameter points to (NULL: not wanted).  An sgt_error is read after that
+ * only.  It need not be set before the call.  SGT_INVALID is a status, as it is about a
+ * ray; sgt_explain_intersect, sgt_explain_trace and sgt_explain_aim put it into words.
+ * What you write and the library calls has it shorter: it returns a constant text, NULL
+ * for nothing.
+ *
+ * Texts end with a zero.  One that is too long is cut; of a file the end is kept. */
+typedef struct sgt_error {
+    char   file[256];   /* empty: none is to blame */
+    size_t line;        /* of the file, from 1; 0: no line */
+    size_t column;      /* of a text that is not in a file: the first character that is
+                           wrong, from 1, in bytes; 0: no character is to blame */
+    char   key[128];    /* the record, key or member, such as "CD"; may be empty */
+    char   words[1400]; /* a sentence without a full stop */
+    unsigned long long reserved_[4];
+} sgt_error;
+
 /* ------------------------------------------------------------------ rays */
 
 typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
@@ -89,9 +124,11 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * UNITS.  o and d are in the length unit of the surface.  d may have any length but
  * zero.  t is in lengths of d.
  *
- * ENDS.  tmax = 0 with tmin >= 0 means infinity.  So the default ends {0} mean the
- * half-line that begins at o.  -INFINITY and INFINITY mean the whole line.  At tmax a
- * root is accepted if its computed t is at most tmax.
+ * ENDS.  tmin and tmax are taken as they stand, but for one pair: both 0, as {0} leaves
+ * them, mean the half-line that begins at o, tmax = INFINITY.  So if you give tmin alone,
+ * give INFINITY besides.  If you compute ends, which may both come out as 0, make the ray
+ * by sgt_ray_between: its ends are always taken as they stand.  -INFINITY and INFINITY
+ * mean the whole line.  At tmax a root is accepted if its computed t is at most tmax.
  *
  * THE START.  The root at the start itself is not accepted: a finite tmin stands for
  * "leave the surface you may be on".  Precisely, a root t is not accepted if
@@ -106,13 +143,19 @@ typedef struct sgt_ray {
     sgt_vec3 o;     /* origin, length; finite */
     sgt_vec3 d;     /* direction; finite, its largest component not subnormal or 0 */
     double   tmin;  /* lengths of d; below INFINITY */
-    double   tmax;  /* lengths of d; tmin ... INFINITY; 0: see above */
+    double   tmax;  /* lengths of d; tmin ... INFINITY.  Both +0: INFINITY (ENDS) */
 } sgt_ray;
+
+/* The points o + t d with tmin <= t <= tmax, whatever these are.  With tmin = tmax, such
+ * as 0 and 0, there is no point but the start, and so no root that is accepted.  (It
+ * stores a tmax of 0 as -0, which is the same number.) */
+SGT_API sgt_ray sgt_ray_between(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax);
 
 /* The numbers from lo to hi; interval.h computes with them. */
 typedef struct sgt_interval { double lo, hi; } sgt_interval;
 
-/* Many rays: one array for each number of sgt_ray. */
+/* Many rays: one array for each number of sgt_ray.  Ends that are given are taken as they
+ * stand, as by sgt_ray_between: 0 and 0, too. */
 typedef struct sgt_rays {
     const double *o[3], *d[3];
     const double *tmin;  /* NULL: 0 */
@@ -252,8 +295,9 @@ typedef struct sgt_surface {
 
 /* --------------------------------------------------------------- answers */
 
-/* Positive: met, at hit.t.  Zero: certainly not met.  Negative: undecided. */
-typedef enum sgt_status {
+/* Positive: met, at hit.t.  Zero: certainly not met.  Negative: undecided.
+ * One byte, alone and in arrays: `sgt_status status[n]` is what sgt_hits takes. */
+typedef enum SGT_ONE_BYTE sgt_status {
     SGT_HIT       =  1,  /* F changes sign at t: through zero, or in a jump, but not at a
                             pole */
     SGT_GRAZE     =  2,  /* |F| is within its rounding all over [lo, hi], and no change of
@@ -275,7 +319,9 @@ typedef enum sgt_status {
                             - no `value`, or a table of operations that is too short;
                             - a built-in surface with a parameter that is NaN or infinite,
                               or with a negative semi_diameter;
-                            - an option that is NaN or negative */
+                            - an option that is NaN or negative;
+                            - a member for later versions that is not zero.
+                            sgt_explain_intersect says which */
 } sgt_status;
 
 /* An answer.  If status is zero or negative, t is NaN, unless sgt_status says
@@ -299,6 +345,7 @@ typedef struct sgt_hit {
                            coordinates */
     sgt_vec3   n;       /* the gradient of F at p, not normalised */
     double     p_err;   /* the point on the surface is within p_err of p (length) */
+    unsigned long long reserved_[2];
 } sgt_hit;
 
 /* "hit", "graze", "miss", "unproven", "undefined", "exhausted", "stopped" or "invalid".
@@ -348,20 +395,19 @@ typedef enum sgt_step_kind {
  *     slope_lo,         both slope                     the same of dF/dt
  *     slope_hi
  *
- * A later version may give what is reserved a meaning.  The size of the struct stays. */
+ */
 typedef struct sgt_step {
     size_t        ray;     /* its index in a batch; 0 for a single ray */
     int           eval;    /* from 1 */
     sgt_move      move;    /* how t, or the cell, was chosen */
     sgt_step_kind kind;
-    unsigned      reserved_;
     double        t;
     double        f;
     double        slope;
     double        lo, hi;
     double        f_lo, f_hi;
     double        slope_lo, slope_hi;
-    double        more_[4];  /* reserved; 0 */
+    unsigned long long reserved_[4];
 } sgt_step;
 
 /* Called once for each evaluation; data is options.watch_data.  Nonzero: stop. */
@@ -414,6 +460,7 @@ typedef struct sgt_options {
     sgt_proof  proof;       /* what must be proven */
     sgt_watch *watch;       /* called once for each evaluation; NULL: nobody */
     void      *watch_data;  /* its first argument */
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_options;
 
 /* The hit that options.pick asks for.  opt may be NULL.
@@ -448,11 +495,12 @@ SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt
 /* Many answers: one array for each number of sgt_hit.  An array that is NULL is not
  * wanted and not written.  Of p and of n give all three arrays or none. */
 typedef struct sgt_hits {
-    signed char *status;  /* an sgt_status */
-    int         *evals;
-    double      *t, *t_err, *t_lo;
-    double      *p[3], *n[3];
-    double      *p_err;
+    sgt_status *status;
+    int        *evals;
+    double     *t, *t_err, *t_lo;
+    double     *p[3], *n[3];
+    double     *p_err;
+    unsigned long long reserved_[2]; /* leave it zero: else every ray is SGT_INVALID */
 } sgt_hits;
 
 /* One hit for each of n rays.  opt may be NULL.  Returns the number of positive statuses.
@@ -473,6 +521,15 @@ typedef struct sgt_hits {
  * one by one; with `encloses` many together. */
 SGT_API size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits,
                                    const sgt_options *opt);
+
+/* Why do sgt_intersect and its kin answer SGT_INVALID to these?  opt, hits and error may
+ * be NULL: no options, none of a batch, not wanted.  false: `error` names the first
+ * argument that makes no sense.  A member for later versions that is not zero is named by
+ * its place in `reserved_`: the program was compiled for a later version, and asks for
+ * what this one does not have.  true: nothing is wrong. */
+SGT_API bool sgt_explain_intersect(sgt_surface s, const sgt_ray *ray,
+                                   const sgt_options *opt, const sgt_hits *hits,
+                                   sgt_error *error);
 
 /* Every hit, in order of t.  opt may be NULL; its pick is not read.  Writes at most cap
  * entries to hits, which may be NULL if cap is 0.  Returns how many there are: 0 is a

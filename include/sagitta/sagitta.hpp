@@ -110,7 +110,7 @@ struct rays {
 
 /* sgt_hits: set the members that are wanted. */
 struct hits {
-    view<signed char> status;
+    view<sgt_status> status;
     view<int> evals;
     view<double> t, t_err, t_lo;
     views<double> p, n;
@@ -130,13 +130,14 @@ struct hits {
                 t_lo.data(),
                 {p.x.data(), p.y.data(), p.z.data()},
                 {n.x.data(), n.y.data(), n.z.data()},
-                p_err.data()};
+                p_err.data(),
+                {}};
     }
 };
 
 /* sgt_traced: the same. */
 struct traced {
-    view<signed char> fate;
+    view<sgt_fate> fate;
     view<int> passed;
     views<double> o, d;
     view<double> opl;
@@ -152,7 +153,8 @@ struct traced {
                 passed.data(),
                 {o.x.data(), o.y.data(), o.z.data()},
                 {d.x.data(), d.y.data(), d.z.data()},
-                opl.data()};
+                opl.data(),
+                {}};
     }
 };
 
@@ -337,10 +339,12 @@ template <class F> surface(F) -> surface<detail::operation<detail::of::value, F>
 
 /* ---------------------------------------------------------------------- answers */
 
-/* A ray; the ends as sgt_ray has them. */
-inline sgt_ray ray(sgt_vec3 o, sgt_vec3 d, double tmin = 0, double tmax = 0) noexcept
+/* The half-line that begins at o.  With ends: sgt_ray_between, whatever they are. */
+inline sgt_ray ray(sgt_vec3 o, sgt_vec3 d) noexcept { return {o, d, 0, 0}; }
+inline sgt_ray ray(sgt_vec3 o, sgt_vec3 d, double tmin,
+                   double tmax = std::numeric_limits<double>::infinity()) noexcept
 {
-    return {o, d, tmin, tmax};
+    return sgt_ray_between(o, d, tmin, tmax);
 }
 
 /* Sets options.watch to the lambda, which stays the caller's: bool see(const sgt_step &)

@@ -66,11 +66,13 @@ extern "C" {
 /* How many parameters the surface has derivatives by; 0: none are offered. */
 SGT_API size_t sgt_parameters(sgt_surface s);
 
-/* What was wanted and the surface does not offer.  The functions below return the sum of
+/* What was wanted and is not offered.  The functions below return the sum of
  * these; 0: nothing is missing.  Outputs that need it are NaN; all others are right. */
 enum {
     SGT_LACKS_SECOND = 1,     /* no second derivatives: no changes of n are known */
-    SGT_LACKS_PARAMETERS = 2  /* no derivatives by parameters: it has none then */
+    SGT_LACKS_PARAMETERS = 2, /* no derivatives by parameters: it has none then */
+    SGT_LACKS_MEMBER = 4      /* the outputs have a member of a later version than this
+                                 library, which is not written */
 };
 
 /* A column of the Jacobian: by how much t, p and n change with one number. */
@@ -98,6 +100,7 @@ typedef struct sgt_jacobian {
     double *const *t_by_a;       /* a list of sgt_parameters(s) arrays; [j]: dt/da_j */
     double *const *p_by_a[3];    /* [i]: such a list, of dp_i/da_j */
     double *const *n_by_a[3];    /* [i]: such a list, of dn_i/da_j */
+    unsigned long long reserved_[4]; /* leave it zero: else SGT_LACKS_MEMBER */
 } sgt_jacobian;
 
 /* The Jacobian of n hits, as sgt_intersect_batch has left them.  Each number is the one

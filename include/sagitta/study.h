@@ -65,7 +65,7 @@ typedef struct sgt_study_options {
     void (*run)(void *context, size_t tasks, void (*task)(void *data, size_t i),
                 void *data);
     void *context;
-    void *reserved[4];              /* NULL */
+    unsigned long long reserved_[4]; /* leave it zero */
 } sgt_study_options;
 
 typedef struct sgt_study sgt_study;
@@ -74,7 +74,7 @@ typedef struct sgt_study sgt_study;
  * `error` (may be NULL) says what is wrong: no memory, no marginal ray to the real stop.
  * Fields, wavelengths and points are looked at when the study is asked. */
 SGT_API sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt,
-                                 sgt_lens_error *error);
+                                 sgt_error *error);
 SGT_API void       sgt_study_free(sgt_study *study); /* NULL: nothing */
 
 /* The unit of length of a lens in micrometres; NaN: it does not say, or is not known. */
@@ -134,6 +134,7 @@ typedef struct sgt_column {
     size_t          error;       /* the offset of a double that bounds its error;
                                     0: none */
     const char     *help;
+    unsigned long long reserved_[4];
 } sgt_column;
 
 typedef enum sgt_setting_kind {
@@ -154,13 +155,12 @@ typedef struct sgt_setting {
     const char      *words;
     size_t           least, most;
     const char      *help;
+    unsigned long long reserved_[4];
 } sgt_setting;
 
 typedef struct sgt_asking sgt_asking; /* a study that is being asked (src/lens/study) */
 
-/* Plain data of the library.  What is added later stands behind; so columns and settings
- * are had by sgt_analysis_column and sgt_analysis_setting, which know how long a row of
- * these tables is. */
+/* Plain data of the library. */
 typedef struct sgt_analysis {
     const char  *name, *title, *help;
     bool         primary_alone;  /* by default at the primary wavelength */
@@ -175,6 +175,7 @@ typedef struct sgt_analysis {
     size_t       options_size, settings;
     const sgt_setting *setting;
     bool       (*ask)(sgt_asking *of);
+    unsigned long long reserved_[4];
 } sgt_analysis;
 
 /* The analyses, one after another; NULL: there are no more. */
@@ -205,7 +206,7 @@ typedef struct sgt_fates {
     double within;               /* none of these is so near, in radii of the pupil */
     size_t folded;               /* on a fold of the pupil */
     size_t proven;               /* passed, and proven at each surface */
-    size_t reserved[4];
+    unsigned long long reserved_[4];
 } sgt_fates;
 
 /* A ray that was lost, and how to ask for it again. */
@@ -217,13 +218,14 @@ typedef struct sgt_lost_ray {
     double         px, py;
     double         defocus;
     bool           open;
+    unsigned long long reserved_[2];
 } sgt_lost_ray;
 
 /* All rays of a run. */
 typedef struct sgt_study_total {
     sgt_fates    fates;
     sgt_lost_ray lost;           /* the first, if fates.lost is not 0 */
-    void        *reserved[4];
+    unsigned long long reserved_[4];
 } sgt_study_total;
 
 typedef enum sgt_remark_of_study {
@@ -241,15 +243,15 @@ typedef struct sgt_sink {
      * 0 among those of the study, `surface` among the image surfaces */
     void (*ends)(void *context, size_t field, size_t surface, size_t wavelength,
                  size_t count, const sgt_ray_end end[]);
-    void  *reserved[4];
+    unsigned long long reserved_[4];
 } sgt_sink;
 
 /* Asks.  options: those of the analysis, or NULL.  false: `error` (may be NULL) says why;
  * rows may have come.  A wrong setting is told with its name as the key, and line 0.
- * What is reserved in options and sink must be NULL. */
+ * reserved_ of options and sink must be zero. */
 SGT_API bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis,
                            const void *options, const sgt_sink *sink,
-                           sgt_study_total *total, sgt_lens_error *error);
+                           sgt_study_total *total, sgt_error *error);
 
 /* How many decimal digits of a value are certain, if it is off by no more than error: 0
  * to 16. */
@@ -273,6 +275,7 @@ typedef struct sgt_ends_row {
     int    fate;
     size_t element;              /* where it ended, from 1; 0: it was not traced */
     sgt_ray_end end;
+    unsigned long long reserved_[2];
 } sgt_ends_row;
 
 /* "spot": a row for each wavelength, then one for all. */
@@ -280,7 +283,7 @@ typedef struct sgt_spot_options {
     int      reference;          /* 0 chief: the chief ray of the primary wavelength; 1
                                     centroid: the mean of the rays of the row */
     sgt_list defocus;            /* moves the image surface along its own z */
-    void    *reserved[4];
+    unsigned long long reserved_[4];
 } sgt_spot_options;
 
 typedef struct sgt_spot_row {
@@ -294,6 +297,7 @@ typedef struct sgt_spot_row {
     sgt_fate_counts fates;
     double defocus;
     double xy_err, rms_err;      /* bounds on the error of x and y, and of rms */
+    unsigned long long reserved_[2];
 } sgt_spot_row;
 
 /* "fan": transverse errors from the chief ray of the primary wavelength. */
@@ -302,6 +306,7 @@ typedef struct sgt_fan_row {
     double wavelength, px, py;
     int    fate;
     double ex, ey, e_err;
+    unsigned long long reserved_[2];
 } sgt_fan_row;
 
 /* "opd", "wavefront" (the same, summed up), "zernike" (fitted by polynomials): paths in
@@ -310,7 +315,7 @@ typedef struct sgt_opd_options {
     bool   afocal;               /* against a plane; the default if the lens is afocal */
     size_t terms;                /* zernike: how many; 0: 37 */
     int    order;                /* zernike: 0 Noll, 1 fringe */
-    void  *reserved[4];
+    unsigned long long reserved_[4];
 } sgt_opd_options;
 
 typedef struct sgt_opd_row {
@@ -318,6 +323,7 @@ typedef struct sgt_opd_row {
     double wavelength, px, py;
     int    fate;
     double opd, opd_err;
+    unsigned long long reserved_[2];
 } sgt_opd_row;
 
 typedef struct sgt_wavefront_row {
@@ -328,6 +334,7 @@ typedef struct sgt_wavefront_row {
     size_t rays, passed;
     sgt_fate_counts fates;
     double rms_err;
+    unsigned long long reserved_[2];
 } sgt_wavefront_row;
 
 typedef struct sgt_zernike_row {
@@ -336,6 +343,7 @@ typedef struct sgt_zernike_row {
     size_t term, n;
     double m;                    /* a whole number; negative: a sine */
     double coefficient, residual;
+    unsigned long long reserved_[2];
 } sgt_zernike_row;
 
 /* "field": curvature and distortion along the chief rays. */
@@ -343,7 +351,7 @@ typedef struct sgt_field_options {
     int    distortion;           /* an sgt_distortion */
     size_t steps;                /* fields from the axis to the farthest; 0: those of the
                                     study */
-    void  *reserved[4];
+    unsigned long long reserved_[4];
 } sgt_field_options;
 
 typedef struct sgt_field_row {
@@ -354,13 +362,14 @@ typedef struct sgt_field_row {
     int    fate;
     double x, y, xy_err, ideal;
     size_t digits, lacks;        /* as in sgt_field_point */
+    unsigned long long reserved_[2];
 } sgt_field_row;
 
 /* "map": what becomes of rays over the pupil, or of one ray over a square of fields. */
 typedef struct sgt_map_options {
     int    over;                 /* 0 the pupil of each field; 1 the field */
     size_t steps;                /* steps x steps fields; 0: 21 */
-    void  *reserved[4];
+    unsigned long long reserved_[4];
 } sgt_map_options;
 
 typedef struct sgt_map_row {
@@ -370,13 +379,14 @@ typedef struct sgt_map_row {
     size_t element;              /* where it ended, from 1; 0: it was not traced */
     size_t evals;
     double t_err, condition;
+    unsigned long long reserved_[2];
 } sgt_map_row;
 
 /* "sweep": how many rays meet which fate, against the field. */
 typedef struct sgt_sweep_options {
     sgt_list from, to;           /* none: from the axis to twice the farthest field */
     size_t   steps;              /* 0: 46 */
-    void    *reserved[4];
+    unsigned long long reserved_[4];
 } sgt_sweep_options;
 
 typedef struct sgt_sweep_row {
@@ -384,6 +394,7 @@ typedef struct sgt_sweep_row {
     size_t rays, passed, missed, clipped, tir, lost, none;
     double evals;
     size_t proven;
+    unsigned long long reserved_[2];
 } sgt_sweep_row;
 
 /* "energy": how much of the light falls within a radius about the centroid or the chief
@@ -393,7 +404,7 @@ typedef struct sgt_energy_options {
     sgt_list radius;             /* in the unit of the image; none: `steps` of them,
                                     to the largest distance in any field */
     size_t   steps;              /* 0: 20 */
-    void    *reserved[4];
+    unsigned long long reserved_[4];
 } sgt_energy_options;
 
 typedef struct sgt_energy_row {
@@ -403,6 +414,7 @@ typedef struct sgt_energy_row {
     double unsure;               /* the share of rays whose distance cannot be told from
                                     the radius: fraction is off by no more */
     double sampling;             /* fraction, less that of half as many rays across */
+    unsigned long long reserved_[2];
 } sgt_energy_row;
 
 /* "illumination": how much of the pupil passes, and what reaches the image of it. */
@@ -420,6 +432,7 @@ typedef struct sgt_illumination_row {
     double sampling;             /* fraction, less that of half as many rays across */
     sgt_fate_counts fates;
     double cos4_err, illumination_err; /* bounds on the error of each */
+    unsigned long long reserved_[2];
 } sgt_illumination_row;
 
 #ifdef __cplusplus

@@ -57,16 +57,16 @@ typedef struct sgt_conic {
  * a[i] is zero, it is solved as the conic it is.  Parameters: c, k, a[0] ... a[7].
  * Example:
  *
- *     sgt_asphere lens = {.c = 1 / 50.0, .k = -0.5, .a = {0, 1e-6, -2e-9}};
- *     sgt_surface s = {&sgt_asphere_ops, &lens};
+ *     sgt_even_asphere lens = {.c = 1 / 50.0, .k = -0.5, .a = {0, 1e-6, -2e-9}};
+ *     sgt_surface s = {&sgt_even_asphere_ops, &lens};
  */
-typedef struct sgt_asphere {
+typedef struct sgt_even_asphere {
     double c, k;           /* of the conic: see sgt_conic */
     double semi_diameter;  /* of the rim, length; 0: none */
     double a[8];           /* coefficients, 1/length^(2i + 1); finite */
-} sgt_asphere;
+} sgt_even_asphere;
 
-extern SGT_API const sgt_surface_ops sgt_conic_ops, sgt_asphere_ops;
+extern SGT_API const sgt_surface_ops sgt_conic_ops, sgt_even_asphere_ops;
 
 /* ------------------------------- sags that are not of revolution, or not even
  *
@@ -226,9 +226,9 @@ extern SGT_API const sgt_surface_ops sgt_odd_asphere_ops, sgt_polynomial_xy_ops,
  * of the first kind: without its c and k).  Example:
  *
  *     const double z[4] = {0, 0, 0, 0.001};
- *     const sgt_asphere asphere = {.a = {0, 1e-6}};
+ *     const sgt_even_asphere asphere = {.a = {0, 1e-6}};
  *     const sgt_zernike figure = {.norm = 10, .order = SGT_NOLL, .a = {z, 1, 4}};
- *     const sgt_surface terms[] = {{&sgt_asphere_ops, &asphere}, {&sgt_zernike_ops,
+ *     const sgt_surface terms[] = {{&sgt_even_asphere_ops, &asphere}, {&sgt_zernike_ops,
  *     &figure}}; sgt_sum lens = {.c = 1 / 50.0, .semi_diameter = 8, .terms = terms,
  *     .count = 2}; sgt_surface s = {&sgt_sum_ops, &lens};
  */
@@ -385,35 +385,38 @@ SGT_API double sgt_mandelbrot_potential(const sgt_mandelbrot *s, sgt_vec3 p,
 /* ---------------------------------------------------------- the same list as data */
 
 /* How a parameter is stored at its offset. */
-typedef enum sgt_kind {
-    SGT_REAL,    /* a double.  count > 1: a list of up to count doubles, the rest zero */
-    SGT_VECTOR,  /* exactly count doubles */
-    SGT_WHOLE,   /* an int */
-    SGT_LIST,    /* an sgt_numbers of one row, of up to count numbers */
-    SGT_TABLE,   /* an sgt_numbers of up to count rows and count columns */
-    SGT_WORD,    /* an int: 1 for the first of `words`, 2 for the second, ...; 0: not
-                    given */
-    SGT_TRUTH,   /* an int: 0 or 1 */
-    SGT_TERMS    /* an sgt_surface pointer, followed by a size_t: up to count surfaces */
-} sgt_kind;
+typedef enum sgt_param_kind {
+    SGT_PARAM_REAL,   /* a double.  count > 1: a list of up to count doubles, the rest
+                         zero */
+    SGT_PARAM_VECTOR, /* exactly count doubles */
+    SGT_PARAM_WHOLE,  /* an int */
+    SGT_PARAM_LIST,   /* an sgt_numbers of one row, of up to count numbers */
+    SGT_PARAM_TABLE,  /* an sgt_numbers of up to count rows and count columns */
+    SGT_PARAM_WORD,   /* an int: 1 for the first of `words`, 2 for the second, ...; 0: not
+                         given */
+    SGT_PARAM_TRUTH,  /* an int: 0 or 1 */
+    SGT_PARAM_TERMS   /* an sgt_surface pointer, followed by a size_t: up to count
+                         surfaces */
+} sgt_param_kind;
 
 /* A unit by its exponents: that of length is length + i by_i + j by_j.  i is the index in
  * a list; in a table i is the row and j the column; else both are 0. */
-typedef struct sgt_unit {
+typedef struct sgt_param_unit {
     int length, by_i, by_j;
     int time;  /* exponent of time; 0 but for a potential (geo.h) */
-} sgt_unit;
+} sgt_param_unit;
 
 /* A parameter of a type.  Two parameters may be two names for one number ("slice" is
  * at[3]): then only one of them can be given. */
 typedef struct sgt_param {
     const char *name;    /* as in a lens file */
-    sgt_unit    unit;
+    sgt_param_unit    unit;
     size_t      offset;  /* in the struct, bytes */
-    int         count;   /* see sgt_kind */
+    int         count;   /* see sgt_param_kind */
     double      lo, hi;  /* the legal values: lo <= x <= hi, all finite */
-    sgt_kind    kind;
-    const char *words;   /* of an SGT_WORD, separated by |; else NULL */
+    sgt_param_kind    kind;
+    const char *words;   /* of an SGT_PARAM_WORD, separated by |; else NULL */
+    unsigned long long reserved_[2];
 } sgt_param;
 
 /* The first parameter that makes a struct SGT_INVALID, and why.  {NULL, NULL}: none. */
@@ -423,12 +426,12 @@ typedef struct sgt_objection {
 
 /* What a type is. */
 typedef enum sgt_family {
-    SGT_OTHER,      /* a user's, or one of another library */
-    SGT_CONIC,      /* a sag that is met in closed form */
-    SGT_ASPHERE,    /* a sag that is met by a polynomial with the roots of F */
-    SGT_DEPARTURE,  /* a sag that is met by its operations */
-    SGT_BODY,       /* about the origin; met by its operations */
-    SGT_LEVEL_SET   /* of an orbit; `estimate` is a bound on it */
+    SGT_FAMILY_OTHER,      /* a user's, or one of another library */
+    SGT_FAMILY_CONIC,      /* a sag that is met in closed form */
+    SGT_FAMILY_ASPHERE,    /* a sag that is met by a polynomial with the roots of F */
+    SGT_FAMILY_DEPARTURE,  /* a sag that is met by its operations */
+    SGT_FAMILY_BODY,       /* about the origin; met by its operations */
+    SGT_FAMILY_LEVEL_SET   /* of an orbit; `estimate` is a bound on it */
 } sgt_family;
 
 /* A type, as a lens file names it.  "plane", "sphere" and "conic" share one struct and
@@ -445,15 +448,18 @@ typedef struct sgt_builtin {
     sgt_family  family;
     const void *specimen;  /* a usual surface of the type, of a few units of length, to
                               test and to try.  NULL: there is none */
+    unsigned long long reserved_[4];
 } sgt_builtin;
 
 /* All types, for a parser, a benchmark, or a test of them all.  Ends with a row of zeros.
  * Example:
  *
  *     int count = 0;
- *     for (const sgt_builtin *b = sgt_builtins; b->type; b++) count++;
- */
-extern SGT_API const sgt_builtin sgt_builtins[];
+ *     for (const sgt_builtin *b = sgt_builtins(); b->type; b++) count++;
+ *
+ * Constant, never NULL, and the same address at each call.  (A function: a program copies
+ * exported data as long as they were when it was linked, and this list grows.) */
+SGT_API const sgt_builtin *sgt_builtins(void);
 
 #ifdef __cplusplus
 }

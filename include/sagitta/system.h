@@ -177,13 +177,13 @@ typedef struct sgt_element {
     const sgt_phase *phase;       /* NULL: it refracts or reflects.  Else what it does to
                                      light.  It may serve many elements */
 
-    /* For later versions, that may give them a meaning.  Leave them zero.  If one is not,
-     * a ray that comes to this element is SGT_LOST with hit.status SGT_INVALID. */
-    unsigned long long reserved_[6];
+    unsigned long long reserved_[6]; /* leave it zero: else a ray that comes here is
+                                        SGT_LOST with hit.status SGT_INVALID */
 } sgt_element;
 
-/* What became of a ray at an element.  Negative is undecided, as everywhere. */
-typedef enum sgt_fate {
+/* What became of a ray at an element.  Negative is undecided, as everywhere.  One byte,
+ * alone and in arrays. */
+typedef enum SGT_ONE_BYTE sgt_fate {
     SGT_PASSED  =  1,
     SGT_CLIPPED =  2,  /* met outside the clear aperture and certainly not inside it.  For
                           a user's surface without `enclose`, and without a proof: no root
@@ -221,16 +221,17 @@ typedef struct sgt_passage {
     double   opl;        /* the sum of index * length from the launch to here.  A stretch
                             travelled backwards (t < 0) is negative.  What phases add is
                             in it */
+    unsigned long long reserved_[2];
 } sgt_passage;
 
-/* Traces a ray through e[0] ... e[n-1] in this order.  Returns how many elements it
- * passed: n is all of them.
+/* Traces a ray through the elements e[0], e[1] ... in this order.  Returns how many it
+ * passed: `elements` is all of them.  (n counts rays, here and everywhere.)
  *
  *     ray           in: the launch ray.  The whole line of it is traced; tmin and tmax
  *                   are not read.  At return: it starts at the last point passed, in the
  *                   global frame, with a direction of unit length
  *     index_before  the refractive index in front of e[0]; 0: 1
- *     passages      NULL, or room for n.  passages[i] says how element i was met, the one
+ *     passages      NULL, or room for all.  passages[i] says how e[i] was met, the one
  *                   that stopped the ray included.  It is stored before a watcher
  *                   (options.watch) is told of an evaluation at the next element
  *     fate          NULL, or what became of the ray at last
@@ -250,11 +251,11 @@ typedef struct sgt_passage {
  * SGT_MIRROR) or not finite; an aperture with an item that is not as its shape needs it
  * (NaN, a negative size, inner > radius, fewer than 3 vertices, an unknown shape); a
  * phase of an unknown kind, or with a length out of range; a member for later versions
- * that is not zero.
+ * that is not zero.  sgt_explain_trace says which.
  *
  * SGT_LOST with SGT_UNDEFINED: no normal at the point, or no direction behind it, as the
  * indices are too unlike; at an ideal lens, a direction along its plane (n = 0). */
-SGT_API size_t sgt_trace(size_t n, const sgt_element e[], double index_before,
+SGT_API size_t sgt_trace(size_t elements, const sgt_element e[], double index_before,
                          sgt_ray *ray, sgt_passage passages[], sgt_fate *fate,
                          const sgt_options *opt);
 
@@ -269,6 +270,7 @@ typedef struct sgt_clipping {
     int    by;     /* the index of the first item that clips, or one of those above */
     double size;   /* what was too large, or too small,                              */
     double limit;  /* and beside what.  Both are 0 if nothing clips, NaN if unsound  */
+    unsigned long long reserved_[2];
 } sgt_clipping;
 
 /* What of an element clips the point p, the hit.p of a passage; only x and y are read.
@@ -294,11 +296,15 @@ SGT_API sgt_clipping sgt_clipped_by(const sgt_element *e, sgt_vec3 p);
 
 /* What became of many rays.  An array that is NULL is not wanted. */
 typedef struct sgt_traced {
-    signed char *fate;    /* an sgt_fate, as sgt_trace tells it */
-    int    *passed;       /* how many elements the ray passed */
-    double *o[3], *d[3];  /* the ray at return, as sgt_trace leaves it.  These may be the
-                             arrays the rays came in.  Give all three of one, or none */
-    double *opl;          /* at the last point passed; 0: there is none; NaN: a bad ray */
+    sgt_fate *fate;         /* as sgt_trace tells it */
+    int      *passed;       /* how many elements the ray passed */
+    double   *o[3], *d[3];  /* the ray at return, as sgt_trace leaves it.  These may be
+                               the arrays the rays came in.  Give all three of one, or
+                               none */
+    double   *opl;          /* at the last point passed; 0: there is none; NaN: a bad
+                               ray */
+    unsigned long long reserved_[2]; /* leave it zero: else every ray is SGT_LOST, with
+                                        hit.status SGT_INVALID */
 } sgt_traced;
 
 /* One element as many rays met it.  An array that is NULL is not wanted.  If a ray did
@@ -306,6 +312,7 @@ typedef struct sgt_traced {
 typedef struct sgt_passages {
     sgt_hits hits;
     double  *direction[3], *opl;
+    unsigned long long reserved_[2]; /* leave it zero, and that of hits: as sgt_traced */
 } sgt_passages;
 
 /* sgt_trace of n rays, each bit for bit the same (a NaN for a NaN).  Returns how many
@@ -318,6 +325,14 @@ SGT_API size_t sgt_trace_batch(size_t elements, const sgt_element e[],
                                double index_before, size_t n, sgt_rays rays,
                                sgt_traced out, const sgt_passages passages[],
                                const sgt_options *opt);
+
+/* Why are rays SGT_LOST with SGT_INVALID?  As sgt_explain_intersect: false, and `error`
+ * names the first argument that makes no sense, an element by its place from 0.  `out`
+ * and `passages` are those of a batch, or NULL. */
+SGT_API bool sgt_explain_trace(size_t elements, const sgt_element e[],
+                               double index_before, const sgt_ray *ray,
+                               const sgt_options *opt, const sgt_traced *out,
+                               const sgt_passages passages[], sgt_error *error);
 
 #ifdef __cplusplus
 }

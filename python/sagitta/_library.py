@@ -15,6 +15,7 @@ Vector = c_double * 3
 Pair = c_double * 2
 Doubles = c_void_p  # the address of an array
 Addresses = c_void_p * 3
+Words = ctypes.c_ulonglong  # of what is reserved for later versions
 NAN = float("nan")
 
 
@@ -51,7 +52,7 @@ class Surface(Structure):
 
 class Hit(Structure):
     _fields_ = [
-        ("status", c_int),
+        ("status", ctypes.c_byte),
         ("evals", c_int),
         ("t", c_double),
         ("t_err", c_double),
@@ -62,6 +63,7 @@ class Hit(Structure):
         ("p", Vector),
         ("n", Vector),
         ("p_err", c_double),
+        ("reserved_", Words * 2),
     ]
 
 
@@ -75,6 +77,7 @@ class Hits(Structure):
         ("p", Addresses),
         ("n", Addresses),
         ("p_err", Doubles),
+        ("reserved_", Words * 2),
     ]
 
 
@@ -88,6 +91,7 @@ class Options(Structure):
         ("proof", c_int),
         ("watch", c_void_p),
         ("watch_data", c_void_p),
+        ("reserved_", Words * 2),
     ]
 
 
@@ -97,7 +101,6 @@ class Step(Structure):
         ("eval", c_int),
         ("move", c_int),
         ("kind", c_int),
-        ("reserved_", c_uint),
         ("t", c_double),
         ("f", c_double),
         ("slope", c_double),
@@ -107,7 +110,7 @@ class Step(Structure):
         ("f_hi", c_double),
         ("slope_lo", c_double),
         ("slope_hi", c_double),
-        ("more_", c_double * 4),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -126,6 +129,7 @@ class Diagnosis(Structure):
         ("march", c_int),
         ("retreat", c_int),
         ("before", c_int),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -137,6 +141,7 @@ class Jacobian(Structure):
         ("t_by_a", c_void_p),
         ("p_by_a", c_void_p * 3),
         ("n_by_a", c_void_p * 3),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -144,20 +149,21 @@ class Numbers(Structure):
     _fields_ = [("x", c_void_p), ("rows", c_size_t), ("columns", c_size_t)]
 
 
-class Unit(Structure):
+class ParamUnit(Structure):
     _fields_ = [("length", c_int), ("by_i", c_int), ("by_j", c_int), ("time", c_int)]
 
 
 class Param(Structure):
     _fields_ = [
         ("name", c_char_p),
-        ("unit", Unit),
+        ("unit", ParamUnit),
         ("offset", c_size_t),
         ("count", c_int),
         ("lo", c_double),
         ("hi", c_double),
         ("kind", c_int),
         ("words", c_char_p),
+        ("reserved_", Words * 2),
     ]
 
 
@@ -175,6 +181,7 @@ class Builtin(Structure):
         ("prepare", ctypes.CFUNCTYPE(None, c_void_p)),
         ("family", c_int),
         ("specimen", c_void_p),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -193,7 +200,7 @@ class Element(Structure):
         ("semi_diameter", c_double),
         ("aperture", c_void_p),
         ("phase", c_void_p),
-        ("reserved_", ctypes.c_ulonglong * 6),
+        ("reserved_", Words * 6),
     ]
 
 
@@ -204,11 +211,12 @@ class Traced(Structure):
         ("o", Addresses),
         ("d", Addresses),
         ("opl", Doubles),
+        ("reserved_", Words * 2),
     ]
 
 
 class Passages(Structure):
-    _fields_ = [("hits", Hits), ("direction", Addresses), ("opl", Doubles)]
+    _fields_ = [("hits", Hits), ("direction", Addresses), ("opl", Doubles), ("reserved_", Words * 2)]
 
 
 class RayChange(Structure):
@@ -225,6 +233,7 @@ class Beam(Structure):
         ("dv", Vector),
         ("u", Pair),
         ("v", Pair),
+        ("reserved_", Words * 2),
     ]
 
 
@@ -237,7 +246,7 @@ class AimOptions(Structure):
         ("max_boxes", c_int),
         ("room", c_size_t),
         ("attempt", c_void_p),
-        ("reserved_", ctypes.c_ulonglong * 4),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -253,19 +262,35 @@ class Aiming(Structure):
         ("attempts", c_size_t),
         ("traces", c_int),
         ("boxes", c_int),
+        ("reserved_", Words * 2),
     ]
 
 
-class LensError(Structure):
-    _fields_ = [("file", c_char * 256), ("line", c_size_t), ("key", c_char * 128), ("words", c_char * 1400)]
+class Error(Structure):
+    _fields_ = [
+        ("file", c_char * 256),
+        ("line", c_size_t),
+        ("column", c_size_t),
+        ("key", c_char * 128),
+        ("words", c_char * 1400),
+        ("reserved_", Words * 4),
+    ]
 
 
 class LensRemark(Structure):
-    _fields_ = [("kind", c_int), ("line", c_size_t), ("key", c_char_p), ("words", c_char_p)]
+    _fields_ = [
+        ("kind", c_int),
+        ("line", c_size_t),
+        ("key", c_char_p),
+        ("words", c_char_p),
+        ("reserved_", Words * 2),
+    ]
 
 
 class LensField(Structure):
-    _fields_ = [(name, c_double) for name in ("x", "y", "weight", "dx", "dy", "cx", "cy", "angle")]
+    _fields_ = [(name, c_double) for name in ("x", "y", "weight", "dx", "dy", "cx", "cy", "angle")] + [
+        ("reserved_", Words * 2)
+    ]
 
 
 class LensSurface(Structure):
@@ -279,6 +304,7 @@ class LensSurface(Structure):
         ("folded", c_bool),
         ("size", c_double),
         ("focal_length", c_double),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -310,6 +336,7 @@ class Lens(Structure):
         ("index_before", c_double),
         ("remarks", c_size_t),
         ("remark", POINTER(LensRemark)),
+        ("reserved_", Words * 8),
     ]
 
 
@@ -324,6 +351,7 @@ class LensOptions(Structure):
         ("forget", c_void_p),
         ("context", c_void_p),
         ("configuration", c_int),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -355,17 +383,27 @@ class FirstOrder(Structure):
             "lagrange",
             "petzval_radius",
         )
-    ] + [("without_vertex", c_size_t), ("angular_magnification", c_double)]
+    ] + [
+        ("without_vertex", c_size_t),
+        ("angular_magnification", c_double),
+        ("without_seidel", c_char_p),
+        ("reserved_", Words * 8),
+    ]
 
 
 class Seidel(Structure):
     _fields_ = [
         (name, c_double) for name in ("spherical", "coma", "astigmatism", "petzval", "distortion")
-    ] + [("chromatic", Pair)]
+    ] + [("chromatic", Pair), ("reserved_", Words * 2)]
 
 
 class LauncherOptions(Structure):
-    _fields_ = [("allocator", c_void_p), ("aim", c_void_p), ("wavelength", c_double)]
+    _fields_ = [
+        ("allocator", c_void_p),
+        ("aim", c_void_p),
+        ("wavelength", c_double),
+        ("reserved_", Words * 4),
+    ]
 
 
 class FieldBeam(Structure):
@@ -381,6 +419,7 @@ class FieldBeam(Structure):
         ("shift", Pair),
         ("scale", Pair),
         ("turn", Pair),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -394,9 +433,10 @@ class Attempt(Structure):
         ("to", Pair),
         ("miss", c_double),
         ("reason", c_int),
-        ("fate", c_int),
+        ("fate", ctypes.c_byte),
         ("element", c_size_t),
         ("traces", c_int),
+        ("reserved_", Words * 2),
     ]
 
 
@@ -408,6 +448,7 @@ class Launched(Structure):
         ("wanted", Pair),
         ("within", c_double),
         ("nearest", Attempt),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -436,7 +477,7 @@ class StudyOptions(Structure):
         ("point", c_void_p),
         ("run", c_void_p),
         ("context", c_void_p),
-        ("reserved", c_void_p * 4),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -453,6 +494,7 @@ class Column(Structure):
         ("offset", c_size_t),
         ("error", c_size_t),
         ("help", c_char_p),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -465,6 +507,7 @@ class Setting(Structure):
         ("least", c_size_t),
         ("most", c_size_t),
         ("help", c_char_p),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -488,6 +531,7 @@ class Analysis(Structure):
         ("settings", c_size_t),
         ("setting", POINTER(Setting)),
         ("ask", c_void_p),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -504,7 +548,7 @@ class Fates(Structure):
         ("within", c_double),
         ("folded", c_size_t),
         ("proven", c_size_t),
-        ("reserved", c_size_t * 4),
+        ("reserved_", Words * 4),
     ]
 
 
@@ -525,10 +569,6 @@ class Answer(Structure):
 
 class Named(Structure):
     _fields_ = [("name", c_char_p), ("value", c_double)]
-
-
-class FormulaError(Structure):
-    _fields_ = [("column", c_size_t), ("text", c_char * 120)]
 
 
 class Formula(Structure):
@@ -606,8 +646,9 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sagitta_nothing": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "sagitta_layouts": (POINTER(Layout), []),
     "sgt_version": (c_char_p, []),
-    "sgt_status_text": (c_char_p, [c_int]),
-    "sgt_fate_text": (c_char_p, [c_int]),
+    "sgt_builtins": (c_void_p, []),
+    "sgt_status_text": (c_char_p, [ctypes.c_byte]),
+    "sgt_fate_text": (c_char_p, [ctypes.c_byte]),
     "sgt_aimed_text": (c_char_p, [c_int]),
     "sgt_move_text": (c_char_p, [c_int]),
     "sgt_verdict_text": (c_char_p, [c_int]),
@@ -616,53 +657,53 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sgt_parameters": (c_size_t, [Surface]),
     "sgt_differentiate_batch": (c_int, [Surface, c_size_t, Rays, Hits, Jacobian]),
     "sgt_trace_parameters": (c_size_t, [c_size_t, c_void_p]),
-    "sgt_lens_read": (POINTER(Lens), [c_char_p, POINTER(LensOptions), POINTER(LensError)]),
+    "sgt_lens_read": (POINTER(Lens), [c_char_p, POINTER(LensOptions), POINTER(Error)]),
     "sgt_lens_read_text": (
         POINTER(Lens),
-        [c_char_p, c_char_p, c_size_t, POINTER(LensOptions), POINTER(LensError)],
+        [c_char_p, c_char_p, c_size_t, POINTER(LensOptions), POINTER(Error)],
     ),
     "sgt_lens_free": (None, [POINTER(Lens)]),
-    "sgt_lens_at": (c_bool, [POINTER(Lens), c_double, c_void_p, POINTER(c_double), POINTER(LensError)]),
+    "sgt_lens_at": (c_bool, [POINTER(Lens), c_double, c_void_p, POINTER(c_double), POINTER(Error)]),
     "sgt_lens_yaml": (c_void_p, [POINTER(Lens), POINTER(c_size_t)]),
     "sgt_lens_first_order": (
         c_bool,
-        [POINTER(Lens), c_double, POINTER(FirstOrder), c_void_p, POINTER(c_char_p), POINTER(LensError)],
+        [POINTER(Lens), c_double, POINTER(FirstOrder), c_void_p, POINTER(Error)],
     ),
     "sgt_pupil_points": (c_size_t, [c_int, c_size_t, ctypes.c_uint64, c_size_t, c_void_p]),
     "sgt_catalogue_new": (c_void_p, [c_void_p]),
     "sgt_catalogue_free": (None, [c_void_p]),
-    "sgt_catalogue_add": (c_bool, [c_void_p, c_char_p, POINTER(LensError)]),
-    "sgt_launcher_new": (c_void_p, [POINTER(Lens), POINTER(LauncherOptions), POINTER(LensError)]),
+    "sgt_catalogue_add": (c_bool, [c_void_p, c_char_p, POINTER(Error)]),
+    "sgt_launcher_new": (c_void_p, [POINTER(Lens), POINTER(LauncherOptions), POINTER(Error)]),
     "sgt_launcher_free": (None, [c_void_p]),
     "sgt_launch_field": (
         c_bool,
-        [c_void_p, c_int, POINTER(LensField), POINTER(FieldBeam), POINTER(LensError)],
+        [c_void_p, c_int, POINTER(LensField), POINTER(FieldBeam), POINTER(Error)],
     ),
     "sgt_launch_rays": (
         c_bool,
-        [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_size_t, c_void_p, c_void_p],
+        [c_void_p, POINTER(FieldBeam), c_void_p, c_double, c_size_t, c_void_p, c_void_p, POINTER(Error)],
     ),
     "sgt_spectral_line": (c_double, [c_char_p]),
     # study.h
     "sgt_analysis_at": (POINTER(Analysis), [c_size_t]),
-    "sgt_study_new": (c_void_p, [POINTER(Lens), POINTER(StudyOptions), POINTER(LensError)]),
+    "sgt_study_new": (c_void_p, [POINTER(Lens), POINTER(StudyOptions), POINTER(Error)]),
     "sgt_study_free": (None, [c_void_p]),
     "sgt_study_column": (c_bool, [c_void_p, POINTER(Analysis), c_void_p, c_size_t, c_char * 32, c_char * 32]),
     "sgt_study_fate_text": (c_char_p, [c_int]),
     "sagitta_ask": (
         c_bool,
-        [c_void_p, POINTER(Analysis), c_void_p, POINTER(Answer), POINTER(LensError)],
+        [c_void_p, POINTER(Analysis), c_void_p, POINTER(Answer), POINTER(Error)],
     ),
     "sagitta_study": (
         c_void_p,
-        [POINTER(Lens), POINTER(StudyOptions), POINTER(Answer), POINTER(LensError)],
+        [POINTER(Lens), POINTER(StudyOptions), POINTER(Answer), POINTER(Error)],
     ),
     "sagitta_forget": (None, [POINTER(Answer)]),
     # formula.h
     "sgt_formula_room": (c_size_t, [c_char_p, c_size_t]),
     "sgt_formula_read": (
         c_void_p,
-        [c_char_p, c_int, c_size_t, c_void_p, c_void_p, c_size_t, POINTER(FormulaError)],
+        [c_char_p, c_int, c_size_t, c_void_p, c_void_p, c_size_t, POINTER(Error)],
     ),
 }
 

@@ -13,8 +13,9 @@ from . import _library as C
 from .surface import ROWS, Catalogue, builtins_at
 
 try:
-    _TABLE: Optional[int] = C.address_of("sgt_geo_builtins")
-except ValueError:
+    C.library.sgt_geo_builtins.restype = ctypes.c_void_p
+    _TABLE: Optional[int] = C.library.sgt_geo_builtins()
+except AttributeError:
     _TABLE = None
 
 available: bool = _TABLE is not None  # was the library built with GeographicLib?
@@ -30,16 +31,17 @@ _told: Any = None  # the words of the last refusal, for the library to copy
 
 def _open(file: Optional[str]) -> int:
     """The address of a geoid."""
-    words = ctypes.create_string_buffer(_ROOM)
     if file is None:
+        words = ctypes.create_string_buffer(_ROOM)
         if not C.library.sgt_geoid_find(words, ctypes.c_size_t(_ROOM)):
             raise ValueError("missing, and the default grid, egm96_15.gtx of proj-data, is not installed")
         file = os.fsdecode(words.value)
     if file not in _opened:
         C.library.sgt_geoid_open.restype = ctypes.c_void_p
-        handle = C.library.sgt_geoid_open(os.fsencode(file), words, ctypes.c_size_t(_ROOM))
+        error = C.Error()
+        handle = C.library.sgt_geoid_open(os.fsencode(file), ctypes.byref(error))
         if not handle:
-            raise ValueError(C.text(words.value))
+            raise ValueError(": ".join(filter(None, (C.text(error.file), C.text(error.words)))))
         _opened[file] = handle
     return _opened[file]
 

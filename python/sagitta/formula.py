@@ -35,7 +35,7 @@ def _read(text: str, kind: int, parameters: dict[str, float]) -> tuple[Any, int]
         named[i].name, named[i].value = names[i], float(number)
     size = C.library.sgt_formula_room(text.encode(), len(names))
     room = ctypes.create_string_buffer(max(size, 8))
-    error = C.FormulaError()
+    error = C.Error()
     tape = C.library.sgt_formula_read(
         text.encode(),
         kind,
@@ -46,7 +46,7 @@ def _read(text: str, kind: int, parameters: dict[str, float]) -> tuple[Any, int]
         ctypes.byref(error),
     )
     if not tape:
-        said = C.text(error.text)
+        said = C.text(error.words)
         if error.column:
             before = text.encode()[: error.column - 1].decode("utf-8", "replace")
             said = f"{said}\n    {text}\n    {' ' * len(before)}^"

@@ -43,7 +43,7 @@ class LensError(ValueError):
         return LensError, (str(self), self.file, self.line, self.key)
 
 
-def _fault(error: C.LensError) -> LensError:
+def _fault(error: C.Error) -> LensError:
     file, key, words = C.text(error.file), C.text(error.key), C.text(error.words)
     where = f"{file}:{error.line}: " if file and error.line else f"{file}: " if file else ""
     words = words.replace("--glass PATH", "glasses=PATH")  # what the command calls it
@@ -72,7 +72,7 @@ def _catalogue(paths: Iterable[Union[str, os.PathLike[str], None]]) -> int:
     if not handle:
         raise MemoryError("sagitta: no memory")
     for path in paths:
-        error = C.LensError()
+        error = C.Error()
         if not C.library.sgt_catalogue_add(
             handle, os.fsencode(path) if path is not None else None, _byref(error)
         ):
@@ -96,7 +96,7 @@ class _Launcher:
     """An sgt_launcher, freed with this object."""
 
     def __init__(self, handle: _Handle, wavelength: float) -> None:
-        self.handle, error = handle, C.LensError()
+        self.handle, error = handle, C.Error()
         option = C.LauncherOptions(wavelength=0 if math.isnan(wavelength) else wavelength)
         self.pointer = C.library.sgt_launcher_new(handle.pointer, _byref(option), _byref(error))
         if not self.pointer:
@@ -430,7 +430,7 @@ class Lens:
         C.check_arithmetic()
         self = cls.__new__(cls)
         option, keep = _reading(glasses, configuration)
-        error = C.LensError()
+        error = C.Error()
         pointer = C.library.sgt_lens_read(os.fsencode(path), _byref(option), _byref(error))
         del keep
         if not pointer:
@@ -538,7 +538,7 @@ class Lens:
         um = self._um(wavelength)
         key = -1.0 if math.isnan(um) else um
         if key not in self._at:
-            row, before, error = (C.Element * len(self))(), ctypes.c_double(), C.LensError()
+            row, before, error = (C.Element * len(self))(), ctypes.c_double(), C.Error()
             if math.isnan(um):
                 ctypes.memmove(row, self._c.element, ctypes.sizeof(row))
                 before.value = self._c.index_before
@@ -758,23 +758,22 @@ class Lens:
         """Paraxial data: efl, bfd, f_number, pupils, magnification ... as attributes."""
         self._only_files("first_order")
         C.check_arithmetic()
-        out, error = C.FirstOrder(), C.LensError()
+        out, error = C.FirstOrder(), C.Error()
         um = self._um(wavelength)
         if not C.library.sgt_lens_first_order(
-            self._handle.pointer, um, _byref(out), None, None, _byref(error)
+            self._handle.pointer, um, _byref(out), None, _byref(error)
         ):
             raise _fault(error)
-        return FirstOrder(*(getattr(out, name) for name, _ in C.FirstOrder._fields_))
+        return FirstOrder(**{of.name: getattr(out, of.name) for of in fields(FirstOrder)})
 
     def seidel(self, wavelength: Wavelength = None) -> Seidel:
         """The Seidel sums, surface by surface."""
         self._only_files("seidel")
         C.check_arithmetic()
-        rows, out, error = (C.Seidel * len(self))(), C.FirstOrder(), C.LensError()
-        why = ctypes.c_char_p()
+        rows, out, error = (C.Seidel * len(self))(), C.FirstOrder(), C.Error()
         um = self._um(wavelength)
         if not C.library.sgt_lens_first_order(
-            self._handle.pointer, um, _byref(out), rows, _byref(why), _byref(error)
+            self._handle.pointer, um, _byref(out), rows, _byref(error)
         ):
             raise _fault(error)
         columns = np.array(
@@ -782,7 +781,7 @@ class Lens:
         ).T
         names = ("spherical", "coma", "astigmatism", "petzval", "distortion", "axial", "lateral")
         sums: dict[str, Any] = dict(zip(names, columns))
-        return Seidel(**sums, why_not=C.text(why.value))
+        return Seidel(**sums, why_not=C.text(out.without_seidel))
 
     @property
     def afocal(self) -> bool:
@@ -820,7 +819,7 @@ class Lens:
         launcher = self._launchers.get(key)
         if launcher is None:
             launcher = self._launchers[key] = _Launcher(self._handle, key)
-        beam, error = C.FieldBeam(), C.LensError()
+        beam, error = C.FieldBeam(), C.Error()
         if not C.library.sgt_launch_field(
             launcher.pointer, self._c.field_kind, _byref(self._field(given)), _byref(beam), _byref(error)
         ):
@@ -858,11 +857,11 @@ class Lens:
         row, before = self._elements(wavelength)
         points = self._points(pattern, rays, seed)
         n = len(points)
-        out = np.zeros(n, _dtype(C.Launched))
+        out, error = np.zeros(n, _dtype(C.Launched)), C.Error()
         if not C.library.sgt_launch_rays(
-            launcher.pointer, _byref(beam), row, before, n, address(points), address(out)
+            launcher.pointer, _byref(beam), row, before, n, address(points), address(out), _byref(error)
         ):
-            raise MemoryError("sagitta: no memory")
+            raise _fault(error)
         x = points.T.copy()
         o, d = out["ray"]["o"].T.copy(), out["ray"]["d"].T.copy()
         o[:, out["status"] != 1] = d[:, out["status"] != 1] = np.nan
@@ -950,7 +949,7 @@ class _Catalogue:
 def _read_text(name: str, text: str, glasses: Any, configuration: int) -> _Handle:
     C.check_arithmetic()
     option, keep = _reading(glasses, configuration)
-    raw, error = text.encode(), C.LensError()
+    raw, error = text.encode(), C.Error()
     pointer = C.library.sgt_lens_read_text(os.fsencode(name), raw, len(raw), _byref(option), _byref(error))
     del keep
     if not pointer:

@@ -56,7 +56,7 @@ class Hit(ctypes.Structure):
     """
 
     _fields_ = [
-        ("status", ctypes.c_int),
+        ("status", ctypes.c_byte),
         ("evals", ctypes.c_int),
         ("t", ctypes.c_double),
         ("t_err", ctypes.c_double),
@@ -67,6 +67,7 @@ class Hit(ctypes.Structure):
         ("_p", C.Vector),
         ("_n", C.Vector),
         ("p_err", ctypes.c_double),
+        ("_reserved", C.Words * 2),
     ]
     status: int
     evals: int
@@ -160,7 +161,7 @@ class Hits(Columns):
 
 HIT_TABLE = np.dtype(
     [
-        ("status", "i4"),
+        ("status", "i1"),
         ("evals", "i4"),
         ("t", "f8"),
         ("t_err", "f8"),
@@ -171,6 +172,7 @@ HIT_TABLE = np.dtype(
         ("p", "f8", (3,)),
         ("n", "f8", (3,)),
         ("p_err", "f8"),
+        ("reserved_", "u8", (2,)),
     ],
     align=True,
 )
@@ -181,7 +183,6 @@ STEP_TABLE = np.dtype(
         ("eval", "i4"),
         ("move", "i4"),
         ("kind", "i4"),
-        ("reserved_", "u4"),
         ("t", "f8"),
         ("f", "f8"),
         ("slope", "f8"),
@@ -191,7 +192,7 @@ STEP_TABLE = np.dtype(
         ("f_hi", "f8"),
         ("slope_lo", "f8"),
         ("slope_hi", "f8"),
-        ("more_", "f8", (4,)),
+        ("reserved_", "u8", (4,)),
     ],
     align=True,
 )

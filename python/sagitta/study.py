@@ -145,7 +145,7 @@ class _Handle:
     """An sgt_study, and what it points to."""
 
     def __init__(self, lens: "Lens", option: C.StudyOptions, answer: C.Answer, keep: Any) -> None:
-        self.keep, error = (lens, option, keep), C.LensError()
+        self.keep, error = (lens, option, keep), C.Error()
         self.pointer = C.library.sagitta_study(
             lens._handle.pointer, ctypes.byref(option), ctypes.byref(answer), ctypes.byref(error)
         )
@@ -314,7 +314,7 @@ def _ask(
     answer = C.Answer(threads=threads)
     study = _Handle(lens, option, answer, keep)
     dtype, units = _table_of(study, analysis, room)
-    error = C.LensError()
+    error = C.Error()
     try:
         fine = C.library.sagitta_ask(study.pointer, analysis, room, ctypes.byref(answer), ctypes.byref(error))
         if answer.no_memory:

@@ -365,12 +365,13 @@ class Surface:
                 "tmin above tmax"
             )
         kept = np.arange(cap) < count[:, None]
+        names = [name for name in HIT_TABLE.names or () if name != "reserved_"]
         table = np.empty(
             int(count.sum()),
-            [("ray", np.dtype("i8")), *((name, HIT_TABLE[name]) for name in HIT_TABLE.names or ())],
+            [("ray", np.dtype("i8")), *((name, HIT_TABLE[name]) for name in names)],
         )
         table["ray"] = np.repeat(np.arange(rays.n), count)
-        for name in HIT_TABLE.names or ():
+        for name in names:
             table[name] = hits[name][kept]
         return AllHits(count, table)
 
@@ -499,6 +500,7 @@ class Surface:
         table = np.empty((rays.n, 8))
         for i, x in enumerate((*rays.o, *rays.d, *rays.keep)):
             table[:, i] = x
+        table[table[:, 7] == 0, 7] = -0.0  # an end that is given, as sgt_ray_between has it
         where = np.full(3, np.nan)
         call = self._call(C.CHECK, rays, None)
         call.ray, call.where = address(table), address(where)
@@ -520,7 +522,7 @@ class Surface:
 
 
 def builtins_at(at: int) -> Iterator[C.Builtin]:
-    """The rows of a table like sgt_builtins."""
+    """The rows of a table like that of sgt_builtins()."""
     while True:
         row = C.Builtin.from_address(at)
         if not row.type:
@@ -529,7 +531,7 @@ def builtins_at(at: int) -> Iterator[C.Builtin]:
         at += ctypes.sizeof(C.Builtin)
 
 
-BUILTINS: dict[str, C.Builtin] = {row.type.decode(): row for row in builtins_at(C.address_of("sgt_builtins"))}
+BUILTINS: dict[str, C.Builtin] = {row.type.decode(): row for row in builtins_at(C.library.sgt_builtins())}
 ROWS: dict[str, C.Builtin] = dict(BUILTINS)  # and those about the Earth (earth.py)
 
 

@@ -56,9 +56,9 @@ def test_enumerations(tree):
     text = "".join(path.read_text() for path in sorted((tree / "include" / "sagitta").glob("*.h")))
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     for name in ("Status", "Fate", "Aimed", "Fault", "Verdict"):
-        (body,) = re.findall(rf"typedef enum sgt_{name.lower()} \{{(.*?)\}}", text, re.DOTALL)
+        (body,) = re.findall(rf"typedef enum (?:SGT_ONE_BYTE )?sgt_{name.lower()} \{{(.*?)\}}", text, re.DOTALL)
         found, number = {}, -1
         for word, given in re.findall(r"SGT_(\w+)\s*(?:=\s*(-?\d+))?", body):
             number = int(given) if given else number + 1
-            found[word.removeprefix("AIM_")] = number
+            found[word.removeprefix("AIMED_")] = number
         assert found == {member.name: member.value for member in getattr(sagitta, name)}

@@ -571,7 +571,7 @@ static bool check_ray(check *c)
     sgt_span s = {.lo = -HUGE_VAL, .hi = HUGE_VAL};
     if (c->s.ops->span) s = c->s.ops->span(c->s.self, r);
     if (isnan(s.lo) || isnan(s.hi)) return fail(c, SGT_WRONG_SPAN, r->o);
-    double lo = r->tmin, hi = r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax;
+    double lo = r->tmin, hi = explicit_end(r);
     bool by = s.lo > s.hi; /* the ray misses: all of it is outside */
     if (!(lo > -HUGE_VAL)) lo = !by && isfinite(s.lo) && s.lo < hi ? s.lo : minimum_number(0, hi) - CUT;
     if (!(hi < HUGE_VAL)) hi = !by && isfinite(s.hi) && s.hi > lo ? s.hi : maximum_number(0, lo) + CUT;
@@ -580,7 +580,7 @@ static bool check_ray(check *c)
     c->first = (sgt_span){.single = false}, c->from = lo;
     if (c->s.ops->first) {
         sgt_ray own = *r;
-        if (own.tmax == 0 && own.tmin >= 0) own.tmax = HUGE_VAL;
+        own.tmax = explicit_end(r);
         c->first = c->s.ops->first(c->s.self, &own), c->from = own.tmin;
     }
     if (c->s.ops->values && !check_values(c, lo, hi)) return false;
@@ -600,7 +600,7 @@ static bool check_ray(check *c)
 /* The square of the rim of a built-in surface; infinite without one. */
 static double rim2_of_builtin(sgt_surface s)
 {
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (row->ops != s.ops) continue;
         for (const sgt_param *p = row->params; p->name; p++) {
             const char *a = p->name, *b = "semi_diameter";
@@ -618,7 +618,7 @@ static bool is_usable(const sgt_ray *r)
     double big = check_greatest(r->d);
     return isfinite(r->o.x) && isfinite(r->o.y) && isfinite(r->o.z) && isfinite(r->d.x) && isfinite(r->d.y) &&
            isfinite(r->d.z) && big >= DBL_MIN && r->tmin < HUGE_VAL &&
-           (r->tmax >= r->tmin || (r->tmax == 0 && r->tmin >= 0));
+           explicit_end(r) >= r->tmin;
 }
 
 /* Tries RAYS_AT_ONCE rays at a time, the last few with the rest of the arrays empty. */
@@ -630,7 +630,7 @@ static void check_all_spans(check *c, size_t n, const sgt_ray rays[], bool first
         if (!is_usable(&rays[i])) continue;
         o[0][k] = rays[i].o.x, o[1][k] = rays[i].o.y, o[2][k] = rays[i].o.z;
         d[0][k] = rays[i].d.x, d[1][k] = rays[i].d.y, d[2][k] = rays[i].d.z;
-        tmin[k] = rays[i].tmin, tmax[k] = rays[i].tmax == 0 && rays[i].tmin >= 0 ? HUGE_VAL : rays[i].tmax;
+        tmin[k] = rays[i].tmin, tmax[k] = explicit_end(&rays[i]);
         if (++k < RAYS_AT_ONCE) continue;
         if (!check_spans(c, k, o, d, firsts ? tmin : NULL, firsts ? tmax : NULL)) return;
         k = 0;

@@ -1,4 +1,4 @@
-/* builtins.c - the built-in surfaces as data: sgt_builtins, made of the rows of types.def. */
+/* builtins.c - the built-in surfaces as data: sgt_builtins(), made of the rows of types.def. */
 #include "dispatch.h"
 
 #include <sagitta/surfaces.h>
@@ -7,31 +7,35 @@
 #include <math.h>
 
 #define ANY_REAL -DBL_MAX, DBL_MAX
+#define ROW(...) ROW_OF(__VA_ARGS__) /* ANY_REAL is two arguments */
+#define ROW_OF(key, at_0, by_i, by_j, at, most, least, greatest, of_kind, of_words) \
+    {.name = key, .unit = {at_0, by_i, by_j, 0}, .offset = at, .count = most, .lo = least, .hi = greatest, \
+     .kind = of_kind, .words = of_words}
 #define NUMBERS(kind, type, key, of, most, at_0, by_i, by_j) \
-    {key, {at_0, by_i, by_j, 0}, offsetof(type, of), most, ANY_REAL, kind, NULL}
-#define REAL(type, key, of, length) NUMBERS(SGT_REAL, type, key, of, 1, length, 0, 0)
-#define REALS(...) NUMBERS(SGT_REAL, __VA_ARGS__)
-#define LIST(...) NUMBERS(SGT_LIST, __VA_ARGS__)
-#define TABLE(...) NUMBERS(SGT_TABLE, __VA_ARGS__)
-#define TERMS(type, key, of, most) NUMBERS(SGT_TERMS, type, key, of, most, 0, 0, 0)
+    ROW(key, at_0, by_i, by_j, offsetof(type, of), most, ANY_REAL, kind, NULL)
+#define REAL(type, key, of, length) NUMBERS(SGT_PARAM_REAL, type, key, of, 1, length, 0, 0)
+#define REALS(...) NUMBERS(SGT_PARAM_REAL, __VA_ARGS__)
+#define LIST(...) NUMBERS(SGT_PARAM_LIST, __VA_ARGS__)
+#define TABLE(...) NUMBERS(SGT_PARAM_TABLE, __VA_ARGS__)
+#define TERMS(type, key, of, most) NUMBERS(SGT_PARAM_TERMS, type, key, of, most, 0, 0, 0)
 #define VECTOR(type, key, of, count, limit, length) \
-    {key, {length, 0, 0, 0}, offsetof(type, of), count, -limit, limit, SGT_VECTOR, NULL}
+    ROW(key, length, 0, 0, offsetof(type, of), count, -limit, limit, SGT_PARAM_VECTOR, NULL)
 #define RANGE(kind, type, key, of, lo, hi, words) \
-    {key, {0, 0, 0, 0}, offsetof(type, of), 1, lo, hi, kind, words}
+    ROW(key, 0, 0, 0, offsetof(type, of), 1, lo, hi, kind, words)
 
 #define CURVATURE(type) REAL(type, "curvature", c, -1)
 #define RIM(type) \
-    {"semi_diameter", {1, 0, 0, 0}, offsetof(type, semi_diameter), 1, 0, DBL_MAX, SGT_REAL, NULL}
+    ROW("semi_diameter", 1, 0, 0, offsetof(type, semi_diameter), 1, 0, DBL_MAX, SGT_PARAM_REAL, NULL)
 #define BASE(type) CURVATURE(type), REAL(type, "conic", k, 0), RIM(type)
 #define SLICE(type)                                                  \
     VECTOR(type, "at", at, 4, 1e6, 0),                               \
-        RANGE(SGT_REAL, type, "slice", at[3], -1e6, 1e6, NULL),      \
+        RANGE(SGT_PARAM_REAL, type, "slice", at[3], -1e6, 1e6, NULL),      \
         VECTOR(type, "ex", ex, 4, 1e100, -1),                        \
         VECTOR(type, "ey", ey, 4, 1e100, -1),                        \
         VECTOR(type, "ez", ez, 4, 1e100, -1),                        \
-        RANGE(SGT_REAL, type, "escape", escape, 1, 1e6, NULL),       \
-        RANGE(SGT_WHOLE, type, "iterations", iterations, 1, 100, NULL), \
-        RANGE(SGT_WHOLE, type, "power", power, 2, 8, NULL)
+        RANGE(SGT_PARAM_REAL, type, "escape", escape, 1, 1e6, NULL),       \
+        RANGE(SGT_PARAM_WHOLE, type, "iterations", iterations, 1, 100, NULL), \
+        RANGE(SGT_PARAM_WHOLE, type, "power", power, 2, 8, NULL)
 
 /* Numbers that a specimen points to, row by row. */
 #define ROWS(rows, columns, ...) {(const double[]){__VA_ARGS__}, rows, columns}
@@ -63,12 +67,14 @@ sgt_objection sgt_cylinder_object(const void *self)
 #define OBJECT_QUADRIC(type) sgt_##type##_object
 #define OBJECT_BODY(type) sgt_##type##_object
 #define OBJECT_LEVEL_SET(type) sgt_##type##_object
-#define SGT_QUADRIC SGT_BODY
+#define SGT_FAMILY_QUADRIC SGT_FAMILY_BODY
 #define TYPE(KIND, type, NAME, file, formula, where, specimen, params, prepare)                    \
-    {#type,   &sgt_##NAME##_ops, sizeof(sgt_##NAME), type##_params, OBJECT_##KIND(type), prepare, \
-     SGT_##KIND, &type##_specimen},
+    {#type, &sgt_##NAME##_ops, sizeof(sgt_##NAME), type##_params, OBJECT_##KIND(type), prepare,    \
+     SGT_FAMILY_##KIND, &type##_specimen, {0}},
 
-const sgt_builtin sgt_builtins[] = {
+static const sgt_builtin builtins[] = {
 #include "../types.def"
     {0},
 };
+
+const sgt_builtin *sgt_builtins(void) { return builtins; }

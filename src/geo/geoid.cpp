@@ -150,9 +150,15 @@ void bound(sgt_geoid &g)
 
 // --------------------------------------------------------------------- the file
 
-void say(char *error, size_t size, const std::string &what)
+// Of a path that is too long the end is kept.
+void say(sgt_error *error, const std::string &path, const std::string &what)
 {
-    if (error && size) std::snprintf(error, size, "%s", what.c_str());
+    if (!error) return;
+    *error = {};
+    const size_t most = sizeof error->file - 1;
+    std::snprintf(error->file, sizeof error->file, "%s",
+                  path.c_str() + (path.size() > most ? path.size() - most : 0));
+    std::snprintf(error->words, sizeof error->words, "%s", what.c_str());
 }
 
 uint64_t whole(const unsigned char *bytes, int n) // big-endian
@@ -304,7 +310,7 @@ struct above {
     {
         chord c = across(ray);
         if (!c.known || c.by) return span_of(c);
-        double tmax = ray.tmax == 0 && ray.tmin >= 0 ? infinity : ray.tmax, along = length(ray.d);
+        double tmax = ray.tmax, along = length(ray.d);
         double margin = 1e-3 / along + 0x1p-46 * std::fabs(c.lo),
                steep = 1.1 * geoid->steepest * along * e.least /
                        (e.least + std::fmin(h + geoid->low, 0) - 100);
@@ -389,15 +395,15 @@ sgt_objection object_to_geoid_height(const void *self)
 
 const sgt_surface_ops sgt_geoid_height_ops = geo::operations<geo::above>::named("geoid");
 
-sgt_geoid *sgt_geoid_open(const char *path, char *error, size_t size)
+sgt_geoid *sgt_geoid_open(const char *path, sgt_error *error)
 {
     try {
         auto geoid = std::make_unique<sgt_geoid>();
         std::string wrong = geo::read(path, *geoid);
         if (wrong.empty()) return geoid.release();
-        geo::say(error, size, std::string(path) + ": " + wrong);
+        geo::say(error, path, wrong);
     } catch (const std::bad_alloc &) {
-        geo::say(error, size, "not enough memory for a geoid");
+        geo::say(error, "", "not enough memory for a geoid");
     }
     return nullptr;
 }

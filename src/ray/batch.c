@@ -25,7 +25,7 @@
 /* How many statuses are positive, eight at a time.  A status is below 127, so adding 127 to a byte sets
  * its sign bit if the status is positive.  A negative status has its sign bit set already; that bit is
  * masked out. */
-static size_t positives(const signed char status[], size_t n)
+static size_t positives(const sgt_status status[], size_t n)
 {
     const unsigned long long low = 0x7f7f7f7f7f7f7f7f, ones = 0x0101010101010101;
     size_t sum = 0, i = 0;
@@ -164,10 +164,9 @@ static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sg
     return met;
 }
 
-/* tmax = 0 with tmin >= 0 stands for infinity. */
-static void explicit_ends(size_t n, const double tmin[], const double given[], double tmax[])
+static void given_ends(size_t n, const double given[], double tmax[])
 {
-    for (size_t i = 0; i < n; i++) tmax[i] = given[i] == 0 && tmin[i] >= 0 ? HUGE_VAL : given[i];
+    for (size_t i = 0; i < n; i++) tmax[i] = given_end(given[i]);
 }
 
 size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt)
@@ -175,8 +174,9 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     static const sgt_options none = {0};
     s = in_set(s);
     if (!opt) opt = &none;
+    if (!ROOM_IS_ZERO(&hits)) opt = &sgt_options_invalid;
     if (opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
-    signed char status[SGT_MOST_TILE];
+    sgt_status status[SGT_MOST_TILE];
     double tmin[SGT_MOST_TILE], tmax[SGT_MOST_TILE], t_tol[SGT_MOST_TILE];
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
     if (s.ops && s.ops->value && !answers_itself(s.ops) && sgt_cells_offered(s, opt))
@@ -188,7 +188,7 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
         sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),
                          .rays = rays_from(&rays, i), .memo = &known};
         tile.rays.tmin = rays.tmin ? rays.tmin + i : tmin, tile.rays.tmax = tmax;
-        if (rays.tmax) explicit_ends(tile.n, tile.rays.tmin, rays.tmax + i, tmax);
+        if (rays.tmax) given_ends(tile.n, rays.tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;
         met += tile_met(s, &tile, opt);
     }

@@ -112,7 +112,7 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
     if (hit->status == SGT_STOPPED) return true;
     double r2 = hit->p.x * hit->p.x + hit->p.y * hit->p.y;
     if (hit->status != SGT_HIT || r2 > rim2) return false;
-    signed char status = SGT_HIT;
+    sgt_status status = SGT_HIT;
     bool proven;
     sgt_tile one = {.n = 1, .rays = rays_of(ray),
                     .hits = {.status = &status, .evals = &hit->evals, .t = &hit->t, .t_err = &hit->t_err,

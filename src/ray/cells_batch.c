@@ -207,9 +207,9 @@ static bool fill_slot(cell_search *j, size_t k)
         while (q->next == q->count)
             if (!refill(j)) return false;
         size_t at = q->next++, i = q->from + at;
-        if (q->state[at] == SGT_MISS)
+        if (q->state[at] == (double)SGT_MISS)
             give(j, i, SGT_MISS, 0);
-        else if (q->state[at] == SGT_HARD)
+        else if (q->state[at] == (double)SGT_HARD)
             leave_hard(j, i, 0);
         else if (q->state[at] != READY)
             give(j, i, (sgt_status)SGT_SINGLE, 0), j->hard++;
@@ -616,7 +616,7 @@ size_t sgt_cells_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *op
 
 bool sgt_cells_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
 {
-    signed char status = SGT_HARD;
+    sgt_status status = SGT_HARD;
     int evals = 0;
     sgt_hit a = {.status = SGT_HARD};
     sgt_tile tile = {.n = 1,

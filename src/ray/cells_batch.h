@@ -10,7 +10,7 @@ bool sgt_cells_offered(sgt_surface s, const sgt_options *opt);
 /* Answers a tile of rays as sgt_builtin_ops.lanes of builtin.h does, or a part of them: the others are
  * SGT_HARD, or SGT_SINGLE if the span is single and no proof is asked for.  Returns how many are neither
  * met nor missed. */
-enum { SGT_SINGLE = SGT_HARD - 1 };
+#define SGT_SINGLE ((sgt_status)(SGT_HARD - 1))
 size_t sgt_cells_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt);
 
 /* The same for one ray.  true: *hit is the answer, or STOPPED.  false: the ray is left to others, and

@@ -11,14 +11,11 @@
  * tests all of them. */
 SGT_INLINE double not_finite(sgt_vec3 v) { return (v.x - v.x) + (v.y - v.y) + (v.z - v.z); }
 
-/* Is the ray valid, as sgt_ray and SGT_INVALID of sagitta.h say?  Also makes tmax explicit: tmax = 0 with
- * tmin >= 0 becomes infinity. */
-SGT_INLINE bool ray_valid(sgt_ray *ray)
+/* Is the ray valid, as sgt_ray and SGT_INVALID of sagitta.h say?  Its ends are explicit (explicit_end). */
+SGT_INLINE bool ray_valid(const sgt_ray *ray)
 {
     double big = larger(fabs(ray->d.x), larger(fabs(ray->d.y), fabs(ray->d.z)));
-    bool endless = (ray->tmax == 0) & (ray->tmin >= 0),
-         ends = endless | ((ray->tmin <= ray->tmax) & (ray->tmax > -HUGE_VAL));
-    ray->tmax = endless ? HUGE_VAL : ray->tmax;
+    bool ends = (ray->tmin <= ray->tmax) & (ray->tmax > -HUGE_VAL);
     return (not_finite(ray->o) + not_finite(ray->d) == 0) & (big >= DBL_MIN) & ends & (ray->tmin < HUGE_VAL);
 }
 
@@ -35,7 +32,7 @@ SGT_INLINE bool parameters_valid(sgt_surface s)
     return is_catalogue(s.ops) ? !s.ops->own_->object(s.self).reason : is_whole(s.ops);
 }
 
-/* sgt_intersect, with the ray by address: its tmax is made explicit (ray_valid).  In intersect.c. */
+/* sgt_intersect, with the ray by address: its tmax is made explicit (explicit_end).  In intersect.c. */
 sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt);
 
 /* As sgt_intersect_general and sgt_intersect_all_general of answer.h, without a proof: options.proof is not

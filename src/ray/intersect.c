@@ -5,11 +5,12 @@
 #include "answer.h"
 #include "unique.h"
 
-/* Are the arguments valid?  Also sets *opt to the defaults if it is NULL, and makes the ray's tmax
- * explicit. */
+/* Are the arguments valid?  Also makes the ray's tmax explicit, and sets *opt to the defaults if it is
+ * NULL. */
 static bool valid(sgt_surface s, sgt_ray *ray, const sgt_options **opt)
 {
     static const sgt_options none = {0};
+    ray->tmax = explicit_end(ray);
     bool good = s.ops && s.ops->value && ray_valid(ray) && sgt_options_valid(*opt) && parameters_valid(s);
     if (!*opt) *opt = &none;
     return good;

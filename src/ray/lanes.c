@@ -853,7 +853,7 @@ SGT_NOINLINE static void take_doubted(lanes_job *w, const sgt_tile *tile, size_t
         double tau = a->tau[i], g = a->f[i], lo = a->lo[i], hi = a->hi[i];
         around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
         a->state[i] = SGT_HARD;
-        for (int j = 0; j < SHARPER && a->state[i] == SGT_HARD && a->evals[i] + j <= w->budget; j++) {
+        for (int j = 0; j < SHARPER && a->state[i] == (double)SGT_HARD && a->evals[i] + j <= w->budget; j++) {
             if (j) {
                 q = moved_onto(&q, o, tau - g / at.slope, &lo, &hi);
                 tau = 0, p = (sgt_vec3){q.x + tau * q.l, q.y + tau * q.m, q.z + tau * q.n};
@@ -908,7 +908,7 @@ static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], s
 }
 
 SGT_KERNEL
-static void lanes_narrow(const lanes *a, size_t n, signed char *status, int *evals)
+static void lanes_narrow(const lanes *a, size_t n, sgt_status *status, int *evals)
 {
     int state[LANE_COUNT];
 #pragma omp simd
@@ -958,8 +958,7 @@ static size_t lanes_run(lanes_job *w, const sgt_tile *tile, size_t from, size_t 
     return write(w, n, hits, &tile->hits, from);
 }
 
-/* Makes tmax explicit, and sets the state to 1 if the ray is valid, else to 0.  Returns how many are
- * valid. */
+/* Sets the state to 1 if the ray is valid, else to 0.  Returns how many are valid. */
 SGT_KERNEL
 static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 {

@@ -19,6 +19,7 @@
  * -n / s, beside the error of the sum of products s: 3 u (|nx dx| + |ny dy| + |nz dz|) / |s|. */
 #include "../surface/builtin.h"
 #include "../num/lanes.h"
+#include "../num/room.h"
 
 #include <sagitta/sensitivity.h>
 
@@ -46,7 +47,7 @@ static const int ENTRY[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 /* 1 where the status is positive, else 0.  Two loops, by way of int: bytes and doubles in one loop make
  * long code. */
 SGT_KERNEL
-static void positive(size_t n, const signed char *status, double *out)
+static void positive(size_t n, const sgt_status *status, double *out)
 {
     int wide[BLOCK];
     LANES for (size_t i = 0; i < n; i++) wide[i] = status[i] > 0;
@@ -198,7 +199,7 @@ int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit, sgt
     sensitivity_block b;
     double d[3] = {ray->d.x, ray->d.y, ray->d.z}, p[3] = {hit->p.x, hit->p.y, hit->p.z},
            n[3] = {hit->n.x, hit->n.y, hit->n.z};
-    signed char status = hit->status > 0;
+    sgt_status status = hit->status > 0;
     sgt_hits hits = {.status = &status, .p = {p, p + 1, p + 2}, .n = {n, n + 1, n + 2}};
     sensitivity_begin(&b, s, 1, (const double *const[3]){d, d + 1, d + 2}, &hits, NULL, 0);
     sensitivity_second(&b);
@@ -264,7 +265,8 @@ int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hit
         }
     }
     return lacks((turns || (turn_lists && has_parameters(s))) && !(s.ops && s.ops->second),
-                 lists && !has_parameters(s));
+                 lists && !has_parameters(s)) |
+           (ROOM_IS_ZERO(&out) ? 0 : SGT_LACKS_MEMBER);
 }
 
 /* The shift do + t dd, in three rows. */

@@ -77,12 +77,14 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
     return true;
 }
 
+/* (The initialisers name every member: for one that does not, gcc first clears the whole struct.) */
 SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
 {
     return (sgt_hit){.status = status, .evals = evals, .t = (double)NAN, .t_err = (double)NAN,
                      .t_lo = (double)NAN, .lo = ray->tmin, .hi = ray->tmax, .f = (double)NAN,
                      .p = {(double)NAN, (double)NAN, (double)NAN},
-                     .n = {(double)NAN, (double)NAN, (double)NAN}, .p_err = (double)NAN};
+                     .n = {(double)NAN, (double)NAN, (double)NAN}, .p_err = (double)NAN,
+                     .reserved_ = {0, 0}};
 }
 
 /* A hit or a graze, with lo and hi about t. */
@@ -91,7 +93,7 @@ SGT_INLINE sgt_hit hit_found(sgt_status status, int evals, double t, double t_er
 {
     sgt_interval about = sgt_about(t, t_err);
     return (sgt_hit){.status = status, .evals = evals, .t = t, .t_err = t_err, .t_lo = t_lo, .lo = about.lo,
-                     .hi = about.hi, .f = f, .p = p, .n = n, .p_err = p_err};
+                     .hi = about.hi, .f = f, .p = p, .n = n, .p_err = p_err, .reserved_ = {0, 0}};
 }
 
 /* An undecided answer about [lo, hi], cut to the ray's ends.  If nothing is left of it, it is about the

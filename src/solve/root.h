@@ -1,6 +1,7 @@
 /* root.h - what other files may ask of the solver (root.c) beyond sagitta.h. */
 #ifndef SGT_SOLVE_ROOT_H
 #define SGT_SOLVE_ROOT_H
+#include "../num/room.h"
 #include "step.h"
 
 enum { SGT_DEFAULT_EVALS = 2000 };
@@ -120,11 +121,17 @@ SGT_INLINE bool root_quick_next(sgt_root *r, newton s, double g, double slope)
  * has a certain sign.  To be called before the first sgt_root_next.  It costs no budget. */
 void sgt_root_tell(sgt_root *r, double t, double g);
 
-/* Is every number of the options valid: not NaN, not negative, and `proof` one of its names? */
+/* Is every number of the options valid: not NaN, not negative, and `proof` one of its names?  What is
+ * reserved for later versions has to be zero. */
 static inline bool sgt_options_valid(const sgt_options *o)
 {
     return !o || (o->t_tol >= 0 && o->f_tol >= 0 && o->dt_min >= 0 && o->max_evals >= 0 &&
-                  (unsigned)o->proof <= SGT_PROVE_FIRST);
+                  (unsigned)o->proof <= SGT_PROVE_FIRST &&
+                  ROOM_IS_ZERO(o));
 }
+
+/* Options with which every ray is SGT_INVALID: outputs have a member of a later version. */
+static const sgt_options sgt_options_invalid = {.max_evals = -1};
+
 
 #endif

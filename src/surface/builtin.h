@@ -15,13 +15,15 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 #include <sagitta/sagitta.h>
 #include <sagitta/surfaces.h>
 
 /* A tile: some consecutive rays of a batch.  n is at most SGT_TILE, or the surface's own `tile`.  Each
  * array starts at the first ray of the tile.  No array of `rays` is NULL, and tmax is explicit.  Of `hits`
  * only `status` is never NULL.  t_tol holds one tolerance for each ray. */
-enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_UNIQUE = 1 };
+enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_NOT_UNIQUE = 1 };
+#define SGT_HARD ((sgt_status)-100)
 /* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called. */
 struct memo;
 typedef struct sgt_tile {
@@ -46,16 +48,28 @@ SGT_INLINE sgt_rays rays_from(const sgt_rays *r, size_t i)
                       .d = {r->d[0] + i, r->d[1] + i, r->d[2] + i}};
 }
 
+/* DEFAULT ENDS.  A ray with ends of all bits zero, as {0} leaves them, has no end (sgt_ray).  An end of 0
+ * that was given, in a batch or to sgt_ray_between, is stored as -0: the same number, and not the default. */
+SGT_INLINE double given_end(double tmax) { return tmax == 0 ? -0.0 : tmax; }
+
+/* The tmax that is meant. */
+SGT_INLINE double explicit_end(const sgt_ray *ray)
+{
+    static const double zeros[2] = {0, 0};
+    const double ends[2] = {ray->tmin, ray->tmax};
+    return memcmp(ends, zeros, sizeof ends) == 0 ? HUGE_VAL : ray->tmax;
+}
+
 SGT_INLINE sgt_ray ray_of(const sgt_rays *r, size_t i)
 {
     return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]},
-                     r->tmin ? r->tmin[i] : 0, r->tmax ? r->tmax[i] : HUGE_VAL};
+                     r->tmin ? r->tmin[i] : 0, r->tmax ? given_end(r->tmax[i]) : HUGE_VAL};
 }
 
 /* Writes what is wanted of the hit of ray i. */
 SGT_INLINE void put_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
 {
-    if (out->status) out->status[i] = (signed char)hit->status;
+    if (out->status) out->status[i] = hit->status;
     if (out->evals) out->evals[i] = hit->evals;
     if (out->t) out->t[i] = hit->t;
     if (out->t_err) out->t_err[i] = hit->t_err;

@@ -296,9 +296,9 @@ bool sgt_aim_sound(const aim_task *t, const sgt_aim_options *opt)
     if (is_zero(b->d) && is_zero(b->du) && is_zero(b->dv)) return false;
     for (size_t i = 0; i < opt->starts; i++)
         if (!isfinite(opt->start[i].x) || !isfinite(opt->start[i].y)) return false;
-    const unsigned long long *r = opt->reserved_;
+    if (!ROOM_IS_ZERO(b)) return false;
     return isfinite(t->wanted.x) && isfinite(t->wanted.y) && opt->tol >= 0 && opt->max_traces >= 0 &&
-           (r[0] | r[1] | r[2] | r[3]) == 0;
+           ROOM_IS_ZERO(opt);
 }
 
 sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam,
@@ -308,7 +308,7 @@ sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before, const
     const sgt_aim_options given = opt ? *opt : (sgt_aim_options){0};
     const aim_task task = {stop, e, index_before, beam, wanted, passages};
     sgt_aiming own, *a = out ? out : &own;
-    *a = (sgt_aiming){.status = SGT_AIM_INVALID,
+    *a = (sgt_aiming){.status = SGT_AIMED_INVALID,
                       .u = none,
                       .v = none,
                       .point = {none, none},
@@ -321,7 +321,7 @@ sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before, const
                     .most = given.max_traces ? given.max_traces : AIM_TRACES};
     aim_ray r;
     double error = none;
-    a->status = SGT_AIM_UNDECIDED;
+    a->status = SGT_AIMED_UNDECIDED;
     if (aim_find(&s, &given, a, &r, &error)) {
         const sgt_vec3 p = passages[stop].hit.p;
         a->status = SGT_MET, a->u = r.u, a->v = r.v, a->ray = r.ray, a->point = (sgt_vec2){p.x, p.y};
@@ -338,9 +338,9 @@ const char *sgt_aimed_text(sgt_aimed aimed)
         return "met";
     case SGT_NO_SUCH_RAY:
         return "no such ray";
-    case SGT_AIM_UNDECIDED:
+    case SGT_AIMED_UNDECIDED:
         return "undecided";
-    case SGT_AIM_INVALID:
+    case SGT_AIMED_INVALID:
         return "invalid";
     }
     return "?";

@@ -44,7 +44,7 @@ typedef struct aim_tile {
     size_t count;             /* the rays below, */
     unsigned char of[POINTS]; /* and the points that they are of */
     aim_row u, v, ox, oy, oz, dx, dy, dz;
-    signed char fate[POINTS];
+    sgt_fate fate[POINTS];
     size_t clipped[POINTS]; /* by which element first; stop + 1: by none */
 } aim_tile;
 
@@ -316,12 +316,14 @@ size_t sgt_aim_batch(size_t stop, const sgt_element e[], double index_before, co
                      const sgt_vec2 wanted[], const sgt_passages passages[], sgt_passage room[],
                      const sgt_aim_options *opt, sgt_aiming out[])
 {
-    const sgt_aim_options given = opt ? *opt : (sgt_aim_options){0};
+    sgt_aim_options given = opt ? *opt : (sgt_aim_options){0};
     aim_tile w = {.task = {stop, e, index_before, beam, {0, 0}, room},
                   .passages = passages,
                   .room = room,
                   .tol = given.tol,
                   .most = given.max_traces ? given.max_traces : AIM_TRACES};
+    for (size_t j = 0; j <= stop; j++) /* asked for what only a later version has: sgt_aim refuses */
+        if (!ROOM_IS_ZERO(&passages[j]) || !ROOM_IS_ZERO(&passages[j].hits)) given.reserved_[0] = 1;
     sgt_aim_options common = given;
     size_t met = 0;
     common.starts = 0; /* they differ */

@@ -153,10 +153,10 @@ bool sgt_trace_error(size_t n, const sgt_element e[], double index_before, const
 {
     static const sgt_pose global = {0};
     const double none = (double)NAN;
-    *out = (sgt_end_error){none, none, none, none};
+    *out = (sgt_end_error){none, none, none, none, {0}};
     for (size_t i = 0; i < n; i++)
         if (!(passages[i].hit.status > 0)) return false;
-    *out = (sgt_end_error){0, 0, 0, 0};
+    *out = (sgt_end_error){.point = 0};
     if (n == 0) return true;
     const bool phases = sgt_any_phase(n, e);
     const aim_task task = {.stop = n - 1, .e = e, .index_before = index_before,

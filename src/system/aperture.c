@@ -74,10 +74,10 @@ static bool is_shape_sound(const sgt_aperture_item *i)
 
 bool sgt_aperture_sound(const sgt_aperture *a)
 {
-    if (a->reserved_[0] | a->reserved_[1] || a->count > INT_MAX || (a->count && !a->items)) return false;
+    if (!ROOM_IS_ZERO(a) || a->count > INT_MAX || (a->count && !a->items)) return false;
     for (size_t k = 0; k < a->count; k++) {
         const sgt_aperture_item *i = &a->items[k];
-        if (i->reserved_[0] | i->reserved_[1] || !(fabs(i->degrees) <= DBL_MAX)) return false;
+        if (!ROOM_IS_ZERO(i) || !(fabs(i->degrees) <= DBL_MAX)) return false;
         if (!is_near_enough(i->centre) || !is_shape_sound(i)) return false;
     }
     return true;
@@ -371,7 +371,7 @@ static sgt_clipping clipped_by_item(const sgt_aperture_item *i, int which, sgt_v
             bool inner = i->obscuring ? r - i->inner < i->radius - r : r < i->inner;
             limit = inner ? i->inner : i->radius;
         }
-        return (sgt_clipping){which, r, limit};
+        return (sgt_clipping){.by = which, .size = r, .limit = limit};
     }
     figure f;
     figure_of(i, &f);
@@ -380,16 +380,17 @@ static sgt_clipping clipped_by_item(const sgt_aperture_item *i, int which, sgt_v
                   : i->shape == SGT_ELLIPSE   ? beyond_ellipse(q, i->half)
                   : i->shape == SGT_POLYGON   ? beyond_polygon(i, q)
                                               : beyond_spider(&f, q);
-    return (sgt_clipping){which, i->obscuring ? -beyond : beyond, 0};
+    return (sgt_clipping){.by = which, .size = i->obscuring ? -beyond : beyond};
 }
 
 sgt_clipping sgt_clipped_by(const sgt_element *e, sgt_vec3 p)
 {
     if (!(e->semi_diameter >= 0) || !is_aperture_sound(e))
-        return (sgt_clipping){SGT_BY_UNSOUND, (double)NAN, (double)NAN};
+        return (sgt_clipping){.by = SGT_BY_UNSOUND, .size = (double)NAN, .limit = (double)NAN};
     if (!is_inside(p, aperture2_of(e->semi_diameter)))
-        return (sgt_clipping){SGT_BY_SEMI_DIAMETER, distance_of((sgt_vec2){p.x, p.y}), e->semi_diameter};
+        return (sgt_clipping){.by = SGT_BY_SEMI_DIAMETER, .size = distance_of((sgt_vec2){p.x, p.y}),
+                              .limit = e->semi_diameter};
     int which = e->aperture ? sgt_aperture_clips(e->aperture, p.x, p.y) : SGT_BY_NONE;
-    return which < 0 ? (sgt_clipping){SGT_BY_NONE, 0, 0}
+    return which < 0 ? (sgt_clipping){.by = SGT_BY_NONE}
                      : clipped_by_item(&e->aperture->items[which], which, p);
 }

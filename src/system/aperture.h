@@ -3,6 +3,7 @@
 #define SGT_SYSTEM_APERTURE_H
 
 #include "../num/exact.h"
+#include "../num/room.h"
 #include <sagitta/system.h>
 
 /* Is every item as its shape needs it?  A polygon is looked at vertex by vertex.  The others below are

@@ -270,8 +270,8 @@ static void sag_hit(const sag_model *s, const bundle_lines *w, linear t, double 
 static sag_model model_of(sgt_surface surface)
 {
     sag_model m = {.self = surface.self};
-    if (surface.ops == &sgt_asphere_ops) {
-        const sgt_asphere *s = surface.self;
+    if (surface.ops == &sgt_even_asphere_ops) {
+        const sgt_even_asphere *s = surface.self;
         m.c = s->c, m.k = s->k, m.rim = s->semi_diameter;
         for (int i = 0; i < TERMS; i++)
             if (s->a[i] != 0) m.a = s->a;
@@ -286,10 +286,10 @@ static sag_model model_of(sgt_surface surface)
 bool sgt_bundle_has_sag(sgt_surface surface)
 {
     const struct sgt_builtin_ops *own = surface.ops->own_;
-    if (surface.ops != &sgt_asphere_ops)
+    if (surface.ops != &sgt_even_asphere_ops)
         return own && own->departure && own->base && own->rim && own->object &&
                !own->object(surface.self).param;
-    const sgt_asphere *s = surface.self;
+    const sgt_even_asphere *s = surface.self;
     bool all = isfinite(s->c) && isfinite(s->k) && s->semi_diameter >= 0;
     for (int i = 0; i < TERMS; i++) all = all && isfinite(s->a[i]);
     return all;

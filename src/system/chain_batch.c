@@ -63,7 +63,7 @@ static void directions_in_front(const chain_work *work, size_t i, chain_tile *b)
 /* 1 where the status is positive, else 0.  Two loops, by way of int: bytes and doubles in one loop make long
  * code.  Returns how many there are. */
 SGT_KERNEL
-static int which_met(size_t n, const signed char *status, double *out)
+static int which_met(size_t n, const sgt_status *status, double *out)
 {
     int wide[CHAIN_RAYS], count = 0;
 #pragma omp simd reduction(+ : count)

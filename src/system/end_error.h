@@ -14,12 +14,12 @@ typedef enum gradient_kind { GRADIENT_OF_CONIC, GRADIENT_OF_ASPHERE, GRADIENT_OF
 SGT_INLINE gradient_kind gradient_kind_of(sgt_surface s) /* with the operations of the set */
 {
     if (s.ops == &sgt_conic_ops) return GRADIENT_OF_CONIC;
-    return s.ops == &sgt_asphere_ops ? GRADIENT_OF_ASPHERE : GRADIENT_OF_OTHER;
+    return s.ops == &sgt_even_asphere_ops ? GRADIENT_OF_ASPHERE : GRADIENT_OF_OTHER;
 }
 
 /* How far the gradient is off across itself.  n2 and n: its square and its length, by_n = 1 / n; a: of
  * GRADIENT_OF_ASPHERE. */
-SGT_INLINE double of_gradient(gradient_kind kind, const sgt_asphere *a, sgt_vec3 p, sgt_vec3 normal,
+SGT_INLINE double of_gradient(gradient_kind kind, const sgt_even_asphere *a, sgt_vec3 p, sgt_vec3 normal,
                               double n2, double n, double by_n)
 {
     if (kind == GRADIENT_OF_CONIC) {
@@ -52,7 +52,7 @@ SGT_INLINE double of_bending(chain_link c, double n, double by_n)
 /* Both, of an element that bends. */
 typedef struct bend_off { double bending, gradient; } bend_off;
 
-SGT_INLINE bend_off bend_off_of(gradient_kind kind, const sgt_asphere *a, chain_link c)
+SGT_INLINE bend_off bend_off_of(gradient_kind kind, const sgt_even_asphere *a, chain_link c)
 {
     const double n2 = dot(c.n, c.n), n = sqrt(n2), by_n = 1 / n;
     return (bend_off){of_bending(c, n, by_n), of_gradient(kind, a, c.p, c.n, n2, n, by_n)};

@@ -27,13 +27,13 @@ typedef struct error_tile {
 
 /* -------------------------------------------------------------------- the point */
 
-SGT_INLINE void link_off_by(gradient_kind kind, chain_tile *b, const sgt_asphere *asphere, double *bent_off,
-                            double *gradient)
+SGT_INLINE void link_off_by(gradient_kind kind, chain_tile *b, const sgt_even_asphere *asphere,
+                            double *bent_off, double *gradient)
 {
     const chain_view v = b->view;
     const size_t n = b->n;
-    static const sgt_asphere none;
-    const sgt_asphere a = kind == GRADIENT_OF_ASPHERE ? *asphere : none;
+    static const sgt_even_asphere none;
+    const sgt_even_asphere a = kind == GRADIENT_OF_ASPHERE ? *asphere : none;
     LANES for (size_t i = 0; i < n; i++)
     {
         const chain_link c = chain_link_of(&v, true, i);
@@ -283,7 +283,7 @@ static int which_ok(const chain_work *work, size_t first, size_t n, double *ok)
     int good[CHAIN_RAYS], count = 0;
     for (size_t i = 0; i < n; i++) good[i] = 1;
     for (size_t j = 0; j < work->elements; j++) {
-        const signed char *status = work->passages[j].hits.status;
+        const sgt_status *status = work->passages[j].hits.status;
         if (!status) continue;
         status += first;
         LANES for (size_t i = 0; i < n; i++) good[i] = status[i] > 0 ? good[i] : 0;
@@ -324,9 +324,12 @@ size_t sgt_trace_error_batch(size_t elements, const sgt_element e[], double inde
     const bool phases = sgt_any_phase(elements, e);
     error_tile w;
     size_t all = 0;
-    if (elements == 0) {
-        fill(n, 0, out.point), fill(n, 0, out.path), fill(n, 0, out.grain), fill(n, 0, out.path_grain);
-        return n;
+    const bool plain = ROOM_IS_ZERO(&out);
+    if (elements == 0 || !plain) {
+        const double all_of = plain ? 0 : (double)NAN;
+        fill(n, all_of, out.point), fill(n, all_of, out.path);
+        fill(n, all_of, out.grain), fill(n, all_of, out.path_grain);
+        return plain ? n : 0;
     }
     for (size_t first = 0; first < n; first += CHAIN_RAYS) {
         const size_t here = n - first < CHAIN_RAYS ? n - first : CHAIN_RAYS;

@@ -127,12 +127,20 @@ static int forward_tile(const chain_work *work, size_t first, size_t n, size_t c
     return lacks;
 }
 
+/* What is reserved for later versions has to be zero. */
+static int lacks_member(size_t columns, const sgt_ray_changes of[])
+{
+    for (size_t j = 0; j < columns; j++)
+        if (!ROOM_IS_ZERO(&of[j])) return SGT_LACKS_MEMBER;
+    return 0;
+}
+
 int sgt_trace_sensitivity_batch(size_t elements, const sgt_element e[], double index_before, size_t n,
                                 sgt_rays rays, const sgt_passages passages[], size_t columns,
                                 const sgt_ray_changes change[], const sgt_ray_changes out[])
 {
     const chain_work work = {elements, e, index_before, &rays, passages};
-    int lacks = 0;
+    int lacks = lacks_member(columns, change) | lacks_member(columns, out);
     for (size_t first = 0; first < n; first += CHAIN_RAYS)
         for (size_t done = 0; done < columns; done += COLUMNS)
             lacks |=
@@ -359,7 +367,7 @@ int sgt_trace_gradient_batch(size_t elements, const sgt_element e[], double inde
 {
     const chain_work work = {elements, e, index_before, &rays, passages};
     const size_t count = sgt_trace_parameters(elements, e);
-    int lacks = 0;
+    int lacks = lacks_member(rows, weight);
     for (size_t first = 0; first < n; first += CHAIN_RAYS)
         for (size_t done = 0; done < rows; done += ROWS)
             lacks |= backward_tile(&work, first, n - first < CHAIN_RAYS ? n - first : CHAIN_RAYS,

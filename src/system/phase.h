@@ -97,8 +97,7 @@ SGT_INLINE bool is_phase_sound(const sgt_element *e)
 {
     const sgt_phase *a = e->phase;
     if (!a) return true;
-    const unsigned long long *r = a->reserved_;
-    if (a->kind != SGT_IDEAL_LENS || (r[0] | r[1] | r[2] | r[3] | r[4] | r[5])) return false;
+    if (a->kind != SGT_IDEAL_LENS || !ROOM_IS_ZERO(a)) return false;
     double object = fabs(a->object_distance);
     return is_phase_length(a->focal_length) && (object == 0 || object == HUGE_VAL || is_phase_length(object));
 }

@@ -167,7 +167,7 @@ sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, con
         beside[besides++] = hit;
         if (hit.t < middle) chord.tmin = hit.hi; /* not t, from where the same root may be found again */
         else chord.tmax = hit.lo;
-        if (!(chord.tmin < chord.tmax) || chord.tmax == 0) break;
+        if (!(chord.tmin < chord.tmax)) break;
         sgt_hit next = sgt_intersect(surface, chord, opt);
         next.evals += hit.evals;
         *inside = next.status > 0 && is_inside(next.p, aperture2);
@@ -252,9 +252,10 @@ sgt_passage sgt_not_met(sgt_status why)
 {
     const double none = (double)NAN;
     return (sgt_passage){
-        .hit = {.status = why, .t = none, .t_err = none, .t_lo = none, .lo = none, .hi = none, .f = none,
-                .p_err = none, .p = {none, none, none}, .n = {none, none, none}},
-        .opl = none};
+        .hit = {.status = why, .evals = 0, .t = none, .t_err = none, .t_lo = none, .lo = none, .hi = none,
+                .f = none, .p_err = none, .p = {none, none, none}, .n = {none, none, none},
+                .reserved_ = {0, 0}},
+        .direction = {0, 0, 0}, .opl = none, .reserved_ = {0, 0}};
 }
 
 /* One element.  sound: as in sgt_pass; told: the caller wants the passage. */
@@ -263,14 +264,13 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, bool sound, state *at, const sgt_
 {
     bool mirror = e->index == SGT_MIRROR, turned = is_turned(&e->pose), inside;
     double n1 = at->index, n2 = index_behind(e, n1);
-    *passage = sgt_not_met(SGT_INVALID);
-    if (!sound || !is_sound(e, n1)) return SGT_LOST;
+    if (!sound || !is_sound(e, n1)) return *passage = sgt_not_met(SGT_INVALID), SGT_LOST;
 
     sgt_ray ray = {.o = plus(minus(at->base, e->pose.origin), at->offset), .d = at->d, .tmin = -HUGE_VAL,
                    .tmax = HUGE_VAL};
     if (turned) {
         ray.o = to_local(&e->pose, ray.o), ray.d = to_local(&e->pose, ray.d);
-        if (!make_unit(&ray.d)) return SGT_LOST;
+        if (!make_unit(&ray.d)) return *passage = sgt_not_met(SGT_INVALID), SGT_LOST;
     }
     sgt_options own = *opt;
     if (own.t_tol == 0) own.t_tol = tolerance(is_open(e->semi_diameter), e->semi_diameter, ray.o, ray.d);
@@ -292,7 +292,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, bool sound, state *at, const sgt_
     own.proof = opt->proof;
     if (inside && only && !proven) sgt_prove_unique(surface, &ray, aperture2_around(aperture2), &own, &hit);
     if (!met) tell_of_given(&hit, at, &e->pose, turned, &ray, told); /* else the batch has done it */
-    passage->hit = hit;
+    *passage = (sgt_passage){.hit = hit, .direction = {0, 0, 0}, .opl = (double)NAN, .reserved_ = {0, 0}};
     if (hit.status == SGT_MISS) return SGT_MISSED;
     if (hit.status < 0) return SGT_LOST;
 

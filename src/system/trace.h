@@ -284,7 +284,7 @@ SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
     stretch chord = sgt_chord(&flat, aperture2_around(aperture2));
     double more = 0x1p-20 * (chord.hi - chord.lo);
     ray->tmin = chord.lo - more, ray->tmax = chord.hi + more;
-    return chord.lo < chord.hi && more < HUGE_VAL && ray->tmax != 0; /* 0 might stand for infinity */
+    return chord.lo < chord.hi && more < HUGE_VAL;
 }
 
 /* After that answer on the chord, may a root be inside?  A user's surface without `enclose`, without a
@@ -378,8 +378,7 @@ SGT_INLINE double index_behind(const sgt_element *e, double n1)
 /* Does the element ask for nothing that later versions may have? */
 SGT_INLINE bool is_plain(const sgt_element *e)
 {
-    const unsigned long long *r = e->reserved_;
-    return (r[0] | r[1] | r[2] | r[3] | r[4] | r[5]) == 0;
+    return ROOM_IS_ZERO(e);
 }
 
 /* Are the numbers of the element valid (sgt_trace)?  Is it plain, are its aperture and its phase sound: that

@@ -70,7 +70,7 @@ typedef struct tile {
         double t_tol[TILE], good[TILE];
     };
     int evals[TILE];
-    signed char status[TILE];
+    sgt_status status[TILE];
 } tile;
 
 /* What was asked for. */
@@ -364,7 +364,7 @@ static void tell_vectors(const tile *w, double *const out[3], const vectors *fro
 static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d,
                       double opl)
 {
-    if (out->fate) out->fate[i] = (signed char)fate;
+    if (out->fate) out->fate[i] = fate;
     if (out->passed) out->passed[i] = (int)passed;
     tell_vector(out->o, i, o);
     tell_vector(out->d, i, d);
@@ -542,7 +542,7 @@ typedef struct chords {
     size_t n, of[SGT_FEW];
     few ox, oy, oz, dx, dy, dz, tmin, tmax, t_tol, x, y, z;
     int evals[SGT_FEW];
-    signed char status[SGT_FEW];
+    sgt_status status[SGT_FEW];
     sgt_extents kept;
 } chords;
 
@@ -598,7 +598,7 @@ static void ask_inside(const bundle_work *job, tile *w, size_t j, chords *c)
             own.t_tol = c->t_tol[k];
             sgt_hit other = sgt_ask_inside(in_set(e->surface), bundle_chord_of(c, k), aperture2, &own,
                                            &inside);
-            c->status[k] = (signed char)other.status, c->evals[k] = other.evals;
+            c->status[k] = other.status, c->evals[k] = other.evals;
         }
         if (inside || may_be_inside(in_set(e->surface), &own, (sgt_status)c->status[k]))
             w->good[c->of[k]] = -ASK_ANEW;
@@ -819,6 +819,15 @@ static void tell_passed(const bundle_work *job, tile *w)
         out->passed[w->first + (size_t)w->index[i]] = (int)job->elements;
 }
 
+/* Is nothing asked for that a later version may have? */
+static bool is_plain_output(size_t elements, const sgt_traced *out, const sgt_passages passages[])
+{
+    bool plain = ROOM_IS_ZERO(out);
+    for (size_t j = 0; passages && j < elements; j++)
+        plain = plain && ROOM_IS_ZERO(&passages[j]) && ROOM_IS_ZERO(&passages[j].hits);
+    return plain;
+}
+
 size_t sgt_trace_batch(size_t elements, const sgt_element e[], double index_before, size_t n, sgt_rays rays,
                        sgt_traced out, const sgt_passages passages[], const sgt_options *opt)
 {
@@ -827,6 +836,7 @@ size_t sgt_trace_batch(size_t elements, const sgt_element e[], double index_befo
     if (opt) job.opt = *opt;
     if (job.opt.pick == SGT_PICK_DEFAULT) job.opt.pick = SGT_NEAR_SEED;
     for (size_t j = 0; passages && j < elements; j++) job.path = job.path || passages[j].opl;
+    if (!is_plain_output(elements, &out, passages)) job.opt = sgt_options_invalid;
     job.by_hand = job.opt.watch || !sgt_options_valid(&job.opt);
     tile w;
     size_t most = job.by_hand ? 1 : TILE, all = 0;

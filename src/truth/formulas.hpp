@@ -652,7 +652,7 @@ template <class T> const row<T> *row_of(const sgt_surface &s)
 {
     static const row<T> rows[] = {
         {&sgt_conic_ops, 2, no_departure<T>, nullptr}, // plane and sphere are conics
-        {&sgt_asphere_ops, 2, even_departure<T>, nullptr},
+        {&sgt_even_asphere_ops, 2, even_departure<T>, nullptr},
         {&sgt_odd_asphere_ops, 2, odd_departure<T>, nullptr},
         {&sgt_polynomial_xy_ops, 2, polynomial_departure<T>, nullptr},
         {&sgt_chebyshev_ops, 2, chebyshev_departure<T>, nullptr},
@@ -682,18 +682,19 @@ inline std::vector<double> parameters_beyond_base(const sgt_surface &s)
 {
     std::vector<double> p;
     const row<double> *r = row_of<double>(s);
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->ops != s.ops) b++;
-    for (const sgt_param *of = b->params; of->name && b->family != SGT_LEVEL_SET; of++) {
+    for (const sgt_param *of = b->params; of->name && b->family != SGT_FAMILY_LEVEL_SET; of++) {
         const std::string key = of->name;
         if (key == "semi_diameter" || key == "sag" || !key.compare(0, 4, "norm") ||
             !key.compare(0, 4, "step") || (r->base > 0 && (key == "curvature" || key == "conic")))
             continue;
         const void *at = static_cast<const char *>(s.self) + of->offset;
-        if (of->kind == SGT_REAL || of->kind == SGT_VECTOR)
+        if (of->kind == SGT_PARAM_REAL || of->kind == SGT_PARAM_VECTOR)
             append(&p, static_cast<const double *>(at), static_cast<std::size_t>(of->count));
-        if (of->kind == SGT_LIST || of->kind == SGT_TABLE) append(&p, *static_cast<const sgt_numbers *>(at));
-        if (of->kind != SGT_TERMS) continue;
+        if (of->kind == SGT_PARAM_LIST || of->kind == SGT_PARAM_TABLE)
+            append(&p, *static_cast<const sgt_numbers *>(at));
+        if (of->kind != SGT_PARAM_TERMS) continue;
         for (std::size_t i = 0; i < as<sgt_sum>(s.self).count; i++) {
             const std::vector<double> own = parameters_beyond_base(as<sgt_sum>(s.self).terms[i]);
             append(&p, own.data(), own.size());

@@ -67,7 +67,7 @@ static void measure_put(double *const to[3], size_t i, sgt_vec3 v)
 
 static void put_hit(const sgt_hits *to, size_t i, const sgt_hit *h)
 {
-    if (to->status) to->status[i] = (signed char)h->status;
+    if (to->status) to->status[i] = h->status;
     if (to->evals) to->evals[i] = h->evals;
     if (to->t) to->t[i] = h->t;
     if (to->t_err) to->t_err[i] = h->t_err;
@@ -103,7 +103,7 @@ static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *
         sgt_fate fate;
         size_t passed = sgt_trace(j->count, j->element, j->index_before, &ray, passage, &fate,
                                   &s->options);
-        if (to->fate) to->fate[i] = (signed char)fate;
+        if (to->fate) to->fate[i] = fate;
         if (to->passed) to->passed[i] = (int)passed;
         if (to->opl) to->opl[i] = passed ? passage[passed - 1].opl : 0;
         measure_put(to->o, i, ray.o);
@@ -149,7 +149,7 @@ static truth truth_of_trace(const measured_lens *j, const sgt_ray *ray, const sg
     sgt_fate fate;
     size_t passed = sgt_trace(j->count, j->element, j->index_before, &end, seen, &fate, opt);
     truth is = {
-        .known = fate >= 0, .met = fate == SGT_PASSED, .kind = (signed char)fate, .passed = (int)passed};
+        .known = fate >= 0, .met = fate == SGT_PASSED, .kind = fate, .passed = (int)passed};
     if (is.met)
         is.known = quad_trace(passed, j->element, j->index_before, ray, seen, &is.point, &is.path);
     return is;

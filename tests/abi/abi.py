@@ -20,6 +20,13 @@ function reaches sgt_conic.  Therefore the C file has a function type_NAME for e
 for each constant, and member_STRUCT_NAME for each member of a struct that may grow.  So what is new is always
 a new function, and all else that abidiff reports is a break.  Names of members and `const` count: they break
 programs that are compiled anew.
+
+ROOM.  A struct with a last member reserved_ may grow into it, and keeps its size.  So in the copy of the
+headers that is compiled, what is reserved has no name (bit-fields without one), a member that takes room is a
+member at the end, and a function size_STRUCT has the size.
+
+COPIES.  A program copies exported data as long as they were when it was linked.  The tables of operations may
+grow, as who reads one asks its size.  Other data must not be exported; sizes are those of the symbols.
 """
 import os
 import pathlib
@@ -36,13 +43,32 @@ INCLUDE = HERE.parents[1] / 'include'
 LIBRARIES = {'libsagitta': 'src', 'libsagitta_lens': 'src/lens', 'libsagitta_geo': 'src/geo'}
 CC = shlex.split(os.environ.get('CC', 'cc'))
 GROWS = ['sgt_surface_ops']  # who reads it asks its first member how long it is
+COPIED = re.compile(r'extern const sgt_surface_ops [\w, \n]*$')
+ROOM = re.compile(r'unsigned long long reserved_\[(\d+)\];')
 READ = ('abidw --no-corpus-path --no-comp-dir-path --no-show-locs --short-locs --no-elf-needed '
         '--no-parameter-names --no-write-default-sizes --drop-undefined-syms --type-id-style hash').split()
 COMPARE = 'abidiff --harmless --no-corpus-path --no-show-locs'.split()
-# A struct that grew at its end, and an enumeration, whose members and constants are functions, too.
-MAY_GROW = '[suppress_type]\ntype_kind = enum\nname_not_regexp = ^value_of_\n' + ''.join(
-    f'[suppress_type]\ntype_kind = struct\nname = {name}\nhas_data_member_inserted_at = end\n'
-    for name in GROWS)
+
+
+def with_room(include):
+    """The structs that have room to grow."""
+    text = ''.join(header.read_text() for header in sorted((include / 'sagitta').glob('*.h')))
+    text = re.sub(r'/\*.*?\*/', '', text, flags=re.DOTALL)
+    return [name for name, body in re.findall(r'typedef struct (\w+) \{(.*?)\n\} \1;', text, re.DOTALL)
+            if ROOM.search(body)]
+
+
+def had_room():
+    """The structs that had room when they were saved."""
+    saved = HERE / 'headers.abi'
+    return re.findall(r"elf-symbol name='size_(\w+)'", saved.read_text()) if saved.exists() else []
+
+
+def may_grow():
+    """A struct that grew at its end, and an enumeration, whose members and constants are functions, too."""
+    return '[suppress_type]\ntype_kind = enum\nname_not_regexp = ^value_of_\n' + ''.join(
+        f'[suppress_type]\ntype_kind = struct\nname = {name}\nhas_data_member_inserted_at = end\n'
+        for name in sorted({*GROWS, *with_room(INCLUDE), *had_room()}))
 
 
 def run(*command, status=None):
@@ -91,8 +117,9 @@ def statements(text):
             depth, statement = 0, ''
 
 
-def content(include):
-    """The C file, and the functions and tables of it that are the libraries' own."""
+def content(include, room=()):
+    """The C file, and the functions and tables of it that are the libraries' own.  room: the structs that had
+    a reserved_ before it lost its name."""
     headers = sorted((include / 'sagitta').glob('*.h'))
     lines = [f'#include <sagitta/{header.name}>' for header in headers]
     lines.append('#define FUNCTION(name, ...) void name(__VA_ARGS__); void name(__VA_ARGS__) {}')
@@ -102,9 +129,11 @@ def content(include):
             name = re.search(r'(\w+)(?:\([^()]*\))?;$', statement)[1]
             lines.append(f'FUNCTION(type_{name}, {name} *p)')
             types += 1
-            if name in GROWS:
+            if name in room:
+                lines.append(f'FUNCTION(size_{name}, char (*size)[sizeof({name})])')
+            if name in GROWS or name in room:
                 for member in statement[statement.index('{') + 1:statement.rindex('}')].split(';'):
-                    for declared in split(member):
+                    for declared in () if re.search(r'\s:\s', member) else split(member):
                         m = name_of(declared)
                         lines.append(f'FUNCTION(member_{name}_{m}, __typeof__((({name} *)0)->{m}) *p, '
                                      f'char (*at)[1 + __builtin_offsetof({name}, {m})])')
@@ -117,7 +146,6 @@ def content(include):
             if declared.startswith('extern'):
                 for name in map(name_of, split(declared)):
                     public.add(name)
-                    # Of sgt_builtins[], too, whose length is told by the linker to nobody.
                     lines.append(f'FUNCTION(table_{name}, __typeof__({name}) *p)')
             else:
                 public.add(re.search(r'(\w+)\(', declared)[1])
@@ -127,18 +155,53 @@ def content(include):
     return '\n'.join(lines) + '\n', public
 
 
+def copied(include):
+    """The exported data that a program copies, and that are no table of operations."""
+    return [s for header in sorted((include / 'sagitta').glob('*.h')) for s in statements(header.read_text())
+            if 'SGT_API' in s and 'extern' in s
+            and not COPIED.match(re.sub(r'SGT_API *', '', s.replace('SGT_API extern', 'extern')).rstrip(';'))]
+
+
 def compiled(include, folder):
     """A library of the C file, as abidiff reads it."""
-    (folder / 'headers.c').write_text(content(include)[0])
-    run(*CC, '-std=gnu11', '-w', '-g', '-O0', '-fPIC', '-shared', '-I', include, folder / 'headers.c',
+    room, nameless = {*with_room(include), *had_room()}, folder / 'nameless'
+    shutil.rmtree(nameless, ignore_errors=True)
+    shutil.copytree(include, nameless)
+    for header in (nameless / 'sagitta').glob('*.h'):
+        header.write_text(ROOM.sub(lambda found: 'unsigned long long : 64; ' * int(found[1]),
+                                   header.read_text()))
+    (folder / 'headers.c').write_text(content(nameless, room)[0])
+    run(*CC, '-std=gnu11', '-w', '-g', '-O0', '-fPIC', '-shared', '-I', nameless, folder / 'headers.c',
         '-o', folder / 'headers.so', '-Wl,-soname,headers')
     return folder / 'headers.so'
 
 
 # ------------------------------------------------------------------------ the comparison
 
+def sizes_of(library):
+    """Exported data and their sizes, of a library or of what abidw has saved of one."""
+    if library.suffix == '.abi':
+        return {name: int(size) for name, size in
+                re.findall(r"elf-symbol name='(\w+)' size='(\d+)'[^>]*type='object-type'",
+                           library.read_text())}
+    return {name: int(size) for size, name in
+            re.findall(r'^ *\d+: \w+ +(\d+) OBJECT +GLOBAL +DEFAULT +\d+ (sgt_\w+)',
+                       run('readelf', '--dyn-syms', '--wide', library), re.MULTILINE)}
+
+
 def difference(saved, library, folder):
     """'' (the same), 'grown' or 'broken', and the report."""
+    verdict, report = of_types(saved, library, folder)
+    before, now = sizes_of(saved), sizes_of(library)
+    for name in sorted(before.keys() & now.keys()):
+        if before[name] != now[name]:
+            report += f'{name} has {now[name]} bytes, and had {before[name]}: a program copies those\n'
+            grown = name.endswith('_ops') and now[name] > before[name]
+            verdict = (verdict or 'grown') if grown else 'broken'
+    return verdict, report
+
+
+def of_types(saved, library, folder):
     status = []
     report = run(*COMPARE, saved, library, status=status)
     if status[-1] == 0:
@@ -146,7 +209,7 @@ def difference(saved, library, folder):
     if status[-1] & 3:
         sys.exit(f'abidiff {saved} {library}\n{report}')
     rules = folder / 'grows'
-    rules.write_text(MAY_GROW)
+    rules.write_text(may_grow())
     broken = run(*COMPARE, '--no-added-syms', '--suppressions', rules, saved, library, status=status)
     return ('broken', broken) if status[-1] else ('grown', report)
 
@@ -157,6 +220,8 @@ def planted_in_headers(folder):
     member = ('    void (*by_parameter)(const void *self, size_t j, size_t n, sgt_points p,\n'
               '                         sgt_values out);\n')
     version = 'SGT_API const char *sgt_version(void);'
+    room = '    unsigned long long reserved_[2];\n} sgt_hit;'
+    builtins = 'SGT_API const sgt_builtin *sgt_builtins(void);'
     for what, header, old, new, verdict in [
             ('nothing', 'sagitta.h', hit, hit, ''),
             ('a comment', 'sagitta.h', hit, hit + ' (planted)', ''),
@@ -176,8 +241,8 @@ def planted_in_headers(folder):
              'broken'),
             ('a constant before others', 'diagnose.h', '    SGT_WRONG_FIRSTS',
              '    SGT_PLANTED, SGT_WRONG_FIRSTS', 'broken'),
-            ('a constant without a type', 'formula.h', 'SGT_FORMULA_PARAMETERS =',
-             'SGT_FORMULA_PARAMETERS = 1 +', 'broken'),
+            ('a constant without a type', 'formula.h', 'SGT_MOST_FORMULA_PARAMETERS =',
+             'SGT_MOST_FORMULA_PARAMETERS = 1 +', 'broken'),
             ('a result', 'sagitta.h', 'SGT_API int         sgt_version_number',
              'SGT_API long sgt_version_number', 'broken'),
             ('a parameter', 'sagitta.h', 'sgt_ray ray, int cap,', 'sgt_ray ray, size_t cap,', 'broken'),
@@ -187,7 +252,15 @@ def planted_in_headers(folder):
             ('it grows inside', 'sagitta.h', member, 'void (*planted)(int);\n' + member, 'broken'),
             ('a member becomes another one', 'sagitta.h', member, 'void (*planted)(int);\n', 'broken'),
             ('it grows, and a member changes', 'sagitta.h', member,
-             member.replace('size_t n', 'int n') + 'void (*planted)(int);\n', 'broken')]:
+             member.replace('size_t n', 'int n') + 'void (*planted)(int);\n', 'broken'),
+            ('a member takes room', 'sagitta.h', room, 'double planted;\n' + room.replace('2', '1'), 'grown'),
+            ('a member takes all the room', 'sagitta.h', room, 'double planted[2];\n} sgt_hit;', 'grown'),
+            ('a member takes no room', 'sagitta.h', room, 'double planted;\n' + room, 'broken'),
+            ('room is gone', 'sagitta.h', room, room.replace('2', '1'), 'broken'),
+            ('a member takes room, and another one changes', 'sagitta.h', hit,
+             hit.replace('double', 'float ').replace('f;', 'f, planted;'), 'broken'),
+            ('an array is exported', 'surfaces.h', builtins,
+             builtins + 'extern SGT_API const int sgt_planted[];', 'broken')]:
         include = folder / 'include'
         shutil.rmtree(include, ignore_errors=True)
         shutil.copytree(INCLUDE, include)
@@ -195,7 +268,7 @@ def planted_in_headers(folder):
         if text.count(old) != 1:
             sys.exit(f'planted, {what}: "{old}" is not in {header} once')
         (include / 'sagitta' / header).write_text(text.replace(old, new))
-        yield what, compiled(include, folder), verdict
+        yield what, compiled(include, folder), verdict, copied(include)
 
 
 def planted_in_library(build, folder):
@@ -214,7 +287,16 @@ def planted_in_library(build, folder):
         run(*CC, '-shared', '-Wl,--whole-archive', build / 'src/libsagitta.a', '-Wl,--no-whole-archive',
             '-lm', f'-Wl,--version-script={folder}/map', f'-Wl,-soname,{soname}', f'-Wl,{flag}',
             '-o', folder / 'planted.so')
-        yield what, folder / 'planted.so', verdict
+        yield what, folder / 'planted.so', verdict, []
+
+
+def array_that_grows(folder):
+    """The verdict on a library that exports an array of 3, and is saved with one of 2."""
+    for count in (2, 3):
+        (folder / 'array.c').write_text(f'const int sgt_planted[{count}] = {{1}};')
+        run(*CC, '-shared', '-fPIC', '-g', folder / 'array.c', '-o', folder / f'array{count}.so')
+    run(*READ, '--out-file', folder / 'array.abi', folder / 'array2.so')
+    return difference(folder / 'array.abi', folder / 'array3.so', folder)[0]
 
 
 def main(build, *options):
@@ -235,6 +317,8 @@ def main(build, *options):
             print(f'{library} is not built, and not looked at')
             del now[library]
         now['headers'] = compiled(INCLUDE, folder)
+        if copied(INCLUDE):
+            sys.exit(f'a program would copy what may grow: {copied(INCLUDE)}')
 
         verdicts, renamed = set(), False
         for saved, library in now.items():
@@ -267,12 +351,16 @@ def main(build, *options):
             print('in headers.abi, but of no library:', *public)
         for saved, planted in (('headers', planted_in_headers(folder)),
                                ('libsagitta', planted_in_library(build, folder))):
-            for what, library, wanted in planted:
+            for what, library, wanted, copies in planted:
                 verdict, report = difference(HERE / f'{saved}.abi', library, folder)
+                verdict = 'broken' if copies else verdict
                 print(f'planted in {saved}, {what}: {verdict or "as saved"}')
                 if verdict != wanted:
                     faults += 1
                     print(f'it should be "{wanted}"\n{report}')
+        verdict = array_that_grows(folder)
+        print(f'planted in a library of its own, an exported array that grows: {verdict}')
+        faults += verdict != 'broken'
         print(f'{faults} faults')
         return 1 if faults else 0
 

@@ -132,7 +132,7 @@ static const sgt_surface_ops saddles[] = {
 
 static void add_own_surface(generator *g, int rounds)
 {
-    const specimen like = {.type = sgt_builtins, .size = 2, .sag = true};
+    const specimen like = {.type = sgt_builtins(), .size = 2, .sag = true};
     while (rounds-- > 0) {
         sgt_surface s = {&saddles[below(g, COUNT_OF(saddles))], &dented};
         sgt_options opt = chance(g, 0.6) ? (sgt_options){0} : hostile_options(g);
@@ -154,14 +154,14 @@ static const sgt_surface front_surface = {&sgt_conic_ops, &front};
 static void add_lens(generator *g, int rounds)
 {
     const sgt_conic back = {.c = -0.03, .k = -0.6}, flat = {0}, mirror = {.c = -0.02, .k = -1};
-    const sgt_asphere corrector = {.c = 0.01, .k = -1, .semi_diameter = 9, .a = {0, 1e-5, -2e-8, 1e-11}};
+    const sgt_even_asphere corrector = {.c = 0.01, .k = -1, .semi_diameter = 9, .a = {0, 1e-5, -2e-8, 1e-11}};
     const sgt_element e[] = {
         {.surface = front_surface, .pose = {.origin = {0, 0, 5}}, .index = 1.62, .semi_diameter = 8},
         {.surface = {&sgt_conic_ops, &back}, .pose = {.origin = {0, 0, 9}}, .index = 1, .semi_diameter = 8},
         {.surface = {&sgt_conic_ops, &flat},
          .pose = sgt_pose_tilted((sgt_vec3){0, 0.1, 12}, (sgt_vec3){2, -3, 10}),
          .semi_diameter = 5},
-        {.surface = {&sgt_asphere_ops, &corrector}, .pose = {.origin = {0, 0, 15}}, .index = 1.5},
+        {.surface = {&sgt_even_asphere_ops, &corrector}, .pose = {.origin = {0, 0, 15}}, .index = 1.5},
         {.surface = {&saddles[3], &dented},
          .pose = sgt_pose_tilted((sgt_vec3){0, 0, 20}, (sgt_vec3){0, 5, 0}),
          .index = 1},
@@ -169,7 +169,7 @@ static void add_lens(generator *g, int rounds)
          .pose = {.origin = {0, 0, 40}},
          .index = SGT_MIRROR,
          .semi_diameter = 30},
-        {.surface = {&sgt_asphere_ops, &corrector},
+        {.surface = {&sgt_even_asphere_ops, &corrector},
          .pose = sgt_pose_tilted((sgt_vec3){0, 0, 30}, (sgt_vec3){0, 90, 0}),
          .index = 1.8},
         {.surface = {&sgt_conic_ops, &flat}, .pose = {.origin = {0, 0, 2}}, .index = 1},
@@ -177,13 +177,13 @@ static void add_lens(generator *g, int rounds)
     enum { ELEMENTS = COUNT_OF(e) };
     static hit_arrays met[ELEMENTS];
     static double direction[ELEMENTS][3][BATCH], opl[ELEMENTS][BATCH], end[7][BATCH];
-    static signed char fates[BATCH];
+    static sgt_fate fates[BATCH];
     static int passed[BATCH];
-    const specimen like = {.type = sgt_builtins, .size = 8, .sag = true};
+    const specimen like = {.type = sgt_builtins(), .size = 8, .sag = true};
     sgt_passages recorded[ELEMENTS];
     for (int j = 0; j < ELEMENTS; j++)
         recorded[j] = (sgt_passages){
-            pointers(&met[j]), {direction[j][0], direction[j][1], direction[j][2]}, opl[j]};
+            pointers(&met[j]), {direction[j][0], direction[j][1], direction[j][2]}, opl[j], {0}};
     const sgt_traced out = {.fate = fates,
                             .passed = passed,
                             .o = {end[0], end[1], end[2]},
@@ -256,12 +256,12 @@ int main(int argc, char **argv)
     enum { FIRST_TYPES = 20 };
     generator g = {test_seed(2)};
     double scale = test_scale();
-    for (int i = 0; i < FIRST_TYPES; i++) part_of_type(&sgt_builtins[i], &g, scale, argc, argv);
+    for (int i = 0; i < FIRST_TYPES; i++) part_of_type(&sgt_builtins()[i], &g, scale, argc, argv);
     generator own = {random_bits(&g)}, lens = {random_bits(&g)}, poses = {random_bits(&g)};
     if (begin("own surface", argc, argv)) add_own_surface(&own, (int)(60 * scale) + 1), end("own surface");
     if (begin("lens", argc, argv)) add_lens(&lens, (int)(60 * scale) + 1), end("lens");
     if (begin("poses", argc, argv)) add_poses(&poses, (int)(1000 * scale) + 1), end("poses");
-    for (const sgt_builtin *b = &sgt_builtins[FIRST_TYPES]; b->type; b++)
+    for (const sgt_builtin *b = &sgt_builtins()[FIRST_TYPES]; b->type; b++)
         part_of_type(b, &g, scale, argc, argv);
     return 0;
 }

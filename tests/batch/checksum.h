@@ -2,6 +2,7 @@
 #ifndef TESTS_BATCH_CHECKSUM_H
 #define TESTS_BATCH_CHECKSUM_H
 
+#include "../ends.h"
 #include "hostile.h"
 
 #include <sagitta/sensitivity.h>
@@ -42,12 +43,12 @@ static double in[8][BATCH];
 static sgt_rays as_arrays(size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        for (int j = 0; j < 8; j++) in[j][i] = *component(&rays[i], j);
+        for (int j = 0; j < 8; j++) in[j][i] = j == 7 ? end_of(&rays[i]) : *component(&rays[i], j);
     return (sgt_rays){{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]};
 }
 
 typedef struct hit_arrays {
-    signed char status[BATCH];
+    sgt_status status[BATCH];
     int evals[BATCH];
     double number[10][BATCH];
 } hit_arrays;

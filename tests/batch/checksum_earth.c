@@ -24,13 +24,14 @@ static sgt_geoid *rough_geoid(generator *g)
         if (i > 1) memcpy(&word, &height, sizeof word);
         for (int shift = 24; shift >= 0; shift -= 8) *at++ = (unsigned char)(word >> shift);
     }
-    char path[] = "/tmp/checksum_earth.XXXXXX", error[200] = "no file can be written in /tmp";
+    char path[] = "/tmp/checksum_earth.XXXXXX";
+    sgt_error error = {.words = "no file can be written in /tmp"};
     int file = mkstemp(path);
     sgt_geoid *geoid = file >= 0 && write(file, bytes, sizeof bytes) == (ssize_t)sizeof bytes
-                           ? sgt_geoid_open(path, error, sizeof error)
+                           ? sgt_geoid_open(path, &error)
                            : NULL;
     if (file >= 0) close(file), unlink(path);
-    if (!geoid) fprintf(stderr, "%s\n", error);
+    if (!geoid) fprintf(stderr, "%s\n", error.words);
     return geoid;
 }
 
@@ -70,7 +71,7 @@ int main(int argc, char **argv)
     double scale = test_scale();
     sgt_geoid *geoid = rough_geoid(&g);
     if (!geoid) return 1;
-    for (const sgt_builtin *b = sgt_geo_builtins; b->type; b++) {
+    for (const sgt_builtin *b = sgt_geo_builtins(); b->type; b++) {
         generator own = {random_bits(&g)};
         if (begin(b->type, argc, argv)) add_type(b, &own, (int)(40 * scale) + 1, geoid), end(b->type);
     }

@@ -187,7 +187,7 @@ static UNUSED sgt_vec3 random_vector_of(generator *g, double lo, double hi)
 
 typedef union parameters {
     sgt_conic conic;
-    sgt_asphere asphere;
+    sgt_even_asphere asphere;
     sgt_julia julia;
     sgt_mandelbrot mandelbrot;
     unsigned char byte[512];
@@ -381,7 +381,7 @@ static UNUSED double random_conic_constant(generator *g)
 static UNUSED bool random_parameters(generator *g, const sgt_builtin *type, parameters *with)
 {
     memset(with, 0, sizeof *with);
-    if (type->ops == &sgt_conic_ops || type->ops == &sgt_asphere_ops) {
+    if (type->ops == &sgt_conic_ops || type->ops == &sgt_even_asphere_ops) {
         bool plane = !strcmp(type->type, "plane"), sphere = !strcmp(type->type, "sphere");
         sgt_conic s = {.c = plane ? 0 : signed_scale(g, -4, 2)};
         if (!plane && !sphere) s.k = random_conic_constant(g);
@@ -390,7 +390,7 @@ static UNUSED bool random_parameters(generator *g, const sgt_builtin *type, para
         if (chance(g, 0.6)) s.semi_diameter = chance(g, 0.1) ? edge : rim;
         if (type->ops == &sgt_conic_ops) with->conic = s;
         else {
-            with->asphere = (sgt_asphere){
+            with->asphere = (sgt_even_asphere){
                 .c = chance(g, 0.1) ? 0 : s.c, .k = s.k, .semi_diameter = s.semi_diameter};
             int terms = below(g, 9);
             double strong = any_scale(g, -6, chance(g, 0.2) ? 1.5 : 0);
@@ -446,7 +446,10 @@ static UNUSED const sgt_param *param_of(const sgt_builtin *type, const char *nam
 }
 
 /* The power of a length that number i, j of a parameter has. */
-static UNUSED int power_of_length(sgt_unit u, int i, int j) { return u.length + i * u.by_i + j * u.by_j; }
+static UNUSED int power_of_length(sgt_param_unit u, int i, int j)
+{
+    return u.length + i * u.by_i + j * u.by_j;
+}
 
 /* A surface of the size h, its departure `strong` h. */
 static UNUSED void random_by_row(generator *g, const sgt_builtin *type, parameters *with, double h,
@@ -458,27 +461,28 @@ static UNUSED void random_by_row(generator *g, const sgt_builtin *type, paramete
     memset(with, 0, sizeof *with);
     for (const sgt_param *p = type->params; p->name; p++) {
         unsigned char *at = with->byte + p->offset;
-        if (p->kind == SGT_WHOLE || p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+        if (p->kind == SGT_PARAM_WHOLE || p->kind == SGT_PARAM_WORD || p->kind == SGT_PARAM_TRUTH) {
             int whole = (int)p->lo + below(g, (int)(p->hi < 20 ? p->hi - p->lo : 20 - p->lo) + 1);
             memcpy(at, &whole, sizeof whole);
-        } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+        } else if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
             bool heights = !strcmp(p->name, "sag"); /* at least four by four, of any size in a row */
-            int most = p->kind == SGT_LIST ? LONGEST_LIST : LARGEST_TABLE, least = heights ? 4 : 1;
+            int most = p->kind == SGT_PARAM_LIST ? LONGEST_LIST : LARGEST_TABLE, least = heights ? 4 : 1;
             if (chance(g, 0.9)) most /= 3; /* long ones seldom: they are dear */
-            size_t rows = p->kind == SGT_LIST ? 1 : (size_t)(least + below(g, most)),
+            size_t rows = p->kind == SGT_PARAM_LIST ? 1 : (size_t)(least + below(g, most)),
                    columns = (size_t)(least + below(g, most));
             if (!heights && chance(g, 0.05)) rows = columns = 0;
             sgt_numbers all = {kept_numbers(rows * columns), rows, columns};
             double *x = (double *)(uintptr_t)all.x;
             for (size_t i = 0; i < rows; i++)
                 for (size_t j = 0; j < columns; j++) {
-                    int m = p->kind == SGT_LIST ? (int)j : (int)i, n = p->kind == SGT_LIST ? 0 : (int)j;
+                    int m = p->kind == SGT_PARAM_LIST ? (int)j : (int)i,
+                        n = p->kind == SGT_PARAM_LIST ? 0 : (int)j;
                     double falling = heights ? 1 : 1 / (1 + (double)(m + n) * (m + n));
                     falling *= strong * whole_power(h, power_of_length(p->unit, m, n));
                     x[i * columns + j] = chance(g, 0.15) ? 0 : falling * uniform(g, -1, 1);
                 }
             memcpy(at, &all, sizeof all);
-        } else if (p->kind == SGT_TERMS) {
+        } else if (p->kind == SGT_PARAM_TERMS) {
             static const char *const kinds[] = {"even_asphere", "odd_asphere", "polynomial_xy", "chebyshev",
                                                 "zernike",      "q_con",       "q_bfs",         "grid",
                                                 "toroidal",     "biconic"};
@@ -486,7 +490,7 @@ static UNUSED void random_by_row(generator *g, const sgt_builtin *type, paramete
             if (used + n > TERMS) used = 0;
             const sgt_surface *first = terms + used;
             for (size_t i = 0; i < n; i++, used++) {
-                const sgt_builtin *kind = sgt_builtins;
+                const sgt_builtin *kind = sgt_builtins();
                 for (int chosen_kind = below(g, COUNT_OF(kinds));
                      kind->type && strcmp(kind->type, kinds[chosen_kind]);)
                     kind++;
@@ -495,12 +499,12 @@ static UNUSED void random_by_row(generator *g, const sgt_builtin *type, paramete
             }
             memcpy(at, &first, sizeof first), memcpy(at + sizeof first, &n, sizeof n);
         } else {
-            bool list = p->count > 1 && p->kind == SGT_REAL;
+            bool list = p->count > 1 && p->kind == SGT_PARAM_REAL;
             for (int i = 0; i < p->count; i++) {
                 int power = power_of_length(p->unit, i, 0);
                 double x = uniform(g, -1, 1);
                 if (list) x = chance(g, 0.2) ? 0 : x * strong / (1 + (double)i * i);
-                else if (power == 1 && p->kind == SGT_REAL) x = uniform(g, 0.3, 1.5);
+                else if (power == 1 && p->kind == SGT_PARAM_REAL) x = uniform(g, 0.3, 1.5);
                 else if (power == -1) x = chance(g, 0.2) ? 0 : signed_scale(g, -3, 0);
                 else if (power == 0) x *= chance(g, 0.3) ? 0 : 2;
                 if (!strcmp(p->name, "semi_diameter")) x = chance(g, 0.6);
@@ -521,15 +525,15 @@ static UNUSED void spoil(generator *g, const sgt_builtin *type, parameters *with
     const sgt_param *p = &type->params[below(g, rows)];
     unsigned char *at = with->byte + p->offset;
     double x = chance(g, 0.5) ? hostile_number(g) : uniform(g, -2, 2);
-    if (p->kind == SGT_WHOLE || p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+    if (p->kind == SGT_PARAM_WHOLE || p->kind == SGT_PARAM_WORD || p->kind == SGT_PARAM_TRUTH) {
         int whole = chance(g, 0.7) ? (int)uniform(g, p->lo, p->hi + 1) : below(g, 400) - 200;
         memcpy(at, &whole, sizeof whole);
-    } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+    } else if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
         sgt_numbers all;
         memcpy(&all, at, sizeof all);
         if (all.rows > 0 && all.columns > 0)
             ((double *)(uintptr_t)all.x)[below(g, (int)(all.rows * all.columns))] = x;
-    } else if (p->kind != SGT_TERMS) memcpy(at + sizeof x * (size_t)below(g, p->count), &x, sizeof x);
+    } else if (p->kind != SGT_PARAM_TERMS) memcpy(at + sizeof x * (size_t)below(g, p->count), &x, sizeof x);
 }
 
 static UNUSED sgt_hit alone(const specimen *s, sgt_ray ray, sgt_pick pick)
@@ -542,7 +546,7 @@ static UNUSED void survey(generator *g, specimen *s)
 {
     s->sag = param_of(s->type, "semi_diameter") != NULL;
     if (!(s->size > 0)) s->size = 2;
-    if (s->type->ops == &sgt_conic_ops || s->type->ops == &sgt_asphere_ops) {
+    if (s->type->ops == &sgt_conic_ops || s->type->ops == &sgt_even_asphere_ops) {
         double v[3]; /* an asphere begins as a conic does */
         memcpy(v, &s->with, sizeof v);
         double e = (1 + v[1]) * v[0] * v[0], edge = e > 0 ? 1 / sqrt(e) : v[0] != 0 ? 2 / fabs(v[0]) : 10;
@@ -920,21 +924,21 @@ static UNUSED void print_parameters(const sgt_builtin *type, const parameters *w
     for (const sgt_param *p = type->params; p->name; p++) {
         const unsigned char *at = with->byte + p->offset;
         printf("  %s", p->name);
-        if (p->kind == SGT_WHOLE || p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+        if (p->kind == SGT_PARAM_WHOLE || p->kind == SGT_PARAM_WORD || p->kind == SGT_PARAM_TRUTH) {
             int whole;
             memcpy(&whole, at, sizeof whole);
             printf(" %d", whole);
-        } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+        } else if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
             sgt_numbers all;
             memcpy(&all, at, sizeof all);
             printf(" %zu x %zu", all.rows, all.columns);
             for (size_t i = 0; i < all.rows * all.columns; i++) print_number(all.x[i]);
-        } else if (p->kind == SGT_TERMS) {
+        } else if (p->kind == SGT_PARAM_TERMS) {
             const sgt_surface *terms;
             size_t n;
             memcpy(&terms, at, sizeof terms), memcpy(&n, at + sizeof terms, sizeof n);
             for (size_t i = 0; i < n; i++)
-                for (const sgt_builtin *kind = sgt_builtins; kind->type; kind++)
+                for (const sgt_builtin *kind = sgt_builtins(); kind->type; kind++)
                     if (!strcmp(kind->type, terms[i].ops->name))
                         printf("\n    "), print_parameters(kind, terms[i].self);
         } else for (int i = 0; i < p->count; i++) {

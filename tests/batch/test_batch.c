@@ -9,6 +9,7 @@
  *
  *     test_batch [TYPE]      SAGITTA_TEST_SCALE=100: 10^7 rays of each type; SAGITTA_TEST_SEED
  * */
+#include "../ends.h"
 #include "hostile.h"
 
 /* What is put to a batch, and the answers of each ray alone. */
@@ -42,6 +43,9 @@ static void report(question *q, size_t i, const char *what, const sgt_hit *batch
     if (batch) print_answer("batch", batch);
 }
 
+/* Number j of a ray, as a batch has it. */
+static double batch_number(sgt_ray *ray, int j) { return j == 7 ? end_of(ray) : *component(ray, j); }
+
 /* Asks for the rays in this order, with some outputs, and compares. */
 static void ask(question *q, generator *g, const size_t order[])
 {
@@ -58,7 +62,7 @@ static void ask(question *q, generator *g, const size_t order[])
     double *status_room = guarded_array(&out_status, g, status_wanted),
            *evals_room = guarded_array(&out_evals, g, evals_wanted);
     size_t shift = (size_t)below(g, 8), half = (size_t)below(g, 2); /* bytes and ints begin anywhere */
-    sgt_hits h = {.status = status_room ? (signed char *)status_room + shift : NULL,
+    sgt_hits h = {.status = status_room ? (sgt_status *)status_room + shift : NULL,
                   .evals = evals_room ? (int *)(void *)evals_room + half : NULL,
                   .t = to[0],
                   .t_err = to[1],
@@ -67,7 +71,7 @@ static void ask(question *q, generator *g, const size_t order[])
                   .p = {to[4], to[5], to[6]},
                   .n = {to[7], to[8], to[9]}};
     for (size_t i = 0; i < n; i++)
-        for (int j = 0; j < 8; j++) in[j][i] = *component(&rays[order[i]], j);
+        for (int j = 0; j < 8; j++) in[j][i] = batch_number(&rays[order[i]], j);
     sgt_rays r = {
         {in[0], in[1], in[2]}, {in[3], in[4], in[5]}, q->no_tmin ? NULL : in[6], q->no_tmax ? NULL : in[7]};
 
@@ -88,7 +92,7 @@ static void ask(question *q, generator *g, const size_t order[])
         if (!same_answer(a, &b))
             report(q, i, all ? "another answer" : "another answer, some outputs left out", &b);
         for (int j = 0; j < 8; j++)
-            if (bits_of(in[j][k]) != bits_of(*component(&rays[i], j)))
+            if (bits_of(in[j][k]) != bits_of(batch_number(&rays[i], j)))
                 report(q, i, "a ray was written to", NULL);
         positive += a->status > 0;
         compared++;
@@ -218,7 +222,7 @@ static void test_door(void)
     const sgt_surface bad[] = {{NULL, NULL}, {&empty, NULL}};
     const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
     for (size_t i = 0; i < COUNT_OF(bad); i++) {
-        signed char status[3] = {1, 1, 1};
+        sgt_status status[3] = {1, 1, 1};
         double t[3] = {0, 0, 0};
         sgt_rays r = {.o = {zero, zero, zero}, .d = {zero, zero, one}};
         size_t met = sgt_intersect_batch(bad[i], 3, r, (sgt_hits){.status = status, .t = t}, NULL);
@@ -237,9 +241,9 @@ int main(int argc, char **argv)
     printf("SAGITTA_TEST_SEED=%llu SAGITTA_TEST_SCALE=%g\n", (unsigned long long)seed, test_scale());
     test_door();
     bool faulty = failures > 0;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {
         if (argc > 1 && strcmp(argv[1], b->type)) continue;
-        generator g = {seed ^ (uint64_t)(b - sgt_builtins) << 40};
+        generator g = {seed ^ (uint64_t)(b - sgt_builtins()) << 40};
         bool known = !answers_itself(b);
         for (size_t i = 0; i < COUNT_OF(chosen); i++) known |= !strcmp(chosen[i].type, b->type);
         if (!known || b->size > sizeof(parameters))

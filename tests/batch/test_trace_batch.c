@@ -133,8 +133,8 @@ static void give_phase(generator *g, lens *l, size_t i)
 static void as_built(generator *g, lens *l)
 {
     const sgt_builtin *asphere = NULL;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
-        if (b->ops == &sgt_asphere_ops) asphere = b;
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
+        if (b->ops == &sgt_even_asphere_ops) asphere = b;
     double z = chance(g, 0.8) ? 0 : uniform(g, -2, 2), step = 1, index = 1;
     bool coaxial = chance(g, 0.5), tight = chance(g, 0.4);
     for (size_t i = 0; i < l->n; i++) {
@@ -149,8 +149,9 @@ static void as_built(generator *g, lens *l)
         survey(g, s);
         if (!coaxial && chance(g, 0.5))
             origin = sum(origin, (sgt_vec3){uniform(g, -0.3, 0.3), uniform(g, -0.3, 0.3), 0});
-        l->e[i] = (sgt_element){.surface = {chance(g, 0.6) ? &sgt_asphere_ops : &sgt_conic_ops, &s->with},
-                                .pose.origin = origin};
+        l->e[i] =
+            (sgt_element){.surface = {chance(g, 0.6) ? &sgt_even_asphere_ops : &sgt_conic_ops, &s->with},
+                          .pose.origin = origin};
         if (!coaxial && chance(g, 0.4))
             l->e[i].pose = sgt_pose_tilted(origin, chance(g, 0.2) ? (sgt_vec3){0, 0, 90.0 * below(g, 4)}
                                                                   : point(g, chance(g, 0.7) ? 8 : 40));
@@ -207,7 +208,7 @@ static void spoil_element(generator *g, lens *l, size_t i)
     case 4: e->pose.ey.x = hostile_number(g); break;
     case 5: /* (not of a quilt: that is shorter than an asphere) */
         e->surface = (sgt_surface){chance(g, 0.1)   ? NULL
-                                   : chance(g, 0.5) ? &sgt_asphere_ops
+                                   : chance(g, 0.5) ? &sgt_even_asphere_ops
                                                     : &sgt_conic_ops,
                                    &l->s[i].with};
         break;
@@ -222,11 +223,11 @@ static void spoil_element(generator *g, lens *l, size_t i)
 /* A surface of hostile.h; most of these are sags, level sets take long. */
 static void hostile_surface(generator *g, lens *l, size_t i)
 {
+    const sgt_builtin *all = sgt_builtins(), *type = all;
     int types = 0;
-    while (sgt_builtins[types].type && answers_itself(&sgt_builtins[types])) types++; /* they come first */
-    const sgt_builtin *type = &sgt_builtins[below(g, types)];
-    if (type->ops != &sgt_conic_ops && type->ops != &sgt_asphere_ops && chance(g, 0.9))
-        type = &sgt_builtins[0];
+    while (all[types].type && answers_itself(&all[types])) types++; /* they come first */
+    type = &all[below(g, types)];
+    if (type->ops != &sgt_conic_ops && type->ops != &sgt_even_asphere_ops && chance(g, 0.9)) type = all;
     l->s[i] = random_specimen(g, type);
     l->e[i].surface = surface_of(&l->s[i]);
 }
@@ -413,7 +414,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
     }
     double *fates = guarded_array(&fate_room, g, all || chance(g, 0.6)),
            *passes = guarded_array(&passed_room, g, all || chance(g, 0.5));
-    sgt_traced traced = {.fate = (signed char *)fates,
+    sgt_traced traced = {.fate = (sgt_fate *)fates,
                          .passed = (int *)(void *)passes,
                          .o = {to[0], to[1], to[2]},
                          .d = {to[3], to[4], to[5]},
@@ -428,7 +429,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
         for (int j = 0; j < OF_ELEMENT; j++) r->to[j] = guarded_array(&r->number[j], g, wanted[j]);
         double *status = guarded_array(&r->status, g, all || chance(g, 0.5)),
                *evals = guarded_array(&r->evals, g, all || chance(g, 0.5));
-        passages[k] = (sgt_passages){.hits = {.status = (signed char *)status,
+        passages[k] = (sgt_passages){.hits = {.status = (sgt_status *)status,
                                               .evals = (int *)(void *)evals,
                                               .t = r->to[0],
                                               .t_err = r->to[1],
@@ -453,7 +454,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
                                      a->ray.d.y, a->ray.d.z, a->opl};
         compared++;
         expected += a->passed == l->n && a->fate == SGT_PASSED;
-        if (traced.fate && traced.fate[i] != (signed char)a->fate) report(l, opt, i, "another fate");
+        if (traced.fate && traced.fate[i] != a->fate) report(l, opt, i, "another fate");
         if (traced.passed && traced.passed[i] != (int)a->passed) report(l, opt, i, "another number passed");
         for (int j = 0; j < OF_RAY; j++)
             if (to[j] && !same(to[j][i], ends[j]))
@@ -475,7 +476,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
                                                           "p",         "p",         "n",         "n",     "n",
                                                           "direction", "direction", "direction", "opl"};
             const sgt_hits *b = &passages[k].hits;
-            if (b->status && b->status[i] != (signed char)h->status)
+            if (b->status && b->status[i] != h->status)
                 report(l, opt, i, "another status of a passage");
             if (b->evals && b->evals[i] != h->evals) report(l, opt, i, "other evaluations of a passage");
             for (int j = 0; j < OF_ELEMENT; j++)

@@ -9,6 +9,7 @@
  *     test_user_batch     SAGITTA_TEST_SCALE multiplies the number of batches, SAGITTA_TEST_SEED chooses
  *                         others
  * */
+#include "../ends.h"
 #include "hostile.h"
 
 #include <sagitta/interval.h>
@@ -296,14 +297,14 @@ static void ask(generator *g, const sgt_surface_ops *ops, const shape *s, const 
                 const size_t order[])
 {
     static double in[8][MOST], out[10][MOST + 2];
-    static signed char status[MOST + 2];
+    static sgt_status status[MOST + 2];
     static int evals[MOST + 2];
     bool some[12];
     for (int j = 0; j < 12; j++) some[j] = chance(g, 0.8);
     some[5] = some[6] = some[4], some[8] = some[9] = some[7];
     for (size_t i = 0; i < n; i++) {
         sgt_ray r = rays[order[i]];
-        const double numbers[] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax};
+        const double numbers[] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, end_of(&r)};
         for (int j = 0; j < 8; j++) in[j][i] = numbers[j];
     }
     for (size_t i = 0; i < n + 2; i++) {
@@ -389,13 +390,13 @@ static void watched_batch(generator *g)
     enum { COUNT = 90 };
     static double in[8][COUNT], t[2][COUNT];
     static int evals[2][COUNT];
-    static signed char status[2][COUNT];
+    static sgt_status status[2][COUNT];
     shape s = random_shape(g);
     sgt_surface_ops ops = random_offer(g);
     sgt_options opt = user_options(g, &s);
     for (size_t i = 0; i < COUNT; i++) {
         sgt_ray r = user_ray(g, (sgt_surface){&ops, &s}, &opt);
-        const double numbers[] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax};
+        const double numbers[] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, end_of(&r)};
         for (int j = 0; j < 8; j++) in[j][i] = numbers[j];
     }
     sgt_rays all = {{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]};

@@ -41,7 +41,7 @@ struct Lens {
 };
 
 sgt_conic spheres[40];
-sgt_asphere aspheres[8];
+sgt_even_asphere aspheres[8];
 sgt_odd_asphere odd;
 const double coefficients[16] = { 0, 1e-6, -2e-6, 1e-5, 2e-6, -1e-6 };
 sgt_zernike zernike;
@@ -80,7 +80,7 @@ std::vector<Lens> lenses()
     all.push_back(triplet("triplet, 3 even aspheres"));
     for (size_t i = 0; i < 3; i++) {
         aspheres[i] = { spheres[used - 7 + int(2 * i)].c, 0, 0, { 0, 1e-6, -2e-9, 1e-11 } };
-        all.back().e[2 * i].surface = { &sgt_asphere_ops, &aspheres[i] };
+        all.back().e[2 * i].surface = { &sgt_even_asphere_ops, &aspheres[i] };
     }
     all.push_back(triplet("triplet, 1 odd asphere"));
     odd = { 1 / 22.01359, 0, 12, { 0, 1e-5, 1e-6, -1e-8 } };
@@ -162,7 +162,7 @@ void derivatives(const Lens &lens)
 // Rooms for n rays.
 struct Room {
     std::vector<std::vector<double>> arrays;
-    std::vector<std::vector<signed char>> fates;
+    std::vector<std::vector<sgt_status>> fates;
     std::vector<sgt_passages> passages;
     size_t n;
     Room(size_t rays, size_t elements) : n(rays)

@@ -55,7 +55,7 @@ size_t compared_every(size_t n) { return n > 1000 ? 17 : 1; }
 
 struct Rays {  // and room for the answers
     Rays(const std::vector<sgt_ray> &from, const Size &size)
-        : n(size.n), block(16, n, size.pages), status(n), evals(n)
+        : n(size.n), block(16, n, size.pages), status(n), fate(n), evals(n)
     {
         for (int k = 0; k < 6; k++)
             in[k] = block.next();
@@ -88,11 +88,12 @@ struct Rays {  // and room for the answers
     }
     sgt_traced traced()
     {
-        return {status.data(), nullptr, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, nullptr};
+        return {fate.data(), nullptr, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, nullptr, {}};
     }
     void forget()
     {
-        std::fill(status.begin(), status.end(), static_cast<signed char>(77));
+        std::fill(status.begin(), status.end(), static_cast<sgt_status>(77));
+        std::fill(fate.begin(), fate.end(), static_cast<sgt_fate>(77));
         std::fill(evals.begin(), evals.end(), -77);
         for (double *array : out)
             std::fill(array, array + n, -77.0);
@@ -100,7 +101,8 @@ struct Rays {  // and room for the answers
     size_t n;
 private:
     Block block;
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
+    std::vector<sgt_fate> fate;
     std::vector<int> evals;
     double *in[6], *out[10];
 };
@@ -129,12 +131,12 @@ bool same(const sgt_hits &h, size_t i, const sgt_hit &hit)
 
 // ------------------------------------------------------------ one surface
 
-sgt_asphere plain(const Case &s) { return Surface(s).asphere; }
+sgt_even_asphere plain(const Case &s) { return Surface(s).asphere; }
 
 struct Work {
     const Case *of;
     Surface built_in;
-    sgt_asphere formula;
+    sgt_even_asphere formula;
     sgt_surface own;  // what the batch is asked of: the built-in or a user's
     Rays *rays;
     std::vector<double> points;
@@ -149,7 +151,7 @@ void one_by_one(Work &w)
     sgt_hits h = w.rays->hits(TARGET);
     for (size_t i = 0; i < w.rays->n; i++) {
         sgt_hit hit = sgt_intersect(w.own, w.rays->ray(i), nullptr);
-        h.status[i] = static_cast<signed char>(hit.status);
+        h.status[i] = hit.status;
         h.t[i] = hit.t, h.t_err[i] = hit.t_err;
         h.p[0][i] = hit.p.x, h.p[1][i] = hit.p.y, h.p[2][i] = hit.p.z;
         h.n[0][i] = hit.n.x, h.n[1][i] = hit.n.y, h.n[2][i] = hit.n.z;
@@ -340,7 +342,7 @@ struct Lens {
     {
         double z = 0;
         for (const Optic &o : from.optics) {
-            sgt_asphere s = {};
+            sgt_even_asphere s = {};
             s.c = o.radius != 0 ? 1 / o.radius : 0;
             s.k = o.k;
             bool terms = false;
@@ -360,7 +362,7 @@ struct Lens {
         }
         for (size_t i = 0; i < elements.size(); i++) {
             if (peers[i].asphere)
-                elements[i].surface = { &sgt_asphere_ops, &peers[i].surface };
+                elements[i].surface = { &sgt_even_asphere_ops, &peers[i].surface };
             else
                 elements[i].surface = { &sgt_conic_ops, &conics[i] };
         }
@@ -382,7 +384,7 @@ struct Passages {  // everything, of every element
         for (size_t k = 0; k < elements; k++) {
             sgt_passages p = {};
             p.hits = {&status[k * n], &evals[k * n], block.next(), block.next(), block.next(), {}, {},
-                      block.next()};
+                      block.next(), {}};
             for (int j = 0; j < 3; j++)
                 p.hits.p[j] = block.next(), p.hits.n[j] = block.next(), p.direction[j] = block.next();
             p.opl = block.next();
@@ -392,7 +394,7 @@ struct Passages {  // everything, of every element
     std::vector<sgt_passages> all;
 private:
     Block block;
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
     std::vector<int> evals;
 };
 
@@ -416,7 +418,7 @@ void trace_one_by_one(Tracing &w)
         sgt_ray ray = w.rays->ray(i);
         sgt_fate fate;
         sgt_trace(w.lens->elements.size(), w.lens->elements.data(), 1, &ray, nullptr, &fate, nullptr);
-        out.fate[i] = static_cast<signed char>(fate);
+        out.fate[i] = fate;
         out.o[0][i] = ray.o.x, out.o[1][i] = ray.o.y, out.o[2][i] = ray.o.z;
         out.d[0][i] = ray.d.x, out.d[1][i] = ray.d.y, out.d[2][i] = ray.d.z;
     }

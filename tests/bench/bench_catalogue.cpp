@@ -52,7 +52,7 @@ struct Arrays {
         return h;
     }
     std::vector<std::vector<double>> in, out;
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
     std::vector<int> evals;
 };
 
@@ -76,7 +76,7 @@ void one_by_one(const Work &w, Arrays &a, sgt_pick pick)
     const sgt_options opt = picking(pick);
     for (size_t i = 0; i < N; i++) {
         sgt_hit hit = sgt_intersect(w.of.s, rays()[i], &opt);
-        h.status[i] = static_cast<signed char>(hit.status);
+        h.status[i] = hit.status;
         h.t[i] = hit.t, h.t_err[i] = hit.t_err;
         h.p[0][i] = hit.p.x, h.p[1][i] = hit.p.y, h.p[2][i] = hit.p.z;
         h.n[0][i] = hit.n.x, h.n[1][i] = hit.n.y, h.n[2][i] = hit.n.z;

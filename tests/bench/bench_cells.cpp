@@ -407,7 +407,7 @@ Picture picture()
 }
 
 struct Answers {
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
     std::vector<int> evals;
     std::vector<double> t, t_err, t_lo, p[3], n[3], p_err;
     explicit Answers(size_t m) : status(m), evals(m), t(m), t_err(m), t_lo(m), p_err(m)
@@ -447,11 +447,11 @@ struct Text {
     explicit Text(const char *text)
     {
         room.resize(sgt_formula_room(text, 0) / sizeof(double) + 1);
-        sgt_formula_error error;
+        sgt_error error;
         formula.ball = BALL;
         formula.tape = sgt_formula_read(text, SGT_FORMULA_XYZ, 0, nullptr, room.data(),
                                         room.size() * sizeof(double), &error);
-        if (!formula.tape) std::printf("%s: column %zu: %s\n", text, error.column, error.text);
+        if (!formula.tape) std::printf("%s: column %zu: %s\n", text, error.column, error.words);
     }
 };
 

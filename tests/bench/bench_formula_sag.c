@@ -17,7 +17,7 @@
 
 enum { RAYS = 1000, TURNS = 41, CALLS = 20, ROOM = 1 << 16 };
 static double o[3][RAYS], d[3][RAYS], number[2][8][RAYS];
-static signed char status[2][RAYS];
+static sgt_status status[2][RAYS];
 
 static double now(void)
 {
@@ -68,9 +68,9 @@ static int unlike(void)
 static bool compare(const char *name, sgt_surface builtin, const char *text, size_t n, const sgt_named *named)
 {
     static double room[ROOM / sizeof(double)];
-    sgt_formula_error error;
+    sgt_error error;
     const sgt_tape *tape = sgt_formula_read(text, SGT_FORMULA_XY, n, named, room, sizeof room, &error);
-    if (!tape) return printf("%s: column %zu: %s\n", text, error.column, error.text), false;
+    if (!tape) return printf("%s: column %zu: %s\n", text, error.column, error.words), false;
     const sgt_formula_sag sag = {.tape = tape, .semi_diameter = 4};
     const sgt_surface formula = {&sgt_formula_sag_ops, &sag};
     double ns[4][TURNS];
@@ -98,14 +98,14 @@ int main(void)
 {
     launch();
     const sgt_conic conic = {.c = 0.1, .k = -0.6, .semi_diameter = 4};
-    const sgt_asphere asphere = {.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
+    const sgt_even_asphere asphere = {.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
     const sgt_named named[] = {{"c", 0.1}, {"k", -0.6}, {"a", 1e-4}, {"b", -2e-6}, {"g", 1e-8}};
     const sgt_named twist[] = {{"c", 0.1}, {"k", -0.6}, {"a", 1e-4}};
     printf("%-8s %14s %14s %8s %14s %14s %8s %8s\n", "ns a ray", "near, formula", "built-in", "times",
            "first, formula", "built-in", "times", "unlike");
     bool good = compare("conic", (sgt_surface){&sgt_conic_ops, &conic},
                         "c*r^2/(1 + sqrt(1 - (1 + k)*c^2*r^2))", 2, named);
-    good &= compare("asphere", (sgt_surface){&sgt_asphere_ops, &asphere},
+    good &= compare("asphere", (sgt_surface){&sgt_even_asphere_ops, &asphere},
                     "c*r^2/(1 + sqrt(1 - (1 + k)*c^2*r^2)) + a*r^4 + b*r^6 + g*r^8", 5, named);
     const sgt_odd_asphere odd = {.c = 0.1, .k = -0.6, .semi_diameter = 4,
                                  .a = {0, 0, 0, 1e-4, 0, -2e-6, 0, 1e-8}};

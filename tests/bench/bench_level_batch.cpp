@@ -150,7 +150,7 @@ int main(int argc, char **argv)
     const sgt_surface surface = { &sgt_julia_ops, &set };
     const size_t n = rays.size();
     Arrays in = { std::vector<double>(6 * n), n }, out = { std::vector<double>(10 * n), n };
-    std::vector<signed char> status(n);
+    std::vector<sgt_status> status(n);
     std::vector<int> evals(n);
     for (size_t i = 0; i < n; i++) {
         const double numbers[6] = {rays[i].o.x, rays[i].o.y, rays[i].o.z,

@@ -83,7 +83,7 @@ struct Arrays {
         for (size_t i = 0; i < n; i++) {
             const sgt_ray &r = from[i];
             const double x[] = { r.o.x, r.o.y, r.o.z,  r.d.x,
-                                 r.d.y, r.d.z, r.tmin, r.tmax == 0 && r.tmin >= 0 ? INFINITY : r.tmax };
+                                 r.d.y, r.d.z, r.tmin, r.tmax == 0 && r.tmin == 0 ? INFINITY : r.tmax };
             for (size_t k = 0; k < 8; k++)
                 in[k][i] = x[k];
         }
@@ -108,19 +108,21 @@ struct Arrays {
                  nullptr,
                  { &out[2][i], &out[3][i], &out[4][i] },
                  { &out[5][i], &out[6][i], &out[7][i] },
-                 nullptr };
+                 nullptr,
+                 {} };
     }
     sgt_traced traced()
     {
-        return { &status[0],
+        return { reinterpret_cast<sgt_fate *>(&status[0]), // one byte, as a status is
                  nullptr,
                  { &out[0][0], &out[1][0], &out[2][0] },
                  { &out[3][0], &out[4][0], &out[5][0] },
-                 nullptr };
+                 nullptr,
+                 {} };
     }
     size_t n;
     std::vector<std::vector<double>> in, out;
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
 };
 
 std::vector<sgt_ray> bundle(size_t n)
@@ -184,7 +186,7 @@ struct Side {  // rays, and the surface or the lens that they meet
         Arrays &a = *arrays;
         for (size_t i = 0; i < few(); i++) {
             double x[8] = { 0, 0, 0, 0, 0, 0, 0, 0 };
-            a.status[i] = static_cast<signed char>(one(i, opt, x));
+            a.status[i] = static_cast<sgt_status>(one(i, opt, x));
             for (size_t k = 0; k < 8; k++)
                 a.out[k][i] = x[k];
         }
@@ -225,7 +227,7 @@ struct Side {  // rays, and the surface or the lens that they meet
         std::string said;
         for (int status = 4; status >= -5; status--) {
             long count =
-                std::count(arrays->status.begin(), arrays->status.end(), static_cast<signed char>(status));
+                std::count(arrays->status.begin(), arrays->status.end(), status);
             const char *text = lens.empty() ? sgt_status_text(static_cast<sgt_status>(status))
                                             : sgt_fate_text(static_cast<sgt_fate>(status));
             if (count)
@@ -393,8 +395,8 @@ sgt_surface conic(double c, double k, double rim) { return of_conic(sgt_conic{ c
 
 sgt_surface asphere(double rim, double strength)
 {
-    return { &sgt_asphere_ops,
-             kept.keep(sgt_asphere{ C, K, rim, { 0, 1e-4 * strength, -2e-6 * strength, 1e-8 * strength } }) };
+    return {&sgt_even_asphere_ops,
+            kept.keep(sgt_even_asphere{C, K, rim, {0, 1e-4 * strength, -2e-6 * strength, 1e-8 * strength}})};
 }
 
 std::vector<Subject> sags(double rim)
@@ -837,13 +839,13 @@ sgt_surface built(const Drawn &d, const std::string &type, double c, double k, d
     if (type == "conic")
         return conic(c, k, rim);
     if (type == "even_asphere" || type == "toroidal") {
-        sgt_asphere s = { c, k, rim, {} };
+        sgt_even_asphere s = { c, k, rim, {} };
         sgt_toroidal toroid = { c, k, c == 0 ? 0 : d.c_x, rim, {} };
         for (size_t i = 0; i < d.terms; i++)
             s.a[i] = toroid.a[i] = power(i, 2 * i + 2);
         if (type == "toroidal")
             return { &sgt_toroidal_ops, kept.keep(toroid) };
-        return { &sgt_asphere_ops, kept.keep(s) };
+        return { &sgt_even_asphere_ops, kept.keep(s) };
     }
     if (type == "odd_asphere") {
         sgt_odd_asphere s = { c, k, rim, {} };

@@ -60,7 +60,7 @@ CLONES ONE_LOOP void peer_copy_traced(size_t n, sgt_rays rays, sgt_traced out)
 typedef struct value { double f; sgt_vec3 n; } value;
 
 /* F = z - s(x, y) and its gradient. */
-INLINE value formula(const sgt_asphere *s, bool asphere, double x, double y, double z)
+INLINE value formula(const sgt_even_asphere *s, bool asphere, double x, double y, double z)
 {
     double r2 = x * x + y * y;
     double root = sqrt(1 - (1 + s->k) * s->c * s->c * r2);
@@ -80,7 +80,7 @@ INLINE sgt_vec3 along(sgt_vec3 o, sgt_vec3 d, double t)
 
 /* t of the conic from a point on the vertex plane, by the form of the quadratic formula that does not
  * cancel. */
-INLINE double conic_root(const sgt_asphere *s, sgt_vec3 p, sgt_vec3 d)
+INLINE double conic_root(const sgt_even_asphere *s, sgt_vec3 p, sgt_vec3 d)
 {
     double a = s->c * (d.x * d.x + d.y * d.y + (1 + s->k) * d.z * d.z);
     double b = d.z - s->c * (d.x * p.x + d.y * p.y);
@@ -88,14 +88,14 @@ INLINE double conic_root(const sgt_asphere *s, sgt_vec3 p, sgt_vec3 d)
     return c / (b + copysign(sqrt(b * b - a * c), b));
 }
 
-INLINE double newton_step(const sgt_asphere *s, sgt_vec3 p, sgt_vec3 d)
+INLINE double newton_step(const sgt_even_asphere *s, sgt_vec3 p, sgt_vec3 d)
 {
     value v = formula(s, true, p.x, p.y, p.z);
     return v.f / (v.n.x * d.x + v.n.y * d.y + v.n.z * d.z);
 }
 
 /* Steps of a fixed number, unrolled: three from the conic's root settle every ray and surface here. */
-INLINE double asphere_root(const sgt_asphere *s, sgt_vec3 p, sgt_vec3 d)
+INLINE double asphere_root(const sgt_even_asphere *s, sgt_vec3 p, sgt_vec3 d)
 {
     double t = conic_root(s, p, d);
     t -= newton_step(s, along(p, d, t), d);
@@ -104,7 +104,7 @@ INLINE double asphere_root(const sgt_asphere *s, sgt_vec3 p, sgt_vec3 d)
     return t;
 }
 
-INLINE double asphere_root_at_leisure(const sgt_asphere *s, sgt_vec3 p, sgt_vec3 d)
+INLINE double asphere_root_at_leisure(const sgt_even_asphere *s, sgt_vec3 p, sgt_vec3 d)
 {
     double t = conic_root(s, p, d);
     for (int i = 0; i < 100; i++) {
@@ -117,9 +117,9 @@ INLINE double asphere_root_at_leisure(const sgt_asphere *s, sgt_vec3 p, sgt_vec3
 
 /* ------------------------------------------------------------ one surface, batch */
 
-INLINE void meet(const sgt_asphere *s, bool asphere, size_t n, const sgt_rays *rays, const sgt_hits *out)
+INLINE void meet(const sgt_even_asphere *s, bool asphere, size_t n, const sgt_rays *rays, const sgt_hits *out)
 {
-    const sgt_asphere own = *s;
+    const sgt_even_asphere own = *s;
     const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0], *dy = rays->d[1],
                  *dz = rays->d[2];
     double *t = out->t, *px = out->p[0], *py = out->p[1], *pz = out->p[2], *nx = out->n[0], *ny = out->n[1],
@@ -139,11 +139,11 @@ INLINE void meet(const sgt_asphere *s, bool asphere, size_t n, const sgt_rays *r
     for (size_t i = 0; i < n; i++) out->status[i] = t[i] == t[i] ? SGT_HIT : SGT_MISS;
 }
 
-CLONES void peer_closed_form(const sgt_asphere *s, size_t n, sgt_rays rays, sgt_hits out)
+CLONES void peer_closed_form(const sgt_even_asphere *s, size_t n, sgt_rays rays, sgt_hits out)
 {
     meet(s, false, n, &rays, &out);
 }
-CLONES void peer_newton(const sgt_asphere *s, size_t n, sgt_rays rays, sgt_hits out)
+CLONES void peer_newton(const sgt_even_asphere *s, size_t n, sgt_rays rays, sgt_hits out)
 {
     meet(s, true, n, &rays, &out);
 }
@@ -159,7 +159,7 @@ static double own_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 
 CLONES static void own_values(const void *self, size_t n, sgt_points points, sgt_values out)
 {
-    const sgt_asphere own = *(const sgt_asphere *)self;
+    const sgt_even_asphere own = *(const sgt_even_asphere *)self;
     const double *x = points.p[0], *y = points.p[1], *z = points.p[2];
     double *f = out.f, *gx = out.grad[0], *gy = out.grad[1], *gz = out.grad[2];
     if (gx) {

@@ -2,8 +2,8 @@
  * checked.
  *
  * In C, so that they are built as the library is: its flags, its clones, or the one kind that -Dclones
- * names.  A surface is z = s(x, y), a conic and the terms a[0] r^2 ... a[3] r^8 (of a sgt_asphere the rest
- * is not read). */
+ * names.  A surface is z = s(x, y), a conic and the terms a[0] r^2 ... a[3] r^8 (of a sgt_even_asphere the
+ * rest is not read). */
 #ifndef BENCH_PEERS_H
 #define BENCH_PEERS_H
 #include <sagitta/surfaces.h>
@@ -24,8 +24,8 @@ void peer_copy_traced(size_t n, sgt_rays rays, sgt_traced out);
 
 /* status, t, p, n of a conic by the quadratic formula; of any surface by Newton from the conic's root, the
  * number of steps fixed. */
-void peer_closed_form(const sgt_asphere *s, size_t n, sgt_rays rays, sgt_hits out);
-void peer_newton(const sgt_asphere *s, size_t n, sgt_rays rays, sgt_hits out);
+void peer_closed_form(const sgt_even_asphere *s, size_t n, sgt_rays rays, sgt_hits out);
+void peer_newton(const sgt_even_asphere *s, size_t n, sgt_rays rays, sgt_hits out);
 
 /* A surface of a user's own, the same formula: value and span; those with `values`; those with `spans` as
  * well. */
@@ -36,7 +36,7 @@ extern const sgt_surface_ops peer_own_value, peer_own_values, peer_own_spans;
  * Newton from there: ray by ray until a step is below 1e-8, which leaves its square; in tiles, element by
  * element, by steps of a fixed number. */
 typedef struct peer_element {
-    sgt_asphere surface;
+    sgt_even_asphere surface;
     bool asphere;
     double z, index;
 } peer_element;

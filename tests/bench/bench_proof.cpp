@@ -88,8 +88,8 @@ double steepest(sgt_surface s, double aperture)
     if (s.ops == &sgt_conic_ops) {
         const sgt_conic *q = static_cast<const sgt_conic *>(s.self);
         c = q->c, k = q->k, rim = q->semi_diameter;
-    } else if (s.ops == &sgt_asphere_ops) {
-        const sgt_asphere *q = static_cast<const sgt_asphere *>(s.self);
+    } else if (s.ops == &sgt_even_asphere_ops) {
+        const sgt_even_asphere *q = static_cast<const sgt_even_asphere *>(s.self);
         c = q->c, k = q->k, rim = q->semi_diameter, a = q->a;
     } else {
         return NAN;
@@ -169,12 +169,12 @@ private:
     std::vector<double> block;
     double *in[6], *out[12];
 public:
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
 };
 
 void put(const sgt_hits &h, size_t i, const sgt_hit &hit)
 {
-    h.status[i] = static_cast<signed char>(hit.status);
+    h.status[i] = hit.status;
     h.t[i] = hit.t, h.t_err[i] = hit.t_err;
     h.p[0][i] = hit.p.x, h.p[1][i] = hit.p.y, h.p[2][i] = hit.p.z;
     h.n[0][i] = hit.n.x, h.n[1][i] = hit.n.y, h.n[2][i] = hit.n.z;
@@ -223,7 +223,7 @@ void add_surface(std::vector<Row> &rows, const std::string &name, sgt_surface s,
     };
     row.pass(SGT_ESTIMATE);
     one.pass(SGT_ESTIMATE);
-    const std::vector<signed char> estimate = a->status;
+    const std::vector<sgt_status> estimate = a->status;
     std::vector<double> t(a->hits().t, a->hits().t + a->n), t_err(a->hits().t_err, a->hits().t_err + a->n);
     for (int k = 0; k < 2; k++) {
         size_t unproven = 0;
@@ -290,11 +290,11 @@ sgt_surface surface_of(const Sag &s, double rim)
         *made = { s.c, s.k, rim };
         return { &sgt_conic_ops, made };
     }
-    sgt_asphere *made = new sgt_asphere;
+    sgt_even_asphere *made = new sgt_even_asphere;
     *made = {};
     made->c = s.c, made->k = s.k, made->semi_diameter = rim;
     std::copy(TERMS, TERMS + s.terms, made->a);
-    return { &sgt_asphere_ops, made };
+    return { &sgt_even_asphere_ops, made };
 }
 
 // ---------------------------------------------------------------- level sets
@@ -341,7 +341,7 @@ void add_lens(std::vector<Row> &rows, const std::string &name, const proof_lens 
     };
     size_t met = 0, decided = 0, unproven[2] = {};
     row.pass(SGT_ESTIMATE);
-    const std::vector<signed char> estimates = a->status;
+    const std::vector<sgt_status> estimates = a->status;
     for (int k = 0; k < 2; k++) {
         row.pass(PROOFS[k + 1]);
         for (size_t i = 0; i < n; i++) {
@@ -383,7 +383,7 @@ void add_lens(std::vector<Row> &rows, const std::string &name, const proof_lens 
             sgt_fate fate;
             sgt_ray ray;
             trace(i, proof, nullptr, &fate, &ray);
-            out.fate[i] = static_cast<signed char>(fate);
+            out.fate[i] = fate;
             out.o[0][i] = ray.o.x, out.o[1][i] = ray.o.y, out.o[2][i] = ray.o.z;
             out.d[0][i] = ray.d.x, out.d[1][i] = ray.d.y, out.d[2][i] = ray.d.z;
         }

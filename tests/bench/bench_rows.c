@@ -41,7 +41,7 @@ static sgt_passages *answers(size_t elements)
 static size_t trace(const sgt_lens *lens, double *const ray[6], size_t first, size_t count, sgt_passages *out)
 {
     double end[6][RAYS];
-    signed char fate[RAYS];
+    sgt_fate fate[RAYS];
     int passed[RAYS];
     size_t through = 0;
     const sgt_rays in = {.o = {ray[0] + first, ray[1] + first, ray[2] + first},
@@ -62,7 +62,7 @@ static void launch(const sgt_lens *lens, size_t n, double *const ray[6])
     sgt_launched *out = malloc(n * sizeof *out);
     if (!from || !at || !out || !sgt_launch_field(from, SGT_FIELD_ANGLE, &axis, &beam, NULL)) exit(1);
     sgt_pupil_points(SGT_PATTERN_RANDOM, n, 1, n, at);
-    sgt_launch_rays(from, &beam, lens->element, lens->index_before, n, at, out);
+    sgt_launch_rays(from, &beam, lens->element, lens->index_before, n, at, out, NULL);
     for (size_t i = 0; i < n; i++) {
         const sgt_ray *r = &out[i].ray;
         const double number[] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z};
@@ -74,7 +74,7 @@ static void launch(const sgt_lens *lens, size_t n, double *const ray[6])
 
 int main(int argc, char *argv[])
 {
-    sgt_lens_error error;
+    sgt_error error;
     sgt_lens *lens = argc == 4 ? sgt_lens_read(argv[1], NULL, &error) : NULL;
     if (!lens) return fprintf(stderr, "bench_rows LENS N THREADS\n"), 2;
     const size_t n = strtoul(argv[2], NULL, 10);

@@ -24,7 +24,7 @@ constexpr size_t TILE = 1000;
 struct Subject { const char *name; sgt_surface surface; };
 
 sgt_conic plane, sphere, conic;
-sgt_asphere three, eight, term;
+sgt_even_asphere three, eight, term;
 sgt_odd_asphere odd_asphere;
 sgt_polynomial_xy polynomial_xy, tilt;
 sgt_chebyshev chebyshev;
@@ -33,7 +33,7 @@ sgt_q_con q_con;
 sgt_q_bfs q_bfs;
 sgt_grid grid;
 sgt_sum sum;
-sgt_surface terms[2] = { { &sgt_asphere_ops, &term }, { &sgt_polynomial_xy_ops, &tilt } };
+sgt_surface terms[2] = { { &sgt_even_asphere_ops, &term }, { &sgt_polynomial_xy_ops, &tilt } };
 sgt_toroidal toroidal;
 sgt_biconic biconic;
 sgt_quadric quadric;
@@ -92,8 +92,8 @@ std::vector<Subject> subjects()
         { "plane", { &sgt_conic_ops, &plane } },
         { "sphere", { &sgt_conic_ops, &sphere } },
         { "conic", { &sgt_conic_ops, &conic } },
-        { "asphere-3-terms", { &sgt_asphere_ops, &three } },
-        { "asphere-8-terms", { &sgt_asphere_ops, &eight } },
+        { "asphere-3-terms", { &sgt_even_asphere_ops, &three } },
+        { "asphere-8-terms", { &sgt_even_asphere_ops, &eight } },
         { "odd-asphere", { &sgt_odd_asphere_ops, &odd_asphere } },
         { "polynomial-5x5", { &sgt_polynomial_xy_ops, &polynomial_xy } },
         { "chebyshev-5x5", { &sgt_chebyshev_ops, &chebyshev } },
@@ -213,7 +213,7 @@ private:
       return {{ray[0] + i, ray[1] + i, ray[2] + i}, {ray[3] + i, ray[4] + i, ray[5] + i}, nullptr, nullptr};
   }
     Block in, out;
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
     std::vector<double *> by_parameter, turned[3];
     double *ray[6], *by_ray[3], *turned_by_ray[3][2];
     sgt_hits hits;

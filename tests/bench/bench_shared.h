@@ -181,11 +181,11 @@ const Peer PEERS[] = {
 
 struct Surface {  // a case as sagitta takes it
     sgt_conic conic;
-    sgt_asphere asphere;
+    sgt_even_asphere asphere;
     sgt_surface surface() const
     {
         if (is_asphere)
-            return { &sgt_asphere_ops, &asphere };
+            return { &sgt_even_asphere_ops, &asphere };
         return { &sgt_conic_ops, &conic };
     }
     bool is_asphere;

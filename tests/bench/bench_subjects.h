@@ -119,16 +119,16 @@ inline std::vector<Subject> subjects(Kept &kept, double rim = RIM)
                 noll = fringe16;
     fringe37.a = kept.list(37, 0.01), noll.order = SGT_NOLL, noll.normalised = 1,
     noll.a = kept.list(231, 0.005);
-    sgt_asphere even = { C, K, rim, { 0, 1e-4, -2e-6, 1e-8 } };
+    sgt_even_asphere even = { C, K, rim, { 0, 1e-4, -2e-6, 1e-8 } };
     sgt_odd_asphere odd = { C, K, rim, { 0, 0, 5e-4, 1e-4, -2e-5, -2e-6, 1e-7, 1e-8 } };
     sgt_toroidal toroid = { C, K, 0.07, rim, { 0, 1e-4, -2e-6, 1e-8 } };
     const sgt_zernike *wave = kept.keep(fringe16);
-    std::vector<sgt_surface> terms = { { &sgt_zernike_ops, wave }, { &sgt_asphere_ops, kept.keep(even) } };
+    std::vector<sgt_surface> terms = {{&sgt_zernike_ops, wave}, {&sgt_even_asphere_ops, kept.keep(even)}};
     const std::vector<sgt_surface> *both = kept.keep(terms);
     sgt_quadric saddle = { { 0.05, 0.04, 0.01 }, { 0.01, 0.005, -0.005 }, { 0.02, 0.01, -1 }, -0.2 };
     std::vector<Subject> all = {
         {"conic", "conic", {&sgt_conic_ops, kept.keep(sgt_conic{C, K, rim})}, true},
-        {"even_asphere", "even_asphere", {&sgt_asphere_ops, kept.keep(even)}, true},
+        {"even_asphere", "even_asphere", {&sgt_even_asphere_ops, kept.keep(even)}, true},
         {"odd_asphere, to r^8", "odd_asphere", {&sgt_odd_asphere_ops, kept.keep(odd)}, true},
         {"polynomial_xy, 3 x 3",
          "polynomial_xy",
@@ -167,11 +167,12 @@ inline std::vector<Subject> subjects(Kept &kept, double rim = RIM)
         {"torus", "torus", {&sgt_torus_ops, kept.keep(sgt_torus{2, 1.5})}, false},
         {"ellipsoid", "ellipsoid", {&sgt_ellipsoid_ops, kept.keep(sgt_ellipsoid{5, 0.2})}, false},
     };
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {  // any other, by its specimen, whose rim is RIM
-        bool known = b->family == SGT_CONIC || b->family == SGT_LEVEL_SET;
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {  // any other, by its specimen, of rim RIM
+        bool known = b->family == SGT_FAMILY_CONIC || b->family == SGT_FAMILY_LEVEL_SET;
         for (const Subject &s : all)
             known = known || s.s.ops == b->ops;
-        if (!known) all.push_back({b->type, b->type, {b->ops, b->specimen}, b->family == SGT_DEPARTURE});
+        if (!known)
+            all.push_back({b->type, b->type, {b->ops, b->specimen}, b->family == SGT_FAMILY_DEPARTURE});
     }
     return all;
 }

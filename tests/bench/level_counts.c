@@ -20,7 +20,7 @@ level_counts level_counts_of(const sgt_julia *s, size_t n, const double *const o
                              size_t tile_size, double t_tol)
 {
     enum { MOST = 4096 };
-    static signed char status[MOST];
+    static sgt_status status[MOST];
     static double tmin[MOST], tmax[MOST], tolerances[MOST];
     const sgt_options options = {.t_tol = t_tol};
     orbit checked;

@@ -10,7 +10,7 @@ proof_lens proof_lens_read(const char *path, size_t rays)
 {
     lens *l = memory_take(1, sizeof *l);
     *l = lens_at(lens_open(path), (lens_wavelength){.place = 1});
-    launch_how how = launch_by(l, &(sgt_lens_aim){SGT_AIM_PUPIL});
+    launch_how how = launch_by(l, &(sgt_lens_aim){SGT_LENS_AIM_PUPIL});
     proof_field *field = memory_take(l->of->fields, sizeof *field);
     long side = lround(sqrt((double)rays / 0.785398)); /* of the square about the pupil, pi / 4 is in it */
     const launch_pattern grid = launch_points(SGT_PATTERN_GRID, (size_t)side, 0);

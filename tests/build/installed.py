@@ -35,7 +35,7 @@ LENS = r'''
 #include <stdio.h>
 int main(void)
 {
-    sgt_lens_error error;
+    sgt_error error;
     sgt_catalogue *c = sgt_catalogue_new(NULL);
     sgt_glass g;
     if (!sgt_catalogue_add(c, NULL, &error) || !sgt_catalogue_find(c, "SCHOTT N-BK7", 0, NULL, &g, &error))
@@ -50,7 +50,7 @@ int main(void)
     sgt_lens *lens = sgt_lens_read_text("a.zmx", zmx, sizeof zmx - 1, NULL, &error);
     if (!lens) return printf("%s:%zu: %s: %s\n", error.file, error.line, error.key, error.words), 1;
     sgt_first_order data;
-    bool fine = sgt_lens_first_order(lens, 0.5875618, &data, NULL, NULL, &error);
+    bool fine = sgt_lens_first_order(lens, 0.5875618, &data, NULL, &error);
     sgt_ray ray = {.o = {0, 1, -10}, .d = {0, 0, 1}};
     sgt_fate fate;
     size_t passed = sgt_trace(lens->count, lens->element, lens->index_before, &ray, NULL, &fate, NULL);

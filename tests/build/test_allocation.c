@@ -69,7 +69,7 @@ static void many_wave_spans(const void *self, size_t n, sgt_rays rays, sgt_spans
 /* The rays again, many at a time. */
 enum { MANY = 300 };
 static double in[6][MANY], out[14][MANY];
-static signed char status[MANY];
+static sgt_status status[MANY];
 static int evals[MANY];
 
 int main(void)
@@ -83,14 +83,14 @@ int main(void)
     static const sgt_surface_ops many_ops = {
         .name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = many_wave_spans};
     const sgt_conic mirror = { .c = -0.1, .k = -1 }, lens = { .c = 0.2, .k = -0.6, .semi_diameter = 4 };
-    const sgt_asphere asphere = { .c = 0.2, .k = -0.6, .semi_diameter = 4, .a = { 0, 1e-4, -2e-6, 1e-8 } };
+    const sgt_even_asphere asphere = {.c = 0.2, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
     const sgt_julia julia = {.c = {-0.2, 0.8, 0, 0}, .iterations = 8},
                     cubic = {.c = {0.1, 0.3, 0.2, 0}, .iterations = 5, .power = 3};
     const sgt_mandelbrot mandelbrot = { .iterations = 6 };
     const sgt_surface surfaces[] = {
         {&sgt_conic_ops, &mirror},
         {&sgt_conic_ops, &lens},
-        {&sgt_asphere_ops, &asphere},
+        {&sgt_even_asphere_ops, &asphere},
         {&wave_ops, NULL},
         {&many_ops, NULL},
         {&sgt_julia_ops, &julia},
@@ -110,8 +110,9 @@ int main(void)
     size_t hits = 0, passed = 0, entries = 0, batches = 0;
     const sgt_rays many = { { in[0], in[1], in[2] }, { in[3], in[4], in[5] }, NULL, NULL };
     const sgt_hits all_hits = {
-        status, evals, out[0], out[1], out[2], {out[3], out[4], out[5]}, {out[6], out[7], out[8]}, out[9]};
-    const sgt_passages passage = {all_hits, {out[10], out[11], out[12]}, out[13]},
+        status, evals, out[0], out[1], out[2], {out[3], out[4], out[5]}, {out[6], out[7], out[8]},
+        out[9], {0}};
+    const sgt_passages passage = {all_hits, {out[10], out[11], out[12]}, out[13], {0}},
                        every[3] = {passage, passage, passage};
     const sgt_traced last = { .o = { in[0], in[1], in[2] }, .d = { in[3], in[4], in[5] } };
 
@@ -143,7 +144,7 @@ int main(void)
 
         if (i % 50 == 0) {
             const sgt_beam beam = { traced.o, { 1, 0, 0 }, { 0, 1, 0 }, traced.d, { 0, 0, 0 }, { 0, 0, 0 },
-                                    { -1, 1 }, { -1, 1 } };
+                                    { -1, 1 }, { -1, 1 }, { 0 } };
             const sgt_vec2 wanted = { 3 * random_number(), random_number() };
             static double gradient[1000];
             sgt_ray_change weight = { { 1, 0, 0 }, { 0, 1, 0 }, 1 }, change;

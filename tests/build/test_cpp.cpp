@@ -297,7 +297,7 @@ static void traces()
     lens[1].surface = {&sgt_conic_ops, &back}, lens[1].index = 1, lens[1].pose.origin.z = 5;
     double x[2] = {1, 2}, y[2] = {0, 3}, z[2] = {-5, -5}, n[2] = {1, 1}, zero[2] = {0, 0}, opl[2], y_end[2];
     double x_end[2], z_end[2];
-    signed char fate[2];
+    sgt_fate fate[2];
     sagitta::rays launch{{x, y, z}, {zero, zero, n}, {}, {}};
     sagitta::traced out;
     out.opl = opl, out.fate = fate, out.o = {x_end, y_end, z_end};

@@ -100,7 +100,8 @@ static const sgt_surface_ops sure_sheet = {
 static const sgt_surface_ops all_sheets = {
     .name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = wave_spans};
 static const sgt_conic mirror = {.c = -0.1, .k = -1}, rimmed = {.c = 0.2, .k = -0.6, .semi_diameter = 4};
-static const sgt_asphere asphere = {.c = 0.2, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
+static const sgt_even_asphere asphere = {
+    .c = 0.2, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
 static const sgt_julia julia = {.c = {-0.2, 0.8, 0, 0}, .iterations = 8},
                        cubic = {.c = {0.1, 0.3, 0.2, 0}, .iterations = 5, .power = 3};
 static const sgt_mandelbrot mandelbrot = {.iterations = 6};
@@ -156,7 +157,7 @@ static const struct { const char *name; sgt_surface surface;
     {"ellipsoid", {&sgt_ellipsoid_ops, &ellipsoid}},
     {"paraboloid", {&sgt_conic_ops, &mirror}},
     {"conic", {&sgt_conic_ops, &rimmed}},
-    {"asphere", {&sgt_asphere_ops, &asphere}},
+    {"asphere", {&sgt_even_asphere_ops, &asphere}},
     {"own, value", {&sheet, NULL}},
     {"own, values", {&sheets, NULL}},
     {"own, enclose", {&sure_sheet, NULL}},
@@ -167,7 +168,8 @@ static const struct { const char *name; sgt_surface surface;
 };
 
 static double numbers[8][RAYS], out[2][14][RAYS];
-static signed char status[2][RAYS];
+static sgt_status status[2][RAYS];
+static sgt_fate fates[RAYS];
 static int evals[2][RAYS];
 static const sgt_rays rays = {
     {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, numbers[6], numbers[7]};
@@ -198,7 +200,8 @@ static void make_rays(void)
 static sgt_hits hits_of(int j)
 {
     double(*o)[RAYS] = out[j];
-    return (sgt_hits){status[j], evals[j], o[0], o[1], o[2], {o[3], o[4], o[5]}, {o[6], o[7], o[8]}, o[9]};
+    return (sgt_hits){status[j],          evals[j],           o[0], o[1], o[2],
+                      {o[3], o[4], o[5]}, {o[6], o[7], o[8]}, o[9], {0}};
 }
 
 static sgt_ray ray_of(size_t i)
@@ -273,13 +276,14 @@ static sgt_element elements[3];
 
 static void trace_batch(void)
 {
-    sgt_traced traced = {
-        status[1], evals[1], {out[1][0], out[1][1], out[1][2]}, {out[1][3], out[1][4], out[1][5]}, out[1][6]};
-    sgt_passages passage = {hits_of(0), {out[0][10], out[0][11], out[0][12]}, out[0][13]};
+    sgt_traced traced = {.fate = fates, .passed = evals[1], .o = {out[1][0], out[1][1], out[1][2]},
+                         .d = {out[1][3], out[1][4], out[1][5]}, .opl = out[1][6]};
+    sgt_passages passage = {.hits = hits_of(0), .direction = {out[0][10], out[0][11], out[0][12]},
+                            .opl = out[0][13]};
     sgt_passages passages[3] = {passage, passage, passage};
     for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
         met += sgt_trace_batch(3, elements, 1, count, rays, traced, passages, &ways[w]);
-        met += sgt_trace_batch(3, elements, 1, count, rays, (sgt_traced){.fate = status[1]}, NULL, &ways[w]);
+        met += sgt_trace_batch(3, elements, 1, count, rays, (sgt_traced){.fate = fates}, NULL, &ways[w]);
     }
 }
 
@@ -317,14 +321,14 @@ static void aim_many(void)
 {
     enum { MANY = 70, ELEMENTS = 3, LIST = 4096 };
     static double array[16 * ELEMENTS][MANY], to[6][MANY], *gradient[2 * LIST];
-    static signed char fates[ELEMENTS][MANY];
+    static sgt_status statuses[ELEMENTS][MANY];
     static sgt_vec2 wanted[MANY];
     const sgt_beam beam = {.o = {0, 0, -9}, .ou = {1, 0, 0}, .ov = {0, 1, 0}, .d = {0, 0, 1}, .u = {-2, 2},
                            .v = {-2, 2}};
     sgt_passage room[ELEMENTS];
     sgt_passages some[ELEMENTS];
     for (int e = 0, k = 0; e < ELEMENTS; e++) {
-        some[e] = (sgt_passages){.hits = {.status = fates[e], .t = array[k], .p_err = array[k + 1]}};
+        some[e] = (sgt_passages){.hits = {.status = statuses[e], .t = array[k], .p_err = array[k + 1]}};
         some[e].opl = array[k + 2], k += 3;
         for (int x = 0; x < 3; x++, k += 3)
             some[e].hits.p[x] = array[k], some[e].hits.n[x] = array[k + 1],
@@ -357,7 +361,7 @@ static void check(void)
 }
 
 /* The deepest formulas. */
-static char formula[9 * SGT_FORMULA_DEEPEST + 8];
+static char formula[9 * SGT_DEEPEST_FORMULA + 8];
 
 static void read_formula(void)
 {
@@ -368,10 +372,10 @@ static void read_formula(void)
     met += tape != NULL;
 }
 
-/* SGT_FORMULA_DEEPEST parentheses or powers, a part of the text having `many`. */
+/* SGT_DEEPEST_FORMULA parentheses or powers, a part of the text having `many`. */
 static void make_formula(const char *part, int many, bool parentheses)
 {
-    int count_of_parts = SGT_FORMULA_DEEPEST / many;
+    int count_of_parts = SGT_DEEPEST_FORMULA / many;
     formula[0] = 0;
     for (int i = 0; i < count_of_parts; i++) strcat(formula, part);
     strcat(formula, "z");

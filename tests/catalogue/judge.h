@@ -392,7 +392,7 @@ inline sgt_ray random_ray(generator &g, const subject &of, ray_kind kind)
     if (ends == 2 && g.chance(0.5))
         ray.tmin = away + s.h / length * g.uniform(-1, 0.5),
         ray.tmax = ray.tmin + s.h / length * g.uniform(0.1, 4);
-    if (ray.tmin >= 0 && ray.tmax == 0) ray.tmax = HUGE_VAL;
+    if (ray.tmin == 0 && ray.tmax == 0) ray.tmax = HUGE_VAL;
     return ray;
 }
 

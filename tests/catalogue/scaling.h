@@ -11,19 +11,19 @@ namespace catalogue
 
 inline const sgt_builtin *row_of(const std::string &type)
 {
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++)
         if (type == row->type) return row;
     return nullptr;
 }
 inline const sgt_builtin *row_of(const sgt_surface_ops *ops)
 {
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++)
         if (row->ops == ops) return row;
     return nullptr;
 }
 
 // Of number i of a list, or of number j of row i of a table.
-inline int power_of(const sgt_unit &u, int i, int j) { return u.length + i * u.by_i + j * u.by_j; }
+inline int power_of(const sgt_param_unit &u, int i, int j) { return u.length + i * u.by_i + j * u.by_j; }
 
 struct scaling {
     std::vector<std::shared_ptr<void>> kept;
@@ -55,10 +55,10 @@ struct scaling {
         std::memcpy(to, s.self, row->size);
         for (const sgt_param *p = row->params; p->name; p++) {
             if (!std::strcmp(p->name, "slice")) continue; // a part of `at`
-            if (p->kind == SGT_REAL || p->kind == SGT_VECTOR) {
+            if (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR) {
                 double *x = reinterpret_cast<double *>(to + p->offset);
                 for (int i = 0; i < p->count; i++) x[i] = number(x[i], k * power_of(p->unit, i, 0));
-            } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+            } else if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
                 sgt_numbers a;
                 std::memcpy(&a, to + p->offset, sizeof a);
                 std::shared_ptr<std::vector<double>> x =
@@ -66,13 +66,14 @@ struct scaling {
                 for (std::size_t i = 0; i < x->size(); i++) {
                     const int at_row = static_cast<int>(i / a.columns),
                               at_column = static_cast<int>(i % a.columns);
-                    (*x)[i] = number(
-                        (*x)[i], k * power_of(p->unit, p->kind == SGT_LIST ? at_column : at_row, at_column));
+                    (*x)[i] =
+                        number((*x)[i], k * power_of(p->unit, p->kind == SGT_PARAM_LIST ? at_column : at_row,
+                                                     at_column));
                 }
                 kept.push_back(x);
                 a.x = x->data();
                 std::memcpy(to + p->offset, &a, sizeof a);
-            } else if (p->kind == SGT_TERMS) {
+            } else if (p->kind == SGT_PARAM_TERMS) {
                 const sgt_surface *terms;
                 std::size_t count;
                 std::memcpy(&terms, to + p->offset, sizeof terms);
@@ -108,7 +109,7 @@ inline target random_target(generator &g, const std::string &type)
         t.shape = random_specimen(g, "sum");
         sgt_sum sum = *static_cast<const sgt_sum *>(t.shape.s.self);
         sum.count = 0;
-        sgt_asphere a = {type == "plane" ? 0 : sum.c,
+        sgt_even_asphere a = {type == "plane" ? 0 : sum.c,
                          type == "plane" || type == "sphere" ? 0 : sum.k,
                          sum.semi_diameter,
                          {}};
@@ -120,7 +121,7 @@ inline target random_target(generator &g, const std::string &type)
                 random_terms(g, random_length(g, 4, 8), t.s.h * g.log_uniform(1e-6, 0.1));
             for (std::size_t i = 0; i < terms.size(); i++)
                 a.a[i] = terms[i] / std::pow(t.s.h, 2 * static_cast<double>(i) + 2);
-            t.s.s = {&sgt_asphere_ops, t.s.keep(a)};
+            t.s.s = {&sgt_even_asphere_ops, t.s.keep(a)};
             sum.terms = t.s.keep(t.s.s), sum.count = 1;
         } else
             t.s.s = {&sgt_conic_ops, t.s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};

@@ -40,8 +40,8 @@ struct specimen {
 // The types of these families, behind the names that are given.
 inline std::vector<const char *> types_of(std::vector<const char *> found, bool of_sags, bool of_bodies)
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
-        if ((of_sags && b->family == SGT_DEPARTURE) || (of_bodies && b->family == SGT_BODY))
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
+        if ((of_sags && b->family == SGT_FAMILY_DEPARTURE) || (of_bodies && b->family == SGT_FAMILY_BODY))
             found.push_back(b->type);
     return found;
 }
@@ -51,14 +51,14 @@ static const std::vector<const char *> types = types_of({}, true, true), sags = 
 
 inline const sgt_builtin *row_named(const std::string &type)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->type && type != b->type) b++;
     return b;
 }
 
 inline const sgt_builtin *row_of_ops(const sgt_surface_ops *ops)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->ops != ops) b++;
     return b;
 }
@@ -121,15 +121,15 @@ inline sgt_surface departure_like_specimen(generator &g, specimen *s, const sgt_
             const int power = p->unit.length + i * p->unit.by_i + j * p->unit.by_j;
             return base ? 0 : x * std::pow(h / 4, power) * g.uniform(0.5, 1);
         };
-        if (p->kind == SGT_REAL || p->kind == SGT_VECTOR) {
+        if (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR) {
             double *x = reinterpret_cast<double *>(self + p->offset);
             for (int i = 0; i < p->count; i++) x[i] = scaled(x[i], i, 0);
-        } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+        } else if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
             sgt_numbers &a = *reinterpret_cast<sgt_numbers *>(self + p->offset);
             std::vector<double> x(a.x, a.x + a.rows * a.columns);
             for (std::size_t i = 0; i < x.size(); i++) {
                 const int m = static_cast<int>(i / a.columns), n = static_cast<int>(i % a.columns);
-                x[i] = p->kind == SGT_LIST ? scaled(x[i], n, 0) : scaled(x[i], m, n);
+                x[i] = p->kind == SGT_PARAM_LIST ? scaled(x[i], n, 0) : scaled(x[i], m, n);
                 x[i] *= g.chance(0.3) ? 0 : std::fmin(1, size / (1e-3 * h));
             }
             a = s->numbers(a.rows, a.columns, x);
@@ -152,11 +152,11 @@ inline sgt_surface random_departure(generator &g, specimen *s, const std::string
         return {&sgt_odd_asphere_ops, s->keep(a)};
     }
     if (of == "even_asphere") {
-        sgt_asphere a = {};
+        sgt_even_asphere a = {};
         const std::vector<double> terms = random_terms(g, random_length(g, 4, 8), size);
         for (std::size_t i = 0; i < terms.size(); i++)
             a.a[i] = terms[i] / std::pow(h, 2 * static_cast<double>(i) + 2);
-        return {&sgt_asphere_ops, s->keep(a)};
+        return {&sgt_even_asphere_ops, s->keep(a)};
     }
     if (of == "polynomial_xy") {
         const std::size_t rows = random_length(g, 6, large ? 32 : 8),
@@ -404,7 +404,7 @@ inline void print_list(const void *x, int n)
 inline void print_surface(const sgt_surface &s)
 {
     std::printf("    %s:", s.ops->name);
-    if (s.ops == &sgt_asphere_ops) print_list(s.self, 11);
+    if (s.ops == &sgt_even_asphere_ops) print_list(s.self, 11);
     if (s.ops == &sgt_odd_asphere_ops) print_list(s.self, 19);
     if (s.ops == &sgt_polynomial_xy_ops)
         print_list(s.self, 3), print_numbers(static_cast<const sgt_polynomial_xy *>(s.self)->a);

@@ -100,7 +100,7 @@ struct shapes {
     shapes(double c_, double k_) : c(c_), k(k_)
     {
         add("conic", sgt_conic_ops, keep(sgt_conic{c, k, 1}));
-        add("asphere", sgt_asphere_ops, keep(sgt_asphere{c, k, 1, {}}));
+        add("asphere", sgt_even_asphere_ops, keep(sgt_even_asphere{c, k, 1, {}}));
         if (k == -1) { // as a departure from a plane, too
             const double h = c / 2, q = c / 4;
             const sgt_odd_asphere odd = {0, 0, 1, {0, h}}, part = {0, 0, 1, {0, q}};

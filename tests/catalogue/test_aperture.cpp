@@ -22,7 +22,7 @@ long failures;
 // The same parameters without a semi_diameter.
 sgt_surface without_rim(specimen *s)
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         for (const sgt_param *p = b->params; b->ops == s->s.ops && p->name; p++) {
             if (std::string(p->name) != "semi_diameter") continue;
             std::vector<char> &copy = *s->keep(std::vector<char>(b->size));
@@ -44,7 +44,8 @@ std::vector<traced> trace(const sgt_element &e, const std::vector<sgt_ray> &rays
 {
     const std::size_t n = rays.size();
     std::vector<double> a[6], told[8];
-    std::vector<signed char> fate(n), status(n);
+    std::vector<sgt_fate> fate(n);
+    std::vector<sgt_status> status(n);
     std::vector<int> evals(n);
     for (std::vector<double> &x : a) x.resize(n);
     for (std::vector<double> &x : told) x.resize(n);
@@ -170,7 +171,7 @@ specimen hump(generator &g, bool even)
     s.type = even ? "even_asphere" : "odd_asphere", s.sag = true, s.rim = s.h = g.uniform(0.5, 2);
     const double wide = g.uniform(1.2, 1.6) * s.rim, high = g.uniform(-2, 2), a2 = high / wide,
                  a4 = -a2 / wide / wide;
-    if (even) s.s = {&sgt_asphere_ops, s.keep(sgt_asphere{0, 0, s.rim, {a2, a4}})};
+    if (even) s.s = {&sgt_even_asphere_ops, s.keep(sgt_even_asphere{0, 0, s.rim, {a2, a4}})};
     else s.s = {&sgt_odd_asphere_ops, s.keep(sgt_odd_asphere{0, 0, s.rim, {0, a2, 0, a4}})};
     return s;
 }
@@ -185,9 +186,10 @@ specimen with_rim(generator &g, const std::string &type)
     }
     s.type = type, s.sag = true, s.rim = s.h = g.uniform(0.5, 2);
     const double c = g.chance(0.1) ? 0 : g.uniform(-0.65, 0.65) / s.rim;
-    const sgt_asphere a = {c, g.uniform(-2, 1), s.rim, {0, g.uniform(-0.1, 0.1) / s.rim / s.rim / s.rim}};
+    const sgt_even_asphere a = {
+        c, g.uniform(-2, 1), s.rim, {0, g.uniform(-0.1, 0.1) / s.rim / s.rim / s.rim}};
     if (type == "conic") s.s = {&sgt_conic_ops, s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};
-    else s.s = {&sgt_asphere_ops, s.keep(a)};
+    else s.s = {&sgt_even_asphere_ops, s.keep(a)};
     return s;
 }
 

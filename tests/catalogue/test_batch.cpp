@@ -82,7 +82,7 @@ void spoil(generator &g, specimen *s)
 {
     int numbers = 0;
     for (const sgt_param *p = row_named(s->type)->params; p->name; p++)
-        if (p->kind == SGT_REAL || p->kind == SGT_VECTOR) numbers += p->count;
+        if (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR) numbers += p->count;
     first_number(s->s)[g.below(numbers)] = g.chance(0.5) ? hostile_number(g) : g.uniform(-2, 2);
     if (s->sag) s->rim = *rim_of(*s);
 }
@@ -164,7 +164,7 @@ std::size_t one_batch(generator &g, const char *type)
         for (int k = 0; k < 8; k++)
             for (std::size_t i = 0; i < n && in[static_cast<std::size_t>(k)].wanted; i++)
                 in[static_cast<std::size_t>(k)].data()[i] = *component(rays[order[i]], k);
-        std::vector<signed char> status(n + 2, 99);
+        std::vector<sgt_status> status(n + 2, SGT_STOPPED);
         std::vector<int> evals(n + 2, 99);
         const sgt_rays r = {{in[0].data(), in[1].data(), in[2].data()},
                             {in[3].data(), in[4].data(), in[5].data()},
@@ -178,7 +178,8 @@ std::size_t one_batch(generator &g, const char *type)
                             out[2].data(),
                             {out[4].data(), out[5].data(), out[6].data()},
                             {out[7].data(), out[8].data(), out[9].data()},
-                            out[3].data()};
+                            out[3].data(),
+                            {}};
         const std::size_t met = sgt_intersect_batch(s.s, n, r, h, &options);
         std::size_t expected = 0;
         for (std::size_t k = 0; k < n; k++) {
@@ -200,7 +201,7 @@ std::size_t one_batch(generator &g, const char *type)
         if (met != expected) fail("the count returned", s, nullptr, options, nullptr, nullptr);
         for (const array &a : out)
             if (!a.kept(n)) fail("written around an output", s, nullptr, options, nullptr, nullptr);
-        if (status[0] != 99 || status[n + 1] != 99 || evals[0] != 99 || evals[n + 1] != 99)
+        if (status[0] != SGT_STOPPED || status[n + 1] != SGT_STOPPED || evals[0] != 99 || evals[n + 1] != 99)
             fail("written around status or evals", s, nullptr, options, nullptr, nullptr);
     }
     return n;
@@ -230,7 +231,8 @@ std::size_t one_trace(generator &g)
     }
     const std::size_t n = static_cast<std::size_t>(1 + g.below(150)), elements = lens.size();
     std::vector<double> in[6], out[7], t(n * elements), direction(n * elements);
-    std::vector<signed char> fate(n), status(n * elements);
+    std::vector<sgt_fate> fate(n);
+    std::vector<sgt_status> status(n * elements);
     std::vector<int> passed(n);
     for (auto &v : in) v.resize(n);
     for (auto &v : out) v.resize(n);
@@ -256,7 +258,8 @@ std::size_t one_trace(generator &g)
                                passed.data(),
                                {out[0].data(), out[1].data(), out[2].data()},
                                {out[3].data(), out[4].data(), out[5].data()},
-                               out[6].data()};
+                               out[6].data(),
+                               {}};
     sgt_trace_batch(elements, lens.data(), 1, n, rays, traced, passages.data(), &options);
     for (std::size_t i = 0; i < n; i++) {
         sgt_ray ray = {{in[0][i], in[1][i], in[2][i]}, {in[3][i], in[4][i], in[5][i]}, 0, 0};

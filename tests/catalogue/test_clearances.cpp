@@ -114,9 +114,9 @@ int main(int argc, char **argv)
     const oracle::run r(argc, argv, 2000, 20261125);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
     long asked = 0;
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         const std::string type = row->type;
-        if (!row->ops->clearance || row->family != SGT_BODY || (only && type != only)) continue;
+        if (!row->ops->clearance || row->family != SGT_FAMILY_BODY || (only && type != only)) continue;
         generator g(r.seed ^ static_cast<std::uint64_t>(type[0]) << 40);
         long off = 0;
         double most = 0;

@@ -22,6 +22,7 @@
 // and ellipsoids, whose t is rounded by more, 12 to 15; `most_lost` is above that by half.  With tmin = t the
 // root is not told again.  With tmax behind the root nothing is lost.  A batch of all these, whose rays have
 // unlike ends, tells what each tells alone.
+#include "../ends.h"
 #include "judge.h"
 
 #include <sagitta/system.h>
@@ -199,7 +200,7 @@ void ask(const scene &c, bool sharp)
             o.pick = static_cast<sgt_pick>(pick), o.proof = static_cast<sgt_proof>(proof);
             const sgt_hit h = sgt_intersect(s, c.ray, &o);
             judge(c, h, o, sharp);
-            signed char status;
+            sgt_status status;
             double t, t_err;
             sgt_hits out = {};
             out.status = &status, out.t = &t, out.t_err = &t_err;
@@ -531,11 +532,11 @@ void ask_again(generator &g, again *a, const sgt_options &o)
     }
     const std::size_t n = asked.size();
     std::vector<double> in[8], t(n), t_err(n);
-    std::vector<signed char> status(n);
+    std::vector<sgt_status> status(n);
     for (std::vector<double> &v : in) v.resize(n);
     for (std::size_t i = 0; i < n; i++) {
         const sgt_ray &r = asked[i];
-        const double of[] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax};
+        const double of[] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, end_of(&r)};
         for (int k = 0; k < 8; k++) in[k][i] = of[k];
     }
     sgt_hits out = {};
@@ -569,7 +570,7 @@ void all_again(const oracle::run &r, const char *type, std::size_t k)
         o.proof = static_cast<sgt_proof>(done % 3), o.pick = g.chance(0.3) ? SGT_NEAR_SEED : SGT_FIRST;
         ask_again(g, &sum, o);
     }
-    const bool conic = !std::strcmp(type, "conic"), body = row_named(type)->family == SGT_BODY;
+    const bool conic = !std::strcmp(type, "conic"), body = row_named(type)->family == SGT_FAMILY_BODY;
     const double most_lost = conic ? 0.015 : body ? 0.22 : 0.08;
     std::printf("%-14s %6ld hits asked again: %ld lost with tmax = t (%.2f %%); %ld with an end behind, "
                 "%ld undecided\n", type, sum.hits, sum.lost,

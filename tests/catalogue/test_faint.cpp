@@ -53,11 +53,11 @@ sgt_ray ray_to(generator &g, double x, double y, double h, long double *t)
 void sag_of_text(generator &g, const std::string &text, double rim, long double steep)
 {
     std::vector<double> room(sgt_formula_room(text.c_str(), 0) / sizeof(double) + 8);
-    sgt_formula_error error;
+    sgt_error error;
     const sgt_tape *tape = sgt_formula_read(text.c_str(), SGT_FORMULA_XY, 0, nullptr, room.data(),
                                             room.size() * sizeof(double), &error);
     if (!tape) {
-        failures++, std::printf("FAIL %s: %s\n", text.c_str(), error.text);
+        failures++, std::printf("FAIL %s: %s\n", text.c_str(), error.words);
         return;
     }
     const sgt_formula_sag sag = {tape, rim};

@@ -192,15 +192,15 @@ static void level_sets()
 // A type that is added to the library wants its row here.
 static void rows()
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         if (!row_of<quad>({b->ops, nullptr})) failures++, std::printf("FAIL %s has no formula\n", b->type);
 }
 
 // The smooth form is zero where F is, and goes on beyond the equator, where F ends.
 static void smooth()
 {
-    const sgt_asphere s = {0.25, 0.5, 0, {1e-3, -1e-5}};
-    const formula<quad> f({&sgt_asphere_ops, &s});
+    const sgt_even_asphere s = {0.25, 0.5, 0, {1e-3, -1e-5}};
+    const formula<quad> f({&sgt_even_asphere_ops, &s});
     for (quad x : {quad(0), quad(1), quad(3)}) {
         const quad z = -f(x, quad(0.5), quad(0));
         expect("a smooth form", 0, f.smooth(x, quad(0.5), z), 0, 1e-30);

@@ -56,7 +56,7 @@ void sound(generator &g, const char *type)
 
 const sgt_builtin *row_of(const std::string &type)
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         if (type == b->type) return b;
     return nullptr;
 }
@@ -68,7 +68,7 @@ void invalid(const char *type, const char *param, const char *what, const void *
     const double z[3] = {0.1, 0.2, -3}, d[3] = {0, 0, 1};
     const sgt_ray ray = {{0.1, 0.2, -3}, {0, 0, 1}, 0, HUGE_VAL};
     double t = 0;
-    signed char status = 77;
+    sgt_status status = SGT_STOPPED;
     const sgt_rays rays = {{z, z + 1, z + 2}, {d, d + 1, d + 2}, nullptr, nullptr};
     sgt_hits hits = {};
     hits.t = &t, hits.status = &status;
@@ -87,7 +87,7 @@ void invalid(const char *type, const char *param, const char *what, const void *
             sgt_ray launch = ray;
             sgt_passage passage;
             sgt_fate fate;
-            signed char fate_of = 77;
+            sgt_fate fate_of = SGT_TIR;
             sgt_traced out = {};
             out.fate = &fate_of;
             traced = traced && sgt_trace(1, &e, 1, &launch, &passage, &fate, &opt) == 0 && fate == SGT_LOST;
@@ -127,7 +127,7 @@ template <class S> void each_number(const char *type, const S &good)
     const sgt_builtin *row = row_of(type);
     valid(type, "good numbers", &good);
     for (const sgt_param *p = row->params; p->name; p++) {
-        if (p->kind != SGT_REAL && p->kind != SGT_VECTOR) continue;
+        if (p->kind != SGT_PARAM_REAL && p->kind != SGT_PARAM_VECTOR) continue;
         for (int i = 0; i < p->count; i++)
             for (double bad : {static_cast<double>(NAN), HUGE_VAL, -HUGE_VAL}) {
                 S s = good;
@@ -256,8 +256,8 @@ void bad_numbers()
     // Sums: a term is asked as it would be by itself, but for c, k and semi_diameter.
     sgt_zernike part = zern;
     part.c = 3, part.k = NAN, part.semi_diameter = -5;
-    const sgt_asphere even = {NAN, NAN, NAN, {0.1, 0.01}};
-    const sgt_surface good[] = {{&sgt_zernike_ops, &part},    {&sgt_asphere_ops, &even},
+    const sgt_even_asphere even = {NAN, NAN, NAN, {0.1, 0.01}};
+    const sgt_surface good[] = {{&sgt_zernike_ops, &part},    {&sgt_even_asphere_ops, &even},
                                 {&sgt_toroidal_ops, &toroid}, {&sgt_biconic_ops, &biconic},
                                 {&sgt_q_bfs_ops, &bfs},       {&sgt_grid_ops, &grid}};
     const sgt_sum sum = {0.1, -0.5, 5, good, 6};
@@ -270,13 +270,13 @@ void bad_numbers()
     no_norm.norm = 0;
     double x[16] = {NAN};
     hole.a.x = x;
-    sgt_asphere nan_term = even;
+    sgt_even_asphere nan_term = even;
     nan_term.a[3] = NAN;
     const sgt_toroidal own = {0, NAN, 0, 0, {}};
     const sgt_biconic other = {0, 0, HUGE_VAL, 0, 0};
     const sgt_surface bad[] = {
         {&sgt_sum_ops, &inner},       {&sgt_conic_ops, &conic},   {&sgt_q_bfs_ops, &curved},
-        {&sgt_zernike_ops, &no_norm}, {&sgt_zernike_ops, &hole},  {&sgt_asphere_ops, &nan_term},
+        {&sgt_zernike_ops, &no_norm}, {&sgt_zernike_ops, &hole},  {&sgt_even_asphere_ops, &nan_term},
         {&sgt_toroidal_ops, &own},    {&sgt_biconic_ops, &other}, {&sgt_torus_ops, &torus},
         {nullptr, nullptr},           {&sgt_zernike_ops, nullptr}};
     for (const sgt_surface &b : bad) {
@@ -374,8 +374,8 @@ void identities(generator &g)
 
     // An even asphere of few bits, as everything that can be one.
     const double a0 = short_number(g, strong), a1 = short_number(g, strong), a2 = short_number(g, strong);
-    const sgt_asphere even = {c, k, rim, {a0 / h2, a1 / (h2 * h2), a2 / (h2 * h2 * h2)}};
-    const sgt_surface wanted = {&sgt_asphere_ops, &even};
+    const sgt_even_asphere even = {c, k, rim, {a0 / h2, a1 / (h2 * h2), a2 / (h2 * h2 * h2)}};
+    const sgt_surface wanted = {&sgt_even_asphere_ops, &even};
     sgt_odd_asphere odd = {c, k, rim, {}};
     odd.a[1] = even.a[0], odd.a[3] = even.a[1], odd.a[5] = even.a[2];
     both("an odd asphere of even terms is the even one", {&sgt_odd_asphere_ops, &odd}, wanted);
@@ -387,23 +387,23 @@ void identities(generator &g)
     const sgt_polynomial_xy poly = {c, k, rim, {xy.data(), 7, 7}};
     both("an XY polynomial of r^2 is the even asphere", {&sgt_polynomial_xy_ops, &poly}, wanted);
     // 6 rho^2 = 3 Z(2, 0) + 3,  6 rho^4 = Z(4, 0) + 3 Z(2, 0) + 2
-    const sgt_asphere quartic = {c, k, rim, {6 * a0 / h2, 6 * a1 / (h2 * h2), 0}};
+    const sgt_even_asphere quartic = {c, k, rim, {6 * a0 / h2, 6 * a1 / (h2 * h2), 0}};
     const double noll_terms[11] = {3 * a0 + 2 * a1, 0, 0, 3 * a0 + 3 * a1, 0, 0, 0, 0, 0, 0, a1};
     const double fringe_terms[9] = {3 * a0 + 2 * a1, 0, 0, 3 * a0 + 3 * a1, 0, 0, 0, 0, a1};
     const sgt_zernike noll_one = {c, k, rim, h, SGT_NOLL, 0, {noll_terms, 1, 11}},
                       fringe_one = {c, k, rim, h, SGT_FRINGE, 0, {fringe_terms, 1, 9}};
     both("Zernike's of revolution, Noll, are the even asphere", {&sgt_zernike_ops, &noll_one},
-         {&sgt_asphere_ops, &quartic});
+         {&sgt_even_asphere_ops, &quartic});
     both("Zernike's of revolution, Fringe, are the even asphere", {&sgt_zernike_ops, &fringe_one},
-         {&sgt_asphere_ops, &quartic});
+         {&sgt_even_asphere_ops, &quartic});
     const double con_terms[2] = {6 * a1 + 5 * a2, a2}; // u^4 (6 a1 + 5 a2 - 5 a2 + 6 a2 u^2)
-    const sgt_asphere conned = {c, k, rim, {0, 6 * a1 / (h2 * h2), 6 * a2 / (h2 * h2 * h2)}};
+    const sgt_even_asphere conned = {c, k, rim, {0, 6 * a1 / (h2 * h2), 6 * a2 / (h2 * h2 * h2)}};
     const sgt_q_con con = {c, k, rim, h, {con_terms, 1, 2}};
-    both("Q_con of two terms is the even asphere", {&sgt_q_con_ops, &con}, {&sgt_asphere_ops, &conned});
-    const sgt_asphere flat_bfs = {0, 0, rim, {a0 / h2, -a0 / (h2 * h2)}};
+    both("Q_con of two terms is the even asphere", {&sgt_q_con_ops, &con}, {&sgt_even_asphere_ops, &conned});
+    const sgt_even_asphere flat_bfs = {0, 0, rim, {a0 / h2, -a0 / (h2 * h2)}};
     const sgt_q_bfs bfs = {0, rim, h, {&a0, 1, 1}};
     both("Q_bfs of one term on a plane is the even asphere", {&sgt_q_bfs_ops, &bfs},
-         {&sgt_asphere_ops, &flat_bfs});
+         {&sgt_even_asphere_ops, &flat_bfs});
 
     // a u^2 + b v^2 + 2 e u v + f u + g v, u and v in units of h.
     const double a = short_number(g, strong), b = short_number(g, strong), e = short_number(g, strong),

@@ -42,11 +42,11 @@ specimen random_sag(generator &g, const std::string &type)
     if (type != "conic" && type != "even_asphere") return random_specimen(g, type);
     specimen s = random_specimen(g, "odd_asphere");
     const double *of = first_number(s.s);
-    sgt_asphere a = {of[0], of[1], of[2], {}};
+    sgt_even_asphere a = {of[0], of[1], of[2], {}};
     s.type = type;
     if (type == "even_asphere") {
         a.a[0] = 0.01 / s.h, a.a[1] = 0.003 / (s.h * s.h * s.h);
-        s.s = {&sgt_asphere_ops, s.keep(a)};
+        s.s = {&sgt_even_asphere_ops, s.keep(a)};
     } else s.s = {&sgt_conic_ops, s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};
     return s;
 }
@@ -61,7 +61,7 @@ bool same(const sgt_hit &a, const sgt_hit &b)
 
 sgt_hit by_batch(const sgt_surface &s, const sgt_ray &r, const sgt_options &o)
 {
-    signed char status;
+    sgt_status status;
     double t;
     sgt_hits out = {};
     out.status = &status, out.t = &t;
@@ -121,7 +121,7 @@ sgt_surface flat(const std::string &type, specimen *s, double rim)
 {
     sgt_surface zero;
     if (type == "conic") return {&sgt_conic_ops, s->keep(sgt_conic{0, 0, rim})};
-    if (type == "even_asphere") return {&sgt_asphere_ops, s->keep(sgt_asphere{0, 0, rim, {}})};
+    if (type == "even_asphere") return {&sgt_even_asphere_ops, s->keep(sgt_even_asphere{0, 0, rim, {}})};
     if (type == "odd_asphere") return {&sgt_odd_asphere_ops, s->keep(sgt_odd_asphere{0, 0, rim, {}})};
     if (type == "polynomial_xy")
         return {&sgt_polynomial_xy_ops, s->keep(sgt_polynomial_xy{0, 0, rim, s->numbers(1, 1, {0.0})})};
@@ -244,7 +244,7 @@ void apertures()
                 const sgt_ray start = ray;
                 sgt_fate fate;
                 sgt_trace(1, &e, 1, &ray, nullptr, &fate, &o);
-                signed char batch;
+                sgt_fate batch;
                 sgt_traced out = {};
                 out.fate = &batch;
                 sgt_trace_batch(1, &e, 1, 1,

@@ -222,7 +222,7 @@ void along_ridges(generator &g, const std::string &type, tally *t)
     const subject of(s);
     double in[6][rays], at[rays];
     sgt_ray all[rays];
-    signed char status[rays];
+    sgt_status status[rays];
     for (int i = 0; i < rays; i++) {
         sgt_vec3 end[2];
         for (sgt_vec3 &p : end) {

@@ -10,6 +10,7 @@
 // much to ask.  There, and far out on a ray that has no end, where squares overflow at one scale and not at
 // another, the answers may differ in what is undecided; but a hit at one scale is no miss at another, nor
 // another root.
+#include "../ends.h"
 #include "agree.h"
 #include "scaling.h"
 
@@ -204,9 +205,9 @@ void one_target(generator &g, const std::string &type)
         if (!to.exact) continue;
         std::vector<double> in[8];
         std::vector<double> t_out(rays.size());
-        std::vector<signed char> status(rays.size());
+        std::vector<sgt_status> status(rays.size());
         for (const sgt_ray &m : moved) {
-            const double x[8] = {m.o.x, m.o.y, m.o.z, m.d.x, m.d.y, m.d.z, m.tmin, m.tmax};
+            const double x[8] = {m.o.x, m.o.y, m.o.z, m.d.x, m.d.y, m.d.z, m.tmin, end_of(&m)};
             for (int i = 0; i < 8; i++) in[i].push_back(x[i]);
         }
         sgt_hits out = {};
@@ -255,9 +256,9 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 14, 20260801);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (only && std::strcmp(only, row->type)) continue;
-        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins) * 1000003);
+        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins()) * 1000003);
         for (long i = 0; i < r.count; i++) one_target(g, row->type);
     }
     for (const auto &f : failed) std::printf("  FAIL %8ld  %s\n", f.second, f.first.c_str());

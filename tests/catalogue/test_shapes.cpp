@@ -69,7 +69,7 @@ shape conic_shape(generator &g)
     s.s = {&sgt_odd_asphere_ops, s.keep(sgt_odd_asphere{c, k, rim, {}})};
     const sgt_numbers none = s.numbers(1, 1, {0.0});
     f.twins = {{"conic", {&sgt_conic_ops, s.keep(sgt_conic{c, k, own})}},
-               {"even_asphere", {&sgt_asphere_ops, s.keep(sgt_asphere{c, k, rim, {}})}},
+               {"even_asphere", {&sgt_even_asphere_ops, s.keep(sgt_even_asphere{c, k, rim, {}})}},
                {"odd_asphere", s.s},
                {"polynomial_xy", {&sgt_polynomial_xy_ops, s.keep(sgt_polynomial_xy{c, k, rim, none})}},
                {"chebyshev", {&sgt_chebyshev_ops, s.keep(sgt_chebyshev{c, k, rim, h, h, none})}},
@@ -111,17 +111,17 @@ shape asphere_shape(generator &g)
     s.type = "asphere", s.h = h, s.sag = true;
     f.rim = s.rim = g.chance(0.6) ? h : 0;
     const double rim = f.rim, a2 = a * n * n, b4 = b * n * n * n * n;
-    const sgt_asphere even = {c, k, rim, {a, b}};
-    const sgt_surface bare = {&sgt_asphere_ops, s.keep(sgt_asphere{0, 0, 0, {a, b}})},
-                      first = {&sgt_asphere_ops, s.keep(sgt_asphere{0, 0, 0, {a, 0}})},
-                      rest = {&sgt_asphere_ops, s.keep(sgt_asphere{0, 0, 0, {0, b}})};
+    const sgt_even_asphere even = {c, k, rim, {a, b}};
+    const sgt_surface bare = {&sgt_even_asphere_ops, s.keep(sgt_even_asphere{0, 0, 0, {a, b}})},
+                      first = {&sgt_even_asphere_ops, s.keep(sgt_even_asphere{0, 0, 0, {a, 0}})},
+                      rest = {&sgt_even_asphere_ops, s.keep(sgt_even_asphere{0, 0, 0, {0, b}})};
     s.s = {&sgt_odd_asphere_ops, s.keep(sgt_odd_asphere{c, k, rim, {0, a, 0, b}})};
     // x^2 = (T2 + 1) / 2, x^4 = (T4 + 4 T2 + 3) / 8, of x / n
     std::vector<double> t(25, 0.0);
     t[0] = a2 + b4 * (0.375 + 0.375 + 0.5), t[2] = t[10] = a2 / 2 + b4 * (0.5 + 0.5), t[4] = t[20] = b4 / 8,
     t[12] = b4 / 2;
     f.twins = {
-        {"even_asphere", {&sgt_asphere_ops, s.keep(even)}},
+        {"even_asphere", {&sgt_even_asphere_ops, s.keep(even)}},
         {"odd_asphere", s.s},
         {"polynomial_xy",
          {&sgt_polynomial_xy_ops,
@@ -204,7 +204,7 @@ sgt_ray hostile_ray(generator &g, const subject &of, const shape &f)
         if (at.status > 0)
             (g.chance(0.5) ? r.tmin : r.tmax) =
                 g.chance(0.5) ? at.t : std::nextafter(at.t, g.chance(0.5) ? -HUGE_VAL : HUGE_VAL);
-        if (r.tmin >= 0 && r.tmax == 0) r.tmax = HUGE_VAL;
+        if (r.tmin == 0 && r.tmax == 0) r.tmax = HUGE_VAL;
     }
     return r;
 }

@@ -91,8 +91,9 @@ lens random_lens(generator &g)
                          k = g.chance(0.5) ? 0 : g.uniform(-2, 1);
             if (kind == "conic") s.s = {&sgt_conic_ops, s.keep(sgt_conic{c, k, 0})};
             else
-                s.s = {&sgt_asphere_ops,
-                       s.keep(sgt_asphere{c, k, 0, {0, g.uniform(-1e-5, 1e-5), g.uniform(-1e-8, 1e-8)}})};
+                s.s = {
+                    &sgt_even_asphere_ops,
+                    s.keep(sgt_even_asphere{c, k, 0, {0, g.uniform(-1e-5, 1e-5), g.uniform(-1e-8, 1e-8)}})};
         } else {
             do s = random_specimen(g, kind);
             while (s.h < 2 || s.h > 40);

@@ -78,7 +78,7 @@ bool fail(const std::string &what, const question &q, const sgt_ray &r)
 
 sgt_ray with_ends(sgt_ray r)
 {
-    if (r.tmax == 0 && r.tmin >= 0) r.tmax = HUGE_VAL;
+    if (r.tmax == 0 && r.tmin == 0) r.tmax = HUGE_VAL;
     return r;
 }
 
@@ -90,9 +90,10 @@ question conic_question(generator &g, const std::string &type)
         if (type == "plane") t.surface.c = 0;
         if (type == "plane" || type == "sphere") t.surface.k = 0;
         question q = {type, {}, with_ends(t.ray), {}, true};
-        std::shared_ptr<sgt_asphere> p = std::make_shared<sgt_asphere>(t.surface); // a conic is its beginning
+        std::shared_ptr<sgt_even_asphere> p =
+            std::make_shared<sgt_even_asphere>(t.surface); // a conic is its beginning
         q.kept.push_back(p);
-        q.s = {t.asphere ? &sgt_asphere_ops : &sgt_conic_ops, p.get()};
+        q.s = {t.asphere ? &sgt_even_asphere_ops : &sgt_conic_ops, p.get()};
         return q;
     }
 }
@@ -175,7 +176,7 @@ list all_of(const question &q, const sgt_ray &ray, sgt_proof proof)
     sgt_options o = {};
     o.proof = proof;
     sgt_ray r = ray;
-    if (r.tmin >= 0 && r.tmax == 0) r.tmin = -0x1p-1074; // tmax = 0 stands for infinity
+    if (r.tmin == 0 && r.tmax == 0) r.tmin = -0x1p-1074; // tmax = 0 stands for infinity
     l.count = sgt_intersect_all(q.s, r, most, l.hits.data(), &o);
     l.hits.resize(static_cast<std::size_t>(std::max(0, std::min(l.count, int(most)))));
     return l;
@@ -186,7 +187,7 @@ sgt_hit first_of(const question &q, const sgt_ray &ray, sgt_proof proof, sgt_pic
     sgt_options o = {};
     o.proof = proof, o.pick = pick;
     sgt_ray r = ray;
-    if (r.tmin >= 0 && r.tmax == 0) r.tmin = -0x1p-1074;
+    if (r.tmin == 0 && r.tmax == 0) r.tmin = -0x1p-1074;
     return sgt_intersect(q.s, r, &o);
 }
 
@@ -439,7 +440,7 @@ void ask_tolerance(generator &g, const question &q, const list &whole)
     if (!(h.t - r.tmin > before + 2 * o.t_tol && r.tmax - h.t > 16 * h.t_err))
         return; // t_err is a part of what the start hides
     o.proof = static_cast<sgt_proof>(g.below(3));
-    if (r.tmin >= 0 && r.tmax == 0) return;
+    if (r.tmin == 0 && r.tmax == 0) return;
     counted["tolerance"]++;
     for (sgt_pick pick : {SGT_FIRST, SGT_NEAR_SEED}) {
         o.pick = pick;
@@ -481,7 +482,7 @@ int main(int argc, char **argv)
     std::vector<std::string> names(themselves, themselves + 6);
     names.insert(names.end(), types.begin(), types.end());
     names.insert(names.end(), offer_names, offer_names + offers);
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         if (std::find(names.begin(), names.end(), b->type) == names.end())
             failed[std::string(b->type) + ": a row that is not asked"]++;
     for (std::size_t k = 0; k < names.size(); k++) {

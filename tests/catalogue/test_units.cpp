@@ -18,6 +18,7 @@
 // The Julia and Mandelbrot sets take part with their slices scaled.  Surfaces of the Earth have one size.
 //
 // SAGITTA_TEST_SCALE from 10 on asks for all 80 powers; else for eight of them, odd and even.
+#include "../ends.h"
 #include "scaling.h"
 
 #include <sagitta/aim.h>
@@ -277,14 +278,14 @@ void ask(const maker &m, generator &g, const std::vector<sgt_ray> &rays, const s
         for (int q = 0; q < 6; q++) {
             const sgt_options o = options_of(q, k), plain_o = options_of(q, 0);
             std::vector<double> in[8], out[12];
-            std::vector<signed char> status(n);
+            std::vector<sgt_status> status(n);
             for (std::vector<double> &x : out) x.resize(n);
             for (std::size_t i = 0; i < n; i++) {
                 const sgt_ray r = scaled(rays[i], k);
                 const auto expect = [&](const sgt_hit &h) { return expected(h, k, k, m.by_f * k); };
                 const sgt_hit got = sgt_intersect(s, r, &o);
                 compare(m, k, "one ray", rays[i], plain_o, got, expect(want[q][i]));
-                const double x[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax};
+                const double x[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, end_of(&r)};
                 for (int j = 0; j < 8; j++) in[j].push_back(x[j]);
                 if (q < 3) {
                     sgt_hit some[room] = {};
@@ -364,7 +365,7 @@ std::vector<int> powers_of(const sgt_surface &s, bool base = true)
 {
     const char *const left_out[] = {"semi_diameter", "norm", "norm_x", "norm_y", "step_x", "step_y"};
     if (s.ops == &sgt_conic_ops) return {-1, 0};
-    if (row_of(s.ops)->family == SGT_LEVEL_SET) return {};
+    if (row_of(s.ops)->family == SGT_FAMILY_LEVEL_SET) return {};
     if (s.ops == &sgt_grid_ops) return base ? std::vector<int>{-1, 0} : std::vector<int>{};
     std::vector<int> powers;
     for (const sgt_param *p = row_of(s.ops)->params; p->name; p++) {
@@ -373,16 +374,16 @@ std::vector<int> powers_of(const sgt_surface &s, bool base = true)
         bool left = !base && (name == "curvature" || name == "conic") && s.ops != &sgt_toroidal_ops;
         for (const char *x : left_out) left = left || name == x;
         if (left) continue;
-        if (p->kind == SGT_REAL || p->kind == SGT_VECTOR)
+        if (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR)
             for (int i = 0; i < p->count; i++) powers.push_back(power_of(p->unit, i, 0));
         sgt_numbers a;
-        if (p->kind == SGT_LIST || p->kind == SGT_TABLE) std::memcpy(&a, at, sizeof a);
-        if (p->kind == SGT_LIST || p->kind == SGT_TABLE)
+        if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) std::memcpy(&a, at, sizeof a);
+        if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE)
             for (std::size_t i = 0; i < a.rows * a.columns; i++) {
                 const int row = static_cast<int>(i / a.columns), column = static_cast<int>(i % a.columns);
-                powers.push_back(power_of(p->unit, p->kind == SGT_LIST ? column : row, column));
+                powers.push_back(power_of(p->unit, p->kind == SGT_PARAM_LIST ? column : row, column));
             }
-        if (p->kind != SGT_TERMS) continue;
+        if (p->kind != SGT_PARAM_TERMS) continue;
         const sgt_surface *terms;
         std::size_t count;
         std::memcpy(&terms, at, sizeof terms);
@@ -402,7 +403,7 @@ void built_in(generator &g, const std::string &type, const std::vector<int> &pow
     std::vector<std::shared_ptr<scaling>> kept;
     maker m = {type, t.s.h,
                type == "quadric"              ? 2
-               : row->family == SGT_LEVEL_SET ? 0
+               : row->family == SGT_FAMILY_LEVEL_SET ? 0
                                               : 1,
                [&](int k, bool *exact) {
                    kept.push_back(std::make_shared<scaling>(type));
@@ -484,11 +485,11 @@ void formula_made(generator &g, const formula_case &f, const std::vector<int> &p
                          const std::string text = text_at(f.text, k);
                          const std::size_t size = sgt_formula_room(text.c_str(), 0);
                          to.room.resize(size / sizeof(double) + 8);
-                         sgt_formula_error error;
+                         sgt_error error;
                          const sgt_tape *tape = sgt_formula_read(
                              text.c_str(), f.sag ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, 0, nullptr,
                              to.room.data(), to.room.size() * sizeof(double), &error);
-                         if (!tape) failures++, std::printf("FAIL %s: %s\n", text.c_str(), error.text);
+                         if (!tape) failures++, std::printf("FAIL %s: %s\n", text.c_str(), error.words);
                          *exact = tape != nullptr;
                          to.whole = {tape, times(f.ball, k), {0, 0, 0}, {0, 0, 0}};
                          to.sag = {tape, times(f.ball, k)};
@@ -512,9 +513,9 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 1, 20260802);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (only && std::strcmp(only, row->type)) continue;
-        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins) * 1000003);
+        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins()) * 1000003);
         for (long i = 0; i < r.count; i++) {
             std::vector<int> powers = {1, -1, 3, -2, 39, -37, 40, -40};
             if (r.count >= 10) {
@@ -522,7 +523,7 @@ int main(int argc, char **argv)
                 for (int k = 1; k <= 40; k++) powers.push_back(k), powers.push_back(-k);
             }
             built_in(g, row->type, powers);
-            if (row == sgt_builtins)
+            if (row == sgt_builtins())
                 for (const formula_case &f : formulas) formula_made(g, f, powers);
         }
     }

@@ -61,7 +61,7 @@ gradient exact_by_parameter(const specimen &s, const std::vector<double> &p, std
     const std::size_t base = s.s.ops == &sgt_q_bfs_ops ? 1 : 2;
     bool listed = false;
     for (const sgt_param *of = row_of_ops(s.s.ops)->params; of->name; of++)
-        listed = listed || of->kind == SGT_LIST || of->kind == SGT_TABLE;
+        listed = listed || of->kind == SGT_PARAM_LIST || of->kind == SGT_PARAM_TABLE;
     std::vector<by_parameter> q;
     for (std::size_t i = 0; i < p.size(); i++)
         q.push_back(by_parameter(gradient(quad(listed && j >= base && i >= 2 ? 0 : p[i]))));

@@ -14,6 +14,7 @@
 // Where the base ends, rays start next to its edge, too, inward and outward.  There a hit takes some 12
 // evaluations in the mean (observed), and 20 at most.
 // Batches and single rays are the same to the last bit.
+#include "../ends.h"
 #include "specimens.h"
 
 #include <cstdlib>
@@ -192,13 +193,13 @@ int main()
             const std::size_t n = all.size();
             if (!n) continue;
             std::vector<double> in[8], t(n), t_err(n), p[3];
-            std::vector<signed char> status(n);
+            std::vector<sgt_status> status(n);
             std::vector<int> evals(n);
             for (std::vector<double> &a : in) a.resize(n);
             for (std::vector<double> &a : p) a.resize(n);
             for (std::size_t i = 0; i < n; i++) {
                 const double of[] = {all[i].o.x, all[i].o.y, all[i].o.z,  all[i].d.x,
-                                     all[i].d.y, all[i].d.z, all[i].tmin, all[i].tmax};
+                                     all[i].d.y, all[i].d.z, all[i].tmin, end_of(&all[i])};
                 for (int k = 0; k < 8; k++) in[k][i] = of[k];
             }
             const sgt_rays many = {{in[0].data(), in[1].data(), in[2].data()},

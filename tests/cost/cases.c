@@ -102,7 +102,7 @@ static void fill(void)
 }
 
 static const sgt_conic conic = {BASE}, conic_rim = {BASE, .semi_diameter = RIM};
-static const sgt_asphere even = {BASE, .a = {0, 1e-4, -2e-6, 1e-8}},
+static const sgt_even_asphere even = {BASE, .a = {0, 1e-4, -2e-6, 1e-8}},
                          even_rim = {BASE, .semi_diameter = RIM, .a = {0, 1e-4, -2e-6, 1e-8}};
 #define ODD .a = {0, 0, 5e-4, 1e-4, -2e-5, -2e-6, 1e-7, 1e-8}
 static const sgt_odd_asphere odd = {BASE, ODD}, odd_rim = {BASE, .semi_diameter = RIM, ODD};
@@ -116,7 +116,7 @@ static const sgt_q_bfs q_bfs = {.c = 0.1, .norm = RIM, .a = LIST_8},
                        q_bfs_rim = {.c = 0.1, .semi_diameter = RIM, .norm = RIM, .a = LIST_8};
 static sgt_grid grid_rim = {BASE, .semi_diameter = RIM, .step_x = 2.1 * RIM / 63, .step_y = 2.1 * RIM / 63,
                             .z = {height_a, 64, 64}};
-static const sgt_surface terms[] = {{&sgt_zernike_ops, &zernike_rim}, {&sgt_asphere_ops, &even}};
+static const sgt_surface terms[] = {{&sgt_zernike_ops, &zernike_rim}, {&sgt_even_asphere_ops, &even}};
 static const sgt_sum sum_rim = {BASE, .semi_diameter = RIM, .terms = terms, .count = COUNT_OF(terms)};
 #define TOROID .c_x = 0.07, .a = {0, 1e-4, -2e-6, 1e-8}
 static const sgt_toroidal toroid = {BASE, TOROID}, toroid_rim = {BASE, .semi_diameter = RIM, TOROID};
@@ -205,7 +205,7 @@ static const struct optic { double radius, thickness, index, semi_diameter; } sc
 };
 enum { ELEMENTS = COUNT_OF(scan_lens) };
 static sgt_conic lens_conic[ELEMENTS];
-static sgt_asphere lens_even[ELEMENTS];
+static sgt_even_asphere lens_even[ELEMENTS];
 static sgt_odd_asphere lens_odd[ELEMENTS];
 static sgt_element lens_of_spheres[ELEMENTS], lens_of_aspheres[ELEMENTS], lens_of_odd_aspheres[ELEMENTS];
 static sgt_element open_lens[ELEMENTS], clipping_lens[ELEMENTS], ringed_lens[ELEMENTS],
@@ -237,7 +237,7 @@ static void make_lenses(void)
         if (c != 0) {
             lens_even[i].k = lens_odd[i].k = -0.2;
             lens_even[i].a[1] = lens_odd[i].a[3] = a4, lens_even[i].a[2] = lens_odd[i].a[5] = a6;
-            lens_of_aspheres[i].surface = (sgt_surface){&sgt_asphere_ops, &lens_even[i]};
+            lens_of_aspheres[i].surface = (sgt_surface){&sgt_even_asphere_ops, &lens_even[i]};
             lens_of_odd_aspheres[i].surface = (sgt_surface){&sgt_odd_asphere_ops, &lens_odd[i]};
         }
         z += o->thickness;
@@ -260,7 +260,8 @@ static void make_others(const sgt_element *lens)
 
 static sgt_ray rays[MANY];
 static double in[6][MANY], out[10][MANY], derivatives[12][MANY];
-static signed char status[MANY];
+static sgt_status status[MANY];
+static sgt_fate fates[MANY];
 
 static void draw(sgt_ray (*ray)(void))
 {
@@ -328,13 +329,13 @@ static void trace(const subject *of, size_t n, const sgt_options *opt)
 
 static void trace_batch(const subject *of, size_t n, const sgt_options *opt)
 {
-    const sgt_traced end = {.fate = status, .o = {out[0], out[1], out[2]}, .d = {out[3], out[4], out[5]}};
+    const sgt_traced end = {.fate = fates, .o = {out[0], out[1], out[2]}, .d = {out[3], out[4], out[5]}};
     sgt_trace_batch(ELEMENTS, of->lens, 1, n, arrays(), end, NULL, opt);
 }
 
 static void trace_batch_with_paths(const subject *of, size_t n, const sgt_options *opt)
 {
-    const sgt_traced end = {.fate = status, .o = {out[0], out[1], out[2]}, .d = {out[3], out[4], out[5]},
+    const sgt_traced end = {.fate = fates, .o = {out[0], out[1], out[2]}, .d = {out[3], out[4], out[5]},
                             .opl = out[6]};
     sgt_trace_batch(ELEMENTS, of->lens, 1, n, arrays(), end, NULL, opt);
 }
@@ -345,14 +346,14 @@ static sgt_passages passages[ELEMENTS];
 static void trace_batch_with_passages(const subject *of, size_t n, const sgt_options *opt)
 {
     static double room[ELEMENTS][12][MANY];
-    static signed char statuses[ELEMENTS][MANY];
+    static sgt_status statuses[ELEMENTS][MANY];
     for (int e = 0; e < ELEMENTS; e++) {
         double(*x)[MANY] = room[e];
         passages[e] = (sgt_passages){.hits = {.status = statuses[e], .t = x[0], .p_err = x[1],
                                               .p = {x[2], x[3], x[4]}, .n = {x[5], x[6], x[7]}},
                                      .direction = {x[8], x[9], x[10]}, .opl = x[11]};
     }
-    sgt_trace_batch(ELEMENTS, of->lens, 1, n, arrays(), (sgt_traced){.fate = status}, passages, opt);
+    sgt_trace_batch(ELEMENTS, of->lens, 1, n, arrays(), (sgt_traced){.fate = fates}, passages, opt);
 }
 
 /* The passages are those of the case before. */
@@ -429,8 +430,8 @@ int main(int argc, char **argv)
     } surfaces[] = {
         {"conic", {{&sgt_conic_ops, &conic}, NULL}, true, toward_lens},
         {"conic with a rim", {{&sgt_conic_ops, &conic_rim}, NULL}, true, toward_lens},
-        {"even asphere", {{&sgt_asphere_ops, &even}, NULL}, true, toward_lens},
-        {"even asphere with a rim", {{&sgt_asphere_ops, &even_rim}, NULL}, true, toward_lens},
+        {"even asphere", {{&sgt_even_asphere_ops, &even}, NULL}, true, toward_lens},
+        {"even asphere with a rim", {{&sgt_even_asphere_ops, &even_rim}, NULL}, true, toward_lens},
         {"odd asphere", {{&sgt_odd_asphere_ops, &odd}, NULL}, true, toward_lens},
         {"odd asphere with a rim", {{&sgt_odd_asphere_ops, &odd_rim}, NULL}, true, toward_lens},
         {"polynomial xy", {{&sgt_polynomial_xy_ops, &xy}, NULL}, false, toward_lens},
@@ -472,7 +473,7 @@ int main(int argc, char **argv)
         batch(of, MANY, &first);
         ask_case(name, "derivatives by the ray", differentiate, of, MANY, first);
     }
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) { /* any other, by its specimen */
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++) { /* any other, by its specimen */
         bool named = false;
         for (size_t i = 0; i < COUNT_OF(surfaces); i++) named = named || surfaces[i].of.surface.ops == b->ops;
         const subject of = {{b->ops, b->specimen}, NULL};

@@ -159,7 +159,7 @@ answer roots_of(const test_case &t)
     };
     const int length = exponent(t.h),
               way = exponent(std::max({std::fabs(t.ray.d.x), std::fabs(t.ray.d.y), std::fabs(t.ray.d.z)}));
-    sgt_asphere s = t.surface;
+    sgt_even_asphere s = t.surface;
     sgt_ray ray = t.ray;
     s.c = std::ldexp(s.c, length);
     s.semi_diameter = std::ldexp(s.semi_diameter, -length);
@@ -191,7 +191,7 @@ answer roots_of(const test_case &t)
 // Sum of |input * dF/d(input)| at a root: of the ray's numbers, and of the surface's.
 quad inputs_of(const test_case &t, const meeting &m)
 {
-    const sgt_asphere &s = t.surface;
+    const sgt_even_asphere &s = t.surface;
     const quad rho = m.p.x * m.p.x + m.p.y * m.p.y, time = m.t(), e = 1 + quad(s.k);
     quad polynomial = 0, sum = 0, power = 1;
     for (double a : s.a) {
@@ -375,7 +375,7 @@ test_case draw(generator &g, const lens_row &l)
 {
     test_case t = {};
     const double pi = 3.141592653589793;
-    sgt_asphere &s = t.surface;
+    sgt_even_asphere &s = t.surface;
     const double side = g.sign();
     s.c = side * l.c * g.uniform(0.7, 1.3);
     s.k = l.k;
@@ -413,7 +413,7 @@ test_case draw(generator &g, const lens_row &l)
 // All lengths times `by`; a term that no double holds is left out.
 test_case scaled(test_case t, double by)
 {
-    sgt_asphere &s = t.surface;
+    sgt_even_asphere &s = t.surface;
     s.c /= by;
     s.semi_diameter *= by;
     for (int i = 0; i < 8; i++)

@@ -71,11 +71,11 @@ class subject
         const std::size_t n = f.named.size();
         const std::size_t size = sgt_formula_room(f.text.c_str(), n);
         room_.resize(size / sizeof(double) + 1);
-        sgt_formula_error e = {0, ""};
+        sgt_error e = {};
         tape_ = sgt_formula_read(f.text.c_str(), f.sag() ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, n,
                                  f.named.data(), room_.data(), size, &e);
         if (!tape_) {
-            error_ = std::string(e.text) + " (column " + std::to_string(e.column) + ")";
+            error_ = std::string(e.words) + " (column " + std::to_string(e.column) + ")";
             return;
         }
         const place &w = f.where;

@@ -105,7 +105,7 @@ pair_of even_asphere(part &p)
     pair_of r = on_base(p, " + p0*r^4 + p1*r^6 + p2*(x^2+y^2)^4");
     const std::vector<double> a = {p.term(4), p.term(6), p.term(8)};
     r.name_all(a);
-    r.built_in = {&sgt_asphere_ops, r.keep(sgt_asphere{p.c, p.k, p.h, {0, a[0], a[1], a[2]}})};
+    r.built_in = {&sgt_even_asphere_ops, r.keep(sgt_even_asphere{p.c, p.k, p.h, {0, a[0], a[1], a[2]}})};
     return r;
 }
 pair_of odd_asphere(part &p)
@@ -424,11 +424,11 @@ int main(int argc, char **argv)
             const pair_of p = r.make(of);
             const std::size_t size = sgt_formula_room(p.text.c_str(), p.named.size());
             std::vector<double> room(size / sizeof(double) + 1);
-            sgt_formula_error e = {0, ""};
+            sgt_error e = {};
             sgt_tape *tape = sgt_formula_read(p.text.c_str(), p.sag ? SGT_FORMULA_XY : SGT_FORMULA_XYZ,
                                               p.named.size(), p.named.data(), room.data(), size, &e);
             if (!tape) {
-                std::printf("FAIL %s: %s (column %zu)\n    %s\n", r.type, e.text, e.column, p.text.c_str());
+                std::printf("FAIL %s: %s (column %zu)\n    %s\n", r.type, e.words, e.column, p.text.c_str());
                 failures++;
                 break;
             }

@@ -19,6 +19,7 @@
 //
 // --by-hand: the same surfaces made of C++ (subject.h), for a look at the oracle itself.  A user's surface
 // may be hit in a jump (sagitta.h), which is let pass then.
+#include "../ends.h"
 #include "grown.h"
 #include "rays.h"
 #include "subject.h"
@@ -125,11 +126,11 @@ class judge
         std::vector<double> in[8], out[10];
         for (auto &v : in) v.resize(n);
         for (auto &v : out) v.resize(n);
-        std::vector<signed char> status(n);
+        std::vector<sgt_status> status(n);
         std::vector<int> evals(n);
         for (std::size_t i = 0; i < n; i++) {
             const sgt_ray &r = rays[i];
-            const double v[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax};
+            const double v[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, end_of(&r)};
             for (int k = 0; k < 8; k++) in[k][i] = v[k];
         }
         const sgt_rays all = {{in[0].data(), in[1].data(), in[2].data()},

@@ -14,7 +14,7 @@ static const char *const names[NAMES] = {"a", "b", "k2"};
 
 /* Reads in a room that is shorter by `less`.  NULL: there was an error, and it is one. */
 static sgt_tape *read_in(const char *text, sgt_formula_kind kind, size_t n, const sgt_named given[],
-                         size_t less, void **block, sgt_formula_error *error)
+                         size_t less, void **block, sgt_error *error)
 {
     size_t size = sgt_formula_room(text, n), length = 0;
     size = size > less ? size - less : 0;
@@ -27,8 +27,9 @@ static sgt_tape *read_in(const char *text, sgt_formula_kind kind, size_t n, cons
         tape_check(tape);
         return tape;
     }
-    while (length < sizeof error->text && error->text[length] >= ' ' && error->text[length] <= '~') length++;
-    REQUIRE(length > 5 && length < sizeof error->text && error->text[length] == 0, "no sentence");
+    while (length < sizeof error->words && error->words[length] >= ' ' && error->words[length] <= '~')
+        length++;
+    REQUIRE(length > 5 && length < sizeof error->words && error->words[length] == 0, "no sentence");
     REQUIRE(error->column <= strlen(text) + 1, "column %zu of %zu", error->column, strlen(text));
     return NULL;
 }
@@ -57,7 +58,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     size_t n = what >> 1 & 3, less = 1 + take_bits(&b, 2) % 8192;
     sgt_formula_kind kind = what & 1 ? SGT_FORMULA_XY : SGT_FORMULA_XYZ;
     sgt_named given[NAMES];
-    sgt_formula_error error, other_error;
+    sgt_error error, other_error;
     void *room, *short_room;
     for (size_t i = 0; i < n; i++) given[i] = (sgt_named){names[i], what & 8 ? take_number(&b) : values[i]};
     bool finite = true;
@@ -66,7 +67,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     REQUIRE(text, "out of memory");
     memcpy(text, b.at, b.left), text[b.left] = 0;
     sgt_tape *tape = read_in(text, kind, n, given, 0, &room, &error);
-    REQUIRE(tape || !strstr(error.text, "the room is too small"), "%s: %s", text, error.text);
+    REQUIRE(tape || !strstr(error.words, "the room is too small"), "%s: %s", text, error.words);
     REQUIRE(tape == NULL || finite, "a parameter is not finite");
     sgt_tape *other = read_in(text, kind, n, given, less, &short_room, &other_error);
     if (other) {
@@ -75,8 +76,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         REQUIRE(memcmp(other->step, tape->step, (size_t)tape->steps * sizeof *tape->step) == 0,
                 "other steps");
     } else if (tape) {
-        REQUIRE(other_error.column == 0 && strstr(other_error.text, "the room is too small"), "%s: %s", text,
-                other_error.text);
+        REQUIRE(other_error.column == 0 && strstr(other_error.words, "the room is too small"), "%s: %s", text,
+                other_error.words);
     }
     if (tape) {
         double set[NAMES];

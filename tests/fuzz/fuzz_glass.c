@@ -22,8 +22,8 @@ static void require_glass(const sgt_catalogue *c, size_t place)
 {
     sgt_glass g, same;
     REQUIRE(sgt_catalogue_glass(c, place, &g), "%zu", place);
-    const char *fault = sgt_glass_fault(&g);
-    REQUIRE(!fault, "%s: %s", g.name, fault);
+    sgt_error fault;
+    REQUIRE(sgt_glass_sound(&g, &fault), "%s: %s", g.name, fault.words);
     REQUIRE(g.line > 0 && g.from > 0 && g.to >= g.from, "%s: line %zu, %a %a", g.name, g.line, g.from, g.to);
     const double um[] = {g.from, g.to, 0.5875618, 1e-300, 1e300};
     for (size_t i = 0; i < COUNT_OF(um); i++) {
@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static const char *const name[] = {"maker.agf", "a.csv", "maker/a.yml"};
     if (size == 0) return 0;
     const char *file = name[data[0] % COUNT_OF(name)];
-    sgt_lens_error e = {0};
+    sgt_error e = {0};
     sgt_catalogue *c = sgt_catalogue_new(&(sgt_allocator){counted_resize, NULL});
     if (!c) return 0;
     size_t length = size - 1;

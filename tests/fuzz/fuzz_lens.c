@@ -29,7 +29,7 @@ static size_t lines_of(const uint8_t *data, size_t size)
     return lines;
 }
 
-static void require_message(const sgt_lens_error *e, const uint8_t *data, size_t size)
+static void require_message(const sgt_error *e, const uint8_t *data, size_t size)
 {
     REQUIRE(*e->words && strcmp(e->file, SOURCE) == 0, "%s: %s", e->file, e->words);
     REQUIRE(e->line >= 1 && e->line <= lines_of(data, size), "line %zu of %zu: \"%s\"", e->line,
@@ -54,7 +54,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     if (text) {
         memcpy(text, data, length), text[length] = 0;
-        sgt_lens_error e = {0};
+        sgt_error e = {0};
         sgt_lens *l = sgt_lens_read_text(SOURCE, text, length, &options, &e);
         if (l) require_lens(l), require_again(l, SOURCE, &options);
         else require_message(&e, data, length);

@@ -25,6 +25,7 @@
  *     differ; where there is a hit, `enclose` over [lo, hi] does not exclude 0;
  *   - `enclose` contains F where it is known;
  *   - one ray's answers do not contradict each other: under each proof, in the list, under each pick. */
+#include "../ends.h"
 #include "fuzz.h"
 
 #include <sagitta/diagnose.h>
@@ -35,13 +36,13 @@ typedef long double wide;
 
 typedef union parameters {
     sgt_conic conic;
-    sgt_asphere asphere;
+    sgt_even_asphere asphere;
     sgt_julia julia;
     sgt_mandelbrot mandelbrot;
     unsigned char byte[512];
 } parameters;
 
-typedef struct term_list { const sgt_surface *of; size_t count; } term_list; /* as SGT_TERMS has it */
+typedef struct term_list { const sgt_surface *of; size_t count; } term_list; /* as SGT_PARAM_TERMS has it */
 
 typedef enum kind { OWN, USER, LIAR } kind;
 
@@ -55,7 +56,7 @@ typedef struct subject {
     /* one of those that `value` and `rounding` are asked of; rises: F = z - s(x, y) */
     bool catalogue, rises;
     double rim;
-    sgt_asphere sag_with;     /* of a sag, as long doubles read it */
+    sgt_even_asphere sag_with;     /* of a sag, as long doubles read it */
 } subject;
 
 enum { MOST_RAYS = 4, MOST_LANES = 24, MOST_HITS = 24 };
@@ -68,7 +69,7 @@ static sgt_options now_opt;
 
 static const sgt_builtin *row_of(const sgt_surface_ops *ops)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->ops != ops) b++;
     return b;
 }
@@ -78,16 +79,16 @@ static void print_parameters(const sgt_builtin *row, const unsigned char *with)
     for (const sgt_param *p = row->params; p->name; p++) {
         const void *at = with + p->offset;
         sgt_numbers numbers = {at, 1, (size_t)p->count};
-        if (p->kind == SGT_WHOLE || p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+        if (p->kind == SGT_PARAM_WHOLE || p->kind == SGT_PARAM_WORD || p->kind == SGT_PARAM_TRUTH) {
             fprintf(stderr, "  %s %d", p->name, *(const int *)at);
-        } else if (p->kind == SGT_TERMS) {
+        } else if (p->kind == SGT_PARAM_TERMS) {
             const term_list *terms = at;
             for (size_t i = 0; i < terms->count; i++) {
                 fprintf(stderr, "  term %s", terms->of[i].ops->name);
                 print_parameters(row_of(terms->of[i].ops), terms->of[i].self);
             }
         } else {
-            if (p->kind == SGT_LIST || p->kind == SGT_TABLE)
+            if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE)
                 numbers = *(const sgt_numbers *)at,
                 fprintf(stderr, "  %s %zu x %zu", p->name, numbers.rows, numbers.columns);
             for (size_t i = 0; numbers.x && i < numbers.rows * numbers.columns; i++)
@@ -135,7 +136,7 @@ static void print_hit(const char *name, const sgt_hit *h)
 /* F on the ray, and how far it may be off; NaN: not known. */
 typedef struct known { wide f, err; } known;
 
-static known sag_at(const sgt_asphere *s, wide x, wide y, wide z, wide x_err, wide y_err, wide z_err)
+static known sag_at(const sgt_even_asphere *s, wide x, wide y, wide z, wide x_err, wide y_err, wide z_err)
 {
     const wide u = 0x1p-62L;
     wide c = s->c, k1 = 1 + (wide)s->k, rho = x * x + y * y,
@@ -243,7 +244,7 @@ static bool crosses(const subject *s, const sgt_ray *r, double from, double to, 
 static bool finite_all(const subject *s)
 {
     for (const sgt_param *p = s->row->params; p->name; p++)
-        for (int i = 0; i < p->count && (p->kind == SGT_REAL || p->kind == SGT_VECTOR); i++) {
+        for (int i = 0; i < p->count && (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR); i++) {
             double x;
             memcpy(&x, s->with.byte + p->offset + (size_t)i * sizeof x, sizeof x);
             if (!isfinite(x)) return false;
@@ -352,8 +353,8 @@ static sgt_surface term[MOST_TERMS];
 
 static sgt_numbers take_numbers(bytes *b, const sgt_param *p, bool tamed)
 {
-    size_t few = strcmp(p->name, "sag") == 0 ? 4 : 0, rows = p->kind == SGT_LIST ? 1 : few + take_byte(b) % 7,
-           columns = few + take_byte(b) % 9;
+    size_t few = strcmp(p->name, "sag") == 0 ? 4 : 0,
+           rows = p->kind == SGT_PARAM_LIST ? 1 : few + take_byte(b) % 7, columns = few + take_byte(b) % 9;
     if (rows * columns == 0) return (sgt_numbers){NULL, rows, columns};
     if (!tamed && (take_byte(b) & 15) == 0) return (sgt_numbers){NULL, rows, columns};
     sgt_numbers n = {&pool[pooled], rows, columns};
@@ -369,13 +370,13 @@ static void take_catalogue(bytes *b, const sgt_builtin *row, unsigned char *with
 {
     for (const sgt_param *p = row->params; p->name; p++) {
         void *to = with + p->offset;
-        if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+        if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
             *(sgt_numbers *)to = take_numbers(b, p, tamed);
-        } else if (p->kind == SGT_TERMS) {
+        } else if (p->kind == SGT_PARAM_TERMS) {
             static const sgt_surface_ops *const kinds[] = {
                 &sgt_odd_asphere_ops, &sgt_polynomial_xy_ops, &sgt_chebyshev_ops,
                 &sgt_zernike_ops,     &sgt_q_con_ops,         &sgt_q_bfs_ops,
-                &sgt_grid_ops,        &sgt_asphere_ops,       &sgt_torus_ops};
+                &sgt_grid_ops,        &sgt_even_asphere_ops,       &sgt_torus_ops};
             size_t count = take_byte(b) % (MOST_TERMS + 1);
             for (size_t i = 0; i < count; i++) {
                 memset(&term_with[i], 0, sizeof term_with[i]);
@@ -387,7 +388,7 @@ static void take_catalogue(bytes *b, const sgt_builtin *row, unsigned char *with
                     memcpy(term_with[i].byte + of->params[0].offset, &flat, sizeof flat);
             }
             *(term_list *)to = (term_list){term, count};
-        } else if (p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+        } else if (p->kind == SGT_PARAM_WORD || p->kind == SGT_PARAM_TRUTH) {
             int whole = (int)(int8_t)take_byte(b);
             *(int *)to = tamed ? (int)p->lo + abs(whole) % (int)(p->hi - p->lo + 1) : whole;
         } else {
@@ -409,18 +410,18 @@ static subject take_subject(bytes *b)
     enum { FIRST = 6 }; /* the rows that there were when the corpus was made */
     subject s = {0};
     unsigned which = take_byte(b), flags = take_byte(b), rows = 0;
-    while (sgt_builtins[rows].type) rows++;
+    while (sgt_builtins()[rows].type) rows++;
     s.catalogue = 0x1188u >> (flags >> 4) & 1;
-    s.row = &sgt_builtins[s.catalogue ? FIRST + which % (rows - FIRST) : which % FIRST];
+    s.row = &sgt_builtins()[s.catalogue ? FIRST + which % (rows - FIRST) : which % FIRST];
     bool tamed = flags & 1;
     s.kind = (flags >> 1 & 7) == 6 ? USER : (flags >> 1 & 7) == 7 ? LIAR : OWN;
-    s.sag = s.row->ops == &sgt_conic_ops || s.row->ops == &sgt_asphere_ops;
+    s.sag = s.row->ops == &sgt_conic_ops || s.row->ops == &sgt_even_asphere_ops;
     pooled = 0;
     if (s.catalogue) take_catalogue(b, s.row, s.with.byte, tamed);
     for (const sgt_param *p = s.row->params; p->name; p++)
         for (int i = 0; i < p->count && !s.catalogue; i++) {
             unsigned char *to = s.with.byte + p->offset;
-            if (p->kind == SGT_WHOLE) {
+            if (p->kind == SGT_PARAM_WHOLE) {
                 int whole = (int)(int8_t)take_byte(b);
                 if (tamed) whole = abs(whole) % (p->hi > 20 ? 13 : (int)p->hi + 1);
                 if (tamed && strcmp(p->name, "power") == 0 && whole == 1) whole = 0;
@@ -520,7 +521,7 @@ static sgt_ray take_ray(bytes *b, const subject *s, const sgt_ray *before)
 static bool ray_is_valid(const sgt_ray *r)
 {
     double big = fmax(fabs(r->d.x), fmax(fabs(r->d.y), fabs(r->d.z)));
-    bool ends = r->tmin <= r->tmax || (r->tmax == 0 && r->tmin >= 0);
+    bool ends = r->tmin <= end_of(r);
     /* a ray that begins at infinity or ends at -infinity has no points */
     return isfinite(r->o.x) && isfinite(r->o.y) && isfinite(r->o.z) && isfinite(r->d.x) && isfinite(r->d.y) &&
            isfinite(r->d.z) && big >= DBL_MIN && ends && r->tmin < HUGE_VAL && r->tmax > -HUGE_VAL;
@@ -561,7 +562,7 @@ static bool same_hit(const sgt_hit *a, const sgt_hit *b)
 /* The ends made explicit. */
 static sgt_ray plain(sgt_ray r)
 {
-    if (r.tmax == 0 && r.tmin >= 0) r.tmax = (double)INFINITY;
+    r.tmax = end_of(&r);
     return r;
 }
 
@@ -838,12 +839,12 @@ static void check_batch(const subject *s, size_t n, const sgt_ray ray[], const s
                         const sgt_options *opt, unsigned how)
 {
     static double in[8][MOST_LANES], out[10][MOST_LANES];
-    static signed char status[MOST_LANES];
+    static sgt_status status[MOST_LANES];
     static int evals[MOST_LANES];
     size_t positive = 0;
     for (size_t i = 0; i < n; i++) {
         const sgt_ray *r = &ray[i % (size_t)distinct];
-        const double numbers[8] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, r->tmax};
+        const double numbers[8] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, end_of(r)};
         for (int k = 0; k < 8; k++) in[k][i] = numbers[k];
         positive += alone[i % (size_t)distinct].status > 0;
     }
@@ -944,7 +945,8 @@ static void check_trace(const subject *s, bytes *b, size_t n, const sgt_ray ray[
         if (how & 8) e[i].semi_diameter = fabs(take_number(b));
     }
     static double in[6][MOST_RAYS], out[6][MOST_RAYS], opl[MOST_RAYS], met[MOST_ELEMENTS][15][MOST_RAYS];
-    static signed char fates[MOST_RAYS], status[MOST_ELEMENTS][MOST_RAYS];
+    static sgt_fate fates[MOST_RAYS];
+    static sgt_status status[MOST_ELEMENTS][MOST_RAYS];
     static int passed[MOST_RAYS], evals[MOST_ELEMENTS][MOST_RAYS];
     sgt_passages passages[MOST_ELEMENTS];
     for (size_t i = 0; i < n; i++) {
@@ -966,8 +968,8 @@ static void check_trace(const subject *s, bytes *b, size_t n, const sgt_ray ray[
         };
     size_t all = sgt_trace_batch(
                elements, e, before, n, (sgt_rays){{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, NULL, NULL},
-               (sgt_traced){fates, passed, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, opl}, passages,
-               opt),
+               (sgt_traced){fates, passed, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, opl, {0}},
+               passages, opt),
            whole = 0;
     for (size_t i = 0; i < n; i++) {
         sgt_ray r = ray[i];

@@ -14,7 +14,7 @@ static const char GLASSES[] = "maker,glass,formula,from_um,to_um,coefficients\n"
 static const sgt_catalogue *glasses(void)
 {
     static sgt_catalogue *c;
-    sgt_lens_error e = {0};
+    sgt_error e = {0};
     if (c) return c;
     c = sgt_catalogue_new(NULL);
     REQUIRE(c && sgt_catalogue_add_text(c, "glasses.csv", GLASSES, sizeof GLASSES - 1, &e), "%zu: %s", e.line,
@@ -34,7 +34,7 @@ static void read_zmx(const uint8_t *data, size_t size)
 {
     const sgt_lens_options options = {.allocator = &counted, .glasses = glasses()};
     char *text = malloc(size ? size : 1); /* so that a sanitizer sees a step too far */
-    sgt_lens_error e = {0};
+    sgt_error e = {0};
     if (!text) return;
     if (size) memcpy(text, data, size);
     sgt_lens *l = sgt_lens_read_text(SOURCE, text, size, &options, &e);

@@ -21,7 +21,7 @@ static const sgt_allocator counted = {counted_resize, NULL};
 
 static void require_surface(sgt_surface s, const char *type, double size)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->type && strcmp(b->type, type) != 0) b++;
     REQUIRE(b->type && b->ops == s.ops, "%s", type);
     for (const sgt_param *p = b->params; p->name; p++) {
@@ -30,18 +30,18 @@ static void require_surface(sgt_surface s, const char *type, double size)
         const double *x = at;
         size_t count = (size_t)p->count;
         double whole;
-        if (p->kind == SGT_TERMS) {
+        if (p->kind == SGT_PARAM_TERMS) {
             size_t terms;
             memcpy(&terms, (const char *)at + sizeof(sgt_surface *), sizeof terms);
             REQUIRE(terms <= count, "%s: %zu terms", type, terms);
             continue;
         }
-        if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
-            REQUIRE((table->rows <= count || p->kind == SGT_LIST) && table->columns <= count &&
+        if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
+            REQUIRE((table->rows <= count || p->kind == SGT_PARAM_LIST) && table->columns <= count &&
                         (!table->rows || table->x),
                     "%s: %s: %zu rows, %zu columns", type, p->name, table->rows, table->columns);
             x = table->x, count = table->rows * table->columns;
-        } else if (p->kind != SGT_REAL && p->kind != SGT_VECTOR) {
+        } else if (p->kind != SGT_PARAM_REAL && p->kind != SGT_PARAM_VECTOR) {
             whole = *(const int *)at, x = &whole;
         }
         for (size_t i = 0; i < count; i++)
@@ -107,7 +107,7 @@ static void require_lens(const sgt_lens *l)
 static void require_again(sgt_lens *l, const char *name, const sgt_lens_options *options)
 {
     size_t length;
-    sgt_lens_error e = {0};
+    sgt_error e = {0};
     const char *text = sgt_lens_yaml(l, &length);
     REQUIRE(text, "%zu surfaces", l->count);
     sgt_lens *same_lens = sgt_lens_read_text(name, text, length, options, &e);

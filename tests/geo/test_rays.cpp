@@ -204,7 +204,7 @@ void run(const char *name, long count, const earth::grid *grid, const sgt_geoid 
             s.about = [&](const earth::vec &p) { return grid->about(p, h); }, s.bumps = 220;
         std::vector<sgt_ray> rays(block);
         std::vector<double> x[6], t(block), t_err(block), p[3];
-        std::vector<signed char> status(block);
+        std::vector<sgt_status> status(block);
         for (auto &v : x) v.resize(block);
         for (auto &v : p) v.resize(block);
         for (size_t i = 0; i < block; i++) {
@@ -379,15 +379,16 @@ int main(int argc, char **argv)
     from_surface("geodetic_height", count, faults);
     from_surface("level_gravity", count, faults);
     first_of_all(count, faults);
-    char path[4096], error[4096];
+    char path[4096];
+    sgt_error error = {};
     earth::grid grid;
     if (!sgt_geoid_find(path, sizeof path)) {
         std::printf("geoid: skipped, egm96_15.gtx is not installed\n");
-    } else if (sgt_geoid *geoid = sgt_geoid_open(path, error, sizeof error); geoid && grid.read(path)) {
+    } else if (sgt_geoid *geoid = sgt_geoid_open(path, &error); geoid && grid.read(path)) {
         run("geoid", count, &grid, geoid, faults);
         sgt_geoid_close(geoid);
     } else {
-        std::printf("geoid: %s\n", geoid ? path : error);
+        std::printf("geoid: %s\n", geoid ? path : error.words);
         faults++;
     }
     return faults ? 1 : 0;

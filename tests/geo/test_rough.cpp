@@ -203,12 +203,11 @@ int main()
     for (const pattern &p : patterns) {
         const int rows = p.name == std::string("meridional") ? 181 : 721,
                   columns = 2 * (rows - 1); // 1 degree, or a quarter of one
-        char error[500] = "";
+        sgt_error error = {};
         earth::grid grid;
-        sgt_geoid *geoid = write(path, rows, columns, p) ? sgt_geoid_open(path, error, sizeof error)
-                                                         : nullptr;
+        sgt_geoid *geoid = write(path, rows, columns, p) ? sgt_geoid_open(path, &error) : nullptr;
         if (!geoid || !grid.read(path)) {
-            std::printf("FAIL %s: %s\n", p.name, error);
+            std::printf("FAIL %s: %s\n", p.name, error.words);
             faults++;
             continue;
         }

@@ -245,7 +245,7 @@ struct generator { // splitmix64
 
 struct surface {
     std::string type;
-    sgt_asphere sag = {};
+    sgt_even_asphere sag = {};
     sgt_conic conic = {};
     sgt_julia julia = {};
     sgt_mandelbrot mandelbrot = {};
@@ -295,7 +295,7 @@ double conic_constant(generator &g)
 bool draw(generator &g, const sgt_builtin &row, surface *s)
 {
     s->type = row.type;
-    if (row.ops == &sgt_conic_ops || row.ops == &sgt_asphere_ops) {
+    if (row.ops == &sgt_conic_ops || row.ops == &sgt_even_asphere_ops) {
         const double size = g.chance(0.5)   ? g.log_uniform(1e-2, 1e3)
                             : g.chance(0.8) ? g.log_uniform(1e-30, 1e30)
                                             : g.log_uniform(1e-100, 1e100);
@@ -310,7 +310,7 @@ bool draw(generator &g, const sgt_builtin &row, surface *s)
             s->size = std::ldexp(1, std::ilogb(s->size)), s->sag.c = g.sign() / s->size;
             if (s->type != "sphere") s->sag.k = g.chance(0.5) ? 0 : 3;
         }
-        s->terms = row.ops == &sgt_asphere_ops;
+        s->terms = row.ops == &sgt_even_asphere_ops;
         if (s->terms) {
             const int count = g.below(9);
             const double height = size * g.log_uniform(1e-8, 3);
@@ -371,7 +371,7 @@ struct stretch {
 
 stretch draw_ray(generator &g, const surface &s)
 {
-    const bool sag = s.handle.ops == &sgt_conic_ops || s.handle.ops == &sgt_asphere_ops;
+    const bool sag = s.handle.ops == &sgt_conic_ops || s.handle.ops == &sgt_even_asphere_ops;
     stretch e;
     // A point of the surface, or one beside it.
     double reach = s.size;
@@ -597,7 +597,7 @@ int main(int argc, char **argv)
     if (const char *e = std::getenv("SAGITTA_TEST_SCALE")) scale = std::atof(e);
     std::printf("SAGITTA_TEST_SEED=%" PRIu64 "\n", seed);
     generator g = {seed};
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (row->ops->values) continue; // met by its operations: tests/catalogue
         if (argc > 1 && std::strcmp(argv[1], row->type)) continue;
         if (!row->ops->enclose) {

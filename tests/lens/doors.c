@@ -70,7 +70,7 @@ static void put_fates(const sgt_fates *f)
     printf(" %zu %zu\n", f->folded, f->proven);
 }
 
-static void put_fault(const sgt_lens_error *e) { printf("refused %s: %s\n", e->key, e->words); }
+static void put_fault(const sgt_error *e) { printf("refused %s: %s\n", e->key, e->words); }
 
 static size_t read_list(char *words, double at[MOST])
 {
@@ -105,7 +105,7 @@ static bool set(const sgt_analysis *of, char *options, char *words, double list[
 static void ask(const sgt_lens *lens, const sgt_analysis *of, const sgt_study_options *how,
                 const void *options)
 {
-    sgt_lens_error error = {.line = 0};
+    sgt_error error = {.line = 0};
     sgt_study *study = sgt_study_new(lens, how, &error);
     asked a = {study, of, options};
     const sgt_sink sink = {.context = &a, .row = put_row, .say = put_sentence};
@@ -159,7 +159,7 @@ static bool ask_first_order(const sgt_lens *lens)
 #undef MEMBER
     };
     const char *um = strtok(NULL, " "), *why_not;
-    sgt_lens_error error = {.line = 0};
+    sgt_error error = {.line = 0};
     sgt_first_order data;
     sgt_seidel *seidel = um ? calloc(lens->count, sizeof *seidel) : NULL;
     if (!seidel) return false;
@@ -186,7 +186,7 @@ static bool ask_first_order(const sgt_lens *lens)
 
 int main(int argc, char *argv[])
 {
-    sgt_lens_error error = {.line = 0};
+    sgt_error error = {.line = 0};
     sgt_lens *lens = argc == 2 ? sgt_lens_read(argv[1], NULL, &error) : NULL;
     bool fine = lens;
     if (!fine) fprintf(stderr, "%s:%zu: %s: %s\n", error.file, error.line, error.key, error.words);

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int told(const sgt_lens_error *e)
+static int told(const sgt_error *e)
 {
     printf("error\t%s\t%zu\t%s\t%s\n", e->file, e->line, e->key, e->words);
     return 3;
@@ -46,7 +46,7 @@ static int prefixes(const char *path, size_t step)
     size_t length;
     char *text = all_of(path, &length);
     for (size_t n = 0; n <= length; n += step) {
-        sgt_lens_error e = {0};
+        sgt_error e = {0};
         sgt_catalogue *c = sgt_catalogue_new(NULL);
         char *exact = malloc(n ? n : 1); /* so that a sanitizer sees a step too far */
         if (!c || !exact) return 2;
@@ -77,7 +77,7 @@ static int memory(const char *path)
 {
     for (long most = 0; most < 100000; most++) {
         meter m = {.left = most};
-        sgt_lens_error e = {0};
+        sgt_error e = {0};
         sgt_catalogue *c = sgt_catalogue_new(&(sgt_allocator){metered, &m});
         bool fine = c && sgt_catalogue_add(c, path, &e);
         if (c && !fine && !strstr(e.words, "memory")) return told(&e);
@@ -98,11 +98,12 @@ int main(int argc, char **argv)
         double c[100];
         sgt_glass g = {.formula = atoi(argv[2]), .coefficient = c};
         for (int i = 4; i < argc && g.count < 100; i++) c[g.count++] = strtod(argv[i], NULL);
-        const char *fault = sgt_glass_fault(&g);
-        printf("%a\t%s\n", sgt_glass_index(&g, strtod(argv[3], NULL)), fault ? fault : "");
+        sgt_error fault = {.words = ""};
+        (void)sgt_glass_sound(&g, &fault);
+        printf("%a\t%s\n", sgt_glass_index(&g, strtod(argv[3], NULL)), fault.words);
         return 0;
     }
-    sgt_lens_error e = {0};
+    sgt_error e = {0};
     sgt_glass g;
     sgt_catalogue *c = sgt_catalogue_new(NULL);
     int status = 0;

@@ -72,7 +72,7 @@ struct surface {
     explicit surface(const sgt_conic &s) : asphere(false), c(s.c), k(s.k), semi_diameter(s.semi_diameter), a()
     {
     }
-    explicit surface(const sgt_asphere &s)
+    explicit surface(const sgt_even_asphere &s)
         : asphere(true), c(s.c), k(s.k), semi_diameter(s.semi_diameter), a()
     {
         std::copy(s.a, s.a + 8, a);

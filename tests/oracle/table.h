@@ -116,15 +116,15 @@ struct table {
 };
 
 // R, k and the terms, as every file here names them.  c = 1/R, rounded once.
-inline sgt_asphere surface_of(const table &t, std::size_t row)
+inline sgt_even_asphere surface_of(const table &t, std::size_t row)
 {
     static const char *const terms[8] = {"a2", "a4", "a6", "a8", "a10", "a12", "a14", "a16"};
-    sgt_asphere s = {1 / t.number(row, "R"), t.number(row, "k"), 0, {}};
+    sgt_even_asphere s = {1 / t.number(row, "R"), t.number(row, "k"), 0, {}};
     for (int i = 0; i < 8; i++) s.a[i] = t.number(row, terms[i]);
     return s;
 }
 
-inline bool has_terms(const sgt_asphere &s)
+inline bool has_terms(const sgt_even_asphere &s)
 {
     for (double a : s.a)
         if (a != 0) return true;
@@ -192,7 +192,7 @@ inline std::vector<decimal> roots_of(const table &t, std::size_t row)
 
 struct hard_case {
     std::string id;
-    sgt_asphere surface;
+    sgt_even_asphere surface;
     sgt_ray ray;
     std::vector<decimal> roots;
 };
@@ -218,7 +218,7 @@ inline const char *const catalogue_lens_names[] = {"odd_asphere_singlet", "polyn
 
 // A lens and what its elements borrow.
 struct lens {
-    std::vector<sgt_asphere> aspheres;
+    std::vector<sgt_even_asphere> aspheres;
     std::vector<sgt_conic> conics;
     std::deque<shape> shapes;
     std::vector<sgt_element> elements;
@@ -240,7 +240,7 @@ struct lens {
             const sgt_vec3 o = t.vector(i, "ox", "oy", "oz");
             sgt_element e = {};
             e.surface = catalogue                ? shapes[i].surface
-                        : has_terms(aspheres[i]) ? sgt_surface{&sgt_asphere_ops, &aspheres[i]}
+                        : has_terms(aspheres[i]) ? sgt_surface{&sgt_even_asphere_ops, &aspheres[i]}
                                                  : sgt_surface{&sgt_conic_ops, &conics[i]};
             e.pose = sgt_pose_tilted(o, t.vector(i, "tx", "ty", "tz"));
             e.index = t.whole(i, "mirror") ? SGT_MIRROR : t.number(i, "index");

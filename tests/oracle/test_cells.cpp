@@ -22,6 +22,7 @@
 // root.  Each answer of a batch is that of the ray alone, to the last bit.
 //
 //     test_cells     SAGITTA_TEST_SCALE multiplies the number of surfaces, SAGITTA_TEST_SEED chooses others
+#include "../ends.h"
 #include "../../src/truth/quad.hpp"
 
 #include <algorithm>
@@ -278,7 +279,7 @@ void judge(const Product &s, sgt_surface plain, const sgt_ray &given, const sgt_
            const sgt_options &opt)
 {
     sgt_ray r = given;
-    if (r.tmax == 0 && r.tmin >= 0) r.tmax = INFINITY;
+    if (r.tmax == 0 && r.tmin == 0) r.tmax = INFINITY;
     sgt_span all = span(&s, &r);
     bool near_end = false, near_root = false, met = h.status > 0;
     std::vector<quad> every = roots_of(s, r, &near_root), roots;
@@ -441,12 +442,12 @@ int main()
         for (auto &a : in) a.resize(N);
         for (auto &a : out) a.resize(N);
         std::vector<int> evals(N);
-        std::vector<signed char> status(N);
+        std::vector<sgt_status> status(N);
         std::vector<sgt_ray> rays(N);
         for (size_t k = 0; k < N; k++) {
             rays[k] = ray_to(s);
             const sgt_ray &r = rays[k];
-            const double numbers[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax};
+            const double numbers[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, end_of(&r)};
             for (int c = 0; c < 8; c++) in[c][k] = numbers[c];
         }
         sgt_options opt = {};

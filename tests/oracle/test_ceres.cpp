@@ -51,7 +51,7 @@ void fail(const char *why, const std::string &where, const test_case &t, const s
 }
 
 // F at p, for any scalar of Ceres'; NaN outside the domain.
-template <class T> T equation(const sgt_asphere &s, const T &x, const T &y, const T &z)
+template <class T> T equation(const sgt_even_asphere &s, const T &x, const T &y, const T &z)
 {
     using std::sqrt;
     const T r2 = x * x + y * y;
@@ -67,7 +67,7 @@ template <class T> T equation(const sgt_asphere &s, const T &x, const T &y, cons
 struct noise {
     double f, u;
 };
-noise noise_at(const sgt_asphere &s, const sgt_vec3 &p)
+noise noise_at(const sgt_even_asphere &s, const sgt_vec3 &p)
 {
     const double r2 = p.x * p.x + p.y * p.y, u = 1 - (1 + s.k) * s.c * s.c * r2;
     double terms = std::fabs(p.z) +
@@ -84,7 +84,7 @@ noise noise_at(const sgt_asphere &s, const sgt_vec3 &p)
 // One ray moved to t0, as a functor of both solvers.  Both have tolerances with units in
 // them: the parameter is tau in units of `unit`, the residual F in units of `size`.
 struct residual {
-    const sgt_asphere *surface;
+    const sgt_even_asphere *surface;
     sgt_vec3 o, d;
     double size, unit;
     template <class T> bool operator()(const T *parameter, T *f) const
@@ -262,7 +262,7 @@ void solve(const std::string &where, const test_case &t, const sgt_hit &h, const
     const double reach = 4 * wide + 4 * DBL_EPSILON * std::fabs(here) + start;
     part.tmin = here - reach;
     part.tmax = here + reach;
-    if (part.tmin >= 0 && part.tmax == 0) return;
+    if (part.tmin == 0 && part.tmax == 0) return;
     const sgt_hit other = ask(t, part, SGT_FIRST);
     if (other.status < 0) {
         counted["... at another root, undecided"]++;

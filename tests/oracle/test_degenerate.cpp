@@ -318,7 +318,7 @@ int main(int argc, char **argv)
                                    quad(g.uniform(0, 1) < 0.5 ? g.uniform(0, 1) : g.uniform(9, 20)));
                 }
                 ray.tmax = g.chance(0.5) ? HUGE_VAL : (start ? ray.tmin : -8) + g.uniform(0, 20);
-                if (!(ray.tmin <= ray.tmax) || (ray.tmax == 0 && ray.tmin >= 0) ||
+                if (!(ray.tmin <= ray.tmax) || (ray.tmax == 0 && ray.tmin == 0) ||
                     !(std::fabs(ray.tmin) < 1e30 || start == 0))
                     continue;
                 const int turn = g.below(3);
@@ -329,7 +329,7 @@ int main(int argc, char **argv)
                         o.pick = static_cast<sgt_pick>(pick), o.proof = static_cast<sgt_proof>(proof);
                         const sgt_hit h = sgt_intersect(s, ray, &o);
                         judge(c.q, ray, t, h, o);
-                        signed char status;
+                        sgt_status status;
                         double at, err;
                         sgt_hits out = {};
                         out.status = &status, out.t = &at, out.t_err = &err;

@@ -67,8 +67,8 @@ int steps(generator &g) { return g.chance(0.2) ? 0 : static_cast<int>(g.sign()) 
 // aspheric: the same as an even asphere, its only term so small that it is nothing.
 void ask(const sgt_conic &s, const sgt_ray &ray, const answer &a, bool aspheric, long *undecided, long *all)
 {
-    const sgt_asphere even = {s.c, s.k, s.semi_diameter, {1e-300}};
-    const sgt_surface surface = aspheric ? sgt_surface{&sgt_asphere_ops, &even}
+    const sgt_even_asphere even = {s.c, s.k, s.semi_diameter, {1e-300}};
+    const sgt_surface surface = aspheric ? sgt_surface{&sgt_even_asphere_ops, &even}
                                          : sgt_surface{&sgt_conic_ops, &s};
     name = surface.ops->name;
     for (int proof = 0; proof < 3; proof++)

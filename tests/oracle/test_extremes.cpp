@@ -14,13 +14,13 @@ namespace {
 
 int failures, rows, undecided;
 
-sgt_asphere conic(double c, double k = 0, double semi_diameter = 0)
+sgt_even_asphere conic(double c, double k = 0, double semi_diameter = 0)
 {
-    return sgt_asphere{c, k, semi_diameter, {}};
+    return sgt_even_asphere{c, k, semi_diameter, {}};
 }
-sgt_asphere asphere(double c, double k, std::initializer_list<double> a, double semi_diameter = 0)
+sgt_even_asphere asphere(double c, double k, std::initializer_list<double> a, double semi_diameter = 0)
 {
-    sgt_asphere s = {c, k, semi_diameter, {}};
+    sgt_even_asphere s = {c, k, semi_diameter, {}};
     std::copy(a.begin(), a.end(), s.a);
     return s;
 }
@@ -31,7 +31,7 @@ sgt_ray half(sgt_vec3 o, sgt_vec3 d) { return {o, d, 0, 0}; }
 sgt_ray whole(sgt_vec3 o, sgt_vec3 d) { return {o, d, -inf, inf}; }
 sgt_ray from(double tmin, sgt_vec3 o, sgt_vec3 d) { return {o, d, tmin, inf}; }
 
-test_case make(const sgt_asphere &s, const sgt_ray &r)
+test_case make(const sgt_even_asphere &s, const sgt_ray &r)
 {
     test_case t = {};
     t.surface = s;
@@ -93,7 +93,7 @@ const char *verdict(const test_case &t, const sgt_hit &h, bool first)
 
 enum demand { decided, any };
 
-void row(const char *name, const sgt_asphere &s, const sgt_ray &r, demand d = decided)
+void row(const char *name, const sgt_even_asphere &s, const sgt_ray &r, demand d = decided)
 {
     const test_case t = make(s, r);
     for (sgt_pick pick : {SGT_FIRST, SGT_NEAR_SEED}) {
@@ -108,7 +108,7 @@ void row(const char *name, const sgt_asphere &s, const sgt_ray &r, demand d = de
 
 // The root must be there, by construction: a row that turned into a miss by a slip
 // of the pen tests nothing.
-void met(const char *name, const sgt_asphere &s, const sgt_ray &r, demand d = decided)
+void met(const char *name, const sgt_even_asphere &s, const sgt_ray &r, demand d = decided)
 {
     const test_case t = make(s, r);
     double tmin, tmax;
@@ -119,7 +119,7 @@ void met(const char *name, const sgt_asphere &s, const sgt_ray &r, demand d = de
     row(name, s, r, d);
 }
 
-void tangent(const char *name, const sgt_asphere &s, const sgt_ray &r, double root, demand d = decided)
+void tangent(const char *name, const sgt_even_asphere &s, const sgt_ray &r, double root, demand d = decided)
 {
     const test_case t = make(s, r);
     rows++;
@@ -225,7 +225,7 @@ void tangents()
 
 void starts()
 {
-    const sgt_asphere surfaces[] = {conic(0),
+    const sgt_even_asphere surfaces[] = {conic(0),
                                     conic(1),
                                     conic(-0.2),
                                     conic(0.3, -1),
@@ -233,7 +233,7 @@ void starts()
                                     conic(1, 3),
                                     asphere(0.3, -1, {0, 0.01}, 2),
                                     asphere(0, 0, {-0.2, 0.02}, 4)};
-    for (const sgt_asphere &s : surfaces)
+    for (const sgt_even_asphere &s : surfaces)
         for (double x : {0.0, 0.1, 0.3}) {
             const double y = 0.2, z = rough_sag(s, x * x + y * y);
             for (sgt_vec3 d : {sgt_vec3{0, 0, 1}, sgt_vec3{0.1, -0.3, -1}, sgt_vec3{0.8, 0.1, 0.3},
@@ -316,19 +316,19 @@ void origins()
 
 void deep_aspheres()
 {
-    const sgt_asphere w = asphere(0, 0, {-1.5, 0.4});
+    const sgt_even_asphere w = asphere(0, 0, {-1.5, 0.4});
     met("a deep W, first of four", w, half({0, -3, -1.2}, {0, 0.97, 0.24310491562286435}));
     met("a deep W, the second", w, from(1.5, {0, -3, -1.2}, {0, 0.97, 0.24310491562286435}));
     met("a deep W, the third", w, from(2.5, {0, -3, -1.2}, {0, 0.97, 0.24310491562286435}));
     met("a deep W, the last", w, from(4, {0, -3, -1.2}, {0, 0.97, 0.24310491562286435}));
     row("a deep W, past them all", w, from(6, {0, -3, -1.2}, {0, 0.97, 0.24310491562286435}), any);
-    const sgt_asphere phone = asphere(1 / -4.2, -6.5,
+    const sgt_even_asphere phone = asphere(1 / -4.2, -6.5,
                                       {0, -0.1206, 0.0653, -0.0352, 0.0134, -0.0029, 0.00032, -1.4e-05}, 2.8);
     for (double y : {-2.6, -1.9, -0.5, 0.0, 1.2, 2.7}) {
         row("a phone lens", phone, half({0.1, y, -3}, {0, 0.25, 0.9682458365518543}), any);
         row("a phone lens, level", phone, half({-4, y, -0.3}, {1, 0.01, 0.01}), any);
     }
-    const sgt_asphere steep = asphere(0, 0, {0, 0, 0, 0, 0, 0, 0, 1e3}, 1);
+    const sgt_even_asphere steep = asphere(0, 0, {0, 0, 0, 0, 0, 0, 0, 1e3}, 1);
     met("r^16 alone, steep", steep, half({0.95, 0, 2000}, {0, 0, -1}));
     met("r^16 alone, the flat floor", steep, half({-0.1, 0.05, 5}, {0.01, 0, -1}));
     met("r^16 alone, level", steep, half({-3, 0, 100}, {1, 0, 0}));
@@ -462,8 +462,8 @@ void invalid(const std::string &name, const sgt_surface &s, const sgt_ray &r, co
 void invalid_inputs()
 {
     const sgt_conic sphere = {0.1, 0, 0};
-    const sgt_asphere asph = {0.1, 0, 0, {0, 1e-4}};
-    const sgt_surface surfaces[2] = {{&sgt_conic_ops, &sphere}, {&sgt_asphere_ops, &asph}};
+    const sgt_even_asphere asph = {0.1, 0, 0, {0, 1e-4}};
+    const sgt_surface surfaces[2] = {{&sgt_conic_ops, &sphere}, {&sgt_even_asphere_ops, &asph}};
     const sgt_ray good = {{0.1, 0.2, -5}, {0, 0.1, 1}, 0, 0};
     if (sgt_intersect(surfaces[0], good, nullptr).status != SGT_HIT ||
         sgt_intersect(surfaces[1], good, nullptr).status != SGT_HIT)
@@ -531,10 +531,10 @@ void invalid_inputs()
                     sgt_surface{&sgt_conic_ops, &c}, good, nullptr);
         }
         for (int i = 0; i < 11; i++) {
-            sgt_asphere a = asph;
+            sgt_even_asphere a = asph;
             *(i == 0 ? &a.c : i == 1 ? &a.k : i == 2 ? &a.semi_diameter : &a.a[i - 3]) = bad;
             invalid("asphere, parameter " + std::to_string(i) + " = " + std::to_string(bad),
-                    sgt_surface{&sgt_asphere_ops, &a}, good, nullptr);
+                    sgt_surface{&sgt_even_asphere_ops, &a}, good, nullptr);
         }
     }
 }

@@ -650,8 +650,8 @@ void check_restart(const level &f, const sgt_surface &s, const sgt_ray &ray, int
         if (hit[i].status != SGT_HIT) return;
         sgt_ray rest = ray;
         rest.tmin = hit[i].t;
-        if (ray.tmax == 0 && ray.tmin >= 0) rest.tmax = HUGE_VAL;
-        if (rest.tmin >= 0 && rest.tmax == 0) return;
+        if (ray.tmax == 0 && ray.tmin == 0) rest.tmax = HUGE_VAL;
+        if (rest.tmin == 0 && rest.tmax == 0) return;
         const sgt_hit next = sgt_intersect(s, rest, nullptr);
         // The rule of sgt_ray: a root as near as that to tmin does not count; about the limit, perhaps.
         int j = i + 1, perhaps = -1;

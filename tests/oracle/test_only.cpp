@@ -73,14 +73,14 @@ test_case leaving_case(generator &g)
 long misses_of(const test_case &t, const answer &a)
 {
     long misses = 0;
-    const sgt_surface s = {&sgt_asphere_ops, &t.surface};
+    const sgt_surface s = {&sgt_even_asphere_ops, &t.surface};
     for (int proof = 0; proof < 3; proof++)
         for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
             sgt_options o = {};
             o.proof = static_cast<sgt_proof>(proof), o.pick = static_cast<sgt_pick>(pick);
             const sgt_hit h = sgt_intersect(s, t.ray, &o);
             const sgt_ray &r = t.ray;
-            signed char status;
+            sgt_status status;
             int evals;
             sgt_hits out = {};
             out.status = &status, out.evals = &evals;
@@ -129,7 +129,7 @@ void alone_within(const test_case &t, long told[2])
             o.proof = static_cast<sgt_proof>(proof), o.pick = static_cast<sgt_pick>(pick);
             sgt_hit h = sgt_intersect(s, t.ray, &o);
             for (int batch = 0; batch < 2; batch++) {
-                signed char status;
+                sgt_status status;
                 sgt_hits out = {};
                 out.status = &status, out.t = &h.t, out.t_err = &h.t_err;
                 const sgt_ray &r = t.ray;
@@ -169,7 +169,7 @@ int main(int argc, char **argv)
         }
         sgt_options o = {};
         o.proof = SGT_PROVE_FIRST, o.pick = SGT_NEAR_SEED;
-        const sgt_hit h = sgt_intersect({&sgt_asphere_ops, &t.surface}, t.ray, &o);
+        const sgt_hit h = sgt_intersect({&sgt_even_asphere_ops, &t.surface}, t.ray, &o);
         long sure = 0, maybe = 0;
         for (const meeting &m : a.roots) {
             const counts k = counting(m, t.ray.tmin, t.ray.tmax);

@@ -45,7 +45,7 @@ static double uniform(double lo, double hi) /* splitmix64 */
 }
 
 static double in[6][RAYS], t[RAYS], t_err[RAYS], p[3][RAYS], n[3][RAYS];
-static signed char status[RAYS];
+static sgt_status status[RAYS];
 
 static void draw_rays(double radius, double from, double slope)
 {
@@ -79,7 +79,7 @@ int main(int argc, char **argv)
 {
     static const double terms[] = {0, 0, 0, 0.01, -0.004, 0.006, 0.003, -0.002, 0.001, 0.002, 0.001};
     const sgt_conic sphere = {.c = 0.1, .semi_diameter = RIM};
-    const sgt_asphere asphere = {BASE, .a = {0, 1e-4, -2e-6, 1e-8}};
+    const sgt_even_asphere asphere = {BASE, .a = {0, 1e-4, -2e-6, 1e-8}};
     const sgt_numbers of_terms = {terms, 1, sizeof terms / sizeof *terms};
     const sgt_zernike zernike = {BASE, .norm = RIM, .order = SGT_NOLL, .a = of_terms};
     const sgt_biconic biconic = {.c_x = 0.1, .k_x = -0.6, .c_y = 0.08, .k_y = 0.2, .semi_diameter = RIM};
@@ -89,7 +89,7 @@ int main(int argc, char **argv)
 
     draw_rays(2.5, -5, 0.15);
     measure("sphere", &sgt_conic_ops, &sphere, least);
-    measure("even_asphere", &sgt_asphere_ops, &asphere, least);
+    measure("even_asphere", &sgt_even_asphere_ops, &asphere, least);
     measure("zernike", &sgt_zernike_ops, &zernike, least);
     measure("biconic", &sgt_biconic_ops, &biconic, least);
     measure("torus", &sgt_torus_ops, &torus, least);

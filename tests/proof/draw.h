@@ -14,7 +14,7 @@ using oracle::rough_sag;
 
 struct subject {
     bool is_level = false, asphere = false;
-    sgt_asphere s = {}; // a conic is one without terms
+    sgt_even_asphere s = {}; // a conic is one without terms
     oracle::level f = {};
     double h = 1;       // the aperture; of a level set a length
     std::string kind;
@@ -25,11 +25,11 @@ struct subject {
     {
         if (is_level) return as_surface(f, &m);
         conic = {s.c, s.k, s.semi_diameter};
-        return asphere ? sgt_surface{&sgt_asphere_ops, &s} : sgt_surface{&sgt_conic_ops, &conic};
+        return asphere ? sgt_surface{&sgt_even_asphere_ops, &s} : sgt_surface{&sgt_conic_ops, &conic};
     }
 };
 
-inline double domain_of(const sgt_asphere &s)
+inline double domain_of(const sgt_even_asphere &s)
 {
     const double e = (1 + s.k) * s.c * s.c;
     return e > 0 ? 1 / std::sqrt(e) : HUGE_VAL;
@@ -39,7 +39,7 @@ inline double domain_of(const sgt_asphere &s)
 inline subject random_optical(generator &g, double like = 0)
 {
     subject t;
-    sgt_asphere &s = t.s;
+    sgt_even_asphere &s = t.s;
     const double R = g.sign() * (like > 0 ? like * g.log_uniform(0.5, 50) : g.log_uniform(1e-3, 1e6));
     s.c = 1 / R;
     switch (g.below(6)) {
@@ -66,7 +66,7 @@ inline subject random_optical(generator &g, double like = 0)
     return t;
 }
 
-inline double slope_at(const sgt_asphere &s, double r) // ds/dr
+inline double slope_at(const sgt_even_asphere &s, double r) // ds/dr
 {
     const double r2 = r * r, u = 1 - (1 + s.k) * s.c * s.c * r2;
     double slope = u > 0 ? s.c / std::sqrt(u) : HUGE_VAL, power = 1;
@@ -84,7 +84,7 @@ inline void set_ends(generator &g, sgt_ray *ray, double away, double unit)
     }
     ray->tmin = away + g.sign() * unit * g.log_uniform(1e-4, 10);
     ray->tmax = ray->tmin + unit * g.log_uniform(1e-2, 100);
-    if (ray->tmin >= 0 && ray->tmax == 0) ray->tmax = 1;
+    if (ray->tmin == 0 && ray->tmax == 0) ray->tmax = 1;
     if (g.chance(0.2)) ray->tmin = -HUGE_VAL;
     else if (g.chance(0.2)) ray->tmax = HUGE_VAL;
 }
@@ -116,7 +116,7 @@ inline sgt_ray ordinary_ray(generator &g, const subject &t)
 inline sgt_ray hard_ray(generator &g, subject *t, std::string *kind)
 {
     const double pi = 3.141592653589793;
-    sgt_asphere &s = t->s;
+    sgt_even_asphere &s = t->s;
     sgt_ray ray = ordinary_ray(g, *t);
     const double length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z),
                  at = g.uniform(0, 2 * pi);

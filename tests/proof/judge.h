@@ -20,7 +20,7 @@ enum counts { no, perhaps, yes };
 
 struct ends {
     double tmin, tmax;
-    explicit ends(const sgt_ray &r) : tmin(r.tmin), tmax(r.tmax == 0 && r.tmin >= 0 ? HUGE_VAL : r.tmax) {}
+    explicit ends(const sgt_ray &r) : tmin(r.tmin), tmax(r.tmax == 0 && r.tmin == 0 ? HUGE_VAL : r.tmax) {}
 };
 
 inline ball start_margin(const meeting &m) { return scaled(m.spread, -48) + scaled(size(m.t), -50); }

@@ -63,34 +63,35 @@ struct answer {
 
 class optical {
 public:
-    optical(const sgt_asphere &s, bool asphere, const sgt_ray &r) : c_(s.c), terms_(0), rim_(s.semi_diameter)
-    {
-        const precision p(256);
-        k1_ = ball(s.k) + 1;
-        for (int i = 0; i < 8 && asphere; i++)
-            if (s.a[i] != 0) terms_ = i + 1;
-        for (int i = 0; i < terms_; i++) a_.push_back(s.a[i]), da_.push_back(ball(s.a[i]) * (i + 1));
-        // (scaled, for directions and places of any size)
-        const double size = std::max({std::fabs(r.d.x), std::fabs(r.d.y), std::fabs(r.d.z)});
-        const double x = r.d.x / size, y = r.d.y / size, z = r.d.z / size;
-        t0_ = -(r.o.x * x + r.o.y * y + r.o.z * z) / (x * x + y * y + z * z) / size;
-        if (!std::isfinite(t0_)) t0_ = 0;
-        d_ = widen(r.d);
-        q_ = {ball(r.o.x) + d_.x * t0_, ball(r.o.y) + d_.y * t0_, ball(r.o.z) + d_.z * t0_};
-        rho0_ = q_.x * q_.x + q_.y * q_.y;
-        half1_ = q_.x * d_.x + q_.y * d_.y;
-        rho2_ = d_.x * d_.x + d_.y * d_.y;
-        e_ = k1_ * c_ * c_;
-        if (rim_ > 0) {
-            rim2_ = square(ball(rim_)) * (ball(1) + scaled(ball(1), -44));
-            window_ = rim2_ * 1.001;
-            bounded_ = true;
-        }
-        if (e_.sign() > 0) {
-            const ball domain = ball(1.001) / e_;
-            window_ = bounded_ && less(window_, domain) ? window_ : domain;
-            bounded_ = true;
-        }
+  optical(const sgt_even_asphere &s, bool asphere, const sgt_ray &r)
+      : c_(s.c), terms_(0), rim_(s.semi_diameter)
+  {
+      const precision p(256);
+      k1_ = ball(s.k) + 1;
+      for (int i = 0; i < 8 && asphere; i++)
+          if (s.a[i] != 0) terms_ = i + 1;
+      for (int i = 0; i < terms_; i++) a_.push_back(s.a[i]), da_.push_back(ball(s.a[i]) * (i + 1));
+      // (scaled, for directions and places of any size)
+      const double size = std::max({std::fabs(r.d.x), std::fabs(r.d.y), std::fabs(r.d.z)});
+      const double x = r.d.x / size, y = r.d.y / size, z = r.d.z / size;
+      t0_ = -(r.o.x * x + r.o.y * y + r.o.z * z) / (x * x + y * y + z * z) / size;
+      if (!std::isfinite(t0_)) t0_ = 0;
+      d_ = widen(r.d);
+      q_ = {ball(r.o.x) + d_.x * t0_, ball(r.o.y) + d_.y * t0_, ball(r.o.z) + d_.z * t0_};
+      rho0_ = q_.x * q_.x + q_.y * q_.y;
+      half1_ = q_.x * d_.x + q_.y * d_.y;
+      rho2_ = d_.x * d_.x + d_.y * d_.y;
+      e_ = k1_ * c_ * c_;
+      if (rim_ > 0) {
+          rim2_ = square(ball(rim_)) * (ball(1) + scaled(ball(1), -44));
+          window_ = rim2_ * 1.001;
+          bounded_ = true;
+      }
+      if (e_.sign() > 0) {
+          const ball domain = ball(1.001) / e_;
+          window_ = bounded_ && less(window_, domain) ? window_ : domain;
+          bounded_ = true;
+      }
     }
 
     answer all_roots() const

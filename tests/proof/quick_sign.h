@@ -45,7 +45,7 @@ struct rounded {
 };
 
 // Of F = z - s at t + by; 0: not told.
-inline int quick_sign(const sgt_asphere &s, bool asphere, const sgt_ray &r, double at, double by)
+inline int quick_sign(const sgt_even_asphere &s, bool asphere, const sgt_ray &r, double at, double by)
 {
     const rounded t = rounded(at) + rounded(by), x = rounded(r.o.x) + t * r.d.x,
                   y = rounded(r.o.y) + t * r.d.y, z = rounded(r.o.z) + t * r.d.z;

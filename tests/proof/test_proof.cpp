@@ -342,7 +342,7 @@ void run_surface(subject &t, const sgt_ray rays[], const std::string kinds[], in
         for (int i = 0; i < n; i++) single[k][i] = sgt_intersect(s, rays[i], &opt);
         // batches: the same bits
         double in[8][together], out[6][together];
-        signed char status[together];
+        sgt_status status[together];
         for (int i = 0; i < n; i++) {
             const sgt_ray &r = rays[i];
             const ends e(r);
@@ -507,7 +507,7 @@ void traces(generator &g, const subject &first, const sgt_ray &given, const std:
         }
         double in[6][1] = {{given.o.x}, {given.o.y}, {given.o.z}, {given.d.x}, {given.d.y}, {given.d.z}},
                out[3][1], opl;
-        signed char fate_of;
+        sgt_fate fate_of;
         int count;
         sgt_rays rays = {};
         sgt_traced traced = {};
@@ -597,7 +597,7 @@ void unproven(generator &g, long count)
     enum { many = 64 };
     sgt_ray rays[many];
     double in[8][many], t_of[many], t_err[many];
-    signed char status[many];
+    sgt_status status[many];
     for (long done = 0; done < count;) {
         const bool is_level = g.chance(0.1);
         subject t = is_level ? random_level_set(g) : random_optical(g);

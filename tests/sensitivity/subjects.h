@@ -114,7 +114,7 @@ public:
         for (std::size_t i = 0; i < 8; i++)
             if (g.chance(0.7)) s.a[i] = g.uniform(-0.02, 0.02) * REACH / power(REACH * REACH, i + 1);
     }
-    sgt_surface surface() const { return {&sgt_asphere_ops, &s}; }
+    sgt_surface surface() const { return {&sgt_even_asphere_ops, &s}; }
     std::vector<parameter> parameters()
     {
         std::vector<parameter> all = {{&s.c, 0.1}, {&s.k, 1}};
@@ -131,7 +131,7 @@ public:
         return f;
     }
 private:
-    sgt_asphere s;
+    sgt_even_asphere s;
 };
 
 // ------------------------------------------------------------------ departures on a conic base
@@ -403,7 +403,7 @@ public:
             even.a[i] = g.uniform(-0.02, 0.02) * REACH / power(REACH * REACH, i + 1);
         for (double &one : a) one = g.uniform(-0.02, 0.02);
         plane.a = {a, 2, 2};
-        terms[0] = {&sgt_asphere_ops, &even}, terms[1] = {&sgt_polynomial_xy_ops, &plane};
+        terms[0] = {&sgt_even_asphere_ops, &even}, terms[1] = {&sgt_polynomial_xy_ops, &plane};
         s = {b.c, b.k, 0, terms, 2};
     }
     sum(const sum &) = delete;
@@ -426,7 +426,7 @@ public:
     }
 private:
     sgt_sum s;
-    sgt_asphere even;
+    sgt_even_asphere even;
     sgt_polynomial_xy plane;
     double a[4];
     sgt_surface terms[2];

@@ -262,7 +262,7 @@ static void try_attempts(const question &q, oracle::generator &random)
 
 static void try_lens(const std::string &folder, const char *name, oracle::generator &random)
 {
-    sgt_lens_error error;
+    sgt_error error;
     sgt_lens *lens = sgt_lens_read((folder + "/" + name + ".yaml").c_str(), nullptr, &error);
     if (!lens) return fail(name, error.words, 0, 0);
     question q = of_lens(lens, name);
@@ -330,7 +330,7 @@ static void random_systems(oracle::generator &random)
     const int systems = std::max(20, int(300 * scale));
     for (int i = 0; i < systems; i++) {
         std::vector<sgt_conic> conics(6);
-        std::vector<sgt_asphere> aspheres(6);
+        std::vector<sgt_even_asphere> aspheres(6);
         std::vector<sgt_odd_asphere> odds(6);
         std::vector<sgt_zernike> zernikes(6);
         const double terms[9] = {0, 0.02, -0.03, 0.05, 0.1, -0.04, 0.03, 0, 0.02};
@@ -352,9 +352,10 @@ static void random_systems(oracle::generator &random)
             odds[k] = {c, conic, rim, {0, 1e-4, random.uniform(-1, 1) * 1e-4, random.uniform(-1, 1) * 1e-5}};
             const double norm = 12;
             zernikes[k] = {c, conic, rim, norm, SGT_FRINGE, 0, {terms, 1, 9}};
-            const sgt_surface types[] = {{&sgt_conic_ops, &conics[k]},     {&sgt_conic_ops, &conics[k]},
-                                         {&sgt_asphere_ops, &aspheres[k]}, {&sgt_asphere_ops, &aspheres[k]},
-                                         {&sgt_odd_asphere_ops, &odds[k]}, {&sgt_zernike_ops, &zernikes[k]}};
+            const sgt_surface types[] = {
+                {&sgt_conic_ops, &conics[k]},          {&sgt_conic_ops, &conics[k]},
+                {&sgt_even_asphere_ops, &aspheres[k]}, {&sgt_even_asphere_ops, &aspheres[k]},
+                {&sgt_odd_asphere_ops, &odds[k]},      {&sgt_zernike_ops, &zernikes[k]}};
             e.surface = types[random.below(6)];
             e.index = random.chance(0.25) ? SGT_MIRROR : random.chance(0.1) ? 0 : random.uniform(1, 1.9);
             e.semi_diameter = random.chance(0.6) ? random.uniform(2, 12) : 0;
@@ -388,10 +389,10 @@ static void other_roots(oracle::generator &random)
                      rim = by_rim ? inner : 0;
         const double terms[9] = {0, 0, 0, 0, 0, 0, 0, 0, -random.uniform(0.1, 1) * c};
         sgt_conic conic = {c, k, rim};
-        sgt_asphere asphere = {c, k, rim, {0, -random.log_uniform(3e-4, 3e-2) * c}};
+        sgt_even_asphere asphere = {c, k, rim, {0, -random.log_uniform(3e-4, 3e-2) * c}};
         sgt_zernike zernike = {c, k, rim, 6, SGT_FRINGE, 0, {terms, 1, 9}};
         const sgt_surface types[] = {
-            {&sgt_conic_ops, &conic}, {&sgt_asphere_ops, &asphere}, {&sgt_zernike_ops, &zernike}};
+            {&sgt_conic_ops, &conic}, {&sgt_even_asphere_ops, &asphere}, {&sgt_zernike_ops, &zernike}};
         question q = {"the other root", {}, {}, 1, 1, {}, {0, 0}};
         sgt_element e = {};
         e.surface = types[sheets ? 0 : 1 + random.below(2)], e.semi_diameter = by_rim ? 0 : inner;
@@ -462,17 +463,17 @@ static void provable(const char *name, sgt_surface s, bool deep, oracle::generat
 
 static void provable_by_type(oracle::generator &random)
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
-        if (b->specimen && b->family != SGT_LEVEL_SET && b->family != SGT_BODY)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
+        if (b->specimen && b->family != SGT_FAMILY_LEVEL_SET && b->family != SGT_FAMILY_BODY)
             provable(b->type, {b->ops, b->specimen}, false, random);
     // Nearly hemispheres: a square about the rim is not all inside their edge.
     static const double terms[9] = {0, 0, 0, 0.01, 0.01, 0, 0, 0, 0.01};
     sgt_conic conic = {0.2, 0, 4.9};
-    sgt_asphere asphere = {0.2, 0, 4.9, {1e-4, 1e-5}};
+    sgt_even_asphere asphere = {0.2, 0, 4.9, {1e-4, 1e-5}};
     sgt_odd_asphere odd = {0.2, 0, 4.9, {0, 0, 1e-4}};
     sgt_zernike zernike = {0.2, 0, 4.9, 5, SGT_FRINGE, 0, {terms, 1, 9}};
     provable("hemisphere", {&sgt_conic_ops, &conic}, true, random);
-    provable("hemisphere, even asphere", {&sgt_asphere_ops, &asphere}, true, random);
+    provable("hemisphere, even asphere", {&sgt_even_asphere_ops, &asphere}, true, random);
     provable("hemisphere, odd asphere", {&sgt_odd_asphere_ops, &odd}, true, random);
     provable("hemisphere, zernike", {&sgt_zernike_ops, &zernike}, true, random);
 }
@@ -503,7 +504,7 @@ static void odd_questions()
     e.surface = {&sgt_conic_ops, &plane}, e.index = 0, e.pose = sgt_pose_tilted({10, 20, 0}, {30, 20, 10});
     q.e.push_back(e);
     const sgt_beam beam = {{0, 0, -20}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1},
-                           {0, 0, 0},   {0, 0, 0}, {-8, 8},   {-8, 8}};
+                           {0, 0, 0},   {0, 0, 0}, {-8, 8},   {-8, 8}, {}};
     q.beam = beam;
     for (std::size_t i = 0; i < q.e.size(); i++) q.slow.push_back(element_of(q.e[i]));
     oracle::generator random(3);
@@ -520,28 +521,28 @@ static void odd_questions()
     if (count.met < 15) fail("known", "too few", double(count.met), 15);
     q.stop = 2, q.wanted = {1, 0.5};
     question bad = q;
-    bad.wanted.x = NAN, expect("wanted NaN", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.o.y = NAN, expect("origin NaN", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.du.z = INFINITY, expect("infinite", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.u = {1, -1}, expect("empty box", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.v.lo = NAN, expect("box NaN", bad, SGT_AIM_INVALID);
-    bad = q, bad.beam.d = {0, 0, 0}, expect("no direction", bad, SGT_AIM_INVALID);
+    bad.wanted.x = NAN, expect("wanted NaN", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.o.y = NAN, expect("origin NaN", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.du.z = INFINITY, expect("infinite", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.u = {1, -1}, expect("empty box", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.v.lo = NAN, expect("box NaN", bad, SGT_AIMED_INVALID);
+    bad = q, bad.beam.d = {0, 0, 0}, expect("no direction", bad, SGT_AIMED_INVALID);
     sgt_aim_options opt = {};
-    opt.tol = NAN, expect("tol NaN", q, SGT_AIM_INVALID, &opt);
-    opt.tol = 0, opt.max_traces = -1, expect("no traces", q, SGT_AIM_INVALID, &opt);
-    opt.max_traces = 0, opt.reserved_[2] = 1, expect("reserved", q, SGT_AIM_INVALID, &opt);
+    opt.tol = NAN, expect("tol NaN", q, SGT_AIMED_INVALID, &opt);
+    opt.tol = 0, opt.max_traces = -1, expect("no traces", q, SGT_AIMED_INVALID, &opt);
+    opt.max_traces = 0, opt.reserved_[2] = 1, expect("reserved", q, SGT_AIMED_INVALID, &opt);
     // one parameter, or none: met only where the point is on its curve
     bad = q, bad.beam.ov = {0, 0, 0}, bad.wanted = {1, 0}, expect("a fan", bad, SGT_MET);
     bad.wanted = {1, 0.5};
     sgt_aim_options search = {};
     search.max_boxes = -1;
-    expect("beside a fan", bad, SGT_AIM_UNDECIDED, &search);
+    expect("beside a fan", bad, SGT_AIMED_UNDECIDED, &search);
     bad = q, bad.beam.ov = bad.beam.ou, bad.wanted = {1, 0}, expect("u + v", bad, SGT_MET);
     bad = q, bad.beam.ou = bad.beam.ov = {0, 0, 0}, bad.wanted = {0, 0}, expect("one ray", bad, SGT_MET);
     bad = q, bad.beam.u = {2, 2}, bad.beam.v = {0, 0},
-    expect("a point of the box", bad, SGT_AIM_UNDECIDED, &search);
+    expect("a point of the box", bad, SGT_AIMED_UNDECIDED, &search);
     // a bad element
-    bad = q, bad.e[1].index = -3, expect("a bad index", bad, SGT_AIM_UNDECIDED, &search);
+    bad = q, bad.e[1].index = -3, expect("a bad index", bad, SGT_AIMED_UNDECIDED, &search);
     // the attempts, a start, a tolerance, and a budget
     sgt_attempt attempt[3];
     const sgt_vec2 start = {1.2, 0.6};
@@ -559,14 +560,14 @@ static void odd_questions()
         attempt[1].reason != SGT_AIM_ARRIVED || attempt[1].fate != SGT_PASSED)
         fail("a second start", "fates", attempt[0].fate, attempt[1].fate);
     search.start = &start, search.starts = 1;
-    search.max_traces = 2, expect("a budget", q, SGT_AIM_UNDECIDED, &search);
+    search.max_traces = 2, expect("a budget", q, SGT_AIMED_UNDECIDED, &search);
     if (attempt[0].reason != SGT_AIM_SPENT) fail("a budget", "reason", attempt[0].reason, 0);
     search.max_traces = 0, search.tol = 0.5, expect("a tolerance", q, SGT_MET, &search);
     if (attempt[0].traces > 3) fail("a tolerance", "traces", attempt[0].traces, 3);
     search.tol = 0, bad = q, bad.wanted = {30, 0}, bad.beam.u = bad.beam.v = {-8, 8};
-    expect("beyond the edge", bad, SGT_AIM_UNDECIDED, &search);
+    expect("beyond the edge", bad, SGT_AIMED_UNDECIDED, &search);
     if (attempt[1].reason != SGT_AIM_AT_EDGE) fail("beyond the edge", "reason", attempt[1].reason, 0);
-    bad.beam.o.x = 500, expect("beside the lens", bad, SGT_AIM_UNDECIDED, &search);
+    bad.beam.o.x = 500, expect("beside the lens", bad, SGT_AIMED_UNDECIDED, &search);
     if (attempt[1].reason != SGT_AIM_NO_WAY || attempt[1].fate != SGT_MISSED)
         fail("beside the lens", "reason", attempt[1].reason, 0);
 }

@@ -82,13 +82,13 @@ static sgt_surface random_surface(generator &g, train &r)
     } else if (g.chance(0.6)) {
         const double c = g.chance(0.2) ? 0 : g.sign() / g.log_uniform(6, 200),
                      k = g.chance(0.5) ? 0 : g.uniform(-2, 1);
-        sgt_asphere a = {c, k, g.chance(0.3) ? 6.0 : 0.0, {}};
+        sgt_even_asphere a = {c, k, g.chance(0.3) ? 6.0 : 0.0, {}};
         for (double &term : a.a)
             term = g.chance(0.3) ? g.uniform(-1, 1) * std::pow(10.0, -3 - 2 * double(&term - a.a)) : 0;
         if (g.chance(0.5))
             s.s = {&sgt_conic_ops, s.keep(sgt_conic{c, k, a.semi_diameter})};
         else
-            s.s = {&sgt_asphere_ops, s.keep(a)};
+            s.s = {&sgt_even_asphere_ops, s.keep(a)};
     } else {
         const char *type = types[std::size_t(g.below(int(types.size())))];
         do s = random_specimen(g, type);
@@ -155,7 +155,7 @@ struct batch {
     std::size_t n, elements;
     numbers launch[6];
     std::vector<numbers> all;
-    std::vector<std::vector<signed char>> status;
+    std::vector<std::vector<sgt_status>> status;
     std::vector<sgt_passages> passages;
     batch(std::size_t rays, std::size_t count) : n(rays), elements(count), status(count)
     {
@@ -397,7 +397,7 @@ static void try_train(generator &g)
             const sgt_passages &p = b.passages[j];
             sgt_passage &to = alone[i][j];
             to = {};
-            to.hit.status = sgt_status(p.hits.status[i]), to.hit.t = p.hits.t[i],
+            to.hit.status = p.hits.status[i], to.hit.t = p.hits.t[i],
             to.hit.p_err = p.hits.p_err[i];
             to.hit.p = {p.hits.p[0][i], p.hits.p[1][i], p.hits.p[2][i]};
             to.hit.n = {p.hits.n[0][i], p.hits.n[1][i], p.hits.n[2][i]};

@@ -93,7 +93,7 @@ static bool solve(const vec &a, const vec &b, const vec &c, const vec &q, quad s
 
 struct row {
     std::vector<sgt_conic> conics;
-    std::vector<sgt_asphere> aspheres;
+    std::vector<sgt_even_asphere> aspheres;
     std::vector<sgt_zernike> zernikes;
     std::vector<sgt_aperture_item> items;
     std::vector<sgt_aperture> apertures;
@@ -122,7 +122,7 @@ static void fill(row &r, oracle::generator &random)
         r.zernikes[k] = {c, conic, rim, 12, SGT_FRINGE, 0, {terms, 1, 9}};
         const sgt_surface types[] = {{&sgt_conic_ops, &r.conics[k]},
                                      {&sgt_conic_ops, &r.conics[k]},
-                                     {&sgt_asphere_ops, &r.aspheres[k]},
+                                     {&sgt_even_asphere_ops, &r.aspheres[k]},
                                      {&sgt_zernike_ops, &r.zernikes[k]}};
         sgt_element e = {};
         e.surface = types[random.below(4)];
@@ -269,10 +269,10 @@ static void tight(oracle::generator &random)
         const double rim = random.chance(0.5) ? random.uniform(1, 12) : 0,
                      aperture = rim == 0 || random.chance(0.5) ? random.uniform(1, 12) : 0;
         sgt_conic conic = {c, k, rim};
-        sgt_asphere asphere = {c, k, rim, {random.uniform(0, 1e-2), random.uniform(0, 1e-4), 0, 1e-9}};
+        sgt_even_asphere asphere = {c, k, rim, {random.uniform(0, 1e-2), random.uniform(0, 1e-4), 0, 1e-9}};
         const bool even = random.chance(0.5);
         sgt_element e = {};
-        e.surface = {even ? &sgt_asphere_ops : &sgt_conic_ops, even ? (const void *)&asphere : &conic};
+        e.surface = {even ? &sgt_even_asphere_ops : &sgt_conic_ops, even ? (const void *)&asphere : &conic};
         e.index = 1.5, e.semi_diameter = aperture, e.pose.origin = {0, 0, random.uniform(-5, 5)};
         double R = edge, r2, z;
         if (rim > 0) R = std::min(R, rim);
@@ -405,7 +405,7 @@ static void proofs(oracle::generator &random)
     long met = 0, none = 0, undecided = 0, excluded = 0, found = 0, clipped = 0, known = 0, known_found = 0;
     for (long n = 0; n < cases; n++) {
         const std::string text = random_lens(random);
-        sgt_lens_error error;
+        sgt_error error;
         sgt_lens *l = sgt_lens_read_text("random.yaml", text.c_str(), text.size(), nullptr, &error);
         if (!l) {
             std::printf("%s", text.c_str()), fail(error.words, n, 0, 0);
@@ -425,10 +425,10 @@ static void proofs(oracle::generator &random)
             if (!sgt_launch_field(from, l->field_kind, &l->field[field], &beam, &error)) continue;
             const sgt_pupil_point at[3] = {{0, 0, 1}, {.6, .3, 1}, {0, -1, 1}};
             sgt_launched out[3];
-            sgt_launch_rays(from, &beam, l->element, l->index_before, 3, at, out);
+            sgt_launch_rays(from, &beam, l->element, l->index_before, 3, at, out, nullptr);
             for (int k = 0; k < 3; k++) {
                 met += out[k].status == SGT_MET, none += out[k].status == SGT_NO_SUCH_RAY,
-                    undecided += out[k].status == SGT_AIM_UNDECIDED;
+                    undecided += out[k].status == SGT_AIMED_UNDECIDED;
                 if (out[k].status == SGT_MET) { // is the attack worth something?
                     bool again = false;
                     sgt_vec2 there;

@@ -186,7 +186,7 @@ struct batch { // rays and their hits
     }
     std::size_t n;
     std::vector<double> numbers;
-    std::vector<signed char> status;
+    std::vector<sgt_status> status;
     sgt_rays in;
     sgt_hits out;
 };
@@ -328,7 +328,7 @@ template <class Subject> void bits(Subject &subject, oracle::generator &g)
         }
         forward(s, g, b, all, subject);
         // The status decides, whatever is in p and n.
-        std::vector<signed char> status = b.status;
+        std::vector<sgt_status> status = b.status;
         const std::size_t taken = static_cast<std::size_t>(g.below(static_cast<int>(n)));
         status[taken] = g.chance(0.5) ? SGT_MISS : SGT_UNPROVEN;
         hits.status = status.data();

@@ -34,7 +34,7 @@ enum { MOST = 7, RAYS = 100 };
 // Surfaces of a size of about 1; lengths are then scaled by a power of two.
 struct train {
     sgt_conic conic[MOST];
-    sgt_asphere asphere[MOST];
+    sgt_even_asphere asphere[MOST];
     sgt_odd_asphere odd[MOST];
     sgt_toroidal toroid[MOST];
     sgt_zernike zernike[MOST];
@@ -56,7 +56,7 @@ static sgt_surface surface_of(oracle::generator &g, train &r, std::size_t i, boo
     if (kind < 5) {
         r.asphere[i] = {c, k, rim, {}};
         for (double &a : r.asphere[i].a) a = g.chance(0.5) ? 0 : g.uniform(-1, 1) * g.log_uniform(1e-5, 1e-2);
-        return {&sgt_asphere_ops, &r.asphere[i]};
+        return {&sgt_even_asphere_ops, &r.asphere[i]};
     }
     if (kind == 5) {
         r.odd[i] = {c, k, rim, {}};
@@ -133,8 +133,8 @@ static void try_train(oracle::generator &g)
     const std::size_t m = r.e.size();
     std::vector<std::vector<double>> room(12 * m + 4, std::vector<double>(RAYS));
     std::vector<double> launch[6];
-    std::vector<std::vector<signed char>> status(m, std::vector<signed char>(RAYS));
-    std::vector<signed char> fate(RAYS);
+    std::vector<std::vector<sgt_status>> status(m, std::vector<sgt_status>(RAYS));
+    std::vector<sgt_fate> fate(RAYS);
     std::vector<sgt_passages> passages(m);
     std::size_t used = 0;
     const auto next = [&] { return room[used++].data(); };
@@ -195,9 +195,9 @@ static void try_train(oracle::generator &g)
         bool mirror = false, turned = false, departure = false, asphere = false;
         for (const sgt_element &one : r.e) {
             mirror = mirror || one.index == SGT_MIRROR, turned = turned || one.pose.ez.z != 0;
-            asphere = asphere || one.surface.ops == &sgt_asphere_ops;
+            asphere = asphere || one.surface.ops == &sgt_even_asphere_ops;
             departure =
-                departure || (one.surface.ops != &sgt_conic_ops && one.surface.ops != &sgt_asphere_ops);
+                departure || (one.surface.ops != &sgt_conic_ops && one.surface.ops != &sgt_even_asphere_ops);
         }
         by_kind[1] += mirror, by_kind[2] += turned, by_kind[3] += departure, by_kind[4] += phased;
         by_kind[5] += asphere;

@@ -57,8 +57,8 @@ void grazing(generator &g, const std::string &type, long count)
             const double a = g.uniform(-0.02, 0.02) * s.h;
             if (type == "conic") s.s = {&sgt_conic_ops, s.keep(sgt_conic{c, k, 0})};
             else
-                s.s = {&sgt_asphere_ops,
-                       s.keep(sgt_asphere{c, k, s.h, {0, a / std::pow(s.h, 4), a / std::pow(s.h, 6)}})};
+                s.s = {&sgt_even_asphere_ops,
+                       s.keep(sgt_even_asphere{c, k, s.h, {0, a / std::pow(s.h, 4), a / std::pow(s.h, 6)}})};
         } else {
             s = random_specimen(g, type);
         }

@@ -28,7 +28,7 @@ static void fail(const char *what, std::size_t a, std::size_t b, double x, doubl
 
 struct gauss {
     sgt_conic sphere[9];
-    sgt_asphere asphere;
+    sgt_even_asphere asphere;
     sgt_odd_asphere odd;
     sgt_conic plate, mirror, image;
     std::vector<sgt_element> e;
@@ -42,7 +42,7 @@ struct gauss {
         plate = {0, 0, 0}, mirror = {1 / -250.0, -0.7, 0}, image = {0, 0, 0};
         const double index[10] = {1.62, 1, 1.67, 1, 1.6, 1.64, 1, 1.69, 1, 0};
         const sgt_surface s[10] = {at(sphere[0]), at(sphere[1]), at(sphere[2]), at(sphere[3]), at(sphere[4]),
-                                   at(sphere[5]), {&sgt_asphere_ops, &asphere},
+                                   at(sphere[5]), {&sgt_even_asphere_ops, &asphere},
                                    {&sgt_odd_asphere_ops, &odd}, at(sphere[8]), at(plate)};
         for (int i = 0; i < 10; i++) {
             sgt_element one = {};

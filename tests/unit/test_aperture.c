@@ -74,7 +74,7 @@ static int asked(const sgt_element *e, double x, double y)
     sgt_fate fate;
     sgt_passage p;
     double ox[3], oy[3], oz[3] = {-1, -1, -1}, dx[3] = {0}, dz[3] = {1, 1, 1};
-    signed char fates[3];
+    sgt_fate fates[3];
     for (int k = 0; k < 3; k++) ox[k] = x, oy[k] = y;
     sgt_trace(1, e, 1, &ray, &p, &fate, NULL);
     sgt_trace_batch(1, e, 1, 3, (sgt_rays){{ox, oy, oz}, {dx, dx, dz}, NULL, NULL},
@@ -434,8 +434,7 @@ static void test_clipped_before_bent(void **state)
     e.index = 1;
     for (int k = 0; k < 2; k++) {
         sgt_ray ray = {.o = {k ? 3 : 0, 0, 0}, .d = {1, 0, 0.2}};
-        sgt_fate fate;
-        signed char of_batch;
+        sgt_fate fate, of_batch;
         sgt_rays rays = {{&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, NULL, NULL};
         sgt_trace_batch(1, &e, 1.9, 1, rays, (sgt_traced){.fate = &of_batch}, NULL, NULL);
         sgt_trace(1, &e, 1.9, &ray, NULL, &fate, NULL);
@@ -525,8 +524,8 @@ static void require_unsound(const sgt_aperture *a, const char *what)
     const sgt_element e[] = {element_of(NULL), element_of(a)};
     sgt_ray launch = {.o = {0.1, 0.2, -1}, .d = {0, 0, 1}}, ray = launch;
     sgt_passage p[2];
-    sgt_fate fate;
-    signed char fates[2], status[2];
+    sgt_fate fate, fates[2];
+    sgt_status status[2];
     double x[2] = {0.1, 0.1}, y[2] = {0.2, 0.2}, z[2] = {-1, -1}, zero[2] = {0}, one[2] = {1, 1};
     const sgt_passages passages[2] = {{.opl = NULL}, {.hits = {.status = status}}};
     size_t passed = sgt_trace(2, e, 1, &ray, p, &fate, NULL);

@@ -609,7 +609,7 @@ static void test_builtin(void **state)
     long n = scaled(1000);
     for (long i = 0; i < n; i++) {
         double R = either_sign(&g) * log_uniform(&g, 1e-3, 1e6);
-        sgt_asphere s = {.c = chance(&g, 0.1) ? 0 : 1 / R,
+        sgt_even_asphere s = {.c = chance(&g, 0.1) ? 0 : 1 / R,
                          .k = chance(&g, 0.2)   ? 0
                               : chance(&g, 0.2) ? -1
                               : chance(&g, 0.2) ? either_sign(&g) * log_uniform(&g, 1e-3, 1e3)
@@ -625,7 +625,7 @@ static void test_builtin(void **state)
             double r = h * (chance(&g, 0.2) ? 1 - log_uniform(&g, 1e-12, 1) : uniform(&g, 0, 1.1)),
                    a = uniform(&g, 0, 6.28);
             sgt_vec3 d = random_direction(&g), at = {r * cos(a), r * sin(a), 0};
-            at.z = -sgt_asphere_ops.value(&s, at, NULL);
+            at.z = -sgt_even_asphere_ops.value(&s, at, NULL);
             if (isnan(at.z)) at.z = uniform(&g, -h, h);
             double away = h * log_uniform(&g, 1e-2, 1e3), length = log_uniform(&g, 1e-2, 1e2);
             rays[j] = (sgt_ray){.o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z},
@@ -637,7 +637,7 @@ static void test_builtin(void **state)
         sgt_conic as_conic = {s.c, s.k, s.semi_diameter};
         sgt_vec3 where;
         sgt_fault got = sgt_check(conic ? (sgt_surface){&sgt_conic_ops, &as_conic}
-                                        : (sgt_surface){&sgt_asphere_ops, &s},
+                                        : (sgt_surface){&sgt_even_asphere_ops, &s},
                                   COUNT_OF(rays), rays, &where);
         REQUIRE(got == SGT_SOUND, "case %ld, %s: %s at %.17g %.17g %.17g; R %.17g k %.17g rim %.17g a %g %g",
                 i, conic ? "conic" : "asphere", sgt_fault_text(got), where.x, where.y, where.z, 1 / s.c, s.k,

@@ -7,7 +7,7 @@
 #include "../../src/surface/formula/tape.h"
 
 /* The number that a text is read as: x - number has it as its only uniform. */
-static double number_of(const char *text, sgt_formula_error *error)
+static double number_of(const char *text, sgt_error *error)
 {
     static char formula[4000];
     static double room[60000];
@@ -35,15 +35,15 @@ static double part_of(const char *text)
 
 static void judge(const char *text)
 {
-    sgt_formula_error error = {0};
+    sgt_error error = {0};
     double want = strtod(text, NULL), got = number_of(text, &error), part = part_of(text);
     REQUIRE(same_bits(want, part), "%.60s...: %a, not %a", text, part, want);
     if (isinf(want)) {
-        REQUIRE(isnan(got) && error.column == 1 && strstr(error.text, "larger"), "%.60s...: column %d, %s",
-                text, (int)error.column, error.text);
+        REQUIRE(isnan(got) && error.column == 1 && strstr(error.words, "larger"), "%.60s...: column %d, %s",
+                text, (int)error.column, error.words);
         return;
     }
-    REQUIRE(same_bits(want, got), "%.60s...: %a, not %a (%s)", text, got, want, error.text);
+    REQUIRE(same_bits(want, got), "%.60s...: %a, not %a (%s)", text, got, want, error.words);
 }
 
 static void test_forms(void **state)

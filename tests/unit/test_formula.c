@@ -20,7 +20,7 @@ static const unsigned char GUARD = 0xa5;
 enum { GUARDS = 64 };
 
 /* The room is as large as sgt_formula_room says, or smaller by `less`; what is around it must not change. */
-static sgt_tape *read_in(const char *text, sgt_formula_kind kind, size_t less, sgt_formula_error *error)
+static sgt_tape *read_in(const char *text, sgt_formula_kind kind, size_t less, sgt_error *error)
 {
     static unsigned char *block; /* of the tape that was read last */
     size_t size = sgt_formula_room(text, PARAMETERS);
@@ -30,7 +30,7 @@ static sgt_tape *read_in(const char *text, sgt_formula_kind kind, size_t less, s
     block = malloc(size + 2 * GUARDS);
     REQUIRE(block, "out of memory");
     memset(block, GUARD, size + 2 * GUARDS);
-    *error = (sgt_formula_error){99999, "untouched"};
+    *error = (sgt_error){.column = 99999, .words = "untouched"};
     sgt_tape *t = sgt_formula_read(text, kind, PARAMETERS, parameters, block + GUARDS, size, error);
     for (int i = 0; i < GUARDS; i++)
         REQUIRE(block[i] == GUARD && block[GUARDS + size + (size_t)i] == GUARD,
@@ -41,8 +41,8 @@ static sgt_tape *read_in(const char *text, sgt_formula_kind kind, size_t less, s
         tape_check(t);
     } else {
         size_t length = 0;
-        while (length < sizeof error->text && error->text[length]) length++;
-        REQUIRE(length > 5 && length < sizeof error->text, "%.60s: a sentence of %zu", text, length);
+        while (length < sizeof error->words && error->words[length]) length++;
+        REQUIRE(length > 5 && length < sizeof error->words, "%.60s: a sentence of %zu", text, length);
         REQUIRE(error->column <= strlen(text) + 1, "%.60s: column %zu", text, error->column);
     }
     return t;
@@ -50,9 +50,9 @@ static sgt_tape *read_in(const char *text, sgt_formula_kind kind, size_t less, s
 
 static sgt_tape *tape_of(const char *text)
 {
-    sgt_formula_error error;
+    sgt_error error;
     sgt_tape *t = read_in(text, SGT_FORMULA_XYZ, 0, &error);
-    REQUIRE(t, "%.60s: column %d: %s", text, (int)error.column, error.text);
+    REQUIRE(t, "%.60s: column %d: %s", text, (int)error.column, error.words);
     return t;
 }
 
@@ -355,7 +355,7 @@ static void test_trees(void **state)
     long compared = 0, undefined = 0, refused = 0, unknown = 0, resolved = 0, doubtful = 0;
     const long n_of_trees = scaled(40000);
     for (long i = 0; i < n_of_trees; i++) {
-        sgt_formula_error error;
+        sgt_error error;
         grown = 0, length = 0;
         const tree *t = grow(&g, 1 + below(&g, 6));
         print(&g, t, 0);
@@ -374,12 +374,12 @@ static void test_trees(void **state)
                 if (!isnan(v[j])) spread = fmaxl(spread, fabsl(v[j] - v[0]));
             }
             if (!tape) {
-                REQUIRE(is_refusal(error.text), "%s: column %zu: %s", written, error.column, error.text);
-                bool constant = strstr(error.text, "has none of") != NULL;
+                REQUIRE(is_refusal(error.words), "%s: column %zu: %s", written, error.column, error.words);
+                bool constant = strstr(error.words, "has none of") != NULL;
                 /* 1/sin(pi) is not defined, and large in long double; sqrt(sin(pi)) is not known to be */
-                if (strstr(error.text, "not known")) doubtful += k == 0, constant = true;
+                if (strstr(error.words, "not known")) doubtful += k == 0, constant = true;
                 REQUIRE(constant || wild || moved || isnan(v[0]), "%s: %Lg, and yet: %s", written, v[0],
-                        error.text);
+                        error.words);
                 refused += k == 0;
                 continue;
             }
@@ -561,16 +561,16 @@ static void test_errors(void **state)
         {"x = y", 3, "a sag has no ="},
         {"q", 1, "there are x, y, r, pi, a"},
     };
-    sgt_formula_error error;
+    sgt_error error;
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
         REQUIRE(!read_in(rows[i].text, SGT_FORMULA_XYZ, 0, &error), "%s: no error", rows[i].text);
-        REQUIRE(error.column == rows[i].column && strstr(error.text, rows[i].says), "%s: column %d: %s",
-                rows[i].text, (int)error.column, error.text);
+        REQUIRE(error.column == rows[i].column && strstr(error.words, rows[i].says), "%s: column %d: %s",
+                rows[i].text, (int)error.column, error.words);
     }
     for (size_t i = 0; i < COUNT_OF(sags); i++) {
         REQUIRE(!read_in(sags[i].text, SGT_FORMULA_XY, 0, &error), "%s: no error", sags[i].text);
-        REQUIRE(error.column == sags[i].column && strstr(error.text, sags[i].says), "%s: column %d: %s",
-                sags[i].text, (int)error.column, error.text);
+        REQUIRE(error.column == sags[i].column && strstr(error.words, sags[i].says), "%s: column %d: %s",
+                sags[i].text, (int)error.column, error.words);
     }
     /* Each byte that no formula has is told as what it is. */
     for (int c = 1; c < 256; c++) {
@@ -580,13 +580,13 @@ static void test_errors(void **state)
                                                                 ? "a control character"
                                                                 : " has no meaning in a formula";
         REQUIRE(!read_in(text, SGT_FORMULA_XYZ, 0, &error), "byte %02x: no error", c);
-        REQUIRE(error.column == 3 && strstr(error.text, says), "byte %02x: column %d: %s", c,
-                (int)error.column, error.text);
+        REQUIRE(error.column == 3 && strstr(error.words, says), "byte %02x: column %d: %s", c,
+                (int)error.column, error.words);
     }
     REQUIRE(!sgt_formula_read("2x", SGT_FORMULA_XYZ, 0, NULL, NULL, 0, NULL), "no error wanted");
     REQUIRE(!sgt_formula_read(NULL, SGT_FORMULA_XYZ, 0, NULL, NULL, 0, &error), "no text");
     REQUIRE(sgt_formula_room(NULL, 0) == sgt_formula_room("", 0), "no text is no formula");
-    REQUIRE(read_in("3*a", SGT_FORMULA_XY, 0, &error) != NULL, "a sag may be a number: %s", error.text);
+    REQUIRE(read_in("3*a", SGT_FORMULA_XY, 0, &error) != NULL, "a sag may be a number: %s", error.words);
 }
 
 static void test_parameters(void **state)
@@ -612,28 +612,28 @@ static void test_parameters(void **state)
         {{{"q\n\xc3", 1}, {"p", 1}}, "the parameter q?? is no name"},
     };
     static double room[2000];
-    static sgt_named many[SGT_FORMULA_PARAMETERS + 1];
-    static char names[SGT_FORMULA_PARAMETERS + 1][8];
-    sgt_formula_error error;
+    static sgt_named many[SGT_MOST_FORMULA_PARAMETERS + 1];
+    static char names[SGT_MOST_FORMULA_PARAMETERS + 1][8];
+    sgt_error error;
     for (size_t i = 0; i < COUNT_OF(rows); i++)
         for (int kind = SGT_FORMULA_XYZ; kind <= SGT_FORMULA_XY; kind++) {
-            error = (sgt_formula_error){77, ""};
+            error = (sgt_error){.column = 77};
             REQUIRE(
                 !sgt_formula_read("x+y", (sgt_formula_kind)kind, 2, rows[i].given, room, sizeof room, &error),
                 "row %zu: no error", i);
-            REQUIRE(error.column == 0 && strstr(error.text, rows[i].says), "row %zu: column %d: %s", i,
-                    (int)error.column, error.text);
+            REQUIRE(error.column == 0 && strstr(error.words, rows[i].says), "row %zu: column %d: %s", i,
+                    (int)error.column, error.words);
         }
-    for (int i = 0; i <= SGT_FORMULA_PARAMETERS; i++)
+    for (int i = 0; i <= SGT_MOST_FORMULA_PARAMETERS; i++)
         sprintf(names[i], "p%d", i), many[i] = (sgt_named){names[i], i};
-    sgt_tape *t =
-        sgt_formula_read("x+p255", SGT_FORMULA_XYZ, SGT_FORMULA_PARAMETERS, many, room, sizeof room, &error);
-    REQUIRE(t && tape_value(t, (const long double[]){1, 0, 0}) == 256, "256 parameters: %s", error.text);
-    REQUIRE(!sgt_formula_read("x+p255", SGT_FORMULA_XYZ, SGT_FORMULA_PARAMETERS + 1, many, room, sizeof room,
-                              &error) &&
-                strstr(error.text, "more than 256 parameters"),
-            "257 parameters: %s", error.text);
-    REQUIRE(sgt_formula_room("x", SGT_FORMULA_PARAMETERS + 1) == 0, "the room for 257 parameters");
+    sgt_tape *t = sgt_formula_read("x+p255", SGT_FORMULA_XYZ, SGT_MOST_FORMULA_PARAMETERS, many, room,
+                                   sizeof room, &error);
+    REQUIRE(t && tape_value(t, (const long double[]){1, 0, 0}) == 256, "256 parameters: %s", error.words);
+    REQUIRE(!sgt_formula_read("x+p255", SGT_FORMULA_XYZ, SGT_MOST_FORMULA_PARAMETERS + 1, many, room,
+                              sizeof room, &error) &&
+                strstr(error.words, "more than 256 parameters"),
+            "257 parameters: %s", error.words);
+    REQUIRE(sgt_formula_room("x", SGT_MOST_FORMULA_PARAMETERS + 1) == 0, "the room for 257 parameters");
 }
 
 /* ------------------------------------------------- equal parts, simpler parts */
@@ -815,7 +815,7 @@ static void full_tree(int depth, int *number)
 static void test_registers(void **state)
 {
     (void)state;
-    sgt_formula_error error;
+    sgt_error error;
     /* chains as deep as may be, and as long */
     const sgt_tape *t = tape_of(repeated("", "x+(y*(", 99, "z", "))"));
     REQUIRE(t->registers <= 5, "a chain to the right: %d registers", t->registers);
@@ -831,8 +831,8 @@ static void test_registers(void **state)
     }
     t = read_in(written, SGT_FORMULA_XYZ, 0, &error);
     REQUIRE(!t && error.column == 0 &&
-                strstr(error.text, "intermediate results at once, and there may be 45"),
-            "1000 terms that share much: %s", error.text);
+                strstr(error.words, "intermediate results at once, and there may be 45"),
+            "1000 terms that share much: %s", error.words);
     /* a full tree of 2^10 leaves needs 11 registers and one for the result, if nothing is shared */
     int number = 0;
     length = 0;
@@ -853,10 +853,10 @@ static void test_registers(void **state)
         put(")");
         t = read_in(written, SGT_FORMULA_XYZ, 0, &error);
         if (n == 40)
-            REQUIRE(t, "40 shared parts: %s", error.text);
+            REQUIRE(t, "40 shared parts: %s", error.words);
         else
-            REQUIRE(!t && strstr(error.text, "intermediate results at once"), "50 shared parts: %s",
-                    error.text);
+            REQUIRE(!t && strstr(error.words, "intermediate results at once"), "50 shared parts: %s",
+                    error.words);
     }
 }
 
@@ -865,18 +865,18 @@ static void test_registers(void **state)
 static void test_large(void **state)
 {
     (void)state;
-    sgt_formula_error error;
+    sgt_error error;
     static char text[100001];
     static double room[1 << 20];
     /* 10^5 characters */
     memset(text, '1', 100000);
     REQUIRE(sgt_formula_room(text, 0) == 0, "a room for 10^5 characters");
     REQUIRE(!sgt_formula_read(text, SGT_FORMULA_XYZ, 0, NULL, room, sizeof room, &error) &&
-                error.column == SGT_FORMULA_LONGEST + 1 && strstr(error.text, "at most 32768 characters"),
-            "10^5 characters: %s", error.text);
+                error.column == SGT_LONGEST_FORMULA + 1 && strstr(error.words, "at most 32768 characters"),
+            "10^5 characters: %s", error.words);
     /* one less than too many is a number that is too large */
-    text[SGT_FORMULA_LONGEST] = 0;
-    REQUIRE(!read_in(text, SGT_FORMULA_XYZ, 0, &error) && error.column == 1, "32768 digits: %s", error.text);
+    text[SGT_LONGEST_FORMULA] = 0;
+    REQUIRE(!read_in(text, SGT_FORMULA_XYZ, 0, &error) && error.column == 1, "32768 digits: %s", error.words);
     /* 10^4 parentheses, functions, powers; any number of minuses */
     static const struct {
         const char *part;
@@ -887,8 +887,8 @@ static void test_large(void **state)
     for (size_t i = 0; i < COUNT_OF(deep); i++) {
         repeated("", deep[i].part, (int)(10000 / strlen(deep[i].part)), "x", "");
         REQUIRE(!read_in(written, SGT_FORMULA_XYZ, 0, &error) && error.column == deep[i].column &&
-                    strstr(error.text, "nested more than 200 deep"),
-                "many %s: column %d: %s", deep[i].part, (int)error.column, error.text);
+                    strstr(error.words, "nested more than 200 deep"),
+                "many %s: column %d: %s", deep[i].part, (int)error.column, error.words);
     }
     const sgt_tape *t = tape_of(repeated("", "-", 10001, "x", ""));
     REQUIRE(t->steps == 1 && t->step[0].op == FORMULA_NEG, "10001 minuses");
@@ -897,14 +897,14 @@ static void test_large(void **state)
     /* the longest text, of different parts */
     length = 0;
     put("x");
-    for (int i = 0; length < SGT_FORMULA_LONGEST - 30; i++) {
+    for (int i = 0; length < SGT_LONGEST_FORMULA - 30; i++) {
         char part[40];
         sprintf(part, "+sin(x*y+%d)/%d", i % 800, i % 800 + 1);
         put(part);
     }
     t = read_in(written, SGT_FORMULA_XYZ, 0, &error);
-    REQUIRE(t || strstr(error.text, "at once") || strstr(error.text, "there may be 1024"), "the longest: %s",
-            error.text);
+    REQUIRE(t || strstr(error.words, "at once") || strstr(error.words, "there may be 1024"),
+            "the longest: %s", error.words);
     /* as many numbers as there may be, and one more */
     for (int n = FORMULA_UNIFORMS; n <= FORMULA_UNIFORMS + 1; n++) {
         length = 0;
@@ -916,21 +916,21 @@ static void test_large(void **state)
         }
         t = read_in(written, SGT_FORMULA_XYZ, 0, &error);
         if (n == FORMULA_UNIFORMS)
-            REQUIRE(t && t->uniforms == n, "%d numbers: %s", n, error.text);
+            REQUIRE(t && t->uniforms == n, "%d numbers: %s", n, error.words);
         else
-            REQUIRE(!t && error.column == 0 && strstr(error.text, "has 1025 numbers"), "1025: %s",
-                    error.text);
+            REQUIRE(!t && error.column == 0 && strstr(error.words, "has 1025 numbers"), "1025: %s",
+                    error.words);
     }
     /* waves: as many nodes as they can make */
     length = 0;
     put("x");
-    for (int i = 0; length < SGT_FORMULA_LONGEST - 60; i++) {
+    for (int i = 0; length < SGT_LONGEST_FORMULA - 60; i++) {
         char part[60];
         sprintf(part, "+r^%d*%s(%d*atan2(y,x))", 63 - i % 60, i % 2 ? "sin" : "cos", 63 - i % 60);
         put(part);
     }
     t = read_in(written, SGT_FORMULA_XYZ, 0, &error);
-    REQUIRE(t || strstr(error.text, "at once"), "many waves: %s", error.text);
+    REQUIRE(t || strstr(error.words, "at once"), "many waves: %s", error.words);
 }
 
 /* A room that is too small is said to be, and how much is missing; and nothing is written beyond it. */
@@ -945,22 +945,22 @@ static void test_rooms(void **state)
         "r^63*cos(63*atan2(y,x))",
     };
     for (size_t i = 0; i < COUNT_OF(texts); i++) {
-        sgt_formula_error error;
+        sgt_error error;
         size_t all = sgt_formula_room(texts[i], PARAMETERS), refused = 0;
         char missing[40];
         for (size_t less = 0; less < all; less++) {
             sgt_tape *t = read_in(texts[i], SGT_FORMULA_XYZ, less, &error);
-            REQUIRE(t || less > 0, "%s: %s", texts[i], error.text);
+            REQUIRE(t || less > 0, "%s: %s", texts[i], error.words);
             if (t) continue;
             refused++;
             sprintf(missing, " %zu more suffice", less);
-            REQUIRE(error.column == 0 && strstr(error.text, "the room is too small") &&
-                        strstr(error.text, missing),
-                    "%s, %zu less: column %d: %s", texts[i], less, (int)error.column, error.text);
+            REQUIRE(error.column == 0 && strstr(error.words, "the room is too small") &&
+                        strstr(error.words, missing),
+                    "%s, %zu less: column %d: %s", texts[i], less, (int)error.column, error.words);
         }
         REQUIRE(refused > all / 8, "%s: only %zu of %zu rooms are too small", texts[i], refused, all);
         REQUIRE(!sgt_formula_read(texts[i], SGT_FORMULA_XYZ, PARAMETERS, parameters, NULL, all, &error) &&
-                    strstr(error.text, "room"),
+                    strstr(error.words, "room"),
                 "no room");
     }
 }

@@ -2,6 +2,7 @@
  * and one whose enclosure decides little.  Poles and steep roots look alike to a search by signs; all ways
  * to a root are tried: the first and the one near the seed, single or not, with each thing that a surface
  * can offer, alone, all of them, and in a batch. */
+#include "../ends.h"
 #include "unit.h"
 
 #include <sagitta/interval.h>
@@ -226,11 +227,12 @@ static void test_poles_and_jumps(void **state)
         met[s.kind] += h.status > 0, asked[s.kind]++;
         enum { RAYS = 3 };
         double o[3][RAYS], d[3][RAYS], tmin[RAYS], tmax[RAYS], t[RAYS], t_err[RAYS];
-        signed char status[RAYS];
+        sgt_status status[RAYS];
         int evals[RAYS];
         for (int k = 0; k < RAYS; k++) {
             o[0][k] = ray.o.x + (k == 0), o[1][k] = ray.o.y, o[2][k] = ray.o.z;
-            d[0][k] = ray.d.x, d[1][k] = ray.d.y, d[2][k] = ray.d.z, tmin[k] = ray.tmin, tmax[k] = ray.tmax;
+            d[0][k] = ray.d.x, d[1][k] = ray.d.y, d[2][k] = ray.d.z, tmin[k] = ray.tmin,
+            tmax[k] = end_of(&ray);
         }
         sgt_intersect_batch((sgt_surface){ops, &s}, RAYS,
                             (sgt_rays){{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, tmin, tmax},
@@ -758,7 +760,7 @@ static void test_asked(void **state)
         sgt_options opt = {
             .pick = SGT_FIRST, .proof = proof ? SGT_PROVE_FIRST : SGT_ESTIMATE, .max_evals = quick ? 16 : 0};
         double t;
-        signed char status;
+        sgt_status status;
         if (many) {
             sgt_rays rays = {
                 {&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, &ray.tmin, &ray.tmax};
@@ -766,7 +768,7 @@ static void test_asked(void **state)
                                 &opt);
         } else {
             sgt_hit hit = sgt_intersect((sgt_surface){&ops, &s}, ray, &opt);
-            status = (signed char)hit.status, t = hit.t;
+            status = hit.status, t = hit.t;
         }
         REQUIRE((asked > 0) == !(first || quick), "case %ld: %ld cells; first %d, single %d, proof %d", i,
                 asked, first, s.single, proof);

@@ -2,6 +2,7 @@
  * forms.  With c = 0 the level set is the sphere |Q| = E^(1/p^N); a Mandelbrot's N = 1 is the ball
  * of radius E, its N = 2 cuts the real axis where x^2 + x = 2; and for c = -2 the real axis maps
  * by 2 cos a to 2 cos 2a, which touches E = 2 again and again. */
+#include "../ends.h"
 #include "unit.h"
 
 #include <sagitta/diagnose.h>
@@ -26,7 +27,7 @@ static sgt_mandelbrot sliced_alike(const sgt_julia *s)
 
 static const sgt_builtin *row_of(const char *type)
 {
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++)
         if (!strcmp(row->type, type)) return row;
     fail_msg("no row for %s", type);
     return NULL;
@@ -43,26 +44,26 @@ static const sgt_param *param_of(const sgt_builtin *row, const char *name)
 static void test_rows(void **state)
 {
     (void)state;
-    typedef struct key { const char *name; size_t offset; int count; sgt_kind kind; } key;
+    typedef struct key { const char *name; size_t offset; int count; sgt_param_kind kind; } key;
     static const key of_julia[] = {
-        {"c", offsetof(sgt_julia, c), 4, SGT_VECTOR},
-        {"at", offsetof(sgt_julia, at), 4, SGT_VECTOR},
-        {"slice", offsetof(sgt_julia, at) + 3 * sizeof(double), 1, SGT_REAL},
-        {"ex", offsetof(sgt_julia, ex), 4, SGT_VECTOR},
-        {"ey", offsetof(sgt_julia, ey), 4, SGT_VECTOR},
-        {"ez", offsetof(sgt_julia, ez), 4, SGT_VECTOR},
-        {"escape", offsetof(sgt_julia, escape), 1, SGT_REAL},
-        {"iterations", offsetof(sgt_julia, iterations), 1, SGT_WHOLE},
-        {"power", offsetof(sgt_julia, power), 1, SGT_WHOLE},
+        {"c", offsetof(sgt_julia, c), 4, SGT_PARAM_VECTOR},
+        {"at", offsetof(sgt_julia, at), 4, SGT_PARAM_VECTOR},
+        {"slice", offsetof(sgt_julia, at) + 3 * sizeof(double), 1, SGT_PARAM_REAL},
+        {"ex", offsetof(sgt_julia, ex), 4, SGT_PARAM_VECTOR},
+        {"ey", offsetof(sgt_julia, ey), 4, SGT_PARAM_VECTOR},
+        {"ez", offsetof(sgt_julia, ez), 4, SGT_PARAM_VECTOR},
+        {"escape", offsetof(sgt_julia, escape), 1, SGT_PARAM_REAL},
+        {"iterations", offsetof(sgt_julia, iterations), 1, SGT_PARAM_WHOLE},
+        {"power", offsetof(sgt_julia, power), 1, SGT_PARAM_WHOLE},
     };
     static const key of_mandelbrot[] = {
-        {"at", offsetof(sgt_mandelbrot, at), 4, SGT_VECTOR},
-        {"ex", offsetof(sgt_mandelbrot, ex), 4, SGT_VECTOR},
-        {"ey", offsetof(sgt_mandelbrot, ey), 4, SGT_VECTOR},
-        {"ez", offsetof(sgt_mandelbrot, ez), 4, SGT_VECTOR},
-        {"escape", offsetof(sgt_mandelbrot, escape), 1, SGT_REAL},
-        {"iterations", offsetof(sgt_mandelbrot, iterations), 1, SGT_WHOLE},
-        {"power", offsetof(sgt_mandelbrot, power), 1, SGT_WHOLE},
+        {"at", offsetof(sgt_mandelbrot, at), 4, SGT_PARAM_VECTOR},
+        {"ex", offsetof(sgt_mandelbrot, ex), 4, SGT_PARAM_VECTOR},
+        {"ey", offsetof(sgt_mandelbrot, ey), 4, SGT_PARAM_VECTOR},
+        {"ez", offsetof(sgt_mandelbrot, ez), 4, SGT_PARAM_VECTOR},
+        {"escape", offsetof(sgt_mandelbrot, escape), 1, SGT_PARAM_REAL},
+        {"iterations", offsetof(sgt_mandelbrot, iterations), 1, SGT_PARAM_WHOLE},
+        {"power", offsetof(sgt_mandelbrot, power), 1, SGT_PARAM_WHOLE},
     };
     for (int m = 0; m < 2; m++) {
         const sgt_builtin *row = row_of(m ? "mandelbrot" : "julia");
@@ -99,7 +100,7 @@ static bool row_objects(const sgt_builtin *row, const void *self, const char **k
     for (const sgt_param *p = row->params; p->name; p++)
         for (int i = 0; i < p->count; i++) {
             const char *at = (const char *)self + p->offset;
-            double x = p->kind == SGT_WHOLE ? (double)((const int *)(const void *)at)[i]
+            double x = p->kind == SGT_PARAM_WHOLE ? (double)((const int *)(const void *)at)[i]
                                             : ((const double *)(const void *)at)[i];
             *key = p->name;
             if (x != 0 && !(x >= p->lo && x <= p->hi)) return true; /* zero: not given */
@@ -588,7 +589,7 @@ static void test_start_at_origin(void **state)
                        .d = chance(&g, 0.5) ? d : random_direction(&g)};
         sgt_hit hit = sgt_intersect(surface, ray, NULL);
         double t, t_err, tmax = FAR;
-        signed char status;
+        sgt_status status;
         sgt_rays one = {.o = {&ray.o.x, &ray.o.y, &ray.o.z},
                         .d = {&ray.d.x, &ray.d.y, &ray.d.z},
                         .tmin = &ray.tmin,
@@ -624,11 +625,11 @@ static void numbers_of(const sgt_hit *h, double to[NUMBERS])
 static void meet_all(sgt_surface s, const sgt_ray ray[RAYS], const sgt_options *opt, sgt_hit hit[RAYS])
 {
     static double in[8][RAYS], out[NUMBERS][RAYS];
-    static signed char status[RAYS];
+    static sgt_status status[RAYS];
     static int evals[RAYS];
     for (int i = 0; i < RAYS; i++) {
         sgt_vec3 o = ray[i].o, d = ray[i].d;
-        const double numbers[8] = {o.x, o.y, o.z, d.x, d.y, d.z, ray[i].tmin, ray[i].tmax};
+        const double numbers[8] = {o.x, o.y, o.z, d.x, d.y, d.z, ray[i].tmin, end_of(&ray[i])};
         for (int k = 0; k < 8; k++) in[k][i] = numbers[k];
     }
     const sgt_rays rays = {{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]};

@@ -255,7 +255,7 @@ static void test_fates(void **state)
         else
             e.semi_diameter = 2;
         double ox[3] = {0, 3, 1}, oy[3] = {0}, oz[3] = {-5, -5, -5}, dx[3] = {0}, dz[3] = {1, 1, 1}, opl[3];
-        signed char fate[3];
+        sgt_fate fate[3];
         sgt_passages told = {.opl = opl};
         assert_int_equal(sgt_trace_batch(1, &e, 1, 3, (sgt_rays){{ox, oy, oz}, {dx, dx, dz}, NULL, NULL},
                                          (sgt_traced){.fate = fate}, &told, NULL),
@@ -278,7 +278,8 @@ static void test_fates(void **state)
         sgt_passage is;
         size_t passed = sgt_trace(1, &e, 1, &ray, &is, &fate, NULL);
         double x = -20, y = 0, z = 5, one = 1;
-        signed char batch = 9, status = 9;
+        sgt_fate batch = SGT_TIR;
+        sgt_status status = SGT_EXHAUSTED;
         sgt_passages told = {.hits = {.status = &status}};
         sgt_trace_batch(1, &e, 1, 1, (sgt_rays){{&x, &y, &z}, {&one, &y, &y}, NULL, NULL},
                         (sgt_traced){.fate = &batch}, &told, NULL);
@@ -333,7 +334,8 @@ static void require_unsound(sgt_phase phase, const char *what)
                 is.hit.status == SGT_INVALID,
             "%s", what);
     double x = 0, z = -1, one = 1;
-    signed char lost = 9, status = 9;
+    sgt_fate lost = SGT_PASSED;
+    sgt_status status = SGT_HIT;
     sgt_passages told = {.hits = {.status = &status}};
     sgt_trace_batch(1, &e, 1, 1, (sgt_rays){{&x, &x, &z}, {&x, &x, &one}, NULL, NULL},
                     (sgt_traced){.fate = &lost}, &told, NULL);

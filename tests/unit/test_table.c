@@ -21,22 +21,25 @@ static double *number_at(parameters *p, const sgt_param *param, int i)
     return (double *)member(p, param) + i;
 }
 
-static bool is_whole(sgt_kind kind) { return kind == SGT_WHOLE || kind == SGT_WORD || kind == SGT_TRUTH; }
+static bool is_whole(sgt_param_kind kind)
+{
+    return kind == SGT_PARAM_WHOLE || kind == SGT_PARAM_WORD || kind == SGT_PARAM_TRUTH;
+}
 
 /* In the struct: of one, and of all. */
 static size_t alignment_of(const sgt_param *p) { return is_whole(p->kind) ? sizeof(int) : sizeof(double); }
 static size_t size_of(const sgt_param *p)
 {
     switch (p->kind) {
-    case SGT_LIST: case SGT_TABLE: return sizeof(sgt_numbers);
-    case SGT_TERMS: return sizeof(sgt_surface *) + sizeof(size_t);
-    case SGT_WHOLE: case SGT_WORD: case SGT_TRUTH: return (size_t)p->count * sizeof(int);
+    case SGT_PARAM_LIST: case SGT_PARAM_TABLE: return sizeof(sgt_numbers);
+    case SGT_PARAM_TERMS: return sizeof(sgt_surface *) + sizeof(size_t);
+    case SGT_PARAM_WHOLE: case SGT_PARAM_WORD: case SGT_PARAM_TRUTH: return (size_t)p->count * sizeof(int);
     default: return (size_t)p->count * sizeof(double);
     }
 }
 
 /* They have tests of their own (test_levels.c). */
-static bool is_level_set(const sgt_builtin *row) { return row->family == SGT_LEVEL_SET; }
+static bool is_level_set(const sgt_builtin *row) { return row->family == SGT_FAMILY_LEVEL_SET; }
 
 /* The first thing wrong, said of a key of the row. */
 static bool objected(const sgt_builtin *row, const parameters *p)
@@ -45,7 +48,7 @@ static bool objected(const sgt_builtin *row, const parameters *p)
     if (!o.param) return false;
     bool known = false, has_terms = false;
     for (const sgt_param *param = row->params; param->name; param++)
-        known |= !strcmp(param->name, o.param), has_terms |= param->kind == SGT_TERMS;
+        known |= !strcmp(param->name, o.param), has_terms |= param->kind == SGT_PARAM_TERMS;
     REQUIRE(known || has_terms, "%s: an objection to %s, which is no key of it", row->type, o.param);
     REQUIRE(o.reason && *o.reason, "%s: an objection to %s without a reason", row->type, o.param);
     return true;
@@ -55,25 +58,25 @@ static void test_rows(void **state)
 {
     (void)state;
     size_t rows = 0;
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++, rows++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++, rows++) {
         assert_non_null(row->ops);
         assert_non_null(row->ops->name);
         assert_non_null(row->ops->value);
         assert_non_null(row->ops->span);
         assert_non_null(row->ops->rounding);
         assert_non_null(row->params);
-        assert_int_not_equal(row->family, SGT_OTHER);
-        assert_int_equal(row->family == SGT_LEVEL_SET, row->ops->estimate != NULL);
+        assert_int_not_equal(row->family, SGT_FAMILY_OTHER);
+        assert_int_equal(row->family == SGT_FAMILY_LEVEL_SET, row->ops->estimate != NULL);
         REQUIRE(row->size > 0 && row->size <= LARGEST, "%s: %zu bytes", row->type, row->size);
         for (const char *c = row->type; *c; c++)
             REQUIRE((*c >= 'a' && *c <= 'z') || *c == '_' || (*c >= '0' && *c <= '9'), "%s: not a key",
                     row->type);
-        for (const sgt_builtin *other = sgt_builtins; other != row; other++)
+        for (const sgt_builtin *other = sgt_builtins(); other != row; other++)
             assert_string_not_equal(row->type, other->type);
         for (const sgt_param *p = row->params; p->name; p++) {
             REQUIRE(p->count >= 1 && p->offset % alignment_of(p) == 0 && p->offset + size_of(p) <= row->size,
                     "%s.%s lies outside the struct", row->type, p->name);
-            if (p->kind == SGT_WORD) {
+            if (p->kind == SGT_PARAM_WORD) {
                 int words = 1;
                 for (const char *c = p->words; *c; c++) words += *c == '|';
                 REQUIRE(p->lo == 1 && p->hi == words, "%s.%s: %d words, legal from %g to %g", row->type,
@@ -94,11 +97,11 @@ static void test_rows(void **state)
         }
     }
     assert_true(rows >= 4);
-    const sgt_builtin *end = &sgt_builtins[rows];
+    const sgt_builtin *end = &sgt_builtins()[rows];
     assert_true(!end->type && !end->ops && !end->size && !end->params);
     static const char *const wanted[] = {"plane", "sphere", "conic", "even_asphere"};
     for (size_t i = 0; i < COUNT_OF(wanted); i++) {
-        const sgt_builtin *row = sgt_builtins;
+        const sgt_builtin *row = sgt_builtins();
         while (row->type && strcmp(row->type, wanted[i])) row++;
         REQUIRE(row->type, "no row for %s", wanted[i]);
     }
@@ -109,7 +112,7 @@ static void test_zero(void **state)
 {
     (void)state;
     generator g = seeded("zero is a plane");
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (is_level_set(row)) continue;
         static parameters all_zero;
         const void *zero = &all_zero.is;
@@ -134,10 +137,10 @@ static void test_zero(void **state)
     }
 }
 
-static bool is_listed(sgt_unit u) { return u.by_i != 0 || u.by_j != 0; }
+static bool is_listed(sgt_param_unit u) { return u.by_i != 0 || u.by_j != 0; }
 
 /* A number of such a unit, for a part of size h, the i-th and j-th of its kind. */
-static double random_number(generator *g, sgt_unit u, double h, int i, int j)
+static double random_number(generator *g, sgt_param_unit u, double h, int i, int j)
 {
     int power = u.length + i * u.by_i + j * u.by_j;
     if (!is_listed(u) && power == 0) return chance(g, 0.3) ? -1 : uniform(g, -3, 2);
@@ -152,14 +155,14 @@ static double random_number(generator *g, sgt_unit u, double h, int i, int j)
 /* Some numbers, a part of h together. */
 static sgt_numbers random_numbers(generator *g, const sgt_param *p, double h, parameters *out)
 {
-    int most = p->count < 9 ? p->count : 9, rows = p->kind == SGT_LIST ? 1 : below(g, most + 1),
+    int most = p->count < 9 ? p->count : 9, rows = p->kind == SGT_PARAM_LIST ? 1 : below(g, most + 1),
         columns = below(g, most + 1);
     sgt_numbers a = {out->room + out->used, (size_t)rows, (size_t)columns};
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < columns; j++) {
             double *x = &out->room[out->used++];
             if (!is_listed(p->unit) && p->unit.length == 1) *x = h * uniform(g, -0.1, 0.1) / (rows * columns);
-            else *x = p->kind == SGT_LIST ? random_number(g, p->unit, h, j, 0)
+            else *x = p->kind == SGT_PARAM_LIST ? random_number(g, p->unit, h, j, 0)
                                           : random_number(g, p->unit, h, i, j);
         }
     if (rows * columns == 0) a = (sgt_numbers){NULL, 0, 0};
@@ -173,10 +176,10 @@ static void random_parameters(generator *g, const sgt_builtin *row, double h, pa
 static void random_terms(generator *g, const sgt_builtin *row, const sgt_param *p, double h, parameters *out)
 {
     size_t count = (size_t)below(g, MOST_TERMS + 1), rows = 0;
-    while (sgt_builtins[rows].type) rows++;
+    while (sgt_builtins()[rows].type) rows++;
     if (!out->of_term) out->of_term = calloc(MOST_TERMS, sizeof *out->of_term);
     for (size_t i = 0; i < count;) {
-        const sgt_builtin *of = &sgt_builtins[below(g, (int)rows)];
+        const sgt_builtin *of = &sgt_builtins()[below(g, (int)rows)];
         if (of == row || is_level_set(of)) continue;
         random_parameters(g, of, h, &out->of_term[i]);
         out->terms[i] = (sgt_surface){of->ops, &out->of_term[i].is};
@@ -196,10 +199,10 @@ static void random_parameters(generator *g, const sgt_builtin *row, double h, pa
         memset(out, 0, sizeof *out);
         out->of_term = of_term;
         for (const sgt_param *p = row->params; p->name; p++) {
-            if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+            if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
                 sgt_numbers a = random_numbers(g, p, h, out);
                 memcpy(member(out, p), &a, sizeof a);
-            } else if (p->kind == SGT_TERMS) random_terms(g, row, p, h, out);
+            } else if (p->kind == SGT_PARAM_TERMS) random_terms(g, row, p, h, out);
             else if (is_whole(p->kind)) {
                 int whole = (int)p->lo + below(g, (int)(p->hi - p->lo) + 1);
                 memcpy(member(out, p), &whole, sizeof whole);
@@ -229,7 +232,7 @@ static void test_conformance(void **state)
     (void)state;
     generator g = seeded("conformance");
     long n = scaled(100);
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         if (is_level_set(row)) continue;
         static parameters p;
         long met = 0, missed = 0, undecided = 0, past = 0;
@@ -308,14 +311,14 @@ static void test_not_finite(void **state)
     (void)state;
     generator g = seeded("not finite");
     const double bad[] = {NOT, FAR, -FAR};
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++)
         for (const sgt_param *param = row->params; param->name; param++)
             for (size_t k = 0; k < COUNT_OF(bad); k++) {
                 static parameters p;
                 bool level = is_level_set(row);
                 /* tests/catalogue has those */
-                if (is_whole(param->kind) || param->kind == SGT_TERMS) continue;
-                if (param->kind == SGT_LIST || param->kind == SGT_TABLE) {
+                if (is_whole(param->kind) || param->kind == SGT_PARAM_TERMS) continue;
+                if (param->kind == SGT_PARAM_LIST || param->kind == SGT_PARAM_TABLE) {
                     sgt_numbers a = {0};
                     while (a.rows * a.columns == 0)
                         random_parameters(&g, row, 1, &p), memcpy(&a, member(&p, param), sizeof a);
@@ -340,7 +343,7 @@ static void test_not_finite(void **state)
 static void test_specimens(void **state)
 {
     (void)state;
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
         static double with[LARGEST / sizeof(double)];
         REQUIRE(row->specimen, "%s has no specimen", row->type);
         memcpy(with, row->specimen, row->size);
@@ -351,7 +354,7 @@ static void test_specimens(void **state)
             sgt_ray ray = {.o = {0.4 * (i % 10) - 1.9, 0.4 * (i / 10) - 1.7, -9}, .d = {0, 0, 1}};
             met += sgt_intersect((sgt_surface){row->ops, with}, ray, NULL).status == SGT_HIT;
         }
-        REQUIRE(met > (row->family == SGT_LEVEL_SET || row->family == SGT_BODY ? 10 : 99),
+        REQUIRE(met > (row->family == SGT_FAMILY_LEVEL_SET || row->family == SGT_FAMILY_BODY ? 10 : 99),
                 "%s: %d of 100 rays meet the specimen", row->type, met);
     }
 }

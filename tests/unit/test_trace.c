@@ -348,7 +348,8 @@ static void test_invalid(void **state)
         REQUIRE(sgt_trace(2, two, 1, &ray, p, &fate, NULL) == 1 && fate == SGT_LOST &&
                     p[1].hit.status == SGT_INVALID && ray.o.z == 0,
                 "reserved %zu", i);
-        signed char status = 9, lost = 9;
+        sgt_status status = SGT_HIT;
+        sgt_fate lost = SGT_PASSED;
         int passed = -1;
         sgt_rays rays = {.o = {&launch.o.x, &launch.o.y, &launch.o.z},
                          .d = {&launch.d.x, &launch.d.y, &launch.d.z}};
@@ -395,20 +396,20 @@ static void test_nothing_wanted(void **state)
 /* ---------------------------------------------------------------- apertures */
 
 /* A bowl whose own guess is a crossing of its caller's choice. */
-typedef struct guided { sgt_asphere bowl; sgt_vec3 guess; } guided;
+typedef struct guided { sgt_even_asphere bowl; sgt_vec3 guess; } guided;
 
 static double guided_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
-    return sgt_asphere_ops.value(&((const guided *)self)->bowl, p, grad);
+    return sgt_even_asphere_ops.value(&((const guided *)self)->bowl, p, grad);
 }
 static double guided_rounding(const void *self, sgt_vec3 p)
 {
-    return sgt_asphere_ops.rounding(&((const guided *)self)->bowl, p);
+    return sgt_even_asphere_ops.rounding(&((const guided *)self)->bowl, p);
 }
 static sgt_span guided_span(const void *self, const sgt_ray *ray)
 {
     const guided *s = self;
-    sgt_span span = sgt_asphere_ops.span(&s->bowl, ray);
+    sgt_span span = sgt_even_asphere_ops.span(&s->bowl, ray);
     sgt_vec3 o = ray->o, d = ray->d;
     double a = d.x * d.x + d.y * d.y + d.z * d.z, nearest = -(o.x * d.x + o.y * d.y + o.z * d.z) / a;
     /* a hyperboloid has no end */
@@ -432,8 +433,8 @@ static void test_aperture_chooses(void **state)
         double ra = uniform(&g, 0.05, 0.4), rb = uniform(&g, 0.6, 0.85), a = uniform(&g, 0, 6.28),
                b = uniform(&g, 0, 6.28);
         sgt_vec3 inner = {ra * cos(a), ra * sin(a), 0}, outer = {rb * cos(b), rb * sin(b), 0};
-        inner.z = -sgt_asphere_ops.value(&s.bowl, inner, NULL),
-        outer.z = -sgt_asphere_ops.value(&s.bowl, outer, NULL);
+        inner.z = -sgt_even_asphere_ops.value(&s.bowl, inner, NULL),
+        outer.z = -sgt_even_asphere_ops.value(&s.bowl, outer, NULL);
         bool guess_outer = chance(&g, 0.7);
         s.guess = guess_outer ? outer : inner;
         sgt_vec3 d = {inner.x - outer.x, inner.y - outer.y, inner.z - outer.z};
@@ -446,7 +447,7 @@ static void test_aperture_chooses(void **state)
             e.pose = (sgt_pose){.ex = {0, 1, 0}, .ey = {-1, 0, 0}, .ez = {0, 0, 1}},
             launch.o = (sgt_vec3){-launch.o.y, launch.o.x, launch.o.z},
             launch.d = (sgt_vec3){-launch.d.y, launch.d.x, launch.d.z};
-        const sgt_surface surfaces[] = {{&sgt_asphere_ops, &s.bowl}, {&guided_ops, &s}};
+        const sgt_surface surfaces[] = {{&sgt_even_asphere_ops, &s.bowl}, {&guided_ops, &s}};
         for (size_t k = 0; k < COUNT_OF(surfaces); k++)
             for (sgt_pick pick = SGT_PICK_DEFAULT; pick <= SGT_NEAR_SEED; pick++) {
                 /* the two are farther apart than dt_min; t_tol: else it follows from the aperture */
@@ -499,9 +500,9 @@ static void test_wide_aperture(void **state)
     generator g = seeded("wide aperture");
     const double wide_ones[] = {1e3, 1e10, 1e100, 1e300, FAR};
     for (long i = 0, n = scaled(500); i < n; i++) {
-        sgt_asphere bowl = {.c = uniform(&g, -0.1, 0.1), .a = {0, uniform(&g, -1e-4, 1e-4)}};
+        sgt_even_asphere bowl = {.c = uniform(&g, -0.1, 0.1), .a = {0, uniform(&g, -1e-4, 1e-4)}};
         sgt_element e = {
-            .surface = {&sgt_asphere_ops, &bowl}, .index = 1.5, .pose = {.origin = {0, 0, 0.01}}};
+            .surface = {&sgt_even_asphere_ops, &bowl}, .index = 1.5, .pose = {.origin = {0, 0, 0.01}}};
         sgt_ray launch = {.o = {uniform(&g, -2, 2), uniform(&g, -2, 2), -1},
                           .d = {uniform(&g, -0.1, 0.1), uniform(&g, -0.1, 0.1), 1}},
                 ray = launch;

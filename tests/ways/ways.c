@@ -5,6 +5,7 @@
  *
  * Ordinary rays: like those of the benchmarks, on the specimen of src/types.def.  Hostile ones: hostile.h.
  * A user's surface is a saddle, with what a user may offer.  Rays and shares are the same on every system. */
+#include "../ends.h"
 #include "../batch/hostile.h"
 
 #include "../../src/solve/ways.h"
@@ -39,7 +40,7 @@ static void lines(const char *type, const char *kind, sgt_surface s)
     for (int i = 0; i < RAYS; i++)
         for (int j = 0; j < 3; j++)
             o[j][i] = *component(&rays[i], j), d[j][i] = *component(&rays[i], 3 + j),
-            tmin[i] = rays[i].tmin, tmax[i] = rays[i].tmax;
+            tmin[i] = rays[i].tmin, tmax[i] = end_of(&rays[i]);
     for (int w = 0; w < WAYS; w++) sgt_ways[w] = 0;
     sgt_intersect_batch(s, RAYS, (sgt_rays){{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, tmin, tmax},
                         (sgt_hits){.t = t}, &first);
@@ -119,7 +120,7 @@ int main(void)
                                  enclosed = {.value = saddle_value, .rounding = saddle_rounding,
                                              .span = saddle_span, .enclose = saddle_enclose};
     puts("type,rays,root,closed,rounds,quick,careful,cells,steps,parted,batch: one by one");
-    for (const sgt_builtin *type = sgt_builtins; type->type; type++) {
+    for (const sgt_builtin *type = sgt_builtins(); type->type; type++) {
         specimen s;
         draw_ordinary();
         lines(type->type, "ordinary", (sgt_surface){type->ops, type->specimen});

@@ -14,8 +14,8 @@ enum { NAME_MOST = 63 };
 
 bool sgt_reader_fail(const reader *r, size_t line, const char *key, const char *words, ...)
 {
-    sgt_lens_error *e = r->error;
-    *e = (sgt_lens_error){.line = line};
+    sgt_error *e = r->error;
+    *e = (sgt_error){.line = line};
     size_t length = strlen(r->file), cut = length < sizeof e->file ? 0 : length - sizeof e->file + 1;
     memcpy(e->file, r->file + cut, length - cut);
     for (size_t i = 0; key[i] && i + 1 < sizeof e->key; i++) e->key[i] = key[i];

@@ -19,7 +19,7 @@ struct sgt_catalogue {
 typedef struct reader {
     sgt_catalogue  *catalogue;
     const char     *file;
-    sgt_lens_error *error; /* never NULL */
+    sgt_error *error; /* never NULL */
     const char     *at, *end;
     size_t          line;  /* of the last that was read, from 1 */
     bool            whole; /* it has an end of line */
@@ -41,7 +41,7 @@ char *sgt_reader_decoded(arena *a, const char *text, size_t *length);
 
 /* All of a file, in memory of the allocator: true if it could be read.  Else e says why. */
 bool sgt_reader_file(const sgt_allocator *a, const char *path, char **text, size_t *length,
-                     sgt_lens_error *e);
+                     sgt_error *e);
 
 /* The next line, without its end and the blanks after it; false: there is none. */
 bool sgt_reader_line(reader *r, piece *line);
@@ -72,6 +72,9 @@ bool sgt_reader_numbers(const reader *r, const char *key, piece rest, double val
 /* Copies texts and coefficients and appends the glass, if sgt_glass_fault has nothing to say;
  * false: told. */
 bool sgt_reader_append(const reader *r, sgt_glass glass, const char *key);
+
+/* (glass.c) What is wrong with a glass, in words; NULL: nothing. */
+const char *sgt_glass_fault(const sgt_glass *glass);
 
 bool sgt_read_agf(reader *r, piece maker);
 bool sgt_read_csv(reader *r);

@@ -79,7 +79,7 @@ char *sgt_reader_decoded(arena *a, const char *text, size_t *length)
 enum { FILE_MOST = 256 << 20 };
 
 bool sgt_reader_file(const sgt_allocator *a, const char *path, char **text, size_t *length,
-                     sgt_lens_error *error)
+                     sgt_error *error)
 {
     reader r = {.file = path, .error = error};
     FILE *file = fopen(path, "rb");

@@ -72,7 +72,7 @@ static bool begin_glass(const reader *r, draft *d, piece rest, piece maker)
                                sgt_reader_width(formula),
                                formula.begin);
     *d = (draft){.open = true};
-    d->glass = (sgt_glass){.formula = SGT_FORMULA_AGF + (int)value[0], .line = r->line};
+    d->glass = (sgt_glass){.formula = SGT_DISPERSION_AGF + (int)value[0], .line = r->line};
     d->glass.name = sgt_reader_text(r->catalogue, name);
     d->glass.maker = sgt_reader_text(r->catalogue, maker);
     if (!d->glass.name || !d->glass.maker) return sgt_reader_fail(r, r->line, "NM", "no memory");
@@ -87,7 +87,7 @@ static bool read_coefficients(const reader *r, draft *d, piece rest)
     sgt_glass *g = &d->glass;
     if (d->has_coefficients) return sgt_reader_fail(r, r->line, "CD", "a second CD for glass %.60s", g->name);
     if (!sgt_reader_numbers(r, "CD", rest, d->coefficient, &g->count)) return false;
-    size_t most = used[g->formula - SGT_FORMULA_AGF - 1];
+    size_t most = used[g->formula - SGT_DISPERSION_AGF - 1];
     for (size_t i = most; i < g->count; i++)
         if (d->coefficient[i] != 0) {
             static const char text[] = "CD has numbers that its formula does not use";

@@ -95,7 +95,7 @@ static piece folder_of(const char *path, piece name)
 }
 
 static bool add_text(sgt_catalogue *c, const char *path, const char *text, size_t length,
-                     sgt_lens_error *error)
+                     sgt_error *error)
 {
     reader r = {.catalogue = c, .file = path, .error = error};
     form f = form_of(path);
@@ -120,7 +120,7 @@ static bool add_text(sgt_catalogue *c, const char *path, const char *text, size_
     return done;
 }
 
-static bool add_file(sgt_catalogue *c, const char *path, sgt_lens_error *error)
+static bool add_file(sgt_catalogue *c, const char *path, sgt_error *error)
 {
     const sgt_allocator *a = &c->arena.allocator;
     char *text;
@@ -136,7 +136,7 @@ static int by_name(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-static bool add_folder(sgt_catalogue *c, const char *path, sgt_lens_error *error)
+static bool add_folder(sgt_catalogue *c, const char *path, sgt_error *error)
 {
     reader r = {.catalogue = c, .file = path, .error = error};
     const sgt_allocator *a = &c->arena.allocator;
@@ -175,9 +175,9 @@ static bool is_folder(const char *path)
     return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
 }
 
-bool sgt_catalogue_add(sgt_catalogue *c, const char *path, sgt_lens_error *error)
+bool sgt_catalogue_add(sgt_catalogue *c, const char *path, sgt_error *error)
 {
-    sgt_lens_error unread;
+    sgt_error unread;
     if (!error) error = &unread;
     if (!path) {
         const char *asked = getenv("SAGITTA_GLASS");
@@ -189,9 +189,9 @@ bool sgt_catalogue_add(sgt_catalogue *c, const char *path, sgt_lens_error *error
 }
 
 bool sgt_catalogue_add_text(sgt_catalogue *c, const char *name, const char *text, size_t length,
-                            sgt_lens_error *error)
+                            sgt_error *error)
 {
-    sgt_lens_error unread;
+    sgt_error unread;
     c->additions++;
     return add_text(c, name, text, length, error ? error : &unread);
 }
@@ -213,7 +213,7 @@ static bool fits(piece name, const sgt_glass *g)
            same_letters((piece){name.begin + maker + 1, name.end}, g->name);
 }
 
-static bool unknown_name(const sgt_catalogue *c, piece name, sgt_lens_error *error)
+static bool unknown_name(const sgt_catalogue *c, piece name, sgt_error *error)
 {
     const sgt_glass *near[NEAREST] = {NULL};
     size_t apart[NEAREST], count = 0;
@@ -255,9 +255,9 @@ static size_t usual_rank(piece maker)
 }
 
 bool sgt_catalogue_find(const sgt_catalogue *c, const char *name, size_t makers_count,
-                        const char *const *makers, sgt_glass *glass, sgt_lens_error *error)
+                        const char *const *makers, sgt_glass *glass, sgt_error *error)
 {
-    sgt_lens_error unread;
+    sgt_error unread;
     piece asked = {name, name + strlen(name)};
     size_t best = c->count, best_rank = 0, best_usual = 0;
     for (size_t i = 0; i < c->count; i++) {

@@ -13,9 +13,12 @@
  * Applied Optics 22, 1983, 1198): in v = x / (1 + 2.5 x) the index of a glass is nearly a
  * parabola.  What OpticStudio does is not published; where its indices are known the two
  * differ by 2e-7 at 0.63 um and 2.5e-5 at 0.92 um. */
+#include "../base/reader.h"
+
 #include <sagitta/lens.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const struct { const char *name; double um; } line[] = {
@@ -145,24 +148,24 @@ static double by_formula(const sgt_glass *g, double w)
         x = w - at(g, 4);
         return root(at(g, 0) + (at(g, 1) != 0 ? at(g, 1) / (w2 - at(g, 2)) : 0) +
                     (at(g, 3) != 0 ? at(g, 3) * x / (x * x + at(g, 5)) : 0));
-    case SGT_FORMULA_AGF + 1: return root(laurent(g, 6, extended, w));
-    case SGT_FORMULA_AGF + 2: return root(1 + resonances(g, 0, 6, false, w2));
-    case SGT_FORMULA_AGF + 3: return herzberger(g, w2);
-    case SGT_FORMULA_AGF + 4:
+    case SGT_DISPERSION_AGF + 1: return root(laurent(g, 6, extended, w));
+    case SGT_DISPERSION_AGF + 2: return root(1 + resonances(g, 0, 6, false, w2));
+    case SGT_DISPERSION_AGF + 3: return herzberger(g, w2);
+    case SGT_DISPERSION_AGF + 4:
         return root(1 + at(g, 0) + resonances(g, 1, 3, true, w2) +
                     (at(g, 3) != 0 ? at(g, 3) / (w2 - at(g, 4) * at(g, 4)) : 0));
-    case SGT_FORMULA_AGF + 5: return at(g, 0) + at(g, 1) / w + at(g, 2) / pow(w, 3.5);
-    case SGT_FORMULA_AGF + 6: return root(1 + resonances(g, 0, 8, false, w2));
-    case SGT_FORMULA_AGF + 7:
+    case SGT_DISPERSION_AGF + 5: return at(g, 0) + at(g, 1) / w + at(g, 2) / pow(w, 3.5);
+    case SGT_DISPERSION_AGF + 6: return root(1 + resonances(g, 0, 8, false, w2));
+    case SGT_DISPERSION_AGF + 7:
         return root(at(g, 0) + (at(g, 1) != 0 ? at(g, 1) / (w2 - at(g, 2)) : 0) - at(g, 3) * w2);
-    case SGT_FORMULA_AGF + 8: return root(at(g, 0) + resonances(g, 1, 3, false, w2) - at(g, 3) * w2);
-    case SGT_FORMULA_AGF + 9: return root(at(g, 0) + resonances(g, 1, 5, false, w2));
-    case SGT_FORMULA_AGF + 10: return root(laurent(g, 8, extended, w));
-    case SGT_FORMULA_AGF + 11: return root(1 + resonances(g, 0, 10, false, w2));
-    case SGT_FORMULA_AGF + 12: return root(laurent(g, 8, extended_2, w));
-    case SGT_FORMULA_AGF + 13: return root(laurent(g, 9, extended_3, w));
-    case SGT_FORMULA_PAIRS: return between(g, w);
-    case SGT_FORMULA_MODEL: return model(g, w);
+    case SGT_DISPERSION_AGF + 8: return root(at(g, 0) + resonances(g, 1, 3, false, w2) - at(g, 3) * w2);
+    case SGT_DISPERSION_AGF + 9: return root(at(g, 0) + resonances(g, 1, 5, false, w2));
+    case SGT_DISPERSION_AGF + 10: return root(laurent(g, 8, extended, w));
+    case SGT_DISPERSION_AGF + 11: return root(1 + resonances(g, 0, 10, false, w2));
+    case SGT_DISPERSION_AGF + 12: return root(laurent(g, 8, extended_2, w));
+    case SGT_DISPERSION_AGF + 13: return root(laurent(g, 9, extended_3, w));
+    case SGT_DISPERSION_PAIRS: return between(g, w);
+    case SGT_DISPERSION_MODEL: return model(g, w);
     default: return (double)NAN;
     }
 }
@@ -171,8 +174,10 @@ const char *sgt_glass_fault(const sgt_glass *g)
 {
     static const size_t needed[] = {6, 6, 6, 5, 3, 8, 4, 4, 5, 8, 10, 8, 9};
     static const size_t most[] = {0, 0, 0, 0, 0, 0, 6, 4, 6}; /* 0: any number */
-    int agf = g->formula - SGT_FORMULA_AGF;
-    bool pairs = g->formula == SGT_FORMULA_PAIRS, of_model = g->formula == SGT_FORMULA_MODEL;
+    for (size_t i = 0; i < sizeof g->reserved_ / sizeof *g->reserved_; i++)
+        if (g->reserved_[i]) return "a member of a later version of sagitta";
+    int agf = g->formula - SGT_DISPERSION_AGF;
+    bool pairs = g->formula == SGT_DISPERSION_PAIRS, of_model = g->formula == SGT_DISPERSION_MODEL;
     if (!(g->formula >= 1 && g->formula <= 9) && !(agf >= 1 && agf <= 13) && !pairs && !of_model)
         return "no such dispersion formula";
     if (g->count == 0) return "no coefficients";
@@ -193,6 +198,17 @@ const char *sgt_glass_fault(const sgt_glass *g)
     if (!isfinite(g->from) || !isfinite(g->to) || !(g->from >= 0) || !(g->to >= g->from))
         return "the range of wavelengths is not one";
     return NULL;
+}
+
+bool sgt_glass_sound(const sgt_glass *g, sgt_error *error)
+{
+    const char *fault = sgt_glass_fault(g);
+    if (!fault || !error) return !fault;
+    *error = (sgt_error){.line = g->line};
+    snprintf(error->file, sizeof error->file, "%s", g->file ? g->file : "");
+    snprintf(error->key, sizeof error->key, "%s", g->name ? g->name : "");
+    snprintf(error->words, sizeof error->words, "%s", fault);
+    return false;
 }
 
 double sgt_glass_index(const sgt_glass *g, double um)

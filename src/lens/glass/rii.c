@@ -50,7 +50,7 @@ static bool rii_type(const reader *r, material *m, piece value)
                                sgt_reader_width(value), value.begin);
     if (m->finished || (!number && !table)) return m->more = true;
     m->found = true, m->table = table, m->columns = with_k ? 3 : 2, m->more = m->more || with_k;
-    m->glass.formula = table ? SGT_FORMULA_PAIRS : number, m->glass.line = r->line;
+    m->glass.formula = table ? SGT_DISPERSION_PAIRS : number, m->glass.line = r->line;
     return true;
 }
 

@@ -143,7 +143,7 @@ static sgt_aiming aim_at(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int 
     *where = 0;
     box = reaching(f, 0);
     a = aim_in(s, &box, wanted, 0, -1);
-    if (a.status == SGT_MET || a.status == SGT_AIM_INVALID) return a;
+    if (a.status == SGT_MET || a.status == SGT_AIMED_INVALID) return a;
     const bool bounded = sgt_beam_bounds(s->element, s->e, s->before, f, wanted, &u, &v),
                empty = bounded && !(u.lo <= u.hi), inside = empty || (bounded && are_within(u, v, REACH[0])),
                near = empty || (bounded && are_within(u, v, NEAR * REACH[0]));
@@ -151,7 +151,7 @@ static sgt_aiming aim_at(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int 
     if (a.status == SGT_MET) return a;
     bool none = a.status == SGT_NO_SUCH_RAY;
     s->within = none ? REACH[0] : 0;
-    a.status = empty || (none && inside) ? SGT_NO_SUCH_RAY : SGT_AIM_UNDECIDED;
+    a.status = empty || (none && inside) ? SGT_NO_SUCH_RAY : SGT_AIMED_UNDECIDED;
     if (bounded && a.status != SGT_NO_SUCH_RAY) {
         box = boxed(*f, u, v);
         a = aim_in(s, &box, wanted, 0, 0);
@@ -170,7 +170,7 @@ static sgt_aiming aim_at(aim_search *s, const sgt_beam *f, sgt_vec2 wanted, int 
     return last;
 }
 
-bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error)
+bool sgt_aim_at_stop(sgt_launcher *from, sgt_error *error)
 {
     const size_t stop = from->lens->stop;
     sgt_field_beam b;
@@ -181,7 +181,7 @@ bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error)
     const bool room = passages && open;
     sgt_fate fate;
     from->stop_radius = from->data.stop_radius;
-    if (room && from->aim == SGT_AIM_REAL_STOP) {
+    if (room && from->aim == SGT_LENS_AIM_REAL_STOP) {
         const sgt_ray edge = sgt_field_ray(&b, 0, 1);
         size_t passed =
             sgt_trace_through(stop + 1, from->element, from->before, &edge, open, passages, &fate);
@@ -198,7 +198,7 @@ bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error)
     }
     sgt_launch_forget(from, open);
     sgt_launch_forget(from, passages);
-    if (!room) return sgt_launch_fail(from, error, "", "no memory");
+    if (!room) return sgt_launch_memory(from, error);
     return !isnan(from->stop_radius) ||
            sgt_launch_fail(from, error, "aim",
                            "the real marginal ray on the axis does not reach the stop, element %zu",
@@ -231,7 +231,7 @@ static aim_many *aim_many_new(const sgt_launcher *from, size_t elements, size_t 
     aim_many *m = (void *)room;
     m->at = (void *)(room + sizeof *m);
     double *number = (double *)(void *)(m->at + elements);
-    signed char *status = (signed char *)(number + elements * NUMBERS * part);
+    sgt_status *status = (sgt_status *)(number + elements * NUMBERS * part);
     for (size_t i = 0; i < elements; i++, status += part) {
         sgt_passages *p = &m->at[i];
         *p = (sgt_passages){.hits.status = status, .hits.t = number, .hits.p_err = number + part};
@@ -428,7 +428,7 @@ static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 
                        double *limit)
 {
     const sgt_lens *l = s->from->lens;
-    if (l->aim != SGT_AIM_PUPIL) return solve_field(s, b, wanted, found);
+    if (l->aim != SGT_LENS_AIM_PUPIL) return solve_field(s, b, wanted, found);
     sgt_beam f = chiefs_of(b);
     if (b->finite) {
         double reach =
@@ -443,7 +443,7 @@ static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 
     return a.status == SGT_MET;
 }
 
-bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted, sgt_lens_error *error)
+bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted, sgt_error *error)
 {
     const sgt_lens *l = from->lens;
     if (b->finite) b->object.z = l->surface[0].z - l->object_distance;
@@ -462,7 +462,7 @@ bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted,
         set_point(from, b, found);
         return true;
     }
-    if (!room) return sgt_launch_fail(from, error, "", "no memory");
+    if (!room) return sgt_launch_memory(from, error);
     static const char way_out[] = "there may be one yet; give --field or --rays";
     if (limit == 0)
         return sgt_launch_fail(from, error, "fields",

@@ -123,13 +123,13 @@ typedef struct many {
     size_t rays;
     double *o[3], *d[3];
     double *in[3];              /* the direction in front of an element, in its frame */
-    signed char *fate;
+    sgt_fate *fate;
     int *passed;
     sgt_passages *at;           /* [elements] */
     sgt_end_errors off;
     double *t_err, *condition;
     int *evals;
-    signed char *met;           /* a hit at every element so far */
+    bool *met;           /* a hit at every element so far */
 } many;
 
 /* Room for it as one block: [elements] passages in front, then numbers.  NULL: no memory. */
@@ -162,9 +162,9 @@ static many *many_new(const sgt_launcher *from, size_t rays)
     int *whole = (int *)(void *)number;
     m->passed = whole, m->evals = whole + rays, whole += 2 * rays;
     for (size_t i = 0; i < count; i++) m->at[i].hits.evals = whole, whole += rays;
-    signed char *byte = (signed char *)whole;
-    m->fate = byte, m->met = byte + rays, byte += 2 * rays;
-    for (size_t i = 0; i < count; i++) m->at[i].hits.status = byte, byte += rays;
+    sgt_status *status = (sgt_status *)whole;
+    for (size_t i = 0; i < count; i++) m->at[i].hits.status = status, status += rays;
+    m->fate = (sgt_fate *)status, m->met = (bool *)(m->fate + rays);
     return m;
 }
 
@@ -217,7 +217,7 @@ static void tell_end(const sgt_launcher *from, const sgt_field_beam *b, const sg
     const size_t count = from->lens->count, passed = (size_t)m->passed[k];
     const sgt_passages *last = &m->at[count - 1];
     out->element = passed < count ? passed : count - 1;
-    out->fate = (sgt_fate)m->fate[k], out->status = (sgt_status)m->at[out->element].hits.status[k];
+    out->fate = m->fate[k], out->status = m->at[out->element].hits.status[k];
     out->folded = l->folded, out->proven = passed == count && m->met[k];
     out->condition = m->condition[k], out->evals = m->evals[k], out->t_err = m->t_err[k];
     if (passed < count) return;
@@ -249,7 +249,7 @@ static void trace_part(const sgt_launcher *from, const sgt_field_beam *b, const 
 
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
-                     sgt_ray_end out[])
+                     sgt_ray_end out[], sgt_error *error)
 {
     enum { MOST = 128, FEWEST = 8, HITS = 1 << 16 }; /* rays at a time; fewer of a long row of elements */
     const size_t surfaces = from->lens->count, fit = HITS / surfaces;
@@ -257,11 +257,11 @@ bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sg
     sgt_element *own = sgt_launch_take(from, surfaces, sizeof *own);
     sgt_launched *launched = sgt_launch_take(from, part, sizeof *launched);
     many *m = many_new(from, part);
-    bool fine = own && launched && m;
+    bool fine = (own && launched && m) || sgt_launch_memory(from, error);
     if (fine) sgt_launch_ending(surfaces, e, own);
     for (size_t first = 0; first < count && fine; first += part) {
         const size_t rays = count - first < part ? count - first : part;
-        fine = sgt_launch_rays(from, b, own, index_before, rays, at + first, launched);
+        fine = sgt_launch_rays(from, b, own, index_before, rays, at + first, launched, error);
         if (fine) trace_part(from, b, own, index_before, m, rays, launched, at + first, opt, out + first);
     }
     sgt_launch_forget(from, m);
@@ -296,16 +296,16 @@ size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const s
 }
 
 bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                     double index_before, sgt_ray_end *out)
+                     double index_before, sgt_ray_end *out, sgt_error *error)
 {
     static const sgt_pupil_point centre = {0, 0, 1};
     const size_t count = from->lens->count;
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
     sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
     sgt_launched launched;
-    bool fine = passages && own;
+    bool fine = (passages && own) || sgt_launch_memory(from, error);
     if (fine) sgt_launch_ending(count, e, own);
-    fine = fine && sgt_launch_rays(from, b, own, index_before, 1, &centre, &launched);
+    fine = fine && sgt_launch_rays(from, b, own, index_before, 1, &centre, &launched, error);
     if (fine) {
         *out = not_traced(&centre, &launched);
         if (launched.status == SGT_MET) {

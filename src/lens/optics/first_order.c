@@ -314,8 +314,8 @@ static bool fourth_order(const sgt_lens *l, size_t i, double c, double *g)
         *g = conic->k * c * c * c / 8;
         return true;
     }
-    if (s.ops == &sgt_asphere_ops) {
-        const sgt_asphere *a = s.self;
+    if (s.ops == &sgt_even_asphere_ops) {
+        const sgt_even_asphere *a = s.self;
         *g = ((1 + a->k) * a->c * a->c * a->c - c * c * c) / 8 + a->a[1];
         return true;
     }
@@ -401,7 +401,7 @@ static number index_of(double n) { return within(n, fabs(n) == 1 ? 0 : 4); }
 
 /* An element without a vertex has the power NaN, and so has what depends on it. */
 static bool set_vertices(paraxial *p, sgt_element e[], double um, size_t *without_vertex,
-                         sgt_lens_error *error)
+                         sgt_error *error)
 {
     const sgt_lens *l = p->lens;
     double before;
@@ -430,7 +430,7 @@ static bool set_vertices(paraxial *p, sgt_element e[], double um, size_t *withou
 void sgt_paraxial_objects(const sgt_lens *l, double um, source *s, double distance[])
 {
     size_t without_vertex = 0;
-    sgt_lens_error unread;
+    sgt_error unread;
     paraxial p = {.lens = l, .last = l->count - 1, .at = tree_room(s, l->count, sizeof *p.at)};
     for (size_t i = 0; i < l->count; i++) distance[i] = (double)NAN;
     if (!set_vertices(&p, tree_room(s, l->count, sizeof(sgt_element)), um, &without_vertex, &unread)) return;
@@ -446,8 +446,7 @@ void sgt_paraxial_objects(const sgt_lens *l, double um, source *s, double distan
 
 /* At um, with the pupil of `primary` (NULL: its own). */
 static bool first_order_at(const whole_lens *w, double um, const sgt_first_order *primary,
-                           sgt_first_order *out, sgt_seidel seidel[], const char **why_not,
-                           sgt_lens_error *error)
+                           sgt_first_order *out, sgt_seidel seidel[], sgt_error *error)
 {
     const sgt_lens *lens = &w->lens;
     const sgt_allocator *a = &w->memory.allocator;
@@ -469,8 +468,8 @@ static bool first_order_at(const whole_lens *w, double um, const sgt_first_order
         const char *lacks = seidel ? set_seidel(&p, primary, out, room.dn, seidel) : NULL;
         const double none = (double)NAN;
         for (size_t i = 0; lacks && i < lens->count; i++)
-            seidel[i] = (sgt_seidel){none, none, none, none, none, {none, none}};
-        if (why_not) *why_not = lacks;
+            seidel[i] = (sgt_seidel){none, none, none, none, none, {none, none}, {0}};
+        out->without_seidel = lacks;
     }
     if (room.at) a->resize(a->context, room.at, 0);
     if (room.element) a->resize(a->context, room.element, 0);
@@ -479,15 +478,15 @@ static bool first_order_at(const whole_lens *w, double um, const sgt_first_order
 }
 
 bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out, sgt_seidel seidel[],
-                          const char **why_not, sgt_lens_error *error)
+                          sgt_error *error)
 {
     const whole_lens *w = (const void *)lens;
-    sgt_lens_error unread;
+    sgt_error unread;
     sgt_first_order primary;
     if (!error) error = &unread;
     const double reference = lens->wavelength ? lens->wavelength[lens->primary] : um;
     if (isnan(um)) um = reference;
     bool other = um != reference && !isnan(reference);
-    if (other && !first_order_at(w, reference, NULL, &primary, NULL, NULL, error)) return false;
-    return first_order_at(w, um, other ? &primary : NULL, out, seidel, why_not, error);
+    if (other && !first_order_at(w, reference, NULL, &primary, NULL, error)) return false;
+    return first_order_at(w, um, other ? &primary : NULL, out, seidel, error);
 }

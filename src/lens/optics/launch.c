@@ -23,10 +23,11 @@
 
 static const double TO_RADIANS = 0.017453292519943295; /* pi / 180 */
 
-bool sgt_launch_fail(const sgt_launcher *from, sgt_lens_error *error, const char *key, const char *words, ...)
+bool sgt_launch_fail(const sgt_launcher *from, sgt_error *error, const char *key, const char *words, ...)
 {
     if (!error) return false;
-    const char *file = from->lens->file;
+    *error = (sgt_error){.line = 0};
+    const char *file = from->lens ? from->lens->file : "";
     size_t length = strlen(file), cut = length < sizeof error->file ? 0 : length - sizeof error->file + 1;
     snprintf(error->file, sizeof error->file, "%s", file + cut);
     snprintf(error->key, sizeof error->key, "%s", key);
@@ -36,6 +37,24 @@ bool sgt_launch_fail(const sgt_launcher *from, sgt_lens_error *error, const char
     vsnprintf(error->words, sizeof error->words, words, more);
     va_end(more);
     return false;
+}
+
+bool sgt_launch_memory(const sgt_launcher *from, sgt_error *error)
+{
+    return sgt_launch_fail(from, error, "", "no memory");
+}
+
+bool sgt_launch_plain(const sgt_launcher *from, const unsigned long long reserved[], size_t count,
+                      const char *type, sgt_error *error)
+{
+    for (size_t i = 0; i < count; i++)
+        if (reserved[i]) {
+            sgt_launch_fail(from, error, "", "the program asks for a member that %s of sagitta %s has not",
+                            type, sgt_version());
+            if (error) snprintf(error->key, sizeof error->key, "%s.reserved_[%zu]", type, i);
+            return false;
+        }
+    return true;
 }
 
 void *sgt_launch_take(const sgt_launcher *from, size_t count, size_t size)
@@ -52,7 +71,7 @@ void sgt_launch_forget(const sgt_launcher *from, void *room)
 
 /* --------------------------------------------------------------- the launcher */
 
-sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options *opt, sgt_lens_error *error)
+sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options *opt, sgt_error *error)
 {
     const sgt_launcher_options defaults = {.wavelength = 0};
     if (!opt) opt = &defaults;
@@ -61,17 +80,21 @@ sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options 
     sgt_launcher *from = sgt_launch_take(&blank, 1, sizeof *from);
     blank.element = from ? sgt_launch_take(&blank, lens->count, sizeof *blank.element) : NULL;
     if (!blank.element) {
-        sgt_launch_fail(&blank, error, "", "no memory");
+        sgt_launch_memory(&blank, error);
         sgt_launch_forget(&blank, from);
         return NULL;
     }
     *from = blank;
+    if (!PLAIN(from, opt, "sgt_launcher_options", error)) {
+        sgt_launcher_free(from);
+        return NULL;
+    }
     const double um = lens->wavelength         ? lens->wavelength[lens->primary]
                       : opt->wavelength != 0 ? opt->wavelength
                                              : (double)NAN;
     if (sgt_lens_at(lens, um, from->element, &from->before, error) &&
-        sgt_lens_first_order(lens, um, &from->data, NULL, NULL, error) &&
-        (from->aim == SGT_AIM_PUPIL || sgt_aim_at_stop(from, error)))
+        sgt_lens_first_order(lens, um, &from->data, NULL, error) &&
+        (from->aim == SGT_LENS_AIM_PUPIL || sgt_aim_at_stop(from, error)))
         return from;
     sgt_launcher_free(from);
     return NULL;
@@ -90,7 +113,7 @@ const sgt_first_order *sgt_launcher_data(const sgt_launcher *from) { return &fro
 /* ---------------------------------------------------------------- the pupil */
 
 /* Paraxial rays cannot pass an element, and so `key` must be given. */
-static bool fail_without_vertex(const sgt_launcher *from, sgt_lens_error *error, const char *key,
+static bool fail_without_vertex(const sgt_launcher *from, sgt_error *error, const char *key,
                                 size_t number, const char *where)
 {
     const char *why = from->lens->surface[number - 1].off_axis ? "is tilted or off the axis"
@@ -98,7 +121,7 @@ static bool fail_without_vertex(const sgt_launcher *from, sgt_lens_error *error,
     return sgt_launch_fail(from, error, key, "needed: element %zu, %s, %s", number, where, why);
 }
 
-static bool has_pupil(const sgt_launcher *from, sgt_lens_error *error)
+static bool has_pupil(const sgt_launcher *from, sgt_error *error)
 {
     const sgt_lens *l = from->lens;
     const sgt_first_order *o = &from->data;
@@ -171,7 +194,7 @@ static double degrees_of(double slope) { return atan(slope) / TO_RADIANS; }
 
 /* Sets the slope of the marginal rays of a telecentric object. */
 static bool set_cone(const sgt_launcher *from, sgt_field_kind kind, const sgt_lens_field *at, double *cone,
-                     sgt_lens_error *error)
+                     sgt_error *error)
 {
     const sgt_lens *l = from->lens;
     if (l->pupil != SGT_PUPIL_OBJECT_NA && l->pupil != SGT_PUPIL_OBJECT_ANGLE)
@@ -200,10 +223,11 @@ void sgt_beam_point(const sgt_launcher *from, sgt_field_beam *b, double x, doubl
 }
 
 bool sgt_launch_field(const sgt_launcher *from, sgt_field_kind kind, const sgt_lens_field *at,
-                      sgt_field_beam *b, sgt_lens_error *error)
+                      sgt_field_beam *b, sgt_error *error)
 {
     const sgt_lens *l = from->lens;
     const sgt_first_order *o = &from->data;
+    if (!PLAIN(from, at, "sgt_lens_field", error)) return false;
     if (!l->telecentric && !has_pupil(from, error)) return false;
     const double d = l->object_distance, p = o->entrance_pupil;
     const sgt_vec3 turn = sgt_pose_tilted((sgt_vec3){0, 0, 0}, (sgt_vec3){0, 0, at->angle}).ex;
@@ -255,10 +279,12 @@ sgt_ray sgt_field_ray(const sgt_field_beam *b, double x, double y)
 }
 
 bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                     double index_before, size_t count, const sgt_pupil_point at[], sgt_launched out[])
+                     double index_before, size_t count, const sgt_pupil_point at[], sgt_launched out[],
+                     sgt_error *error)
 {
-    if (from->aim != SGT_AIM_PUPIL)
-        return sgt_aim_rays(from, b, e, index_before, count, at, out);
+    if (!PLAIN(from, b, "sgt_field_beam", error)) return false;
+    if (from->aim != SGT_LENS_AIM_PUPIL)
+        return sgt_aim_rays(from, b, e, index_before, count, at, out) || sgt_launch_memory(from, error);
     for (size_t i = 0; i < count; i++) {
         sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
         out[i] = (sgt_launched){.ray = sgt_field_ray(b, q.x, q.y), .status = SGT_MET};

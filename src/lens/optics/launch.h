@@ -12,7 +12,7 @@ struct sgt_launcher {
     double          before;    /* and the index in front, there */
     sgt_first_order data;      /* there */
     sgt_lens_aim    aim;
-    double          stop_radius; /* unless SGT_AIM_PUPIL */
+    double          stop_radius; /* unless SGT_LENS_AIM_PUPIL */
     /* the sign of a turn in the pupil as seen at the stop, on the axis; 0: not known */
     double          sense;
 };
@@ -24,8 +24,18 @@ struct sgt_launcher {
 #endif
 
 /* Fills in *error, if there is one, with the file and its first line; false. */
-bool sgt_launch_fail(const sgt_launcher *from, sgt_lens_error *error, const char *key, const char *words,
+bool sgt_launch_fail(const sgt_launcher *from, sgt_error *error, const char *key, const char *words,
                      ...) SGT_LAUNCH_PRINTF(4, 5);
+
+/* The same, where there is no memory. */
+bool sgt_launch_memory(const sgt_launcher *from, sgt_error *error);
+
+/* Is what is reserved in `type` for later versions zero?  false: told. */
+bool sgt_launch_plain(const sgt_launcher *from, const unsigned long long reserved[], size_t count,
+                      const char *type, sgt_error *error);
+
+#define PLAIN(from, of, type, error) \
+    sgt_launch_plain(from, (of)->reserved_, sizeof(of)->reserved_ / sizeof *(of)->reserved_, type, error)
 
 /* Room for `count` things; NULL: no memory.  Freed by sgt_launch_forget. */
 void *sgt_launch_take(const sgt_launcher *from, size_t count, size_t size);
@@ -48,11 +58,11 @@ size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const s
                          sgt_element open[], sgt_passage passages[], sgt_fate *fate);
 
 /* (aim.c) Sets stop_radius and sense; false: told. */
-bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error);
+bool sgt_aim_at_stop(sgt_launcher *from, sgt_error *error);
 
 /* (aim.c) Sets the point or direction of the beam so that its chief ray meets the image at `at`; false:
  * told. */
-bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 at, sgt_lens_error *error);
+bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 at, sgt_error *error);
 
 /* (aim.c) Aims rays at q[i] times the radius of the stop of e; false: no memory. */
 bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,

@@ -107,7 +107,7 @@ static const sgt_tape *read_text(source *s, const node *map, const node *n, cons
     sgt_named *named;
     size_t count = read_parameters(s, map, text, &named), size = sgt_formula_room(text, count);
     void *room = tree_room(s, (size + 7) / 8 + 1, 8);
-    sgt_formula_error e = {0};
+    sgt_error e = {0};
     const sgt_tape *tape = sgt_formula_read(text, kind, count, named, room, size, &e);
     if (tape) {
         formula_text *kept = tree_room(s, 1, sizeof *kept);
@@ -115,19 +115,19 @@ static const sgt_tape *read_text(source *s, const node *map, const node *n, cons
         s->formula = kept;
         return tape;
     }
-    const char *hint = strstr(e.text, " is not known; there are ") ? "; a parameter is a key beside " : NULL;
-    if (hint) tree_fail(s, n->line, key, "column %zu: %s%s%s, as in a: 1", e.column, e.text, hint, key);
-    if (e.column) tree_fail(s, n->line, key, "column %zu: %s", e.column, e.text);
-    tree_fail(s, n->line, key, "%s", e.text);
+    const char *hint = strstr(e.words, " is not known; there are ") ? "; a parameter is a key beside " : NULL;
+    if (hint) tree_fail(s, n->line, key, "column %zu: %s%s%s, as in a: 1", e.column, e.words, hint, key);
+    if (e.column) tree_fail(s, n->line, key, "column %zu: %s", e.column, e.words);
+    tree_fail(s, n->line, key, "%s", e.words);
 }
 
 sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const sgt_builtin **type)
 {
     static const sgt_builtin
         implicit = {.type = "formula", .ops = &sgt_formula_ops, .size = sizeof(sgt_formula),
-                    .family = SGT_BODY},
+                    .family = SGT_FAMILY_BODY},
         sag = {.type = "formula", .ops = &sgt_formula_sag_ops, .size = sizeof(sgt_formula_sag),
-               .family = SGT_DEPARTURE};
+               .family = SGT_FAMILY_DEPARTURE};
     const node *f = tree_take(map, "f"), *of_sag = tree_take(map, "sag"), *inside = tree_take(map, "inside"),
                *semi = rim == SURFACE_OWN_RIM ? tree_take(map, "semi_diameter") : NULL;
     if (!f && !of_sag)

@@ -574,7 +574,7 @@ static void conjugates(whole_lens *w, source *s)
 }
 
 bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[], double *index_before,
-                 sgt_lens_error *error)
+                 sgt_error *error)
 {
     const whole_lens *w = (const void *)lens;
     char why[WHY_SIZE];
@@ -582,7 +582,7 @@ bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[], double 
     put_conjugates(w, um, element);
     const medium *none = fill_indices(w, um, element, index_before, why);
     if (!none) return true;
-    sgt_lens_error unread;
+    sgt_error unread;
     reader r = {.file = lens->file, .error = error ? error : &unread};
     return sgt_reader_fail(&r, none->line, none->key, "%s", why);
 }

@@ -22,7 +22,7 @@ static const sgt_catalogue *catalogue_of(media *m, const node *n, const char *ke
     source *s = m->source;
     if (s->options->glasses) return s->options->glasses;
     if (m->own) return m->own;
-    sgt_lens_error e;
+    sgt_error e;
     m->own = sgt_catalogue_new(&s->arena->allocator);
     if (!m->own) tree_fail(s, 0, NULL, "no memory");
     if (!sgt_catalogue_add(m->own, NULL, &e))
@@ -95,8 +95,8 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
     double mil[3] = {0};
     for (size_t i = 0; i < m->known; i++)
         if (strcmp(m->known_name[i], name) == 0) return m->known_glass[i];
-    sgt_glass g = {.name = name, .formula = SGT_FORMULA_MODEL, .count = 3, .coefficient = mil};
-    sgt_lens_error e;
+    sgt_glass g = {.name = name, .formula = SGT_DISPERSION_MODEL, .count = 3, .coefficient = mil};
+    sgt_error e;
     if (mil_number(name, mil)) {
         tree_remark(s, SGT_REMARK_TURNED, n->line, key,
                     "nd %.3f, vd %.1f: %s is a MIL number, and its index approximate", mil[0], mil[1],
@@ -145,14 +145,14 @@ static sgt_glass glass_of_map(media *m, node *map, const char *key)
         tree_remark(s, SGT_REMARK_NOTE, map->line, key,
                     "taken as a model of nd and vd: its index is approximate");
     m->model_told = true;
-    g.formula = SGT_FORMULA_MODEL, g.count = 3, g.coefficient = c;
+    g.formula = SGT_DISPERSION_MODEL, g.count = 3, g.coefficient = c;
     return g;
 }
 
 static sgt_glass glass_of_pairs(source *s, const node *list, const char *key)
 {
     double *c = tree_room(s, 2 * list->count, sizeof *c);
-    sgt_glass g = {.name = "the list", .formula = SGT_FORMULA_PAIRS};
+    sgt_glass g = {.name = "the list", .formula = SGT_DISPERSION_PAIRS};
     g.count = 2 * list->count, g.coefficient = c;
     for (size_t i = 0; i < list->count; i++) {
         const node *pair = list->item[i];

@@ -72,20 +72,42 @@ static void read_into(maker make, whole_lens *w, source *s, const char *name, co
     w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
 }
 
+static void refuse_later(source *s, const char *type, size_t place)
+{
+    tree_fail(s, 0, type, "the program asks for a member that sagitta %s has not: reserved_[%zu]",
+              sgt_version(), place);
+}
+
+/* What is reserved for later versions has to be zero. */
+static void check_options(source *s)
+{
+    const sgt_lens_options *o = s->options;
+    for (size_t i = 0; i < sizeof o->reserved_ / sizeof *o->reserved_; i++)
+        if (o->reserved_[i]) refuse_later(s, "sgt_lens_options", i);
+    for (const sgt_builtin *b = o->types; b && b->type; b++) {
+        for (size_t i = 0; i < sizeof b->reserved_ / sizeof *b->reserved_; i++)
+            if (b->reserved_[i]) refuse_later(s, "sgt_builtin", i);
+        for (const sgt_param *p = b->params; p->name; p++)
+            for (size_t i = 0; i < sizeof p->reserved_ / sizeof *p->reserved_; i++)
+                if (p->reserved_[i]) refuse_later(s, "sgt_param", i);
+    }
+}
+
 static bool read_by(maker make, whole_lens *w, source *s, const char *name, const char *text, size_t length)
 {
     jmp_buf here;
     s->refused = &here;
     if (setjmp(here) != 0) return false;
+    check_options(s);
     read_into(make, w, s, name, text, length);
     return true;
 }
 
 static sgt_lens *lens_by(maker make, const char *name, const char *text, size_t length,
-                         const sgt_lens_options *opt, sgt_lens_error *error)
+                         const sgt_lens_options *opt, sgt_error *error)
 {
     static const sgt_lens_options defaults = {0};
-    sgt_lens_error unread;
+    sgt_error unread;
     if (!error) error = &unread;
     sgt_allocator a = sgt_allocator_or(opt ? opt->allocator : NULL);
     whole_lens *w = a.resize(a.context, NULL, sizeof *w);
@@ -104,19 +126,19 @@ static sgt_lens *lens_by(maker make, const char *name, const char *text, size_t 
     return NULL;
 }
 
-sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt, sgt_lens_error *error)
+sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt, sgt_error *error)
 {
     return lens_by(sgt_read_lens, path, NULL, 0, opt, error);
 }
 
 sgt_lens *sgt_lens_read_text(const char *name, const char *text, size_t length, const sgt_lens_options *opt,
-                             sgt_lens_error *error)
+                             sgt_error *error)
 {
     return lens_by(sgt_read_lens, name, text, length, opt, error);
 }
 
 sgt_lens *sgt_lens_read_surface(const char *name, const char *text, const sgt_lens_options *opt,
-                                sgt_lens_error *error)
+                                sgt_error *error)
 {
     return lens_by(sgt_read_one_surface, name, text, strlen(text), opt, error);
 }
@@ -134,7 +156,7 @@ const char *sgt_lens_yaml(sgt_lens *lens, size_t *length)
 {
     whole_lens *w = (whole_lens *)(void *)lens;
     static const sgt_lens_options defaults = {0};
-    sgt_lens_error unread;
+    sgt_error unread;
     source s = {
         .arena = &w->memory, .options = &defaults, .error = &unread, .file = lens->file, .root = w->root,
         .comment = w->comment, .comments = w->comments};

@@ -50,7 +50,7 @@ static void print_types_with(char text[], size_t size, const char *key, const ch
     int count = 0;
     size_t length = 0;
     *text = 0;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         for (const sgt_param *p = b->params; p->name; p++) {
             if (strcmp(p->name, key) != 0 || strcmp(b->type, own) == 0) continue;
             if (count < SHOWN && length < size)
@@ -95,7 +95,7 @@ static const sgt_builtin *type_of(source *s, const node *map)
     const char *name = tree_read_text(s, n, "type");
     char known[900];
     size_t length = 0;
-    const sgt_builtin *const several[] = {sgt_builtins, s->options->types};
+    const sgt_builtin *const several[] = {sgt_builtins(), s->options->types};
     for (int i = 0; i < 2; i++)
         for (const sgt_builtin *b = several[i]; b && b->type; b++) {
             if (strcmp(b->type, name) == 0) return b;
@@ -112,7 +112,7 @@ static const sgt_builtin *type_of(source *s, const node *map)
                       "build again", name);
     const char *near = "", *words = "";
     size_t least = strlen(name) / 3 + 1;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {
         piece own = {name, name + strlen(name)}, other = {b->type, b->type + strlen(b->type)};
         size_t apart = sgt_reader_distance(own, other);
         if (apart < least) near = b->type, words = "did you mean ", least = apart;
@@ -131,7 +131,7 @@ static double curvature_of(source *s, const node *n, const char *key)
 }
 
 /* " (unit: 1/length^3)", of number i, j; nothing if it has no unit. */
-static void print_unit(char text[UNIT_SIZE], sgt_unit u, int i, int j)
+static void print_unit(char text[UNIT_SIZE], sgt_param_unit u, int i, int j)
 {
     int power = u.length + i * u.by_i + j * u.by_j;
     char exponent[12] = "", time[16] = "";
@@ -145,7 +145,7 @@ static void print_unit(char text[UNIT_SIZE], sgt_unit u, int i, int j)
 static void check_range(source *s, const node *n, const char *key, const sgt_param *p, int i, int j,
                         double x)
 {
-    bool whole = p->kind == SGT_WHOLE;
+    bool whole = p->kind == SGT_PARAM_WHOLE;
     if (x >= p->lo && x <= p->hi && !(whole && x != floor(x))) return;
     char range[120], given[NUMBER_SIZE], unit[UNIT_SIZE];
     number_print(given, x, false);
@@ -183,7 +183,7 @@ static void read_list(source *s, const node *n, const char *key, const sgt_param
                       double value[])
 {
     size_t most = (size_t)p->count;
-    bool exact = p->kind == SGT_VECTOR;
+    bool exact = p->kind == SGT_PARAM_VECTOR;
     if (n->kind != NODE_LIST)
         tree_fail(s, n->line, key, "must be a list of %s%zu numbers", exact ? "" : "up to ", most);
     if (exact && n->count > 0 && n->count != most)
@@ -194,7 +194,7 @@ static void read_list(source *s, const node *n, const char *key, const sgt_param
         char item[KEY_SIZE];
         print_item(item, key, i);
         int at = (int)i;
-        value[i] = p->kind == SGT_TABLE ? read_number(s, n->item[i], item, p, (int)row, at)
+        value[i] = p->kind == SGT_PARAM_TABLE ? read_number(s, n->item[i], item, p, (int)row, at)
                                         : read_number(s, n->item[i], item, p, at, 0);
     }
 }
@@ -241,7 +241,7 @@ static sgt_numbers read_table(source *s, const node *n, const sgt_param *p)
 
 static sgt_numbers read_numbers(source *s, const node *n, const sgt_param *p)
 {
-    if (p->kind == SGT_TABLE) return read_table(s, n, p);
+    if (p->kind == SGT_PARAM_TABLE) return read_table(s, n, p);
     double *x = tree_room(s, n->kind == NODE_LIST ? n->count : 0, sizeof *x);
     read_list(s, n, p->name, p, 0, x);
     return (sgt_numbers){x, 1, n->count};
@@ -270,16 +270,16 @@ static node *given_as(source *s, const node *map, const sgt_param *p, char key[N
     return reciprocal ? reciprocal : n;
 }
 
-/* The memory of a parameter of the kind SGT_TERMS. */
+/* The memory of a parameter of the kind SGT_PARAM_TERMS. */
 typedef struct term_list { const sgt_surface *of; size_t count; } term_list;
 
 static size_t end_of(const sgt_param *p)
 {
     switch (p->kind) {
-    case SGT_WHOLE: case SGT_WORD: case SGT_TRUTH: return p->offset + sizeof(int);
-    case SGT_LIST: case SGT_TABLE: return p->offset + sizeof(sgt_numbers);
-    case SGT_TERMS: return p->offset + sizeof(term_list);
-    case SGT_REAL: case SGT_VECTOR: break;
+    case SGT_PARAM_WHOLE: case SGT_PARAM_WORD: case SGT_PARAM_TRUTH: return p->offset + sizeof(int);
+    case SGT_PARAM_LIST: case SGT_PARAM_TABLE: return p->offset + sizeof(sgt_numbers);
+    case SGT_PARAM_TERMS: return p->offset + sizeof(term_list);
+    case SGT_PARAM_REAL: case SGT_PARAM_VECTOR: break;
     }
     return p->offset + (size_t)p->count * sizeof(double);
 }
@@ -307,17 +307,17 @@ static void read_parameter(source *s, const node *map, const sgt_builtin *b, con
         double *value = to;
         *value = curvature_of(s, n, key);
         check_range(s, n, key, p, 0, 0, *value);
-    } else if (p->kind == SGT_TERMS) {
+    } else if (p->kind == SGT_PARAM_TERMS) {
         read_terms(s, n, b, p, self);
-    } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+    } else if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
         sgt_numbers *value = to;
         *value = read_numbers(s, n, p);
-    } else if (p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+    } else if (p->kind == SGT_PARAM_WORD || p->kind == SGT_PARAM_TRUTH) {
         int *value = to;
-        *value = p->kind == SGT_WORD ? read_word(s, n, p) : tree_read_truth(s, n, key);
+        *value = p->kind == SGT_PARAM_WORD ? read_word(s, n, p) : tree_read_truth(s, n, key);
     } else if (p->count > 1) {
         read_list(s, n, key, p, 0, to);
-    } else if (p->kind == SGT_WHOLE) {
+    } else if (p->kind == SGT_PARAM_WHOLE) {
         int *value = to;
         *value = (int)read_number(s, n, key, p, 0, 0);
     } else {
@@ -363,7 +363,7 @@ static void read_terms(source *s, const node *n, const sgt_builtin *b, const sgt
         tree_map(s, map, key);
         const sgt_builtin *type = type_of(s, map);
         for (const sgt_param *q = type->params; q->name; q++)
-            if (q->kind == SGT_TERMS)
+            if (q->kind == SGT_PARAM_TERMS)
                 tree_fail(s, map->line, key, "a %s cannot be a term of another", type->type);
         term[i] = sgt_read_surface(s, map, SURFACE_TERM, "", &type);
         terms->count = i + 1;

@@ -14,8 +14,8 @@
 
 void tree_fail(source *s, size_t line, const char *key, const char *words, ...)
 {
-    sgt_lens_error *e = s->error;
-    *e = (sgt_lens_error){.line = line};
+    sgt_error *e = s->error;
+    *e = (sgt_error){.line = line};
     size_t length = strlen(s->file), cut = length < sizeof e->file ? 0 : length - sizeof e->file + 1;
     memcpy(e->file, s->file + cut, length - cut);
     snprintf(e->key, sizeof e->key, "%s", key ? key : "");
@@ -309,7 +309,7 @@ const char *tree_file(source *s, const char *path, char **text, size_t *length)
 {
     const sgt_lens_options *o = s->options;
     const sgt_allocator *a = &s->arena->allocator;
-    sgt_lens_error why;
+    sgt_error why;
     char *read = NULL;
     if (o->read) {
         const char *fault = o->read(o->context, path, &read, length);

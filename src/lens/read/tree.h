@@ -60,7 +60,7 @@ typedef struct source {
     size_t length;
     arena *arena;
     const sgt_lens_options *options;
-    sgt_lens_error *error;
+    sgt_error *error;
     jmp_buf *refused;     /* where the reading began */
     node *root;
     bool in_lens;         /* not one surface alone */

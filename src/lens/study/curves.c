@@ -108,7 +108,7 @@ static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const 
 
 bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const sgt_element e[],
                      double index_before, const sgt_first_order *data, sgt_distortion distortion,
-                     sgt_field_point *out)
+                     sgt_field_point *out, sgt_error *error)
 {
     static const sgt_pupil_point centre = {0, 0, 1};
     const double none = (double)NAN;
@@ -120,9 +120,9 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
     sgt_launched chief;
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
     sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
-    bool fine = passages && own;
+    bool fine = (passages && own) || sgt_launch_memory(from, error);
     if (fine) sgt_launch_ending(count, e, own), own[count - 1].index = 0; /* nor does it reflect totally */
-    fine = fine && sgt_launch_rays(from, &b, own, index_before, 1, &centre, &chief);
+    fine = fine && sgt_launch_rays(from, &b, own, index_before, 1, &centre, &chief, error);
     if (fine) {
         size_t passed = 0;
         if (chief.status == SGT_MET)

@@ -28,7 +28,7 @@ typedef struct energy {
     double *beyond;             /* [cells]: the weight beyond the last radius */
 } energy;
 
-static bool energy_place(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+static bool energy_place(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     return sgt_place_study(p, i, out, fault);
 }
@@ -235,23 +235,23 @@ static bool ask_energy(sgt_asking *a)
 static const sgt_column energy_columns[] = {
     COLUMN_FIELD(sgt_energy_row),
     COLUMN_WAVELENGTH(sgt_energy_row, SGT_COLUMN_GROUPS),
-    {"radius", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, ENERGY_AT(radius), 0, "about the reference"},
-    {"fraction", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, ENERGY_AT(fraction), 0,
+    {.name = "radius", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, ENERGY_AT(radius), 0, "about the reference"},
+    {.name = "fraction", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, ENERGY_AT(fraction), 0,
      "of the light that passes: how much falls within the radius, 0 to 1"},
-    {"unsure", SGT_COLUMN_ERROR, SGT_UNIT_NONE, 0, ENERGY_AT(unsure), 0,
+    {.name = "unsure", SGT_COLUMN_ERROR, SGT_UNIT_NONE, 0, ENERGY_AT(unsure), 0,
      "the share of which rounding leaves open whether it does: the fraction is off by no more"},
-    {"sampling", SGT_COLUMN_ERROR, SGT_UNIT_NONE, 0, ENERGY_AT(sampling), 0,
+    {.name = "sampling", SGT_COLUMN_ERROR, SGT_UNIT_NONE, 0, ENERGY_AT(sampling), 0,
      "fraction, less that of half as many rays across the pupil"},
 };
 
 static const sgt_setting energy_settings[] = {
-    {"reference", SGT_SETTING_WORD, offsetof(sgt_energy_options, reference), "centroid|chief", 0, 0,
+    {.name = "reference", SGT_SETTING_WORD, offsetof(sgt_energy_options, reference), "centroid|chief", 0, 0,
      "centroid (the default): the mean of the rays of all wavelengths; chief: where the chief ray of the "
      "primary "
      "wavelength ends"},
-    {"radius", SGT_SETTING_NUMBERS, offsetof(sgt_energy_options, radius), NULL, 0, 0,
+    {.name = "radius", SGT_SETTING_NUMBERS, offsetof(sgt_energy_options, radius), NULL, 0, 0,
      "the radii, in the unit of the image"},
-    {"steps", SGT_SETTING_COUNT, offsetof(sgt_energy_options, steps), NULL, 1, RADII_MOST,
+    {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_energy_options, steps), NULL, 1, RADII_MOST,
      "or so many, up to the largest distance in any field (default 20)"},
 };
 

@@ -43,10 +43,11 @@ static const sgt_column fan_columns[] = {
     COLUMN_WAVELENGTH(sgt_fan_row, SGT_COLUMN_GROUPS),
     COLUMN_PUPIL(sgt_fan_row, px, py),
     COLUMN_OF_FATE(sgt_fan_row),
-    {"ex", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FAN_AT(ex), FAN_AT(e_err), "the error in x"},
-    {"ey", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FAN_AT(ey), FAN_AT(e_err),
+    {.name = "ex", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FAN_AT(ex), FAN_AT(e_err), "the error in x"},
+    {.name = "ey", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FAN_AT(ey), FAN_AT(e_err),
      "and in y, in the frame of the last surface; of an afocal lens angles from the chief ray"},
-    {"e_err", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, 0, FAN_AT(e_err), 0, "rounding puts neither off by more"},
+    {.name = "e_err", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, 0, FAN_AT(e_err), 0,
+     "rounding puts neither off by more"},
 };
 
 const sgt_analysis sgt_fan_analysis = {

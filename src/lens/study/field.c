@@ -11,7 +11,7 @@ typedef struct curve {
     double dioptre;             /* of 1 / length, if the lens is afocal; else 1 */
 } curve;
 
-typedef struct curve_point { bool placed; sgt_lens_field at; sgt_field_point of; sgt_lens_error fault;
+typedef struct curve_point { bool placed; sgt_lens_field at; sgt_field_point of; sgt_error fault;
 } curve_point;
 
 /* Cells are field * bands + band. */
@@ -33,7 +33,8 @@ static bool curve_work(void *data, size_t i, void *slot)
         p->at = a->at[f], beam = a->beam[f];
     }
     return !p->placed ||
-           sgt_field_curve(a->from, &beam, b->element, b->before, &b->data, c->distortion, &p->of);
+           sgt_field_curve(a->from, &beam, b->element, b->before, &b->data, c->distortion, &p->of,
+                           NULL);
 }
 
 static void curve_take(void *data, size_t i, void *slot)
@@ -106,38 +107,38 @@ static bool ask_field(sgt_asking *a)
 static const sgt_column field_columns[] = {
     COLUMN_FIELD(sgt_field_row),
     COLUMN_WAVELENGTH(sgt_field_row, 0),
-    {"tangential", SGT_COLUMN_NUMBER, SGT_UNIT_FOCUS, 0, FIELD_AT(tangential), 0,
+    {.name = "tangential", SGT_COLUMN_NUMBER, SGT_UNIT_FOCUS, 0, FIELD_AT(tangential), 0,
      "where rays near the chief ray meet, in the plane of the field"},
-    {"sagittal", SGT_COLUMN_NUMBER, SGT_UNIT_FOCUS, 0, FIELD_AT(sagittal), 0,
+    {.name = "sagittal", SGT_COLUMN_NUMBER, SGT_UNIT_FOCUS, 0, FIELD_AT(sagittal), 0,
      "and across it: along z of the image surface, from where the chief ray meets it; of an afocal lens "
      "vergences at the last surface"},
-    {"distortion_percent", SGT_COLUMN_NUMBER, SGT_UNIT_PERCENT, 0, FIELD_AT(distortion_percent), 0,
+    {.name = "distortion_percent", SGT_COLUMN_NUMBER, SGT_UNIT_PERCENT, 0, FIELD_AT(distortion_percent), 0,
      "how much the image is higher than without"},
-    {"fx", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, 0, FIELD_AT(fx), 0, "the field,"},
-    {"fy", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, 0, FIELD_AT(fy), 0,
+    {.name = "fx", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, 0, FIELD_AT(fx), 0, "the field,"},
+    {.name = "fy", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, 0, FIELD_AT(fy), 0,
      "as the lens gives it: degrees, or a height"},
     COLUMN_OF_FATE(sgt_field_row),
-    {"x", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FIELD_AT(x), FIELD_AT(xy_err),
+    {.name = "x", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FIELD_AT(x), FIELD_AT(xy_err),
      "where the chief ray meets the image;"},
-    {"y", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FIELD_AT(y), FIELD_AT(xy_err),
+    {.name = "y", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FIELD_AT(y), FIELD_AT(xy_err),
      "of an afocal lens its angles from z of the last surface"},
-    {"xy_err", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, 0, FIELD_AT(xy_err), 0,
+    {.name = "xy_err", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, 0, FIELD_AT(xy_err), 0,
      "rounding puts neither x nor y off by more"},
-    {"ideal", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FIELD_AT(ideal), 0,
+    {.name = "ideal", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, FIELD_AT(ideal), 0,
      "the height of the image without distortion"},
-    {"digits", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FIELD_AT(digits), 0,
+    {.name = "digits", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FIELD_AT(digits), 0,
      "so many decimal digits of the image's height are certain"},
-    {"lacks", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, FIELD_AT(lacks), 0,
+    {.name = "lacks", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, FIELD_AT(lacks), 0,
      "the surface without second derivatives, for which tangential, sagittal and digits are not known; 0: "
      "none"},
 };
 
 static const sgt_setting field_settings[] = {
-    {"distortion", SGT_SETTING_WORD, offsetof(sgt_field_options, distortion), "tan|theta", 0, 0,
+    {.name = "distortion", SGT_SETTING_WORD, offsetof(sgt_field_options, distortion), "tan|theta", 0, 0,
      "tan (the default): the ideal height is efl tan(angle), of an object at a distance magnification times "
      "its "
      "height; theta: efl times the angle"},
-    {"steps", SGT_SETTING_COUNT, offsetof(sgt_field_options, steps), NULL, 2, 1000000,
+    {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_field_options, steps), NULL, 2, 1000000,
      "so many fields from the axis to that of the study which is farthest from it, in place of its own"},
 };
 

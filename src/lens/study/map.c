@@ -44,7 +44,7 @@ static sgt_lens_field map_field(const map_net *net, size_t i)
     return (sgt_lens_field){.x = net->half * x, .y = net->half * y, .weight = 1};
 }
 
-static bool map_net_place(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+static bool map_net_place(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     const map_net *net = p->data;
     const sgt_asking *a = p->ask;
@@ -100,26 +100,29 @@ static bool ask_map(sgt_asking *a)
 static const sgt_column map_columns[] = {
     COLUMN_FIELD(sgt_map_row),
     COLUMN_WAVELENGTH(sgt_map_row, SGT_COLUMN_GROUPS),
-    {"fx", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, 0, MAP_AT(fx), 0, "the field,"},
-    {"fy", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, 0, MAP_AT(fy), 0, "as the lens gives it: degrees, or a height"},
+    {.name = "fx", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, 0, MAP_AT(fx), 0, "the field,"},
+    {.name = "fy", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, 0, MAP_AT(fy), 0,
+     "as the lens gives it: degrees, or a height"},
     COLUMN_PUPIL(sgt_map_row, px, py),
     COLUMN_OF_FATE(sgt_map_row),
-    {"element", SGT_COLUMN_PLACE, SGT_UNIT_NONE, 0, MAP_AT(element), 0, "where it ended, counted from 1"},
-    {"evals", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, MAP_AT(evals), 0, "evaluations at all elements together"},
-    {"t_err", SGT_COLUMN_ERROR, SGT_UNIT_LENGTH, 0, MAP_AT(t_err), 0,
+    {.name = "element", SGT_COLUMN_PLACE, SGT_UNIT_NONE, 0, MAP_AT(element), 0,
+     "where it ended, counted from 1"},
+    {.name = "evals", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, MAP_AT(evals), 0,
+     "evaluations at all elements together"},
+    {.name = "t_err", SGT_COLUMN_ERROR, SGT_UNIT_LENGTH, 0, MAP_AT(t_err), 0,
      "the largest bound on the error of a length between elements"},
-    {"condition", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, MAP_AT(condition), 0,
+    {.name = "condition", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, MAP_AT(condition), 0,
      "the largest 1 / cos of an angle of incidence: a surface that is off along its normal moves the hit by "
      "so "
      "many times as much"},
 };
 
 static const sgt_setting map_settings[] = {
-    {"over", SGT_SETTING_WORD, offsetof(sgt_map_options, over), "pupil|field", 0, 0,
+    {.name = "over", SGT_SETTING_WORD, offsetof(sgt_map_options, over), "pupil|field", 0, 0,
      "pupil (the default) or field: from minus to plus the field of the lens which is farthest from the "
      "axis, in "
      "x and y, by the chief ray or that of one point of the pupil"},
-    {"steps", SGT_SETTING_COUNT, offsetof(sgt_map_options, steps), NULL, 2, 10000,
+    {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_map_options, steps), NULL, 2, 10000,
      "N x N fields (default 21)"},
 };
 

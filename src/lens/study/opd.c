@@ -34,7 +34,7 @@ static bool opd_chief(void *data, size_t i, void *slot)
     const opds *w = data;
     const sgt_asking *a = w->ask;
     const band *b = &a->band[i % a->bands];
-    return sgt_trace_chief(a->from, &a->beam[i / a->bands], b->element, b->before, slot);
+    return sgt_trace_chief(a->from, &a->beam[i / a->bands], b->element, b->before, slot, NULL);
 }
 
 static void opd_keep_chief(void *data, size_t i, void *slot)
@@ -43,7 +43,7 @@ static void opd_keep_chief(void *data, size_t i, void *slot)
     const sgt_asking *a = w->ask;
     const band *b = &a->band[i % a->bands];
     w->there[i] = sgt_reference_of(a->lens, &a->primary.data, b->element, b->before, slot, w->afocal,
-                                   &w->about[i]);
+                                   &w->about[i], NULL);
 }
 
 /* A wave is a length: both have to be known. */
@@ -261,7 +261,7 @@ static void zernike_end(const pass *p, size_t i, const sgt_fates *fates)
     opd_say_empty(w, i);
     if (!coefficient) return;
     const bool fits = sgt_zernike_fit(o->order ? SGT_FRINGE : SGT_NOLL, terms, w->kept, w->x, w->y, w->waves,
-                                      w->weight, coefficient, &residual, &a->from->allocator);
+                                      w->weight, coefficient, &residual, &a->from->allocator, NULL);
     snprintf(words, sizeof words, "the rays that passed do not determine %zu polynomials, or there is no "
              "memory; take more rays, or fewer terms", terms);
     if (!fits) opd_say(w, i, words);
@@ -304,24 +304,24 @@ static const sgt_column opd_columns[] = {
     COLUMN_WAVELENGTH(sgt_opd_row, SGT_COLUMN_GROUPS),
     COLUMN_PUPIL(sgt_opd_row, px, py),
     COLUMN_OF_FATE(sgt_opd_row),
-    {"opd", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, RAY(opd), RAY(opd_err), "the difference"},
-    {"opd_err", SGT_COLUMN_ERROR, SGT_UNIT_WAVE, 0, RAY(opd_err), 0,
+    {.name = "opd", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, RAY(opd), RAY(opd_err), "the difference"},
+    {.name = "opd_err", SGT_COLUMN_ERROR, SGT_UNIT_WAVE, 0, RAY(opd_err), 0,
      "and how far rounding may have put it off"},
 };
 
 #define FRONT(member) offsetof(sgt_wavefront_row, member)
 static const sgt_column wavefront_columns[] = {
-    {"field", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FRONT(field), 0, "the field, counted from 1"},
+    {.name = "field", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FRONT(field), 0, "the field, counted from 1"},
     COLUMN_WAVELENGTH(sgt_wavefront_row, 0),
-    {"pv", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, FRONT(pv), FRONT(rms_err), "largest less smallest"},
-    {"rms", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, FRONT(rms), FRONT(rms_err),
+    {.name = "pv", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, FRONT(pv), FRONT(rms_err), "largest less smallest"},
+    {.name = "rms", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, FRONT(rms), FRONT(rms_err),
      "root of the mean square about the mean"},
-    {"digits", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FRONT(digits), 0,
+    {.name = "digits", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FRONT(digits), 0,
      "so many decimal digits of rms are certain in spite of rounding"},
-    {"sampling", SGT_COLUMN_ERROR, SGT_UNIT_WAVE, 0, FRONT(sampling), 0,
+    {.name = "sampling", SGT_COLUMN_ERROR, SGT_UNIT_WAVE, 0, FRONT(sampling), 0,
      "rms, less that of half as many rays across the pupil"},
-    {"rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FRONT(rays), 0, "how many were sent"},
-    {"passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FRONT(passed), 0, "how many reached the image"},
+    {.name = "rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FRONT(rays), 0, "how many were sent"},
+    {.name = "passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, FRONT(passed), 0, "how many reached the image"},
     COLUMN_FATES(sgt_wavefront_row),
 };
 
@@ -329,18 +329,18 @@ static const sgt_column wavefront_columns[] = {
 static const sgt_column zernike_columns[] = {
     COLUMN_FIELD(sgt_zernike_row),
     COLUMN_WAVELENGTH(sgt_zernike_row, SGT_COLUMN_GROUPS),
-    {"term", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, TERM(term), 0, "the number of the polynomial,"},
-    {"n", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, TERM(n), 0, "its order,"},
-    {"m", SGT_COLUMN_WHOLE, SGT_UNIT_NONE, 0, TERM(m), 0,
+    {.name = "term", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, TERM(term), 0, "the number of the polynomial,"},
+    {.name = "n", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, TERM(n), 0, "its order,"},
+    {.name = "m", SGT_COLUMN_WHOLE, SGT_UNIT_NONE, 0, TERM(m), 0,
      "its azimuthal frequency: positive of cosines, negative of sines; the angle is from px toward py"},
-    {"coefficient", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, TERM(coefficient), 0, "by least squares"},
-    {"residual", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, TERM(residual), 0,
+    {.name = "coefficient", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, TERM(coefficient), 0, "by least squares"},
+    {.name = "residual", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, TERM(residual), 0,
      "root of the mean square of what the fit leaves"},
 };
 
 #define AFOCAL_SETTING                                                                                      \
     {                                                                                                       \
-        "afocal", SGT_SETTING_FLAG, offsetof(sgt_opd_options, afocal), NULL, 0, 0,                          \
+        .name = "afocal", SGT_SETTING_FLAG, offsetof(sgt_opd_options, afocal), NULL, 0, 0,                  \
             "for light that leaves as parallel rays: against a plane across the chief ray (the default if " \
             "the lens "                                                                                     \
             "says `afocal: true`)"                                                                          \
@@ -348,9 +348,9 @@ static const sgt_column zernike_columns[] = {
 static const sgt_setting opd_settings[] = {AFOCAL_SETTING};
 static const sgt_setting zernike_settings[] = {
     AFOCAL_SETTING,
-    {"terms", SGT_SETTING_COUNT, offsetof(sgt_opd_options, terms), NULL, 1, TERMS_MOST,
+    {.name = "terms", SGT_SETTING_COUNT, offsetof(sgt_opd_options, terms), NULL, 1, TERMS_MOST,
      "how many polynomials (default 37)"},
-    {"order", SGT_SETTING_WORD, offsetof(sgt_opd_options, order), "noll|fringe", 0, 0,
+    {.name = "order", SGT_SETTING_WORD, offsetof(sgt_opd_options, order), "noll|fringe", 0, 0,
      "noll (the default; Noll 1976; each has the mean square 1), or fringe (Wyant and Creath 1992; each is 1 "
      "at "
      "the edge)"},

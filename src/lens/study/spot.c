@@ -148,7 +148,7 @@ bool sgt_spots_begin(sgt_asking *a, bool centroid, const sgt_list *defocus, spot
     return !a->failed;
 }
 
-bool sgt_spots_place(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+bool sgt_spots_place(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     const spots *w = p->data;
     const sgt_asking *a = p->ask;
@@ -239,7 +239,7 @@ static void spread_end(const pass *p, size_t i, const sgt_fates *fates)
 }
 
 /* (Both passes find their cells by `of`, the first member of what they are given.) */
-static bool place_of_sums(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+static bool place_of_sums(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     pass of = *p;
     const spot_sums *s = p->data;
@@ -393,40 +393,43 @@ static bool ask_spot(sgt_asking *a)
 static const sgt_column spot_columns[] = {
     COLUMN_FIELD(sgt_spot_row),
     COLUMN_WAVELENGTH(sgt_spot_row, 0),
-    {"rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SPOT_AT(rays), 0, "how many were sent"},
-    {"passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SPOT_AT(passed), 0,
+    {.name = "rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SPOT_AT(rays), 0, "how many were sent"},
+    {.name = "passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SPOT_AT(passed), 0,
      "how many reached the image: the others do not count"},
-    {"x", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(x), SPOT_AT(xy_err),
+    {.name = "x", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(x), SPOT_AT(xy_err),
      "the reference: distances are from here"},
-    {"y", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(y), SPOT_AT(xy_err),
+    {.name = "y", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(y), SPOT_AT(xy_err),
      "in the frame of the last surface"},
-    {"rms", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms), SPOT_AT(rms_err),
+    {.name = "rms", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms), SPOT_AT(rms_err),
      "root of the mean square of the distances,"},
-    {"rms_x", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms_x), SPOT_AT(rms_err), "of their x"},
-    {"rms_y", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms_y), SPOT_AT(rms_err), "and of their y"},
-    {"geometric", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(geometric), 0, "the largest distance"},
-    {"airy", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(airy), 0,
+    {.name = "rms_x", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms_x), SPOT_AT(rms_err), "of their x"},
+    {.name = "rms_y", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(rms_y), SPOT_AT(rms_err),
+     "and of their y"},
+    {.name = "geometric", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(geometric), 0,
+     "the largest distance"},
+    {.name = "airy", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SPOT_AT(airy), 0,
      "the radius of the first dark ring of diffraction, 1.22 wavelength working F-number (paraxial).  Empty "
      "if the unit or the wavelength is not given"},
-    {"digits", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SPOT_AT(digits), 0,
+    {.name = "digits", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SPOT_AT(digits), 0,
      "so many decimal digits of rms are certain in spite of rounding"},
-    {"sampling", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, 0, SPOT_AT(sampling), 0,
+    {.name = "sampling", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, 0, SPOT_AT(sampling), 0,
      "rms, less that of half as many rays across the pupil: so much more or less depends on the rays that "
      "are "
      "taken"},
     COLUMN_FATES(sgt_spot_row),
-    {"defocus", SGT_COLUMN_EXACT, SGT_UNIT_LENGTH, SGT_COLUMN_GROUPS | SGT_COLUMN_GIVEN, SPOT_AT(defocus), 0,
+    {.name = "defocus", SGT_COLUMN_EXACT, SGT_UNIT_LENGTH, SGT_COLUMN_GROUPS | SGT_COLUMN_GIVEN,
+     SPOT_AT(defocus), 0,
      "how far the image surface was moved"},
-    {"xy_err", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, SGT_COLUMN_DETAIL, SPOT_AT(xy_err), 0,
+    {.name = "xy_err", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, SGT_COLUMN_DETAIL, SPOT_AT(xy_err), 0,
      "rounding puts neither x nor y off by more"},
 };
 
 static const sgt_setting spot_settings[] = {
-    {"reference", SGT_SETTING_WORD, offsetof(sgt_spot_options, reference), "chief|centroid", 0, 0,
+    {.name = "reference", SGT_SETTING_WORD, offsetof(sgt_spot_options, reference), "chief|centroid", 0, 0,
      "chief (the default): where the chief ray of the primary wavelength ends; centroid: the mean of the "
      "rays "
      "of the row"},
-    {"defocus", SGT_SETTING_NUMBERS, offsetof(sgt_spot_options, defocus), NULL, 0, 0,
+    {.name = "defocus", SGT_SETTING_NUMBERS, offsetof(sgt_spot_options, defocus), NULL, 0, 0,
      "moves the image surface along its own z; several: one after another"},
 };
 

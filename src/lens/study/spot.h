@@ -30,7 +30,7 @@ typedef struct spots {
 bool sgt_spots_begin(sgt_asking *a, bool centroid, const sgt_list *defocus, spots *out);
 
 /* For a pass whose data is a `spots`. */
-bool sgt_spots_place(const pass *p, size_t i, cell *out, sgt_lens_error *fault);
+bool sgt_spots_place(const pass *p, size_t i, cell *out, sgt_error *fault);
 void sgt_spots_lost(const pass *p, size_t i, sgt_lost_ray *out);
 
 /* Of an afocal lens: the ends of a cell as angles from the chief ray. */

@@ -43,7 +43,7 @@ bool sgt_ask_refuse(sgt_asking *a, const char *setting, const char *words, ...)
 {
     if (a->failed) return false;
     a->failed = true;
-    *a->error = (sgt_lens_error){.line = 0};
+    *a->error = (sgt_error){.line = 0};
     snprintf(a->error->key, sizeof a->error->key, "%s", setting);
     va_list more;
     va_start(more, words);
@@ -128,7 +128,7 @@ const char *sgt_study_fate_text(int fate)
 void sgt_fates_count(sgt_fates *f, const sgt_ray_end *end)
 {
     f->rays++, f->folded += end->folded;
-    if (end->aimed == SGT_AIM_UNDECIDED) {
+    if (end->aimed == SGT_AIMED_UNDECIDED) {
         f->within = f->unfound ? fmin(f->within, end->within) : end->within;
         f->unfound++;
     }
@@ -197,7 +197,7 @@ typedef struct block {
     size_t count, lost;
     sgt_fates fates;
     bool placed;
-    sgt_lens_error fault;
+    sgt_error fault;
     sgt_ray_end end[PUPIL_PART];
 } block_of_rays;
 
@@ -222,7 +222,7 @@ static bool work_block(void *data, size_t i, void *slot)
     if (!b->placed) return true;
     sgt_pupil_part(p->points, first, b->count, at);
     if (!sgt_trace_pupil(p->ask->from, c.beam, c.element, c.before, b->count, at, p->ask->study->opt.solver,
-                         b->end))
+                         b->end, NULL))
         return false;
     for (size_t k = 0; k < b->count; k++) {
         const size_t lost = b->fates.lost;
@@ -264,7 +264,7 @@ bool sgt_ask_pass(const pass *p)
     return sgt_ask_rounds(p->ask, &r);
 }
 
-bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     const sgt_asking *a = p->ask;
     const band *b = &a->band[i % a->bands];
@@ -289,7 +289,7 @@ static bool chief_of(void *data, size_t i, void *slot)
     const chiefs *c = data;
     const sgt_asking *a = c->ask;
     return sgt_trace_chief(a->from, &a->beam[i / c->surfaces], c->element[i % c->surfaces], a->primary.before,
-                           slot);
+                           slot, NULL);
 }
 
 static void keep_chief(void *data, size_t i, void *slot)
@@ -323,7 +323,7 @@ static bool set_band(sgt_asking *a, sgt_wavelength at, band *out)
     out->element = sgt_ask_room(a, l->count, sizeof *out->element);
     if (!out->element) return false;
     if (!sgt_lens_at(l, at.um, out->element, &out->before, a->error) ||
-        !sgt_lens_first_order(l, at.um, &out->data, NULL, NULL, a->error)) {
+        !sgt_lens_first_order(l, at.um, &out->data, NULL, a->error)) {
         a->failed = true;
         return false;
     }
@@ -424,7 +424,7 @@ static bool pick_pupil(sgt_asking *a)
 
 /* ------------------------------------------------------------------- the study */
 
-sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt_lens_error *error)
+sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt_error *error)
 {
     const sgt_study_options defaults = {.allocator = NULL};
     if (!opt) opt = &defaults;
@@ -436,16 +436,9 @@ sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt
     if (!from) return NULL;
     sgt_study *study = sgt_launch_take(from, 1, sizeof *study);
     if (study) *study = (sgt_study){.opt = *opt, .lens = lens, .from = from, .um = sgt_lens_unit(lens)};
-    for (size_t i = 0; study && i < sizeof opt->reserved / sizeof *opt->reserved; i++)
-        if (opt->reserved[i]) {
-            sgt_launch_fail(from, error, "",
-                            "a member of the options that this library does not know is set");
-            sgt_launch_forget(from, study);
-            sgt_launcher_free(from);
-            return NULL;
-        }
-    if (study) return study;
-    sgt_launch_fail(from, error, "", "no memory");
+    if (!study) sgt_launch_memory(from, error);
+    else if (PLAIN(from, opt, "sgt_study_options", error)) return study;
+    sgt_launch_forget(from, study);
     sgt_launcher_free(from);
     return NULL;
 }
@@ -458,31 +451,26 @@ void sgt_study_free(sgt_study *study)
     sgt_launcher_free(from);
 }
 
-/* What later versions may give a meaning to: zeros at the end of a struct. */
-static bool reserved_is_zero(const void *end)
+/* What is reserved for later versions is zero: in the sink, and at the end of the options, whatever analysis
+ * they are of. */
+static bool asks_plainly(const sgt_asking *a, sgt_error *error)
 {
-    void *reserved[4];
-    memcpy(reserved, (const char *)end - sizeof reserved, sizeof reserved);
-    return !reserved[0] && !reserved[1] && !reserved[2] && !reserved[3];
-}
-
-static bool knows_all(const sgt_asking *a)
-{
-    const sgt_study_options *o = &a->study->opt;
-    return reserved_is_zero(o + 1) && reserved_is_zero(a->sink + 1) &&
-           (!a->options || !a->of->options_size ||
-            reserved_is_zero((const char *)a->options + a->of->options_size));
+    unsigned long long last[sizeof ((sgt_spot_options *)NULL)->reserved_ / sizeof(unsigned long long)] = {0};
+    if (a->options && a->of->options_size)
+        memcpy(last, (const char *)a->options + a->of->options_size - sizeof last, sizeof last);
+    return PLAIN(a->from, a->sink, "sgt_sink", error) &&
+           sgt_launch_plain(a->from, last, sizeof last / sizeof *last, "options", error);
 }
 
 bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis, const void *options,
-                   const sgt_sink *sink, sgt_study_total *total, sgt_lens_error *error)
+                   const sgt_sink *sink, sgt_study_total *total, sgt_error *error)
 {
     static const sgt_sink nowhere;
-    sgt_lens_error unread;
+    sgt_error unread;
     sgt_asking a = {.study = study, .lens = study->lens, .from = study->from, .of = analysis,
                     .options = options, .sink = sink ? sink : &nowhere, .error = error ? error : &unread,
                     .counts = true, .memory = {.allocator = study->from->allocator}};
-    if (!knows_all(&a)) return sgt_ask_fail(&a, "", "a member that this version does not know is set");
+    if (!asks_plainly(&a, error)) return false;
     if (!a.options) a.options = sgt_ask_room(&a, analysis->options_size + 1, 1);
     const bool fine = !a.failed && set_bands(&a) && set_fields(&a) && pick_pupil(&a) && analysis->ask(&a) &&
                       !a.failed;

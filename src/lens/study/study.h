@@ -31,7 +31,7 @@ struct sgt_asking {
     const sgt_analysis *of;
     const void *options;
     const sgt_sink *sink;
-    sgt_lens_error *error;
+    sgt_error *error;
     arena memory;               /* freed when all is answered */
     size_t bands;
     band *band;                 /* [bands] */
@@ -102,7 +102,7 @@ typedef struct pass {
     const sgt_pupil *points;
     size_t cells, size;
     void *data;
-    bool (*place)(const struct pass *p, size_t i, cell *out, sgt_lens_error *fault);
+    bool (*place)(const struct pass *p, size_t i, cell *out, sgt_error *fault);
     void (*block)(const struct pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum);
     void (*take)(const struct pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum);
     void (*end)(const struct pass *p, size_t i, const sgt_fates *fates);
@@ -112,7 +112,7 @@ typedef struct pass {
 bool sgt_ask_pass(const pass *p);
 
 /* For cells field * bands + band of the study: place and lost. */
-bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_lens_error *fault);
+bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_error *fault);
 void sgt_lost_study(const pass *p, size_t i, sgt_lost_ray *out);
 
 void sgt_fates_count(sgt_fates *f, const sgt_ray_end *end);
@@ -122,29 +122,29 @@ int  sgt_fate_of(const sgt_ray_end *end);
 
 /* The columns that several analyses have. */
 #define COLUMN_FIELD(row)                                                                                    \
-    {"field", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_GROUPS, offsetof(row, field), 0,                   \
+    {.name = "field", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_GROUPS, offsetof(row, field), 0,           \
      "the field, counted from 1"}
 #define COLUMN_WAVELENGTH(row, flags)                                                                        \
-    {"wavelength", SGT_COLUMN_WAVELENGTH, SGT_UNIT_MICROMETRE, flags, offsetof(row, wavelength), 0,          \
+    {.name = "wavelength", SGT_COLUMN_WAVELENGTH, SGT_UNIT_MICROMETRE, flags, offsetof(row, wavelength), 0,  \
      "micrometres; all: together, as the lens weighs them"}
 #define COLUMN_PUPIL(row, x, y)                                                                              \
-    {"px", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, 0, offsetof(row, x), 0, "the point of the pupil,"},            \
-    {"py", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, 0, offsetof(row, y), 0, "in radii of it"}
+    {.name = "px", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, 0, offsetof(row, x), 0, "the point of the pupil,"},    \
+    {.name = "py", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, 0, offsetof(row, y), 0, "in radii of it"}
 #define COLUMN_OF_FATE(row)                                                                                  \
-    {"fate", SGT_COLUMN_FATE, SGT_UNIT_NONE, 0, offsetof(row, fate), 0,                                      \
+    {.name = "fate", SGT_COLUMN_FATE, SGT_UNIT_NONE, 0, offsetof(row, fate), 0,                              \
      "passed; missed, clipped, tir, lost; none: proven, no such ray"}
 #define COLUMN_FATES(row)                                                                                    \
-    {"missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.missed), 0,           \
+    {.name = "missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.missed), 0,   \
      "what became of"},                                                                                      \
-    {"clipped", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.clipped), 0,         \
+    {.name = "clipped", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.clipped), 0, \
      "the other rays"},                                                                                      \
-    {"tir", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.tir), 0,                 \
+    {.name = "tir", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.tir), 0,         \
      "totally reflected"},                                                                                   \
-    {"lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.lost), 0,               \
+    {.name = "lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.lost), 0,       \
      "it could not be decided"},                                                                             \
-    {"none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.none), 0,               \
+    {.name = "none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.none), 0,       \
      "proven: there is no such ray"},                                                                        \
-    {"proven", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL | SGT_COLUMN_PROVEN,                       \
+    {.name = "proven", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL | SGT_COLUMN_PROVEN,               \
      offsetof(row, fates.proven), 0, "passed, and proven at each surface"}
 
 #endif

@@ -30,7 +30,7 @@ static sgt_field_kind sweep_kind(const sweep *w)
     return w->angle ? SGT_FIELD_ANGLE : SGT_FIELD_OBJECT_HEIGHT;
 }
 
-static bool sweep_place(const pass *p, size_t i, cell *out, sgt_lens_error *fault)
+static bool sweep_place(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
     const sweep *w = p->data;
     const sgt_asking *a = p->ask;
@@ -92,32 +92,33 @@ static bool ask_sweep(sgt_asking *a)
 
 #define SWEEP_AT(member) offsetof(sgt_sweep_row, member)
 static const sgt_column sweep_columns[] = {
-    {"at", SGT_COLUMN_NUMBER, SGT_UNIT_SWEEP, 0, SWEEP_AT(at), 0,
+    {.name = "at", SGT_COLUMN_NUMBER, SGT_UNIT_SWEEP, 0, SWEEP_AT(at), 0,
      "the field: its angle in degrees, or, of an object at a distance, its height"},
     COLUMN_WAVELENGTH(sgt_sweep_row, SGT_COLUMN_GROUPS),
-    {"rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(rays), 0, "how many were sent"},
-    {"passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(passed), 0, "what became of them"},
-    {"missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(missed), 0, ""},
-    {"clipped", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(clipped), 0, ""},
-    {"tir", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(tir), 0, "totally reflected"},
-    {"lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(lost), 0, "it could not be decided"},
-    {"none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(none), 0,
+    {.name = "rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(rays), 0, "how many were sent"},
+    {.name = "passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(passed), 0, "what became of them"},
+    {.name = "missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(missed), 0, ""},
+    {.name = "clipped", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(clipped), 0, ""},
+    {.name = "tir", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(tir), 0, "totally reflected"},
+    {.name = "lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(lost), 0, "it could not be decided"},
+    {.name = "none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(none), 0,
      "proven: the rims in front of the stop let no such ray through.  A ray that aiming did not find, "
      "without a "
      "proof, is lost"},
-    {"evals", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, SWEEP_AT(evals), 0,
+    {.name = "evals", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, SWEEP_AT(evals), 0,
      "the mean number of evaluations of a ray, at all elements together"},
-    {"proven", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_PROVEN, SWEEP_AT(proven), 0,
+    {.name = "proven", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_PROVEN, SWEEP_AT(proven), 0,
      "passed, and proven at each surface"},
 };
 
 static const sgt_setting sweep_settings[] = {
-    {"from", SGT_SETTING_NUMBER, offsetof(sgt_sweep_options, from), NULL, 0, 0, "where the range begins,"},
-    {"to", SGT_SETTING_NUMBER, offsetof(sgt_sweep_options, to), NULL, 0, 0,
+    {.name = "from", SGT_SETTING_NUMBER, offsetof(sgt_sweep_options, from), NULL, 0, 0,
+     "where the range begins,"},
+    {.name = "to", SGT_SETTING_NUMBER, offsetof(sgt_sweep_options, to), NULL, 0, 0,
      "and where it ends.  By default from the axis to twice the field of the lens which is farthest from it, "
      "or "
      "to 89 degrees if it has none"},
-    {"steps", SGT_SETTING_COUNT, offsetof(sgt_sweep_options, steps), NULL, 2, 1000000,
+    {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_sweep_options, steps), NULL, 2, 1000000,
      "how many fields (default 46)"},
 };
 

@@ -32,9 +32,13 @@
 static const double ROUND = 0x1p-52;
 
 bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data, const sgt_element e[],
-                      double index_before, const sgt_ray_end *chief, bool afocal, sgt_reference *out)
+                      double index_before, const sgt_ray_end *chief, bool afocal, sgt_reference *out,
+                      sgt_error *error)
 {
-    if (chief->fate != SGT_PASSED) return false;
+    const sgt_launcher of = {.lens = lens};
+    if (chief->fate != SGT_PASSED)
+        return sgt_launch_fail(&of, error, "", "the chief ray does not get through surface %zu",
+                               chief->element + 1);
     *out = (sgt_reference){.kind = SGT_REFERENCE_SPHERE, .centre = chief->p, .along = chief->d,
                            .index = index_before == 0 ? 1 : index_before, .opl = chief->opl,
                            .opl_err = chief->opl_err, .p_err = chief->p_err};
@@ -176,12 +180,12 @@ static bool least_squares(size_t m, size_t n, double *a, double *right, double *
 
 bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count, const double x[], const double y[],
                      const double value[], const double weight[], double coefficient[], double *residual,
-                     const sgt_allocator *allocator)
+                     const sgt_allocator *allocator, sgt_error *error)
 {
     sgt_launcher none = {.allocator = sgt_allocator_or(allocator)};
     double *a = NULL, *right = sgt_launch_take(&none, count + terms, sizeof *right);
     if (terms > 0 && count <= SIZE_MAX / 16 / terms) a = sgt_launch_take(&none, count * terms, sizeof *a);
-    bool fine = a && right;
+    bool fine = (a && right) || sgt_launch_memory(&none, error);
     size_t rows = 0;
     double sum = 0, left = 0;
     for (size_t i = 0; fine && i < count; i++) {
@@ -196,7 +200,8 @@ bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count, const 
         right[rows++] = w * value[i];
         sum += weight[i];
     }
-    fine = fine && rows >= terms && least_squares(rows, terms, a, right, coefficient);
+    if (fine && !(rows >= terms && least_squares(rows, terms, a, right, coefficient)))
+        fine = sgt_launch_fail(&none, error, "", "%zu points do not determine %zu coefficients", rows, terms);
     for (size_t i = terms; fine && i < rows; i++) left += right[i] * right[i]; /* reflections keep lengths */
     if (fine && residual) *residual = sqrt(left / sum);
     sgt_launch_forget(&none, a);

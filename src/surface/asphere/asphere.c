@@ -346,21 +346,21 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
 
 /* -------------------------------------------------------------- together */
 
-static int asphere_terms_of(const sgt_asphere *s)
+static int asphere_terms_of(const sgt_even_asphere *s)
 {
     int terms = 8;
     while (terms > 0 && s->a[terms - 1] == 0) terms--;
     return terms;
 }
 
-static shape shape_of(const sgt_asphere *s, int terms)
+static shape shape_of(const sgt_even_asphere *s, int terms)
 {
     return (shape){.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c, .terms = terms, .a = s->a,
                    .rim2 = rim2_of(s->semi_diameter), .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
 }
 
 /* x - x is 0 for a finite x, NaN otherwise. */
-static bool asphere_valid(const sgt_asphere *s)
+static bool asphere_valid(const sgt_even_asphere *s)
 {
     double sum = (s->c - s->c) + (s->k - s->k) + (s->semi_diameter - s->semi_diameter);
     for (int i = 0; i < 8; i++) sum += s->a[i] - s->a[i];
@@ -377,7 +377,7 @@ static bool passes_by(const shape *s, const sgt_ray *ray)
 
 SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     if (!asphere_valid(s)) return hit_without(SGT_INVALID, ray, 0);
     int terms = asphere_terms_of(s);
     if (!terms) return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
@@ -412,7 +412,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
 
 static sgt_status asphere_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     int terms = asphere_terms_of(s);
     if (!asphere_valid(s)) return SGT_INVALID;
     if (!terms) return sgt_conic_all(s->c, s->k, s->semi_diameter, ray, opt, list);
@@ -426,7 +426,7 @@ static sgt_status asphere_all(const void *self, const sgt_ray *ray, const sgt_op
 
 static double asphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     int terms = asphere_terms_of(s);
     double r2 = p.x * p.x + p.y * p.y, phi, slope, dp = 0, sag = conic_sag(s->c, s->k, r2, &phi, &slope);
     if (terms) sag += polynomial(terms, s->a, r2, &dp);
@@ -437,7 +437,7 @@ static double asphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 
 static double asphere_rounding(const void *self, sgt_vec3 p)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     int terms = asphere_terms_of(s);
     double r2 = p.x * p.x + p.y * p.y, phi, slope, dp, second, base = conic_sag(s->c, s->k, r2, &phi, &slope),
            sag = base, noise = 0;
@@ -450,7 +450,7 @@ static double asphere_rounding(const void *self, sgt_vec3 p)
 
 static sgt_span asphere_span(const void *self, const sgt_ray *ray)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     shape h = shape_of(s, asphere_terms_of(s));
     sgt_span span = sgt_sag_span(s->c, s->k, s->semi_diameter, ray, !h.terms);
     if (h.terms) {
@@ -462,7 +462,7 @@ static sgt_span asphere_span(const void *self, const sgt_ray *ray)
 
 static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
     if (!asphere_valid(s)) return *slope;
     shape h = shape_of(s, asphere_terms_of(s));
@@ -492,7 +492,7 @@ static size_t asphere_without_passing(const shape *s, const sgt_tile *tile, cons
 
 static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     wavy_room room;
     wavy v;
     int terms = asphere_terms_of(s);
@@ -525,7 +525,7 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
 static bool asphere_unique(const void *self, const sgt_tile *tile, double rim2, mask unique[],
                            sgt_interval others[])
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     int terms = asphere_terms_of(s);
     shape h = shape_of(s, terms);
     if (rim2 < h.rim2) h.rim2 = rim2, h.domain2 = domain2_within(s->c, s->k, rim2);
@@ -537,7 +537,7 @@ static const struct sgt_builtin_ops asphere_builtin = {
     .meet = asphere_meet, .all = asphere_all, .lanes = asphere_lanes, .unique = asphere_unique,
     .departure = &sgt_asphere_departure};
 
-const sgt_surface_ops sgt_asphere_ops = {
+const sgt_surface_ops sgt_even_asphere_ops = {
     .name = "even_asphere", .value = asphere_value, .span = asphere_span, .rounding = asphere_rounding,
     .enclose = asphere_enclose, .own_ = &asphere_builtin, .second = sgt_asphere_second,
     .parameters = sgt_asphere_parameters, .by_parameter = sgt_asphere_by_parameter};

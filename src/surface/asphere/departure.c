@@ -8,7 +8,7 @@
 #include "asphere.h"
 #include "../departure/departure.h"
 
-static int terms_count(const sgt_asphere *s)
+static int terms_count(const sgt_even_asphere *s)
 {
     int n = 8;
     while (n > 0 && s->a[n - 1] == 0) n--;
@@ -35,7 +35,7 @@ static void terms_horner(int terms, const double *a, size_t n, const double *res
 
 static void asphere_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     double p1[DEPARTURE_BLOCK], p2[DEPARTURE_BLOCK];
     terms_horner(terms_count(s), s->a, n, x, y, out.p, p1, p2);
     for (size_t i = 0; i < n; i++) out.px[i] = 2 * p1[i] * x[i], out.py[i] = 2 * p1[i] * y[i];
@@ -43,7 +43,7 @@ static void asphere_at(const void *self, size_t n, const double *x, const double
 
 static void terms_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     double rho = x * x + y * y, second, first = magnitude(terms_count(s), s->a, rho, &second);
     *p_err = 5 * SGT_U * rho * first;
     /* p' has two more roundings for each term, and rho has two. */
@@ -52,14 +52,14 @@ static void terms_rounding(const void *self, double x, double y, double *p_err, 
 
 static void asphere_noise(const void *self, double radius, double e[2])
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     double second;
     e[0] = 0, e[1] = 5 * SGT_U * magnitude(terms_count(s), s->a, radius * radius * (1 + 0x1p-40), &second);
 }
 
 static int asphere_bounds(const void *self, region *where, bounds *out)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     double rho = where->r_hi * where->r_hi, second, first = magnitude(terms_count(s), s->a, rho, &second),
            up = 1 + 0x1p-40;
     *out = (bounds){rho * first * up, 2 * where->r_hi * first * up, (2 * first + 4 * second * rho) * up};
@@ -69,7 +69,7 @@ static int asphere_bounds(const void *self, region *where, bounds *out)
 /* Over a ring, by Horner's rule. */
 static sgt_interval asphere_range(const void *self, const region *where)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     sgt_interval rho = sgt_interval_square(sgt_interval_between(where->r_lo, where->r_hi)), p = {0, 0};
     for (int i = terms_count(s) - 1; i >= 0; i--)
         p = sgt_interval_product(sgt_interval_sum(p, sgt_interval_of(s->a[i])), rho);
@@ -79,7 +79,7 @@ static sgt_interval asphere_range(const void *self, const region *where)
 static void asphere_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
                            double *pxy, double *pyy)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     double p[DEPARTURE_BLOCK], p1[DEPARTURE_BLOCK], p2[DEPARTURE_BLOCK];
     terms_horner(terms_count(s), s->a, n, x, y, p, p1, p2);
     for (size_t i = 0; i < n; i++) {
@@ -105,7 +105,7 @@ static void asphere_by_parameter(const void *self, size_t j, size_t n, const dou
 
 static sgt_objection asphere_object(const void *self)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     if (!numbers_finite(8, s->a)) return (sgt_objection){"coefficients", "must be finite"};
     return (sgt_objection){NULL, NULL};
 }

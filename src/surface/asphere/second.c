@@ -27,7 +27,7 @@ static void asphere_second_lanes(const double *a, size_t n, const double *x, con
 
 void sgt_asphere_second(const void *self, size_t n, sgt_points p, double *const out[6])
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     sgt_conic base = {.c = s->c, .k = s->k};
     sgt_conic_second(&base, n, p, out);
     asphere_second_lanes(s->a, n, p.p[0], p.p[1], out[0], out[1], out[3]);
@@ -68,7 +68,7 @@ static void by_term_all(int term, size_t n, const double *x, const double *y, do
 
 void sgt_asphere_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out)
 {
-    const sgt_asphere *s = self;
+    const sgt_even_asphere *s = self;
     sgt_conic base = {.c = s->c, .k = s->k};
     if (j < 2) sgt_conic_by_parameter(&base, j, n, p, out);
     else if (!out.grad[0]) by_term((int)j - 2, n, p.p[0], p.p[1], out.f);

@@ -183,7 +183,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
 {
     bowl_room room;
     bowl s;
-    signed char *status = tile->hits.status;
+    sgt_status *status = tile->hits.status;
     mask away[SGT_TILE], far_gone[SGT_TILE];
     if (!conic_valid(c, k, semi_diameter) ||
         !bowl_of(c, k, rim2_of(semi_diameter), opt->proof != SGT_ESTIMATE, &s)) {

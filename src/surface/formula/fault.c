@@ -10,15 +10,15 @@ enum { FAULT_QUOTED = 24 };
 formula_fault *sgt_formula_blame(formula_fault *f, size_t column)
 {
     if (f->found) return NULL;
-    f->found = true, f->error.column = column, f->error.text[0] = 0;
+    f->found = true, f->error.column = column;
     return f;
 }
 
 static void fault_append(formula_fault *f, char c)
 {
     size_t at = 0;
-    while (f->error.text[at]) at++;
-    if (at + 1 < sizeof f->error.text) f->error.text[at] = c, f->error.text[at + 1] = 0;
+    while (at + 1 < sizeof f->error.words && f->error.words[at]) at++;
+    if (at + 1 < sizeof f->error.words) f->error.words[at] = c, f->error.words[at + 1] = 0;
 }
 
 formula_fault *sgt_formula_say(formula_fault *f, const char *text)

@@ -7,7 +7,7 @@
 /* The first fault that was found; later ones follow from it, and are not told. */
 typedef struct formula_fault {
     bool found;
-    sgt_formula_error error;
+    sgt_error error;
 } formula_fault;
 
 /* Says that there is a fault at that column.  Returns it, to be told with the functions below; NULL if there

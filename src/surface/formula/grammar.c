@@ -131,10 +131,10 @@ static polar_value read_sum(formula_reader *r, size_t open);
 
 static bool reader_goes_deeper(formula_reader *r)
 {
-    if (r->depth < SGT_FORMULA_DEEPEST) return r->depth++, true;
+    if (r->depth < SGT_DEEPEST_FORMULA) return r->depth++, true;
     formula_fault *f = sgt_formula_blame(&r->fault, sgt_scan_column(&r->scan));
     f = sgt_formula_say(f, "parentheses and powers are nested more than ");
-    sgt_formula_say(sgt_formula_say_number(f, SGT_FORMULA_DEEPEST), " deep");
+    sgt_formula_say(sgt_formula_say_number(f, SGT_DEEPEST_FORMULA), " deep");
     r->scan.word = WORD_END;
     return false;
 }

@@ -27,11 +27,11 @@ enum { ROOM_ALIGNED = sizeof(double) };
 
 static size_t room_rounded(size_t bytes) { return (bytes + ROOM_ALIGNED - 1) / ROOM_ALIGNED * ROOM_ALIGNED; }
 
-/* How long a text is; SGT_FORMULA_LONGEST + 1 if it is longer. */
+/* How long a text is; SGT_LONGEST_FORMULA + 1 if it is longer. */
 static size_t text_length(const char *text)
 {
     size_t length = 0;
-    while (length <= SGT_FORMULA_LONGEST && text[length]) length++;
+    while (length <= SGT_LONGEST_FORMULA && text[length]) length++;
     return length;
 }
 
@@ -58,7 +58,7 @@ static room_plan room_for(const char *text, size_t length, size_t n)
 size_t sgt_formula_room(const char *text, size_t n)
 {
     size_t length = text ? text_length(text) : 0;
-    if (length > SGT_FORMULA_LONGEST || n > SGT_FORMULA_PARAMETERS) return 0;
+    if (length > SGT_LONGEST_FORMULA || n > SGT_MOST_FORMULA_PARAMETERS) return 0;
     return room_for(text, length, n).all;
 }
 
@@ -74,9 +74,9 @@ static void room_too_small(formula_fault *fault, size_t size, size_t wanted)
 
 static void parameters_checked(formula_fault *fault, size_t n, const sgt_named parameters[])
 {
-    if (n > SGT_FORMULA_PARAMETERS) {
+    if (n > SGT_MOST_FORMULA_PARAMETERS) {
         formula_fault *f = sgt_formula_say(sgt_formula_blame(fault, 0), "there are more than ");
-        sgt_formula_say(sgt_formula_say_number(f, SGT_FORMULA_PARAMETERS), " parameters");
+        sgt_formula_say(sgt_formula_say_number(f, SGT_MOST_FORMULA_PARAMETERS), " parameters");
         return;
     }
     for (size_t i = 0; i < n && !fault->found; i++) {
@@ -157,7 +157,7 @@ static sgt_tape *tape_made(formula_reader *r, int result, sgt_tape *tape, size_t
 static sgt_tape *tape_read(formula_reader *r, size_t length, void *room, size_t size)
 {
     const room_plan plan = room_for(r->scan.text, length, r->names);
-    double values[SGT_FORMULA_PARAMETERS];
+    double values[SGT_MOST_FORMULA_PARAMETERS];
     const size_t given = room ? size : 0;
     size = size < plan.all ? size - size % ROOM_ALIGNED : plan.all;
     if (!room || size < plan.head + plan.tail + 4 * sizeof(formula_node))
@@ -187,16 +187,16 @@ static sgt_tape *tape_read(formula_reader *r, size_t length, void *room, size_t 
 }
 
 sgt_tape *sgt_formula_read(const char *text, sgt_formula_kind kind, size_t n, const sgt_named parameters[],
-                           void *room, size_t size, sgt_formula_error *error)
+                           void *room, size_t size, sgt_error *error)
 {
     formula_reader r = {.kind = kind, .names = n, .name = parameters, .scan = {.text = text ? text : ""}};
     sgt_tape *tape = NULL;
     size_t length = text_length(r.scan.text);
     r.scan.fault = &r.fault;
     parameters_checked(&r.fault, n, parameters);
-    if (length > SGT_FORMULA_LONGEST) {
-        formula_fault *f = sgt_formula_blame(&r.fault, SGT_FORMULA_LONGEST + 1);
-        f = sgt_formula_say_number(sgt_formula_say(f, "a formula has at most "), SGT_FORMULA_LONGEST);
+    if (length > SGT_LONGEST_FORMULA) {
+        formula_fault *f = sgt_formula_blame(&r.fault, SGT_LONGEST_FORMULA + 1);
+        f = sgt_formula_say_number(sgt_formula_say(f, "a formula has at most "), SGT_LONGEST_FORMULA);
         sgt_formula_say(f, " characters");
     }
     if (!r.fault.found) tape = tape_read(&r, length, room, size);

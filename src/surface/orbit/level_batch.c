@@ -418,12 +418,10 @@ static void write_without(const sgt_hits *out, size_t i, sgt_status status, int 
 
 static void give_up(job *j, size_t i) { j->tile->hits.status[i] = SGT_HARD, j->hard++; }
 
-/* A ray of the tile, with its ends as sgt_intersect sets them for a single ray. */
 SGT_INLINE sgt_ray ray_at(const sgt_rays *r, size_t i)
 {
-    double tmin = r->tmin[i], tmax = r->tmax[i], half_line = tmin >= 0 ? HUGE_VAL : 0;
     return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]},
-                     tmin, tmax == 0 ? half_line : tmax};
+                     r->tmin[i], r->tmax[i]};
 }
 
 /* Makes ray `at` of the tile ready as number i of those that wait.  Returns 1 if it is ready, 0 if it

@@ -139,7 +139,7 @@ SGT_INLINE void lane_nothing(const sgt_tile *tile, lane_ends *ends)
  * number of hard rays. */
 SGT_INLINE size_t lane_told(const sgt_tile *tile, const lane_ends *ends, int evals, mask all)
 {
-    signed char *status = tile->hits.status;
+    sgt_status *status = tile->hits.status;
     size_t hard = 0;
     if (all) memset(status, SGT_HIT, tile->n);
     for (size_t i = 0; !all && i < tile->n; i++) {

@@ -271,7 +271,7 @@ static bool diagnose_missing(const diagnose_arguments *a, const job *j, const la
     const sgt_field_beam beam = launch_beam(j->how, j->field_kind, j->field[l->field]);
     const sgt_pupil_point at = {l->px, l->py, 1};
     sgt_launched launched;
-    if (!sgt_launch_rays(j->how->from, &beam, j->element, j->lens.index_before, 1, &at, &launched))
+    if (!sgt_launch_rays(j->how->from, &beam, j->element, j->lens.index_before, 1, &at, &launched, NULL))
         fail_input("out of memory");
     table *t = table_begin(&a->shared.target, HEAD_COUNT, diagnose_head);
     table_line(t, "%s: ray %zu, field %zu, through %g, %g of the pupil.  It was not traced.  It has to meet\n"

@@ -4,6 +4,7 @@
 #include "../base/memory.h"
 #include "../show/frame.h"
 #include "../../text/number.h"
+#include "../read/rays.h"
 #include "../read/surface.h"
 
 #include <math.h>
@@ -251,7 +252,7 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
 static void explain_not_accepted(table *t, const record *r, const search *s)
 {
     const sgt_ray *ray = &s->ray;
-    const double tmin = ray->tmin, tmax = ray->tmax == 0 && tmin >= 0 ? HUGE_VAL : ray->tmax,
+    const double tmin = ray->tmin, tmax = ray_end(ray),
                  close = 0x1p-40 * (fabs(r->t) + fabs(tmin));
     const sgt_surface surface = s->surface;
     sgt_vec3 p = vector_along(ray->o, ray->d, r->t);

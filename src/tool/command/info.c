@@ -137,11 +137,11 @@ static info_arguments info_arguments_of(const command *c, int argc, char *argv[]
     return a;
 }
 
-sgt_first_order info_first_order(const lens *l, sgt_seidel seidel[], const char **why_not)
+sgt_first_order info_first_order(const lens *l, sgt_seidel seidel[])
 {
     sgt_first_order o;
-    sgt_lens_error e;
-    if (!sgt_lens_first_order(l->of, l->wavelength, &o, seidel, why_not, &e)) lens_refuse(&e);
+    sgt_error e;
+    if (!sgt_lens_first_order(l->of, l->wavelength, &o, seidel, &e)) lens_refuse(&e);
     return o;
 }
 
@@ -152,7 +152,7 @@ static void write_by_columns(const info_arguments *a, const lens_list *at)
     for (int k = 0; k < QUANTITIES; k++) columns[k] = (column){quantity[k].name, COLUMN_EXACT};
     table *t = table_begin(&a->target, QUANTITIES, columns);
     for (size_t i = 0; i < at->count; i++) {
-        sgt_first_order o = info_first_order(&at->lens[i], NULL, NULL);
+        sgt_first_order o = info_first_order(&at->lens[i], NULL);
         for (int k = 0; k < QUANTITIES; k++) table_number(t, value_of(&o, k));
     }
     table_end(t);
@@ -209,7 +209,7 @@ static void write_by_rows(const info_arguments *a, const lens_list *at)
     sgt_first_order *o = memory_take(at->count, sizeof *o);
     columns[0] = (column){"quantity", COLUMN_WORD};
     for (size_t i = 0; i < at->count; i++) {
-        o[i] = info_first_order(&at->lens[i], NULL, NULL);
+        o[i] = info_first_order(&at->lens[i], NULL);
         columns[i + 1] = (column){"value", COLUMN_NUMBER};
     }
     columns[at->count + 1] = (column){"is", COLUMN_WORD};
@@ -278,9 +278,8 @@ static void write_seidel(const info_arguments *a, const lens *l)
         {"distortion", COLUMN_NUMBER}, {"axial", COLUMN_NUMBER},       {"lateral", COLUMN_NUMBER},
     };
     sgt_seidel *s = memory_take(l->count, sizeof *s);
-    const char *why_not;
-    info_first_order(l, s, &why_not);
-    if (why_not) note("%s: no Seidel sums: %s", l->of->file, why_not);
+    const char *without = info_first_order(l, s).without_seidel;
+    if (without) note("%s: no Seidel sums: %s", l->of->file, without);
     table *t = table_begin(&a->target, SEIDEL_COLUMNS, columns);
     say_sums(t, l);
     for (size_t i = 0; i < l->count; i++) {
@@ -329,7 +328,7 @@ static void note_limits(const sgt_lens *l)
 /* ------------------------------------------------------------- chief rays */
 
 /* "FILE:LINE: key: words" */
-static const char *fault_of(const sgt_lens_error *e)
+static const char *fault_of(const sgt_error *e)
 {
     char text[sizeof *e + 40];
     snprintf(text, sizeof text, "%s:%zu: %s%s%s", e->file, e->line, e->key, *e->key ? ": " : "", e->words);
@@ -368,9 +367,9 @@ static const char *find_chief(const sgt_launcher *from, const lens *l, size_t fi
 {
     const sgt_pupil_point centre = {0, 0, 1};
     sgt_field_beam beam;
-    sgt_lens_error e;
+    sgt_error e;
     if (!sgt_launch_field(from, l->of->field_kind, &l->of->field[field], &beam, &e)) return fault_of(&e);
-    if (!sgt_launch_rays(from, &beam, l->element, l->index_before, 1, &centre, chief))
+    if (!sgt_launch_rays(from, &beam, l->element, l->index_before, 1, &centre, chief, NULL))
         fail_input("out of memory");
     return chief->status == SGT_MET          ? NULL
            : chief->status == SGT_NO_SUCH_RAY ? "there is no ray through the centre of the stop"
@@ -382,8 +381,8 @@ info_chief *info_chiefs(const lens *l)
     const size_t fields = l->of->fields;
     const double none = (double)NAN;
     info_chief *out = memory_take(fields, sizeof *out);
-    const sgt_lens_aim aim = l->of->telecentric ? SGT_AIM_PUPIL : SGT_AIM_STOP;
-    sgt_lens_error e;
+    const sgt_lens_aim aim = l->of->telecentric ? SGT_LENS_AIM_PUPIL : SGT_LENS_AIM_STOP;
+    sgt_error e;
     sgt_launcher *from = sgt_launcher_new(
         l->of, &(sgt_launcher_options){.aim = &aim, .wavelength = isnan(l->wavelength) ? 0 : l->wavelength},
         &e);

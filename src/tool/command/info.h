@@ -10,8 +10,8 @@ typedef struct info_chief {
     const char *why_not;   /* NULL, or why there is no such data: all of it is NaN */
 } info_chief;
 
-/* The paraxial data at the wavelength of the lens; seidel, why_not: as for sgt_lens_first_order. */
-sgt_first_order info_first_order(const lens *l, sgt_seidel seidel[], const char **why_not);
+/* The paraxial data at the wavelength of the lens; seidel: as for sgt_lens_first_order. */
+sgt_first_order info_first_order(const lens *l, sgt_seidel seidel[]);
 sgt_seidel info_seidel_sum(const lens *l, const sgt_seidel seidel[]);
 info_chief *info_chiefs(const lens *l);        /* one for each field */
 double info_power_xy(const sgt_parabasal *p);  /* how far its sections mix */

@@ -105,8 +105,7 @@ static void put_lens(json *j, const lens *l)
 {
     const sgt_lens *of = l->of;
     sgt_seidel *seidel = memory_take(l->count, sizeof *seidel);
-    const char *why_not;
-    const sgt_first_order o = info_first_order(l, seidel, &why_not);
+    const sgt_first_order o = info_first_order(l, seidel);
     json_open(j, NULL, '{', true);
     json_word(j, "name", none_if_empty(of->name));
     json_word(j, "units", none_if_empty(of->units));
@@ -135,7 +134,7 @@ static void put_lens(json *j, const lens *l)
     json_number(j, "rear_principal", o.rear_principal);
     json_number(j, "front_nodal", o.front_nodal);
     json_number(j, "rear_nodal", o.rear_nodal);
-    put_seidel(j, l, seidel, why_not);
+    put_seidel(j, l, seidel, o.without_seidel);
     json_number(j, "angular_magnification", o.angular_magnification);
     json_truth(j, "afocal", of->afocal);
     json_close(j);

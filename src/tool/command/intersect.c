@@ -151,7 +151,7 @@ typedef struct intersect_room {
     size_t there;
     double ray[8][TILE_RAYS];                  /* o, d, tmin, tmax */
     double number[8][TILE_RAYS];               /* t, t_err, p, n */
-    signed char status[TILE_RAYS];
+    sgt_status status[TILE_RAYS];
     int evals[TILE_RAYS];
     sgt_hit *hit;                              /* [capacity], for --all: the roots of one ray */
     int capacity;

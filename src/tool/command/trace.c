@@ -158,7 +158,7 @@ enum { RECORDS_MOST = 1 << 16 }; /* the most rays times elements in a tile */
 
 /* One element as the rays of a tile met it. */
 typedef struct records {
-    signed char *status;
+    sgt_status *status;
     int *evals;
     double *number[9];             /* p, direction, t, t_err, opl */
 } records;
@@ -169,7 +169,7 @@ typedef struct trace_room {
     const launch *launch;          /* [TILE_RAYS], in `room` or in a list */
     size_t there;                  /* so many are traced; the others are not there */
     double ray[6][TILE_RAYS];      /* o, d; after the trace, where it ended */
-    signed char fate[TILE_RAYS];
+    sgt_fate fate[TILE_RAYS];
     int passed[TILE_RAYS];
     records *record;               /* [elements] */
     sgt_passages *passages;        /* [elements], for the library: point into record */
@@ -209,7 +209,7 @@ static trace_room trace_room_for(const trace_work *w, size_t rays)
     trace_room r = {.record = memory_take(count, sizeof *r.record),
                     .passages = memory_take(count, sizeof *r.passages), .rows = table_part(w->table)};
     if (w->stretches) r.alone = memory_take(count, sizeof *r.alone);
-    signed char *status = memory_take(count, rays * sizeof *status);
+    sgt_status *status = memory_take(count, rays * sizeof *status);
     int *evals = memory_take(count, rays * sizeof *evals);
     double *number = memory_take(count, 9 * rays * sizeof *number);
     for (size_t i = 0; i < count; i++) {
@@ -449,7 +449,7 @@ static void write_doubts(const trace_work *w)
 {
     const job *j = w->job;
     const job_options *o = &w->asked->job;
-    const bool aimed = o->aim_given ? o->aimed : j->lens.of->aim != SGT_AIM_PUPIL;
+    const bool aimed = o->aim_given ? o->aimed : j->lens.of->aim != SGT_LENS_AIM_PUPIL;
     for (size_t k = 1; k < j->lens.count; k++)
         if (w->back[k])
             table_line(

@@ -311,10 +311,10 @@ static void read_wavelengths(job *j, const job_options *o)
 
 const sgt_lens_aim *job_aim(const job_options *o, const sgt_lens *l)
 {
-    static const sgt_lens_aim pupil = SGT_AIM_PUPIL, stop = SGT_AIM_STOP;
+    static const sgt_lens_aim pupil = SGT_LENS_AIM_PUPIL, stop = SGT_LENS_AIM_STOP;
     if (!o->aim_given) return NULL;
     if (!o->aimed) return &pupil;
-    return l->aim == SGT_AIM_REAL_STOP ? NULL : &stop;
+    return l->aim == SGT_LENS_AIM_REAL_STOP ? NULL : &stop;
 }
 
 field_list job_fields(const job_options *o, const lens *l)
@@ -424,7 +424,7 @@ job job_read(const job_options *o)
     launch_pattern *points = memory_take(1, sizeof *points);
     *points = job_points(o, SGT_PATTERN_FAN, FAN_DEFAULT);
     const sgt_lens_aim *aim = job_aim(o, j.lens.of);
-    const bool aimed = (aim ? *aim : j.lens.of->aim) != SGT_AIM_PUPIL;
+    const bool aimed = (aim ? *aim : j.lens.of->aim) != SGT_LENS_AIM_PUPIL;
     j.how = memory_take(1, sizeof *j.how);
     *j.how = launch_by(&j.lens, aim);
     j.how->field_number = j.field_number;

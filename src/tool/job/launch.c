@@ -27,7 +27,7 @@ static void free_launchers(void)
 
 launch_how launch_by(const lens *l, const sgt_lens_aim *aim)
 {
-    sgt_lens_error e;
+    sgt_error e;
     const sgt_launcher_options options = {.aim = aim, .wavelength = isnan(l->wavelength) ? 0 : l->wavelength};
     launch_how how = {.from = sgt_launcher_new(l->of, &options, &e)};
     if (!how.from) lens_refuse(&e);
@@ -69,7 +69,7 @@ bool launch_there(launch_how *how, const launch *l)
 sgt_field_beam launch_beam(const launch_how *how, sgt_field_kind kind, sgt_lens_field at)
 {
     sgt_field_beam beam;
-    sgt_lens_error e;
+    sgt_error e;
     if (!sgt_launch_field(how->from, kind, &at, &beam, &e)) lens_refuse(&e);
     return beam;
 }
@@ -86,7 +86,7 @@ void launch_part(const launch_plan *plan, size_t first, size_t count, launch out
         part = count - done < left ? count - done : left;
         if (part > LAUNCH_PART) part = LAUNCH_PART;
         if (!sgt_launch_rays(plan->how->from, &plan->beam[field], plan->element,
-                             plan->traced->index_before, part, p, launched))
+                             plan->traced->index_before, part, p, launched, NULL))
             fail_input("out of memory");
         for (size_t i = 0; i < part; i++)
             out[done + i] = (launch){.ray = launched[i].ray, .number = number + i, .field = field,

@@ -225,7 +225,7 @@ static sgt_study *studies[1];
 static void free_study(void) { sgt_study_free(studies[0]); }
 
 /* A fault of a setting or of the points is one of the arguments. */
-_Noreturn static void refuse(const look *l, const sgt_lens_error *e)
+_Noreturn static void refuse(const look *l, const sgt_error *e)
 {
     if (!e->line && (setting_named(l->of, e->key) || strcmp(e->key, "rays") == 0))
         fail_usage("--%s: %s", e->key, e->words);
@@ -237,7 +237,7 @@ _Noreturn static void refuse(const look *l, const sgt_lens_error *e)
 static void begin_study(look *l, const job_points_asked *points, int *threads)
 {
     const job_options *o = &l->job;
-    sgt_lens_error e;
+    sgt_error e;
     sgt_lens *of;
     const lens_list lenses = job_lenses(o);
     l->band = lenses.lens, l->bands = lenses.count, of = lenses.lens[0].of;
@@ -377,7 +377,7 @@ static void keep_any_row(void *context, const void *row) { keep_row(context, row
 look look_again(const look *l, const char *analysis)
 {
     look other = *l;
-    sgt_lens_error e;
+    sgt_error e;
     other.of = sgt_analysis_named(analysis), other.row = NULL, other.rows = other.room = 0;
     const sgt_sink sink = {.context = &other, .row = keep_any_row};
     if (!sgt_study_run(l->study, other.of, l->options, &sink, NULL, &e)) refuse(l, &e);
@@ -475,7 +475,7 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     look l = {.of = sgt_analysis_named(c->name)};
     printing p = {.look = &l, .way = way};
     sgt_sink sink = {.context = &p, .row = print_row, .say = take_sentence};
-    sgt_lens_error e;
+    sgt_error e;
     int threads;
     take_options(&l, c, way, argc, argv);
     job_points_asked points = {.count = 0};

@@ -7,10 +7,11 @@
 #include "../base/memory.h"
 
 #include <sagitta/geo.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-const sgt_builtin *earth_types(void) { return sgt_geo_builtins; }
+const sgt_builtin *earth_types(void) { return sgt_geo_builtins(); }
 
 static sgt_geoid **opened;
 static size_t count, room;
@@ -24,15 +25,19 @@ const sgt_surface_ops *earth_file_ops(void) { return &sgt_geoid_height_ops; }
 
 const char *earth_complete(void *context, const sgt_builtin *type, void *self, const char *path)
 {
-    static char error[1200];
+    static char why[sizeof(sgt_error)];
+    sgt_error error;
     char found[1000];
     (void)context, (void)type;
     if (!path && !sgt_geoid_find(found, sizeof found))
         return "missing, and the default grid, egm96_15.gtx of proj-data, is not installed";
     opened = memory_room(opened, count, &room, sizeof *opened);
     if (count == 0) atexit(close_all);
-    sgt_geoid *geoid = sgt_geoid_open(path ? path : found, error, sizeof error);
-    if (!geoid) return error;
+    sgt_geoid *geoid = sgt_geoid_open(path ? path : found, &error);
+    if (!geoid) {
+        snprintf(why, sizeof why, "%s%s%s", error.file, *error.file ? ": " : "", error.words);
+        return why;
+    }
     opened[count++] = geoid;
     sgt_geoid_height *s = self;
     s->geoid = geoid;

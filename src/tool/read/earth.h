@@ -3,7 +3,7 @@
 #define TOOL_EARTH_H
 #include <sagitta/surfaces.h>
 
-/* A table like sgt_builtins; NULL if the command is built without sagitta_geo. */
+/* A table like that of sgt_builtins(); NULL if the command is built without sagitta_geo. */
 const sgt_builtin *earth_types(void);
 
 /* For sgt_lens_options: opens the file of a geoid. */

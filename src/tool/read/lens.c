@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-_Noreturn void lens_refuse(const sgt_lens_error *e)
+_Noreturn void lens_refuse(const sgt_error *e)
 {
     const char *key = e->key, *colon = *key ? ": " : "";
     if (e->line) fail_input("%s:%zu: %s%s%s", e->file, e->line, key, colon, e->words);
@@ -23,7 +23,7 @@ _Noreturn void lens_refuse(const sgt_lens_error *e)
 
 _Noreturn void lens_fail(const lens *l, const char *key, const char *format, ...)
 {
-    sgt_lens_error e = {.line = l->of->line};
+    sgt_error e = {.line = l->of->line};
     va_list values;
     va_start(values, format);
     vsnprintf(e.words, sizeof e.words, format, values);
@@ -57,7 +57,7 @@ static void forget_glasses(void) { sgt_catalogue_free(glasses); }
 static const sgt_catalogue *own_glasses(void)
 {
     if (glasses || !folders) return glasses;
-    sgt_lens_error e;
+    sgt_error e;
     glasses = sgt_catalogue_new(NULL);
     if (!glasses) fail_input("out of memory");
     atexit(forget_glasses);
@@ -153,7 +153,7 @@ static lens lens_chosen(sgt_lens *of, lens_wavelength at)
     return l;
 }
 
-static bool lens_fill(lens *l, sgt_lens_error *e)
+static bool lens_fill(lens *l, sgt_error *e)
 {
     if (!sgt_lens_at(l->of, l->wavelength, l->element, &l->index_before, e)) return false;
     for (size_t i = 0; i < l->count; i++)
@@ -164,7 +164,7 @@ static bool lens_fill(lens *l, sgt_lens_error *e)
 lens lens_at(sgt_lens *of, lens_wavelength at)
 {
     lens l = lens_chosen(of, at);
-    sgt_lens_error e;
+    sgt_error e;
     if (!lens_fill(&l, &e)) lens_refuse(&e);
     note_ranges(&l);
     return l;
@@ -190,7 +190,7 @@ static void note_remarks(const sgt_lens *l)
 sgt_lens *lens_open(const char *path)
 {
     sgt_lens_options o = lens_options();
-    sgt_lens_error e;
+    sgt_error e;
     sgt_lens *of;
     if (strcmp(path, "-") == 0) {
         input in = input_read(path);
@@ -206,7 +206,7 @@ sgt_lens *lens_open(const char *path)
 lens lens_of_text(const char *name, const char *text)
 {
     sgt_lens_options o = lens_options();
-    sgt_lens_error e;
+    sgt_error e;
     sgt_lens *of = sgt_lens_read_text(name, text, strlen(text), &o, &e);
     if (!of) lens_refuse(&e);
     return lens_at(lens_keep(of), (lens_wavelength){.um = (double)NAN});

@@ -44,7 +44,7 @@ lens lens_at(sgt_lens *of, lens_wavelength at);
 lens lens_of_text(const char *name, const char *text);
 
 /* Ends the command by what is wrong with a file: "FILE:LINE: KEY: words". */
-_Noreturn void lens_refuse(const sgt_lens_error *e);
+_Noreturn void lens_refuse(const sgt_error *e);
 
 /* The same of a lens that was read, where the line is that of its beginning. */
 _Noreturn void lens_fail(const lens *l, const char *key, const char *format, ...) LIKE_PRINTF(3, 4);

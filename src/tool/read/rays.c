@@ -49,6 +49,12 @@ LIKE_PRINTF(2, 3) static bool bad(char why[RAY_WHY], const char *format, ...)
     return false;
 }
 
+double ray_end(const sgt_ray *ray)
+{
+    bool none = ray->tmin == 0 && ray->tmax == 0 && !signbit(ray->tmax);
+    return none ? HUGE_VAL : ray->tmax + 0.0; /* a -0, of sgt_ray_between, is 0 */
+}
+
 bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[RAY_WHY])
 {
     for (int i = 0; i < RAY_TMIN; i++)
@@ -64,8 +70,7 @@ bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, c
         return bad(why, "tmin, tmax: tmin must not be above tmax, and %g is above %g", ray->tmin, ray->tmax);
     if (ray->tmin == HUGE_VAL || ray->tmax == -HUGE_VAL)
         return bad(why, "tmin, tmax: there is nothing between %g and %g", ray->tmin, ray->tmax);
-    /* For the library tmin = tmax = 0 means "no end".  Here the 0 was written down, and means 0. */
-    if (ray->tmax == 0 && ray->tmin == 0) ray->tmax = DBL_MIN * DBL_EPSILON;
+    *ray = sgt_ray_between(ray->o, ray->d, ray->tmin, ray->tmax); /* 0 to 0 was written, and is meant */
     return true;
 }
 

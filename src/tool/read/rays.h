@@ -37,6 +37,9 @@ void rays_read(ray_list *list, const char *path, bool skip_bad);
  * are good. */
 const launch *rays_part(const ray_list *list, size_t first, size_t count, launch room[], size_t *there);
 
+/* The tmax that is meant: infinity where both ends are left at their default. */
+double ray_end(const sgt_ray *ray);
+
 /* Adds the ray of a --ray: "ox oy oz dx dy dz", optionally followed by "tmin tmax". */
 void rays_parse(ray_list *list, const char *text);
 

@@ -8,7 +8,7 @@
 sgt_surface surface_parse_typed(const char *option, const char *text, const char **type)
 {
     sgt_lens_options o = lens_options();
-    sgt_lens_error e;
+    sgt_error e;
     sgt_lens *l = sgt_lens_read_surface(option, text, &o, &e);
     if (!l) lens_refuse(&e);
     *type = lens_keep(l)->surface[0].type;
@@ -23,18 +23,18 @@ sgt_surface surface_parse(const char *option, const char *text)
 
 const sgt_builtin *surface_row(sgt_surface s)
 {
-    const sgt_builtin *b = sgt_builtins;
+    const sgt_builtin *b = sgt_builtins();
     while (b->type && b->ops != s.ops) b++;
     return b;
 }
 
-bool surface_is_level_set(sgt_surface s) { return surface_row(s)->family == SGT_LEVEL_SET; }
+bool surface_is_level_set(sgt_surface s) { return surface_row(s)->family == SGT_FAMILY_LEVEL_SET; }
 
 const double *surface_number(sgt_surface s, const char *key)
 {
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         for (const sgt_param *p = b->params; b->ops == s.ops && p->name; p++)
-            if (p->kind == SGT_REAL && strcmp(p->name, key) == 0)
+            if (p->kind == SGT_PARAM_REAL && strcmp(p->name, key) == 0)
                 return (const void *)((const char *)s.self + p->offset);
     return NULL;
 }

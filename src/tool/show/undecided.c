@@ -9,6 +9,7 @@
 #include "../base/memory.h"
 #include "../../text/number.h"
 #include "profile.h"
+#include "../read/rays.h"
 #include "../read/surface.h"
 
 #include <math.h>
@@ -23,7 +24,7 @@ bool undecided_has_rim(sgt_surface s) { return surface_number(s, RIM) != NULL; }
 bare_surface undecided_without_rim(sgt_surface s)
 {
     const sgt_builtin *row = surface_row(s);
-    bare_surface b = {.surface = s, .terms = row->family != SGT_CONIC};
+    bare_surface b = {.surface = s, .terms = row->family != SGT_FAMILY_CONIC};
     const double *rim = surface_number(s, RIM), *c = surface_number(s, "curvature"),
                  *k = surface_number(s, "conic");
     if (!rim) return b;
@@ -34,7 +35,7 @@ bare_surface undecided_without_rim(sgt_surface s)
     b.rim = *rim;
     /* with a curvature_x, c and k belong to one section only */
     if (!surface_number(s, "curvature_x")) b.c = c ? *c : 0, b.k = k ? *k : 0;
-    if (row->family == SGT_ASPHERE) { /* of no terms it is a conic */
+    if (row->family == SGT_FAMILY_ASPHERE) { /* of no terms it is a conic */
         const double *a = surface_number(s, "coefficients");
         b.terms = false;
         for (int i = 0; i < 8; i++) b.terms = b.terms || a[i] != 0;
@@ -185,8 +186,7 @@ static const char *reason_of(const search *s)
 /* " from t = 1 to 2"; "" for the whole ray. */
 static const char *stretch_of(const search *s)
 {
-    const double lo = s->hit->lo, hi = s->hit->hi,
-                 tmax = s->ray.tmax == 0 && s->ray.tmin >= 0 ? HUGE_VAL : s->ray.tmax;
+    const double lo = s->hit->lo, hi = s->hit->hi, tmax = ray_end(&s->ray);
     const bool starts = lo > s->ray.tmin, ends = hi < tmax;
     const char *from = number_text(lo), *to = number_text(hi);
     if (starts && ends && strcmp(from, to) == 0) return memory_print(" at t = %s", from);

@@ -103,7 +103,7 @@ static double sag_reach(sgt_surface s)
     const double *step_x = surface_number(s, "step_x"), *step_y = surface_number(s, "step_y");
     for (const sgt_param *p = surface_row(s)->params; step_x && step_y && p->name; p++) {
         const sgt_numbers *z = (const void *)((const char *)s.self + p->offset);
-        if (p->kind == SGT_TABLE && z->rows)
+        if (p->kind == SGT_PARAM_TABLE && z->rows)
             reach = fmin(reach, 0.3125 * fmin(*step_x * (double)(z->columns - 1),
                                               *step_y * (double)(z->rows - 1)));
     }
@@ -152,7 +152,7 @@ static trade_case *add_case(trade *t, const char *name, const ray_list *rays)
     for (size_t i = 0; i < c->rays; i++) {
         const sgt_ray *r = &rays->ray[i].ray;
         const double number[8] = {r->o.x, r->o.y, r->o.z,  r->d.x,
-                                  r->d.y, r->d.z, r->tmin, r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax};
+                                  r->d.y, r->d.z, r->tmin, ray_end(r)};
         for (int k = 0; k < 8; k++) array[k][i] = number[k];
         ended = ended || number[6] != 0 || number[7] < HUGE_VAL;
         c->ray[i] = *r;
@@ -373,7 +373,7 @@ static const job *scan_lens(void)
     j->lens = lens_of_text("scan-lens", SCAN_LENS);
     j->element = j->lens.element;
     j->fields = j->lens.of->fields, j->field = j->lens.of->field;
-    launch_how how = launch_by(&j->lens, &(sgt_lens_aim){SGT_AIM_PUPIL});
+    launch_how how = launch_by(&j->lens, &(sgt_lens_aim){SGT_LENS_AIM_PUPIL});
     const launch_pattern grid = launch_points(SGT_PATTERN_GRID, GRID_DEFAULT, 0);
     for (size_t f = 0; f < j->fields; f++)
         launch_field(&j->rays, &how, &j->lens, j->lens.element, f, SGT_FIELD_ANGLE, j->field[f], &grid);
@@ -383,11 +383,12 @@ static const job *scan_lens(void)
 static void default_set(trade *t, const trade_options *o)
 {
     static const sgt_conic conic = {.c = 0.1, .k = -0.6};
-    static const sgt_asphere asphere = {.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
+    static const sgt_even_asphere asphere = {
+        .c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
     static const sgt_julia julia = {.c = {-0.083, 0, -0.83, -0.025}, .iterations = 7};
     surface_case(t, o, "conic", "R = 10, k = -0.6", (sgt_surface){&sgt_conic_ops, &conic});
     surface_case(t, o, "asphere", "that conic with 1e-4 r^4 - 2e-6 r^6 + 1e-8 r^8, semi-diameter 4",
-                 (sgt_surface){&sgt_asphere_ops, &asphere});
+                 (sgt_surface){&sgt_even_asphere_ops, &asphere});
     lens_case(t, o, "scan-lens", scan_lens());
     surface_case(t, o, "julia", "c = (-0.083, 0, -0.83, -0.025), N = 7",
                  (sgt_surface){&sgt_julia_ops, &julia});
