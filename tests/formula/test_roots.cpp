@@ -144,7 +144,8 @@ class judge
                              out[2].data(),
                              {out[3].data(), out[4].data(), out[5].data()},
                              {out[6].data(), out[7].data(), out[8].data()},
-                             out[9].data()};
+                             out[9].data(),
+                             {}};
         for (const sgt_proof p : {SGT_ESTIMATE, SGT_PROVE_FIRST}) {
             sgt_options o = {};
             o.proof = p;

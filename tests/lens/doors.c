@@ -158,12 +158,12 @@ static bool ask_first_order(const sgt_lens *lens)
         MEMBER(angular_magnification)
 #undef MEMBER
     };
-    const char *um = strtok(NULL, " "), *why_not;
+    const char *um = strtok(NULL, " ");
     sgt_error error = {.line = 0};
     sgt_first_order data;
     sgt_seidel *seidel = um ? calloc(lens->count, sizeof *seidel) : NULL;
     if (!seidel) return false;
-    if (!sgt_lens_first_order(lens, strtod(um, NULL), &data, seidel, &why_not, &error)) put_fault(&error);
+    if (!sgt_lens_first_order(lens, strtod(um, NULL), &data, seidel, &error)) put_fault(&error);
     else {
         for (size_t i = 0; i < sizeof member / sizeof *member; i++) {
             double x;
@@ -178,7 +178,7 @@ static bool ask_first_order(const sgt_lens *lens)
             for (size_t k = 0; k < sizeof x / sizeof *x; k++) put_double(x[k]);
             printf("\n");
         }
-        printf("why_not %s\n", why_not ? why_not : "");
+        printf("why_not %s\n", data.without_seidel ? data.without_seidel : "");
     }
     free(seidel);
     return true;

@@ -466,7 +466,8 @@ int main()
                              out[2].data(),
                              {out[3].data(), out[4].data(), out[5].data()},
                              {out[6].data(), out[7].data(), out[8].data()},
-                             out[9].data()},
+                             out[9].data(),
+                             {}},
                             &opt);
         for (size_t k = 0; k < N; k++) {
             by_one = 0;

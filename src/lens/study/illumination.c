@@ -80,8 +80,8 @@ static double chief_cos4(sgt_asking *a, size_t i, double *error)
     sgt_passage *passages = sgt_ask_room(a, count, sizeof *passages);
     if (a->failed) return *error;
     sgt_launch_ending(count, b->element, own);
-    if (!sgt_trace_chief(a->from, beam, b->element, b->before, &chief) ||
-        !sgt_launch_rays(a->from, beam, own, b->before, 1, &centre, &launched)) {
+    if (!sgt_trace_chief(a->from, beam, b->element, b->before, &chief, NULL) ||
+        !sgt_launch_rays(a->from, beam, own, b->before, 1, &centre, &launched, NULL)) {
         sgt_ask_fail(a, "", "no memory");
         return *error;
     }
@@ -127,22 +127,22 @@ static bool ask_illumination(sgt_asking *a)
 static const sgt_column illumination_columns[] = {
     COLUMN_FIELD(sgt_illumination_row),
     COLUMN_WAVELENGTH(sgt_illumination_row, 0),
-    {"rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, AT(rays), 0, "how many were sent"},
-    {"passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, AT(passed), 0, "how many reached the image"},
-    {"fraction", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, AT(fraction), 0,
+    {.name = "rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, AT(rays), 0, "how many were sent"},
+    {.name = "passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, AT(passed), 0, "how many reached the image"},
+    {.name = "fraction", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, AT(fraction), 0,
      "of the area of the pupil: how much passes, 0 to 1"},
-    {"cos4", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, AT(cos4), AT(cos4_err),
+    {.name = "cos4", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, AT(cos4), AT(cos4_err),
      "cos^4 of the angle between the chief ray and the z axis of the last surface, in front of it"},
-    {"illumination", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, AT(illumination), AT(illumination_err),
+    {.name = "illumination", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, AT(illumination), AT(illumination_err),
      "fraction times cos4: 1 for a field on the axis that loses nothing"},
-    {"unsure", SGT_COLUMN_ERROR, SGT_UNIT_NONE, 0, AT(unsure), 0,
+    {.name = "unsure", SGT_COLUMN_ERROR, SGT_UNIT_NONE, 0, AT(unsure), 0,
      "the share of rays that were lost: the fraction is too small by no more"},
-    {"sampling", SGT_COLUMN_ERROR, SGT_UNIT_NONE, 0, AT(sampling), 0,
+    {.name = "sampling", SGT_COLUMN_ERROR, SGT_UNIT_NONE, 0, AT(sampling), 0,
      "fraction, less that of half as many rays across the pupil"},
     COLUMN_FATES(sgt_illumination_row),
-    {"cos4_err", SGT_COLUMN_ERROR, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, AT(cos4_err), 0,
+    {.name = "cos4_err", SGT_COLUMN_ERROR, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, AT(cos4_err), 0,
      "rounding puts cos4 off by no more,"},
-    {"illumination_err", SGT_COLUMN_ERROR, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, AT(illumination_err), 0,
+    {.name = "illumination_err", SGT_COLUMN_ERROR, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, AT(illumination_err), 0,
      "nor rounding and lost rays the illumination"},
 };
 
