@@ -54,6 +54,13 @@ static void link_off(chain_tile *b, double *bent_off, double *gradient)
         link_off_by(GRADIENT_OF_OTHER, b, NULL, bent_off, gradient);
 }
 
+/* clang 14 makes no vector code of the loop below, and would warn of the mark. */
+#ifdef __clang__
+#define LANES_BY_GCC
+#else
+#define LANES_BY_GCC LANES
+#endif
+
 /* One row through the element. */
 SGT_INLINE void error_back_by(bool bends, bool turns, bool turned, const error_tile *w, const double *p_err,
                               error_row *row)
@@ -61,7 +68,7 @@ SGT_INLINE void error_back_by(bool bends, bool turns, bool turned, const error_t
     const chain_view v = w->link.view;
     const double opl = row->opl;
     const size_t n = w->link.n;
-    LANES for (size_t i = 0; i < n; i++)
+    LANES_BY_GCC for (size_t i = 0; i < n; i++)
     {
         const chain_link c = chain_link_of(&v, bends, i);
         const chain_back x = {chain_get(&row->p, i), chain_get(&row->d, i), opl, 0};
