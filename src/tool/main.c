@@ -32,7 +32,7 @@ static void print_main_help(FILE *to)
 {
     command c;
     fputs("sagitta: where does a ray meet a surface, and how sure is the answer?\n\n", to);
-    for (size_t i = 0; command_at(i, &c); i++) fprintf(to, "  sagitta %-10s %s\n", c.name, c.brief);
+    for (size_t i = 0; command_at(i, &c); i++) fprintf(to, "  sagitta %-12s %s\n", c.name, c.brief);
     fputs("\n  sagitta COMMAND --help     a command in one screen; --help all: all of it\n"
           "  sagitta --version\n"
           "\n"
