@@ -14,7 +14,7 @@
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
-enum { MOST = 80 * 1024, MORE = 16 * 1024, ROOM = 512 * 1024, RAYS = 300 };
+enum { MOST = 80 * 1024, MORE = 16 * 1024, ROOM = 512 * 1024, RAYS = 150 };
 static const unsigned char PAINT = 0xa5;
 
 /* -------------------------------------------------------------- the painted stack */

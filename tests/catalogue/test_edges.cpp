@@ -589,7 +589,7 @@ void all_again(const oracle::run &r, const char *type, std::size_t k)
 
 int main(int argc, char **argv)
 {
-    const oracle::run r(argc, argv, 6, 20241118);
+    const oracle::run r(argc, argv, 4, 20241118);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
     for (std::size_t k = 0; k < edge_types.size(); k++) {
         if (only && std::strcmp(only, edge_types[k])) continue;
