@@ -194,7 +194,7 @@ int options_word(const option_row *r, const char *value)
 
 static void take_row(const option_row *r, void *into, const char *value)
 {
-    char *to = (char *)into + r->to;
+    char *to = into ? (char *)into + r->to : NULL; /* a command of which nothing is kept has none */
     const bool yes = true;
     double x;
     int n;
