@@ -423,7 +423,8 @@ struct Answers {
                 &t_lo[i],
                 {&p[0][i], &p[1][i], &p[2][i]},
                 {&n[0][i], &n[1][i], &n[2][i]},
-                &p_err[i]};
+                &p_err[i],
+                {}};
     }
 };
 

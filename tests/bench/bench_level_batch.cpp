@@ -166,7 +166,8 @@ int main(int argc, char **argv)
                            out.at(2),
                            {out.at(3), out.at(4), out.at(5)},
                            {out.at(6), out.at(7), out.at(8)},
-                           out.at(9)};
+                           out.at(9),
+                           {}};
     sgt_intersect_batch(surface, n, many, hits, nullptr);
     size_t others = 0;
     double evaluations = 0;

@@ -128,7 +128,7 @@ struct Row {
 
 struct Arrays {
     explicit Arrays(const std::vector<sgt_ray> &from)
-        : n(from.size()), stride((n + 7) / 8 * 8), block(18 * stride + 8), status(n)
+        : n(from.size()), stride((n + 7) / 8 * 8), block(18 * stride + 8), status(n), fate(n)
     {
         double *at = block.data();
         while (reinterpret_cast<uintptr_t>(at) % 64 != 0)
@@ -157,11 +157,12 @@ struct Arrays {
                 nullptr,
                 {out[2], out[3], out[4]},
                 {out[5], out[6], out[7]},
-                nullptr};
+                nullptr,
+                {}};
     }
     sgt_traced traced()
     {
-        return {status.data(), nullptr, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, nullptr};
+        return {fate.data(), nullptr, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, nullptr, {}};
     }
     size_t n;
 private:
@@ -170,6 +171,7 @@ private:
     double *in[6], *out[12];
 public:
     std::vector<sgt_status> status;
+    std::vector<sgt_fate> fate;
 };
 
 void put(const sgt_hits &h, size_t i, const sgt_hit &hit)
@@ -341,7 +343,7 @@ void add_lens(std::vector<Row> &rows, const std::string &name, const proof_lens 
     };
     size_t met = 0, decided = 0, unproven[2] = {};
     row.pass(SGT_ESTIMATE);
-    const std::vector<sgt_status> estimates = a->status;
+    const std::vector<sgt_fate> estimates = a->fate;
     for (int k = 0; k < 2; k++) {
         row.pass(PROOFS[k + 1]);
         for (size_t i = 0; i < n; i++) {
@@ -350,7 +352,7 @@ void add_lens(std::vector<Row> &rows, const std::string &name, const proof_lens 
             sgt_ray ray, ray2;
             size_t passed = trace(i, SGT_ESTIMATE, of.data(), &fate, &ray), far = std::min(passed + 1, count);
             size_t passed2 = trace(i, PROOFS[k + 1], by.data(), &other, &ray2);
-            if (fate != estimates[i] || other != a->status[i])
+            if (fate != estimates[i] || other != a->fate[i])
                 wrong_answers++;
             for (size_t j = 0; j < far && j <= passed2; j++)
                 unproven[k] += compare(name, of[j].hit.status, of[j].hit.t, of[j].hit.t_err, by[j].hit.status,
