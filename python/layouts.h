@@ -184,7 +184,7 @@ static const layout layouts[] = {
     MEMBER(sgt_analysis, primary_alone), MEMBER(sgt_analysis, no_fields), MEMBER(sgt_analysis, no_rays),
     MEMBER(sgt_analysis, pattern), MEMBER(sgt_analysis, rays), MEMBER(sgt_analysis, part_of),
     MEMBER(sgt_analysis, draw_x), MEMBER(sgt_analysis, draw_y), MEMBER(sgt_analysis, row_size),
-    MEMBER(sgt_analysis, columns), MEMBER(sgt_analysis, column), MEMBER(sgt_analysis, options_size),
+    MEMBER(sgt_analysis, columns), MEMBER(sgt_analysis, column), MEMBER(sgt_analysis, options_size), MEMBER(sgt_analysis, options_room),
     MEMBER(sgt_analysis, settings), MEMBER(sgt_analysis, setting), MEMBER(sgt_analysis, ask),
     MEMBER(sgt_analysis, reserved_),
     WHOLE(sgt_fates),

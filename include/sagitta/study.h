@@ -173,6 +173,7 @@ typedef struct sgt_analysis {
     size_t       row_size, columns;
     const sgt_column *column;
     size_t       options_size, settings;
+    size_t       options_room;   /* where reserved_ begins in the options, to their end */
     const sgt_setting *setting;
     bool       (*ask)(sgt_asking *of);
     unsigned long long reserved_[4];

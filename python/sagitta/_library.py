@@ -529,6 +529,7 @@ class Analysis(Structure):
         ("column", POINTER(Column)),
         ("options_size", c_size_t),
         ("settings", c_size_t),
+        ("options_room", c_size_t),
         ("setting", POINTER(Setting)),
         ("ask", c_void_p),
         ("reserved_", Words * 4),

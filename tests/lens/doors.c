@@ -3,6 +3,7 @@
  * Each line of standard input is a question:
  *
  *     first_order WAVELENGTH                           micrometres, or nan: the primary one
+ *     room ANALYSIS N                                  with each of the last N words of its options not zero
  *     ANALYSIS FIELDS WAVELENGTHS RAYS [SETTING=X,X...]...
  *
  * FIELDS and WAVELENGTHS are numbers with commas, or -: by default.  A wavelength that is not a whole number
@@ -145,6 +146,26 @@ static bool ask_analysis(const sgt_lens *lens, const sgt_analysis *of)
     return fine;
 }
 
+static bool ask_room(const sgt_lens *lens)
+{
+    const char *name = strtok(NULL, " "), *words = strtok(NULL, " ");
+    const sgt_analysis *of = words ? sgt_analysis_named(name) : NULL;
+    const size_t count = of ? (size_t)strtoul(words, NULL, 10) : 0;
+    const uint64_t more = 1;
+    sgt_study *study = sgt_study_new(lens, NULL, NULL);
+    for (size_t i = 0; i < count; i++) {
+        sgt_error error = {.line = 0};
+        char *options = calloc(1, of->options_size);
+        if (!options) return false;
+        memcpy(options + of->options_size - (count - i) * sizeof more, &more, sizeof more);
+        if (sgt_study_run(study, of, options, NULL, NULL, &error)) printf("ran\n");
+        else put_fault(&error);
+        free(options);
+    }
+    sgt_study_free(study);
+    return of;
+}
+
 /* The members in their order. */
 static bool ask_first_order(const sgt_lens *lens)
 {
@@ -195,8 +216,10 @@ int main(int argc, char *argv[])
         line[strcspn(line, "\n")] = '\0';
         const char *what = strtok(line, " ");
         const sgt_analysis *of = what ? sgt_analysis_named(what) : NULL;
-        fine = of ? ask_analysis(lens, of)
-                  : what && strcmp(what, "first_order") == 0 && ask_first_order(lens);
+        fine = of                                          ? ask_analysis(lens, of)
+               : what && strcmp(what, "first_order") == 0 ? ask_first_order(lens)
+               : what && strcmp(what, "room") == 0        ? ask_room(lens)
+                                                          : false;
         if (!fine) fprintf(stderr, "doors: not a question: %s\n", what ? what : "");
         printf("end\n");
     }

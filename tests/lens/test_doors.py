@@ -14,6 +14,7 @@ import math
 import os
 import pathlib
 import random
+import re
 import struct
 import sys
 
@@ -298,6 +299,20 @@ def test_memory():
         return usage.ru_maxrss                             # kB
     less, more = most(60), most(400)
     assert more < less + 3000, f'{more} kB for 125,000 rays, {less} kB for 2,800'
+
+
+def test_options_have_room():
+    """Of the options of each analysis each word that is reserved must be zero: the call tells which is not."""
+    header = (TREE / 'include/sagitta/study.h').read_text()
+    room = {name: int(words) for words, name in
+            re.findall(r'\n    unsigned long long reserved_\[(\d)\];\n} sgt_(\w+)_options;', header)}
+    opd = ('wavefront', 'zernike')  # views of "opd", with its options
+    asked = {**{name: words for name, words in room.items() if name != 'study'}, **{name: room['opd'] for name in opd}}
+    assert len(asked) >= 8, asked
+    lines = [f'room {name} {words}' for name, words in asked.items()]
+    for (name, words), said in zip(asked.items(), ask_c(TREE / 'examples/lenses/ftheta.yaml', lines)):
+        equal([' '.join(line).split(':')[0] for line in said],
+              [f'refused options.reserved_[{i}]' for i in range(words)], name)
 
 
 def test_threads():

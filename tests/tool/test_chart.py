@@ -123,6 +123,24 @@ def pdf_words(path):
         yield (float(x0) + float(x1)) / 2, (float(y0) + float(y1)) / 2, word
 
 
+def test_the_axis_of_fields():
+    """What is drawn against the field has its angle below, and a ring for each field, even of one."""
+    for fields in ('1,2,3', '2'):
+        path = written('').parent / 'fields'
+        for ending in ('pdf', 'svg'):
+            run('illumination', LENSES / 'cooke_triplet.yaml', '--fields', fields, '--cells', 8,
+                '--picture', path.with_suffix('.' + ending))
+        # A ring is two curves; the legend has one more.  Letters have no stroke.
+        curves = sum(p.get('d').count('C') for p in xml.parse(path.with_suffix('.svg')).getroot().iter(SVG + 'path')
+                     if 'stroke:rgb' in (p.get('style') or '').replace(' ', '') or (p.get('stroke') or 'none') != 'none')
+        equal(curves, 2 * (len(fields.split(',')) + 1), fields)
+        if not shutil.which('pdftotext'):
+            print('skipped: there is no pdftotext')
+            continue
+        words = [w for _, _, w in pdf_words(path.with_suffix('.pdf'))]
+        assert '(degrees)' in words and '1.5' not in words, words
+
+
 def line_through(pairs):
     """Intercept and slope of the line by least squares, and the largest distance from it."""
     n, sx, sy = len(pairs), sum(x for x, _ in pairs), sum(y for _, y in pairs)

@@ -267,7 +267,7 @@ const sgt_analysis sgt_energy_analysis = {.name = "energy",
                                           .row_size = sizeof(sgt_energy_row),
                                           .columns = sizeof energy_columns / sizeof *energy_columns,
                                           .column = energy_columns,
-                                          .options_size = sizeof(sgt_energy_options),
+                                          OPTIONS_OF(sgt_energy_options),
                                           .settings = sizeof energy_settings / sizeof *energy_settings,
                                           .setting = energy_settings,
                                           .ask = ask_energy};

@@ -151,7 +151,7 @@ const sgt_analysis sgt_field_analysis = {
     .row_size = sizeof(sgt_field_row),
     .columns = sizeof field_columns / sizeof *field_columns,
     .column = field_columns,
-    .options_size = sizeof(sgt_field_options),
+    OPTIONS_OF(sgt_field_options),
     .settings = sizeof field_settings / sizeof *field_settings,
     .setting = field_settings,
     .ask = ask_field};

@@ -139,7 +139,7 @@ const sgt_analysis sgt_map_analysis = {
     .row_size = sizeof(sgt_map_row),
     .columns = sizeof map_columns / sizeof *map_columns,
     .column = map_columns,
-    .options_size = sizeof(sgt_map_options),
+    OPTIONS_OF(sgt_map_options),
     .settings = sizeof map_settings / sizeof *map_settings,
     .setting = map_settings,
     .ask = ask_map};

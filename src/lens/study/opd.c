@@ -376,7 +376,7 @@ const sgt_analysis sgt_opd_analysis = {
     .row_size = sizeof(sgt_opd_row),
     .columns = sizeof opd_columns / sizeof *opd_columns,
     .column = opd_columns,
-    .options_size = sizeof(sgt_opd_options),
+    OPTIONS_OF(sgt_opd_options),
     .settings = sizeof opd_settings / sizeof *opd_settings,
     .setting = opd_settings,
     .ask = ask_opd};
@@ -386,7 +386,7 @@ const sgt_analysis sgt_wavefront_analysis = {
     .help = "Wavefronts, summed up over an area of the pupil, in waves: " OPD_HELP,
     .pattern = SGT_PATTERN_CELLS, .rays = 32, .row_size = sizeof(sgt_wavefront_row),
     .columns = sizeof wavefront_columns / sizeof *wavefront_columns, .column = wavefront_columns,
-    .options_size = sizeof(sgt_opd_options), .settings = sizeof opd_settings / sizeof *opd_settings,
+    OPTIONS_OF(sgt_opd_options), .settings = sizeof opd_settings / sizeof *opd_settings,
     .setting = opd_settings, .ask = ask_wavefront};
 
 const sgt_analysis sgt_zernike_analysis = {
@@ -394,5 +394,5 @@ const sgt_analysis sgt_zernike_analysis = {
     .help = "Zernike polynomials, fitted to path differences over an area of the pupil, in waves: " OPD_HELP,
     .pattern = SGT_PATTERN_CELLS, .rays = 32, .row_size = sizeof(sgt_zernike_row),
     .columns = sizeof zernike_columns / sizeof *zernike_columns, .column = zernike_columns,
-    .options_size = sizeof(sgt_opd_options), .settings = sizeof zernike_settings / sizeof *zernike_settings,
+    OPTIONS_OF(sgt_opd_options), .settings = sizeof zernike_settings / sizeof *zernike_settings,
     .setting = zernike_settings, .ask = ask_zernike};

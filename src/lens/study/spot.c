@@ -438,5 +438,5 @@ const sgt_analysis sgt_spot_analysis = {
     .help = "The spots of a lens: how rays of each field and wavelength scatter about a point of the image.",
     .pattern = SGT_PATTERN_HEXAPOLAR, .rays = 10, .row_size = sizeof(sgt_spot_row),
     .columns = sizeof spot_columns / sizeof *spot_columns, .column = spot_columns,
-    .options_size = sizeof(sgt_spot_options), .settings = sizeof spot_settings / sizeof *spot_settings,
+    OPTIONS_OF(sgt_spot_options), .settings = sizeof spot_settings / sizeof *spot_settings,
     .setting = spot_settings, .ask = ask_spot};

@@ -451,15 +451,13 @@ void sgt_study_free(sgt_study *study)
     sgt_launcher_free(from);
 }
 
-/* What is reserved for later versions is zero: in the sink, and at the end of the options, whatever analysis
- * they are of. */
+/* Is what is reserved for later versions zero, in the sink and at the end of the options? */
 static bool asks_plainly(const sgt_asking *a, sgt_error *error)
 {
-    unsigned long long last[sizeof ((sgt_spot_options *)NULL)->reserved_ / sizeof(unsigned long long)] = {0};
-    if (a->options && a->of->options_size)
-        memcpy(last, (const char *)a->options + a->of->options_size - sizeof last, sizeof last);
+    const void *room = a->options ? (const char *)a->options + a->of->options_room : NULL;
+    const size_t words = room ? (a->of->options_size - a->of->options_room) / sizeof(unsigned long long) : 0;
     return PLAIN(a->from, a->sink, "sgt_sink", error) &&
-           sgt_launch_plain(a->from, last, sizeof last / sizeof *last, "options", error);
+           sgt_launch_plain(a->from, room, words, "options", error);
 }
 
 bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis, const void *options,

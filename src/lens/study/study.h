@@ -121,6 +121,9 @@ sgt_fate_counts sgt_fates_row(const sgt_fates *f);
 int  sgt_fate_of(const sgt_ray_end *end);
 
 /* The columns that several analyses have. */
+/* In an analysis: the struct of its options. */
+#define OPTIONS_OF(type) .options_size = sizeof(type), .options_room = offsetof(type, reserved_)
+
 #define COLUMN_FIELD(row)                                                                                    \
     {.name = "field", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_GROUPS, offsetof(row, field), 0,           \
      "the field, counted from 1"}

@@ -135,7 +135,7 @@ const sgt_analysis sgt_sweep_analysis = {
     .row_size = sizeof(sgt_sweep_row),
     .columns = sizeof sweep_columns / sizeof *sweep_columns,
     .column = sweep_columns,
-    .options_size = sizeof(sgt_sweep_options),
+    OPTIONS_OF(sgt_sweep_options),
     .settings = sizeof sweep_settings / sizeof *sweep_settings,
     .setting = sweep_settings,
     .ask = ask_sweep};

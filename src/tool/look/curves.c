@@ -10,11 +10,32 @@
 /* Which panel and which curve a row is of. */
 typedef struct place { size_t panel, curve; } place;
 
+static bool against_field(const look *l) { return l->of->draw_x && strcmp(l->of->draw_x, "field") == 0; }
+
 /* What is drawn against the field has one panel for all of them. */
 static bool panel_each_field(const look *l)
 {
-    const char *x = l->of->draw_x;
-    return look_column(l, "field") < l->of->columns && !(x && strcmp(x, "field") == 0);
+    return look_column(l, "field") < l->of->columns && !against_field(l);
+}
+
+/* Do all fields lie in the y-z plane?  Then an axis of fields has their angles or heights, else numbers. */
+static bool fields_upright(const look *l)
+{
+    bool upright = true;
+    for (size_t i = 0; i < l->fields.count; i++) upright = upright && l->fields.at[i].x == 0;
+    return upright;
+}
+
+static double x_of_row(const look *l, const void *row)
+{
+    const double x = look_value(l, row, look_column(l, l->of->draw_x));
+    return against_field(l) && fields_upright(l) ? l->fields.at[look_field_of(l, (size_t)x)].y : x;
+}
+
+static const char *label_of_x(const look *l)
+{
+    if (!against_field(l)) return look_label(l, l->of->draw_x);
+    return fields_upright(l) ? look_field_axis(l) : "number of the field";
 }
 
 static place place_of_row(const look *l, const void *row)
@@ -28,14 +49,15 @@ static place place_of_row(const look *l, const void *row)
 
 static chart_series curve_of(const look *l, place at)
 {
-    const size_t x = look_column(l, l->of->draw_x), y = look_column(l, l->of->draw_y);
-    chart_series s = {.line = true, .mark = CHART_NO_MARK};
+    const size_t y = look_column(l, l->of->draw_y);
+    /* (of fields only those that are asked have a value) */
+    chart_series s = {.line = true, .mark = against_field(l) ? CHART_RING : CHART_NO_MARK};
     double *xs = memory_take(l->rows + 1, sizeof *xs), *ys = memory_take(l->rows + 1, sizeof *ys);
     for (size_t i = 0; i < l->rows; i++) {
         const void *row = look_row(l, i);
         const place own = place_of_row(l, row);
         if (own.panel != at.panel || own.curve != at.curve) continue;
-        xs[s.count] = look_value(l, row, x), ys[s.count++] = look_value(l, row, y);
+        xs[s.count] = x_of_row(l, row), ys[s.count++] = look_value(l, row, y);
     }
     const bool together = at.curve == l->bands;
     s.name = together ? l->bands > 1 ? "all wavelengths" : NULL : look_wavelength_name(l, at.curve);
@@ -63,7 +85,7 @@ void look_draw_curves(const look *l)
             if (s.count) series[count++] = s;
         }
         panel[p] = (chart_panel){.title = fields ? look_field_name(l, p) : NULL,
-                                 .x_label = look_label(l, l->of->draw_x),
+                                 .x_label = label_of_x(l),
                                  .y_label = look_label(l, l->of->draw_y),
                                  .series_count = count, .series = series};
     }
