@@ -31,12 +31,12 @@ meson compile -C $build
 count=$(meson test -C $build --list 2>/dev/null | grep -c ' / ')
 echo "$count tests"
 meson test -C $build --print-errorlogs "$@"
-# A test that skips itself, or a part of itself, says so by a line that begins with one of these words.
 ran=$(wc -l < $build/meson-logs/testlog.json)
 if [ $# -eq 0 ] && [ "$ran" -ne "$count" ]; then
     echo "$ran of $count tests ran: see $build/meson-logs/testlog.txt" >&2
     exit 1
 fi
+# A test that skips itself, or a part of itself, says so by a line that begins with one of these words.
 skipped=$(grep -cE '^(skipped: |SKIPPED )|"result": "SKIP"' $build/meson-logs/testlog.txt \
     $build/meson-logs/testlog.json | awk -F: '{n += $NF} END {print n}')
 if [ "$skipped" -ne 0 ]; then
