@@ -27,7 +27,6 @@ Rows = Union[Floats, list[Floats]]  # three rows
 
 F8 = np.dtype(np.float64)
 U1 = np.dtype(np.uint8)
-_NONE = (None, None)
 _pack_rays = C.packer(C.Rays)
 _addressof = ctypes.addressof
 _from_buffer: Callable[[Any], Any] = ctypes.c_char.from_buffer
@@ -115,10 +114,12 @@ class RayArrays:
     one    o and d are single vectors
     """
 
-    __slots__ = ("n", "one", "axis", "at", "o", "d", "keep")
+    n: int
+    one = False
+    axis = 0
     o: Rows
     d: Rows
-    keep: Sequence[Optional[Floats]]
+    keep: Sequence[Optional[Floats]] = (None, None)
     at: tuple[int, ...]
 
     def __init__(
@@ -145,8 +146,7 @@ class RayArrays:
                     pass
                 else:
                     if not (a | b) & 7:
-                        self.n, self.one, self.axis, self.o, self.d, self.keep = shape[1], False, 0, o, d, _NONE
-                        self.at = (a, 0, 0, b, 0, 0, 0, 0)
+                        self.n, self.o, self.d, self.at = shape[1], o, d, (a, 0, 0, b, 0, 0, 0, 0)
                         return
         self._look(o, d, tmin, tmax, axis)
 
@@ -237,6 +237,32 @@ def places_of(of: Any, names: tuple[str, ...]) -> Places:
     return Places(names, before, width, sum(1 << k for k, name in enumerate(of.FIELDS) if name in sizes))
 
 
+class Column:
+    """A number of Columns as an attribute: it makes the array when it is first read.  Then the array itself is the
+    attribute."""
+
+    def __init__(self, name: str, kind: str, count: int) -> None:
+        self.name, self.kind, self.count = name, np.dtype(kind), count
+
+    def __get__(self, of: "Optional[Columns]", owner: Any = None) -> Any:
+        if of is None:
+            return self
+        name = self.name
+        a = of._views.get(name)
+        if a is None:
+            before = of._places.before.get(name)
+            if before is None:
+                a = of._missing(name)
+            else:
+                n = of.size
+                a = np.ndarray(n if self.count == 1 else (self.count, n), self.kind, of._block, of._from + n * before)
+            of._views[name] = a
+        if of._axis == 1 and self.count > 1:
+            a = a.T
+        of.__dict__[name] = a
+        return a
+
+
 class Columns:
     """A result: one array for each number.  An array is made when it is first read: a view of a block that the
     library has written to."""
@@ -251,6 +277,10 @@ class Columns:
     _base = 0  # the address where the columns begin,
     _from = 0  # and their place in the block
     _c: Any = None
+
+    def __init_subclass__(cls) -> None:
+        for name, (kind, count) in cls.FIELDS.items():
+            setattr(cls, name, Column(name, kind, count))
 
     def __init__(self, **arrays: NDArray[Any]) -> None:
         if not arrays:
@@ -319,13 +349,11 @@ class Columns:
 
     def _row(self, name: str) -> NDArray[Any]:
         """The array of a number, (n,) or (3, n)."""
-        a = self._views.get(name)
-        if a is None:
-            (kind, count), n = self.FIELDS[name], self.size
-            at = self._from + n * self._places.before[name]
-            a = np.ndarray(n if count == 1 else (count, n), kind, self._block, at)
-            self._views[name] = a
-        return a
+        getattr(self, name)
+        return self._views[name]
+
+    def _missing(self, name: str) -> NDArray[Any]:
+        raise AttributeError(f"{name} was not asked for; there are {', '.join(self._names)}")
 
     @property
     def _rows(self) -> dict[str, NDArray[Any]]:
@@ -351,15 +379,6 @@ class Columns:
         first = self._at(name)
         step = self._views[name].strides[0] if name in self._views else 8 * self.size
         return (first, first + step, first + 2 * step) if first else (0, 0, 0)
-
-    def __getattr__(self, name: str) -> Any:
-        if name in type(self).FIELDS:
-            if name not in self._names:
-                raise AttributeError(f"{name} was not asked for; there are {', '.join(self._names)}")
-            a = self._row(name)
-            self.__dict__[name] = a = a.T if self._axis == 1 and a.ndim == 2 else a
-            return a
-        raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
 
     def __len__(self) -> int:
         return self.size

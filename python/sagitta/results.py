@@ -281,12 +281,11 @@ class Passage(Hits):
     def _names(self) -> tuple[str, ...]:
         return tuple(self.FIELDS) if self._later else self._places.names
 
-    def _row(self, name: str) -> NDArray[Any]:
-        if name not in self._views:
-            for later in self._later:
-                if name in later.names:
-                    self._views[name] = later.passages()[self._element]._row(name)
-        return super()._row(name)
+    def _missing(self, name: str) -> NDArray[Any]:
+        for later in self._later:
+            if name in later.names:
+                return later.passages()[self._element]._row(name)
+        return super()._missing(name)
 
     def _settle(self) -> None:
         if self._later:
