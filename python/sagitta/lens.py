@@ -544,7 +544,7 @@ class Lens:
     def _light(self, wavelength: Wavelength) -> tuple[Any, float, int]:
         """The same, and the address of the row."""
         um = math.nan if wavelength is None else self._um(wavelength)
-        key = -1.0 if um != um else um
+        key = PRIMARY if um != um else um
         found = self._at.get(key)
         if found is None:
             row, before, error = (C.Element * len(self))(), ctypes.c_double(), C.Error()
@@ -603,7 +603,7 @@ class Lens:
         (<Passage of 1 rays: t, p>, array([7.]))
         """
         option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
-        rays = _rays(o, d, axis) if type(o) is not np.ndarray or d is None else RayArrays(o, d, axis=axis)
+        rays = _rays(o, d, axis) if d is None or isinstance(o, Rays) else RayArrays(o, d, None, None, axis)
         if (
             out is not None
             or passages is not False
@@ -613,7 +613,7 @@ class Lens:
             or self._functions
         ):
             return self._trace(rays, option, wavelength, _names_of(passages), passages is True, threads, out)
-        row, before, at = self._light(wavelength)
+        row, before, at = wavelength is None and self._at.get(PRIMARY) or self._light(wavelength)
         new: Traced = Traced._in_block(rays.n, _ALL, rays.axis)
         given = 0 if option is None else ctypes.addressof(option)
         bad = _pass(
@@ -637,7 +637,7 @@ class Lens:
         _calls.check_threads(threads)
         room = None
         if out is not None:
-            self._settle(out, rays, names)
+            self._settle(out, rays, names, later)
         else:
             out = Traced._make(rays.n, (), rays.axis)
             if later and not self._functions:
@@ -678,8 +678,8 @@ class Lens:
 
         return trace
 
-    def _settle(self, out: Any, rays: RayArrays, names: tuple[str, ...]) -> None:
-        """Refuses an `out` of the caller that cannot hold the answers."""
+    def _settle(self, out: Any, rays: RayArrays, names: tuple[str, ...], every: bool) -> None:
+        """Refuses an `out` of the caller that cannot hold the answers.  every: what it has room for is enough."""
         if not isinstance(out, Traced):
             raise TypeError(f"out: must be Traced, not {type(out).__name__}")
         if (names or out.passages) and len(out.passages) != len(self):
@@ -689,7 +689,7 @@ class Lens:
             p._settle()
             p._check(rays)
             lacks = [name for name in names if name not in p._names]
-            if lacks and names != tuple(Passage.FIELDS):
+            if lacks and not every:
                 raise ValueError(f"out: passages[{i}] has no room for {', '.join(lacks)}")
 
     def _prepared(
@@ -735,7 +735,7 @@ class Lens:
         option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
         rays, names = _rays(o, d, axis), _names_of(passages)
         if out is not None:
-            self._settle(out, rays, names)
+            self._settle(out, rays, names, passages is True)
         else:
             out = Traced._make(rays.n, (), rays.axis)
             out._passages = Room(len(self), out, names) if names else []
@@ -1024,6 +1024,8 @@ class Lens:
         semi = e.semi_diameter if 0 < e.semi_diameter < 2.0**500 else 0.0
         return float(semi or self._c.surface[i].size)
 
+
+PRIMARY = -1.0  # among wavelengths
 
 # Of passages=True: what is found in the trace itself, and in a later one when it is first read.
 AT_ONCE = ("status", "p", "opl")

@@ -5,7 +5,7 @@
         --rounds N        how often each row is timed (25)
         --package FOLDER  the package of another tree, with its library in SAGITTA_PYTHON_LIBRARY
 
-Times are processor time of the thread.  All rows of a size are timed in turn, N times, and the median is told: so
+One ray: microseconds a call.  More: nanoseconds a ray.  Times are processor time of the thread.  All rows of a size are timed in turn, N times, and the median is told: so
 what else the machine does falls on all of them.  The lens is examples/lenses/cooke_triplet.yaml, 7 elements;
 the surface is a conic.
 
@@ -62,8 +62,8 @@ def empty_call(C):
     return lambda: call(at)
 
 
-def shown(name, took, library, over, goal):
-    print(f"| {name:46} | {took:>11} | {library:>9} | {over:>9} | {goal:>8} |")
+def shown(name, took, library="", over="", goal=""):
+    print(f"| {name:48} | {took:>10} | {library:>8} | {over:>8} | {goal:>5} |")
 
 
 def small(sagitta, C, lens, conic, n, rounds):
@@ -86,19 +86,23 @@ def small(sagitta, C, lens, conic, n, rounds):
     took = timed({k: v or (lambda: getattr(lens, "prepare")) for k, v in calls.items()}, rounds, 300)
     bare = took["ctypes, an empty call"]
     for name, t in took.items():
+        what = f"{n} ray{'s' * (n > 1)}, {name}"
         if t is None:
-            shown(f"{n} rays, {name}", "not there", "", "", "")
+            shown(what, "not there")
             continue
-        ready = took[name.split(",")[0] + ", prepared"] if "ctypes" not in name else None
-        inside = ready - bare if ready else None
-        plain = ("passages" not in name) and "ctypes" not in name
-        goal = "5" if n == 1 and plain else "0.1" if plain else ""
+        ready = took.get(name.split(",")[0] + ", prepared")
+        plain = name.startswith(("intersect", "trace")) and "passages" not in name
+        inside = ready - bare if ready and plain else None
+
+        def told(x):
+            return f"{x / 1e3:.2f}" if n == 1 else f"{x / n:.1f}"
+
         shown(
-            f"{n} ray{'s' * (n > 1)}, {name}",
-            f"{t / n / 1e3:.2f} us",
-            f"{inside / n / 1e3:.2f}" if inside and plain else "",
-            f"{(t - inside) / n / 1e3:.2f}" if inside and plain else "",
-            goal,
+            what,
+            told(t) + (" us" if n == 1 else " ns"),
+            told(inside) if inside else "",
+            told(t - inside) if inside else "",
+            ("5" if n == 1 else "100") if plain else "",
         )
 
 
@@ -124,7 +128,7 @@ def many(sagitta, C, lens, conic, n, rounds):
         "trace": lambda: lens.trace(o, d),
         "trace, out=": lambda: lens.trace(o, d, out=ends),
         'trace, passages=("p", "opl")': named("p", "opl"),
-        'trace, passages=("p", "direction", "opl")': named("p", "direction", "opl"),
+        'trace, passages=("p", "direction")': named("p", "direction"),
         "trace, all passages by their names": named(*every),
         "trace, passages=True": lambda: lens.trace(o, d, passages=True),
         "the same, p and opl read": read(("p", "opl")),
@@ -134,7 +138,7 @@ def many(sagitta, C, lens, conic, n, rounds):
     took = timed(calls, rounds, 2)
     for name, t in took.items():
         if t is None:
-            shown(f"{n} rays, {name}", "not there", "", "", "")
+            shown(f"{n} rays, {name}", "not there")
             continue
         times = name.startswith(("trace, p", "trace, all", "the same"))
         shown(
@@ -156,8 +160,8 @@ def main():
     from sagitta import _library as C
 
     lens, conic = sagitta.Lens.read(LENS), sagitta.Conic(radius=100, conic=-1)
-    shown("a ray", "a call", "library", "over it", "goal")
-    print(f"|{'-' * 48}|{'-' * 13}|{'-' * 11}|{'-' * 11}|{'-' * 10}|")
+    shown("", "a call, ray", "library", "over it", "goal")
+    print("|---|---|---|---|---|")
     for n in (1, 100):
         small(sagitta, C, lens, conic, n, asked.rounds)
     many(sagitta, C, lens, conic, 10**5, asked.rounds)
