@@ -224,7 +224,7 @@ class Traced(Columns):
     def passages(self) -> "list[Passage]":
         found = self._passages
         if isinstance(found, Room):
-            self._passages = found = found.list()
+            self._passages = found = found.made()
         return found
 
     @passages.setter
@@ -328,8 +328,8 @@ class Room:
         self.block = np.empty(count * self.pitch + 8, np.uint8) if self.size < LARGE else None
         self.base = 0 if self.block is None else address(self.block)
 
-    def list(self) -> "list[Passage]":
-        made = []
+    def made(self) -> "list[Passage]":
+        all_of_them = []
         for i in range(self.count):
             if self.block is not None:
                 p = Passage.__new__(Passage)
@@ -339,5 +339,5 @@ class Room:
             else:
                 p = Passage._make(self.size, self.places.names, self.axis)
             p._element, p._later = i, self.later
-            made.append(p)
-        return made
+            all_of_them.append(p)
+        return all_of_them
