@@ -8,8 +8,9 @@
  * that was compiled by -ffast-math does, as it is loaded), and then no bound of the library holds.
  *
  * ANSWERS IN ONE BLOCK.  A struct with a pointer for each array costs Python more than a few rays do.  So the
- * answers to a call by one thread are columns in one block of memory.  Python tells the block and which columns
- * it wants; the pointers are made here (`columns_of`), and there by the same rule when a column is read.
+ * answers to a call by one thread are columns in one block of memory.  Python tells the block and which
+ * columns it wants; the pointers are made here (`columns_of`), and there by the same rule when a column is
+ * read.
  *
  * A FUNCTION OF PYTHON AS A SURFACE.  The library asks F at some dozen points at a time, and numpy needs
  * thousands to be worth its overhead.  The rays are independent, so many blocks of them can be under way at
@@ -582,8 +583,8 @@ int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_option
 
 /* ------------------------------------------------------------ answers in one block */
 
-/* The columns that a block may have.  Doubles stand first, in this order, then evals, then statuses.  Each column is
- * n numbers, a vector three times n: so each is aligned as the block is. */
+/* The columns that a block may have.  Doubles stand first, in this order, then evals, then statuses.  Each
+ * column is n numbers, a vector three times n: so each is aligned as the block is. */
 enum { STATUS, EVALS, T, T_ERR, T_LO, P, N, P_ERR, DIRECTION, OPL, COLUMNS };
 
 /* The columns `names`, the sum of 1 << column, for n rays. */
@@ -592,7 +593,8 @@ static sgt_passages columns_of(void *block, size_t n, size_t names)
     sgt_passages c = {.opl = NULL};
     const struct { double **to; int rows; } of[COLUMNS] = {
         [T] = {&c.hits.t, 1}, [T_ERR] = {&c.hits.t_err, 1}, [T_LO] = {&c.hits.t_lo, 1}, [P] = {c.hits.p, 3},
-        [N] = {c.hits.n, 3}, [P_ERR] = {&c.hits.p_err, 1}, [DIRECTION] = {c.direction, 3}, [OPL] = {&c.opl, 1},
+        [N] = {c.hits.n, 3}, [P_ERR] = {&c.hits.p_err, 1},
+        [DIRECTION] = {c.direction, 3}, [OPL] = {&c.opl, 1},
     };
     double *next = block;
     for (size_t k = T; k < COLUMNS; k++)

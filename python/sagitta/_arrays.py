@@ -108,8 +108,8 @@ class RayArrays:
     """Rays, checked.  The arrays stay the caller's where they could.
 
     o, d   three rows each        keep   tmin and tmax, or None
-    at     the addresses of these eight rows, as sgt_rays has them; 0: none, or, of the second and third row of
-           o and d, that they follow the first without a gap
+    at     the addresses of these eight rows, as sgt_rays has them; 0: none.  If those of the second and
+           third row of o or d are 0, they follow the first without a gap
     axis   which axis of the answers holds x, y, z
     one    o and d are single vectors
     """
@@ -204,9 +204,9 @@ class RayArrays:
         return C.Rays.from_buffer_copy(_pack_rays(*self.rows_at))
 
 
-# From so many rays on each column has memory of its own: a column of doubles is then 4 MiB, for which numpy asks
-# the system for large pages by itself.  With fewer rays they share a block, which is one call for memory and
-# not ten.  (100,000 rays through 7 elements, with four numbers of each: 197 ns a ray, and 265 by columns.)
+# From so many rays on each column has memory of its own: a column of doubles is then 4 MiB, for which numpy
+# asks the system for large pages by itself.  With fewer rays they share a block, which is one call for memory
+# and not ten.  (100,000 rays through 7 elements, with four numbers of each: 197 ns a ray, and 265 by columns.)
 LARGE = 2**19
 SMALL = 4096  # bytes; below that a bytearray is had 130 ns sooner than an array of numpy
 
@@ -239,8 +239,8 @@ def places_of(of: Any, names: tuple[str, ...]) -> Places:
 
 
 class Column:
-    """A number of Columns as an attribute: it makes the array when it is first read.  Then the array itself is the
-    attribute."""
+    """A number of Columns as an attribute: it makes the array when it is first read.  Then the array itself is
+    the attribute."""
 
     def __init__(self, name: str, kind: str, count: int) -> None:
         self.name, self.kind, self.count = name, np.dtype(kind), count
@@ -256,7 +256,8 @@ class Column:
                 a = of._missing(name)
             else:
                 n = of.size
-                a = np.ndarray(n if self.count == 1 else (self.count, n), self.kind, of._block, of._from + n * before)
+                shape: Any = n if self.count == 1 else (self.count, n)
+                a = np.ndarray(shape, self.kind, of._block, of._from + n * before)
             of._views[name] = a
         if of._axis == 1 and self.count > 1:
             a = a.T
@@ -265,8 +266,8 @@ class Column:
 
 
 class Columns:
-    """A result: one array for each number.  An array is made when it is first read: a view of a block that the
-    library has written to."""
+    """A result: one array for each number.  An array is made when it is first read: a view of a block that
+    the library has written to."""
 
     # name: the type of numpy, and how many numbers
     FIELDS: dict[str, tuple[str, int]] = {}

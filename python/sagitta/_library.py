@@ -748,12 +748,14 @@ for _name, (_result, _arguments) in _PROTOTYPES.items():
 
 
 def packer(of: type[Structure]) -> Callable[..., bytes]:
-    """What puts numbers and addresses into the bytes of a struct, in a tenth of the time that ctypes takes."""
+    """What puts numbers and addresses into the bytes of a struct: in a tenth of the time of ctypes."""
 
     def letters(kind: Any) -> str:
         if issubclass(kind, Structure):
             return "".join(letters(member) for _, member in kind._fields_)
-        return letters(kind._type_) * int(kind._length_) if issubclass(kind, ctypes.Array) else str(kind._type_)
+        if issubclass(kind, ctypes.Array):
+            return letters(kind._type_) * int(kind._length_)
+        return str(kind._type_)
 
     made = struct.Struct("@" + letters(of))
     assert made.size == ctypes.sizeof(of)

@@ -633,7 +633,7 @@ class Lens:
         threads: int,
         out: Optional[Traced],
     ) -> Traced:
-        """trace() with whatever is asked for.  later: some numbers of the passages when they are first read."""
+        """trace() with whatever is asked for.  later: some numbers of the passages when they are read."""
         _calls.check_threads(threads)
         room = None
         if out is not None:
@@ -667,7 +667,7 @@ class Lens:
     def _again(
         self, rays: RayArrays, option: Optional[C.Options], wavelength: Wavelength, threads: int
     ) -> Callable[[tuple[str, ...]], list[Passage]]:
-        """A later trace of the same rays, for other numbers of the passages.  The rays may change until then."""
+        """A later trace of the same rays, for other numbers of the passages.  Of rays that may change: a copy."""
         kept = np.empty((6, rays.n))
         kept[:3], kept[3:] = rays.o, rays.d
 
@@ -679,7 +679,7 @@ class Lens:
         return trace
 
     def _settle(self, out: Any, rays: RayArrays, names: tuple[str, ...], every: bool) -> None:
-        """Refuses an `out` of the caller that cannot hold the answers.  every: what it has room for is enough."""
+        """Refuses an `out` of the caller that cannot hold the answers.  every: what it has room for will do."""
         if not isinstance(out, Traced):
             raise TypeError(f"out: must be Traced, not {type(out).__name__}")
         if (names or out.passages) and len(out.passages) != len(self):

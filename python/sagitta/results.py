@@ -215,7 +215,7 @@ class Traced(Columns):
 
     @classmethod
     def empty(cls, n: int, *fields: str, passages: int = 0, of_passages: Sequence[str] = ()) -> "Traced":
-        """Room for n rays; `passages`: for as many elements, and of each the numbers `of_passages`; (): all."""
+        """Room for n rays.  `passages`: for as many elements, and of each the numbers `of_passages`; (): all."""
         result: Traced = cls._make(n, fields)
         result.passages = [Passage.empty(n, *of_passages) for _ in range(passages)]
         return result
@@ -298,8 +298,8 @@ class Passage(Hits):
 
 
 class Later:
-    """Numbers of the passages that nobody has read yet.  `trace` brings those called `names` of all elements, when
-    one of them is first read."""
+    """Numbers of the passages that nobody has read yet.  `trace` brings those called `names` of all elements,
+    when one of them is first read."""
 
     def __init__(self, names: tuple[str, ...], trace: "Callable[[tuple[str, ...]], list[Passage]]") -> None:
         self.names = names

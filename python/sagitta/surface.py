@@ -222,7 +222,8 @@ class Surface:
         if rays.one and out is None:
             return self._intersect_one(rays, option)
         if out is None:
-            out = Hits._in_block(rays.n, _ALL, rays.axis) if rays.n < LARGE else Hits._make(rays.n, (), rays.axis)
+            n, turned = rays.n, rays.axis
+            out = Hits._in_block(n, _ALL, turned) if n < LARGE else Hits._make(n, (), turned)
         elif not isinstance(out, Hits):
             raise TypeError(f"out: must be Hits, not {type(out).__name__}")
         else:

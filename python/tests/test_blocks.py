@@ -25,7 +25,9 @@ def lens():
     return Lens(
         [
             Element(Sphere(radius=12), thickness=3, index=1.7, semi_diameter=4),
-            Element(sagitta.EvenAsphere(radius=-9, coefficients=[0, 1e-4]), thickness=4, index=1, tilt=[1, 2, 3]),
+            Element(
+                sagitta.EvenAsphere(radius=-9, coefficients=[0, 1e-4]), thickness=4, index=1, tilt=[1, 2, 3]
+            ),
             Element(Sphere(radius=6), thickness=2, index=2.1),
             Element(Plane(), index=1),
         ]
@@ -115,8 +117,11 @@ def test_what_is_not_asked_for_is_not_there(rng):
 @pytest.mark.parametrize(
     "passages, error, says",
     [
-        (("p", "q"), ValueError, "passages: there is no 'q'; there are status, evals, t, t_err, t_lo, p, n, p_err, "
-         "direction, opl"),
+        (
+            ("p", "q"),
+            ValueError,
+            "passages: there is no 'q'; there are status, evals, t, t_err, t_lo, p, n, p_err, direction, opl",
+        ),
         ("q", ValueError, "there is no 'q'"),
         ([1], ValueError, "there is no 1"),
         (1, TypeError, "passages: must be True, False or names, not int"),
@@ -138,7 +143,8 @@ def test_no_names_are_no_passages(rng):
 def test_out_without_room_for_what_is_wanted(rng):
     (o, d), through = wide_rays(rng, 5), lens()
     out = Traced.empty(5, passages=4, of_passages=("p",))
-    assert same(through.trace(o, d, passages="p", out=out).passages[2].p, own_trace(through, o, d).passages[2].p)
+    want = own_trace(through, o, d).passages[2]
+    assert same(through.trace(o, d, passages="p", out=out).passages[2].p, want.p)
     with pytest.raises(ValueError, match=r"out: passages\[0\] has no room for opl"):
         through.trace(o, d, passages=("p", "opl"), out=out)
     through.trace(o, d, passages=True, out=out)  # whatever it has room for
@@ -221,9 +227,9 @@ def test_passages_as_room_for_others(rng):
 
 
 def test_derivatives_of_a_passage_s_hits():
-    ball, o, d = Sphere(radius=10), np.array([[0.0, 0], [0, 6], [-5, -5]]), np.array([[0.0, 0], [0, 0], [1, 1]])
-    met = Lens([Element(ball)]).trace(o, d, passages=True).passages[0]
-    assert same(ball.differentiate(o, d, met).p_by_a, ball.differentiate(o, d, ball.intersect(o, d)).p_by_a)
+    o, d = np.array([[0.0, 0], [0, 6], [-5, -5]]), np.array([[0.0, 0], [0, 0], [1, 1]])
+    met = Lens([Element(BALL)]).trace(o, d, passages=True).passages[0]
+    assert same(BALL.differentiate(o, d, met).p_by_a, BALL.differentiate(o, d, BALL.intersect(o, d)).p_by_a)
 
 
 def test_a_function_is_not_asked_again(rng):
@@ -295,9 +301,13 @@ def test_a_column_outlives_its_answer(rng):
 @pytest.mark.parametrize("threads", [True, 1.0, 0, "1", None])
 def test_threads_are_a_number(threads):
     o = np.zeros((3, 4))
-    for call in (lambda: BALL.intersect(o, (0, 0, 1), threads=threads), lambda: lens().trace(o, o, threads=threads),
-                 lambda: lens().trace(o, o, threads=threads, passages=True),
-                 lambda: lens().prepare(o, o, threads=threads), lambda: BALL.prepare(o, o, threads=threads)):
+    for call in (
+        lambda: BALL.intersect(o, (0, 0, 1), threads=threads),
+        lambda: BALL.prepare(o, o, threads=threads),
+        lambda: lens().trace(o, o, threads=threads),
+        lambda: lens().trace(o, o, threads=threads, passages=True),
+        lambda: lens().prepare(o, o, threads=threads),
+    ):
         with pytest.raises((TypeError, ValueError), match="threads: must be"):
             call()
 
@@ -350,7 +360,7 @@ def test_a_prepared_call_in_two_threads_is_refused(rng, threads, of_lens):
     first.start()
     assert begun.wait(60)
     for _ in range(3):
-        with pytest.raises(RuntimeError, match="under way in another thread.*prepare one call for each thread"):
+        with pytest.raises(RuntimeError, match="under way in another thread.*one call for each thread"):
             call()
     go_on.set()
     first.join()

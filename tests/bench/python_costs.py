@@ -5,16 +5,16 @@
         --rounds N        how often each row is timed (25)
         --package FOLDER  the package of another tree, with its library in SAGITTA_PYTHON_LIBRARY
 
-One ray: microseconds a call.  More: nanoseconds a ray.  Times are processor time of the thread.  All rows of a size are timed in turn, N times, and the median is told: so
-what else the machine does falls on all of them.  The lens is examples/lenses/cooke_triplet.yaml, 7 elements;
-the surface is a conic.
+One ray: microseconds a call.  More: nanoseconds a ray.  Times are processor time of the thread.  All rows of
+a size are timed in turn, N times, and the median is told: what else the machine does falls on all of them.
+The lens is examples/lenses/cooke_triplet.yaml, 7 elements; the surface is a conic.
 
 library     the same in the library alone: a prepared call less an empty call by ctypes
 over it     what Python adds to that; for passages, times the plain trace of the same round
 goal        of the same unit as the first column, or "x" times plain
 
-"read": an array of that name is read of each element.  passages=True finds status, p and opl in the trace, and
-the others in one more trace when they are read (docs/python.md).
+"read": an array of that name is read, of each element.  passages=True finds status, p and opl in the trace,
+and the others in one more trace when they are read (docs/python.md).
 """
 import argparse
 import ctypes
@@ -111,8 +111,8 @@ def many(sagitta, C, lens, conic, n, rounds):
     every = tuple(sagitta.Passage.FIELDS)
     hits, ends = sagitta.Hits.empty(n), sagitta.Traced.empty(n)
 
-    def read(names, passages=True):
-        return lambda: [getattr(p, name) for p in lens.trace(o, d, passages=passages).passages for name in names]
+    def read(names):
+        return lambda: [getattr(p, x) for p in lens.trace(o, d, passages=True).passages for x in names]
 
     def named(*names):
         def call():
