@@ -139,7 +139,8 @@ LANES_NEARBY(conic_lanes_first_nearby, false, true)
 /* Where the first ray of a tile starts.  It is a guess for all of them, and affects only the time:
  *
  *   AWAY     away from the surface
- *   NEARBY   so near the surface that t would not be sharp
+ *   NEARBY   so near the surface that t would not be sharp: 24 |tau| + |t0|, about 25 |z|, is above 40 |t|,
+ *            which is about 40 g (sag/lanes.h)
  *   LEAVING  on the surface; that root is not accepted */
 typedef enum beginning { AWAY, NEARBY, LEAVING } beginning;
 
@@ -147,7 +148,7 @@ static beginning beginning_of(const bowl *s, const sgt_tile *tile)
 {
     double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0],
            g = fabs(z - 0.5 * s->c * (x * x + y * y + s->k1 * z * z));
-    if (!(g <= 0x1p-6 * fabs(z))) return AWAY;
+    if (!(g <= 0.625 * fabs(z))) return AWAY;
     return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
 }
 
