@@ -107,8 +107,8 @@ LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, LANE_RICH)
 
 /* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY).  One loop, because few
  * tiles are met so. */
-SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile,
-                               bowl_room *room)
+SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, lane_wish wish, const sgt_tile *tile,
+                              bowl_room *room)
 {
     const bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
@@ -120,21 +120,23 @@ SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, const sg
         lane e = plane ? plane_at_start(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
                        : easy_or_nearby(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i],
                                         t_tol[i]);
-        LANE_STORE(to, i, e, LANE_RICH);
+        LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
     return lane_told(tile, &room->ends, 1, all);
 }
 
-#define LANES_NEARBY(name, plane, first)                                                            \
-    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
-    {                                                                                               \
-        return lane_nearby(s, plane, first, tile, room);                                           \
+#define LANES_NEARBY(name, plane, first, wish)                                                  \
+    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)         \
+    {                                                                                           \
+        return lane_nearby(s, plane, first, wish, tile, room);                                  \
     }
 
-LANES_NEARBY(conic_lanes_plane_nearby, true, false)
-LANES_NEARBY(conic_lanes_near_nearby, false, false)
-LANES_NEARBY(conic_lanes_first_nearby, false, true)
+LANES_NEARBY(conic_lanes_plane_nearby, true, false, LANE_RICH)
+LANES_NEARBY(conic_lanes_near_nearby, false, false, LANE_PLAIN)
+LANES_NEARBY(conic_lanes_near_nearby_rich, false, false, LANE_RICH)
+LANES_NEARBY(conic_lanes_first_nearby, false, true, LANE_PLAIN)
+LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 
 /* Where the first ray of a tile starts.  It is a guess for all of them, and affects only the time:
  *
@@ -156,8 +158,9 @@ static beginning beginning_of(const bowl *s, const sgt_tile *tile)
 static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
     bool rich = wish != LANE_PLAIN, fine = wish == LANE_FINE;
+    if (nearby && s->c == 0) return conic_lanes_plane_nearby(s, tile, room);
     if (nearby)
-        return s->c == 0 ? conic_lanes_plane_nearby(s, tile, room) : conic_lanes_near_nearby(s, tile, room);
+        return rich ? conic_lanes_near_nearby_rich(s, tile, room) : conic_lanes_near_nearby(s, tile, room);
     if (s->c == 0 && s->proof)
         return rich ? conic_lanes_plane_sure_rich(s, tile, room) : conic_lanes_plane_sure(s, tile, room);
     if (s->c == 0 && fine) return conic_lanes_plane_fine(s, tile, room);
@@ -171,7 +174,8 @@ static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_ti
 static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
     bool rich = wish != LANE_PLAIN;
-    if (nearby) return conic_lanes_first_nearby(s, tile, room);
+    if (nearby)
+        return rich ? conic_lanes_first_nearby_rich(s, tile, room) : conic_lanes_first_nearby(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
