@@ -345,10 +345,9 @@ size_t sgt_trace(size_t n, const sgt_element e[], double index_before, sgt_ray *
         if (passages && n) passages[0] = sgt_not_met(SGT_INVALID);
     }
     while (last == SGT_PASSED && passed < n) {
-        sgt_passage passage;
+        sgt_passage unread, *passage = passages ? &passages[passed] : &unread;
         bool sound = passed < plain && is_aperture_sound(&e[passed]) && is_phase_sound(&e[passed]);
-        last = pass(&e[passed], sound, &at, &options, NULL, passages != NULL, &passage);
-        if (passages) passages[passed] = passage;
+        last = pass(&e[passed], sound, &at, &options, NULL, passages != NULL, passage);
         if (last != SGT_PASSED) break;
         passed++;
         ray->o = plus(at.base, at.offset), ray->d = at.d;
