@@ -311,6 +311,8 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
         if (launched.status == SGT_MET) {
             sgt_trace_through(count, own, index_before, &launched.ray, open, passages, &out->fate);
             follow(from, b, open, index_before, &launched, NULL, passages, out);
+            if (out->fate == SGT_PASSED && !from->lens->afocal)
+                out->d_err = sgt_direction_error(from, open, index_before, &launched.ray, out);
         }
     }
     sgt_launch_forget(from, own);

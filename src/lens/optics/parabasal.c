@@ -26,6 +26,8 @@
 
 #include <sagitta/aim.h>
 
+#include <stdio.h>
+
 /* A vector across the ray d as it goes on along d'. */
 static sgt_vec3 carried(sgt_vec3 e, sgt_vec3 d, sgt_vec3 after, bool mirror)
 {
@@ -43,7 +45,7 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
 {
     const double none = (double)NAN;
     if (sections) *sections = (sgt_sections){{none, none}, {{none, none, none}, {none, none, none}}};
-    *out = (sgt_parabasal){.power = {{none, none}, {none, none}}};
+    *out = (sgt_parabasal){.power = {{none, none}, {none, none}}, .power_xy = none};
     for (int k = 0; k < 2; k++) out->efl[k] = out->focus[k] = out->image[k] = out->magnification[k] = none;
     if (n == 0) return false;
     for (size_t i = 0; i < n; i++)
@@ -83,6 +85,7 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
             if (i == j) largest = fmax(largest, size);
             else mixed = fmax(mixed, size);
         }
+    out->power_xy = mixed;
     const bool apart = mixed <= 1e-9 * largest;
     for (int k = 0; k < 2; k++) {
         double a = m[k][k], b = m[k][k + 2], c = m[k + 2][k], g = m[k + 2][k + 2];
@@ -102,9 +105,20 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
 }
 
 bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before, bool from_point,
-                        const sgt_ray *chief, const sgt_passage passages[], sgt_parabasal *out)
+                        const sgt_ray *chief, const sgt_passage passages[], sgt_parabasal *out,
+                        sgt_error *error)
 {
     const bool along_x = !(fabs(unit3(chief->d).x) < 0.99);
     const sgt_vec3 across = along_x ? (sgt_vec3){0, 1, 0} : (sgt_vec3){1, 0, 0};
-    return sgt_parabasal_about(across, n, e, index_before, from_point, chief, passages, out, NULL);
+    if (sgt_parabasal_about(across, n, e, index_before, from_point, chief, passages, out, NULL)) return true;
+    if (!error) return false;
+    *error = (sgt_error){.line = 0};
+    size_t met = 0;
+    while (met < n && passages[met].hit.status > 0) met++;
+    if (n == 0) snprintf(error->words, sizeof error->words, "there are no elements");
+    else if (met < n)
+        snprintf(error->words, sizeof error->words, "the chief ray does not get through surface %zu",
+                 met + 1);
+    else snprintf(error->words, sizeof error->words, "a surface has no second derivatives");
+    return false;
 }
