@@ -10,14 +10,6 @@
  * so the angle between both rays is at most the sum of both over L.  L is FAR times the lens, and the plane's
  * own rounding is of the order of u.
  *
- * THE LAST ELEMENT is where rays end.  An ideal lens there would add its own path to theirs, though the
- * light that it bends is looked at no more: so it counts as the plane that it stands on.
- *
- * WHATEVER CLIPS.  Sizes and references are those of rays through the surfaces, and do not depend on which
- * of them are obscured.  But a semi_diameter has a say in which root is meant (sgt_trace).  It clips a ray
- * only where no root lies inside, and then the root is the one without it.  So a ray that it clips is traced
- * again without that semi_diameter alone.  The items of an aperture have no say in the root.
- *
  * MANY RAYS go side by side, some hundred at a time, through the loops of sgt_trace_batch and
  * sgt_trace_error_batch, whose numbers are those of one ray to the bit.  One by one is the chief ray alone,
  * whatever clips it, and what an afocal lens needs besides. */
@@ -108,12 +100,6 @@ static sgt_ray_end not_traced(const sgt_pupil_point *at, const sgt_launched *l)
     return (sgt_ray_end){.px = at->x, .py = at->y, .weight = at->weight, .aimed = l->status,
                          .within = l->within, .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = nowhere,
                          .d = nowhere, .opl = none, .p_err = none, .opl_err = none, .d_err = none};
-}
-
-void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[])
-{
-    for (size_t i = 0; i < count; i++) out[i] = e[i];
-    if (out[count - 1].phase) out[count - 1].index = 0, out[count - 1].phase = NULL;
 }
 
 /* -------------------------------------------------------------- many rays at once */
@@ -280,18 +266,6 @@ void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count, const sgt_ray_end en
         const double ahead = dot3(d, z);
         out[i].p = (sgt_vec3){MILLI * atan2(dot3(off, ex), ahead), MILLI * atan2(dot3(off, ey), ahead), 0};
         out[i].p_err = MILLI * (end[i].d_err + 0x1p-51);
-    }
-}
-
-size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const sgt_ray *launch,
-                         sgt_element open[], sgt_passage passages[], sgt_fate *fate)
-{
-    for (size_t i = 0; i < n; i++) open[i] = e[i], open[i].aperture = NULL;
-    for (size_t left = n;; left--) { /* each time one more element is open */
-        sgt_ray ray = *launch;
-        size_t passed = sgt_trace(n, open, before, &ray, passages, fate, NULL);
-        if (*fate != SGT_CLIPPED || left == 0) return passed;
-        open[passed].semi_diameter = 0;
     }
 }
 
