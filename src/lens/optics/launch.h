@@ -58,7 +58,7 @@ double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], doub
 
 /* (through.c) As sgt_trace, through n elements, whatever clips the ray: the roots are those that sgt_trace
  * means with the apertures there.  open: room for n; at return the elements without what clipped it. */
-size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const sgt_ray *launch,
+size_t sgt_trace_through(size_t elements, const sgt_element e[], double before, const sgt_ray *launch,
                          sgt_element open[], sgt_passage passages[], sgt_fate *fate);
 
 /* (aim.c) Sets stop_radius and sense; false: told. */

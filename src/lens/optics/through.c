@@ -15,13 +15,13 @@ void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[])
     if (out[count - 1].phase) out[count - 1].index = 0, out[count - 1].phase = NULL;
 }
 
-size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const sgt_ray *launch,
+size_t sgt_trace_through(size_t elements, const sgt_element e[], double before, const sgt_ray *launch,
                          sgt_element open[], sgt_passage passages[], sgt_fate *fate)
 {
-    for (size_t i = 0; i < n; i++) open[i] = e[i], open[i].aperture = NULL;
-    for (size_t left = n;; left--) { /* each time one more element is open */
+    for (size_t i = 0; i < elements; i++) open[i] = e[i], open[i].aperture = NULL;
+    for (size_t left = elements;; left--) { /* each time one more element is open */
         sgt_ray ray = *launch;
-        size_t passed = sgt_trace(n, open, before, &ray, passages, fate, NULL);
+        size_t passed = sgt_trace(elements, open, before, &ray, passages, fate, NULL);
         if (*fate != SGT_CLIPPED || left == 0) return passed;
         open[passed].semi_diameter = 0;
     }
