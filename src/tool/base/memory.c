@@ -35,10 +35,12 @@ _Noreturn static void end(const char *why)
     _Exit(EXIT_BAD_INPUT);
 }
 
+/* A new block is zeroed, and by calloc: pages that are never touched are then none of the process. */
 static block *sized(block *old, size_t count, size_t size)
 {
     if (size > 0 && count > (SIZE_MAX - sizeof(block)) / size) end("more memory asked for than there can be");
-    block *b = realloc(old, sizeof(block) + count * size);
+    const size_t bytes = sizeof(block) + count * size;
+    block *b = old ? realloc(old, bytes) : calloc(1, bytes);
     if (!b) end("out of memory");
     return b;
 }
@@ -62,12 +64,7 @@ void *memory_grow(void *data, size_t count, size_t size)
     return b->data;
 }
 
-void *memory_take(size_t count, size_t size)
-{
-    void *data = memory_grow(NULL, count, size);
-    memset(data, 0, count * size);
-    return data;
-}
+void *memory_take(size_t count, size_t size) { return memory_grow(NULL, count, size); }
 
 char *memory_text(const char *text, size_t length)
 {

@@ -63,10 +63,10 @@ typedef struct job {
     sgt_field_kind field_kind;
 } job;
 
-/* Rays of a job in parts: how many at each wavelength, those that are not there included; and some of them.
- * room: [count].  *there: how many of them are there, in their order; the others are behind them. */
+/* Rays of a job in parts: how many at each wavelength, those that are not there included; and some of them, at
+ * most TILE_RAYS. */
 size_t job_count(const job_lens *at);
-const launch *job_part(const job_lens *at, size_t first, size_t count, launch room[], size_t *there);
+void job_part(const job_lens *at, size_t first, size_t count, ray_block *to);
 
 /* Notes what aiming did not find, when all parts are taken. */
 void job_end_parts(job *j);

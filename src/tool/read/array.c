@@ -184,14 +184,6 @@ void array_read(const array *a, size_t first, size_t count, unsigned char *to)
     _Exit(EXIT_BAD_INPUT); /* other threads are at work */
 }
 
-double array_double(const unsigned char *at)
-{
-    const long long integer = array_integer(at, 8);
-    double x;
-    memcpy(&x, &integer, sizeof x);
-    return x;
-}
-
 long long array_integer(const unsigned char *at, size_t size)
 {
     uint64_t bits = at[size - 1] & 128 ? ~(uint64_t)0 : 0;

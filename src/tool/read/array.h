@@ -3,7 +3,9 @@
 #define TOOL_ARRAY_H
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 /* A field of a structured array, or the numbers of one that is not: then the name is "". */
 typedef struct array_field {
@@ -27,8 +29,18 @@ array array_open(const char *path);
 /* Reads rows.  May be called from any thread. */
 void array_read(const array *a, size_t first, size_t count, unsigned char *to);
 
-/* A number of 8 bytes, the lower first. */
-double array_double(const unsigned char *at);
+/* A number of 8 bytes, the lower first.  (In one expression: so compilers make one load of it.) */
+static inline double array_double(const unsigned char *at)
+{
+    const uint64_t bits = at[0] | (uint64_t)at[1] << 8 | (uint64_t)at[2] << 16 | (uint64_t)at[3] << 24 |
+                          (uint64_t)at[4] << 32 | (uint64_t)at[5] << 40 | (uint64_t)at[6] << 48 |
+                          (uint64_t)at[7] << 56;
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+/* One of `size` bytes, at most 8. */
 long long array_integer(const unsigned char *at, size_t size);
 
 #endif

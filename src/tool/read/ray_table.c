@@ -11,6 +11,7 @@
 #include "array.h"
 
 #include <dirent.h>
+#include <float.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,12 +21,14 @@ typedef struct ray_column { const array *file; size_t offset; const array_field 
 
 struct ray_table {
     const char *path;
-    size_t rows, files;
+    size_t rows, files, bad; /* bad: how many of the rows are */
     array file[RAY_COLUMNS];
     ray_column column[RAY_COLUMNS];
     char *id;          /* [rows], each of id_room bytes */
     size_t id_room;
 };
+
+enum { PART_BYTES = 1 << 16, ROW_MOST = 512 }; /* read at once; of a row */
 
 static bool ends_in_npy(const char *name)
 {
@@ -117,59 +120,94 @@ static void open_folder(ray_table *t, const char *path)
     }
 }
 
-/* Reads the numbers of rows; value[i]: those of a row. */
-static void read_values(const ray_table *t, size_t first, size_t count, double value[][RAY_ID],
-                        unsigned char *room)
+/* Reads the columns of rows, whatever stands in them. */
+static void read_columns(const ray_table *t, size_t first, size_t count, ray_block *to)
 {
+    unsigned char room[PART_BYTES];
     for (size_t f = 0; f < t->files; f++) {
         const array *a = &t->file[f];
-        array_read(a, first, count, room);
-        for (int c = 0; c < RAY_ID; c++) {
-            if (t->column[c].file != a) continue;
-            for (size_t i = 0; i < count; i++)
-                value[i][c] = array_double(room + i * a->row_size + t->column[c].offset);
+        const size_t size = a->row_size, most = PART_BYTES / size;
+        for (size_t done = 0, part; done < count; done += part) {
+            part = count - done < most ? count - done : most;
+            array_read(a, first + done, part, room);
+            for (int c = 0; c < RAY_ID; c++) {
+                double *number = to->number[c] + done;
+                const unsigned char *from = room + t->column[c].offset;
+                for (size_t i = 0; i < part && t->column[c].file == a; i++)
+                    number[i] = array_double(from + i * size);
+            }
         }
     }
+    for (size_t i = 0; i < count; i++) to->ray[i] = (long long)(first + i);
+    for (size_t i = 0; i < count && !t->column[RAY_TMIN].file; i++) to->number[RAY_TMIN][i] = 0;
+    for (size_t i = 0; i < count && !t->column[RAY_TMAX].file; i++) to->number[RAY_TMAX][i] = HUGE_VAL;
+    for (size_t i = 0; i < count && t->id; i++) to->id[i] = t->id + (first + i) * t->id_room;
+    to->count = count;
 }
 
-enum { TABLE_PART = 256, ROW_MOST = 512 }; /* rows at a time; bytes of a row */
-
-void ray_table_part(const ray_table *t, size_t first, size_t count, launch out[], size_t *there)
+/* Is there a bad one among them?  In sums of truth values, so that compilers make lanes of the loops. */
+static bool any_bad(const ray_block *b)
 {
-    unsigned char room[TABLE_PART * ROW_MOST];
-    double value[TABLE_PART][RAY_ID];
-    *there = 0;
-    for (size_t done = 0, part; done < count; done += part) {
-        part = count - done < TABLE_PART ? count - done : TABLE_PART;
-        read_values(t, first + done, part, value, room);
-        for (size_t i = 0; i < part; i++) {
-            char why[RAY_WHY];
-            const size_t row = first + done + i;
-            launch l = {.number = row, .id = t->id ? t->id + row * t->id_room : NULL};
-            if (ray_of(value[i], t->column[RAY_TMIN].file, t->column[RAY_TMAX].file, &l.ray, why))
-                out[(*there)++] = l;
-        }
-    }
-}
-
-/* Looks at every ray; returns how many are bad. */
-static size_t check_rows(const ray_table *t, bool skip_bad, size_t *first_bad, char first_why[RAY_WHY])
-{
-    unsigned char room[TABLE_PART * ROW_MOST];
-    double value[TABLE_PART][RAY_ID];
-    size_t bad = 0;
-    for (size_t first = 0, part; first < t->rows; first += part) {
-        part = t->rows - first < TABLE_PART ? t->rows - first : TABLE_PART;
-        read_values(t, first, part, value, room);
-        for (size_t i = 0; i < part; i++) {
-            sgt_ray ray;
-            char why[RAY_WHY];
-            if (ray_of(value[i], t->column[RAY_TMIN].file, t->column[RAY_TMAX].file, &ray, why)) continue;
-            if (!skip_bad) fail_input("%s: row %zu, counted from 0: %s", t->path, first + i, why);
-            if (bad++ == 0) *first_bad = first + i, memcpy(first_why, why, RAY_WHY);
-        }
-    }
+    int bad = 0;
+    for (int c = 0; c < RAY_TMIN; c++)
+        for (size_t i = 0; i < b->count; i++) bad |= !(fabs(b->number[c][i]) <= DBL_MAX);
+    const double *x = b->number[3], *y = b->number[4], *z = b->number[5];
+    for (size_t i = 0; i < b->count; i++)
+        bad |= (fabs(x[i]) < DBL_MIN) & (fabs(y[i]) < DBL_MIN) & (fabs(z[i]) < DBL_MIN);
+    const double *lo = b->number[RAY_TMIN], *hi = b->number[RAY_TMAX];
+    for (size_t i = 0; i < b->count; i++) bad |= !(lo[i] <= hi[i]) | (lo[i] > DBL_MAX) | (hi[i] < -DBL_MAX);
     return bad;
+}
+
+/* Leaves only the good ones.  Returns how many were bad; the first of them, and why. */
+static size_t leave_good(ray_block *b, long long *first_bad, char first_why[RAY_WHY])
+{
+    const size_t all = b->count;
+    size_t good = 0;
+    if (!any_bad(b)) return 0;
+    for (size_t i = 0; i < all; i++) {
+        sgt_ray unused;
+        double value[8];
+        char why[RAY_WHY];
+        for (int c = 0; c < 8; c++) value[c] = b->number[c][i];
+        if (!ray_of(value, true, true, &unused, why)) {
+            if (i == good) *first_bad = b->ray[i], memcpy(first_why, why, RAY_WHY);
+            continue;
+        }
+        for (int c = 0; c < 8; c++) b->number[c][good] = value[c];
+        b->ray[good] = b->ray[i], b->id[good] = b->id[i];
+        good++;
+    }
+    b->count = good;
+    return all - good;
+}
+
+void ray_table_part(const ray_table *t, size_t first, size_t count, ray_block *to)
+{
+    long long first_bad;
+    char why[RAY_WHY];
+    read_columns(t, first, count, to);
+    if (t->bad) leave_good(to, &first_bad, why);
+}
+
+/* Looks at every ray. */
+static void check_rows(ray_table *t, bool skip_bad)
+{
+    long long first_bad = 0;
+    char first_why[RAY_WHY];
+    ray_block *b = memory_take(1, sizeof *b);
+    for (size_t first = 0; first < t->rows; first += TILE_RAYS) {
+        long long bad_row;
+        char why[RAY_WHY];
+        read_columns(t, first, t->rows - first < TILE_RAYS ? t->rows - first : TILE_RAYS, b);
+        const size_t bad = leave_good(b, &bad_row, why);
+        if (bad && !skip_bad) fail_input("%s: row %lld, counted from 0: %s", t->path, bad_row, why);
+        if (bad && !t->bad) first_bad = bad_row, memcpy(first_why, why, RAY_WHY);
+        t->bad += bad;
+    }
+    if (t->bad)
+        note("%s: %zu bad row%s skipped, the first is row %lld, counted from 0: %s", t->path, t->bad,
+             t->bad == 1 ? "" : "s", first_bad, first_why);
 }
 
 static void read_ids(ray_table *t, ray_list *list)
@@ -204,12 +242,7 @@ void ray_table_open(ray_list *list, const char *path, bool skip_bad)
     for (size_t f = 0; f < t->files; f++)
         if (t->file[f].row_size > ROW_MOST) fail_input("%s: a row has more than %d bytes", path, ROW_MOST);
     if (!t->rows) fail_input("%s: no rays: the array is empty", path);
-    size_t first_bad = 0;
-    char why[RAY_WHY];
-    const size_t bad = check_rows(t, skip_bad, &first_bad, why);
-    if (bad)
-        note("%s: %zu bad row%s skipped, the first is row %zu, counted from 0: %s", path, bad,
-             bad == 1 ? "" : "s", first_bad, why);
+    check_rows(t, skip_bad);
     if (t->column[RAY_ID].file) read_ids(t, list);
     list->ended = t->column[RAY_TMIN].file || t->column[RAY_TMAX].file;
     list->table = t, list->count = t->rows;

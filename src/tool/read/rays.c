@@ -259,8 +259,14 @@ static void read_table(ray_list *list, const char *path, bool skip_bad)
 {
     ray_table_open(list, path, skip_bad);
     if (list->parts) return;
-    list->ray = memory_take(list->count, sizeof *list->ray);
-    ray_table_part(list->table, 0, list->count, list->ray, &list->count);
+    const size_t rows = list->count;
+    list->ray = memory_grow(NULL, rows, sizeof *list->ray);
+    list->count = 0;
+    ray_block *b = memory_take(1, sizeof *b);
+    for (size_t first = 0; first < rows; first += TILE_RAYS) {
+        ray_table_part(list->table, first, rows - first < TILE_RAYS ? rows - first : TILE_RAYS, b);
+        for (size_t i = 0; i < b->count; i++) list->ray[list->count++] = rays_launch(b, i);
+    }
 }
 
 static void read_csv(ray_list *list, const char *path, bool skip_bad)
@@ -306,9 +312,27 @@ void rays_read(ray_list *list, const char *path, bool skip_bad)
     (ray_table_is(path) ? read_table : read_csv)(list, path, skip_bad);
 }
 
-const launch *rays_part(const ray_list *list, size_t first, size_t count, launch room[], size_t *there)
+launch rays_launch(const ray_block *b, size_t i)
 {
-    if (list->ray) return *there = count, &list->ray[first];
-    ray_table_part(list->table, first, count, room, there);
-    return room;
+    const double(*n)[TILE_RAYS] = b->number;
+    return (launch){.ray = sgt_ray_between((sgt_vec3){n[0][i], n[1][i], n[2][i]},
+                                           (sgt_vec3){n[3][i], n[4][i], n[5][i]}, n[6][i], n[7][i]),
+                    .number = (size_t)b->ray[i], .field = (size_t)b->field[i], .px = b->px[i],
+                    .py = b->py[i], .id = b->id[i], .status = SGT_MET};
+}
+
+void rays_part(const ray_list *list, size_t first, size_t count, ray_block *to)
+{
+    if (!list->ray) {
+        ray_table_part(list->table, first, count, to);
+        return;
+    }
+    to->count = count;
+    for (size_t i = 0; i < count; i++) {
+        const launch *l = &list->ray[first + i];
+        const sgt_ray *r = &l->ray;
+        const double number[] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, ray_end(r)};
+        for (int k = 0; k < 8; k++) to->number[k][i] = number[k];
+        to->ray[i] = (long long)l->number, to->id[i] = l->id;
+    }
 }
