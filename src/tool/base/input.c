@@ -1,17 +1,22 @@
-/* input.c - reads a file or standard input whole, and keeps output from overwriting an input. */
+/* input.c - reads a file or standard input whole, or maps it, and keeps output from overwriting an input. */
+#define _DEFAULT_SOURCE /* madvise */
 #include "input.h"
 
 #include "fail.h"
 #include "memory.h"
 
 #include <errno.h>
-#include <stdbool.h>
+#include <signal.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* The files in use, told apart by device and inode, since a file can have several names. */
-typedef struct used_file { struct stat is; const char *name; } used_file;
+typedef struct used_file { struct stat is; const char *name, *mapped; } used_file; /* mapped: where, or NULL */
 static used_file *used;
 static size_t used_count, used_room;
 
@@ -20,15 +25,7 @@ static void remember(FILE *file, const char *name)
     struct stat is;
     if (fstat(fileno(file), &is) != 0 || !S_ISREG(is.st_mode)) return;
     used = memory_room(used, used_count, &used_room, sizeof *used);
-    used[used_count++] = (used_file){is, memory_text(name, strlen(name))};
-}
-
-FILE *input_open(const char *path)
-{
-    FILE *file = fopen(path, "rb");
-    if (!file) fail_input("%s: %s", path, strerror(errno));
-    remember(file, path);
-    return file;
+    used[used_count++] = (used_file){is, memory_text(name, strlen(name)), NULL};
 }
 
 void output_check(const char *option, const char *path)
@@ -84,6 +81,56 @@ const char *input_try(const char *path, input *in)
     const char *fault = read_all(file, in);
     fclose(file);
     return fault;
+}
+
+/* A byte of a mapped file was asked for that is not there any more.  Other threads may be at work. */
+static void end_shorter(int signal, siginfo_t *why, void *context)
+{
+    static const char words[] = ": it became shorter while it was read\n";
+    const uintptr_t at = (uintptr_t)why->si_addr;
+    (void)signal, (void)context;
+    for (size_t i = 0; i < used_count; i++) {
+        const uintptr_t from = (uintptr_t)used[i].mapped;
+        if (!from || at < from || at - from >= (size_t)used[i].is.st_size) continue;
+        ssize_t told = write(STDERR_FILENO, "sagitta: ", 9);
+        told += write(STDERR_FILENO, used[i].name, strlen(used[i].name));
+        told += write(STDERR_FILENO, words, sizeof words - 1);
+        (void)told;
+    }
+    _Exit(EXIT_BAD_INPUT);
+}
+
+input input_map(const char *path, bool *mapped)
+{
+    input in = {.name = path};
+    FILE *file = fopen(path, "rb");
+    if (!file) fail_input("%s: %s", path, strerror(errno));
+    const size_t before = used_count;
+    remember(file, path);
+    used_file *u = used_count > before && used[before].is.st_size > 0 ? &used[before] : NULL; /* a plain file */
+    void *at = u ? mmap(NULL, (size_t)u->is.st_size, PROT_READ, MAP_PRIVATE, fileno(file), 0) : MAP_FAILED;
+    *mapped = at != MAP_FAILED;
+    if (*mapped) {
+        const struct sigaction shorter = {.sa_sigaction = end_shorter, .sa_flags = SA_SIGINFO};
+        sigaction(SIGBUS, &shorter, NULL);
+        in.text = at, in.length = (size_t)u->is.st_size, u->mapped = at;
+    } else {
+        const char *fault = read_all(file, &in);
+        if (fault) fail_input("%s: %s", path, fault);
+    }
+    fclose(file);
+    return in;
+}
+
+void input_leave(const void *from, size_t length)
+{
+#ifdef MADV_DONTNEED
+    const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE), end = (uintptr_t)from + length;
+    const uintptr_t begin = ((uintptr_t)from + page - 1) / page * page;
+    if (end > begin) madvise((void *)begin, (end - begin) / page * page, MADV_DONTNEED);
+#else
+    (void)from, (void)length;
+#endif
 }
 
 input input_read(const char *path)

@@ -206,7 +206,7 @@ static void find_one_each(const intersect_work *w, intersect_room *r)
     double(*n)[TILE_RAYS] = r->number;
     const sgt_hits hits = {.status = r->status, .evals = r->evals, .t = n[0], .t_err = n[1],
                            .p = {n[2], n[3], n[4]}, .n = {n[5], n[6], n[7]}};
-    sgt_intersect_batch(w->surface, b->count, rays_columns(b, true), hits, opt);
+    sgt_intersect_batch(w->surface, b->count, rays_columns(b), hits, opt);
     for (size_t i = 0; i < b->count; i++) {
         const sgt_status status = r->status[i];
         note_status(&r->found, status, b, i);

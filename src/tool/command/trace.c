@@ -163,17 +163,16 @@ typedef struct records {
     double *number[9];             /* p, direction, t, t_err, opl */
 } records;
 
-enum { ROWS = 512 }; /* of the table that are given to it at once */
-
-/* Rows of the table by column: what the records have of rays at elements. */
+/* Rows of the table by column: what the records have of rays at elements.  With --last, the row of each ray
+ * of a tile: the library writes how the last element was met right here. */
 typedef struct element_rows {
-    size_t count;
-    long long ray[ROWS];
-    int element[ROWS], evals[ROWS], field[ROWS];
-    sgt_fate fate[ROWS];
-    sgt_status status[ROWS];
-    double number[9][ROWS], px[ROWS], py[ROWS], lo[ROWS], hi[ROWS];
-    const char *id[ROWS];
+    size_t count, ray[TILE_RAYS];  /* which ray of the tile */
+    long long number[TILE_RAYS];
+    int element[TILE_RAYS], evals[TILE_RAYS], field[TILE_RAYS];
+    sgt_fate fate[TILE_RAYS];
+    sgt_status status[TILE_RAYS];
+    double value[9][TILE_RAYS], px[TILE_RAYS], py[TILE_RAYS], lo[TILE_RAYS], hi[TILE_RAYS];
+    const char *id[TILE_RAYS];
 } element_rows;
 
 /* The room of a tile: its rays, what became of them, and its rows of the table. */
@@ -185,9 +184,7 @@ typedef struct trace_room {
     size_t capacity;               /* rays in a record */
     records *record;               /* [elements]; NULL until they are needed */
     sgt_passages *passages;        /* [elements], for the library: point into record */
-    records last;                  /* of the last element */
-    sgt_passages *last_passages;   /* [elements]: only that; NULL: `record` is always needed */
-    size_t again_count, again[TILE_RAYS]; /* of rays that ended before it: their place in `record` */
+    sgt_passages *last;            /* [elements]: only of the last, point into rows; NULL: all are needed */
     sgt_passage *alone;            /* [elements], for a ray traced by itself to get lo and hi */
     element_rows rows;
     table *table;
@@ -220,38 +217,39 @@ typedef struct trace_work {
     sgt_vec3 *point;               /* [elements + 1] */
 } trace_work;
 
-/* Records of `count` elements for so many rays, and the passages that point into them. */
-static void make_records(records record[], sgt_passages passages[], size_t count, size_t rays)
+static sgt_passages passages_into(const records *r)
 {
-    sgt_status *status = memory_take(count, rays * sizeof *status);
-    int *evals = memory_take(count, rays * sizeof *evals);
-    double *number = memory_take(count, 9 * rays * sizeof *number);
-    for (size_t i = 0; i < count; i++) {
-        double **n = record[i].number;
-        record[i].status = status + i * rays, record[i].evals = evals + i * rays;
-        for (size_t k = 0; k < 9; k++) n[k] = number + (9 * i + k) * rays;
-        passages[i] = (sgt_passages){.hits = {.status = record[i].status, .evals = record[i].evals,
-                                              .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
-                                     .direction = {n[3], n[4], n[5]}, .opl = n[8]};
-    }
+    double *const *n = r->number;
+    return (sgt_passages){.hits = {.status = r->status, .evals = r->evals, .p = {n[0], n[1], n[2]}, .t = n[6],
+                                   .t_err = n[7]},
+                          .direction = {n[3], n[4], n[5]}, .opl = n[8]};
 }
 
 static void need_records(const trace_work *w, trace_room *r)
 {
-    const size_t count = w->job->lens.count;
+    const size_t count = w->job->lens.count, rays = r->capacity;
     if (r->record) return;
     r->record = memory_take(count, sizeof *r->record), r->passages = memory_take(count, sizeof *r->passages);
-    make_records(r->record, r->passages, count, r->capacity);
+    sgt_status *status = memory_take(count, rays * sizeof *status);
+    int *evals = memory_take(count, rays * sizeof *evals);
+    double *number = memory_take(count, 9 * rays * sizeof *number);
+    for (size_t i = 0; i < count; i++) {
+        r->record[i].status = status + i * rays, r->record[i].evals = evals + i * rays;
+        for (size_t k = 0; k < 9; k++) r->record[i].number[k] = number + (9 * i + k) * rays;
+        r->passages[i] = passages_into(&r->record[i]);
+    }
 }
 
-static void trace_room_for(const trace_work *w, trace_room *r, size_t rays)
+static void make_room(const trace_work *w, trace_room *r, size_t rays)
 {
     const size_t count = w->job->lens.count;
     r->capacity = rays, r->table = table_part(w->table);
     if (w->stretches) r->alone = memory_take(count, sizeof *r->alone);
     if (w->every) return;
-    r->last_passages = memory_take(count, sizeof *r->last_passages);
-    make_records(&r->last, &r->last_passages[count - 1], 1, rays);
+    records rows = {.status = r->rows.status, .evals = r->rows.evals};
+    for (size_t k = 0; k < 9; k++) rows.number[k] = r->rows.value[k];
+    r->last = memory_take(count, sizeof *r->last);
+    r->last[count - 1] = passages_into(&rows);
 }
 
 static sgt_vec3 vector_at(double *const n[3], size_t i) { return (sgt_vec3){n[0][i], n[1][i], n[2][i]}; }
@@ -268,16 +266,40 @@ static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage al
 static const char *fate_word(int code) { return sgt_fate_text((sgt_fate)code); }
 static const char *status_word(int code) { return sgt_status_text((sgt_status)code); }
 
+/* What a row has besides its records. */
+static void finish_row(const trace_work *w, trace_room *r, size_t k)
+{
+    element_rows *o = &r->rows;
+    const ray_block *b = &r->rays;
+    const size_t i = o->ray[k], element = (size_t)o->element[k] - 1;
+    double(*n)[TILE_RAYS] = o->value;
+    /* NaN: the point of a miss, the direction of a ray that ended here */
+    for (int c = 0; c < 3 && o->status[k] <= 0; c++) n[c][k] = (double)NAN;
+    for (int c = 3; c < 6 && o->fate[k] != SGT_PASSED; c++) n[c][k] = (double)NAN;
+    if (w->asked->global) {
+        const sgt_pose *pose = &w->at->element[element].pose;
+        const sgt_vec3 p = frame_point_out(pose, (sgt_vec3){n[0][k], n[1][k], n[2][k]}),
+                       d = frame_direction_out(pose, (sgt_vec3){n[3][k], n[4][k], n[5][k]});
+        n[0][k] = p.x, n[1][k] = p.y, n[2][k] = p.z, n[3][k] = d.x, n[4][k] = d.y, n[5][k] = d.z;
+    }
+    o->number[k] = b->ray[i], o->px[k] = b->px[i], o->py[k] = b->py[i], o->id[k] = b->id[i];
+    if (w->job->fields) o->field[k] = (int)w->job->field_number[b->field[i]] + 1;
+    if (!w->stretches) return;
+    const launch l = rays_launch(b, i);
+    const sgt_hit *hit = o->status[k] < 0 ? ended(w, &l, r->alone, element) : NULL;
+    o->lo[k] = hit ? hit->lo : (double)NAN, o->hi[k] = hit ? hit->hi : (double)NAN;
+}
+
 /* Gives the table the rows so far. */
 static void put_rows(const trace_work *w, trace_room *r)
 {
     element_rows *o = &r->rows;
-    double(*n)[ROWS] = o->number;
+    double(*n)[TILE_RAYS] = o->value;
     const double *um = &w->at->lens.wavelength;
     const bool beam = w->job->fields > 0;
     size_t c = HEAD_COUNT;
     table_values all[COLUMNS_MOST] = {
-        TABLE_VALUES(o->ray), TABLE_VALUES(o->element), {o->fate, 1, fate_word}, {o->status, 1, status_word},
+        TABLE_VALUES(o->number), TABLE_VALUES(o->element), {o->fate, 1, fate_word}, {o->status, 1, status_word},
         TABLE_VALUES(n[0]), TABLE_VALUES(n[1]), TABLE_VALUES(n[2]), TABLE_VALUES(n[3]), TABLE_VALUES(n[4]),
         TABLE_VALUES(n[5]), TABLE_VALUES(n[6]), TABLE_VALUES(n[7]), TABLE_VALUES(n[8]), TABLE_VALUES(o->evals),
     };
@@ -287,37 +309,19 @@ static void put_rows(const trace_work *w, trace_room *r)
         all[c++] = (k == 1 ? !isnan(*um) : beam) ? launched[k] : (table_values){.at = NULL};
     if (w->job->rays.named) all[c++] = (table_values)TABLE_VALUES(o->id);
     if (w->stretches) all[c++] = (table_values)TABLE_VALUES(o->lo), all[c++] = (table_values)TABLE_VALUES(o->hi);
+    for (size_t k = 0; k < o->count; k++) finish_row(w, r, k);
     table_block(r->table, o->count, all);
     o->count = 0;
 }
 
-/* Adds a row: of the ray i at an element, where `from` has it at the place `at`. */
-static void add_row(const trace_work *w, trace_room *r, size_t i, size_t element, sgt_fate fate,
-                    const records *from, size_t at)
+/* Makes the row k: of the ray i at an element, which its records have at the place `at`. */
+static void copy_row(trace_room *r, size_t k, size_t i, size_t element, sgt_fate fate, size_t at)
 {
     element_rows *o = &r->rows;
-    const ray_block *b = &r->rays;
-    if (o->count == ROWS) put_rows(w, r);
-    const size_t k = o->count++;
-    for (int c = 0; c < 9; c++) o->number[c][k] = from->number[c][at];
-    /* NaN: the point of a miss, the direction of a ray that ended here */
-    for (int c = 0; c < 3 && from->status[at] <= 0; c++) o->number[c][k] = (double)NAN;
-    for (int c = 3; c < 6 && fate != SGT_PASSED; c++) o->number[c][k] = (double)NAN;
-    if (w->asked->global) {
-        const sgt_pose *pose = &w->at->element[element].pose;
-        double(*n)[ROWS] = o->number;
-        const sgt_vec3 p = frame_point_out(pose, (sgt_vec3){n[0][k], n[1][k], n[2][k]}),
-                       d = frame_direction_out(pose, (sgt_vec3){n[3][k], n[4][k], n[5][k]});
-        n[0][k] = p.x, n[1][k] = p.y, n[2][k] = p.z, n[3][k] = d.x, n[4][k] = d.y, n[5][k] = d.z;
-    }
-    o->ray[k] = b->ray[i], o->element[k] = (int)element + 1, o->fate[k] = fate;
+    const records *from = &r->record[element];
+    for (int c = 0; c < 9; c++) o->value[c][k] = from->number[c][at];
+    o->ray[k] = i, o->element[k] = (int)element + 1, o->fate[k] = fate;
     o->status[k] = from->status[at], o->evals[k] = from->evals[at];
-    if (w->job->fields) o->field[k] = (int)w->job->field_number[b->field[i]] + 1;
-    o->px[k] = b->px[i], o->py[k] = b->py[i], o->id[k] = b->id[i];
-    if (!w->stretches) return;
-    const launch l = rays_launch(b, i);
-    const sgt_hit *hit = from->status[at] < 0 ? ended(w, &l, r->alone, element) : NULL;
-    o->lo[k] = hit ? hit->lo : (double)NAN, o->hi[k] = hit ? hit->hi : (double)NAN;
 }
 
 static void trace_columns(const trace_work *w, size_t n, sgt_rays rays, sgt_traced out,
@@ -327,45 +331,57 @@ static void trace_columns(const trace_work *w, size_t n, sgt_rays rays, sgt_trac
                     &w->asked->shared.solver);
 }
 
-/* Rays that ended before the last element are traced again, with records of all. */
-static void trace_again(const trace_work *w, trace_room *r)
+/* The last row of each ray.  Those that ended before the last element are traced again, with records of all
+ * elements. */
+static void last_rows(const trace_work *w, trace_room *r)
 {
+    element_rows *o = &r->rows;
     double(*n)[TILE_RAYS] = r->end; /* where they ended is not wanted */
-    for (size_t i = r->again_count = 0; i < r->rays.count; i++) {
-        if ((size_t)r->passed[i] + 1 >= w->job->lens.count) continue;
-        for (int k = 0; k < 6; k++) n[k][r->again_count] = r->rays.number[k][i];
-        r->again[i] = r->again_count++;
+    size_t again = 0, at = 0;
+    o->count = r->rays.count;
+    for (size_t i = 0; i < o->count; i++) {
+        o->ray[i] = i, o->fate[i] = r->fate[i], o->element[i] = (int)w->job->lens.count;
+        if (o->element[i] - r->passed[i] <= 1) continue;
+        for (int k = 0; k < 6; k++) n[k][again] = r->rays.number[k][i];
+        again++;
     }
-    if (!r->again_count) return;
+    if (!again) return;
     need_records(w, r);
-    trace_columns(w, r->again_count, (sgt_rays){.o = {n[0], n[1], n[2]}, .d = {n[3], n[4], n[5]}},
+    trace_columns(w, again, (sgt_rays){.o = {n[0], n[1], n[2]}, .d = {n[3], n[4], n[5]}},
                   (sgt_traced){.fate = NULL}, r->passages);
+    for (size_t i = 0; i < o->count; i++)
+        if (o->element[i] - r->passed[i] > 1) copy_row(r, i, i, (size_t)r->passed[i], r->fate[i], at++);
+}
+
+/* The rows of each ray, with gaps between rays. */
+static void every_row(const trace_work *w, trace_room *r)
+{
+    for (size_t i = 0; i < r->rays.count; i++) {
+        const size_t passed = (size_t)r->passed[i], end = passed + (r->fate[i] != SGT_PASSED);
+        if (!w->asked->last) table_gap(r->table);
+        for (size_t k = w->asked->last ? end - 1 : 0; k < end; k++) {
+            if (r->rows.count == TILE_RAYS) put_rows(w, r);
+            copy_row(r, r->rows.count++, i, k, k < passed ? SGT_PASSED : r->fate[i], i);
+        }
+        if (w->text && !w->asked->last) put_rows(w, r); /* before the next gap */
+    }
 }
 
 static void send(void *data, const tile *t)
 {
     const trace_work *w = data;
     trace_room *r = &w->room[t->place];
-    double(*e)[TILE_RAYS] = r->end;
     job_part(w->at, t->first, t->count, &r->rays);
     sgt_traced out = {.fate = r->fate, .passed = r->passed};
-    for (int k = 0; k < 3 && w->picture; k++) out.o[k] = e[k], out.d[k] = e[3 + k];
+    for (int k = 0; k < 3 && w->picture; k++) out.o[k] = r->end[k], out.d[k] = r->end[3 + k];
     if (w->every) need_records(w, r);
-    trace_columns(w, r->rays.count, rays_columns(&r->rays, false), out, w->every ? r->passages : r->last_passages);
-    if (!w->every) trace_again(w, r);
-    for (size_t i = 0; i < r->rays.count; i++) {
-        const size_t passed = (size_t)r->passed[i], before = passed + (r->fate[i] != SGT_PASSED);
-        const bool at_last = !w->every && passed + 1 >= w->job->lens.count;
-        const size_t at = w->every || at_last ? i : r->again[i];
-        if (!w->asked->last) table_gap(r->table);
-        for (size_t k = w->asked->last ? before - 1 : 0; k < before; k++)
-            add_row(w, r, i, k, k < passed ? SGT_PASSED : r->fate[i], at_last ? &r->last : &r->record[k], at);
-        if (w->text && !w->asked->last) put_rows(w, r); /* before the gap */
-        if (r->fate[i] >= 0) continue;
-        const launch l = rays_launch(&r->rays, i);
-        watch_trace(w->watch, t->place, w->at, &l, &w->asked->shared.solver);
-    }
+    trace_columns(w, r->rays.count, rays_columns(&r->rays), out, w->every ? r->passages : r->last);
+    (w->every ? every_row : last_rows)(w, r);
     put_rows(w, r);
+    for (size_t i = 0; i < r->rays.count && w->watch; i++) {
+        const launch l = rays_launch(&r->rays, i);
+        if (r->fate[i] < 0) watch_trace(w->watch, t->place, w->at, &l, &w->asked->shared.solver);
+    }
 }
 
 static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
@@ -613,7 +629,7 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     column columns[COLUMNS_MOST];
     a.shared.target.word_size = j.rays.longest_id;
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
-    for (size_t i = 0; i < places; i++) trace_room_for(&w, &w.room[i], in.most);
+    for (size_t i = 0; i < places; i++) make_room(&w, &w.room[i], in.most);
     progress_begin(j.wavelengths * job_count(j.at), !a.shared.target.path, a.shared.progress);
     for (size_t k = 0; k < j.wavelengths; k++) {
         w.at = &j.at[k];

@@ -73,7 +73,7 @@ sgt_field_beam launch_beam(const launch_how *how, sgt_field_kind kind, sgt_lens_
     return beam;
 }
 
-enum { LAUNCH_PART = 256 };
+enum { LAUNCH_PART = 64 }; /* with all that is known of them they stay in the nearest cache */
 
 /* Adds a ray to the block. */
 static void put_launched(ray_block *to, const sgt_launched *l, size_t number, size_t field, sgt_pupil_point p)
@@ -85,8 +85,8 @@ static void put_launched(ray_block *to, const sgt_launched *l, size_t number, si
         return;
     }
     const size_t i = to->count++;
-    const double value[] = {l->ray.o.x, l->ray.o.y, l->ray.o.z, l->ray.d.x, l->ray.d.y, l->ray.d.z, 0, HUGE_VAL};
-    for (int k = 0; k < 8; k++) to->number[k][i] = value[k];
+    const double value[] = {l->ray.o.x, l->ray.o.y, l->ray.o.z, l->ray.d.x, l->ray.d.y, l->ray.d.z};
+    for (int k = 0; k < 6; k++) to->number[k][i] = value[k];
     to->ray[i] = (long long)number, to->field[i] = (int)field, to->px[i] = p.x, to->py[i] = p.y;
     to->folded += l->folded;
 }

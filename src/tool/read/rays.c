@@ -316,7 +316,8 @@ launch rays_launch(const ray_block *b, size_t i)
 {
     const double(*n)[TILE_RAYS] = b->number;
     return (launch){.ray = sgt_ray_between((sgt_vec3){n[0][i], n[1][i], n[2][i]},
-                                           (sgt_vec3){n[3][i], n[4][i], n[5][i]}, n[6][i], n[7][i]),
+                                           (sgt_vec3){n[3][i], n[4][i], n[5][i]}, b->ended ? n[6][i] : 0,
+                                           b->ended ? n[7][i] : HUGE_VAL),
                     .number = (size_t)b->ray[i], .field = (size_t)b->field[i], .px = b->px[i],
                     .py = b->py[i], .id = b->id[i], .status = SGT_MET};
 }
@@ -327,7 +328,7 @@ void rays_part(const ray_list *list, size_t first, size_t count, ray_block *to)
         ray_table_part(list->table, first, count, to);
         return;
     }
-    to->count = count;
+    to->count = count, to->ended = true;
     for (size_t i = 0; i < count; i++) {
         const launch *l = &list->ray[first + i];
         const sgt_ray *r = &l->ray;

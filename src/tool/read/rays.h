@@ -18,6 +18,7 @@ typedef struct launch {
 /* Rays by column: those of a tile. */
 typedef struct ray_block {
     size_t count;
+    bool ended;                         /* there are tmin and tmax; else they are 0 and infinite */
     double number[8][TILE_RAYS];        /* o, d, tmin, tmax */
     long long ray[TILE_RAYS];           /* what a launch has of each: its number, */
     int field[TILE_RAYS];
@@ -31,12 +32,12 @@ typedef struct ray_block {
 /* A ray of a block by itself. */
 launch rays_launch(const ray_block *b, size_t i);
 
-/* Its columns for a batch; with_ends: those of tmin and tmax, too. */
-static inline sgt_rays rays_columns(const ray_block *b, bool with_ends)
+/* Its columns for a batch. */
+static inline sgt_rays rays_columns(const ray_block *b)
 {
-    return (sgt_rays){.o = {b->number[0], b->number[1], b->number[2]},
-                      .d = {b->number[3], b->number[4], b->number[5]},
-                      .tmin = with_ends ? b->number[6] : NULL, .tmax = with_ends ? b->number[7] : NULL};
+    const double(*n)[TILE_RAYS] = b->number;
+    return (sgt_rays){.o = {n[0], n[1], n[2]}, .d = {n[3], n[4], n[5]}, .tmin = b->ended ? n[6] : NULL,
+                      .tmax = b->ended ? n[7] : NULL};
 }
 
 typedef struct ray_table ray_table;

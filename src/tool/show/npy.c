@@ -94,6 +94,7 @@ static void npy_open(npy_output *n, size_t place, char *path)
     if (stat(path, &is) == 0 && !S_ISREG(is.st_mode))
         fail_input("--output %s: not a file, and an npy file is written from its beginning again", path);
     if (!(f->file = fopen(path, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
+    setvbuf(f->file, NULL, _IONBF, 0); /* what is written is long */
     npy_write_header(n, place);
 }
 
@@ -159,9 +160,15 @@ npy_output *npy_begin(const table_target *target, size_t columns, const column *
 
 size_t npy_files(const npy_output *n) { return n->folder ? n->columns : 1; }
 
-/* Copies a column of cells of a size that the compiler knows. */
-#define COPY(SIZE)                                                          \
-    for (size_t i = 0; i < rows; i++, to += apart, from += step) memcpy(to, from, SIZE)
+/* Copies a column of cells of a size that the compiler knows, four at a time. */
+#define COPY(SIZE)                                                                    \
+    for (; rows >= 4; rows -= 4, to += 4 * apart, from += 4 * step) {                 \
+        memcpy(to, from, SIZE);                                                       \
+        memcpy(to + apart, from + step, SIZE);                                        \
+        memcpy(to + 2 * apart, from + 2 * step, SIZE);                                \
+        memcpy(to + 3 * apart, from + 3 * step, SIZE);                                \
+    }                                                                                 \
+    for (; rows > 0; rows--, to += apart, from += step) memcpy(to, from, SIZE)
 
 /* size: of a cell; apart: from one to the next. */
 static void copy_column(char *to, size_t apart, size_t size, column_kind kind, const table_values *v, size_t rows)
