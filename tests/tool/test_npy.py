@@ -271,7 +271,6 @@ def test_hostile_arrays():
         (array(out(), several, one.replace('<f8', '<i8', 1), '<6d'), "ox: of the type '<i8'"),
         (array(out(), several, plain, '<6d', shape='(50, 6)', more="'shape': (50, 6)"), 'given twice'),
         (array(out(), several, plain, '<6d', shape='(50, 6)', more="'other': 1"), 'unknown key'),
-        (array(out(), [several[0] * 12], str([(n, '<f8') for n in NAMES] + [('', '|V528')]), '<72d'), '512 bytes'),
         (out('nothing.npy'), 'No such file'), (written('', 'empty').parent, 'this column is missing'),
     ]
     folder = out('columns')

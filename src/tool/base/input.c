@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 /* The files in use, told apart by device and inode, since a file can have several names. */
-typedef struct used_file { struct stat is; const char *name, *mapped; } used_file; /* mapped: where, or NULL */
+typedef struct used_file { struct stat is; const char *name, *mapped; } used_file; /* NULL: not mapped */
 static used_file *used;
 static size_t used_count, used_room;
 
@@ -107,7 +107,7 @@ input input_map(const char *path, bool *mapped)
     if (!file) fail_input("%s: %s", path, strerror(errno));
     const size_t before = used_count;
     remember(file, path);
-    used_file *u = used_count > before && used[before].is.st_size > 0 ? &used[before] : NULL; /* a plain file */
+    used_file *u = used_count > before && used[before].is.st_size > 0 ? &used[before] : NULL; /* plain */
     void *at = u ? mmap(NULL, (size_t)u->is.st_size, PROT_READ, MAP_PRIVATE, fileno(file), 0) : MAP_FAILED;
     *mapped = at != MAP_FAILED;
     if (*mapped) {

@@ -16,8 +16,8 @@ input input_read(const char *path);
 /* Reads a file of that name, even if it is "-".  Returns NULL, or why it cannot be read. */
 const char *input_try(const char *path, input *in);
 
-/* A file whose bytes are not changed, and end in no zero byte: mapped where that can be, else read whole.  One
- * that cannot be read ends the command; so does one that becomes shorter while it is mapped. */
+/* A file whose bytes are not changed, and end in no zero byte: mapped where that can be, else read whole.
+ * One that cannot be read ends the command; so does one that becomes shorter while it is mapped. */
 input input_map(const char *path, bool *mapped);
 
 /* Gives memory of a mapped file back until it is read again; pages that are only in part here stay. */

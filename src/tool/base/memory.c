@@ -1,6 +1,6 @@
 /* memory.c - a ring of blocks, each freed when the command ends.
  *
- * The command reads a file, answers and ends, so nothing is worth freeing before.  An error
+ * The command reads a file, answers and ends, so hardly anything is worth freeing before.  An error
  * may end it anywhere (fail.c).  A ring of all blocks makes both simple.  Threads change it
  * one at a time. */
 #include "memory.h"
@@ -39,8 +39,8 @@ _Noreturn static void end(const char *why)
 static block *sized(block *old, size_t count, size_t size)
 {
     if (size > 0 && count > (SIZE_MAX - sizeof(block)) / size) end("more memory asked for than there can be");
-    const size_t bytes = sizeof(block) + count * size;
-    block *b = old ? realloc(old, bytes) : calloc(1, bytes);
+    const size_t all = sizeof(block) + count * size;
+    block *b = old ? realloc(old, all) : calloc(1, all);
     if (!b) end("out of memory");
     return b;
 }
@@ -62,6 +62,18 @@ void *memory_grow(void *data, size_t count, size_t size)
     THREADS(omp critical (memory))
     b = grown(b, count, size);
     return b->data;
+}
+
+void memory_drop(void *data)
+{
+    if (!data) return;
+    block *b = (block *)(void *)((char *)data - offsetof(block, data));
+    THREADS(omp critical (memory))
+    {
+        b->before->after = b->after;
+        b->after->before = b->before;
+    }
+    free(b);
 }
 
 void *memory_take(size_t count, size_t size) { return memory_grow(NULL, count, size); }

@@ -169,7 +169,7 @@ typedef struct intersect_work {
     findings found;
 } intersect_work;
 
-static const char *status_word(int code) { return sgt_status_text((sgt_status)code); }
+static const char *answer_word(int code) { return sgt_status_text((sgt_status)code); }
 
 /* What the verdict needs of an answer. */
 static void note_status(findings *f, sgt_status status, const ray_block *b, size_t i)
@@ -186,8 +186,9 @@ static int root_of(sgt_status status, int root)
 }
 
 /* Rows with the columns of intersect_head, and those of the others that are wanted. */
-static void put_rows(const intersect_work *w, intersect_room *r, size_t count, const table_values head[HEAD_COUNT],
-                     table_values id, table_values lo, table_values hi)
+static void put_answers(const intersect_work *w, intersect_room *r, size_t count,
+                        const table_values head[HEAD_COUNT], table_values id, table_values lo,
+                        table_values hi)
 {
     table_values all[HEAD_COUNT + 3];
     size_t n = HEAD_COUNT;
@@ -214,17 +215,19 @@ static void find_one_each(const intersect_work *w, intersect_room *r)
         for (int k = 2; k < 8 && status <= 0; k++) n[k][i] = no;
         if (status >= 0) continue;
         const launch l = rays_launch(b, i);
-        const sgt_hit h = w->stretches ? sgt_intersect(w->surface, l.ray, opt) : (sgt_hit){.lo = no, .hi = no};
-        r->lo[i] = h.lo, r->hi[i] = h.hi;
+        if (w->stretches) {
+            const sgt_hit h = sgt_intersect(w->surface, l.ray, opt);
+            r->lo[i] = h.lo, r->hi[i] = h.hi;
+        }
         watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l, opt, false);
     }
     const table_values rows[HEAD_COUNT] = {
-        TABLE_VALUES(b->ray), TABLE_VALUES(r->root), {r->status, 1, status_word}, TABLE_VALUES(n[0]),
+        TABLE_VALUES(b->ray), TABLE_VALUES(r->root), {r->status, 1, answer_word}, TABLE_VALUES(n[0]),
         TABLE_VALUES(n[1]), TABLE_VALUES(n[2]), TABLE_VALUES(n[3]), TABLE_VALUES(n[4]), TABLE_VALUES(n[5]),
         TABLE_VALUES(n[6]), TABLE_VALUES(n[7]), TABLE_VALUES(r->evals),
     };
     const table_values id = TABLE_VALUES(b->id), lo = TABLE_VALUES(r->lo), hi = TABLE_VALUES(r->hi);
-    put_rows(w, r, b->count, rows, id, lo, hi);
+    put_answers(w, r, b->count, rows, id, lo, hi);
 }
 
 /* Every root of a ray; for a ray without one, its status and evaluations.  Returns how many. */
@@ -247,6 +250,7 @@ static int find_roots(const intersect_work *w, intersect_room *r, const launch *
 static void find_all(const intersect_work *w, intersect_room *r)
 {
     const ray_block *b = &r->rays;
+    const sgt_options *opt = &w->asked->shared.solver;
     for (size_t i = 0; i < b->count; i++) {
         const launch l = rays_launch(b, i);
         const long long number = b->ray[i];
@@ -265,14 +269,14 @@ static void find_all(const intersect_work *w, intersect_room *r)
         const int *root = root_of(h->status, 0) < 0 ? &none : r->place;
         const size_t step = sizeof *h;
         const table_values rows[HEAD_COUNT] = {
-            {.at = &number}, TABLE_VALUES(root), {&h->status, step, status_word}, {&h->t, step, NULL},
+            {.at = &number}, TABLE_VALUES(root), {&h->status, step, answer_word}, {&h->t, step, NULL},
             {&h->t_err, step, NULL}, {&h->p.x, step, NULL}, {&h->p.y, step, NULL}, {&h->p.z, step, NULL},
             {&h->n.x, step, NULL}, {&h->n.y, step, NULL}, {&h->n.z, step, NULL}, {&h->evals, step, NULL},
         };
         table_gap(r->rows);
-        put_rows(w, r, (size_t)count, rows, (table_values){.at = &b->id[i]}, (table_values){&h->lo, step, NULL},
-                 (table_values){&h->hi, step, NULL});
-        if (lost) watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l, &w->asked->shared.solver, true);
+        put_answers(w, r, (size_t)count, rows, (table_values){.at = &b->id[i]},
+                    (table_values){&h->lo, step, NULL}, (table_values){&h->hi, step, NULL});
+        if (lost) watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l, opt, true);
     }
 }
 

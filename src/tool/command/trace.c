@@ -156,14 +156,7 @@ static void count_loss(losses *l, sgt_fate fate, sgt_status status)
 
 enum { RECORDS_MOST = 1 << 16 }; /* the most rays times elements in a tile */
 
-/* One element as the rays of a tile met it. */
-typedef struct records {
-    sgt_status *status;
-    int *evals;
-    double *number[9];             /* p, direction, t, t_err, opl */
-} records;
-
-/* Rows of the table by column: what the records have of rays at elements.  With --last, the row of each ray
+/* Rows of the table by column: how rays met elements.  With --last, the row of each ray
  * of a tile: the library writes how the last element was met right here. */
 typedef struct element_rows {
     size_t count, ray[TILE_RAYS];  /* which ray of the tile */
@@ -171,7 +164,8 @@ typedef struct element_rows {
     int element[TILE_RAYS], evals[TILE_RAYS], field[TILE_RAYS];
     sgt_fate fate[TILE_RAYS];
     sgt_status status[TILE_RAYS];
-    double value[9][TILE_RAYS], px[TILE_RAYS], py[TILE_RAYS], lo[TILE_RAYS], hi[TILE_RAYS];
+    double value[9][TILE_RAYS];    /* p, direction, t, t_err, opl */
+    double px[TILE_RAYS], py[TILE_RAYS], lo[TILE_RAYS], hi[TILE_RAYS];
     const char *id[TILE_RAYS];
 } element_rows;
 
@@ -181,9 +175,8 @@ typedef struct trace_room {
     double end[6][TILE_RAYS];      /* where each ended, o and d */
     sgt_fate fate[TILE_RAYS];
     int passed[TILE_RAYS];
-    size_t capacity;               /* rays in a record */
-    records *record;               /* [elements]; NULL until they are needed */
-    sgt_passages *passages;        /* [elements], for the library: point into record */
+    size_t capacity;               /* rays in a passage */
+    sgt_passages *passages;        /* [elements]: how each was met; NULL until they are needed */
     sgt_passages *last;            /* [elements]: only of the last, point into rows; NULL: all are needed */
     sgt_passage *alone;            /* [elements], for a ray traced by itself to get lo and hi */
     element_rows rows;
@@ -197,6 +190,7 @@ typedef struct trace_work {
     table *table;
     scene *picture;                /* NULL: none */
     watch *watch;                  /* NULL: none */
+    bool alone;                    /* there is one thread: rows need not wait for their turn */
     bool text, every;              /* every: it matters how each element was met, not only the last row */
     const job_lens *at;             /* the lens at the wavelength that is being traced */
     bool launches;                 /* there are the columns of launch_head */
@@ -217,39 +211,36 @@ typedef struct trace_work {
     sgt_vec3 *point;               /* [elements + 1] */
 } trace_work;
 
-static sgt_passages passages_into(const records *r)
+/* number: for each of p, direction, t, t_err, opl an array, so many numbers apart. */
+static sgt_passages passages_into(sgt_status *status, int *evals, double *number, size_t apart)
 {
-    double *const *n = r->number;
-    return (sgt_passages){.hits = {.status = r->status, .evals = r->evals, .p = {n[0], n[1], n[2]}, .t = n[6],
+    double *n[9];
+    for (size_t k = 0; k < 9; k++) n[k] = number + k * apart;
+    return (sgt_passages){.hits = {.status = status, .evals = evals, .p = {n[0], n[1], n[2]}, .t = n[6],
                                    .t_err = n[7]},
                           .direction = {n[3], n[4], n[5]}, .opl = n[8]};
 }
 
-static void need_records(const trace_work *w, trace_room *r)
+static void need_passages(const trace_work *w, trace_room *r)
 {
     const size_t count = w->job->lens.count, rays = r->capacity;
-    if (r->record) return;
-    r->record = memory_take(count, sizeof *r->record), r->passages = memory_take(count, sizeof *r->passages);
+    if (r->passages) return;
+    r->passages = memory_take(count, sizeof *r->passages);
     sgt_status *status = memory_take(count, rays * sizeof *status);
     int *evals = memory_take(count, rays * sizeof *evals);
     double *number = memory_take(count, 9 * rays * sizeof *number);
-    for (size_t i = 0; i < count; i++) {
-        r->record[i].status = status + i * rays, r->record[i].evals = evals + i * rays;
-        for (size_t k = 0; k < 9; k++) r->record[i].number[k] = number + (9 * i + k) * rays;
-        r->passages[i] = passages_into(&r->record[i]);
-    }
+    for (size_t i = 0; i < count; i++)
+        r->passages[i] = passages_into(status + i * rays, evals + i * rays, number + 9 * i * rays, rays);
 }
 
 static void make_room(const trace_work *w, trace_room *r, size_t rays)
 {
     const size_t count = w->job->lens.count;
-    r->capacity = rays, r->table = table_part(w->table);
+    r->capacity = rays, r->table = w->alone ? w->table : table_part(w->table);
     if (w->stretches) r->alone = memory_take(count, sizeof *r->alone);
     if (w->every) return;
-    records rows = {.status = r->rows.status, .evals = r->rows.evals};
-    for (size_t k = 0; k < 9; k++) rows.number[k] = r->rows.value[k];
     r->last = memory_take(count, sizeof *r->last);
-    r->last[count - 1] = passages_into(&rows);
+    r->last[count - 1] = passages_into(r->rows.status, r->rows.evals, r->rows.value[0], TILE_RAYS);
 }
 
 static sgt_vec3 vector_at(double *const n[3], size_t i) { return (sgt_vec3){n[0][i], n[1][i], n[2][i]}; }
@@ -266,7 +257,7 @@ static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage al
 static const char *fate_word(int code) { return sgt_fate_text((sgt_fate)code); }
 static const char *status_word(int code) { return sgt_status_text((sgt_status)code); }
 
-/* What a row has besides its records. */
+/* What a row has besides what the library tells. */
 static void finish_row(const trace_work *w, trace_room *r, size_t k)
 {
     element_rows *o = &r->rows;
@@ -299,29 +290,34 @@ static void put_rows(const trace_work *w, trace_room *r)
     const bool beam = w->job->fields > 0;
     size_t c = HEAD_COUNT;
     table_values all[COLUMNS_MOST] = {
-        TABLE_VALUES(o->number), TABLE_VALUES(o->element), {o->fate, 1, fate_word}, {o->status, 1, status_word},
-        TABLE_VALUES(n[0]), TABLE_VALUES(n[1]), TABLE_VALUES(n[2]), TABLE_VALUES(n[3]), TABLE_VALUES(n[4]),
-        TABLE_VALUES(n[5]), TABLE_VALUES(n[6]), TABLE_VALUES(n[7]), TABLE_VALUES(n[8]), TABLE_VALUES(o->evals),
+        TABLE_VALUES(o->number), TABLE_VALUES(o->element), {o->fate, 1, fate_word},
+        {o->status, 1, status_word}, TABLE_VALUES(n[0]), TABLE_VALUES(n[1]), TABLE_VALUES(n[2]),
+        TABLE_VALUES(n[3]), TABLE_VALUES(n[4]), TABLE_VALUES(n[5]), TABLE_VALUES(n[6]), TABLE_VALUES(n[7]),
+        TABLE_VALUES(n[8]), TABLE_VALUES(o->evals),
     };
     const table_values launched[LAUNCH_COUNT] = {TABLE_VALUES(o->field), {.at = um}, TABLE_VALUES(o->px),
                                                  TABLE_VALUES(o->py)};
     for (int k = 0; w->launches && k < LAUNCH_COUNT; k++)
         all[c++] = (k == 1 ? !isnan(*um) : beam) ? launched[k] : (table_values){.at = NULL};
     if (w->job->rays.named) all[c++] = (table_values)TABLE_VALUES(o->id);
-    if (w->stretches) all[c++] = (table_values)TABLE_VALUES(o->lo), all[c++] = (table_values)TABLE_VALUES(o->hi);
+    const table_values ends[] = {TABLE_VALUES(o->lo), TABLE_VALUES(o->hi)};
+    for (int k = 0; w->stretches && k < 2; k++) all[c++] = ends[k];
     for (size_t k = 0; k < o->count; k++) finish_row(w, r, k);
     table_block(r->table, o->count, all);
     o->count = 0;
 }
 
-/* Makes the row k: of the ray i at an element, which its records have at the place `at`. */
+/* Makes the row k: of the ray i at an element, which the passages have at the place `at`. */
 static void copy_row(trace_room *r, size_t k, size_t i, size_t element, sgt_fate fate, size_t at)
 {
     element_rows *o = &r->rows;
-    const records *from = &r->record[element];
-    for (int c = 0; c < 9; c++) o->value[c][k] = from->number[c][at];
+    const sgt_passages *p = &r->passages[element];
+    const sgt_hits *h = &p->hits;
+    const double *from[9] = {h->p[0], h->p[1], h->p[2], p->direction[0], p->direction[1], p->direction[2],
+                             h->t, h->t_err, p->opl};
+    for (int c = 0; c < 9; c++) o->value[c][k] = from[c][at];
     o->ray[k] = i, o->element[k] = (int)element + 1, o->fate[k] = fate;
-    o->status[k] = from->status[at], o->evals[k] = from->evals[at];
+    o->status[k] = h->status[at], o->evals[k] = h->evals[at];
 }
 
 static void trace_columns(const trace_work *w, size_t n, sgt_rays rays, sgt_traced out,
@@ -331,7 +327,7 @@ static void trace_columns(const trace_work *w, size_t n, sgt_rays rays, sgt_trac
                     &w->asked->shared.solver);
 }
 
-/* The last row of each ray.  Those that ended before the last element are traced again, with records of all
+/* The last row of each ray.  Those that ended before the last element are traced again, with passages of all
  * elements. */
 static void last_rows(const trace_work *w, trace_room *r)
 {
@@ -346,7 +342,7 @@ static void last_rows(const trace_work *w, trace_room *r)
         again++;
     }
     if (!again) return;
-    need_records(w, r);
+    need_passages(w, r);
     trace_columns(w, again, (sgt_rays){.o = {n[0], n[1], n[2]}, .d = {n[3], n[4], n[5]}},
                   (sgt_traced){.fate = NULL}, r->passages);
     for (size_t i = 0; i < o->count; i++)
@@ -374,7 +370,7 @@ static void send(void *data, const tile *t)
     job_part(w->at, t->first, t->count, &r->rays);
     sgt_traced out = {.fate = r->fate, .passed = r->passed};
     for (int k = 0; k < 3 && w->picture; k++) out.o[k] = r->end[k], out.d[k] = r->end[3 + k];
-    if (w->every) need_records(w, r);
+    if (w->every) need_passages(w, r);
     trace_columns(w, r->rays.count, rays_columns(&r->rays), out, w->every ? r->passages : r->last);
     (w->every ? every_row : last_rows)(w, r);
     put_rows(w, r);
@@ -390,7 +386,7 @@ static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
     size_t met = (size_t)r->passed[i] + (fate == SGT_CLIPPED || fate == SGT_TIR);
     w->point[0] = l->ray.o;
     for (size_t k = 0; k < met; k++)
-        w->point[k + 1] = frame_point_out(&w->at->element[k].pose, vector_at(r->record[k].number, i));
+        w->point[k + 1] = frame_point_out(&w->at->element[k].pose, vector_at(r->passages[k].hits.p, i));
     scene_add(w->picture, l->field, (size_t)(w->at - w->job->at), met + 1, w->point, fate,
               (sgt_vec3){r->end[3][i], r->end[4][i], r->end[5][i]});
 }
@@ -399,7 +395,7 @@ static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
 static bool crossed_all(const trace_work *w, const trace_room *r, size_t i)
 {
     for (size_t k = 0; k < w->job->lens.count; k++)
-        if (r->record[k].status[i] != SGT_HIT) return false;
+        if (r->passages[k].hits.status[i] != SGT_HIT) return false;
     return true;
 }
 
@@ -412,14 +408,14 @@ static void keep_ended(trace_work *w, const trace_room *r, const launch *l, size
     if (r->fate[i] < 0 || w->ended_count++ >= UNDECIDED_SHOWN) return;
     sgt_vec3 from = l->ray.o, d = l->ray.d;
     if (before) {
-        from = frame_point_out(&before->pose, vector_at(r->record[element - 1].number, i));
-        d = frame_direction_out(&before->pose, vector_at(r->record[element - 1].number + 3, i));
+        from = frame_point_out(&before->pose, vector_at(r->passages[element - 1].hits.p, i));
+        d = frame_direction_out(&before->pose, vector_at(r->passages[element - 1].direction, i));
     }
     double length = vector_length(d);
     const arrival a = {
         .from = frame_point_in(&e->pose, from),
         .direction = frame_direction_in(&e->pose, (sgt_vec3){d.x / length, d.y / length, d.z / length}),
-        .p = vector_at(r->record[element].number, i),
+        .p = vector_at(r->passages[element].hits.p, i),
         .index = element ? of->index[element - 1] : of->index_before, .behind = of->index[element]};
     size_t k = w->ended_shown++;
     w->ended[k].ray = *l, w->ended[k].at = w->at, w->ended[k].element = element;
@@ -442,7 +438,7 @@ static void trace_take(void *data, const tile *t)
     trace_work *w = data;
     trace_room *r = &w->room[t->place];
     const ray_block *b = &r->rays;
-    table_join(w->table, r->table);
+    if (!w->alone) table_join(w->table, r->table);
     watch_take(w->watch, t->place);
     if (w->job->how) launch_take(w->job->how, b);
     w->rays += b->count;
@@ -452,11 +448,11 @@ static void trace_take(void *data, const tile *t)
         int passed = r->passed[i];
         const launch one = rays_launch(b, i), *l = &one;
         if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
-        else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
+        else count_loss(&w->loss[passed], r->fate[i], r->passages[passed].hits.status[i]);
         if (r->fate[i] != SGT_PASSED) keep_ended(w, r, l, i);
         count_field(w, l, (size_t)passed);
-        for (int k = 0; k < passed; k++) w->back[k] += r->record[k].number[6][i] < 0;
-        if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN)
+        for (int k = 0; k < passed; k++) w->back[k] += r->passages[k].hits.t[i] < 0;
+        if (r->fate[i] < 0 && r->passages[passed].hits.status[i] < 0 && w->shown < UNDECIDED_SHOWN)
             w->lost[w->shown].ray = *l, w->lost[w->shown++].at = w->at;
         if (w->picture) draw(w, r, l, i);
     }
@@ -495,9 +491,10 @@ static void write_losses(table *t, const job *j, const losses loss[])
         text = trace_also(text, loss[i].clipped, "clipped");
         text = trace_also(text, loss[i].tir, "totally reflected");
         for (int s = 0; s >= SGT_INVALID; s--)
-            text = trace_also(text, loss[i].lost[s - SGT_INVALID],
-                              memory_print("lost (%s)", s ? sgt_status_text((sgt_status)s)
-                                                          : "direction undecided"));
+            if (loss[i].lost[s - SGT_INVALID])
+                text = trace_also(text, loss[i].lost[s - SGT_INVALID],
+                                  memory_print("lost (%s)", s ? sgt_status_text((sgt_status)s)
+                                                              : "direction undecided"));
         if (*text) table_line(t, "element %zu (%s):%s", i + 1, j->lens.surface[i].type, text);
     }
 }
@@ -620,7 +617,7 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     if (a.pictures.file) picture = scene_begin(&j, pictures_plane(&a.pictures));
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
                     .watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, count),
-                    .picture = a.pictures.file ? &picture : NULL, .text = text,
+                    .picture = a.pictures.file ? &picture : NULL, .text = text, .alone = in.threads < 2,
                     .every = text || a.pictures.file || !a.last, .launches = all || j.wavelengths > 1,
                     .stretches = all && a.shared.solver.proof,
                     .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),

@@ -281,7 +281,7 @@ void job_move(sgt_pose *pose, double z)
     pose->origin.x += z * along.x, pose->origin.y += z * along.y, pose->origin.z += z * along.z;
 }
 
-sgt_element *job_elements(const job_options *o, const lens *l)
+const sgt_element *job_elements(const job_options *o, const lens *l)
 {
     if (!o->no_apertures) return l->element;
     sgt_element *element = memory_take(l->count, sizeof *element);

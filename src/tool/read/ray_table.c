@@ -178,8 +178,8 @@ void ray_table_part(const ray_table *t, size_t first, size_t count, ray_block *t
     if (t->bad) leave_good(to, &first_bad, why);
 }
 
-/* Is there a bad one among these rows?  By the bits of the exponents: all set, a number is not finite; none set
- * in dx, dy and dz, all three are below 2^-1022. */
+/* Is there a bad one among these rows?  By the bits of the exponents: all set, a number is not finite; none
+ * set in dx, dy and dz, all three are below 2^-1022. */
 static bool any_bad(const ray_table *t, size_t first, size_t count)
 {
     static const uint64_t exponent = (uint64_t)0x7ff << 52, one = (uint64_t)1 << 52;

@@ -144,7 +144,8 @@ npy_output *npy_begin(const table_target *target, size_t columns, const column *
     if (target->hexadecimal) fail_usage("--hex: not with --format npy, where numbers are bytes");
     const size_t length = strlen(path);
     npy_output *n = memory_take(1, sizeof *n);
-    *n = (npy_output){.word_size = target->word_size ? target->word_size : 1, .head = head, .columns = columns,
+    *n = (npy_output){.head = head, .columns = columns,
+                      .word_size = target->word_size ? target->word_size : 1,
                       .file = memory_take(columns, sizeof *n->file),
                       .place = memory_take(columns, sizeof *n->place),
                       .folder = length < 4 || strcmp(path + length - 4, ".npy") != 0};
@@ -171,7 +172,8 @@ size_t npy_files(const npy_output *n) { return n->folder ? n->columns : 1; }
     for (; rows > 0; rows--, to += apart, from += step) memcpy(to, from, SIZE)
 
 /* size: of a cell; apart: from one to the next. */
-static void copy_column(char *to, size_t apart, size_t size, column_kind kind, const table_values *v, size_t rows)
+static void copy_column(char *to, size_t apart, size_t size, column_kind kind, const table_values *v,
+                        size_t rows)
 {
     static const double nan = (double)NAN;
     static const long long zero;

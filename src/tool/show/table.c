@@ -106,7 +106,7 @@ static table *table_new(const table *like)
     *t = *like;
     t->cell = memory_take(t->columns + 1, sizeof *t->cell);
     t->last = memory_take(t->columns, sizeof *t->last);
-    if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head, t->unit);
+    if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head, t->unit, t->part);
     if (t->npy) t->out = memory_take(npy_files(t->npy), sizeof *t->out);
     t->chosen_values = memory_take(t->chosen, sizeof *t->chosen_values);
     return t;
@@ -389,6 +389,7 @@ void table_block(table *t, size_t rows, const table_values values[])
         for (size_t i = 0; i < t->chosen; i++) t->chosen_values[i] = values[t->choice[i]];
         npy_block(t->npy, rows, t->chosen_values, t->out);
         t->rows += rows;
+        if (!t->part && t->out[0].length >= WRITE_AT) write_kept(t);
         return;
     }
     for (size_t row = 0; row < rows; row++)

@@ -1,8 +1,8 @@
 /* table.h - the output of the command: one table, as text, csv, json or npy.
  *
- * Cells are given row by row, in the order of the columns, or many rows by column.  csv, json and npy are written as they
- * come.  Text is written when the table ends, because a column is as wide as its widest cell.  Memory
- * does not grow with the rows. */
+ * Cells are given row by row, in the order of the columns, or many rows by column.  csv, json and npy are
+ * written as they come.  Text is written when the table ends, because a column is as wide as its widest
+ * cell.  Memory does not grow with the rows. */
 #ifndef TOOL_TABLE_H
 #define TOOL_TABLE_H
 #include "../base/fail.h"
