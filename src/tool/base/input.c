@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 /* The files in use, told apart by device and inode, since a file can have several names. */
-typedef struct used_file { struct stat is; const char *name, *mapped; } used_file; /* NULL: not mapped */
+typedef struct used_file { struct stat is; const char *name; } used_file;
 static used_file *used;
 static size_t used_count, used_room;
 
@@ -25,7 +25,7 @@ static void remember(FILE *file, const char *name)
     struct stat is;
     if (fstat(fileno(file), &is) != 0 || !S_ISREG(is.st_mode)) return;
     used = memory_room(used, used_count, &used_room, sizeof *used);
-    used[used_count++] = (used_file){is, memory_text(name, strlen(name)), NULL};
+    used[used_count++] = (used_file){is, memory_text(name, strlen(name))};
 }
 
 void output_check(const char *option, const char *path)
@@ -84,19 +84,12 @@ const char *input_try(const char *path, input *in)
 }
 
 /* A byte of a mapped file was asked for that is not there any more.  Other threads may be at work. */
-static void end_shorter(int signal, siginfo_t *why, void *context)
+static const char *shorter;
+static void end_shorter(int signal)
 {
-    static const char words[] = ": it became shorter while it was read\n";
-    const uintptr_t at = (uintptr_t)why->si_addr;
-    (void)signal, (void)context;
-    for (size_t i = 0; i < used_count; i++) {
-        const uintptr_t from = (uintptr_t)used[i].mapped;
-        if (!from || at < from || at - from >= (size_t)used[i].is.st_size) continue;
-        ssize_t told = write(STDERR_FILENO, "sagitta: ", 9);
-        told += write(STDERR_FILENO, used[i].name, strlen(used[i].name));
-        told += write(STDERR_FILENO, words, sizeof words - 1);
-        (void)told;
-    }
+    (void)signal;
+    const ssize_t told = write(STDERR_FILENO, shorter, strlen(shorter));
+    (void)told;
     _Exit(EXIT_BAD_INPUT);
 }
 
@@ -111,9 +104,9 @@ input input_map(const char *path, bool *mapped)
     void *at = u ? mmap(NULL, (size_t)u->is.st_size, PROT_READ, MAP_PRIVATE, fileno(file), 0) : MAP_FAILED;
     *mapped = at != MAP_FAILED;
     if (*mapped) {
-        const struct sigaction shorter = {.sa_sigaction = end_shorter, .sa_flags = SA_SIGINFO};
-        sigaction(SIGBUS, &shorter, NULL);
-        in.text = at, in.length = (size_t)u->is.st_size, u->mapped = at;
+        shorter = memory_print("sagitta: %s: it became shorter while it was read\n", path);
+        signal(SIGBUS, end_shorter);
+        in.text = at, in.length = (size_t)u->is.st_size;
     } else {
         const char *fault = read_all(file, &in);
         if (fault) fail_input("%s: %s", path, fault);

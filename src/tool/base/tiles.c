@@ -11,10 +11,10 @@
 #include "memory.h"
 #include "threads.h"
 
+#include <pthread.h>
 #include <stdbool.h>
 #ifdef _OPENMP
 #include <omp.h>
-#include <pthread.h>
 #endif
 
 int tiles_threads(void)
@@ -54,23 +54,9 @@ typedef struct run {
     void (*work)(void *data, const tile *), (*take)(void *data, const tile *);
     size_t tiles, places, next, turn; /* next: to be worked on; turn: to be taken */
     bool taking, *done;               /* [places] */
-#ifdef _OPENMP
     pthread_mutex_t lock;
     pthread_cond_t freed;             /* a place was */
-#endif
 } run;
-
-#ifdef _OPENMP
-static void lock(run *r) { pthread_mutex_lock(&r->lock); }
-static void unlock(run *r) { pthread_mutex_unlock(&r->lock); }
-static void tell_freed(run *r) { pthread_cond_broadcast(&r->freed); }
-static void wait_freed(run *r) { pthread_cond_wait(&r->freed, &r->lock); }
-#else
-static void lock(run *r) { (void)r; }
-static void unlock(run *r) { (void)r; }
-static void tell_freed(run *r) { (void)r; }
-static void wait_freed(run *r) { (void)r; } /* never: one thread takes each tile at once */
-#endif
 
 static tile tile_at(const run *r, size_t i)
 {
@@ -84,51 +70,44 @@ static void take_done(run *r)
     r->taking = true;
     while (r->done[r->turn % r->places]) {
         const tile t = tile_at(r, r->turn);
-        unlock(r);
+        pthread_mutex_unlock(&r->lock);
         r->take(r->data, &t);
-        lock(r);
+        pthread_mutex_lock(&r->lock);
         r->done[t.place] = false;
         r->turn++;
-        tell_freed(r);
+        pthread_cond_broadcast(&r->freed);
     }
     r->taking = false;
 }
 
 static void run_thread(run *r)
 {
-    lock(r);
+    pthread_mutex_lock(&r->lock);
     while (r->next < r->tiles) {
         if (r->next - r->turn == r->places) {
-            wait_freed(r);
+            pthread_cond_wait(&r->freed, &r->lock);
             continue;
         }
         const tile t = tile_at(r, r->next++);
-        unlock(r);
+        pthread_mutex_unlock(&r->lock);
         r->work(r->data, &t);
-        lock(r);
+        pthread_mutex_lock(&r->lock);
         r->done[t.place] = true;
         if (!r->taking) take_done(r);
     }
-    unlock(r);
+    pthread_mutex_unlock(&r->lock);
 }
 
 void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile *),
                void (*take)(void *data, const tile *))
 {
     run r = {.of = of, .data = data, .work = work, .take = take, .tiles = tiles_of(of),
-             .places = tiles_places(of)};
+             .places = tiles_places(of), .lock = PTHREAD_MUTEX_INITIALIZER,
+             .freed = PTHREAD_COND_INITIALIZER};
     const int threads = (int)least((size_t)(of->threads > 1 ? of->threads : 1), r.tiles);
     if (!r.tiles) return;
     r.done = memory_take(r.places, sizeof *r.done);
-#ifdef _OPENMP
-    pthread_mutex_init(&r.lock, NULL);
-    pthread_cond_init(&r.freed, NULL);
-#endif
     (void)threads; /* unused without OpenMP */
     THREADS(omp parallel num_threads(threads))
     run_thread(&r);
-#ifdef _OPENMP
-    pthread_cond_destroy(&r.freed);
-    pthread_mutex_destroy(&r.lock);
-#endif
 }
