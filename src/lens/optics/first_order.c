@@ -406,8 +406,8 @@ static bool set_vertices(paraxial *p, sgt_element room[], double um, size_t *wit
 {
     const sgt_lens *l = p->lens;
     const sgt_element *e = room ? room : l->element;
-    double before = l->index_before;
-    if (room && !sgt_lens_at(l, um, room, &before, error)) return false;
+    double before;
+    if (!sgt_lens_at(l, um, room, &before, error)) return false;
     number n = p->before = index_of(before);
     double sign = 1;
     for (size_t i = 0; i < l->count; i++) {

@@ -80,7 +80,7 @@ sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options 
     sgt_launcher *from = sgt_launch_take(&blank, 1, sizeof *from);
     const bool other = !lens->wavelength && opt->wavelength != 0;
     if (from && other) blank.own = sgt_launch_take(&blank, lens->count, sizeof *blank.own);
-    blank.element = other ? blank.own : lens->element, blank.before = lens->index_before;
+    blank.element = other ? blank.own : lens->element;
     if (!from || (other && !blank.own)) {
         sgt_launch_memory(&blank, error);
         sgt_launch_forget(&blank, from);
@@ -94,7 +94,7 @@ sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options 
     const double um = lens->wavelength         ? lens->wavelength[lens->primary]
                       : opt->wavelength != 0 ? opt->wavelength
                                              : (double)NAN;
-    if ((!other || sgt_lens_at(lens, um, from->own, &from->before, error)) &&
+    if (sgt_lens_at(lens, um, from->own, &from->before, error) &&
         sgt_lens_first_order(lens, um, &from->data, NULL, error) &&
         (from->aim == SGT_LENS_AIM_PUPIL || sgt_aim_at_stop(from, error)))
         return from;

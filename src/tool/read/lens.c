@@ -160,13 +160,9 @@ static lens lens_chosen(sgt_lens *of, lens_wavelength at)
 
 static bool lens_fill(lens *l, sgt_error *e)
 {
-    if (l->chosen == l->of->primary + 1) {
-        l->element = l->of->element, l->index_before = l->of->index_before;
-    } else {
-        sgt_element *own = memory_take(l->count, sizeof *own);
-        l->element = own;
-        if (!sgt_lens_at(l->of, l->wavelength, own, &l->index_before, e)) return false;
-    }
+    sgt_element *own = l->chosen == l->of->primary + 1 ? NULL : memory_take(l->count, sizeof *own);
+    l->element = own ? own : l->of->element;
+    if (!sgt_lens_at(l->of, l->wavelength, own, &l->index_before, e)) return false;
     for (size_t i = 0; i < l->count; i++)
         l->index[i] = l->surface[i].mirror ? (i ? l->index[i - 1] : l->index_before) : l->element[i].index;
     return true;
