@@ -601,15 +601,13 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
     const bool text = a.shared.target.format == TABLE_TEXT, all = !text || a.shared.target.columns;
-    /* A tile takes some 60 KB for each element.  At most 16 MB a thread: with many elements tiles have fewer
+    /* A tile takes some 80 KB for each element.  At most 12 MB a thread: with many elements tiles have fewer
      * rays. */
     tiling in = {.rays = job_count(j.at), .threads = count > RECORDS_MOST ? 1 : threads,
-                       .share = count < 4     ? SHARE_MOST
-                                : count < 128 ? 128 / count
-                                              : 1,
-                       .most = count > RECORDS_MOST               ? 1
-                               : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
-                                                                  : TILE_RAYS};
+                 .share = count < 16 ? SHARE_MOST : count < 128 ? 128 / count : 1,
+                 .most = count > RECORDS_MOST               ? 1
+                         : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
+                                                            : TILE_RAYS};
     watch_tiling(&in, a.watch, &a.shared.solver);
     const size_t places = tiles_places(&in);
     pictures_reserve(&a.pictures, a.shared.target.path, &j);
