@@ -178,7 +178,7 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
                          sgt_fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));
     double noise = e * ai, tau = at->tau2 - step,
            tau_err
-           = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1060 * ai));
+           = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
     double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
     mask again = MASK(off < 0x1p20);
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &

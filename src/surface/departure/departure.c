@@ -94,6 +94,10 @@ double sgt_departure_value(const departure_sag *s, sgt_vec3 p, sgt_vec3 *grad)
 /* A bound on what underflow takes from a sum of moderate powers. */
 static const double DEPARTURE_LOST = 0x1p-1050;
 
+/* The same where many points share it.  There it is a term of an fma, and some processors take a hundred
+ * cycles for one with a subnormal number. */
+static const double NOISE_LOST = 0x1p-1000;
+
 double sgt_departure_rounding(const departure_sag *s, sgt_vec3 at)
 {
     double p, px, py, p_err, grad_err, sag = 0, sag_err = 0;
@@ -216,7 +220,7 @@ void sgt_departure_noise(const departure_sag *s, double radius, double e[2])
 {
     e[0] = e[1] = (double)NAN;
     if (s->of->noise && radius < HUGE_VAL) s->of->noise(s->self, radius, e);
-    e[0] += DEPARTURE_LOST;
+    e[0] += NOISE_LOST;
 }
 
 void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2])
@@ -227,7 +231,7 @@ void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2
         return;
     }
     s->of->noise_about(s->self, radius, e);
-    e[0] += DEPARTURE_LOST;
+    e[0] += NOISE_LOST;
 }
 
 /* If a rectangle has no rim, the circle through its corners is taken.  That is safe because a ray is inside
