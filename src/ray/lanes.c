@@ -78,6 +78,8 @@ typedef struct lanes_job {
     vicinities *kept;   /* what is known of parts of it */
     sgt_shared bare;    /* bare_of shared */
     bool rows;          /* what the departure adds to the rounding differs from lane to lane */
+    bool tries;         /* spans_nearby is tried, as it has not failed */
+    bool rounded;       /* g_err of every lane that Newton's steps were tried on has all of the rounding */
     lanes *a;
     /* What `values` is given, made once.  If it were built in smaller pieces for each call, its copy would
      * have to wait for those stores. */
@@ -175,6 +177,17 @@ static void lanes_ask(lanes_job *w, size_t n, const sgt_values *out)
     }
 }
 
+/* The same with the surface's own rounding, which is set as add_noise leaves it.  false: neither is. */
+static bool ask_rounded(lanes_job *w, size_t n, const sgt_values *out, double *own)
+{
+    const sgt_surface_ops *ops = w->s.ops;
+    const lanes *a = w->a;
+    const double *const rows[3] = {a->noise0, a->noise1, a->most2};
+    return is_catalogue(ops) && ops->own_->values_rounded &&
+           ops->own_->values_rounded(w->s.self, w->rows ? &w->bare : &w->shared, w->rows ? rows : NULL, n,
+                                     w->points, *out, own);
+}
+
 /* Adds the surface's own rounding where close_of says so; everywhere if last is NULL. */
 SGT_KERNEL
 static void add_roundings(size_t n, const double *restrict f, const double *restrict slope,
@@ -197,7 +210,7 @@ static void add_noise(const lanes *a, size_t n, double *own)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++)
-        own[i] += vicinity_noise(a->noise0[i], a->noise1[i], a->most2[i],
+        own[i] += sgt_noise_at(a->noise0[i], a->noise1[i], a->most2[i],
                                  a->px[i] * a->px[i] + a->py[i] * a->py[i]);
 }
 
@@ -211,30 +224,37 @@ SGT_NOINLINE static double known_all(size_t n, const double *own)
 }
 
 /* Sets the slope, and the bound on F's error.  slope may be the row of the gradient's first component.
- * last: as for close_of; NULL: always ask for the surface's own rounding. */
-static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope,
-                  double *g_err, const double *last)
+ * last: as for close_of; NULL: always ask for the surface's own rounding.  known: that, if ask_rounded has set
+ * it, else NULL.  Returns for how many lanes the bound has the surface's own rounding. */
+static double bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope,
+                    double *g_err, const double *last, double *known)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
+    double near = (double)n;
     if (!last) around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
-    else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
-    if (!ops->rounding) return;
-    double own[LANE_COUNT], none = is_catalogue(ops) ? HUGE_VAL : 0; /* for a bound that is none */
-    if (is_catalogue(ops) && ops->own_->roundings &&
+    else near = around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol);
+    if (near == 0 || !ops->rounding) return near;
+    double asked[LANE_COUNT], *own = known ? known : asked,
+           none = is_catalogue(ops) ? HUGE_VAL : 0; /* for a bound that is none */
+    if (!known && is_catalogue(ops) && ops->own_->roundings &&
         ops->own_->roundings(w->s.self, w->rows ? &w->bare : &w->shared, n, w->points, f->f, own)) {
         if (w->rows) add_noise(a, n, own);
+        known = own;
+    }
+    if (known) {
         bool all = known_all(n, own) == (double)n;
         for (size_t i = 0; !all && i < n; i++) /* rare: beyond the rim */
             if (!(own[i] >= 0)) own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
         add_roundings(n, f->f, slope, last, w->opt->f_tol, own, g_err);
-        return;
+        return near;
     }
     for (size_t i = 0; i < n; i++) {
         if (!close_of(f->f[i], slope[i], g_err[i], last ? last[i] : (double)NAN, w->opt->f_tol)) continue;
         own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
         g_err[i] += own[i] >= 0 ? own[i] : none;
     }
+    return near;
 }
 
 /* ----------------------------------------------------------------------- approach */
@@ -288,6 +308,31 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->shared, w->kept, &v);
 }
 
+/* How many lanes have a bound on the slope. */
+SGT_KERNEL
+static double bounded_all(const lanes *a, size_t n)
+{
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) count += a->least[i] > 0 ? 1.0 : 0.0;
+    return count;
+}
+
+/* If no bound on the slope holds for the whole surface, only the vicinity can give one.  If it does for all
+ * lanes, the spans of the whole surface need not be known: they would change nothing.  (Each seed is then within
+ * a part of its span, and so within the span.  The ends of both are made by the same steps, each of which is
+ * monotone in the radius, rounding included.)  Otherwise false, and the spans are asked. */
+static bool spans_nearby(lanes_job *w, sgt_rays rays, size_t n)
+{
+    const struct sgt_builtin_ops *builtin = w->s.ops->own_;
+    lanes *a = w->a;
+    if (!w->tries || w->near == 0 || !builtin->seeds || w->shared.steep < HUGE_VAL) return false;
+    builtin->seeds(w->s.self, &w->shared, n, rays, a->seed);
+    single_all(a, n); /* none is */
+    lanes_nearby(w, rays, n);
+    return w->tries = bounded_all(a, n) == (double)n;
+}
+
 static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     const sgt_surface_ops *ops = w->s.ops;
@@ -309,6 +354,7 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
         return;
     }
     if (w->slopes) {
+        if (spans_nearby(w, rays, n)) return;
         ops->own_->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
         single_all(a, n);
         lanes_nearby(w, rays, n);
@@ -538,7 +584,7 @@ static void lanes_march(lanes_job *w, size_t n)
         points(a, n, a->tau);
         lanes_ask(w, n, &w->f);
         if (w->s.ops->rounding) {
-            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
+            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, NULL);
             more = march_step_known(a, n, k);
         } else {
             more = march_step(a, n, k, a->none);
@@ -611,13 +657,17 @@ static void solve(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
     double f_tol = w->opt->f_tol;
+    double own[LANE_COUNT];
+    size_t all = n;
     points(a, n, a->tau);
     for (int i = 1; n > 0; i++) {
         double more;
-        lanes_ask(w, n, &w->f);
+        bool known = i > 1 && ask_rounded(w, n, &w->f, own); /* at the seed few are close */
+        if (!known) lanes_ask(w, n, &w->f);
         if (i == 1) newton_begin(a, n);
         if (w->s.ops->rounding) {
-            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
+            double close = bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, known ? own : NULL);
+            w->rounded = close == (double)all;
             more = newton_step_known(a, n, i == QUICK_STEPS, f_tol);
         } else {
             more = newton_step(a, n, i == QUICK_STEPS, f_tol, a->none);
@@ -644,12 +694,14 @@ static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, 
 static void signs(lanes_job *w, size_t n, const double *tau, double *sign)
 {
     lanes *a = w->a;
-    lanes_ask(w, n, &w->q);
+    double own[LANE_COUNT];
+    bool known = ask_rounded(w, n, &w->q, own);
+    if (!known) lanes_ask(w, n, &w->q);
     if (!w->s.ops->rounding) {
         sign_all(a, n, tau, sign, a->none);
         return;
     }
-    bound(w, n, tau, &w->q, a->qx, sign, NULL);
+    bound(w, n, tau, &w->q, a->qx, sign, NULL, known ? own : NULL);
     for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
 }
 
@@ -792,8 +844,8 @@ static void probe(lanes_job *w, size_t n)
     }
     if (w->slopes && n) {
         /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding. */
-        bool again = loose(a, n);
-        if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL);
+        bool again = !w->rounded && loose(a, n);
+        if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL, NULL);
         n = lanes_certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {
@@ -996,7 +1048,7 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
                    .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                    .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .rim2 = rim2_of_surface(s),
                    .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0,
-                   .slopes = is_catalogue(ops) && ops->own_->spans,
+                   .slopes = is_catalogue(ops) && ops->own_->spans, .tries = true,
                    .walks_from = ops->first || ops->enclose || ops->clearance ||
                                          (opt->dt_min > 0 && ops->estimate)
                                      ? HUGE_VAL
