@@ -225,16 +225,15 @@ SGT_NOINLINE static double known_all(size_t n, const double *own)
 
 /* Sets the slope, and the bound on F's error.  slope may be the row of the gradient's first component.
  * last: as for close_of; NULL: always ask for the surface's own rounding.  known: that, if ask_rounded has set
- * it, else NULL.  Returns for how many lanes the bound has the surface's own rounding. */
-static double bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope,
+ * it, else NULL. */
+static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope,
                     double *g_err, const double *last, double *known)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
-    double near = (double)n;
     if (!last) around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
-    else near = around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol);
-    if (near == 0 || !ops->rounding) return near;
+    else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
+    if (!ops->rounding) return;
     double asked[LANE_COUNT], *own = known ? known : asked,
            none = is_catalogue(ops) ? HUGE_VAL : 0; /* for a bound that is none */
     if (!known && is_catalogue(ops) && ops->own_->roundings &&
@@ -247,14 +246,13 @@ static double bound(lanes_job *w, size_t n, const double *tau, const sgt_values 
         for (size_t i = 0; !all && i < n; i++) /* rare: beyond the rim */
             if (!(own[i] >= 0)) own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
         add_roundings(n, f->f, slope, last, w->opt->f_tol, own, g_err);
-        return near;
+        return;
     }
     for (size_t i = 0; i < n; i++) {
         if (!close_of(f->f[i], slope[i], g_err[i], last ? last[i] : (double)NAN, w->opt->f_tol)) continue;
         own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
         g_err[i] += own[i] >= 0 ? own[i] : none;
     }
-    return near;
 }
 
 /* ----------------------------------------------------------------------- approach */
@@ -608,69 +606,100 @@ static void newton_begin(lanes *a, size_t n)
     }
 }
 
-/* Makes the step, and the points it leads to.  known: the slope is in qx, and g_err is set.  Returns how
- * many go on.  A lane that is done writes values that change nothing.  Leaving its rows as they are would
- * be a branch. */
-SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, bool known, double none)
+/* Makes the step, and the points it leads to.  A lane that is done writes values that change nothing.  Leaving
+ * its rows as they are would be a branch.  Returns 1 if the lane goes on, else 0. */
+SGT_INLINE double newton_steps(lanes *a, size_t i, bool last_one, double f_tol, double slope, double g_err)
 {
-    double more = 0, again = last_one ? FAILED : NEWTON;
-#pragma omp simd reduction(+ : more)
-    for (size_t i = 0; i < filled(n); i++) {
-        double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
-        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err;
-        if (known) {
-            slope = a->qx[i], g_err = a->g_err[i];
-        } else {
-            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]},
-                                  (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
-            slope = at.slope, g_err = at.place;
-        }
-        newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
-        double state = s.go >= 0 ? again : (double)FAILED;
-        state = s.ready >= 0 ? (double)READY : state;
-        state = phase == NEWTON ? state : phase;
-        double step = state == NEWTON ? s.step : 0, size = state == NEWTON ? s.size : HUGE_VAL;
-        tau -= step;
-        more += state == NEWTON ? 1.0 : 0.0;
-        a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
-        a->tau[i] = tau;
-        a->px[i] = x + tau * l, a->py[i] = y + tau * m, a->pz[i] = z + tau * dn;
-        a->last[i] = size < last ? size : last;
-        if (!known) a->g_err[i] = g_err;
-        a->state[i] = state;
-    }
-    return more;
+    double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
+    double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i],
+           again = last_one ? FAILED : NEWTON;
+    newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
+    double state = s.go >= 0 ? again : (double)FAILED;
+    state = s.ready >= 0 ? (double)READY : state;
+    state = phase == NEWTON ? state : phase;
+    double step = state == NEWTON ? s.step : 0, size = state == NEWTON ? s.size : HUGE_VAL;
+    tau -= step;
+    a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
+    a->tau[i] = tau;
+    a->px[i] = x + tau * l, a->py[i] = y + tau * m, a->pz[i] = z + tau * dn;
+    a->last[i] = size < last ? size : last;
+    a->state[i] = state;
+    return state == NEWTON ? 1.0 : 0.0;
 }
+
+SGT_INLINE around around_lane(const lanes *a, size_t i, double none)
+{
+    return around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], a->tau[i],
+                     (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+}
+
+/* The steps of all lanes.  Each returns how many go on. */
 
 SGT_KERNEL
 static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none)
 {
-    return newton_steps(a, n, last_one, f_tol, false, none);
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < filled(n); i++) {
+        around at = around_lane(a, i, none);
+        a->g_err[i] = at.place;
+        more += newton_steps(a, i, last_one, f_tol, at.slope, at.place);
+    }
+    return more;
 }
+
+/* After `bound`: the slope is in qx, and g_err is set. */
 SGT_KERNEL
 static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol)
 {
-    return newton_steps(a, n, last_one, f_tol, true, 0);
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < filled(n); i++) more += newton_steps(a, i, last_one, f_tol, a->qx[i], a->g_err[i]);
+    return more;
+}
+
+/* With `bound` in the same loop: own is what ask_rounded has set, and each is a bound.  *bare: how many lanes are
+ * done without it. */
+SGT_KERNEL
+static double newton_step_rounded(lanes *a, size_t n, bool last_one, double f_tol, double none,
+                                  const double *restrict own, double *bare)
+{
+    double more = 0, without = 0;
+#pragma omp simd reduction(+ : more, without)
+    for (size_t i = 0; i < n; i++) {
+        around at = around_lane(a, i, none);
+        double is = close_of(a->f[i], at.slope, at.place, a->last[i], f_tol) ? 1.0 : 0.0,
+               g_err = at.place + (is != 0 ? own[i] : 0);
+        a->g_err[i] = g_err;
+        double goes = newton_steps(a, i, last_one, f_tol, at.slope, g_err);
+        more += goes;
+        without += larger(1 - goes - is, 0);
+    }
+    *bare = without;
+    return more;
 }
 
 static void solve(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
-    double f_tol = w->opt->f_tol;
-    double own[LANE_COUNT];
-    size_t all = n;
+    double f_tol = w->opt->f_tol, own[LANE_COUNT];
     points(a, n, a->tau);
+    w->rounded = true;
     for (int i = 1; n > 0; i++) {
-        double more;
-        bool known = i > 1 && ask_rounded(w, n, &w->f, own); /* at the seed few are close */
+        double more, bare;
+        bool known = ask_rounded(w, n, &w->f, own);
         if (!known) lanes_ask(w, n, &w->f);
         if (i == 1) newton_begin(a, n);
-        if (w->s.ops->rounding) {
-            double close = bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, known ? own : NULL);
-            w->rounded = close == (double)all;
+        if (known && known_all(n, own) == (double)n) {
+            more = newton_step_rounded(a, n, i == QUICK_STEPS, f_tol, a->none, own, &bare);
+            w->rounded &= bare == 0;
+        } else if (w->s.ops->rounding) {
+            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, known ? own : NULL);
             more = newton_step_known(a, n, i == QUICK_STEPS, f_tol);
+            w->rounded = false;
         } else {
             more = newton_step(a, n, i == QUICK_STEPS, f_tol, a->none);
+            w->rounded = false;
         }
         if (4 * more <= (double)n) n = front(w, n, NEWTON); /* to move a lane costs more than a step */
     }
@@ -834,10 +863,36 @@ static double lanes_certify(lanes *a, size_t n, const double *off)
     return more;
 }
 
+/* lanes_probe_begin and lanes_certify in one: sets tau_err of each lane, and returns how many are certified.
+ * Their states are left.  g_err has all of the rounding, and there is no f_tol. */
+SGT_KERNEL
+static double certify_ready(lanes *a, size_t n)
+{
+    double done = 0;
+#pragma omp simd reduction(+ : done)
+    for (size_t i = 0; i < n; i++) {
+        certified c = certified_of(a->tau[i], a->f[i], a->g_err[i], a->least[i], a->lo[i], a->hi[i]);
+        a->tau_err[i] = c.tau_err;
+        done += (c.inside & (a->state[i] == READY) & (fabs(a->f[i]) <= a->first[i])) ? 1.0 : 0.0;
+    }
+    return done;
+}
+
+SGT_KERNEL
+static void set_states(lanes *a, size_t n, double state)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) a->state[i] = state;
+}
+
 /* For the lanes on which Newton's steps have been tried. */
 static void probe(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
+    if (w->slopes && w->rounded && !(w->opt->f_tol > 0) && certify_ready(a, n) == (double)n) {
+        set_states(a, n, ROOT);
+        return;
+    }
     if (lanes_probe_begin(a, n, w->opt->f_tol > 0 ? w->opt->f_tol : -1) < (double)n) {
         miss(w, front(w, n, FAILED));
         n = front(w, n, READY);

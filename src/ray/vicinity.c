@@ -174,12 +174,15 @@ static mask passed_by(const sgt_heights *g, const line *w, int ended)
     return MASK(left == 0);
 }
 
-/* Does any ray begin behind the seed? */
-static bool any_behind(size_t n, const double *asked, const double *seed, const double *tmin)
+/* How many rays begin behind the seed. */
+SGT_KERNEL
+static double all_behind(size_t n, const double *restrict asked, const double *restrict seed,
+                         const double *restrict tmin)
 {
-    bool any = false;
-    for (size_t i = 0; i < n; i++) any |= (asked[i] != 0) & (seed[i] < tmin[i]);
-    return any;
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) count += ((asked[i] != 0) & (seed[i] < tmin[i])) ? 1.0 : 0.0;
+    return count;
 }
 
 /* Marks as misses the rays that miss the whole surface.  behind: looks at the rays that begin behind the
@@ -207,7 +210,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL);
     sgt_shared bare = bare_of(*whole);
-    const bool behind = any_behind(n, v->asked, v->seed, v->tmin);
+    const bool behind = all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {
         vicinity_without_passing(s, n, r, true, kept, v);
         if (marches && bare.radius2 < HUGE_VAL)
