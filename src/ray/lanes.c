@@ -24,6 +24,7 @@
  * A LANE NEVER CHANGES ITS NEIGHBOUR.  No statement but those of the moves has two lanes in it.  A lane
  * for which the quick form has no answer is left to the single ray.  No point is asked for outside the
  * stretch that is searched.  The surface is not given a ray that sgt_intersect would reject. */
+#include "../num/lanes.h"
 #include "../solve/root.h"
 #include "general.h"
 #include "../solve/step.h"
@@ -78,7 +79,6 @@ typedef struct lanes_job {
     vicinities *kept;   /* what is known of parts of it */
     sgt_shared bare;    /* bare_of shared */
     bool rows;          /* what the departure adds to the rounding differs from lane to lane */
-    bool tries;         /* spans_nearby is tried, as it has not failed */
     bool rounded;       /* g_err of every lane that Newton's steps were tried on has all of the rounding */
     lanes *a;
     /* What `values` is given, made once.  If it were built in smaller pieces for each call, its copy would
@@ -316,19 +316,43 @@ static double bounded_all(const lanes *a, size_t n)
     return count;
 }
 
-/* If no bound on the slope holds for the whole surface, only the vicinity can give one.  If it does for all
- * lanes, the spans of the whole surface need not be known: they would change nothing.  (Each seed is then within
- * a part of its span, and so within the span.  The ends of both are made by the same steps, each of which is
- * monotone in the radius, rounding included.)  Otherwise false, and the spans are asked. */
+/* Takes the spans of the whole surface, in f, fx and fy, for the lanes that are left as they were. */
+SGT_KERNEL
+static void take_whole(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double seed = a->fy[i], asked = a->x[i], lo = a->lo[i], hi = a->hi[i];
+        mask inside = MASK(seed == seed),
+             kept = inside & (MASK(a->least[i] > 0) | (MASK(asked == 0) & MASK(lo > hi)));
+        a->lo[i] = chosen(kept, lo, a->f[i]), a->hi[i] = chosen(kept, hi, a->fx[i]);
+        a->seed[i] = seed;
+        a->noise0[i] = chosen(inside, a->noise0[i], (double)NAN);
+        a->noise1[i] = chosen(inside, a->noise1[i], (double)NAN);
+        a->most2[i] = chosen(inside, a->most2[i], (double)NAN);
+    }
+}
+
+/* If no bound on the slope holds for the whole surface, only the vicinity can give one, and is asked at once.  If
+ * it does for all lanes, the spans of the whole surface need not be known: they would change nothing.  (Each
+ * seed is then within a part of its span, and so within the span.  The ends of both are made by the same steps,
+ * each of which is monotone in the radius, rounding included.)  A lane with a seed outside of its span is one
+ * without a seed. */
 static bool spans_nearby(lanes_job *w, sgt_rays rays, size_t n)
 {
     const struct sgt_builtin_ops *builtin = w->s.ops->own_;
     lanes *a = w->a;
-    if (!w->tries || w->near == 0 || !builtin->seeds || w->shared.steep < HUGE_VAL) return false;
+    if (w->near == 0 || !builtin->seeds || !builtin->extent_within || w->shared.steep < HUGE_VAL)
+        return false;
     builtin->seeds(w->s.self, &w->shared, n, rays, a->seed);
     single_all(a, n); /* none is */
+    for (size_t i = 0; i < n; i++) a->lo[i] = a->hi[i] = 0;
     lanes_nearby(w, rays, n);
-    return w->tries = bounded_all(a, n) == (double)n;
+    if (bounded_all(a, n) == (double)n) return true;
+    double none[LANE_COUNT];
+    builtin->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->f, a->fx, a->fy, NULL}, none);
+    take_whole(a, n);
+    return true;
 }
 
 static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
@@ -1103,7 +1127,7 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
                    .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                    .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .rim2 = rim2_of_surface(s),
                    .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0,
-                   .slopes = is_catalogue(ops) && ops->own_->spans, .tries = true,
+                   .slopes = is_catalogue(ops) && ops->own_->spans,
                    .walks_from = ops->first || ops->enclose || ops->clearance ||
                                          (opt->dt_min > 0 && ops->estimate)
                                      ? HUGE_VAL
