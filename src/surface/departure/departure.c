@@ -96,7 +96,7 @@ static const double DEPARTURE_LOST = 0x1p-1050;
 
 /* The same where many points share it.  There it is a term of an fma, and some processors take a hundred
  * cycles for one with a subnormal number. */
-static const double NOISE_LOST = 0x1p-1000;
+static const double NOISE_LOST = 0x1p-1020;
 
 double sgt_departure_rounding(const departure_sag *s, sgt_vec3 at)
 {
