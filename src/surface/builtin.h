@@ -24,7 +24,8 @@
  * only `status` is never NULL.  t_tol holds one tolerance for each ray. */
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_NOT_UNIQUE = 1 };
 #define SGT_HARD ((sgt_status)-100)
-/* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called. */
+/* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called.
+ * whole: each ray is known to be a whole line, with the ends -inf and inf. */
 struct memo;
 typedef struct sgt_tile {
     size_t n;
@@ -32,6 +33,7 @@ typedef struct sgt_tile {
     const double *t_tol;
     sgt_hits hits;
     struct memo *memo;
+    bool whole;
 } sgt_tile;
 
 /* One ray as a batch of one. */

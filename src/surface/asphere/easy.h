@@ -308,12 +308,12 @@ SGT_INLINE near_root wavy_exactly(const near_root *r, mask exact)
 }
 
 SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v, double near, mask exact,
-                         double l, double m, double n, double tmin, double tmax, double t_tol)
+                         double l, double m, double n, bool whole, double tmin, double tmax, double t_tol)
 {
     double x = sgt_fma(r->tau, l, r->x), y = sgt_fma(r->tau, m, r->y), rho = x * x + y * y,
            dp = horner(s->slope, terms, rho), g = -s->c / v - (dp + dp);
     near_root at = wavy_exactly(r, exact);
-    return lane_of(&at, l, m, n, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact,
+    return lane_of(&at, l, m, n, whole, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact,
                    MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
 }
 
