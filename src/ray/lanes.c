@@ -14,7 +14,8 @@
  *     acceptance    is the root accepted, and what is reported of it
  *
  * In each phase the points are made (by the loop before, where it can).  `values` is called for all of
- * them at once.  One or two loops look at the answers.
+ * them at once; of a departure `values_rounded`, which gives the bound on its rounding too.  One or two loops
+ * look at the answers.
  *
  * VECTOR CODE.  To keep gcc 12 vectorising, select with doubles instead of bools, and never select twice
  * on one condition in one loop.  Lanes that are done and not yet moved away are asked again at the same
@@ -224,8 +225,8 @@ SGT_NOINLINE static double known_all(size_t n, const double *own)
 }
 
 /* Sets the slope, and the bound on F's error.  slope may be the row of the gradient's first component.
- * last: as for close_of; NULL: always ask for the surface's own rounding.  known: that, if ask_rounded has set
- * it, else NULL. */
+ * last: as for close_of; NULL: always ask for the surface's own rounding.  known: that, if ask_rounded has
+ * set it, else NULL. */
 static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope,
                     double *g_err, const double *last, double *known)
 {
@@ -333,11 +334,11 @@ static void take_whole(lanes *a, size_t n)
     }
 }
 
-/* If no bound on the slope holds for the whole surface, only the vicinity can give one, and is asked at once.  If
- * it does for all lanes, the spans of the whole surface need not be known: they would change nothing.  (Each
- * seed is then within a part of its span, and so within the span.  The ends of both are made by the same steps,
- * each of which is monotone in the radius, rounding included.)  A lane with a seed outside of its span is one
- * without a seed. */
+/* If no bound on the slope holds for the whole surface, only the vicinity can give one, and is asked at
+ * once.  If it does for all lanes, the spans of the whole surface need not be known: they would change
+ * nothing.  (Each seed is then within a part of its span, and so within the span.  The ends of both are made
+ * by the same steps, each of which is monotone in the radius, rounding included.)  A lane with a seed outside
+ * of its span is one without a seed. */
 static bool spans_nearby(lanes_job *w, sgt_rays rays, size_t n)
 {
     const struct sgt_builtin_ops *builtin = w->s.ops->own_;
@@ -630,8 +631,8 @@ static void newton_begin(lanes *a, size_t n)
     }
 }
 
-/* Makes the step, and the points it leads to.  A lane that is done writes values that change nothing.  Leaving
- * its rows as they are would be a branch.  Returns 1 if the lane goes on, else 0. */
+/* Makes the step, and the points it leads to.  A lane that is done writes values that change nothing.
+ * Leaving its rows as they are would be a branch.  Returns 1 if the lane goes on, else 0. */
 SGT_INLINE double newton_steps(lanes *a, size_t i, bool last_one, double f_tol, double slope, double g_err)
 {
     double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
@@ -654,7 +655,8 @@ SGT_INLINE double newton_steps(lanes *a, size_t i, bool last_one, double f_tol, 
 SGT_INLINE around around_lane(const lanes *a, size_t i, double none)
 {
     return around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], a->tau[i],
-                     (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+                     (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]},
+                     none);
 }
 
 /* The steps of all lanes.  Each returns how many go on. */
@@ -682,8 +684,8 @@ static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol)
     return more;
 }
 
-/* With `bound` in the same loop: own is what ask_rounded has set, and each is a bound.  *bare: how many lanes are
- * done without it. */
+/* With `bound` in the same loop: own is what ask_rounded has set, and each is a bound.  *bare: how many lanes
+ * are done without it. */
 SGT_KERNEL
 static double newton_step_rounded(lanes *a, size_t n, bool last_one, double f_tol, double none,
                                   const double *restrict own, double *bare)

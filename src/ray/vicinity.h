@@ -68,8 +68,8 @@ SGT_INLINE void memo_begin(memo *m) { m->begun = true, m->shares = false, vicini
  *                      (sgt_builtin_ops, spans), and the seed may have been changed
  *
  * At r^2 <= noise[2] from the axis the departure adds noise[0] + noise[1] r^2 to the rounding of F
- * (sgt_shared); NaN where that is not known (sgt_noise_at).  Evaluations spent are added to evals.  If `told` is not NULL
- * there is one row only, and its watcher is told of them.  work: scratch rows. */
+ * (sgt_shared); NaN where that is not known (sgt_noise_at).  Evaluations spent are added to evals.  If `told`
+ * is not NULL there is one row only, and its watcher is told of them.  work: scratch rows. */
 typedef struct vicinity {
     const double *tmin, *tmax;
     double *seed, *asked, *lo, *hi, *least, *noise[3], *evals, budget;

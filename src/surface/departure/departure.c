@@ -140,8 +140,8 @@ bool sgt_departure_roundings(const void *self, const sgt_shared *s, size_t n, sg
 
 /* on_conic and roundings_within in one loop; noise: as rows of values_rounded (builtin.h), NULL if there are
  * none. */
-SGT_INLINE void on_conic_rounded_by(bool rows, const sgt_shared *shared, const double *const noise[3], size_t n,
-                                    const double *restrict x, const double *restrict y,
+SGT_INLINE void on_conic_rounded_by(bool rows, const sgt_shared *shared, const double *const noise[3],
+                                    size_t n, const double *restrict x, const double *restrict y,
                                     const double *restrict z, double *restrict f, double *restrict fx,
                                     double *restrict fy, double *restrict own)
 {

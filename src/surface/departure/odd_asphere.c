@@ -49,8 +49,8 @@ SGT_INLINE void odd_of(size_t n, int most, bool cone, const double *given, const
     }
 }
 
-/* Terms that are zero, and what a[0] = 0 divided by r is, are the same bits with more or fewer of them.  For a
- * single point the compiler removes the loop. */
+/* Terms that are zero, and what a[0] = 0 divided by r is, are the same bits with more or fewer of them.  For
+ * a single point the compiler removes the loop. */
 SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restrict x,
                        const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {

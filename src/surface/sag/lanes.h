@@ -50,13 +50,14 @@ SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) 
  * and nothing has been rounded.  If an end is then about as near as what underflows, the ray is left to the
  * careful forms.  Beside a t_err of LEAST_PLACE underflow is negligible, so t may then be 0.
  *
- * whole: the ends are -inf and inf, and are not read.  What is asked of them is then true of finite numbers. */
-SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, bool whole, double tmin, double tmax,
-                        double t_tol, double pz, double g, double near, double rim2, mask exact, mask also)
+ * whole: the ends are -inf and inf, and are not read.  What is asked of them is true of finite numbers. */
+SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, bool whole, double tmin,
+                        double tmax, double t_tol, double pz, double g, double near, double rim2, mask exact,
+                        mask also)
 {
     double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t),
            r2 = px * px + py * py, none = (double)NAN;
-    mask between = MASK(at + near < HUGE_VAL), apart = exact;
+    mask between = MASK(at + near < HUGE_VAL) & MASK(fabs(r->t - r->t_err) < HUGE_VAL), apart = exact;
     if (!whole) {
         between = MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) &
                   MASK(sgt_fma(END_ERRORS, r->t_err, r->t) <= tmax);
@@ -129,7 +130,8 @@ typedef enum lane_wish { LANE_BARE, LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish
 SGT_INLINE lane_wish lane_wish_of(const sgt_tile *tile)
 {
     const sgt_hits *h = &tile->hits;
-    return h->p_err ? LANE_RICH : h->t_lo ? LANE_FINE : tile->whole && !h->t && !h->t_err ? LANE_BARE : LANE_PLAIN;
+    if (h->p_err || h->t_lo) return h->p_err ? LANE_RICH : LANE_FINE;
+    return tile->whole && !h->t && !h->t_err ? LANE_BARE : LANE_PLAIN;
 }
 
 /* Writes what LANE_STORE writes for rays that are not met. */
