@@ -899,7 +899,9 @@ static double certify_ready(lanes *a, size_t n)
     for (size_t i = 0; i < n; i++) {
         certified c = certified_of(a->tau[i], a->f[i], a->g_err[i], a->least[i], a->lo[i], a->hi[i]);
         a->tau_err[i] = c.tau_err;
-        done += (c.inside & (a->state[i] == READY) & (fabs(a->f[i]) <= a->first[i])) ? 1.0 : 0.0;
+        double is = c.inside ? 1.0 : 0.0;
+        is = a->state[i] == READY ? is : 0;
+        done += fabs(a->f[i]) <= a->first[i] ? is : 0;
     }
     return done;
 }

