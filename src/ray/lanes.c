@@ -251,8 +251,8 @@ static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f
     }
     for (size_t i = 0; i < n; i++) {
         if (!close_of(f->f[i], slope[i], g_err[i], last ? last[i] : (double)NAN, w->opt->f_tol)) continue;
-        own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
-        g_err[i] += own[i] >= 0 ? own[i] : none;
+        double here = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
+        g_err[i] += here >= 0 ? here : none;
     }
 }
 
@@ -631,78 +631,70 @@ static void newton_begin(lanes *a, size_t n)
     }
 }
 
-/* Makes the step, and the points it leads to.  A lane that is done writes values that change nothing.
- * Leaving its rows as they are would be a branch.  Returns 1 if the lane goes on, else 0. */
-SGT_INLINE double newton_steps(lanes *a, size_t i, bool last_one, double f_tol, double slope, double g_err)
-{
-    double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
-    double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i],
-           again = last_one ? FAILED : NEWTON;
-    newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
-    double state = s.go >= 0 ? again : (double)FAILED;
-    state = s.ready >= 0 ? (double)READY : state;
-    state = phase == NEWTON ? state : phase;
-    double step = state == NEWTON ? s.step : 0, size = state == NEWTON ? s.size : HUGE_VAL;
-    tau -= step;
-    a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
-    a->tau[i] = tau;
-    a->px[i] = x + tau * l, a->py[i] = y + tau * m, a->pz[i] = z + tau * dn;
-    a->last[i] = size < last ? size : last;
-    a->state[i] = state;
-    return state == NEWTON ? 1.0 : 0.0;
-}
+/* What is known of F's error before a step: nothing; what `bound` has set, the slope in qx and g_err; the
+ * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well. */
+typedef enum step_known { PLACE_ALONE, BOUND_SET, OWN_SET } step_known;
 
-SGT_INLINE around around_lane(const lanes *a, size_t i, double none)
+/* Makes the step, and the points it leads to.  Returns how many go on.  A lane that is done writes values
+ * that change nothing.  Leaving its rows as they are would be a branch.  *bare: how many lanes are done
+ * without the surface's own rounding. */
+SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, step_known known, double none,
+                               const double *restrict own, double *bare)
 {
-    return around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], a->tau[i],
-                     (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]},
-                     none);
+    double more = 0, without = 0, again = last_one ? FAILED : NEWTON;
+    size_t count = known == OWN_SET ? n : filled(n);
+#pragma omp simd reduction(+ : more, without)
+    for (size_t i = 0; i < count; i++) {
+        double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
+        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err, is = 0;
+        if (known == BOUND_SET) {
+            slope = a->qx[i], g_err = a->g_err[i];
+        } else {
+            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]},
+                                  (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+            slope = at.slope, g_err = at.place;
+        }
+        if (known == OWN_SET) {
+            is = close_of(f, slope, g_err, last, f_tol) ? 1.0 : 0.0;
+            g_err += is != 0 ? own[i] : 0;
+        }
+        newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
+        double state = s.go >= 0 ? again : (double)FAILED;
+        state = s.ready >= 0 ? (double)READY : state;
+        state = phase == NEWTON ? state : phase;
+        double step = state == NEWTON ? s.step : 0, size = state == NEWTON ? s.size : HUGE_VAL,
+               goes = state == NEWTON ? 1.0 : 0.0;
+        tau -= step;
+        more += goes;
+        if (known == OWN_SET) without += larger(1 - goes - is, 0);
+        a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
+        a->tau[i] = tau;
+        a->px[i] = x + tau * l, a->py[i] = y + tau * m, a->pz[i] = z + tau * dn;
+        a->last[i] = size < last ? size : last;
+        if (known != BOUND_SET) a->g_err[i] = g_err;
+        a->state[i] = state;
+    }
+    *bare = without;
+    return more;
 }
-
-/* The steps of all lanes.  Each returns how many go on. */
 
 SGT_KERNEL
 static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none)
 {
-    double more = 0;
-#pragma omp simd reduction(+ : more)
-    for (size_t i = 0; i < filled(n); i++) {
-        around at = around_lane(a, i, none);
-        a->g_err[i] = at.place;
-        more += newton_steps(a, i, last_one, f_tol, at.slope, at.place);
-    }
-    return more;
+    double unused;
+    return newton_steps(a, n, last_one, f_tol, PLACE_ALONE, none, NULL, &unused);
 }
-
-/* After `bound`: the slope is in qx, and g_err is set. */
 SGT_KERNEL
 static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol)
 {
-    double more = 0;
-#pragma omp simd reduction(+ : more)
-    for (size_t i = 0; i < filled(n); i++) more += newton_steps(a, i, last_one, f_tol, a->qx[i], a->g_err[i]);
-    return more;
+    double unused;
+    return newton_steps(a, n, last_one, f_tol, BOUND_SET, 0, NULL, &unused);
 }
-
-/* With `bound` in the same loop: own is what ask_rounded has set, and each is a bound.  *bare: how many lanes
- * are done without it. */
 SGT_KERNEL
 static double newton_step_rounded(lanes *a, size_t n, bool last_one, double f_tol, double none,
                                   const double *restrict own, double *bare)
 {
-    double more = 0, without = 0;
-#pragma omp simd reduction(+ : more, without)
-    for (size_t i = 0; i < n; i++) {
-        around at = around_lane(a, i, none);
-        double is = close_of(a->f[i], at.slope, at.place, a->last[i], f_tol) ? 1.0 : 0.0,
-               g_err = at.place + (is != 0 ? own[i] : 0);
-        a->g_err[i] = g_err;
-        double goes = newton_steps(a, i, last_one, f_tol, at.slope, g_err);
-        more += goes;
-        without += larger(1 - goes - is, 0);
-    }
-    *bare = without;
-    return more;
+    return newton_steps(a, n, last_one, f_tol, OWN_SET, none, own, bare);
 }
 
 static void solve(lanes_job *w, size_t n)

@@ -138,60 +138,57 @@ bool sgt_departure_roundings(const void *self, const sgt_shared *s, size_t n, sg
     return true;
 }
 
-/* on_conic and roundings_within in one loop; noise: as rows of values_rounded (builtin.h), NULL if there are
- * none. */
-SGT_INLINE void on_conic_rounded_by(bool rows, const sgt_shared *shared, const double *const noise[3],
-                                    size_t n, const double *restrict x, const double *restrict y,
-                                    const double *restrict z, double *restrict f, double *restrict fx,
-                                    double *restrict fy, double *restrict own)
+/* on_conic, or on_plane, and roundings_within in one loop; noise: as rows of values_rounded (builtin.h), NULL
+ * if there are none. */
+SGT_INLINE void rounded_by(bool conic, bool rows, const sgt_shared *shared, const double *const noise[3],
+                           size_t n, const double *restrict x, const double *restrict y,
+                           const double *restrict z, double *restrict f, double *restrict fx,
+                           double *restrict fy, double *restrict own)
 {
     const double c = shared->base_c, k = shared->base_k, most2 = shared->most2, e0 = shared->noise[0],
                  e1 = shared->noise[1], *restrict row0 = rows ? noise[0] : NULL,
                  *restrict row1 = rows ? noise[1] : NULL, *restrict row2 = rows ? noise[2] : NULL;
     LANES for (size_t i = 0; i < n; i++) {
         base e = base_at(c, k, x[i], y[i]);
-        double g = z[i] - (e.sag + f[i]), bound = rounding_within(c, k, most2, e0, e1, e, z[i], g);
+        double g = z[i] - (conic ? e.sag + f[i] : f[i]),
+               bound = rounding_within(c, k, most2, e0, e1, e, z[i], g);
         if (rows) bound += sgt_noise_at(row0[i], row1[i], row2[i], e.r2);
         own[i] = bound;
         f[i] = g;
-        fx[i] = -(e.by_r * x[i] + fx[i]);
-        fy[i] = -(e.by_r * y[i] + fy[i]);
+        fx[i] = -(conic ? e.by_r * x[i] + fx[i] : fx[i]);
+        fy[i] = -(conic ? e.by_r * y[i] + fy[i] : fy[i]);
     }
 }
 
-SGT_KERNEL
-static void on_conic_rounded(const sgt_shared *shared, size_t n, const double *restrict x,
-                             const double *restrict y, const double *restrict z, double *restrict f,
-                             double *restrict fx, double *restrict fy, double *restrict own)
-{
-    on_conic_rounded_by(false, shared, NULL, n, x, y, z, f, fx, fy, own);
-}
-
-SGT_KERNEL
-static void on_conic_rounded_apart(const sgt_shared *shared, const double *const noise[3], size_t n,
-                                   const double *restrict x, const double *restrict y,
-                                   const double *restrict z, double *restrict f, double *restrict fx,
-                                   double *restrict fy, double *restrict own)
-{
-    on_conic_rounded_by(true, shared, noise, n, x, y, z, f, fx, fy, own);
-}
+#define ROUNDED(NAME, CONIC, ROWS)                                                                           \
+    SGT_KERNEL                                                                                               \
+    static void NAME(const sgt_shared *shared, const double *const noise[3], size_t n,                       \
+                     const double *restrict x, const double *restrict y, const double *restrict z,           \
+                     double *restrict f, double *restrict fx, double *restrict fy, double *restrict own)     \
+    {                                                                                                        \
+        rounded_by(CONIC, ROWS, shared, noise, n, x, y, z, f, fx, fy, own);                                  \
+    }
+ROUNDED(on_conic_rounded, true, false)
+ROUNDED(on_conic_rounded_apart, true, true)
+ROUNDED(on_plane_rounded, false, false)
+ROUNDED(on_plane_rounded_apart, false, true)
 
 bool sgt_departure_values_rounded(const departure_sag *s, const sgt_shared *shared,
                                   const double *const noise[3], size_t n, sgt_points at, sgt_values out,
                                   double own[])
 {
-    if (!s->base || !(shared->noise[0] + shared->noise[1] < HUGE_VAL)) return false;
+    if (!(shared->noise[0] + shared->noise[1] < HUGE_VAL)) return false;
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i, *z = at.p[2] + i;
         double *f = out.f + i, *fx = out.grad[0] + i, *fy = out.grad[1] + i;
         s->of->at(s->self, few, x, y, (sag_values){f, fx, fy});
-        if (noise) {
-            const double *here[3] = {noise[0] + i, noise[1] + i, noise[2] + i};
-            on_conic_rounded_apart(shared, here, few, x, y, z, f, fx, fy, own + i);
-        } else {
-            on_conic_rounded(shared, few, x, y, z, f, fx, fy, own + i);
-        }
+        const double *here[3] = {noise ? noise[0] + i : NULL, noise ? noise[1] + i : NULL,
+                                 noise ? noise[2] + i : NULL};
+        if (s->base && noise) on_conic_rounded_apart(shared, here, few, x, y, z, f, fx, fy, own + i);
+        else if (s->base) on_conic_rounded(shared, here, few, x, y, z, f, fx, fy, own + i);
+        else if (noise) on_plane_rounded_apart(shared, here, few, x, y, z, f, fx, fy, own + i);
+        else on_plane_rounded(shared, here, few, x, y, z, f, fx, fy, own + i);
         for (size_t m = 0; m < few; m++) out.grad[2][i + m] = 1;
     }
     return true;
