@@ -25,7 +25,7 @@
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_NOT_UNIQUE = 1 };
 #define SGT_HARD ((sgt_status)-100)
 /* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called.
- * whole: each ray is known to be a whole line, with the ends -inf and inf. */
+ * whole: each ray is known to be a whole line, with the ends -inf and inf, and each t_tol to be finite. */
 struct memo;
 typedef struct sgt_tile {
     size_t n;

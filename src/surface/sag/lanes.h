@@ -50,14 +50,15 @@ SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) 
  * and nothing has been rounded.  If an end is then about as near as what underflows, the ray is left to the
  * careful forms.  Beside a t_err of LEAST_PLACE underflow is negligible, so t may then be 0.
  *
- * whole: the ends are -inf and inf, and are not read.  What is asked of them is true of finite numbers. */
+ * whole: the ends are -inf and inf, and are not read.  What is asked of them is true of a t below 2^1000, as
+ * t_err is finite with it.  (A ray that is not met here is asked by itself.) */
 SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, bool whole, double tmin,
                         double tmax, double t_tol, double pz, double g, double near, double rim2, mask exact,
                         mask also)
 {
     double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t),
            r2 = px * px + py * py, none = (double)NAN;
-    mask between = MASK(at + near < HUGE_VAL) & MASK(fabs(r->t - r->t_err) < HUGE_VAL), apart = exact;
+    mask between = MASK(at + near < 0x1p1000), apart = exact;
     if (!whole) {
         between = MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) &
                   MASK(sgt_fma(END_ERRORS, r->t_err, r->t) <= tmax);
