@@ -278,6 +278,17 @@ sgt_ray sgt_field_ray(const sgt_field_beam *b, double x, double y)
     return (sgt_ray){.o = b->object, .d = {d.x / length, d.y / length, d.z / length}};
 }
 
+void sgt_launch_unaimed(const sgt_field_beam *b, size_t count, const sgt_pupil_point at[], double *const o[3],
+                        double *const d[3])
+{
+    for (size_t i = 0; i < count; i++) {
+        const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
+        const sgt_ray ray = sgt_field_ray(b, q.x, q.y);
+        o[0][i] = ray.o.x, o[1][i] = ray.o.y, o[2][i] = ray.o.z;
+        d[0][i] = ray.d.x, d[1][i] = ray.d.y, d[2][i] = ray.d.z;
+    }
+}
+
 bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, size_t count, const sgt_pupil_point at[], sgt_launched out[],
                      sgt_error *error)

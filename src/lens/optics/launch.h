@@ -47,6 +47,23 @@ void sgt_beam_point(const sgt_launcher *from, sgt_field_beam *b, double x, doubl
 /* (ends.c) The elements for rays that end at the last of them: without its phase. */
 void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[]);
 
+/* (ends.c) Which numbers of an end are wanted: those of the others are left as they are where no ray was
+ * traced, and are not worked out.  Its fate, element, status, proven and folded always are. */
+enum {
+    END_POINT = 1,              /* p, d */
+    END_PATH = 2,               /* opl */
+    END_POINT_ERROR = 4,        /* p_err, and d_err of an afocal lens; with END_POINT */
+    END_PATH_ERROR = 8,         /* opl_err; with END_PATH */
+    END_EVALS = 16,
+    END_SLANT = 32,             /* t_err, condition */
+    END_ALL = 63
+};
+
+/* (ends.c) sgt_trace_pupil for the numbers that are wanted. */
+bool sgt_trace_ends(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                    double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
+                    unsigned wanted, sgt_ray_end out[], sgt_error *error);
+
 /* (ends.c) A bound, in radians, on what is off in end->d; end->p and p_err are read, too.  Infinite: not
  * known. */
 double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], double before,
@@ -70,5 +87,9 @@ bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_e
 
 /* A point of the unit circle after vignetting. */
 sgt_vec2 sgt_vignetted(const sgt_field_beam *b, double x, double y);
+
+/* The rays through points of the paraxial pupil, as sgt_launch_rays has them if it does not aim. */
+void sgt_launch_unaimed(const sgt_field_beam *b, size_t count, const sgt_pupil_point at[], double *const o[3],
+                        double *const d[3]);
 
 #endif

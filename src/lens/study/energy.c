@@ -132,11 +132,12 @@ static bool count_all(energy *e, const sgt_pupil *points, bool centroid, bool co
 {
     sgt_asking *a = e->of.ask;
     const size_t cells = e->of.cells;
-    pass p = {.ask = a, .points = points, .cells = cells, .data = e, .place = energy_place,
-              .lost = sgt_lost_study};
+    pass p = {.ask = a, .points = points, .cells = cells, .wanted = END_POINT, .data = e,
+              .place = energy_place, .lost = sgt_lost_study};
     e->middle = sgt_ask_room(a, cells, sizeof *e->middle);
     e->about = sgt_ask_room(a, a->fields, sizeof *e->about);
     if (a->failed) return false;
+    if (counts) p.wanted |= END_POINT_ERROR; /* coarse: for its fraction alone */
     a->counts = false;
     p.size = sizeof(spot_middle), p.block = middle_of_block, p.take = keep_middle;
     if (centroid && !sgt_ask_pass(&p)) return false;

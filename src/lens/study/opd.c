@@ -9,6 +9,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* What of an end makes a difference, and how far it is off. */
+enum { OPD_OF_END = END_POINT | END_PATH, OPD_ERROR = END_POINT_ERROR | END_PATH_ERROR };
+
 /* Chief rays at each wavelength, and what is to be made of the rays: cells are field * bands + band. */
 typedef struct opds {
     sgt_asking *ask;
@@ -125,8 +128,8 @@ static void opd_count(opds *w, size_t i, size_t count, const sgt_ray_end end[], 
 
 static pass opd_pass(sgt_asking *a, opds *w, const sgt_pupil *points)
 {
-    return (pass){.ask = a, .points = points, .cells = w->cells, .data = w, .size = sizeof(differences),
-                  .place = sgt_place_study, .lost = sgt_lost_study, .block = opd_block};
+    return (pass){.ask = a, .points = points, .cells = w->cells, .wanted = OPD_OF_END | OPD_ERROR,
+                  .data = w, .size = sizeof(differences), .place = sgt_place_study, .lost = sgt_lost_study, .block = opd_block};
 }
 
 static void opd_say_legend(const opds *w)
@@ -193,6 +196,7 @@ static bool front_sums(sgt_asking *a, opds *w, const sgt_pupil *points, bool cou
     w->sum = sgt_ask_room(a, w->cells, sizeof *w->sum);
     w->fates = sgt_ask_room(a, w->cells, sizeof *w->fates);
     a->counts = counts;
+    if (!counts) p.wanted = OPD_OF_END; /* coarse: for its rms alone */
     p.take = front_take, p.end = front_end;
     return !a->failed && sgt_ask_pass(&p);
 }

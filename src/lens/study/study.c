@@ -221,8 +221,8 @@ static bool work_block(void *data, size_t i, void *slot)
     b->placed = p->place(p, of, &c, &b->fault);
     if (!b->placed) return true;
     sgt_pupil_part(p->points, first, b->count, at);
-    if (!sgt_trace_pupil(p->ask->from, c.beam, c.element, c.before, b->count, at, p->ask->study->opt.solver,
-                         b->end, NULL))
+    if (!sgt_trace_ends(p->ask->from, c.beam, c.element, c.before, b->count, at, p->ask->study->opt.solver,
+                        p->wanted, b->end, NULL))
         return false;
     for (size_t k = 0; k < b->count; k++) {
         const size_t lost = b->fates.lost;

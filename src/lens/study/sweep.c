@@ -82,6 +82,7 @@ static bool ask_sweep(sgt_asking *a)
     const pass p = {.ask = a,
                     .points = &a->fine,
                     .cells = a->bands * w.steps,
+                    .wanted = END_EVALS,
                     .data = &w,
                     .place = sweep_place,
                     .lost = sweep_lost,
