@@ -311,8 +311,8 @@ static void trace_aimed(const sgt_launcher *from, const sgt_field_beam *b, const
 }
 
 bool sgt_trace_ends(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                    double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
-                    unsigned wanted, sgt_ray_end out[], sgt_error *error)
+                    double index_before, const sgt_aim_map *of, size_t count, const sgt_pupil_point at[],
+                    const sgt_options *opt, unsigned wanted, sgt_ray_end out[], sgt_error *error)
 {
     enum { FEWEST = 8, HITS = 1 << 16 }; /* rays at a time; fewer of a long row of elements */
     const size_t surfaces = from->lens->count, fit = HITS / surfaces;
@@ -328,7 +328,8 @@ bool sgt_trace_ends(const sgt_launcher *from, const sgt_field_beam *b, const sgt
         const size_t rays = count - first < part ? count - first : part;
         const sgt_pupil_point *these = at + first;
         if (!aims) trace_unaimed(from, b, own, index_before, m, rays, these, opt, out + first);
-        else fine = sgt_launch_rays(from, b, own, index_before, rays, these, launched, error);
+        else if (!sgt_aim_rays(from, b, own, index_before, of, rays, these, launched))
+            fine = sgt_launch_memory(from, error);
         if (fine && aims)
             trace_aimed(from, b, own, index_before, m, rays, launched, these, opt, out + first);
     }
@@ -342,7 +343,7 @@ bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sg
                      double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
                      sgt_ray_end out[], sgt_error *error)
 {
-    return sgt_trace_ends(from, b, e, index_before, count, at, opt, END_ALL, out, error);
+    return sgt_trace_ends(from, b, e, index_before, NULL, count, at, opt, END_ALL, out, error);
 }
 
 void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count, const sgt_ray_end end[], sgt_ray_end out[])

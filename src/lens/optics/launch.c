@@ -295,7 +295,7 @@ bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *b, const sg
 {
     if (!PLAIN(from, b, "sgt_field_beam", error)) return false;
     if (from->aim != SGT_LENS_AIM_PUPIL)
-        return sgt_aim_rays(from, b, e, index_before, count, at, out) || sgt_launch_memory(from, error);
+        return sgt_aim_rays(from, b, e, index_before, NULL, count, at, out) || sgt_launch_memory(from, error);
     for (size_t i = 0; i < count; i++) {
         sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
         out[i] = (sgt_launched){.ray = sgt_field_ray(b, q.x, q.y), .status = SGT_MET};

@@ -146,7 +146,7 @@ static bool count_all(energy *e, const sgt_pupil *points, bool centroid, bool co
     if (!e->radius) {
         e->radius = sgt_ask_room(a, e->steps, sizeof *e->radius);
         if (!e->radius || !sgt_ask_pass(&p)) return false;
-        for (size_t s = 0; s < e->steps; s++) e->radius[s] = e->far * (double)(s + 1) / (double)e->steps;
+        for (size_t s = 0; s < e->steps; s++) e->radius[s] = e->far * ((double)(s + 1) / (double)e->steps);
     }
     e->within = sgt_ask_room(a, cells * e->steps, sizeof *e->within);
     e->unsure = sgt_ask_room(a, cells * e->steps, sizeof *e->unsure);

@@ -129,7 +129,8 @@ static void opd_count(opds *w, size_t i, size_t count, const sgt_ray_end end[], 
 static pass opd_pass(sgt_asking *a, opds *w, const sgt_pupil *points)
 {
     return (pass){.ask = a, .points = points, .cells = w->cells, .wanted = OPD_OF_END | OPD_ERROR,
-                  .data = w, .size = sizeof(differences), .place = sgt_place_study, .lost = sgt_lost_study, .block = opd_block};
+                  .data = w, .size = sizeof(differences), .place = sgt_place_study,
+                  .lost = sgt_lost_study, .block = opd_block};
 }
 
 static void opd_say_legend(const opds *w)
@@ -212,7 +213,8 @@ static bool ask_wavefront(sgt_asking *a)
         const sgt_wavefront front = sgt_wavefront_sum_of(&w.sum[i]), half = sgt_wavefront_sum_of(&coarse[i]);
         const sgt_wavefront_row row = {
             .field = a->number[i / a->bands], .wavelength = a->band[i % a->bands].at.um,
-            .pv = front.most - front.least, .rms = front.rms, .digits = sgt_digits(front.rms, front.error),
+            .pv = front.most - front.least, .rms = front.rms,
+            .digits = sgt_digits(front.rms, sgt_wavefront_rms_error(&w.sum[i])),
             .sampling = front.rms - half.rms, .rays = w.fates[i].rays, .passed = w.fates[i].passed,
             .fates = sgt_fates_row(&w.fates[i]), .rms_err = front.error};
         opd_say_empty(&w, i);
