@@ -1,9 +1,9 @@
 /* study_threads.c - the bytes of every analysis for any number of threads: study_threads LENS...
  *
  * Each analysis of the library's own table is asked of each lens, with its default rays and with more, aimed
- * as the lens says and at the real stop.  It is asked without threads first.  Then tasks go backward, and into
- * 1 to 7 threads, of which the one that asks works, or only waits.  All that the sink is given has to be the
- * same bytes, and to come from the thread that asks. */
+ * as the lens says and at the real stop.  It is asked without threads first.  Then tasks go backward, and
+ * into 1 to 7 threads, of which the one that asks works, or only waits.  All that the sink is given has to be
+ * the same bytes, and to come from the thread that asks. */
 #include <sagitta/study.h>
 
 #include <pthread.h>
@@ -159,7 +159,7 @@ int main(int argc, char *argv[])
             for (int more = 0; more < 4; more++) {
                 sgt_study_options how = {.aim = more & 2 ? &stop : NULL,
                                          .across = more & 1 && !of->no_rays && !of->no_fields ? ACROSS : 0};
-                if (of->no_fields && more & 2) continue; /* far fields: minutes of proofs that no ray is there */
+                if (of->no_fields && more & 2) continue; /* far fields: minutes of proofs */
                 faults += compare(argv[i], lens, of, &how), asked++;
             }
         sgt_lens_free(lens);

@@ -103,13 +103,16 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     if (from->lens->afocal) out->d_err = sgt_direction_error(from, e, before, &l->ray, out);
 }
 
-static sgt_ray_end not_traced(const sgt_pupil_point *at, const sgt_launched *l)
+/* (A copy of what is constant, and then its numbers: a struct that is put together on the stack, number by
+ * number, and copied by larger pieces waits for each of them.) */
+static void set_untraced(const sgt_pupil_point *at, const sgt_launched *l, sgt_ray_end *out)
 {
-    const double none = (double)NAN;
-    const sgt_vec3 nowhere = {none, none, none};
-    return (sgt_ray_end){.px = at->x, .py = at->y, .weight = at->weight, .aimed = l->status,
-                         .within = l->within, .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = nowhere,
-                         .d = nowhere, .opl = none, .p_err = none, .opl_err = none, .d_err = none};
+    static const sgt_ray_end untraced = {
+        .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = {(double)NAN, (double)NAN, (double)NAN}, .d = {(double)NAN, (double)NAN, (double)NAN},
+        .opl = (double)NAN, .p_err = (double)NAN, .opl_err = (double)NAN, .d_err = (double)NAN};
+    *out = untraced;
+    out->px = at->x, out->py = at->y, out->weight = at->weight;
+    out->aimed = l->status, out->within = l->within;
 }
 
 void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[])
@@ -284,7 +287,7 @@ static void trace_unaimed(const sgt_launcher *from, const sgt_field_beam *b, con
     sgt_launch_unaimed(b, count, at, m->o, m->d);
     trace_many(from, e, before, m, count, opt);
     for (size_t i = 0; i < count; i++) {
-        out[i] = not_traced(&at[i], &there);
+        set_untraced(&at[i], &there, &out[i]);
         tell_end(from, b, e, before, m, i, &out[i]);
     }
 }
@@ -297,7 +300,7 @@ static void trace_aimed(const sgt_launcher *from, const sgt_field_beam *b, const
     size_t there = 0;
     for (size_t i = 0; i < count; i++) {
         const sgt_ray *ray = &launched[i].ray;
-        out[i] = not_traced(&at[i], &launched[i]);
+        set_untraced(&at[i], &launched[i], &out[i]);
         if (launched[i].status != SGT_MET) continue;
         m->o[0][there] = ray->o.x, m->o[1][there] = ray->o.y, m->o[2][there] = ray->o.z;
         m->d[0][there] = ray->d.x, m->d[1][there] = ray->d.y, m->d[2][there++] = ray->d.z;
@@ -383,7 +386,7 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
     if (fine) sgt_launch_ending(count, e, own);
     fine = fine && sgt_launch_rays(from, b, own, index_before, 1, &centre, &launched, error);
     if (fine) {
-        *out = not_traced(&centre, &launched);
+        set_untraced(&centre, &launched, out);
         if (launched.status == SGT_MET) {
             sgt_trace_through(count, own, index_before, &launched.ray, open, passages, &out->fate);
             follow(from, b, open, index_before, &launched, NULL, passages, out);

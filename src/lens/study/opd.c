@@ -30,6 +30,7 @@ typedef struct opds {
 typedef struct differences {
     double waves[PUPIL_PART], error[PUPIL_PART];
     sgt_wavefront_sum sum;
+    size_t without;             /* rays that passed and have none */
 } differences;
 
 static bool opd_chief(void *data, size_t i, void *slot)
@@ -94,6 +95,7 @@ static void opd_block(const pass *p, size_t i, size_t count, sgt_ray_end end[], 
         d->waves[k] = scale * sgt_opd(&w->about[i], &end[k], &d->error[k]);
         d->error[k] *= scale;
     }
+    for (size_t k = 0; k < count; k++) d->without += end[k].fate == SGT_PASSED && isnan(d->waves[k]);
     sgt_wavefront_add(&d->sum, count, end, d->waves, d->error);
 }
 
@@ -121,11 +123,6 @@ static void opd_say_empty(const opds *w, size_t i)
     else if (without) opd_say(w, i, words);
 }
 
-static void opd_count(opds *w, size_t i, size_t count, const sgt_ray_end end[], const differences *d)
-{
-    for (size_t k = 0; k < count; k++) w->without[i] += end[k].fate == SGT_PASSED && isnan(d->waves[k]);
-}
-
 static pass opd_pass(sgt_asking *a, opds *w, const sgt_pupil *points)
 {
     return (pass){.ask = a, .points = points, .cells = w->cells, .wanted = OPD_OF_END | OPD_ERROR,
@@ -150,7 +147,7 @@ static void opd_take(const pass *p, size_t i, size_t count, const sgt_ray_end en
     opds *w = p->data;
     const sgt_asking *a = p->ask;
     const differences *d = sum;
-    opd_count(w, i, count, end, d);
+    w->without[i] += d->without;
     for (size_t k = 0; k < count; k++) {
         const sgt_opd_row row = {.field = a->number[i / a->bands], .wavelength = a->band[i % a->bands].at.um,
                                  .px = end[k].px, .py = end[k].py, .fate = sgt_fate_of(&end[k]),
@@ -170,7 +167,7 @@ static bool ask_opd(sgt_asking *a)
     opds w;
     if (!opds_begin(a, &w)) return false;
     pass p = opd_pass(a, &w, &a->fine);
-    p.take = opd_take, p.end = opd_end;
+    p.take = opd_take, p.end = opd_end, p.takes_ends = true;
     opd_say_legend(&w);
     return sgt_ask_pass(&p);
 }
@@ -181,7 +178,8 @@ static void front_take(const pass *p, size_t i, size_t count, const sgt_ray_end 
 {
     opds *w = p->data;
     const differences *d = sum;
-    opd_count(w, i, count, end, d);
+    (void)count, (void)end;
+    w->without[i] += d->without;
     sgt_wavefront_join(&w->sum[i], &d->sum);
 }
 
@@ -249,7 +247,7 @@ static void zernike_take(const pass *p, size_t i, size_t count, const sgt_ray_en
 {
     opds *w = p->data;
     const differences *d = sum;
-    opd_count(w, i, count, end, d);
+    w->without[i] += d->without;
     for (size_t k = 0; k < count; k++, w->kept++)
         w->x[w->kept] = end[k].px, w->y[w->kept] = end[k].py, w->waves[w->kept] = d->waves[k],
         w->weight[w->kept] = end[k].weight;
@@ -293,7 +291,7 @@ static bool ask_zernike(sgt_asking *a)
     w.waves = sgt_ask_room(a, a->fine.count, sizeof *w.waves);
     w.weight = sgt_ask_room(a, a->fine.count, sizeof *w.weight);
     pass p = opd_pass(a, &w, &a->fine);
-    p.take = zernike_take, p.end = zernike_end;
+    p.take = zernike_take, p.end = zernike_end, p.takes_ends = true;
     if (a->failed || !sgt_ask_pass(&p)) return false;
     opd_say_legend(&w);
     sgt_ask_say(a, SGT_STUDY_LEGEND, "Zernike polynomials in %s over px, py.",

@@ -274,7 +274,7 @@ static spot_sums sums_of(const spots *w, const sgt_pupil *points, bool counts)
     p.size = sizeof(spot_middle), p.block = middle_block, p.take = middle_take;
     if (w->centroid && !sgt_ask_pass(&p)) return s;
     a->counts = counts;
-    if (counts && a->sink->ends) p.wanted = END_ALL;
+    if (counts && a->sink->ends) p.wanted = END_ALL, p.takes_ends = true;
     p.size = 2 * sizeof(spot_spread), p.block = spread_block, p.take = spread_take, p.end = spread_end;
     sgt_ask_pass(&p);
     return s;

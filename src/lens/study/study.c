@@ -225,11 +225,11 @@ bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
 
 /* Of a block: its rays, their fates, and the first that is lost. */
 typedef struct block {
-    size_t count, lost;
+    size_t count;
     sgt_fates fates;
+    double lost_x, lost_y;
     bool placed;
     sgt_error fault;
-    sgt_ray_end end[PUPIL_PART];
 } block_of_rays;
 
 /* maps: of the cells mapped ... mapped + maps - 1, if rays are aimed and a cell is worth it. */
@@ -242,7 +242,9 @@ typedef struct passing {
     size_t mapped, maps;
 } passing;
 
+/* Of a slot: where its sum begins, and the ends behind that, if they are taken. */
 static size_t sum_at(void) { return (sizeof(block_of_rays) + 63) / 64 * 64; }
+static size_t ends_at(const pass *p) { return sum_at() + (p->size + 63) / 64 * 64; }
 
 static bool work_block(void *data, size_t i, void *slot)
 {
@@ -252,24 +254,25 @@ static bool work_block(void *data, size_t i, void *slot)
     const size_t left = p->points->count - first;
     block_of_rays *b = slot;
     void *sum = (char *)slot + sum_at();
+    sgt_ray_end own[PUPIL_PART], *end = p->takes_ends ? (void *)((char *)slot + ends_at(p)) : own;
     sgt_pupil_point at[PUPIL_PART];
     cell c = {.beam = NULL};
     b->count = left < PUPIL_PART ? left : PUPIL_PART;
-    b->fates = (sgt_fates){.rays = 0}, b->lost = PUPIL_PART;
+    b->fates = (sgt_fates){.rays = 0};
     memset(sum, 0, p->size);
     b->placed = p->place(p, of, &c, &b->fault);
     if (!b->placed) return true;
     sgt_pupil_part(p->points, first, b->count, at);
     if (!sgt_trace_ends(p->ask->from, c.beam, c.element, c.before,
                         now->nodes ? &now->map[of - now->mapped] : NULL, b->count, at,
-                        p->ask->study->opt.solver, p->wanted, b->end, NULL))
+                        p->ask->study->opt.solver, p->wanted, end, NULL))
         return false;
     for (size_t k = 0; k < b->count; k++) {
         const size_t lost = b->fates.lost;
-        sgt_fates_count(&b->fates, &b->end[k]);
-        if (b->fates.lost > lost && lost == 0) b->lost = k;
+        sgt_fates_count(&b->fates, &end[k]);
+        if (b->fates.lost > lost && lost == 0) b->lost_x = end[k].px, b->lost_y = end[k].py;
     }
-    if (p->block) p->block(p, of, b->count, b->end, sum);
+    if (p->block) p->block(p, of, b->count, end, sum);
     return true;
 }
 
@@ -286,13 +289,14 @@ static void take_block(void *data, size_t i, void *slot)
         return;
     }
     if (i % now->blocks == 0) now->fates = (sgt_fates){.rays = 0};
-    if (a->counts && b->lost < b->count && a->total.fates.lost == 0) {
+    if (a->counts && b->fates.lost && a->total.fates.lost == 0) {
         p->lost(p, of, &a->total.lost);
-        a->total.lost.px = b->end[b->lost].px, a->total.lost.py = b->end[b->lost].py;
+        a->total.lost.px = b->lost_x, a->total.lost.py = b->lost_y;
     }
     if (a->counts) sgt_fates_add(&a->total.fates, &b->fates);
     sgt_fates_add(&now->fates, &b->fates);
-    if (p->take) p->take(p, of, b->count, b->end, (const char *)slot + sum_at());
+    const void *end = p->takes_ends ? (const char *)slot + ends_at(p) : NULL;
+    if (p->take) p->take(p, of, b->count, end, (const char *)slot + sum_at());
     if (p->end && i % now->blocks + 1 == now->blocks) p->end(p, of, &now->fates);
 }
 
@@ -336,8 +340,8 @@ bool sgt_ask_pass(const pass *p)
     enum { WORTH = 256 }; /* rays of a cell: of fewer a fitted map saves less than it costs */
     sgt_asking *a = p->ask;
     passing now = {.p = p, .blocks = (p->points->count + PUPIL_PART - 1) / PUPIL_PART};
-    rounds r = {.tasks = p->cells * now.blocks, .size = sum_at() + p->size, .data = &now, .work = work_block,
-                .take = take_block};
+    rounds r = {.tasks = p->cells * now.blocks, .data = &now, .work = work_block, .take = take_block,
+                .size = ends_at(p) + (p->takes_ends ? PUPIL_PART * sizeof(sgt_ray_end) : 0)};
     if (a->from->aim != SGT_LENS_AIM_PUPIL && p->points->count >= WORTH) {
         now.map = sgt_ask_room(a, ROUND / now.blocks + 2, sizeof *now.map);
         now.nodes = sgt_ask_room(a, 1, sizeof *now.nodes);

@@ -107,6 +107,7 @@ typedef struct pass {
     const sgt_pupil *points;
     size_t cells, size;
     unsigned wanted;            /* of an end (launch.h): END_POINT, ...; the others are not worked out */
+    bool takes_ends;            /* they are kept for `take`, which else gets NULL */
     void *data;
     bool (*place)(const struct pass *p, size_t i, cell *out, sgt_error *fault);
     void (*block)(const struct pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum);
