@@ -377,25 +377,33 @@ void sgt_aim_nodes_set(sgt_aim_nodes *out)
         }
 }
 
-/* Both polynomials at x, y. */
-static void fitted_at(const sgt_aim_map *of, size_t count, const double x[], const double y[], double u[],
-                      double v[])
+/* Both polynomials at x, y of four rays: so few that their sums stay in registers. */
+enum { AIM_FEW = 4 };
+typedef double two_rays __attribute__((vector_size(2 * sizeof(double))));
+
+static void few_fitted_at(const sgt_aim_map *of, const double x[], const double y[], double u[], double v[])
 {
-    double *const sum[2] = {u, v}, row[AIM_PART];
-    for (int c = 0; c < 2; c++) {
-        const double *k = of->fit[c];
-        double *all = sum[c];
-        for (size_t i = 0; i < count; i++) all[i] = *k;
+    const two_rays x0 = {x[0], x[1]}, x1 = {x[2], x[3]}, y0 = {y[0], y[1]}, y1 = {y[2], y[3]};
+    two_rays u0 = {0}, u1 = {0}, v0 = {0}, v1 = {0};
+    for (int j = AIM_DEGREE, k = 0; j >= 0; j--) {
+        const two_rays none = {0};
+        two_rays a0 = none + of->fit[0][k], a1 = a0, b0 = none + of->fit[1][k], b1 = b0;
         k++;
-        for (int j = AIM_DEGREE - 1; j >= 0; j--, k++) {
-            for (size_t i = 0; i < count; i++) row[i] = k[0];
-            for (int more = AIM_DEGREE - j; more > 0; more--) {
-                k++;
-                for (size_t i = 0; i < count; i++) row[i] = row[i] * x[i] + *k;
-            }
-            for (size_t i = 0; i < count; i++) all[i] = all[i] * y[i] + row[i];
+        for (int more = AIM_DEGREE - j; more > 0; more--, k++) {
+            const double by_u = of->fit[0][k], by_v = of->fit[1][k];
+            a0 = a0 * x0 + by_u, a1 = a1 * x1 + by_u, b0 = b0 * x0 + by_v, b1 = b1 * x1 + by_v;
         }
+        u0 = u0 * y0 + a0, u1 = u1 * y1 + a1, v0 = v0 * y0 + b0, v1 = v1 * y1 + b1;
     }
+    u[0] = u0[0], u[1] = u0[1], u[2] = u1[0], u[3] = u1[1];
+    v[0] = v0[0], v[1] = v0[1], v[2] = v1[0], v[3] = v1[1];
+}
+
+/* (The arrays have room for AIM_FEW - 1 more.) */
+static void fitted_at(const sgt_aim_map *of, size_t count, double x[], double y[], double u[], double v[])
+{
+    for (size_t i = count; i % AIM_FEW; i++) x[i] = y[i] = 0;
+    for (size_t i = 0; i < count; i += AIM_FEW) few_fitted_at(of, x + i, y + i, u + i, v + i);
 }
 
 /* Rays on their way by a fitted map. */
@@ -481,7 +489,7 @@ static void fit_map(const sgt_launcher *from, const sgt_field_beam *b, const sgt
             of->fit[0][t] += nodes->by[t][i] * m->found[i].u,
                 of->fit[1][t] += nodes->by[t][i] * m->found[i].v;
     }
-    double x[AIM_NODES], y[AIM_NODES], u[AIM_NODES], v[AIM_NODES];
+    double x[AIM_PART], y[AIM_PART], u[AIM_PART], v[AIM_PART];
     for (size_t i = 0; i < AIM_NODES; i++) x[i] = nodes->at[i].x, y[i] = nodes->at[i].y;
     fitted_at(of, AIM_NODES, x, y, u, v);
     of->fitted = true;
@@ -507,66 +515,73 @@ static void aim_some(const sgt_launcher *from, const sgt_field_beam *b, const sg
     for (size_t i = 0; i < more; i++) out[left[i]] = own[i];
 }
 
-/* What aiming works with. */
-typedef struct aim_room {
+struct sgt_aim_room {
     sgt_beam f;
     aim_search search;
     sgt_passage *passages;
     sgt_element *bare;
     aim_many *many;
     size_t part;
-} aim_room;
+};
 
-static void aim_room_free(const sgt_launcher *from, const aim_room *r)
+void sgt_aim_room_free(const sgt_launcher *from, sgt_aim_room *r)
 {
+    if (!r) return;
     sgt_launch_forget(from, r->many);
     sgt_launch_forget(from, r->passages);
     sgt_launch_forget(from, r->bare);
+    sgt_launch_forget(from, r);
 }
 
-static bool aim_room_take(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                          double before, size_t count, aim_room *r)
+sgt_aim_room *sgt_aim_room_new(const sgt_launcher *from, size_t count)
 {
     const size_t stop = from->lens->stop, fit = AIM_HITS / (stop + 1);
     const size_t most = fit < 1 ? 1 : fit < AIM_PART ? fit : AIM_PART;
-    *r = (aim_room){.f = family_of(b), .part = count < most ? count : most};
+    sgt_aim_room *r = sgt_launch_take(from, 1, sizeof *r);
+    if (!r) return NULL;
+    r->part = count < most ? count : most;
     r->passages = sgt_launch_take(from, stop + 1, sizeof *r->passages);
     r->bare = sgt_launch_take(from, stop + 1, sizeof *r->bare);
     r->many = aim_many_new(from, stop + 1, r->part);
-    if (!(r->passages && r->bare && r->many)) {
-        aim_room_free(from, r);
-        return false;
-    }
+    if (r->passages && r->bare && r->many) return r;
+    sgt_aim_room_free(from, r);
+    return NULL;
+}
+
+/* Sets the beam and the elements up to the stop. */
+static void begin_aims(const sgt_launcher *from, sgt_aim_room *r, const sgt_field_beam *b,
+                       const sgt_element e[], double before)
+{
+    const size_t stop = from->lens->stop;
     for (size_t i = 0; i <= stop; i++) r->bare[i] = e[i];
     r->bare[stop].phase = NULL; /* what the stop does to light has no say in where it is met */
+    r->f = family_of(b);
     r->search = (aim_search){stop, r->bare, before, r->passages, .starts = 0};
-    return true;
 }
 
 bool sgt_aim_map_of(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
                     const sgt_aim_nodes *nodes, sgt_aim_map *out)
 {
-    aim_room r;
     sgt_launched launched[AIM_NODES];
-    if (!aim_room_take(from, b, e, before, AIM_NODES, &r)) return false;
-    *out = map_of(&r.f, &r.search);
-    if (r.part == AIM_NODES) fit_map(from, b, &r.f, &r.search, nodes, r.many, launched, out);
-    aim_room_free(from, &r);
+    sgt_aim_room *r = sgt_aim_room_new(from, AIM_NODES);
+    if (!r) return false;
+    begin_aims(from, r, b, e, before);
+    *out = map_of(&r->f, &r->search);
+    if (r->part == AIM_NODES) fit_map(from, b, &r->f, &r->search, nodes, r->many, launched, out);
+    sgt_aim_room_free(from, r);
     return true;
 }
 
-bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
-                  const sgt_aim_map *of, size_t count, const sgt_pupil_point at[], sgt_launched out[])
+void sgt_aim_rays(const sgt_launcher *from, sgt_aim_room *r, const sgt_field_beam *b, const sgt_element e[],
+                  double before, const sgt_aim_map *of, size_t count, const sgt_pupil_point at[],
+                  sgt_launched out[])
 {
-    aim_room r;
     sgt_aim_map own;
-    if (!aim_room_take(from, b, e, before, count, &r)) return false;
-    if (!of) own = map_of(&r.f, &r.search);
-    for (size_t first = 0; first < count; first += r.part)
-        aim_some(from, b, &r.f, &r.search, of ? of : &own, r.many,
-                 count - first < r.part ? count - first : r.part, at + first, out + first);
-    aim_room_free(from, &r);
-    return true;
+    begin_aims(from, r, b, e, before);
+    if (!of) own = map_of(&r->f, &r->search);
+    for (size_t first = 0; first < count; first += r->part)
+        aim_some(from, b, &r->f, &r->search, of ? of : &own, r->many,
+                 count - first < r->part ? count - first : r->part, at + first, out + first);
 }
 
 /* ------------------------------------------------------------ real image heights */

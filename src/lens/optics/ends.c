@@ -103,13 +103,15 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     if (from->lens->afocal) out->d_err = sgt_direction_error(from, e, before, &l->ray, out);
 }
 
+#define NOWHERE {(double)NAN, (double)NAN, (double)NAN}
+
 /* (A copy of what is constant, and then its numbers: a struct that is put together on the stack, number by
  * number, and copied by larger pieces waits for each of them.) */
 static void set_untraced(const sgt_pupil_point *at, const sgt_launched *l, sgt_ray_end *out)
 {
     static const sgt_ray_end untraced = {
-        .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = {(double)NAN, (double)NAN, (double)NAN}, .d = {(double)NAN, (double)NAN, (double)NAN},
-        .opl = (double)NAN, .p_err = (double)NAN, .opl_err = (double)NAN, .d_err = (double)NAN};
+        .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = NOWHERE, .d = NOWHERE, .opl = (double)NAN,
+        .p_err = (double)NAN, .opl_err = (double)NAN, .d_err = (double)NAN};
     *out = untraced;
     out->px = at->x, out->py = at->y, out->weight = at->weight;
     out->aimed = l->status, out->within = l->within;
@@ -313,40 +315,68 @@ static void trace_aimed(const sgt_launcher *from, const sgt_field_beam *b, const
     }
 }
 
-bool sgt_trace_ends(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                    double index_before, const sgt_aim_map *of, size_t count, const sgt_pupil_point at[],
-                    const sgt_options *opt, unsigned wanted, sgt_ray_end out[], sgt_error *error)
+struct sgt_ends_room {
+    size_t part;
+    sgt_element *own;
+    sgt_launched *launched;
+    many *m;
+    sgt_aim_room *aims;         /* NULL: rays are not aimed */
+};
+
+void sgt_ends_room_free(const sgt_launcher *from, sgt_ends_room *r)
+{
+    if (!r) return;
+    sgt_aim_room_free(from, r->aims);
+    sgt_launch_forget(from, r->m);
+    sgt_launch_forget(from, r->launched);
+    sgt_launch_forget(from, r->own);
+    sgt_launch_forget(from, r);
+}
+
+sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigned wanted)
 {
     enum { FEWEST = 8, HITS = 1 << 16 }; /* rays at a time; fewer of a long row of elements */
     const size_t surfaces = from->lens->count, fit = HITS / surfaces;
-    const size_t most = fit < FEWEST ? FEWEST : fit < PART ? fit : PART, part = count < most ? count : most;
-    sgt_element *own = sgt_launch_take(from, surfaces, sizeof *own);
+    const size_t most = fit < FEWEST ? FEWEST : fit < PART ? fit : PART;
     const bool aims = from->aim != SGT_LENS_AIM_PUPIL;
-    sgt_launched *launched = sgt_launch_take(from, aims ? part : 0, sizeof *launched);
-    many *m = many_new(from, part, wanted);
-    bool fine = PLAIN(from, b, "sgt_field_beam", error);
-    if (fine) fine = (own && launched && m) || sgt_launch_memory(from, error);
-    if (fine) sgt_launch_ending(surfaces, e, own);
-    for (size_t first = 0; first < count && fine; first += part) {
-        const size_t rays = count - first < part ? count - first : part;
-        const sgt_pupil_point *these = at + first;
-        if (!aims) trace_unaimed(from, b, own, index_before, m, rays, these, opt, out + first);
-        else if (!sgt_aim_rays(from, b, own, index_before, of, rays, these, launched))
-            fine = sgt_launch_memory(from, error);
-        if (fine && aims)
-            trace_aimed(from, b, own, index_before, m, rays, launched, these, opt, out + first);
+    sgt_ends_room *r = sgt_launch_take(from, 1, sizeof *r);
+    if (!r) return NULL;
+    r->part = count < most ? count : most;
+    r->own = sgt_launch_take(from, surfaces, sizeof *r->own);
+    r->launched = sgt_launch_take(from, aims ? r->part : 0, sizeof *r->launched);
+    r->m = many_new(from, r->part, wanted);
+    r->aims = aims ? sgt_aim_room_new(from, r->part) : NULL;
+    if (r->own && r->launched && r->m && (r->aims || !aims)) return r;
+    sgt_ends_room_free(from, r);
+    return NULL;
+}
+
+void sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *r, const sgt_field_beam *b,
+                    const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
+                    const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
+{
+    sgt_launch_ending(from->lens->count, e, r->own);
+    for (size_t first = 0; first < count; first += r->part, at += r->part, out += r->part) {
+        const size_t rays = count - first < r->part ? count - first : r->part;
+        if (!r->aims) {
+            trace_unaimed(from, b, r->own, index_before, r->m, rays, at, opt, out);
+            continue;
+        }
+        sgt_aim_rays(from, r->aims, b, r->own, index_before, of, rays, at, r->launched);
+        trace_aimed(from, b, r->own, index_before, r->m, rays, r->launched, at, opt, out);
     }
-    sgt_launch_forget(from, m);
-    sgt_launch_forget(from, launched);
-    sgt_launch_forget(from, own);
-    return fine;
 }
 
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
                      sgt_ray_end out[], sgt_error *error)
 {
-    return sgt_trace_ends(from, b, e, index_before, NULL, count, at, opt, END_ALL, out, error);
+    if (!PLAIN(from, b, "sgt_field_beam", error)) return false;
+    sgt_ends_room *room = sgt_ends_room_new(from, count, END_ALL);
+    if (!room) return sgt_launch_memory(from, error);
+    sgt_trace_ends(from, room, b, e, index_before, NULL, count, at, opt, out);
+    sgt_ends_room_free(from, room);
+    return true;
 }
 
 void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count, const sgt_ray_end end[], sgt_ray_end out[])

@@ -294,8 +294,13 @@ bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *b, const sg
                      sgt_error *error)
 {
     if (!PLAIN(from, b, "sgt_field_beam", error)) return false;
-    if (from->aim != SGT_LENS_AIM_PUPIL)
-        return sgt_aim_rays(from, b, e, index_before, NULL, count, at, out) || sgt_launch_memory(from, error);
+    if (from->aim != SGT_LENS_AIM_PUPIL) {
+        sgt_aim_room *room = sgt_aim_room_new(from, count);
+        if (!room) return sgt_launch_memory(from, error);
+        sgt_aim_rays(from, room, b, e, index_before, NULL, count, at, out);
+        sgt_aim_room_free(from, room);
+        return true;
+    }
     for (size_t i = 0; i < count; i++) {
         sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
         out[i] = (sgt_launched){.ray = sgt_field_ray(b, q.x, q.y), .status = SGT_MET};

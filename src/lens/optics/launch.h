@@ -79,10 +79,15 @@ enum {
     END_ALL = 63
 };
 
+/* (ends.c) Room for sgt_trace_ends, of `count` rays at a time or fewer.  NULL: no memory. */
+typedef struct sgt_ends_room sgt_ends_room;
+sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigned wanted);
+void sgt_ends_room_free(const sgt_launcher *from, sgt_ends_room *room);
+
 /* (ends.c) sgt_trace_pupil for the numbers that are wanted.  of: as for sgt_aim_rays. */
-bool sgt_trace_ends(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                    double index_before, const sgt_aim_map *of, size_t count, const sgt_pupil_point at[],
-                    const sgt_options *opt, unsigned wanted, sgt_ray_end out[], sgt_error *error);
+void sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *room, const sgt_field_beam *b,
+                    const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
+                    const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[]);
 
 /* (ends.c) A bound, in radians, on what is off in end->d; end->p and p_err are read, too.  Infinite: not
  * known. */
@@ -101,10 +106,15 @@ bool sgt_aim_at_stop(sgt_launcher *from, sgt_error *error);
  * told. */
 bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 at, sgt_error *error);
 
-/* (aim.c) Aims rays at the points of the stop of e; false: no memory.  of: NULL, or that of these b, e and
- * before. */
-bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
-                  const sgt_aim_map *of, size_t count, const sgt_pupil_point at[], sgt_launched out[]);
+/* (aim.c) Room for sgt_aim_rays, of `count` rays at a time or fewer.  NULL: no memory. */
+typedef struct sgt_aim_room sgt_aim_room;
+sgt_aim_room *sgt_aim_room_new(const sgt_launcher *from, size_t count);
+void sgt_aim_room_free(const sgt_launcher *from, sgt_aim_room *room);
+
+/* (aim.c) Aims rays at the points of the stop of e.  of: NULL, or that of these b, e and before. */
+void sgt_aim_rays(const sgt_launcher *from, sgt_aim_room *room, const sgt_field_beam *b,
+                  const sgt_element e[], double before, const sgt_aim_map *of, size_t count,
+                  const sgt_pupil_point at[], sgt_launched out[]);
 
 /* (aim.c) Sets the nodes; and the map of a beam, fitted to them where that can be.  false: no memory. */
 void sgt_aim_nodes_set(sgt_aim_nodes *out);

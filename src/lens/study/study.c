@@ -18,10 +18,11 @@
 #include "study.h"
 
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUND = 64 };
+enum { ROUND = 64, ROOMS = 16 };
 
 /* ---------------------------------------------------------------- small things */
 
@@ -240,7 +241,27 @@ typedef struct passing {
     sgt_aim_nodes *nodes;
     sgt_aim_map *map;
     size_t mapped, maps;
+    _Atomic(sgt_ends_room *) room[ROOMS]; /* those that no block uses now */
 } passing;
+
+/* Room for a block: one that lies there, or a new one.  NULL: no memory. */
+static sgt_ends_room *room_taken(passing *now)
+{
+    for (size_t i = 0; i < ROOMS; i++) {
+        sgt_ends_room *room = atomic_exchange(&now->room[i], NULL);
+        if (room) return room;
+    }
+    return sgt_ends_room_new(now->p->ask->from, PUPIL_PART, now->p->wanted);
+}
+
+static void room_given_back(passing *now, sgt_ends_room *room)
+{
+    for (size_t i = 0; i < ROOMS; i++) {
+        sgt_ends_room *none = NULL;
+        if (atomic_compare_exchange_strong(&now->room[i], &none, room)) return;
+    }
+    sgt_ends_room_free(now->p->ask->from, room);
+}
 
 /* Of a slot: where its sum begins, and the ends behind that, if they are taken. */
 static size_t sum_at(void) { return (sizeof(block_of_rays) + 63) / 64 * 64; }
@@ -248,7 +269,7 @@ static size_t ends_at(const pass *p) { return sum_at() + (p->size + 63) / 64 * 6
 
 static bool work_block(void *data, size_t i, void *slot)
 {
-    const passing *now = data;
+    passing *now = data;
     const pass *p = now->p;
     const size_t of = i / now->blocks, first = i % now->blocks * PUPIL_PART;
     const size_t left = p->points->count - first;
@@ -263,10 +284,12 @@ static bool work_block(void *data, size_t i, void *slot)
     b->placed = p->place(p, of, &c, &b->fault);
     if (!b->placed) return true;
     sgt_pupil_part(p->points, first, b->count, at);
-    if (!sgt_trace_ends(p->ask->from, c.beam, c.element, c.before,
-                        now->nodes ? &now->map[of - now->mapped] : NULL, b->count, at,
-                        p->ask->study->opt.solver, p->wanted, end, NULL))
-        return false;
+    sgt_ends_room *room = room_taken(now);
+    if (!room) return false;
+    sgt_trace_ends(p->ask->from, room, c.beam, c.element, c.before,
+                   now->nodes ? &now->map[of - now->mapped] : NULL, b->count, at, p->ask->study->opt.solver,
+                   end);
+    room_given_back(now, room);
     for (size_t k = 0; k < b->count; k++) {
         const size_t lost = b->fates.lost;
         sgt_fates_count(&b->fates, &end[k]);
@@ -349,7 +372,9 @@ bool sgt_ask_pass(const pass *p)
         sgt_aim_nodes_set(now.nodes);
         r.prepare = prepare_maps;
     }
-    return sgt_ask_rounds(a, &r);
+    const bool fine = sgt_ask_rounds(a, &r);
+    for (size_t i = 0; i < ROOMS; i++) sgt_ends_room_free(a->from, atomic_load(&now.room[i]));
+    return fine;
 }
 
 bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_error *fault)
