@@ -23,7 +23,7 @@ typedef struct opds {
     size_t *without;            /* [cells]: rays that passed and have no difference */
     sgt_wavefront_sum *sum;     /* [cells] */
     sgt_fates *fates;           /* [cells] */
-    double *x, *y, *waves, *weight; /* of one cell, for the fit */
+    double *x, *y, *waves, *weight; /* [cells * rays], for the fits */
     size_t kept;
 } opds;
 
@@ -253,31 +253,52 @@ static void zernike_take(const pass *p, size_t i, size_t count, const sgt_ray_en
         w->weight[w->kept] = end[k].weight;
 }
 
-static void zernike_end(const pass *p, size_t i, const sgt_fates *fates)
+static size_t terms_of(const opds *w)
 {
-    opds *w = p->data;
-    const sgt_asking *a = p->ask;
-    const sgt_opd_options *o = a->options;
-    const size_t terms = o->terms ? o->terms : TERMS;
-    double residual, *coefficient = sgt_ask_room(p->ask, terms, sizeof *coefficient);
+    const sgt_opd_options *o = w->ask->options;
+    return o->terms ? o->terms : TERMS;
+}
+
+static sgt_zernike_order order_of(const opds *w)
+{
+    const sgt_opd_options *o = w->ask->options;
+    return o->order ? SGT_FRINGE : SGT_NOLL;
+}
+
+/* The fit of a cell; its coefficients stand behind it. */
+typedef struct zernike_fitted { bool fits; double residual; } zernike_fitted;
+
+static bool zernike_work(void *data, size_t i, void *slot)
+{
+    const opds *w = data;
+    const size_t count = w->ask->fine.count, first = i * count;
+    zernike_fitted *f = slot;
+    f->fits = sgt_zernike_fit(order_of(w), terms_of(w), count, w->x + first, w->y + first, w->waves + first,
+                              w->weight + first, (double *)(f + 1), &f->residual,
+                              &w->ask->from->allocator, NULL);
+    return true;
+}
+
+static void zernike_rows(void *data, size_t i, void *slot)
+{
+    opds *w = data;
+    const sgt_asking *a = w->ask;
+    const size_t terms = terms_of(w);
+    const zernike_fitted *f = slot;
+    const double *coefficient = (const double *)(f + 1);
     char words[200];
-    (void)fates;
     opd_say_empty(w, i);
-    if (!coefficient) return;
-    const bool fits = sgt_zernike_fit(o->order ? SGT_FRINGE : SGT_NOLL, terms, w->kept, w->x, w->y, w->waves,
-                                      w->weight, coefficient, &residual, &a->from->allocator, NULL);
     snprintf(words, sizeof words, "the rays that passed do not determine %zu polynomials, or there is no "
              "memory; take more rays, or fewer terms", terms);
-    if (!fits) opd_say(w, i, words);
+    if (!f->fits) opd_say(w, i, words);
     for (size_t k = 0; k < terms; k++) {
         sgt_zernike_row row = {.field = a->number[i / a->bands],
                                .wavelength = a->band[i % a->bands].at.um, .term = k + 1,
-                               .coefficient = fits ? coefficient[k] : (double)NAN,
-                               .residual = fits ? residual : (double)NAN};
-        zernike_numbers(o->order ? SGT_FRINGE : SGT_NOLL, k + 1, &row.n, &row.m);
+                               .coefficient = f->fits ? coefficient[k] : (double)NAN,
+                               .residual = f->fits ? f->residual : (double)NAN};
+        zernike_numbers(order_of(w), k + 1, &row.n, &row.m);
         sgt_ask_row(a, &row);
     }
-    w->kept = 0;
 }
 
 static bool ask_zernike(sgt_asking *a)
@@ -287,12 +308,14 @@ static bool ask_zernike(sgt_asking *a)
     if (o->terms > TERMS_MOST)
         return sgt_ask_refuse(a, "terms", "%zu polynomials; at most %d", o->terms, TERMS_MOST);
     if (!opds_begin(a, &w)) return false;
-    w.x = sgt_ask_room(a, a->fine.count, sizeof *w.x), w.y = sgt_ask_room(a, a->fine.count, sizeof *w.y);
-    w.waves = sgt_ask_room(a, a->fine.count, sizeof *w.waves);
-    w.weight = sgt_ask_room(a, a->fine.count, sizeof *w.weight);
+    const size_t rays = w.cells * a->fine.count;
+    w.x = sgt_ask_room(a, rays, sizeof *w.x), w.y = sgt_ask_room(a, rays, sizeof *w.y);
+    w.waves = sgt_ask_room(a, rays, sizeof *w.waves), w.weight = sgt_ask_room(a, rays, sizeof *w.weight);
     pass p = opd_pass(a, &w, &a->fine);
-    p.take = zernike_take, p.end = zernike_end, p.takes_ends = true;
-    if (a->failed || !sgt_ask_pass(&p)) return false;
+    p.take = zernike_take, p.takes_ends = true;
+    const rounds fits = {.tasks = w.cells, .size = sizeof(zernike_fitted) + terms_of(&w) * sizeof(double),
+                         .data = &w, .work = zernike_work, .take = zernike_rows};
+    if (a->failed || !sgt_ask_pass(&p) || !sgt_ask_rounds(a, &fits)) return false;
     opd_say_legend(&w);
     sgt_ask_say(a, SGT_STUDY_LEGEND, "Zernike polynomials in %s over px, py.",
                 o->order ? "fringe order, each 1 at the edge"

@@ -6,8 +6,9 @@
  *
  * BLOCKS.  What a ray does depends on that ray alone.  So blocks of PUPIL_PART points may be traced in any
  * thread; what is made of a block is made there, too, and then taken in order.  The size of a block has no
- * part in how many threads there are, so that neither have the sums.  Blocks go in rounds of ROUND: memory
- * does not grow with the number of rays.
+ * part in how many threads there are, so that neither have the sums.  Blocks go in rounds of ROUND at
+ * least, and of as many as ROUND_BYTES hold: memory does not grow with the number of rays, and threads rarely
+ * wait for each other.
  *
  * TAKING goes on beside the work: the thread that asks takes the blocks of a round while the others are at
  * the next.  So what comes in order, such as rows that are printed, does not keep them waiting.
@@ -22,7 +23,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUND = 64, ROOMS = 16 };
+enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 20, ROOMS = 16 };
 
 /* ---------------------------------------------------------------- small things */
 
@@ -164,7 +165,7 @@ sgt_fate_counts sgt_fates_row(const sgt_fates *f)
 /* --------------------------------------------------------------------- rounds */
 
 /* Of a round: its tasks, where their slots begin, and which failed. */
-typedef struct round_of { size_t first, tasks; char *slots; bool failed[ROUND]; } round_of;
+typedef struct round_of { size_t first, tasks; char *slots; bool failed[ROUND_MOST]; } round_of;
 
 /* The round that is worked on, and the one before, of which `taken` have been taken. */
 typedef struct two_rounds {
@@ -200,8 +201,10 @@ static void round_task(void *data, size_t i)
 bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
 {
     const sgt_study_options *o = &a->study->opt;
-    const size_t align = 64, most = r->tasks < ROUND ? r->tasks : ROUND;
-    two_rounds w = {.ask = a, .r = r, .step = (r->size + align) / align * align, .asker = &own_thread};
+    const size_t align = 64, step = (r->size + align) / align * align, fit = ROUND_BYTES / step;
+    const size_t round = fit < ROUND ? ROUND : fit < ROUND_MOST ? fit : ROUND_MOST;
+    const size_t most = r->tasks < round ? r->tasks : round;
+    two_rounds w = {.ask = a, .r = r, .step = step, .asker = &own_thread};
     if (r->tasks == 0 || a->failed) return !a->failed;
     char *slots = sgt_launch_take(a->from, 2 * most, w.step);
     if (!slots) return sgt_ask_fail(a, "", "no memory");
@@ -366,7 +369,7 @@ bool sgt_ask_pass(const pass *p)
     rounds r = {.tasks = p->cells * now.blocks, .data = &now, .work = work_block, .take = take_block,
                 .size = ends_at(p) + (p->takes_ends ? PUPIL_PART * sizeof(sgt_ray_end) : 0)};
     if (a->from->aim != SGT_LENS_AIM_PUPIL && p->points->count >= WORTH) {
-        now.map = sgt_ask_room(a, ROUND / now.blocks + 2, sizeof *now.map);
+        now.map = sgt_ask_room(a, ROUND_MOST / now.blocks + 2, sizeof *now.map);
         now.nodes = sgt_ask_room(a, 1, sizeof *now.nodes);
         if (a->failed) return false;
         sgt_aim_nodes_set(now.nodes);
