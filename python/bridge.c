@@ -7,6 +7,11 @@
  * ARITHMETIC is asked before each call, in the thread that calls: some hosts set "flush to zero" (a library
  * that was compiled by -ffast-math does, as it is loaded), and then no bound of the library holds.
  *
+ * ANSWERS IN ONE BLOCK.  A struct with a pointer for each array costs Python more than a few rays do.  So the
+ * answers to a call by one thread are columns in one block of memory.  Python tells the block and which
+ * columns it wants; the pointers are made here (`columns_of`), and there by the same rule when a column is
+ * read.
+ *
  * A FUNCTION OF PYTHON AS A SURFACE.  The library asks F at some dozen points at a time, and numpy needs
  * thousands to be worth its overhead.  The rays are independent, so many blocks of them can be under way at
  * once, each on a stack of its own (makecontext: a coroutine).  Where a block asks F, it is left with its
@@ -576,7 +581,104 @@ int sagitta_one(const sgt_surface *surface, const sgt_ray *ray, const sgt_option
     return here.failed ? -1 : 0;
 }
 
-/* The same with nothing in it, to measure what a call costs by itself. */
+/* ------------------------------------------------------------ answers in one block */
+
+/* The columns that a block may have.  Doubles stand first, in this order, then evals, then statuses.  Each
+ * column is n numbers, a vector three times n: so each is aligned as the block is. */
+enum { STATUS, EVALS, T, T_ERR, T_LO, P, N, P_ERR, DIRECTION, OPL, COLUMNS };
+
+/* The columns `names`, the sum of 1 << column, for n rays. */
+static sgt_passages columns_of(void *block, size_t n, size_t names)
+{
+    sgt_passages c = {.opl = NULL};
+    const struct { double **to; int rows; } of[COLUMNS] = {
+        [T] = {&c.hits.t, 1}, [T_ERR] = {&c.hits.t_err, 1}, [T_LO] = {&c.hits.t_lo, 1}, [P] = {c.hits.p, 3},
+        [N] = {c.hits.n, 3}, [P_ERR] = {&c.hits.p_err, 1},
+        [DIRECTION] = {c.direction, 3}, [OPL] = {&c.opl, 1},
+    };
+    double *next = block;
+    for (size_t k = T; k < COLUMNS; k++)
+        for (int row = 0; names >> k & 1 && row < of[k].rows; row++, next += n) of[k].to[row] = next;
+    int *evals = (void *)next;
+    if (names >> EVALS & 1) c.hits.evals = evals, evals += n;
+    if (names >> STATUS & 1) c.hits.status = (void *)evals;
+    return c;
+}
+
+/* The same of rays through a lens. */
+enum { FATE, PASSED, END_O, END_D, END_OPL };
+static sgt_traced ends_of(void *block, size_t n, size_t names)
+{
+    sgt_traced c = {.opl = NULL};
+    double *next = block;
+    for (size_t k = 0; names >> END_O & 1 && k < 3; k++, next += n) c.o[k] = next;
+    for (size_t k = 0; names >> END_D & 1 && k < 3; k++, next += n) c.d[k] = next;
+    if (names >> END_OPL & 1) c.opl = next, next += n;
+    int *passed = (void *)next;
+    if (names >> PASSED & 1) c.passed = passed, passed += n;
+    if (names >> FATE & 1) c.fate = (void *)passed;
+    return c;
+}
+
+/* Rays whose rows o[1], o[2], d[1], d[2] are NULL have them one behind another. */
+static sgt_rays spread(sgt_rays rays, size_t n)
+{
+    for (size_t k = 1; k < 3 && !rays.o[2]; k++) rays.o[k] = rays.o[0] + k * n;
+    for (size_t k = 1; k < 3 && !rays.d[2]; k++) rays.d[k] = rays.d[0] + k * n;
+    return rays;
+}
+
+/* Rays that meet a surface. */
+typedef struct sagitta_meeting {
+    const sgt_surface *surface;
+    const sgt_options *opt;
+    size_t n;
+    void  *hits;
+    size_t names;
+    sgt_rays rays;
+} sagitta_meeting;
+
+/* Rays through a lens.  passages: a block for each element, `pitch` bytes apart; told 0: none. */
+typedef struct sagitta_passing {
+    size_t elements;
+    const sgt_element *element;
+    double index_before;
+    const sgt_options *opt;
+    size_t n;
+    void  *traced;
+    size_t names;
+    char  *passages;
+    size_t pitch, told;
+    sgt_rays rays;
+} sagitta_passing;
+
+/* Both are for surfaces that are no functions of Python, and return as sagitta_run. */
+SGT_API int sagitta_meet(const sagitta_meeting *m);
+int sagitta_meet(const sagitta_meeting *m)
+{
+    int bad = sgt_arithmetic();
+    if (bad) return bad;
+    sgt_intersect_batch(*m->surface, m->n, spread(m->rays, m->n), columns_of(m->hits, m->n, m->names).hits,
+                        m->opt);
+    return 0;
+}
+
+SGT_API int sagitta_pass(const sagitta_passing *s);
+int sagitta_pass(const sagitta_passing *s)
+{
+    int bad = sgt_arithmetic();
+    if (bad) return bad;
+    sgt_passages *each = s->told ? malloc((s->elements + 1) * sizeof *each) : NULL;
+    if (s->told && !each) return -2;
+    for (size_t e = 0; e < s->elements && each; e++)
+        each[e] = columns_of(s->passages + e * s->pitch, s->n, s->told);
+    sgt_trace_batch(s->elements, s->element, s->index_before, s->n, spread(s->rays, s->n),
+                    ends_of(s->traced, s->n, s->names), each, s->opt);
+    free(each);
+    return 0;
+}
+
+/* sagitta_one with nothing in it, to measure what a call costs by itself. */
 SGT_API int sagitta_nothing(const sgt_surface *surface, const sgt_ray *ray, const sgt_options *opt,
                             sgt_hit *hit);
 int sagitta_nothing(const sgt_surface *surface, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)

@@ -10,7 +10,7 @@ A million rays    out= is given.  "In C": one call of sgt_intersect_batch or sgt
                   arrays.  (Where arrays stand in memory is worth a tenth of the time.)  More: (Python - C) / C.
 One ray           "an empty call of the same kind" is the same method with the library's function replaced by
                   one that returns at once (sagitta_nothing); "of ctypes": that function by itself, with the
-                  same arguments.
+                  same arguments.  "`prepare`d": a prepared call of the same.
 A function        of Python as a surface, 10^5 rays.  numpy: what numpy itself takes to evaluate it at as many
                   points as were asked for, by 10^5 at once; in brackets in arrays as long as those that were
                   asked for, which stay in the processor's cache.
@@ -94,9 +94,7 @@ def one_ray():
     empty, at = C.library.sagitta_nothing, ctypes.byref(C.Call())
     bare = each(lambda: empty(at, at, None, at))
     full, ready = each(lambda: conic.intersect(o, d)), each(call)
-    room = sagitta.Hits.empty(1)
     whole = each(lambda: conic.intersect(a, b), 5000)
-    again = each(lambda: conic.intersect(a, b, out=room), 5000)
     real, sagitta.surface._one = sagitta.surface._one, empty
     try:
         same = each(lambda: conic.intersect(o, d))
@@ -114,7 +112,23 @@ def one_ray():
         f"{bare:.2f} us empty, of ctypes",
         f"{ready - bare:+.2f} us",
     )
-    yield "one ray as an array (3, 1)", f"{whole:.0f} us", f"{again:.0f} us with `out`", ""
+    yield (
+        "one ray as arrays (3, 1), `intersect`",
+        f"{whole:.1f} us",
+        f"{ready:.2f} us `prepare`d",
+        f"{whole - ready:+.1f} us",
+    )
+    lens = sagitta.Lens.read(LENS)
+    for n in (1, 100):
+        o, d = np.zeros((3, n)), np.tile([[0.0], [0.1], [1]], n)
+        o[1], o[2] = np.linspace(0, 10, n), -20
+        whole, ready = each(lambda: lens.trace(o, d), 2000), each(lens.prepare(o, d), 2000)
+        yield (
+            f"{n} ray{'s' * (n > 1)} as arrays, {len(lens)} surfaces, `trace`",
+            f"{whole:.1f} us",
+            f"{ready:.1f} us `prepare`d",
+            f"{whole - ready:+.1f} us",
+        )
 
 
 def torus(x, y, z):

@@ -215,5 +215,13 @@ static const layout layouts[] = {
     MEMBER(sagitta_call, beam), MEMBER(sagitta_call, point), MEMBER(sagitta_call, aim),
     MEMBER(sagitta_call, aiming), MEMBER(sagitta_call, ray), MEMBER(sagitta_call, where),
     MEMBER(sagitta_call, fault),
+    WHOLE(sagitta_meeting),
+    MEMBER(sagitta_meeting, surface), MEMBER(sagitta_meeting, opt), MEMBER(sagitta_meeting, n),
+    MEMBER(sagitta_meeting, hits), MEMBER(sagitta_meeting, names), MEMBER(sagitta_meeting, rays),
+    WHOLE(sagitta_passing),
+    MEMBER(sagitta_passing, elements), MEMBER(sagitta_passing, element),
+    MEMBER(sagitta_passing, index_before), MEMBER(sagitta_passing, opt), MEMBER(sagitta_passing, n),
+    MEMBER(sagitta_passing, traced), MEMBER(sagitta_passing, names), MEMBER(sagitta_passing, passages),
+    MEMBER(sagitta_passing, pitch), MEMBER(sagitta_passing, told), MEMBER(sagitta_passing, rays),
     {0},
 };

@@ -1,11 +1,11 @@
 #!/bin/sh
 # sh tests/nightly.sh [FUZZ_SECONDS]   what takes too long for every change; some hours on an idle machine of two cores.
 #
-#   scale      all random tests, oracles and proofs at ten times their scale (SAGITTA_TEST_SCALE=10; SAGITTA_TEST_SEED
-#              chooses other cases: the day of the year, unless it is set)
+#   scale      all random tests, oracles and proofs with twenty times the cases (SAGITTA_TEST_SCALE=10, 0.5 by day;
+#              SAGITTA_TEST_SEED chooses other cases: the day of the year, unless it is set)
 #   rest       what a plain `meson test` leaves out: the suite `nightly` (random lenses against mpmath, the ways of a
 #              search, the costs of a render, the library as a subproject, the wheel, Python under valgrind, interval.h
-#              by each compiler)
+#              by each compiler, breaks of the saved interface that are planted)
 #   tapes      random formulas against Arb, their operations and rays to them, ten minutes each
 #   platforms  the library on other systems (platforms/run.py): all sums, the speed, and the oracles by wine and qemu at
 #              a tenth of their scale

@@ -317,7 +317,7 @@ int main()
 {
     const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE");
     unsigned long long number = seed ? std::strtoull(seed, nullptr, 0) : 1;
-    int orbits = std::max(1, static_cast<int>(25 * (scale ? std::atof(scale) : 1)));
+    int orbits = std::max(1, static_cast<int>(25 * (scale ? std::atof(scale) : 0.5)));
     std::printf("line of sight: SAGITTA_TEST_SEED=%llu\n", number);
     random_bits.seed(number);
     flies();

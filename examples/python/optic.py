@@ -73,7 +73,7 @@ class Optic:
         return self.trace_rays(*launched.o, *launched.d)
 
     def trace_rays(self, x, y, z, L, M, N):
-        traced = self.lens.trace((x, y, z), (L, M, N), passages=True)
+        traced = self.lens.trace((x, y, z), (L, M, N), passages=("p", "direction", "opl"))
         for i, (surface, passage) in enumerate(zip(self.surfaces, traced.passages)):
             vertex, _ = self.lens.vertex(i)  # no surface is tilted here
             surface.x, surface.y, surface.z = passage.p + vertex[:, None]

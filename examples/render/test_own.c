@@ -442,7 +442,7 @@ static void test_many(long count)
 int main(void)
 {
     const char *seed = getenv("SAGITTA_TEST_SEED"), *scale = getenv("SAGITTA_TEST_SCALE");
-    double times = scale ? atof(scale) : 1;
+    double times = scale ? atof(scale) : 0.5;
     state = seed ? strtoull(seed, NULL, 0) : 1;
     printf("SAGITTA_TEST_SEED=%llu, SAGITTA_TEST_SCALE=%g\n", (unsigned long long)state, times);
     test_bulb(1 + (long)(2000 * times));

@@ -456,7 +456,7 @@ def test_every_type():
                 p = add(ABOVE, d, (z - ABOVE[2]) / d[2])
                 z = height(p[0], p[1])
             return p, z
-        near = [(x, y) for y in range(48) for x in range(64) if math.hypot(x - 32, y - 24) < 22]
+        near = [(x, y) for y in range(48) for x in range(64) if math.hypot(x - 32, y - 24) < 22 and (x + y) % 3 == 0]
         seen = {}
         for x, y in near:
             try:
@@ -466,12 +466,12 @@ def test_every_type():
             r = math.hypot(p[0], p[1])
             if r < reach or (name == 'torus' and abs(r - 2) < 0.6):
                 seen[x, y] = z
-        assert len(seen) > 200, (name, len(seen))
+        assert len(seen) > 66, (name, len(seen))
         lo, hi = min(seen.values()) - 0.05, max(seen.values()) + 0.05
         text = WHITE % (', '.join(map(str, ABOVE)), '0, 0, 0', 16)
         text += f'  - {{type: {name}{", " if keys else ""}{keys}, material: {{colour: {{blend: z, from: {lo}, to: {hi}, ' \
                 'colours: [[0, 0, 0], [0.7, 0.7, 0.7]]}}}\n'
-        picture, said = draw(text, '--samples', '64')
+        picture, said = draw(text, '--samples', '25')
         assert ' 0 undecided' in said, (name, said)
         for (x, y), z in seen.items():
             grey, wanted = linear(picture.at(x, y)[0]), 0.7 * (z - lo) / (hi - lo)
@@ -609,7 +609,7 @@ def compare(text, seen):
 def test_random_trees():
     """Unions, intersections and differences within each other, of balls, boxes and halves: what is met first, and if."""
     seed = int(os.environ.get('SAGITTA_TEST_SEED', 1))
-    scale = float(os.environ.get('SAGITTA_TEST_SCALE', 1))
+    scale = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
     random, met = Random(seed), 0
     print(f'SAGITTA_TEST_SEED={seed}')
     text = WHITE % tuple(', '.join(map(str, v)) if isinstance(v, tuple) else v for v in LOOK[:3])
@@ -660,11 +660,11 @@ def test_clips():
              (f'{{outside: {box.yaml()}}}', lambda p: not inside['box'](p)),
              (f'[{boxed}, {{outside: {c.yaml()}}}]', lambda p: inside['box'](p) and not inside['moved'](p)),
              (f'{{object: {{union: [{c.yaml()}, {box.yaml()}]}}}}', lambda p: inside['moved'](p) or inside['box'](p))]
-    for body in (Tree('union', A, C), Tree('difference', C, B)):
-        for text, keep in clips:
-            yaml = body.yaml()[:-1] + f', clip: {text}}}'
-            met = compare(scene_of(yaml), lambda o, d: first_hit(body, o, d, keep))[0]
-            assert met > 20 or (met == 0 and text == '{ball: 1.1}'), (yaml, met)  # A is all outside of that
+    for i, (text, keep) in enumerate(clips):
+        body = (Tree('difference', C, B), Tree('union', A, C))[i % 2]
+        yaml = body.yaml()[:-1] + f', clip: {text}}}'
+        met = compare(scene_of(yaml), lambda o, d: first_hit(body, o, d, keep))[0]
+        assert met > 20, (yaml, met)
     # of one surface, in its own frame, which is moved and scaled
     for text, keep in clips[1:]:
         yaml = A.yaml()[:-1].replace('position: [0, 0, 0]', 'position: [0.1, 0.2, 0.3], scale: 0.9') + f', clip: {text}}}'

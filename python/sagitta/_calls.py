@@ -5,9 +5,10 @@ import ctypes
 import functools
 import math
 import threading
-from typing import Any, Optional, Sequence, Union
+from typing import Any, Callable, Generic, Optional, Sequence, TypeVar, Union
 
 from . import _library as C
+from ._arrays import Columns, RayArrays
 
 PICKS = {None: 0, "default": 0, "first": 1, "near-seed": 2}
 PROOFS = {None: 0, "estimate": 0, "root": 1, "first": 2}
@@ -125,6 +126,60 @@ def run(call: C.Call, n: int, threads: int, functions: Sequence[Any], void: Any 
             raise raised[0]
         C.refuse(bad)
     return met
+
+
+_run = C.library.sagitta_run
+Out = TypeVar("Out", bound=Columns)
+
+
+class Prepared(Generic[Out]):
+    """A call that is ready to be made, again and again: see Surface.prepare and Lens.prepare.
+
+    It has one set of arrays.  So it is refused in a second thread while it is under way in a first one: that
+    would write over what the first has not read yet.  Prepare one for each thread; or let it use several
+    (threads=).
+    """
+
+    __slots__ = ("out", "rays", "_call", "_ref", "_functions", "_threads", "_void", "_lock")
+
+    def __init__(
+        self,
+        call: C.Call,
+        rays: RayArrays,
+        out: Out,
+        functions: Sequence[Any],
+        threads: int,
+        void: Callable[[], None],
+    ) -> None:
+        check_threads(threads)
+        self.out, self.rays, self._functions, self._threads, self._void = out, rays, functions, threads, void
+        self._call, self._ref, self._lock = call, ctypes.byref(call), threading.Lock()
+        call.begin, call.end, call.python, call.blocks = 0, rays.n, bool(functions), BLOCKS
+
+    def __call__(self) -> int:
+        if not self._lock.acquire(False):
+            raise RuntimeError(
+                "this prepared call is under way in another thread, or in a function of Python that it has "
+                "called.  It has one set of arrays: prepare one call for each thread"
+            )
+        try:
+            if self._threads > 1:
+                return int(run(self._call, self.rays.n, self._threads, self._functions, self._void))
+            bad = _run(self._ref)
+            if bad:
+                self._void()
+                raise_bad(bad, self._functions)
+            met: int = self._call.met
+            return met
+        finally:
+            self._lock.release()
+
+
+def raise_bad(bad: int, functions: Sequence[Any]) -> None:
+    """Raises what sagitta_run has returned."""
+    if bad == -1:
+        raise raised_here(functions)
+    C.refuse(bad)
 
 
 def raised_here(functions: Sequence[Any]) -> BaseException:

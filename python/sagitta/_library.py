@@ -8,8 +8,9 @@ from __future__ import annotations
 import ctypes
 import os
 import pathlib
+import struct
 from ctypes import POINTER, Structure, c_bool, c_char, c_char_p, c_double, c_int, c_size_t, c_uint, c_uint64, c_void_p
-from typing import Any
+from typing import Any, Callable
 
 Vector = c_double * 3
 Pair = c_double * 2
@@ -621,6 +622,37 @@ class Call(Structure):
     ]
 
 
+class Meeting(Structure):
+    """sagitta_meeting of bridge.c."""
+
+    _fields_ = [
+        ("surface", c_void_p),
+        ("opt", c_void_p),
+        ("n", c_size_t),
+        ("hits", c_void_p),
+        ("names", c_size_t),
+        ("rays", Rays),
+    ]
+
+
+class Passing(Structure):
+    """sagitta_passing of bridge.c."""
+
+    _fields_ = [
+        ("elements", c_size_t),
+        ("element", c_void_p),
+        ("index_before", c_double),
+        ("opt", c_void_p),
+        ("n", c_size_t),
+        ("traced", c_void_p),
+        ("names", c_size_t),
+        ("passages", c_void_p),
+        ("pitch", c_size_t),
+        ("told", c_size_t),
+        ("rays", Rays),
+    ]
+
+
 class Layout(Structure):
     _fields_ = [("type", c_char_p), ("member", c_char_p), ("at", c_size_t), ("size", c_size_t)]
 
@@ -644,6 +676,8 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sagitta_function_begin": (None, [c_void_p, Asker, c_double, Vector, Vector, c_double, c_int]),
     "sagitta_run": (c_int, [c_void_p]),
     "sagitta_one": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
+    "sagitta_meet": (c_int, [c_char_p]),
+    "sagitta_pass": (c_int, [c_char_p]),
     "sagitta_nothing": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "sagitta_layouts": (POINTER(Layout), []),
     "sgt_version": (c_char_p, []),
@@ -711,6 +745,21 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
 for _name, (_result, _arguments) in _PROTOTYPES.items():
     _function = getattr(library, _name)
     _function.restype, _function.argtypes = _result, _arguments
+
+
+def packer(of: type[Structure]) -> Callable[..., bytes]:
+    """What puts numbers and addresses into the bytes of a struct: in a tenth of the time of ctypes."""
+
+    def letters(kind: Any) -> str:
+        if issubclass(kind, Structure):
+            return "".join(letters(member) for _, member in kind._fields_)
+        if issubclass(kind, ctypes.Array):
+            return letters(kind._type_) * int(kind._length_)
+        return str(kind._type_)
+
+    made = struct.Struct("@" + letters(of))
+    assert made.size == ctypes.sizeof(of)
+    return made.pack
 
 
 def address_of(name: str) -> int:

@@ -22,14 +22,17 @@ from numpy.typing import ArrayLike, NDArray
 from . import _calls
 from . import _library as C
 from .earth import lens_options
-from ._arrays import Floats, RayArrays, VectorsLike, address, doubles
+from ._arrays import LARGE, Floats, RayArrays, VectorsLike, address, doubles, places_of
 from .function import Function
-from .results import Aimed, Fate, Passage, Traced
+from .results import Aimed, Fate, Later, Passage, Room, Status, Traced
 from .study import PATTERNS, Answer, Wavelength, add_to, field_number, points_of, wavelength_of, whole
 from .surface import BUILTINS, CLASSES, Surface
 from .surface import _read as _parameters_at
 
 _byref = ctypes.byref
+_pack_passing = C.packer(C.Passing)
+_pass = C.library.sagitta_pass
+_ALL = places_of(Traced, ())
 
 
 class LensError(ValueError):
@@ -461,7 +464,7 @@ class Lens:
         self._row = row
         functions = {id(f): f for e in row if e.surface is not None for f in e.surface._functions}
         self._functions: tuple[Function, ...] = tuple(functions.values())
-        self._at: dict[float, tuple[Any, float]] = {}
+        self._at: dict[float, tuple[Any, float, int]] = {}
         self._launchers: dict[float, _Launcher] = {}
         self._places: Optional[list[int]] = None
 
@@ -535,9 +538,15 @@ class Lens:
 
     def _elements(self, wavelength: Wavelength) -> tuple[Any, float]:
         """The row of elements at a wavelength (None: the primary one), and the index in front."""
-        um = self._um(wavelength)
-        key = -1.0 if math.isnan(um) else um
-        if key not in self._at:
+        row, before, _ = self._light(wavelength)
+        return row, before
+
+    def _light(self, wavelength: Wavelength) -> tuple[Any, float, int]:
+        """The same, and the address of the row."""
+        um = math.nan if wavelength is None else self._um(wavelength)
+        key = PRIMARY if um != um else um
+        found = self._at.get(key)
+        if found is None:
             row, before, error = (C.Element * len(self))(), ctypes.c_double(), C.Error()
             if math.isnan(um):
                 ctypes.memmove(row, self._c.element, ctypes.sizeof(row))
@@ -547,16 +556,14 @@ class Lens:
             for i, e in enumerate(self._row):
                 if e.surface is not None and not e.surface._yaml():
                     row[i].surface = e.surface._struct
-            self._at[key] = row, before.value
-        return self._at[key]
+            found = self._at[key] = row, before.value, ctypes.addressof(row)
+        return found
 
     def _call(
         self, task: int, rays: RayArrays, option: Optional[C.Options], wavelength: Wavelength
     ) -> C.Call:
-        row, before = self._elements(wavelength)
-        call = C.Call(
-            task=task, rays=rays.struct, elements=len(row), element=ctypes.addressof(row), index_before=before
-        )
+        row, before, at = self._light(wavelength)
+        call = C.Call(task=task, rays=rays.struct, elements=len(row), element=at, index_before=before)
         if option is not None:
             call.opt = ctypes.pointer(option)
         call._keep = (self, rays, row, option)
@@ -568,7 +575,7 @@ class Lens:
         d: Optional[VectorsLike] = None,
         *,
         wavelength: Wavelength = None,
-        passages: bool = False,
+        passages: Union[bool, str, Sequence[str]] = False,
         pick: Optional[str] = None,
         proof: Optional[str] = None,
         t_tol: float = 0.0,
@@ -583,41 +590,164 @@ class Lens:
 
         o, d        as of Surface.intersect(); or the Rays of launch() alone
         wavelength  a whole number: that of the lens, from 1; a float: micrometres; None: the primary one
-        passages    tell how each element was met, too: traced.passages[i]
-        out         Traced to write to (its passages are written if it has them)
+        passages    tell how each element was met, too: traced.passages[i].  By the names of what is wanted,
+                    ("p", "opl"), it is found in the same trace.  True: all; then only status, p and opl are.
+                    The others are found by one more trace of the same rays, when one of them is first read
+        out         Traced to write to (its passages are written if it has them, each number at once)
         The rest is as of Surface.intersect().  One ray is an array of one.
+
+        >>> import sagitta
+        >>> lens = sagitta.Lens([sagitta.Element(sagitta.Sphere(radius=10), index=1.5)])
+        >>> traced = lens.trace((0, 6, -5), (0, 0, 1), passages=("t", "p"))
+        >>> traced.passages[0], traced.passages[0].t
+        (<Passage of 1 rays: t, p>, array([7.]))
         """
         option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
-        rays = _rays(o, d, axis)
-        n, count = rays.n, len(self)
-        if out is None:
-            out = Traced._make(n, (), rays.axis)
-            if passages:
-                out.passages = [Passage._make(n, (), rays.axis) for _ in range(count)]
-        elif not isinstance(out, Traced):
+        rays = _rays(o, d, axis) if d is None or isinstance(o, Rays) else RayArrays(o, d, None, None, axis)
+        if (
+            out is not None
+            or passages is not False
+            or rays.n >= LARGE
+            or type(threads) is not int
+            or threads != 1
+            or self._functions
+        ):
+            return self._trace(rays, option, wavelength, _names_of(passages), passages is True, threads, out)
+        row, before, at = wavelength is None and self._at.get(PRIMARY) or self._light(wavelength)
+        new: Traced = Traced._in_block(rays.n, _ALL, rays.axis)
+        given = 0 if option is None else ctypes.addressof(option)
+        bad = _pass(
+            _pack_passing(len(row), at, before, given, rays.n, new._base, _ALL.bits, 0, 0, 0, *rays.at)
+        )
+        if bad:
+            C.refuse(bad)
+        return new
+
+    def _trace(
+        self,
+        rays: RayArrays,
+        option: Optional[C.Options],
+        wavelength: Wavelength,
+        names: tuple[str, ...],
+        later: bool,
+        threads: int,
+        out: Optional[Traced],
+    ) -> Traced:
+        """trace() with whatever is asked for.  later: some numbers of the passages when they are read."""
+        _calls.check_threads(threads)
+        room = None
+        if out is not None:
+            self._settle(out, rays, names, later)
+        else:
+            out = Traced._make(rays.n, (), rays.axis)
+            if later and not self._functions:
+                trace = self._again(rays, option, wavelength, threads)
+                room = Room(len(self), out, AT_ONCE, tuple(Later(group, trace) for group in LATER))
+            elif names:
+                room = Room(len(self), out, names)
+            out._passages = [] if room is None else room
+        blocks = out._block is not None and (not out._passages if room is None else room.block is not None)
+        if blocks and threads == 1 and not self._functions:
+            row, before, at = self._light(wavelength)
+            given = 0 if option is None else ctypes.addressof(option)
+            there = (0, 0, 0) if room is None else (room.base, room.pitch, room.places.bits)
+            bad = _pass(
+                _pack_passing(
+                    len(row), at, before, given, rays.n, out._base, out._places.bits, *there, *rays.at
+                )
+            )
+            if bad:
+                C.refuse(bad)
+            return out
+        done = out
+        call = self._prepared(done, rays, option, wavelength)
+        _calls.run(call, rays.n, threads, self._functions, lambda: self._void(done))
+        return done
+
+    def _again(
+        self, rays: RayArrays, option: Optional[C.Options], wavelength: Wavelength, threads: int
+    ) -> Callable[[tuple[str, ...]], list[Passage]]:
+        """A later trace of the same rays, for other numbers of the passages.  Of rays that may change: a copy."""
+        kept = np.empty((6, rays.n))
+        kept[:3], kept[3:] = rays.o, rays.d
+
+        def trace(names: tuple[str, ...]) -> list[Passage]:
+            again = RayArrays(kept[:3], kept[3:], axis=0)
+            again.axis = rays.axis
+            return self._trace(again, option, wavelength, names, False, threads, None).passages
+
+        return trace
+
+    def _settle(self, out: Any, rays: RayArrays, names: tuple[str, ...], every: bool) -> None:
+        """Refuses an `out` of the caller that cannot hold the answers.  every: what it has room for will do."""
+        if not isinstance(out, Traced):
             raise TypeError(f"out: must be Traced, not {type(out).__name__}")
-        elif passages and len(out.passages) != count:
-            raise ValueError(f"out has passages for {len(out.passages)} elements; the lens has {count}")
+        if (names or out.passages) and len(out.passages) != len(self):
+            raise ValueError(f"out has passages for {len(out.passages)} elements; the lens has {len(self)}")
         out._check(rays, ("o", "d"))
+        for i, p in enumerate(out.passages):
+            p._settle()
+            p._check(rays)
+            lacks = [name for name in names if name not in p._names]
+            if lacks and not every:
+                raise ValueError(f"out: passages[{i}] has no room for {', '.join(lacks)}")
+
+    def _prepared(
+        self, out: Traced, rays: RayArrays, option: Optional[C.Options], wavelength: Wavelength
+    ) -> C.Call:
         call = self._call(C.TRACE, rays, option, wavelength)
         call.traced = out._struct
         if out.passages:
-            if len(out.passages) != count:
-                raise ValueError(f"out has passages for {len(out.passages)} elements; the lens has {count}")
-            for p in out.passages:
-                p._check(rays)
             structs: Any = [p._struct for p in out.passages]
-            listed = (C.Passages * count)(*structs)
+            listed = (C.Passages * len(self))(*structs)
             call.passages = ctypes.addressof(listed)
+            call._listed = listed
+        return call
+
+    def prepare(
+        self,
+        o: Union[VectorsLike, Rays],
+        d: Optional[VectorsLike] = None,
+        *,
+        wavelength: Wavelength = None,
+        passages: Union[bool, str, Sequence[str]] = False,
+        pick: Optional[str] = None,
+        proof: Optional[str] = None,
+        t_tol: float = 0.0,
+        f_tol: float = 0.0,
+        dt_min: float = 0.0,
+        max_evals: int = 0,
+        threads: int = 1,
+        axis: Optional[int] = None,
+        out: Optional[Traced] = None,
+    ) -> _calls.Prepared[Traced]:
+        """The call of trace(), to be made many times, as Surface.prepare() has it of intersect().  It returns
+        how many rays passed all elements.  Passages are written at each call, all that are asked for.
+
+        >>> import numpy as np, sagitta
+        >>> lens = sagitta.Lens([sagitta.Element(sagitta.Sphere(radius=10), index=1.5)])
+        >>> o, d = np.array([[0.], [0], [-5]]), np.array([[0.], [0], [1]])
+        >>> call = lens.prepare(o, d, passages="p")
+        >>> o[1] = 6
+        >>> call(), call.out.passages[0].p[2]
+        (1, array([2.]))
+        """
+        option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
+        rays, names = _rays(o, d, axis), _names_of(passages)
+        if out is not None:
+            self._settle(out, rays, names, passages is True)
+        else:
+            out = Traced._make(rays.n, (), rays.axis)
+            out._passages = Room(len(self), out, names) if names else []
         done = out
-        _calls.run(call, n, threads, self._functions, lambda: self._void(done))
-        return out
+        call = self._prepared(done, rays, option, wavelength)
+        return _calls.Prepared(call, rays, done, self._functions, threads, lambda: self._void(done))
 
     @staticmethod
     def _void(out: Traced) -> None:
-        out._void("fate", -1)
+        out._void("fate", Fate.LOST)
         for p in out.passages:
-            p._void("status", -4)
+            p._void("status", Status.STOPPED)
 
     # -------------------------------------------------------------------- derivatives
 
@@ -876,7 +1006,7 @@ class Lens:
         row, _ = self._elements(None)
         rays = RayArrays((a.ravel(), b.ravel(), np.zeros(a.size)), (0.0, 0.0, 1.0), -math.inf)
         hits = Passage._make(a.size, ("status", "t"))
-        call = C.Call(task=C.INTERSECT, surface=row[i].surface, rays=rays.struct, hits=hits._struct.hits)
+        call = C.Call(task=C.INTERSECT, surface=row[i].surface, rays=rays.struct, hits=hits._hits_struct())
         call.opt = ctypes.pointer(_calls.options(pick="near-seed"))
         _calls.run(call, a.size, 1, self._functions)
         z: Floats = hits.t.reshape(a.shape)
@@ -893,6 +1023,26 @@ class Lens:
         e = self._elements(None)[0][i]
         semi = e.semi_diameter if 0 < e.semi_diameter < 2.0**500 else 0.0
         return float(semi or self._c.surface[i].size)
+
+
+PRIMARY = -1.0  # among wavelengths
+
+# Of passages=True: what is found in the trace itself, and in a later one when it is first read.
+AT_ONCE = ("status", "p", "opl")
+LATER = (("t", "direction"), ("evals", "t_err", "t_lo", "n", "p_err"))
+
+
+def _names_of(passages: Any) -> tuple[str, ...]:
+    """The numbers of a passage that are wanted; (): none."""
+    if isinstance(passages, (bool, np.bool_)):
+        return tuple(Passage.FIELDS) if passages else ()
+    names = (passages,) if isinstance(passages, str) else passages
+    if not isinstance(names, (tuple, list, set, frozenset)):
+        raise TypeError(f"passages: must be True, False or names, not {type(passages).__name__}")
+    for name in names:
+        if not isinstance(name, str) or name not in Passage.FIELDS:
+            raise ValueError(f"passages: there is no {name!r}; there are {', '.join(Passage.FIELDS)}")
+    return tuple(dict.fromkeys(names))
 
 
 def _rays(o: Union[VectorsLike, Rays], d: Optional[VectorsLike], axis: Optional[int]) -> RayArrays:

@@ -48,7 +48,7 @@ def layout(
         ax.plot(points[2], points[1], color="black", linewidth=1)
     for k, field in enumerate(range(1, len(lens.fields) + 1) if fields is None else fields):
         there = lens.launch(field, "fan", rays, wavelength=wavelength)
-        traced = lens.trace(there, wavelength=wavelength, passages=True)
+        traced = lens.trace(there, wavelength=wavelength, passages=("status", "p"))
         path = [there.o]
         for i, passage in enumerate(traced.passages):
             origin, axes = lens.vertex(i)

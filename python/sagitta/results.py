@@ -3,13 +3,16 @@ from __future__ import annotations
 
 import ctypes
 import enum
-from typing import Any
+import threading
+from typing import Any, Callable, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as C
-from ._arrays import Columns, Floats
+from ._arrays import LARGE, Columns, Floats, address, places_of
+
+_pack_hits, _pack_traced, _pack_passages = map(C.packer, (C.Hits, C.Traced, C.Passages))
 
 
 class Status(enum.IntEnum):
@@ -137,16 +140,12 @@ class Hits(Columns):
         return result
 
     def _fill(self) -> C.Hits:
-        return C.Hits(
-            self._at("status"),
-            self._at("evals"),
-            self._at("t"),
-            self._at("t_err"),
-            self._at("t_lo"),
-            self._three("p"),
-            self._three("n"),
-            self._at("p_err"),
-        )
+        return C.Hits.from_buffer_copy(_pack_hits(*self._pointers()))
+
+    def _pointers(self) -> tuple[int, ...]:
+        at = self._at
+        first = (at("status"), at("evals"), at("t"), at("t_err"), at("t_lo"))
+        return (*first, *self._three("p"), *self._three("n"), at("p_err"), 0, 0)
 
     def _hits_struct(self) -> C.Hits:
         struct: C.Hits = self._struct
@@ -212,18 +211,30 @@ class Traced(Columns):
     o: Floats
     d: Floats
     opl: Floats
-    passages: "list[Passage]" = []
+    _passages: "Union[list[Passage], Room]" = []
 
     @classmethod
-    def empty(cls, n: int, *fields: str, passages: int = 0) -> "Traced":
-        """Room for n rays; `passages`: for as many elements."""
+    def empty(cls, n: int, *fields: str, passages: int = 0, of_passages: Sequence[str] = ()) -> "Traced":
+        """Room for n rays.  `passages`: for as many elements, and of each the numbers `of_passages`; (): all."""
         result: Traced = cls._make(n, fields)
-        result.passages = [Passage.empty(n) for _ in range(passages)]
+        result.passages = [Passage.empty(n, *of_passages) for _ in range(passages)]
         return result
 
+    @property
+    def passages(self) -> "list[Passage]":
+        found = self._passages
+        if isinstance(found, Room):
+            self._passages = found = found.made()
+        return found
+
+    @passages.setter
+    def passages(self, given: "Sequence[Passage]") -> None:
+        self._passages = list(given)
+
     def _fill(self) -> C.Traced:
-        return C.Traced(
-            self._at("fate"), self._at("passed"), self._three("o"), self._three("d"), self._at("opl")
+        at = self._at
+        return C.Traced.from_buffer_copy(
+            _pack_traced(at("fate"), at("passed"), *self._three("o"), *self._three("d"), at("opl"), 0, 0)
         )
 
     def __getstate__(self) -> dict[str, Any]:
@@ -249,6 +260,8 @@ class Passage(Hits):
     FIELDS = {**Hits.FIELDS, "direction": ("f8", 3), "opl": ("f8", 1)}
     direction: Floats
     opl: Floats
+    _later: "tuple[Later, ...]" = ()  # these bring the numbers that are in none of its arrays
+    _element: int
 
     @classmethod
     def empty(cls, n: int, *fields: str) -> "Passage":
@@ -256,8 +269,75 @@ class Passage(Hits):
         return result
 
     def _fill(self) -> C.Passages:  # type: ignore[override]
-        return C.Passages(super()._fill(), self._three("direction"), self._at("opl"))
+        return C.Passages.from_buffer_copy(
+            _pack_passages(*self._pointers(), *self._three("direction"), self._at("opl"), 0, 0)
+        )
 
     def _hits_struct(self) -> C.Hits:
         hits: C.Hits = self._struct.hits
         return hits
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(self.FIELDS) if self._later else self._places.names
+
+    def _missing(self, name: str) -> NDArray[Any]:
+        for later in self._later:
+            if name in later.names:
+                return later.passages()[self._element]._row(name)
+        return super()._missing(name)
+
+    def _settle(self) -> None:
+        if self._later:
+            for later in self._later:
+                for name in later.names:
+                    if name not in self._views:
+                        self._views[name] = self._column(self.size, name)
+            self._set(self._rows, self._axis)
+            self._block, self._later, self._c = None, (), None
+
+
+class Later:
+    """Numbers of the passages that nobody has read yet.  `trace` brings those called `names` of all elements,
+    when one of them is first read."""
+
+    def __init__(self, names: tuple[str, ...], trace: "Callable[[tuple[str, ...]], list[Passage]]") -> None:
+        self.names = names
+        self._trace: "Optional[Callable[[tuple[str, ...]], list[Passage]]]" = trace
+        self._found: "list[Passage]" = []
+        self._lock = threading.Lock()
+
+    def passages(self) -> "list[Passage]":
+        with self._lock:
+            if self._trace is not None:
+                self._found, self._trace = self._trace(self.names), None
+        return self._found
+
+
+class Room:
+    """Where the passages of a trace are written to: a block, `pitch` bytes for each element.  The objects are
+    made when they are first asked for."""
+
+    __slots__ = ("count", "size", "axis", "places", "block", "base", "pitch", "later")
+
+    def __init__(self, count: int, of: Traced, names: tuple[str, ...], later: tuple[Later, ...] = ()) -> None:
+        self.count, self.size, self.axis, self.later = count, of.size, of._axis, later
+        self.places = places_of(Passage, names)
+        self.pitch = (self.size * self.places.width + 63) // 64 * 64
+        # (Above LARGE each element has columns of its own.)
+        self.block = np.empty(count * self.pitch + 8, np.uint8) if self.size < LARGE else None
+        self.base = 0 if self.block is None else address(self.block)
+
+    def made(self) -> "list[Passage]":
+        all_of_them = []
+        for i in range(self.count):
+            if self.block is not None:
+                p = Passage.__new__(Passage)
+                p.size, p._axis, p._views, p._places = self.size, self.axis, {}, self.places
+                p._block, p._from = self.block, i * self.pitch
+                p._base = self.base + p._from
+            else:
+                p = Passage._make(self.size, self.places.names, self.axis)
+            p._element, p._later = i, self.later
+            all_of_them.append(p)
+        return all_of_them

@@ -13,16 +13,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _calls
 from . import _library as C
-from ._arrays import Floats, RayArrays, VectorsLike, address, doubles
-from .results import HIT_TABLE, STEP_TABLE, Hit, Hits
+from ._arrays import LARGE, Floats, RayArrays, VectorsLike, address, doubles, places_of
+from ._calls import Prepared as Prepared
+from .results import HIT_TABLE, STEP_TABLE, Hit, Hits, Status
 
 if TYPE_CHECKING:
     from .function import Function
 
 _byref = ctypes.byref
 _pack_ray = struct.Struct("8d").pack
+_pack_meeting = C.packer(C.Meeting)
 _one = C.library.sagitta_one
-_run = C.library.sagitta_run
+_meet = C.library.sagitta_meet
+_ALL = places_of(Hits, ())
 _SIZES = (tuple, list, np.ndarray)
 Result = Union[Hit, Hits]
 
@@ -141,40 +144,6 @@ class Check:
         return self.fault == Fault.SOUND
 
 
-class Prepared:
-    """A call that is ready to be made, again and again: see Surface.prepare."""
-
-    __slots__ = ("out", "rays", "_call", "_ref", "_surface", "_threads", "_option")
-
-    def __init__(
-        self, surface: "Surface", rays: RayArrays, out: Hits, option: Optional[C.Options], threads: int
-    ) -> None:
-        self.out, self.rays, self._surface, self._threads, self._option = out, rays, surface, threads, option
-        self._call = surface._call(C.INTERSECT, rays, option)
-        self._call.hits = out._struct
-        self._call.begin, self._call.end = 0, rays.n
-        self._call.blocks = _calls.BLOCKS
-        self._ref = _byref(self._call)
-
-    def __call__(self) -> int:
-        if self._threads > 1:
-            return int(
-                _calls.run(
-                    self._call,
-                    self.rays.n,
-                    self._threads,
-                    self._surface._functions,
-                    lambda: self.out._void("status", -4),
-                )
-            )
-        bad = _run(self._ref)
-        if bad:
-            self.out._void("status", -4)
-            self._surface._raise(bad)
-        met: int = self._call.met
-        return met
-
-
 class Surface:
     """A surface: a class of the catalogue, a Formula, a Sag, or a Function.  It does not change once it is
     made."""
@@ -183,6 +152,7 @@ class Surface:
     _functions: "tuple[Function, ...]" = ()
     _struct: C.Surface
     _ref: Any
+    _address: int  # of _struct
 
     # ------------------------------------------------------------------------- rays
 
@@ -225,7 +195,7 @@ class Surface:
         array([1, 1, 1, 0], dtype=int8)
         """
         option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
-        if out is None and axis is None and threads == 1:
+        if out is None and axis is None and threads == 1 and not (type(o) is np.ndarray and o.ndim == 2):
             try:
                 ox, oy, oz = o  # type: ignore[misc]
                 dx, dy, dz = d  # type: ignore[misc]
@@ -246,19 +216,28 @@ class Surface:
                     hit = Hit()
                     bad = _one(self._ref, ray, None if option is None else _byref(option), _byref(hit))
                     if bad:
-                        self._raise(bad)
+                        _calls.raise_bad(bad, self._functions)
                     return hit
         rays = RayArrays(o, d, tmin, tmax, axis)
         if rays.one and out is None:
             return self._intersect_one(rays, option)
         if out is None:
-            out = Hits._make(rays.n, (), rays.axis)
+            n, turned = rays.n, rays.axis
+            out = Hits._in_block(n, _ALL, turned) if n < LARGE else Hits._make(n, (), turned)
         elif not isinstance(out, Hits):
             raise TypeError(f"out: must be Hits, not {type(out).__name__}")
-        out._check(rays)
+        else:
+            out._settle()
+            out._check(rays)
+        if out._block is not None and type(threads) is int and threads == 1 and not self._functions:
+            given = 0 if option is None else ctypes.addressof(option)
+            bad = _meet(_pack_meeting(self._address, given, rays.n, out._base, out._places.bits, *rays.at))
+            if bad:
+                C.refuse(bad)
+            return out
         call = self._call(C.INTERSECT, rays, option)
-        call.hits = out._struct
-        _calls.run(call, rays.n, threads, self._functions, lambda: out._void("status", -4))
+        call.hits = out._hits_struct()
+        _calls.run(call, rays.n, threads, self._functions, lambda: out._void("status", Status.STOPPED))
         return out
 
     def _intersect_one(self, rays: RayArrays, option: Optional[C.Options]) -> Hit:
@@ -271,13 +250,8 @@ class Surface:
         hit = Hit()
         bad = _one(self._ref, ray, None if option is None else _byref(option), _byref(hit))
         if bad:
-            self._raise(bad)
+            _calls.raise_bad(bad, self._functions)
         return hit
-
-    def _raise(self, bad: int) -> None:
-        if bad == -1:
-            raise _calls.raised_here(self._functions)
-        C.refuse(bad)
 
     def _call(self, task: int, rays: RayArrays, option: Optional[C.Options]) -> C.Call:
         call = C.Call(task=task, python=bool(self._functions), surface=self._struct, rays=rays.struct)
@@ -302,11 +276,12 @@ class Surface:
         threads: int = 1,
         axis: Optional[int] = None,
         out: Optional[Hits] = None,
-    ) -> Prepared:
+    ) -> Prepared[Hits]:
         """The call of intersect(), to be made many times: all checks and addresses are done once.
 
         Change the arrays in place and call it; it writes to `out` and returns how many rays were met.  Arrays
         that had to be copied ((n, 3), other types) are copied now and not again: change `rays.o`, `rays.d`.
+        It is for one thread at a time: a second one is refused.
 
         >>> import numpy as np, sagitta
         >>> o, d = np.array([[0.], [0], [-5]]), np.array([[0.], [0], [1]])
@@ -318,10 +293,15 @@ class Surface:
         rays = RayArrays(o, d, tmin, tmax, axis)
         if out is None:
             out = Hits._make(rays.n, (), rays.axis)
-        out._check(rays)
-        _calls.check_threads(threads)
+        elif not isinstance(out, Hits):
+            raise TypeError(f"out: must be Hits, not {type(out).__name__}")
+        there = out
+        there._settle()
+        there._check(rays)
+        call = self._call(C.INTERSECT, rays, _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals))
+        call.hits = there._hits_struct()
         return Prepared(
-            self, rays, out, _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals), threads
+            call, rays, there, self._functions, threads, lambda: there._void("status", Status.STOPPED)
         )
 
     def intersect_all(
@@ -399,8 +379,10 @@ class Surface:
             raise TypeError(f"hits: must be Hits, not {type(hits).__name__}")
         if len(hits) != rays.n:
             raise ValueError(f"hits are of {len(hits)} rays; there are {rays.n}")
-        if "p" not in hits._rows or "n" not in hits._rows:
+        if "p" not in hits._names or "n" not in hits._names:
             raise ValueError("hits: p and n are needed")
+        hits._row("p"), hits._row("n")
+        there = C.Hits(p=C.Addresses(*hits._three("p")), n=C.Addresses(*hits._three("n")))
         C.check_arithmetic()
         names, n = self.parameters, rays.n
         m = len(names)
@@ -426,7 +408,7 @@ class Surface:
                 at = getattr(out, name)
                 for i in range(3):
                     at[i] = ctypes.addressof(listed) + 8 * m * i
-        C.library.sgt_differentiate_batch(self._struct, n, rays.struct, hits._hits_struct(), out)
+        C.library.sgt_differentiate_batch(self._struct, n, rays.struct, there, out)
         return Jacobian(by_o[0], by_o[1], by_o[2], by_a[0], by_a[1], by_a[2], names)
 
     # ------------------------------------------------------------------- diagnosis
@@ -511,7 +493,7 @@ class Surface:
         """The struct of C; memory: what has to stay as long as this."""
         self._memory = memory
         self._struct = C.Surface(ops, ctypes.addressof(memory))
-        self._ref = _byref(self._struct)
+        self._ref, self._address = _byref(self._struct), ctypes.addressof(self._struct)
 
     def _yaml(self) -> dict[str, Any]:
         """As a lens file has it; {}: it cannot have it."""

@@ -23,6 +23,7 @@ def surfaces():
 def functions():
     s = sagitta.Function(lambda x, y, z: (z - 0.1 * x, -0.1 + 0 * x, 0 * x, 1 + 0 * x), inside=20)
     s.intersect((0, 1, -5), D)
+    s.prepare(O, D)()
 
 
 def raising():
@@ -47,6 +48,9 @@ def lenses():
         pupil={"semi_diameter": 4},
     )
     lens.trace(O, D, passages=True)
+    lens.trace(np.tile(O, 2), np.tile(O, 2), passages=True).passages[1].t_err
+    lens.trace(O, D, passages=("p", "opl")).passages[0].p
+    lens.prepare(O, D, passages="t")()
     lens.sensitivity(O, D)
     lens.spot(1, pattern="fan", rays=3)
     lens.first_order()

@@ -38,7 +38,8 @@ class Control:
 def test_it_is_refused(bits, says):
     ball, o, d = sagitta.Sphere(radius=10), [[0.0] * 4, [0.0] * 4, [-5.0] * 4], (0, 0, 1)
     lens = sagitta.Lens([sagitta.Element(ball)], pupil={"semi_diameter": 1})
-    hits, call = ball.intersect(o, d), ball.prepare(o, d)
+    hits, call, trace = ball.intersect(o, d), ball.prepare(o, d), lens.prepare(o, d)
+    passage, room = lens.trace(o, d, passages=True).passages[0], sagitta.Traced.empty(4)
     said = []
     with Control(bits):
         for use in (
@@ -49,7 +50,13 @@ def test_it_is_refused(bits, says):
             lambda: ball.differentiate(o, d, hits),
             lambda: ball.diagnose((0, 0, -5), d),
             lambda: ball.check(o, d, tmax=9),
+            lambda: ball.intersect(o, d, threads=2, out=hits),
+            trace,
             lambda: lens.trace(o, d),
+            lambda: lens.trace(o, d, passages=True),
+            lambda: lens.trace(o, d, passages=("p",), threads=2),
+            lambda: lens.trace(o, d, out=room),
+            lambda: passage.t,
             lambda: lens.sensitivity(o, d),
             lens.first_order,
             lens.spot,
@@ -65,6 +72,7 @@ def test_it_is_refused(bits, says):
                 said.append(str(fault))
     assert all(says in text for text in said), said
     assert ball.intersect((0, 0, -5), d).t == 5
+    assert call() == trace() == 4 and (passage.t == 5).all()
 
 
 @x86

@@ -137,7 +137,7 @@ static UNUSED uint64_t test_seed(uint64_t standard)
 static UNUSED double test_scale(void)
 {
     const char *text = getenv("SAGITTA_TEST_SCALE");
-    return text ? atof(text) : 1;
+    return text ? atof(text) : 0.5;
 }
 
 /* ------------------------------------------------------------------ vectors */

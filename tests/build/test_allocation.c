@@ -105,7 +105,7 @@ int main(void)
         {.surface = surfaces[0], .pose = {.origin = {0, 0, 20}}, .index = SGT_MIRROR},
     };
     const char *scale = getenv("SAGITTA_TEST_SCALE");
-    const int rays = (int)(20000 * (scale ? atof(scale) : 1)) + MANY;
+    const int rays = (int)(20000 * (scale ? atof(scale) : 0.5)) + MANY;
     const size_t before = allocations;
     size_t hits = 0, passed = 0, entries = 0, batches = 0;
     const sgt_rays many = { { in[0], in[1], in[2] }, { in[3], in[4], in[5] }, NULL, NULL };

@@ -14,7 +14,7 @@
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
-enum { MOST = 80 * 1024, MORE = 16 * 1024, ROOM = 512 * 1024, RAYS = 150 };
+enum { MOST = 80 * 1024, MORE = 16 * 1024, ROOM = 512 * 1024, RAYS = 60 };
 static const unsigned char PAINT = 0xa5;
 
 /* -------------------------------------------------------------- the painted stack */
@@ -305,7 +305,7 @@ static void aim(void)
                            .v = {-2, 2}};
     sgt_passage passages[3];
     sgt_ray_change weight[2] = {{{1, 0, 0}, {0, 0, 0}, 0}, {{0, 0, 0}, {0, 1, 0}, 0}}, change[2];
-    for (size_t i = 0; i < 20; i += 3) {
+    for (size_t i = 0; i < 20; i += 9) {
         sgt_ray launch = sgt_beam_ray(&beam, 0.1 * (double)i - 1, 0.5), ray = launch;
         size_t n = sgt_trace(3, elements, 1, &ray, passages, NULL, NULL);
         if (sgt_trace_parameters(n, elements) <= 4096)

@@ -276,7 +276,7 @@ int main()
     const char *seed_given = std::getenv("SAGITTA_TEST_SEED"),
                *scale_given = std::getenv("SAGITTA_TEST_SCALE"), *only = std::getenv("SAGITTA_TEST_TYPE");
     const std::uint64_t seed = seed_given ? std::strtoull(seed_given, nullptr, 0) : 20261122;
-    const double scale = scale_given ? std::atof(scale_given) : 1;
+    const double scale = scale_given ? std::atof(scale_given) : 0.5;
     std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
     std::printf("%-20s %8s %7s %7s %7s %9s   (of the rounding: greatest gap of a graze, greatest depth "
                 "undecided, t + t_lo)\n",

@@ -348,9 +348,9 @@ int main()
     const std::uint64_t seed = seed_given ? std::strtoull(seed_given, nullptr, 0) : 20261123;
     std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
     generator g(seed);
-    types_by_aperture(g, scale_given ? std::atof(scale_given) : 1);
-    clipped(g, scale_given ? std::atof(scale_given) : 1);
-    on_the_rim(g, scale_given ? std::atof(scale_given) : 1);
+    types_by_aperture(g, scale_given ? std::atof(scale_given) : 0.5);
+    clipped(g, scale_given ? std::atof(scale_given) : 0.5);
+    on_the_rim(g, scale_given ? std::atof(scale_given) : 0.5);
     lens_of_six();
     if (failures) std::printf("%ld failures\n", failures);
     return failures != 0;

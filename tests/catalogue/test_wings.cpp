@@ -145,7 +145,7 @@ int main()
     const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE"),
                *only = std::getenv("SAGITTA_TEST_TYPE");
     const std::uint64_t from = seed ? std::strtoull(seed, nullptr, 0) : 14;
-    const int rounds = static_cast<int>(9 * (scale ? std::atof(scale) : 1));
+    const int rounds = static_cast<int>(9 * (scale ? std::atof(scale) : 0.5));
     constexpr int RAYS = 24;
     std::printf("seed %llu\n", static_cast<unsigned long long>(from));
     for (const char *type : sags) {
@@ -246,7 +246,7 @@ int main()
             failed[std::string(type) + ": too many are undecided"]++;
     }
     generator g(from);
-    if (!only) beside_edge(g, static_cast<int>(400 * (scale ? std::atof(scale) : 1)) + 50);
+    if (!only) beside_edge(g, static_cast<int>(400 * (scale ? std::atof(scale) : 0.5)) + 50);
     for (const auto &f : failed) std::printf("FAIL %6d  %s\n", f.second, f.first.c_str());
     return !failed.empty();
 }

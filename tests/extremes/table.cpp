@@ -849,9 +849,8 @@ int main(int argc, char **argv)
     if (const char *e = std::getenv("SAGITTA_TEST_SEED"))
         usual = usual && std::strtoull(e, nullptr, 0) == seed, seed = std::strtoull(e, nullptr, 0);
     if (!count) {
-        count = 60;
-        if (const char *e = std::getenv("SAGITTA_TEST_SCALE"))
-            count = std::max(1L, static_cast<long>(60 * std::atof(e)));
+        const char *scale = std::getenv("SAGITTA_TEST_SCALE");
+        count = std::max(1L, static_cast<long>(60 * (scale ? std::atof(scale) : 0.5)));
     }
     shown = only != nullptr;
     usual = usual && count <= 2000; // then the rays are among those of the page

@@ -429,7 +429,7 @@ int main()
 {
     const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE");
     unsigned long long number = seed ? std::strtoull(seed, nullptr, 0) : 1;
-    count = std::max(200L, static_cast<long>(2000 * (scale ? std::atof(scale) : 1)));
+    count = std::max(200L, static_cast<long>(2000 * (scale ? std::atof(scale) : 0.5)));
     std::printf("the Earth: SAGITTA_TEST_SEED=%llu\n", number);
     random_bits.seed(number);
     heights();

@@ -369,7 +369,7 @@ int main(int argc, char **argv)
 {
     const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE");
     unsigned long long number = seed ? std::strtoull(seed, nullptr, 0) : 1;
-    long count = static_cast<long>(6000 * (scale ? std::atof(scale) : 1)), faults = 0;
+    long count = static_cast<long>(6000 * (scale ? std::atof(scale) : 0.5)), faults = 0;
     if (argc == 3 && std::string(argv[1]) == "--rays") count = std::atol(argv[2]);
     count = std::max(count, 100L);
     std::printf("rays about the Earth: SAGITTA_TEST_SEED=%llu\n", number);

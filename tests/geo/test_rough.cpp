@@ -185,7 +185,7 @@ int main()
     const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE"),
                *path = "test_rough.gtx";
     const unsigned long long number = seed ? std::strtoull(seed, nullptr, 0) : 1;
-    const double more = scale ? std::atof(scale) : 1;
+    const double more = scale ? std::atof(scale) : 0.5;
     std::printf("a rough geoid: SAGITTA_TEST_SEED=%llu\n", number);
     random_bits.seed(number);
     std::vector<float> noise(1 << 16);

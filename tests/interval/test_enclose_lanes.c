@@ -350,7 +350,7 @@ int main(void)
     const char *seed = getenv("SAGITTA_TEST_SEED"), *scale = getenv("SAGITTA_TEST_SCALE");
     state = seed ? strtoull(seed, NULL, 0) : 1;
     printf("SAGITTA_TEST_SEED=%" PRIu64 "\n", state);
-    long n = (long)(10000 * (scale ? atof(scale) : 1)), read = 0;
+    long n = (long)(10000 * (scale ? atof(scale) : 0.5)), read = 0;
     require_known_cases();
     for (long i = 0; i < n; i++) {
         length = 0;

@@ -199,7 +199,7 @@ int main(void)
     enum { SPECIAL = sizeof special / sizeof special[0] };
     const char *seed = getenv("SAGITTA_TEST_SEED"), *scale = getenv("SAGITTA_TEST_SCALE");
     state = seed ? strtoull(seed, NULL, 0) : 1;
-    long n = (long)(2e6 * (scale ? atof(scale) : 1)), all = 0;
+    long n = (long)(2e6 * (scale ? atof(scale) : 0.5)), all = 0;
     printf("SAGITTA_TEST_SEED=%" PRIu64 "\n", state);
 #if defined(WITH_MPFR)
     mpfr_inits2(53, first, second, third, sum, (mpfr_ptr)0);

@@ -390,7 +390,7 @@ int main(void)
     long failures = 0;
     state = seed ? strtoull(seed, NULL, 0) : 1;
     printf("SAGITTA_TEST_SEED=%" PRIu64 "\n", state);
-    long n = (long)(30000 * (scale ? atof(scale) : 1));
+    long n = (long)(30000 * (scale ? atof(scale) : 0.5));
     mpfr_inits2(300, wide, pi, (mpfr_ptr)0);
     mpfr_const_pi(pi, MPFR_RNDN);
     mpfr_inits2(53, first, second, result, (mpfr_ptr)0);

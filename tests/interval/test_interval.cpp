@@ -530,7 +530,7 @@ double member(generator &g, sgt_interval x)
 int main()
 {
     std::uint64_t seed = 1;
-    double scale = 1;
+    double scale = 0.5;
     if (const char *e = std::getenv("SAGITTA_TEST_SEED")) seed = std::strtoull(e, nullptr, 0);
     if (const char *e = std::getenv("SAGITTA_TEST_SCALE")) scale = std::atof(e);
     const long pairs = static_cast<long>(200000 * scale);

@@ -262,7 +262,7 @@ int main(void)
     const char *seed = getenv("SAGITTA_TEST_SEED"), *scale = getenv("SAGITTA_TEST_SCALE");
     state = seed ? strtoull(seed, NULL, 0) : 1;
     printf("SAGITTA_TEST_SEED=%" PRIu64 "\n", state);
-    long n = (long)(20000 * (scale ? atof(scale) : 1));
+    long n = (long)(20000 * (scale ? atof(scale) : 0.5));
     mpfr_inits2(160, low, high, (mpfr_ptr)0);
     for (int k = 0; k < MOST_OPERANDS; k++) mpfr_init2(given[k], 53);
     for (const operation *f = operations; f < operations + OPERATIONS; f++) {

@@ -223,7 +223,7 @@ int main(void)
     const char *seed = getenv("SAGITTA_TEST_SEED"), *scale = getenv("SAGITTA_TEST_SCALE");
     state = seed ? strtoull(seed, NULL, 0) : 1;
     printf("SAGITTA_TEST_SEED=%" PRIu64 "\n", state);
-    long n = (long)(60000 * (scale ? atof(scale) : 1));
+    long n = (long)(60000 * (scale ? atof(scale) : 0.5));
     mpfr_inits2(180, first, second, right, off, size, (mpfr_ptr)0);
 
     worst w[LANE_FUNCTIONS] = {0};

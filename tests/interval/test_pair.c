@@ -122,7 +122,7 @@ int main(void)
     int faults = 0;
     state = seed ? strtoull(seed, NULL, 0) : 1;
     printf("SAGITTA_TEST_SEED=%" PRIu64 "\n", state);
-    long n = (long)(100000 * (scale ? atof(scale) : 1));
+    long n = (long)(100000 * (scale ? atof(scale) : 0.5));
     mpfr_inits2(300, x, y, right, off, (mpfr_ptr)0);
     for (long i = 0; i < n; i++) {
         try_operations(bounds), try_exponential_and_logarithm(bounds);

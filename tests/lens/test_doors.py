@@ -35,7 +35,7 @@ except ImportError as missing:
 from sagitta import _library as library  # noqa: E402
 
 SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'), 0)
-SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '1'))
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 SHARE = 0.4 * SCALE            # of the analyses of a lens, with what is drawn
 FEW = {'field': {}, 'sweep': {'steps': 4, 'rays': 2}, 'map': {'rays': 5}, 'zernike': {'rays': 8, 'terms': 6}}
 PART = {'wavefront': ['opd', '--summary'], 'zernike': ['opd', '--zernike']}

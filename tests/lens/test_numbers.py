@@ -31,7 +31,7 @@ except ImportError as missing:
     sys.exit(77)
 
 SAGITTA, DATA = sys.argv[1], HERE.parent / 'data'
-SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '1'))
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 RINGS = 6 if SCALE >= 4 else 2
 PATTERN = '--hexapolar', str(RINGS)
 TERMS = 6

@@ -115,7 +115,7 @@ def scaled(a, b, power, k):
 
 def main():
     sagitta, failures, compared = sys.argv[1], 0, 0
-    all_of_them = float(os.environ.get('SAGITTA_TEST_SCALE', '1')) >= 10
+    all_of_them = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5')) >= 10
     powers = [k for k in range(-40, 41) if k] if all_of_them else [1, -3, 40]
     with tempfile.TemporaryDirectory() as folder:
         plain = dict(lenses(0))

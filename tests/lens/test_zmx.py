@@ -5,7 +5,7 @@
 
 The oracle is zmx_oracle.py, which reads the same files and traces them at 50 digits.  The examples of
 tests/data/zmx are real files; their rays.json was worked out by another tracer at 50 digits, and holds the
-oracle, too.  All other lenses are written here, from SAGITTA_TEST_SEED (1); SAGITTA_TEST_SCALE (1) multiplies
+oracle, too.  All other lenses are written here, from SAGITTA_TEST_SEED (1); SAGITTA_TEST_SCALE (0.5) multiplies
 how many.  Each lens is traced as .zmx and as the YAML that `sagitta import` makes of it: the same bytes.
 """
 import csv
@@ -27,7 +27,7 @@ from command import *  # noqa: E402
 import zmx_oracle  # noqa: E402
 
 SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'), 0)
-SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '1'))
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 DATA = HERE.parent / 'data' / 'zmx'
 os.environ['SAGITTA_GLASS'] = str(zmx_oracle.GLASSES)
 EXAMPLES = json.loads((DATA / 'rays.json').read_text(), parse_float=zmx_oracle.D, parse_int=int)

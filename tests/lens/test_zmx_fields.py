@@ -25,7 +25,7 @@ from command import *  # noqa: E402
 import zmx_oracle  # noqa: E402
 
 SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'), 0)
-SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '1'))
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 DATA = HERE.parent / 'data' / 'zmx'
 DOCS = HERE.parent.parent / 'docs' / 'lens_file.md'
 os.environ['SAGITTA_GLASS'] = str(zmx_oracle.GLASSES)

@@ -228,10 +228,10 @@ struct run {
     long count;
     const char *replay;
     run(int argc, char **argv, long standard, std::uint64_t standard_seed)
-        : seed(standard_seed), count(standard), replay(nullptr)
+        : seed(standard_seed), replay(nullptr)
     {
-        if (const char *e = std::getenv("SAGITTA_TEST_SCALE"))
-            count = static_cast<long>(static_cast<double>(standard) * std::atof(e));
+        const char *scale = std::getenv("SAGITTA_TEST_SCALE");
+        count = static_cast<long>(static_cast<double>(standard) * (scale ? std::atof(scale) : 0.5));
         if (const char *e = std::getenv("SAGITTA_TEST_SEED")) seed = std::strtoull(e, nullptr, 0);
         for (int i = 1; i + 1 < argc; i += 2) {
             if (!std::strcmp(argv[i], "--seed")) seed = std::strtoull(argv[i + 1], nullptr, 0);

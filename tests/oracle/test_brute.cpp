@@ -647,7 +647,7 @@ row compare(const level_set &s, const ray &r, double step, bool first_only)
 int main(int argc, char **argv)
 {
     std::uint64_t seed = 20240317;
-    double scale = 1;
+    double scale = 0.5;
     bool full = false;
     int width = 160, height = 120, only = -1;
     const char *replay = nullptr;

@@ -21,7 +21,7 @@ except ImportError:
     def root(x): return x.sqrt()
 
 SEED = os.environ.get('SAGITTA_TEST_SEED', '1')
-COUNT = max(1, int(20000 * float(os.environ.get('SAGITTA_TEST_SCALE', '1'))))
+COUNT = max(1, int(20000 * float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))))
 
 
 def size(*w):

@@ -706,8 +706,8 @@ int main(int argc, char **argv)
 {
     long count[3] = {4000, 60, 20000};
     std::uint64_t seed = 20240501;
-    if (const char *e = std::getenv("SAGITTA_TEST_SCALE"))
-        for (long &c : count) c = static_cast<long>(static_cast<double>(c) * std::atof(e));
+    const char *const scale = std::getenv("SAGITTA_TEST_SCALE");
+    for (long &c : count) c = static_cast<long>(static_cast<double>(c) * (scale ? std::atof(scale) : 0.5));
     if (const char *e = std::getenv("SAGITTA_TEST_SEED")) seed = std::strtoull(e, nullptr, 0);
     static const char *const names[] = {"--optical", "--levels", "--unproven"};
     for (int i = 1; i < argc; i++) {

@@ -24,7 +24,7 @@
 using namespace slow;
 
 static int failures;
-static double scale = 1;
+static double scale = 0.5;
 
 static void fail(const char *lens, const char *what, double a, double b)
 {

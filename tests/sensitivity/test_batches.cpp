@@ -410,7 +410,7 @@ static void try_train(generator &g)
 int main()
 {
     const char *text = std::getenv("SAGITTA_TEST_SCALE"), *seed = std::getenv("SAGITTA_TEST_SEED");
-    const double scale = text ? std::atof(text) : 1;
+    const double scale = text ? std::atof(text) : 0.5;
     const unsigned long long first = seed ? std::strtoull(seed, nullptr, 10) : 11;
     const int trains = std::max(40, int(400 * scale));
     std::printf("SAGITTA_TEST_SEED=%llu\n", first);

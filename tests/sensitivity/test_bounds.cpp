@@ -27,7 +27,7 @@
 using namespace slow;
 
 static int failures;
-static double scale = 1;
+static double scale = 0.5;
 
 static void fail(const char *what, long number, double a, double b)
 {

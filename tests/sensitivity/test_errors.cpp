@@ -207,7 +207,7 @@ static void try_train(oracle::generator &g)
 int main()
 {
     const char *text = std::getenv("SAGITTA_TEST_SCALE"), *seed = std::getenv("SAGITTA_TEST_SEED");
-    const double scale = text ? std::atof(text) : 1;
+    const double scale = text ? std::atof(text) : 0.5;
     const unsigned long long first = seed ? std::strtoull(seed, nullptr, 10) : 5;
     const long ends = std::max(1000L, long(3000 * scale));
     std::printf("SAGITTA_TEST_SEED=%llu\n", first);

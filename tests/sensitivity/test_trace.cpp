@@ -249,7 +249,7 @@ static void compare_lacks()
 int main()
 {
     const char *text = std::getenv("SAGITTA_TEST_SCALE"), *seed = std::getenv("SAGITTA_TEST_SEED");
-    const double scale = text ? std::atof(text) : 1;
+    const double scale = text ? std::atof(text) : 0.5;
     oracle::generator random(seed ? std::strtoull(seed, nullptr, 10) : 20261);
     const gauss lens;
     const int rays = std::max(2, int(12 * scale));

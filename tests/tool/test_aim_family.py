@@ -17,7 +17,7 @@ from command import *
 
 mp.dps = 50
 SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'))
-SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '1'))
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 print(f'       seed {SEED}')
 draw = random.Random(SEED)
 

@@ -184,7 +184,7 @@ def test_verdicts_of_polynomials():
     """Nothing to mend is said of no history that wandered, and is said where Newton's method is at its best, judged by
     the errors from known roots."""
     draw, seen, drawn = random.Random(SEED), {'best': 0, 'late': 0}, 0
-    least = int(60 * float(os.environ.get('SAGITTA_TEST_SCALE', '1')))
+    least = int(60 * float(os.environ.get('SAGITTA_TEST_SCALE', '0.5')))
     while drawn < least or seen['best'] < 6 or seen['late'] < 3:  # however few are asked for, each verdict is tried
         drawn += 1
         assert drawn < least + 100, seen

@@ -19,7 +19,7 @@ from command import *
 
 ZMX = HERE.parent / 'data' / 'zmx'
 SEED = 20261124
-SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', 1))
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 
 
 def info(path, *options):

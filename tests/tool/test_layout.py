@@ -265,7 +265,7 @@ def test_numbers_of_elements():
     seed = int(os.environ.get('SAGITTA_TEST_SEED', 20))
     print('seed', seed)
     draw = random.Random(seed)
-    for _ in range(max(1, round(6 * float(os.environ.get('SAGITTA_TEST_SCALE', 1))))):
+    for _ in range(max(1, round(6 * float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))))):
         count = draw.randrange(1, 20)
         rows = [f'  - {{type: sphere, radius: {draw.choice((-1, 1)) * draw.uniform(40, 200):.3f}, thickness: {draw.uniform(0.1, 8):.3f}, '
                 f'index: {draw.choice((1, 1.5, 1.7))}, semi_diameter: {draw.uniform(8, 14):.3f}}}\n' for _ in range(count)]

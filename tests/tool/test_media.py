@@ -5,7 +5,7 @@
 
 The oracle is `media` below, a reading of its own of what docs/lens_file.md promises.  It says for each random lens
 whether it is refused, and where; and else a lens that says each medium as a number has to have the same bits.
-SAGITTA_TEST_SEED (1) and SAGITTA_TEST_SCALE (1) choose the lenses.
+SAGITTA_TEST_SEED (1) and SAGITTA_TEST_SCALE (0.5) choose the lenses.
 """
 import json
 import os
@@ -15,7 +15,7 @@ import re
 from command import *
 
 SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'), 0)
-SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '1'))
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 MODEL = {'sellmeier': [1.2, 0.01]}  # n^2 = 1 + 1.2 w^2 / (w^2 - 0.01)
 UM = 0.5
 MODEL_INDEX = (1 + 1.2 * UM * UM / (UM * UM - 0.01)) ** 0.5

@@ -15,7 +15,7 @@ from fractions import Fraction
 from command import *
 
 SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'))
-COUNT = int(4000 * float(os.environ.get('SAGITTA_TEST_SCALE', '1')))
+COUNT = int(4000 * float(os.environ.get('SAGITTA_TEST_SCALE', '0.5')))
 print(f'seed {SEED}, {COUNT} of each kind')
 
 

@@ -18,7 +18,7 @@ from command import *
 getcontext().prec = 80
 DATA = HERE.parent / 'data'
 SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'))
-SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '1'))
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 
 ENDS = 'ox,oy,oz,dx,dy,dz,tmin,tmax'
 SPHERE = '{type: sphere, radius: 2, semi_diameter: 1}'

@@ -83,7 +83,7 @@ static UNUSED generator seeded(const char *test)
 static UNUSED long scaled(long count)
 {
     const char *text = getenv("SAGITTA_TEST_SCALE");
-    double n = (double)count * (text ? atof(text) : 1);
+    double n = (double)count * (text ? atof(text) : 0.5);
     printf("%ld cases\n", n < 1 ? 1 : (long)n);
     return n < 1 ? 1 : (long)n;
 }
