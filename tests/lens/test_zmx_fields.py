@@ -341,9 +341,11 @@ def test_fields():
                 places[place(record, words, field, system), field].append(at)
         for (record, field), lines_of_it in places.items():
             idle = field in listed.get(record, ())
+            # What has no effect has none anywhere: a part of such places, as many as SCALE says, is tried.
+            if idle and generator.random() > (2 if here else 0.3) * SCALE:
+                continue
             if not here:
-                # What shows where it matters need not show here; what has no effect has none anywhere.
-                if field in seen[record] or idle and generator.random() > 0.3 * SCALE:
+                if field in seen[record]:  # what shows where it matters need not show here
                     continue
                 lines_of_it = [generator.choice(lines_of_it)] if idle else lines_of_it
             for at in lines_of_it:

@@ -562,6 +562,10 @@ static void odd_questions()
     search.start = &start, search.starts = 1;
     search.max_traces = 2, expect("a budget", q, SGT_AIMED_UNDECIDED, &search);
     if (attempt[0].reason != SGT_AIM_SPENT) fail("a budget", "reason", attempt[0].reason, 0);
+    for (int budget = 1; budget <= 2; budget++) { // is spent to the last trace, and no further
+        search.max_traces = budget, expect("a budget", q, SGT_AIMED_UNDECIDED, &search);
+        if (attempt[0].traces != budget) fail("a budget", "traces", attempt[0].traces, budget);
+    }
     search.max_traces = 0, search.tol = 0.5, expect("a tolerance", q, SGT_MET, &search);
     if (attempt[0].traces > 3) fail("a tolerance", "traces", attempt[0].traces, 3);
     search.tol = 0, bad = q, bad.wanted = {30, 0}, bad.beam.u = bad.beam.v = {-8, 8};
