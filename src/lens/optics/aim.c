@@ -226,6 +226,14 @@ static sgt_ray of_unit_length(sgt_ray ray)
 
 /* ---------------------------------------------------------------- many rays at once */
 
+/* Rays on their way by a fitted map. */
+typedef struct guided {
+    size_t count;
+    size_t of[AIM_PART];
+    double x[AIM_PART], y[AIM_PART], u[AIM_PART], v[AIM_PART];
+    sgt_fate fate[AIM_PART];
+} guided;
+
 /* Some rays side by side, and how they met the elements up to the stop. */
 typedef struct aim_many {
     sgt_passages *at;           /* [stop + 1] */
@@ -233,6 +241,12 @@ typedef struct aim_many {
     sgt_vec2 wanted[AIM_PART], start[2 * AIM_PART];
     sgt_aiming found[AIM_PART];
     double o[3][AIM_PART], d[3][AIM_PART], change[12][AIM_PART];
+    /* of the fitted map: its rays, and those that it leaves (here, and not on the stack, of which threads of
+     * some systems have little) */
+    guided by_map;
+    size_t left[AIM_PART];
+    sgt_pupil_point other[AIM_PART];
+    sgt_launched own[AIM_PART];
 } aim_many;
 
 static aim_many *aim_many_new(const sgt_launcher *from, size_t elements, size_t part)
@@ -406,18 +420,10 @@ static void fitted_at(const sgt_aim_map *of, size_t count, double x[], double y[
     for (size_t i = 0; i < count; i += AIM_FEW) few_fitted_at(of, x + i, y + i, u + i, v + i);
 }
 
-/* Rays on their way by a fitted map. */
-typedef struct guided {
-    size_t count;
-    size_t of[AIM_PART];
-    double x[AIM_PART], y[AIM_PART], u[AIM_PART], v[AIM_PART];
-    sgt_fate fate[AIM_PART];
-} guided;
-
-/* Aims by the fitted map; returns how many are left, with their numbers in `left`. */
+/* Aims by the fitted map; returns how many are left, with their numbers in m->left. */
 static size_t aim_guided(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
                          const aim_search *s, const sgt_aim_map *of, aim_many *m, size_t count,
-                         const sgt_pupil_point at[], sgt_launched out[], size_t left[])
+                         const sgt_pupil_point at[], sgt_launched out[])
 {
     enum { GUIDED_ROUNDS = 3 };
     const double NEAR_ENOUGH = 2, DISC = 1 + 0x1p-40;
@@ -426,57 +432,58 @@ static size_t aim_guided(const sgt_launcher *from, const sgt_field_beam *b, cons
     const sgt_options near = {.pick = SGT_NEAR_SEED};
     const sgt_rays rays = {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}};
     size_t unfound = 0;
-    guided g = {.count = 0};
+    guided *g = &m->by_map;
+    size_t *left = m->left;
+    g->count = 0;
     for (size_t i = 0; i < count; i++) {
         const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
         m->wanted[i] = (sgt_vec2){q.x * from->stop_radius, q.y * from->stop_radius};
         if (at[i].x * at[i].x + at[i].y * at[i].y <= DISC)
-            g.of[g.count] = i, g.x[g.count] = at[i].x, g.y[g.count++] = at[i].y;
+            g->of[g->count] = i, g->x[g->count] = at[i].x, g->y[g->count++] = at[i].y;
         else left[unfound++] = i;
     }
-    for (int round = 0; round < GUIDED_ROUNDS && g.count; round++) {
+    for (int round = 0; round < GUIDED_ROUNDS && g->count; round++) {
         size_t still = 0;
-        fitted_at(of, g.count, g.x, g.y, g.u, g.v);
-        for (size_t k = 0; k < g.count; k++) {
-            const sgt_ray ray = of_unit_length(sgt_beam_ray(f, g.u[k], g.v[k]));
+        fitted_at(of, g->count, g->x, g->y, g->u, g->v);
+        for (size_t k = 0; k < g->count; k++) {
+            const sgt_ray ray = of_unit_length(sgt_beam_ray(f, g->u[k], g->v[k]));
             m->o[0][k] = ray.o.x, m->o[1][k] = ray.o.y, m->o[2][k] = ray.o.z;
             m->d[0][k] = ray.d.x, m->d[1][k] = ray.d.y, m->d[2][k] = ray.d.z;
         }
-        sgt_trace_batch(elements, s->e, s->before, g.count, rays, (sgt_traced){.fate = g.fate}, m->guide,
+        sgt_trace_batch(elements, s->e, s->before, g->count, rays, (sgt_traced){.fate = g->fate}, m->guide,
                         &near);
-        for (size_t k = 0; k < g.count; k++) {
-            const size_t i = g.of[k];
+        for (size_t k = 0; k < g->count; k++) {
+            const size_t i = g->of[k];
             const double x = last->p[0][k] - m->wanted[i].x, y = last->p[1][k] - m->wanted[i].y;
-            if (g.fate[k] == SGT_PASSED && sqrt(x * x + y * y) <= NEAR_ENOUGH * last->p_err[k]) {
+            if (g->fate[k] == SGT_PASSED && sqrt(x * x + y * y) <= NEAR_ENOUGH * last->p_err[k]) {
                 out[i] = (sgt_launched){.status = SGT_MET, .wanted = m->wanted[i],
                                         .ray = {.o = {m->o[0][k], m->o[1][k], m->o[2][k]},
                                                 .d = {m->d[0][k], m->d[1][k], m->d[2][k]}}};
                 continue;
             }
-            if (g.fate[k] != SGT_PASSED || round + 1 == GUIDED_ROUNDS) {
+            if (g->fate[k] != SGT_PASSED || round + 1 == GUIDED_ROUNDS) {
                 left[unfound++] = i;
                 continue;
             }
             /* by how much the point of the pupil is off (sgt_vignetted) */
             const double across = (x * b->turn.x + y * b->turn.y) / from->stop_radius,
                          along = (y * b->turn.x - x * b->turn.y) / from->stop_radius;
-            g.of[still] = i;
-            g.x[still] = g.x[k] - across / b->scale.x, g.y[still++] = g.y[k] - along / b->scale.y;
+            g->of[still] = i;
+            g->x[still] = g->x[k] - across / b->scale.x, g->y[still++] = g->y[k] - along / b->scale.y;
         }
-        g.count = still;
+        g->count = still;
     }
     return unfound;
 }
 
 /* Fits the map to the rays through the nodes, if all are there and none is folded. */
 static void fit_map(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
-                    const aim_search *s, const sgt_aim_nodes *nodes, aim_many *m, sgt_launched launched[],
-                    sgt_aim_map *of)
+                    const aim_search *s, const sgt_aim_nodes *nodes, aim_many *m, sgt_aim_map *of)
 {
     const double TAME = 16, CLOSE = 1e-3;
     double least = HUGE_VAL, most = 0;
     if (!of->mapped || from->sense == 0) return;
-    aim_part(from, b, f, s, of, m, AIM_NODES, nodes->at, launched);
+    aim_part(from, b, f, s, of, m, AIM_NODES, nodes->at, m->own);
     for (size_t i = 0; i < AIM_NODES; i++) {
         const double determinant = m->change[0][i] * from->sense;
         if (m->found[i].status != SGT_MET) return;
@@ -489,7 +496,7 @@ static void fit_map(const sgt_launcher *from, const sgt_field_beam *b, const sgt
             of->fit[0][t] += nodes->by[t][i] * m->found[i].u,
                 of->fit[1][t] += nodes->by[t][i] * m->found[i].v;
     }
-    double x[AIM_PART], y[AIM_PART], u[AIM_PART], v[AIM_PART];
+    double *x = m->by_map.x, *y = m->by_map.y, *u = m->by_map.u, *v = m->by_map.v;
     for (size_t i = 0; i < AIM_NODES; i++) x[i] = nodes->at[i].x, y[i] = nodes->at[i].y;
     fitted_at(of, AIM_NODES, x, y, u, v);
     of->fitted = true;
@@ -502,17 +509,14 @@ static void aim_some(const sgt_launcher *from, const sgt_field_beam *b, const sg
                      const aim_search *s, const sgt_aim_map *of, aim_many *m, size_t count,
                      const sgt_pupil_point at[], sgt_launched out[])
 {
-    size_t left[AIM_PART];
     if (!of->fitted) {
         aim_part(from, b, f, s, of, m, count, at, out);
         return;
     }
-    const size_t more = aim_guided(from, b, f, s, of, m, count, at, out, left);
-    sgt_pupil_point other[AIM_PART];
-    sgt_launched own[AIM_PART];
-    for (size_t i = 0; i < more; i++) other[i] = at[left[i]];
-    if (more) aim_part(from, b, f, s, of, m, more, other, own);
-    for (size_t i = 0; i < more; i++) out[left[i]] = own[i];
+    const size_t more = aim_guided(from, b, f, s, of, m, count, at, out);
+    for (size_t i = 0; i < more; i++) m->other[i] = at[m->left[i]];
+    if (more) aim_part(from, b, f, s, of, m, more, m->other, m->own);
+    for (size_t i = 0; i < more; i++) out[m->left[i]] = m->own[i];
 }
 
 struct sgt_aim_room {
@@ -562,12 +566,11 @@ static void begin_aims(const sgt_launcher *from, sgt_aim_room *r, const sgt_fiel
 bool sgt_aim_map_of(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
                     const sgt_aim_nodes *nodes, sgt_aim_map *out)
 {
-    sgt_launched launched[AIM_NODES];
     sgt_aim_room *r = sgt_aim_room_new(from, AIM_NODES);
     if (!r) return false;
     begin_aims(from, r, b, e, before);
     *out = map_of(&r->f, &r->search);
-    if (r->part == AIM_NODES) fit_map(from, b, &r->f, &r->search, nodes, r->many, launched, out);
+    if (r->part == AIM_NODES) fit_map(from, b, &r->f, &r->search, nodes, r->many, out);
     sgt_aim_room_free(from, r);
     return true;
 }

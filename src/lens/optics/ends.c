@@ -321,6 +321,7 @@ struct sgt_ends_room {
     sgt_launched *launched;
     many *m;
     sgt_aim_room *aims;         /* NULL: rays are not aimed */
+    sgt_ray_end *end;
 };
 
 void sgt_ends_room_free(const sgt_launcher *from, sgt_ends_room *r)
@@ -330,10 +331,11 @@ void sgt_ends_room_free(const sgt_launcher *from, sgt_ends_room *r)
     sgt_launch_forget(from, r->m);
     sgt_launch_forget(from, r->launched);
     sgt_launch_forget(from, r->own);
+    sgt_launch_forget(from, r->end);
     sgt_launch_forget(from, r);
 }
 
-sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigned wanted)
+sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigned wanted, size_t ends)
 {
     enum { FEWEST = 8, HITS = 1 << 16 }; /* rays at a time; fewer of a long row of elements */
     const size_t surfaces = from->lens->count, fit = HITS / surfaces;
@@ -346,15 +348,18 @@ sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigne
     r->launched = sgt_launch_take(from, aims ? r->part : 0, sizeof *r->launched);
     r->m = many_new(from, r->part, wanted);
     r->aims = aims ? sgt_aim_room_new(from, r->part) : NULL;
-    if (r->own && r->launched && r->m && (r->aims || !aims)) return r;
+    r->end = sgt_launch_take(from, ends, sizeof *r->end);
+    if (r->own && r->launched && r->m && r->end && (r->aims || !aims)) return r;
     sgt_ends_room_free(from, r);
     return NULL;
 }
 
-void sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *r, const sgt_field_beam *b,
-                    const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
-                    const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
+sgt_ray_end *sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *r, const sgt_field_beam *b,
+                            const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
+                            const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
 {
+    sgt_ray_end *const all = out ? out : r->end;
+    out = all;
     sgt_launch_ending(from->lens->count, e, r->own);
     for (size_t first = 0; first < count; first += r->part, at += r->part, out += r->part) {
         const size_t rays = count - first < r->part ? count - first : r->part;
@@ -365,6 +370,7 @@ void sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *r, const sgt_field_
         sgt_aim_rays(from, r->aims, b, r->own, index_before, of, rays, at, r->launched);
         trace_aimed(from, b, r->own, index_before, r->m, rays, r->launched, at, opt, out);
     }
+    return all;
 }
 
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
@@ -372,7 +378,7 @@ bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sg
                      sgt_ray_end out[], sgt_error *error)
 {
     if (!PLAIN(from, b, "sgt_field_beam", error)) return false;
-    sgt_ends_room *room = sgt_ends_room_new(from, count, END_ALL);
+    sgt_ends_room *room = sgt_ends_room_new(from, count, END_ALL, 0);
     if (!room) return sgt_launch_memory(from, error);
     sgt_trace_ends(from, room, b, e, index_before, NULL, count, at, opt, out);
     sgt_ends_room_free(from, room);

@@ -79,15 +79,16 @@ enum {
     END_ALL = 63
 };
 
-/* (ends.c) Room for sgt_trace_ends, of `count` rays at a time or fewer.  NULL: no memory. */
+/* (ends.c) Room for sgt_trace_ends, and for `ends` ends that nobody takes.  NULL: no memory. */
 typedef struct sgt_ends_room sgt_ends_room;
-sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigned wanted);
+sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigned wanted, size_t ends);
 void sgt_ends_room_free(const sgt_launcher *from, sgt_ends_room *room);
 
-/* (ends.c) sgt_trace_pupil for the numbers that are wanted.  of: as for sgt_aim_rays. */
-void sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *room, const sgt_field_beam *b,
-                    const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
-                    const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[]);
+/* (ends.c) sgt_trace_pupil for the numbers that are wanted.  of: as for sgt_aim_rays.  out: NULL, the ends of
+ * the room.  Returns the ends. */
+sgt_ray_end *sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *room, const sgt_field_beam *b,
+                            const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
+                            const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[]);
 
 /* (ends.c) A bound, in radians, on what is off in end->d; end->p and p_err are read, too.  Infinite: not
  * known. */

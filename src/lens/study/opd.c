@@ -296,7 +296,7 @@ static void zernike_rows(void *data, size_t i, void *slot)
                                .wavelength = a->band[i % a->bands].at.um, .term = k + 1,
                                .coefficient = f->fits ? coefficient[k] : (double)NAN,
                                .residual = f->fits ? f->residual : (double)NAN};
-        zernike_numbers(order_of(w), k + 1, &row.n, &row.m);
+        zernike_numbers((int)order_of(w), k + 1, &row.n, &row.m);
         sgt_ask_row(a, &row);
     }
 }

@@ -254,7 +254,7 @@ static sgt_ends_room *room_taken(passing *now)
         sgt_ends_room *room = atomic_exchange(&now->room[i], NULL);
         if (room) return room;
     }
-    return sgt_ends_room_new(now->p->ask->from, PUPIL_PART, now->p->wanted);
+    return sgt_ends_room_new(now->p->ask->from, PUPIL_PART, now->p->wanted, PUPIL_PART);
 }
 
 static void room_given_back(passing *now, sgt_ends_room *room)
@@ -278,7 +278,6 @@ static bool work_block(void *data, size_t i, void *slot)
     const size_t left = p->points->count - first;
     block_of_rays *b = slot;
     void *sum = (char *)slot + sum_at();
-    sgt_ray_end own[PUPIL_PART], *end = p->takes_ends ? (void *)((char *)slot + ends_at(p)) : own;
     sgt_pupil_point at[PUPIL_PART];
     cell c = {.beam = NULL};
     b->count = left < PUPIL_PART ? left : PUPIL_PART;
@@ -289,16 +288,17 @@ static bool work_block(void *data, size_t i, void *slot)
     sgt_pupil_part(p->points, first, b->count, at);
     sgt_ends_room *room = room_taken(now);
     if (!room) return false;
-    sgt_trace_ends(p->ask->from, room, c.beam, c.element, c.before,
-                   now->nodes ? &now->map[of - now->mapped] : NULL, b->count, at, p->ask->study->opt.solver,
-                   end);
-    room_given_back(now, room);
+    sgt_ray_end *end =
+        sgt_trace_ends(p->ask->from, room, c.beam, c.element, c.before,
+                       now->nodes ? &now->map[of - now->mapped] : NULL, b->count, at,
+                       p->ask->study->opt.solver, p->takes_ends ? (void *)((char *)slot + ends_at(p)) : NULL);
     for (size_t k = 0; k < b->count; k++) {
         const size_t lost = b->fates.lost;
         sgt_fates_count(&b->fates, &end[k]);
         if (b->fates.lost > lost && lost == 0) b->lost_x = end[k].px, b->lost_y = end[k].py;
     }
     if (p->block) p->block(p, of, b->count, end, sum);
+    room_given_back(now, room);
     return true;
 }
 
