@@ -428,17 +428,19 @@ typedef struct sgt_parabasal {
     double focus[2];          /* to where rays meet that came parallel to it */
     double image[2];          /* to where rays meet that came from its start */
     double magnification[2];  /* there */
-    unsigned long long reserved_[4];
+    double power_xy;          /* the larger of |power[0][1]| and |power[1][0]| */
+    unsigned long long reserved_[3];
 } sgt_parabasal;
 
 /* chief and passages: as given to sgt_trace, and as it left them, of all elements.
  * from_point: the chief ray starts at its object point; else from afar, and image is
- * focus.  false: it did not get through, or a surface has no second derivatives; all is
- * NaN. */
+ * focus.  false: all is NaN, and `error` (may be NULL) says why: it did not get through,
+ * or a surface has no second derivatives.  sgt_field_parabasal (analysis.h) finds the
+ * chief ray of a field, too. */
 SGT_API bool sgt_lens_parabasal(size_t elements, const sgt_element e[],
                                 double index_before, bool from_point,
                                 const sgt_ray *chief, const sgt_passage passages[],
-                                sgt_parabasal *out);
+                                sgt_parabasal *out, sgt_error *error);
 
 /* ---------------------------------------------------------- points of a pupil */
 

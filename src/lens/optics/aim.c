@@ -187,7 +187,7 @@ bool sgt_aim_at_stop(sgt_launcher *from, sgt_error *error)
     const size_t stop = from->lens->stop;
     sgt_field_beam b;
     const sgt_lens_field axis = {.weight = 1};
-    if (!sgt_launch_field(from, SGT_FIELD_ANGLE, &axis, &b, error)) return false;
+    if (!sgt_beam_of_field(from, SGT_FIELD_ANGLE, &axis, &b, error)) return false;
     sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
     sgt_element *open = sgt_launch_take(from, stop + 1, sizeof *open);
     const bool room = passages && open;

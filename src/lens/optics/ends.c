@@ -10,14 +10,6 @@
  * so the angle between both rays is at most the sum of both over L.  L is FAR times the lens, and the plane's
  * own rounding is of the order of u.
  *
- * THE LAST ELEMENT is where rays end.  An ideal lens there would add its own path to theirs, though the
- * light that it bends is looked at no more: so it counts as the plane that it stands on.
- *
- * WHATEVER CLIPS.  Sizes and references are those of rays through the surfaces, and do not depend on which
- * of them are obscured.  But a semi_diameter has a say in which root is meant (sgt_trace).  It clips a ray
- * only where no root lies inside, and then the root is the one without it.  So a ray that it clips is traced
- * again without that semi_diameter alone.  The items of an aperture have no say in the root.
- *
  * MANY RAYS go side by side, some hundred at a time, through the loops of sgt_trace_batch and
  * sgt_trace_error_batch, whose numbers are those of one ray to the bit.  One by one is the chief ray alone,
  * whatever clips it, and what an afocal lens needs besides. */
@@ -115,12 +107,6 @@ static void set_untraced(const sgt_pupil_point *at, const sgt_launched *l, sgt_r
     *out = untraced;
     out->px = at->x, out->py = at->y, out->weight = at->weight;
     out->aimed = l->status, out->within = l->within;
-}
-
-void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[])
-{
-    for (size_t i = 0; i < count; i++) out[i] = e[i];
-    if (out[count - 1].phase) out[count - 1].index = 0, out[count - 1].phase = NULL;
 }
 
 /* -------------------------------------------------------------- many rays at once */
@@ -398,18 +384,6 @@ void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count, const sgt_ray_end en
     }
 }
 
-size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const sgt_ray *launch,
-                         sgt_element open[], sgt_passage passages[], sgt_fate *fate)
-{
-    for (size_t i = 0; i < n; i++) open[i] = e[i], open[i].aperture = NULL;
-    for (size_t left = n;; left--) { /* each time one more element is open */
-        sgt_ray ray = *launch;
-        size_t passed = sgt_trace(n, open, before, &ray, passages, fate, NULL);
-        if (*fate != SGT_CLIPPED || left == 0) return passed;
-        open[passed].semi_diameter = 0;
-    }
-}
-
 bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, sgt_ray_end *out, sgt_error *error)
 {
@@ -426,6 +400,8 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
         if (launched.status == SGT_MET) {
             sgt_trace_through(count, own, index_before, &launched.ray, open, passages, &out->fate);
             follow(from, b, open, index_before, &launched, NULL, passages, out);
+            if (out->fate == SGT_PASSED && !from->lens->afocal)
+                out->d_err = sgt_direction_error(from, open, index_before, &launched.ray, out);
         }
     }
     sgt_launch_forget(from, own);

@@ -36,7 +36,7 @@
  *     4 u of an index       half an ulp if it was given; a glass adds terms.  1 is exact
  *
  * A quantity within its bound of 0 is 0: rounding alone may have made it.  One beyond it is never made 0. */
-#include "../read/lens.h"
+#include "objects.h"
 
 #include "../base/reader.h"
 

@@ -61,10 +61,14 @@ bool sgt_launch_plain(const sgt_launcher *from, const unsigned long long reserve
 void *sgt_launch_take(const sgt_launcher *from, size_t count, size_t size);
 void  sgt_launch_forget(const sgt_launcher *from, void *room);
 
+/* (beam.c) sgt_launch_field; of a real image height the point or direction is not set. */
+bool sgt_beam_of_field(const sgt_launcher *from, sgt_field_kind kind, const sgt_lens_field *at,
+                       sgt_field_beam *b, sgt_error *error);
+
 /* Sets the object point, or from afar the direction by its angles in degrees. */
 void sgt_beam_point(const sgt_launcher *from, sgt_field_beam *b, double x, double y);
 
-/* (ends.c) The elements for rays that end at the last of them: without its phase. */
+/* (through.c) The elements for rays that end at the last of them: without its phase. */
 void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[]);
 
 /* (ends.c) Which numbers of an end are wanted: those of the others are left as they are where no ray was
@@ -95,9 +99,9 @@ sgt_ray_end *sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *room, const
 double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], double before,
                            const sgt_ray *launch, const sgt_ray_end *end);
 
-/* (ends.c) As sgt_trace, through n elements, whatever clips the ray: the roots are those that sgt_trace means
- * with the apertures there.  open: room for n; at return the elements without what clipped it. */
-size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const sgt_ray *launch,
+/* (through.c) As sgt_trace, through n elements, whatever clips the ray: the roots are those that sgt_trace
+ * means with the apertures there.  open: room for n; at return the elements without what clipped it. */
+size_t sgt_trace_through(size_t elements, const sgt_element e[], double before, const sgt_ray *launch,
                          sgt_element open[], sgt_passage passages[], sgt_fate *fate);
 
 /* (aim.c) Sets stop_radius and sense; false: told. */

@@ -323,16 +323,14 @@ static void write_verdict(const intersect_work *w, size_t undecided)
 static void write_undecided(const intersect_work *w)
 {
     const intersect_arguments *a = w->asked;
-    search s = {.surface = w->surface, .asked = &a->shared.solver,
-                .near_seed = options_near_seed(&a->shared, w->surface, SGT_FIRST),
-                .fast = options_fast(&a->shared, w->surface)};
     for (int i = 0; i < w->found.shown && !a->all; i++) {
         char who[40];
-        s.ray = w->found.undecided[i].ray;
-        sgt_hit hit = sgt_intersect(s.surface, s.ray, s.asked);
-        s.hit = &hit;
+        const sgt_ray ray = w->found.undecided[i].ray;
+        const sgt_hit hit = sgt_intersect(w->surface, ray, &a->shared.solver);
+        const sgt_element alone = {.surface = w->surface};
+        const sgt_search s = options_search(&a->shared, &alone, SGT_FIRST, ray, &hit);
         snprintf(who, sizeof who, "Ray %zu: ", w->found.undecided[i].number);
-        undecided_explain(w->table, who, &s);
+        options_say_undecided(w->table, who, &s);
     }
 }
 

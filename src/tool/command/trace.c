@@ -1,6 +1,7 @@
 /* trace.c - sagitta trace: rays through a lens. */
 #include "commands.h"
 #include "watch.h"
+#include "watched.h"
 #include "../show/frame.h"
 #include "../base/input.h"
 #include "../job/job.h"
@@ -10,8 +11,6 @@
 #include "../read/surface.h"
 #include "../show/profile.h"
 #include "../base/tiles.h"
-#include "../show/stopped.h"
-#include "../show/undecided.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -213,11 +212,11 @@ static trace_room trace_room_for(const trace_work *w, size_t rays)
     int *evals = memory_take(count, rays * sizeof *evals);
     double *number = memory_take(count, 9 * rays * sizeof *number);
     for (size_t i = 0; i < count; i++) {
-        records *record = &r.record[i];
-        double **n = record->number;
-        record->status = status + i * rays, record->evals = evals + i * rays;
+        records *to = &r.record[i];
+        double **n = to->number;
+        to->status = status + i * rays, to->evals = evals + i * rays;
         for (size_t k = 0; k < 9; k++) n[k] = number + (9 * i + k) * rays;
-        r.passages[i] = (sgt_passages){.hits = {.status = record->status, .evals = record->evals,
+        r.passages[i] = (sgt_passages){.hits = {.status = to->status, .evals = to->evals,
                                                 .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
                                        .direction = {n[3], n[4], n[5]}, .opl = n[8]};
     }
@@ -338,15 +337,12 @@ static void keep_ended(trace_work *w, const trace_room *r, const launch *l, size
         from = frame_point_out(&before->pose, vector_at(r->record[element - 1].number, i));
         d = frame_direction_out(&before->pose, vector_at(r->record[element - 1].number + 3, i));
     }
-    double length = vector_length(d);
-    const arrival a = {
-        .from = frame_point_in(&e->pose, from),
-        .direction = frame_direction_in(&e->pose, (sgt_vec3){d.x / length, d.y / length, d.z / length}),
-        .p = vector_at(r->record[element].number, i),
-        .index = element ? of->index[element - 1] : of->index_before, .behind = of->index[element]};
+    char why[WHY_SIZE];
+    const sgt_arrival a = arrival_of(of, element, from, d, vector_at(r->record[element].number, i));
+    sgt_why_ended(e, (sgt_fate)r->fate[i], &a, sizeof why, why);
     size_t k = w->ended_shown++;
     w->ended[k].ray = *l, w->ended[k].at = w->at, w->ended[k].element = element;
-    w->ended[k].why = stopped_why(e, (sgt_fate)r->fate[i], &a);
+    w->ended[k].why = memory_text(why, strlen(why));
 }
 
 static void count_field(trace_work *w, const launch *l, size_t passed)
@@ -495,12 +491,10 @@ static void write_lost(const trace_work *w)
                                   &asked->solver);
         if (passed == j->lens.count) continue; /* never: a batch gives the same answers as single rays */
         const sgt_element *e = &at->element[passed];
-        const search s = {.surface = e->surface, .semi_diameter = e->semi_diameter,
-                          .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
-                          .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED),
-                          .fast = options_fast(asked, e->surface), .hit = &alone[passed].hit};
+        const sgt_search s = options_search(asked, e, SGT_NEAR_SEED, job_own_ray(&e->pose, &ray),
+                                            &alone[passed].hit);
         const char *who = memory_print("%s at element %zu: ", ray_name(w, &w->lost[i].ray, at), passed + 1);
-        undecided_explain(w->table, who, &s);
+        options_say_undecided(w->table, who, &s);
     }
     if (w->undecided > (size_t)w->shown)
         table_line(w->table, "%zu more lost: sagitta diagnose shows why.", w->undecided - (size_t)w->shown);

@@ -174,6 +174,8 @@ static bool quiet;
 
 void lens_be_quiet(void) { quiet = true; }
 
+bool lens_quiet(void) { return quiet; }
+
 static void note_remarks(const sgt_lens *l)
 {
     size_t left_out = 0;

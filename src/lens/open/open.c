@@ -1,8 +1,8 @@
-/* read.c - from a file or text to a lens: which form it has, and one place where a reading ends.
+/* open.c - from a file or text to a lens: which form it has, and one place where a reading ends.
  *
  * A fault anywhere jumps back to `read_by`, which frees what was read so far.  What a reading
  * takes is in the arena of the lens, but for a catalogue of glasses. */
-#include "lens.h"
+#include "conjugate.h"
 
 #include "../base/reader.h"
 
@@ -67,6 +67,7 @@ static void read_into(maker make, whole_lens *w, source *s, const char *name, co
     if (make == sgt_read_lens && ends_in_zmx(name)) read_zmx(s, text, length);
     else sgt_read_yaml(s);
     make(w, s);
+    if (make == sgt_read_lens) sgt_find_conjugates(w, s);
     sort_remarks(s);
     w->lens.remarks = s->remarks, w->lens.remark = s->remark;
     w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
