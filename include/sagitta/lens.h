@@ -329,8 +329,9 @@ SGT_API sgt_lens *sgt_lens_read_surface(const char *name, const char *text,
 SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
 
 /* The elements at a wavelength in um: copies lens->element to `element`, room for
- * lens->count, with the indices of that wavelength, and sets *index_before.  um NaN:
- * where the file gives no wavelengths.  An ideal lens for which the file gives no
+ * lens->count, with the indices of that wavelength, and sets *index_before.  element
+ * NULL: not wanted; at the primary wavelength they are those of the lens.  um NaN: where
+ * the file gives no wavelengths.  An ideal lens for which the file gives no
  * object_distance has the paraxial one of that wavelength, or of the primary one if the
  * file does not list it.  false: some medium has no index there (a list of indices for
  * other wavelengths, a pole), and `error` says which. */

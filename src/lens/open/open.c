@@ -58,10 +58,9 @@ static void read_into(maker make, whole_lens *w, source *s, const char *name, co
     w->lens.file = s->file = tree_text(s, name, strlen(name));
     s->folder = folder_of_path(s, name);
     if (!text) {
-        char *all;
-        const char *fault = tree_file(s, name, &all, &length);
+        const char *fault = tree_borrow(s, name, &s->borrowed, &length);
         if (fault) tree_fail(s, 0, NULL, "%s", fault);
-        text = all;
+        text = s->borrowed;
     }
     s->text = text, s->length = length;
     if (make == sgt_read_lens && ends_in_zmx(name)) read_zmx(s, text, length);
@@ -120,6 +119,7 @@ static sgt_lens *lens_by(maker make, const char *name, const char *text, size_t 
     *w = (whole_lens){.memory = {.allocator = a}};
     source s = {.arena = &w->memory, .options = opt ? opt : &defaults, .error = error, .file = name};
     bool fine = read_by(make, w, &s, name, text, length);
+    tree_return(&s, s.borrowed);
     sgt_catalogue_free(w->media.own);
     w->media = (media){.source = NULL};
     if (fine) return &w->lens;

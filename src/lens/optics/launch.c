@@ -19,8 +19,10 @@ sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options 
     sgt_launcher blank = {.allocator = sgt_allocator_or(opt->allocator), .lens = lens,
                           .aim = opt->aim ? *opt->aim : lens->aim};
     sgt_launcher *from = sgt_launch_take(&blank, 1, sizeof *from);
-    blank.element = from ? sgt_launch_take(&blank, lens->count, sizeof *blank.element) : NULL;
-    if (!blank.element) {
+    const bool other = !lens->wavelength && opt->wavelength != 0;
+    if (from && other) blank.own = sgt_launch_take(&blank, lens->count, sizeof *blank.own);
+    blank.element = other ? blank.own : lens->element;
+    if (!from || (other && !blank.own)) {
         sgt_launch_memory(&blank, error);
         sgt_launch_forget(&blank, from);
         return NULL;
@@ -33,7 +35,7 @@ sgt_launcher *sgt_launcher_new(const sgt_lens *lens, const sgt_launcher_options 
     const double um = lens->wavelength         ? lens->wavelength[lens->primary]
                       : opt->wavelength != 0 ? opt->wavelength
                                              : (double)NAN;
-    if (sgt_lens_at(lens, um, from->element, &from->before, error) &&
+    if (sgt_lens_at(lens, um, from->own, &from->before, error) &&
         sgt_lens_first_order(lens, um, &from->data, NULL, error) &&
         (from->aim == SGT_LENS_AIM_PUPIL || sgt_aim_at_stop(from, error)))
         return from;
@@ -45,7 +47,7 @@ void sgt_launcher_free(sgt_launcher *from)
 {
     if (!from) return;
     const sgt_launcher was = *from;
-    sgt_launch_forget(&was, from->element);
+    sgt_launch_forget(&was, from->own);
     sgt_launch_forget(&was, from);
 }
 

@@ -8,7 +8,8 @@
 struct sgt_launcher {
     sgt_allocator   allocator;
     const sgt_lens *lens;
-    sgt_element    *element;   /* [lens->count], at the wavelength where pupil and fields are defined */
+    const sgt_element *element; /* [lens->count], at the wavelength where pupil and fields are defined */
+    sgt_element    *own;       /* that is this, if it is not that of the lens; else NULL */
     double          before;    /* and the index in front, there */
     sgt_first_order data;      /* there */
     sgt_lens_aim    aim;

@@ -510,7 +510,7 @@ static const medium *fill_indices(const whole_lens *w, double um, sgt_element el
         char other[WHY_SIZE];
         index = sgt_medium_index(&w->medium[i + 1], &w->lens, um, index, none ? other : why);
         if (isnan(index) && !none) none = &w->medium[i + 1];
-        element[i].index = w->about[i].mirror ? SGT_MIRROR : index;
+        if (element) element[i].index = w->about[i].mirror ? SGT_MIRROR : index;
     }
     return none;
 }
@@ -538,8 +538,10 @@ bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[], double 
 {
     const whole_lens *w = (const void *)lens;
     char why[WHY_SIZE];
-    memcpy(element, lens->element, lens->count * sizeof *element);
-    sgt_put_conjugates(w, um, element);
+    if (element) {
+        memcpy(element, lens->element, lens->count * sizeof *element);
+        sgt_put_conjugates(w, um, element);
+    }
     const medium *none = fill_indices(w, um, element, index_before, why);
     if (!none) return true;
     sgt_error unread;

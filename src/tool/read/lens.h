@@ -13,7 +13,7 @@ typedef struct lens {
     double wavelength;        /* the chosen one, in micrometres; NaN: the file gives none */
     double index_before;
     size_t count;
-    sgt_element *element;     /* [count], at the chosen wavelength */
+    const sgt_element *element; /* [count], at the chosen wavelength */
     double *index;            /* [count]: behind each, positive, after a mirror too */
     const sgt_lens_surface *surface; /* [count] */
 } lens;
