@@ -249,6 +249,13 @@ static void test_in_use(void)
     REQUIRE(sgt_half_height(&e, NULL, NULL, 9) == 9, "without rays");
     REQUIRE(sgt_half_height(&e, NULL, &about, 9) == 1.1 * 2, "by rays");
     REQUIRE(sgt_half_height(&e, &sized, &about, 9) == 4, "a size for drawings");
+    for (size_t i = 0; i < ITEMS; i++) { /* an aperture: as far out as its sides, seen from the axis */
+        const double farthest[] = {hypot(5, 1) + 2, 3, hypot(1, 2) + 3, 4 + 3, hypot(1, 1) + hypot(3, 2)};
+        const sgt_aperture one = {.count = 1, .items = &items[i]};
+        const sgt_element with = {.surface = e.surface, .aperture = &one};
+        const double height = sgt_half_height(&with, &sized, &about, 9);
+        REQUIRE(fabs(height - farthest[i]) < 1e-14, "item %zu: %.17g", i, height);
+    }
     const struct {
         double semi_diameter;
         const sgt_aperture *aperture;
