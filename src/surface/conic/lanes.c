@@ -145,19 +145,25 @@ LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 /* Where the first ray of a tile starts.  It is a guess for all of them, and affects only the time:
  *
  *   AWAY     away from the surface
- *   CLOSE    so near that its own t would not be sharp (sag/lanes.h): there t_err / u, 25 |tau| + |t|, about
- *            25 times the sag and the distance g, is above 40 |t|, about 40 g.  Others of the tile may be
- *            farther off, so the usual loop is tried first
- *   NEARBY   so near, compared with z, that the others are likely to be so, too
+ *   NEARBY   so near the surface that t would not be sharp
  *   LEAVING  on the surface; that root is not accepted */
-typedef enum beginning { AWAY, CLOSE, NEARBY, LEAVING } beginning;
+typedef enum beginning { AWAY, NEARBY, LEAVING } beginning;
 
 static beginning beginning_of(const bowl *s, const sgt_tile *tile)
 {
     double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0],
-           sag = 0.5 * s->c * (x * x + y * y + s->k1 * z * z), g = fabs(z - sag);
-    if (!(g <= 0x1p-6 * fabs(z))) return g <= 0.625 * fabs(sag) ? CLOSE : AWAY;
+           g = fabs(z - 0.5 * s->c * (x * x + y * y + s->k1 * z * z));
+    if (!(g <= 0x1p-6 * fabs(z))) return AWAY;
     return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
+}
+
+/* Is that why the loop for AWAY leaves rays over?  The first ray's t is not sharp (lane_of) if t_err / u is
+ * above 40 |t|.  That is 25 |tau| + |t|, about 25 times the sag and the distance g, above 40 g. */
+static bool begins_close(const bowl *s, const sgt_tile *tile)
+{
+    double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0],
+           sag = 0.5 * s->c * (x * x + y * y + s->k1 * z * z);
+    return fabs(z - sag) <= 0.625 * fabs(sag);
 }
 
 /* Traces ask for near roots of whole lines, and for t_lo with paths: so there are loops for these alone. */
@@ -214,7 +220,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     if (later) memset(status, SGT_HARD, tile->n);
     else
         hard = first ? lane_first(&s, wish, nearby, tile, &room) : lane_near(&s, wish, nearby, tile, &room);
-    if (from == CLOSE && !later && 8 * hard > tile->n) {
+    if (from == AWAY && !later && 8 * hard > tile->n && begins_close(&s, tile)) {
         nearby = true;
         hard = first ? lane_first(&s, wish, nearby, tile, &room) : lane_near(&s, wish, nearby, tile, &room);
     }
