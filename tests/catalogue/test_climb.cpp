@@ -278,8 +278,8 @@ struct of_steep_asphere : of_catalogue {
 };
 
 // A corrector plate: an even asphere of no curvature, of one to three powers of any height, and rays from
-// near and from afar.  Its bound on G is up to 97 u of the sag, and its result is taken where t and the point
-// need no more (asphere/easy.h, SHARP ENOUGH).
+// near and from afar.  Up to r^6 its result is taken where t and the point need no more (asphere/easy.h,
+// SHARP ENOUGH), higher powers have other forms.
 struct of_plate : of_catalogue {
     of_plate() : of_catalogue("even_asphere") {}
     void draw(generator &g) override
