@@ -33,7 +33,7 @@
  *     e <= 4 u r: the point is known across the surface as well as its own x and y are.
  * That holds up to r^6.  Higher powers multiply the rounding of rho by more: of r^10 a point was 13 ulps of
  * the largest term off the surface, and 12 are allowed (tests/oracle/test_random.cpp).
- * Other forms, in twice the precision, are sharper, at 20 to 40 times the cost.  THE BOUND holds for any e:
+ * Other forms, in twice the precision, are sharper, at 8 to 140 times the cost.  THE BOUND holds for any e:
  * this is no part of the proof.
  *
  * THE BOUND.  Let H = |tau_2 - tau_1| + 2 |step| + 2^-40 |tau_2| + 2^-50 |t0|, and M >= |G''| within H of
