@@ -65,7 +65,7 @@ NEAREST = [
     (r'src/ray/(proof|enclosed)', ['unit prove', 'unit general', 'oracle only', 'oracle proof', 'tool proof', 'catalogue clearances', 'edges', 'rays that are not there', 'catalogue twice']),
     (r'src/ray/(lanes|batch)', ['batch', 'catalogue batch']),
     (r'src/ray/(cells|walk|general)|src/solve/step', ['unit general', 'unit intersect', 'unit all', 'catalogue twice', 'edges', 'unit rows', 'oracle brute', 'catalogue roots', 'batch']),
-    (r'src/solve/entries', ['unit all', 'unit prove', 'oracle all', 'catalogue twice', 'unit root', 'unit rows', 'catalogue roots', 'climb', 'batch']),
+    (r'src/solve/entries', ['unit quick', 'unit all', 'unit prove', 'oracle all', 'catalogue twice', 'unit root', 'unit rows', 'catalogue roots', 'climb', 'batch']),
     (r'src/solve/', ['unit root', 'unit intersect', 'unit rows', 'oracle brute']),
     (r'src/ray/(prove|unique)', ['unit prove', 'edges', 'unit trace', 'proof', 'catalogue roots', 'catalogue laws']),
     (r'src/system/(aim|error|gradient)_batch', ['derivatives and aims of many rays', 'errors of many ends', 'doors']),

@@ -1,8 +1,9 @@
 /* What one step of the quick form claims (src/solve/step.h), by itself: a root that is certified is inside
  * of the stretch for which the slope is bounded, and a root is told not to count only where no point within
- * its error does. */
+ * its error does.  And what an entry of a list covers that takes in another one (src/solve/entries.h). */
 #include "unit.h"
 
+#include "../../src/solve/entries.h"
 #include "../../src/solve/step.h"
 
 static void test_certified(void **state)
@@ -74,9 +75,35 @@ static void test_certain_to_be_off(void **state)
     print_message("%ld certainly off, %ld counted\n", off, counted);
 }
 
+/* [lo, hi] of an entry has all that it had, all that it takes in, and t with its error to both sides. */
+static void test_covered(void **state)
+{
+    (void)state;
+    generator g = seeded("covered");
+    long n = scaled(100000), right = 0, left = 0;
+    for (long i = 0; i < n; i++) {
+        const double t = uniform(&g, -1, 1) * log_uniform(&g, 1e-6, 1e6), err = log_uniform(&g, 1e-20, 1e-3);
+        const sgt_interval was = sgt_about(t, err);
+        sgt_hit hits[1] = {{.status = SGT_HIT, .t = t, .t_err = err, .lo = was.lo, .hi = was.hi}};
+        sgt_list list = {.hits = hits, .cap = 1};
+        sgt_list_add(&list, &hits[0]);
+        const double from = t - log_uniform(&g, 1e-20, 1e-2), to = t + log_uniform(&g, 1e-20, 1e-2);
+        sgt_list_cover(&list, from, to);
+        const sgt_hit *h = &hits[0];
+        REQUIRE(h->lo <= was.lo && h->lo <= from && h->hi >= was.hi && h->hi >= to && h->t == t,
+                "case %ld: [%.17g, %.17g] and [%.17g, %.17g] are not in [%.17g, %.17g]", i, was.lo, was.hi, from,
+                to, h->lo, h->hi);
+        REQUIRE((long double)h->t - h->t_err >= h->lo && (long double)h->t + h->t_err <= h->hi,
+                "case %ld: t %.17g, t_err %g, [%.17g, %.17g]", i, h->t, h->t_err, h->lo, h->hi);
+        REQUIRE(list.last.lo == h->lo && list.last.hi == h->hi && list.last.t_err == h->t_err, "case %ld", i);
+        right += t - from < to - t, left += t - from > to - t;
+    }
+    REQUIRE(right > n / 4 && left > n / 4, "%ld to the right, %ld to the left", right, left);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_certified),
-                                       cmocka_unit_test(test_certain_to_be_off)};
+                                       cmocka_unit_test(test_certain_to_be_off), cmocka_unit_test(test_covered)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
