@@ -27,6 +27,14 @@
  * F as `value` has it must be 0 there within 2^10 roundings; if not, `encloses` and `value` are not about
  * one F, and nothing is said.
  *
+ * THE START.  If 0 is in G at the start, the near end of a monotone cell, the sign there cannot be told.  It
+ * need not be.  If the cell has a root, that is within |G| / |S| of the start, and there is no other.  It is
+ * the start by the rule of accept.h if the error of such a root, half the width of G over |S|, is no more
+ * than 16 widths of the rule (as in proof_take of proof.c), and F as `value` has it says that it is within
+ * half of one.  Behind the cell the sign is that of S.  If S is too wide for that, the cell is made shorter.
+ * Before, these rays were left to proof.c, which bisects down to rounding: 25 to 100 times the time of a
+ * first hit, where it is 1.1 to 1.7 times now (gyroid, quartic, sphere, torus as formulas, batches of 1000).
+ *
  * THE LENGTH OF A CELL is only a guess, from the last answer.  Over a cell of length w, g was K w wide and S
  * was B w wide.  Let c be |g| where the next cell begins, as the middles of G and S have it, and s the slope
  * of |g|.  The next cell is the longest of these, but at most 4 w, and w/2 if nothing was decided:
@@ -35,6 +43,8 @@
  *     |s| / B            S will not change its sign in it (1.5 times that, if |g| rises: then it has no root)
  *     1.6 c / |s|        1.6 Newton steps, if |g| falls and S stays away from 0 so far: the cell has the root
  *
+ * Behind the last point of a cell it is 1.6 Newton steps, w to 4 w.
+ *
  * COST, 640 x 480 rays into a ball of 1.6 (tests/bench/bench_cells.cpp), cells a ray, those that certify a
  * root included: Barth's sextic 11.6, Clebsch 8.0, Chmutov of degree 8 8.3, a gyroid 8.7.  The march of a
  * cell takes 5 ns with AVX-512.
@@ -42,7 +52,7 @@
  * WHAT IS LEFT is SGT_HARD, and goes through answer.c:
  * - rays without two finite ends, with numbers out of range, or from so far that an ulp of t is coarse;
  * - a cell at the resolution of t, or more than MOST_CELLS of them: grazes, singular points;
- * - a sign that is not certain at the end of a monotone cell: a ray that starts on the surface;
+ * - a sign that is not certain at the end of a monotone cell, and a start that THE START does not settle;
  * - a root that is near an end of the ray, by a wide margin (DOUBT);
  * - a root that is not certified. */
 #include "cells_batch.h"
@@ -550,8 +560,8 @@ static void move_slot(slots *s, size_t to, size_t from)
         rows[r * SLOTS + to] = rows[r * SLOTS + from];
 }
 
-/* G at the start, the near end of a monotone cell, has 0 in it (THE START).  The march goes on, behind the cell
- * or in a shorter one, or the ray is given up.  f, n: F and its gradient at p, the start. */
+/* G at the start, the near end of a monotone cell, has 0 in it (THE START).  The march goes on, behind the
+ * cell or in a shorter one, or the ray is given up.  f, n: F and its gradient at p, the start. */
 static void settle_start(slots *s, size_t k, sgt_vec3 p, double f, sgt_vec3 n, double budget)
 {
     double a = s->a[k], b = s->b[k], g_lo = s->g_lo[k], g_hi = s->g_hi[k], lo = s->steep_lo[k],
@@ -560,9 +570,10 @@ static void settle_start(slots *s, size_t k, sgt_vec3 p, double f, sgt_vec3 n, d
     double terms = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z) - 64 * noise,
            slope = fabs(n.x * s->d[0][k] + n.y * s->d[1][k] + n.z * s->d[2][k]);
     slope = slope < flat ? flat : slope > steep ? steep : slope; /* of a NaN: NaN */
-    double reach = START_ULPS * terms / slope, evals = s->evals[k] + 1;
-    bool start = g_lo <= 0 && g_hi >= 0 && last < 0.25 * w && 0.5 * noise / flat <= 16 * reach &&
-                 fabs(f) <= 0.5 * reach * slope + 0.125 * noise,
+    double reach = START_ULPS * terms / slope, evals = s->evals[k] + 1,
+           most = larger(fabs(s->d[0][k]), larger(fabs(s->d[1][k]), fabs(s->d[2][k])));
+    bool near = 0.5 * noise / flat <= 16 * reach && fabs(f) <= 0.5 * reach * slope + 0.125 * noise,
+         start = g_lo <= 0 && g_hi >= 0 && last < 0.25 * w && (near || last * most <= START_LEAST),
          shorter = !start && flat < 0.25 * steep && 0.125 * w > 0x1p-40 * fabs(a) && evals < budget;
     s->evals[k] = evals;
     if (start) s->a[k] = b, s->sign[k] = lo > 0 ? 1 : -1, s->least[k] = 0.5 * flat * w;
@@ -581,14 +592,16 @@ static void settle_starts(cell_search *j)
     for (size_t k = 0; k < s->count; k++) {
         if (s->leave[k] != STARTED) continue;
         s->leave[k] = GIVEN_UP;
-        if (s->a[k] != j->tile->rays.tmin[(size_t)s->ray[k]]) continue; /* not the start, but that of a span */
+        if (s->a[k] != j->tile->rays.tmin[(size_t)s->ray[k]]) continue; /* not the start,
+            but that of a span */
         for (int c = 0; c < 3; c++) p[c][n] = moved_along(s->o[c][k], s->a[k], s->d[c][k]);
         at[n++] = k;
     }
     if (n > 0)
         values_of(j, n, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {grad[0], grad[1], grad[2]}});
     for (size_t i = 0; i < n; i++) {
-        sgt_vec3 d = {s->d[0][at[i]], s->d[1][at[i]], s->d[2][at[i]]}, n_i = {grad[0][i], grad[1][i], grad[2][i]};
+        sgt_vec3 d = {s->d[0][at[i]], s->d[1][at[i]], s->d[2][at[i]]}, n_i = {grad[0][i], grad[1][i],
+                                                                              grad[2][i]};
         if (j->told && !j->told->stopped)
             tell(j->told, SGT_PROBE, s->a[at[i]], f[i], n_i.x * d.x + n_i.y * d.y + n_i.z * d.z, s->a[at[i]],
                  s->b[at[i]]);

@@ -32,13 +32,13 @@
  * Nothing is promised in three cases: between these two; if D is not above 16 De (the ray touches); and if
  * the distance from the vertex is within what a double can tell of t.
  *
- * A START ON THE SURFACE is between these two: the roots about x are off by more than the rule's own width.  So
- * rays without a promise are looked at from the start.  Let g there be known within e, and s the slope.  If
- * 64 |A| (|g| + e) <= s^2, a root lies within 1.02 (|g| + e) / |s| of the start, and the other is at least
+ * A START ON THE SURFACE is between these two: the roots about x are off by more than the rule's own width.
+ * So rays without a promise are looked at from the start.  Let g there be known within e, and s the slope.
+ * If 64 |A| (|g| + e) <= s^2, a root lies within 1.02 (|g| + e) / |s| of the start, and the other is at least
  * 0.9 |s / A| from it.  The near one is the first if s and A have unlike signs (g falls toward the vertex, as
- * A is its bend).  It is the start if |g| is within half of the rule's width, and e is no more than 16 widths,
- * as everywhere (accept.h; proof_take of ray/proof.c).  Then the second is behind the vertex.  If the start is
- * the second, no root is accepted. */
+ * A is its bend).  It is the start if |g| is within half of the rule's width, and e is no more than 16
+ * widths, as everywhere (accept.h; proof_take of ray/proof.c).  Then the second is behind the vertex.  If the
+ * start is the second, no root is accepted. */
 #ifndef SGT_SURFACE_BODY_QUADRATIC_H
 #define SGT_SURFACE_BODY_QUADRATIC_H
 
@@ -170,10 +170,11 @@ typedef struct beginning { double g, g_err, slope, slope_err, terms; } beginning
 SGT_INLINE lane_span quadratic_leave(const near_ray *r, const crossings *c, const parabola *p, lane_span a,
                                      beginning b, double tmin)
 {
-    double g = fabs(b.g), e = b.g_err + 2 * SGT_U * b.terms, steep = fabs(b.slope), width = START_ULPS * b.terms;
+    double g = fabs(b.g), e = b.g_err + 2 * SGT_U * b.terms, steep = fabs(b.slope),
+        width = START_ULPS * b.terms;
     mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900),
-         on = two & (~a.single | a.leaves) & MASK(fabs(tmin) < HUGE_VAL) & MASK(g <= 0.5 * width + 0.125 * e) &
-              MASK(e <= 16 * width) & MASK(64 * fabs(p->A) * (g + e) <= steep * steep) &
+         on = two & (~a.single | a.leaves) & MASK(fabs(tmin) < HUGE_VAL) &
+              MASK(g <= 0.5 * width + 0.125 * e) & MASK(e <= 16 * width) & MASK(64 * fabs(p->A) * (g + e) <= steep * steep) &
               MASK(steep > 0x1p10 * b.slope_err) & MASK(width > TINY);
     mask first = on & MASK(b.slope * p->A < 0), last = on & MASK(b.slope * p->A > 0);
     a.lo = chosen(first, (r->t0 + c->mid) * r->scale, a.lo);
@@ -217,13 +218,14 @@ SGT_INLINE double settled_of(lane_span a)
         }                                                                                              \
     }
 
-#define QUADRATIC_SPANS(NAME, SELF, APPROACH, TERMS, BEGINNING)                                                        \
+#define QUADRATIC_SPANS(NAME, SELF, APPROACH, TERMS, BEGINNING)                                             \
     QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c))                               \
     QUADRATIC_LANES(NAME##_all_firsts, SELF, APPROACH,                                                      \
                     quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]))                               \
     QUADRATIC_LANES(NAME##_all_leaving, SELF, APPROACH,                                                     \
                     quadratic_leave(&r, &c, &p, quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]),   \
-                                    BEGINNING(&s, start_of(&r, ox[i], oy[i], oz[i], tmin[i]), r.d), tmin[i])) \
+                                    BEGINNING(&s, start_of(&r, ox[i], oy[i], oz[i], tmin[i]), r.d),         \
+                                    tmin[i]))                                                               \
     static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)         \
     {                                                                                                       \
         double single[DEPARTURE_BLOCK];                                                                     \
