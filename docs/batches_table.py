@@ -11,8 +11,8 @@ KINDS = [  # of tables: the cases, how each ends, in the order of its columns
     (['plane', 'sphere', 'paraboloid', 'conic', 'asphere'], '1e3'),
     (['plane', 'sphere', 'paraboloid', 'conic', 'asphere'], '1e6'),
     (['own-conic', 'own-asphere'], '1e3'),
-    (['scan-lens', 'lens-of-aspheres', 'aspheric-singlet'], '1e3'),
-    (['scan-lens', 'lens-of-aspheres', 'aspheric-singlet'], '1e6'),
+    (['scan-lens', 'lens-of-aspheres', 'aspheric-singlet', 'phone-lens'], '1e3'),
+    (['scan-lens', 'lens-of-aspheres', 'aspheric-singlet', 'phone-lens'], '1e6'),
 ]
 PLACES = (28, 37, 46, 57, 68)                        # where the columns of the figures to reach end
 

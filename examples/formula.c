@@ -30,7 +30,7 @@ int main(void)
     printf("a = 1:  %s at t = %.17g, right within %.2g\n", sgt_status_text(hit.status), hit.t, hit.t_err);
 
     /* Another value of a: nothing is read anew. */
-    sgt_formula_set(tape, (const double[]){0.001});
+    sgt_formula_set(tape, (const double[]){0.001}, NULL);
     sgt_hit miss = sgt_intersect(surface, ray, &options);
     printf("a = 0.001: %s\n", sgt_status_text(miss.status));
 

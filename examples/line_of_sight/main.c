@@ -213,9 +213,8 @@ static sgt_geoid *open_geoid(const request *r)
 {
     char found[4096];
     sgt_error error;
-    if (!r->geoid && !sgt_geoid_find(found, sizeof found))
-        fail_input(
-            "--surface geoid: egm96_15.gtx is not installed (Debian: proj-data); --geoid names a grid");
+    if (!r->geoid && !sgt_geoid_find(found, sizeof found, &error))
+        fail_input("--surface geoid: %s (Debian: proj-data); --geoid names a grid", error.words);
     sgt_geoid *geoid = sgt_geoid_open(r->geoid ? r->geoid : found, &error);
     if (!geoid) fail_input("%s: %s", error.file, error.words);
     return geoid;

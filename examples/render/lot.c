@@ -57,7 +57,7 @@ static double error_of(const object *o, const sgt_ray *ray, double t, double t_e
 event event_alone(const object *o, const beam *b, double tmin, double far, double side)
 {
     sgt_ray ray = ray_in(o, b);
-    ray.tmin = tmin, ray.tmax = far;
+    ray = sgt_ray_between(ray.o, ray.d, tmin, far); /* both may be 0 */
     for (int i = 0, spent = 0;; i++) {
         if (!(ray.tmin < far)) return (event){.evals = spent};
         sgt_hit hit = sgt_intersect(o->surface, ray, &o->options);

@@ -144,7 +144,8 @@ typedef struct sgt_ray_end {
      * path to the foot of a perpendicular from a fixed point near p (sgt_trace_error).
      * The rounding of the launch ray is in them. */
     double p_err, opl_err;
-    /* A bound on the error of d, an angle in radians.  NaN unless the lens is afocal. */
+    /* A bound on the error of d, an angle in radians.  NaN unless the lens is afocal or
+     * sgt_trace_chief set it. */
     double d_err;
     double within;       /* unless aimed is SGT_MET: as in sgt_launched */
     unsigned long long reserved_[4];
@@ -305,6 +306,14 @@ SGT_API bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *bea
                              const sgt_element e[], double index_before,
                              const sgt_first_order *data, sgt_distortion distortion,
                              sgt_field_point *out, sgt_error *error);
+
+/* First-order data along the real chief ray of a field (lens.h), at a wavelength in um
+ * (NaN: the primary one; none if the lens gives none).  field: from 1.  The ray goes
+ * through the centre of the stop, or of the paraxial pupil if the object is telecentric,
+ * whatever clips it.  false: *out is NaN, and `error` (may be NULL) says why; no file is
+ * named where the ray is to blame. */
+SGT_API bool sgt_field_parabasal(const sgt_lens *lens, double um, size_t field,
+                                 sgt_parabasal *out, sgt_error *error);
 
 #ifdef __cplusplus
 }

@@ -96,9 +96,9 @@ SGT_API sgt_tape *sgt_formula_read(const char *text, sgt_formula_kind kind, size
                                    const sgt_named parameters[], void *room, size_t size,
                                    sgt_error *error);
 
-/* Gives the parameters other values, n as when it was read.  false: one is not finite,
- * and nothing is changed. */
-SGT_API bool sgt_formula_set(sgt_tape *tape, const double values[]);
+/* Gives the parameters other values, n as when it was read.  false: one is not finite, as
+ * `error` (may be NULL) says, and nothing is changed. */
+SGT_API bool sgt_formula_set(sgt_tape *tape, const double values[], sgt_error *error);
 
 /* F(x, y, z) = 0 within a ball about the origin, or a box, or both.  Points outside are
  * not of the surface; at its border that is so up to rounding. */

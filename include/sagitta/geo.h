@@ -88,8 +88,9 @@ SGT_API void       sgt_geoid_close(sgt_geoid *geoid);  /* NULL is nothing */
 
 /* The path of egm96_15.gtx as PROJ's data are installed: in the folders of PROJ_DATA and
  * PROJ_LIB, then where PROJ was when this was built, then in the usual ones.
- * false: it is nowhere, or its path has `size` characters or more. */
-SGT_API bool sgt_geoid_find(char *path, size_t size);
+ * false: it is nowhere, or its path has `size` characters or more, as `error` (may be
+ * NULL) says. */
+SGT_API bool sgt_geoid_find(char *path, size_t size, sgt_error *error);
 
 /* N in m, at a latitude of -90 ... 90 and a longitude, in degrees; NaN elsewhere. */
 SGT_API double sgt_geoid_undulation(const sgt_geoid *geoid, double latitude,

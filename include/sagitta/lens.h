@@ -329,8 +329,9 @@ SGT_API sgt_lens *sgt_lens_read_surface(const char *name, const char *text,
 SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
 
 /* The elements at a wavelength in um: copies lens->element to `element`, room for
- * lens->count, with the indices of that wavelength, and sets *index_before.  um NaN:
- * where the file gives no wavelengths.  An ideal lens for which the file gives no
+ * lens->count, with the indices of that wavelength, and sets *index_before.  element
+ * NULL: not wanted; at the primary wavelength they are those of the lens.  um NaN: where
+ * the file gives no wavelengths.  An ideal lens for which the file gives no
  * object_distance has the paraxial one of that wavelength, or of the primary one if the
  * file does not list it.  false: some medium has no index there (a list of indices for
  * other wavelengths, a pole), and `error` says which. */
@@ -428,17 +429,19 @@ typedef struct sgt_parabasal {
     double focus[2];          /* to where rays meet that came parallel to it */
     double image[2];          /* to where rays meet that came from its start */
     double magnification[2];  /* there */
-    unsigned long long reserved_[4];
+    double power_xy;          /* the larger of |power[0][1]| and |power[1][0]| */
+    unsigned long long reserved_[3];
 } sgt_parabasal;
 
 /* chief and passages: as given to sgt_trace, and as it left them, of all elements.
  * from_point: the chief ray starts at its object point; else from afar, and image is
- * focus.  false: it did not get through, or a surface has no second derivatives; all is
- * NaN. */
+ * focus.  false: all is NaN, and `error` (may be NULL) says why: it did not get through,
+ * or a surface has no second derivatives.  sgt_field_parabasal (analysis.h) finds the
+ * chief ray of a field, too. */
 SGT_API bool sgt_lens_parabasal(size_t elements, const sgt_element e[],
                                 double index_before, bool from_point,
                                 const sgt_ray *chief, const sgt_passage passages[],
-                                sgt_parabasal *out);
+                                sgt_parabasal *out, sgt_error *error);
 
 /* ---------------------------------------------------------- points of a pupil */
 

@@ -126,9 +126,10 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  *
  * ENDS.  tmin and tmax are taken as they stand, but for one pair: both 0, as {0} leaves
  * them, mean the half-line that begins at o, tmax = INFINITY.  So if you give tmin alone,
- * give INFINITY besides.  If you compute ends, which may both come out as 0, make the ray
- * by sgt_ray_between: its ends are always taken as they stand.  -INFINITY and INFINITY
- * mean the whole line.  At tmax a root is accepted if its computed t is at most tmax.
+ * give INFINITY besides.  And {.tmin = 0, .tmax = x} is endless where a computed x comes
+ * out as 0.  Make a ray of computed ends by sgt_ray_between, which takes them as they
+ * stand.  -INFINITY and INFINITY mean the whole line.  At tmax a root is accepted if
+ * its computed t is at most tmax.
  *
  * THE START.  The root at the start itself is not accepted: a finite tmin stands for
  * "leave the surface you may be on".  Precisely, a root t is not accepted if

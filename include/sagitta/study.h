@@ -235,7 +235,8 @@ typedef enum sgt_remark_of_study {
 } sgt_remark_of_study;
 
 /* Where answers go.  All calls come from the thread that asks, in the order of the rows;
- * what they are given lasts until they return.  NULL: not wanted. */
+ * what they are given lasts until they return.  They may come from inside of `run`, while
+ * other threads work.  NULL: not wanted. */
 typedef struct sgt_sink {
     void  *context;
     void (*row)(void *context, const void *row);

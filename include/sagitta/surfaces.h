@@ -461,6 +461,18 @@ typedef struct sgt_builtin {
  * exported data as long as they were when it was linked, and this list grows.) */
 SGT_API const sgt_builtin *sgt_builtins(void);
 
+/* The first row with the operations of s; of another surface the row of zeros. */
+SGT_API const sgt_builtin *sgt_builtin_of(sgt_surface s);
+
+/* A number of s by the key that a lens file has for it, such as "semi_diameter", in any
+ * row with its operations: where it stands in s.self.  NULL: s has no such number, or is
+ * of no built-in type. */
+SGT_API const double *sgt_number_of(sgt_surface s, const char *key);
+
+/* Is any surface a sag, F = z - s(x, y)?  If not (a body, a level set), it has no vertex
+ * and no profile.  Told by dF/dz at two points of the axis. */
+SGT_API bool sgt_is_sag(sgt_surface s);
+
 #ifdef __cplusplus
 }
 #endif

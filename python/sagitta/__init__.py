@@ -18,7 +18,8 @@ from ._library import ArithmeticFault
 from .earth import GeodeticHeight, Geoid, LevelGravity
 from .formula import Formula, FormulaError, Sag
 from .function import Function
-from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Rays, Remark, Seidel, Sensitivity
+from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Parabasal, Rays, Remark, Seidel
+from .lens import Sensitivity
 from .results import Aimed, Fate, Hit, Hits, Passage, Status, Traced
 from .study import Answer, Fates
 from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
@@ -51,6 +52,7 @@ __all__ = [
     "Lens",
     "LensError",
     "LevelGravity",
+    "Parabasal",
     "Passage",
     "Prepared",
     "Rays",

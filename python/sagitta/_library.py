@@ -392,6 +392,18 @@ class FirstOrder(Structure):
     ]
 
 
+class Parabasal(Structure):
+    _fields_ = [
+        ("power", Pair * 2),
+        ("efl", Pair),
+        ("focus", Pair),
+        ("image", Pair),
+        ("magnification", Pair),
+        ("power_xy", c_double),
+        ("reserved_", Words * 3),
+    ]
+
+
 class Seidel(Structure):
     _fields_ = [
         (name, c_double) for name in ("spherical", "coma", "astigmatism", "petzval", "distortion")
@@ -703,6 +715,10 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sgt_lens_first_order": (
         c_bool,
         [POINTER(Lens), c_double, POINTER(FirstOrder), c_void_p, POINTER(Error)],
+    ),
+    "sgt_field_parabasal": (
+        c_bool,
+        [POINTER(Lens), c_double, c_size_t, POINTER(Parabasal), POINTER(Error)],
     ),
     "sgt_pupil_points": (c_size_t, [c_int, c_size_t, ctypes.c_uint64, c_size_t, c_void_p]),
     "sgt_catalogue_new": (c_void_p, [c_void_p]),

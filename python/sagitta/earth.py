@@ -32,9 +32,9 @@ _told: Any = None  # the words of the last refusal, for the library to copy
 def _open(file: Optional[str]) -> int:
     """The address of a geoid."""
     if file is None:
-        words = ctypes.create_string_buffer(_ROOM)
-        if not C.library.sgt_geoid_find(words, ctypes.c_size_t(_ROOM)):
-            raise ValueError("missing, and the default grid, egm96_15.gtx of proj-data, is not installed")
+        words, error = ctypes.create_string_buffer(_ROOM), C.Error()
+        if not C.library.sgt_geoid_find(words, ctypes.c_size_t(_ROOM), ctypes.byref(error)):
+            raise ValueError("missing, and " + C.text(error.words))
         file = os.fsdecode(words.value)
     if file not in _opened:
         C.library.sgt_geoid_open.restype = ctypes.c_void_p

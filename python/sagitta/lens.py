@@ -284,6 +284,26 @@ class FirstOrder:
 
 
 @dataclass
+class Parabasal:
+    """First-order data along the real chief ray of a field (analysis.h, sgt_field_parabasal), for lenses that
+    are folded, tilted or freeform: in two sections, x and y.  Distances are along the ray, from the last
+    element.  power_xy: how far the sections mix; if it is not 0, the rest is NaN.  why_not: why there are no
+    data; "": there are.  Names are those of the json of `sagitta info`."""
+
+    field: int
+    efl_x: float
+    efl_y: float
+    focus_x: float
+    focus_y: float
+    image_x: float
+    image_y: float
+    magnification_x: float
+    magnification_y: float
+    power_xy: float
+    why_not: str
+
+
+@dataclass
 class Seidel:
     """The Seidel sums of each surface, as wavefronts (lens.h, sgt_seidel), or why there are none."""
 
@@ -913,6 +933,20 @@ class Lens:
         sums: dict[str, Any] = dict(zip(names, columns))
         return Seidel(**sums, why_not=C.text(out.without_seidel))
 
+    def parabasal(self, wavelength: Wavelength = None) -> list[Parabasal]:
+        """First-order data along the real chief ray of each field of the lens, in their order."""
+        self._only_files("parabasal")
+        C.check_arithmetic()
+        um, rows = self._um(wavelength), []
+        for number in range(1, self._c.fields + 1):
+            out, error = C.Parabasal(), C.Error()
+            known = C.library.sgt_field_parabasal(self._handle.pointer, um, number, _byref(out), _byref(error))
+            names = (of.name for of in fields(Parabasal)[1:-1])
+            sections = (*out.efl, *out.focus, *out.image, *out.magnification, out.power_xy)
+            data: dict[str, Any] = dict(zip(names, sections))
+            rows.append(Parabasal(field=number, why_not="" if known else str(_fault(error)), **data))
+        return rows
+
     @property
     def afocal(self) -> bool:
         """Whether the lens says that light leaves it as parallel rays; spot() then answers in angles."""
@@ -1123,6 +1157,7 @@ __all__ = [
     "FirstOrder",
     "Lens",
     "LensError",
+    "Parabasal",
     "Rays",
     "Remark",
     "Seidel",

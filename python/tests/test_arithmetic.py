@@ -62,6 +62,7 @@ def test_it_is_refused(bits, says):
             lens.spot,
             lens.launch,
             lens.seidel,
+            lens.parabasal,
             lambda: sagitta.Lens([sagitta.Element(ball)]),
             lambda: lens.aim(0, (0, 0), sagitta.Beam((0, 0, -5), d)),
         ):

@@ -143,7 +143,7 @@ def test_in_a_lens(rng):
     assert a.through.all() and np.abs(a.o - b.o).max() < 1e-10 and np.abs(a.opl - b.opl).max() < 1e-10
     assert np.abs(a.passages[0].p - b.passages[0].p).max() < 1e-11
     assert same(a.o, mine.trace(o, (0, 0, 1), threads=2).o)
-    for call in (mine.first_order, mine.seidel, mine.spot, mine.launch):
+    for call in (mine.first_order, mine.seidel, mine.parabasal, mine.spot, mine.launch):
         with pytest.raises(ValueError, match=r"element 0 is Function\(cap\)"):
             call()
     change = mine.sensitivity(o[:, :200], (0, 0, 1))

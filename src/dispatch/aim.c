@@ -4,19 +4,19 @@
 #include <sagitta/aim.h>
 
 SGT_DISPATCH(int, sgt_trace_sensitivity,
-             (size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+             (size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
               const sgt_passage passages[], size_t columns, const sgt_ray_change change[],
               sgt_ray_change out[]),
-             (n, e, index_before, launch, passages, columns, change, out))
-SGT_DISPATCH(size_t, sgt_trace_parameters, (size_t n, const sgt_element e[]), (n, e))
+             (elements, e, index_before, launch, passages, columns, change, out))
+SGT_DISPATCH(size_t, sgt_trace_parameters, (size_t elements, const sgt_element e[]), (elements, e))
 SGT_DISPATCH(int, sgt_trace_gradient,
-             (size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+             (size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
               const sgt_passage passages[], size_t rows, const sgt_ray_change weight[], double gradient[]),
-             (n, e, index_before, launch, passages, rows, weight, gradient))
+             (elements, e, index_before, launch, passages, rows, weight, gradient))
 SGT_DISPATCH(bool, sgt_trace_error,
-             (size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+             (size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
               const sgt_passage passages[], sgt_end_error *out),
-             (n, e, index_before, launch, passages, out))
+             (elements, e, index_before, launch, passages, out))
 SGT_DISPATCH(int, sgt_trace_sensitivity_batch,
              (size_t elements, const sgt_element e[], double index_before, size_t n, sgt_rays rays,
               const sgt_passages passages[], size_t columns, const sgt_ray_changes change[],

@@ -5,6 +5,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #define ANY_REAL -DBL_MAX, DBL_MAX
 #define ROW(...) ROW_OF(__VA_ARGS__) /* ANY_REAL is two arguments */
@@ -78,3 +79,29 @@ static const sgt_builtin builtins[] = {
 };
 
 const sgt_builtin *sgt_builtins(void) { return builtins; }
+
+const sgt_builtin *sgt_builtin_of(sgt_surface s)
+{
+    const sgt_builtin *b = builtins;
+    while (b->type && b->ops != s.ops) b++;
+    return b;
+}
+
+const double *sgt_number_of(sgt_surface s, const char *key)
+{
+    for (const sgt_builtin *b = builtins; b->type; b++)
+        for (const sgt_param *p = b->params; b->ops == s.ops && p->name; p++)
+            if (p->kind == SGT_PARAM_REAL && strcmp(p->name, key) == 0)
+                return (const void *)((const char *)s.self + p->offset);
+    return NULL;
+}
+
+/* For F = z - s(x, y), dF/dz is exactly 1 at every z.  For bodies and level sets it is not, at the two points
+ * of the axis that are tried. */
+bool sgt_is_sag(sgt_surface s)
+{
+    sgt_vec3 low, high;
+    s.ops->value(s.self, (sgt_vec3){0, 0, 0}, &low);
+    s.ops->value(s.self, (sgt_vec3){0, 0, 1}, &high);
+    return low.z == 1 && high.z == 1;
+}

@@ -8,8 +8,8 @@
  *     v3      x86-64: AVX2 and the fused multiply-add
  *     v4      x86-64: AVX-512
  *
- * names.h (names.py) gives each function the name of its set.  check/diagnose.c and system/pose.c are
- * compiled once: no set is faster at them.
+ * names.h (names.py) gives each function the name of its set.  check/diagnose.c is compiled once: no set
+ * is faster at it.
  *
  * WHAT A PROGRAM LINKS TO is in this folder: the public functions, which jump to those of a set, and the
  * public tables of operations, whose functions do the same.  Inside a set nothing is chosen any more.  A

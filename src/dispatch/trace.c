@@ -4,8 +4,9 @@
 #include <sagitta/system.h>
 
 SGT_DISPATCH(size_t, sgt_trace,
-             (size_t n, const sgt_element e[], double index_before, sgt_ray *ray, sgt_passage passages[],
-              sgt_fate *fate, const sgt_options *opt),
-             (n, e, index_before, ray, passages, fate, opt))
+             (size_t elements, const sgt_element e[], double index_before, sgt_ray *ray,
+              sgt_passage passages[], sgt_fate *fate, const sgt_options *opt),
+             (elements, e, index_before, ray, passages, fate, opt))
+SGT_DISPATCH(sgt_pose, sgt_pose_tilted, (sgt_vec3 origin, sgt_vec3 degrees), (origin, degrees))
 SGT_EXPORT(sgt_clipping, sgt_clipped_by, (const sgt_element *e, sgt_vec3 p), (e, p))
 SGT_EXPORT(const char *, sgt_fate_text, (sgt_fate fate), (fate))

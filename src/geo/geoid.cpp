@@ -410,19 +410,24 @@ sgt_geoid *sgt_geoid_open(const char *path, sgt_error *error)
 
 void sgt_geoid_close(sgt_geoid *geoid) { delete geoid; }
 
-bool sgt_geoid_find(char *path, size_t size)
+bool sgt_geoid_find(char *path, size_t size, sgt_error *error)
 {
+    const char *wrong = "the default grid, egm96_15.gtx of proj-data, is not installed";
     const char *folders[] = {std::getenv("PROJ_DATA"), std::getenv("PROJ_LIB"), SGT_PROJ_DATA,
                              "/usr/share/proj", "/usr/local/share/proj"};
     for (const char *folder : folders) {
         if (!folder || !*folder) continue;
         int n = std::snprintf(path, size, "%s/egm96_15.gtx", folder);
-        if (n < 0 || static_cast<size_t>(n) >= size) continue;
+        if (n < 0 || static_cast<size_t>(n) >= size) {
+            wrong = "no grid was found in the folders of PROJ whose names are short enough for the path";
+            continue;
+        }
         if (std::FILE *file = std::fopen(path, "rb")) {
             std::fclose(file);
             return true;
         }
     }
+    geo::say(error, "", wrong);
     return false;
 }
 

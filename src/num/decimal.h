@@ -188,9 +188,32 @@ static inline const char *decimal_zeros(const char *s, const char *end)
     return s;
 }
 
+/* Eight digits at once, the first in the lowest byte: 0x30 to 0x39, which stay below 0x40 with 6 added.  Then
+ * pairs of neighbours become one number: 10 a + b, 100 a + b, 10000 a + b (Lemire 2018, Quickly parsing eight
+ * digits). */
+static inline bool decimal_eight(uint64_t v)
+{
+    const uint64_t high = 0xf0f0f0f0f0f0f0f0u, ascii = 0x3030303030303030u;
+    return (v & high) == ascii && ((v + 0x0606060606060606u) & high) == ascii;
+}
+
+static inline uint64_t decimal_of_eight(uint64_t v)
+{
+    v = ((v & 0x0f0f0f0f0f0f0f0fu) * (1 + (10u << 8))) >> 8;
+    v = ((v & 0x00ff00ff00ff00ffu) * (1 + (100u << 16))) >> 16;
+    return ((v & 0x0000ffff0000ffffu) * (1 + ((uint64_t)10000 << 32))) >> 32;
+}
+
 /* Appends the digits from s on to *d, modulo 2^64; returns where they end. */
 static inline const char *decimal_digits(const char *s, const char *end, uint64_t *d)
 {
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    for (uint64_t v; end && end - s >= 8; s += 8) {
+        memcpy(&v, s, sizeof v);
+        if (!decimal_eight(v)) break;
+        *d = 100000000 * *d + decimal_of_eight(v);
+    }
+#endif
     for (; decimal_digit(s, end); s++) *d = 10 * *d + (uint64_t)(*s - '0');
     return s;
 }

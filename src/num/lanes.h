@@ -22,4 +22,12 @@ SGT_INLINE double chosen(mask m, double yes, double no) { return m != 0 ? yes : 
 /* Marks a loop whose rounds do not depend on each other. */
 #define LANES _Pragma("omp simd")
 
+/* Marks a loop of a constant number of rounds, at most 16, inside of such a loop: to be written out, as a
+ * loop inside would keep the compiler from vectorising. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define UNROLLED _Pragma("GCC unroll 16")
+#else
+#define UNROLLED
+#endif
+
 #endif

@@ -14,7 +14,8 @@
  *     acceptance    is the root accepted, and what is reported of it
  *
  * In each phase the points are made (by the loop before, where it can).  `values` is called for all of
- * them at once.  One or two loops look at the answers.
+ * them at once; of a departure `values_rounded`, which gives the bound on its rounding too.  One or two loops
+ * look at the answers.
  *
  * VECTOR CODE.  To keep gcc 12 vectorising, select with doubles instead of bools, and never select twice
  * on one condition in one loop.  Lanes that are done and not yet moved away are asked again at the same
@@ -24,6 +25,7 @@
  * A LANE NEVER CHANGES ITS NEIGHBOUR.  No statement but those of the moves has two lanes in it.  A lane
  * for which the quick form has no answer is left to the single ray.  No point is asked for outside the
  * stretch that is searched.  The surface is not given a ray that sgt_intersect would reject. */
+#include "../num/lanes.h"
 #include "../solve/root.h"
 #include "general.h"
 #include "../solve/step.h"
@@ -78,6 +80,7 @@ typedef struct lanes_job {
     vicinities *kept;   /* what is known of parts of it */
     sgt_shared bare;    /* bare_of shared */
     bool rows;          /* what the departure adds to the rounding differs from lane to lane */
+    bool rounded;       /* g_err of every lane that Newton's steps were tried on has all of the rounding */
     lanes *a;
     /* What `values` is given, made once.  If it were built in smaller pieces for each call, its copy would
      * have to wait for those stores. */
@@ -175,6 +178,17 @@ static void lanes_ask(lanes_job *w, size_t n, const sgt_values *out)
     }
 }
 
+/* The same with the surface's own rounding, which is set as add_noise leaves it.  false: neither is. */
+static bool ask_rounded(lanes_job *w, size_t n, const sgt_values *out, double *own)
+{
+    const sgt_surface_ops *ops = w->s.ops;
+    const lanes *a = w->a;
+    const double *const rows[3] = {a->noise0, a->noise1, a->most2};
+    return is_catalogue(ops) && ops->own_->values_rounded &&
+           ops->own_->values_rounded(w->s.self, w->rows ? &w->bare : &w->shared, w->rows ? rows : NULL, n,
+                                     w->points, *out, own);
+}
+
 /* Adds the surface's own rounding where close_of says so; everywhere if last is NULL. */
 SGT_KERNEL
 static void add_roundings(size_t n, const double *restrict f, const double *restrict slope,
@@ -197,7 +211,7 @@ static void add_noise(const lanes *a, size_t n, double *own)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++)
-        own[i] += vicinity_noise(a->noise0[i], a->noise1[i], a->most2[i],
+        own[i] += sgt_noise_at(a->noise0[i], a->noise1[i], a->most2[i],
                                  a->px[i] * a->px[i] + a->py[i] * a->py[i]);
 }
 
@@ -211,19 +225,24 @@ SGT_NOINLINE static double known_all(size_t n, const double *own)
 }
 
 /* Sets the slope, and the bound on F's error.  slope may be the row of the gradient's first component.
- * last: as for close_of; NULL: always ask for the surface's own rounding. */
+ * last: as for close_of; NULL: always ask for the surface's own rounding.  known: that, if ask_rounded has
+ * set it, else NULL. */
 static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope,
-                  double *g_err, const double *last)
+                    double *g_err, const double *last, double *known)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
     if (!last) around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
     else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
     if (!ops->rounding) return;
-    double own[LANE_COUNT], none = is_catalogue(ops) ? HUGE_VAL : 0; /* for a bound that is none */
-    if (is_catalogue(ops) && ops->own_->roundings &&
+    double asked[LANE_COUNT], *own = known ? known : asked,
+           none = is_catalogue(ops) ? HUGE_VAL : 0; /* for a bound that is none */
+    if (!known && is_catalogue(ops) && ops->own_->roundings &&
         ops->own_->roundings(w->s.self, w->rows ? &w->bare : &w->shared, n, w->points, f->f, own)) {
         if (w->rows) add_noise(a, n, own);
+        known = own;
+    }
+    if (known) {
         bool all = known_all(n, own) == (double)n;
         for (size_t i = 0; !all && i < n; i++) /* rare: beyond the rim */
             if (!(own[i] >= 0)) own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
@@ -232,8 +251,8 @@ static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f
     }
     for (size_t i = 0; i < n; i++) {
         if (!close_of(f->f[i], slope[i], g_err[i], last ? last[i] : (double)NAN, w->opt->f_tol)) continue;
-        own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
-        g_err[i] += own[i] >= 0 ? own[i] : none;
+        double here = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
+        g_err[i] += here >= 0 ? here : none;
     }
 }
 
@@ -288,6 +307,55 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->shared, w->kept, &v);
 }
 
+/* How many lanes have a bound on the slope. */
+SGT_KERNEL
+static double bounded_all(const lanes *a, size_t n)
+{
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) count += a->least[i] > 0 ? 1.0 : 0.0;
+    return count;
+}
+
+/* Takes the spans of the whole surface, in f, fx and fy, for the lanes that are left as they were. */
+SGT_KERNEL
+static void take_whole(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double seed = a->fy[i], asked = a->x[i], lo = a->lo[i], hi = a->hi[i];
+        mask inside = MASK(seed == seed),
+             kept = inside & (MASK(a->least[i] > 0) | (MASK(asked == 0) & MASK(lo > hi)));
+        a->lo[i] = chosen(kept, lo, a->f[i]), a->hi[i] = chosen(kept, hi, a->fx[i]);
+        a->seed[i] = seed;
+        a->noise0[i] = chosen(inside, a->noise0[i], (double)NAN);
+        a->noise1[i] = chosen(inside, a->noise1[i], (double)NAN);
+        a->most2[i] = chosen(inside, a->most2[i], (double)NAN);
+    }
+}
+
+/* If no bound on the slope holds for the whole surface, only the vicinity can give one, and is asked at
+ * once.  If it does for all lanes, the spans of the whole surface need not be known: they would change
+ * nothing.  (Each seed is then within a part of its span, and so within the span.  The ends of both are made
+ * by the same steps, each of which is monotone in the radius, rounding included.)  A lane with a seed outside
+ * of its span is one without a seed. */
+static bool spans_nearby(lanes_job *w, sgt_rays rays, size_t n)
+{
+    const struct sgt_builtin_ops *builtin = w->s.ops->own_;
+    lanes *a = w->a;
+    if (w->near == 0 || !builtin->seeds || !builtin->extent_within || w->shared.steep < HUGE_VAL)
+        return false;
+    builtin->seeds(w->s.self, &w->shared, n, rays, a->seed);
+    single_all(a, n); /* none is */
+    for (size_t i = 0; i < n; i++) a->lo[i] = a->hi[i] = 0;
+    lanes_nearby(w, rays, n);
+    if (bounded_all(a, n) == (double)n) return true;
+    double none[LANE_COUNT];
+    builtin->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->f, a->fx, a->fy, NULL}, none);
+    take_whole(a, n);
+    return true;
+}
+
 static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     const sgt_surface_ops *ops = w->s.ops;
@@ -309,6 +377,7 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
         return;
     }
     if (w->slopes) {
+        if (spans_nearby(w, rays, n)) return;
         ops->own_->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
         single_all(a, n);
         lanes_nearby(w, rays, n);
@@ -538,7 +607,7 @@ static void lanes_march(lanes_job *w, size_t n)
         points(a, n, a->tau);
         lanes_ask(w, n, &w->f);
         if (w->s.ops->rounding) {
-            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
+            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, NULL);
             more = march_step_known(a, n, k);
         } else {
             more = march_step(a, n, k, a->none);
@@ -562,65 +631,93 @@ static void newton_begin(lanes *a, size_t n)
     }
 }
 
-/* Makes the step, and the points it leads to.  known: the slope is in qx, and g_err is set.  Returns how
- * many go on.  A lane that is done writes values that change nothing.  Leaving its rows as they are would
- * be a branch. */
-SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, bool known, double none)
+/* What is known of F's error before a step: nothing; what `bound` has set, the slope in qx and g_err; the
+ * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well. */
+typedef enum step_known { PLACE_ALONE, BOUND_SET, OWN_SET } step_known;
+
+/* Makes the step, and the points it leads to.  Returns how many go on.  A lane that is done writes values
+ * that change nothing.  Leaving its rows as they are would be a branch.  *bare: how many lanes are done
+ * without the surface's own rounding. */
+SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, step_known known, double none,
+                               const double *restrict own, double *bare)
 {
-    double more = 0, again = last_one ? FAILED : NEWTON;
-#pragma omp simd reduction(+ : more)
-    for (size_t i = 0; i < filled(n); i++) {
+    double more = 0, without = 0, again = last_one ? FAILED : NEWTON;
+    size_t count = known == OWN_SET ? n : filled(n);
+#pragma omp simd reduction(+ : more, without)
+    for (size_t i = 0; i < count; i++) {
         double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
-        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err;
-        if (known) {
+        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err, is = 0;
+        if (known == BOUND_SET) {
             slope = a->qx[i], g_err = a->g_err[i];
         } else {
             around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]},
                                   (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
             slope = at.slope, g_err = at.place;
         }
+        if (known == OWN_SET) {
+            is = close_of(f, slope, g_err, last, f_tol) ? 1.0 : 0.0;
+            g_err += is != 0 ? own[i] : 0;
+        }
         newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
         double state = s.go >= 0 ? again : (double)FAILED;
         state = s.ready >= 0 ? (double)READY : state;
         state = phase == NEWTON ? state : phase;
-        double step = state == NEWTON ? s.step : 0, size = state == NEWTON ? s.size : HUGE_VAL;
+        double step = state == NEWTON ? s.step : 0, size = state == NEWTON ? s.size : HUGE_VAL,
+               goes = state == NEWTON ? 1.0 : 0.0;
         tau -= step;
-        more += state == NEWTON ? 1.0 : 0.0;
+        more += goes;
+        if (known == OWN_SET) without += larger(1 - goes - is, 0);
         a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
         a->tau[i] = tau;
         a->px[i] = x + tau * l, a->py[i] = y + tau * m, a->pz[i] = z + tau * dn;
         a->last[i] = size < last ? size : last;
-        if (!known) a->g_err[i] = g_err;
+        if (known != BOUND_SET) a->g_err[i] = g_err;
         a->state[i] = state;
     }
+    *bare = without;
     return more;
 }
 
 SGT_KERNEL
 static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none)
 {
-    return newton_steps(a, n, last_one, f_tol, false, none);
+    double unused;
+    return newton_steps(a, n, last_one, f_tol, PLACE_ALONE, none, NULL, &unused);
 }
 SGT_KERNEL
 static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol)
 {
-    return newton_steps(a, n, last_one, f_tol, true, 0);
+    double unused;
+    return newton_steps(a, n, last_one, f_tol, BOUND_SET, 0, NULL, &unused);
+}
+SGT_KERNEL
+static double newton_step_rounded(lanes *a, size_t n, bool last_one, double f_tol, double none,
+                                  const double *restrict own, double *bare)
+{
+    return newton_steps(a, n, last_one, f_tol, OWN_SET, none, own, bare);
 }
 
 static void solve(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
-    double f_tol = w->opt->f_tol;
+    double f_tol = w->opt->f_tol, own[LANE_COUNT];
     points(a, n, a->tau);
+    w->rounded = true;
     for (int i = 1; n > 0; i++) {
-        double more;
-        lanes_ask(w, n, &w->f);
+        double more, bare;
+        bool known = ask_rounded(w, n, &w->f, own);
+        if (!known) lanes_ask(w, n, &w->f);
         if (i == 1) newton_begin(a, n);
-        if (w->s.ops->rounding) {
-            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
+        if (known && known_all(n, own) == (double)n) {
+            more = newton_step_rounded(a, n, i == QUICK_STEPS, f_tol, a->none, own, &bare);
+            w->rounded &= bare == 0;
+        } else if (w->s.ops->rounding) {
+            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, known ? own : NULL);
             more = newton_step_known(a, n, i == QUICK_STEPS, f_tol);
+            w->rounded = false;
         } else {
             more = newton_step(a, n, i == QUICK_STEPS, f_tol, a->none);
+            w->rounded = false;
         }
         if (4 * more <= (double)n) n = front(w, n, NEWTON); /* to move a lane costs more than a step */
     }
@@ -644,12 +741,14 @@ static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, 
 static void signs(lanes_job *w, size_t n, const double *tau, double *sign)
 {
     lanes *a = w->a;
-    lanes_ask(w, n, &w->q);
+    double own[LANE_COUNT];
+    bool known = ask_rounded(w, n, &w->q, own);
+    if (!known) lanes_ask(w, n, &w->q);
     if (!w->s.ops->rounding) {
         sign_all(a, n, tau, sign, a->none);
         return;
     }
-    bound(w, n, tau, &w->q, a->qx, sign, NULL);
+    bound(w, n, tau, &w->q, a->qx, sign, NULL, known ? own : NULL);
     for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
 }
 
@@ -782,18 +881,46 @@ static double lanes_certify(lanes *a, size_t n, const double *off)
     return more;
 }
 
+/* lanes_probe_begin and lanes_certify in one: sets tau_err of each lane, and returns how many are certified.
+ * Their states are left.  g_err has all of the rounding, and there is no f_tol. */
+SGT_KERNEL
+static double certify_ready(lanes *a, size_t n)
+{
+    double done = 0;
+#pragma omp simd reduction(+ : done)
+    for (size_t i = 0; i < n; i++) {
+        certified c = certified_of(a->tau[i], a->f[i], a->g_err[i], a->least[i], a->lo[i], a->hi[i]);
+        a->tau_err[i] = c.tau_err;
+        double is = c.inside ? 1.0 : 0.0;
+        is = a->state[i] == READY ? is : 0;
+        done += fabs(a->f[i]) <= a->first[i] ? is : 0;
+    }
+    return done;
+}
+
+SGT_KERNEL
+static void set_states(lanes *a, size_t n, double state)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) a->state[i] = state;
+}
+
 /* For the lanes on which Newton's steps have been tried. */
 static void probe(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
+    if (w->slopes && w->rounded && !(w->opt->f_tol > 0) && certify_ready(a, n) == (double)n) {
+        set_states(a, n, ROOT);
+        return;
+    }
     if (lanes_probe_begin(a, n, w->opt->f_tol > 0 ? w->opt->f_tol : -1) < (double)n) {
         miss(w, front(w, n, FAILED));
         n = front(w, n, READY);
     }
     if (w->slopes && n) {
         /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding. */
-        bool again = loose(a, n);
-        if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL);
+        bool again = !w->rounded && loose(a, n);
+        if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL, NULL);
         n = lanes_certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {

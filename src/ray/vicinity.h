@@ -68,22 +68,14 @@ SGT_INLINE void memo_begin(memo *m) { m->begun = true, m->shares = false, vicini
  *                      (sgt_builtin_ops, spans), and the seed may have been changed
  *
  * At r^2 <= noise[2] from the axis the departure adds noise[0] + noise[1] r^2 to the rounding of F
- * (sgt_shared); NaN where that is not known.  Evaluations spent are added to evals.  If `told` is not NULL
- * there is one row only, and its watcher is told of them.  work: scratch rows. */
+ * (sgt_shared); NaN where that is not known (sgt_noise_at).  Evaluations spent are added to evals.  If `told`
+ * is not NULL there is one row only, and its watcher is told of them.  work: scratch rows. */
 typedef struct vicinity {
     const double *tmin, *tmax;
     double *seed, *asked, *lo, *hi, *least, *noise[3], *evals, budget;
     tally *told;
     double *work[VICINITY_ROWS];
 } vicinity;
-
-/* What the departure adds to the rounding of F at a point of that r^2.  NaN beyond most2, and nearer to
- * the axis than half the radius of most2, where the bound is known but coarse.  The base's rounding is
- * `roundings` of bare_of. */
-SGT_INLINE double vicinity_noise(double e0, double e1, double most2, double r2)
-{
-    return ((r2 <= most2) & (r2 >= 0.25 * most2)) ? 1.01 * sgt_fma(e1, r2, e0) : (double)NAN;
-}
 
 SGT_INLINE sgt_shared bare_of(sgt_shared s)
 {

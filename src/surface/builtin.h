@@ -24,7 +24,8 @@
  * only `status` is never NULL.  t_tol holds one tolerance for each ray. */
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_NOT_UNIQUE = 1 };
 #define SGT_HARD ((sgt_status)-100)
-/* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called. */
+/* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called.
+ * whole: each ray is known to be a whole line, with the ends -inf and inf, and each t_tol to be finite. */
 struct memo;
 typedef struct sgt_tile {
     size_t n;
@@ -32,6 +33,7 @@ typedef struct sgt_tile {
     const double *t_tol;
     sgt_hits hits;
     struct memo *memo;
+    bool whole;
 } sgt_tile;
 
 /* One ray as a batch of one. */
@@ -82,6 +84,14 @@ SGT_INLINE void put_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
 /* What the rays and points of one surface have in common.  `share` works it out once for many of them.  How
  * the members are used is the surface's own affair. */
 typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2, noise[2]; } sgt_shared;
+
+/* What the departure adds to the rounding of F at a point of that r^2.  NaN beyond most2, and nearer to
+ * the axis than half the radius of most2, where the bound is known but coarse.  The base's rounding is
+ * `roundings` of what has no noise of its own (bare_of in ray/vicinity.h). */
+SGT_INLINE double sgt_noise_at(double e0, double e1, double most2, double r2)
+{
+    return ((r2 <= most2) & (r2 >= 0.25 * most2)) ? 1.01 * sgt_fma(e1, r2, e0) : (double)NAN;
+}
 
 /* What is known of the part of a surface within some radius of the axis.  Lengths are in the unit of the
  * surface.
@@ -158,6 +168,12 @@ struct sgt_builtin_ops {
      * false always or never.  If it is NULL or returns false, `rounding` is asked instead. */
     bool (*roundings)(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[],
                       double out[]);
+    /* `values`, with the gradient, and `roundings` of them at once: the same bits at less cost.  rows is not
+     * NULL where the bound on what the departure adds is one of each point; then shared has none of its own,
+     * and this is added to each bound (sgt_noise_at of rows[0][i], rows[1][i], rows[2][i]).  Returns false,
+     * and does nothing, as `roundings` does.  NULL: the two are asked. */
+    bool (*values_rounded)(const void *self, const sgt_shared *shared, const double *const rows[3], size_t n,
+                           sgt_points p, sgt_values out, double own[]);
     /* As `span` and `spans`, with one more output.  *least is a lower bound of |dF/dtau| along the whole
      * span, or 0 if none is known.  tau is counted in lengths of d scaled by a power of two, so that its
      * largest component is in [1, 2) (scale_of).  With such a bound a root needs no evaluation on either
@@ -168,6 +184,8 @@ struct sgt_builtin_ops {
     sgt_span (*span)(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
     void (*spans)(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out,
                   double least[]);
+    /* The seeds of `spans`, alone, and wherever they are: not only within their spans. */
+    void (*seeds)(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, double seed[]);
     /* As `enclose` of sgt_surface_ops, but t is counted from t0 on the ray: the parameter is exactly t0 +
      * t.  The origin of the ray may be so far away that an ulp of t is long compared with what is asked; t0
      * avoids that.  NULL: only the operation of sgt_surface_ops exists.  Called by ray/proof.c and

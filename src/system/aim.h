@@ -25,7 +25,7 @@ bool sgt_aim_trace(const aim_task *task, const sgt_ray *launch, sgt_fate *fate, 
 double sgt_aim_error(const aim_task *task, const sgt_ray *launch, double *grain);
 
 /* Has any element a phase? */
-bool sgt_any_phase(size_t n, const sgt_element e[]);
+bool sgt_any_phase(size_t elements, const sgt_element e[]);
 
 /* Start i: the user's, the middle, then all over the box.  (aim.c, as the next) */
 sgt_vec2 sgt_aim_start(const aim_task *task, const sgt_aim_options *opt, size_t i);

@@ -141,30 +141,30 @@ double sgt_aim_error(const aim_task *task, const sgt_ray *launch, double *grain)
     return of_point(error[0], error[1]);
 }
 
-bool sgt_any_phase(size_t n, const sgt_element e[])
+bool sgt_any_phase(size_t elements, const sgt_element e[])
 {
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < elements; i++)
         if (e[i].phase) return true;
     return false;
 }
 
-bool sgt_trace_error(size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
                      const sgt_passage passages[], sgt_end_error *out)
 {
     static const sgt_pose global = {0};
     const double none = (double)NAN;
     *out = (sgt_end_error){none, none, none, none, {0}};
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < elements; i++)
         if (!(passages[i].hit.status > 0)) return false;
     *out = (sgt_end_error){.point = 0};
-    if (n == 0) return true;
-    const bool phases = sgt_any_phase(n, e);
-    const aim_task task = {.stop = n - 1, .e = e, .index_before = index_before,
+    if (elements == 0) return true;
+    const bool phases = sgt_any_phase(elements, e);
+    const aim_task task = {.stop = elements - 1, .e = e, .index_before = index_before,
                            .passages = (sgt_passage *)(uintptr_t)passages};
     double error[ERROR_ROWS], ulp[ERROR_ROWS];
     far_point from = far_point_of(&global, false, launch->o);
     twofold path = {0, 0};
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < elements; i++) {
         const bool turned = is_turned(&e[i].pose);
         const double p_err = passages[i].hit.p_err;
         chain_link c;
@@ -179,7 +179,7 @@ bool sgt_trace_error(size_t n, const sgt_element e[], double index_before, const
         if (turned) out->path += of_axes(c.p, c.n1, c.n2);
         from = to;
     }
-    out->path += fabs(twofold_difference(twofold_of(passages[n - 1].opl), path).hi);
+    out->path += fabs(twofold_difference(twofold_of(passages[elements - 1].opl), path).hi);
     through_derivatives(&task, launch, phases ? ERROR_ROWS : OF_PATH, error, ulp);
     out->point = of_point(error[0], error[1]), out->grain = ulp[0] + ulp[1];
     if (phases) out->path += 1.5 * error[OF_PATH], out->path_grain = ulp[OF_PATH];

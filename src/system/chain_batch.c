@@ -103,7 +103,7 @@ static void link_all(chain_tile *b)
     }
 }
 
-void sgt_chain_tile_at(const chain_work *work, size_t i, size_t first, size_t n, chain_tile *b)
+void sgt_chain_tile_place(const chain_work *work, size_t i, size_t first, size_t n, chain_tile *b)
 {
     const sgt_passages *passage = &work->passages[i];
     chain_view *v = &b->view;
@@ -124,9 +124,16 @@ void sgt_chain_tile_at(const chain_work *work, size_t i, size_t first, size_t n,
     v->p = chain_arrays_of(passage->hits.p, first), v->normal = chain_arrays_of(passage->hits.n, first);
     v->after = chain_arrays_of(passage->direction, first);
     v->xx = b->h[0], v->xy = b->h[1], v->xz = b->h[2], v->yy = b->h[3], v->yz = b->h[4], v->zz = b->h[5];
-    b->shown = (sgt_points){{v->p.x, v->p.y, v->p.z}};
     directions_in_front(work, i, b);
+}
+
+void sgt_chain_tile_at(const chain_work *work, size_t i, size_t first, size_t n, chain_tile *b)
+{
+    const sgt_passages *passage = &work->passages[i];
+    const chain_view *v = &b->view;
     int met = (int)n;
+    sgt_chain_tile_place(work, i, first, n, b);
+    b->shown = (sgt_points){{v->p.x, v->p.y, v->p.z}};
     if (passage->hits.status)
         met = which_met(n, passage->hits.status + first, b->met);
     else

@@ -55,6 +55,9 @@ typedef struct chain_work {
 /* Sets all but h, for n rays from `first` on, at element i. */
 void sgt_chain_tile_at(const chain_work *work, size_t i, size_t first, size_t n, chain_tile *b);
 
+/* Sets what the passages tell: the points, the normals, the directions and t of the view. */
+void sgt_chain_tile_place(const chain_work *work, size_t i, size_t first, size_t n, chain_tile *b);
+
 /* Sets h; NaN if the surface has none, and false. */
 bool sgt_chain_tile_second(chain_tile *b);
 

@@ -273,7 +273,8 @@ SGT_NOINLINE static void sweep_path(const chain_work *work, bool phases, size_t 
     const sgt_rays *r = work->rays;
     path_begins(n, r->o[0] + first, r->o[1] + first, r->o[2] + first, &path);
     for (size_t i = 0; i < work->elements; i++) {
-        sgt_chain_tile_at(work, i, first, n, &w->link);
+        if (work->e[i].phase) sgt_chain_tile_at(work, i, first, n, &w->link);
+        else sgt_chain_tile_place(work, i, first, n, &w->link); /* no link has a say in the path */
         path_all(!phases, &w->link, work->passages[i].hits.p_err + first, &path);
         if (w->link.phased) path_phased(&w->link, &path);
     }

@@ -27,7 +27,7 @@ enum { ROWS = 8, OF_LAUNCH = 7, OF_ELEMENT = 7 };
 
 /* ------------------------------------------------------------------- forward */
 
-int sgt_trace_sensitivity(size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+int sgt_trace_sensitivity(size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
                           const sgt_passage passages[], size_t columns, const sgt_ray_change change[],
                           sgt_ray_change out[])
 {
@@ -40,7 +40,7 @@ int sgt_trace_sensitivity(size_t n, const sgt_element e[], double index_before, 
         x.d = times(1 / from.length, plus_times(x.d, -dot(from.d, x.d), from.d));
         out[j] = x;
     }
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < elements; i++) {
         const sgt_pose *pose = &e[i].pose;
         sgt_surface s = chain_surface(e[i].surface);
         chain_link c;
@@ -61,10 +61,10 @@ int sgt_trace_sensitivity(size_t n, const sgt_element e[], double index_before, 
 
 /* ------------------------------------------------------------------ backward */
 
-size_t sgt_trace_parameters(size_t n, const sgt_element e[])
+size_t sgt_trace_parameters(size_t elements, const sgt_element e[])
 {
     size_t count = OF_LAUNCH;
-    for (size_t i = 0; i < n; i++) count += OF_ELEMENT + chain_parameters(chain_surface(e[i].surface));
+    for (size_t i = 0; i < elements; i++) count += OF_ELEMENT + chain_parameters(chain_surface(e[i].surface));
     return count;
 }
 
@@ -141,11 +141,11 @@ static int element_back(const sweep *w, size_t i, bool last)
     return lacks;
 }
 
-int sgt_trace_gradient(size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+int sgt_trace_gradient(size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
                        const sgt_passage passages[], size_t rows, const sgt_ray_change weight[],
                        double gradient[])
 {
-    const size_t count = sgt_trace_parameters(n, e);
+    const size_t count = sgt_trace_parameters(elements, e);
     unit_launch from = unit_of(launch->d);
     int lacks = 0;
     for (size_t done = 0; done < rows; done += ROWS) {
@@ -154,9 +154,9 @@ int sgt_trace_gradient(size_t n, const sgt_element e[], double index_before, con
                    gradient + done * count + count};
         for (size_t r = 0; r < w.rows; r++)
             back[r] = (chain_back){weight[done + r].p, weight[done + r].d, weight[done + r].opl, 0};
-        for (size_t i = n; i-- > 0;) {
+        for (size_t i = elements; i-- > 0;) {
             w.at -= OF_ELEMENT + chain_parameters(chain_surface(e[i].surface));
-            lacks |= element_back(&w, i, i == n - 1);
+            lacks |= element_back(&w, i, i == elements - 1);
         }
         for (size_t r = 0; r < w.rows; r++) {
             double *to = gradient + (done + r) * count;

@@ -329,26 +329,25 @@ sgt_fate sgt_pass(const sgt_element *e, bool sound, state *at, const sgt_options
     return pass(e, sound, at, opt, met, true, passage);
 }
 
-size_t sgt_trace(size_t n, const sgt_element e[], double index_before, sgt_ray *ray, sgt_passage passages[],
-                 sgt_fate *fate, const sgt_options *opt)
+size_t sgt_trace(size_t elements, const sgt_element e[], double index_before, sgt_ray *ray,
+                 sgt_passage passages[], sgt_fate *fate, const sgt_options *opt)
 {
     sgt_options options = opt ? *opt : (sgt_options){0};
     if (options.pick == SGT_PICK_DEFAULT) options.pick = SGT_NEAR_SEED;
     state at;
     sgt_fate last = SGT_PASSED;
     size_t passed = 0, plain = 0;
-    while (plain < n && is_plain(&e[plain])) plain++; /* 22 instructions each; in `pass` 49 */
-    if (launch(ray, n ? e : NULL, index_before, &at)) {
+    while (plain < elements && is_plain(&e[plain])) plain++; /* 22 instructions each; in `pass` 49 */
+    if (launch(ray, elements ? e : NULL, index_before, &at)) {
         ray->d = at.d;
     } else {
         last = SGT_LOST;
-        if (passages && n) passages[0] = sgt_not_met(SGT_INVALID);
+        if (passages && elements) passages[0] = sgt_not_met(SGT_INVALID);
     }
-    while (last == SGT_PASSED && passed < n) {
-        sgt_passage passage;
+    while (last == SGT_PASSED && passed < elements) {
+        sgt_passage unread, *passage = passages ? &passages[passed] : &unread;
         bool sound = passed < plain && is_aperture_sound(&e[passed]) && is_phase_sound(&e[passed]);
-        last = pass(&e[passed], sound, &at, &options, NULL, passages != NULL, &passage);
-        if (passages) passages[passed] = passage;
+        last = pass(&e[passed], sound, &at, &options, NULL, passages != NULL, passage);
         if (last != SGT_PASSED) break;
         passed++;
         ray->o = plus(at.base, at.offset), ray->d = at.d;

@@ -704,6 +704,7 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, d
     if (h->evals || slopes) asked->evals = w->evals;
     if (slopes) asked->t = w->t, asked->t_lo = w->t_lo, asked->t_err = w->t_err, asked->p_err = w->p_err;
     sgt_tile rays = {.n = w->n, .t_tol = w->t_tol, .hits = *asked,
+                     .whole = job->opt.t_tol < HUGE_VAL,
                      .rays = {.o = {w->o->x, w->o->y, w->o->z}, .d = {w->d->x, w->d->y, w->d->z},
                               .tmin = line_begins, .tmax = line_ends}};
     sgt_options opt = met_by(&job->opt);

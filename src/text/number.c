@@ -58,14 +58,20 @@ static bool read_hexadecimal(const char *text, double *value)
     return end != text && *end == 0 && isfinite(*value);
 }
 
-bool number_read_decimal(const char *text, const char *end, double *value)
+size_t number_read_first(const char *text, const char *end, double *value)
 {
     size_t length;
     const bool sign = text != end && (*text == '+' || *text == '-');
     *value = decimal_read(text + sign, end, &length);
-    if (length == 0 || !isfinite(*value)) return false;
+    if (length == 0 || !isfinite(*value)) return 0;
     if (sign && *text == '-') *value = -*value;
-    return end ? text + sign + length == end : !text[sign + length];
+    return length + sign;
+}
+
+bool number_read_decimal(const char *text, const char *end, double *value)
+{
+    const size_t length = number_read_first(text, end, value);
+    return length && (end ? text + length == end : !text[length]);
 }
 
 bool number_read(const char *text, double *value)

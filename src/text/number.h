@@ -2,11 +2,16 @@
 #ifndef SGT_TEXT_NUMBER_H
 #define SGT_TEXT_NUMBER_H
 #include <stdbool.h>
+#include <stddef.h>
 
 /* Reads the whole text as a number: decimal (1e-06, .5, 5.), hexadecimal (0x1.8p+1), .inf or
  * inf, .nan or nan, with or without a sign.  false: blanks, text behind it, or a number too
  * large for a double. */
 bool number_read(const char *text, double *value);
+
+/* Reads the decimal number that a text begins with, up to `end`.  Returns its length; 0: there is none, or it
+ * is too large for a double. */
+size_t number_read_first(const char *text, const char *end, double *value);
 
 /* Reads a decimal number up to `end` (NULL: the whole text), and nothing else: not inf, nan, 0x1p3. */
 bool number_read_decimal(const char *text, const char *end, double *value);

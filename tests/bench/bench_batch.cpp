@@ -287,11 +287,14 @@ void count(const std::string &name, Work &w)
 
 // ---------------------------------------------------------------- a lens
 
-struct Optic { double radius, thickness, index, semi_diameter, k, a[4]; };  // a: of r^2 ... r^8
-struct Prescription { const char *name; double pupil; std::vector<Optic> optics; };
+struct Optic {
+    double radius, thickness, index, semi_diameter, k;
+    std::vector<double> a;  // even asphere: of r^2, r^4 ...; odd: of r, r^2 ...
+};
+struct Prescription { const char *name; double pupil; bool odd; std::vector<Optic> optics; };
 
 // M. Laikin, Lens Design, 4th edition (CRC Press 2007), page 251, at the d line: examples/lenses/ftheta.yaml.
-const Prescription SCAN = { "scan-lens", 0.5, {
+const Prescription SCAN = { "scan-lens", 0.5, false, {
     { 0, 5, 1, 0.5, 0, {} },
     { -2.2136, 0.3, 1.84666, 2.0, 0, {} },
     { -2.6575, 0.02, 1, 2.25, 0, {} },
@@ -312,16 +315,41 @@ Prescription aspheric(const Prescription &spherical)
         if (o.radius != 0) {
             double a2 = o.semi_diameter * o.semi_diameter, a3 = a2 * o.semi_diameter;
             o.k = -0.2;
-            o.a[1] = 0.004 / a3, o.a[2] = -0.002 / (a3 * a2), o.a[3] = 0.0005 / (a3 * a2 * a2);
+            o.a = { 0, 0.004 / a3, -0.002 / (a3 * a2), 0.0005 / (a3 * a2 * a2) };
         }
     return made;
 }
 
 // examples/lenses/aspheric_singlet.yaml.
-const Prescription SINGLET = { "aspheric-singlet", 9.9, {
+const Prescription SINGLET = { "aspheric-singlet", 9.9, false, {
     { 20, 7, 1.7848059679000448, 10, 0, { -2.248851e-4, -4.690412e-6, -6.404376e-8, 0 } },
     { 0, 21.56201105, 1, 9.5, 0, {} },
     { 0, 0, 1, 1, 0, {} },
+} };
+
+// The lens of a telephone's camera, United States Patent 7,535,658: a stop, eight odd aspheres with all terms
+// from r^3 to r^10, a plate of glass, the image.
+const Prescription PHONE = { "phone-lens", 0.78, true, {
+    { 0, 0, 1, 0.79358, 0, {} },
+    { 1.962, 1.19, 1.471, 0.938, 1.153,
+      { 0, 0, -1.895e-2, 2.426e-2, -5.123e-2, 8.371e-4, 7.850e-3, 4.091e-3, -7.732e-3, -4.265e-3 } },
+    { 33.398, 0.93, 1, 1.0837, 39.18,
+      { 0, 0, -4.966e-3, -1.434e-2, -6.139e-3, -9.284e-5, 6.438e-3, -5.72e-3, -2.385e-2, 1.108e-2 } },
+    { -2.182, 0.75, 1.603, 1.1338, 1.105,
+      { 0, 0, -4.388e-2, -2.555e-2, 5.16e-2, -4.307e-2, -2.831e-2, 3.162e-2, 4.630e-2, -4.877e-2 } },
+    { -6.367, 0.1, 1, 1.539, 2.382,
+      { 0, 0, -1.131e-1, -7.863e-2, 1.094e-1, 6.228e-3, -2.216e-2, -5.89e-3, 4.123e-3, 1.041e-3 } },
+    { 5.694, 0.89, 1.51, 1.8254, -222.1,
+      { 0, 0, -7.876e-2, 7.02e-2, 1.575e-3, -9.958e-3, -7.322e-3, 6.914e-4, 2.54e-3, -7.65e-4 } },
+    { 9.192, 0.16, 1, 2.3978, -0.0669,
+      { 0, 0, 9.694e-3, -2.516e-3, -3.606e-3, -2.497e-4, -6.84e-4, -1.414e-4, 2.932e-4, -7.284e-5 } },
+    { 1.674, 0.85, 1.51, 2.482, -8.617,
+      { 0, 0, 7.429e-2, -6.933e-2, -5.811e-3, 2.396e-3, 2.1e-3, -3.119e-4, -5.552e-5, 7.969e-6 } },
+    { 1.509, 0.7, 1, 2.9297, -3.707,
+      { 0, 0, 1.767e-3, -4.652e-2, 1.625e-2, -3.522e-3, -7.106e-4, 3.825e-4, 6.271e-5, -2.631e-5 } },
+    { 0, 0.4, 1.516, 3.3067, 0, {} },
+    { 0, 0.64, 1, 3.4058, 0, {} },
+    { 0, 0, 1, 3.691, 0, {} },
 } };
 
 // Along the axis, uniform in the pupil, from z = -1.
@@ -338,20 +366,18 @@ std::vector<sgt_ray> bundle(double radius)
 
 struct Lens {
     explicit Lens(const Prescription &from)
-        : name(from.name), pupil(from.pupil), spheres(true)
+        : name(from.name), pupil(from.pupil), odd(from.odd)
     {
         double z = 0;
         for (const Optic &o : from.optics) {
             sgt_even_asphere s = {};
-            s.c = o.radius != 0 ? 1 / o.radius : 0;
-            s.k = o.k;
-            bool terms = false;
-            for (int i = 0; i < 4; i++) {
-                s.a[i] = o.a[i];
-                terms |= o.a[i] != 0;
-            }
-            spheres &= !terms;
+            sgt_odd_asphere t = {};
+            s.c = t.c = o.radius != 0 ? 1 / o.radius : 0;
+            s.k = t.k = o.k;
+            std::copy(o.a.begin(), o.a.end(), odd ? t.a : s.a);
+            bool terms = std::any_of(o.a.begin(), o.a.end(), [](double a) { return a != 0; });
             conics.push_back({ s.c, s.k, 0 });
+            odds.push_back(t);
             peers.push_back({ s, terms, z, o.index });
             sgt_element e = {};
             e.pose.origin.z = z;
@@ -361,20 +387,23 @@ struct Lens {
             z += o.thickness;
         }
         for (size_t i = 0; i < elements.size(); i++) {
-            if (peers[i].asphere)
-                elements[i].surface = { &sgt_even_asphere_ops, &peers[i].surface };
-            else
+            if (!peers[i].asphere)
                 elements[i].surface = { &sgt_conic_ops, &conics[i] };
+            else if (odd)
+                elements[i].surface = { &sgt_odd_asphere_ops, &odds[i] };
+            else
+                elements[i].surface = { &sgt_even_asphere_ops, &peers[i].surface };
         }
     }
     Lens(const Lens &) = delete;
     const char *name;
     double pupil;
-    bool spheres;
+    bool odd;  // no peer knows it
     std::vector<sgt_element> elements;
     std::vector<peer_element> peers;
 private:
     std::vector<sgt_conic> conics;
+    std::vector<sgt_odd_asphere> odds;
 };
 
 struct Passages {  // everything, of every element
@@ -433,7 +462,7 @@ void trace_copy(Tracing &w) { peer_copy_traced(w.rays->n, w.rays->rays(), w.rays
 struct TraceVariant {
     const char *name;
     void (*pass)(Tracing &);
-    Truth truth;
+    Truth truth;  // NEAR: by a peer
     bool memory;
 };
 const TraceVariant TRACE_VARIANTS[] = {
@@ -496,10 +525,13 @@ const Target TARGETS[] = {
     { "asphere-1e6/batch", 5, 8, "asphere-1e6/copy", "asphere-1e6/copy-by-array", 0 },
     { "own-conic-1e3/batch", 0, 0, "own-conic-1e3/formula", nullptr, 2 },
     { "own-asphere-1e3/batch", 0, 0, "own-asphere-1e3/formula", nullptr, 2 },
-    { "scan-lens-1e3/batch", 5, 9, nullptr, nullptr, 0 },
-    { "scan-lens-1e6/batch", 5, 9, "scan-lens-1e6/copy", nullptr, 0 },
-    { "lens-of-aspheres-1e3/batch", 10, 18, nullptr, nullptr, 0 },
-    { "lens-of-aspheres-1e6/batch", 10, 18, "lens-of-aspheres-1e6/copy", nullptr, 0 },
+    { "scan-lens-1e3/batch", 4.4, 9, "scan-lens-1e3/by-hand-arrays", nullptr, 0 },
+    { "scan-lens-1e6/batch", 4.4, 9, "scan-lens-1e6/by-hand-arrays", nullptr, 0 },
+    { "lens-of-aspheres-1e3/batch", 8, 18, "lens-of-aspheres-1e3/by-hand-arrays", nullptr, 0 },
+    { "lens-of-aspheres-1e6/batch", 8, 18, "lens-of-aspheres-1e6/by-hand-arrays", nullptr, 0 },
+    { "aspheric-singlet-1e3/batch", 8, 18, "aspheric-singlet-1e3/by-hand-arrays", nullptr, 0 },
+    { "phone-lens-1e3/batch", 20, 0, nullptr, nullptr, 0 },
+    { "phone-lens-1e6/batch", 20, 0, nullptr, nullptr, 0 },
 };
 
 // 512: the library for x86-64-v4 runs; 256: that for v3; 0: neither.
@@ -617,7 +649,7 @@ int main(int argc, char **argv)
             }
             add(of, "built-in", work(s, arrays.front()), OWN_BATCH);
         }
-    for (const Prescription &from : { SCAN, aspheric(SCAN), SINGLET }) {
+    for (const Prescription &from : { SCAN, aspheric(SCAN), SINGLET, PHONE }) {
         lenses.emplace_back(from);
         const Lens &lens = lenses.back();
         const std::vector<sgt_ray> along = bundle(lens.pupil);
@@ -628,7 +660,8 @@ int main(int argc, char **argv)
             Tracing &one = tracings.back();
             const std::string of = std::string(lens.name) + "-" + size->name;
             for (const TraceVariant &v : TRACE_VARIANTS)
-                if ((size == &CACHE || v.memory) && wanted(of + "/" + v.name)) {
+                if ((size == &CACHE || v.memory) && !(lens.odd && v.truth == NEAR) &&
+                    wanted(of + "/" + v.name)) {
                     all_right &= right(of + "/" + v.name, one, v);
                     rows.push_back({of, v.name, static_cast<double>(size->n * lens.elements.size()),
                                     [&one, &v] { v.pass(one); }});

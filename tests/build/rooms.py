@@ -2,11 +2,11 @@
 """The rooms of src/: what a reader may count on.
 
     python3 tests/build/rooms.py [TREE]            each file and folder
-    python3 tests/build/rooms.py TREE LIBRARY.a    and the symbols of the object files
+    python3 tests/build/rooms.py TREE LIBRARY.a...  and the symbols of the object files
     python3 tests/build/rooms.py --planted         tries the test itself on trees with faults
 
-- Files include each other without a circle, and so do folders; with a library, the same of what object
-  files ask of each other (nm).  tests/build/floors.py holds the floors to their order.
+- Files include each other without a circle, and so do folders; with libraries, the same of what
+  object files ask of each other (nm).  tests/build/floors.py holds the floors to their order.
 - A name that a file keeps to itself (static functions and tables, types, macros) stands in no other file
   of the library, nor in two of the command.
 - Lines have at most 110 columns, also those of tests and examples, and of meson; in public headers 90.
@@ -92,8 +92,10 @@ def include_faults(src):
 
 
 def symbol_faults(src, library):
-    """Files are told from the names of objects, surface_sag_poly.c.o of src/surface/sag/poly.c."""
-    files = {str(p.relative_to(src)).replace('/', '_') + '.o': str(p.relative_to(src)) for p in sources(src)}
+    """Files are told from the names of objects, surface_sag_poly.c.o of src/surface/sag/poly.c; those of
+    lens from src/lens."""
+    files = {str(p.relative_to(base)).replace('/', '_') + '.o': str(p.relative_to(src))
+             for base in (src / 'lens', src) for p in sources(base)}
     listing = subprocess.run(['nm', '-A', library], capture_output=True, text=True, check=True).stdout
     defined, asked = {}, {}
     for line in listing.splitlines():

@@ -299,9 +299,9 @@ void set_anew(generator &g, const written &f)
                                    (k ? f.named : named).data(), room[k].data(), size, nullptr);
         if (!tape[k]) return fail(f, "not read", {0, 0, 0}, k, 0);
     }
-    if (!sgt_formula_set(tape[1], values.data())) fail(f, "not set", {0, 0, 0}, 0, 0);
+    if (!sgt_formula_set(tape[1], values.data(), nullptr)) fail(f, "not set", {0, 0, 0}, 0, 0);
     values[0] = NAN;
-    if (sgt_formula_set(tape[1], values.data())) fail(f, "NaN was set", {0, 0, 0}, 0, 0);
+    if (sgt_formula_set(tape[1], values.data(), nullptr)) fail(f, "NaN was set", {0, 0, 0}, 0, 0);
     for (int i = 0; i < 20; i++) {
         const sgt_vec3 p = random_point(g, f.where);
         double v[2];

@@ -90,10 +90,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         sgt_interval *before = malloc(bytes_of + 1);
         REQUIRE(before, "out of memory");
         memcpy(before, tape->value, bytes_of);
-        REQUIRE(sgt_formula_set(tape, set), "the same values are refused");
+        REQUIRE(sgt_formula_set(tape, set, NULL), "the same values are refused");
         REQUIRE(memcmp(before, tape->value, bytes_of) == 0, "%s: the same values, and other uniforms", text);
         for (size_t i = 0; i < n; i++) set[i] = 1.5 * (double)i - 1;
-        REQUIRE(sgt_formula_set(tape, set), "other values are refused");
+        REQUIRE(sgt_formula_set(tape, set, NULL), "other values are refused");
         tape_check(tape);
         judge(tape, text, (sgt_vec3){at[1], at[2], at[3]});
         free(before);

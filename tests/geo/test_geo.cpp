@@ -452,7 +452,7 @@ int main()
     char path[4096];
     sgt_error error = {};
     earth::grid grid;
-    if (!sgt_geoid_find(path, sizeof path)) {
+    if (!sgt_geoid_find(path, sizeof path, nullptr)) {
         std::printf("geoid: skipped, egm96_15.gtx is not installed\n");
     } else if (sgt_geoid *geoid = sgt_geoid_open(path, &error);
                expect(geoid && grid.read(path), path, error.words)) {

@@ -382,7 +382,7 @@ int main(int argc, char **argv)
     char path[4096];
     sgt_error error = {};
     earth::grid grid;
-    if (!sgt_geoid_find(path, sizeof path)) {
+    if (!sgt_geoid_find(path, sizeof path, nullptr)) {
         std::printf("geoid: skipped, egm96_15.gtx is not installed\n");
     } else if (sgt_geoid *geoid = sgt_geoid_open(path, &error); geoid && grid.read(path)) {
         run("geoid", count, &grid, geoid, faults);

@@ -2,7 +2,7 @@
  *
  * Each line of standard input is a question:
  *
- *     first_order WAVELENGTH                           micrometres, or nan: the primary one
+ *     first_order WAVELENGTH                           micrometres, or nan: the primary one; also parabasal
  *     room ANALYSIS N                                  with each of the last N words of its options not zero
  *     ANALYSIS FIELDS WAVELENGTHS RAYS [SETTING=X,X...]...
  *
@@ -166,6 +166,21 @@ static bool ask_room(const sgt_lens *lens)
     return of;
 }
 
+/* Along the chief ray of each field. */
+static void put_parabasal(const sgt_lens *lens, double um)
+{
+    for (size_t field = 1; field <= lens->fields; field++) {
+        sgt_error error = {.line = 0};
+        sgt_parabasal p;
+        const bool known = sgt_field_parabasal(lens, um, field, &p, &error);
+        const double x[] = {p.efl[0], p.efl[1], p.focus[0], p.focus[1], p.image[0], p.image[1],
+                            p.magnification[0], p.magnification[1], p.power_xy};
+        printf("parabasal");
+        for (size_t k = 0; k < sizeof x / sizeof *x; k++) put_double(x[k]);
+        printf("\nnot_parabasal %s\n", known ? "" : error.words);
+    }
+}
+
 /* The members in their order. */
 static bool ask_first_order(const sgt_lens *lens)
 {
@@ -200,6 +215,7 @@ static bool ask_first_order(const sgt_lens *lens)
             printf("\n");
         }
         printf("why_not %s\n", data.without_seidel ? data.without_seidel : "");
+        put_parabasal(lens, strtod(um, NULL));
     }
     free(seidel);
     return true;

@@ -247,10 +247,31 @@ def same_info(told_of, data, seidel, what):
         same(flat['seidel_sum'][key], total[key], (*what, 'sum', key))
 
 
+PARABASAL = [f'{key}_{axis}' for key in ('efl', 'focus', 'image', 'magnification') for axis in 'xy'] + ['power_xy']
+
+
+def same_parabasal(told_of, rows, said, what):
+    """Along the chief rays: the json of `info`, what Python has, and the lines of C."""
+    assert [rest for key, rest in said if key == 'parabasal'] == [
+        ' '.join(as_c(float(getattr(row, key))) for key in PARABASAL) for row in rows], what
+    for row, words in zip(rows, (rest for key, rest in said if key == 'not_parabasal')):
+        assert bool(words) == bool(row.why_not) and words in row.why_not, (what, words, row)
+    if not told_of['parabasal']:
+        equal(told_of['parabasal_why_not'], rows[0].why_not, what)
+        return 0
+    fields = told_of['parabasal']['fields']
+    equal(len(rows), len(fields), what)
+    for field, row in zip(fields, rows):
+        equal((field['field'], field['why_not'] or ''), (row.field, row.why_not), what)
+        for key in PARABASAL:
+            same(field[key], getattr(row, key), (*what, field['field'], key))
+    return len(fields)
+
+
 def test_first_order():
     """At each wavelength of the lens, and at one that is drawn."""
     draw = random.Random(SEED)
-    answered = refused = 0
+    answered = refused = along = 0
     for path in lenses():
         lens = sagitta.Lens.read(path)
         several = [*lens.wavelengths, draw.uniform(min(lens.wavelengths), max(lens.wavelengths) + 0.01)]
@@ -267,13 +288,15 @@ def test_first_order():
             equal(done.returncode, 0, (*what, done.stderr))
             mine = {key: as_c(x) for key, x in vars(data).items()}
             rows = [' '.join(as_c(float(getattr(seidel, key)[i])) for key in SEIDEL) for i in range(len(lens))]
-            equal({key: rest for key, rest in said if key not in ('seidel', 'why_not')}, mine, what)
+            besides = ('seidel', 'why_not', 'parabasal', 'not_parabasal')
+            equal({key: rest for key, rest in said if key not in besides}, mine, what)
             equal([rest for key, rest in said if key == 'seidel'], rows, what)
             equal([rest for key, rest in said if key == 'why_not'], [seidel.why_not], what)
             same_info(json.loads(done.stdout, parse_int=float), data, seidel, what)
+            along += same_parabasal(json.loads(done.stdout), lens.parabasal(w), said, what)
             answered += 1
-    print(f'       {answered} times the same, {refused} times all refuse')
-    assert answered > 20
+    print(f'       {answered} times the same, {refused} times all refuse; {along} chief rays')
+    assert answered > 20 and along > 60
 
 
 def test_patterns_in_blocks():

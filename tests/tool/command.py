@@ -7,6 +7,7 @@ import csv
 import io
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -24,6 +25,12 @@ INTERSECT = 'ray,root,status,t,t_err,x,y,z,nx,ny,nz,evals'
 TRACE = 'ray,element,fate,status,x,y,z,l,m,n,t,t_err,opl,evals'
 TRACE_ALL = TRACE + ',field,wavelength,px,py'   # csv and json
 DIAGNOSE = 'ray,element,eval,move,t,f,slope,lo,hi,f_lo,f_hi,slope_lo,slope_hi'
+
+
+def commands(page=''):
+    """The subcommands that --help lists; those only whose own help names a page."""
+    names = re.findall(r'^  sagitta ([a-z]+) ', run('--help').stdout, re.MULTILINE)
+    return [name for name in names if page in run(name, '--help', 'all').stdout]
 
 
 def run(*arguments, stdin='', exit=DECIDED, binary=False):

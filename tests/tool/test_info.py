@@ -408,6 +408,16 @@ def off_axis_parabola(field):
     return (ZMX / 'ray-optics__zmax_37992__40b107.zmx').read_bytes(), 1
 
 
+def test_quiet():
+    """No remarks, and no notes on what the numbers leave out."""
+    told = 0
+    for path in sorted(LENSES.glob('*.yaml')):
+        said, quiet = run('info', path), run('info', path, '--quiet')
+        equal((quiet.stdout, quiet.stderr), (said.stdout, ''), path.name)
+        told += 'do not count in these data' in said.stderr
+    assert told >= 1, told
+
+
 def test_parabasal():
     """Against finite differences of rays traced at 50 digits: the section across the plane of symmetry is x's."""
     sys.path.insert(0, str(HERE.parent / 'lens'))

@@ -64,7 +64,7 @@ surfaces:
   - {{type: sphere, radius: -200, mirror: true, thickness: {behind}}}
   - {{type: plane}}
 '''
-ANALYSES = ('spot', 'fan', 'opd', 'field', 'map', 'sweep', 'energy', 'ends', 'illumination')
+ANALYSES = commands('docs/analysis.md')
 
 
 def ends(lens, *options):

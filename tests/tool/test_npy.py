@@ -11,6 +11,8 @@ import math
 import os
 import random
 import re
+import resource
+import signal
 import stat
 import struct
 
@@ -147,15 +149,19 @@ def test_folder():
 
 
 def test_threads():
-    for shown in (('trace', TRIPLET, '--random', 20000, '--field', 14), ('trace', FTHETA, '--grid', 99, '--last'),
-                  ('intersect', '--surface', SPHERE, '--rays', array_of(some_rays(20000, 'threads')))):
+    """From 1 to 7, so in tiles of several sizes; with rays that end at each element, and roots of several rays."""
+    path = array_of(some_rays(9001, 'threads'))
+    for shown in (('trace', TRIPLET, '--random', 9001, '--field', 14), ('trace', FTHETA, '--grid', 99, '--last'),
+                  ('trace', TRIPLET, '--random', 9001, '--field', 25, '--last', '--frame', 'global'),
+                  ('intersect', '--surface', SPHERE, '--rays', path),
+                  ('intersect', '--surface', SPHERE, '--rays', path, '--all')):
         for name in ('rows.npy', 'columns'):
             several = []
-            for n in (1, 2, 3):
-                run(*shown, '--threads', n, '--format', 'npy', '-o', path := out(name), exit=None)
-                files = sorted(path.iterdir()) if path.is_dir() else [path]
+            for n in range(1, 8):
+                run(*shown, '--threads', n, '--format', 'npy', '-o', path_out := out(name), exit=None)
+                files = sorted(path_out.iterdir()) if path_out.is_dir() else [path_out]
                 several.append([f.read_bytes() for f in files])
-            assert several[0] == several[1] == several[2], shown
+            assert all(s == several[0] for s in several), shown
 
 
 def test_columns():
@@ -180,11 +186,16 @@ def test_columns():
 
 
 def test_last():
-    for more in (('--grid', 15), ('--grid', 15, '--field', 40), ('--rays', array_of(some_rays(500, 'last')))):
-        last = {}
-        for row in rows('trace', FTHETA, *more, exit=None):
-            last[row['ray']] = row
-        equal(rows('trace', FTHETA, *more, '--last', exit=None), list(last.values()))
+    """Whatever element a ray ends at, its last row is that among all rows; also in npy."""
+    for more in (('--grid', 15), ('--grid', 15, '--field', 40), ('--grid', 9, '--frame', 'global', '--proof', 'first'),
+                 ('--random', 1500, '--max-evals', 2), ('--rays', array_of(some_rays(500, 'last')))):
+        for lens in (FTHETA, TRIPLET):
+            last = {}
+            for row in rows('trace', lens, *more, exit=None):
+                last[row['ray']] = row
+            equal(rows('trace', lens, *more, '--last', exit=None), list(last.values()))
+            run('trace', lens, *more, '--last', '--format', 'npy', '-o', path := out(), exit=None)
+            same_as_csv(*read(path), list(last.values()))
     text = run('trace', FTHETA, '--fan', 7, '--field', 0, '--last').stdout
     equal(len(text.split('\n\n')[0].splitlines()), 8, 'a header and seven rows, without gaps')
 
@@ -271,7 +282,6 @@ def test_hostile_arrays():
         (array(out(), several, one.replace('<f8', '<i8', 1), '<6d'), "ox: of the type '<i8'"),
         (array(out(), several, plain, '<6d', shape='(50, 6)', more="'shape': (50, 6)"), 'given twice'),
         (array(out(), several, plain, '<6d', shape='(50, 6)', more="'other': 1"), 'unknown key'),
-        (array(out(), [several[0] * 12], str([(n, '<f8') for n in NAMES] + [('', '|V528')]), '<72d'), '512 bytes'),
         (out('nothing.npy'), 'No such file'), (written('', 'empty').parent, 'this column is missing'),
     ]
     folder = out('columns')
@@ -284,6 +294,89 @@ def test_hostile_arrays():
             done = run(*command, '--rays', path, exit=BAD_INPUT)
             assert words in done.stderr and str(path) in done.stderr, (words, path, done.stderr)
             equal(done.stdout, '')
+
+
+def test_numpy():
+    """What numpy.save writes is read, and numpy.load reads what is written."""
+    if not numpy:
+        return
+    for count in (1, 64, 1025, 3000):
+        several = some_rays(count, f'numpy {count}')
+        plain = numpy.array(several)
+        fields = numpy.dtype([('id', 'S3'), *((n, '<f8') for n in reversed(NAMES)), ('tmax', '<f8')], align=True)
+        own = numpy.zeros(count, fields)
+        for i, name in enumerate(NAMES):
+            own[name] = plain[:, i]
+        own['id'], own['tmax'] = b'a', numpy.inf
+        numpy.save(first := out('plain.npy'), plain)
+        numpy.save(second := out('own.npy'), own)
+        found = []
+        for path in (first, second):
+            run('intersect', '--surface', SPHERE, '--rays', path, '--format', 'npy', '-o', to := out())
+            found.append(numpy.load(to))
+        for name in found[0].dtype.names:
+            assert found[0][name].tobytes() == found[1][name].tobytes(), (count, name)
+        for bad, words in ((numpy.asfortranarray(plain), 'C order'), (plain.astype('>f8'), 'lower byte first'),
+                           (plain.astype('<f4'), "'<f4'"), (plain[:, :5], 'N x 6'), (plain[:0], 'no rays')):
+            if count == 1 and words == 'C order':
+                continue                                   # NumPy calls one row both
+            numpy.save(path := out(), bad)
+            assert words in run('intersect', '--surface', SPHERE, '--rays', path, exit=BAD_INPUT).stderr, words
+
+
+def test_pipe():
+    """An array that comes through a pipe is read as one in a file."""
+    path = array_of(some_rays(30000, 'pipe'))
+    wanted = run('intersect', '--surface', SPHERE, '--rays', path, '--format', 'csv').stdout
+    os.mkfifo(pipe := out('pipe.npy'))
+    with subprocess.Popen(['sh', '-c', 'exec cat "$0" > "$1"', path, pipe]):
+        equal(run('intersect', '--surface', SPHERE, '--rays', pipe, '--format', 'csv').stdout, wanted)
+
+
+def limited(*arguments):
+    """The command where no file may have more than 100,000 bytes: as on a disk that is full."""
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
+    return subprocess.run([SAGITTA, *map(str, arguments)], capture_output=True, text=True, preexec_fn=limit)
+
+
+def test_full_disk():
+    few, many = array_of(some_rays(1000, 'fits'), 'few.npy'), array_of(some_rays(20000, 'full'))
+    for name, form in (('full.npy', 'npy'), ('columns', 'npy'), ('full.csv', 'csv'), ('full.json', 'json')):
+        for threads in (1, 2):
+            for path, more in ((few, ('--columns', 'x')), (many, ())):
+                done = limited('intersect', '--surface', SPHERE, '--rays', path, '--format', form, '-o', out(name),
+                               '--threads', threads, *more)
+                equal(done.returncode, BAD_INPUT if path == many else DECIDED, (name, done.stderr))
+            assert name in done.stderr and 'could not be written' in done.stderr, done.stderr
+
+
+def test_memory():
+    """It does not grow with the rays of an array, and little with the surfaces of a lens."""
+    if b'__asan_init' in pathlib.Path(SAGITTA).read_bytes():
+        return                                             # what is freed is kept for a while
+
+    def most(*arguments):
+        child = subprocess.Popen([SAGITTA, *map(str, arguments), '--threads', '1'], stdout=subprocess.DEVNULL)
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        equal(child.returncode, DECIDED)
+        return usage.ru_maxrss                             # kB
+    count, ray = 2000000, struct.pack('<6d', 0, 0, -5, 0, 0, 1)
+    path = array(out(), [], "'<f8'", '<6d', shape=f'({count}, 6)')
+    with open(path, 'ab') as file:
+        file.write(ray * count)
+    few = array_of(some_rays(9, 'few'), 'few.npy')
+    more = (most('intersect', '--surface', SPHERE, '--rays', path, '--columns', 'x', '--format', 'npy', '-o', out('o.npy'))
+            - most('intersect', '--surface', SPHERE, '--rays', few, '--columns', 'x', '--format', 'npy', '-o', out('p.npy')))
+    assert more < 50000, f'{more} kB more for 96 MB of rays'
+
+    def long(surfaces):
+        return written('pupil: {semi_diameter: 1}\nsurfaces:\n' + ''.join(
+            f'  - {{type: plane, thickness: 0.001, index: {2 - i % 2}}}\n' for i in range(surfaces)))
+    few, many = (most('trace', long(n), '--chief', '--last', '--format', 'csv') for n in (1000, 41000))
+    assert (many - few) / 40 < 1100, f'{(many - few) / 40} bytes a surface'
 
 
 def test_mutated_headers():

@@ -15,10 +15,10 @@ SPHERE = '{type: sphere, radius: 3, semi_diameter: 2}'
 ASPHERE = '{type: even_asphere, radius: 20, coefficients: [-2e-4, -5e-6, -6e-8]}'
 JULIA = '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 6}'
 
-# Rays go 256 at a time, and 8192 for each thread in a round (4096 through a lens of eight elements);
-# a file is read in pieces of a quarter of a megabyte.  These are less than one of each, and, for
-# two threads, more than two rounds.
-FEW, MANY, MANY_THROUGH_LENS = (1, 255, 256, 257), 35001, 17001
+# Rays go 1024 at a time, few ones 64 for each of several threads, and a thread may be 8 tiles ahead; a file is
+# read in pieces of a quarter of a megabyte.  These are less than one of each, at their borders, and more than
+# all places of two threads.
+FEW, MANY, MANY_THROUGH_LENS = (1, 63, 64, 65, 1023, 1024, 1025), 35001, 17001
 
 
 def random_rays(count, seed, across=2.5):
@@ -90,6 +90,28 @@ def test_undecided():
     assert b'exhausted' in done.stdout
     last = rays(*[[0, 0, -5, 0, 0, 1]] * 2000, (0, 9, -5, 0, 0.1, 1))
     same('intersect', '--surface', ASPHERE, '--rays', '-', '--max-evals', '1', stdin=last, exit=UNDECIDED)
+
+
+def test_forms_of_numbers():
+    """A line of plain numbers is read where it stands, any other is split: the same rays, however it is written."""
+    draw = random.Random(6)
+    blanks = ('', ' ', '\t', '  ')
+
+    def written_as(x):
+        return draw.choice((repr(x), f'{x:.17g}', f'{x:.25f}', f'{x:+.16e}', f'{x:.20E}', x.hex(), f'"{x!r}"',
+                            f'0000{abs(x)!r}' if x >= 0 else f'-00{abs(x)!r}'))
+    several = [[float(f'{x:.9f}') for x in ray] for ray in random_rays(4000, 6)]
+    plain = run('intersect', '--surface', SPHERE, '--rays', '-', '--format', 'csv', stdin=rays(*several)).stdout
+    lines = [','.join(draw.choice(blanks) + written_as(x) + draw.choice(blanks) for x in ray) for ray in several]
+    text = 'ox,oy,oz,dx,dy,dz\n' + ''.join(line + draw.choice(('\n', '\r\n', '\n\n')) for line in lines).rstrip()
+    for threads in (1, 2):
+        equal(run('intersect', '--surface', SPHERE, '--rays', '-', '--format', 'csv', '--threads', threads,
+                  stdin=text).stdout, plain)
+    for wrong in ('1 2', '1,', '--1', '1e', '1.2.3', '0x', '1_000', '12345678a', '123456789012345678901x', '1;2', '1/2'):
+        lines[77] = f'0,0,-5,0,0,{wrong}'
+        text = 'ox,oy,oz,dx,dy,dz\n' + '\n'.join(lines)
+        done = run('intersect', '--surface', SPHERE, '--rays', '-', stdin=text, exit=BAD_INPUT)
+        assert done.stderr.startswith('sagitta: standard input:79: '), (wrong, done.stderr)
 
 
 def test_first_miss():

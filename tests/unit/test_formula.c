@@ -976,13 +976,15 @@ static void test_set(void **state)
     sgt_tape *t = tape_of(text);
     long double before = tape_value(t, point), want = 1.5L + 2 / 16.0L + sqrtl(3) * 3 + expl(0.75L) / 1.5L;
     REQUIRE(fabsl(before - want) < 1e-17L * 40, "%Lg, not %Lg", before, want);
+    sgt_error error;
     bad[3] = NOT;
-    REQUIRE(!sgt_formula_set(t, bad) && tape_value(t, point) == before,
+    REQUIRE(!sgt_formula_set(t, bad, &error) && tape_value(t, point) == before,
             "a NaN is refused, and nothing changed");
+    REQUIRE(strcmp(error.words, "value 4 is not finite") == 0 && !*error.file, "%s", error.words);
     bad[3] = FAR;
-    REQUIRE(!sgt_formula_set(t, bad) && t->given[0] == 1.5 && tape_value(t, point) == before,
+    REQUIRE(!sgt_formula_set(t, bad, NULL) && t->given[0] == 1.5 && tape_value(t, point) == before,
             "so is infinity");
-    REQUIRE(sgt_formula_set(t, values), "other values");
+    REQUIRE(sgt_formula_set(t, values, NULL), "other values");
     tape_check(t);
     REQUIRE(tape_value(t, point) == 2 + 18 + 6 + 0.5L, "%Lg", tape_value(t, point));
     /* as if it had been read with them */
@@ -998,13 +1000,13 @@ static void test_set(void **state)
                 "uniform %d", i);
     /* not defined any more: 1/0, sqrt(-1); the middle is NaN */
     values[0] = 0, values[2] = -1;
-    REQUIRE(sgt_formula_set(t, values), "no error: these values are finite");
+    REQUIRE(sgt_formula_set(t, values, NULL), "no error: these values are finite");
     tape_check(t);
     int undefined = 0;
     for (int i = 0; i < t->uniforms; i++) undefined += isnan(t->middle[i]);
     REQUIRE(undefined == 2, "%d undefined uniforms", undefined);
     REQUIRE(isnan(tape_value(t, point)), "F is not defined");
-    REQUIRE(sgt_formula_set(tape_of("x+y"), bad) == false, "parameters that are not used are checked");
+    REQUIRE(sgt_formula_set(tape_of("x+y"), bad, NULL) == false, "parameters that are not used are checked");
 }
 
 /* The value is in the interval, which is as narrow as it may be. */

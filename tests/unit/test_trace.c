@@ -562,6 +562,28 @@ static int last_t(void *data, const sgt_step *step)
     return 0;
 }
 
+/* A ray that meets the tube of a torus beyond the clear aperture, and then within it.  With few evaluations
+ * it passes or is lost: what lies within the aperture and is undecided is not clipped. */
+static void test_few_evaluations(void **state)
+{
+    (void)state;
+    const sgt_torus torus = {.major = 3, .minor = 1};
+    const sgt_element e = {.surface = {&sgt_torus_ops, &torus}, .semi_diameter = 2.5, .index = 1.5};
+    int passed = 0, lost = 0;
+    for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++)
+        for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++)
+            for (int most = 1; most < 400; most++) {
+                sgt_ray ray = {.o = {-9, 0.5, 0.2}, .d = {1, 0, 0}};
+                sgt_fate fate;
+                const sgt_options opt = {.pick = pick, .proof = proof, .max_evals = most};
+                sgt_trace(1, &e, 1, &ray, NULL, &fate, &opt);
+                REQUIRE(fate == SGT_PASSED || fate == SGT_LOST, "%d evaluations, pick %d, proof %d: %s", most,
+                        pick, proof, sgt_fate_text(fate));
+                passed += fate == SGT_PASSED, lost += fate == SGT_LOST;
+            }
+    REQUIRE(passed > 1000 && lost > 20, "%d passed, %d lost", passed, lost);
+}
+
 /* Launched from 2^30 lengths away, along a direction that doubles hold exactly: as from nearby. */
 static void test_far_launch(void **state)
 {
@@ -759,6 +781,7 @@ int main(void)
         cmocka_unit_test(test_wide_aperture),
         cmocka_unit_test(test_far_lens),
         cmocka_unit_test(test_far_launch),
+        cmocka_unit_test(test_few_evaluations),
         cmocka_unit_test(test_far_launch_to_its_last_part),
         cmocka_unit_test(test_path_rounded_once),
         cmocka_unit_test(test_watch),

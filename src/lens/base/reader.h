@@ -69,15 +69,4 @@ bool sgt_reader_whole(const reader *r, const char *key);
 /* Numbers to the end of the line, at most READER_COEFFICIENTS; false: told. */
 bool sgt_reader_numbers(const reader *r, const char *key, piece rest, double value[], size_t *count);
 
-/* Copies texts and coefficients and appends the glass, if sgt_glass_fault has nothing to say;
- * false: told. */
-bool sgt_reader_append(const reader *r, sgt_glass glass, const char *key);
-
-/* (glass.c) What is wrong with a glass, in words; NULL: nothing. */
-const char *sgt_glass_fault(const sgt_glass *glass);
-
-bool sgt_read_agf(reader *r, piece maker);
-bool sgt_read_csv(reader *r);
-bool sgt_read_rii(reader *r, piece name, piece maker);
-
 #endif

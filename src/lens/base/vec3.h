@@ -28,6 +28,13 @@ static inline sgt_vec3 unit3(sgt_vec3 a)
     return (sgt_vec3){a.x / length, a.y / length, a.z / length};
 }
 
+/* The distance of the line o + t d from the z axis. */
+static inline double axis_distance3(sgt_vec3 o, sgt_vec3 d)
+{
+    double across = hypot(d.x, d.y);
+    return across == 0 ? hypot(o.x, o.y) : fabs(o.x * d.y - o.y * d.x) / across;
+}
+
 /* Directions into the frame of an element, and out of it. */
 static inline sgt_vec3 out_of3(const sgt_pose *p, sgt_vec3 a)
 {

@@ -10,7 +10,7 @@
  *
  * Programs disagree on the second term of formula 4 (some multiply it by w^2), and catalogues have
  * slips of the pen: where the formula and the nd that is printed differ, a remark says so. */
-#include "../base/reader.h"
+#include "forms.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
  *
  * NEAREST NAMES are those with the least edit distance (Levenshtein 1966): insertions, deletions
  * and changes of one character, the case of letters aside. */
-#include "../base/reader.h"
+#include "forms.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -4,7 +4,7 @@
  *     schott,N-BK7,2,0.3,2.5,0 1.03961212 0.00600069867 ...
  *
  * Blank lines and lines that begin with # are skipped.  Formulas are numbered as in lens.h. */
-#include "../base/reader.h"
+#include "forms.h"
 
 static const char header[] = "maker,glass,formula,from_um,to_um,coefficients";
 

@@ -13,7 +13,7 @@
  * Applied Optics 22, 1983, 1198): in v = x / (1 + 2.5 x) the index of a glass is nearly a
  * parabola.  What OpticStudio does is not published; where its indices are known the two
  * differ by 2e-7 at 0.63 um and 2.5e-5 at 0.92 um. */
-#include "../base/reader.h"
+#include "forms.h"
 
 #include <sagitta/lens.h>
 

@@ -12,7 +12,7 @@
  * It is YAML, but of one shape, so lines are read as they come: a key at the left margin begins a
  * part, of which DATA alone is used, and a dash an entry.  The first entry that has n is the
  * glass; k and a second n are left out, with a remark. */
-#include "../base/reader.h"
+#include "forms.h"
 
 #include <string.h>
 

@@ -24,6 +24,20 @@
  * WHERE THE SEARCH BEGINS: where the linear map about the chief ray puts the point.  So a ray depends
  * on no other but the chief ray, and rays may be aimed in any parts.
  *
+ * A FITTED MAP takes the place of the search where a study has many rays of a beam.  The way from a point
+ * of the pupil to u, v is smooth.  So AIM_NODES rays are aimed as above, and polynomials of degree
+ * AIM_DEGREE are fitted to them by least squares.  A ray that they give is traced to the stop, and misses
+ * its point by f.  It is then asked for at the point less f: a chord method, whose step leaves as much of
+ * f as the slopes of the polynomials are off, some 1e-6.  Most rays of the lenses in examples and
+ * tests/data/zmx take one step.
+ * Nothing is taken on trust.  A ray counts only if it gets to the stop, clipped by nothing, and misses by
+ * no more than NEAR_ENOUGH p_err there.  That is less than what sgt_aim takes for arrived, 8 times the
+ * error of the end: this is 1.5 p_err cos(a) at least, a the slope of the stop.  All other rays are
+ * searched for.
+ * The map is used only if no node is folded, and if the determinants at the nodes are all within TAME
+ * times each other.  The polynomials do not turn over between nodes that are so near, so no ray of theirs
+ * is folded.
+ *
  * FOLDS.  The map from the pupil to the stop has a determinant.  On the axis of any lens it is not 0.
  * Where it has the other sign, neighbouring rays reach the stop in reversed order: between there and
  * the axis the pupil is folded, and points near the fold have two rays.
@@ -42,7 +56,7 @@ enum { STEPS = 12, REACHES = 3, TOLD = 16 };
 /* of a box in which a ray is not expected: what most that are there need, and a proof of a far region */
 static const double NEAR = 2;
 enum { FEW_TRACES = 60, FEW_BOXES = 300 };
-enum { AIM_PART = 64, AIM_HITS = 1 << 16 }; /* rays that are aimed side by side; fewer of a long row */
+enum { AIM_PART = 128, AIM_HITS = 1 << 16 }; /* rays that are aimed side by side; fewer of a long row */
 
 /* The rays of a beam by their coordinates in the pupil, or the slopes of the cone. */
 static sgt_beam family_of(const sgt_field_beam *b)
@@ -69,15 +83,13 @@ static sgt_beam family_of(const sgt_field_beam *b)
 }
 
 /* The linear map from the beam's parameters to an element, about a ray. */
-typedef struct linear { double xu, xv, yu, yv, determinant; } linear;
-
-static linear linear_at(size_t element, const sgt_element e[], double before, const sgt_beam *f,
+static sgt_linear linear_at(size_t element, const sgt_element e[], double before, const sgt_beam *f,
                         const sgt_ray *ray, const sgt_passage passages[])
 {
     sgt_ray_change by[2] = {{.p = f->ou, .d = f->du}, {.p = f->ov, .d = f->dv}};
     sgt_trace_sensitivity(element + 1, e, before, ray, passages, 2, by, by);
-    const linear l = {by[0].p.x, by[1].p.x, by[0].p.y, by[1].p.y, 0};
-    return (linear){l.xu, l.xv, l.yu, l.yv, l.xu * l.yv - l.xv * l.yu};
+    const sgt_linear l = {by[0].p.x, by[1].p.x, by[0].p.y, by[1].p.y, 0};
+    return (sgt_linear){l.xu, l.xv, l.yu, l.yv, l.xu * l.yv - l.xv * l.yu};
 }
 
 /* A question to sgt_aim, and what is known of the rays that are not there. */
@@ -175,7 +187,7 @@ bool sgt_aim_at_stop(sgt_launcher *from, sgt_error *error)
     const size_t stop = from->lens->stop;
     sgt_field_beam b;
     const sgt_lens_field axis = {.weight = 1};
-    if (!sgt_launch_field(from, SGT_FIELD_ANGLE, &axis, &b, error)) return false;
+    if (!sgt_beam_of_field(from, SGT_FIELD_ANGLE, &axis, &b, error)) return false;
     sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
     sgt_element *open = sgt_launch_take(from, stop + 1, sizeof *open);
     const bool room = passages && open;
@@ -214,23 +226,38 @@ static sgt_ray of_unit_length(sgt_ray ray)
 
 /* ---------------------------------------------------------------- many rays at once */
 
+/* Rays on their way by a fitted map. */
+typedef struct guided {
+    size_t count;
+    size_t of[AIM_PART];
+    double x[AIM_PART], y[AIM_PART], u[AIM_PART], v[AIM_PART];
+    sgt_fate fate[AIM_PART];
+} guided;
+
 /* Some rays side by side, and how they met the elements up to the stop. */
 typedef struct aim_many {
     sgt_passages *at;           /* [stop + 1] */
+    sgt_passages *guide;        /* [stop + 1]: of which the last one alone is told, by p and p_err */
     sgt_vec2 wanted[AIM_PART], start[2 * AIM_PART];
     sgt_aiming found[AIM_PART];
     double o[3][AIM_PART], d[3][AIM_PART], change[12][AIM_PART];
+    /* of the fitted map: its rays, and those that it leaves (here, and not on the stack, of which threads of
+     * some systems have little) */
+    guided by_map;
+    size_t left[AIM_PART];
+    sgt_pupil_point other[AIM_PART];
+    sgt_launched own[AIM_PART];
 } aim_many;
 
 static aim_many *aim_many_new(const sgt_launcher *from, size_t elements, size_t part)
 {
     enum { NUMBERS = 11 };
-    const size_t each = sizeof(sgt_passages) + part * (NUMBERS * sizeof(double) + 1);
+    const size_t each = 2 * sizeof(sgt_passages) + part * (NUMBERS * sizeof(double) + 1);
     char *room = sgt_launch_take(from, 1, sizeof(aim_many) + elements * each);
     if (!room) return NULL;
     aim_many *m = (void *)room;
-    m->at = (void *)(room + sizeof *m);
-    double *number = (double *)(void *)(m->at + elements);
+    m->at = (void *)(room + sizeof *m), m->guide = m->at + elements;
+    double *number = (double *)(void *)(m->guide + elements);
     sgt_status *status = (sgt_status *)(number + elements * NUMBERS * part);
     for (size_t i = 0; i < elements; i++, status += part) {
         sgt_passages *p = &m->at[i];
@@ -238,7 +265,12 @@ static aim_many *aim_many_new(const sgt_launcher *from, size_t elements, size_t 
         number += 2 * part;
         for (int k = 0; k < 3; k++, number += 3 * part)
             p->hits.p[k] = number, p->hits.n[k] = number + part, p->direction[k] = number + 2 * part;
+        m->guide[i] = (sgt_passages){.opl = NULL};
     }
+    sgt_hits *last = &m->guide[elements - 1].hits;
+    const sgt_hits *whole = &m->at[elements - 1].hits;
+    last->p_err = whole->p_err;
+    for (int k = 0; k < 3; k++) last->p[k] = whole->p[k];
     return m;
 }
 
@@ -263,12 +295,9 @@ static void determinants(aim_many *m, const aim_search *s, const sgt_beam *f, si
         m->change[0][i] = m->change[0][i] * m->change[7][i] - m->change[6][i] * m->change[1][i];
 }
 
-/* What the search for all rays shares: the chief ray, and the linear map about it. */
-typedef struct aim_map { sgt_aiming chief; int home; linear map; bool mapped; } aim_map;
-
-static aim_map map_of(const sgt_beam *f, const aim_search *s)
+static sgt_aim_map map_of(const sgt_beam *f, const aim_search *s)
 {
-    aim_map of = {.map = {.determinant = 0}};
+    sgt_aim_map of = {.map = {.determinant = 0}};
     aim_search search = *s;
     search.starts = 1, search.start[0] = (sgt_vec2){0, 0}, search.chief = true;
     of.chief = aim_at(&search, f, (sgt_vec2){0, 0}, &of.home);
@@ -279,7 +308,7 @@ static aim_map map_of(const sgt_beam *f, const aim_search *s)
 }
 
 /* One ray that the loops have left, as aim_at finds it. */
-static void aim_left(const sgt_launcher *from, const sgt_beam *f, const aim_search *s, const aim_map *of,
+static void aim_left(const sgt_launcher *from, const sgt_beam *f, const aim_search *s, const sgt_aim_map *of,
                      const sgt_pupil_point *at, sgt_vec2 wanted, const sgt_vec2 start[2], sgt_launched *out)
 {
     int where;
@@ -297,11 +326,11 @@ static void aim_left(const sgt_launcher *from, const sgt_beam *f, const aim_sear
 /* s: without starts; m->at and s->passages: room.  A ray that is found in the box of the chief ray is the one
  * that aim_at finds first.  So all are looked for there side by side, and aim_at does the rest. */
 static void aim_part(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
-                     const aim_search *s, const aim_map *of, aim_many *m, size_t count,
+                     const aim_search *s, const sgt_aim_map *of, aim_many *m, size_t count,
                      const sgt_pupil_point at[], sgt_launched out[])
 {
     const sgt_beam box = reaching(f, of->home);
-    const linear *map = &of->map;
+    const sgt_linear *map = &of->map;
     for (size_t i = 0; i < count; i++) {
         const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
         m->wanted[i] = (sgt_vec2){q.x * from->stop_radius, q.y * from->stop_radius};
@@ -323,30 +352,239 @@ static void aim_part(const sgt_launcher *from, const sgt_field_beam *b, const sg
     }
 }
 
-bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
-                  size_t count, const sgt_pupil_point at[], sgt_launched out[])
+/* ------------------------------------------------------------------ by a fitted map */
+
+static double power(double x, int n) { return n > 0 ? x * power(x, n - 1) : 1; }
+
+void sgt_aim_nodes_set(sgt_aim_nodes *out)
+{
+    const double QUARTER = 90;
+    double (*a)[AIM_NODES] = out->by, r[AIM_TERMS][AIM_TERMS];
+    sgt_pupil_points(SGT_PATTERN_HEXAPOLAR, AIM_RINGS, 0, AIM_NODES, out->at);
+    for (size_t i = 1, ring = 1; i < AIM_NODES; i++) {
+        if (i > 3 * ring * (ring + 1)) ring++;
+        const double at = (double)ring / AIM_RINGS;
+        const double away = sgt_pose_tilted((sgt_vec3){0, 0, 0}, (sgt_vec3){0, 0, QUARTER * at}).ex.y;
+        out->at[i].x *= away / at, out->at[i].y *= away / at;
+    }
+    for (size_t i = 0; i < AIM_NODES; i++)
+        for (int j = AIM_DEGREE, t = 0; j >= 0; j--)
+            for (int k = AIM_DEGREE - j; k >= 0; k--, t++)
+                a[t][i] = power(out->at[i].x, k) * power(out->at[i].y, j);
+    for (int t = 0; t < AIM_TERMS; t++) { /* the columns, orthonormal: A = Q R */
+        for (int twice = 0; twice < 2; twice++)
+            for (int k = 0; k < t; k++) {
+                double dot = 0;
+                for (int i = 0; i < AIM_NODES; i++) dot += a[k][i] * a[t][i];
+                for (int i = 0; i < AIM_NODES; i++) a[t][i] -= dot * a[k][i];
+                r[k][t] = dot + (twice ? r[k][t] : 0);
+            }
+        double square = 0;
+        for (int i = 0; i < AIM_NODES; i++) square += a[t][i] * a[t][i];
+        r[t][t] = sqrt(square);
+        for (int i = 0; i < AIM_NODES; i++) a[t][i] /= r[t][t];
+    }
+    for (int t = AIM_TERMS; t-- > 0;) /* by = R^-1 Q^T, in place */
+        for (int i = 0; i < AIM_NODES; i++) {
+            for (int k = t + 1; k < AIM_TERMS; k++) a[t][i] -= r[t][k] * a[k][i];
+            a[t][i] /= r[t][t];
+        }
+}
+
+/* Both polynomials at x, y of four rays: so few that their sums stay in registers. */
+enum { AIM_FEW = 4 };
+typedef double two_rays __attribute__((vector_size(2 * sizeof(double))));
+
+static void few_fitted_at(const sgt_aim_map *of, const double x[], const double y[], double u[], double v[])
+{
+    const two_rays x0 = {x[0], x[1]}, x1 = {x[2], x[3]}, y0 = {y[0], y[1]}, y1 = {y[2], y[3]};
+    two_rays u0 = {0}, u1 = {0}, v0 = {0}, v1 = {0};
+    for (int j = AIM_DEGREE, k = 0; j >= 0; j--) {
+        const two_rays none = {0};
+        two_rays a0 = none + of->fit[0][k], a1 = a0, b0 = none + of->fit[1][k], b1 = b0;
+        k++;
+        for (int more = AIM_DEGREE - j; more > 0; more--, k++) {
+            const double by_u = of->fit[0][k], by_v = of->fit[1][k];
+            a0 = a0 * x0 + by_u, a1 = a1 * x1 + by_u, b0 = b0 * x0 + by_v, b1 = b1 * x1 + by_v;
+        }
+        u0 = u0 * y0 + a0, u1 = u1 * y1 + a1, v0 = v0 * y0 + b0, v1 = v1 * y1 + b1;
+    }
+    u[0] = u0[0], u[1] = u0[1], u[2] = u1[0], u[3] = u1[1];
+    v[0] = v0[0], v[1] = v0[1], v[2] = v1[0], v[3] = v1[1];
+}
+
+/* (The arrays have room for AIM_FEW - 1 more.) */
+static void fitted_at(const sgt_aim_map *of, size_t count, double x[], double y[], double u[], double v[])
+{
+    for (size_t i = count; i % AIM_FEW; i++) x[i] = y[i] = 0;
+    for (size_t i = 0; i < count; i += AIM_FEW) few_fitted_at(of, x + i, y + i, u + i, v + i);
+}
+
+/* Aims by the fitted map; returns how many are left, with their numbers in m->left. */
+static size_t aim_guided(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
+                         const aim_search *s, const sgt_aim_map *of, aim_many *m, size_t count,
+                         const sgt_pupil_point at[], sgt_launched out[])
+{
+    enum { GUIDED_ROUNDS = 3 };
+    const double NEAR_ENOUGH = 2, DISC = 1 + 0x1p-40;
+    const size_t elements = s->element + 1;
+    const sgt_hits *last = &m->guide[s->element].hits;
+    const sgt_options near = {.pick = SGT_NEAR_SEED};
+    const sgt_rays rays = {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}};
+    size_t unfound = 0;
+    guided *g = &m->by_map;
+    size_t *left = m->left;
+    g->count = 0;
+    for (size_t i = 0; i < count; i++) {
+        const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
+        m->wanted[i] = (sgt_vec2){q.x * from->stop_radius, q.y * from->stop_radius};
+        if (at[i].x * at[i].x + at[i].y * at[i].y <= DISC)
+            g->of[g->count] = i, g->x[g->count] = at[i].x, g->y[g->count++] = at[i].y;
+        else left[unfound++] = i;
+    }
+    for (int round = 0; round < GUIDED_ROUNDS && g->count; round++) {
+        size_t still = 0;
+        fitted_at(of, g->count, g->x, g->y, g->u, g->v);
+        for (size_t k = 0; k < g->count; k++) {
+            const sgt_ray ray = of_unit_length(sgt_beam_ray(f, g->u[k], g->v[k]));
+            m->o[0][k] = ray.o.x, m->o[1][k] = ray.o.y, m->o[2][k] = ray.o.z;
+            m->d[0][k] = ray.d.x, m->d[1][k] = ray.d.y, m->d[2][k] = ray.d.z;
+        }
+        sgt_trace_batch(elements, s->e, s->before, g->count, rays, (sgt_traced){.fate = g->fate}, m->guide,
+                        &near);
+        for (size_t k = 0; k < g->count; k++) {
+            const size_t i = g->of[k];
+            const double x = last->p[0][k] - m->wanted[i].x, y = last->p[1][k] - m->wanted[i].y;
+            if (g->fate[k] == SGT_PASSED && sqrt(x * x + y * y) <= NEAR_ENOUGH * last->p_err[k]) {
+                out[i] = (sgt_launched){.status = SGT_MET, .wanted = m->wanted[i],
+                                        .ray = {.o = {m->o[0][k], m->o[1][k], m->o[2][k]},
+                                                .d = {m->d[0][k], m->d[1][k], m->d[2][k]}}};
+                continue;
+            }
+            if (g->fate[k] != SGT_PASSED || round + 1 == GUIDED_ROUNDS) {
+                left[unfound++] = i;
+                continue;
+            }
+            /* by how much the point of the pupil is off (sgt_vignetted) */
+            const double across = (x * b->turn.x + y * b->turn.y) / from->stop_radius,
+                         along = (y * b->turn.x - x * b->turn.y) / from->stop_radius;
+            g->of[still] = i;
+            g->x[still] = g->x[k] - across / b->scale.x, g->y[still++] = g->y[k] - along / b->scale.y;
+        }
+        g->count = still;
+    }
+    return unfound;
+}
+
+/* Fits the map to the rays through the nodes, if all are there and none is folded. */
+static void fit_map(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
+                    const aim_search *s, const sgt_aim_nodes *nodes, aim_many *m, sgt_aim_map *of)
+{
+    const double TAME = 16, CLOSE = 1e-3;
+    double least = HUGE_VAL, most = 0;
+    if (!of->mapped || from->sense == 0) return;
+    aim_part(from, b, f, s, of, m, AIM_NODES, nodes->at, m->own);
+    for (size_t i = 0; i < AIM_NODES; i++) {
+        const double determinant = m->change[0][i] * from->sense;
+        if (m->found[i].status != SGT_MET) return;
+        least = fmin(least, determinant), most = fmax(most, determinant);
+    }
+    if (!(least > 0 && most <= TAME * least)) return;
+    for (size_t t = 0; t < AIM_TERMS; t++) {
+        of->fit[0][t] = of->fit[1][t] = 0;
+        for (size_t i = 0; i < AIM_NODES; i++)
+            of->fit[0][t] += nodes->by[t][i] * m->found[i].u,
+                of->fit[1][t] += nodes->by[t][i] * m->found[i].v;
+    }
+    double *x = m->by_map.x, *y = m->by_map.y, *u = m->by_map.u, *v = m->by_map.v;
+    for (size_t i = 0; i < AIM_NODES; i++) x[i] = nodes->at[i].x, y[i] = nodes->at[i].y;
+    fitted_at(of, AIM_NODES, x, y, u, v);
+    of->fitted = true;
+    for (size_t i = 0; i < AIM_NODES; i++)
+        if (!(hypot(u[i] - m->found[i].u, v[i] - m->found[i].v) < CLOSE)) of->fitted = false;
+}
+
+/* Some rays: those by the map, then the others. */
+static void aim_some(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
+                     const aim_search *s, const sgt_aim_map *of, aim_many *m, size_t count,
+                     const sgt_pupil_point at[], sgt_launched out[])
+{
+    if (!of->fitted) {
+        aim_part(from, b, f, s, of, m, count, at, out);
+        return;
+    }
+    const size_t more = aim_guided(from, b, f, s, of, m, count, at, out);
+    for (size_t i = 0; i < more; i++) m->other[i] = at[m->left[i]];
+    if (more) aim_part(from, b, f, s, of, m, more, m->other, m->own);
+    for (size_t i = 0; i < more; i++) out[m->left[i]] = m->own[i];
+}
+
+struct sgt_aim_room {
+    sgt_beam f;
+    aim_search search;
+    sgt_passage *passages;
+    sgt_element *bare;
+    aim_many *many;
+    size_t part;
+};
+
+void sgt_aim_room_free(const sgt_launcher *from, sgt_aim_room *r)
+{
+    if (!r) return;
+    sgt_launch_forget(from, r->many);
+    sgt_launch_forget(from, r->passages);
+    sgt_launch_forget(from, r->bare);
+    sgt_launch_forget(from, r);
+}
+
+sgt_aim_room *sgt_aim_room_new(const sgt_launcher *from, size_t count)
+{
+    const size_t stop = from->lens->stop, fit = AIM_HITS / (stop + 1);
+    const size_t most = fit < 1 ? 1 : fit < AIM_PART ? fit : AIM_PART;
+    sgt_aim_room *r = sgt_launch_take(from, 1, sizeof *r);
+    if (!r) return NULL;
+    r->part = count < most ? count : most;
+    r->passages = sgt_launch_take(from, stop + 1, sizeof *r->passages);
+    r->bare = sgt_launch_take(from, stop + 1, sizeof *r->bare);
+    r->many = aim_many_new(from, stop + 1, r->part);
+    if (r->passages && r->bare && r->many) return r;
+    sgt_aim_room_free(from, r);
+    return NULL;
+}
+
+/* Sets the beam and the elements up to the stop. */
+static void begin_aims(const sgt_launcher *from, sgt_aim_room *r, const sgt_field_beam *b,
+                       const sgt_element e[], double before)
 {
     const size_t stop = from->lens->stop;
-    const sgt_beam f = family_of(b);
-    sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
-    sgt_element *bare = sgt_launch_take(from, stop + 1, sizeof *bare);
-    const size_t fit = AIM_HITS / (stop + 1), most = fit < 1 ? 1 : fit < AIM_PART ? fit : AIM_PART;
-    const size_t part = count < most ? count : most;
-    aim_many *many = aim_many_new(from, stop + 1, part);
-    const bool room = passages && bare && many;
-    for (size_t i = 0; room && i <= stop; i++) bare[i] = e[i];
-    if (room) {
-        bare[stop].phase = NULL; /* what the stop does to light has no say in where it is met */
-        const aim_search s = {stop, bare, before, passages, .starts = 0};
-        const aim_map of = map_of(&f, &s);
-        for (size_t first = 0; first < count; first += part)
-            aim_part(from, b, &f, &s, &of, many, count - first < part ? count - first : part, at + first,
-                     out + first);
-    }
-    sgt_launch_forget(from, many);
-    sgt_launch_forget(from, passages);
-    sgt_launch_forget(from, bare);
-    return room;
+    for (size_t i = 0; i <= stop; i++) r->bare[i] = e[i];
+    r->bare[stop].phase = NULL; /* what the stop does to light has no say in where it is met */
+    r->f = family_of(b);
+    r->search = (aim_search){stop, r->bare, before, r->passages, .starts = 0};
+}
+
+bool sgt_aim_map_of(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
+                    const sgt_aim_nodes *nodes, sgt_aim_map *out)
+{
+    sgt_aim_room *r = sgt_aim_room_new(from, AIM_NODES);
+    if (!r) return false;
+    begin_aims(from, r, b, e, before);
+    *out = map_of(&r->f, &r->search);
+    if (r->part == AIM_NODES) fit_map(from, b, &r->f, &r->search, nodes, r->many, out);
+    sgt_aim_room_free(from, r);
+    return true;
+}
+
+void sgt_aim_rays(const sgt_launcher *from, sgt_aim_room *r, const sgt_field_beam *b, const sgt_element e[],
+                  double before, const sgt_aim_map *of, size_t count, const sgt_pupil_point at[],
+                  sgt_launched out[])
+{
+    sgt_aim_map own;
+    begin_aims(from, r, b, e, before);
+    if (!of) own = map_of(&r->f, &r->search);
+    for (size_t first = 0; first < count; first += r->part)
+        aim_some(from, b, &r->f, &r->search, of ? of : &own, r->many,
+                 count - first < r->part ? count - first : r->part, at + first, out + first);
 }
 
 /* ------------------------------------------------------------ real image heights */

@@ -10,14 +10,6 @@
  * so the angle between both rays is at most the sum of both over L.  L is FAR times the lens, and the plane's
  * own rounding is of the order of u.
  *
- * THE LAST ELEMENT is where rays end.  An ideal lens there would add its own path to theirs, though the
- * light that it bends is looked at no more: so it counts as the plane that it stands on.
- *
- * WHATEVER CLIPS.  Sizes and references are those of rays through the surfaces, and do not depend on which
- * of them are obscured.  But a semi_diameter has a say in which root is meant (sgt_trace).  It clips a ray
- * only where no root lies inside, and then the root is the one without it.  So a ray that it clips is traced
- * again without that semi_diameter alone.  The items of an aperture have no say in the root.
- *
  * MANY RAYS go side by side, some hundred at a time, through the loops of sgt_trace_batch and
  * sgt_trace_error_batch, whose numbers are those of one ray to the bit.  One by one is the chief ray alone,
  * whatever clips it, and what an afocal lens needs besides. */
@@ -25,10 +17,21 @@
 
 static const double ULP = 0x1p-53, LAUNCH = 6, GRAINS = 4;
 
-static double launch_error(const sgt_field_beam *b, const sgt_ray *ray, double index)
+enum { PART = 128 }; /* rays side by side, at most */
+#define SIDE_BY_SIDE _Pragma("omp simd")
+
+/* A bound on the error of a point, and of a path. */
+static double point_error(double point, double grain)
 {
-    if (b->finite) return 0;
-    return LAUNCH * ULP * index * (length3(ray->o) + fabs(b->wave) + fabs(b->pupil));
+    const double off = point + GRAINS * grain;
+    return isnan(off) ? HUGE_VAL : off;
+}
+
+static double path_error(const sgt_field_beam *b, sgt_vec3 o, double before, double path, double grain)
+{
+    const double reach = length3(o) + fabs(b->wave) + fabs(b->pupil), index = before == 0 ? 1 : before;
+    const double launch = b->finite ? 0 : LAUNCH * ULP * index * reach, off = path + GRAINS * grain + launch;
+    return isnan(off) ? HUGE_VAL : off;
 }
 
 double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], double before,
@@ -62,16 +65,6 @@ double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], doub
     return isnan(away) ? HUGE_VAL : 1.01 * (away + end->p_err) / length;
 }
 
-/* The bounds of a ray that passed. */
-static void set_errors(const sgt_field_beam *b, const sgt_launched *l, double before,
-                       const sgt_end_error *off, sgt_ray_end *out)
-{
-    out->p_err = off->point + GRAINS * off->grain;
-    if (isnan(out->p_err)) out->p_err = HUGE_VAL;
-    out->opl_err = off->path + GRAINS * off->path_grain + launch_error(b, &l->ray, before == 0 ? 1 : before);
-    if (isnan(out->opl_err)) out->opl_err = HUGE_VAL;
-}
-
 static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
                    const sgt_launched *l, const sgt_options *opt, sgt_passage passages[], sgt_ray_end *out)
 {
@@ -97,30 +90,32 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     sgt_end_error off;
     sgt_trace_error(count, e, before, &l->ray, passages, &off);
     out->p = last->hit.p, out->d = in, out->opl = last->opl;
-    set_errors(b, l, before, &off, out);
+    out->p_err = point_error(off.point, off.grain);
+    out->opl_err = path_error(b, l->ray.o, before, off.path, off.path_grain);
     if (from->lens->afocal) out->d_err = sgt_direction_error(from, e, before, &l->ray, out);
 }
 
-static sgt_ray_end not_traced(const sgt_pupil_point *at, const sgt_launched *l)
-{
-    const double none = (double)NAN;
-    const sgt_vec3 nowhere = {none, none, none};
-    return (sgt_ray_end){.px = at->x, .py = at->y, .weight = at->weight, .aimed = l->status,
-                         .within = l->within, .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = nowhere,
-                         .d = nowhere, .opl = none, .p_err = none, .opl_err = none, .d_err = none};
-}
+#define NOWHERE {(double)NAN, (double)NAN, (double)NAN}
 
-void sgt_launch_ending(size_t count, const sgt_element e[], sgt_element out[])
+/* (A copy of what is constant, and then its numbers: a struct that is put together on the stack, number by
+ * number, and copied by larger pieces waits for each of them.) */
+static void set_untraced(const sgt_pupil_point *at, const sgt_launched *l, sgt_ray_end *out)
 {
-    for (size_t i = 0; i < count; i++) out[i] = e[i];
-    if (out[count - 1].phase) out[count - 1].index = 0, out[count - 1].phase = NULL;
+    static const sgt_ray_end untraced = {
+        .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = NOWHERE, .d = NOWHERE, .opl = (double)NAN,
+        .p_err = (double)NAN, .opl_err = (double)NAN, .d_err = (double)NAN};
+    *out = untraced;
+    out->px = at->x, out->py = at->y, out->weight = at->weight;
+    out->aimed = l->status, out->within = l->within;
 }
 
 /* -------------------------------------------------------------- many rays at once */
 
-/* Rays that were launched, number by number, and what their traces leave: [rays] each. */
+/* Rays that were launched, number by number, and what their traces leave: [rays] each.  Of what is not wanted
+ * the arrays are there, but nothing is told in them. */
 typedef struct many {
     size_t rays;
+    unsigned wanted;
     double *o[3], *d[3];
     double *in[3];              /* the direction in front of an element, in its frame */
     sgt_fate *fate;
@@ -132,8 +127,30 @@ typedef struct many {
     bool *met;           /* a hit at every element so far */
 } many;
 
+enum { END_ERRORS = END_POINT_ERROR | END_PATH_ERROR };
+
+/* The arrays of a passage at `number`, [rays] each: those that are wanted of the element with `behind`
+ * elements behind it.  Errors and slants need all elements; else points and paths are told at the last one,
+ * and directions in front of it. */
+static sgt_passages passage_of(unsigned wanted, size_t behind, size_t rays, double *number, int *evals,
+                               sgt_status *status)
+{
+    const bool errors = wanted & END_ERRORS, slant = wanted & END_SLANT, point = wanted & END_POINT;
+    sgt_passages p = {.hits.status = status};
+    for (int k = 0; k < 3; k++, number += 3 * rays) {
+        if (errors || (point && behind == 0)) p.hits.p[k] = number;
+        if (errors || slant) p.hits.n[k] = number + rays;
+        if (errors || slant || (point && behind == 1)) p.direction[k] = number + 2 * rays;
+    }
+    if (errors) p.hits.t = number, p.hits.p_err = number + rays;
+    if (slant) p.hits.t_err = number + 2 * rays;
+    if (wanted & END_PATH && behind == 0) p.opl = number + 3 * rays;
+    if (wanted & END_EVALS) p.hits.evals = evals;
+    return p;
+}
+
 /* Room for it as one block: [elements] passages in front, then numbers.  NULL: no memory. */
-static many *many_new(const sgt_launcher *from, size_t rays)
+static many *many_new(const sgt_launcher *from, size_t rays, unsigned wanted)
 {
     enum { NUMBERS = 13, OTHERS = 15, BYTES = 4 };
     const size_t count = from->lens->count, each = NUMBERS * sizeof(double) + sizeof(int) + 1;
@@ -142,59 +159,64 @@ static many *many_new(const sgt_launcher *from, size_t rays)
     char *room = sgt_launch_take(from, size, 1);
     if (!room) return NULL;
     many *m = (void *)room;
-    *m = (many){.rays = rays, .at = (void *)(room + sizeof *m)};
-    double *number = (double *)(void *)(m->at + count);
-    for (size_t i = 0; i < count; i++) {
-        sgt_passages *p = &m->at[i];
-        *p = (sgt_passages){.opl = number};
-        number += rays;
-        for (int k = 0; k < 3; k++)
-            p->hits.p[k] = number, p->hits.n[k] = number + rays, p->direction[k] = number + 2 * rays,
-            number += 3 * rays;
-        p->hits.t = number, p->hits.t_err = number + rays, p->hits.p_err = number + 2 * rays,
-        number += 3 * rays;
-    }
-    for (int k = 0; k < 3; k++)
-        m->o[k] = number, m->d[k] = number + rays, m->in[k] = number + 2 * rays, number += 3 * rays;
-    m->off = (sgt_end_errors){.point = number, .path = number + rays, .grain = number + 2 * rays,
-                              .path_grain = number + 3 * rays};
-    m->t_err = number + 4 * rays, m->condition = number + 5 * rays, number += 6 * rays;
-    int *whole = (int *)(void *)number;
+    *m = (many){.rays = rays, .wanted = wanted, .at = (void *)(room + sizeof *m)};
+    double *number = (double *)(void *)(m->at + count), *others = number + count * NUMBERS * rays;
+    for (int k = 0; k < 3; k++, others += 3 * rays)
+        m->o[k] = others, m->d[k] = others + rays, m->in[k] = others + 2 * rays;
+    if (wanted & END_POINT_ERROR) m->off.point = others, m->off.grain = others + rays;
+    if (wanted & END_PATH_ERROR) m->off.path = others + 2 * rays, m->off.path_grain = others + 3 * rays;
+    m->t_err = others + 4 * rays, m->condition = others + 5 * rays;
+    int *whole = (int *)(void *)(others + 6 * rays);
     m->passed = whole, m->evals = whole + rays, whole += 2 * rays;
-    for (size_t i = 0; i < count; i++) m->at[i].hits.evals = whole, whole += rays;
-    sgt_status *status = (sgt_status *)whole;
-    for (size_t i = 0; i < count; i++) m->at[i].hits.status = status, status += rays;
+    sgt_status *status = (sgt_status *)(whole + count * rays);
+    for (size_t i = 0; i < count; i++, number += NUMBERS * rays, whole += rays, status += rays)
+        m->at[i] = passage_of(wanted, count - 1 - i, rays, number, whole, status);
     m->fate = (sgt_fate *)status, m->met = (bool *)(m->fate + rays);
     return m;
 }
 
-/* An element: what it cost, and the directions in front of it and behind; of the last one those in front, in
- * its frame, stay.  A ray that did not get there has the status 0 and no evaluations, and NaN else. */
-static void pass_element(many *m, const sgt_pose *pose, const sgt_passages *p, size_t rays, bool last)
+/* A direction in front of a frame: out of that of the element before, if there is one. */
+static void turn_directions(const sgt_pose *before, const sgt_pose *pose, const double *const d[3],
+                            size_t rays, double *const in[3])
 {
-    const bool turned = dot3(pose->ex, pose->ex) != 0;
-    const double *nx = p->hits.n[0], *ny = p->hits.n[1], *nz = p->hits.n[2], *t_err = p->hits.t_err;
-    double *x = m->in[0], *y = m->in[1], *z = m->in[2], *condition = m->condition, *most = m->t_err;
-    for (size_t k = 0; k < rays && turned; k++) {
-        const sgt_vec3 in = into3(pose, (sgt_vec3){x[k], y[k], z[k]});
-        x[k] = in.x, y[k] = in.y, z[k] = in.z;
-    }
+    const double *dx = d[0], *dy = d[1], *dz = d[2];
+    double *x = in[0], *y = in[1], *z = in[2];
     for (size_t k = 0; k < rays; k++) {
-        const sgt_vec3 n = {nx[k], ny[k], nz[k]}, d = {x[k], y[k], z[k]};
-        const double c = length3(n) * length3(d) / fabs(dot3(n, d)), own = p->hits.status[k] > 0 ? c : 0;
-        condition[k] = own > condition[k] ? own : condition[k]; /* not a NaN */
-        most[k] = t_err[k] > most[k] ? t_err[k] : most[k];
-    }
-    for (size_t k = 0; k < rays; k++) m->evals[k] += p->hits.evals[k];
-    for (size_t k = 0; k < rays; k++) m->met[k] = m->met[k] && p->hits.status[k] == SGT_HIT;
-    for (size_t k = 0; k < rays && !last; k++) {
-        const sgt_vec3 out =
-            out_of3(pose, (sgt_vec3){p->direction[0][k], p->direction[1][k], p->direction[2][k]});
-        x[k] = out.x, y[k] = out.y, z[k] = out.z;
+        const sgt_vec3 own = {dx[k], dy[k], dz[k]};
+        const sgt_vec3 turned = into3(pose, before ? out_of3(before, own) : own);
+        x[k] = turned.x, y[k] = turned.y, z[k] = turned.z;
     }
 }
 
-/* Traces the rays that are in m, and sets all else of it. */
+/* Sets the directions in front of element i, in its frame. */
+static void directions_at(const many *m, const sgt_element e[], size_t i, size_t rays)
+{
+    const double *const *launch = (const double *const *)m->d;
+    const sgt_passages *before = i > 0 ? &m->at[i - 1] : NULL;
+    turn_directions(before ? &e[i - 1].pose : NULL, &e[i].pose,
+                    before ? (const double *const *)before->direction : launch, rays, m->in);
+}
+
+/* How slanting rays meet an element, and how far off t is.  A ray that did not get there has the status 0,
+ * and NaN. */
+static void slant_at(const many *m, const sgt_passages *p, size_t rays)
+{
+    const double *nx = p->hits.n[0], *ny = p->hits.n[1], *nz = p->hits.n[2], *t_err = p->hits.t_err;
+    const double *x = m->in[0], *y = m->in[1], *z = m->in[2];
+    double *condition = m->condition, *most = m->t_err;
+    const sgt_status *status = p->hits.status;
+    double met[PART];
+    for (size_t k = 0; k < rays; k++) met[k] = status[k] > 0;
+    SIDE_BY_SIDE for (size_t k = 0; k < rays; k++)
+    {
+        const sgt_vec3 n = {nx[k], ny[k], nz[k]}, d = {x[k], y[k], z[k]};
+        const double c = length3(n) * length3(d) / fabs(dot3(n, d)), own = met[k] != 0 ? c : 0;
+        condition[k] = own > condition[k] ? own : condition[k]; /* not a NaN */
+    }
+    SIDE_BY_SIDE for (size_t k = 0; k < rays; k++) most[k] = t_err[k] > most[k] ? t_err[k] : most[k];
+}
+
+/* Traces the rays that are in m, and sets all else of it that is wanted. */
 static void trace_many(const sgt_launcher *from, const sgt_element e[], double before, many *m, size_t rays,
                        const sgt_options *opt)
 {
@@ -202,72 +224,151 @@ static void trace_many(const sgt_launcher *from, const sgt_element e[], double b
     const sgt_rays launch = {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}};
     sgt_trace_batch(count, e, before, rays, launch, (sgt_traced){.fate = m->fate, .passed = m->passed}, m->at,
                     opt);
-    sgt_trace_error_batch(count, e, before, rays, launch, m->at, m->off);
-    for (size_t k = 0; k < rays; k++) {
-        m->in[0][k] = m->d[0][k], m->in[1][k] = m->d[1][k], m->in[2][k] = m->d[2][k];
-        m->t_err[k] = m->condition[k] = 0, m->evals[k] = 0, m->met[k] = 1;
+    if (m->wanted & END_ERRORS) sgt_trace_error_batch(count, e, before, rays, launch, m->at, m->off);
+    for (size_t k = 0; k < rays; k++) m->t_err[k] = m->condition[k] = 0, m->evals[k] = 0, m->met[k] = 1;
+    for (size_t i = 0; i < count; i++) {
+        const sgt_hits *h = &m->at[i].hits;
+        const sgt_status *status = h->status;
+        bool *met = m->met;
+        for (size_t k = 0; k < rays; k++) met[k] &= status[k] == SGT_HIT;
+        for (size_t k = 0; h->evals && k < rays; k++) m->evals[k] += h->evals[k];
+        if (!(m->wanted & END_SLANT)) continue;
+        directions_at(m, e, i, rays);
+        slant_at(m, &m->at[i], rays);
     }
-    for (size_t i = 0; i < count; i++) pass_element(m, &e[i].pose, &m->at[i], rays, i + 1 == count);
+    if (m->wanted & END_POINT) directions_at(m, e, count - 1, rays);
 }
 
 /* The end of ray k of m, as `follow` tells it. */
 static void tell_end(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
-                     const many *m, size_t k, const sgt_launched *l, sgt_ray_end *out)
+                     const many *m, size_t k, sgt_ray_end *out)
 {
     const size_t count = from->lens->count, passed = (size_t)m->passed[k];
     const sgt_passages *last = &m->at[count - 1];
+    const sgt_vec3 o = {m->o[0][k], m->o[1][k], m->o[2][k]};
+    const unsigned wanted = m->wanted;
     out->element = passed < count ? passed : count - 1;
     out->fate = m->fate[k], out->status = m->at[out->element].hits.status[k];
-    out->folded = l->folded, out->proven = passed == count && m->met[k];
+    out->proven = passed == count && m->met[k];
     out->condition = m->condition[k], out->evals = m->evals[k], out->t_err = m->t_err[k];
     if (passed < count) return;
-    out->p = (sgt_vec3){last->hits.p[0][k], last->hits.p[1][k], last->hits.p[2][k]};
-    out->d = (sgt_vec3){m->in[0][k], m->in[1][k], m->in[2][k]}, out->opl = last->opl[k];
-    set_errors(b, l, before,
-               &(sgt_end_error){.point = m->off.point[k], .path = m->off.path[k], .grain = m->off.grain[k],
-                                .path_grain = m->off.path_grain[k]}, out);
-    if (from->lens->afocal) out->d_err = sgt_direction_error(from, e, before, &l->ray, out);
+    if (wanted & END_POINT) {
+        out->p = (sgt_vec3){last->hits.p[0][k], last->hits.p[1][k], last->hits.p[2][k]};
+        out->d = (sgt_vec3){m->in[0][k], m->in[1][k], m->in[2][k]};
+    }
+    if (wanted & END_POINT_ERROR) out->p_err = point_error(m->off.point[k], m->off.grain[k]);
+    if (wanted & END_PATH) out->opl = last->opl[k];
+    if (wanted & END_PATH_ERROR)
+        out->opl_err = path_error(b, o, before, m->off.path[k], m->off.path_grain[k]);
+    if (wanted & END_POINT_ERROR && from->lens->afocal) {
+        const sgt_ray ray = {.o = o, .d = {m->d[0][k], m->d[1][k], m->d[2][k]}};
+        out->d_err = sgt_direction_error(from, e, before, &ray, out);
+    }
 }
 
-/* Some rays: those that are there are put side by side. */
-static void trace_part(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                       double before, many *m, size_t count, const sgt_launched launched[],
-                       const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
+/* Rays that were not aimed: all are there. */
+static void trace_unaimed(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                          double before, many *m, size_t count, const sgt_pupil_point at[],
+                          const sgt_options *opt, sgt_ray_end out[])
+{
+    static const sgt_launched there = {.status = SGT_MET};
+    sgt_launch_unaimed(b, count, at, m->o, m->d);
+    trace_many(from, e, before, m, count, opt);
+    for (size_t i = 0; i < count; i++) {
+        set_untraced(&at[i], &there, &out[i]);
+        tell_end(from, b, e, before, m, i, &out[i]);
+    }
+}
+
+/* Those that are there are put side by side. */
+static void trace_aimed(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                        double before, many *m, size_t count, const sgt_launched launched[],
+                        const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
 {
     size_t there = 0;
     for (size_t i = 0; i < count; i++) {
         const sgt_ray *ray = &launched[i].ray;
-        out[i] = not_traced(&at[i], &launched[i]);
+        set_untraced(&at[i], &launched[i], &out[i]);
         if (launched[i].status != SGT_MET) continue;
         m->o[0][there] = ray->o.x, m->o[1][there] = ray->o.y, m->o[2][there] = ray->o.z;
         m->d[0][there] = ray->d.x, m->d[1][there] = ray->d.y, m->d[2][there++] = ray->d.z;
     }
     if (there) trace_many(from, e, before, m, there, opt);
-    for (size_t i = 0, k = 0; i < count; i++)
-        if (launched[i].status == SGT_MET) tell_end(from, b, e, before, m, k++, &launched[i], &out[i]);
+    for (size_t i = 0, k = 0; i < count; i++) {
+        if (launched[i].status != SGT_MET) continue;
+        out[i].folded = launched[i].folded;
+        tell_end(from, b, e, before, m, k++, &out[i]);
+    }
+}
+
+struct sgt_ends_room {
+    size_t part;
+    sgt_element *own;
+    sgt_launched *launched;
+    many *m;
+    sgt_aim_room *aims;         /* NULL: rays are not aimed */
+    sgt_ray_end *end;
+};
+
+void sgt_ends_room_free(const sgt_launcher *from, sgt_ends_room *r)
+{
+    if (!r) return;
+    sgt_aim_room_free(from, r->aims);
+    sgt_launch_forget(from, r->m);
+    sgt_launch_forget(from, r->launched);
+    sgt_launch_forget(from, r->own);
+    sgt_launch_forget(from, r->end);
+    sgt_launch_forget(from, r);
+}
+
+sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigned wanted, size_t ends)
+{
+    enum { FEWEST = 8, HITS = 1 << 16 }; /* rays at a time; fewer of a long row of elements */
+    const size_t surfaces = from->lens->count, fit = HITS / surfaces;
+    const size_t most = fit < FEWEST ? FEWEST : fit < PART ? fit : PART;
+    const bool aims = from->aim != SGT_LENS_AIM_PUPIL;
+    sgt_ends_room *r = sgt_launch_take(from, 1, sizeof *r);
+    if (!r) return NULL;
+    r->part = count < most ? count : most;
+    r->own = sgt_launch_take(from, surfaces, sizeof *r->own);
+    r->launched = sgt_launch_take(from, aims ? r->part : 0, sizeof *r->launched);
+    r->m = many_new(from, r->part, wanted);
+    r->aims = aims ? sgt_aim_room_new(from, r->part) : NULL;
+    r->end = sgt_launch_take(from, ends, sizeof *r->end);
+    if (r->own && r->launched && r->m && r->end && (r->aims || !aims)) return r;
+    sgt_ends_room_free(from, r);
+    return NULL;
+}
+
+sgt_ray_end *sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *r, const sgt_field_beam *b,
+                            const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
+                            const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
+{
+    sgt_ray_end *const all = out ? out : r->end;
+    out = all;
+    sgt_launch_ending(from->lens->count, e, r->own);
+    for (size_t first = 0; first < count; first += r->part, at += r->part, out += r->part) {
+        const size_t rays = count - first < r->part ? count - first : r->part;
+        if (!r->aims) {
+            trace_unaimed(from, b, r->own, index_before, r->m, rays, at, opt, out);
+            continue;
+        }
+        sgt_aim_rays(from, r->aims, b, r->own, index_before, of, rays, at, r->launched);
+        trace_aimed(from, b, r->own, index_before, r->m, rays, r->launched, at, opt, out);
+    }
+    return all;
 }
 
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
                      sgt_ray_end out[], sgt_error *error)
 {
-    enum { MOST = 128, FEWEST = 8, HITS = 1 << 16 }; /* rays at a time; fewer of a long row of elements */
-    const size_t surfaces = from->lens->count, fit = HITS / surfaces;
-    const size_t most = fit < FEWEST ? FEWEST : fit < MOST ? fit : MOST, part = count < most ? count : most;
-    sgt_element *own = sgt_launch_take(from, surfaces, sizeof *own);
-    sgt_launched *launched = sgt_launch_take(from, part, sizeof *launched);
-    many *m = many_new(from, part);
-    bool fine = (own && launched && m) || sgt_launch_memory(from, error);
-    if (fine) sgt_launch_ending(surfaces, e, own);
-    for (size_t first = 0; first < count && fine; first += part) {
-        const size_t rays = count - first < part ? count - first : part;
-        fine = sgt_launch_rays(from, b, own, index_before, rays, at + first, launched, error);
-        if (fine) trace_part(from, b, own, index_before, m, rays, launched, at + first, opt, out + first);
-    }
-    sgt_launch_forget(from, m);
-    sgt_launch_forget(from, launched);
-    sgt_launch_forget(from, own);
-    return fine;
+    if (!PLAIN(from, b, "sgt_field_beam", error)) return false;
+    sgt_ends_room *room = sgt_ends_room_new(from, count, END_ALL, 0);
+    if (!room) return sgt_launch_memory(from, error);
+    sgt_trace_ends(from, room, b, e, index_before, NULL, count, at, opt, out);
+    sgt_ends_room_free(from, room);
+    return true;
 }
 
 void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count, const sgt_ray_end end[], sgt_ray_end out[])
@@ -283,18 +384,6 @@ void sgt_ends_as_angles(const sgt_vec3 *axis, size_t count, const sgt_ray_end en
     }
 }
 
-size_t sgt_trace_through(size_t n, const sgt_element e[], double before, const sgt_ray *launch,
-                         sgt_element open[], sgt_passage passages[], sgt_fate *fate)
-{
-    for (size_t i = 0; i < n; i++) open[i] = e[i], open[i].aperture = NULL;
-    for (size_t left = n;; left--) { /* each time one more element is open */
-        sgt_ray ray = *launch;
-        size_t passed = sgt_trace(n, open, before, &ray, passages, fate, NULL);
-        if (*fate != SGT_CLIPPED || left == 0) return passed;
-        open[passed].semi_diameter = 0;
-    }
-}
-
 bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, sgt_ray_end *out, sgt_error *error)
 {
@@ -307,10 +396,12 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
     if (fine) sgt_launch_ending(count, e, own);
     fine = fine && sgt_launch_rays(from, b, own, index_before, 1, &centre, &launched, error);
     if (fine) {
-        *out = not_traced(&centre, &launched);
+        set_untraced(&centre, &launched, out);
         if (launched.status == SGT_MET) {
             sgt_trace_through(count, own, index_before, &launched.ray, open, passages, &out->fate);
             follow(from, b, open, index_before, &launched, NULL, passages, out);
+            if (out->fate == SGT_PASSED && !from->lens->afocal)
+                out->d_err = sgt_direction_error(from, open, index_before, &launched.ray, out);
         }
     }
     sgt_launch_forget(from, own);

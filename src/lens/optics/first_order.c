@@ -36,7 +36,7 @@
  *     4 u of an index       half an ulp if it was given; a glass adds terms.  1 is exact
  *
  * A quantity within its bound of 0 is 0: rounding alone may have made it.  One beyond it is never made 0. */
-#include "../read/lens.h"
+#include "objects.h"
 
 #include "../base/reader.h"
 
@@ -399,13 +399,15 @@ static void set_changes(const paraxial *p, sgt_element e[], double dn[])
 
 static number index_of(double n) { return within(n, fabs(n) == 1 ? 0 : 4); }
 
-/* An element without a vertex has the power NaN, and so has what depends on it. */
-static bool set_vertices(paraxial *p, sgt_element e[], double um, size_t *without_vertex,
+/* An element without a vertex has the power NaN, and so has what depends on it.  room: for the elements at
+ * um; NULL: those of the lens are. */
+static bool set_vertices(paraxial *p, sgt_element room[], double um, size_t *without_vertex,
                          sgt_error *error)
 {
     const sgt_lens *l = p->lens;
+    const sgt_element *e = room ? room : l->element;
     double before;
-    if (!sgt_lens_at(l, um, e, &before, error)) return false;
+    if (!sgt_lens_at(l, um, room, &before, error)) return false;
     number n = p->before = index_of(before);
     double sign = 1;
     for (size_t i = 0; i < l->count; i++) {
@@ -451,15 +453,16 @@ static bool first_order_at(const whole_lens *w, double um, const sgt_first_order
     const sgt_lens *lens = &w->lens;
     const sgt_allocator *a = &w->memory.allocator;
     reader r = {.file = lens->file, .error = error};
-    struct room { vertex *at; sgt_element *element; double *dn; } room;
+    struct room { vertex *at; sgt_element *element; double *dn; } room = {.at = NULL};
+    const bool own = isnan(um) || (lens->wavelength && um == lens->wavelength[lens->primary]);
     room.at = a->resize(a->context, NULL, lens->count * sizeof *room.at);
-    room.element = a->resize(a->context, NULL, lens->count * sizeof *room.element);
-    room.dn = a->resize(a->context, NULL, (lens->count + 1) * sizeof *room.dn);
+    if (!own || seidel) room.element = a->resize(a->context, NULL, lens->count * sizeof *room.element);
+    if (seidel) room.dn = a->resize(a->context, NULL, (lens->count + 1) * sizeof *room.dn);
     paraxial p = {.lens = lens, .last = lens->count - 1, .at = room.at};
-    bool fine = room.at && room.element && room.dn;
+    bool fine = room.at && (own || room.element) && (!seidel || (room.element && room.dn));
     if (!fine) sgt_reader_fail(&r, 0, "", "no memory");
     *out = (sgt_first_order){.wavelength = um};
-    fine = fine && set_vertices(&p, room.element, um, &out->without_vertex, error);
+    fine = fine && set_vertices(&p, own ? NULL : room.element, um, &out->without_vertex, error);
     if (fine) {
         set_points(&p, out);
         set_pupils(&p, primary, out);

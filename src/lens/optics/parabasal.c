@@ -26,6 +26,8 @@
 
 #include <sagitta/aim.h>
 
+#include <stdio.h>
+
 /* A vector across the ray d as it goes on along d'. */
 static sgt_vec3 carried(sgt_vec3 e, sgt_vec3 d, sgt_vec3 after, bool mirror)
 {
@@ -37,16 +39,16 @@ static sgt_vec3 carried(sgt_vec3 e, sgt_vec3 d, sgt_vec3 after, bool mirror)
     return along3(along3(e, 1, once), 1 / (1 + dot3(d, after)), twice);
 }
 
-bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], double index_before,
+bool sgt_parabasal_about(sgt_vec3 across, size_t elements, const sgt_element e[], double index_before,
                          bool from_point, const sgt_ray *chief, const sgt_passage passages[],
                          sgt_parabasal *out, sgt_sections *sections)
 {
     const double none = (double)NAN;
     if (sections) *sections = (sgt_sections){{none, none}, {{none, none, none}, {none, none, none}}};
-    *out = (sgt_parabasal){.power = {{none, none}, {none, none}}};
+    *out = (sgt_parabasal){.power = {{none, none}, {none, none}}, .power_xy = none};
     for (int k = 0; k < 2; k++) out->efl[k] = out->focus[k] = out->image[k] = out->magnification[k] = none;
-    if (n == 0) return false;
-    for (size_t i = 0; i < n; i++)
+    if (elements == 0) return false;
+    for (size_t i = 0; i < elements; i++)
         if (!(passages[i].hit.status > 0)) return false;
     sgt_ray ray = *chief;
     ray.d = unit3(ray.d);
@@ -60,10 +62,10 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
         change[k] = (sgt_ray_change){.p = base[k], .d = zero};
         change[k + 2] = (sgt_ray_change){.p = zero, .d = base[k]};
     }
-    if (sgt_trace_sensitivity(n, e, index_before, &ray, passages, 4, change, change)) return false;
+    if (sgt_trace_sensitivity(elements, e, index_before, &ray, passages, 4, change, change)) return false;
 
     double index = index_before == 0 ? 1 : index_before;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < elements; i++) {
         sgt_vec3 after = unit3(out_of3(&e[i].pose, passages[i].direction));
         for (int k = 0; k < 2; k++) base[k] = carried(base[k], d, after, e[i].index == SGT_MIRROR);
         if (e[i].index != SGT_MIRROR && e[i].index != 0) index = e[i].index;
@@ -72,7 +74,8 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
     /* m[row][column]: X', U' along the two vectors, by X and U */
     double m[4][4];
     for (int c = 0; c < 4; c++) {
-        sgt_vec3 dp = out_of3(&e[n - 1].pose, change[c].p), dd = out_of3(&e[n - 1].pose, change[c].d);
+        sgt_vec3 dp = out_of3(&e[elements - 1].pose, change[c].p);
+        sgt_vec3 dd = out_of3(&e[elements - 1].pose, change[c].d);
         for (int k = 0; k < 2; k++) m[k][c] = dot3(base[k], dp), m[k + 2][c] = dot3(base[k], dd);
     }
     double largest = 0, mixed = 0;
@@ -83,6 +86,7 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
             if (i == j) largest = fmax(largest, size);
             else mixed = fmax(mixed, size);
         }
+    out->power_xy = mixed;
     const bool apart = mixed <= 1e-9 * largest;
     for (int k = 0; k < 2; k++) {
         double a = m[k][k], b = m[k][k + 2], c = m[k + 2][k], g = m[k + 2][k + 2];
@@ -94,17 +98,29 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
         } else if (apart) {
             out->image[k] = out->focus[k];
         }
-        if (sections) sections->along[k] = into3(&e[n - 1].pose, base[k]);
+        if (sections) sections->along[k] = into3(&e[elements - 1].pose, base[k]);
         if (sections && (from_point ? converging : powered))
             sections->focus[k] = from_point ? -b / g : -a / c;
     }
     return true;
 }
 
-bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before, bool from_point,
-                        const sgt_ray *chief, const sgt_passage passages[], sgt_parabasal *out)
+bool sgt_lens_parabasal(size_t elements, const sgt_element e[], double index_before, bool from_point,
+                        const sgt_ray *chief, const sgt_passage passages[], sgt_parabasal *out,
+                        sgt_error *error)
 {
     const bool along_x = !(fabs(unit3(chief->d).x) < 0.99);
     const sgt_vec3 across = along_x ? (sgt_vec3){0, 1, 0} : (sgt_vec3){1, 0, 0};
-    return sgt_parabasal_about(across, n, e, index_before, from_point, chief, passages, out, NULL);
+    if (sgt_parabasal_about(across, elements, e, index_before, from_point, chief, passages, out, NULL))
+        return true;
+    if (!error) return false;
+    *error = (sgt_error){.line = 0};
+    size_t met = 0;
+    while (met < elements && passages[met].hit.status > 0) met++;
+    if (elements == 0) snprintf(error->words, sizeof error->words, "there are no elements");
+    else if (met < elements)
+        snprintf(error->words, sizeof error->words, "the chief ray does not get through surface %zu",
+                 met + 1);
+    else snprintf(error->words, sizeof error->words, "a surface has no second derivatives");
+    return false;
 }

@@ -9,7 +9,7 @@ typedef struct sgt_sections { double focus[2]; sgt_vec3 along[2]; } sgt_sections
 
 /* sgt_lens_parabasal with [0] along `across`, global, as far as that is across the chief ray.  sections may
  * be NULL. */
-bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], double index_before,
+bool sgt_parabasal_about(sgt_vec3 across, size_t elements, const sgt_element e[], double index_before,
                          bool from_point, const sgt_ray *chief, const sgt_passage passages[],
                          sgt_parabasal *out, sgt_sections *sections);
 

@@ -136,14 +136,15 @@ static size_t ring_of(size_t i)
     return j;
 }
 
-static sgt_pupil_point hexapolar_point(size_t i, size_t n)
+/* Point i, of ring j, each of which has that weight. */
+static sgt_pupil_point hexapolar_point(size_t i, size_t j, size_t n, double weight)
 {
-    const size_t j = ring_of(i), k = j ? i - 1 - 3 * j * (j - 1) : 0;
-    if (j == 0) return (sgt_pupil_point){0, 0, hexapolar_weight(0, n)};
+    const size_t k = j ? i - 1 - 3 * j * (j - 1) : 0;
+    if (j == 0) return (sgt_pupil_point){0, 0, weight};
     sgt_vec3 turn = {0, 0, 60 * (double)k / (double)j}, ex = {1, 0, 0};
     if (k > 0) ex = sgt_pose_tilted((sgt_vec3){0, 0, 0}, turn).ex;
     return (sgt_pupil_point){ex.x * (double)j / (double)n, ex.y * (double)j / (double)n,
-                             hexapolar_weight(j, n)};
+                             weight};
 }
 
 static sgt_pupil_point cross_point(size_t i, size_t n)
@@ -185,7 +186,7 @@ static uint32_t sobol_next(uint32_t k, sgt_pupil_point *at)
 static sgt_pupil_point point_of(sgt_pattern pattern, size_t i, size_t n, uint64_t seed)
 {
     switch (pattern) {
-    case SGT_PATTERN_HEXAPOLAR: return hexapolar_point(i, n);
+    case SGT_PATTERN_HEXAPOLAR: return hexapolar_point(i, ring_of(i), n, hexapolar_weight(ring_of(i), n));
     case SGT_PATTERN_RANDOM: return random_point(seed, i);
     case SGT_PATTERN_CROSS: return cross_point(i, n);
     default: return (sgt_pupil_point){0, step_of_grid(i, n), 1};
@@ -254,6 +255,9 @@ void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
         *(p->row[middle] <= first ? &low : &high) = middle;
     }
     uint32_t k = p->pattern == SGT_PATTERN_SOBOL ? (uint32_t)p->row[first / PUPIL_PART] : 0;
+    const bool hexapolar = p->pattern == SGT_PATTERN_HEXAPOLAR;
+    size_t ring = hexapolar ? ring_of(first) : 0;
+    double weight = hexapolar ? hexapolar_weight(ring, p->n) : 0;
     for (size_t i = first; i < first + count; i++) {
         sgt_pupil_point *to = &at[i - first];
         if (is_net(p->pattern)) {
@@ -265,10 +269,13 @@ void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
             *to = (sgt_pupil_point){x, net_place(p->pattern, begin + (i - row_first), p->n), 1};
         } else if (p->pattern == SGT_PATTERN_SOBOL) {
             k = sobol_next(k, to);
+        } else if (hexapolar) {
+            if (i > 3 * ring * (ring + 1)) ring++, weight = hexapolar_weight(ring, p->n);
+            *to = hexapolar_point(i, ring, p->n, weight);
         } else {
             *to = point_of(p->pattern, i, p->n, p->seed);
         }
-        if (p->pattern != SGT_PATTERN_HEXAPOLAR) to->weight = 1;
+        if (!hexapolar) to->weight = 1;
         to->weight /= p->sum;
     }
 }

@@ -413,7 +413,7 @@ static void read_ideal(source *s, const node *map, sgt_element *e)
     phase->kind = SGT_IDEAL_LENS;
     phase->focal_length =
         phase_length(s, f, "focal_length", tree_read_number(s, f, "focal_length", NUMBER_FINITE));
-    /* 0: not given, see conjugates */
+    /* 0: not given, see ../open/conjugate.c */
     if (from) phase->object_distance = tree_read_number(s, from, "object_distance", NUMBER_MAYBE_INFINITE);
     if (from && isfinite(phase->object_distance))
         phase_length(s, from, "object_distance", phase->object_distance);
@@ -510,7 +510,7 @@ static const medium *fill_indices(const whole_lens *w, double um, sgt_element el
         char other[WHY_SIZE];
         index = sgt_medium_index(&w->medium[i + 1], &w->lens, um, index, none ? other : why);
         if (isnan(index) && !none) none = &w->medium[i + 1];
-        element[i].index = w->about[i].mirror ? SGT_MIRROR : index;
+        if (element) element[i].index = w->about[i].mirror ? SGT_MIRROR : index;
     }
     return none;
 }
@@ -525,7 +525,7 @@ static size_t wavelength_place(const sgt_lens *l, double um)
     return l->primary;
 }
 
-static void put_conjugates(const whole_lens *w, double um, sgt_element element[])
+void sgt_put_conjugates(const whole_lens *w, double um, sgt_element element[])
 {
     if (!w->conjugate) return;
     const sgt_phase *phase = w->conjugate + wavelength_place(&w->lens, um) * w->lens.count;
@@ -533,53 +533,15 @@ static void put_conjugates(const whole_lens *w, double um, sgt_element element[]
         if (phase[i].kind) element[i].phase = &phase[i];
 }
 
-/* Ideal lenses without an object_distance get the paraxial one.
- *
- * It is of each wavelength.  What is in front forms an image of the object, whose place depends on the
- * wavelength if the media have dispersion; so it is from there that the light of a wavelength comes, and that
- * plane has to be imaged without path differences.  With the distance of the primary wavelength the light of
- * another, perfectly focused in front, would get path differences from a lens that is ideal.
- *
- * An image on the lens itself: all rays of an object point meet it in one point, and their paths are the same
- * in the limit of a small distance.  LEAST of the focal length stands for it. */
-static void conjugates(whole_lens *w, source *s)
-{
-    const double LEAST = 0x1p-60, MOST = 0x1p500;
-    sgt_lens *l = &w->lens;
-    const sgt_lens_surface *unknown = NULL;
-    bool any = false;
-    for (size_t i = 0; i < l->count; i++)
-        any = any || (w->element[i].phase && w->element[i].phase->object_distance == 0);
-    if (!any) return;
-    sgt_phase *conjugate = tree_room(s, l->wavelengths * l->count, sizeof *conjugate);
-    double *distance = tree_room(s, l->count, sizeof *distance);
-    for (size_t k = 0; k < l->wavelengths; k++) {
-        sgt_paraxial_objects(l, l->wavelength ? l->wavelength[k] : (double)NAN, s, distance);
-        for (size_t i = 0; i < l->count; i++) {
-            const sgt_phase *given = w->element[i].phase;
-            if (!given || given->object_distance != 0) continue;
-            const double least = fmax(LEAST * fabs(given->focal_length), 1 / MOST), a = distance[i];
-            sgt_phase *own = &conjugate[k * l->count + i];
-            *own = *given;
-            own->object_distance = fabs(a) <= MOST ? copysign(fmax(fabs(a), least), a) : HUGE_VAL;
-            if (isnan(a) && !unknown) unknown = &w->about[i];
-        }
-    }
-    w->conjugate = conjugate;
-    put_conjugates(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element);
-    if (unknown)
-        tree_remark(s, SGT_REMARK_NOTE, unknown->line, "object_distance",
-                    "not given, and there is no paraxial image of the object in front of this ideal lens (a "
-                    "surface there has no vertex, or is tilted by its origin): opl is counted from afar");
-}
-
 bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[], double *index_before,
                  sgt_error *error)
 {
     const whole_lens *w = (const void *)lens;
     char why[WHY_SIZE];
-    memcpy(element, lens->element, lens->count * sizeof *element);
-    put_conjugates(w, um, element);
+    if (element) {
+        memcpy(element, lens->element, lens->count * sizeof *element);
+        sgt_put_conjugates(w, um, element);
+    }
     const medium *none = fill_indices(w, um, element, index_before, why);
     if (!none) return true;
     sgt_error unread;
@@ -634,7 +596,6 @@ void sgt_read_lens(whole_lens *w, source *s)
     char why[WHY_SIZE];
     fill_indices(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element, &l->index_before,
                  why);
-    conjugates(w, s);
 }
 
 void sgt_read_one_surface(whole_lens *w, source *s)

@@ -23,9 +23,7 @@ typedef struct whole_lens {
 void sgt_read_lens(whole_lens *w, source *s);
 void sgt_read_one_surface(whole_lens *w, source *s);
 
-/* The paraxial distance of the object in front of each surface, as all that is in front of that forms its
- * image; on the side that light comes from, negative behind; infinite for collimated light.  NaN: a surface
- * in front has no vertex curvature, or is tilted by its origin.  (first_order.c) */
-void sgt_paraxial_objects(const sgt_lens *lens, double um, source *s, double distance[]);
+/* Puts those of a wavelength, where they have been found, into elements of the lens. */
+void sgt_put_conjugates(const whole_lens *w, double um, sgt_element element[]);
 
 #endif

@@ -4,7 +4,7 @@
  * A name is looked up once: a lens has few glasses, and many surfaces of each. */
 #include "medium.h"
 
-#include "../base/reader.h"
+#include "../glass/forms.h"
 
 #include <math.h>
 #include <stdint.h>

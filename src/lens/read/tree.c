@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -95,23 +96,43 @@ void tree_comment(source *s, const char *text)
 node *tree_node(source *s, node_kind kind, size_t line)
 {
     node *n = tree_room(s, 1, sizeof *n);
-    n->kind = kind, n->line = line;
+    n->kind = kind, n->line = (uint32_t)line;
     return n;
+}
+
+node *tree_scalar(source *s, size_t line, const char *text, size_t length)
+{
+    enum { FIRST = offsetof(node, room) };
+    char *all = tree_room(s, FIRST + length + 1, 1);
+    node *n = (void *)all;
+    if (length) memcpy(all + FIRST, text, length);
+    n->kind = NODE_SCALAR, n->line = (uint32_t)line, n->text = all + FIRST;
+    return n;
+}
+
+/* Makes room for one more in a list or map. */
+static void grow(source *s, node *n)
+{
+    enum { SMALL = 6 }; /* the keys of most surfaces */
+    if (n->count < n->room) return;
+    const uint32_t more = n->room ? 2 * n->room : SMALL;
+    node **item = tree_room(s, more, sizeof *item);
+    node **key = n->kind == NODE_MAP ? tree_room(s, more, sizeof *key) : NULL;
+    if (n->count) memcpy(item, n->item, n->count * sizeof *item);
+    if (n->count && key) memcpy(key, n->key, n->count * sizeof *key);
+    if (key) n->taken = tree_room(s, more, sizeof *n->taken);
+    n->item = item, n->key = key, n->room = more;
 }
 
 void tree_append(source *s, node *list, node *item)
 {
-    list->item = tree_grow(s, list->item, list->count, &list->room, sizeof *list->item);
+    grow(s, list);
     list->item[list->count++] = item;
 }
 
 void tree_put(source *s, node *map, node *key, node *value)
 {
-    size_t room = map->room, room_of_keys = map->room;
-    map->key = tree_grow(s, map->key, map->count, &room_of_keys, sizeof *map->key);
-    map->item = tree_grow(s, map->item, map->count, &room, sizeof *map->item);
-    if (room != map->room) map->taken = tree_room(s, room, sizeof *map->taken);
-    map->room = room;
+    grow(s, map);
     map->key[map->count] = key;
     map->item[map->count++] = value;
 }
@@ -123,9 +144,7 @@ void tree_set(source *s, node *map, const char *key, node *value)
 
 node *tree_word(source *s, size_t line, const char *text)
 {
-    node *n = tree_node(s, NODE_SCALAR, line);
-    n->text = tree_text(s, text, strlen(text));
-    return n;
+    return tree_scalar(s, line, text, strlen(text));
 }
 
 node *tree_number(source *s, size_t line, double x)
@@ -305,20 +324,38 @@ size_t tree_read_numbers(source *s, const node *n, const char *key, size_t most,
     return n->count;
 }
 
-const char *tree_file(source *s, const char *path, char **text, size_t *length)
+const char *tree_borrow(source *s, const char *path, char **text, size_t *length)
 {
     const sgt_lens_options *o = s->options;
     const sgt_allocator *a = &s->arena->allocator;
     sgt_error why;
     char *read = NULL;
-    if (o->read) {
-        const char *fault = o->read(o->context, path, &read, length);
-        if (fault) return fault;
-    } else if (!sgt_reader_file(a, path, &read, length, &why)) {
+    *text = NULL;
+    if (!o->read) {
+        if (sgt_reader_file(a, path, &read, length, &why)) return *text = read, NULL;
         return tree_text(s, why.words, strlen(why.words));
     }
-    *text = sgt_arena_text(s->arena, read, *length);
-    if (!o->read) a->resize(a->context, read, 0);
-    else if (o->forget) o->forget(o->context, read);
+    const char *fault = o->read(o->context, path, &read, length);
+    if (fault) return fault;
+    if ((*text = a->resize(a->context, NULL, *length + 1))) {
+        if (*length) memcpy(*text, read, *length);
+        (*text)[*length] = 0;
+    }
+    if (o->forget) o->forget(o->context, read);
+    return *text ? NULL : "no memory";
+}
+
+void tree_return(source *s, char *text)
+{
+    if (text) s->arena->allocator.resize(s->arena->allocator.context, text, 0);
+}
+
+const char *tree_file(source *s, const char *path, char **text, size_t *length)
+{
+    char *borrowed;
+    const char *fault = tree_borrow(s, path, &borrowed, length);
+    if (fault) return fault;
+    *text = sgt_arena_text(s->arena, borrowed, *length);
+    tree_return(s, borrowed);
     return *text ? NULL : "no memory";
 }

@@ -21,6 +21,7 @@
 #include "../base/arena.h"
 
 #include <setjmp.h>
+#include <stdint.h>
 #include <sagitta/lens.h>
 
 #ifdef __GNUC__
@@ -31,14 +32,19 @@
 
 typedef enum node_kind { NODE_SCALAR, NODE_LIST, NODE_MAP } node_kind;
 
+/* A lens of 10^5 surfaces has 10^6 scalars.  So they are small: of a scalar there are only the members up to
+ * `room`, and its text stands right behind them. */
 typedef struct node {
     node_kind kind;
-    size_t line;          /* counts from 1 */
-    const char *text;     /* of a scalar */
     bool quoted;          /* a scalar in quotes: neither a number nor a truth value */
     bool inline_;         /* write.c: in one line, in brackets */
-    size_t count, room;   /* of a list or map */
-    struct node **item;   /* of a list; of a map: the values */
+    union {
+        const char *text;   /* of a scalar */
+        struct node **item; /* of a list; of a map: the values */
+    };
+    uint32_t line;        /* counts from 1 */
+    uint32_t room;        /* of a list or map */
+    size_t count;
     struct node **key;    /* of a map */
     bool *taken;          /* of a map */
 } node;
@@ -58,6 +64,7 @@ typedef struct source {
     const char *folder;   /* of the file, with the / behind it; "" for the current one */
     const char *text;     /* ends in a zero byte */
     size_t length;
+    char *borrowed;       /* the file that it is of, until the reading ends; NULL: none */
     arena *arena;
     const sgt_lens_options *options;
     sgt_error *error;
@@ -88,7 +95,8 @@ char *tree_print(source *s, const char *words, ...) SGT_PRINTF(2, 3);
 
 /* ---------------------------------------------------------------- building */
 
-node *tree_node(source *s, node_kind kind, size_t line);
+node *tree_node(source *s, node_kind kind, size_t line);             /* a list or map */
+node *tree_scalar(source *s, size_t line, const char *text, size_t length);
 void tree_append(source *s, node *list, node *item);
 void tree_put(source *s, node *map, node *key, node *value);         /* at the end of the map */
 void tree_set(source *s, node *map, const char *key, node *value);
@@ -118,6 +126,10 @@ size_t tree_read_numbers(source *s, const node *n, const char *key, size_t most,
 /* The file at `path`, whole, as the options say files are read; ends in a zero byte.  Returns NULL, or
  * why it cannot be read. */
 const char *tree_file(source *s, const char *path, char **text, size_t *length);
+
+/* The same, not in memory of the reading: to be returned, also after a fault (NULL may be). */
+const char *tree_borrow(source *s, const char *path, char **text, size_t *length);
+void tree_return(source *s, char *text);
 
 /* --------------------------------------------------------------- the formats */
 

@@ -17,12 +17,10 @@
 enum { FAULT_SIZE = 300 };
 
 /* A zero byte (YAML can write one as "\0") must not end a word early: it becomes a ?. */
-static const char *yaml_text(source *s, const char *value, size_t length)
+static void replace_zeros(char *text, size_t length)
 {
-    char *text = tree_text(s, value, length);
     for (size_t i = 0; i < length; i++)
         if (text[i] == 0) text[i] = '?';
-    return text;
 }
 
 /* The line of a byte of the text, counted from 1.  A lone \r ends a line too. */
@@ -115,8 +113,9 @@ static const char *take_event(builder *b, const yaml_event_t *e)
     node *n = NULL;
     switch (e->type) {
     case YAML_SCALAR_EVENT:
-        n = node_at(b, e->start_mark, NODE_SCALAR);
-        n->text = yaml_text(b->s, (const char *)e->data.scalar.value, e->data.scalar.length);
+        replace_zeros((char *)e->data.scalar.value, e->data.scalar.length);
+        n = tree_scalar(b->s, line_at(e->start_mark, b->last), (const char *)e->data.scalar.value,
+                        e->data.scalar.length);
         n->quoted = e->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
         anchor = e->data.scalar.anchor;
         put_node(b, n);

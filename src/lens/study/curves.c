@@ -60,12 +60,12 @@ static void tell_angles(const sgt_launcher *from, const sgt_field_beam *b, const
 }
 
 /* The first element, from 1, without the second derivatives that it needs; 0: there is none. */
-static size_t lacking(size_t n, const sgt_element e[], double before, const sgt_ray *chief,
+static size_t lacking(size_t elements, const sgt_element e[], double before, const sgt_ray *chief,
                       const sgt_passage passages[])
 {
     const sgt_ray_change change = {.d = {1, 0, 0}};
     sgt_ray_change out;
-    for (size_t i = 1; i < n; i++) { /* the last one bends no light */
+    for (size_t i = 1; i < elements; i++) { /* the last one bends no light */
         const int lacks = sgt_trace_sensitivity(i, e, before, chief, passages, 1, &change, &out);
         if (lacks & SGT_LACKS_SECOND) return i;
     }

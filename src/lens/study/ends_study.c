@@ -17,7 +17,9 @@ static void ends_take(const pass *p, size_t i, size_t count, const sgt_ray_end e
 
 static bool ask_ends(sgt_asking *a)
 {
-    const pass p = {.ask = a, .points = &a->fine, .cells = a->fields * a->bands, .place = sgt_place_study,
+    const pass p = {.ask = a, .points = &a->fine, .cells = a->fields * a->bands,
+                    .wanted = END_ALL, .takes_ends = true,
+                    .place = sgt_place_study,
                     .lost = sgt_lost_study, .take = ends_take};
     return sgt_ask_pass(&p);
 }

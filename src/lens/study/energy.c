@@ -132,11 +132,12 @@ static bool count_all(energy *e, const sgt_pupil *points, bool centroid, bool co
 {
     sgt_asking *a = e->of.ask;
     const size_t cells = e->of.cells;
-    pass p = {.ask = a, .points = points, .cells = cells, .data = e, .place = energy_place,
-              .lost = sgt_lost_study};
+    pass p = {.ask = a, .points = points, .cells = cells, .wanted = END_POINT, .data = e,
+              .place = energy_place, .lost = sgt_lost_study};
     e->middle = sgt_ask_room(a, cells, sizeof *e->middle);
     e->about = sgt_ask_room(a, a->fields, sizeof *e->about);
     if (a->failed) return false;
+    if (counts) p.wanted |= END_POINT_ERROR; /* coarse: for its fraction alone */
     a->counts = false;
     p.size = sizeof(spot_middle), p.block = middle_of_block, p.take = keep_middle;
     if (centroid && !sgt_ask_pass(&p)) return false;
@@ -145,7 +146,7 @@ static bool count_all(energy *e, const sgt_pupil *points, bool centroid, bool co
     if (!e->radius) {
         e->radius = sgt_ask_room(a, e->steps, sizeof *e->radius);
         if (!e->radius || !sgt_ask_pass(&p)) return false;
-        for (size_t s = 0; s < e->steps; s++) e->radius[s] = e->far * (double)(s + 1) / (double)e->steps;
+        for (size_t s = 0; s < e->steps; s++) e->radius[s] = e->far * ((double)(s + 1) / (double)e->steps);
     }
     e->within = sgt_ask_room(a, cells * e->steps, sizeof *e->within);
     e->unsure = sgt_ask_room(a, cells * e->steps, sizeof *e->unsure);

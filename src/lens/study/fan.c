@@ -28,8 +28,9 @@ static bool ask_fan(sgt_asking *a)
     spots w;
     if (!sgt_spots_begin(a, false, NULL, &w)) return false;
     sgt_spots_say_reference(&w);
-    const pass p = {.ask = a, .points = &a->fine, .cells = w.cells, .data = &w, .place = sgt_spots_place,
-                    .lost = sgt_spots_lost, .block = angles_of_block, .take = fan_take};
+    const pass p = {.ask = a, .points = &a->fine, .cells = w.cells, .wanted = END_POINT | END_POINT_ERROR,
+                    .takes_ends = true, .data = &w, .place = sgt_spots_place, .lost = sgt_spots_lost,
+                    .block = angles_of_block, .take = fan_take};
     sgt_ask_say(a, SGT_STUDY_LEGEND,
                 a->lens->afocal ? "ex, ey: angles from the chief ray of the primary "
                                   "wavelength."

@@ -67,27 +67,17 @@ static bool share_all(sgt_asking *a, const sgt_pupil *points, shares *out)
 /* cos^4 of the chief ray of cell i, NaN: it does not reach the image.  *error: a bound. */
 static double chief_cos4(sgt_asking *a, size_t i, double *error)
 {
-    static const sgt_pupil_point centre = {0, 0, 1};
     const double STEEPEST = 1.3, ROUNDING = 0x1p-50;
     const sgt_field_beam *beam = &a->beam[i / a->bands];
     const band *b = &a->band[i % a->bands];
-    const size_t count = a->lens->count;
     sgt_ray_end chief;
-    sgt_launched launched;
-    sgt_fate fate;
     *error = (double)NAN;
-    sgt_element *own = sgt_ask_room(a, count, sizeof *own), *open = sgt_ask_room(a, count, sizeof *open);
-    sgt_passage *passages = sgt_ask_room(a, count, sizeof *passages);
-    if (a->failed) return *error;
-    sgt_launch_ending(count, b->element, own);
-    if (!sgt_trace_chief(a->from, beam, b->element, b->before, &chief, NULL) ||
-        !sgt_launch_rays(a->from, beam, own, b->before, 1, &centre, &launched, NULL)) {
+    if (!sgt_trace_chief(a->from, beam, b->element, b->before, &chief, NULL)) {
         sgt_ask_fail(a, "", "no memory");
         return *error;
     }
     if (chief.fate != SGT_PASSED) return *error;
-    sgt_trace_through(count, own, b->before, &launched.ray, open, passages, &fate);
-    *error = STEEPEST * sgt_direction_error(a->from, open, b->before, &launched.ray, &chief) + ROUNDING;
+    *error = STEEPEST * chief.d_err + ROUNDING;
     const double cos2 = chief.d.z * chief.d.z / dot3(chief.d, chief.d);
     return cos2 * cos2;
 }

@@ -80,7 +80,8 @@ static bool ask_map(sgt_asking *a)
     const sgt_pupil chief = {.count = 1, .given = &centre};
     const sgt_map_options *o = a->options;
     const sgt_study_options *s = &a->study->opt;
-    pass p = {.ask = a, .points = &a->fine, .cells = a->fields * a->bands, .place = sgt_place_study,
+    pass p = {.ask = a, .points = &a->fine, .cells = a->fields * a->bands,
+              .wanted = END_EVALS | END_SLANT, .takes_ends = true, .place = sgt_place_study,
               .lost = sgt_lost_study, .take = map_take};
     if (!o->over) return o->steps ? sgt_ask_refuse(a, "steps", "goes with over field") : sgt_ask_pass(&p);
     const sgt_lens_field *far = sgt_ask_farthest(a);
@@ -92,7 +93,8 @@ static bool ask_map(sgt_asking *a)
         return sgt_ask_refuse(a, "over",
                               "field sends one ray of each field: the chief ray, or that of one point");
     p = (pass){.ask = a, .points = s->points ? &a->fine : &chief, .cells = net.steps * net.steps * a->bands,
-               .data = &net, .place = map_net_place, .lost = map_net_lost, .take = map_net_take};
+               .wanted = END_EVALS | END_SLANT, .takes_ends = true, .data = &net, .place = map_net_place,
+               .lost = map_net_lost, .take = map_net_take};
     return sgt_ask_pass(&p);
 }
 

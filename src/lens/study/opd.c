@@ -9,6 +9,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* What of an end makes a difference, and how far it is off. */
+enum { OPD_OF_END = END_POINT | END_PATH, OPD_ERROR = END_POINT_ERROR | END_PATH_ERROR };
+
 /* Chief rays at each wavelength, and what is to be made of the rays: cells are field * bands + band. */
 typedef struct opds {
     sgt_asking *ask;
@@ -20,13 +23,14 @@ typedef struct opds {
     size_t *without;            /* [cells]: rays that passed and have no difference */
     sgt_wavefront_sum *sum;     /* [cells] */
     sgt_fates *fates;           /* [cells] */
-    double *x, *y, *waves, *weight; /* of one cell, for the fit */
+    double *x, *y, *waves, *weight; /* [cells * rays], for the fits */
     size_t kept;
 } opds;
 
 typedef struct differences {
     double waves[PUPIL_PART], error[PUPIL_PART];
     sgt_wavefront_sum sum;
+    size_t without;             /* rays that passed and have none */
 } differences;
 
 static bool opd_chief(void *data, size_t i, void *slot)
@@ -91,6 +95,7 @@ static void opd_block(const pass *p, size_t i, size_t count, sgt_ray_end end[], 
         d->waves[k] = scale * sgt_opd(&w->about[i], &end[k], &d->error[k]);
         d->error[k] *= scale;
     }
+    for (size_t k = 0; k < count; k++) d->without += end[k].fate == SGT_PASSED && isnan(d->waves[k]);
     sgt_wavefront_add(&d->sum, count, end, d->waves, d->error);
 }
 
@@ -118,15 +123,11 @@ static void opd_say_empty(const opds *w, size_t i)
     else if (without) opd_say(w, i, words);
 }
 
-static void opd_count(opds *w, size_t i, size_t count, const sgt_ray_end end[], const differences *d)
-{
-    for (size_t k = 0; k < count; k++) w->without[i] += end[k].fate == SGT_PASSED && isnan(d->waves[k]);
-}
-
 static pass opd_pass(sgt_asking *a, opds *w, const sgt_pupil *points)
 {
-    return (pass){.ask = a, .points = points, .cells = w->cells, .data = w, .size = sizeof(differences),
-                  .place = sgt_place_study, .lost = sgt_lost_study, .block = opd_block};
+    return (pass){.ask = a, .points = points, .cells = w->cells, .wanted = OPD_OF_END | OPD_ERROR,
+                  .data = w, .size = sizeof(differences), .place = sgt_place_study,
+                  .lost = sgt_lost_study, .block = opd_block};
 }
 
 static void opd_say_legend(const opds *w)
@@ -146,7 +147,7 @@ static void opd_take(const pass *p, size_t i, size_t count, const sgt_ray_end en
     opds *w = p->data;
     const sgt_asking *a = p->ask;
     const differences *d = sum;
-    opd_count(w, i, count, end, d);
+    w->without[i] += d->without;
     for (size_t k = 0; k < count; k++) {
         const sgt_opd_row row = {.field = a->number[i / a->bands], .wavelength = a->band[i % a->bands].at.um,
                                  .px = end[k].px, .py = end[k].py, .fate = sgt_fate_of(&end[k]),
@@ -166,7 +167,7 @@ static bool ask_opd(sgt_asking *a)
     opds w;
     if (!opds_begin(a, &w)) return false;
     pass p = opd_pass(a, &w, &a->fine);
-    p.take = opd_take, p.end = opd_end;
+    p.take = opd_take, p.end = opd_end, p.takes_ends = true;
     opd_say_legend(&w);
     return sgt_ask_pass(&p);
 }
@@ -177,7 +178,8 @@ static void front_take(const pass *p, size_t i, size_t count, const sgt_ray_end 
 {
     opds *w = p->data;
     const differences *d = sum;
-    opd_count(w, i, count, end, d);
+    (void)count, (void)end;
+    w->without[i] += d->without;
     sgt_wavefront_join(&w->sum[i], &d->sum);
 }
 
@@ -193,6 +195,7 @@ static bool front_sums(sgt_asking *a, opds *w, const sgt_pupil *points, bool cou
     w->sum = sgt_ask_room(a, w->cells, sizeof *w->sum);
     w->fates = sgt_ask_room(a, w->cells, sizeof *w->fates);
     a->counts = counts;
+    if (!counts) p.wanted = OPD_OF_END; /* coarse: for its rms alone */
     p.take = front_take, p.end = front_end;
     return !a->failed && sgt_ask_pass(&p);
 }
@@ -208,7 +211,8 @@ static bool ask_wavefront(sgt_asking *a)
         const sgt_wavefront front = sgt_wavefront_sum_of(&w.sum[i]), half = sgt_wavefront_sum_of(&coarse[i]);
         const sgt_wavefront_row row = {
             .field = a->number[i / a->bands], .wavelength = a->band[i % a->bands].at.um,
-            .pv = front.most - front.least, .rms = front.rms, .digits = sgt_digits(front.rms, front.error),
+            .pv = front.most - front.least, .rms = front.rms,
+            .digits = sgt_digits(front.rms, sgt_wavefront_rms_error(&w.sum[i])),
             .sampling = front.rms - half.rms, .rays = w.fates[i].rays, .passed = w.fates[i].passed,
             .fates = sgt_fates_row(&w.fates[i]), .rms_err = front.error};
         opd_say_empty(&w, i);
@@ -243,37 +247,58 @@ static void zernike_take(const pass *p, size_t i, size_t count, const sgt_ray_en
 {
     opds *w = p->data;
     const differences *d = sum;
-    opd_count(w, i, count, end, d);
+    w->without[i] += d->without;
     for (size_t k = 0; k < count; k++, w->kept++)
         w->x[w->kept] = end[k].px, w->y[w->kept] = end[k].py, w->waves[w->kept] = d->waves[k],
         w->weight[w->kept] = end[k].weight;
 }
 
-static void zernike_end(const pass *p, size_t i, const sgt_fates *fates)
+static size_t terms_of(const opds *w)
 {
-    opds *w = p->data;
-    const sgt_asking *a = p->ask;
-    const sgt_opd_options *o = a->options;
-    const size_t terms = o->terms ? o->terms : TERMS;
-    double residual, *coefficient = sgt_ask_room(p->ask, terms, sizeof *coefficient);
+    const sgt_opd_options *o = w->ask->options;
+    return o->terms ? o->terms : TERMS;
+}
+
+static sgt_zernike_order order_of(const opds *w)
+{
+    const sgt_opd_options *o = w->ask->options;
+    return o->order ? SGT_FRINGE : SGT_NOLL;
+}
+
+/* The fit of a cell; its coefficients stand behind it. */
+typedef struct zernike_fitted { bool fits; double residual; } zernike_fitted;
+
+static bool zernike_work(void *data, size_t i, void *slot)
+{
+    const opds *w = data;
+    const size_t count = w->ask->fine.count, first = i * count;
+    zernike_fitted *f = slot;
+    f->fits = sgt_zernike_fit(order_of(w), terms_of(w), count, w->x + first, w->y + first, w->waves + first,
+                              w->weight + first, (double *)(f + 1), &f->residual,
+                              &w->ask->from->allocator, NULL);
+    return true;
+}
+
+static void zernike_rows(void *data, size_t i, void *slot)
+{
+    opds *w = data;
+    const sgt_asking *a = w->ask;
+    const size_t terms = terms_of(w);
+    const zernike_fitted *f = slot;
+    const double *coefficient = (const double *)(f + 1);
     char words[200];
-    (void)fates;
     opd_say_empty(w, i);
-    if (!coefficient) return;
-    const bool fits = sgt_zernike_fit(o->order ? SGT_FRINGE : SGT_NOLL, terms, w->kept, w->x, w->y, w->waves,
-                                      w->weight, coefficient, &residual, &a->from->allocator, NULL);
     snprintf(words, sizeof words, "the rays that passed do not determine %zu polynomials, or there is no "
              "memory; take more rays, or fewer terms", terms);
-    if (!fits) opd_say(w, i, words);
+    if (!f->fits) opd_say(w, i, words);
     for (size_t k = 0; k < terms; k++) {
         sgt_zernike_row row = {.field = a->number[i / a->bands],
                                .wavelength = a->band[i % a->bands].at.um, .term = k + 1,
-                               .coefficient = fits ? coefficient[k] : (double)NAN,
-                               .residual = fits ? residual : (double)NAN};
-        zernike_numbers(o->order ? SGT_FRINGE : SGT_NOLL, k + 1, &row.n, &row.m);
+                               .coefficient = f->fits ? coefficient[k] : (double)NAN,
+                               .residual = f->fits ? f->residual : (double)NAN};
+        zernike_numbers((int)order_of(w), k + 1, &row.n, &row.m);
         sgt_ask_row(a, &row);
     }
-    w->kept = 0;
 }
 
 static bool ask_zernike(sgt_asking *a)
@@ -283,12 +308,14 @@ static bool ask_zernike(sgt_asking *a)
     if (o->terms > TERMS_MOST)
         return sgt_ask_refuse(a, "terms", "%zu polynomials; at most %d", o->terms, TERMS_MOST);
     if (!opds_begin(a, &w)) return false;
-    w.x = sgt_ask_room(a, a->fine.count, sizeof *w.x), w.y = sgt_ask_room(a, a->fine.count, sizeof *w.y);
-    w.waves = sgt_ask_room(a, a->fine.count, sizeof *w.waves);
-    w.weight = sgt_ask_room(a, a->fine.count, sizeof *w.weight);
+    const size_t rays = w.cells * a->fine.count;
+    w.x = sgt_ask_room(a, rays, sizeof *w.x), w.y = sgt_ask_room(a, rays, sizeof *w.y);
+    w.waves = sgt_ask_room(a, rays, sizeof *w.waves), w.weight = sgt_ask_room(a, rays, sizeof *w.weight);
     pass p = opd_pass(a, &w, &a->fine);
-    p.take = zernike_take, p.end = zernike_end;
-    if (a->failed || !sgt_ask_pass(&p)) return false;
+    p.take = zernike_take, p.takes_ends = true;
+    const rounds fits = {.tasks = w.cells, .size = sizeof(zernike_fitted) + terms_of(&w) * sizeof(double),
+                         .data = &w, .work = zernike_work, .take = zernike_rows};
+    if (a->failed || !sgt_ask_pass(&p) || !sgt_ask_rounds(a, &fits)) return false;
     opd_say_legend(&w);
     sgt_ask_say(a, SGT_STUDY_LEGEND, "Zernike polynomials in %s over px, py.",
                 o->order ? "fringe order, each 1 at the edge"

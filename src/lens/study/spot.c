@@ -38,6 +38,9 @@ sgt_vec2 sgt_middle_of(const spot_middle *m)
     return m->w > 0 ? (sgt_vec2){m->x / m->w, m->y / m->w} : (sgt_vec2){none, none};
 }
 
+/* Of the square of the largest distance: below it a distance is less, however the squares are rounded. */
+static const double NEARER = 0.999;
+
 void sgt_spread_add(spot_spread *s, sgt_vec2 about, size_t count, const sgt_ray_end end[])
 {
     s->rays += count;
@@ -47,7 +50,7 @@ void sgt_spread_add(spot_spread *s, sgt_vec2 about, size_t count, const sgt_ray_
         const double w = e->weight, x = e->p.x - about.x, y = e->p.y - about.y;
         s->passed++;
         s->w += w, s->x2 += w * x * x, s->y2 += w * y * y, s->off += w * e->p_err * e->p_err;
-        s->far = fmax(s->far, hypot(x, y));
+        if (!(x * x + y * y < NEARER * s->far * s->far)) s->far = fmax(s->far, hypot(x, y));
     }
 }
 
@@ -263,13 +266,15 @@ static spot_sums sums_of(const spots *w, const sgt_pupil *points, bool counts)
     s.own = s.all = sgt_ask_room(a, w->cells, sizeof *s.own);
     if (w->centroid) s.all = sgt_ask_room(a, w->cells, sizeof *s.all);
     if (counts) s.fates = sgt_ask_room(a, w->cells, sizeof *s.fates);
-    pass p = {.ask = a, .points = points, .cells = w->cells, .data = &s, .place = place_of_sums,
-              .lost = lost_of_sums};
+    pass p = {.ask = a, .points = points, .cells = w->cells, .wanted = END_POINT, .data = &s,
+              .place = place_of_sums, .lost = lost_of_sums};
     if (a->failed) return s;
+    if (counts) p.wanted |= END_POINT_ERROR; /* coarse: for its rms alone */
     a->counts = false;
     p.size = sizeof(spot_middle), p.block = middle_block, p.take = middle_take;
     if (w->centroid && !sgt_ask_pass(&p)) return s;
     a->counts = counts;
+    if (counts && a->sink->ends) p.wanted = END_ALL, p.takes_ends = true;
     p.size = 2 * sizeof(spot_spread), p.block = spread_block, p.take = spread_take, p.end = spread_end;
     sgt_ask_pass(&p);
     return s;

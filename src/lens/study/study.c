@@ -6,15 +6,24 @@
  *
  * BLOCKS.  What a ray does depends on that ray alone.  So blocks of PUPIL_PART points may be traced in any
  * thread; what is made of a block is made there, too, and then taken in order.  The size of a block has no
- * part in how many threads there are, so that neither have the sums.  Blocks go in rounds of ROUND: memory
- * does not grow with the number of rays. */
+ * part in how many threads there are, so that neither have the sums.  Blocks go in rounds of ROUND at
+ * least, and of as many as ROUND_BYTES hold: memory does not grow with the number of rays, and threads rarely
+ * wait for each other.
+ *
+ * TAKING goes on beside the work: the thread that asks takes the blocks of a round while the others are at
+ * the next.  So what comes in order, such as rows that are printed, does not keep them waiting.
+ *
+ * AIMED RAYS begin at a map of the pupil (optics/aim.c), of each field and wavelength.  It is made before the
+ * first round that has a block of that cell, and kept until the last: not the blocks decide about it, nor the
+ * threads. */
 #include "study.h"
 
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUND = 64 };
+enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 20, ROOMS = 16 };
 
 /* ---------------------------------------------------------------- small things */
 
@@ -155,38 +164,64 @@ sgt_fate_counts sgt_fates_row(const sgt_fates *f)
 
 /* --------------------------------------------------------------------- rounds */
 
-typedef struct round_of {
-    const rounds *r;
-    size_t first, step;
-    char *slots;
-    bool failed[ROUND];
-} round_of;
+/* Of a round: its tasks, where their slots begin, and which failed. */
+typedef struct round_of { size_t first, tasks; char *slots; bool failed[ROUND_MOST]; } round_of;
 
+/* The round that is worked on, and the one before, of which `taken` have been taken. */
+typedef struct two_rounds {
+    sgt_asking *ask;
+    const rounds *r;
+    size_t step;
+    round_of now, before;
+    size_t taken;
+    const char *asker;          /* own_thread of the thread that asks */
+} two_rounds;
+
+static _Thread_local char own_thread;
+
+static void take_before(two_rounds *w)
+{
+    sgt_asking *a = w->ask;
+    const round_of *b = &w->before;
+    while (w->taken < b->tasks && !a->failed) {
+        const size_t i = w->taken++;
+        if (b->failed[i]) sgt_ask_fail(a, "", "no memory");
+        else w->r->take(w->r->data, b->first + i, b->slots + i * w->step);
+    }
+}
+
+/* The thread that asks takes before it works. */
 static void round_task(void *data, size_t i)
 {
-    round_of *now = data;
-    now->failed[i] = !now->r->work(now->r->data, now->first + i, now->slots + i * now->step);
+    two_rounds *w = data;
+    if (&own_thread == w->asker) take_before(w);
+    w->now.failed[i] = !w->r->work(w->r->data, w->now.first + i, w->now.slots + i * w->step);
 }
 
 bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
 {
     const sgt_study_options *o = &a->study->opt;
-    const size_t align = 64, most = r->tasks < ROUND ? r->tasks : ROUND;
-    round_of now = {.r = r, .step = (r->size + align) / align * align};
+    const size_t align = 64, step = (r->size + align) / align * align, fit = ROUND_BYTES / step;
+    const size_t round = fit < ROUND ? ROUND : fit < ROUND_MOST ? fit : ROUND_MOST;
+    const size_t most = r->tasks < round ? r->tasks : round;
+    two_rounds w = {.ask = a, .r = r, .step = step, .asker = &own_thread};
     if (r->tasks == 0 || a->failed) return !a->failed;
-    now.slots = sgt_launch_take(a->from, most, now.step);
-    if (!now.slots) return sgt_ask_fail(a, "", "no memory");
-    for (; now.first < r->tasks && !a->failed; now.first += most) {
-        const size_t left = r->tasks - now.first, tasks = left < most ? left : most;
-        if (o->run && tasks > 1) o->run(o->context, tasks, round_task, &now);
+    char *slots = sgt_launch_take(a->from, 2 * most, w.step);
+    if (!slots) return sgt_ask_fail(a, "", "no memory");
+    w.now.slots = slots, w.before.slots = slots + most * w.step;
+    for (size_t first = 0; first < r->tasks && !a->failed; first += most) {
+        const size_t left = r->tasks - first;
+        w.now.first = first, w.now.tasks = left < most ? left : most;
+        if (r->prepare && !r->prepare(r->data, first, w.now.tasks)) break;
+        if (o->run && w.now.tasks > 1) o->run(o->context, w.now.tasks, round_task, &w);
         else
-            for (size_t i = 0; i < tasks; i++) round_task(&now, i);
-        for (size_t i = 0; i < tasks && !a->failed; i++) {
-            if (now.failed[i]) sgt_ask_fail(a, "", "no memory");
-            else r->take(r->data, now.first + i, now.slots + i * now.step);
-        }
+            for (size_t i = 0; i < w.now.tasks; i++) round_task(&w, i);
+        take_before(&w);
+        const round_of done = w.now;
+        w.now = w.before, w.before = done, w.taken = 0;
     }
-    sgt_launch_forget(a->from, now.slots);
+    take_before(&w);
+    sgt_launch_forget(a->from, slots);
     return !a->failed;
 }
 
@@ -194,20 +229,50 @@ bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
 
 /* Of a block: its rays, their fates, and the first that is lost. */
 typedef struct block {
-    size_t count, lost;
+    size_t count;
     sgt_fates fates;
+    double lost_x, lost_y;
     bool placed;
     sgt_error fault;
-    sgt_ray_end end[PUPIL_PART];
 } block_of_rays;
 
-typedef struct passing { const pass *p; size_t blocks; sgt_fates fates; } passing;
+/* maps: of the cells mapped ... mapped + maps - 1, if rays are aimed and a cell is worth it. */
+typedef struct passing {
+    const pass *p;
+    size_t blocks;
+    sgt_fates fates;
+    sgt_aim_nodes *nodes;
+    sgt_aim_map *map;
+    size_t mapped, maps;
+    _Atomic(sgt_ends_room *) room[ROOMS]; /* those that no block uses now */
+} passing;
 
+/* Room for a block: one that lies there, or a new one.  NULL: no memory. */
+static sgt_ends_room *room_taken(passing *now)
+{
+    for (size_t i = 0; i < ROOMS; i++) {
+        sgt_ends_room *room = atomic_exchange(&now->room[i], NULL);
+        if (room) return room;
+    }
+    return sgt_ends_room_new(now->p->ask->from, PUPIL_PART, now->p->wanted, PUPIL_PART);
+}
+
+static void room_given_back(passing *now, sgt_ends_room *room)
+{
+    for (size_t i = 0; i < ROOMS; i++) {
+        sgt_ends_room *none = NULL;
+        if (atomic_compare_exchange_strong(&now->room[i], &none, room)) return;
+    }
+    sgt_ends_room_free(now->p->ask->from, room);
+}
+
+/* Of a slot: where its sum begins, and the ends behind that, if they are taken. */
 static size_t sum_at(void) { return (sizeof(block_of_rays) + 63) / 64 * 64; }
+static size_t ends_at(const pass *p) { return sum_at() + (p->size + 63) / 64 * 64; }
 
 static bool work_block(void *data, size_t i, void *slot)
 {
-    const passing *now = data;
+    passing *now = data;
     const pass *p = now->p;
     const size_t of = i / now->blocks, first = i % now->blocks * PUPIL_PART;
     const size_t left = p->points->count - first;
@@ -216,20 +281,24 @@ static bool work_block(void *data, size_t i, void *slot)
     sgt_pupil_point at[PUPIL_PART];
     cell c = {.beam = NULL};
     b->count = left < PUPIL_PART ? left : PUPIL_PART;
-    b->fates = (sgt_fates){.rays = 0}, b->lost = PUPIL_PART;
+    b->fates = (sgt_fates){.rays = 0};
     memset(sum, 0, p->size);
     b->placed = p->place(p, of, &c, &b->fault);
     if (!b->placed) return true;
     sgt_pupil_part(p->points, first, b->count, at);
-    if (!sgt_trace_pupil(p->ask->from, c.beam, c.element, c.before, b->count, at, p->ask->study->opt.solver,
-                         b->end, NULL))
-        return false;
+    sgt_ends_room *room = room_taken(now);
+    if (!room) return false;
+    sgt_ray_end *end =
+        sgt_trace_ends(p->ask->from, room, c.beam, c.element, c.before,
+                       now->nodes ? &now->map[of - now->mapped] : NULL, b->count, at,
+                       p->ask->study->opt.solver, p->takes_ends ? (void *)((char *)slot + ends_at(p)) : NULL);
     for (size_t k = 0; k < b->count; k++) {
         const size_t lost = b->fates.lost;
-        sgt_fates_count(&b->fates, &b->end[k]);
-        if (b->fates.lost > lost && lost == 0) b->lost = k;
+        sgt_fates_count(&b->fates, &end[k]);
+        if (b->fates.lost > lost && lost == 0) b->lost_x = end[k].px, b->lost_y = end[k].py;
     }
-    if (p->block) p->block(p, of, b->count, b->end, sum);
+    if (p->block) p->block(p, of, b->count, end, sum);
+    room_given_back(now, room);
     return true;
 }
 
@@ -246,22 +315,69 @@ static void take_block(void *data, size_t i, void *slot)
         return;
     }
     if (i % now->blocks == 0) now->fates = (sgt_fates){.rays = 0};
-    if (a->counts && b->lost < b->count && a->total.fates.lost == 0) {
+    if (a->counts && b->fates.lost && a->total.fates.lost == 0) {
         p->lost(p, of, &a->total.lost);
-        a->total.lost.px = b->end[b->lost].px, a->total.lost.py = b->end[b->lost].py;
+        a->total.lost.px = b->lost_x, a->total.lost.py = b->lost_y;
     }
     if (a->counts) sgt_fates_add(&a->total.fates, &b->fates);
     sgt_fates_add(&now->fates, &b->fates);
-    if (p->take) p->take(p, of, b->count, b->end, (const char *)slot + sum_at());
+    const void *end = p->takes_ends ? (const char *)slot + ends_at(p) : NULL;
+    if (p->take) p->take(p, of, b->count, end, (const char *)slot + sum_at());
     if (p->end && i % now->blocks + 1 == now->blocks) p->end(p, of, &now->fates);
+}
+
+/* The map of a cell, from number `mapped` on. */
+static bool map_cell(void *data, size_t i, void *slot)
+{
+    const passing *now = data;
+    const pass *p = now->p;
+    const size_t of = now->mapped + now->maps + i;
+    cell c = {.beam = NULL};
+    sgt_aim_map *out = slot;
+    sgt_error unsaid; /* its block will say so */
+    *out = (sgt_aim_map){.home = 0};
+    return !p->place(p, of, &c, &unsaid) ||
+           sgt_aim_map_of(p->ask->from, c.beam, c.element, c.before, now->nodes, out);
+}
+
+static void keep_map(void *data, size_t i, void *slot)
+{
+    passing *now = data;
+    memcpy(&now->map[now->maps + i], slot, sizeof *now->map);
+}
+
+/* Keeps the map of the cell that both rounds have a part of, and makes the others. */
+static bool prepare_maps(void *data, size_t first, size_t tasks)
+{
+    passing *now = data;
+    const size_t low = first / now->blocks, high = (first + tasks - 1) / now->blocks;
+    const bool kept = now->maps && low < now->mapped + now->maps;
+    if (kept) now->map[0] = now->map[low - now->mapped];
+    now->mapped = low, now->maps = kept;
+    const rounds r = {.tasks = high - low + 1 - kept, .size = sizeof *now->map, .data = now, .work = map_cell,
+                      .take = keep_map};
+    const bool fine = sgt_ask_rounds(now->p->ask, &r);
+    now->maps = high - low + 1;
+    return fine;
 }
 
 bool sgt_ask_pass(const pass *p)
 {
+    enum { WORTH = 256 }; /* rays of a cell: of fewer a fitted map saves less than it costs */
+    sgt_asking *a = p->ask;
     passing now = {.p = p, .blocks = (p->points->count + PUPIL_PART - 1) / PUPIL_PART};
-    const rounds r = {.tasks = p->cells * now.blocks, .size = sum_at() + p->size, .data = &now,
-                      .work = work_block, .take = take_block};
-    return sgt_ask_rounds(p->ask, &r);
+    rounds r = {.tasks = p->cells * now.blocks, .data = &now, .work = work_block, .take = take_block,
+                .size = ends_at(p) + (p->takes_ends ? PUPIL_PART * sizeof(sgt_ray_end) : 0)};
+    if (a->from->aim != SGT_LENS_AIM_PUPIL && p->points->count >= WORTH) {
+        now.map = sgt_ask_room(a, ROUND_MOST / now.blocks + 2, sizeof *now.map);
+        now.nodes = sgt_ask_room(a, 1, sizeof *now.nodes);
+        if (a->failed) return false;
+        sgt_aim_nodes_set(now.nodes);
+        r.prepare = prepare_maps;
+    }
+    const bool fine = sgt_ask_rounds(a, &r);
+    for (size_t i = 0; i < ROOMS; i++) sgt_ends_room_free(a->from, atomic_load(&now.room[i]));
+    return fine;
 }
 
 bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_error *fault)

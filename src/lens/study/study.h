@@ -74,11 +74,16 @@ sgt_element *sgt_ask_moved(sgt_asking *a, const band *b, double z);
  * surface s.  NULL: failed. */
 sgt_ray_end *sgt_ask_chiefs(sgt_asking *a, size_t surfaces, sgt_element *const element[]);
 
-/* Calls work(data, i, slot) for i < tasks in any thread, then take(data, i, slot), in order.  work: false is
- * a failure for want of memory.  slot: `size` bytes, which are not cleared. */
+/* Calls work(data, i, slot) for i < tasks in any thread, and take(data, i, slot) in order, in the thread that
+ * asks.  work: false is a failure for want of memory.  slot: `size` bytes, which are not cleared.  What is
+ * taken may be taken while later tasks are worked on: so work reads nothing that take writes.
+ *
+ *     prepare    NULL, or called in the thread that asks, before tasks first, first + 1, ... are worked on;
+ *                false: it failed, and has said so */
 typedef struct rounds {
     size_t tasks, size;
     void *data;
+    bool (*prepare)(void *data, size_t first, size_t tasks);
     bool (*work)(void *data, size_t i, void *slot);
     void (*take)(void *data, size_t i, void *slot);
 } rounds;
@@ -101,6 +106,8 @@ typedef struct pass {
     sgt_asking *ask;
     const sgt_pupil *points;
     size_t cells, size;
+    unsigned wanted;            /* of an end (launch.h): END_POINT, ...; the others are not worked out */
+    bool takes_ends;            /* they are kept for `take`, which else gets NULL */
     void *data;
     bool (*place)(const struct pass *p, size_t i, cell *out, sgt_error *fault);
     void (*block)(const struct pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum);

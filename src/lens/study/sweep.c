@@ -2,6 +2,8 @@
 #include "analyses.h"
 #include "study.h"
 
+#include <string.h>
+
 /* Cells are band * steps + step. */
 typedef struct sweep { bool angle; double from, to, evals; size_t steps; } sweep;
 
@@ -47,11 +49,20 @@ static void sweep_lost(const pass *p, size_t i, sgt_lost_ray *out)
                           .wavelength = p->ask->band[i / w->steps].at};
 }
 
+static void sweep_block(const pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum)
+{
+    double *evals = sum;
+    (void)p, (void)i;
+    for (size_t k = 0; k < count; k++) *evals += end[k].evals;
+}
+
 static void sweep_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
 {
     sweep *w = p->data;
-    (void)i, (void)sum;
-    for (size_t k = 0; k < count; k++) w->evals += end[k].evals;
+    double evals;
+    (void)i, (void)count, (void)end;
+    memcpy(&evals, sum, sizeof evals);
+    w->evals += evals;
 }
 
 static void sweep_end(const pass *p, size_t i, const sgt_fates *f)
@@ -82,9 +93,12 @@ static bool ask_sweep(sgt_asking *a)
     const pass p = {.ask = a,
                     .points = &a->fine,
                     .cells = a->bands * w.steps,
+                    .wanted = END_EVALS,
                     .data = &w,
                     .place = sweep_place,
                     .lost = sweep_lost,
+                    .size = sizeof(double),
+                    .block = sweep_block,
                     .take = sweep_take,
                     .end = sweep_end};
     return sgt_ask_pass(&p);

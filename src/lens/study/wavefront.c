@@ -22,7 +22,11 @@
  *
  *     q = q1 + q2 + (m2 - m1)^2 w1 w2 / (w1 + w2),
  *
- * in which nothing cancels. */
+ * in which nothing cancels.
+ *
+ * THE ERROR OF AN RMS about the mean.  It is a norm of the differences less their mean, which is a
+ * projection: so it is off by the rms of their errors at most, and hence by the largest of them.  Peak to
+ * valley may be off by twice that, which bounds all numbers of a wavefront. */
 #include "wavefront.h"
 
 #include "../base/arena.h"
@@ -112,6 +116,13 @@ void sgt_wavefront_join(sgt_wavefront_sum *s, const sgt_wavefront_sum *more)
     s->rays = rays;
 }
 
+static double rounding_of(const sgt_wavefront_sum *s)
+{
+    return (double)s->passed * ROUND * fmax(fabs(s->least), fabs(s->most));
+}
+
+double sgt_wavefront_rms_error(const sgt_wavefront_sum *s) { return s->off + rounding_of(s); }
+
 sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s)
 {
     const double none = (double)NAN;
@@ -120,7 +131,7 @@ sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s)
     if (s->passed) w.least = s->least, w.most = s->most;
     if (!(s->w > 0)) return w;
     w.mean = s->mean, w.rms = sqrt(s->square / s->w);
-    w.error = 2 * s->off + (double)w.passed * ROUND * fmax(fabs(w.least), fabs(w.most));
+    w.error = 2 * s->off + rounding_of(s);
     return w;
 }
 

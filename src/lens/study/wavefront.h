@@ -10,6 +10,7 @@ typedef struct sgt_wavefront_sum { size_t rays, passed; double w, mean, square, 
 void sgt_wavefront_add(sgt_wavefront_sum *s, size_t count, const sgt_ray_end end[], const double opd[],
                        const double error[]); /* s is zero */
 void sgt_wavefront_join(sgt_wavefront_sum *s, const sgt_wavefront_sum *more);
+double sgt_wavefront_rms_error(const sgt_wavefront_sum *s);
 sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s);
 
 #endif

@@ -54,8 +54,8 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sg
     }
     if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
-    *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, at_vertex(r.x, r.y, o.z), d.x, d.y, d.z, tmin, tmax,
-                  t_tol);
+    *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, at_vertex(r.x, r.y, o.z), d.x, d.y, d.z, false, tmin,
+                  tmax, t_tol);
     if (!e->hit)
         return wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, o.z, d.x, d.y, d.z, tmin, tmax) ? EASY_MISS
                                                                                                  : EASY_NOT;
@@ -185,13 +185,15 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
     const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
                  *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
     size_t count = tile->n;
+    const bool whole = wish == LANE_BARE;
     lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         near_root r =
             wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
         mask exact = vertex ? at_vertex(r.x, r.y, oz[i]) : 0;
-        lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], exact, l[i], m[i], n[i], tmin[i], tmax[i],
+        double begin = whole ? -HUGE_VAL : tmin[i], end = whole ? HUGE_VAL : tmax[i];
+        lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], exact, l[i], m[i], n[i], whole, begin, end,
                           t_tol[i]);
         LANE_STORE(to, i, e, wish);
         all &= e.hit;
@@ -257,11 +259,13 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         return lane_terms(s, terms, first, wish, tile, room);                                   \
     }
 
+LANES_OF_TERMS(asphere_lanes_few_near_bare, FEW_TERMS, false, LANE_BARE)
 LANES_OF_TERMS(asphere_lanes_few_near, FEW_TERMS, false, LANE_PLAIN)
 LANES_OF_TERMS(asphere_lanes_few_near_fine, FEW_TERMS, false, LANE_FINE)
 LANES_OF_TERMS(asphere_lanes_few_first, FEW_TERMS, true, LANE_PLAIN)
 LANES_OF_TERMS(asphere_lanes_few_near_rich, FEW_TERMS, false, LANE_RICH)
 LANES_OF_TERMS(asphere_lanes_few_first_rich, FEW_TERMS, true, LANE_RICH)
+LANES_OF_TERMS(asphere_lanes_near_bare, ALL_TERMS, false, LANE_BARE)
 LANES_OF_TERMS(asphere_lanes_near, ALL_TERMS, false, LANE_RICH)
 LANES_OF_TERMS(asphere_lanes_first, ALL_TERMS, true, LANE_RICH)
 
@@ -496,7 +500,7 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
     wavy_room room;
     wavy v;
     int terms = asphere_terms_of(s);
-    const lane_wish wish = lane_wish_of(&tile->hits);
+    const lane_wish wish = lane_wish_of(tile);
     bool near = opt->pick == SGT_NEAR_SEED,
          enough = !opt->max_evals || opt->max_evals > MOST_EASY;
     if (asphere_valid(s) && !terms) return sgt_conic_lanes(s->c, s->k, s->semi_diameter, tile, opt);
@@ -504,11 +508,14 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
             size_t hard;
-            if (terms > FEW_TERMS)
+            if (wish == LANE_BARE && near)
+                hard = terms > FEW_TERMS ? asphere_lanes_near_bare(&v, tile, &room)
+                                         : asphere_lanes_few_near_bare(&v, tile, &room);
+            else if (terms > FEW_TERMS)
                 hard = near ? asphere_lanes_near(&v, tile, &room) : asphere_lanes_first(&v, tile, &room);
             else if (wish == LANE_FINE && near)
                 hard = asphere_lanes_few_near_fine(&v, tile, &room);
-            else if (wish != LANE_PLAIN)
+            else if (wish >= LANE_FINE)
                 hard = near ? asphere_lanes_few_near_rich(&v, tile, &room)
                             : asphere_lanes_few_first_rich(&v, tile, &room);
             else

@@ -178,7 +178,7 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
                          sgt_fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));
     double noise = e * ai, tau = at->tau2 - step,
            tau_err
-           = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1060 * ai));
+           = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
     double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
     mask again = MASK(off < 0x1p20);
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
@@ -308,12 +308,12 @@ SGT_INLINE near_root wavy_exactly(const near_root *r, mask exact)
 }
 
 SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v, double near, mask exact,
-                         double l, double m, double n, double tmin, double tmax, double t_tol)
+                         double l, double m, double n, bool whole, double tmin, double tmax, double t_tol)
 {
     double x = sgt_fma(r->tau, l, r->x), y = sgt_fma(r->tau, m, r->y), rho = x * x + y * y,
            dp = horner(s->slope, terms, rho), g = -s->c / v - (dp + dp);
     near_root at = wavy_exactly(r, exact);
-    return lane_of(&at, l, m, n, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact,
+    return lane_of(&at, l, m, n, whole, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact,
                    MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
 }
 

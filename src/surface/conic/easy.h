@@ -109,11 +109,11 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, double ox
         .x = x, .y = y, .tau = tau, .t = t, .t_err = t_err, .tau_err = tau_err, .t0 = t0, .small = small};
 }
 
-SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin,
-                         double tmax, double t_tol)
+SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, double n, bool whole,
+                         double tmin, double tmax, double t_tol)
 {
     double pz = r->tau * n, w = s->ck * pz, g = -s->c / (1 - w);
-    return lane_of(r, l, m, n, tmin, tmax, t_tol, pz, g, fabs(r->tau), s->rim2, MASK(false),
+    return lane_of(r, l, m, n, whole, tmin, tmax, t_tol, pz, g, fabs(r->tau), s->rim2, MASK(false),
                    MASK(fabs(w) < 1 - 0x1p-8));
 }
 
@@ -199,10 +199,10 @@ SGT_INLINE near_root plane_start(const bowl *s, bool proof, double ox, double oy
                        .t0 = t0, .small = t0_lo};
 }
 
-SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin,
-                          double tmax, double t_tol)
+SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m, double n, bool whole,
+                          double tmin, double tmax, double t_tol)
 {
-    return lane_of(r, l, m, n, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(false), MASK(true));
+    return lane_of(r, l, m, n, whole, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(false), MASK(true));
 }
 
 /* AWAY for a plane.  It has one root, which is the start itself if the ray begins on it. */
@@ -223,7 +223,7 @@ SGT_INLINE lane plane_at_start(const bowl *s, double ox, double oy, double oz, d
                                double tmin, double tmax, double t_tol)
 {
     near_root r = plane_start(s, true, ox, oy, oz, l, m, n);
-    return lane_of(&r, l, m, n, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(oz == 0), MASK(true));
+    return lane_of(&r, l, m, n, false, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(oz == 0), MASK(true));
 }
 
 SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
@@ -231,8 +231,8 @@ SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
 {
     near_root r = s->c == 0 ? plane_start(s, s->proof, o.x, o.y, o.z, d.x, d.y, d.z)
                             : easy_start(s, first, s->proof, o.x, o.y, o.z, d.x, d.y, d.z);
-    *e = s->c == 0 ? plane_end(s, &r, d.x, d.y, d.z, tmin, tmax, t_tol)
-                   : easy_end(s, &r, d.x, d.y, d.z, tmin, tmax, t_tol);
+    *e = s->c == 0 ? plane_end(s, &r, d.x, d.y, d.z, false, tmin, tmax, t_tol)
+                   : easy_end(s, &r, d.x, d.y, d.z, false, tmin, tmax, t_tol);
     return e->hit != 0;
 }
 
@@ -269,7 +269,7 @@ SGT_INLINE lane nearby(const bowl *s, const near_root *at, double ox, double oy,
          sharp = MASK(fabs(C) > 0x1p-47 * terms) & MASK(terms > 0x1p-400) & MASK(terms < 0x1p400);
     mask same = MASK(fabs(t - at->t) <= 4 * at->t_err) & MASK(4 * D >= 3 * size)
                 & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S);
-    return lane_of(&r, l, m, n, tmin, tmax, t_tol, pz, g, around / fabs(n), s->rim2, exact,
+    return lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, g, around / fabs(n), s->rim2, exact,
                    same & (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8));
 }
 
@@ -278,7 +278,7 @@ SGT_INLINE lane easy_or_nearby(const bowl *s, bool first, double ox, double oy, 
                                double n, double tmin, double tmax, double t_tol)
 {
     near_root r = easy_start(s, first, true, ox, oy, oz, l, m, n);
-    lane a = easy_end(s, &r, l, m, n, tmin, tmax, t_tol),
+    lane a = easy_end(s, &r, l, m, n, false, tmin, tmax, t_tol),
          b = nearby(s, &r, ox, oy, oz, l, m, n, tmin, tmax, t_tol);
     mask e = a.hit;
     return (lane){chosen(e, a.t, b.t),   chosen(e, a.t_err, b.t_err), chosen(e, a.t_lo, b.t_lo),

@@ -21,11 +21,12 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
                  *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
                  *t_tol = tile->t_tol;
     size_t count = tile->n;
+    const bool whole = wish == LANE_BARE;
     LANES for (size_t i = 0; i < count; i++) {
         near_root r = plane ? plane_start(s, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i])
                             : easy_start(s, first, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
         room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
-        if (wish != LANE_PLAIN) room->t0[i] = r.t0, room->small[i] = r.small;
+        if (wish >= LANE_FINE) room->t0[i] = r.t0, room->small[i] = r.small;
         if (wish == LANE_RICH) room->tau_err[i] = r.tau_err;
     }
     lane_to to = lane_to_of(tile, &room->ends);
@@ -33,10 +34,11 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         near_root r = {
             .x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
-        if (wish != LANE_PLAIN) r.t0 = room->t0[i], r.small = room->small[i];
+        if (wish >= LANE_FINE) r.t0 = room->t0[i], r.small = room->small[i];
         if (wish == LANE_RICH) r.tau_err = room->tau_err[i];
-        lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
-                       : easy_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        double begin = whole ? -HUGE_VAL : tmin[i], end = whole ? HUGE_VAL : tmax[i];
+        lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], whole, begin, end, t_tol[i])
+                       : easy_end(s, &r, l[i], m[i], n[i], whole, begin, end, t_tol[i]);
         LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
@@ -90,11 +92,13 @@ static void conic_lanes_far(const bowl *self, const sgt_tile *tile, mask *gone, 
         return lane_bowl(s, plane, first, proof, wish, tile, room);                             \
     }
 
+LANES_OF_BOWL(conic_lanes_plane_bare, true, false, false, LANE_BARE)
 LANES_OF_BOWL(conic_lanes_plane, true, false, false, LANE_PLAIN)
 LANES_OF_BOWL(conic_lanes_plane_fine, true, false, false, LANE_FINE)
 LANES_OF_BOWL(conic_lanes_plane_rich, true, false, false, LANE_RICH)
 LANES_OF_BOWL(conic_lanes_plane_sure, true, false, true, LANE_PLAIN)
 LANES_OF_BOWL(conic_lanes_plane_sure_rich, true, false, true, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_near_bare, false, false, false, LANE_BARE)
 LANES_OF_BOWL(conic_lanes_near, false, false, false, LANE_PLAIN)
 LANES_OF_BOWL(conic_lanes_near_fine, false, false, false, LANE_FINE)
 LANES_OF_BOWL(conic_lanes_near_rich, false, false, false, LANE_RICH)
@@ -151,14 +155,16 @@ static beginning beginning_of(const bowl *s, const sgt_tile *tile)
     return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
 }
 
-/* Traces ask for near roots, and for t_lo with paths: so there is a loop for that alone. */
+/* Traces ask for near roots of whole lines, and for t_lo with paths: so there are loops for these alone. */
 static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
-    bool rich = wish != LANE_PLAIN, fine = wish == LANE_FINE;
+    bool rich = wish >= LANE_FINE, fine = wish == LANE_FINE, bare = wish == LANE_BARE;
     if (nearby)
         return s->c == 0 ? conic_lanes_plane_nearby(s, tile, room) : conic_lanes_near_nearby(s, tile, room);
     if (s->c == 0 && s->proof)
         return rich ? conic_lanes_plane_sure_rich(s, tile, room) : conic_lanes_plane_sure(s, tile, room);
+    if (bare && !s->proof)
+        return s->c == 0 ? conic_lanes_plane_bare(s, tile, room) : conic_lanes_near_bare(s, tile, room);
     if (s->c == 0 && fine) return conic_lanes_plane_fine(s, tile, room);
     if (s->c == 0) return rich ? conic_lanes_plane_rich(s, tile, room) : conic_lanes_plane(s, tile, room);
     if (s->proof)
@@ -169,7 +175,7 @@ static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_ti
 
 static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
-    bool rich = wish != LANE_PLAIN;
+    bool rich = wish >= LANE_FINE;
     if (nearby) return conic_lanes_first_nearby(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
@@ -190,7 +196,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         memset(status, SGT_HARD, tile->n);
         return tile->n;
     }
-    const lane_wish wish = lane_wish_of(&tile->hits);
+    const lane_wish wish = lane_wish_of(tile);
     bool first = opt->pick != SGT_NEAR_SEED && c != 0;
     beginning from = beginning_of(&s, tile);
     bool hollow =

@@ -94,6 +94,10 @@ double sgt_departure_value(const departure_sag *s, sgt_vec3 p, sgt_vec3 *grad)
 /* A bound on what underflow takes from a sum of moderate powers. */
 static const double DEPARTURE_LOST = 0x1p-1050;
 
+/* The same where many points share it.  There it is a term of an fma, and some processors take a hundred
+ * cycles for one with a subnormal number. */
+static const double NOISE_LOST = 0x1p-1020;
+
 double sgt_departure_rounding(const departure_sag *s, sgt_vec3 at)
 {
     double p, px, py, p_err, grad_err, sag = 0, sag_err = 0;
@@ -108,17 +112,20 @@ double sgt_departure_rounding(const departure_sag *s, sgt_vec3 at)
 
 /* The same for many points, at less cost.  F is known, so s + P is z - F.  What P adds is one bound for all
  * points within the rim. */
+SGT_INLINE double rounding_within(double c, double k, double most2, double e0, double e1, base e, double z,
+                                  double f)
+{
+    double sag = conic_sag_rounding(c, k, e.r2, e.sag, e.phi), sum = fabs(z - f) + fabs(f);
+    return chosen(MASK(e.r2 <= most2), 1.01 * (SGT_U * (sag + 2 * sum) + sgt_fma(e1, e.r2, e0)), (double)NAN);
+}
+
 SGT_KERNEL
 static void roundings_within(size_t n, double c, double k, double most2, double e0, double e1,
                              const double *restrict x, const double *restrict y, const double *restrict z,
                              const double *restrict f, double *restrict out)
 {
-    LANES for (size_t i = 0; i < n; i++) {
-        base e = base_at(c, k, x[i], y[i]);
-        double sag = conic_sag_rounding(c, k, e.r2, e.sag, e.phi), sum = fabs(z[i] - f[i]) + fabs(f[i]);
-        out[i] = chosen(MASK(e.r2 <= most2), 1.01 * (SGT_U * (sag + 2 * sum) + sgt_fma(e1, e.r2, e0)),
-                        (double)NAN);
-    }
+    LANES for (size_t i = 0; i < n; i++)
+        out[i] = rounding_within(c, k, most2, e0, e1, base_at(c, k, x[i], y[i]), z[i], f[i]);
 }
 
 bool sgt_departure_roundings(const void *self, const sgt_shared *s, size_t n, sgt_points p, const double f[],
@@ -128,6 +135,62 @@ bool sgt_departure_roundings(const void *self, const sgt_shared *s, size_t n, sg
     if (!(s->noise[0] + s->noise[1] < HUGE_VAL)) return false;
     roundings_within(n, s->base_c, s->base_k, s->most2, s->noise[0], s->noise[1], p.p[0], p.p[1], p.p[2], f,
                      out);
+    return true;
+}
+
+/* on_conic, or on_plane, and roundings_within in one loop; noise: as rows of values_rounded (builtin.h), NULL
+ * if there are none. */
+SGT_INLINE void rounded_by(bool conic, bool rows, const sgt_shared *shared, const double *const noise[3],
+                           size_t n, const double *restrict x, const double *restrict y,
+                           const double *restrict z, double *restrict f, double *restrict fx,
+                           double *restrict fy, double *restrict own)
+{
+    const double c = shared->base_c, k = shared->base_k, most2 = shared->most2, e0 = shared->noise[0],
+                 e1 = shared->noise[1], *restrict row0 = rows ? noise[0] : NULL,
+                 *restrict row1 = rows ? noise[1] : NULL, *restrict row2 = rows ? noise[2] : NULL;
+    LANES for (size_t i = 0; i < n; i++) {
+        base e = base_at(c, k, x[i], y[i]);
+        double g = z[i] - (conic ? e.sag + f[i] : f[i]),
+               bound = rounding_within(c, k, most2, e0, e1, e, z[i], g);
+        if (rows) bound += sgt_noise_at(row0[i], row1[i], row2[i], e.r2);
+        own[i] = bound;
+        f[i] = g;
+        fx[i] = -(conic ? e.by_r * x[i] + fx[i] : fx[i]);
+        fy[i] = -(conic ? e.by_r * y[i] + fy[i] : fy[i]);
+    }
+}
+
+#define ROUNDED(NAME, CONIC, ROWS)                                                                           \
+    SGT_KERNEL                                                                                               \
+    static void NAME(const sgt_shared *shared, const double *const noise[3], size_t n,                       \
+                     const double *restrict x, const double *restrict y, const double *restrict z,           \
+                     double *restrict f, double *restrict fx, double *restrict fy, double *restrict own)     \
+    {                                                                                                        \
+        rounded_by(CONIC, ROWS, shared, noise, n, x, y, z, f, fx, fy, own);                                  \
+    }
+ROUNDED(on_conic_rounded, true, false)
+ROUNDED(on_conic_rounded_apart, true, true)
+ROUNDED(on_plane_rounded, false, false)
+ROUNDED(on_plane_rounded_apart, false, true)
+
+bool sgt_departure_values_rounded(const departure_sag *s, const sgt_shared *shared,
+                                  const double *const noise[3], size_t n, sgt_points at, sgt_values out,
+                                  double own[])
+{
+    if (!(shared->noise[0] + shared->noise[1] < HUGE_VAL)) return false;
+    for (size_t i = 0, few; i < n; i += few) {
+        few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
+        const double *x = at.p[0] + i, *y = at.p[1] + i, *z = at.p[2] + i;
+        double *f = out.f + i, *fx = out.grad[0] + i, *fy = out.grad[1] + i;
+        s->of->at(s->self, few, x, y, (sag_values){f, fx, fy});
+        const double *here[3] = {noise ? noise[0] + i : NULL, noise ? noise[1] + i : NULL,
+                                 noise ? noise[2] + i : NULL};
+        if (s->base && noise) on_conic_rounded_apart(shared, here, few, x, y, z, f, fx, fy, own + i);
+        else if (s->base) on_conic_rounded(shared, here, few, x, y, z, f, fx, fy, own + i);
+        else if (noise) on_plane_rounded_apart(shared, here, few, x, y, z, f, fx, fy, own + i);
+        else on_plane_rounded(shared, here, few, x, y, z, f, fx, fy, own + i);
+        for (size_t m = 0; m < few; m++) out.grad[2][i + m] = 1;
+    }
     return true;
 }
 
@@ -168,11 +231,10 @@ SGT_INLINE chord departure_chord_of(double radius2, double steep, sgt_vec3 o, sg
     return (chord){lo, hi, chosen(MASK(least > 0) & ~none, least, 0)};
 }
 
-SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
+/* The root of the conic near the vertex plane. */
+SGT_INLINE double seed_of(double c, double k1, sgt_vec3 o, sgt_vec3 d)
 {
-    chord at = departure_chord_of(radius2, steep, o, d);
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m;
-    /* The root of the conic near the vertex plane. */
     double by_n = 1 / n, tz = -o.z * by_n;
     twofold qx = two_product(tz, l), qy = two_product(tz, m), rx = two_sum(o.x, qx.hi),
             ry = two_sum(o.y, qy.hi);
@@ -180,7 +242,13 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
     double x = rx.hi + (rx.lo + qx.lo + tz_lo * l), y = ry.hi + (ry.lo + qy.lo + tz_lo * m);
     double A = c * (a + k1 * n * n), B = n - c * (x * l + y * m), C = c * (x * x + y * y);
     double root = sqrt(larger(B * B - A * C, 0)), near = C / (B + copysign(root, B));
-    double seed = (tz + (tz_lo + near)) * scale;
+    return (tz + (tz_lo + near)) * scale;
+}
+
+SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
+{
+    chord at = departure_chord_of(radius2, steep, o, d);
+    double seed = seed_of(c, k1, o, d);
     seed = chosen(MASK(seed >= at.lo) & MASK(seed <= at.hi), seed, (double)NAN);
     return (spanned){at.lo, at.hi, seed, at.least};
 }
@@ -216,7 +284,7 @@ void sgt_departure_noise(const departure_sag *s, double radius, double e[2])
 {
     e[0] = e[1] = (double)NAN;
     if (s->of->noise && radius < HUGE_VAL) s->of->noise(s->self, radius, e);
-    e[0] += DEPARTURE_LOST;
+    e[0] += NOISE_LOST;
 }
 
 void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2])
@@ -227,7 +295,7 @@ void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2
         return;
     }
     s->of->noise_about(s->self, radius, e);
-    e[0] += DEPARTURE_LOST;
+    e[0] += NOISE_LOST;
 }
 
 /* If a rectangle has no rim, the circle through its corners is taken.  That is safe because a ray is inside
@@ -369,6 +437,21 @@ void sgt_departure_spans(const void *self, const sgt_shared *s, size_t n, sgt_ra
                   out.hi + i, out.seed + i, to);
         for (size_t j = 0; out.single && j < few; j++) out.single[i + j] = to[j] > 0;
     }
+}
+
+SGT_KERNEL
+static void all_seeds(double c, double k1, size_t n, const double *restrict ox, const double *restrict oy,
+                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
+                      const double *restrict dz, double *restrict seed)
+{
+    LANES for (size_t i = 0; i < n; i++)
+        seed[i] = seed_of(c, k1, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
+}
+
+void sgt_departure_seeds(const void *self, const sgt_shared *s, size_t n, sgt_rays r, double seed[])
+{
+    (void)self;
+    all_seeds(s->c, s->k1, n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], seed);
 }
 
 static spanned one_span(const sgt_shared *s, const sgt_ray *ray)

@@ -136,6 +136,10 @@ void sgt_departure_spans(const void *self, const sgt_shared *shared, size_t n, s
                          double *least);
 sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t,
                                    sgt_interval *slope);
+void sgt_departure_seeds(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, double seed[]);
+bool sgt_departure_values_rounded(const departure_sag *s, const sgt_shared *shared,
+                                  const double *const noise[3], size_t n, sgt_points p, sgt_values out,
+                                  double own[]);
 bool sgt_departure_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p,
                              const double f[], double out[]);
 void sgt_departure_second(const departure_sag *s, size_t n, sgt_points p, double *const out[6]);
@@ -179,6 +183,11 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  return sgt_departure_value(&v, p, grad))                                                    \
     DEPARTURE_OF(NAME, void NAME##_ops_values(const void *self, size_t n, sgt_points p, sgt_values out),     \
                  sgt_departure_values(&v, n, p, out))                                                        \
+    DEPARTURE_OF(NAME,                                                                                       \
+                 bool NAME##_values_rounded(const void *self, const sgt_shared *shared,                      \
+                                            const double *const noise[3], size_t n, sgt_points p,            \
+                                            sgt_values out, double own[]),                                   \
+                 return sgt_departure_values_rounded(&v, shared, noise, n, p, out, own))                     \
     DEPARTURE_OF(NAME, double NAME##_ops_rounding(const void *self, sgt_vec3 p),                             \
                  return sgt_departure_rounding(&v, p))                                                       \
     DEPARTURE_OF(NAME, void NAME##_share(const void *self, sgt_shared *shared),                              \
@@ -227,7 +236,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         .object = NAME##_ops_object, .tile = SGT_MOST_TILE, .share = NAME##_share,                           \
         .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
         .heights = NAME##_heights, .chords = sgt_departure_chords, .noise_within = NAME##_noise_within,      \
-        .roundings = sgt_departure_roundings, .span = sgt_departure_span, .spans = sgt_departure_spans,      \
+        .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \
+        .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \
         .departure = &NAME##_departure};               \
     const sgt_surface_ops sgt_##NAME##_ops = {                                                               \

@@ -32,26 +32,34 @@ SGT_INLINE double radius(double x, double y) { return sqrt(x * x + y * y); }
 /* a / r, and 0 at the tip. */
 SGT_INLINE double by_radius(double a, double r) { return chosen(MASK(r > 0), a / r, 0); }
 
-SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restrict x,
+/* MOST terms or fewer; a cone has a[0]. */
+SGT_INLINE void odd_of(size_t n, int most, bool cone, const double *given, const double *restrict x,
                        const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
-    double r[DEPARTURE_BLOCK], h[DEPARTURE_BLOCK], dh[DEPARTURE_BLOCK], tip = a[0];
-    LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), h[i] = dh[i] = 0;
-    for (int k = terms - 1; k > 0; k--) {
-        double next = a[k];
-        LANES for (size_t i = 0; i < n; i++) {
-            dh[i] = sgt_fma(dh[i], r[i], h[i]);
-            h[i] = sgt_fma(h[i], r[i], next);
-        }
-    }
+    double a[ODD_TERMS];
+    for (int k = 0; k < ODD_TERMS; k++) a[k] = given[k];
     LANES for (size_t i = 0; i < n; i++) {
-        double G = by_radius(tip, r[i]) + sgt_fma(r[i], dh[i], h[i] + h[i]);
-        p[i] = r[i] * sgt_fma(r[i], h[i], tip);
+        double r = radius(x[i], y[i]), h = 0, dh = 0;
+        UNROLLED
+        for (int k = most - 1; k > 0; k--) dh = sgt_fma(dh, r, h), h = sgt_fma(h, r, a[k]);
+        double tip = cone ? by_radius(a[0], r) : chosen(MASK(r > 0), a[0], 0);
+        double G = tip + sgt_fma(r, dh, h + h);
+        p[i] = r * sgt_fma(r, h, a[0]);
         px[i] = x[i] * G, py[i] = y[i] * G;
     }
 }
 
-/* For a single point the compiler removes the inner loops. */
+/* Terms that are zero, and what a[0] = 0 divided by r is, are the same bits with more or fewer of them.  For
+ * a single point the compiler removes the loop. */
+SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restrict x,
+                       const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+{
+    if (a[0] != 0) odd_of(n, ODD_TERMS, true, a, x, y, p, px, py);
+    else if (terms <= 6) odd_of(n, 6, false, a, x, y, p, px, py);
+    else if (terms <= 10) odd_of(n, 10, false, a, x, y, p, px, py);
+    else odd_of(n, ODD_TERMS, false, a, x, y, p, px, py);
+}
+
 SGT_KERNEL
 static void odd_at(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y,
                    double *restrict p, double *restrict px, double *restrict py)

@@ -9,6 +9,7 @@
  * be undefined is all numbers.
  *
  * Test: tests/unit/test_formula.c. */
+#include "fault.h"
 #include "tape.h"
 
 #include <sagitta/interval.h>
@@ -58,10 +59,19 @@ static sgt_interval uniform_value(const sgt_tape *tape, const formula_uniform *u
     }
 }
 
-bool sgt_formula_set(sgt_tape *tape, const double values[])
+static bool value_refused(int parameter, sgt_error *error)
+{
+    formula_fault fault = {.found = false};
+    formula_fault *f = sgt_formula_say(sgt_formula_blame(&fault, 0), "value ");
+    sgt_formula_say(sgt_formula_say_number(f, (size_t)parameter + 1), " is not finite");
+    if (error) *error = fault.error;
+    return false;
+}
+
+bool sgt_formula_set(sgt_tape *tape, const double values[], sgt_error *error)
 {
     for (int i = 0; i < tape->parameters; i++)
-        if (!isfinite(values[i])) return false;
+        if (!isfinite(values[i])) return value_refused(i, error);
     for (int i = 0; i < tape->parameters; i++) tape->given[i] = values[i];
     for (int i = 0; i < tape->uniforms; i++) {
         sgt_interval value = tape->value[i] = uniform_value(tape, tape->uniform + i);

@@ -182,7 +182,7 @@ static sgt_tape *tape_read(formula_reader *r, size_t length, void *room, size_t 
     if (r->graph.full) return r->fault.found = false, room_too_small(&r->fault, given, plan.all), NULL;
     if (!tape) return NULL;
     for (size_t i = 0; i < r->names; i++) values[i] = r->name[i].value;
-    sgt_formula_set(tape, values);
+    sgt_formula_set(tape, values, NULL);
     return tape;
 }
 

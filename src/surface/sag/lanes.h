@@ -48,17 +48,24 @@ SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) 
  *
  * g makes the gradient (g px, g py, 1) from (px, py).  exact: the ray starts where it meets the surface,
  * and nothing has been rounded.  If an end is then about as near as what underflows, the ray is left to the
- * careful forms.  Beside a t_err of LEAST_PLACE underflow is negligible, so t may then be 0. */
-SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax,
-                        double t_tol, double pz, double g, double near, double rim2, mask exact, mask also)
+ * careful forms.  Beside a t_err of LEAST_PLACE underflow is negligible, so t may then be 0.
+ *
+ * whole: the ends are -inf and inf, and are not read.  What is asked of them is true of a t below 2^1000, as
+ * t_err is finite with it.  (A ray that is not met here is asked by itself.) */
+SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, bool whole, double tmin,
+                        double tmax, double t_tol, double pz, double g, double near, double rim2, mask exact,
+                        mask also)
 {
     double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t),
            r2 = px * px + py * py, none = (double)NAN;
-    mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol))
-               & MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) & MASK(r2 <= rim2)
-               & MASK(sgt_fma(END_ERRORS, r->t_err, r->t) <= tmax)
-               & (MASK(at + r->t_err > LEAST_PLACE)
-                  | (exact & MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE)));
+    mask between = MASK(at + near < 0x1p1000), apart = exact;
+    if (!whole) {
+        between = MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) &
+                  MASK(sgt_fma(END_ERRORS, r->t_err, r->t) <= tmax);
+        apart &= MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE);
+    }
+    mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol)) & between & MASK(r2 <= rim2)
+               & (MASK(at + r->t_err > LEAST_PLACE) | apart);
     lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
               .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
               .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
@@ -107,22 +114,25 @@ SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
                      h->p_err ? h->p_err : no, ends->hit};
 }
 
-/* What is wanted besides: nothing, t_lo as for paths, or p_err too. */
-typedef enum lane_wish { LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish;
+/* What is wanted besides point and gradient: nothing, of whole lines; t and t_err; t_lo as for paths; p_err
+ * too. */
+typedef enum lane_wish { LANE_BARE, LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish;
 
 #define LANE_STORE(to, i, e, wish)                                                              \
     do {                                                                                        \
-        (to).t[i] = (e).t, (to).t_err[i] = (e).t_err, (to).px[i] = (e).px, (to).py[i] = (e).py, \
-        (to).pz[i] = (e).pz;                                                                    \
+        (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;                          \
+        if ((wish) != LANE_BARE) (to).t[i] = (e).t, (to).t_err[i] = (e).t_err;                  \
         (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), \
         (to).hit[i] = (e).hit;                                                                  \
-        if ((wish) != LANE_PLAIN) (to).t_lo[i] = (e).t_lo;                                      \
+        if ((wish) >= LANE_FINE) (to).t_lo[i] = (e).t_lo;                                       \
         if ((wish) == LANE_RICH) (to).p_err[i] = (e).p_err;                                     \
     } while (0)
 
-SGT_INLINE lane_wish lane_wish_of(const sgt_hits *hits)
+SGT_INLINE lane_wish lane_wish_of(const sgt_tile *tile)
 {
-    return hits->p_err ? LANE_RICH : hits->t_lo ? LANE_FINE : LANE_PLAIN;
+    const sgt_hits *h = &tile->hits;
+    if (h->p_err || h->t_lo) return h->p_err ? LANE_RICH : LANE_FINE;
+    return tile->whole && !h->t && !h->t_err ? LANE_BARE : LANE_PLAIN;
 }
 
 /* Writes what LANE_STORE writes for rays that are not met. */

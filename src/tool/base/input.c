@@ -1,14 +1,19 @@
-/* input.c - reads a file or standard input whole, and keeps output from overwriting an input. */
+/* input.c - reads a file or standard input whole, or maps it, and keeps output from overwriting an input. */
+#define _DEFAULT_SOURCE /* madvise */
 #include "input.h"
 
 #include "fail.h"
 #include "memory.h"
 
 #include <errno.h>
-#include <stdbool.h>
+#include <signal.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* The files in use, told apart by device and inode, since a file can have several names. */
 typedef struct used_file { struct stat is; const char *name; } used_file;
@@ -21,14 +26,6 @@ static void remember(FILE *file, const char *name)
     if (fstat(fileno(file), &is) != 0 || !S_ISREG(is.st_mode)) return;
     used = memory_room(used, used_count, &used_room, sizeof *used);
     used[used_count++] = (used_file){is, memory_text(name, strlen(name))};
-}
-
-FILE *input_open(const char *path)
-{
-    FILE *file = fopen(path, "rb");
-    if (!file) fail_input("%s: %s", path, strerror(errno));
-    remember(file, path);
-    return file;
 }
 
 void output_check(const char *option, const char *path)
@@ -84,6 +81,49 @@ const char *input_try(const char *path, input *in)
     const char *fault = read_all(file, in);
     fclose(file);
     return fault;
+}
+
+/* A byte of a mapped file was asked for that is not there any more.  Other threads may be at work. */
+static const char *shorter;
+static void end_shorter(int signal)
+{
+    (void)signal;
+    const ssize_t told = write(STDERR_FILENO, shorter, strlen(shorter));
+    (void)told;
+    _Exit(EXIT_BAD_INPUT);
+}
+
+input input_map(const char *path, bool *mapped)
+{
+    input in = {.name = path};
+    FILE *file = fopen(path, "rb");
+    if (!file) fail_input("%s: %s", path, strerror(errno));
+    const size_t before = used_count;
+    remember(file, path);
+    used_file *u = used_count > before && used[before].is.st_size > 0 ? &used[before] : NULL; /* plain */
+    void *at = u ? mmap(NULL, (size_t)u->is.st_size, PROT_READ, MAP_PRIVATE, fileno(file), 0) : MAP_FAILED;
+    *mapped = at != MAP_FAILED;
+    if (*mapped) {
+        shorter = memory_print("sagitta: %s: it became shorter while it was read\n", path);
+        signal(SIGBUS, end_shorter);
+        in.text = at, in.length = (size_t)u->is.st_size;
+    } else {
+        const char *fault = read_all(file, &in);
+        if (fault) fail_input("%s: %s", path, fault);
+    }
+    fclose(file);
+    return in;
+}
+
+void input_leave(const void *from, size_t length)
+{
+#ifdef MADV_DONTNEED
+    const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE), end = (uintptr_t)from + length;
+    const uintptr_t begin = ((uintptr_t)from + page - 1) / page * page;
+    if (end > begin) madvise((void *)begin, (end - begin) / page * page, MADV_DONTNEED);
+#else
+    (void)from, (void)length;
+#endif
 }
 
 input input_read(const char *path)

@@ -1,8 +1,8 @@
 /* input.h - a file, read whole. */
 #ifndef TOOL_INPUT_H
 #define TOOL_INPUT_H
+#include <stdbool.h>
 #include <stddef.h>
-#include <stdio.h>
 
 typedef struct input {
     const char *name;   /* for messages */
@@ -16,8 +16,12 @@ input input_read(const char *path);
 /* Reads a file of that name, even if it is "-".  Returns NULL, or why it cannot be read. */
 const char *input_try(const char *path, input *in);
 
-/* Opens a file to be read in parts; one that cannot be opened ends the command. */
-FILE *input_open(const char *path);
+/* A file whose bytes are not changed, and end in no zero byte: mapped where that can be, else read whole.
+ * One that cannot be read ends the command; so does one that becomes shorter while it is mapped. */
+input input_map(const char *path, bool *mapped);
+
+/* Gives memory of a mapped file back until it is read again; pages that are only in part here stay. */
+void input_leave(const void *from, size_t length);
 
 /* Ends with a usage error if the path, under any name, is a file that was read or reserved. */
 void output_check(const char *option, const char *path);

@@ -1,6 +1,6 @@
 /* memory.c - a ring of blocks, each freed when the command ends.
  *
- * The command reads a file, answers and ends, so nothing is worth freeing before.  An error
+ * The command reads a file, answers and ends, so hardly anything is worth freeing before.  An error
  * may end it anywhere (fail.c).  A ring of all blocks makes both simple.  Threads change it
  * one at a time. */
 #include "memory.h"
@@ -35,10 +35,12 @@ _Noreturn static void end(const char *why)
     _Exit(EXIT_BAD_INPUT);
 }
 
+/* A new block is zeroed, and by calloc: pages that are never touched are then none of the process. */
 static block *sized(block *old, size_t count, size_t size)
 {
     if (size > 0 && count > (SIZE_MAX - sizeof(block)) / size) end("more memory asked for than there can be");
-    block *b = realloc(old, sizeof(block) + count * size);
+    const size_t all = sizeof(block) + count * size;
+    block *b = old ? realloc(old, all) : calloc(1, all);
     if (!b) end("out of memory");
     return b;
 }
@@ -62,12 +64,19 @@ void *memory_grow(void *data, size_t count, size_t size)
     return b->data;
 }
 
-void *memory_take(size_t count, size_t size)
+void memory_drop(void *data)
 {
-    void *data = memory_grow(NULL, count, size);
-    memset(data, 0, count * size);
-    return data;
+    if (!data) return;
+    block *b = (block *)(void *)((char *)data - offsetof(block, data));
+    THREADS(omp critical (memory))
+    {
+        b->before->after = b->after;
+        b->after->before = b->before;
+    }
+    free(b);
 }
+
+void *memory_take(size_t count, size_t size) { return memory_grow(NULL, count, size); }
 
 char *memory_text(const char *text, size_t length)
 {

@@ -11,6 +11,9 @@ void *memory_take(size_t count, size_t size);
 /* Resizes a block to `count` things; new bytes are not zeroed.  For NULL it makes a new block. */
 void *memory_grow(void *block, size_t count, size_t size);
 
+/* Frees a block before the end: a large one, of which nothing is needed any more.  NULL: nothing. */
+void memory_drop(void *block);
+
 /* A copy of `length` bytes, with a zero byte behind them. */
 char *memory_text(const char *text, size_t length);
 

@@ -3,7 +3,7 @@
 #define TOOL_TILES_H
 #include <stddef.h>
 
-enum { TILE_RAYS = 256 };
+enum { TILE_RAYS = 1024 };
 
 /* The default number of threads: OMP_NUM_THREADS, else the number of processors; 1 without
  * OpenMP. */
@@ -12,10 +12,11 @@ int tiles_threads(void);
 /* Rays first ... first + count - 1, and the index of the room that this tile may use. */
 typedef struct tile { size_t place, first, count; } tile;
 
-/* The work: `rays` rays in `threads` threads, in rounds of `share` tiles for each thread (a larger share
- * means less waiting and more room), with at most `most` rays in a tile (at most TILE_RAYS; 0: TILE_RAYS). */
+/* The work: `rays` rays in `threads` threads, each of which may be `share` tiles ahead of the one whose turn
+ * it is (a larger share means less waiting and more room), with at most `most` rays in a tile (at most
+ * TILE_RAYS; 0: TILE_RAYS). */
 typedef struct tiling { size_t rays; int threads; size_t share, most; } tiling;
-enum { SHARE_MOST = 32 };
+enum { SHARE_MOST = 8 };
 
 /* How many places are needed; it does not grow with the number of rays. */
 size_t tiles_places(const tiling *of);

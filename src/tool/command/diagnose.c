@@ -170,7 +170,7 @@ static void diagnose_write_rows(table *t, bool text, size_t ray, size_t element,
 /* Shows a search and what to conclude; told: why it is undecided has been said.  Returns whether it is
  * decided. */
 static bool show(table *t, const diagnose_arguments *a, size_t number, size_t element, const record *seen,
-                 const search *s, bool told)
+                 const sgt_search *s, bool told)
 {
     if (a->method == METHOD_SAFEGUARDED) {
         diagnose_write_rows(t, a->shared.target.format == TABLE_TEXT, number, element, seen);
@@ -178,10 +178,13 @@ static bool show(table *t, const diagnose_arguments *a, size_t number, size_t el
         return s->hit->status >= 0;
     }
     int most = a->shared.solver.max_evals ? a->shared.solver.max_evals : BARE_EVALS;
-    record bare = method_run((method)a->method, s->surface, s->semi_diameter, &s->ray, most);
+    record bare = {.count = 0};
+    const sgt_options o = {.max_evals = most, .watch = record_watch, .watch_data = &bare};
+    const unguarded end = unguarded_run(method_unguarded((method)a->method), s->surface, s->semi_diameter,
+                                        &s->ray, &o);
     diagnose_write_rows(t, a->shared.target.format == TABLE_TEXT, number, element, &bare);
-    explain_bare(t, (method)a->method, &bare, s);
-    return bare.settled;
+    explain_bare(t, (method)a->method, &bare, &end, s);
+    return end.settled;
 }
 
 /* The options of the library's own search.  --max-evals limits only the method that is shown. */
@@ -196,11 +199,10 @@ static bool diagnose_surface(table *t, const diagnose_arguments *a, sgt_surface 
 {
     record seen = {.count = 0};
     sgt_options o = own_options(a);
-    o.watch = method_watch, o.watch_data = &seen;
+    o.watch = record_watch, o.watch_data = &seen;
     sgt_hit hit = sgt_intersect(surface, *ray, &o);
-    const search made = {.surface = surface, .ray = *ray, .asked = &a->shared.solver,
-                         .near_seed = options_near_seed(&a->shared, surface, SGT_FIRST),
-                         .fast = options_fast(&a->shared, surface), .hit = &hit};
+    const sgt_element alone = {.surface = surface};
+    const sgt_search made = options_search(&a->shared, &alone, SGT_FIRST, *ray, &hit);
     bool decided = show(t, a, 0, 0, &seen, &made, false);
     if (hit.status == SGT_MISS) explain_miss(t, 0, surface, ray);
     return decided;
@@ -325,10 +327,9 @@ static bool diagnose_element(table *t, const diagnose_arguments *a, const job *j
     const sgt_options o = own_options(a);
     const sgt_ray ray = watched_ray(w, &j->lens, i);
     const record seen = watched_at(w, i);
-    const search made = {.surface = e->surface, .semi_diameter = e->semi_diameter,
-                         .ray = job_own_ray(&e->pose, &ray), .asked = &o,
-                         .near_seed = options_near_seed(&a->shared, e->surface, SGT_NEAR_SEED),
-                         .fast = options_fast(&a->shared, e->surface), .hit = &w->passage[i].hit};
+    sgt_search made = options_search(&a->shared, e, SGT_NEAR_SEED, job_own_ray(&e->pose, &ray),
+                                     &w->passage[i].hit);
+    made.options = &o;
     const failed f = {.lens = &j->lens, .element = j->element, .at = i, .number = number,
                       .fate = i < w->passed ? SGT_PASSED : w->fate, .launch = &w->launch,
                       .come = watched_arrival(w, &j->lens, i), .search = &made};

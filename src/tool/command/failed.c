@@ -10,7 +10,6 @@
 #include "explain.h"
 #include "../base/memory.h"
 #include "../show/frame.h"
-#include "../show/nearest.h"
 
 #include <math.h>
 
@@ -35,9 +34,9 @@ static void explain_clipped(table *t, const failed *f)
 
 static void explain_tir(table *t, const failed *f)
 {
-    double critical = stopped_critical_angle(&f->come);
+    double critical = sgt_critical_angle(&f->come);
     table_line(t, "That is %.4g degrees beyond it.  The index is %.9g in front and %.9g behind.",
-               stopped_incidence(&f->element[f->at], &f->come) - critical, f->come.index, f->come.behind);
+               sgt_incidence(&f->element[f->at], &f->come) - critical, f->come.index, f->come.behind);
 }
 
 /* 0 for what is only the rounding of a length r. */
@@ -53,7 +52,7 @@ static bool is_edge(sgt_surface s, sgt_vec3 p)
 static void explain_missed(table *t, const failed *f)
 {
     const sgt_surface s = f->search->surface;
-    const nearest n = nearest_approach(s, &f->search->ray);
+    const sgt_nearest n = sgt_nearest_of(s, &f->search->ray);
     explain_miss(t, f->number, s, &f->search->ray);
     if (!n.known) return;
     double r = hypot(n.p.x, n.p.y), scale = r + n.distance, rim = f->search->semi_diameter;
@@ -91,10 +90,10 @@ static void attempt(attempts *a, const sgt_options *with, const char *option)
 }
 
 /* Those options that may decide a ray, one at a time. */
-static void attempt_all(attempts *a, const search *s)
+static void attempt_all(attempts *a, const sgt_search *s)
 {
     enum { MORE = 100, DEFAULT = 2000 /* sagitta.h */, MOST = 1000000000 };
-    const sgt_options asked = *s->asked;
+    const sgt_options asked = *s->options;
     const int evals = asked.max_evals ? asked.max_evals : DEFAULT;
     sgt_options with = asked;
     with.max_evals = evals < MOST / MORE ? MORE * evals : MOST;
@@ -114,7 +113,7 @@ static void attempt_all(attempts *a, const search *s)
 static void explain_lost(table *t, const failed *f, const char *name)
 {
     attempts a = {.table = t, .of = f, .in_vain = ""};
-    undecided_explain(t, memory_print("\n%s: lost, ", name), f->search);
+    options_say_undecided(t, memory_print("\n%s: lost, ", name), f->search);
     if (f->search->hit->status == SGT_INVALID) return;
     attempt_all(&a, f->search);
     if (!a.any) table_line(t, "Tried in vain: %s.", a.in_vain);
@@ -127,7 +126,8 @@ void failed_explain(table *t, const failed *f)
         explain_lost(t, f, name);
         return;
     }
-    const char *why = stopped_why(&f->element[f->at], f->fate, &f->come);
+    char why[WHY_SIZE];
+    sgt_why_ended(&f->element[f->at], f->fate, &f->come, sizeof why, why);
     table_line(t, "\n%s: %s%s", name, *why ? why : sgt_fate_text(f->fate), *why ? "." : "");
     if (f->fate == SGT_CLIPPED) explain_clipped(t, f);
     if (f->fate == SGT_TIR) explain_tir(t, f);

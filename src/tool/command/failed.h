@@ -2,8 +2,9 @@
 #ifndef TOOL_FAILED_H
 #define TOOL_FAILED_H
 #include "../read/lens.h"
-#include "../show/stopped.h"
-#include "../show/undecided.h"
+#include "../show/table.h"
+
+#include <sagitta/why.h>
 
 /* A ray at an element where it ended, or that it passed. */
 typedef struct failed {
@@ -13,8 +14,8 @@ typedef struct failed {
     sgt_fate fate;               /* of the ray there */
     const sgt_ray *launch;       /* the ray as it was launched */
     size_t number;
-    arrival come;
-    const search *search;        /* for the root there, by the library */
+    sgt_arrival come;
+    const sgt_search *search;        /* for the root there, by the library */
 } failed;
 
 /* "Element 2 (sphere, stop): clipped by its semi_diameter: r = 5.2 is beyond 5", and the lines below it. */

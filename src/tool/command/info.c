@@ -330,79 +330,21 @@ static void note_limits(const sgt_lens *l)
 /* "FILE:LINE: key: words" */
 static const char *fault_of(const sgt_error *e)
 {
-    char text[sizeof *e + 40];
-    snprintf(text, sizeof text, "%s:%zu: %s%s%s", e->file, e->line, e->key, *e->key ? ": " : "", e->words);
-    return memory_text(text, strlen(text));
-}
-
-/* Returns NULL, or why there is no data. */
-static const char *chief_data(const lens *l, const sgt_ray *chief, sgt_parabasal *out)
-{
-    static char text[100];
-    sgt_passage *passage = memory_take(l->count, sizeof *passage);
-    sgt_element *open = memory_take(l->count, sizeof *open);
-    for (size_t i = 0; i < l->count; i++) open[i] = l->element[i], open[i].aperture = NULL;
-    sgt_element *end = &open[l->count - 1];
-    if (end->phase) end->phase = NULL, end->index = 0; /* an image, as in the paraxial data */
-    sgt_fate fate;
-    size_t passed;
-    for (size_t left = l->count;; left--) { /* whatever clips it, by the roots that are meant */
-        sgt_ray ray = *chief;
-        passed = sgt_trace(l->count, open, l->index_before, &ray, passage, &fate, NULL);
-        if (fate != SGT_CLIPPED || left == 0) break;
-        open[passed].semi_diameter = 0;
-    }
-    if (passed < l->count) {
-        snprintf(text, sizeof text, "the chief ray does not get through surface %zu", passed + 1);
-        return text;
-    }
-    if (sgt_lens_parabasal(l->count, open, l->index_before, isfinite(l->of->object_distance), chief, passage,
-                           out))
-        return NULL;
-    return "a surface has no second derivatives";
-}
-
-/* Sets the chief ray of a field; else returns why there is none. */
-static const char *find_chief(const sgt_launcher *from, const lens *l, size_t field, sgt_launched *chief)
-{
-    const sgt_pupil_point centre = {0, 0, 1};
-    sgt_field_beam beam;
-    sgt_error e;
-    if (!sgt_launch_field(from, l->of->field_kind, &l->of->field[field], &beam, &e)) return fault_of(&e);
-    if (!sgt_launch_rays(from, &beam, l->element, l->index_before, 1, &centre, chief, NULL))
-        fail_input("out of memory");
-    return chief->status == SGT_MET          ? NULL
-           : chief->status == SGT_NO_SUCH_RAY ? "there is no ray through the centre of the stop"
-                                              : "no ray through the centre of the stop was found";
+    const char *words = memory_print("%s%s%s", e->key, *e->key ? ": " : "", e->words);
+    return !*e->file ? words
+           : e->line ? memory_print("%s:%zu: %s", e->file, e->line, words)
+                     : memory_print("%s: %s", e->file, words);
 }
 
 info_chief *info_chiefs(const lens *l)
 {
-    const size_t fields = l->of->fields;
-    const double none = (double)NAN;
-    info_chief *out = memory_take(fields, sizeof *out);
-    const sgt_lens_aim aim = l->of->telecentric ? SGT_LENS_AIM_PUPIL : SGT_LENS_AIM_STOP;
-    sgt_error e;
-    sgt_launcher *from = sgt_launcher_new(
-        l->of, &(sgt_launcher_options){.aim = &aim, .wavelength = isnan(l->wavelength) ? 0 : l->wavelength},
-        &e);
-    const char *no_pupil = from ? NULL : fault_of(&e);
-    for (size_t f = 0; f < fields; f++) {
-        sgt_launched chief;
-        out[f].of = (sgt_parabasal){.power = {{none, none}, {none, none}}, .efl = {none, none},
-                                    .focus = {none, none}, .image = {none, none},
-                                    .magnification = {none, none}};
-        const char *why_not = no_pupil ? no_pupil : find_chief(from, l, f, &chief);
-        if (!why_not) why_not = chief_data(l, &chief.ray, &out[f].of);
-        out[f].why_not = why_not ? memory_text(why_not, strlen(why_not)) : NULL;
+    info_chief *out = memory_take(l->of->fields, sizeof *out);
+    for (size_t f = 0; f < l->of->fields; f++) {
+        sgt_error e;
+        const bool known = sgt_field_parabasal(l->of, l->wavelength, f + 1, &out[f].of, &e);
+        out[f].why_not = known ? NULL : fault_of(&e);
     }
-    sgt_launcher_free(from);
     return out;
-}
-
-double info_power_xy(const sgt_parabasal *p)
-{
-    return isnan(p->power[0][1]) ? p->power[0][1] : fmax(fabs(p->power[0][1]), fabs(p->power[1][0]));
 }
 
 /* A row for each field. */
@@ -425,7 +367,7 @@ static void write_parabasal(const info_arguments *a, const lens *l)
         for (int k = 0; k < 2; k++) table_number(t, p->focus[k]);
         for (int k = 0; k < 2; k++) table_number(t, p->image[k]);
         for (int k = 0; k < 2; k++) table_number(t, p->magnification[k]);
-        table_number(t, info_power_xy(p));
+        table_number(t, p->power_xy);
     }
     table_end(t);
 }
@@ -436,7 +378,7 @@ static exit_status info_run(const command *c, int argc, char *argv[])
     if (a.seidel && a.parabasal) fail_usage("give --seidel or --parabasal, not both");
     lens_list at = job_lenses(&a.job);
     const bool json = a.target.format == TABLE_JSON;
-    if (json || !a.parabasal) note_limits(at.lens[0].of);
+    if ((json || !a.parabasal) && !lens_quiet()) note_limits(at.lens[0].of);
     if (json) info_json(&a.target, &at, a.job.all_wavelengths || a.job.wavelengths > 1);
     else if (a.seidel) write_seidel(&a, &at.lens[0]);
     else if (a.parabasal) write_parabasal(&a, &at.lens[0]);

@@ -14,7 +14,6 @@ typedef struct info_chief {
 sgt_first_order info_first_order(const lens *l, sgt_seidel seidel[]);
 sgt_seidel info_seidel_sum(const lens *l, const sgt_seidel seidel[]);
 info_chief *info_chiefs(const lens *l);        /* one for each field */
-double info_power_xy(const sgt_parabasal *p);  /* how far its sections mix */
 
 /* [l->of->fields]: the distance of each field's paraxial image from the axis. */
 double *info_image_heights(const lens *l, const sgt_first_order *o);

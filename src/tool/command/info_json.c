@@ -62,7 +62,7 @@ static void put_parabasal(json *j, const lens *l)
         json_number(j, "image_x", p->image[0]), json_number(j, "image_y", p->image[1]);
         json_number(j, "magnification_x", p->magnification[0]);
         json_number(j, "magnification_y", p->magnification[1]);
-        json_number(j, "power_xy", info_power_xy(p));
+        json_number(j, "power_xy", p->power_xy);
         json_word(j, "why_not", chief[i].why_not);
         json_close(j);
     }

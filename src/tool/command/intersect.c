@@ -144,16 +144,15 @@ typedef struct findings {
     int shown;
 } findings;
 
-/* The room of a tile: its rays and their answers as arrays, its rows of the table, and its findings. */
+/* The room of a tile: its rays and their answers by column, its rows of the table, and its findings. */
 typedef struct intersect_room {
-    launch room[TILE_RAYS];
-    const launch *launch;                      /* [there], in `room` or in the list */
-    size_t there;
-    double ray[8][TILE_RAYS];                  /* o, d, tmin, tmax */
+    ray_block rays;
     double number[8][TILE_RAYS];               /* t, t_err, p, n */
+    double lo[TILE_RAYS], hi[TILE_RAYS];
     sgt_status status[TILE_RAYS];
-    int evals[TILE_RAYS];
+    int evals[TILE_RAYS], root[TILE_RAYS];
     sgt_hit *hit;                              /* [capacity], for --all: the roots of one ray */
+    int *place;                                /* [capacity]: 0, 1, 2 ... */
     int capacity;
     table *rows;
     findings found;
@@ -170,81 +169,114 @@ typedef struct intersect_work {
     findings found;
 } intersect_work;
 
-/* A miss and an invalid ray have root -1; an undecided stretch is numbered as a root. */
-static void intersect_write_row(const intersect_work *w, intersect_room *r, const launch *l, int root,
-                                const sgt_hit *h)
+static const char *answer_word(int code) { return sgt_status_text((sgt_status)code); }
+
+/* What the verdict needs of an answer. */
+static void note_status(findings *f, sgt_status status, const ray_block *b, size_t i)
 {
-    table *t = r->rows;
-    bool none = h->status == SGT_MISS || h->status == SGT_INVALID;
-    bool met = h->status > 0;
-    const double no = (double)NAN;
-    const double numbers[] = {met ? h->p.x : no, met ? h->p.y : no, met ? h->p.z : no,
-                              met ? h->n.x : no, met ? h->n.y : no, met ? h->n.z : no};
-    table_count(t, (long long)l->number);
-    table_count(t, none ? -1 : root);
-    table_code(t, h->status, sgt_status_text(h->status));
-    table_number_within(t, h->t, h->t_err);
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) table_number(t, numbers[i]);
-    table_count(t, h->evals);
-    if (w->asked->rays.named) table_word(t, l->id);
-    if (w->stretches) {
-        table_number(t, h->status < 0 ? h->lo : no);
-        table_number(t, h->status < 0 ? h->hi : no);
-    }
-    findings *f = &r->found;
-    f->count[h->status - SGT_INVALID]++;
-    if (h->status == SGT_MISS && !f->any_missed) f->any_missed = true, f->missed = *l;
-    if (h->status < 0 && f->shown < UNDECIDED_SHOWN) f->undecided[f->shown++] = *l;
+    f->count[status - SGT_INVALID]++;
+    if (status == SGT_MISS && !f->any_missed) f->any_missed = true, f->missed = rays_launch(b, i);
+    if (status < 0 && f->shown < UNDECIDED_SHOWN) f->undecided[f->shown++] = rays_launch(b, i);
 }
 
+/* A miss and an invalid ray have root -1; an undecided stretch is numbered as a root. */
+static int root_of(sgt_status status, int root)
+{
+    return status == SGT_MISS || status == SGT_INVALID ? -1 : root;
+}
+
+/* Rows with the columns of intersect_head, and those of the others that are wanted. */
+static void put_answers(const intersect_work *w, intersect_room *r, size_t count,
+                        const table_values head[HEAD_COUNT], table_values id, table_values lo,
+                        table_values hi)
+{
+    table_values all[HEAD_COUNT + 3];
+    size_t n = HEAD_COUNT;
+    memcpy(all, head, sizeof(table_values[HEAD_COUNT]));
+    if (w->asked->rays.named) all[n++] = id;
+    if (w->stretches) all[n++] = lo, all[n++] = hi;
+    table_block(r->rows, count, all);
+}
+
+/* The answers of a batch; only an undecided one has lo and hi, which a batch does not give. */
 static void find_one_each(const intersect_work *w, intersect_room *r)
 {
-    const launch *l = r->launch;
-    for (size_t i = 0; i < r->there; i++) {
-        const sgt_ray *ray = &l[i].ray;
-        const double numbers[] = {ray->o.x, ray->o.y, ray->o.z,  ray->d.x,
-                                  ray->d.y, ray->d.z, ray->tmin, ray->tmax};
-        for (int k = 0; k < 8; k++) r->ray[k][i] = numbers[k];
-    }
-    const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]},
-                           .tmin = r->ray[6], .tmax = r->ray[7]};
+    const ray_block *b = &r->rays;
+    const sgt_options *opt = &w->asked->shared.solver;
+    const double no = (double)NAN;
     double(*n)[TILE_RAYS] = r->number;
     const sgt_hits hits = {.status = r->status, .evals = r->evals, .t = n[0], .t_err = n[1],
                            .p = {n[2], n[3], n[4]}, .n = {n[5], n[6], n[7]}};
-    sgt_intersect_batch(w->surface, r->there, rays, hits, &w->asked->shared.solver);
-    for (size_t i = 0; i < r->there; i++) {
-        sgt_hit h = {.status = (sgt_status)r->status[i], .evals = r->evals[i], .t = n[0][i], .t_err = n[1][i],
-                     .p = {n[2][i], n[3][i], n[4][i]}, .n = {n[5][i], n[6][i], n[7][i]}};
-        /* a batch does not give lo and hi */
-        if (w->stretches && h.status < 0) h = sgt_intersect(w->surface, l[i].ray, &w->asked->shared.solver);
-        intersect_write_row(w, r, &l[i], 0, &h);
-        if (h.status < 0)
-            watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l[i], &w->asked->shared.solver,
-                            false);
+    sgt_intersect_batch(w->surface, b->count, rays_columns(b), hits, opt);
+    for (size_t i = 0; i < b->count; i++) {
+        const sgt_status status = r->status[i];
+        note_status(&r->found, status, b, i);
+        r->root[i] = root_of(status, 0), r->lo[i] = r->hi[i] = no;
+        for (int k = 2; k < 8 && status <= 0; k++) n[k][i] = no;
+        if (status >= 0) continue;
+        const launch l = rays_launch(b, i);
+        if (w->stretches) {
+            const sgt_hit h = sgt_intersect(w->surface, l.ray, opt);
+            r->lo[i] = h.lo, r->hi[i] = h.hi;
+        }
+        watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l, opt, false);
     }
+    const table_values rows[HEAD_COUNT] = {
+        TABLE_VALUES(b->ray), TABLE_VALUES(r->root), {r->status, 1, answer_word}, TABLE_VALUES(n[0]),
+        TABLE_VALUES(n[1]), TABLE_VALUES(n[2]), TABLE_VALUES(n[3]), TABLE_VALUES(n[4]), TABLE_VALUES(n[5]),
+        TABLE_VALUES(n[6]), TABLE_VALUES(n[7]), TABLE_VALUES(r->evals),
+    };
+    const table_values id = TABLE_VALUES(b->id), lo = TABLE_VALUES(r->lo), hi = TABLE_VALUES(r->hi);
+    put_answers(w, r, b->count, rows, id, lo, hi);
 }
 
-/* The room for the roots of a ray grows to the most that any ray has. */
-static void find_all(const intersect_work *w, intersect_room *r)
+/* Every root of a ray; for a ray without one, its status and evaluations.  Returns how many. */
+static int find_roots(const intersect_work *w, intersect_room *r, const launch *l)
 {
     const sgt_options *opt = &w->asked->shared.solver;
-    for (size_t i = 0; i < r->there; i++) {
-        const launch *l = &r->launch[i];
-        int count;
-        while ((count = sgt_intersect_all(w->surface, l->ray, r->capacity, r->hit, opt)) > r->capacity) {
-            r->capacity = count;
-            r->hit = memory_grow(r->hit, (size_t)count, sizeof *r->hit);
-        }
-        table_gap(r->rows);
+    int count, had = r->capacity;
+    while ((count = sgt_intersect_all(w->surface, l->ray, r->capacity, r->hit, opt)) > r->capacity ||
+           r->capacity == 0) {
+        r->capacity = count > 0 ? count : 1;
+        r->hit = memory_grow(r->hit, (size_t)r->capacity, sizeof *r->hit);
+        r->place = memory_grow(r->place, (size_t)r->capacity, sizeof *r->place);
+    }
+    for (int i = had; i < r->capacity; i++) r->place[i] = i;
+    if (count > 0) return count;
+    *r->hit = sgt_intersect(w->surface, l->ray, opt);
+    return 1;
+}
+
+static void find_all(const intersect_work *w, intersect_room *r)
+{
+    const ray_block *b = &r->rays;
+    const sgt_options *opt = &w->asked->shared.solver;
+    for (size_t i = 0; i < b->count; i++) {
+        const launch l = rays_launch(b, i);
+        const long long number = b->ray[i];
+        const int count = find_roots(w, r, &l), none = -1;
         bool lost = false;
-        for (int root = 0; root < count; root++) {
-            intersect_write_row(w, r, l, root, &r->hit[root]);
-            lost = lost || r->hit[root].status < 0;
+        for (int k = 0; k < count; k++) {
+            sgt_hit *h = &r->hit[k];
+            const double no = (double)NAN;
+            const sgt_vec3 nowhere = {no, no, no};
+            note_status(&r->found, h->status, b, i);
+            if (h->status <= 0) h->p = h->n = nowhere;
+            if (h->status >= 0) h->lo = h->hi = no;
+            lost = lost || h->status < 0;
         }
-        if (lost) watch_intersect(w->watch, (size_t)(r - w->room), w->surface, l, opt, true);
-        if (count > 0) continue;
-        sgt_hit none = sgt_intersect(w->surface, l->ray, opt); /* for its status and evaluations */
-        intersect_write_row(w, r, l, 0, &none);
+        sgt_hit *h = r->hit;
+        const int *root = root_of(h->status, 0) < 0 ? &none : r->place;
+        const size_t step = sizeof *h;
+        const table_values rows[HEAD_COUNT] = {
+            {.at = &number}, TABLE_VALUES(root), {&h->status, step, answer_word}, {&h->t, step, NULL},
+            {&h->t_err, step, NULL}, {&h->p.x, step, NULL}, {&h->p.y, step, NULL}, {&h->p.z, step, NULL},
+            {&h->n.x, step, NULL}, {&h->n.y, step, NULL}, {&h->n.z, step, NULL}, {&h->evals, step, NULL},
+        };
+        table_gap(r->rows);
+        put_answers(w, r, (size_t)count, rows, (table_values){.at = &b->id[i]},
+                    (table_values){&h->lo, step, NULL}, (table_values){&h->hi, step, NULL});
+        if (lost) watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l, opt, true);
     }
 }
 
@@ -252,7 +284,7 @@ static void find(void *data, const tile *t)
 {
     const intersect_work *w = data;
     intersect_room *r = &w->room[t->place];
-    r->launch = rays_part(&w->asked->rays, t->first, t->count, r->room, &r->there);
+    rays_part(&w->asked->rays, t->first, t->count, &r->rays);
     (w->asked->all ? find_all : find_one_each)(w, r);
 }
 
@@ -262,7 +294,7 @@ static void intersect_take(void *data, const tile *t)
     intersect_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
     watch_take(w->watch, t->place);
-    w->rays += r->there;
+    w->rays += r->rays.count;
     progress_add(t->count);
     findings *all = &w->found, *f = &r->found;
     for (int s = 0; s < STATUS_COUNT; s++) all->count[s] += f->count[s];
@@ -323,16 +355,14 @@ static void write_verdict(const intersect_work *w, size_t undecided)
 static void write_undecided(const intersect_work *w)
 {
     const intersect_arguments *a = w->asked;
-    search s = {.surface = w->surface, .asked = &a->shared.solver,
-                .near_seed = options_near_seed(&a->shared, w->surface, SGT_FIRST),
-                .fast = options_fast(&a->shared, w->surface)};
     for (int i = 0; i < w->found.shown && !a->all; i++) {
         char who[40];
-        s.ray = w->found.undecided[i].ray;
-        sgt_hit hit = sgt_intersect(s.surface, s.ray, s.asked);
-        s.hit = &hit;
+        const sgt_ray ray = w->found.undecided[i].ray;
+        const sgt_hit hit = sgt_intersect(w->surface, ray, &a->shared.solver);
+        const sgt_element alone = {.surface = w->surface};
+        const sgt_search s = options_search(&a->shared, &alone, SGT_FIRST, ray, &hit);
         snprintf(who, sizeof who, "Ray %zu: ", w->found.undecided[i].number);
-        undecided_explain(w->table, who, &s);
+        options_say_undecided(w->table, who, &s);
     }
 }
 

@@ -3,7 +3,6 @@
 #include "passed.h"
 
 #include "../show/frame.h"
-#include "../show/stopped.h"
 #include "../../text/number.h"
 
 #include <math.h>
@@ -43,14 +42,14 @@ void passed_write(table *t, const job *j, const watched *w)
     for (size_t i = 0; i < w->count; i++) {
         const sgt_element *e = &j->element[i];
         const sgt_hit *hit = &w->passage[i].hit;
-        const arrival come = watched_arrival(w, l, i);
+        const sgt_arrival come = watched_arrival(w, l, i);
         double r = hypot(hit->p.x, hit->p.y), edge = e->semi_diameter > 0 ? e->semi_diameter : (double)NAN;
         table_count(t, (long long)i + 1);
         table_word(t, l->surface[i].type);
         table_number(t, r);
         table_number(t, edge);
         table_number(t, shortened(r / edge));
-        table_number(t, shortened(stopped_incidence(e, &come)));
+        table_number(t, shortened(sgt_incidence(e, &come)));
         table_number_within(t, hit->t, hit->t_err);
         table_count(t, hit->evals);
         if (names) table_word(t, l->surface[i].name);

@@ -1,6 +1,7 @@
 /* trace.c - sagitta trace: rays through a lens. */
 #include "commands.h"
 #include "watch.h"
+#include "watched.h"
 #include "../show/frame.h"
 #include "../base/input.h"
 #include "../job/job.h"
@@ -10,8 +11,6 @@
 #include "../read/surface.h"
 #include "../show/profile.h"
 #include "../base/tiles.h"
-#include "../show/stopped.h"
-#include "../show/undecided.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -156,25 +155,31 @@ static void count_loss(losses *l, sgt_fate fate, sgt_status status)
 
 enum { RECORDS_MOST = 1 << 16 }; /* the most rays times elements in a tile */
 
-/* One element as the rays of a tile met it. */
-typedef struct records {
-    sgt_status *status;
-    int *evals;
-    double *number[9];             /* p, direction, t, t_err, opl */
-} records;
+/* Rows of the table by column: how rays met elements.  With --last, the row of each ray
+ * of a tile: the library writes how the last element was met right here. */
+typedef struct element_rows {
+    size_t count, ray[TILE_RAYS];  /* which ray of the tile */
+    long long number[TILE_RAYS];
+    int element[TILE_RAYS], evals[TILE_RAYS], field[TILE_RAYS];
+    sgt_fate fate[TILE_RAYS];
+    sgt_status status[TILE_RAYS];
+    double value[9][TILE_RAYS];    /* p, direction, t, t_err, opl */
+    double px[TILE_RAYS], py[TILE_RAYS], lo[TILE_RAYS], hi[TILE_RAYS];
+    const char *id[TILE_RAYS];
+} element_rows;
 
 /* The room of a tile: its rays, what became of them, and its rows of the table. */
 typedef struct trace_room {
-    launch room[TILE_RAYS];
-    const launch *launch;          /* [TILE_RAYS], in `room` or in a list */
-    size_t there;                  /* so many are traced; the others are not there */
-    double ray[6][TILE_RAYS];      /* o, d; after the trace, where it ended */
+    ray_block rays;
+    double end[6][TILE_RAYS];      /* where each ended, o and d */
     sgt_fate fate[TILE_RAYS];
     int passed[TILE_RAYS];
-    records *record;               /* [elements] */
-    sgt_passages *passages;        /* [elements], for the library: point into record */
+    size_t capacity;               /* rays in a passage */
+    sgt_passages *passages;        /* [elements]: how each was met; NULL until they are needed */
+    sgt_passages *last;            /* [elements]: only of the last, point into rows; NULL: all are needed */
     sgt_passage *alone;            /* [elements], for a ray traced by itself to get lo and hi */
-    table *rows;
+    element_rows rows;
+    table *table;
 } trace_room;
 
 typedef struct trace_work {
@@ -184,6 +189,8 @@ typedef struct trace_work {
     table *table;
     scene *picture;                /* NULL: none */
     watch *watch;                  /* NULL: none */
+    bool alone;                    /* there is one thread: rows need not wait for their turn */
+    bool text, every;              /* every: it matters how each element was met, not only the last row */
     const job_lens *at;             /* the lens at the wavelength that is being traced */
     bool launches;                 /* there are the columns of launch_head */
     bool stretches;                /* there are columns lo and hi */
@@ -203,35 +210,39 @@ typedef struct trace_work {
     sgt_vec3 *point;               /* [elements + 1] */
 } trace_work;
 
-static trace_room trace_room_for(const trace_work *w, size_t rays)
+/* number: for each of p, direction, t, t_err, opl an array, so many numbers apart. */
+static sgt_passages passages_into(sgt_status *status, int *evals, double *number, size_t apart)
 {
-    size_t count = w->job->lens.count;
-    trace_room r = {.record = memory_take(count, sizeof *r.record),
-                    .passages = memory_take(count, sizeof *r.passages), .rows = table_part(w->table)};
-    if (w->stretches) r.alone = memory_take(count, sizeof *r.alone);
+    double *n[9];
+    for (size_t k = 0; k < 9; k++) n[k] = number + k * apart;
+    return (sgt_passages){.hits = {.status = status, .evals = evals, .p = {n[0], n[1], n[2]}, .t = n[6],
+                                   .t_err = n[7]},
+                          .direction = {n[3], n[4], n[5]}, .opl = n[8]};
+}
+
+static void need_passages(const trace_work *w, trace_room *r)
+{
+    const size_t count = w->job->lens.count, rays = r->capacity;
+    if (r->passages) return;
+    r->passages = memory_take(count, sizeof *r->passages);
     sgt_status *status = memory_take(count, rays * sizeof *status);
     int *evals = memory_take(count, rays * sizeof *evals);
     double *number = memory_take(count, 9 * rays * sizeof *number);
-    for (size_t i = 0; i < count; i++) {
-        records *record = &r.record[i];
-        double **n = record->number;
-        record->status = status + i * rays, record->evals = evals + i * rays;
-        for (size_t k = 0; k < 9; k++) n[k] = number + (9 * i + k) * rays;
-        r.passages[i] = (sgt_passages){.hits = {.status = record->status, .evals = record->evals,
-                                                .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
-                                       .direction = {n[3], n[4], n[5]}, .opl = n[8]};
-    }
-    return r;
+    for (size_t i = 0; i < count; i++)
+        r->passages[i] = passages_into(status + i * rays, evals + i * rays, number + 9 * i * rays, rays);
+}
+
+static void make_room(const trace_work *w, trace_room *r, size_t rays)
+{
+    const size_t count = w->job->lens.count;
+    r->capacity = rays, r->table = w->alone ? w->table : table_part(w->table);
+    if (w->stretches) r->alone = memory_take(count, sizeof *r->alone);
+    if (w->every) return;
+    r->last = memory_take(count, sizeof *r->last);
+    r->last[count - 1] = passages_into(r->rows.status, r->rows.evals, r->rows.value[0], TILE_RAYS);
 }
 
 static sgt_vec3 vector_at(double *const n[3], size_t i) { return (sgt_vec3){n[0][i], n[1][i], n[2][i]}; }
-
-static void write_vector(table *t, sgt_vec3 v)
-{
-    table_number(t, v.x);
-    table_number(t, v.y);
-    table_number(t, v.z);
-}
 
 /* Traces a ray by itself, for the lo and hi that a batch does not give.  Returns the hit where it ended. */
 static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage alone[], size_t element)
@@ -242,87 +253,148 @@ static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage al
     return &alone[element].hit;
 }
 
-static void write_launch(const trace_work *w, table *t, const launch *l)
+static const char *fate_word(int code) { return sgt_fate_text((sgt_fate)code); }
+static const char *status_word(int code) { return sgt_status_text((sgt_status)code); }
+
+/* What a row has besides what the library tells. */
+static void finish_row(const trace_work *w, trace_room *r, size_t k)
 {
-    bool beam = w->job->fields > 0;
-    if (beam) table_count(t, (long long)w->job->field_number[l->field] + 1);
-    else table_empty(t);
-    if (isnan(w->at->lens.wavelength)) table_empty(t);
-    else table_number(t, w->at->lens.wavelength);
-    for (int k = 0; k < 2; k++)
-        if (beam) table_number(t, k ? l->py : l->px);
-        else table_empty(t);
+    element_rows *o = &r->rows;
+    const ray_block *b = &r->rays;
+    const size_t i = o->ray[k], element = (size_t)o->element[k] - 1;
+    double(*n)[TILE_RAYS] = o->value;
+    /* NaN: the point of a miss, the direction of a ray that ended here */
+    for (int c = 0; c < 3 && o->status[k] <= 0; c++) n[c][k] = (double)NAN;
+    for (int c = 3; c < 6 && o->fate[k] != SGT_PASSED; c++) n[c][k] = (double)NAN;
+    if (w->asked->global) {
+        const sgt_pose *pose = &w->at->element[element].pose;
+        const sgt_vec3 p = frame_point_out(pose, (sgt_vec3){n[0][k], n[1][k], n[2][k]}),
+                       d = frame_direction_out(pose, (sgt_vec3){n[3][k], n[4][k], n[5][k]});
+        n[0][k] = p.x, n[1][k] = p.y, n[2][k] = p.z, n[3][k] = d.x, n[4][k] = d.y, n[5][k] = d.z;
+    }
+    o->number[k] = b->ray[i], o->px[k] = b->px[i], o->py[k] = b->py[i], o->id[k] = b->id[i];
+    if (w->job->fields) o->field[k] = (int)w->job->field_number[b->field[i]] + 1;
+    if (!w->stretches) return;
+    const launch l = rays_launch(b, i);
+    const sgt_hit *hit = o->status[k] < 0 ? ended(w, &l, r->alone, element) : NULL;
+    o->lo[k] = hit ? hit->lo : (double)NAN, o->hi[k] = hit ? hit->hi : (double)NAN;
 }
 
-static void trace_write_row(const trace_work *w, trace_room *own, const launch *l, size_t element,
-                            sgt_fate fate, records *r, size_t i)
+/* Gives the table the rows so far. */
+static void put_rows(const trace_work *w, trace_room *r)
 {
-    /* NaN: the point of a miss, the direction of a ray that ended here */
-    const sgt_vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
-    sgt_vec3 point = r->status[i] > 0 ? vector_at(r->number, i) : nowhere;
-    sgt_vec3 direction = fate == SGT_PASSED ? vector_at(r->number + 3, i) : nowhere;
-    const sgt_pose *pose = w->asked->global ? &w->at->element[element].pose : NULL;
-    table *t = own->rows;
-    table_count(t, (long long)l->number);
-    table_count(t, (long long)element + 1);
-    table_code(t, fate, sgt_fate_text(fate));
-    table_code(t, r->status[i], sgt_status_text((sgt_status)r->status[i]));
-    write_vector(t, pose ? frame_point_out(pose, point) : point);
-    write_vector(t, pose ? frame_direction_out(pose, direction) : direction);
-    table_number_within(t, r->number[6][i], r->number[7][i]);
-    table_number(t, r->number[8][i]);
-    table_count(t, r->evals[i]);
-    if (w->launches) write_launch(w, t, l);
-    if (w->job->rays.named) table_word(t, l->id);
-    if (!w->stretches) return;
-    const sgt_hit *hit = r->status[i] < 0 ? ended(w, l, own->alone, element) : NULL;
-    table_number(t, hit ? hit->lo : (double)NAN);
-    table_number(t, hit ? hit->hi : (double)NAN);
+    element_rows *o = &r->rows;
+    double(*n)[TILE_RAYS] = o->value;
+    const double *um = &w->at->lens.wavelength;
+    const bool beam = w->job->fields > 0;
+    size_t c = HEAD_COUNT;
+    table_values all[COLUMNS_MOST] = {
+        TABLE_VALUES(o->number), TABLE_VALUES(o->element), {o->fate, 1, fate_word},
+        {o->status, 1, status_word}, TABLE_VALUES(n[0]), TABLE_VALUES(n[1]), TABLE_VALUES(n[2]),
+        TABLE_VALUES(n[3]), TABLE_VALUES(n[4]), TABLE_VALUES(n[5]), TABLE_VALUES(n[6]), TABLE_VALUES(n[7]),
+        TABLE_VALUES(n[8]), TABLE_VALUES(o->evals),
+    };
+    const table_values launched[LAUNCH_COUNT] = {TABLE_VALUES(o->field), {.at = um}, TABLE_VALUES(o->px),
+                                                 TABLE_VALUES(o->py)};
+    for (int k = 0; w->launches && k < LAUNCH_COUNT; k++)
+        all[c++] = (k == 1 ? !isnan(*um) : beam) ? launched[k] : (table_values){.at = NULL};
+    if (w->job->rays.named) all[c++] = (table_values)TABLE_VALUES(o->id);
+    const table_values ends[] = {TABLE_VALUES(o->lo), TABLE_VALUES(o->hi)};
+    for (int k = 0; w->stretches && k < 2; k++) all[c++] = ends[k];
+    for (size_t k = 0; k < o->count; k++) finish_row(w, r, k);
+    table_block(r->table, o->count, all);
+    o->count = 0;
+}
+
+/* Makes the row k: of the ray i at an element, which the passages have at the place `at`. */
+static void copy_row(trace_room *r, size_t k, size_t i, size_t element, sgt_fate fate, size_t at)
+{
+    element_rows *o = &r->rows;
+    const sgt_passages *p = &r->passages[element];
+    const sgt_hits *h = &p->hits;
+    const double *from[9] = {h->p[0], h->p[1], h->p[2], p->direction[0], p->direction[1], p->direction[2],
+                             h->t, h->t_err, p->opl};
+    for (int c = 0; c < 9; c++) o->value[c][k] = from[c][at];
+    o->ray[k] = i, o->element[k] = (int)element + 1, o->fate[k] = fate;
+    o->status[k] = h->status[at], o->evals[k] = h->evals[at];
+}
+
+static void trace_columns(const trace_work *w, size_t n, sgt_rays rays, sgt_traced out,
+                          const sgt_passages passages[])
+{
+    sgt_trace_batch(w->job->lens.count, w->at->element, w->at->lens.index_before, n, rays, out, passages,
+                    &w->asked->shared.solver);
+}
+
+/* The last row of each ray.  Those that ended before the last element are traced again, with passages of all
+ * elements. */
+static void last_rows(const trace_work *w, trace_room *r)
+{
+    element_rows *o = &r->rows;
+    double(*n)[TILE_RAYS] = r->end; /* where they ended is not wanted */
+    size_t again = 0, at = 0;
+    o->count = r->rays.count;
+    for (size_t i = 0; i < o->count; i++) {
+        o->ray[i] = i, o->fate[i] = r->fate[i], o->element[i] = (int)w->job->lens.count;
+        if (o->element[i] - r->passed[i] <= 1) continue;
+        for (int k = 0; k < 6; k++) n[k][again] = r->rays.number[k][i];
+        again++;
+    }
+    if (!again) return;
+    need_passages(w, r);
+    trace_columns(w, again, (sgt_rays){.o = {n[0], n[1], n[2]}, .d = {n[3], n[4], n[5]}},
+                  (sgt_traced){.fate = NULL}, r->passages);
+    for (size_t i = 0; i < o->count; i++)
+        if (o->element[i] - r->passed[i] > 1) copy_row(r, i, i, (size_t)r->passed[i], r->fate[i], at++);
+}
+
+/* The rows of each ray, with gaps between rays. */
+static void every_row(const trace_work *w, trace_room *r)
+{
+    for (size_t i = 0; i < r->rays.count; i++) {
+        const size_t passed = (size_t)r->passed[i], end = passed + (r->fate[i] != SGT_PASSED);
+        if (!w->asked->last) table_gap(r->table);
+        for (size_t k = w->asked->last ? end - 1 : 0; k < end; k++) {
+            if (r->rows.count == TILE_RAYS) put_rows(w, r);
+            copy_row(r, r->rows.count++, i, k, k < passed ? SGT_PASSED : r->fate[i], i);
+        }
+        if (w->text && !w->asked->last) put_rows(w, r); /* before the next gap */
+    }
 }
 
 static void send(void *data, const tile *t)
 {
     const trace_work *w = data;
-    const job *j = w->job;
     trace_room *r = &w->room[t->place];
-    const launch *l = r->launch = job_part(w->at, t->first, t->count, r->room, &r->there);
-    for (size_t i = 0; i < r->there; i++) {
-        const sgt_ray *ray = &l[i].ray;
-        const double numbers[] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z};
-        for (int k = 0; k < 6; k++) r->ray[k][i] = numbers[k];
-    }
-    const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]}};
-    const sgt_traced out = {.fate = r->fate, .passed = r->passed, .o = {r->ray[0], r->ray[1], r->ray[2]},
-                            .d = {r->ray[3], r->ray[4], r->ray[5]}};
-    sgt_trace_batch(j->lens.count, w->at->element, w->at->lens.index_before, r->there, rays, out, r->passages,
-                    &w->asked->shared.solver);
-    for (size_t i = 0; i < r->there; i++) {
-        size_t passed = (size_t)r->passed[i];
-        const size_t first = !w->asked->last ? 0 : r->fate[i] == SGT_PASSED ? passed - 1 : passed;
-        if (!w->asked->last) table_gap(r->rows);
-        for (size_t k = first; k < passed; k++) trace_write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
-        if (r->fate[i] != SGT_PASSED)
-            trace_write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
-        if (r->fate[i] < 0) watch_trace(w->watch, t->place, w->at, &l[i], &w->asked->shared.solver);
+    job_part(w->at, t->first, t->count, &r->rays);
+    sgt_traced out = {.fate = r->fate, .passed = r->passed};
+    for (int k = 0; k < 3 && w->picture; k++) out.o[k] = r->end[k], out.d[k] = r->end[3 + k];
+    if (w->every) need_passages(w, r);
+    trace_columns(w, r->rays.count, rays_columns(&r->rays), out, w->every ? r->passages : r->last);
+    (w->every ? every_row : last_rows)(w, r);
+    put_rows(w, r);
+    for (size_t i = 0; i < r->rays.count && w->watch; i++) {
+        const launch l = rays_launch(&r->rays, i);
+        if (r->fate[i] < 0) watch_trace(w->watch, t->place, w->at, &l, &w->asked->shared.solver);
     }
 }
 
 static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
 {
-    sgt_fate fate = (sgt_fate)r->fate[i];
+    sgt_fate fate = r->fate[i];
     size_t met = (size_t)r->passed[i] + (fate == SGT_CLIPPED || fate == SGT_TIR);
     w->point[0] = l->ray.o;
     for (size_t k = 0; k < met; k++)
-        w->point[k + 1] = frame_point_out(&w->at->element[k].pose, vector_at(r->record[k].number, i));
+        w->point[k + 1] = frame_point_out(&w->at->element[k].pose, vector_at(r->passages[k].hits.p, i));
     scene_add(w->picture, l->field, (size_t)(w->at - w->job->at), met + 1, w->point, fate,
-              (sgt_vec3){r->ray[3][i], r->ray[4][i], r->ray[5][i]});
+              (sgt_vec3){r->end[3][i], r->end[4][i], r->end[5][i]});
 }
 
 /* Was it a hit at every element?  A graze is not proven. */
 static bool crossed_all(const trace_work *w, const trace_room *r, size_t i)
 {
     for (size_t k = 0; k < w->job->lens.count; k++)
-        if (r->record[k].status[i] != SGT_HIT) return false;
+        if (r->passages[k].hits.status[i] != SGT_HIT) return false;
     return true;
 }
 
@@ -335,18 +407,15 @@ static void keep_ended(trace_work *w, const trace_room *r, const launch *l, size
     if (r->fate[i] < 0 || w->ended_count++ >= UNDECIDED_SHOWN) return;
     sgt_vec3 from = l->ray.o, d = l->ray.d;
     if (before) {
-        from = frame_point_out(&before->pose, vector_at(r->record[element - 1].number, i));
-        d = frame_direction_out(&before->pose, vector_at(r->record[element - 1].number + 3, i));
+        from = frame_point_out(&before->pose, vector_at(r->passages[element - 1].hits.p, i));
+        d = frame_direction_out(&before->pose, vector_at(r->passages[element - 1].direction, i));
     }
-    double length = vector_length(d);
-    const arrival a = {
-        .from = frame_point_in(&e->pose, from),
-        .direction = frame_direction_in(&e->pose, (sgt_vec3){d.x / length, d.y / length, d.z / length}),
-        .p = vector_at(r->record[element].number, i),
-        .index = element ? of->index[element - 1] : of->index_before, .behind = of->index[element]};
+    char why[WHY_SIZE];
+    const sgt_arrival a = arrival_of(of, element, from, d, vector_at(r->passages[element].hits.p, i));
+    sgt_why_ended(e, (sgt_fate)r->fate[i], &a, sizeof why, why);
     size_t k = w->ended_shown++;
     w->ended[k].ray = *l, w->ended[k].at = w->at, w->ended[k].element = element;
-    w->ended[k].why = stopped_why(e, (sgt_fate)r->fate[i], &a);
+    w->ended[k].why = memory_text(why, strlen(why));
 }
 
 static void count_field(trace_work *w, const launch *l, size_t passed)
@@ -364,21 +433,22 @@ static void trace_take(void *data, const tile *t)
 {
     trace_work *w = data;
     trace_room *r = &w->room[t->place];
-    table_join(w->table, r->rows);
+    const ray_block *b = &r->rays;
+    if (!w->alone) table_join(w->table, r->table);
     watch_take(w->watch, t->place);
-    for (size_t i = 0; i < t->count && w->job->how; i++) launch_there(w->job->how, &r->launch[i]);
-    w->rays += r->there;
+    if (w->job->how) launch_take(w->job->how, b);
+    w->rays += b->count;
     progress_add(t->count);
-    for (size_t i = 0; i < r->there; i++) {
+    for (size_t i = 0; i < b->count; i++) w->undecided += r->fate[i] < 0;
+    for (size_t i = 0; i < b->count && w->every; i++) {
         int passed = r->passed[i];
-        const launch *l = &r->launch[i];
+        const launch one = rays_launch(b, i), *l = &one;
         if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
-        else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
+        else count_loss(&w->loss[passed], r->fate[i], r->passages[passed].hits.status[i]);
         if (r->fate[i] != SGT_PASSED) keep_ended(w, r, l, i);
         count_field(w, l, (size_t)passed);
-        for (int k = 0; k < passed; k++) w->back[k] += r->record[k].number[6][i] < 0;
-        if (r->fate[i] < 0) w->undecided++;
-        if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN)
+        for (int k = 0; k < passed; k++) w->back[k] += r->passages[k].hits.t[i] < 0;
+        if (r->fate[i] < 0 && r->passages[passed].hits.status[i] < 0 && w->shown < UNDECIDED_SHOWN)
             w->lost[w->shown].ray = *l, w->lost[w->shown++].at = w->at;
         if (w->picture) draw(w, r, l, i);
     }
@@ -417,9 +487,10 @@ static void write_losses(table *t, const job *j, const losses loss[])
         text = trace_also(text, loss[i].clipped, "clipped");
         text = trace_also(text, loss[i].tir, "totally reflected");
         for (int s = 0; s >= SGT_INVALID; s--)
-            text = trace_also(text, loss[i].lost[s - SGT_INVALID],
-                              memory_print("lost (%s)", s ? sgt_status_text((sgt_status)s)
-                                                          : "direction undecided"));
+            if (loss[i].lost[s - SGT_INVALID])
+                text = trace_also(text, loss[i].lost[s - SGT_INVALID],
+                                  memory_print("lost (%s)", s ? sgt_status_text((sgt_status)s)
+                                                              : "direction undecided"));
         if (*text) table_line(t, "element %zu (%s):%s", i + 1, j->lens.surface[i].type, text);
     }
 }
@@ -495,12 +566,10 @@ static void write_lost(const trace_work *w)
                                   &asked->solver);
         if (passed == j->lens.count) continue; /* never: a batch gives the same answers as single rays */
         const sgt_element *e = &at->element[passed];
-        const search s = {.surface = e->surface, .semi_diameter = e->semi_diameter,
-                          .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
-                          .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED),
-                          .fast = options_fast(asked, e->surface), .hit = &alone[passed].hit};
+        const sgt_search s = options_search(asked, e, SGT_NEAR_SEED, job_own_ray(&e->pose, &ray),
+                                            &alone[passed].hit);
         const char *who = memory_print("%s at element %zu: ", ray_name(w, &w->lost[i].ray, at), passed + 1);
-        undecided_explain(w->table, who, &s);
+        options_say_undecided(w->table, who, &s);
     }
     if (w->undecided > (size_t)w->shown)
         table_line(w->table, "%zu more lost: sagitta diagnose shows why.", w->undecided - (size_t)w->shown);
@@ -526,22 +595,22 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
     const bool text = a.shared.target.format == TABLE_TEXT, all = !text || a.shared.target.columns;
-    /* A tile takes some 60 KB for each element.  At most 16 MB a thread: with many elements tiles have fewer
+    /* A tile takes some 80 KB for each element.  At most 12 MB a thread: with many elements tiles have fewer
      * rays. */
     tiling in = {.rays = job_count(j.at), .threads = count > RECORDS_MOST ? 1 : threads,
-                       .share = count < 4     ? SHARE_MOST
-                                : count < 128 ? 128 / count
-                                              : 1,
-                       .most = count > RECORDS_MOST               ? 1
-                               : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
-                                                                  : TILE_RAYS};
+                 .share = count < 16 ? SHARE_MOST : count < 128 ? 128 / count : 1,
+                 .most = count > RECORDS_MOST               ? 1
+                         : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
+                                                            : TILE_RAYS};
     watch_tiling(&in, a.watch, &a.shared.solver);
     const size_t places = tiles_places(&in);
     pictures_reserve(&a.pictures, a.shared.target.path, &j);
-    scene picture = scene_begin(&j, pictures_plane(&a.pictures));
+    scene picture = {.job = &j};
+    if (a.pictures.file) picture = scene_begin(&j, pictures_plane(&a.pictures));
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
                     .watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, count),
-                    .picture = a.pictures.file ? &picture : NULL, .launches = all || j.wavelengths > 1,
+                    .picture = a.pictures.file ? &picture : NULL, .text = text, .alone = in.threads < 2,
+                    .every = text || a.pictures.file || !a.last, .launches = all || j.wavelengths > 1,
                     .stretches = all && a.shared.solver.proof,
                     .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),
                     .field = memory_take(j.fields, sizeof *w.field),
@@ -549,7 +618,7 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     column columns[COLUMNS_MOST];
     a.shared.target.word_size = j.rays.longest_id;
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
-    for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
+    for (size_t i = 0; i < places; i++) make_room(&w, &w.room[i], in.most);
     progress_begin(j.wavelengths * job_count(j.at), !a.shared.target.path, a.shared.progress);
     for (size_t k = 0; k < j.wavelengths; k++) {
         w.at = &j.at[k];

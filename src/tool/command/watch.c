@@ -102,7 +102,7 @@ void watch_intersect(watch *w, size_t place, sgt_surface s, const launch *l, con
     watch_part *p = &w->part[place];
     record *r = &p->ray.all;
     sgt_options own = *opt;
-    own.watch = method_watch, own.watch_data = r;
+    own.watch = record_watch, own.watch_data = r;
     r->count = 0;
     if (all) sgt_intersect_all(s, l->ray, 0, NULL, &own);
     else sgt_intersect(s, l->ray, &own);

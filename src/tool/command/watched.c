@@ -10,6 +10,14 @@
 
 enum { NOT_YET = -1 };
 
+int record_watch(void *data, const sgt_step *step)
+{
+    record *r = data;
+    r->step = memory_room(r->step, r->count, &r->capacity, sizeof *r->step);
+    r->step[r->count++] = *step;
+    return 0;
+}
+
 watched watched_room(size_t elements)
 {
     return (watched){.count = elements, .passage = memory_take(elements, sizeof(sgt_passage)),
@@ -20,7 +28,7 @@ static int watch_elements(void *data, const sgt_step *step)
 {
     watched *w = data;
     while (w->passage[w->at].hit.evals != NOT_YET) w->begin[++w->at] = w->all.count;
-    return method_watch(&w->all, step);
+    return record_watch(&w->all, step);
 }
 
 void watched_trace(watched *w, const sgt_element e[], double index_before, const sgt_ray *ray,
@@ -50,13 +58,19 @@ sgt_ray watched_ray(const watched *w, const lens *l, size_t element)
     return (sgt_ray){.o = frame_point_out(pose, p->hit.p), .d = frame_direction_out(pose, p->direction)};
 }
 
-arrival watched_arrival(const watched *w, const lens *l, size_t element)
+sgt_arrival arrival_of(const lens *l, size_t element, sgt_vec3 o, sgt_vec3 direction, sgt_vec3 p)
 {
     const sgt_pose *pose = &l->element[element].pose;
-    const sgt_ray ray = watched_ray(w, l, element);
-    const sgt_vec3 d = frame_direction_in(pose, ray.d);
+    const sgt_vec3 d = frame_direction_in(pose, direction);
     double length = vector_length(d);
-    return (arrival){.from = frame_point_in(pose, ray.o),
-                     .direction = {d.x / length, d.y / length, d.z / length}, .p = w->passage[element].hit.p,
-                     .index = element ? l->index[element - 1] : l->index_before, .behind = l->index[element]};
+    return (sgt_arrival){.from = frame_point_in(pose, o),
+                         .direction = {d.x / length, d.y / length, d.z / length}, .p = p,
+                         .index = element ? l->index[element - 1] : l->index_before,
+                         .behind = l->index[element]};
+}
+
+sgt_arrival watched_arrival(const watched *w, const lens *l, size_t element)
+{
+    const sgt_ray ray = watched_ray(w, l, element);
+    return arrival_of(l, element, ray.o, ray.d, w->passage[element].hit.p);
 }

@@ -1,9 +1,16 @@
 /* watched.h - a ray through a lens, with every evaluation kept, element by element. */
 #ifndef TOOL_WATCHED_H
 #define TOOL_WATCHED_H
-#include "methods.h"
 #include "../read/lens.h"
-#include "../show/stopped.h"
+
+#include <sagitta/diagnose.h>
+#include <sagitta/why.h>
+
+/* Evaluations, as they were made. */
+typedef struct record { sgt_step *step; size_t count, capacity; } record;
+
+/* An sgt_options.watch that appends to a record; data: the record. */
+int record_watch(void *data, const sgt_step *step);
 
 typedef struct watched {
     size_t count;           /* of elements */
@@ -29,6 +36,9 @@ record watched_at(const watched *w, size_t element);
 /* The ray as it comes to an element of the lens that it went through: in the global frame, from the launch or
  * the element before; and in the element's own. */
 sgt_ray watched_ray(const watched *w, const lens *l, size_t element);
-arrival watched_arrival(const watched *w, const lens *l, size_t element);
+sgt_arrival watched_arrival(const watched *w, const lens *l, size_t element);
+
+/* The same of any global ray that meets the element at p. */
+sgt_arrival arrival_of(const lens *l, size_t element, sgt_vec3 o, sgt_vec3 direction, sgt_vec3 p);
 
 #endif

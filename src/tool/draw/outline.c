@@ -350,7 +350,7 @@ outline outline_of(const job *j, const view_axes *v, size_t i, const reach *met,
         .dummy = !mirror && !e->phase && l->index[i] == before && i + 1 < l->count,
     };
     for (int k = 0; k < OUTLINE_POINTS; k++) o.at[k] = e->pose.origin;
-    if (profile_is_sag(e->surface)) {
+    if (sgt_is_sag(e->surface)) {
         part p = part_in_use(j, i, met, all);
         draw_sag(&o, e, v, &p);
         return o;

@@ -281,12 +281,12 @@ void job_move(sgt_pose *pose, double z)
     pose->origin.x += z * along.x, pose->origin.y += z * along.y, pose->origin.z += z * along.z;
 }
 
-sgt_element *job_elements(const job_options *o, const lens *l)
+const sgt_element *job_elements(const job_options *o, const lens *l)
 {
+    if (!o->no_apertures) return l->element;
     sgt_element *element = memory_take(l->count, sizeof *element);
     memcpy(element, l->element, l->count * sizeof *element);
-    for (size_t i = 0; o->no_apertures && i < l->count; i++)
-        element[i].semi_diameter = 0, element[i].aperture = NULL;
+    for (size_t i = 0; i < l->count; i++) element[i].semi_diameter = 0, element[i].aperture = NULL;
     return element;
 }
 
@@ -383,18 +383,10 @@ size_t job_count(const job_lens *at)
     return at->plan.fields ? at->plan.fields * at->plan.points->count : at->rays.count;
 }
 
-const launch *job_part(const job_lens *at, size_t first, size_t count, launch room[], size_t *there)
+void job_part(const job_lens *at, size_t first, size_t count, ray_block *to)
 {
-    if (!at->plan.fields) return rays_part(&at->rays, first, count, room, there);
-    launch_part(&at->plan, first, count, room);
-    for (*there = 0; *there < count && room[*there].status == SGT_MET;) ++*there;
-    for (size_t i = *there + 1; i < count; i++) {
-        if (room[i].status != SGT_MET) continue;
-        const launch l = room[i];
-        memmove(&room[*there + 1], &room[*there], (i - *there) * sizeof l);
-        room[(*there)++] = l;
-    }
-    return room;
+    if (at->plan.fields) launch_part(&at->plan, first, count, to);
+    else rays_part(&at->rays, first, count, to);
 }
 
 void job_end_parts(job *j)

@@ -44,7 +44,7 @@ extern const option_group job_no_fields, job_no_pattern, job_no_file;
  * for a job in parts the plan. */
 typedef struct job_lens {
     lens lens;
-    sgt_element *element;
+    const sgt_element *element;
     ray_list rays;
     launch_plan plan;         /* of no fields: there is none */
 } job_lens;
@@ -53,7 +53,7 @@ typedef struct job {
     size_t wavelengths;       /* one for each --wavelength */
     job_lens *at;
     lens lens;                /* the first */
-    sgt_element *element;
+    const sgt_element *element;
     ray_list rays;            /* those of the first wavelength */
     launch_how *how;          /* NULL: rays from a file */
     size_t undecided;         /* how many rays aiming has neither found nor excluded */
@@ -63,10 +63,10 @@ typedef struct job {
     sgt_field_kind field_kind;
 } job;
 
-/* Rays of a job in parts: how many at each wavelength, those that are not there included; and some of them.
- * room: [count].  *there: how many of them are there, in their order; the others are behind them. */
+/* Rays of a job in parts: how many at each wavelength, those that are not there included; and some of them,
+ * at most TILE_RAYS. */
 size_t job_count(const job_lens *at);
-const launch *job_part(const job_lens *at, size_t first, size_t count, launch room[], size_t *there);
+void job_part(const job_lens *at, size_t first, size_t count, ray_block *to);
 
 /* Notes what aiming did not find, when all parts are taken. */
 void job_end_parts(job *j);
@@ -111,7 +111,7 @@ const sgt_lens_aim *job_aim(const job_options *o, const sgt_lens *l);
 void job_move(sgt_pose *pose, double z);
 
 /* The elements without apertures for --no-apertures. */
-sgt_element *job_elements(const job_options *o, const lens *l);
+const sgt_element *job_elements(const job_options *o, const lens *l);
 
 /* Reads the lens and the rays.  Any error ends the command. */
 job job_read(const job_options *o);

@@ -59,11 +59,10 @@ static void note_missing(launch_how *how, const launch *l)
     *(l->status == SGT_NO_SUCH_RAY ? &how->none : &how->undecided) += 1;
 }
 
-bool launch_there(launch_how *how, const launch *l)
+void launch_take(launch_how *how, const ray_block *b)
 {
-    if (l->status != SGT_MET) note_missing(how, l);
-    else how->folded += l->folded;
-    return l->status == SGT_MET;
+    for (size_t i = 0; i < b->lost_count; i++) note_missing(how, &b->lost[i]);
+    how->folded += b->folded;
 }
 
 sgt_field_beam launch_beam(const launch_how *how, sgt_field_kind kind, sgt_lens_field at)
@@ -74,11 +73,28 @@ sgt_field_beam launch_beam(const launch_how *how, sgt_field_kind kind, sgt_lens_
     return beam;
 }
 
-enum { LAUNCH_PART = 256 };
+enum { LAUNCH_PART = 64 }; /* with all that is known of them they stay in the nearest cache */
 
-void launch_part(const launch_plan *plan, size_t first, size_t count, launch out[])
+/* Adds a ray to the block. */
+static void put_launched(ray_block *to, const sgt_launched *l, size_t number, size_t field, sgt_pupil_point p)
+{
+    if (l->status != SGT_MET) {
+        to->lost = memory_room(to->lost, to->lost_count, &to->lost_room, sizeof *to->lost);
+        to->lost[to->lost_count++] = (launch){.ray = l->ray, .number = number, .field = field, .px = p.x,
+                                              .py = p.y, .status = l->status, .within = l->within};
+        return;
+    }
+    const size_t i = to->count++;
+    const double value[] = {l->ray.o.x, l->ray.o.y, l->ray.o.z, l->ray.d.x, l->ray.d.y, l->ray.d.z};
+    for (int k = 0; k < 6; k++) to->number[k][i] = value[k];
+    to->ray[i] = (long long)number, to->field[i] = (int)field, to->px[i] = p.x, to->py[i] = p.y;
+    to->folded += l->folded;
+}
+
+void launch_part(const launch_plan *plan, size_t first, size_t count, ray_block *to)
 {
     sgt_launched launched[LAUNCH_PART];
+    to->count = to->lost_count = to->folded = 0;
     for (size_t done = 0, part; done < count; done += part) {
         const size_t number = first + done, field = number / plan->points->count;
         const size_t point = number % plan->points->count, left = plan->points->count - point;
@@ -88,10 +104,7 @@ void launch_part(const launch_plan *plan, size_t first, size_t count, launch out
         if (!sgt_launch_rays(plan->how->from, &plan->beam[field], plan->element,
                              plan->traced->index_before, part, p, launched, NULL))
             fail_input("out of memory");
-        for (size_t i = 0; i < part; i++)
-            out[done + i] = (launch){.ray = launched[i].ray, .number = number + i, .field = field,
-                                     .px = p[i].x, .py = p[i].y, .status = launched[i].status,
-                                     .folded = launched[i].folded, .within = launched[i].within};
+        for (size_t i = 0; i < part; i++) put_launched(to, &launched[i], number + i, field, p[i]);
     }
 }
 
@@ -101,15 +114,17 @@ void launch_field(ray_list *list, launch_how *how, const lens *traced, const sgt
     const sgt_field_beam beam = launch_beam(how, kind, at);
     const launch_plan plan = {.how = how, .traced = traced, .element = element, .fields = 1,
                               .beam = &beam, .points = points};
-    launch part[LAUNCH_PART];
-    for (size_t first = 0, count; first < points->count; first += count, how->count += count) {
-        count = points->count - first < LAUNCH_PART ? points->count - first : LAUNCH_PART;
-        launch_part(&plan, first, count, part);
-        for (size_t i = 0; i < count; i++) {
-            part[i].number = how->count + i, part[i].field = field;
-            rays_add(launch_there(how, &part[i]) ? list : &how->missing, part[i]);
-        }
+    ray_block *b = memory_take(1, sizeof *b);
+    for (size_t first = 0, count; first < points->count; first += count) {
+        count = points->count - first < TILE_RAYS ? points->count - first : TILE_RAYS;
+        launch_part(&plan, first, count, b);
+        for (size_t i = 0; i < b->count; i++) b->ray[i] += (long long)how->count, b->field[i] = (int)field;
+        for (size_t i = 0; i < b->count; i++) rays_add(list, rays_launch(b, i));
+        for (size_t i = 0; i < b->lost_count; i++) b->lost[i].number += how->count, b->lost[i].field = field;
+        for (size_t i = 0; i < b->lost_count; i++) rays_add(&how->missing, b->lost[i]);
+        launch_take(how, b);
     }
+    how->count += points->count;
 }
 
 void launch_note(const launch_how *how, size_t wavelengths)

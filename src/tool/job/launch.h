@@ -42,11 +42,11 @@ typedef struct launch_plan {
 /* The beam of a field; a fault ends the command. */
 sgt_field_beam launch_beam(const launch_how *how, sgt_field_kind kind, sgt_lens_field at);
 
-/* Makes the rays first ... first + count - 1.  May run in any thread. */
-void launch_part(const launch_plan *plan, size_t first, size_t count, launch out[]);
+/* Makes the rays first ... first + count - 1, at most TILE_RAYS.  May run in any thread. */
+void launch_part(const launch_plan *plan, size_t first, size_t count, ray_block *to);
 
-/* Is the ray there?  Counts and notes it if not; counts it if it is folded. */
-bool launch_there(launch_how *how, const launch *l);
+/* Notes and counts the rays that are not there, and counts those that are folded. */
+void launch_take(launch_how *how, const ray_block *b);
 
 /* Adds the rays of a field, the field-th, to the list.  Aimed ones are those of `traced`, the lens at the
  * wavelength they are for, with its elements as they are traced; a ray that is not there is left

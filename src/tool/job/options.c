@@ -77,6 +77,21 @@ bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_defau
     return (o->solver.pick ? o->solver.pick : by_default) == SGT_NEAR_SEED && !surface_is_level_set(s);
 }
 
+sgt_search options_search(const shared_options *o, const sgt_element *e, sgt_pick by_default, sgt_ray own,
+                          const sgt_hit *hit)
+{
+    return (sgt_search){.surface = e->surface, .semi_diameter = e->semi_diameter, .ray = own,
+                        .options = &o->solver, .near_seed = options_near_seed(o, e->surface, by_default),
+                        .fast = options_fast(o, e->surface), .hit = hit};
+}
+
+void options_say_undecided(table *t, const char *who, const sgt_search *s)
+{
+    char why[WHY_SIZE];
+    sgt_why_undecided(s, sizeof why, why);
+    table_line(t, "%s%s.", who, why);
+}
+
 int options_threads(const shared_options *o)
 {
     int most = tiles_threads();

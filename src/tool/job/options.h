@@ -5,7 +5,7 @@
 #include "../show/table.h"
 #include "parse.h"
 
-#include <sagitta/system.h>
+#include <sagitta/why.h>
 
 typedef struct shared_options {
     table_target target;
@@ -37,6 +37,16 @@ static inline bool options_fast(const shared_options *o, sgt_surface s)
 /* Is the root near the seed asked for?  by_default: the pick without --pick.  Never on a level set, which has
  * no seed. */
 bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_default);
+
+/* A search by the library as the options ask for it, for why.h. */
+sgt_search options_search(const shared_options *o, const sgt_element *e, sgt_pick by_default, sgt_ray own,
+                          const sgt_hit *hit);
+
+enum { UNDECIDED_SHOWN = 4,   /* how many undecided rays are explained */
+       WHY_SIZE = 600 };      /* room for a text of why.h */
+
+/* Prints a line that begins with `who`: the stretch of the ray still in doubt, and why. */
+void options_say_undecided(table *t, const char *who, const sgt_search *s);
 
 /* How many threads to work in.  Notes on standard error if --threads cannot be used. */
 int options_threads(const shared_options *o);

@@ -28,7 +28,8 @@ static void take_version(void *into, const option_row *row, const char *value)
 
 /* What each command has. */
 static const option_row help_rows[] = {
-    {"quiet", NULL, "print no remarks on how a lens file was read; or -q", OPTION_TAKE, .take = take_quiet},
+    {"quiet", NULL, "print no remarks on a lens file, or how it was read; or -q", OPTION_TAKE,
+     .take = take_quiet},
     {"help", NULL, "the first things to know; or -h.  --help all: this text", .kind = OPTION_FLAG},
     {"version", NULL, "the version of sagitta", OPTION_TAKE, .take = take_version},
     {0},

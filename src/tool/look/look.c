@@ -212,12 +212,27 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
 
 /* ------------------------------------------------------------------ the study */
 
+/* Tasks that are at work, and whether the command is about to end. */
+static int at_work, leaving;
+
 static void in_threads(void *context, size_t tasks, void (*task)(void *data, size_t i), void *data)
 {
     const int threads = *(const int *)context;
     (void)threads; /* unused without OpenMP */
     THREADS(omp parallel for schedule(dynamic) num_threads(threads))
-    for (size_t i = 0; i < tasks; i++) task(data, i);
+    for (size_t i = 0; i < tasks; i++) {
+        __atomic_add_fetch(&at_work, 1, __ATOMIC_SEQ_CST);
+        if (!__atomic_load_n(&leaving, __ATOMIC_SEQ_CST)) task(data, i);
+        __atomic_sub_fetch(&at_work, 1, __ATOMIC_SEQ_CST);
+    }
+}
+
+/* At exit, before what they read is freed: the others are waited for.  Who leaves may be at work himself, as
+ * rows are printed there. */
+static void wait_for_threads(void)
+{
+    __atomic_store_n(&leaving, 1, __ATOMIC_SEQ_CST);
+    while (__atomic_load_n(&at_work, __ATOMIC_SEQ_CST) > 1) continue;
 }
 
 static sgt_study *studies[1];
@@ -265,6 +280,7 @@ static void begin_study(look *l, const job_points_asked *points, int *threads)
     l->study = studies[0] = sgt_study_new(of, &options, &e);
     if (!l->study) lens_refuse(&e);
     atexit(free_study);
+    atexit(wait_for_threads);
 }
 
 /* ---------------------------------------------------------------------- rows */

@@ -2,15 +2,13 @@
  *
  * The header is a Python dictionary with three keys: descr, a type or a list of ('name', 'type');
  * fortran_order; and shape.  Here it is read as what NumPy writes, strictly: what is not understood is an
- * error.  Rows are read when they are asked for, so memory does not hold the file. */
+ * error.  Rows stay in the file, which is mapped, so memory does not hold them. */
 #include "array.h"
 
 #include "../base/fail.h"
 #include "../base/input.h"
 #include "../base/memory.h"
-#include "../base/threads.h"
 
-#include <errno.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -138,11 +136,8 @@ static void read_dictionary(array *a, const char *text)
 }
 
 /* Is the file as long as its header says? */
-static void check_length(const array *a)
+static void check_length(const array *a, size_t have)
 {
-    const long end = fseek(a->file, 0, SEEK_END) == 0 ? ftell(a->file) : -1;
-    if (end < 0) fail_input("%s: not a file that can be read in parts", a->path);
-    const size_t have = (size_t)(end - a->start);
     if (have / a->row_size < a->rows)
         fail_input("%s: cut off: %zu rows, but the header says %zu", a->path, have / a->row_size, a->rows);
     if (have != a->rows * a->row_size)
@@ -151,45 +146,30 @@ static void check_length(const array *a)
 
 array array_open(const char *path)
 {
-    enum { HEADER_MOST = 1 << 20 };
-    array a = {.path = path, .file = input_open(path)};
-    unsigned char start[12] = {0};
-    if (fread(start, 1, 10, a.file) != 10 || memcmp(start, "\x93NUMPY", 6) != 0)
-        fail_input("%s: not an npy file", path);
-    if (start[6] < 1 || start[6] > 3)
-        fail_input("%s: version %d of the npy format; only 1 to 3 can be read", path, start[6]);
-    if (start[6] > 1 && fread(start + 10, 1, 2, a.file) != 2)
-        fail_input("%s: cut off within its header", path);
-    const size_t low = start[8] | (size_t)start[9] << 8, high = start[10] | (size_t)start[11] << 8;
-    const size_t length = high << 16 | low;
+    enum { HEADER_MOST = 1 << 20, START = 10, START_LATER = 12 };
+    bool mapped;
+    const input in = input_map(path, &mapped);
+    const unsigned char *all = (const unsigned char *)in.text;
+    if (in.length < START || memcmp(all, "\x93NUMPY", 6) != 0) fail_input("%s: not an npy file", path);
+    if (all[6] < 1 || all[6] > 3)
+        fail_input("%s: version %d of the npy format; only 1 to 3 can be read", path, all[6]);
+    const size_t start = all[6] > 1 ? START_LATER : START;
+    if (in.length < start) fail_input("%s: cut off within its header", path);
+    const size_t high = all[6] > 1 ? all[10] | (size_t)all[11] << 8 : 0;
+    const size_t length = high << 16 | (size_t)all[9] << 8 | all[8];
     if (length > HEADER_MOST) fail_input("%s: a header of %zu bytes", path, length);
-    char *text = memory_take(length + 1, 1);
-    if (fread(text, 1, length, a.file) != length) fail_input("%s: cut off within its header", path);
-    a.start = (long)length + (start[6] > 1 ? 12 : 10);
-    read_dictionary(&a, text);
-    check_length(&a);
+    if (in.length - start < length) fail_input("%s: cut off within its header", path);
+    array a = {.path = path, .row = all + start + length, .mapped = mapped};
+    read_dictionary(&a, memory_text(in.text + start, length));
+    check_length(&a, in.length - start - length);
     return a;
 }
 
-void array_read(const array *a, size_t first, size_t count, unsigned char *to)
+void array_leave(const array *a, size_t first, size_t count)
 {
-    size_t got = 0;
-    THREADS(omp critical(array))
-    {
-        if (fseek(a->file, a->start + (long)(first * a->row_size), SEEK_SET) == 0)
-            got = fread(to, a->row_size, count, a->file);
-    }
-    if (got == count) return;
-    note("%s: it became shorter while it was read", a->path);
-    _Exit(EXIT_BAD_INPUT); /* other threads are at work */
-}
-
-double array_double(const unsigned char *at)
-{
-    const long long integer = array_integer(at, 8);
-    double x;
-    memcpy(&x, &integer, sizeof x);
-    return x;
+    enum { WINDOW = 1 << 24 }; /* is left at once: each time costs as much as some thousand rows */
+    const size_t end = (first + count) * a->row_size / WINDOW, before = first * a->row_size / WINDOW;
+    if (a->mapped && end > before) input_leave(a->row + before * WINDOW, (end - before) * WINDOW);
 }
 
 long long array_integer(const unsigned char *at, size_t size)

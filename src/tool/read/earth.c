@@ -25,12 +25,14 @@ const sgt_surface_ops *earth_file_ops(void) { return &sgt_geoid_height_ops; }
 
 const char *earth_complete(void *context, const sgt_builtin *type, void *self, const char *path)
 {
-    static char why[sizeof(sgt_error)];
+    static char why[sizeof(sgt_error) + 20];
     sgt_error error;
     char found[1000];
     (void)context, (void)type;
-    if (!path && !sgt_geoid_find(found, sizeof found))
-        return "missing, and the default grid, egm96_15.gtx of proj-data, is not installed";
+    if (!path && !sgt_geoid_find(found, sizeof found, &error)) {
+        snprintf(why, sizeof why, "missing, and %s", error.words);
+        return why;
+    }
     opened = memory_room(opened, count, &room, sizeof *opened);
     if (count == 0) atexit(close_all);
     sgt_geoid *geoid = sgt_geoid_open(path ? path : found, &error);

@@ -76,11 +76,17 @@ static const char *read_whole(void *context, const char *path, char **text, size
     return fault;
 }
 
+static void forget_text(void *context, char *text)
+{
+    (void)context;
+    memory_drop(text);
+}
+
 sgt_lens_options lens_options(void)
 {
     return (sgt_lens_options){.glasses = own_glasses(), .types = earth_types(),
                               .file_ops = earth_file_ops(), .complete = earth_complete,
-                              .read = read_whole, .configuration = configuration};
+                              .read = read_whole, .forget = forget_text, .configuration = configuration};
 }
 
 /* --------------------------------------------------------------- the lens */
@@ -148,14 +154,15 @@ static lens lens_chosen(sgt_lens *of, lens_wavelength at)
     for (size_t i = 0; of->wavelength && i < of->wavelengths && !l.chosen; i++)
         if (of->wavelength[i] == at.um) l.chosen = i + 1;
     if (l.chosen) l.wavelength = of->wavelength ? of->wavelength[l.chosen - 1] : (double)NAN;
-    l.element = memory_take(l.count, sizeof *l.element);
     l.index = memory_take(l.count, sizeof *l.index);
     return l;
 }
 
 static bool lens_fill(lens *l, sgt_error *e)
 {
-    if (!sgt_lens_at(l->of, l->wavelength, l->element, &l->index_before, e)) return false;
+    sgt_element *own = l->chosen == l->of->primary + 1 ? NULL : memory_take(l->count, sizeof *own);
+    l->element = own ? own : l->of->element;
+    if (!sgt_lens_at(l->of, l->wavelength, own, &l->index_before, e)) return false;
     for (size_t i = 0; i < l->count; i++)
         l->index[i] = l->surface[i].mirror ? (i ? l->index[i - 1] : l->index_before) : l->element[i].index;
     return true;
@@ -173,6 +180,8 @@ lens lens_at(sgt_lens *of, lens_wavelength at)
 static bool quiet;
 
 void lens_be_quiet(void) { quiet = true; }
+
+bool lens_quiet(void) { return quiet; }
 
 static void note_remarks(const sgt_lens *l)
 {

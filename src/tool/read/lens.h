@@ -13,7 +13,7 @@ typedef struct lens {
     double wavelength;        /* the chosen one, in micrometres; NaN: the file gives none */
     double index_before;
     size_t count;
-    sgt_element *element;     /* [count], at the chosen wavelength */
+    const sgt_element *element; /* [count], at the chosen wavelength */
     double *index;            /* [count]: behind each, positive, after a mirror too */
     const sgt_lens_surface *surface; /* [count] */
 } lens;
@@ -32,6 +32,7 @@ void lens_be_strict(void);
 
 /* From now on what a reader remarks of a lens is not printed.  Errors, and what --strict refuses, are. */
 void lens_be_quiet(void);
+bool lens_quiet(void);
 
 /* Any error ends the command, with file, line and key in the message.  What a user should know of the lens is
  * noted on standard error. */

@@ -8,10 +8,13 @@
 
 #include "../base/fail.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
 #include "array.h"
 
 #include <dirent.h>
+#include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -20,7 +23,8 @@ typedef struct ray_column { const array *file; size_t offset; const array_field 
 
 struct ray_table {
     const char *path;
-    size_t rows, files;
+    size_t rows, files, bad; /* bad: how many of the rows are */
+    bool ended;              /* there is tmin or tmax */
     array file[RAY_COLUMNS];
     ray_column column[RAY_COLUMNS];
     char *id;          /* [rows], each of id_room bytes */
@@ -117,59 +121,111 @@ static void open_folder(ray_table *t, const char *path)
     }
 }
 
-/* Reads the numbers of rows; value[i]: those of a row. */
-static void read_values(const ray_table *t, size_t first, size_t count, double value[][RAY_ID],
-                        unsigned char *room)
+/* The cells of a column from a row on, and how far they are apart. */
+typedef struct cells { const unsigned char *at; size_t apart; } cells;
+
+static cells cells_of(const ray_table *t, int c, size_t first)
 {
-    for (size_t f = 0; f < t->files; f++) {
-        const array *a = &t->file[f];
-        array_read(a, first, count, room);
-        for (int c = 0; c < RAY_ID; c++) {
-            if (t->column[c].file != a) continue;
-            for (size_t i = 0; i < count; i++)
-                value[i][c] = array_double(room + i * a->row_size + t->column[c].offset);
-        }
-    }
+    const ray_column *own = &t->column[c];
+    return (cells){array_row(own->file, first) + own->offset, own->file->row_size};
 }
 
-enum { TABLE_PART = 256, ROW_MOST = 512 }; /* rows at a time; bytes of a row */
-
-void ray_table_part(const ray_table *t, size_t first, size_t count, launch out[], size_t *there)
+/* Reads the columns of rows, whatever stands in them. */
+static void read_columns(const ray_table *t, size_t first, size_t count, ray_block *to)
 {
-    unsigned char room[TABLE_PART * ROW_MOST];
-    double value[TABLE_PART][RAY_ID];
-    *there = 0;
-    for (size_t done = 0, part; done < count; done += part) {
-        part = count - done < TABLE_PART ? count - done : TABLE_PART;
-        read_values(t, first + done, part, value, room);
-        for (size_t i = 0; i < part; i++) {
-            char why[RAY_WHY];
-            const size_t row = first + done + i;
-            launch l = {.number = row, .id = t->id ? t->id + row * t->id_room : NULL};
-            if (ray_of(value[i], t->column[RAY_TMIN].file, t->column[RAY_TMAX].file, &l.ray, why))
-                out[(*there)++] = l;
+    for (int c = 0; c < RAY_ID; c++) {
+        double *number = to->number[c];
+        if (t->column[c].file) {
+            const cells from = cells_of(t, c, first);
+            for (size_t i = 0; i < count; i++) number[i] = array_double(from.at + i * from.apart);
+        } else {
+            for (size_t i = 0; i < count && t->ended; i++) number[i] = c == RAY_TMIN ? 0 : HUGE_VAL;
         }
     }
+    for (size_t i = 0; i < count; i++) to->ray[i] = (long long)(first + i);
+    for (size_t i = 0; i < count && t->id; i++) to->id[i] = t->id + (first + i) * t->id_room;
+    to->count = count, to->ended = t->ended;
+    for (size_t f = 0; f < t->files; f++) array_leave(&t->file[f], first, count);
 }
 
-/* Looks at every ray; returns how many are bad. */
-static size_t check_rows(const ray_table *t, bool skip_bad, size_t *first_bad, char first_why[RAY_WHY])
+/* Leaves only the good ones.  Returns how many were bad; the first of them, and why. */
+static size_t leave_good(ray_block *b, long long *first_bad, char first_why[RAY_WHY])
 {
-    unsigned char room[TABLE_PART * ROW_MOST];
-    double value[TABLE_PART][RAY_ID];
-    size_t bad = 0;
-    for (size_t first = 0, part; first < t->rows; first += part) {
-        part = t->rows - first < TABLE_PART ? t->rows - first : TABLE_PART;
-        read_values(t, first, part, value, room);
-        for (size_t i = 0; i < part; i++) {
-            sgt_ray ray;
-            char why[RAY_WHY];
-            if (ray_of(value[i], t->column[RAY_TMIN].file, t->column[RAY_TMAX].file, &ray, why)) continue;
-            if (!skip_bad) fail_input("%s: row %zu, counted from 0: %s", t->path, first + i, why);
-            if (bad++ == 0) *first_bad = first + i, memcpy(first_why, why, RAY_WHY);
+    const size_t all = b->count;
+    size_t good = 0;
+    for (size_t i = 0; i < all; i++) {
+        sgt_ray unused;
+        double value[8];
+        char why[RAY_WHY];
+        for (int c = 0; c < 8; c++) value[c] = b->number[c][i];
+        if (!ray_of(value, b->ended, b->ended, &unused, why)) {
+            if (i == good) *first_bad = b->ray[i], memcpy(first_why, why, RAY_WHY);
+            continue;
         }
+        for (int c = 0; c < 8; c++) b->number[c][good] = value[c];
+        b->ray[good] = b->ray[i], b->id[good] = b->id[i];
+        good++;
     }
-    return bad;
+    b->count = good;
+    return all - good;
+}
+
+void ray_table_part(const ray_table *t, size_t first, size_t count, ray_block *to)
+{
+    long long first_bad;
+    char why[RAY_WHY];
+    read_columns(t, first, count, to);
+    if (t->bad) leave_good(to, &first_bad, why);
+}
+
+/* Is there a bad one among these rows?  By the bits of the exponents: all set, a number is not finite; none
+ * set in dx, dy and dz, all three are below 2^-1022. */
+static bool any_bad(const ray_table *t, size_t first, size_t count)
+{
+    static const uint64_t exponent = (uint64_t)0x7ff << 52, one = (uint64_t)1 << 52;
+    const cells x = cells_of(t, 3, first), y = cells_of(t, 4, first), z = cells_of(t, 5, first);
+    uint64_t top = 0; /* its highest bit */
+    for (int c = 0; c < RAY_REQUIRED; c++) {
+        const cells from = cells_of(t, c, first);
+        for (size_t i = 0; i < count; i++) top |= (array_bits(from.at + i * from.apart) & exponent) + one;
+    }
+    for (size_t i = 0; i < count; i++)
+        top |= ((array_bits(x.at + i * x.apart) | array_bits(y.at + i * y.apart) |
+                 array_bits(z.at + i * z.apart)) & exponent) - one;
+    for (size_t i = 0; i < count && t->ended; i++) {
+        double end[2] = {0, HUGE_VAL};
+        for (int c = RAY_TMIN; c <= RAY_TMAX; c++)
+            if (t->column[c].file) end[c - RAY_TMIN] = array_double(cells_of(t, c, first + i).at);
+        if (!(end[0] <= end[1]) || end[0] > DBL_MAX || end[1] < -DBL_MAX) return true;
+    }
+    for (size_t f = 0; f < t->files; f++) array_leave(&t->file[f], first, count);
+    return top >> 63;
+}
+
+/* Looks at every ray. */
+static void check_rows(ray_table *t, bool skip_bad, int threads)
+{
+    enum { ROWS = 1 << 14 };
+    bool any = false;
+    (void)threads; /* unused without OpenMP */
+    THREADS(omp parallel for reduction(|| : any) num_threads(threads > 1 ? threads : 1))
+    for (size_t first = 0; first < t->rows; first += ROWS)
+        any = any_bad(t, first, t->rows - first < ROWS ? t->rows - first : ROWS) || any;
+    if (!any) return;
+    long long first_bad = 0;
+    char first_why[RAY_WHY];
+    ray_block *b = memory_take(1, sizeof *b);
+    for (size_t first = 0; first < t->rows; first += TILE_RAYS) {
+        long long bad_row;
+        char why[RAY_WHY];
+        read_columns(t, first, t->rows - first < TILE_RAYS ? t->rows - first : TILE_RAYS, b);
+        const size_t bad = leave_good(b, &bad_row, why);
+        if (bad && !skip_bad) fail_input("%s: row %lld, counted from 0: %s", t->path, bad_row, why);
+        if (bad && !t->bad) first_bad = bad_row, memcpy(first_why, why, RAY_WHY);
+        t->bad += bad;
+    }
+    note("%s: %zu bad row%s skipped, the first is row %lld, counted from 0: %s", t->path, t->bad,
+         t->bad == 1 ? "" : "s", first_bad, first_why);
 }
 
 static void read_ids(ray_table *t, ray_list *list)
@@ -179,12 +235,11 @@ static void read_ids(ray_table *t, ray_list *list)
     const bool text = c->field->type[1] == 'S';
     t->id_room = text ? c->field->size + 1 : INTEGER_ROOM;
     t->id = memory_take(t->rows, t->id_room);
-    unsigned char *row = memory_take(1, c->file->row_size);
     for (size_t i = 0; i < t->rows; i++) {
         char *to = t->id + i * t->id_room;
-        array_read(c->file, i, 1, row);
-        if (text) memcpy(to, row + c->offset, c->field->size);
-        else snprintf(to, INTEGER_ROOM, "%lld", array_integer(row + c->offset, c->field->size));
+        const unsigned char *from = array_row(c->file, i) + c->offset;
+        if (text) memcpy(to, from, c->field->size);
+        else snprintf(to, INTEGER_ROOM, "%lld", array_integer(from, c->field->size));
         const size_t length = strlen(to);
         if (length > list->longest_id) list->longest_id = length;
     }
@@ -201,16 +256,9 @@ void ray_table_open(ray_list *list, const char *path, bool skip_bad)
         if (!t->column[c].file)
             fail_input("%s: %s: this column is missing; ox, oy, oz, dx, dy, dz are needed", path,
                        ray_column_name[c]);
-    for (size_t f = 0; f < t->files; f++)
-        if (t->file[f].row_size > ROW_MOST) fail_input("%s: a row has more than %d bytes", path, ROW_MOST);
     if (!t->rows) fail_input("%s: no rays: the array is empty", path);
-    size_t first_bad = 0;
-    char why[RAY_WHY];
-    const size_t bad = check_rows(t, skip_bad, &first_bad, why);
-    if (bad)
-        note("%s: %zu bad row%s skipped, the first is row %zu, counted from 0: %s", path, bad,
-             bad == 1 ? "" : "s", first_bad, why);
+    t->ended = list->ended = t->column[RAY_TMIN].file || t->column[RAY_TMAX].file;
+    check_rows(t, skip_bad, list->threads);
     if (t->column[RAY_ID].file) read_ids(t, list);
-    list->ended = t->column[RAY_TMIN].file || t->column[RAY_TMAX].file;
     list->table = t, list->count = t->rows;
 }

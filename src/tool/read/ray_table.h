@@ -19,6 +19,6 @@ bool ray_table_is(const char *path);
 void ray_table_open(ray_list *list, const char *path, bool skip_bad);
 
 /* As rays_part. */
-void ray_table_part(const ray_table *from, size_t first, size_t count, launch room[], size_t *there);
+void ray_table_part(const ray_table *from, size_t first, size_t count, ray_block *to);
 
 #endif

@@ -7,6 +7,9 @@
  * A row is bad if it has too few or too many fields, or one that is not a number, or if the
  * library would call the ray invalid.  So the user is told the line, and not only a status.
  *
+ * Nearly all lines are numbers with commas between them.  Those are read where they stand, in one pass; only
+ * another line is first split into its fields.
+ *
  * A line ends at its \n, even inside quotes.  So the text can be cut at any \n, and the pieces
  * are read in threads.  First the rows of each piece are counted.  Then each piece knows where
  * its rays go, and the numbers of its rows and lines. */
@@ -193,9 +196,10 @@ static void rays_read_header(reader *r, int place[RAY_COLUMNS])
                        r->line, ray_column_name[c]);
 }
 
-static bool row_of(const reader *r, const int place[RAY_COLUMNS], int columns, launch *l, char why[RAY_WHY])
+/* The numbers of the line that was split. */
+static bool row_of(const reader *r, const int place[RAY_COLUMNS], int columns, double value[8],
+                   char why[RAY_WHY])
 {
-    double value[8] = {0};
     if (r->broken) return bad(why, "%s", BROKEN);
     if (r->count != columns)
         return bad(why, "%s fields than the %d of the header", r->count < columns ? "fewer" : "more",
@@ -203,7 +207,7 @@ static bool row_of(const reader *r, const int place[RAY_COLUMNS], int columns, l
     for (int c = 0; c < RAY_ID; c++)
         if (place[c] >= 0 && !number_read(r->field[place[c]], &value[c]))
             return bad(why, "%s: \"%.60s\" is not a number", ray_column_name[c], r->field[place[c]]);
-    return ray_of(value, place[RAY_TMIN] >= 0, place[RAY_TMAX] >= 0, &l->ray, why);
+    return true;
 }
 
 /* A piece of the text: whole lines. */
@@ -236,15 +240,41 @@ static void count_rows(piece *p)
     p->lines = r.line;
 }
 
+/* Reads the next line right where it stands, if each field is a decimal number and its column no id.  false:
+ * it is no such line, and nothing is read. */
+static bool read_plain(reader *r, const int column[FIELDS_MOST], int columns, double value[8])
+{
+    const char *s = r->at, *stop = memchr(s, '\n', (size_t)(r->end - s));
+    if (!stop) stop = r->end;
+    for (int f = 0; f < columns; f++, s++) {
+        while (s < stop && (*s == ' ' || *s == '\t')) s++;
+        const size_t length = column[f] == RAY_ID ? 0 : number_read_first(s, stop, &value[column[f]]);
+        if (length == 0) return false;
+        s += length;
+        while (s < stop && (*s == ' ' || *s == '\t' || *s == '\r')) s++;
+        if (f + 1 < columns ? s == stop || *s != ',' : s != stop) return false;
+    }
+    r->at += stop - r->at + (stop < r->end);
+    r->line++;
+    return true;
+}
+
 /* Reads the rays of a piece to ray[0], ray[1] ... */
 static void read_piece(piece *p, const int place[RAY_COLUMNS], int columns, launch *ray, bool skip_bad)
 {
     reader *r = &p->reader;
     char why[RAY_WHY];
-    for (size_t number = p->number; next_line(r); number++) {
+    int column[FIELDS_MOST] = {0};
+    for (int c = 0; c < RAY_COLUMNS; c++)
+        if (place[c] >= 0) column[place[c]] = c;
+    for (size_t number = p->number;; number++) {
         launch *l = &ray[p->good];
+        double value[8] = {0};
+        const bool plain = r->at < r->end && read_plain(r, column, columns, value);
+        if (!plain && !next_line(r)) return;
         *l = (launch){.number = number};
-        if (row_of(r, place, columns, l, why)) {
+        if ((plain || row_of(r, place, columns, value, why)) &&
+            ray_of(value, place[RAY_TMIN] >= 0, place[RAY_TMAX] >= 0, &l->ray, why)) {
             if (place[RAY_ID] >= 0) l->id = r->field[place[RAY_ID]];
             p->good++;
         } else if (p->bad++ == 0) {
@@ -259,8 +289,14 @@ static void read_table(ray_list *list, const char *path, bool skip_bad)
 {
     ray_table_open(list, path, skip_bad);
     if (list->parts) return;
-    list->ray = memory_take(list->count, sizeof *list->ray);
-    ray_table_part(list->table, 0, list->count, list->ray, &list->count);
+    const size_t rows = list->count;
+    list->ray = memory_grow(NULL, rows, sizeof *list->ray);
+    list->count = 0;
+    ray_block *b = memory_take(1, sizeof *b);
+    for (size_t first = 0; first < rows; first += TILE_RAYS) {
+        ray_table_part(list->table, first, rows - first < TILE_RAYS ? rows - first : TILE_RAYS, b);
+        for (size_t i = 0; i < b->count; i++) list->ray[list->count++] = rays_launch(b, i);
+    }
 }
 
 static void read_csv(ray_list *list, const char *path, bool skip_bad)
@@ -306,9 +342,28 @@ void rays_read(ray_list *list, const char *path, bool skip_bad)
     (ray_table_is(path) ? read_table : read_csv)(list, path, skip_bad);
 }
 
-const launch *rays_part(const ray_list *list, size_t first, size_t count, launch room[], size_t *there)
+launch rays_launch(const ray_block *b, size_t i)
 {
-    if (list->ray) return *there = count, &list->ray[first];
-    ray_table_part(list->table, first, count, room, there);
-    return room;
+    const double(*n)[TILE_RAYS] = b->number;
+    return (launch){.ray = sgt_ray_between((sgt_vec3){n[0][i], n[1][i], n[2][i]},
+                                           (sgt_vec3){n[3][i], n[4][i], n[5][i]}, b->ended ? n[6][i] : 0,
+                                           b->ended ? n[7][i] : HUGE_VAL),
+                    .number = (size_t)b->ray[i], .field = (size_t)b->field[i], .px = b->px[i],
+                    .py = b->py[i], .id = b->id[i], .status = SGT_MET};
+}
+
+void rays_part(const ray_list *list, size_t first, size_t count, ray_block *to)
+{
+    if (!list->ray) {
+        ray_table_part(list->table, first, count, to);
+        return;
+    }
+    to->count = count, to->ended = true;
+    for (size_t i = 0; i < count; i++) {
+        const launch *l = &list->ray[first + i];
+        const sgt_ray *r = &l->ray;
+        const double number[] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, ray_end(r)};
+        for (int k = 0; k < 8; k++) to->number[k][i] = number[k];
+        to->ray[i] = (long long)l->number, to->id[i] = l->id;
+    }
 }

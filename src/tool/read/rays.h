@@ -1,6 +1,8 @@
 /* rays.h - the rays of a command: from a file, from --ray, or through a pupil. */
 #ifndef TOOL_RAYS_H
 #define TOOL_RAYS_H
+#include "../base/tiles.h"
+
 #include <sagitta/aim.h>
 
 typedef struct launch {
@@ -10,9 +12,33 @@ typedef struct launch {
     double px, py;      /* where it crosses the pupil, in radii of it; of a launched ray */
     const char *id;     /* from the file; NULL: it has no such column */
     sgt_aimed status;   /* of a launched ray: unless SGT_MET, it is not there */
-    bool folded;        /* and the pupil is inside out near it */
     double within;      /* if it is not there: as in sgt_launched */
 } launch;
+
+/* Rays by column: those of a tile. */
+typedef struct ray_block {
+    size_t count;
+    bool ended;                         /* there are tmin and tmax; else they are 0 and infinite */
+    double number[8][TILE_RAYS];        /* o, d, tmin, tmax */
+    long long ray[TILE_RAYS];           /* what a launch has of each: its number, */
+    int field[TILE_RAYS];
+    double px[TILE_RAYS], py[TILE_RAYS];
+    const char *id[TILE_RAYS];
+    size_t folded;                      /* how many are where the pupil is inside out */
+    size_t lost_count, lost_room;
+    launch *lost;                       /* those that are not there */
+} ray_block;
+
+/* A ray of a block by itself. */
+launch rays_launch(const ray_block *b, size_t i);
+
+/* Its columns for a batch. */
+static inline sgt_rays rays_columns(const ray_block *b)
+{
+    const double(*n)[TILE_RAYS] = b->number;
+    return (sgt_rays){.o = {n[0], n[1], n[2]}, .d = {n[3], n[4], n[5]}, .tmin = b->ended ? n[6] : NULL,
+                      .tmax = b->ended ? n[7] : NULL};
+}
 
 typedef struct ray_table ray_table;
 typedef struct ray_list {
@@ -33,9 +59,8 @@ void rays_add(ray_list *list, launch ray);
  * standard error says how many. */
 void rays_read(ray_list *list, const char *path, bool skip_bad);
 
-/* The rays first ... first + count - 1.  room: [count], which may be used or not.  *there: how many of them
- * are good. */
-const launch *rays_part(const ray_list *list, size_t first, size_t count, launch room[], size_t *there);
+/* The good ones of the rays first ... first + count - 1, at most TILE_RAYS. */
+void rays_part(const ray_list *list, size_t first, size_t count, ray_block *to);
 
 /* The tmax that is meant: infinity where both ends are left at their default. */
 double ray_end(const sgt_ray *ray);

@@ -26,14 +26,15 @@ struct block {
     width *width;               /* [columns] */
     bytes kept;
     FILE *aside;                /* NULL: nothing, and all is kept */
-    bool in_memory;             /* there are no temporary files */
+    bool in_memory;             /* a part, or there are no temporary files */
 };
 
-block *block_new(size_t columns, const column *head, const char *const *unit)
+block *block_new(size_t columns, const column *head, const char *const *unit, bool part)
 {
     block *b = memory_take(1, sizeof *b);
     *b = (block){
-        .columns = columns, .column = head, .unit = unit, .width = memory_take(columns, sizeof *b->width)};
+        .columns = columns, .column = head, .unit = unit, .in_memory = part,
+        .width = memory_take(columns, sizeof *b->width)};
     return b;
 }
 
@@ -53,16 +54,6 @@ static void widen(width *w, width by)
     if (by.after > w->after) w->after = by.after;
 }
 
-void block_cell(block *b, const char *text, size_t length)
-{
-    size_t i = b->cells++ % b->columns;
-    if (i == 0) bytes_one(&b->kept, BLOCK_ROW);
-    bytes_put(&b->kept, text, length + 1);
-    widen(&b->width[i], width_of(text, length, b->column[i].kind));
-}
-
-void block_gap(block *b) { bytes_one(&b->kept, BLOCK_GAP); }
-
 _Noreturn static void fail_aside(const char *what)
 {
     fail_input("the temporary file for the rows of the table could not be %s", what);
@@ -79,6 +70,17 @@ static void put_aside(block *b)
         fail_aside("written");
     b->kept.length = 0;
 }
+
+void block_cell(block *b, const char *text, size_t length)
+{
+    size_t i = b->cells++ % b->columns;
+    if (i == 0 && b->kept.length >= ASIDE && !b->in_memory) put_aside(b);
+    if (i == 0) bytes_one(&b->kept, BLOCK_ROW);
+    bytes_put(&b->kept, text, length + 1);
+    widen(&b->width[i], width_of(text, length, b->column[i].kind));
+}
+
+void block_gap(block *b) { bytes_one(&b->kept, BLOCK_GAP); }
 
 void block_join(block *b, block *part)
 {

@@ -8,8 +8,8 @@
 /* Rows that are not yet written: cells, and gaps between rows. */
 typedef struct block block;
 
-/* head, and the units below it (NULL: none): as long as the block. */
-block *block_new(size_t columns, const column *head, const char *const *unit);
+/* head, and the units below it (NULL: none): as long as the block.  part: it will be joined to another. */
+block *block_new(size_t columns, const column *head, const char *const *unit, bool part);
 
 /* Appends a cell, row by row; a gap. */
 void block_cell(block *b, const char *text, size_t length);

@@ -9,6 +9,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <sys/stat.h>
@@ -16,23 +17,28 @@
 typedef struct npy_file {
     char *path;
     FILE *file;
-    bytes packed;      /* of a folder: the cells of one column */
+    size_t row_size;
 } npy_file;
 
+/* Where a column is: in a file, at so many bytes of its rows. */
+typedef struct npy_place { size_t file, offset; } npy_place;
+
 struct npy_output {
-    const table_target *target;
+    size_t word_size;  /* of a WORD: bytes */
     const column *head;
-    size_t columns, row_size, rows;
+    size_t columns, rows;
     bool folder;
     npy_file *file;    /* one, or one for each column */
+    npy_place *place;  /* [columns] */
 };
 
-size_t npy_size(const table_target *target, column_kind kind)
+/* The bytes of a cell. */
+static size_t npy_size(const npy_output *n, column_kind kind)
 {
     switch (kind) {
     case COLUMN_INTEGER: return sizeof(int32_t);
     case COLUMN_CODE: return 1;
-    case COLUMN_WORD: return target->word_size ? target->word_size : 1;
+    case COLUMN_WORD: return n->word_size;
     default: return 8;
     }
 }
@@ -41,7 +47,7 @@ size_t npy_size(const table_target *target, column_kind kind)
 static void put_type(bytes *b, const npy_output *n, size_t place)
 {
     const column_kind kind = n->head[place].kind;
-    const size_t size = npy_size(n->target, kind);
+    const size_t size = npy_size(n, kind);
     const uint16_t one = 1;
     const bool little = *(const uint8_t *)&one == 1, single = size == 1 || kind == COLUMN_WORD;
     const char letter = kind == COLUMN_WORD ? 'S' : kind < COLUMN_COUNT ? 'f' : 'i';
@@ -88,6 +94,7 @@ static void npy_open(npy_output *n, size_t place, char *path)
     if (stat(path, &is) == 0 && !S_ISREG(is.st_mode))
         fail_input("--output %s: not a file, and an npy file is written from its beginning again", path);
     if (!(f->file = fopen(path, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
+    setvbuf(f->file, NULL, _IONBF, 0); /* what is written is long */
     npy_write_header(n, place);
 }
 
@@ -137,37 +144,89 @@ npy_output *npy_begin(const table_target *target, size_t columns, const column *
     if (target->hexadecimal) fail_usage("--hex: not with --format npy, where numbers are bytes");
     const size_t length = strlen(path);
     npy_output *n = memory_take(1, sizeof *n);
-    *n = (npy_output){.target = target, .head = head, .columns = columns,
+    *n = (npy_output){.head = head, .columns = columns,
+                      .word_size = target->word_size ? target->word_size : 1,
                       .file = memory_take(columns, sizeof *n->file),
+                      .place = memory_take(columns, sizeof *n->place),
                       .folder = length < 4 || strcmp(path + length - 4, ".npy") != 0};
-    for (size_t i = 0; i < columns; i++) n->row_size += npy_size(target, head[i].kind);
+    for (size_t i = 0; i < columns; i++) {
+        npy_file *f = &n->file[n->folder ? i : 0];
+        n->place[i] = (npy_place){(size_t)(f - n->file), f->row_size};
+        f->row_size += npy_size(n, head[i].kind);
+    }
     if (n->folder) npy_open_folder(n, path);
     else npy_open(n, 0, memory_text(path, length));
     return n;
 }
 
-void npy_write(npy_output *n, size_t length, const char *rows)
+size_t npy_files(const npy_output *n) { return n->folder ? n->columns : 1; }
+
+/* Copies a column of cells of a size that the compiler knows, four at a time. */
+#define COPY(SIZE)                                                                    \
+    for (; rows >= 4; rows -= 4, to += 4 * apart, from += 4 * step) {                 \
+        memcpy(to, from, SIZE);                                                       \
+        memcpy(to + apart, from + step, SIZE);                                        \
+        memcpy(to + 2 * apart, from + 2 * step, SIZE);                                \
+        memcpy(to + 3 * apart, from + 3 * step, SIZE);                                \
+    }                                                                                 \
+    for (; rows > 0; rows--, to += apart, from += step) memcpy(to, from, SIZE)
+
+/* size: of a cell; apart: from one to the next. */
+static void copy_column(char *to, size_t apart, size_t size, column_kind kind, const table_values *v,
+                        size_t rows)
 {
-    const size_t count = length / n->row_size;
-    if (count == 0) return; /* a tile of no rows has no text */
-    n->rows += count;
-    if (!n->folder) {
-        fwrite(rows, 1, length, n->file[0].file);
-        return;
+    static const double nan = (double)NAN;
+    static const long long zero;
+    const bool word = kind == COLUMN_WORD;
+    const char *from = v->at ? v->at : kind < COLUMN_COUNT ? (const char *)&nan : (const char *)&zero;
+    const size_t step = v->at ? v->step : 0;
+    if (word) {
+        for (size_t i = 0; i < rows; i++, to += apart, from += step) {
+            const char *const *text = v->at ? (const void *)from : NULL;
+            const size_t length = text ? strlen(*text) : 0;
+            if (length) memcpy(to, *text, length);
+            memset(to + length, 0, size - length);
+        }
+    } else if (size == 8) {
+        COPY(8);
+    } else if (size == 4) {
+        COPY(4);
+    } else {
+        COPY(1);
     }
-    for (size_t c = 0, at = 0, size; c < n->columns; c++, at += size) {
-        npy_file *f = &n->file[c];
-        size = npy_size(n->target, n->head[c].kind);
-        f->packed.length = 0;
-        char *to = bytes_room(&f->packed, count * size);
-        for (size_t i = 0; i < count; i++) memcpy(to + i * size, rows + i * n->row_size + at, size);
-        fwrite(to, 1, count * size, f->file);
+}
+
+enum { ROWS_AT_ONCE = 128 }; /* they stay in the cache until all their columns are there */
+
+void npy_block(const npy_output *n, size_t rows, const table_values values[], bytes out[])
+{
+    for (size_t f = 0; f < npy_files(n); f++) bytes_room(&out[f], rows * n->file[f].row_size);
+    for (size_t first = 0, count; first < rows; first += count) {
+        count = rows - first < ROWS_AT_ONCE ? rows - first : ROWS_AT_ONCE;
+        for (size_t c = 0; c < n->columns; c++) {
+            const npy_place *p = &n->place[c];
+            const size_t apart = n->file[p->file].row_size;
+            const table_values v = {values[c].at ? (const char *)values[c].at + first * values[c].step : NULL,
+                                    values[c].step, NULL};
+            copy_column(out[p->file].at + out[p->file].length + first * apart + p->offset, apart,
+                        npy_size(n, n->head[c].kind), n->head[c].kind, &v, count);
+        }
+    }
+    for (size_t f = 0; f < npy_files(n); f++) out[f].length += rows * n->file[f].row_size;
+}
+
+void npy_write(npy_output *n, bytes out[])
+{
+    n->rows += out[0].length / n->file[0].row_size;
+    for (size_t f = 0; f < npy_files(n); f++) {
+        if (out[f].length) fwrite(out[f].at, 1, out[f].length, n->file[f].file);
+        out[f].length = 0;
     }
 }
 
 void npy_end(npy_output *n)
 {
-    for (size_t i = 0; i < (n->folder ? n->columns : 1); i++) {
+    for (size_t i = 0; i < npy_files(n); i++) {
         npy_file *f = &n->file[i];
         bool bad = ferror(f->file) || fseek(f->file, 0, SEEK_SET) != 0;
         if (!bad) npy_write_header(n, i);

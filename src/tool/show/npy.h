@@ -1,20 +1,24 @@
 /* npy.h - a table as NumPy reads it: one structured array, or a folder with an array for each column. */
 #ifndef TOOL_NPY_H
 #define TOOL_NPY_H
+#include "../base/bytes.h"
 #include "table.h"
 
 typedef struct npy_output npy_output;
 
-/* The bytes of a cell. */
-size_t npy_size(const table_target *target, column_kind kind);
-
 /* Opens the file target->path, if its name ends in .npy, or makes the folder.  NULL, standard output, a file
- * that has no beginning to go back to, or a folder with other things in it end the command.  target, head: as
- * long as the output. */
+ * that has no beginning to go back to, or a folder with other things in it end the command.  head: as long as
+ * the output. */
 npy_output *npy_begin(const table_target *target, size_t columns, const column *head);
 
-/* Appends whole rows: their cells, one behind another. */
-void npy_write(npy_output *n, size_t length, const char *rows);
+/* How many files there are. */
+size_t npy_files(const npy_output *n);
+
+/* Appends rows, given by column, to out[npy_files()]: the bytes of each file.  May run in any thread. */
+void npy_block(const npy_output *n, size_t rows, const table_values values[], bytes out[]);
+
+/* Writes these bytes, and leaves `out` empty. */
+void npy_write(npy_output *n, bytes out[]);
 
 /* Tells each file how many rows it has.  If one cannot be written the command ends. */
 void npy_end(npy_output *n);

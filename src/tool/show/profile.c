@@ -1,8 +1,5 @@
 /* profile.c - the shape of an element, found by asking the library.
  *
- * A sag is recognised by its gradient.  For F = z - s(x, y), dF/dz is exactly 1 at every z.  For bodies and
- * level sets it is not, at the two points of the axis that are tried.
- *
  * The sag is where a line parallel to z meets the surface.
  *
  * THE SECTION of a surface that is not a sag: its extent is found by lines parallel to `along`.  F is
@@ -13,18 +10,11 @@
 #include "../base/memory.h"
 
 #include <math.h>
-
-bool profile_is_sag(sgt_surface s)
-{
-    sgt_vec3 low, high;
-    s.ops->value(s.self, (sgt_vec3){0, 0, 0}, &low);
-    s.ops->value(s.self, (sgt_vec3){0, 0, 1}, &high);
-    return low.z == 1 && high.z == 1;
-}
+#include <sagitta/surfaces.h>
 
 double profile_sag(const sgt_element *e, double x, double y)
 {
-    if (!profile_is_sag(e->surface)) return (double)NAN;
+    if (!sgt_is_sag(e->surface)) return (double)NAN;
     sgt_ray line = {.o = {x, y, 0}, .d = {0, 0, 1}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
     sgt_hit hit = sgt_intersect(e->surface, line, &(sgt_options){.pick = SGT_NEAR_SEED});
     return hit.status > 0 ? hit.p.z : (double)NAN;

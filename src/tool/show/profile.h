@@ -4,9 +4,6 @@
 #include <sagitta/system.h>
 #include <stdbool.h>
 
-/* Is the surface a sag, F = z - s(x, y)?  If not (a body, a level set), it has no vertex and no profile. */
-bool profile_is_sag(sgt_surface s);
-
 /* The z of the surface at x, y of its own frame, on the sheet of the vertex; NaN if there is none. */
 double profile_sag(const sgt_element *e, double x, double y);
 

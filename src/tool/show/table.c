@@ -24,7 +24,9 @@ typedef struct cell {
     int kind;
     double number;     /* of a BOUND: on the error of the number in the cell before; of an EMPTY: NaN */
     long long count;   /* or the code; of a WORD: where in `words` it begins */
-    const char *word;  /* of a CODE */
+    const char *word;  /* of a CODE; of a WORD of npy, itself */
+    int integer;       /* of npy: the count, as a column of INTEGER or CODE has it */
+    signed char code;
 } cell;
 
 /* What was printed in a column last, and where. */
@@ -42,7 +44,8 @@ struct table {
     table_target to;
     FILE *file;                 /* NULL: a part of another table, or npy */
     npy_output *npy;
-    size_t row_size, word_size; /* of npy: bytes */
+    bytes *out;                 /* [npy_files()]: of npy, instead of `kept` */
+    table_values *chosen_values; /* [chosen] */
     size_t columns, filled, rows;
     const column *column;
     cell *cell;                 /* [columns], and one that stays empty, of the row that is being filled */
@@ -103,7 +106,9 @@ static table *table_new(const table *like)
     *t = *like;
     t->cell = memory_take(t->columns + 1, sizeof *t->cell);
     t->last = memory_take(t->columns, sizeof *t->last);
-    if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head, t->unit);
+    if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head, t->unit, t->part);
+    if (t->npy) t->out = memory_take(npy_files(t->npy), sizeof *t->out);
+    t->chosen_values = memory_take(t->chosen, sizeof *t->chosen_values);
     return t;
 }
 
@@ -112,13 +117,9 @@ table *table_begin(const table_target *target, size_t columns, const column *hea
     table blank = {.to = *target, .columns = columns, .column = head,
                    .plain = target->format == TABLE_CSV && !target->hexadecimal};
     choose(&blank);
-    blank.word_size = npy_size(target, COLUMN_WORD);
-    for (size_t i = 0; i < blank.chosen; i++) blank.row_size += npy_size(target, blank.head[i].kind);
+    if (target->format == TABLE_NPY) blank.npy = npy_begin(target, blank.chosen, blank.head);
     table *t = table_new(&blank);
-    if (t->to.format == TABLE_NPY) {
-        t->npy = npy_begin(&t->to, t->chosen, t->head);
-        return t;
-    }
+    if (t->npy) return t;
     t->file = stdout;
     if (t->to.path) output_check("output", t->to.path);
     if (t->to.path && !(t->file = fopen(t->to.path, "w")))
@@ -285,24 +286,19 @@ static void put_csv_row(table *t)
 /* Appends the row as npy has it. */
 static void put_binary_row(table *t)
 {
-    char *to = bytes_room(&t->kept, t->row_size);
-    t->kept.length += t->row_size;
     for (size_t i = 0; i < t->chosen; i++) {
-        const cell *c = &t->cell[t->choice[i]];
-        const int32_t integer = (int32_t)c->count;
-        switch (t->head[i].kind) {
-        case COLUMN_NUMBER:
-        case COLUMN_EXACT:
-        case COLUMN_ERROR: memcpy(to, &c->number, 8), to += 8; break;
-        case COLUMN_COUNT: memcpy(to, &c->count, 8), to += 8; break;
-        case COLUMN_INTEGER: memcpy(to, &integer, 4), to += 4; break;
-        case COLUMN_CODE: *to++ = (char)c->count; break;
-        case COLUMN_WORD:
-            memset(to, 0, t->word_size);
-            if (c->kind == CELL_WORD) memcpy(to, t->words.at + c->count, strlen(t->words.at + c->count));
-            to += t->word_size;
-        }
+        cell *c = &t->cell[t->choice[i]];
+        const column_kind kind = t->head[i].kind;
+        c->integer = (int)c->count, c->code = (signed char)c->count;
+        if (kind == COLUMN_WORD) c->word = c->kind == CELL_WORD ? t->words.at + c->count : "";
+        t->chosen_values[i].at = kind == COLUMN_COUNT     ? (const void *)&c->count
+                                 : kind == COLUMN_INTEGER ? (const void *)&c->integer
+                                 : kind == COLUMN_CODE    ? (const void *)&c->code
+                                 : kind == COLUMN_WORD    ? (const void *)&c->word
+                                                          : (const void *)&c->number;
+        t->chosen_values[i].step = 0;
     }
+    npy_block(t->npy, 1, t->chosen_values, t->out);
 }
 
 /* Forgets the bytes that are kept. */
@@ -314,13 +310,13 @@ static void drop_kept(table *t)
 
 static void write_bytes(table *t, const char *at, size_t length)
 {
-    if (t->npy) npy_write(t->npy, length, at);
-    else if (length) fwrite(at, 1, length, t->file);
+    if (length) fwrite(at, 1, length, t->file);
 }
 
 static void write_kept(table *t)
 {
-    write_bytes(t, t->kept.at, t->kept.length);
+    if (t->npy) npy_write(t->npy, t->out);
+    else write_bytes(t, t->kept.at, t->kept.length);
     drop_kept(t);
 }
 
@@ -336,7 +332,7 @@ static void end_row(table *t)
     if (format == TABLE_JSON) bytes_one(&t->kept, '}');
     t->filled = t->words.length = 0;
     t->rows++;
-    if (!t->part && t->kept.length >= WRITE_AT) write_kept(t);
+    if (!t->part && (t->npy ? t->out[0].length : t->kept.length) >= WRITE_AT) write_kept(t);
 }
 
 /* Fills in the next cell, member by member: a whole one, copied, would cost as much as all the rest. */
@@ -367,6 +363,38 @@ void table_word(table *t, const char *text)
 }
 
 void table_empty(table *t) { add_cell(t, CELL_EMPTY, (double)NAN, 0, NULL); }
+
+/* A cell of a block of rows. */
+static void block_value(table *t, const column *c, const table_values *v, size_t row)
+{
+    const char *at = v->at ? (const char *)v->at + row * v->step : NULL;
+    if (!at) {
+        table_empty(t);
+        return;
+    }
+    switch (c->kind) {
+    case COLUMN_NUMBER:
+    case COLUMN_EXACT: table_number(t, *(const double *)(const void *)at); break;
+    case COLUMN_ERROR: add_cell(t, CELL_BOUND, *(const double *)(const void *)at, 0, NULL); break;
+    case COLUMN_COUNT: table_count(t, *(const long long *)(const void *)at); break;
+    case COLUMN_INTEGER: table_count(t, *(const int *)(const void *)at); break;
+    case COLUMN_CODE: table_code(t, *(const signed char *)at, v->word(*(const signed char *)at)); break;
+    case COLUMN_WORD: table_word(t, *(const char *const *)(const void *)at);
+    }
+}
+
+void table_block(table *t, size_t rows, const table_values values[])
+{
+    if (t->npy) {
+        for (size_t i = 0; i < t->chosen; i++) t->chosen_values[i] = values[t->choice[i]];
+        npy_block(t->npy, rows, t->chosen_values, t->out);
+        t->rows += rows;
+        if (!t->part && t->out[0].length >= WRITE_AT) write_kept(t);
+        return;
+    }
+    for (size_t row = 0; row < rows; row++)
+        for (size_t c = 0; c < t->columns; c++) block_value(t, &t->column[c], &values[c], row);
+}
 
 /* ------------------------------------------------------------------- text */
 
@@ -399,7 +427,7 @@ void table_line(table *t, const char *format, ...)
 table *table_part(const table *t)
 {
     table like = *t;
-    like.file = NULL, like.npy = NULL, like.part = true;
+    like.file = NULL, like.part = true;
     like.kept = like.words = (bytes){.length = 0};
     like.filled = like.rows = 0;
     return table_new(&like);
@@ -409,6 +437,9 @@ void table_join(table *t, table *part)
 {
     if (t->block) {
         block_join(t->block, part->block);
+    } else if (t->npy) {
+        npy_write(t->npy, t->out);
+        npy_write(t->npy, part->out);
     } else if (part->rows) {
         const size_t comma = t->to.format == TABLE_JSON && t->rows == 0;
         write_kept(t);

@@ -14,14 +14,11 @@
  * the square of the angle, so LEAST_TURN is enough.
  *
  * WHAT IT CANNOT SEE: a part of the shadow that lies between directions or steps.  A plane that is parallel
- * to the line has a line for a shadow, which no step would hit; its distance is |z|. */
-#include "nearest.h"
+ * to the line has a line for a shadow, which no step would hit; its distance is worked out. */
+#include <sagitta/why.h>
 
-#include "frame.h"
-#include "profile.h"
-#include "undecided.h"
-
-#include <math.h>
+#include "bare.h"
+#include "../base/vec3.h"
 
 enum { DIRECTIONS = 48, STEPS = 48, HALVINGS = 50 };
 static const double LEAST_TURN = 1e-7, CIRCLE = 6.283185307179586;
@@ -36,13 +33,13 @@ typedef struct shadow {
 static bool meets(const shadow *q, double angle, double by, sgt_hit *hit)
 {
     sgt_ray moved = q->line;
-    moved.o = vector_along(vector_along(moved.o, q->u, by * cos(angle)), q->v, by * sin(angle));
+    moved.o = along3(along3(moved.o, by * cos(angle), q->u), by * sin(angle), q->v);
     *hit = sgt_intersect(q->surface, moved, NULL);
     return hit->status > 0;
 }
 
 /* Takes the shortest move at this angle, if it is shorter than that of *best.  Returns whether it is. */
-static bool nearer(const shadow *q, double angle, double reach, nearest *best)
+static bool nearer(const shadow *q, double angle, double reach, sgt_nearest *best)
 {
     double lo = 0, hi = 0;
     sgt_hit hit, found;
@@ -58,7 +55,7 @@ static bool nearer(const shadow *q, double angle, double reach, nearest *best)
         else lo = middle;
     }
     if (best->known && !(hi < best->distance * (1 - 0x1p-44))) return false; /* or only by rounding */
-    *best = (nearest){.known = true, .distance = hi, .t = found.t, .p = found.p};
+    *best = (sgt_nearest){.known = true, .distance = hi, .t = found.t, .p = found.p};
     return true;
 }
 
@@ -66,32 +63,27 @@ static bool nearer(const shadow *q, double angle, double reach, nearest *best)
 static shadow shadow_of(sgt_surface s, const sgt_ray *ray, double *reach)
 {
     shadow q = {.surface = s, .line = {.o = ray->o, .d = ray->d, .tmin = -HUGE_VAL, .tmax = HUGE_VAL}};
-    double length = vector_length(ray->d);
-    const bool sag = profile_is_sag(s);
-    const sgt_vec3 no = {0, 0, 0}, d = vector_along(no, ray->d, 1 / length);
+    const bool sag = sgt_is_sag(s);
+    const sgt_vec3 no = {0, 0, 0}, d = along3(no, 1 / length3(ray->d), ray->d);
     const sgt_vec3 vertex = {0, 0, sag ? -s.ops->value(s.self, no, NULL) : 0};
-    const sgt_vec3 all = vector_minus(vertex, ray->o);
-    const sgt_vec3 to = vector_along(all, d, -vector_dot(all, d));
+    const sgt_vec3 all = minus3(vertex, ray->o);
+    const sgt_vec3 to = along3(all, -dot3(all, d), d);
     const sgt_vec3 aside = fabs(d.x) < 0.5 ? (sgt_vec3){1, 0, 0} : (sgt_vec3){0, 1, 0};
-    const sgt_vec3 any = vector_along(aside, d, -vector_dot(aside, d));
-    *reach = vector_length(to);
-    q.u = *reach > 0 ? vector_along(no, to, 1 / *reach) : vector_along(no, any, 1 / vector_length(any));
-    q.v = (sgt_vec3){d.y * q.u.z - d.z * q.u.y, d.z * q.u.x - d.x * q.u.z, d.x * q.u.y - d.y * q.u.x};
+    const sgt_vec3 any = along3(aside, -dot3(aside, d), d);
+    *reach = length3(to);
+    q.u = *reach > 0 ? along3(no, 1 / *reach, to) : along3(no, 1 / length3(any), any);
+    q.v = cross3(d, q.u);
     if (sag || !s.ops->span) return q;
     sgt_span span = s.ops->span(s.self, &(sgt_ray){.d = q.u, .tmin = -HUGE_VAL, .tmax = HUGE_VAL});
     if (span.lo <= span.hi && isfinite(span.hi - span.lo)) *reach += fmax(-span.lo, span.hi);
     return q;
 }
 
-nearest nearest_approach(sgt_surface s, const sgt_ray *ray)
+static sgt_nearest nearest_by_search(sgt_surface s, const sgt_ray *ray)
 {
-    nearest best = {.known = false};
-    double reach;
-    const bare_surface b = undecided_without_rim(s);
-    if (b.c == 0 && !b.terms) /* a plane is missed only by a parallel to it */
-        return (nearest){.known = true, .distance = fabs(ray->o.z), .p = {ray->o.x, ray->o.y, 0}};
+    sgt_nearest best = {.known = false};
+    double reach, angle = 0, turn = CIRCLE / DIRECTIONS;
     const shadow q = shadow_of(s, ray, &reach);
-    double angle = 0, turn = CIRCLE / DIRECTIONS;
     for (int k = 0; k < 2 && !best.known; k++, reach *= 1 + 0x1p-10)
         for (int i = 0; i < DIRECTIONS; i++)
             if (nearer(&q, i * turn, best.known ? best.distance : reach, &best)) angle = i * turn;
@@ -101,4 +93,26 @@ nearest nearest_approach(sgt_surface s, const sgt_ray *ray)
         else turn /= 2;
     }
     return best;
+}
+
+/* Of a parallel to it.  A rim counts from where the line is nearest to the axis. */
+static sgt_nearest nearest_to_plane(double rim, const sgt_ray *ray)
+{
+    const sgt_vec3 o = ray->o, d = ray->d;
+    sgt_nearest n = {.known = true, .distance = fabs(o.z), .p = {o.x, o.y, 0}};
+    if (!(rim > 0)) return n;
+    n.t = -(o.x * d.x + o.y * d.y) / dot3(d, d);
+    n.p = (sgt_vec3){o.x + n.t * d.x, o.y + n.t * d.y, 0};
+    const double r = length3(n.p);
+    if (r > rim) n.p = along3((sgt_vec3){0, 0, 0}, rim / r, n.p), n.distance = hypot(o.z, r - rim);
+    return n;
+}
+
+sgt_nearest sgt_nearest_of(sgt_surface s, const sgt_ray *ray)
+{
+    rimless b = sgt_bare_of(s);
+    const sgt_nearest n = b.c == 0 && !b.terms && ray->d.z == 0 ? nearest_to_plane(b.rim, ray)
+                                                                : nearest_by_search(s, ray);
+    sgt_bare_end(&b);
+    return n;
 }

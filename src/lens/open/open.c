@@ -1,8 +1,8 @@
-/* read.c - from a file or text to a lens: which form it has, and one place where a reading ends.
+/* open.c - from a file or text to a lens: which form it has, and one place where a reading ends.
  *
  * A fault anywhere jumps back to `read_by`, which frees what was read so far.  What a reading
  * takes is in the arena of the lens, but for a catalogue of glasses. */
-#include "lens.h"
+#include "conjugate.h"
 
 #include "../base/reader.h"
 
@@ -58,15 +58,15 @@ static void read_into(maker make, whole_lens *w, source *s, const char *name, co
     w->lens.file = s->file = tree_text(s, name, strlen(name));
     s->folder = folder_of_path(s, name);
     if (!text) {
-        char *all;
-        const char *fault = tree_file(s, name, &all, &length);
+        const char *fault = tree_borrow(s, name, &s->borrowed, &length);
         if (fault) tree_fail(s, 0, NULL, "%s", fault);
-        text = all;
+        text = s->borrowed;
     }
     s->text = text, s->length = length;
     if (make == sgt_read_lens && ends_in_zmx(name)) read_zmx(s, text, length);
     else sgt_read_yaml(s);
     make(w, s);
+    if (make == sgt_read_lens) sgt_find_conjugates(w, s);
     sort_remarks(s);
     w->lens.remarks = s->remarks, w->lens.remark = s->remark;
     w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
@@ -119,6 +119,7 @@ static sgt_lens *lens_by(maker make, const char *name, const char *text, size_t 
     *w = (whole_lens){.memory = {.allocator = a}};
     source s = {.arena = &w->memory, .options = opt ? opt : &defaults, .error = error, .file = name};
     bool fine = read_by(make, w, &s, name, text, length);
+    tree_return(&s, s.borrowed);
     sgt_catalogue_free(w->media.own);
     w->media = (media){.source = NULL};
     if (fine) return &w->lens;

@@ -1,4 +1,4 @@
-/* methods.c - Newton's method and bisection without any safeguard.
+/* unguarded.c - Newton's method and bisection without any safeguard.
  *
  * Newton's step along a ray is t - F / (grad F . d).  Here there is no bracket, and where F
  * is NaN, t is halved, toward the ray's origin.  The iteration stops when a step moves t by
@@ -10,48 +10,46 @@
  * beyond 60 degrees it is more than 2, and the iteration cannot settle.
  *
  * Bisection halves the span of the surface on the ray, if F has different signs at its ends. */
-#include "methods.h"
+#include "unguarded.h"
 
-#include "../show/frame.h"
-#include "../base/memory.h"
-#include "../show/profile.h"
+#include <sagitta/surfaces.h>
 
 #include <math.h>
 
-int method_watch(void *data, const sgt_step *step)
-{
-    record *r = data;
-    r->step = memory_room(r->step, r->count, &r->capacity, sizeof *r->step);
-    r->step[r->count++] = *step;
-    return 0;
-}
-
-typedef struct methods_search {
+typedef struct unguarded_search {
     sgt_surface surface;
     const sgt_ray *ray;
-    record *record;
+    const sgt_options *opt;
     double semi_diameter; /* of the clear aperture; 0: none */
-    int left;             /* evaluations that may still be made */
+    int evals;
     bool normalised;
-} methods_search;
+} unguarded_search;
 
-static const char SPENT[] = "--max-evals is used up";
+static const char SPENT[] = "max_evals is used up";
 
-/* F and its slope at t, as a row of the record. */
-static double evaluate(methods_search *s, sgt_move move, double t, double lo, double hi, double *slope)
+static bool may_go_on(const unguarded_search *s) { return s->evals < s->opt->max_evals; }
+
+static sgt_vec3 point_at(const sgt_ray *ray, double t)
 {
-    sgt_vec3 p = vector_along(s->ray->o, s->ray->d, t), grad;
-    double f = s->surface.ops->value(s->surface.self, p, &grad);
-    *slope = vector_dot(grad, s->ray->d) / (s->normalised ? vector_length(grad) : 1);
-    sgt_step step = {
-        .eval = (int)s->record->count + 1, .move = move, .t = t, .f = f, .slope = *slope, .lo = lo, .hi = hi,
+    return (sgt_vec3){ray->o.x + t * ray->d.x, ray->o.y + t * ray->d.y, ray->o.z + t * ray->d.z};
+}
+
+static double product(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+/* F and its slope at t, and tells them. */
+static double evaluate(unguarded_search *s, sgt_move move, double t, double lo, double hi, double *slope)
+{
+    sgt_vec3 grad;
+    double f = s->surface.ops->value(s->surface.self, point_at(s->ray, t), &grad);
+    *slope = product(grad, s->ray->d) / (s->normalised ? sqrt(product(grad, grad)) : 1);
+    const sgt_step step = {
+        .eval = ++s->evals, .move = move, .t = t, .f = f, .slope = *slope, .lo = lo, .hi = hi,
         .f_lo = f, .f_hi = f, .slope_lo = *slope, .slope_hi = *slope};
-    method_watch(s->record, &step);
-    s->left--;
+    s->opt->watch(s->opt->watch_data, &step);
     return f;
 }
 
-static sgt_span span_of(const methods_search *s)
+static sgt_span span_of(const unguarded_search *s)
 {
     sgt_span all = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
     if (s->surface.ops->span) all = s->surface.ops->span(s->surface.self, s->ray);
@@ -61,27 +59,26 @@ static sgt_span span_of(const methods_search *s)
 }
 
 /* On a sag, where the ray crosses the vertex plane; else the middle of the span; NaN if there is none. */
-static double start_of(const methods_search *s)
+static double start_of(const unguarded_search *s)
 {
     double plane = -s->ray->o.z / s->ray->d.z;
-    if (isfinite(plane) && profile_is_sag(s->surface)) return plane;
+    if (isfinite(plane) && sgt_is_sag(s->surface)) return plane;
     sgt_span span = span_of(s);
     if (span.lo > span.hi) return (double)NAN;
     double middle = span.lo + (span.hi - span.lo) / 2;
     return isfinite(middle) ? middle : isfinite(span.seed) ? span.seed : 0;
 }
 
-static void newton(methods_search *s)
+static void newton(unguarded_search *s, unguarded *r)
 {
     const double none = (double)NAN;
     double t = start_of(s);
     sgt_move move = SGT_SEED;
-    record *r = s->record;
     if (isnan(t)) {
         r->stopped = "the ray passes beside the surface: there is nowhere to start";
         return;
     }
-    for (r->stopped = SPENT; s->left > 0;) {
+    for (r->stopped = SPENT; may_go_on(s);) {
         double slope, f = evaluate(s, move, t, none, none, &slope);
         r->t = t;
         if (isnan(f) || isnan(slope)) {
@@ -110,10 +107,10 @@ static void newton(methods_search *s)
 
 /* F at an end of the span.  If F is NaN there (the span may reach an ulp beyond the domain), the end moves
  * toward the middle by 2^-40 of the way, then 2^-38, 2^-36 ... */
-static double end_value(methods_search *s, double *end, double other, double *slope)
+static double end_value(unguarded_search *s, double *end, double other, double *slope)
 {
     double at = *end, f = evaluate(s, SGT_SEED, at, fmin(at, other), fmax(at, other), slope);
-    for (int k = -40; isnan(f) && k < 0 && s->left > 0; k += 2) {
+    for (int k = -40; isnan(f) && k < 0 && may_go_on(s); k += 2) {
         *end = at + ldexp(other - at, k - 1);
         f = evaluate(s, SGT_RETREAT, *end, fmin(*end, other), fmax(*end, other), slope);
     }
@@ -122,7 +119,7 @@ static double end_value(methods_search *s, double *end, double other, double *sl
 
 /* Cuts an infinite end to the chord of the aperture, x^2 + y^2 <= a^2.  Along the axis that chord is
  * infinite too; there the span is AXIAL times a on both sides of the vertex plane. */
-static void cut_to_aperture(const methods_search *s, sgt_span *span)
+static void cut_to_aperture(const unguarded_search *s, sgt_span *span)
 {
     const double AXIAL = 4;
     sgt_vec3 o = s->ray->o, d = s->ray->d;
@@ -136,9 +133,8 @@ static void cut_to_aperture(const methods_search *s, sgt_span *span)
     span->hi = fmin(span->hi, nearest + half);
 }
 
-static void bisect(methods_search *s)
+static void bisect(unguarded_search *s, unguarded *r)
 {
-    record *r = s->record;
     sgt_span span = span_of(s);
     cut_to_aperture(s, &span);
     double lo = span.lo, hi = span.hi, slope;
@@ -152,7 +148,7 @@ static void bisect(methods_search *s)
     else if ((f_lo > 0 && f_hi > 0) || (f_lo < 0 && f_hi < 0))
         r->stopped = "F has the same sign at both ends: there is no bracket to halve";
     if (r->stopped) return;
-    for (r->stopped = SPENT; s->left > 0;) {
+    for (r->stopped = SPENT; may_go_on(s);) {
         double middle = lo + (hi - lo) / 2;
         r->t = fabs(f_lo) <= fabs(f_hi) ? lo : hi;
         if (!(middle > lo && middle < hi) || f_lo == 0 || f_hi == 0) {
@@ -169,32 +165,13 @@ static void bisect(methods_search *s)
     }
 }
 
-bool method_only_retreated(const record *r)
+unguarded unguarded_run(unguarded_method m, sgt_surface s, double semi_diameter, const sgt_ray *ray,
+                        const sgt_options *opt)
 {
-    for (size_t i = 0; i < r->count; i++)
-        if (!isnan(r->step[i].f) || r->step[i].move != (i ? SGT_RETREAT : SGT_SEED)) return false;
-    return r->count > 1;
-}
-
-size_t method_march_steps(const record *r)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < r->count; i++) n += r->step[i].move == SGT_MARCH;
-    return n;
-}
-
-record method_run(method m, sgt_surface s, double semi_diameter, const sgt_ray *ray, int max_evals)
-{
-    record r = {.t = (double)NAN};
-    methods_search q = {.surface = s, .ray = ray, .record = &r, .semi_diameter = semi_diameter,
-                        .left = max_evals, .normalised = m == METHOD_NORMALISED};
-    if (m == METHOD_BISECTION) bisect(&q);
-    else newton(&q);
+    unguarded r = {.t = (double)NAN};
+    unguarded_search q = {.surface = s, .ray = ray, .opt = opt, .semi_diameter = semi_diameter,
+                          .normalised = m == UNGUARDED_NORMALISED};
+    if (m == UNGUARDED_BISECTION) bisect(&q, &r);
+    else newton(&q, &r);
     return r;
-}
-
-sgt_diagnosis method_diagnose(const record *r)
-{
-    int count = (int)r->count;
-    return sgt_diagnose(&(sgt_log){.step = r->step, .cap = count, .n = count});
 }

@@ -1,0 +1,9 @@
+/* conjugate.h - the conjugate planes of ideal lenses whose file gives none. */
+#ifndef SGT_LENS_CONJUGATE_H
+#define SGT_LENS_CONJUGATE_H
+#include "../read/lens.h"
+
+/* Sets w->conjugate, once all else of the lens is read. */
+void sgt_find_conjugates(whole_lens *w, source *s);
+
+#endif

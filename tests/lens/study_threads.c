@@ -1,0 +1,169 @@
+/* study_threads.c - the bytes of every analysis for any number of threads: study_threads LENS...
+ *
+ * Each analysis of the library's own table is asked of each lens, with its default rays and with more, aimed
+ * as the lens says and at the real stop.  It is asked without threads first.  Then tasks go backward, and
+ * into 1 to 7 threads, of which the one that asks works, or only waits.  All that the sink is given has to be
+ * the same bytes, and to come from the thread that asks. */
+#include <sagitta/study.h>
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { THREADS = 7, ACROSS = 64 };
+
+/* What a sink was given. */
+typedef struct told {
+    const sgt_analysis *of;
+    size_t size, room, rows;
+    char *bytes;
+    pthread_t asker;
+} told;
+
+static void keep(told *t, const void *from, size_t size)
+{
+    if (!pthread_equal(pthread_self(), t->asker)) {
+        printf("%s: told in another thread\n", t->of->name);
+        exit(1);
+    }
+    if (t->size + size > t->room) {
+        t->room = 2 * (t->size + size);
+        t->bytes = realloc(t->bytes, t->room);
+        if (!t->bytes) exit(2);
+    }
+    memcpy(t->bytes + t->size, from, size);
+    t->size += size;
+}
+
+/* The cells of a row, without the gaps between them. */
+static void keep_row(void *context, const void *row)
+{
+    told *t = context;
+    const sgt_column *c;
+    t->rows++;
+    for (size_t i = 0; (c = sgt_analysis_column(t->of, i)); i++)
+        keep(t, (const char *)row + c->offset, c->kind == SGT_COLUMN_FATE ? sizeof(int) : sizeof(double));
+}
+
+static void keep_sentence(void *context, sgt_remark_of_study kind, const char *sentence)
+{
+    keep(context, &kind, sizeof kind);
+    keep(context, sentence, strlen(sentence));
+}
+
+static void keep_ends(void *context, size_t field, size_t surface, size_t wavelength, size_t count,
+                      const sgt_ray_end end[])
+{
+    const size_t where[] = {field, surface, wavelength, count};
+    keep(context, where, sizeof where);
+    for (size_t i = 0; i < count; i++) {
+        const sgt_ray_end *e = &end[i];
+        const double numbers[] = {e->px, e->py, e->weight, e->p.x, e->p.y, e->p.z, e->d.x, e->d.y, e->d.z,
+                                  e->opl, e->p_err, e->opl_err, e->t_err, e->condition};
+        const int counts[] = {e->fate, e->status, e->aimed, e->evals, e->folded, e->proven};
+        keep(context, numbers, sizeof numbers), keep(context, counts, sizeof counts);
+    }
+}
+
+/* Tasks that several threads take one after another. */
+typedef struct shared_tasks {
+    pthread_mutex_t lock;
+    size_t next, all;
+    void (*task)(void *data, size_t i);
+    void *data;
+} shared_tasks;
+
+static void *work(void *context)
+{
+    shared_tasks *s = context;
+    for (;;) {
+        pthread_mutex_lock(&s->lock);
+        const size_t i = s->next++;
+        pthread_mutex_unlock(&s->lock);
+        if (i >= s->all) return NULL;
+        s->task(s->data, i);
+    }
+}
+
+/* How: so many threads; without the one that asks; or backward in it alone. */
+typedef struct way { int threads; bool others, backward; } way;
+
+static void run(void *context, size_t tasks, void (*task)(void *data, size_t i), void *data)
+{
+    const way *w = context;
+    pthread_t other[THREADS];
+    int begun = 0;
+    shared_tasks s = {.all = tasks, .task = task, .data = data};
+    for (size_t i = tasks; w->backward && i-- > 0;) task(data, i);
+    if (w->backward) return;
+    pthread_mutex_init(&s.lock, NULL);
+    for (int i = w->others ? 0 : 1; i < w->threads; i++)
+        if (pthread_create(&other[begun], NULL, work, &s) == 0) begun++;
+    if (!w->others || !begun) work(&s);
+    for (int i = 0; i < begun; i++) pthread_join(other[i], NULL);
+    pthread_mutex_destroy(&s.lock);
+}
+
+static told ask(const sgt_lens *lens, const sgt_analysis *of, sgt_study_options how, way *w)
+{
+    told t = {.of = of, .asker = pthread_self()};
+    sgt_error error = {.line = 0};
+    sgt_study_total total = {.fates = {.rays = 0}};
+    const sgt_sink sink = {.context = &t, .row = keep_row, .say = keep_sentence, .ends = keep_ends};
+    if (w) how.run = run, how.context = w;
+    sgt_study *study = sgt_study_new(lens, &how, &error);
+    if (!study || !sgt_study_run(study, of, NULL, &sink, &total, &error))
+        keep(&t, error.words, strlen(error.words));
+    const sgt_fates *f = &total.fates;
+    const size_t counts[] = {f->rays, f->passed, f->missed, f->clipped, f->tir, f->lost, f->none, f->unfound,
+                             f->folded, f->proven};
+    keep(&t, counts, sizeof counts), keep(&t, &total.lost.px, sizeof(double));
+    sgt_study_free(study);
+    return t;
+}
+
+static size_t compare(const char *name, const sgt_lens *lens, const sgt_analysis *of,
+                      const sgt_study_options *how)
+{
+    size_t faults = 0;
+    told first = ask(lens, of, *how, NULL);
+    for (int i = -1; i < 2 * THREADS; i++) {
+        way w = {.threads = 1 + i / 2, .others = i % 2, .backward = i < 0};
+        told other = ask(lens, of, *how, &w);
+        if (other.size != first.size || memcmp(other.bytes, first.bytes, first.size) != 0) {
+            printf("%s %s: other bytes, %d threads%s\n", name, of->name, w.threads,
+                   w.backward ? ", backward" : w.others ? ", beside that which asks" : "");
+            faults++;
+        }
+        free(other.bytes);
+    }
+    if (!first.rows && !how->across) printf("%s %s: no rows\n", name, of->name);
+    free(first.bytes);
+    return faults;
+}
+
+int main(int argc, char *argv[])
+{
+    const sgt_lens_aim stop = SGT_LENS_AIM_REAL_STOP;
+    size_t faults = 0, asked = 0;
+    for (int i = 1; i < argc; i++) {
+        sgt_error error;
+        sgt_lens *lens = sgt_lens_read(argv[i], NULL, &error);
+        const sgt_analysis *of;
+        if (!lens) {
+            printf("%s: %s\n", argv[i], error.words);
+            return 1;
+        }
+        for (size_t k = 0; (of = sgt_analysis_at(k)); k++)
+            for (int more = 0; more < 4; more++) {
+                sgt_study_options how = {.aim = more & 2 ? &stop : NULL,
+                                         .across = more & 1 && !of->no_rays && !of->no_fields ? ACROSS : 0};
+                if (of->no_fields && more & 2) continue; /* far fields: minutes of proofs */
+                faults += compare(argv[i], lens, of, &how), asked++;
+            }
+        sgt_lens_free(lens);
+    }
+    printf("%zu questions, %zu faults\n", asked, faults);
+    return faults || !asked;
+}
