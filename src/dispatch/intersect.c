@@ -17,6 +17,3 @@ sgt_ray sgt_ray_between(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax)
 SGT_DISPATCH(int, sgt_intersect_all,
              (sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt),
              (s, ray, cap, hits, opt))
-
-SGT_DISPATCH(sgt_crossing, sgt_leave, (sgt_surface s, const sgt_start *from, const sgt_options *opt),
-             (s, from, opt))

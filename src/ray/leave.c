@@ -215,7 +215,7 @@ static sgt_ray ray_from(const sgt_start *from, sgt_vec3 o)
     return (sgt_ray){o, from->d, 0, from->tmax == 0 ? HUGE_VAL : from->tmax};
 }
 
-static place place_of(sgt_surface s, const sgt_start *from)
+static place place_to_leave(sgt_surface s, const sgt_start *from)
 {
     sgt_vec3 n = {0, 0, 0};
     if (!start_sound(from) || !asked_of(s)) return (place){from->p, false};
@@ -229,7 +229,7 @@ sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from, const sgt_options *
     sgt_crossing out = {.side = 0};
     sgt_options own = first_of(opt);
     s = in_set(s);
-    place at = place_of(s, from);
+    place at = place_to_leave(s, from);
     out.ray = ray_from(from, at.o);
     out.hit = sgt_intersect(s, out.ray, ROOM_IS_ZERO(from) ? &own : &sgt_options_invalid);
     if (out.hit.status == SGT_INVALID) return out;
@@ -277,7 +277,7 @@ static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, l
     for (size_t i = 0; i < n; i++) {
         sgt_start start = start_of(from, at + i);
         bool open = many && start_sound(&start) && !surely_on(start.p, start.n, start.p_err);
-        place here = open ? (place){start.p, true} : place_of(s, &start);
+        place here = open ? (place){start.p, true} : place_to_leave(s, &start);
         sgt_ray ray = ray_from(&start, here.o);
         w->on[to + i] = here.on, w->tmax[to + i] = ray.tmax;
         w->o[0][to + i] = ray.o.x, w->o[1][to + i] = ray.o.y, w->o[2][to + i] = ray.o.z;

@@ -18,9 +18,9 @@
  *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d| + 2^-50 |t|,
  *
  * with the products taken at the root.  2^-48 is START_ULPS, and 2^-50 is 8 u.  Where all products vanish (at
- * the vertex of a sag, on a coordinate plane that is the surface) underflow alone hides where the root is.  So
- * one within 2^-1000 (length) of the start is the start, too: START_LEAST.  Each way to a root
- * evaluates the rule with what it has at hand:
+ * the vertex of a sag, on a coordinate plane that is the surface) underflow alone hides where the root is.
+ * So one within 2^-1000 (length) of the start is the start, too: START_LEAST.  Each way to a root evaluates
+ * the rule with what it has at hand:
  *
  *     function                     file                 for whom
  *     accepted                     here                 surfaces with `meet`, single rays, careful form

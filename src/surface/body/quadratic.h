@@ -126,7 +126,7 @@ SGT_INLINE double quadratic_above(const near_ray *r, double tau)
 }
 
 /* The start of the ray. */
-SGT_INLINE sgt_vec3 start_of(const near_ray *r, double ox, double oy, double oz, double tmin)
+SGT_INLINE sgt_vec3 outset_of(const near_ray *r, double ox, double oy, double oz, double tmin)
 {
     double from = tmin * r->inverse;
     return (sgt_vec3){moved_along(ox, from, r->d.x), moved_along(oy, from, r->d.y),
@@ -164,17 +164,18 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
 }
 
 /* g at the start, and a bound on its error; the slope along the local d, and on its error; the terms. */
-typedef struct beginning { double g, g_err, slope, slope_err, terms; } beginning;
+typedef struct outset { double g, g_err, slope, slope_err, terms; } outset;
 
 /* What `a`, of quadratic_first, does not promise of a start on the surface.  Other rays keep `a`. */
 SGT_INLINE lane_span quadratic_leave(const near_ray *r, const crossings *c, const parabola *p, lane_span a,
-                                     beginning b, double tmin)
+                                     outset b, double tmin)
 {
     double g = fabs(b.g), e = b.g_err + 2 * SGT_U * b.terms, steep = fabs(b.slope),
         width = START_ULPS * b.terms;
     mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900),
          on = two & (~a.single | a.leaves) & MASK(fabs(tmin) < HUGE_VAL) &
-              MASK(g <= 0.5 * width + 0.125 * e) & MASK(e <= 16 * width) & MASK(64 * fabs(p->A) * (g + e) <= steep * steep) &
+              MASK(g <= 0.5 * width + 0.125 * e) & MASK(e <= 16 * width) &
+              MASK(64 * fabs(p->A) * (g + e) <= steep * steep) &
               MASK(steep > 0x1p10 * b.slope_err) & MASK(width > TINY);
     mask first = on & MASK(b.slope * p->A < 0), last = on & MASK(b.slope * p->A > 0);
     a.lo = chosen(first, (r->t0 + c->mid) * r->scale, a.lo);
@@ -224,7 +225,7 @@ SGT_INLINE double settled_of(lane_span a)
                     quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]))                               \
     QUADRATIC_LANES(NAME##_all_leaving, SELF, APPROACH,                                                     \
                     quadratic_leave(&r, &c, &p, quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]),   \
-                                    BEGINNING(&s, start_of(&r, ox[i], oy[i], oz[i], tmin[i]), r.d),         \
+                                    BEGINNING(&s, outset_of(&r, ox[i], oy[i], oz[i], tmin[i]), r.d),         \
                                     tmin[i]))                                                               \
     static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)         \
     {                                                                                                       \
