@@ -1,5 +1,6 @@
 #!/bin/sh
-# sh tests/nightly.sh [FUZZ_SECONDS]   what takes too long for every change; some hours on an idle machine of two cores.
+# sh tests/nightly.sh [FUZZ_SECONDS [CLIFF_SECONDS]]   what takes too long for every change; some hours on an
+# idle machine of two cores.
 #
 #   scale      all random tests, oracles and proofs with twenty times the cases (SAGITTA_TEST_SCALE=10, 0.5 by day;
 #              SAGITTA_TEST_SEED chooses other cases: the day of the year, unless it is set)
@@ -7,6 +8,8 @@
 #              search, the costs of a render, the library as a subproject, the wheel, Python under valgrind, interval.h
 #              by each compiler, breaks of the saved interface that are planted)
 #   tapes      random formulas against Arb, their operations and rays to them, ten minutes each
+#   cliffs     the search for ordinary input that costs many times the usual (bench/cliff_search.cpp), for
+#              CLIFF_SECONDS (7200); its log has the worst fifty, each a line for `bench_ordinary --case`
 #   platforms  the library on other systems (platforms/run.py): all sums, the speed, and the oracles by wine and qemu at
 #              a tenth of their scale
 #   examples   under AddressSanitizer and UBSan
@@ -18,6 +21,7 @@
 set -u
 cd "$(dirname "$0")/.."
 fuzz_seconds=${1:-2400}
+cliff_seconds=${2:-7200}
 logs=build/nightly
 build=build/tests
 failed=
@@ -58,6 +62,8 @@ stage rest meson test -C $build --print-errorlogs --suite nightly
 for what in operations roots; do
     stage tapes_$what $build/tests/formula/test_formula_$what --seconds 600 --seed "$SAGITTA_TEST_SEED" --random
 done
+meson compile -C $build bench_ordinary || exit 1
+stage cliffs $build/tests/bench/bench_ordinary --search --seconds "$cliff_seconds" --seed "$SAGITTA_TEST_SEED"
 sh .ci/install ninja-build musl-tools gcc-mingw-w64-x86-64-posix g++-mingw-w64-x86-64-posix wine64 qemu-user \
     gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross \
     gcc-s390x-linux-gnu g++-s390x-linux-gnu libc6-dev-s390x-cross || exit 1

@@ -702,6 +702,7 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sgt_fault_text": (c_char_p, [c_int]),
     "sgt_diagnose": (Diagnosis, [POINTER(Log)]),
     "sgt_parameters": (c_size_t, [Surface]),
+    "sgt_is_sag": (c_bool, [Surface]),
     "sgt_differentiate_batch": (c_int, [Surface, c_size_t, Rays, Hits, Jacobian]),
     "sgt_trace_parameters": (c_size_t, [c_size_t, c_void_p]),
     "sgt_lens_read": (POINTER(Lens), [c_char_p, POINTER(LensOptions), POINTER(Error)]),

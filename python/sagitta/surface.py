@@ -357,6 +357,28 @@ class Surface:
 
     # ------------------------------------------------------------------ derivatives
 
+    def sag(self, x: ArrayLike, y: ArrayLike) -> Any:
+        """z of the surface at x, y, on the sheet of its vertex: a number, or an array of the shape that x and y
+        have together.
+
+        It is where a line parallel to z is met.  NaN: there is no surface at x, y, the search was undecided, or
+        the surface is no sag: a body, a level set.  Not of a Function.
+
+        >>> import sagitta
+        >>> sagitta.Sphere(radius=10).sag(0, [6, 8, 11])
+        array([ 2.,  4., nan])
+        """
+        if self._functions:
+            raise TypeError("sag: not of a surface that asks functions of Python")
+        across, up = np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(y, np.float64))
+        z = np.full(across.shape, np.nan)
+        there = np.isfinite(across) & np.isfinite(up)
+        if there.any() and C.library.sgt_is_sag(self._struct):
+            at = (across[there], up[there], np.zeros(np.count_nonzero(there)))
+            hits = self.intersect(at, (0, 0, 1), tmin=-np.inf, pick="near-seed", axis=0)
+            z[there] = np.where(hits.status > 0, hits.p[2], np.nan)
+        return float(z) if z.ndim == 0 else z
+
     @property
     def parameters(self) -> tuple[str, ...]:
         """The names of the numbers that the surface has derivatives by, in their order."""

@@ -118,6 +118,35 @@ def test_all_hits_begin_with_the_first(of, rng):
             assert len(entries) == 0
 
 
+@pytest.mark.parametrize("of", TYPES)
+def test_sag(of, rng):
+    surface = CLASSES[of].specimen()
+    x, y = rng.uniform(-2, 2, (2, 5, 20))
+    z = surface.sag(x, y)
+    assert z.shape == x.shape
+    if of in ("ellipsoid", "torus", "quadric", "julia", "mandelbrot"):
+        assert np.isnan(z).all()
+        return
+    assert np.isfinite(z).mean() > 0.5
+    for i in np.argwhere(np.isfinite(z)):  # the line through the point, from far below, meets it there
+        a, b = x[tuple(i)], y[tuple(i)]
+        hit = surface.intersect((a, b, -1000), (0, 0, 1), pick="near-seed")
+        assert abs(hit.p[2] - z[tuple(i)]) <= hit.t_err + 1e-14
+    assert surface.sag(x[0, 0], y[0, 0]) == z[0, 0] and type(surface.sag(0, 0)) is float
+
+
+def test_sag_of_a_sphere(rng):
+    x, y = rng.uniform(-9, 9, 50), 2.5
+    square = x**2 + y**2
+    with np.errstate(invalid="ignore"):
+        z = square / (10 + np.sqrt(100 - square))
+    np.testing.assert_allclose(sagitta.Sphere(radius=10).sag(x, y), z, rtol=1e-14)
+    assert np.isnan(sagitta.Sphere(radius=10).sag([np.nan, np.inf, 0], [0, 0, 10.1])).all()
+    assert sagitta.Plane().sag([], []).shape == (0,)
+    with pytest.raises(TypeError, match="functions of Python"):
+        sagitta.Function(lambda x, y, z: (z, 0 * x, 0 * y, 0 * z + 1)).sag(0, 0)
+
+
 @pytest.mark.parametrize("of", [t for t in TYPES if t not in ("julia", "mandelbrot")])
 def test_derivatives_by_differences(of, rng):
     """Each derivative against a difference of two answers: another origin, another number."""

@@ -36,8 +36,10 @@
  * the centre itself, there would be a gap.  Opposite arms have exactly opposite directions if there are two.
  * If there are more, others cover what a rounding leaves between them.
  *
- * IN A TILE circles and annuli are a vector loop, the others are asked point by point for rays that are
- * still good.  What does not depend on the point (the turn, the directions of the arms) is worked out once.
+ * IN A TILE circles and annuli are a vector loop, and so are the crossings of a polygon, side by side, by
+ * the same comparisons.  Points that these would clip, and all of the other shapes, are asked one by one
+ * for rays that are still good.  What does not depend on the point (the turn, the directions of the arms) is
+ * worked out once.
  *
  * Test: tests/unit/test_aperture.c, tests/batch/test_trace_batch.c. */
 #include "aperture.h"
@@ -253,6 +255,43 @@ static bool polygon_clips(const sgt_aperture_item *i, seen p)
     return true;
 }
 
+/* side_is_crossed of many points, without a branch: the sign of inside[i] changes if it is crossed. */
+SGT_KERNEL
+static void cross_all(size_t n, sgt_vec2 a, sgt_vec2 b, const double *x, const double *y, double *inside)
+{
+    double left = smaller(a.x, b.x), right = larger(a.x, b.x), rises = b.y > a.y ? 1 : -1;
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double side = (b.x - a.x) * (y[i] - a.y) - (x[i] - a.x) * (b.y - a.y);
+        double begins = a.y > y[i] ? 1 : -1, ends = b.y > y[i] ? 1 : -1, crossed = rises * side;
+        crossed = x[i] >= right ? -1 : crossed;
+        crossed = x[i] < left ? 1 : crossed;
+        crossed = begins == ends ? -1 : crossed;
+        inside[i] = crossed > 0 ? -inside[i] : inside[i];
+    }
+}
+
+SGT_KERNEL
+static void see_all(size_t n, sgt_vec2 centre, unit_turn by, const double *x, const double *y, double *qx,
+                    double *qy)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec2 q = turned_back(by, (sgt_vec2){x[i] - centre.x, y[i] - centre.y});
+        qx[i] = q.x, qy[i] = q.y;
+    }
+}
+
+/* inside[i] is set below 0 if the point is in the polygon. */
+static void in_polygon_all(const figure *f, size_t n, const double *x, const double *y, double *inside)
+{
+    double qx[SGT_TILE], qy[SGT_TILE];
+    see_all(n, f->item->centre, f->turned, x, y, qx, qy);
+    for (size_t j = 0; j < n; j++) inside[j] = 1;
+    for (size_t k = 0, before = f->item->count - 1; k < f->item->count; before = k++)
+        cross_all(n, f->item->vertices[before], f->item->vertices[k], qx, qy, inside);
+}
+
 static double arm_length(const sgt_aperture_item *i) { return i->length == 0 ? HUGE_VAL : i->length; }
 
 static bool spider_clips(const figure *f, seen p)
@@ -312,8 +351,13 @@ SGT_NOINLINE size_t sgt_aperture_clips_tile(const sgt_aperture *a, size_t n, con
         } else {
             figure f;
             figure_of(i, &f);
-            for (size_t j = 0; j < n; j++)
+            double inside[SGT_TILE];
+            bool polygon = i->shape == SGT_POLYGON && n <= SGT_TILE;
+            if (polygon) in_polygon_all(&f, n, x, y, inside);
+            for (size_t j = 0; j < n; j++) {
+                if (polygon && (inside[j] < 0) != i->obscuring) continue;
                 if (good[j] > 0 && figure_clips(&f, x[j], y[j])) good[j] = verdict;
+            }
         }
     }
     size_t left = 0;

@@ -2,11 +2,14 @@
 //
 //     build/tests/bench/bench_ordinary [--quick] [--only TEXT] [--list]
 //     build/tests/bench/bench_ordinary --drawn [SEED] [--quick] [--list]
+//     build/tests/bench/bench_ordinary --search [--seconds N] [--seed S] [--type T] [--brief]
+//     build/tests/bench/bench_ordinary --case "type=... ..."
 //
 // The first prints the tables of docs/accuracy.md, as markdown (--only: the rows whose name contains TEXT;
 // --list: and what becomes of the rays where the two sides differ in it).  The second draws fifty random
 // sags and compares each without a rim with itself with one (--list: tells all of them).
-// docs/ordinary_table.py puts both into the page.
+// docs/ordinary_table.py puts both into the page.  The third and the fourth look for the worst that there is
+// (cliff_search.cpp).
 //
 // Each line has two sides: the input that is asked about, and its neighbour.  They take turns, a slice of
 // about 0.3 ms each, by the time of the processor that this thread has had.  All lines of a table are
@@ -32,6 +35,7 @@
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 #include "bench_subjects.h"
+#include "cliff_search.h"
 
 using namespace bench;
 using namespace bench::catalogue;
@@ -1135,8 +1139,10 @@ int ordinary()
 
 int main(int argc, char **argv)
 {
-    bool random = false;
+    bool random = false, search = false, brief = false;
     unsigned long seed = 1;
+    double seconds = 60;
+    std::string type;
     for (int i = 1; i < argc; i++) {
         std::string word = argv[i];
         if (word == "--quick") {
@@ -1149,10 +1155,26 @@ int main(int argc, char **argv)
             random = true;
             if (i + 1 < argc && argv[i + 1][0] != '-')
                 seed = std::strtoul(argv[++i], nullptr, 0);
+        } else if (word == "--search") {
+            search = true;
+        } else if (word == "--brief") {
+            brief = true;
+        } else if (word == "--seconds" && i + 1 < argc) {
+            seconds = std::strtod(argv[++i], nullptr);
+        } else if (word == "--seed" && i + 1 < argc) {
+            seed = std::strtoul(argv[++i], nullptr, 0);
+        } else if (word == "--type" && i + 1 < argc) {
+            type = argv[++i];
+        } else if (word == "--case" && i + 1 < argc) {
+            return run_case(argv[++i]);
         } else {
-            std::fprintf(stderr, "bench_ordinary [--quick] [--only TEXT] [--drawn [SEED] [--list]]\n");
+            std::fprintf(stderr, "bench_ordinary [--quick] [--only TEXT] [--drawn [SEED] [--list]]\n"
+                                 "bench_ordinary --search [--seconds N] [--seed S] [--type T] [--brief]\n"
+                                 "bench_ordinary --case \"type=... ...\"\n");
             return 2;
         }
     }
+    if (search)
+        return search_for_cliffs(seconds, seed, type, brief);
     return random ? fifty(seed) : ordinary();
 }

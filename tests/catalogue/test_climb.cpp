@@ -277,6 +277,37 @@ struct of_steep_asphere : of_catalogue {
     }
 };
 
+// A corrector plate: an even asphere of no curvature, of one to three powers of any height, and rays from
+// near and from afar.  Up to r^6 its result is taken where t and the point need no more (asphere/easy.h,
+// SHARP ENOUGH), higher powers have other forms.
+struct of_plate : of_catalogue {
+    of_plate() : of_catalogue("even_asphere") {}
+    void draw(generator &g) override
+    {
+        s = {};
+        s.type = type, s.sag = true, s.h = size = g.log_uniform(1e-2, 1e2);
+        s.rim = rim = g.chance(0.67) ? s.h : 0;
+        sgt_even_asphere a = {};
+        a.k = g.chance(0.5) ? 0 : g.uniform(-2, 1), a.semi_diameter = s.rim;
+        for (int terms = 1 + g.below(3); terms > 0; terms--) {
+            const int i = g.below(g.chance(0.7) ? 3 : 8);
+            a.a[i] = g.sign() * g.log_uniform(1e-7, 0.3) / std::pow(s.h, 2 * i + 1);
+        }
+        s.s = {&sgt_even_asphere_ops, s.keep(a)};
+        changed();
+        const double r = s.h * std::sqrt(g.uniform(0, 1)), about = g.uniform(0, 6.283185307179586),
+                     x = r * std::cos(about), y = r * std::sin(about), z = -formula<double>(s.s)(x, y, 0.0),
+                     far = s.h * g.log_uniform(1e-3, 1e3);
+        sgt_vec3 d = random_direction(g);
+        if (g.chance(0.8)) d.z = g.sign() * (1 + std::fabs(d.z));
+        p = {x, y, z};
+        ray = {{x - far * d.x, y - far * d.y, z - far * d.z}, d, g.chance(0.5) ? 0 : -HUGE_VAL, HUGE_VAL};
+        t_tol = s.h * g.log_uniform(1e-12, 1e-3);
+        t = far;
+        pick = g.chance(0.5) ? SGT_FIRST : SGT_NEAR_SEED;
+    }
+};
+
 struct of_level_set : climb::subject {
     oracle::level f;
     sgt_mandelbrot m;
@@ -335,7 +366,7 @@ double weight_of(const std::string &type)
 {
     for (const char *cheap : {"plane", "sphere", "conic", "even_asphere", "quadric", "torus", "ellipsoid"})
         if (type == cheap) return 4;
-    if (type == "even_asphere, steep") return 2;
+    if (type == "even_asphere, steep" || type == "even_asphere, plate") return 2;
     if (type.find(", inner part") != std::string::npos) return type[0] == 'c' ? 1 : 0.2;
     return type == "q_con" || type == "sum" ? 0.3 : type == "zernike" || type == "q_bfs" ? 0.6 : 1;
 }
@@ -358,6 +389,7 @@ int main(int argc, char **argv)
         names.push_back("even_asphere, steep");
         for (const char *type : {"chebyshev", "zernike", "q_con", "q_bfs"})
             names.push_back(std::string(type) + ", inner part");
+        names.push_back("even_asphere, plate");
     }
     const int with_tolerance = int(climb::of_t) + int(climb::tolerant) * int(climb::angles);
     int failed = 0;
@@ -367,6 +399,7 @@ int main(int argc, char **argv)
         std::unique_ptr<climb::subject> s;
         if (type == "julia" || type == "mandelbrot") s.reset(new of_level_set(type == "mandelbrot"));
         else if (type == "even_asphere, steep") s.reset(new of_steep_asphere);
+        else if (type == "even_asphere, plate") s.reset(new of_plate);
         else if (inner) s.reset(new of_inner_part(type.substr(0, type.find(','))));
         else s.reset(new of_catalogue(type));
         climb::table t;

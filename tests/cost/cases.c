@@ -104,6 +104,8 @@ static void fill(void)
 static const sgt_conic conic = {BASE}, conic_rim = {BASE, .semi_diameter = RIM};
 static const sgt_even_asphere even = {BASE, .a = {0, 1e-4, -2e-6, 1e-8}},
                          even_rim = {BASE, .semi_diameter = RIM, .a = {0, 1e-4, -2e-6, 1e-8}};
+static const sgt_even_asphere plate = {.a = {-3.2e-3, 2e-4}},
+                         plate_rim = {.a = {-3.2e-3, 2e-4}, .semi_diameter = RIM};
 #define ODD .a = {0, 0, 5e-4, 1e-4, -2e-5, -2e-6, 1e-7, 1e-8}
 static const sgt_odd_asphere odd = {BASE, ODD}, odd_rim = {BASE, .semi_diameter = RIM, ODD};
 static const sgt_polynomial_xy xy = {BASE, .a = POWER_3}, xy_rim = {BASE, .semi_diameter = RIM, .a = POWER_3};
@@ -432,6 +434,8 @@ int main(int argc, char **argv)
         {"conic with a rim", {{&sgt_conic_ops, &conic_rim}, NULL}, true, toward_lens},
         {"even asphere", {{&sgt_even_asphere_ops, &even}, NULL}, true, toward_lens},
         {"even asphere with a rim", {{&sgt_even_asphere_ops, &even_rim}, NULL}, true, toward_lens},
+        {"corrector plate", {{&sgt_even_asphere_ops, &plate}, NULL}, false, toward_lens},
+        {"corrector plate with a rim", {{&sgt_even_asphere_ops, &plate_rim}, NULL}, false, toward_lens},
         {"odd asphere", {{&sgt_odd_asphere_ops, &odd}, NULL}, true, toward_lens},
         {"odd asphere with a rim", {{&sgt_odd_asphere_ops, &odd_rim}, NULL}, true, toward_lens},
         {"polynomial xy", {{&sgt_polynomial_xy_ops, &xy}, NULL}, false, toward_lens},

@@ -425,7 +425,7 @@ int main()
 {
     const char *scale = std::getenv("SAGITTA_TEST_SCALE"), *set = std::getenv("SAGITTA_TEST_SEED");
     const std::uint64_t seed = set ? std::strtoull(set, nullptr, 10) : 20300;
-    const int surfaces = static_cast<int>(500 * (scale ? std::atof(scale) : 0.5)) + 1;
+    const int surfaces = static_cast<int>(1000 * (scale ? std::atof(scale) : 0.5)) + 1;
     constexpr size_t N = 60;
     draw.seed(seed);
     std::printf("SAGITTA_TEST_SEED=%" PRIu64 ", %d surfaces, %zu rays each\n", seed, surfaces, N);

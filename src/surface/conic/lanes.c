@@ -111,8 +111,8 @@ LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, LANE_RICH)
 
 /* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY).  One loop, because few
  * tiles are met so. */
-SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile,
-                               bowl_room *room)
+SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, lane_wish wish, const sgt_tile *tile,
+                              bowl_room *room)
 {
     const bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
@@ -124,21 +124,23 @@ SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, const sg
         lane e = plane ? plane_at_start(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
                        : easy_or_nearby(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i],
                                         t_tol[i]);
-        LANE_STORE(to, i, e, LANE_RICH);
+        LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
     return lane_told(tile, &room->ends, 1, all);
 }
 
-#define LANES_NEARBY(name, plane, first)                                                            \
-    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
-    {                                                                                               \
-        return lane_nearby(s, plane, first, tile, room);                                           \
+#define LANES_NEARBY(name, plane, first, wish)                                                  \
+    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)         \
+    {                                                                                           \
+        return lane_nearby(s, plane, first, wish, tile, room);                                  \
     }
 
-LANES_NEARBY(conic_lanes_plane_nearby, true, false)
-LANES_NEARBY(conic_lanes_near_nearby, false, false)
-LANES_NEARBY(conic_lanes_first_nearby, false, true)
+LANES_NEARBY(conic_lanes_plane_nearby, true, false, LANE_RICH)
+LANES_NEARBY(conic_lanes_near_nearby, false, false, LANE_PLAIN)
+LANES_NEARBY(conic_lanes_near_nearby_rich, false, false, LANE_RICH)
+LANES_NEARBY(conic_lanes_first_nearby, false, true, LANE_PLAIN)
+LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 
 /* Where the first ray of a tile starts.  It is a guess for all of them, and affects only the time:
  *
@@ -155,12 +157,22 @@ static beginning beginning_of(const bowl *s, const sgt_tile *tile)
     return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
 }
 
+/* Is that why the loop for AWAY leaves rays over?  The first ray's t is not sharp (lane_of) if t_err / u is
+ * above 40 |t|.  That is 25 |tau| + |t|, about 25 times the sag and the distance g, above 40 g. */
+static bool begins_close(const bowl *s, const sgt_tile *tile)
+{
+    double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0],
+           sag = 0.5 * s->c * (x * x + y * y + s->k1 * z * z);
+    return fabs(z - sag) <= 0.625 * fabs(sag);
+}
+
 /* Traces ask for near roots of whole lines, and for t_lo with paths: so there are loops for these alone. */
 static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
     bool rich = wish >= LANE_FINE, fine = wish == LANE_FINE, bare = wish == LANE_BARE;
+    if (nearby && s->c == 0) return conic_lanes_plane_nearby(s, tile, room);
     if (nearby)
-        return s->c == 0 ? conic_lanes_plane_nearby(s, tile, room) : conic_lanes_near_nearby(s, tile, room);
+        return rich ? conic_lanes_near_nearby_rich(s, tile, room) : conic_lanes_near_nearby(s, tile, room);
     if (s->c == 0 && s->proof)
         return rich ? conic_lanes_plane_sure_rich(s, tile, room) : conic_lanes_plane_sure(s, tile, room);
     if (bare && !s->proof)
@@ -176,7 +188,8 @@ static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_ti
 static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
     bool rich = wish >= LANE_FINE;
-    if (nearby) return conic_lanes_first_nearby(s, tile, room);
+    if (nearby)
+        return rich ? conic_lanes_first_nearby_rich(s, tile, room) : conic_lanes_first_nearby(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
@@ -207,6 +220,10 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     if (later) memset(status, SGT_HARD, tile->n);
     else
         hard = first ? lane_first(&s, wish, nearby, tile, &room) : lane_near(&s, wish, nearby, tile, &room);
+    if (from == AWAY && !later && 8 * hard > tile->n && begins_close(&s, tile)) {
+        nearby = true;
+        hard = first ? lane_first(&s, wish, nearby, tile, &room) : lane_near(&s, wish, nearby, tile, &room);
+    }
     if (8 * hard <= tile->n) return hard; /* one by one */
     if (c == 0) conic_lanes_plane_away(&s, tile, away);
     else conic_lanes_away(&s, tile, away, far_gone);

@@ -9,7 +9,6 @@
 #include "../base/progress.h"
 #include "../draw/pictures.h"
 #include "../read/surface.h"
-#include "../show/profile.h"
 #include "../base/tiles.h"
 
 #include <math.h>

@@ -5,10 +5,9 @@
 
 #include "../job/job.h"
 
-enum { OUTLINE_POINTS = 65, RIM_POINTS = 128 };
+#include <sagitta/shape.h>
 
-/* Where rays met an element: how far from its axis, and the box about the points in its own x, y. */
-typedef struct reach { double radius; sgt_vec2 low, high; } reach;
+enum { OUTLINE_POINTS = 65, RIM_POINTS = SGT_RIM_POINTS };
 
 typedef enum piece_kind {
     PIECE_SURFACE, /* light meets the element there */
@@ -39,7 +38,8 @@ typedef struct outline {
 
 /* The outline of element i.  met: where rays met it; all: and any of the elements, for one that no ray met.
  * back: as in the outline. */
-outline outline_of(const job *j, const view_axes *v, size_t i, const reach *met, double all, double back);
+outline outline_of(const job *j, const view_axes *v, size_t i, const sgt_footprint *met, double all,
+                   double back);
 
 /* An end of an outline (side: 0 lower, 1 upper), moved along its section to height `half`. */
 sgt_vec3 outline_corner(const outline *o, int side, double half);

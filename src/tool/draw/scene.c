@@ -12,15 +12,15 @@ static const double BEYOND_LENS = 3;   /* of the lens's extent: a ray is drawn t
 
 scene scene_begin(const job *j, view_plane plane)
 {
-    scene s = {.job = j, .view = view_of(plane), .reach = memory_take(j->lens.count, sizeof(reach)),
+    scene s = {.job = j, .view = view_of(plane), .reach = memory_take(j->lens.count, sizeof(sgt_footprint)),
                .outline = memory_take(j->lens.count, sizeof(outline)),
                .by_wavelength = j->wavelengths > 1 && j->fields <= 1};
     for (size_t i = 0; i < j->lens.count; i++)
-        s.reach[i] = (reach){0, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+        s.reach[i] = (sgt_footprint){0, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
     return s;
 }
 
-static void reach_widen(reach *r, sgt_vec3 own)
+static void reach_widen(sgt_footprint *r, sgt_vec3 own)
 {
     r->radius = fmax(r->radius, hypot(own.x, own.y));
     r->low = (sgt_vec2){fmin(r->low.x, own.x), fmin(r->low.y, own.y)};

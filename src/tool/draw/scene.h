@@ -15,12 +15,12 @@ typedef struct scene {
     view_axes view;
     ray_path *path;
     size_t paths, capacity;
-    reach *reach;       /* [job->lens.count] */
-    outline *outline;   /* [job->lens.count] */
-    sgt_vec3 low, high; /* a box about all elements */
-    spot least, most;   /* everything lies between these corners of the picture */
-    double lead;        /* how far rays are drawn beyond the lens */
-    bool by_wavelength; /* colours tell wavelengths, as there are several and only one field */
+    sgt_footprint *reach; /* [job->lens.count] */
+    outline *outline;     /* [job->lens.count] */
+    sgt_vec3 low, high;   /* a box about all elements */
+    spot least, most;     /* everything lies between these corners of the picture */
+    double lead;          /* how far rays are drawn beyond the lens */
+    bool by_wavelength;   /* colours tell wavelengths, as there are several and only one field */
 } scene;
 
 scene scene_begin(const job *j, view_plane plane);
