@@ -227,6 +227,15 @@ SGT_INLINE double settled_of(lane_span a)
                     quadratic_leave(&r, &c, &p, quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]),   \
                                     BEGINNING(&s, outset_of(&r, ox[i], oy[i], oz[i], tmin[i]), r.d),         \
                                     tmin[i]))                                                               \
+    SGT_NOINLINE                                                                                            \
+    static void NAME##_unsettled(const void *self, size_t n, sgt_rays rays, sgt_spans out, size_t i)        \
+    {                                                                                                       \
+        double single[DEPARTURE_BLOCK];                                                                     \
+        NAME##_all_leaving(self, n, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i,             \
+                           rays.d[1] + i, rays.d[2] + i, rays.tmin + i, out.lo + i, out.hi + i,             \
+                           out.seed + i, single);                                                           \
+        for (size_t j = 0; j < n; j++) out.single[i + j] = single[j] > 0;                                   \
+    }                                                                                                       \
     static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)         \
     {                                                                                                       \
         double single[DEPARTURE_BLOCK];                                                                     \
@@ -235,13 +244,11 @@ SGT_INLINE double settled_of(lane_span a)
             (first ? NAME##_all_firsts : NAME##_all_spans)(                                                 \
                 self, few, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i, rays.d[1] + i,       \
                 rays.d[2] + i, first ? rays.tmin + i : NULL, out.lo + i, out.hi + i, out.seed + i, single); \
-            double settled = 1;                                                                             \
-            for (size_t j = 0; j < few; j++) settled = single[j] != 1 ? 0 : settled;                        \
-            if (first && settled == 0)                                                                      \
-                NAME##_all_leaving(self, few, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i,   \
-                                   rays.d[1] + i, rays.d[2] + i, rays.tmin + i, out.lo + i, out.hi + i,     \
-                                   out.seed + i, single);                                                   \
-            for (size_t j = 0; j < few; j++) out.single[i + j] = single[j] > 0;                             \
+            bool settled = true;                                                                            \
+            for (size_t j = 0; j < few; j++)                                                                \
+                out.single[i + j] = single[j] > 0, settled &= single[j] == 1;                               \
+            if (!first || settled) continue;                                                                \
+            NAME##_unsettled(self, few, rays, out, i);                                                      \
         }                                                                                                   \
     }                                                                                                       \
     static void NAME##_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)                      \
@@ -255,7 +262,14 @@ SGT_INLINE double settled_of(lane_span a)
     static sgt_span NAME##_one(const void *self, const sgt_ray *ray, bool first)                            \
     {                                                                                                       \
         sgt_span a;                                                                                         \
-        NAME##_blocks(self, 1, rays_of(ray), (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, first);         \
+        double single;                                                                                      \
+        const sgt_vec3 *o = &ray->o, *d = &ray->d;                                                          \
+        (first ? NAME##_all_firsts : NAME##_all_spans)(self, 1, &o->x, &o->y, &o->z, &d->x, &d->y, &d->z,   \
+                                                       first ? &ray->tmin : NULL, &a.lo, &a.hi, &a.seed,    \
+                                                       &single);                                            \
+        a.single = single > 0;                                                                              \
+        if (first && single != 1)                                                                           \
+            NAME##_unsettled(self, 1, rays_of(ray), (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, 0);      \
         return a;                                                                                           \
     }                                                                                                       \
     static sgt_span NAME##_span(const void *self, const sgt_ray *ray)                                       \
