@@ -135,9 +135,10 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * "leave the surface you may be on".  Precisely, a root t is not accepted if
  *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d| + 2^-50 |t|,
  * the products taken at the root.  That is no farther from tmin than 16 ulps in each
- * coordinate of a point on the surface can put it.  Where the gradient nearly vanishes,
- * rounding hides how far that is.  A root that may be the one at the start is then
- * UNPROVEN and is never dropped.
+ * coordinate of a point on the surface can put it.  A root within 2^-1000 (length) of the
+ * start is the start, too: all products may be 0 there.  Where the gradient nearly
+ * vanishes, rounding hides how far that is.  A root that may be the one at the start is
+ * then UNPROVEN and is never dropped.
  * To get the root at the start, give tmin = -INFINITY or a tmin a little less than
  * zero. */
 typedef struct sgt_ray {
@@ -551,6 +552,68 @@ SGT_API bool sgt_explain_intersect(sgt_surface s, const sgt_ray *ray,
  * last entry, EXHAUSTED or STOPPED. */
 SGT_API int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[],
                               const sgt_options *opt);
+
+/* --------------------------------------------------------------- leaving */
+
+/* A ray that starts where another has met the surface: reflected, refracted, straight on,
+ * or toward a lamp.  Its next crossing is asked for, and no distance has to be chosen
+ * that the ray is pushed by.  A start is a hit and a direction:
+ *
+ *     sgt_start on = {.p = hit.p, .n = hit.n, .p_err = hit.p_err, .d = d};
+ *     sgt_crossing next = sgt_leave(surface, &on, NULL);
+ *
+ * The surface is within p_err of p.  So the ray begins at a point o of the surface that
+ * is within p_err (and 4 ulps) of p, and the root there is not accepted.  o is p itself,
+ * but where p_err is more than the rule of sgt_ray covers.  If no point of the surface is
+ * found so near to p, the ray begins at p, as one of sgt_intersect does. */
+typedef struct sgt_start {
+    sgt_vec3 p;      /* length; finite */
+    sgt_vec3 n;      /* the gradient of F there, or a multiple of it; zero: not known */
+    double   p_err;  /* length; 0 or more, finite */
+    sgt_vec3 d;      /* as in sgt_ray */
+    double   tmax;   /* lengths of d; 0: INFINITY */
+    unsigned long long reserved_[2]; /* leave it zero: else the answer is SGT_INVALID */
+} sgt_start;
+
+/* The next crossing. */
+typedef struct sgt_crossing {
+    sgt_hit hit;   /* as sgt_intersect gives it of `ray` */
+    sgt_ray ray;   /* from o along d; hit.t counts from o */
+    int     side;  /* the sign of F between the start and hit.t (a miss: right behind the
+                      start): 1, -1, or 0: it cannot be told, or the hit is undecided */
+    unsigned long long reserved_[2];
+} sgt_crossing;
+
+/* The first accepted root behind the start.  opt may be NULL; its pick is not read.
+ *
+ * THE SIDE is certain where the status is (sgt_intersect): then F has that sign all along
+ * the ray up to the hit.  So whoever counts crossings is inside or outside by the sign,
+ * and not by parity.  On a user's surface without `rounding` it trusts F as computed.  If
+ * a march by steps has skipped a root, which the slopes at both ends tell, the hit is
+ * UNPROVEN.
+ *
+ * AT A TANGENT, where d lies in the tangent plane, the start may be one root or two.
+ * Roots within the rule of sgt_ray are dropped together, and the side is that behind
+ * them.  What may lie farther off, and cannot be told, is UNPROVEN, with hit.lo and
+ * hit.hi. */
+SGT_API sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from,
+                               const sgt_options *opt);
+
+/* Many starts: one array for each number of sgt_start. */
+typedef struct sgt_starts {
+    const double *p[3], *n[3]; /* n[0] NULL: not known */
+    const double *p_err;       /* NULL: 0 */
+    const double *d[3];
+    const double *tmax;        /* NULL: INFINITY; so is 0 in it */
+    unsigned long long reserved_[2]; /* leave it zero: else every answer is SGT_INVALID */
+} sgt_starts;
+
+/* sgt_leave of n starts, each to the last bit.  t counts from o, which is not told: it is
+ * within p_err of p.  side[i] (side may be NULL) is 1, -1 or 0.  Outputs must not overlap
+ * the starts or each other.  Returns the number of positive statuses; all else is as in
+ * sgt_intersect_batch, but for the stack, which is below 150 KiB. */
+SGT_API size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits,
+                               signed char *side, const sgt_options *opt);
 
 /* ------------------------------------------------- the solver, by itself */
 

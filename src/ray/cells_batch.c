@@ -27,6 +27,14 @@
  * F as `value` has it must be 0 there within 2^10 roundings; if not, `encloses` and `value` are not about
  * one F, and nothing is said.
  *
+ * THE START.  If 0 is in G at the start, the near end of a monotone cell, the sign there cannot be told.  It
+ * need not be.  If the cell has a root, that is within |G| / |S| of the start, and there is no other.  It is
+ * the start by the rule of accept.h if the error of such a root, half the width of G over |S|, is no more
+ * than 16 widths of the rule (as in proof_take of proof.c), and F as `value` has it says that it is within
+ * half of one.  Behind the cell the sign is that of S.  If S is too wide for that, the cell is made shorter.
+ * Before, these rays were left to proof.c, which bisects down to rounding: 25 to 100 times the time of a
+ * first hit, where it is 1.1 to 1.7 times now (gyroid, quartic, sphere, torus as formulas, batches of 1000).
+ *
  * THE LENGTH OF A CELL is only a guess, from the last answer.  Over a cell of length w, g was K w wide and S
  * was B w wide.  Let c be |g| where the next cell begins, as the middles of G and S have it, and s the slope
  * of |g|.  The next cell is the longest of these, but at most 4 w, and w/2 if nothing was decided:
@@ -35,6 +43,8 @@
  *     |s| / B            S will not change its sign in it (1.5 times that, if |g| rises: then it has no root)
  *     1.6 c / |s|        1.6 Newton steps, if |g| falls and S stays away from 0 so far: the cell has the root
  *
+ * Behind the last point of a cell it is 1.6 Newton steps, w to 4 w.
+ *
  * COST, 640 x 480 rays into a ball of 1.6 (tests/bench/bench_cells.cpp), cells a ray, those that certify a
  * root included: Barth's sextic 11.6, Clebsch 8.0, Chmutov of degree 8 8.3, a gyroid 8.7.  The march of a
  * cell takes 5 ns with AVX-512.
@@ -42,7 +52,7 @@
  * WHAT IS LEFT is SGT_HARD, and goes through answer.c:
  * - rays without two finite ends, with numbers out of range, or from so far that an ulp of t is coarse;
  * - a cell at the resolution of t, or more than MOST_CELLS of them: grazes, singular points;
- * - a sign that is not certain at the end of a monotone cell: a ray that starts on the surface;
+ * - a sign that is not certain at the end of a monotone cell, and a start that THE START does not settle;
  * - a root that is near an end of the ray, by a wide margin (DOUBT);
  * - a root that is not certified. */
 #include "cells_batch.h"
@@ -63,7 +73,7 @@ static const double DOUBT = 0x1p12;
 
 /* What a slot asks for: the cell, or its first or last point.  How it leaves. */
 enum { CELL, FIRST_POINT, LAST_POINT };
-enum { STAYS, PASSED, BRACKET, GIVEN_UP };
+enum { STAYS, PASSED, BRACKET, STARTED, GIVEN_UP };
 
 /* A row for each number.  a, b: the cell; end: of the search; h: the length to be tried next. */
 typedef struct slots {
@@ -288,14 +298,18 @@ SGT_INLINE double march_on(slots *s, size_t k, double budget)
     double shortest = either(past, 0.3 * w, 0.1 * left), longest = either(past, 4 * w, 0.5 * left);
     length = either(MASK(length > shortest), length, shortest); /* of a NaN, too */
     length = either(MASK(length < longest), length, longest);
-    length = either(cell, length, w);
+    /* behind a point: as far as Newton's step tells, and not shorter than the cell before */
+    double ahead = 1.6 * middle / -slope;
+    ahead = either(MASK(ahead > w), ahead, w), ahead = either(MASK(ahead < 4 * w), ahead, 4 * w);
+    length = either(cell, length, either(at_last, ahead, w));
     double stop = either(MASK(next + 1.125 * length < end), next + length, end);
-    stop = either(points | found, b, stop);
+    stop = either(points | found | lost, b, stop);
     /* how the ray leaves */
     const mask gone = past & MASK(next >= end),
                fine = MASK(stop - next > 0x1p-44 * larger(fabs(next), fabs(stop)));
     double leave = either(fine & MASK(evals < budget) & ~lost, STAYS, GIVEN_UP);
     leave = either(found, BRACKET, either(gone & ~lost, PASSED, leave));
+    leave = either(lost & at_first, STARTED, leave);
     s->a[k] = next, s->b[k] = stop, s->sign[k] = new_sign, s->least[k] = new_least, s->evals[k] = evals;
     s->asks[k] = either(to_first, FIRST_POINT, either(to_last, LAST_POINT, CELL));
     s->steep_lo[k] = lo, s->steep_hi[k] = hi;
@@ -452,19 +466,23 @@ SGT_INLINE void meeting_take(meetings *s, size_t k)
 SGT_KERNEL
 static void meetings_take(meetings *s, size_t n) { LANES for (size_t k = 0; k < n; k++) meeting_take(s, k); }
 
-static void value_all(const cell_search *j, meetings *s, size_t n)
+static void values_of(const cell_search *j, size_t n, sgt_points p, sgt_values out)
 {
     const sgt_surface_ops *ops = j->s.ops;
     if (ops->values) {
-        ops->values(j->s.self, n, (sgt_points){{s->px, s->py, s->pz}},
-                    (sgt_values){s->f, {s->fx, s->fy, s->fz}});
+        ops->values(j->s.self, n, p, out);
         return;
     }
     for (size_t k = 0; k < n; k++) {
         sgt_vec3 grad = {0, 0, 0};
-        s->f[k] = ops->value(j->s.self, (sgt_vec3){s->px[k], s->py[k], s->pz[k]}, &grad);
-        s->fx[k] = grad.x, s->fy[k] = grad.y, s->fz[k] = grad.z;
+        out.f[k] = ops->value(j->s.self, (sgt_vec3){p.p[0][k], p.p[1][k], p.p[2][k]}, &grad);
+        out.grad[0][k] = grad.x, out.grad[1][k] = grad.y, out.grad[2][k] = grad.z;
     }
+}
+
+static void value_all(const cell_search *j, meetings *s, size_t n)
+{
+    values_of(j, n, (sgt_points){{s->px, s->py, s->pz}}, (sgt_values){s->f, {s->fx, s->fy, s->fz}});
 }
 
 /* The watcher of the only ray is told of F at the point asked for, t0 + tau. */
@@ -542,6 +560,55 @@ static void move_slot(slots *s, size_t to, size_t from)
         rows[r * SLOTS + to] = rows[r * SLOTS + from];
 }
 
+/* G at the start, the near end of a monotone cell, has 0 in it (THE START).  The march goes on, behind the
+ * cell or in a shorter one, or the ray is given up.  f, n: F and its gradient at p, the start. */
+static void settle_start(slots *s, size_t k, sgt_vec3 p, double f, sgt_vec3 n, double budget)
+{
+    double a = s->a[k], b = s->b[k], g_lo = s->g_lo[k], g_hi = s->g_hi[k], lo = s->steep_lo[k],
+           hi = s->steep_hi[k], w = b - a, flat = lo > 0 ? lo : -hi, steep = lo > 0 ? hi : -lo,
+           noise = g_hi - g_lo, last = (lo > 0 ? -g_lo : g_hi) / flat;
+    double terms = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z) - 64 * noise,
+           slope = fabs(n.x * s->d[0][k] + n.y * s->d[1][k] + n.z * s->d[2][k]);
+    slope = slope < flat ? flat : slope > steep ? steep : slope; /* of a NaN: NaN */
+    double reach = START_ULPS * terms / slope, evals = s->evals[k] + 1,
+           most = larger(fabs(s->d[0][k]), larger(fabs(s->d[1][k]), fabs(s->d[2][k])));
+    bool near = 0.5 * noise / flat <= 16 * reach && fabs(f) <= 0.5 * reach * slope + 0.125 * noise,
+         start = g_lo <= 0 && g_hi >= 0 && last < 0.25 * w && (near || last * most <= START_LEAST),
+         shorter = !start && flat < 0.25 * steep && 0.125 * w > 0x1p-40 * fabs(a) && evals < budget;
+    s->evals[k] = evals;
+    if (start) s->a[k] = b, s->sign[k] = lo > 0 ? 1 : -1, s->least[k] = 0.5 * flat * w;
+    double next = start ? b + 2 * w : a + 0.125 * w;
+    s->b[k] = next < s->end[k] ? next : s->end[k];
+    s->t_lo[k] = s->a[k], s->t_hi[k] = s->b[k], s->asks[k] = CELL;
+    s->leave[k] = !(start || shorter) ? GIVEN_UP : s->a[k] < s->end[k] ? STAYS : PASSED;
+}
+
+/* Settles the starts of all slots that ask for it. */
+static void settle_starts(cell_search *j)
+{
+    slots *s = j->slots;
+    size_t at[SLOTS], n = 0;
+    double p[3][SLOTS], f[SLOTS], grad[3][SLOTS];
+    for (size_t k = 0; k < s->count; k++) {
+        if (s->leave[k] != STARTED) continue;
+        s->leave[k] = GIVEN_UP;
+        if (s->a[k] != j->tile->rays.tmin[(size_t)s->ray[k]]) continue; /* not the start,
+            but that of a span */
+        for (int c = 0; c < 3; c++) p[c][n] = moved_along(s->o[c][k], s->a[k], s->d[c][k]);
+        at[n++] = k;
+    }
+    if (n > 0)
+        values_of(j, n, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {grad[0], grad[1], grad[2]}});
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 d = {s->d[0][at[i]], s->d[1][at[i]], s->d[2][at[i]]}, n_i = {grad[0][i], grad[1][i],
+                                                                              grad[2][i]};
+        if (j->told && !j->told->stopped)
+            tell(j->told, SGT_PROBE, s->a[at[i]], f[i], n_i.x * d.x + n_i.y * d.y + n_i.z * d.z, s->a[at[i]],
+                 s->b[at[i]]);
+        settle_start(s, at[i], (sgt_vec3){p[0][i], p[1][i], p[2][i]}, f[i], n_i, j->budget);
+    }
+}
+
 static void answer_slot(cell_search *j, size_t k)
 {
     const slots *s = j->slots;
@@ -566,6 +633,7 @@ static void stream_rays(cell_search *j)
             tell_enclosure(j, s->asks[0] == CELL ? SGT_MARCH : SGT_PROBE, s->t_lo[0], s->t_hi[0], s->g_lo[0],
                            s->g_hi[0], s->slope_lo[0], s->slope_hi[0]);
         if (march_all(s, s->count, j->budget) == 0) continue;
+        settle_starts(j);
         for (size_t k = s->count; k-- > 0;) {
             if (s->leave[k] == STAYS) continue;
             answer_slot(j, k);

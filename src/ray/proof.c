@@ -274,6 +274,14 @@ static double start_width(proof *w, sgt_interval at, sgt_interval slope)
     return START_ULPS * larger(terms - err, 0) / sgt_interval_greatest(slope);
 }
 
+/* Is all of it within 2^-1000 of the start (accept.h)? */
+static bool at_very_start(const proof *w, sgt_interval at)
+{
+    sgt_vec3 d = w->ray->d;
+    double most = larger(fabs(d.x), larger(fabs(d.y), fabs(d.z)));
+    return sgt_sum_above(at.hi, -w->tmin.lo) <= START_LEAST / most;
+}
+
 /* Does all of the stretch lie beyond the rim? */
 static bool proof_outside(const proof *w, sgt_interval t)
 {
@@ -319,7 +327,7 @@ static void flush(proof *w)
          start = at.lo <= w->tmin.hi;
     double t = whole ? start_within(w->ray, w->t0, at.lo, at.hi, w->centre, w->rim2)
                      : sgt_interval_middle(at);
-    if (proof_outside(w, at)) return;
+    if (proof_outside(w, at) || (!whole && at_very_start(w, at))) return;
     if (whole) at = sgt_interval_between(w->lo, w->hi);
     if (isnan(t)) {
         sgt_proof_stretch(w, SGT_UNPROVEN, at.lo, at.hi);
@@ -431,6 +439,10 @@ static bool proof_take(proof *w, const certain *c)
     }
     flush(w);
     if (proof_over(w)) return true;
+    if (at_very_start(w, root)) {
+        w->last = root;
+        return true;
+    }
     double t = sgt_interval_middle(root),
            t_err = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo));
     proof_place at = proof_place_of(w, t, t_err, c->slope);

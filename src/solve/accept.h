@@ -17,8 +17,10 @@
  *
  *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d| + 2^-50 |t|,
  *
- * with the products taken at the root.  2^-48 is START_ULPS, and 2^-50 is 8 u.  Each way to a root
- * evaluates the rule with what it has at hand:
+ * with the products taken at the root.  2^-48 is START_ULPS, and 2^-50 is 8 u.  Where all products vanish (at
+ * the vertex of a sag, on a coordinate plane that is the surface) underflow alone hides where the root is.
+ * So one within 2^-1000 (length) of the start is the start, too: START_LEAST.  Each way to a root evaluates
+ * the rule with what it has at hand:
  *
  *     function                     file                 for whom
  *     accepted                     here                 surfaces with `meet`, single rays, careful form
@@ -44,6 +46,7 @@
 
 static const double SOFT_RIM = 1 + 0x1p-44; /* factor on r^2; surfaces.h says why */
 static const double START_ULPS = 0x1p-48;   /* 16 ulps; sagitta.h, sgt_ray */
+static const double START_LEAST = 0x1p-1000; /* length */
 static const double END_ERRORS = 16;        /* t of two ways differs by less than this times t_err */
 static const double TINY_ERROR = 0x1p-1060;
 

@@ -125,7 +125,20 @@ SGT_INLINE double ellipsoid_terms(const sgt_ellipsoid *s, const near_ray *r, dou
     return (void)r, (void)tau, 2 * (s->a * s->a);
 }
 
-QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_terms)
+/* The parabola is that of 2 a F. */
+SGT_INLINE outset ellipsoid_outset(const sgt_ellipsoid *self, sgt_vec3 p, sgt_vec3 d)
+{
+    shell s = shell_of(self);
+    double x, y, z, unit = 2 * s.a, g = shell_at(&s, p.x, p.y, p.z, &x, &y, &z) * unit;
+    x *= unit, y *= unit, z *= unit;
+    return (outset){.g = g,
+                       .g_err = shell_rounding(&s, p.x, p.y, p.z) * unit + 4 * SGT_U * fabs(g),
+                       .slope = x * d.x + y * d.y + z * d.z,
+                       .slope_err = COEFFICIENT * (fabs(x * d.x) + fabs(y * d.y) + fabs(z * d.z)),
+                       .terms = fabs(x * p.x) + fabs(y * p.y) + fabs(z * p.z)};
+}
+
+QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_terms, ellipsoid_outset)
 
 /* F from x, y, z, and its slope along d, by plain intervals. */
 static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, double t0, sgt_interval t,

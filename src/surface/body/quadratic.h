@@ -30,7 +30,15 @@
  * a user's surface (own_ = NULL besides) it is 2.5 and 2.9, 13 and 17 times (300 rays each, by callgrind).
  *
  * Nothing is promised in three cases: between these two; if D is not above 16 De (the ray touches); and if
- * the distance from the vertex is within what a double can tell of t. */
+ * the distance from the vertex is within what a double can tell of t.
+ *
+ * A START ON THE SURFACE is between these two: the roots about x are off by more than the rule's own width.
+ * So rays without a promise are looked at from the start.  Let g there be known within e, and s the slope.
+ * If 64 |A| (|g| + e) <= s^2, a root lies within 1.02 (|g| + e) / |s| of the start, and the other is at least
+ * 0.9 |s / A| from it.  The near one is the first if s and A have unlike signs (g falls toward the vertex, as
+ * A is its bend).  It is the start if |g| is within half of the rule's width, and e is no more than 16
+ * widths, as everywhere (accept.h; proof_take of ray/proof.c).  Then the second is behind the vertex.  If the
+ * start is the second, no root is accepted. */
 #ifndef SGT_SURFACE_BODY_QUADRATIC_H
 #define SGT_SURFACE_BODY_QUADRATIC_H
 
@@ -117,7 +125,16 @@ SGT_INLINE double quadratic_above(const near_ray *r, double tau)
     return end_above((r->t0 + tau) + 0x1p-51 * (fabs(r->t0) + fabs(tau)), r->scale);
 }
 
-typedef struct lane_span { double lo, hi, seed; mask single; } lane_span;
+/* The start of the ray. */
+SGT_INLINE sgt_vec3 outset_of(const near_ray *r, double ox, double oy, double oz, double tmin)
+{
+    double from = tmin * r->inverse;
+    return (sgt_vec3){moved_along(ox, from, r->d.x), moved_along(oy, from, r->d.y),
+                      moved_along(oz, from, r->d.z)};
+}
+
+/* leaves: the start may be the second root. */
+typedef struct lane_span { double lo, hi, seed; mask single, leaves; } lane_span;
 
 SGT_INLINE lane_span quadratic_span(const near_ray *r, const crossings *c)
 {
@@ -142,7 +159,36 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     a.hi = chosen(accepted, mid, a.hi), a.lo = chosen(behind, mid, a.lo);
     a.seed = chosen(behind, (r->t0 + c->second) * r->scale, a.seed);
     a.single |= accepted | behind;
+    a.leaves = behind & MASK(fabs(c->second - (from - r->t0)) < 0x1p-20 * (c->second - c->first));
     return a;
+}
+
+/* g at the start, and a bound on its error; the slope along the local d, and on its error; the terms. */
+typedef struct outset { double g, g_err, slope, slope_err, terms; } outset;
+
+/* What `a`, of quadratic_first, does not promise of a start on the surface.  Other rays keep `a`. */
+SGT_INLINE lane_span quadratic_leave(const near_ray *r, const crossings *c, const parabola *p, lane_span a,
+                                     outset b, double tmin)
+{
+    double g = fabs(b.g), e = b.g_err + 2 * SGT_U * b.terms, steep = fabs(b.slope),
+        width = START_ULPS * b.terms;
+    mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900),
+         on = two & (~a.single | a.leaves) & MASK(fabs(tmin) < HUGE_VAL) &
+              MASK(g <= 0.5 * width + 0.125 * e) & MASK(e <= 16 * width) &
+              MASK(64 * fabs(p->A) * (g + e) <= steep * steep) &
+              MASK(steep > 0x1p10 * b.slope_err) & MASK(width > TINY);
+    mask first = on & MASK(b.slope * p->A < 0), last = on & MASK(b.slope * p->A > 0);
+    a.lo = chosen(first, (r->t0 + c->mid) * r->scale, a.lo);
+    a.seed = chosen(first, (r->t0 + c->second) * r->scale, a.seed);
+    a.lo = chosen(last, 1.0, a.lo), a.hi = chosen(last, -1.0, a.hi);
+    a.single |= first | last;
+    return a;
+}
+
+/* Above 0: single.  Not 1: quadratic_leave may know more. */
+SGT_INLINE double settled_of(lane_span a)
+{
+    return chosen(a.leaves, 2.0, chosen(a.single, 1.0, 0.0));
 }
 
 /* Defines span and first, single and in lanes, for a surface of this kind:
@@ -150,6 +196,7 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
  *   SELF                       its type
  *   APPROACH(s, o, d, &p, &r)  makes the parabola and the local ray
  *   TERMS(s, &r, tau)          the terms at tau
+ *   BEGINNING(s, p, d)         what is known at the point p, d being the local direction
  *
  * Truth values are written by a loop of their own: a loop with bytes beside doubles is not vectorised. */
 #define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER)                                                  \
@@ -168,14 +215,27 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
             APPROACH(&s, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, &p, &r);    \
             crossings c = crossings_of(&p, r.t0);                                                      \
             lane_span a = ANSWER;                                                                      \
-            lo[i] = a.lo, hi[i] = a.hi, seed[i] = a.seed, single[i] = chosen(a.single, 1.0, 0.0);      \
+            lo[i] = a.lo, hi[i] = a.hi, seed[i] = a.seed, single[i] = settled_of(a);                   \
         }                                                                                              \
     }
 
-#define QUADRATIC_SPANS(NAME, SELF, APPROACH, TERMS)                                                        \
+#define QUADRATIC_SPANS(NAME, SELF, APPROACH, TERMS, BEGINNING)                                             \
     QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c))                               \
     QUADRATIC_LANES(NAME##_all_firsts, SELF, APPROACH,                                                      \
                     quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]))                               \
+    QUADRATIC_LANES(NAME##_all_leaving, SELF, APPROACH,                                                     \
+                    quadratic_leave(&r, &c, &p, quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]),   \
+                                    BEGINNING(&s, outset_of(&r, ox[i], oy[i], oz[i], tmin[i]), r.d),         \
+                                    tmin[i]))                                                               \
+    SGT_NOINLINE                                                                                            \
+    static void NAME##_unsettled(const void *self, size_t n, sgt_rays rays, sgt_spans out, size_t i)        \
+    {                                                                                                       \
+        double single[DEPARTURE_BLOCK];                                                                     \
+        NAME##_all_leaving(self, n, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i,             \
+                           rays.d[1] + i, rays.d[2] + i, rays.tmin + i, out.lo + i, out.hi + i,             \
+                           out.seed + i, single);                                                           \
+        for (size_t j = 0; j < n; j++) out.single[i + j] = single[j] > 0;                                   \
+    }                                                                                                       \
     static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)         \
     {                                                                                                       \
         double single[DEPARTURE_BLOCK];                                                                     \
@@ -184,7 +244,11 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
             (first ? NAME##_all_firsts : NAME##_all_spans)(                                                 \
                 self, few, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i, rays.d[1] + i,       \
                 rays.d[2] + i, first ? rays.tmin + i : NULL, out.lo + i, out.hi + i, out.seed + i, single); \
-            for (size_t j = 0; j < few; j++) out.single[i + j] = single[j] > 0;                             \
+            bool settled = true;                                                                            \
+            for (size_t j = 0; j < few; j++)                                                                \
+                out.single[i + j] = single[j] > 0, settled &= single[j] == 1;                               \
+            if (!first || settled) continue;                                                                \
+            NAME##_unsettled(self, few, rays, out, i);                                                      \
         }                                                                                                   \
     }                                                                                                       \
     static void NAME##_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)                      \
@@ -198,7 +262,14 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     static sgt_span NAME##_one(const void *self, const sgt_ray *ray, bool first)                            \
     {                                                                                                       \
         sgt_span a;                                                                                         \
-        NAME##_blocks(self, 1, rays_of(ray), (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, first);         \
+        double single;                                                                                      \
+        const sgt_vec3 *o = &ray->o, *d = &ray->d;                                                          \
+        (first ? NAME##_all_firsts : NAME##_all_spans)(self, 1, &o->x, &o->y, &o->z, &d->x, &d->y, &d->z,   \
+                                                       first ? &ray->tmin : NULL, &a.lo, &a.hi, &a.seed,    \
+                                                       &single);                                            \
+        a.single = single > 0;                                                                              \
+        if (first && single != 1)                                                                           \
+            NAME##_unsettled(self, 1, rays_of(ray), (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, 0);      \
         return a;                                                                                           \
     }                                                                                                       \
     static sgt_span NAME##_span(const void *self, const sgt_ray *ray)                                       \

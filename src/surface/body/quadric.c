@@ -129,7 +129,19 @@ SGT_INLINE double quadric_terms(const sgt_quadric *s, const near_ray *r, double 
     return fabs(x * g.x) + fabs(y * g.y) + fabs(z * g.z);
 }
 
-QUADRATIC_SPANS(quadric, sgt_quadric, quadric_approach, quadric_terms)
+SGT_INLINE outset quadric_outset(const sgt_quadric *s, sgt_vec3 p, sgt_vec3 d)
+{
+    sgt_quadric size = quadric_sizes_of(s);
+    rows g, ga;
+    double f = quadric_at(s, p.x, p.y, p.z, &g),
+           sizes = quadric_at(&size, fabs(p.x), fabs(p.y), fabs(p.z), &ga),
+           across = ga.x * fabs(d.x) + ga.y * fabs(d.y) + ga.z * fabs(d.z);
+    return (outset){.g = f, .g_err = 10 * SGT_U * sizes, .slope = g.x * d.x + g.y * d.y + g.z * d.z,
+                       .slope_err = COEFFICIENT * across,
+                       .terms = fabs(p.x * g.x) + fabs(p.y * g.y) + fabs(p.z * g.z)};
+}
+
+QUADRATIC_SPANS(quadric, sgt_quadric, quadric_approach, quadric_terms, quadric_outset)
 
 /* ------------------------------------------------------------------ by intervals */
 

@@ -329,6 +329,8 @@ SGT_INLINE void course_move(torus_course *c, size_t i)
            sure = chosen(MASK(g > 4 * c->g_err[i]), c->seek[i], 0), one = c->one[i],
            left = larger(c->left[i], one);
     next = chosen(MASK(side > 0) & MASK(tau < c->enter[i]) & MASK(next > c->enter[i]), c->leave[i], next);
+    /* from where G is nearly at its extreme (a start on the far side of the tube) it steps over the root */
+    newton = chosen(MASK(newton >= c->to[i]), 0.5 * c->from[i] + 0.5 * c->to[i], newton);
     newton = chosen(MASK(newton > c->from[i]) & MASK(newton < c->to[i]), newton, tau);
     double none = chosen(MASK(side > 0) & MASK(next > c->hi[i]), sure - one, 0);
     next = chosen(MASK(next <= c->hi[i]), next, tau);

@@ -1,0 +1,360 @@
+/* leave.c - rays that start where another has met the surface: sgt_leave and sgt_leave_batch.
+ *
+ * THE START.  sgt_intersect drops the root at the start of a ray by the rule of sgt_ray: one that 16 ulps in
+ * each coordinate can put there.  A point that is known to p_err may be farther off than that: one that has
+ * come from another frame, a hit with t_tol, the vertex of a sag, where an ulp of the coordinates is as small
+ * as these are.  So the ray starts at a point o of the surface, within p_err of p:
+ *
+ *     |grad F| p_err, or else |F| at p, is       o = p: the rule of sgt_ray covers p_err.  (The other half is
+ *     at most half of START_ULPS of the terms    for how far the gradient changes, and for rounding)
+ *     else                                       Newton's steps o = p - F grad F / |grad F|^2, as long as |F|
+ *                                                falls and o stays within p_err and 4 ulps
+ *     |F| is still beyond half of the rule,      p is not on the surface within p_err: o = p, and no root is
+ *     and beyond its rounding                    dropped but by the rule of sgt_ray
+ *
+ * So nothing has to be known of the solvers here: the answer is that of sgt_intersect for the ray o + t d.
+ *
+ * THE SIDE is the sign of F between the start and the next crossing, and has to be that all along: there is
+ * no accepted root in between.
+ *
+ *     met, with a slope n . d that is not nearly 0    the sign before a change of sign is that of -n . d
+ *     missed, touched, or nearly along the surface    that of F at a point behind the start: 64 widths of the
+ *                                                     rule, and farther off while rounding hides it.  By
+ *                                                     `encloses`, where it is offered, else by `rounding`
+ *     undecided, or hidden all the way                0
+ *
+ * A user's surface that is searched by steps may skip a root.  If its slope at the start and at the next
+ * crossing say that F has unlike signs behind the one and before the other, one has been skipped: the answer
+ * is UNPROVEN. */
+#include "../num/lanes.h"
+#include "../solve/entries.h"
+#include "../solve/root.h"
+#include "../surface/builtin.h"
+#include "general.h"
+#include "batch.h"
+
+enum { POLISHES = 4, LOOKS = 6, ASKS = 64 };
+
+/* What is known of a start: the ray, and if it starts on the surface, certainly to p_err. */
+typedef struct place {
+    sgt_vec3 o;
+    bool on;
+} place;
+
+static double leave_size(sgt_vec3 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
+static double leave_dot(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static double leave_terms(sgt_vec3 p, sgt_vec3 n)
+{
+    return fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z);
+}
+
+static bool leave_finite(sgt_vec3 a) { return a.x - a.x + (a.y - a.y) + (a.z - a.z) == 0; }
+
+/* Is there a surface of which F may be asked? */
+static bool asked_of(sgt_surface s) { return s.ops && s.ops->value && parameters_valid(s); }
+
+/* Within half of the rule, and so is |F| if |grad F| p_err is. */
+static bool is_on(double f, sgt_vec3 p, sgt_vec3 n)
+{
+    return fabs(f) <= 0.5 * START_ULPS * leave_terms(p, n);
+}
+
+static bool surely_on(sgt_vec3 p, sgt_vec3 n, double p_err)
+{
+    double steep = fabs(n.x) + fabs(n.y) + fabs(n.z);
+    return steep > 0 && is_on(steep * p_err, p, n);
+}
+
+/* p is not on the surface: f, n there. */
+static place polished(sgt_surface s, sgt_vec3 p, double f, sgt_vec3 n, double p_err)
+{
+    sgt_vec3 o = p;
+    double most = p_err + 4 * SGT_U * leave_size(p);
+    for (int i = 0; i < POLISHES && !(fabs(f) <= 0x1p-5 * START_ULPS * leave_terms(o, n)); i++) {
+        double scale = leave_size(n), by = f / scale;
+        sgt_vec3 unit = {n.x / scale, n.y / scale, n.z / scale}, next, along = {0, 0, 0}, off;
+        by /= leave_dot(unit, unit);
+        next = (sgt_vec3){o.x - by * unit.x, o.y - by * unit.y, o.z - by * unit.z};
+        off = (sgt_vec3){next.x - p.x, next.y - p.y, next.z - p.z};
+        double g = s.ops->value(s.self, next, &along);
+        if (!(fabs(g) < fabs(f) && leave_dot(off, off) <= most * most)) break; /* NaN, too */
+        o = next, n = along, f = g;
+    }
+    if (is_on(f, o, n)) return (place){o, true};
+    double own = s.ops->rounding ? s.ops->rounding(s.self, o) : 0;
+    bool on = fabs(f) <= 0.5 * START_ULPS * leave_terms(o, n) + (own < HUGE_VAL ? own : 0);
+    return (place){on ? o : p, on};
+}
+
+static double leave_sign(double x) { return (x > 0 ? 1.0 : 0.0) - (x < 0 ? 1.0 : 0.0); }
+
+/* The sign of the slope n . d; 0 if it is less than `part` of what it may be. */
+static double slope_sign(sgt_vec3 n, sgt_vec3 d, double part)
+{
+    double slope = leave_dot(n, d);
+    return fabs(slope) > part * leave_size(n) * leave_size(d) ? leave_sign(slope) : 0;
+}
+
+/* The gradient at the start, or a multiple of it. */
+static sgt_vec3 gradient_at(sgt_surface s, const sgt_start *from, sgt_vec3 o)
+{
+    sgt_vec3 n = from->n;
+    if (!(leave_size(n) > 0 && leave_finite(n))) s.ops->value(s.self, o, &n);
+    return n;
+}
+
+/* Starts whose side no hit tells.  t: where F is asked, next; `most`: no farther. */
+typedef struct asked {
+    double o[3][ASKS], d[3][ASKS], t[ASKS], most[ASKS], far[ASKS];
+    double lo[ASKS], hi[ASKS];
+    size_t of[ASKS], count;
+} asked;
+
+/* Asks for the side of number i.  The first t is behind all that the rule of the start drops: roots there
+ * have t |slope| <= START_ULPS of the terms.  Where the ray bends away from the surface, or twists, that is
+ * below 2^-24 or 2^-16 of the lengths at hand, however small the slope at the start is. */
+static double ask_side(sgt_surface s, asked *a, size_t i, const sgt_ray *ray, sgt_vec3 n, const sgt_hit *hit)
+{
+    size_t k = a->count++;
+    const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z};
+    double far = leave_size(ray->o) / leave_size(ray->d), least = 0x1p-32 * far,
+           t = 0x1p6 * START_ULPS * leave_terms(ray->o, n) / fabs(leave_dot(n, ray->d));
+    for (int c = 0; c < 3; c++) a->o[c][k] = o[c], a->d[c][k] = d[c];
+    t = t < 0x1p-14 * far ? t : 0x1p-14 * far;
+    a->t[k] = t > least ? t : least; /* of a NaN: least */
+    a->far[k] = 0x1p-6 * far, a->most[k] = hit->status > 0 ? 0.5 * hit->t : ray->tmax, a->of[k] = i;
+    if (hit->status > 0 || !s.ops->span) return a->t[k];
+    double end = s.ops->span(s.self, ray).hi; /* behind it F may have another sign */
+    if (end > 0 && 0.5 * end < a->most[k]) a->most[k] = 0.5 * end;
+    return a->t[k];
+}
+
+/* Enclosures of F at the points asked for. */
+static void enclose_asked(sgt_surface s, asked *a)
+{
+    sgt_enclose_many *encloses = encloses_of(s.ops);
+    if (encloses) {
+        sgt_rays rays = {.o = {a->o[0], a->o[1], a->o[2]}, .d = {a->d[0], a->d[1], a->d[2]}};
+        encloses(s.self, a->count, rays, a->t, a->t, (sgt_enclosures){a->lo, a->hi, NULL, NULL});
+        return;
+    }
+    for (size_t k = 0; k < a->count; k++) {
+        double t = a->t[k];
+        sgt_vec3 n = {0, 0, 0},
+                 p = {moved_along(a->o[0][k], t, a->d[0][k]), moved_along(a->o[1][k], t, a->d[1][k]),
+                      moved_along(a->o[2][k], t, a->d[2][k])};
+        double f = s.ops->value(s.self, p, &n), own = s.ops->rounding ? s.ops->rounding(s.self, p) : 0,
+               err = 2 * (own + 2 * SGT_U * leave_terms(p, n));
+        a->lo[k] = f - err, a->hi[k] = f + err;
+    }
+}
+
+/* Answers what has been asked: sign[of[k]], left as it is where F hides it. */
+static void answer_sides(sgt_surface s, asked *a, signed char sign[])
+{
+    for (int i = 0; i < LOOKS && a->count > 0; i++) {
+        for (size_t k = 0; k < a->count; k++) a->t[k] = a->t[k] < a->most[k] ? a->t[k] : a->most[k];
+        enclose_asked(s, a);
+        size_t left = 0;
+        for (size_t k = 0; k < a->count; k++) {
+            double lo = a->lo[k], hi = a->hi[k], t = a->t[k];
+            if (lo <= hi && (lo > 0 || hi < 0))
+                sign[a->of[k]] = lo > 0 ? 1 : -1;
+            else if (t < a->most[k] && 0x1p7 * t < a->far[k]) {
+                for (int c = 0; c < 3; c++) a->o[c][left] = a->o[c][k], a->d[c][left] = a->d[c][k];
+                a->t[left] = 0x1p7 * t, a->most[left] = a->most[k], a->far[left] = a->far[k];
+                a->of[left++] = a->of[k];
+            }
+        }
+        a->count = left;
+    }
+    a->count = 0;
+}
+
+/* The side as the hit alone tells it; else F is to be asked. */
+static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray *ray, const sgt_hit *hit,
+                             size_t i, asked *a)
+{
+    if (hit->status < 0) return 0;
+    double by_hit = hit->status == SGT_HIT ? -slope_sign(hit->n, ray->d, 0x1p-30) : 0;
+    if (by_hit != 0) return (signed char)by_hit;
+    sgt_vec3 n = gradient_at(s, from, ray->o);
+    double t = ask_side(s, a, i, ray, n, hit);
+    if (t > 0) return 0;
+    a->count--; /* at the vertex all terms are 0, and F has the sign of its slope behind it */
+    s.ops->value(s.self, ray->o, &n);
+    return (signed char)slope_sign(n, ray->d, 0x1p-20);
+}
+
+/* Do the two ends of the way, of a user's surface without enclosures, say that a root has been skipped? */
+static bool skipped(sgt_surface s, const sgt_ray *ray, bool on, const sgt_hit *hit)
+{
+    if (s.ops->own_ || s.ops->enclose || !on || hit->status != SGT_HIT) return false;
+    sgt_vec3 n = {0, 0, 0};
+    s.ops->value(s.self, ray->o, &n);
+    return slope_sign(n, ray->d, 0x1p-20) * slope_sign(hit->n, ray->d, 0x1p-20) > 0;
+}
+
+/* The first root is asked for, whatever opt picks. */
+static sgt_options first_of(const sgt_options *opt)
+{
+    sgt_options own = opt ? *opt : (sgt_options){0};
+    if (own.pick == SGT_NEAR_SEED) own.pick = SGT_FIRST;
+    return own;
+}
+
+static bool start_sound(const sgt_start *from)
+{
+    return from->p_err >= 0 && from->p_err < HUGE_VAL && leave_finite(from->p);
+}
+
+/* One that makes no sense has an origin that is not finite. */
+static sgt_ray ray_from(const sgt_start *from, sgt_vec3 o)
+{
+    if (!start_sound(from)) o.x = (double)NAN;
+    return (sgt_ray){o, from->d, 0, from->tmax == 0 ? HUGE_VAL : from->tmax};
+}
+
+static place place_to_leave(sgt_surface s, const sgt_start *from)
+{
+    sgt_vec3 n = {0, 0, 0};
+    if (!start_sound(from) || !asked_of(s)) return (place){from->p, false};
+    if (surely_on(from->p, from->n, from->p_err)) return (place){from->p, true};
+    double f = s.ops->value(s.self, from->p, &n);
+    return is_on(f, from->p, n) ? (place){from->p, true} : polished(s, from->p, f, n, from->p_err);
+}
+
+sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from, const sgt_options *opt)
+{
+    sgt_crossing out = {.side = 0};
+    sgt_options own = first_of(opt);
+    s = in_set(s);
+    place at = place_to_leave(s, from);
+    out.ray = ray_from(from, at.o);
+    out.hit = sgt_intersect(s, out.ray, ROOM_IS_ZERO(from) ? &own : &sgt_options_invalid);
+    if (out.hit.status == SGT_INVALID) return out;
+    if (skipped(s, &out.ray, at.on, &out.hit))
+        out.hit = hit_undecided(SGT_UNPROVEN, &out.ray, out.hit.evals, 0, out.hit.t);
+    asked a;
+    signed char side;
+    a.count = 0;
+    side = side_told(s, from, &out.ray, &out.hit, 0, &a);
+    answer_sides(s, &a, &side);
+    out.side = side;
+    return out;
+}
+
+static sgt_vec3 leave_vector(const double *const a[3], size_t i)
+{
+    return (sgt_vec3){a[0][i], a[1][i], a[2][i]};
+}
+
+static sgt_start start_of(const sgt_starts *from, size_t i)
+{
+    return (sgt_start){.p = leave_vector(from->p, i),
+                       .n = from->n[0] ? leave_vector(from->n, i) : (sgt_vec3){0, 0, 0},
+                       .p_err = from->p_err ? from->p_err[i] : 0,
+                       .d = leave_vector(from->d, i),
+                       .tmax = from->tmax ? from->tmax[i] : 0};
+}
+
+static double *leave_from(double *a, size_t i) { return a ? a + i : NULL; }
+
+/* What the batch below keeps of a tile. */
+typedef struct leaving {
+    double o[3][SGT_MOST_TILE], n[3][SGT_MOST_TILE], t[SGT_MOST_TILE], tmax[SGT_MOST_TILE];
+    sgt_status status[SGT_MOST_TILE];
+    signed char side[SGT_MOST_TILE];
+    bool on[SGT_MOST_TILE];
+} leaving;
+
+/* The starts of at most ASKS rays.  F is asked of all together that need it. */
+static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, leaving *w, size_t to)
+{
+    double p[3][ASKS], f[ASKS], grad[3][ASKS];
+    size_t of[ASKS], count = 0;
+    bool many = asked_of(s) && s.ops->values;
+    for (size_t i = 0; i < n; i++) {
+        sgt_start start = start_of(from, at + i);
+        bool open = many && start_sound(&start) && !surely_on(start.p, start.n, start.p_err);
+        place here = open ? (place){start.p, true} : place_to_leave(s, &start);
+        sgt_ray ray = ray_from(&start, here.o);
+        w->on[to + i] = here.on, w->tmax[to + i] = ray.tmax;
+        w->o[0][to + i] = ray.o.x, w->o[1][to + i] = ray.o.y, w->o[2][to + i] = ray.o.z;
+        if (open) p[0][count] = start.p.x, p[1][count] = start.p.y, p[2][count] = start.p.z, of[count++] = i;
+    }
+    if (count > 0)
+        s.ops->values(s.self, count, (sgt_points){{p[0], p[1], p[2]}},
+                      (sgt_values){f, {grad[0], grad[1], grad[2]}});
+    for (size_t k = 0; k < count; k++) {
+        sgt_vec3 o = {p[0][k], p[1][k], p[2][k]}, normal = {grad[0][k], grad[1][k], grad[2][k]};
+        size_t i = of[k];
+        if (is_on(f[k], o, normal)) continue;
+        place here = polished(s, o, f[k], normal, from->p_err ? from->p_err[at + i] : 0);
+        w->on[to + i] = here.on;
+        w->o[0][to + i] = here.o.x, w->o[1][to + i] = here.o.y, w->o[2][to + i] = here.o.z;
+    }
+}
+
+/* The rays from number `at` of the batch on. */
+static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t at, const sgt_hits *hits,
+                         signed char *side, const sgt_options *opt)
+{
+    leaving w;
+    for (size_t i = 0; i < n; i += ASKS) places(s, n - i < ASKS ? n - i : ASKS, from, at + i, &w, i);
+    sgt_rays rays = {.o = {w.o[0], w.o[1], w.o[2]},
+                     .d = {from->d[0] + at, from->d[1] + at, from->d[2] + at},
+                     .tmax = w.tmax};
+    sgt_hits own = {.status = w.status,
+                    .evals = hits->evals ? hits->evals + at : NULL,
+                    .t = w.t,
+                    .t_err = leave_from(hits->t_err, at),
+                    .t_lo = leave_from(hits->t_lo, at),
+                    .p = {leave_from(hits->p[0], at), leave_from(hits->p[1], at), leave_from(hits->p[2], at)},
+                    .n = {w.n[0], w.n[1], w.n[2]},
+                    .p_err = leave_from(hits->p_err, at)};
+    size_t met = sgt_intersect_batch(s, n, rays, own, opt);
+    asked a;
+    a.count = 0;
+    for (size_t i = 0; i < n; i++) {
+        sgt_start start = start_of(from, at + i);
+        sgt_ray ray = ray_of(&rays, i);
+        sgt_hit hit = {.status = w.status[i], .t = w.t[i], .n = {w.n[0][i], w.n[1][i], w.n[2][i]}};
+        if (hit.status != SGT_INVALID && skipped(s, &ray, w.on[i], &hit)) {
+            hit = hit_without(SGT_UNPROVEN, &ray, hits->evals ? own.evals[i] : 0);
+            put_hit(&own, i, &hit), met--;
+        }
+        w.side[i] = side_told(s, &start, &ray, &hit, i, &a);
+        if (a.count == ASKS) answer_sides(s, &a, w.side);
+    }
+    if (side) answer_sides(s, &a, w.side), memcpy(side + at, w.side, n);
+    if (hits->status) memcpy(hits->status + at, w.status, n * sizeof *w.status);
+    if (hits->t) memcpy(hits->t + at, w.t, n * sizeof *w.t);
+    for (int k = 0; k < 3 && hits->n[0]; k++) memcpy(hits->n[k] + at, w.n[k], n * sizeof *w.n[k]);
+    return met;
+}
+
+size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits, signed char *side,
+                       const sgt_options *opt)
+{
+    sgt_options own = first_of(opt);
+    numbered told = {own.watch, own.watch_data, 0};
+    size_t met = 0;
+    s = in_set(s);
+    if (!ROOM_IS_ZERO(&from) || !ROOM_IS_ZERO(&hits)) own = sgt_options_invalid, own.watch = NULL;
+    if (!own.watch) {
+        for (size_t i = 0; i < n; i += SGT_MOST_TILE)
+            met += leave_tile(s, n - i < SGT_MOST_TILE ? n - i : SGT_MOST_TILE, &from, i, &hits, side, &own);
+        return met;
+    }
+    own.watch = sgt_watch_numbered, own.watch_data = &told;
+    for (size_t i = 0; i < n; i++) {
+        sgt_start start = start_of(&from, i);
+        told.ray = i;
+        sgt_crossing c = sgt_leave(s, &start, &own);
+        put_hit(&hits, i, &c.hit);
+        if (side) side[i] = (signed char)c.side;
+        met += c.hit.status > 0;
+    }
+    return met;
+}

@@ -1,0 +1,449 @@
+// sgt_leave and sgt_leave_batch: particles that go from crossing to crossing, against signs in 113 bits.
+//
+// A thousand particles at a time go through a world: a gyroid in a ball of ten cells, a thin torus (R = 139,
+// r = 1), nested spheres as one formula, and as built-in types a sphere, a quadric and an ellipsoid.  At each
+// crossing they go straight on; every tenth time, in a new direction of the whole sphere.  One that misses,
+// or is undecided, begins anew.  Asked of every crossing:
+//
+//     the side it starts on is that of the slope at the start, where that is not nearly 0
+//     the next crossing is one to the other side: the slope there has the other sign
+//     t is above 0
+//
+// Of some of them: F in 113 bits has the sign of the side at points all along the way, up to the crossing,
+// and the other sign right behind it.  A miss is looked at as far as the world reaches.  A crossing that was
+// lost, or met twice, shows as a wrong sign.  Undecided answers are printed, with the slope at the start.
+//
+// Rows by hand: starts within 1e-8 of a torus, exits along tangents, the vertex of a sag, starts on a
+// coordinate plane, what makes no sense.  A batch has the bits of single starts.
+//
+//     test_leave               SAGITTA_TEST_SCALE, SAGITTA_TEST_SEED as everywhere
+//     test_leave --steps N     N crossings in each world, and times, against those of first hits
+#include "../../src/truth/elementary.hpp"
+
+#include <sagitta/formula.h>
+#include <sagitta/surfaces.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+using oracle::quad;
+
+namespace
+{
+
+int failures = 0;
+std::mt19937_64 bits;
+
+double uniform(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(bits); }
+
+sgt_vec3 direction()
+{
+    for (;;) {
+        const sgt_vec3 v = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+        const double r2 = v.x * v.x + v.y * v.y + v.z * v.z;
+        if (r2 > 1 || r2 < 1e-4) continue;
+        const double r = std::sqrt(r2);
+        return {v.x / r, v.y / r, v.z / r};
+    }
+}
+
+double dot(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double length(sgt_vec3 a) { return std::sqrt(dot(a, a)); }
+double now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+struct World {
+    const char *name;
+    sgt_surface s;
+    double reach; // no part of the surface is farther from the origin
+    std::function<quad(quad, quad, quad)> f;
+};
+
+// Reads the text, whose tape lasts until the program ends.
+sgt_surface formula(const char *text, double ball)
+{
+    const size_t size = sgt_formula_room(text, 0);
+    auto *own = new sgt_formula{};
+    own->tape = sgt_formula_read(text, SGT_FORMULA_XYZ, 0, nullptr, std::malloc(size), size, nullptr);
+    own->ball = ball;
+    return {&sgt_formula_ops, own};
+}
+
+std::vector<World> worlds()
+{
+    static const sgt_torus torus = {139, 1};
+    static const sgt_quadric quadric = {{1, 0.25, 0.5}, {0.1, 0.05, 0.2}, {0, 0, 0}, -1};
+    static const sgt_ellipsoid ellipsoid = {1.5, 0.25};
+    return {{"gyroid in a ball of ten cells",
+             formula("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x) = 0", 62.8), 62.8,
+             [](quad x, quad y, quad z) {
+                 using oracle::cosine_of;
+                 using oracle::sine_of;
+                 return sine_of(x) * cosine_of(y) + sine_of(y) * cosine_of(z) + sine_of(z) * cosine_of(x);
+             }},
+            {"torus, R = 139, r = 1",
+             {&sgt_torus_ops, &torus},
+             140,
+             [](quad x, quad y, quad z) {
+                 const quad off = oracle::square_root(x * x + y * y) - 139;
+                 return off * off + z * z - 1;
+             }},
+            {"nested spheres",
+             formula("(x^2 + y^2 + z^2 - 1)*(x^2 + y^2 + z^2 - 4)*(x^2 + y^2 + z^2 - 9) = 0", 4), 3,
+             [](quad x, quad y, quad z) {
+                 const quad r2 = x * x + y * y + z * z;
+                 return (r2 - 1) * (r2 - 4) * (r2 - 9);
+             }},
+            {"quadric",
+             {&sgt_quadric_ops, &quadric},
+             3,
+             [](quad x, quad y, quad z) {
+                 return x * x + y * y / 4 + z * z / 2 + quad(0.1) * x * y + quad(0.05) * y * z +
+                        quad(0.2) * x * z - 1;
+             }},
+            {"ellipsoid", {&sgt_ellipsoid_ops, &ellipsoid}, 1.5, [](quad x, quad y, quad z) {
+                 const quad w = z / quad(0.75);
+                 return x * x + y * y + w * w - quad(1.5) * quad(1.5);
+             }}};
+}
+
+int sign_of(quad x) { return (x > 0) - (x < 0); }
+
+int sign_at(const World &w, sgt_vec3 p, sgt_vec3 d, double t)
+{
+    return sign_of(w.f(p.x + quad(t) * d.x, p.y + quad(t) * d.y, p.z + quad(t) * d.z));
+}
+
+bool complain(const World &w, const char *what, const sgt_start &a, double t, int side)
+{
+    if (failures++ < 20)
+        std::printf("%s: %s, from %a %a %a p_err %a along %a %a %a: t %a side %d, slope %g\n", w.name, what,
+                    a.p.x, a.p.y, a.p.z, a.p_err, a.d.x, a.d.y, a.d.z, t, side, dot(a.n, a.d));
+    return false;
+}
+
+// Is F of that side all the way from the start to t, or over the world?  `skip`: what is not looked at near
+// the ends.
+bool way_right(const World &w, const sgt_start &a, sgt_status status, double t, int side, double skip)
+{
+    const double along = dot(a.p, a.d), left = along * along - (dot(a.p, a.p) - w.reach * w.reach);
+    const double end = status > 0 ? t - skip : (std::sqrt(left > 0 ? left : 0) - along) * (1 - 1e-9);
+    for (int i = 0; i <= 24; i++) {
+        const double at = skip + (end - skip) * (i == 0 ? 0 : i == 24 ? 1 : uniform(0, 1));
+        if (at > skip * 0.99 && at <= end && sign_at(w, a.p, a.d, at) != side)
+            return complain(w, "F is of the other side on the way", a, at, side);
+    }
+    if (status == SGT_HIT && sign_at(w, a.p, a.d, t + skip) == side && t > 4 * skip)
+        return complain(w, "F does not change its sign at the crossing", a, t, side);
+    return true;
+}
+
+struct Counts {
+    long steps, hits, misses, undecided, unsided, checked, lost;
+};
+
+void walk(const World &w, long steps, long checks, bool timed)
+{
+    enum { N = 1000 };
+    std::vector<double> column[3][3], plain[6];
+    for (auto &group : column)
+        for (auto &c : group) c.assign(N, 0);
+    for (auto &c : plain) c.assign(N, 0);
+    std::vector<double>(&p)[3] = column[0], (&n)[3] = column[1], (&d)[3] = column[2];
+    std::vector<double> &p_err = plain[0], &t = plain[1], new_p[3] = {plain[2], plain[3], plain[4]},
+                        &new_err = plain[5];
+    std::vector<double> new_n[3] = {p_err, p_err, p_err};
+    std::vector<sgt_status> status(N);
+    std::vector<signed char> side(N);
+    Counts c = {};
+    double spent = 0, first = 0;
+    long firsts = 0;
+    const auto begin = [&](size_t i) { // from outside, onto the surface
+        for (int trial = 0;; trial++) {
+            const sgt_vec3 from = direction(), to = direction();
+            const double k = w.reach * std::cbrt(uniform(0, 1));
+            sgt_vec3 o = {3 * w.reach * from.x, 3 * w.reach * from.y, 3 * w.reach * from.z},
+                     along = {k * to.x - o.x, k * to.y - o.y, k * to.z - o.z};
+            const double by = length(along);
+            along = {along.x / by, along.y / by, along.z / by};
+            const sgt_hit hit = sgt_intersect(w.s, {o, along, 0, 0}, nullptr);
+            if (hit.status != SGT_HIT) continue;
+            const double at[3] = {hit.p.x, hit.p.y, hit.p.z}, grad[3] = {hit.n.x, hit.n.y, hit.n.z},
+                         way[3] = {along.x, along.y, along.z};
+            for (int k2 = 0; k2 < 3; k2++) p[k2][i] = at[k2], n[k2][i] = grad[k2], d[k2][i] = way[k2];
+            p_err[i] = hit.p_err;
+            return;
+        }
+    };
+    for (size_t i = 0; i < N; i++) begin(i);
+    if (timed) { // a first hit, for comparison
+        std::vector<double> o[3] = {t, t, t}, e[3] = {t, t, t};
+        for (size_t i = 0; i < N; i++) {
+            const sgt_vec3 from = direction(), to = direction();
+            const double k = w.reach * std::cbrt(uniform(0, 1)),
+                         a[3] = {3 * w.reach * from.x, 3 * w.reach * from.y, 3 * w.reach * from.z},
+                         b[3] = {k * to.x, k * to.y, k * to.z};
+            for (int j = 0; j < 3; j++) o[j][i] = a[j], e[j][i] = b[j] - a[j];
+        }
+        const sgt_rays rays = {{o[0].data(), o[1].data(), o[2].data()},
+                               {e[0].data(), e[1].data(), e[2].data()},
+                               nullptr,
+                               nullptr};
+        sgt_hits hits = {};
+        hits.status = status.data(), hits.t = t.data(), hits.p_err = new_err.data();
+        for (int k = 0; k < 3; k++) hits.p[k] = new_p[k].data(), hits.n[k] = new_n[k].data();
+        for (int k = 0; k < 20; k++) {
+            const double at = now();
+            sgt_intersect_batch(w.s, N, rays, hits, nullptr);
+            first += now() - at, firsts += N;
+        }
+    }
+    while (c.steps < steps) {
+        const sgt_starts from = {{p[0].data(), p[1].data(), p[2].data()},
+                                 {n[0].data(), n[1].data(), n[2].data()},
+                                 p_err.data(),
+                                 {d[0].data(), d[1].data(), d[2].data()},
+                                 nullptr,
+                                 {}};
+        sgt_hits hits = {};
+        hits.status = status.data(), hits.t = t.data(), hits.p_err = new_err.data();
+        for (int k = 0; k < 3; k++) hits.p[k] = new_p[k].data(), hits.n[k] = new_n[k].data();
+        const double at = now();
+        sgt_leave_batch(w.s, N, from, hits, side.data(), nullptr);
+        spent += now() - at;
+        const bool check = c.checked * steps < c.steps * checks + checks;
+        for (size_t i = 0; i < N; i++) {
+            const sgt_start a = {{p[0][i], p[1][i], p[2][i]},
+                                 {n[0][i], n[1][i], n[2][i]},
+                                 p_err[i],
+                                 {d[0][i], d[1][i], d[2][i]},
+                                 0,
+                                 {}};
+            const double slope = dot(a.n, a.d), steep = std::fabs(slope) / length(a.n);
+            c.steps++;
+            c.hits += status[i] > 0, c.misses += status[i] == 0, c.undecided += status[i] < 0,
+                c.unsided += status[i] >= 0 && side[i] == 0;
+            if (status[i] < 0) {
+                std::printf("%s: %s, from %a %a %a along %a %a %a, slope %g\n", w.name,
+                            sgt_status_text(status[i]), a.p.x, a.p.y, a.p.z, a.d.x, a.d.y, a.d.z, steep);
+                if (steep > 1e-5) complain(w, "undecided", a, 0, 0);
+            } else {
+                bool right = true;
+                if (steep > 1e-4 && side[i] != (slope > 0 ? 1 : -1))
+                    right = complain(w, "wrong side", a, t[i], side[i]);
+                if (status[i] > 0 && !(t[i] > 0)) right = complain(w, "t is not above 0", a, t[i], side[i]);
+                const sgt_vec3 m = {new_n[0][i], new_n[1][i], new_n[2][i]};
+                const double falls = dot(m, a.d) / length(m);
+                if (status[i] == SGT_HIT && std::fabs(falls) > 1e-5 && falls * side[i] > 0)
+                    right = complain(w, "the crossing is from the other side", a, t[i], side[i]);
+                if (check && side[i] != 0) {
+                    const double skip =
+                        1e-12 * (w.reach + t[i] * (status[i] > 0)) / std::min(1.0, steep + 1e-4);
+                    right = way_right(w, a, status[i], status[i] > 0 ? t[i] : 0, side[i], skip) && right;
+                    c.checked++;
+                }
+                c.lost += !right;
+            }
+            if (status[i] > 0) {
+                for (int k = 0; k < 3; k++) p[k][i] = new_p[k][i], n[k][i] = new_n[k][i];
+                p_err[i] = new_err[i];
+                if (bits() % 10 == 0) {
+                    const sgt_vec3 v = direction();
+                    d[0][i] = v.x, d[1][i] = v.y, d[2][i] = v.z;
+                }
+            } else
+                begin(i);
+        }
+    }
+    std::printf(
+        "%s: %ld crossings and misses, %ld met, %ld undecided, %ld without a side, %ld lost or wrong, %ld in "
+        "113 bits",
+        w.name, c.steps, c.hits, c.undecided, c.unsided, c.lost, c.checked);
+    if (timed)
+        std::printf("; %.0f ns each, %.0f a first hit", spent / static_cast<double>(c.steps) * 1e9,
+                    first / static_cast<double>(firsts) * 1e9);
+    std::puts("");
+    if (static_cast<double>(c.undecided + c.unsided) > 1 + 1e-7 * static_cast<double>(c.steps))
+        std::printf("%s: too many undecided\n", w.name), failures++;
+}
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b); }
+
+// A batch of these, against each alone.  Every number has the same bits.
+void batch_is_single(const World &w, const std::vector<sgt_start> &starts, const sgt_options *opt)
+{
+    const size_t n = starts.size();
+    std::vector<double> in[11], out[9];
+    for (auto &c : in) c.resize(n);
+    for (auto &c : out) c.resize(n);
+    std::vector<sgt_status> status(n);
+    std::vector<int> evals(n);
+    std::vector<signed char> side(n);
+    for (size_t i = 0; i < n; i++) {
+        const sgt_start &a = starts[i];
+        const double row[11] = {a.p.x, a.p.y, a.p.z, a.n.x,   a.n.y, a.n.z,
+                                a.d.x, a.d.y, a.d.z, a.p_err, a.tmax};
+        for (int k = 0; k < 11; k++) in[k][i] = row[k];
+    }
+    const sgt_starts from = {{in[0].data(), in[1].data(), in[2].data()},
+                             {in[3].data(), in[4].data(), in[5].data()},
+                             in[9].data(),
+                             {in[6].data(), in[7].data(), in[8].data()},
+                             in[10].data(),
+                             {}};
+    const sgt_hits hits = {status.data(),
+                           evals.data(),
+                           out[0].data(),
+                           out[1].data(),
+                           out[2].data(),
+                           {out[3].data(), out[4].data(), out[5].data()},
+                           {out[6].data(), out[7].data(), out[8].data()},
+                           nullptr,
+                           {}};
+    const size_t met = sgt_leave_batch(w.s, n, from, hits, side.data(), opt);
+    size_t count = 0;
+    for (size_t i = 0; i < n; i++) {
+        const sgt_crossing c = sgt_leave(w.s, &starts[i], opt);
+        const double row[9] = {c.hit.t,   c.hit.t_err, c.hit.t_lo, c.hit.p.x, c.hit.p.y,
+                               c.hit.p.z, c.hit.n.x,   c.hit.n.y,  c.hit.n.z};
+        bool same = c.hit.status == status[i] && c.side == side[i] && c.hit.evals == evals[i];
+        for (int k = 0; k < 9; k++) same = same && same_bits(row[k], out[k][i]);
+        count += c.hit.status > 0;
+        if (!same) complain(w, "a batch has other bits", starts[i], c.hit.t, c.side);
+    }
+    if (count != met) std::printf("%s: %zu met, said %zu\n", w.name, count, met), failures++;
+}
+
+void require(bool good, const char *what)
+{
+    if (!good) std::printf("%s\n", what), failures++;
+}
+
+sgt_vec3 moved(sgt_vec3 p, double t, sgt_vec3 d) { return {p.x + t * d.x, p.y + t * d.y, p.z + t * d.z}; }
+
+// Points beside the surface that p_err covers, by up to 1e-8; and tangents, exactly and nearly.  A particle
+// that is pushed by an epsilon is lost or stuck at these.
+void beside_and_along(const World &w, int count)
+{
+    std::vector<sgt_start> starts;
+    int undecided = 0;
+    for (int i = 0, trials = 0; i < count && trials < 100 * count; trials++) {
+        const sgt_vec3 from = direction(), to = direction();
+        const double k = w.reach * std::cbrt(uniform(0, 1));
+        const sgt_vec3 o = {3 * w.reach * from.x, 3 * w.reach * from.y, 3 * w.reach * from.z};
+        const sgt_hit hit =
+            sgt_intersect(w.s, {o, {k * to.x - o.x, k * to.y - o.y, k * to.z - o.z}, 0, 0}, nullptr);
+        if (hit.status != SGT_HIT) continue;
+        i++;
+        const double size = length(hit.n), off = (i % 2 ? 1 : -1) * 1e-8 * std::pow(10, -uniform(0, 7));
+        const sgt_vec3 unit = {hit.n.x / size, hit.n.y / size, hit.n.z / size};
+        sgt_start a = {moved(hit.p, off, unit), hit.n, 1.5 * std::fabs(off) + hit.p_err, direction(), 0, {}};
+        if (i % 3 == 0) a.n = {0, 0, 0};
+        if (i % 3 == 1) a.n = {-3 * hit.n.x, -3 * hit.n.y, -3 * hit.n.z};
+        const bool tangent = i % 4 == 3;
+        if (tangent) { // at an angle from 1e-3 to 1e-12
+            a.p = hit.p, a.p_err = hit.p_err;
+            a.d = moved(a.d, -dot(a.d, unit), unit);
+            const double by = length(a.d);
+            a.d = moved({a.d.x / by, a.d.y / by, a.d.z / by},
+                        (i % 8 == 3 ? 1 : -1) * std::pow(10, -uniform(3, 12)), unit);
+        }
+        const sgt_crossing c = sgt_leave(w.s, &a, nullptr);
+        const double slope = dot(unit, a.d);
+        starts.push_back(a);
+        if (c.hit.status < 0) {
+            if (std::fabs(slope) > 1e-5) complain(w, "undecided", a, 0, 0);
+            undecided++;
+            continue;
+        }
+        const sgt_vec3 way = {c.ray.o.x - a.p.x, c.ray.o.y - a.p.y, c.ray.o.z - a.p.z};
+        if (length(way) > a.p_err + 1e-15 * w.reach)
+            complain(w, "the start has moved too far", a, c.hit.t, c.side);
+        if (std::fabs(slope) > 1e-3 && c.side != (slope > 0 ? 1 : -1))
+            complain(w, "wrong side", a, c.hit.t, c.side);
+        if (c.side == 0) continue;
+        a.p = c.ray.o;
+        const double skip = 1e-12 * w.reach / (std::fabs(slope) + 1e-7);
+        way_right(w, a, c.hit.status, c.hit.status > 0 ? c.hit.t : 0, c.side, skip);
+    }
+    batch_is_single(w, starts, nullptr);
+    std::printf("%s: %zu starts beside it and along tangents, %d undecided\n", w.name, starts.size(),
+                undecided);
+}
+
+void rows_by_hand()
+{
+    static const sgt_torus torus = {139, 1};
+    const sgt_surface ring = {&sgt_torus_ops, &torus};
+    // 1e-8 inside of the tube, straight out: that is the start; the far side of the hole is next.
+    sgt_start a = {{138 + 1e-8, 0, 0}, {-1, 0, 0}, 2e-8, {-1, 0, 0}, 0, {}};
+    sgt_crossing c = sgt_leave(ring, &a, nullptr);
+    require(c.hit.status == SGT_HIT && c.side == 1 && std::fabs(c.hit.t - 276) < 1e-7,
+            "torus, out of the tube");
+    a.p.x = 138 - 1e-8; // the same from without
+    c = sgt_leave(ring, &a, nullptr);
+    require(c.hit.status == SGT_HIT && c.side == 1 && std::fabs(c.hit.t - 276) < 1e-7,
+            "torus, beside the tube");
+    a.p_err = 0, a.p.x = 138 + 1e-8; // a point that is not on it: the tube's wall is met
+    c = sgt_leave(ring, &a, nullptr);
+    require(c.hit.status == SGT_HIT && c.side == -1 && std::fabs(c.hit.t - 1e-8) < 1e-13,
+            "torus, no start on it");
+    a = {{140, 0, 0}, {0, 0, 0}, 1e-13, {0, 0, 1}, 0, {}}; // along the outermost tangent
+    c = sgt_leave(ring, &a, nullptr);
+    require(c.hit.status != SGT_HIT && c.side >= 0, "torus, tangent");
+    a.tmax = 5, a.d = {-1, 0, 0};
+    c = sgt_leave(ring, &a, nullptr);
+    require(c.hit.status == SGT_HIT && c.side == -1 && std::fabs(c.hit.t - 2) < 1e-12, "torus, before tmax");
+    a.tmax = 1.5;
+    c = sgt_leave(ring, &a, nullptr);
+    require(c.hit.status == SGT_MISS && c.side == -1, "torus, behind tmax");
+    a.p_err = -1;
+    require(sgt_leave(ring, &a, nullptr).hit.status == SGT_INVALID, "a p_err below 0");
+    a.p_err = 0, a.reserved_[1] = 1;
+    require(sgt_leave(ring, &a, nullptr).hit.status == SGT_INVALID, "reserved");
+    // z = 0.1 r^2 by its vertex, as a formula and as a conic: the root at the start is not accepted
+    const char *text = "0.1*r^2";
+    const size_t size = sgt_formula_room(text, 0);
+    std::vector<double> room(size / sizeof(double) + 1);
+    sgt_formula_sag sag = {sgt_formula_read(text, SGT_FORMULA_XY, 0, nullptr, room.data(), size, nullptr), 0};
+    sgt_conic conic = {};
+    conic.c = 0.2, conic.k = -1;
+    const sgt_surface two[2] = {{&sgt_formula_sag_ops, &sag}, {&sgt_conic_ops, &conic}};
+    for (const sgt_surface &s : two)
+        for (const double x : {0.0, 1e-17, -3e-12}) {
+            a = {{x, 0, 0}, {0, 0, 0}, 1e-16, {1, 0, 0.25}, 0, {}};
+            c = sgt_leave(s, &a, nullptr);
+            require(c.hit.status == SGT_HIT && c.side == 1 && std::fabs(c.hit.t - 2.5) < 1e-10,
+                    "bowl, up from the vertex");
+            a.d.z = -0.25, a.tmax = 100;
+            c = sgt_leave(s, &a, nullptr);
+            require(c.hit.status == SGT_MISS && c.side == -1, "bowl, down from the vertex");
+        }
+    // a plane through the origin: no terms are left on it
+    const World plane = {"plane", formula("y = 0", 10), 10, nullptr};
+    const sgt_hit away = sgt_intersect(plane.s, {{1, 0, 3}, {0.3, 0.1, 0}, 0, 0}, nullptr);
+    require(away.status == SGT_MISS, "a plane, from a point on it");
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    const char *scale = std::getenv("SAGITTA_TEST_SCALE"), *seed = std::getenv("SAGITTA_TEST_SEED");
+    const bool timed = argc > 2 && std::strcmp(argv[1], "--steps") == 0;
+    const double by = scale ? std::atof(scale) : 0.5;
+    bits.seed(seed ? std::strtoull(seed, nullptr, 10) : 37);
+    const long steps = timed ? std::atol(argv[2]) : static_cast<long>(20000 * by);
+    for (const World &w : worlds()) walk(w, steps, timed ? std::min(steps, 100000L) : steps / 4, timed);
+    if (!timed)
+        for (const World &w : worlds()) beside_and_along(w, static_cast<int>(2000 * by));
+    rows_by_hand();
+    return failures > 0;
+}
