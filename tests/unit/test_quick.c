@@ -91,8 +91,8 @@ static void test_covered(void **state)
         sgt_list_cover(&list, from, to);
         const sgt_hit *h = &hits[0];
         REQUIRE(h->lo <= was.lo && h->lo <= from && h->hi >= was.hi && h->hi >= to && h->t == t,
-                "case %ld: [%.17g, %.17g] and [%.17g, %.17g] are not in [%.17g, %.17g]", i, was.lo, was.hi, from,
-                to, h->lo, h->hi);
+                "case %ld: [%.17g, %.17g] and [%.17g, %.17g] are not in [%.17g, %.17g]", i, was.lo, was.hi,
+                from, to, h->lo, h->hi);
         REQUIRE((long double)h->t - h->t_err >= h->lo && (long double)h->t + h->t_err <= h->hi,
                 "case %ld: t %.17g, t_err %g, [%.17g, %.17g]", i, h->t, h->t_err, h->lo, h->hi);
         REQUIRE(list.last.lo == h->lo && list.last.hi == h->hi && list.last.t_err == h->t_err, "case %ld", i);
@@ -104,6 +104,7 @@ static void test_covered(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_certified),
-                                       cmocka_unit_test(test_certain_to_be_off), cmocka_unit_test(test_covered)};
+                                       cmocka_unit_test(test_certain_to_be_off),
+                                       cmocka_unit_test(test_covered)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
