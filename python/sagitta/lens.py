@@ -677,6 +677,7 @@ class Lens:
                 )
             )
             if bad:
+                self._void(out)
                 C.refuse(bad)
             return out
         done = out
@@ -721,7 +722,7 @@ class Lens:
             structs: Any = [p._struct for p in out.passages]
             listed = (C.Passages * len(self))(*structs)
             call.passages = ctypes.addressof(listed)
-            call._listed = listed
+            call._listed = (listed, tuple(out.passages))  # their memory stays, whatever becomes of the list
         return call
 
     def prepare(

@@ -233,6 +233,7 @@ class Surface:
             given = 0 if option is None else ctypes.addressof(option)
             bad = _meet(_pack_meeting(self._address, given, rays.n, out._base, out._places.bits, *rays.at))
             if bad:
+                out._void("status", Status.STOPPED)
                 C.refuse(bad)
             return out
         call = self._call(C.INTERSECT, rays, option)

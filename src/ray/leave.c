@@ -181,9 +181,10 @@ static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray
     sgt_vec3 n = gradient_at(s, from, ray->o);
     double t = ask_side(s, a, i, ray, n, hit);
     if (t > 0) return 0;
-    a->count--; /* at the vertex all terms are 0, and F has the sign of its slope behind it */
-    s.ops->value(s.self, ray->o, &n);
-    return (signed char)slope_sign(n, ray->d, 0x1p-20);
+    a->count--; /* at the origin all terms are 0 */
+    double f = s.ops->value(s.self, ray->o, &n), own = s.ops->rounding ? s.ops->rounding(s.self, ray->o) : 0;
+    if (fabs(f) > own) return (signed char)leave_sign(f); /* in mid-air */
+    return (signed char)slope_sign(n, ray->d, 0x1p-20);   /* the vertex: F has the sign of its slope behind it */
 }
 
 /* Do the two ends of the way, of a user's surface without enclosures, say that a root has been skipped? */
@@ -212,7 +213,7 @@ static bool start_sound(const sgt_start *from)
 static sgt_ray ray_from(const sgt_start *from, sgt_vec3 o)
 {
     if (!start_sound(from)) o.x = (double)NAN;
-    return (sgt_ray){o, from->d, 0, from->tmax == 0 ? HUGE_VAL : from->tmax};
+    return (sgt_ray){o, from->d, 0, from->tmax == 0 && !signbit(from->tmax) ? HUGE_VAL : from->tmax};
 }
 
 static place place_to_leave(sgt_surface s, const sgt_start *from)

@@ -426,6 +426,20 @@ void rows_by_hand()
             c = sgt_leave(s, &a, nullptr);
             require(c.hit.status == SGT_MISS && c.side == -1, "bowl, down from the vertex");
         }
+    // starts in mid-air, at the origin, where F has no terms: outside of a ball, and at the middle of one
+    sgt_quadric ball = {};
+    ball.squares[0] = ball.squares[1] = ball.squares[2] = 1, ball.linear[0] = -6, ball.constant = 8;
+    sgt_ellipsoid round = {};
+    round.a = 2;
+    a = {{0, 0, 0}, {0, 0, 0}, 0, {1, 0.5, 0}, 0, {}};
+    c = sgt_leave({&sgt_quadric_ops, &ball}, &a, nullptr);
+    require(c.hit.status == SGT_MISS && c.side == 1, "outside of a ball, from the origin");
+    a = {{0, 0, 0}, {0, 0, 0}, 0, {0, 0, 1}, 1, {}};
+    c = sgt_leave({&sgt_ellipsoid_ops, &round}, &a, nullptr);
+    require(c.hit.status == SGT_MISS && c.side == -1, "in the middle of a ball, before it ends");
+    a.tmax = -0.0;
+    c = sgt_leave({&sgt_ellipsoid_ops, &round}, &a, nullptr);
+    require(c.hit.status == SGT_MISS, "an end of -0 is an end");
     // a plane through the origin: no terms are left on it
     const World plane = {"plane", formula("y = 0", 10), 10, nullptr};
     const sgt_hit away = sgt_intersect(plane.s, {{1, 0, 3}, {0.3, 0.1, 0}, 0, 0}, nullptr);

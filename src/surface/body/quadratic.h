@@ -198,9 +198,12 @@ SGT_INLINE double settled_of(lane_span a)
  *   TERMS(s, &r, tau)          the terms at tau
  *   BEGINNING(s, p, d)         what is known at the point p, d being the local direction
  *
- * Truth values are written by a loop of their own: a loop with bytes beside doubles is not vectorised. */
-#define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER)                                                  \
-    SGT_KERNEL                                                                                         \
+ * Truth values are written by a loop of their own: a loop with bytes beside doubles is not vectorised.
+ *
+ * NAME_all_leaving runs only for blocks with a ray that NAME_all_firsts leaves open.  It is no kernel: compilers
+ * keep the local ray in memory there and make no vector code of it. */
+#define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER, KIND)                                            \
+    KIND                                                                                               \
     static void NAME(const SELF *self, size_t n, const double *restrict ox, const double *restrict oy, \
                      const double *restrict oz, const double *restrict dx, const double *restrict dy,  \
                      const double *restrict dz, const double *restrict tmin, double *restrict lo,      \
@@ -220,13 +223,13 @@ SGT_INLINE double settled_of(lane_span a)
     }
 
 #define QUADRATIC_SPANS(NAME, SELF, APPROACH, TERMS, BEGINNING)                                             \
-    QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c))                               \
+    QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c), SGT_KERNEL)                   \
     QUADRATIC_LANES(NAME##_all_firsts, SELF, APPROACH,                                                      \
-                    quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]))                               \
+                    quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]), SGT_KERNEL)                   \
     QUADRATIC_LANES(NAME##_all_leaving, SELF, APPROACH,                                                     \
                     quadratic_leave(&r, &c, &p, quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]),   \
                                     BEGINNING(&s, outset_of(&r, ox[i], oy[i], oz[i], tmin[i]), r.d),         \
-                                    tmin[i]))                                                               \
+                                    tmin[i]), SGT_NOINLINE)                                                 \
     SGT_NOINLINE                                                                                            \
     static void NAME##_unsettled(const void *self, size_t n, sgt_rays rays, sgt_spans out, size_t i)        \
     {                                                                                                       \

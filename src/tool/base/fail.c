@@ -1,15 +1,19 @@
 /* fail.c - an error ends the command where it is found.
  *
- * At exit all memory is freed (memory.c).  An error in the input leaves no half a table: all
+ * At exit all memory is freed (memory.c), but not while other threads may still use it.  An error in the input leaves no half a table: all
  * input is read before the first line is written.
  */
 #include "fail.h"
 
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 static const char *running = "";
+static atomic_bool at_work; /* other threads */
+
+void fail_in_threads(bool now) { at_work = now; }
 
 void fail_name(const char *command) { running = command; }
 
@@ -46,6 +50,7 @@ void fail_input(const char *format, ...)
     va_start(values, format);
     say(format, values);
     va_end(values);
+    if (at_work) _Exit(EXIT_BAD_INPUT);
     exit(EXIT_BAD_INPUT);
 }
 

@@ -1,6 +1,7 @@
 /* fail.h - messages on standard error, and the exit status. */
 #ifndef TOOL_FAIL_H
 #define TOOL_FAIL_H
+#include <stdbool.h>
 
 typedef enum exit_status {
     EXIT_DECIDED = 0,   /* every ray is decided; a miss is a decision */
@@ -17,6 +18,9 @@ void fail_name(const char *command);
 /* Print a message and end the command, with EXIT_USAGE or EXIT_BAD_INPUT. */
 _Noreturn void fail_usage(const char *format, ...) LIKE_PRINTF(1, 2);
 _Noreturn void fail_input(const char *format, ...) LIKE_PRINTF(1, 2);
+
+/* Set while several threads work: an error then ends the command without giving back what they use. */
+void fail_in_threads(bool now);
 
 /* Prints only the hint, where --help is, and ends with EXIT_USAGE: getopt has printed the message. */
 _Noreturn void fail_hint(void);

@@ -8,6 +8,7 @@
  * results are written.  A hard tile holds up the others only when they are ahead of it by all places. */
 #include "tiles.h"
 
+#include "fail.h"
 #include "memory.h"
 #include "threads.h"
 
@@ -108,6 +109,8 @@ void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile
     if (!r.tiles) return;
     r.done = memory_take(r.places, sizeof *r.done);
     (void)threads; /* unused without OpenMP */
+    fail_in_threads(threads > 1);
     THREADS(omp parallel num_threads(threads))
     run_thread(&r);
+    fail_in_threads(false);
 }
