@@ -571,7 +571,7 @@ typedef struct sgt_start {
     sgt_vec3 n;      /* the gradient of F there, or a multiple of it; zero: not known */
     double   p_err;  /* length; 0 or more, finite */
     sgt_vec3 d;      /* as in sgt_ray */
-    double   tmax;   /* lengths of d; 0: INFINITY; -0 is an end, as sgt_ray_between makes it */
+    double   tmax;   /* lengths of d; 0: INFINITY; -0: 0, as of sgt_ray_between */
     unsigned long long reserved_[2]; /* leave it zero: else the answer is SGT_INVALID */
 } sgt_start;
 

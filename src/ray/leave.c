@@ -182,9 +182,11 @@ static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray
     double t = ask_side(s, a, i, ray, n, hit);
     if (t > 0) return 0;
     a->count--; /* at the origin all terms are 0 */
-    double f = s.ops->value(s.self, ray->o, &n), own = s.ops->rounding ? s.ops->rounding(s.self, ray->o) : 0;
+    double f = s.ops->value(s.self, ray->o, &n),
+           own = s.ops->rounding ? s.ops->rounding(s.self, ray->o) : 0;
     if (fabs(f) > own) return (signed char)leave_sign(f); /* in mid-air */
-    return (signed char)slope_sign(n, ray->d, 0x1p-20);   /* the vertex: F has the sign of its slope behind it */
+    /* the vertex: F has the sign of its slope behind it */
+    return (signed char)slope_sign(n, ray->d, 0x1p-20);
 }
 
 /* Do the two ends of the way, of a user's surface without enclosures, say that a root has been skipped? */

@@ -29,6 +29,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <deque>
 #include <functional>
 #include <random>
 #include <string>
@@ -69,11 +70,17 @@ struct World {
 // Reads the text, whose tape lasts until the program ends.
 sgt_surface formula(const char *text, double ball)
 {
+    struct Read {
+        sgt_formula f;
+        std::vector<double> room;
+    };
+    static std::deque<Read> kept;
     const size_t size = sgt_formula_room(text, 0);
-    auto *own = new sgt_formula{};
-    own->tape = sgt_formula_read(text, SGT_FORMULA_XYZ, 0, nullptr, std::malloc(size), size, nullptr);
-    own->ball = ball;
-    return {&sgt_formula_ops, own};
+    kept.push_back({{}, std::vector<double>(size / sizeof(double) + 1)});
+    Read &own = kept.back();
+    own.f.tape = sgt_formula_read(text, SGT_FORMULA_XYZ, 0, nullptr, own.room.data(), size, nullptr);
+    own.f.ball = ball;
+    return {&sgt_formula_ops, &own.f};
 }
 
 std::vector<World> worlds()

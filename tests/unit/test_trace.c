@@ -575,7 +575,8 @@ static void test_few_evaluations(void **state)
             for (int most = 1; most < 400; most++) {
                 sgt_ray ray = {.o = {-9, 0.5, 0.2}, .d = {1, 0, 0}};
                 sgt_fate fate;
-                const sgt_options opt = {.pick = (sgt_pick)pick, .proof = (sgt_proof)proof, .max_evals = most};
+                const sgt_options opt = {.pick = (sgt_pick)pick, .proof = (sgt_proof)proof,
+                                         .max_evals = most};
                 sgt_trace(1, &e, 1, &ray, NULL, &fate, &opt);
                 REQUIRE(fate == SGT_PASSED || fate == SGT_LOST, "%d evaluations, pick %d, proof %d: %s", most,
                         pick, proof, sgt_fate_text(fate));

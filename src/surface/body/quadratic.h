@@ -200,8 +200,8 @@ SGT_INLINE double settled_of(lane_span a)
  *
  * Truth values are written by a loop of their own: a loop with bytes beside doubles is not vectorised.
  *
- * NAME_all_leaving runs only for blocks with a ray that NAME_all_firsts leaves open.  It is no kernel: compilers
- * keep the local ray in memory there and make no vector code of it. */
+ * NAME_all_leaving runs only for blocks with a ray that NAME_all_firsts leaves open.  It is no kernel:
+ * compilers keep the local ray in memory there and make no vector code of it. */
 #define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER, KIND)                                            \
     KIND                                                                                               \
     static void NAME(const SELF *self, size_t n, const double *restrict ox, const double *restrict oy, \

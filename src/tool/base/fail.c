@@ -1,7 +1,7 @@
 /* fail.c - an error ends the command where it is found.
  *
- * At exit all memory is freed (memory.c), but not while other threads may still use it.  An error in the input leaves no half a table: all
- * input is read before the first line is written.
+ * At exit all memory is freed (memory.c), but not while other threads may still use it.  An error in the
+ * input leaves no half a table: all input is read before the first line is written.
  */
 #include "fail.h"
 
