@@ -11,6 +11,7 @@ A million rays    out= is given.  "In C": one call of sgt_intersect_batch or sgt
 One ray           "an empty call of the same kind" is the same method with the library's function replaced by
                   one that returns at once (sagitta_nothing); "of ctypes": that function by itself, with the
                   same arguments.  "`prepare`d": a prepared call of the same.
+As arrays         the same call given arrays of shape (3, n), beside a prepared call of the same.
 A function        of Python as a surface, 10^5 rays.  numpy: what numpy itself takes to evaluate it at as many
                   points as were asked for, by 10^5 at once; in brackets in arrays as long as those that were
                   asked for, which stay in the processor's cache.

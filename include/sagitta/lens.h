@@ -429,7 +429,8 @@ typedef struct sgt_parabasal {
     double focus[2];          /* to where rays meet that came parallel to it */
     double image[2];          /* to where rays meet that came from its start */
     double magnification[2];  /* there */
-    double power_xy;          /* the larger of |power[0][1]| and |power[1][0]| */
+    double power_xy;          /* the larger of |power[0][1]| and |power[1][0]|; 0 if it is
+                                 no more than 1e-9 of the larger of the other two */
     unsigned long long reserved_[3];
 } sgt_parabasal;
 

@@ -126,10 +126,10 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  *
  * ENDS.  tmin and tmax are taken as they stand, but for one pair: both 0, as {0} leaves
  * them, mean the half-line that begins at o, tmax = INFINITY.  So if you give tmin alone,
- * give INFINITY besides.  And {.tmin = 0, .tmax = x} is endless where a computed x comes
- * out as 0.  Make a ray of computed ends by sgt_ray_between, which takes them as they
- * stand.  -INFINITY and INFINITY mean the whole line.  At tmax a root is accepted if
- * its computed t is at most tmax.
+ * give INFINITY besides.  If you compute tmax, make the ray by sgt_ray_between, which
+ * takes ends as they stand: a tmax that comes out as 0 beside a tmin of 0 would mean
+ * INFINITY here.  -INFINITY and INFINITY mean the whole line.  At tmax a root is accepted
+ * if its computed t is at most tmax.
  *
  * THE START.  The root at the start itself is not accepted: a finite tmin stands for
  * "leave the surface you may be on".  Precisely, a root t is not accepted if
@@ -555,23 +555,23 @@ SGT_API int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[
 
 /* --------------------------------------------------------------- leaving */
 
-/* A ray that starts where another has met the surface: reflected, refracted, straight on,
- * or toward a lamp.  Its next crossing is asked for, and no distance has to be chosen
- * that the ray is pushed by.  A start is a hit and a direction:
+/* sgt_leave follows a ray that starts where another has met the surface: reflected,
+ * refracted, straight on, or toward a lamp.  It finds the next crossing.  You choose no
+ * offset to push the ray off the surface.  A start is a hit and a direction:
  *
  *     sgt_start on = {.p = hit.p, .n = hit.n, .p_err = hit.p_err, .d = d};
  *     sgt_crossing next = sgt_leave(surface, &on, NULL);
  *
- * The surface is within p_err of p.  So the ray begins at a point o of the surface that
- * is within p_err (and 4 ulps) of p, and the root there is not accepted.  o is p itself,
- * but where p_err is more than the rule of sgt_ray covers.  If no point of the surface is
- * found so near to p, the ray begins at p, as one of sgt_intersect does. */
+ * The surface is within p_err of p.  The ray begins at a point o of the surface, within
+ * p_err and 4 ulps (of the largest coordinate) of p.  The root at o is not accepted.  If
+ * the rule of sgt_ray covers how far p may be off, o is p.  If no point of the surface is
+ * found so near, o is p as well; then a root just beside it may be accepted. */
 typedef struct sgt_start {
     sgt_vec3 p;      /* length; finite */
     sgt_vec3 n;      /* the gradient of F there, or a multiple of it; zero: not known */
     double   p_err;  /* length; 0 or more, finite */
     sgt_vec3 d;      /* as in sgt_ray */
-    double   tmax;   /* lengths of d; 0: INFINITY; -0: 0, as of sgt_ray_between */
+    double   tmax;   /* lengths of d.  0: INFINITY.  For an end at 0 itself give -0 */
     unsigned long long reserved_[2]; /* leave it zero: else the answer is SGT_INVALID */
 } sgt_start;
 
@@ -586,11 +586,14 @@ typedef struct sgt_crossing {
 
 /* The first accepted root behind the start.  opt may be NULL; its pick is not read.
  *
- * THE SIDE is certain where the status is (sgt_intersect): then F has that sign all along
- * the ray up to the hit.  So whoever counts crossings is inside or outside by the sign,
- * and not by parity.  On a user's surface without `rounding` it trusts F as computed.  If
- * a march by steps has skipped a root, which the slopes at both ends tell, the hit is
- * UNPROVEN.
+ * THE SIDE.  1 and -1 are certain where the status is (sgt_intersect).  From a start
+ * inside the rim, F has that sign along the ray up to the hit; of a miss, as long as the
+ * ray is inside the rim.  So read inside or outside from the sign; do not count
+ * crossings.  On a user's surface without `rounding`, F is trusted as computed.
+ *
+ * A MARCH by steps (a user's surface without `enclose`) may skip roots.  If the slopes at
+ * start and hit say that an odd number was skipped, the hit is UNPROVEN (t_tol 0).  An
+ * even number, and any number before a miss, is not noticed.
  *
  * AT A TANGENT, where d lies in the tangent plane, the start may be one root or two.
  * Roots within the rule of sgt_ray are dropped together, and the side is that behind
@@ -604,14 +607,16 @@ typedef struct sgt_starts {
     const double *p[3], *n[3]; /* n[0] NULL: not known */
     const double *p_err;       /* NULL: 0 */
     const double *d[3];
-    const double *tmax;        /* NULL: INFINITY; so is 0 in it */
-    unsigned long long reserved_[2]; /* leave it zero: else every answer is SGT_INVALID */
+    const double *tmax;        /* NULL: INFINITY.  Unlike in sgt_rays a 0 is INFINITY as
+                                  well; -0 is an end at 0 */
+    unsigned long long reserved_[2]; /* leave it zero: else all are SGT_INVALID */
 } sgt_starts;
 
-/* sgt_leave of n starts, each to the last bit.  t counts from o, which is not told: it is
- * within p_err of p.  side[i] (side may be NULL) is 1, -1 or 0.  Outputs must not overlap
- * the starts or each other.  Returns the number of positive statuses; all else is as in
- * sgt_intersect_batch, but for the stack, which is below 150 KiB. */
+/* sgt_leave of n starts, bit for bit.  t counts from o, which is not an output: p + t d
+ * is off from the hit by up to p_err and 4 ulps.  Take the point from hits.p, or call
+ * sgt_leave to get o.  side[i] (side may be NULL) is 1, -1 or 0.  Outputs must not
+ * overlap the starts or each other.  Returns the number of positive statuses; all else is
+ * as in sgt_intersect_batch, but for the stack, which is below 150 KiB. */
 SGT_API size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits,
                                signed char *side, const sgt_options *opt);
 

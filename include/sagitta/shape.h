@@ -25,7 +25,7 @@ SGT_API double sgt_sag_at(sgt_surface s, double x, double y);
  * to exist nearer to the vertex, too.  Of a sag. */
 SGT_API double sgt_whole_radius(sgt_surface s, double wanted);
 
-/* At most so many strokes has a section. */
+/* A section has at most so many strokes. */
 enum { SGT_SECTION_MOST = 32768 };
 
 /* The section of an element's surface by the plane through its origin with the axes
@@ -38,8 +38,8 @@ enum { SGT_SECTION_MOST = 32768 };
  * out than 4 reach.  The strokes are straight lines across the cells of a square net, of
  * 128 by 128, in which F changes its sign: ends are where F is 0 if F is linear between
  * the corners of a cell.  So where F is smooth, they are off the surface by a part of
- * the square of a cell's size.  Parts smaller than reach / 64 may be missing.  A level
- * set has details finer than any net.
+ * the square of a cell's size.  A cell is 1/128 of the width and of the depth of the net;
+ * parts smaller than a cell may be missing.  A level set has details finer than any net.
  *
  * Writes as many strokes as there are, but no more than room, and returns how many there
  * are; stroke may be NULL if room is 0.  0: the plane does not meet the surface, or

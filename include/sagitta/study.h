@@ -17,7 +17,12 @@
  * NUMBERS.  Rays are traced in blocks of 128 points; sums add the rays of a block, then
  * the blocks, each in their order.  So bits do not depend on threads, and memory does not
  * grow with the number of rays (but for Zernike polynomials).  Each number that comes
- * from traced rays has a bound on what rounding does to it, or its certain `digits`. */
+ * from traced rays has a bound on what rounding does to it, or its certain `digits`.
+ *
+ * AIMED RAYS.  If a field has 256 points or more at a wavelength, most of its aimed rays
+ * come from a map that is fitted to 91 rays.  Each is traced to the stop and must meet
+ * its point there; the others are searched for.  So their last bits may differ from
+ * those of sgt_trace_pupil, which searches for each. */
 #ifndef SAGITTA_STUDY_H
 #define SAGITTA_STUDY_H
 #include <sagitta/analysis.h>
@@ -173,7 +178,8 @@ typedef struct sgt_analysis {
     size_t       row_size, columns;
     const sgt_column *column;
     size_t       options_size, settings;
-    size_t       options_room;   /* where reserved_ begins in the options, to their end */
+    size_t       options_room;   /* offset of reserved_ in the options; from there to
+                                    options_size all must be zero */
     const sgt_setting *setting;
     bool       (*ask)(sgt_asking *of);
     unsigned long long reserved_[4];

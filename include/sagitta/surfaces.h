@@ -469,8 +469,9 @@ SGT_API const sgt_builtin *sgt_builtin_of(sgt_surface s);
  * of no built-in type. */
 SGT_API const double *sgt_number_of(sgt_surface s, const char *key);
 
-/* Is any surface a sag, F = z - s(x, y)?  If not (a body, a level set), it has no vertex
- * and no profile.  Told by dF/dz at two points of the axis. */
+/* Is s a sag, F = z - s(x, y)?  If not (a body, a level set), it has no vertex and no
+ * profile.  The test: dF/dz is exactly 1 at (0, 0, 0) and at (0, 0, 1).  So a multiple of
+ * a sag is not one, and another surface that passes the test is taken for a sag. */
 SGT_API bool sgt_is_sag(sgt_surface s);
 
 #ifdef __cplusplus

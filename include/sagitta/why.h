@@ -4,10 +4,11 @@
  * The answer itself is taken as it stands.  The reason is found by asking the library
  * again: for more roots, without the rim, of a line beside the ray.
  *
- * TEXTS are in English, for people, without a full stop, and may change with any version.
- * A text goes to text[size], cut if it is too long, with a zero at its end; text may be
- * NULL if size is 0.  Returns the whole length, 0 where there is nothing to say: that is
- * what snprintf does.  Options are named as in sgt_options.
+ * TEXTS are in English, for people, and may change with any version: one or two
+ * sentences, no full stop at the end, perhaps with a line break inside.  A text goes to
+ * text[size], cut if it is too long, with a zero at its end; text may be NULL if size is
+ * 0.  Returns the whole length, 0 where there is nothing to say: that is what snprintf
+ * does.  Options are named as in sgt_options.
  *
  * Every function may run in any number of threads. */
 #ifndef SAGITTA_WHY_H
@@ -35,7 +36,7 @@ typedef struct sgt_search {
 SGT_API size_t sgt_why_undecided(const sgt_search *s, size_t size, char text[]);
 
 /* "it meets the surface only outside semi_diameter, first at r = 5.2".  Of a ray that
- * certainly misses; nothing where the reason is not cheap to know. */
+ * certainly misses; nothing if no reason is clear beyond rounding. */
 SGT_API size_t sgt_why_missed(sgt_surface s, const sgt_ray *ray, size_t size,
                               char text[]);
 

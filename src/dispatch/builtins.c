@@ -100,7 +100,7 @@ const double *sgt_number_of(sgt_surface s, const char *key)
  * of the axis that are tried. */
 bool sgt_is_sag(sgt_surface s)
 {
-    sgt_vec3 low, high;
+    sgt_vec3 low = {0, 0, 0}, high = low; /* a value that is NaN need not set them */
     s.ops->value(s.self, (sgt_vec3){0, 0, 0}, &low);
     s.ops->value(s.self, (sgt_vec3){0, 0, 1}, &high);
     return low.z == 1 && high.z == 1;

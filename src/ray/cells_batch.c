@@ -32,8 +32,8 @@
  * the start by the rule of accept.h if the error of such a root, half the width of G over |S|, is no more
  * than 16 widths of the rule (as in proof_take of proof.c), and F as `value` has it says that it is within
  * half of one.  Behind the cell the sign is that of S.  If S is too wide for that, the cell is made shorter.
- * Before, these rays were left to proof.c, which bisects down to rounding: 25 to 100 times the time of a
- * first hit, where it is 1.1 to 1.7 times now (gyroid, quartic, sphere, torus as formulas, batches of 1000).
+ * proof.c would bisect these rays down to rounding, at 25 to 100 times the cost of a first hit.  This costs
+ * 1.1 to 1.7 times (gyroid, quartic, sphere, torus as formulas, batches of 1000; observed).
  *
  * THE LENGTH OF A CELL is only a guess, from the last answer.  Over a cell of length w, g was K w wide and S
  * was B w wide.  Let c be |g| where the next cell begins, as the middles of G and S have it, and s the slope

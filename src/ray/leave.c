@@ -21,11 +21,14 @@
  *     missed, touched, or nearly along the surface    that of F at a point behind the start: 64 widths of the
  *                                                     rule, and farther off while rounding hides it.  By
  *                                                     `encloses`, where it is offered, else by `rounding`
- *     undecided, or hidden all the way                0
+ *     hidden all the way, from a point on it          that of grad F . d at the start, if it is not nearly 0
+ *     undecided, or neither                           0
  *
  * A user's surface that is searched by steps may skip a root.  If its slope at the start and at the next
  * crossing say that F has unlike signs behind the one and before the other, one has been skipped: the answer
- * is UNPROVEN. */
+ * is UNPROVEN.
+ *
+ * With t_tol a hit may lie where F has another slope than at the root: then no slope there is trusted. */
 #include "../num/lanes.h"
 #include "../solve/entries.h"
 #include "../solve/root.h"
@@ -108,14 +111,17 @@ typedef struct asked {
     double o[3][ASKS], d[3][ASKS], t[ASKS], most[ASKS], far[ASKS];
     double lo[ASKS], hi[ASKS];
     size_t of[ASKS], count;
+    bool on[ASKS]; /* it starts on the surface */
 } asked;
 
 /* Asks for the side of number i.  The first t is behind all that the rule of the start drops: roots there
  * have t |slope| <= START_ULPS of the terms.  Where the ray bends away from the surface, or twists, that is
  * below 2^-24 or 2^-16 of the lengths at hand, however small the slope at the start is. */
-static double ask_side(sgt_surface s, asked *a, size_t i, const sgt_ray *ray, sgt_vec3 n, const sgt_hit *hit)
+static double ask_side(sgt_surface s, asked *a, size_t i, const sgt_ray *ray, sgt_vec3 n, bool on,
+                       const sgt_hit *hit)
 {
     size_t k = a->count++;
+    a->on[k] = on;
     const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z};
     double far = leave_size(ray->o) / leave_size(ray->d), least = 0x1p-32 * far,
            t = 0x1p6 * START_ULPS * leave_terms(ray->o, n) / fabs(leave_dot(n, ray->d));
@@ -149,7 +155,15 @@ static void enclose_asked(sgt_surface s, asked *a)
     }
 }
 
-/* Answers what has been asked: sign[of[k]], left as it is where F hides it. */
+/* The side behind a start by the slope there. */
+static signed char side_by_slope(sgt_surface s, sgt_vec3 o, sgt_vec3 d)
+{
+    sgt_vec3 n = {0, 0, 0};
+    s.ops->value(s.self, o, &n);
+    return (signed char)slope_sign(n, d, 0x1p-20);
+}
+
+/* Answers what has been asked: sign[of[k]]; 0 where F and the slope at the start hide it. */
 static void answer_sides(sgt_surface s, asked *a, signed char sign[])
 {
     for (int i = 0; i < LOOKS && a->count > 0; i++) {
@@ -163,36 +177,37 @@ static void answer_sides(sgt_surface s, asked *a, signed char sign[])
             else if (t < a->most[k] && 0x1p7 * t < a->far[k]) {
                 for (int c = 0; c < 3; c++) a->o[c][left] = a->o[c][k], a->d[c][left] = a->d[c][k];
                 a->t[left] = 0x1p7 * t, a->most[left] = a->most[k], a->far[left] = a->far[k];
-                a->of[left++] = a->of[k];
-            }
+                a->on[left] = a->on[k], a->of[left++] = a->of[k];
+            } else if (a->on[k])
+                sign[a->of[k]] = side_by_slope(s, (sgt_vec3){a->o[0][k], a->o[1][k], a->o[2][k]},
+                                               (sgt_vec3){a->d[0][k], a->d[1][k], a->d[2][k]});
         }
         a->count = left;
     }
     a->count = 0;
 }
 
-/* The side as the hit alone tells it; else F is to be asked. */
-static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray *ray, const sgt_hit *hit,
-                             size_t i, asked *a)
+/* The side as the hit alone tells it; else F is to be asked.  sharp: t_tol is 0. */
+static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray *ray, bool on, bool sharp,
+                             const sgt_hit *hit, size_t i, asked *a)
 {
     if (hit->status < 0) return 0;
-    double by_hit = hit->status == SGT_HIT ? -slope_sign(hit->n, ray->d, 0x1p-30) : 0;
+    double by_hit = sharp && hit->status == SGT_HIT ? -slope_sign(hit->n, ray->d, 0x1p-30) : 0;
     if (by_hit != 0) return (signed char)by_hit;
     sgt_vec3 n = gradient_at(s, from, ray->o);
-    double t = ask_side(s, a, i, ray, n, hit);
+    double t = ask_side(s, a, i, ray, n, on, hit);
     if (t > 0) return 0;
     a->count--; /* at the origin all terms are 0 */
     double f = s.ops->value(s.self, ray->o, &n),
            own = s.ops->rounding ? s.ops->rounding(s.self, ray->o) : 0;
     if (fabs(f) > own) return (signed char)leave_sign(f); /* in mid-air */
-    /* the vertex: F has the sign of its slope behind it */
-    return (signed char)slope_sign(n, ray->d, 0x1p-20);
+    return side_by_slope(s, ray->o, ray->d);              /* the vertex of a sag, say */
 }
 
 /* Do the two ends of the way, of a user's surface without enclosures, say that a root has been skipped? */
-static bool skipped(sgt_surface s, const sgt_ray *ray, bool on, const sgt_hit *hit)
+static bool skipped(sgt_surface s, const sgt_ray *ray, bool on, bool sharp, const sgt_hit *hit)
 {
-    if (s.ops->own_ || s.ops->enclose || !on || hit->status != SGT_HIT) return false;
+    if (s.ops->own_ || s.ops->enclose || !on || !sharp || hit->status != SGT_HIT) return false;
     sgt_vec3 n = {0, 0, 0};
     s.ops->value(s.self, ray->o, &n);
     return slope_sign(n, ray->d, 0x1p-20) * slope_sign(hit->n, ray->d, 0x1p-20) > 0;
@@ -236,12 +251,13 @@ sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from, const sgt_options *
     out.ray = ray_from(from, at.o);
     out.hit = sgt_intersect(s, out.ray, ROOM_IS_ZERO(from) ? &own : &sgt_options_invalid);
     if (out.hit.status == SGT_INVALID) return out;
-    if (skipped(s, &out.ray, at.on, &out.hit))
+    const bool sharp = !(own.t_tol > 0);
+    if (skipped(s, &out.ray, at.on, sharp, &out.hit))
         out.hit = hit_undecided(SGT_UNPROVEN, &out.ray, out.hit.evals, 0, out.hit.t);
     asked a;
     signed char side;
     a.count = 0;
-    side = side_told(s, from, &out.ray, &out.hit, 0, &a);
+    side = side_told(s, from, &out.ray, at.on, sharp, &out.hit, 0, &a);
     answer_sides(s, &a, &side);
     out.side = side;
     return out;
@@ -318,16 +334,17 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
                     .p_err = leave_from(hits->p_err, at)};
     size_t met = sgt_intersect_batch(s, n, rays, own, opt);
     asked a;
+    const bool sharp = !(opt->t_tol > 0);
     a.count = 0;
     for (size_t i = 0; i < n; i++) {
         sgt_start start = start_of(from, at + i);
         sgt_ray ray = ray_of(&rays, i);
         sgt_hit hit = {.status = w.status[i], .t = w.t[i], .n = {w.n[0][i], w.n[1][i], w.n[2][i]}};
-        if (hit.status != SGT_INVALID && skipped(s, &ray, w.on[i], &hit)) {
+        if (hit.status != SGT_INVALID && skipped(s, &ray, w.on[i], sharp, &hit)) {
             hit = hit_without(SGT_UNPROVEN, &ray, hits->evals ? own.evals[i] : 0);
             put_hit(&own, i, &hit), met--;
         }
-        w.side[i] = side_told(s, &start, &ray, &hit, i, &a);
+        if (side) w.side[i] = side_told(s, &start, &ray, w.on[i], sharp, &hit, i, &a);
         if (a.count == ASKS) answer_sides(s, &a, w.side);
     }
     if (side) answer_sides(s, &a, w.side), memcpy(side + at, w.side, n);

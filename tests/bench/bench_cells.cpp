@@ -16,6 +16,7 @@
 //
 // Told are medians of ns a ray, the evaluations a ray, the cells a ray that `encloses` was asked for, how
 // many rays are undecided, and how many statuses or roots differ by more than both errors.
+#include "bench_clock.h"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -370,12 +371,7 @@ void spans(const void *, size_t n, sgt_rays r, sgt_spans out)
 
 // ---------------------------------------------------------------------------------- the picture
 
-double now()
-{
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-}
+using bench::now;
 
 double median(std::vector<double> a)
 {

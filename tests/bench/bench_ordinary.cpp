@@ -20,7 +20,6 @@
 // Batches have status, t, t_err, p and n for output; traces fate, point and direction.  Before the clock
 // starts the first 200 rays of each side are compared with the single ray, to the last bit.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -31,9 +30,9 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <time.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
+#include "bench_clock.h"
 #include "bench_subjects.h"
 #include "cliff_search.h"
 
@@ -42,24 +41,14 @@ using namespace bench::catalogue;
 
 namespace {
 
+using bench::now;
+
 constexpr size_t N = 1000, FEW = 200,
                  HUNDRED = 100;  // rays of a batch, of a loop over single rays, of a small batch
 constexpr double CLIFF = 3;
 double slice = 0.3e6;  // ns
 int most_turns = 21;
 double most_time = 0.25e9;  // ns, of one line; it has three turns at least
-
-double now()
-{
-#ifdef CLOCK_THREAD_CPUTIME_ID
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-#else
-    return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-#endif
-}
 
 double median(std::vector<double> a)
 {

@@ -18,7 +18,6 @@
 // Before the clock starts each answer under proof was compared with the estimate: it has the same status
 // and the same t to within both bounds, or is UNPROVEN; the share of those is told.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -27,12 +26,14 @@
 #include <functional>
 #include <string>
 #include <vector>
-#include <time.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
+#include "bench_clock.h"
 #include "proof_lenses.h"
 
 namespace {
+
+using bench::now;
 
 constexpr size_t RAYS = 1000;
 constexpr double SLICE = 0.5e6;  // ns
@@ -50,18 +51,6 @@ public:
 private:
     uint64_t state = 0x1234567;
 };
-
-double now()
-{
-#ifdef CLOCK_THREAD_CPUTIME_ID
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-#else
-    return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-#endif
-}
 
 double median(std::vector<double> a)
 {

@@ -40,6 +40,7 @@
 // What is told: the ratio, ns a ray, the median beside it, evaluations a ray, how many rays of a hundred
 // are met, missed and undecided, and the case.  --case builds the same rays from it, to the last bit.
 #include "cliff_search.h"
+#include "bench_clock.h"
 #include "bench_subjects.h"
 #include <algorithm>
 #include <cctype>
@@ -53,29 +54,17 @@
 #include <sstream>
 #include <string>
 #include <vector>
-#include <time.h>
 #include <sagitta/formula.h>
 #include <sagitta/surfaces.h>
 
 namespace {
 
+using bench::now;
 using bench::Random;
 
 constexpr size_t RAYS_OF_CASE = 256, FEW_RAYS = 8, TOLD = 50, KEPT_OF_TYPE = 6;
 constexpr double SLICE = 0.2e6;  // ns
 constexpr double CLIFF = 3;
-
-double now()
-{
-#ifdef CLOCK_THREAD_CPUTIME_ID
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-#else
-    return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-#endif
-}
 
 double within(Random &dice, double a, double b) { return a + (b - a) * dice.unit(); }
 double log_within(Random &dice, double a, double b) { return a * std::pow(b / a, dice.unit()); }

@@ -6,7 +6,7 @@
 A million rays meet a conic, or go through the Cooke triplet, in one thread and in two.  The time is all of the
 command's, with its start; medians of several runs, and of user and system time, too, as other programs may be
 running.  Files are in the folder for temporary files: TMPDIR=/dev/shm keeps them in memory.  The column
-`limit` has what is aimed at, and before it what was measured before rays went by column (ns a ray, one core of a
+`to reach` has what is aimed at, and before it what was measured before rays went by column (ns a ray, one core of a
 Zen 4).  --before: another build of the command, run in turn with this one.  --instructions: counted by callgrind,
 in one thread, for a machine that is not idle.
 """
@@ -96,7 +96,7 @@ def main():
                  ('npy to a pipe of csv', '', [*meet, folder / 'rays.npy', '--format', 'csv'], None),
                  ('`trace --random --last`, to npy', '290: 100', [*through, str(asked.rays), '--last', *npy], None)]
         count = ' instructions |' if asked.instructions else ''
-        print(f'| ns a ray | limit | one thread | of the processor | two threads | of the processor |{count}')
+        print(f'| ns a ray | to reach | one thread | of the processor | two threads | of the processor |{count}')
         print('|---|---|---|---|---|---|' + ('---|' if count else ''))
         for name, limit, words, into in works:
             found = {(which, n): [] for which in builds for n in (1, 2)}
@@ -111,7 +111,7 @@ def main():
                     command = list(map(str, [sagitta, *words, '--threads', '1']))
                     cells.append(f'{instructions(folder, command, into) / asked.rays:.0f}')
                 print(f'| {which}{name} | {limit} | ' + ' | '.join(cells) + ' |')
-        print(f'\n| MiB, a chief ray through {SURFACES} surfaces | limit | most memory |\n|---|---|---|')
+        print(f'\n| MiB, a chief ray through {SURFACES} surfaces | to reach | most memory |\n|---|---|---|')
         for name, words in (('`trace --chief --last`', ['--last', *csv]), ('`trace --chief`, a row for each', csv),
                             ('the same as text', ['-o', folder / 'o.csv'])):
             for which, sagitta in builds.items():

@@ -11,7 +11,7 @@ The lens is examples/lenses/cooke_triplet.yaml, 7 elements; the surface is a con
 
 library     the same in the library alone: a prepared call less an empty call by ctypes
 over it     what Python adds to that; for passages, times the plain trace of the same round
-goal        of the same unit as the first column, or "x" times plain
+to reach    of the same unit as the first column, or "x" times plain
 
 "read": an array of that name is read, of each element.  passages=True finds status, p and opl in the trace,
 and the others in one more trace when they are read (docs/python.md).
@@ -160,7 +160,7 @@ def main():
     from sagitta import _library as C
 
     lens, conic = sagitta.Lens.read(LENS), sagitta.Conic(radius=100, conic=-1)
-    shown("", "a call, ray", "library", "over it", "goal")
+    shown("", "a call, ray", "library", "over it", "to reach")
     print("|---|---|---|---|---|")
     for n in (1, 100):
         small(sagitta, C, lens, conic, n, asked.rounds)

@@ -25,7 +25,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 LENS = HERE.parent.parent / 'examples' / 'lenses' / 'cooke_triplet.yaml'
 FIELDS = 3
 
-# limit: ns a ray, None: there is none; took(build, threads): ns a ray, of the processor and that pass;
+# limit: ns a ray to reach, None: there is none; took(build, threads): ns a ray, of the processor and that pass;
 # threaded: it may be asked in several threads
 Row = collections.namedtuple('Row', 'question limit took threaded')
 
@@ -128,7 +128,7 @@ def main():
     def median(row, name, which):
         return statistics.median(pair[which] for pair in took[row.question, name])
     before = ['before'] if asked.before else []
-    head = ['ns a ray', *before, 'now', 'limit', 'times its rays', 'x']
+    head = ['ns a ray', *before, 'now', 'to reach', 'times its rays', 'x']
     print_row(head)
     print('|' + '---|' * len(head))
     for row in rows:

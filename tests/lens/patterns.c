@@ -5,24 +5,14 @@
  * 1/4 of x^2 and of y^2, 1/8 of x^4, 0 of x, y and x y, within what the number of points allows.  A random
  * point depends on the seed and its number alone; the first points of a longer Sobol pattern are the
  * shorter one. */
+#include "require.h"
+
 #include <sagitta/lens.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static int faults;
-
-#define REQUIRE(condition, ...)                                          \
-    do {                                                                 \
-        if (!(condition)) {                                              \
-            printf("%s:%d: not so: %s: ", __FILE__, __LINE__, #condition); \
-            printf(__VA_ARGS__);                                         \
-            printf("\n");                                                \
-            faults++;                                                    \
-        }                                                                \
-    } while (0)
 
 static void test_philox(void)
 {

@@ -3,6 +3,8 @@
  * Sags are compared with closed forms in long double, and of every type with F = 0.  Sections of spheres,
  * tori and ellipsoids must lie on the surface, close, and be as long as the curve is; so they cover it.  The
  * edge of an item is where sgt_clipped_by begins to clip. */
+#include "require.h"
+
 #include <sagitta/shape.h>
 #include <sagitta/surfaces.h>
 
@@ -10,18 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static int faults;
-
-#define REQUIRE(condition, ...)                                          \
-    do {                                                                 \
-        if (!(condition)) {                                              \
-            printf("%s:%d: not so: %s: ", __FILE__, __LINE__, #condition); \
-            printf(__VA_ARGS__);                                         \
-            printf("\n");                                                \
-            faults++;                                                    \
-        }                                                                \
-    } while (0)
 
 static const double CIRCLE = 6.283185307179586;
 

@@ -2,24 +2,14 @@
  *
  * Texts are cut as snprintf cuts them, whatever the room.  The nearest approach is compared with spheres,
  * planes and tori, the incidence with the sine y/R of a ray parallel to the axis of a sphere. */
+#include "require.h"
+
 #include <sagitta/surfaces.h>
 #include <sagitta/why.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-static int faults;
-
-#define REQUIRE(condition, ...)                                          \
-    do {                                                                 \
-        if (!(condition)) {                                              \
-            printf("%s:%d: not so: %s: ", __FILE__, __LINE__, #condition); \
-            printf(__VA_ARGS__);                                         \
-            printf("\n");                                                \
-            faults++;                                                    \
-        }                                                                \
-    } while (0)
 
 enum { SIZE = 400 };
 static const sgt_conic ball = {.c = 0.1}, bowl = {.c = 0.1, .semi_diameter = 5}, flat = {.semi_diameter = 2};

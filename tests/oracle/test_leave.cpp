@@ -433,6 +433,28 @@ void rows_by_hand()
             c = sgt_leave(s, &a, nullptr);
             require(c.hit.status == SGT_MISS && c.side == -1, "bowl, down from the vertex");
         }
+    // a start beside the origin, on a ball of which F hides 1e-17 but not the slope
+    sgt_quadric far = {};
+    far.squares[0] = far.squares[1] = far.squares[2] = 1, far.linear[2] = -20, far.constant = 0;
+    for (const double x : {0.0, 1e-17, 1e-12}) {
+        a = {{x, 0, 0}, {0, 0, -20}, 1e-16, {0, 0, -1}, 0, {}};
+        c = sgt_leave({&sgt_quadric_ops, &far}, &a, nullptr);
+        require(c.hit.status == SGT_MISS && c.side == 1, "out of a ball, from beside the origin");
+    }
+    // t_tol wider than a cap: its end may lie where the slope has turned, and the side may not
+    sgt_surface_ops plain = {};
+    plain.size = sizeof plain, plain.value = [](const void *, sgt_vec3 p, sgt_vec3 *n) {
+        if (n) *n = {2 * p.x, 2 * p.y, 2 * p.z};
+        return p.x * p.x + p.y * p.y + p.z * p.z - 1;
+    };
+    for (const double tol : {0.01, 0.05, 0.15, 0.3}) {
+        sgt_options loose = {};
+        loose.t_tol = tol;
+        const double h = 0.1, y = std::sqrt(1 - h * h);
+        a = {{-h, y, 0}, {-2 * h, 2 * y, 0}, 1e-15, {1, 0, 0}, 0, {}};
+        c = sgt_leave({&plain, nullptr}, &a, &loose);
+        require(c.hit.status != SGT_HIT || c.side <= 0, "through a cap, with a wide t_tol");
+    }
     // starts in mid-air, at the origin, where F has no terms: outside of a ball, and at the middle of one
     sgt_quadric ball = {};
     ball.squares[0] = ball.squares[1] = ball.squares[2] = 1, ball.linear[0] = -6, ball.constant = 8;

@@ -205,6 +205,11 @@ def test_reason_of_a_miss():
         for command in ('intersect', 'diagnose'):
             done = run(command, '--surface', surface, '--ray', ray)
             assert word in done.stdout, (surface, ray, done.stdout)
+    for far in 1, 1e2, 1e4, 1e6, 1e8:  # the reason is that of the line, wherever it begins
+        for offset, word in ((70, 'passes beside the whole'), (14.5, 'passes beside the whole')):
+            ray = f'0 {-far!r} {-far - offset!r} 0 1 1'
+            said = run('intersect', '--surface', '{type: sphere, radius: 10}', '--ray', ray).stdout
+            assert word in said, (ray, said)
 
 
 def test_many_rays():

@@ -15,6 +15,8 @@ import resource
 import signal
 import stat
 import struct
+import subprocess
+import time
 
 from command import *
 
@@ -339,6 +341,38 @@ def limited(*arguments):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
     return subprocess.run([SAGITTA, *map(str, arguments)], capture_output=True, text=True, preexec_fn=limit)
+
+
+def test_a_file_that_changes():
+    """Cut within its last page or far before, or written to, while it is read: an error that names the file.
+
+    The command waits with its rows for who reads them, and the file is changed then."""
+    rows = [(0, 0, -5, 0, 0, 1)] * 100000
+    for command, of in (('intersect', ('--surface', SPHERE)), ('trace', (TRIPLET,))):
+        for change in ('cut a little', 'cut to half', 'written', 'longer', 'another'):
+            folder = written('').parent / 'rays'
+            folder.mkdir()
+            for i, name in enumerate(NAMES):
+                array(folder / f'{name}.npy', [(r[i],) for r in rows], "'<f8'", '<d')
+            path = folder / 'oz.npy'
+            time.sleep(0.02)  # so that the time of the change is another one
+            running = subprocess.Popen([SAGITTA, command, *map(str, of), '--rays', folder, '--format', 'csv', '--threads', '2'],
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            running.stdout.read(100)
+            size = path.stat().st_size
+            if change == 'another':
+                path.rename(folder.parent / 'kept')
+                path.write_bytes(b'')
+            elif change.startswith('cut'):
+                os.truncate(path, size - 80 if change == 'cut a little' else size // 2)
+            else:
+                with open(path, 'r+b') as file:
+                    file.seek(size if change == 'longer' else size - 8)
+                    file.write(struct.pack('<d', 7))
+            said = running.communicate()[1].decode()
+            whole = change in ('longer', 'another')
+            equal(running.returncode, DECIDED if whole else BAD_INPUT, (command, change, said))
+            assert whole or str(path) in said and 'while it was read' in said, (command, change, said)
 
 
 def test_full_disk():

@@ -21,8 +21,8 @@
  * other rays are looked for in that one first.  Else the outer boxes are worth little for them: none if
  * the rims keep all rays within REACH[0], and few traces if not.
  *
- * WHERE THE SEARCH BEGINS: where the linear map about the chief ray puts the point.  So a ray depends
- * on no other but the chief ray, and rays may be aimed in any parts.
+ * WHERE THE SEARCH BEGINS: where the linear map about the chief ray puts the point.  So a ray that is
+ * searched for depends on no other but the chief ray, and rays may be aimed in any parts.
  *
  * A FITTED MAP takes the place of the search where a study has many rays of a beam.  The way from a point
  * of the pupil to u, v is smooth.  So AIM_NODES rays are aimed as above, and polynomials of degree
@@ -30,13 +30,13 @@
  * its point by f.  It is then asked for at the point less f: a chord method, whose step leaves as much of
  * f as the slopes of the polynomials are off, some 1e-6.  Most rays of the lenses in examples and
  * tests/data/zmx take one step.
- * Nothing is taken on trust.  A ray counts only if it gets to the stop, clipped by nothing, and misses by
- * no more than NEAR_ENOUGH p_err there.  That is less than what sgt_aim takes for arrived, 8 times the
- * error of the end: this is 1.5 p_err cos(a) at least, a the slope of the stop.  All other rays are
- * searched for.
- * The map is used only if no node is folded, and if the determinants at the nodes are all within TAME
- * times each other.  The polynomials do not turn over between nodes that are so near, so no ray of theirs
- * is folded.
+ * Where a ray arrives is not taken on trust.  It is accepted only if nothing clips it before the stop and it
+ * misses its point by at most NEAR_ENOUGH p_err.  sgt_aim accepts 8 times the error of the end, which is at
+ * least 1.5 p_err cos(a), a the slope of the stop: more than NEAR_ENOUGH p_err for slopes up to 80 degrees.
+ * All other rays are searched for.
+ * That no ray is folded is an expectation.  The map is used only if no node is folded, and if the
+ * determinants at the nodes are all within TAME times each other.  Nodes are a fifth of the radius apart; a
+ * fold between them, with none at any of them, has not been seen, and is not ruled out.
  *
  * FOLDS.  The map from the pupil to the stop has a determinant.  On the axis of any lens it is not 0.
  * Where it has the other sign, neighbouring rays reach the stop in reversed order: between there and
@@ -414,6 +414,7 @@ static void few_fitted_at(const sgt_aim_map *of, const double x[], const double 
 }
 
 /* (The arrays have room for AIM_FEW - 1 more.) */
+_Static_assert((int)AIM_PART % (int)AIM_FEW == 0 && (int)AIM_NODES <= (int)AIM_PART, "room for whole groups");
 static void fitted_at(const sgt_aim_map *of, size_t count, double x[], double y[], double u[], double v[])
 {
     for (size_t i = count; i % AIM_FEW; i++) x[i] = y[i] = 0;
@@ -455,7 +456,8 @@ static size_t aim_guided(const sgt_launcher *from, const sgt_field_beam *b, cons
         for (size_t k = 0; k < g->count; k++) {
             const size_t i = g->of[k];
             const double x = last->p[0][k] - m->wanted[i].x, y = last->p[1][k] - m->wanted[i].y;
-            if (g->fate[k] == SGT_PASSED && sqrt(x * x + y * y) <= NEAR_ENOUGH * last->p_err[k]) {
+            if (g->fate[k] == SGT_PASSED && last->p_err[k] < HUGE_VAL &&
+                sqrt(x * x + y * y) <= NEAR_ENOUGH * last->p_err[k]) {
                 out[i] = (sgt_launched){.status = SGT_MET, .wanted = m->wanted[i],
                                         .ray = {.o = {m->o[0][k], m->o[1][k], m->o[2][k]},
                                                 .d = {m->d[0][k], m->d[1][k], m->d[2][k]}}};
@@ -486,10 +488,10 @@ static void fit_map(const sgt_launcher *from, const sgt_field_beam *b, const sgt
     aim_part(from, b, f, s, of, m, AIM_NODES, nodes->at, m->own);
     for (size_t i = 0; i < AIM_NODES; i++) {
         const double determinant = m->change[0][i] * from->sense;
-        if (m->found[i].status != SGT_MET) return;
+        if (m->found[i].status != SGT_MET || !(determinant > 0)) return;
         least = fmin(least, determinant), most = fmax(most, determinant);
     }
-    if (!(least > 0 && most <= TAME * least)) return;
+    if (!(most <= TAME * least)) return;
     for (size_t t = 0; t < AIM_TERMS; t++) {
         of->fit[0][t] = of->fit[1][t] = 0;
         for (size_t i = 0; i < AIM_NODES; i++)

@@ -86,8 +86,8 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t elements, const sgt_element e[]
             if (i == j) largest = fmax(largest, size);
             else mixed = fmax(mixed, size);
         }
-    out->power_xy = mixed;
     const bool apart = mixed <= 1e-9 * largest;
+    out->power_xy = apart ? 0 : mixed;
     for (int k = 0; k < 2; k++) {
         double a = m[k][k], b = m[k][k + 2], c = m[k + 2][k], g = m[k + 2][k + 2];
         bool powered = fabs(c) > 1e-13 * largest && largest > 0, converging = fabs(g) > 1e-13;

@@ -16,13 +16,15 @@ static sgt_part ellipse(sgt_vec2 middle, double half_x, double half_y)
     return p;
 }
 
-/* The point at k of SGT_RIM_POINTS steps round a polygon, of which each side has the same number of steps. */
+/* The point at k of SGT_RIM_POINTS steps round a polygon.  Sides have the same number of steps, or one more;
+ * so corners are points, if there are no more than SGT_RIM_POINTS. */
 static sgt_vec2 round_polygon(const sgt_vec2 *corner, size_t count, int k)
 {
-    double u = (double)k * (double)count / SGT_RIM_POINTS;
-    size_t side = (size_t)u;
+    size_t side = (size_t)k * count / SGT_RIM_POINTS,
+           first = (side * SGT_RIM_POINTS + count - 1) / count,
+           next = ((side + 1) * SGT_RIM_POINTS + count - 1) / count;
     sgt_vec2 a = corner[side % count], b = corner[(side + 1) % count];
-    u -= (double)side;
+    double u = next > first ? (double)((size_t)k - first) / (double)(next - first) : 0;
     return (sgt_vec2){a.x + u * (b.x - a.x), a.y + u * (b.y - a.y)};
 }
 

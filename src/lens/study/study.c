@@ -7,15 +7,15 @@
  * BLOCKS.  What a ray does depends on that ray alone.  So blocks of PUPIL_PART points may be traced in any
  * thread; what is made of a block is made there, too, and then taken in order.  The size of a block has no
  * part in how many threads there are, so that neither have the sums.  Blocks go in rounds of ROUND at
- * least, and of as many as ROUND_BYTES hold: memory does not grow with the number of rays, and threads rarely
- * wait for each other.
+ * least, and of as many as ROUND_BYTES hold: memory does not grow with the number of rays (but that of
+ * Zernike polynomials, opd.c), and threads rarely wait for each other.
  *
  * TAKING goes on beside the work: the thread that asks takes the blocks of a round while the others are at
  * the next.  So what comes in order, such as rows that are printed, does not keep them waiting.
  *
- * AIMED RAYS begin at a map of the pupil (optics/aim.c), of each field and wavelength.  It is made before the
- * first round that has a block of that cell, and kept until the last: not the blocks decide about it, nor the
- * threads. */
+ * AIMED RAYS of a cell of 256 rays or more begin at a map of the pupil (optics/aim.c).  Each cell has its
+ * own.  It is made before the first round that has a block of the cell, and kept until the last.  So neither
+ * blocks nor threads change a bit of it. */
 #include "study.h"
 
 #include <stdarg.h>

@@ -10,7 +10,7 @@ static const double DEGREES = 57.295779513082321; /* in a radian */
 /* By the tangent, since the cosine of a small angle is 1 to within rounding. */
 double sgt_incidence(const sgt_element *e, const sgt_arrival *a)
 {
-    sgt_vec3 n;
+    sgt_vec3 n = {(double)NAN, (double)NAN, (double)NAN};
     e->surface.ops->value(e->surface.self, a->p, &n);
     return atan2(length3(cross3(n, a->direction)), fabs(dot3(n, a->direction))) * DEGREES;
 }

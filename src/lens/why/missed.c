@@ -6,6 +6,8 @@
  * rounding, nothing is said. */
 #include <sagitta/why.h>
 
+#include <float.h>
+
 #include "bare.h"
 #include "say.h"
 #include "../base/vec3.h"
@@ -29,6 +31,9 @@ static void say_missed_set(saying *to, sgt_surface s, const sgt_ray *ray)
 static void say_missed_quadric(saying *to, const rimless *b, sgt_vec3 o, sgt_vec3 d)
 {
     const char other[] = "the other sheet of the quadric (of a sphere, the far half)";
+    /* from no farther than a radius before the place nearest to the vertex: B*B and A*C of afar cancel */
+    const double near = -dot3(o, d) / dot3(d, d), back = 1 / (fabs(b->c) * length3(d));
+    if (fabs(near) > back) o = along3(o, near - copysign(back, near), d);
     double k1 = 1 + b->k, A = b->c * (d.x * d.x + d.y * d.y + k1 * d.z * d.z);
     double B = d.z - b->c * (o.x * d.x + o.y * d.y + k1 * o.z * d.z);
     double C = b->c * (o.x * o.x + o.y * o.y + k1 * o.z * o.z) - 2 * o.z;
@@ -44,9 +49,10 @@ static void say_missed_quadric(saying *to, const rimless *b, sgt_vec3 o, sgt_vec
 /* Of a line that meets neither the surface nor, without its rim, the rest of it. */
 static void say_missed_all(saying *to, const rimless *b, sgt_surface s, const sgt_ray *ray)
 {
-    const double margin = 1 + 0x1p-30; /* far more than rounding: say it only if it is clear */
     const double domain = b->k > -1 && b->c != 0 ? 1 / (fabs(b->c) * sqrt(1 + b->k)) : HUGE_VAL;
     const double nearest = axis_distance3(ray->o, ray->d);
+    /* far more than rounding, also of a start far away: say it only if it is clear */
+    const double margin = 1 + 0x1p-30 + 0x1p-48 * length3(ray->o) / fmin(domain, fmax(nearest, DBL_MIN));
     const written at = short_number(domain);
     if (nearest > domain * margin) {
         sgt_say(to, "it never comes within r = %s of the axis, and the surface ends there", at.text);

@@ -172,11 +172,13 @@ SGT_INLINE lane_span quadratic_leave(const near_ray *r, const crossings *c, cons
 {
     double g = fabs(b.g), e = b.g_err + 2 * SGT_U * b.terms, steep = fabs(b.slope),
         width = START_ULPS * b.terms;
+    /* where all terms vanish no rounding hides g; what underflow hides is within START_LEAST */
+    mask exact = MASK(g == 0) & MASK(e == 0) & MASK(steep > TINY);
     mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900),
          on = two & (~a.single | a.leaves) & MASK(fabs(tmin) < HUGE_VAL) &
               MASK(g <= 0.5 * width + 0.125 * e) & MASK(e <= 16 * width) &
               MASK(64 * fabs(p->A) * (g + e) <= steep * steep) &
-              MASK(steep > 0x1p10 * b.slope_err) & MASK(width > TINY);
+              MASK(steep > 0x1p10 * b.slope_err) & (MASK(width > TINY) | exact);
     mask first = on & MASK(b.slope * p->A < 0), last = on & MASK(b.slope * p->A > 0);
     a.lo = chosen(first, (r->t0 + c->mid) * r->scale, a.lo);
     a.seed = chosen(first, (r->t0 + c->second) * r->scale, a.seed);

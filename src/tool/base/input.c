@@ -16,7 +16,11 @@
 #include <unistd.h>
 
 /* The files in use, told apart by device and inode, since a file can have several names. */
-typedef struct used_file { struct stat is; const char *name; } used_file;
+typedef struct used_file {
+    struct stat is;
+    const char *name;
+    const char *text, *shorter; /* of one that is mapped: its bytes; what is said if some are gone */
+} used_file;
 static used_file *used;
 static size_t used_count, used_room;
 
@@ -25,7 +29,7 @@ static void remember(FILE *file, const char *name)
     struct stat is;
     if (fstat(fileno(file), &is) != 0 || !S_ISREG(is.st_mode)) return;
     used = memory_room(used, used_count, &used_room, sizeof *used);
-    used[used_count++] = (used_file){is, memory_text(name, strlen(name))};
+    used[used_count++] = (used_file){.is = is, .name = memory_text(name, strlen(name))};
 }
 
 void output_check(const char *option, const char *path)
@@ -84,13 +88,31 @@ const char *input_try(const char *path, input *in)
 }
 
 /* A byte of a mapped file was asked for that is not there any more.  Other threads may be at work. */
-static const char *shorter;
-static void end_shorter(int signal)
+static void end_shorter(int number, siginfo_t *at, void *unused)
 {
-    (void)signal;
-    const ssize_t told = write(STDERR_FILENO, shorter, strlen(shorter));
-    (void)told;
+    (void)number, (void)unused;
+    for (size_t i = 0; i < used_count; i++) {
+        const used_file *u = &used[i];
+        const uintptr_t from = (uintptr_t)u->text, asked = (uintptr_t)at->si_addr;
+        if (!u->text || asked < from || asked - from >= (size_t)u->is.st_size) continue;
+        const ssize_t told = write(STDERR_FILENO, u->shorter, strlen(u->shorter));
+        (void)told;
+    }
     _Exit(EXIT_BAD_INPUT);
+}
+
+/* Behind the end of a file its last page has zeros, and what is written into a file is seen in the map. */
+void input_check(void)
+{
+    for (size_t i = 0; i < used_count; i++) {
+        const struct stat *was = &used[i].is;
+        struct stat is;
+        if (!used[i].text || stat(used[i].name, &is) != 0) continue;
+        if (is.st_dev != was->st_dev || is.st_ino != was->st_ino) continue; /* another file of that name */
+        bool written = is.st_mtim.tv_sec != was->st_mtim.tv_sec || is.st_mtim.tv_nsec != was->st_mtim.tv_nsec;
+        if (is.st_size < was->st_size || (written && is.st_size == was->st_size))
+            fail_input("%s: it was changed while it was read", used[i].name);
+    }
 }
 
 input input_map(const char *path, bool *mapped)
@@ -104,8 +126,8 @@ input input_map(const char *path, bool *mapped)
     void *at = u ? mmap(NULL, (size_t)u->is.st_size, PROT_READ, MAP_PRIVATE, fileno(file), 0) : MAP_FAILED;
     *mapped = at != MAP_FAILED;
     if (*mapped) {
-        shorter = memory_print("sagitta: %s: it became shorter while it was read\n", path);
-        signal(SIGBUS, end_shorter);
+        u->text = at, u->shorter = memory_print("sagitta: %s: it became shorter while it was read\n", path);
+        sigaction(SIGBUS, &(struct sigaction){.sa_sigaction = end_shorter, .sa_flags = SA_SIGINFO}, NULL);
         in.text = at, in.length = (size_t)u->is.st_size;
     } else {
         const char *fault = read_all(file, &in);

@@ -1,4 +1,4 @@
-/* input.h - a file, read whole. */
+/* input.h - a file, read whole or mapped. */
 #ifndef TOOL_INPUT_H
 #define TOOL_INPUT_H
 #include <stdbool.h>
@@ -19,6 +19,10 @@ const char *input_try(const char *path, input *in);
 /* A file whose bytes are not changed, and end in no zero byte: mapped where that can be, else read whole.
  * One that cannot be read ends the command; so does one that becomes shorter while it is mapped. */
 input input_map(const char *path, bool *mapped);
+
+/* Ends the command if a mapped file was cut, or written to, since it was mapped.  To be asked when all is
+ * read. */
+void input_check(void);
 
 /* Gives memory of a mapped file back until it is read again; pages that are only in part here stay. */
 void input_leave(const void *from, size_t length);

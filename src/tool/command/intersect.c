@@ -2,6 +2,7 @@
 #include "commands.h"
 #include "explain.h"
 #include "watch.h"
+#include "../base/input.h"
 #include "../base/memory.h"
 #include "../base/progress.h"
 #include "../job/options.h"
@@ -394,6 +395,7 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
     progress_begin(in.rays, !a.shared.target.path, a.shared.progress);
     tiles_run(&in, &w, find, intersect_take);
+    input_check();
     progress_end();
     for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
     if (text) {

@@ -624,6 +624,7 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
         in.rays = job_count(w.at);
         tiles_run(&in, &w, send, trace_take);
     }
+    input_check();
     progress_end();
     job_end_parts(&j);
     if (text) {

@@ -2,7 +2,7 @@
  *
  * The header is a Python dictionary with three keys: descr, a type or a list of ('name', 'type');
  * fortran_order; and shape.  Here it is read as what NumPy writes, strictly: what is not understood is an
- * error.  Rows stay in the file, which is mapped, so memory does not hold them. */
+ * error.  A file is mapped, so memory does not hold its rows; what comes through a pipe is kept whole. */
 #include "array.h"
 
 #include "../base/fail.h"

@@ -1,4 +1,4 @@
-/* table.c - text, csv, json and npy from one stream of cells.
+/* table.c - text, csv, json and npy, from a stream of cells or from blocks of columns.
  *
  * The cells of a row are kept as values until the row is whole.  Then those that are wanted are printed, in
  * the order they are wanted in.  A number that stands in its column as before is not printed again but
