@@ -7,8 +7,8 @@
  * BLOCKS.  What a ray does depends on that ray alone.  So blocks of PUPIL_PART points may be traced in any
  * thread; what is made of a block is made there, too, and then taken in order.  The size of a block has no
  * part in how many threads there are, so that neither have the sums.  Blocks go in rounds of ROUND at
- * least, and of as many as ROUND_BYTES hold: memory does not grow with the number of rays (but that of
- * Zernike polynomials, opd.c), and threads rarely wait for each other.
+ * least, and of as many as ROUND_BYTES hold: memory does not grow with the number of rays, and threads
+ * rarely wait for each other.
  *
  * TAKING goes on beside the work: the thread that asks takes the blocks of a round while the others are at
  * the next.  So what comes in order, such as rows that are printed, does not keep them waiting.
