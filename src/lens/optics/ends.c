@@ -101,14 +101,19 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
 
 #define NOWHERE {(double)NAN, (double)NAN, (double)NAN}
 
-/* (A copy of what is constant, and then its numbers: a struct that is put together on the stack, number by
- * number, and copied by larger pieces waits for each of them.) */
-static void set_untraced(const sgt_pupil_point *at, const sgt_launched *l, sgt_ray_end *out)
+/* Ends as they are where no ray was traced.  (Each is a copy of the first.  gcc 12 would clear a copy of what is
+ * constant by `rep stos`, which takes longer than all else that is told of a ray.) */
+static void begin_ends(size_t count, sgt_ray_end out[])
 {
     static const sgt_ray_end untraced = {
         .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = NOWHERE, .d = NOWHERE, .opl = (double)NAN,
         .p_err = (double)NAN, .opl_err = (double)NAN, .d_err = (double)NAN};
-    *out = untraced;
+    if (count) out[0] = untraced;
+    for (size_t i = 1; i < count; i++) out[i] = out[0];
+}
+
+static void set_untraced(const sgt_pupil_point *at, const sgt_launched *l, sgt_ray_end *out)
+{
     out->px = at->x, out->py = at->y, out->weight = at->weight;
     out->aimed = l->status, out->within = l->within;
 }
@@ -282,6 +287,7 @@ static void trace_unaimed(const sgt_launcher *from, const sgt_field_beam *b, con
     static const sgt_launched there = {.status = SGT_MET};
     sgt_launch_unaimed(b, count, at, m->o, m->d);
     trace_many(from, e, before, m, count, opt);
+    begin_ends(count, out);
     for (size_t i = 0; i < count; i++) {
         set_untraced(&at[i], &there, &out[i]);
         tell_end(from, b, e, before, m, i, &out[i]);
@@ -294,6 +300,7 @@ static void trace_aimed(const sgt_launcher *from, const sgt_field_beam *b, const
                         const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
 {
     size_t there = 0;
+    begin_ends(count, out);
     for (size_t i = 0; i < count; i++) {
         const sgt_ray *ray = &launched[i].ray;
         set_untraced(&at[i], &launched[i], &out[i]);
@@ -368,6 +375,7 @@ static void trace_guessed(const sgt_launcher *from, sgt_ends_room *r, const sgt_
     trace_many(from, r->own, before, m, count, opt);
     const size_t missed =
         sgt_aim_missed(from, r->aims, count, at, m->passed, &m->at[from->lens->stop].hits, left);
+    begin_ends(count, out);
     for (size_t i = 0, k = 0; i < count; i++) {
         if (k < missed && left[k] == i) {
             r->other[k++] = at[i];
@@ -444,6 +452,7 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
     if (fine) sgt_launch_ending(count, e, own);
     fine = fine && sgt_launch_rays(from, b, own, index_before, 1, &centre, &launched, error);
     if (fine) {
+        begin_ends(1, out);
         set_untraced(&centre, &launched, out);
         if (launched.status == SGT_MET) {
             sgt_trace_through(count, own, index_before, &launched.ray, open, passages, &out->fate);
