@@ -33,8 +33,10 @@
  * bring nearly all of them to where they are accepted, most often one.  If STEPS_MOST do not bring half
  * of them there, the map is not used.  That asks for a fit as good as some 1e-4, as each step at best
  * multiplies what is left by how far the slopes are off.
- * Where a ray arrives is not taken on trust: after the last step it is traced once more, and looked at.  It
- * is accepted only if nothing clips it before the stop and it misses its point by at most NEAR_ENOUGH p_err.
+ * Steps go through the surfaces without their apertures, as a ray that is clipped is aimed, too.
+ * Where a ray arrives is not taken on trust: after the last step it is traced once more, and looked at.  If it
+ * is clipped there, it is traced by itself to the stop, as sgt_aim does it (through.c).  It is accepted only
+ * if it misses its point by at most NEAR_ENOUGH p_err.
  * sgt_aim accepts 8 times the error of the end, which is at least 1.5 p_err cos(a), a the slope of the stop:
  * more than NEAR_ENOUGH p_err for slopes up to 80 degrees.  All other rays are searched for.
  * That last trace may be the one through the whole lens, which is wanted anyway (ends.c).
@@ -105,6 +107,8 @@ typedef struct aim_search {
     size_t starts;
     sgt_vec2 start[2];
     bool chief;            /* it is wanted whatever clips it */
+    const sgt_element *open; /* of a fitted map: the elements without apertures, */
+    sgt_element *own;      /* and room for them */
     int home;              /* of REACH: the box where the chief ray was found */
     double within;         /* radii of the pupil: it is proven that no ray there meets the point */
     sgt_attempt nearest;
@@ -484,17 +488,17 @@ static void rays_at(const sgt_beam *f, size_t count, const double *restrict u, c
     }
 }
 
-/* Traces rays to the stop, with the errors of the points if they are wanted. */
+/* Traces rays to the stop: through the open elements, or as they are, with the errors of the points. */
 static void trace_guides(const aim_search *s, aim_many *m, bool errors, size_t count, sgt_rays rays)
 {
     const sgt_options near = {.pick = SGT_NEAR_SEED};
     m->guide[s->element].hits.p_err = errors ? m->guide_err : NULL;
-    sgt_trace_batch(s->element + 1, s->e, s->before, count, rays,
+    sgt_trace_batch(s->element + 1, errors ? s->e : s->open, s->before, count, rays,
                     (sgt_traced){.fate = m->fate, .passed = m->passed}, m->guide, &near);
 }
 
 /* A step: moves x, y of rays that were traced by as much as they miss.  Those that did not get there become
- * NaN, or go on from where they were clipped: either is found out later. */
+ * NaN, and are found out later. */
 static void step_by_miss(const sgt_launcher *from, const sgt_field_beam *b, const aim_search *s, aim_many *m,
                          size_t first, size_t count)
 {
@@ -526,21 +530,43 @@ static void guess_rays(const sgt_launcher *from, const sgt_field_beam *b, const 
     }
 }
 
-/* Lists in `left` the rays that were traced and are not accepted; returns how many. */
-static size_t which_missed(const aim_many *m, size_t stop, size_t count, const sgt_pupil_point at[],
-                           const int passed[], const sgt_hits *hits, size_t left[])
+static bool is_there(const aim_many *m, size_t i, double px, double py, double p_err, sgt_pupil_point at)
+{
+    const double x = px - m->wanted[i].x, y = py - m->wanted[i].y;
+    return (p_err < HUGE_VAL) & (sqrt(x * x + y * y) <= NEAR_ENOUGH * p_err) &
+           (at.x * at.x + at.y * at.y <= DISC);
+}
+
+/* Does a ray that is clipped in front of the stop, or there, get to its point if nothing clips it? */
+static bool gets_there(const aim_many *m, const aim_search *s, size_t i, const sgt_ray *ray,
+                       sgt_pupil_point at)
+{
+    sgt_fate fate;
+    const size_t passed =
+        sgt_trace_through(s->element + 1, s->e, s->before, ray, s->own, s->passages, &fate);
+    const sgt_hit *hit = &s->passages[s->element].hit;
+    return passed >= s->element && hit->status > 0 && is_there(m, i, hit->p.x, hit->p.y, hit->p_err, at);
+}
+
+/* Lists in `left` the rays o, d that were traced and are not accepted; returns how many. */
+static size_t which_missed(const aim_many *m, const aim_search *s, size_t count, const sgt_pupil_point at[],
+                           double *const o[3], double *const d[3], sgt_traced traced, const sgt_hits *hits,
+                           size_t left[])
 {
     const double *px = hits->p[0], *py = hits->p[1], *p_err = hits->p_err;
-    size_t missed = 0;
+    size_t missed = 0, still = 0;
     for (size_t i = 0; i < count; i++) {
-        const double x = px[i] - m->wanted[i].x, y = py[i] - m->wanted[i].y;
-        const bool there = ((size_t)passed[i] > stop) & (p_err[i] < HUGE_VAL) &
-                           (sqrt(x * x + y * y) <= NEAR_ENOUGH * p_err[i]) &
-                           (at[i].x * at[i].x + at[i].y * at[i].y <= DISC);
         left[missed] = i;
-        missed += !there;
+        missed += !(((size_t)traced.passed[i] > s->element) & is_there(m, i, px[i], py[i], p_err[i], at[i]));
     }
-    return missed;
+    for (size_t k = 0; k < missed; k++) {
+        const size_t i = left[k];
+        const bool clipped = traced.fate[i] == SGT_CLIPPED && (size_t)traced.passed[i] <= s->element;
+        const sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]}};
+        left[still] = i;
+        still += !(clipped && gets_there(m, s, i, &ray, at[i]));
+    }
+    return still;
 }
 
 /* Aims by the fitted map; returns how many are left, with their numbers in m->left. */
@@ -555,7 +581,8 @@ static size_t aim_guided(const sgt_launcher *from, const sgt_field_beam *b, cons
     for (size_t i = 0; i < count; i++)
         out[i] = (sgt_launched){.status = SGT_MET, .wanted = m->wanted[i],
                                 .ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]}}};
-    return which_missed(m, s->element, count, at, m->passed, &m->guide[s->element].hits, m->left);
+    return which_missed(m, s, count, at, o, d, (sgt_traced){.fate = m->fate, .passed = m->passed},
+                        &m->guide[s->element].hits, m->left);
 }
 
 /* Sets how many steps the map needs, and whether it is worth its while. */
@@ -563,12 +590,13 @@ static void try_map(const sgt_launcher *from, const sgt_field_beam *b, const sgt
                     const sgt_aim_nodes *nodes, aim_many *m, sgt_aim_map *of)
 {
     enum { STEPS_MOST = 3, FEW = 16 }; /* one of so many may be left */
-    size_t reached = 1, missed = 1;    /* of the rays that get to the stop */
+    size_t reached = 1, missed = 1;    /* of the rays that get to the stop, or are clipped */
     for (of->steps = 0; of->steps < STEPS_MOST && FEW * missed > reached;) {
         of->steps++;
         const size_t left = aim_guided(from, b, f, s, of, m, AIM_TESTS, nodes->test, m->own);
         reached = 0;
-        for (size_t i = 0; i < AIM_TESTS; i++) reached += (size_t)m->passed[i] > s->element;
+        for (size_t i = 0; i < AIM_TESTS; i++)
+            reached += m->fate[i] == SGT_PASSED || m->fate[i] == SGT_CLIPPED;
         missed = left + reached - AIM_TESTS;
     }
     of->fitted = 2 * missed < reached;
@@ -617,7 +645,7 @@ struct sgt_aim_room {
     sgt_beam f;
     aim_search search;
     sgt_passage *passages;
-    sgt_element *bare;
+    sgt_element *bare, *open, *own;
     aim_many *many;
     size_t part;
 };
@@ -627,7 +655,7 @@ void sgt_aim_room_free(const sgt_launcher *from, sgt_aim_room *r)
     if (!r) return;
     sgt_launch_forget(from, r->many);
     sgt_launch_forget(from, r->passages);
-    sgt_launch_forget(from, r->bare);
+    sgt_launch_forget(from, r->bare); /* and those behind it */
     sgt_launch_forget(from, r);
 }
 
@@ -639,9 +667,12 @@ sgt_aim_room *sgt_aim_room_new(const sgt_launcher *from, size_t count)
     if (!r) return NULL;
     r->part = count < most ? count : most;
     r->passages = sgt_launch_take(from, stop + 1, sizeof *r->passages);
-    r->bare = sgt_launch_take(from, stop + 1, sizeof *r->bare);
+    r->bare = sgt_launch_take(from, 3 * (stop + 1), sizeof *r->bare);
     r->many = aim_many_new(from, stop + 1, r->part);
-    if (r->passages && r->bare && r->many) return r;
+    if (r->passages && r->bare && r->many) {
+        r->open = r->bare + stop + 1, r->own = r->open + stop + 1;
+        return r;
+    }
     sgt_aim_room_free(from, r);
     return NULL;
 }
@@ -653,8 +684,10 @@ static void begin_aims(const sgt_launcher *from, sgt_aim_room *r, const sgt_fiel
     const size_t stop = from->lens->stop;
     for (size_t i = 0; i <= stop; i++) r->bare[i] = e[i];
     r->bare[stop].phase = NULL; /* what the stop does to light has no say in where it is met */
+    for (size_t i = 0; i <= stop; i++)
+        r->open[i] = r->bare[i], r->open[i].semi_diameter = 0, r->open[i].aperture = NULL;
     r->f = family_of(b);
-    r->search = (aim_search){stop, r->bare, before, r->passages, .starts = 0};
+    r->search = (aim_search){stop, r->bare, before, r->passages, .open = r->open, .own = r->own};
 }
 
 bool sgt_aim_map_of(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
@@ -690,10 +723,10 @@ void sgt_aim_guess(const sgt_launcher *from, sgt_aim_room *r, const sgt_field_be
     guess_rays(from, b, &r->f, &r->search, of, r->many, r->part, of->steps, count, o, d);
 }
 
-size_t sgt_aim_missed(const sgt_launcher *from, const sgt_aim_room *r, size_t count,
-                      const sgt_pupil_point at[], const int passed[], const sgt_hits *hits, size_t left[])
+size_t sgt_aim_missed(const sgt_aim_room *r, size_t count, const sgt_pupil_point at[], double *const o[3],
+                      double *const d[3], sgt_traced traced, const sgt_hits *hits, size_t left[])
 {
-    return which_missed(r->many, from->lens->stop, count, at, passed, hits, left);
+    return which_missed(r->many, &r->search, count, at, o, d, traced, hits, left);
 }
 
 /* ------------------------------------------------------------ real image heights */

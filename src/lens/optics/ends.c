@@ -373,8 +373,9 @@ static void trace_guessed(const sgt_launcher *from, sgt_ends_room *r, const sgt_
     size_t left[PART];
     sgt_aim_guess(from, r->aims, b, r->own, before, of, count, at, m->o, m->d);
     trace_many(from, r->own, before, m, count, opt);
+    const sgt_traced traced = {.fate = m->fate, .passed = m->passed};
     const size_t missed =
-        sgt_aim_missed(from, r->aims, count, at, m->passed, &m->at[from->lens->stop].hits, left);
+        sgt_aim_missed(r->aims, count, at, m->o, m->d, traced, &m->at[from->lens->stop].hits, left);
     begin_ends(count, out);
     for (size_t i = 0, k = 0; i < count; i++) {
         if (k < missed && left[k] == i) {

@@ -129,13 +129,13 @@ void sgt_aim_rays(const sgt_launcher *from, sgt_aim_room *room, const sgt_field_
  * rounding: sgt_aim_missed lists them in `left`, and returns how many there are.
  *
  *     count     at most that of the room
- *     passed    as in sgt_traced
+ *     traced    fate and passed
  *     hits      at the stop: p and p_err */
 void   sgt_aim_guess(const sgt_launcher *from, sgt_aim_room *room, const sgt_field_beam *b,
                      const sgt_element e[], double before, const sgt_aim_map *of, size_t count,
                      const sgt_pupil_point at[], double *const o[3], double *const d[3]);
-size_t sgt_aim_missed(const sgt_launcher *from, const sgt_aim_room *room, size_t count,
-                      const sgt_pupil_point at[], const int passed[], const sgt_hits *hits, size_t left[]);
+size_t sgt_aim_missed(const sgt_aim_room *room, size_t count, const sgt_pupil_point at[], double *const o[3],
+                      double *const d[3], sgt_traced traced, const sgt_hits *hits, size_t left[]);
 
 /* (aim.c) Sets the nodes; and the map of a beam, fitted to them where that can be.  false: no memory. */
 void sgt_aim_nodes_set(sgt_aim_nodes *out);
