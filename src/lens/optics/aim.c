@@ -34,9 +34,9 @@
  * of them there, the map is not used.  That asks for a fit as good as some 1e-4, as each step at best
  * multiplies what is left by how far the slopes are off.
  * Steps go through the surfaces without their apertures, as a ray that is clipped is aimed, too.
- * Where a ray arrives is not taken on trust: after the last step it is traced once more, and looked at.  If it
- * is clipped there, it is traced by itself to the stop, as sgt_aim does it (through.c).  It is accepted only
- * if it misses its point by at most NEAR_ENOUGH p_err.
+ * Where a ray arrives is not taken on trust: after the last step it is traced once more, and looked at.
+ * If it is clipped there, it is traced by itself to the stop, as sgt_aim does it (through.c).  It is accepted
+ * only if it misses its point by at most NEAR_ENOUGH p_err.
  * sgt_aim accepts 8 times the error of the end, which is at least 1.5 p_err cos(a), a the slope of the stop:
  * more than NEAR_ENOUGH p_err for slopes up to 80 degrees.  All other rays are searched for.
  * That last trace may be the one through the whole lens, which is wanted anyway (ends.c).
@@ -483,8 +483,9 @@ static void rays_at(const sgt_beam *f, size_t count, const double *restrict u, c
     double *restrict dx = d[0], *restrict dy = d[1], *restrict dz = d[2];
     for (size_t i = 0; i < count; i++) {
         const sgt_vec3 at = along3(along3(b.o, u[i], b.ou), v[i], b.ov);
-        const sgt_vec3 way = unit3(along3(along3(b.d, u[i], b.du), v[i], b.dv));
-        ox[i] = at.x, oy[i] = at.y, oz[i] = at.z, dx[i] = way.x, dy[i] = way.y, dz[i] = way.z;
+        const sgt_vec3 way = along3(along3(b.d, u[i], b.du), v[i], b.dv);
+        const double by = 1 / length3(way);
+        ox[i] = at.x, oy[i] = at.y, oz[i] = at.z, dx[i] = way.x * by, dy[i] = way.y * by, dz[i] = way.z * by;
     }
 }
 

@@ -101,8 +101,8 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
 
 #define NOWHERE {(double)NAN, (double)NAN, (double)NAN}
 
-/* Ends as they are where no ray was traced.  (Each is a copy of the first.  gcc 12 would clear a copy of what is
- * constant by `rep stos`, which takes longer than all else that is told of a ray.) */
+/* Ends as they are where no ray was traced.  (Each is a copy of the first.  gcc 12 would clear a copy of what
+ * is constant by `rep stos`, which takes longer than all else that is told of a ray.) */
 static void begin_ends(size_t count, sgt_ray_end out[])
 {
     static const sgt_ray_end untraced = {

@@ -24,7 +24,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 20, ROOMS = 16 };
+enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 18, ROOMS = 16 };
 
 /* ---------------------------------------------------------------- small things */
 
@@ -203,7 +203,8 @@ bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
 {
     const sgt_study_options *o = &a->study->opt;
     const size_t align = 64, step = (r->size + align) / align * align, fit = ROUND_BYTES / step;
-    const size_t round = fit < ROUND ? ROUND : fit < ROUND_MOST ? fit : ROUND_MOST;
+    /* alone: what was made is taken before it leaves the cache */
+    const size_t round = !o->run ? 1 : fit < ROUND ? ROUND : fit < ROUND_MOST ? fit : ROUND_MOST;
     const size_t most = r->tasks < round ? r->tasks : round;
     two_rounds w = {.ask = a, .r = r, .step = step, .asker = &own_thread};
     if (r->tasks == 0 || a->failed) return !a->failed;
@@ -380,7 +381,7 @@ static bool prepare_maps(void *data, size_t first, size_t tasks)
     const bool again = now->maps && low < now->mapped + now->maps;
     size_t fresh = 0;
     sgt_error unsaid;
-    if (again) now->map[0] = now->map[low - now->mapped];
+    if (again && low > now->mapped) now->map[0] = now->map[low - now->mapped];
     now->mapped = low, now->maps = high - low + 1;
     for (size_t of = low + again; of <= high; of++) {
         cell c = {.beam = NULL};
