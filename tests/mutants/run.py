@@ -42,6 +42,7 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 
 # The tests nearest to a file of src: the first row whose pattern matches.  Names are those of `meson test --list`.
 NEAREST = [
+    (r'src/num/decimal', ['unit decimal', 'fuzz formula', 'tool lens_files']),
     (r'src/num/', ['unit exact', 'unit table', 'catalogue climb', 'proof']),
     (r'src/lens/(.*/)?(agf|csv|rii|catalogue|glass|medium|reader|arena)', ['lens glass', 'fuzz glass', 'tool glass', 'tool media', 'tool info', 'numbers']),
     (r'src/lens/(.*/)?zmx', ['fuzz zmx', 'zmx fields', 'zmx', 'tool lens_files']),
