@@ -127,9 +127,9 @@ SGT_INLINE twofold far_between(twofold a, twofold b)
 
 /* What is summed has one sign but for the lower parts, so that plain sums of these are enough: the square is
  * within 16 u^2 of itself, for the differences as they are.  Its root is s + (square - s^2) / 2 s, where the
- * upper parts of the difference cancel exactly.  With far_between the length is within 16 u^2 of itself and of
- * the numbers of the points, and the path within as much of all lengths: 2^-45 of its error, in told_path, is
- * more, as that has a rounding of the sum at least unless the path is exact. */
+ * upper parts of the difference cancel exactly.  With far_between the length is within 16 u^2 of itself and
+ * of the numbers of the points, and the path within as much of all lengths: 2^-45 of its error, in told_path,
+ * is more, as that has a rounding of the sum at least unless the path is exact. */
 SGT_INLINE twofold length_between(far_point a, far_point b)
 {
     const twofold x = far_between(a.x, b.x), y = far_between(a.y, b.y), z = far_between(a.z, b.z);
