@@ -5,14 +5,52 @@
 #include "../show/frame.h"
 #include "../../text/number.h"
 
+#include <float.h>
 #include <math.h>
 
-/* Was F NaN at every evaluation, so that all it did was to halve t? */
+/* Ends the record with three evaluations or more at which F is NaN, each from halving t? */
 static bool only_retreated(const record *r)
 {
-    for (size_t i = 0; i < r->count; i++)
-        if (!isnan(r->step[i].f) || r->step[i].move != (i ? SGT_RETREAT : SGT_SEED)) return false;
-    return r->count > 1;
+    size_t n = 0;
+    while (n < r->count && isnan(r->step[r->count - 1 - n].f) &&
+           r->step[r->count - 1 - n].kind == SGT_AT_POINT)
+        n++;
+    return n > 2 || (n == r->count && n > 1);
+}
+
+/* Does every Newton step of the last six or more evaluations lead to a NaN, and halving back? */
+static bool goes_round(const record *r)
+{
+    size_t n = 0;
+    for (size_t i = r->count; i-- > 1 && r->step[i].move == (isnan(r->step[i].f) ? SGT_NEWTON : SGT_RETREAT);)
+        n++;
+    return n > 5;
+}
+
+/* Are the last eight steps Newton's, and of a few ulps?  Then none was short enough to end on. */
+static bool flickers(const record *r)
+{
+    const double ulps = 16 * DBL_EPSILON;
+    if (r->count < 9) return false;
+    for (size_t i = r->count - 8; i < r->count; i++)
+        if (r->step[i].move != SGT_NEWTON ||
+            !(fabs(r->step[i].t - r->step[i - 1].t) <= ulps * fabs(r->step[i].t)))
+            return false;
+    return true;
+}
+
+/* What a step leaves of the one before, on the whole, from the i-th evaluation on; NaN: too few. */
+static double shrinking(const record *r, int i)
+{
+    double first = 0, last = 0;
+    int n = 0;
+    for (size_t k = (size_t)i + 1; k < r->count; k++) {
+        const double s = fabs(r->step[k].t - r->step[k - 1].t);
+        if (r->step[k].move != SGT_NEWTON || !(s > 0)) continue;
+        if (n++ == 0) first = s;
+        last = s;
+    }
+    return n > 1 ? pow(last / first, 1.0 / (n - 1)) : (double)NAN;
 }
 
 static sgt_diagnosis diagnosis_of(const record *r)
@@ -23,11 +61,19 @@ static sgt_diagnosis diagnosis_of(const record *r)
 /* A verdict in words for the user of the command; sgt_verdict_text is for programmers. */
 static const char *advice(const sgt_diagnosis *d, method m, const record *r)
 {
+    if (m == METHOD_MARCH)
+        return "marching: each step the greatest of an estimate, Newton's step and dt; once F has changed "
+               "sign, halving";
     bool own = m == METHOD_SAFEGUARDED, normalised = m == METHOD_NORMALISED;
     if (own && d->march == (int)r->count)
         return "marching: steps along the ray that never came near enough to a root to solve for it";
     if (!own && only_retreated(r))
         return "backing off: halving t leads from one point where F is NaN to the next";
+    if (!own && goes_round(r))
+        return "going round: Newton's step leads to where F is NaN, and halving t leads back";
+    if (!own && flickers(r))
+        return "at the limit of rounding: to and fro between neighbouring numbers, and no step is short "
+               "enough to end on; give --t-tol";
     switch (d->verdict) {
     case SGT_LINEAR:
         return normalised ? "linear: the error shrinks by a constant factor a step, since the gradient was "
@@ -55,6 +101,12 @@ static const char *advice(const sgt_diagnosis *d, method m, const record *r)
     return sgt_verdict_text(d->verdict);
 }
 
+const char *explain_advice(method m, const record *r)
+{
+    const sgt_diagnosis d = diagnosis_of(r);
+    return advice(&d, m, r);
+}
+
 /* "7 evaluations: 5 Newton, 1 backing off; order 2, rate 0.139." */
 static void verdict(table *t, method m, const record *r)
 {
@@ -66,7 +118,11 @@ static void verdict(table *t, method m, const record *r)
     for (int i = 0; i < 4; i++)
         if (kinds[i].n)
             text = memory_print("%s%s%d %s", text, between, kinds[i].n, kinds[i].what), between = ", ";
-    if (isfinite(d.order)) text = memory_print("%s; order %.3g, rate %.3g", text, d.order, d.rate);
+    const double factor = d.verdict == SGT_LINEAR ? shrinking(r, d.before) : (double)NAN;
+    if (isfinite(factor))
+        text = memory_print("%s; order %.3g, a factor of %.3g a step", text, d.order, factor);
+    else if (isfinite(d.order))
+        text = memory_print("%s; order %.3g, rate %.3g", text, d.order, d.rate);
     table_line(t, "%s", advice(&d, m, r));
     table_line(t, "%s.", text);
     if (d.before > 2 && (d.verdict == SGT_LATE || d.verdict == SGT_LINEAR))
@@ -170,6 +226,12 @@ static void explain_not_accepted(table *t, double at, const sgt_search *s)
         table_line(t, "The t = %s on which it settled %s.", place, why);
 }
 
+/* A bare method rounds o + t d, so a few ulps outside the library's bound still agree. */
+bool explain_agrees(double t, const sgt_search *s)
+{
+    return fabs(t - s->hit->t) <= s->hit->t_err + 0x1p-40 * fabs(s->hit->t) + s->options->t_tol;
+}
+
 void explain_bare(table *t, method m, const record *r, const unguarded *end, const sgt_search *s)
 {
     const sgt_hit *hit = s->hit;
@@ -184,11 +246,10 @@ void explain_bare(table *t, method m, const record *r, const unguarded *end, con
     } else if (hit->status < 0) {
         options_say_undecided(t, "The library's answer: ", s);
     } else {
-        /* a bare method rounds o + t d, so a few ulps outside the library's bound still agree */
-        double apart = fabs(end->t - hit->t), close = hit->t_err + 0x1p-40 * fabs(hit->t);
-        const char *how = !end->settled ? "" : apart <= close ? ": the same" : ": another root, or none";
+        const bool agrees = explain_agrees(end->t, s);
+        const char *how = !end->settled ? "" : agrees ? ": the same" : ": another root, or none";
         table_line(t, "The library's answer: %s%s.", root_text(hit), how);
-        if (!(apart <= close) && end->settled) explain_not_accepted(t, end->t, s);
+        if (!agrees && end->settled) explain_not_accepted(t, end->t, s);
     }
     if (hit->status <= 0 && end->settled) explain_not_accepted(t, end->t, s);
     if (m == METHOD_NORMALISED) explain_normalised(t, end, s);
