@@ -21,6 +21,7 @@
 
 #include <sagitta/surfaces.h>
 
+#include <float.h>
 #include <math.h>
 
 typedef struct unguarded_search {
@@ -43,6 +44,11 @@ static sgt_vec3 point_at(const sgt_ray *ray, double t)
 }
 
 static double product(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+static double evaluate_quietly(const unguarded_search *s, double t)
+{
+    return s->surface.ops->value(s->surface.self, point_at(s->ray, t), NULL);
+}
 
 /* F and its slope at t, and tells them. */
 static double evaluate(unguarded_search *s, sgt_move move, double t, double lo, double hi, double *slope)
@@ -229,13 +235,16 @@ static void march(unguarded_search *s, unguarded *r)
 sgt_hit in_bracket(sgt_surface surface, const sgt_ray *ray, double start, const sgt_options *opt)
 {
     unguarded_search s = {.surface = surface, .ray = ray, .opt = opt};
-    double f, slope;
+    double f, slope, least = HUGE_VAL;
     sgt_root r = sgt_root_begin((sgt_span){.lo = ray->tmin, .hi = ray->tmax, .seed = start}, opt);
     do {
         f = evaluate(&s, r.move, r.t, r.lo, r.hi, &slope);
         const sgt_vec3 p = point_at(ray, r.t);
+        least = fmin(least, fabs(f));
         r.g_err = surface.ops->rounding ? surface.ops->rounding(surface.self, p) : 0;
     } while (sgt_root_next(&r, f, slope));
+    f = evaluate_quietly(&s, r.t);
+    if (r.status == SGT_HIT && fabs(f) > 2 * least + r.g_err) r.status = SGT_UNPROVEN; /* a pole */
     return (sgt_hit){
         .status = r.status, .t = r.t, .t_err = r.t_err, .lo = r.lo, .hi = r.hi, .f = f, .evals = r.evals};
 }
@@ -255,4 +264,32 @@ unguarded unguarded_run(unguarded_method m, sgt_surface s, double semi_diameter,
         march(&q, &r);
     else newton(&q, &r);
     return r;
+}
+
+unguarded_fault unguarded_fault_of(size_t n, const sgt_step step[])
+{
+    enum { BACKED = 3, ROUND = 6, FLICKER = 8 };
+    const double ulps = 16 * DBL_EPSILON;
+    size_t backed = 0, round = 0, short_steps = 0;
+    while (backed < n && isnan(step[n - 1 - backed].f) && step[n - 1 - backed].kind == SGT_AT_POINT) backed++;
+    if (backed >= BACKED || (backed == n && n > 1)) return UNGUARDED_BACKS_OFF;
+    for (size_t i = n; i-- > 1 && step[i].move == (isnan(step[i].f) ? SGT_NEWTON : SGT_RETREAT);) round++;
+    if (round >= ROUND) return UNGUARDED_GOES_ROUND;
+    for (size_t i = n;
+         i-- > 1 && step[i].move == SGT_NEWTON && fabs(step[i].t - step[i - 1].t) <= ulps * fabs(step[i].t);)
+        short_steps++;
+    return short_steps >= FLICKER ? UNGUARDED_FLICKERS : UNGUARDED_NO_FAULT;
+}
+
+double unguarded_factor(size_t n, const sgt_step step[])
+{
+    double first = 0, last = 0;
+    int steps = 0;
+    for (size_t i = 1; i < n; i++) {
+        const double s = fabs(step[i].t - step[i - 1].t);
+        if (step[i].move != SGT_NEWTON || !(s > 0)) continue;
+        if (steps++ == 0) first = s;
+        last = s;
+    }
+    return steps > 1 ? pow(last / first, 1.0 / (steps - 1)) : (double)NAN;
 }

@@ -28,7 +28,21 @@ unguarded unguarded_run(unguarded_method m, sgt_surface s, double semi_diameter,
                         double start, const sgt_options *opt);
 
 /* The library's Newton in a bracket (sgt_root) on F along the ray: from `start` (NaN: the middle), between
- * tmin and tmax.  Of the hit only status, t, t_err, lo, hi, f and evals are set. */
+ * tmin and tmax.  A change of sign at which |F| is larger than elsewhere, a pole, is no root: unproven.  Of
+ * the hit only status, t, t_err, lo, hi, f and evals are set. */
 sgt_hit in_bracket(sgt_surface s, const sgt_ray *ray, double start, const sgt_options *opt);
+
+/* What keeps a method from ending, as its n evaluations show. */
+typedef enum unguarded_fault {
+    UNGUARDED_NO_FAULT,
+    UNGUARDED_BACKS_OFF,  /* halving t leads from NaN to NaN: the last three evaluations, or all */
+    UNGUARDED_GOES_ROUND, /* Newton's steps lead to a NaN, and halving back: the last six or more */
+    UNGUARDED_FLICKERS /* the last eight steps, Newton's, are of a few ulps, and none is short enough to end
+                          on */
+} unguarded_fault;
+unguarded_fault unguarded_fault_of(size_t n, const sgt_step step[]);
+
+/* What a Newton step leaves of the one before: the geometric mean; NaN: too few. */
+double unguarded_factor(size_t n, const sgt_step step[]);
 
 #endif

@@ -553,6 +553,15 @@ def test_function_that_newton_does_not_solve():
         close(re.search(r'a factor of ([\d.]+) a step', text).group(1), factor, 0.03)
 
 
+def test_function_without_a_root():
+    """A miss is proven over pieces; a pole is no root; a double root is neither."""
+    for formula in ('x^2 + 2', '1/(x - 1)', '1/(x - 0.3)', 'exp(x)', 'x + 7'):
+        text = run('diagnose', '--function', formula, '--bracket', '-1 2.5').stdout
+        assert 'F has no root in the bracket' in text and 'hit at' not in text, text
+    text = run('diagnose', '--function', '(x - 1)^2*(x + 2)', '--bracket', '0 3', exit=UNDECIDED).stdout
+    assert 'unproven' in text, text
+
+
 def test_flickering_is_told():
     """Near the root steps of a few ulps, for ever: no verdict that there is nothing to mend."""
     asked = ('diagnose', LENSES / 'ftheta.yaml', '--fan', 9, '--field', 20, '--ray', 3, '--element', 5, '--method', 'newton')
@@ -638,6 +647,10 @@ def test_wrong_functions():
             ((*CUBIC, '--start', 1, '--compare', '--method', 'newton'), 'leave --method out')):
         done = run('diagnose', *arguments, exit=USAGE)
         assert words in done.stderr, (arguments, done.stderr)
+    run('diagnose', *CUBIC, '--start', 1, '--method', 'bisection', exit=USAGE)
+    run('diagnose', '--function', 'x', '--bracket', -2, 3, exit=USAGE)  # without quotes
+    done = run('diagnose', '--function', 't^3', '--start', 1, exit=BAD_INPUT)
+    assert 't is not known; the variable is x' in done.stderr, done.stderr
     done = run('diagnose', '--function', 'x^3 - (x', '--start', 1, exit=BAD_INPUT)
     assert 'column' in done.stderr, done.stderr
     got = diagnose(*GOLDEN, '--method', 'newton', '--start', 4.5)

@@ -169,12 +169,14 @@ static void refuse_mixed(const diagnose_arguments *a, unsigned given)
 {
     const bool alone = a->surface || a->function;
     if ((a->function != NULL) + (a->surface != NULL) + (a->job.lens != NULL) != 1)
-        fail_usage(alone ? "give one of --function, --surface and a lens file"
+        fail_usage(alone ? "give one of --function, --surface and a lens file; put each in quotes"
                          : "give --function F, --surface SPEC or a lens file");
     if (a->surface && !a->ray) fail_usage("--ray is missing; for example --ray \"ox oy oz dx dy dz\"");
     if (a->function && a->ray) fail_usage("--ray goes with --surface or a lens file, not with --function");
     if (a->bracket && !a->function)
         fail_usage("--bracket goes with --function; a ray has its tmin and tmax for that");
+    if (a->function && a->method_given && a->method >= METHOD_BISECTION && !a->bracket)
+        fail_usage("--method bisection and march need --bracket \"A B\"");
     if (a->function && isnan(a->start) && !a->bracket)
         fail_usage("give --start X, --bracket \"A B\", or both, with --function");
     if (a->function && a->shared.solver.proof)
@@ -278,7 +280,10 @@ static sgt_surface function_read(const char *text)
         c += n ? n : 1;
     }
     f->tape = sgt_formula_read(text, SGT_FORMULA_XYZ, 0, NULL, memory_take(size + 1, 1), size, &e);
-    if (!f->tape) fail_input("--function: column %zu: %s", e.column, e.words);
+    char *names = strstr(e.words, "; there are x, y, z, r, pi");
+    if (names) *names = 0;
+    if (!f->tape)
+        fail_input("--function: column %zu: %s%s", e.column, e.words, names ? "; the variable is x" : "");
     return (sgt_surface){&sgt_formula_ops, f};
 }
 
@@ -309,6 +314,8 @@ static bool diagnose_alone(const diagnose_arguments *a)
         if (!(isnan(a->start) || (a->start >= ray.tmin && a->start <= ray.tmax)))
             fail_usage("--start %g is not within --bracket", a->start);
         hit = in_bracket(surface, &ray, a->start, &o);
+        const sgt_hit proven = hit.status < 0 ? sgt_intersect(surface, ray, NULL) : hit;
+        if (proven.status == SGT_MISS) hit.status = SGT_MISS;
     } else {
         ray_list rays = {.count = 0};
         rays_parse(&rays, a->ray);
@@ -335,7 +342,11 @@ static bool diagnose_alone(const diagnose_arguments *a)
     }
     table *t = rows_begin(&a->shared.target);
     const bool decided = show(t, a, title, 0, 0, &seen, &made, false);
-    if (hit.status == SGT_MISS) explain_miss(t, 0, surface, &ray);
+    if (hit.status == SGT_MISS && a->function)
+        table_line(t, "So F has no root in the bracket.  Bounds on F over whole pieces of it say so, not the "
+                      "rows above.");
+    else if (hit.status == SGT_MISS)
+        explain_miss(t, 0, surface, &ray);
     table_line(t, "\n%s", a->function ? legend_of_function : legend_of_surface);
     table_end(t);
     return decided;

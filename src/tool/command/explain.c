@@ -5,53 +5,7 @@
 #include "../show/frame.h"
 #include "../../text/number.h"
 
-#include <float.h>
 #include <math.h>
-
-/* Ends the record with three evaluations or more at which F is NaN, each from halving t? */
-static bool only_retreated(const record *r)
-{
-    size_t n = 0;
-    while (n < r->count && isnan(r->step[r->count - 1 - n].f) &&
-           r->step[r->count - 1 - n].kind == SGT_AT_POINT)
-        n++;
-    return n > 2 || (n == r->count && n > 1);
-}
-
-/* Does every Newton step of the last six or more evaluations lead to a NaN, and halving back? */
-static bool goes_round(const record *r)
-{
-    size_t n = 0;
-    for (size_t i = r->count; i-- > 1 && r->step[i].move == (isnan(r->step[i].f) ? SGT_NEWTON : SGT_RETREAT);)
-        n++;
-    return n > 5;
-}
-
-/* Are the last eight steps Newton's, and of a few ulps?  Then none was short enough to end on. */
-static bool flickers(const record *r)
-{
-    const double ulps = 16 * DBL_EPSILON;
-    if (r->count < 9) return false;
-    for (size_t i = r->count - 8; i < r->count; i++)
-        if (r->step[i].move != SGT_NEWTON ||
-            !(fabs(r->step[i].t - r->step[i - 1].t) <= ulps * fabs(r->step[i].t)))
-            return false;
-    return true;
-}
-
-/* What a step leaves of the one before, on the whole, from the i-th evaluation on; NaN: too few. */
-static double shrinking(const record *r, int i)
-{
-    double first = 0, last = 0;
-    int n = 0;
-    for (size_t k = (size_t)i + 1; k < r->count; k++) {
-        const double s = fabs(r->step[k].t - r->step[k - 1].t);
-        if (r->step[k].move != SGT_NEWTON || !(s > 0)) continue;
-        if (n++ == 0) first = s;
-        last = s;
-    }
-    return n > 1 ? pow(last / first, 1.0 / (n - 1)) : (double)NAN;
-}
 
 static sgt_diagnosis diagnosis_of(const record *r)
 {
@@ -67,13 +21,17 @@ static const char *advice(const sgt_diagnosis *d, method m, const record *r)
     bool own = m == METHOD_SAFEGUARDED, normalised = m == METHOD_NORMALISED;
     if (own && d->march == (int)r->count)
         return "marching: steps along the ray that never came near enough to a root to solve for it";
-    if (!own && only_retreated(r))
+    switch (own ? UNGUARDED_NO_FAULT : unguarded_fault_of(r->count, r->step)) {
+    case UNGUARDED_NO_FAULT:
+        break;
+    case UNGUARDED_BACKS_OFF:
         return "backing off: halving t leads from one point where F is NaN to the next";
-    if (!own && goes_round(r))
+    case UNGUARDED_GOES_ROUND:
         return "going round: Newton's step leads to where F is NaN, and halving t leads back";
-    if (!own && flickers(r))
+    case UNGUARDED_FLICKERS:
         return "at the limit of rounding: to and fro between neighbouring numbers, and no step is short "
                "enough to end on; give --t-tol";
+    }
     switch (d->verdict) {
     case SGT_LINEAR:
         return normalised ? "linear: the error shrinks by a constant factor a step, since the gradient was "
@@ -118,7 +76,9 @@ static void verdict(table *t, method m, const record *r)
     for (int i = 0; i < 4; i++)
         if (kinds[i].n)
             text = memory_print("%s%s%d %s", text, between, kinds[i].n, kinds[i].what), between = ", ";
-    const double factor = d.verdict == SGT_LINEAR ? shrinking(r, d.before) : (double)NAN;
+    const size_t from = (size_t)d.before < r->count ? (size_t)d.before : 0;
+    const double factor =
+        d.verdict == SGT_LINEAR ? unguarded_factor(r->count - from, r->step + from) : (double)NAN;
     if (isfinite(factor))
         text = memory_print("%s; order %.3g, a factor of %.3g a step", text, d.order, factor);
     else if (isfinite(d.order))
