@@ -18,7 +18,7 @@
 #include <float.h>
 #include <math.h>
 
-enum { SAMPLES = 401, MARKS = SGT_PROBE + 1, STEEPEST = 4 };
+enum { SAMPLES = 401, MARKS = SGT_PROBE + 1, STEEPEST = 4, FARTHEST = 100 };
 
 typedef struct course {
     const contest *of;
@@ -42,7 +42,12 @@ static void point_add(points *p, double x, double y)
 }
 static void gap_add(points *p) { point_add(p, (double)NAN, (double)NAN); }
 
-static bool inside(const course *c, double t) { return t >= c->low && t <= c->high; }
+/* (an end is rounded) */
+static bool inside(const course *c, double t)
+{
+    const double room = 1e-9 * (c->high - c->low);
+    return t >= c->low - room && t <= c->high + room;
+}
 
 static chart_series series_of(const points *p, const char *name, size_t colour, chart_mark mark,
                               chart_dash dash)
@@ -183,7 +188,8 @@ static chart_panel panel_of_brackets(const course *c)
         point_add(&bars, lo, (double)(i + 1)), point_add(&bars, hi, (double)(i + 1)), gap_add(&bars);
     }
     size_t n = 0;
-    if (bars.count) s[n++] = series_of(&bars, "bracket or cell", 3, CHART_NO_MARK, CHART_SOLID);
+    if (bars.count)
+        s[n++] = series_of(&bars, "bracket, cell, or what is left", 3, CHART_NO_MARK, CHART_SOLID);
     n += add_marks(c, true, s + n);
     return (chart_panel){.title = "Where it looked",
                          .x_label = "t",
@@ -224,9 +230,11 @@ static chart_panel panel_of_slope(const course *c)
                          .series = s};
 }
 
-/* An error of 0 is shown as half an ulp of the root. */
-static chart_panel panel_of_errors(const contest *of)
+/* An error of 0 is shown as half an ulp of the root; one of FARTHEST times the stretch that is shown is not,
+ * since a method that flies off would leave the others no room. */
+static chart_panel panel_of_errors(const course *c)
 {
+    const contest *of = c->of;
     const double root = of->s.hit->t, least = fmax(DBL_EPSILON / 4 * fabs(root), DBL_MIN);
     chart_series *s = memory_take(METHODS, sizeof *s);
     size_t n = 0;
@@ -234,8 +242,10 @@ static chart_panel panel_of_errors(const contest *of)
         points p = {0};
         for (size_t i = 0; i < of->seen[m].count; i++) {
             const sgt_step *step = &of->seen[m].step[i];
-            const bool iterate = step->kind == SGT_AT_POINT && step->move != SGT_PROBE && isfinite(step->t);
-            if (iterate) point_add(&p, (double)(i + 1), log10(fmax(fabs(step->t - root), least)));
+            const bool iterate = step->kind == SGT_AT_POINT && step->move != SGT_PROBE;
+            const double error = fmax(fabs(step->t - root), least);
+            if (iterate && error < FARTHEST * (c->high - c->low))
+                point_add(&p, (double)(i + 1), log10(error));
         }
         if (p.count)
             s[n++] = series_of(&p, memory_print("method %s", method_name[m]), m, (chart_mark)(CHART_PLUS + m),
@@ -257,7 +267,7 @@ void contest_draw(const char *path, const char *title, const contest *of, method
                      c.seen->count == 1 ? "" : "s", c.seen->count ? explain_advice(shown, c.seen) : "");
     chart_panel panel[4] = {panel_of_course(&c, &note), panel_of_brackets(&c), panel_of_slope(&c)};
     const bool known = of->s.hit->status > 0;
-    if (known) panel[3] = panel_of_errors(of);
+    if (known) panel[3] = panel_of_errors(&c);
     chart_write(
         path,
         &(chart){
