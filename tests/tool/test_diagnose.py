@@ -568,6 +568,9 @@ def test_flickering_is_told():
     text = run(*asked, exit=UNDECIDED).stdout
     assert 'at the limit of rounding' in text and 'nothing to mend' not in text, text
     assert 'Settled' in run(*asked, '--t-tol', 1e-12).stdout
+    # t_tol is of the method alone: the library's answer is as sharp as ever
+    text = run('diagnose', *CUBIC, '--start', 1.5, '--method', 'newton', '--t-tol', 1e-3).stdout
+    assert numbers(line_with(text, "The library's answer"))[1] < 1e-15 and ': the same.' in text, text
 
 
 def test_march():
@@ -600,18 +603,27 @@ def test_compare_is_the_sum_of_single_searches():
     equal([(float(r['field']), r['method']) for r in table],
           [(f, m) for f in fields for m in ('safeguarded', 'newton', 'newton-normalised', 'bisection', 'march')])
     for row in table:
-        evals, settled, searches = [], 0, 0
+        evals, settled, agree, undefined, searches = [], 0, 0, 0, 0
         for ray in range(3):
             for element in range(1, 9):
                 one = ('diagnose', lens, '--fan', 3, '--field', row['field'], '--ray', ray, '--element', element, '--method', row['method'])
                 done = run(*one, exit=None)
                 searches += 1
-                settled += row['method'] == 'safeguarded' or 'Settled' in done.stdout
-                evals.append(len(rows(*one, exit=None)))
-        equal((int(row['searches']), int(row['settled'])), (searches, settled), row)
+                own = row['method'] == 'safeguarded'
+                settled += own or 'Settled' in done.stdout
+                agree += own or ': the same.' in done.stdout
+                steps = rows(*one, exit=None)
+                evals.append(len(steps))
+                undefined += any(r['f'] == 'nan' for r in steps)
+        equal([int(row[k]) for k in ('searches', 'settled', 'agree', 'undefined')], [searches, settled, agree, undefined], row)
         close(row['evals'], sum(evals) / searches, 0.00501)
         equal(int(row['most']), max(evals), row)
         equal((row['rays'], row['passed']), ('3', '3'))
+    # Newton's method settles on another root than the library's
+    for row in diagnose('--function', '(x - 1)*(x - 2)*(x - 5)', '--start', 3.4, '--bracket', '2.5 6', '--compare'):
+        if row['method'] == 'newton':
+            equal((row['settled'], row['agree']), ('1', '0'))
+            close(row['worst'], 4, 1e-12)  # at 1, from 5
     one = diagnose(*CUBIC, '--start', 1.5, '--bracket', '-2 3', '--compare')
     for row in one:
         assert row['method'] == 'newton-normalised' or float(row['worst']) < 1e-15, row

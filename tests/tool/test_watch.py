@@ -173,6 +173,9 @@ def test_one_ray_at_one_element():
     _, seen, _ = watched(*asked, stdin=text, exit=UNDECIDED)
     _, some, _ = watched(*asked, '--watch-element', 1, stdin=text, exit=UNDECIDED)
     equal(some, [row for row in seen if row['element'] == '1'])
+    _, one, _ = watched(*asked, '--watch-ray', 50, stdin=text, exit=UNDECIDED)  # among others that are lost
+    equal(one, [row for row in seen if row['ray'] == '50'])
+    assert one and len({row['ray'] for row in seen}) > 1
     run('trace', LENS, '--watch-ray', 1, exit=USAGE)
     run('trace', LENS, '--watch', pathlib.Path(folder.name) / 'w.csv', '--watch-element', 99, exit=USAGE)
     run('intersect', '--surface', JULIA, '--ray', '0 0 -3 0 0 1', '--watch', pathlib.Path(folder.name) / 'w.csv', '--watch-ray', 'x', exit=USAGE)
