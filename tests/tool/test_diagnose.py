@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """sagitta diagnose: the published iterations, and what is said of them; why a ray ended in a lens.
 
-    python3 test_diagnose.py SAGITTA
+    python3 test_diagnose.py SAGITTA [--without-cairo]
 """
 import math
 import os
 import random
 import re
+import sys
 
 from command import *
 
@@ -630,8 +631,11 @@ def test_compare_is_the_sum_of_single_searches():
 
 
 def test_picture_of_a_search():
-    """Each kind of file, and of the svg: what it has to show, as text it is not; that each search has one."""
+    """Of each kind of file and search; what is printed is the same with it."""
     there = pathlib.Path(tempfile.mkdtemp(dir=folder.name))
+    if '--without-cairo' in sys.argv:
+        assert 'without cairo' in run('diagnose', *GOLDEN, '--picture', there / 'x.svg', exit=USAGE).stderr
+        return
     begins = {'svg': b'<?xml', 'png': b'\x89PNG', 'pdf': b'%PDF'}
     cases = [(*CUBIC, '--start', 0, '--bracket', '-2 3'), GOLDEN, (*GOLDEN, '--method', 'newton-normalised'),
              ('--surface', SPHERE, '--ray', '0 5 -5 0 0 1'), ('--surface', '{type: plane}', '--ray', '0 0 -5 0 0 1'),
