@@ -620,6 +620,10 @@ def test_compare_is_the_sum_of_single_searches():
         close(row['evals'], sum(evals) / searches, 0.00501)
         equal(int(row['most']), max(evals), row)
         equal((row['rays'], row['passed']), ('3', '3'))
+    some = diagnose(lens, '--fan', 3, '--field', 20, '--compare', '--ray', 2, '--element', 2)
+    equal([(r['rays'], r['searches']) for r in some], [('1', '1')] * 5)
+    close(some[1]['evals'], len(diagnose(lens, '--fan', 3, '--field', 20, '--ray', 2, '--element', 2, '--method', 'newton')), 0)
+    equal([float(r['field']) for r in diagnose(lens, '--field', -5, '--compare')], [-5] * 5)
     # Newton's method settles on another root than the library's
     for row in diagnose('--function', '(x - 1)*(x - 2)*(x - 5)', '--start', 3.4, '--bracket', '2.5 6', '--compare'):
         if row['method'] == 'newton':

@@ -432,16 +432,24 @@ static bool diagnose_missing(const diagnose_arguments *a, const job *j, const la
     return l->status == SGT_NO_SUCH_RAY;
 }
 
+/* The N of --ray N, of a lens; 0 without it. */
+static long ray_number(const diagnose_arguments *a)
+{
+    long number = 0;
+    if (a->ray && !number_read_integer(a->ray, 0, LONG_MAX, &number))
+        fail_usage("--ray: with a lens give the number of a ray, counted from 0, not \"%s\"", a->ray);
+    return number;
+}
+
 /* The ray to show; *how: in words, by what it was chosen. */
 static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const char **how)
 {
     sgt_passage *passage = memory_take(j->lens.count, sizeof *passage);
     const launch *chosen = NULL;
-    long number = 0, most = -1;
+    const long number = ray_number(a);
+    long most = -1;
     size_t reached = 0, chosen_reached = 0, alike = 0;
     sgt_fate fate, chosen_fate = SGT_PASSED;
-    if (a->ray && !number_read_integer(a->ray, 0, LONG_MAX, &number))
-        fail_usage("--ray: with a lens give the number of a ray, counted from 0, not \"%s\"", a->ray);
     if ((size_t)a->element > j->lens.count)
         fail_usage("--element %d: the lens has %zu element%s", a->element, j->lens.count,
                    j->lens.count == 1 ? "" : "s");
@@ -519,7 +527,12 @@ static bool diagnose_lens(const diagnose_arguments *a, const job *j, const launc
     return decided && w.fate >= 0;
 }
 
-/* Every method at each element of all rays, field by field. */
+static double field_of(const sgt_lens_field *f)
+{
+    return f->x == 0 ? f->y : f->y == 0 ? f->x : hypot(f->x, f->y);
+}
+
+/* Every method at each element of all rays, or at --element of --ray, field by field. */
 static bool compare_lens(const diagnose_arguments *a, const job *j)
 {
     const sgt_options o = own_options(a);
@@ -527,16 +540,19 @@ static bool compare_lens(const diagnose_arguments *a, const job *j)
     const size_t fields = j->fields ? j->fields : 1;
     tally *sum = memory_take(fields * METHODS, sizeof *sum);
     watched w = watched_room(j->lens.count);
+    const long number = ray_number(a);
     bool decided = true;
     for (size_t i = 0; i < fields * METHODS; i++)
-        sum[i].field = j->fields ? hypot(j->field[i / METHODS].x, j->field[i / METHODS].y) : (double)NAN;
+        sum[i].field = j->fields ? field_of(&j->field[i / METHODS]) : (double)NAN;
     for (size_t r = 0; r < j->rays.count; r++) {
         const launch *l = &j->rays.ray[r];
         tally *of = sum + l->field * METHODS;
+        if (a->ray && l->number != (size_t)number) continue;
         watched_trace(&w, j->element, j->lens.index_before, &l->ray, &o);
         for (int m = 0; m < METHODS; m++) of[m].rays++, of[m].passed += w.fate == SGT_PASSED;
         decided = decided && w.fate >= 0;
         for (size_t i = 0; i < w.passed + (w.fate != SGT_PASSED); i++) {
+            if (a->element && (size_t)a->element != i + 1) continue;
             const sgt_ray ray = watched_ray(&w, &j->lens, i);
             const record seen = watched_at(&w, i);
             const sgt_search s = options_search(&a->shared, &j->element[i], SGT_NEAR_SEED,
