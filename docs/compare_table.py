@@ -119,6 +119,8 @@ FIRST_ORDER = {  # quantity: key of info and its factor, key of the oracle and i
     'entrance pupil: diameter': ('entrance_pupil.radius', 2, None, 0),
     'entrance pupil: z from surface 1': ('entrance_pupil.z', 1, 'entrance pupil', 1),
     'exit pupil: diameter': ('exit_pupil.radius', 2, 'exit radius', 2),
+    'exit pupil: radius': ('exit_pupil.radius', 1, 'exit radius', 1),
+    'marginal ray at the stop': ('stop_radius', 1, 'at the stop', 1),
     'exit pupil: z from the image': ('exit_pupil.z', 1, 'exit pupil', 1),
     'F-number': ('f_number', 1, 'f number', 1),
     'rear focus from the image': ('focus', 1, 'focus', 1),
@@ -156,10 +158,12 @@ def both(lens, quantity):
     if quantity in FIRST_ORDER:
         key, factor, other, times = FIRST_ORDER[quantity]
         return factor * info(lens, key), times * mine.first_order()[other] if other else 2 * mine.radius
+    if quantity == 'Petzval curvature':
+        return -1 / info(lens, 'petzval_radius'), mine.seidel()[3] / mine.first_order()['lagrange'] ** 2
     if quantity == 'paraxial image height':
         return mpf(max(asked('info', path_of(lens), '--format', 'json')['image_height'])), mine.first_order()['image height']
     if m := re.fullmatch(r'Seidel S(\d)', quantity):
-        sign, place = 1 if lens == 'hubble' else -1, int(m[1]) - 1
+        sign, place = -1 if 'singlet' in lens else 1, int(m[1]) - 1
         return sign * seidel(lens, place), sign * mine.seidel()[place]
     if m := re.fullmatch(r'ray ([\d.]+), ([\d.-]+) ([\d.-]+): (.)', quantity):
         place = 'xyz lmn'.index(m[4])
@@ -400,7 +404,7 @@ def read(name):
 def made(faults):
     figures, peers = read('figures.csv'), read('peer_tests.csv')
     out = {lens: table([r for r in figures if r[0] == lens], faults)
-           for lens in ('hubble', 'triplet', 'singlet', 'objective')}
+           for lens in ('hubble', 'triplet', 'singlet', 'objective', 'patent_lens', 'sasian_triplet')}
     for lens in ('hubble', 'triplet'):
         out[lens + ', explained'] = explained([k for k in EXPLAINED if k[0] == lens and any(k == r[:2] for r in figures)],
                                               figures, faults)

@@ -99,6 +99,7 @@ class Lens:
         out['exit radius'] = self.radius * abs(far[0] + far[1] * out['exit pupil'])
         slope = mp.tan(self.fields[-1] * mp.pi / 180)
         out['lagrange'] = self.radius * slope
+        out['at the stop'] = abs(self.radius * self.paraxial(mpf(1), mpf(0), 0, self.stop)[-1][0])
         out['image height'] = out['efl'] * slope
         out['slope'] = self.radius * u
         out['chief at the image'] = chief[0] * slope
