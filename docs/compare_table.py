@@ -5,10 +5,10 @@
     python3 docs/compare_table.py --check build/src/tool/sagitta    says whether they are as they were
 
 The figures that others print are tests/data/published/*.csv, with the lenses beside them; the oracle is
-tests/lens/published_oracle.py, 50 digits.  A figure is met if the oracle's number, rounded to as many places, is what is
-printed; in the tests of a peer (peer_tests.csv), also if it is cut off there.  One of 15 digits and more is that of a
-double, and may be off by some roundings.  Each one that is not met has to be met by another definition, EXPLAINED
-below, or be off by no more than what ROUNDED says; else, and wherever the command is off, the command fails.
+tests/lens/published_oracle.py, 50 digits.  A figure is met if the oracle's number, rounded to as many places, is
+what is printed; in the tests of a peer (peer_tests.csv), also if it is cut off there.  One of 15 digits and more is
+that of a double, and may be off by some roundings.  Each one that is not met has to be met by another definition,
+EXPLAINED below, or be off by no more than what ROUNDED says; else, and wherever sagitta is off, this command fails.
 
 --check lets a number differ in its last place, and asks whether the times that the page repeats stand in the pages
 that it names.
@@ -72,7 +72,8 @@ def spots(lens, field, key, wave=0, reference='chief'):
 
 def curve(lens, degrees, key, kind='tan', wavelength=None):
     more = ['--wavelength', wavelength] if wavelength else []
-    return mpf(asked('field', path_of(lens), '--field', degrees, '--distortion', kind, '--format', 'csv', *more)[0][key])
+    rows = asked('field', path_of(lens), '--field', degrees, '--distortion', kind, '--format', 'csv', *more)
+    return mpf(rows[0][key])
 
 
 def coefficient(place):
@@ -127,6 +128,8 @@ FIRST_ORDER = {  # quantity: key of info and its factor, key of the oracle and i
     'rear principal plane from the image': ('rear_principal', 1, 'rear principal', 1),
     'Lagrange invariant': ('lagrange', -1, 'lagrange', 1)}
 
+KEYS_OF_SPOT = {'RMS spot': ('rms', 'rms'), 'largest distance': ('geometric', 'largest')}
+
 
 def axial(wave, of_command):
     """From the last vertex to where the marginal ray crosses the axis; its sine."""
@@ -161,7 +164,8 @@ def both(lens, quantity):
     if quantity == 'Petzval curvature':
         return -1 / info(lens, 'petzval_radius'), mine.seidel()[3] / mine.first_order()['lagrange'] ** 2
     if quantity == 'paraxial image height':
-        return mpf(max(asked('info', path_of(lens), '--format', 'json')['image_height'])), mine.first_order()['image height']
+        heights = asked('info', path_of(lens), '--format', 'json')['image_height']
+        return mpf(max(heights)), mine.first_order()['image height']
     if m := re.fullmatch(r'Seidel S(\d)', quantity):
         sign, place = -1 if 'singlet' in lens else 1, int(m[1]) - 1
         return sign * seidel(lens, place), sign * mine.seidel()[place]
@@ -170,10 +174,10 @@ def both(lens, quantity):
         ends = ray(lens, *m.groups()[:3]), mine.ray(mpf(m[1]), mpf(m[2]), mpf(m[3]))
         return tuple(e[place // 4][place % 4] for e in ends)
     if m := re.fullmatch(r'(RMS spot|largest distance).*?(on the axis|at 0.15 degrees)', quantity):
-        key, field = ('rms', 'rms') if m[1] == 'RMS spot' else ('geometric', 'largest'), 0 if m[2] == 'on the axis' else 2
+        key, field = KEYS_OF_SPOT[m[1]], 0 if m[2] == 'on the axis' else 2
         return spots(lens, field + 1, key[0]), oracle_spot(lens, field)[key[1]]
     if m := re.fullmatch(r'(RMS spot|largest distance), field (\d), ([\d.]+) um', quantity):
-        key, field = ('rms', 'rms') if m[1] == 'RMS spot' else ('geometric', 'largest'), int(m[2]) - 1
+        key, field = KEYS_OF_SPOT[m[1]], int(m[2]) - 1
         wave = ('0.48', '0.55', '0.65').index(m[3])
         return spots(lens, m[2], key[0], wave, 'centroid'), oracle_spot(lens, field, wave, wave)[key[1]]
     if quantity == 'Airy radius on the axis':
@@ -258,20 +262,25 @@ def real_airy():
 EXPLAINED = {  # what gives the printed number: the command, the oracle, and in words
     ('hubble', 'focal length'): (lambda: (rounded_file(), oracle('hubble', None, 9).first_order()['efl']),
                                  'the lens file had curvatures of nine digits'),
-    ('hubble', 'distortion, %'): (surface_distortion, 'against f tan, scaled to the image surface: `--distortion tan-surface`'),
-    ('hubble', 'focus on the axis'): (lambda: level('hubble', '0', '0', '0.001', 1), 'where two rays meet: chief, and 0, 0.001'),
+    ('hubble', 'distortion, %'): (surface_distortion,
+                                  'against f tan, scaled to the image surface: `--distortion tan-surface`'),
+    ('hubble', 'focus on the axis'): (lambda: level('hubble', '0', '0', '0.001', 1),
+                                      'where two rays meet: chief, and 0, 0.001'),
     ('hubble', 'sagittal focus'): (lambda: level('hubble', '0.15', '0.001', '0', 0), 'the same with the ray 0.001, 0'),
     ('hubble', 'tangential focus'): (lambda: level('hubble', '0.15', '0', '0.001', 1),
                                      'the same with the ray 0, 0.001, both taken as if they ended at one z'),
-    ('triplet', 'exit pupil: z from the image'): (near_pupil, 'where the real chief ray of 0.01 degrees crosses the axis'),
+    ('triplet', 'exit pupil: z from the image'): (near_pupil,
+                                                  'where the real chief ray of 0.01 degrees crosses the axis'),
     ('triplet', 'exit pupil: diameter'): (near_size, '2000 times the height there of the real ray 0, 0.001'),
     ('triplet', 'RMS spot, field 3, 0.65 um'): (lambda: about_primary('rms'), 'about the centroid of 0.55 um'),
-    ('triplet', 'largest distance, field 3, 0.65 um'): (lambda: about_primary('largest'), 'about the centroid of 0.55 um'),
+    ('triplet', 'largest distance, field 3, 0.65 um'): (lambda: about_primary('largest'),
+                                                        'about the centroid of 0.55 um'),
     ('triplet', 'Airy radius on the axis'): (real_airy, '1.22 wavelength / (2 sin) of the real marginal ray')}
 # Off by rounding: by so much at most, and why.
 GRAIN = mpf(2) ** -52
 PATH = 17385 / mpf('0.00055') * GRAIN         # waves: a unit in the last place of a path of 17385 mm
-ROUNDED = {('hubble', 'Zernike 1, waves'): (2 * PATH, 'two units in the last place of a path of 17,385 mm are 1.4e-8 waves'),
+ROUNDED = {('hubble', 'Zernike 1, waves'): (2 * PATH,
+                                            'two units in the last place of a path of 17,385 mm are 1.4e-8 waves'),
            ('hubble', 'RMS spot on the axis'): (11040 * GRAIN, 'a unit in the last place of 11,040 mm is 2.5e-12 mm'),
            ('hubble', 'ray 0.105, 0.7 0: m'): (mpf(0), 'rounded twice: 0.01515318246, 0.0151531825, 0.015153183')}
 
@@ -327,7 +336,8 @@ def row_of(lens, quantity, printed, faults, cut):
         faults.append(f'{lens}, {quantity}: is met, and explained')
     elif verdict == 'met' and not is_met(printed, here):
         verdict += f'; here off by {short(here - exact)}'
-    return f'| {quantity} | {printed} | {shown(here, min(max(7, digits_of(printed) + 1), 16))} | {shown(exact, 20)} | {verdict} |'
+    digits = min(max(7, digits_of(printed) + 1), 16)
+    return f'| {quantity} | {printed} | {shown(here, digits)} | {shown(exact, 20)} | {verdict} |'
 
 
 def table(rows, faults, cut=False):
@@ -336,7 +346,8 @@ def table(rows, faults, cut=False):
 
 
 def explained(keys, figures, faults, cut=False):
-    out = '| quantity | printed there | here, so defined | 50 digits, so defined | what it is |\n|---|---|---|---|---|\n'
+    out = ('| quantity | printed there | here, so defined | 50 digits, so defined | what it is |\n'
+           '|---|---|---|---|---|\n')
     for lens, quantity in keys:
         printed = next(p for a, b, p in figures if (a, b) == (lens, quantity))
         here, exact = EXPLAINED[lens, quantity][0]()
@@ -349,7 +360,7 @@ def explained(keys, figures, faults, cut=False):
 
 
 def ways():
-    """Where the tangential rays of the telescope meet: near and by a step, with and without the depths of their ends."""
+    """Where tangential rays of the telescope meet: near and by a step, with and without the depths of their ends."""
     mine, near, fine = oracle('hubble'), mpf(10) ** -30, mpf('1e-5')
     a = mine.fields[-1]
 
@@ -406,8 +417,8 @@ def made(faults):
     out = {lens: table([r for r in figures if r[0] == lens], faults)
            for lens in ('hubble', 'triplet', 'singlet', 'objective', 'patent_lens', 'sasian_triplet')}
     for lens in ('hubble', 'triplet'):
-        out[lens + ', explained'] = explained([k for k in EXPLAINED if k[0] == lens and any(k == r[:2] for r in figures)],
-                                              figures, faults)
+        keys = [k for k in EXPLAINED if k[0] == lens and any(k == r[:2] for r in figures)]
+        out[lens + ', explained'] = explained(keys, figures, faults)
     out['tests of Optiland'] = table(peers, faults, True)
     out['tests of Optiland, explained'] = explained([k for k in EXPLAINED if any(k == r[:2] for r in peers)], peers,
                                                     faults, True)

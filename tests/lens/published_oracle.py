@@ -66,7 +66,8 @@ class Lens:
         self.pupil = self.found_pupil() if primary is self else primary.pupil
         (kind, size), = sizes.items()
         efl = -1 / (primary.indices[-1] * primary.paraxial(mpf(1), mpf(0))[-1][1])
-        self.radius = {'semi_diameter': decimal(size), 'diameter': decimal(size) / 2, 'f_number': efl / decimal(size) / 2}[kind]
+        size = decimal(size)
+        self.radius = {'semi_diameter': size, 'diameter': size / 2, 'f_number': efl / size / 2}[kind]
 
     # -------------------------------------------------------------- paraxial
 
@@ -137,7 +138,7 @@ class Lens:
             n = self.indices[i]
             t = -o[2] / d[2]
             p = [a + t * b for a, b in zip(o, d)]
-            s, turn, a = mpf(0), 1 + k, c * (1 + k * d[2] ** 2)
+            turn, a = 1 + k, c * (1 + k * d[2] ** 2)
             b = c * (p[0] * d[0] + p[1] * d[1]) - d[2]
             h = c * (p[0] ** 2 + p[1] ** 2)
             s = h / (-b + mp.sign(-b) * mp.sqrt(b * b - a * h)) if c else mpf(0)
@@ -242,8 +243,8 @@ def fringe(terms):
 def zernike(lens, degrees, rings, terms=37):
     """Coefficients of the even part of a wavefront that is symmetric in x, by least squares: {place from 1: value}."""
     mp.dps = 35
-    points = [(mp.sin(mp.pi * (i + mpf(1) / 2) / (3 * j)) * j / rings, mp.cos(mp.pi * (i + mpf(1) / 2) / (3 * j)) * j / rings)
-              for j in range(1, rings + 1) for i in range(3 * j)]
+    polar = [(mpf(j) / rings, mp.pi * (i + mpf(1) / 2) / (3 * j)) for j in range(1, rings + 1) for i in range(3 * j)]
+    points = [(r * mp.sin(turn), r * mp.cos(turn)) for r, turn in polar]
     waves = lens.waves(degrees, points)
     kept = [(place, n, m) for place, (n, m) in enumerate(fringe(terms), 1) if m >= 0]
     rows = []
