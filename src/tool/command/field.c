@@ -28,8 +28,9 @@ static const char *field_ideal(const look *l)
     const bool finite = isfinite(l->primary.of->object_distance);
     switch ((sgt_distortion)o->distortion) {
     case SGT_DISTORTION_THETA: return "f theta";
-    case SGT_DISTORTION_TAN_SURFACE: return finite ? "the magnification here" : "f tan(theta) here";
-    case SGT_DISTORTION_THETA_SURFACE: return "f theta here";
+    case SGT_DISTORTION_TAN_SURFACE:
+        return finite ? "the magnification, on the surface" : "f tan(theta) on the surface";
+    case SGT_DISTORTION_THETA_SURFACE: return "f theta on the surface";
     default: return finite ? "the magnification" : "f tan(theta)";
     }
 }

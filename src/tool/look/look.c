@@ -54,8 +54,8 @@ static const option_row look_rows[] = {
 };
 static const option_row proof_rows[] = {
     {"weights", "WORD",
-     "area (the default): a ray counts by the area of the pupil that it stands for; equal: each alike,\n"
-     "which differs for --hexapolar, and is what OpticStudio does",
+     "area (the default): a ray counts by the area of the pupil that it stands for; equal: each alike\n"
+     "They differ for --hexapolar.  OpticStudio has equal",
      OPTION_WORD, .to = offsetof(shared_options, weights), .words = "area equal"},
     PROOF_OPTION("what must be proven of each hit: estimate, root or first (see sagitta trace)\n"
                  "A ray for which it is not is lost"),
