@@ -244,7 +244,9 @@ sgt_hit in_bracket(sgt_surface surface, const sgt_ray *ray, double start, const 
         r.g_err = surface.ops->rounding ? surface.ops->rounding(surface.self, p) : 0;
     } while (sgt_root_next(&r, f, slope));
     f = evaluate_quietly(&s, r.t);
-    if (r.status == SGT_HIT && fabs(f) > 2 * least + r.g_err) r.status = SGT_UNPROVEN; /* a pole */
+    const double rounding = isfinite(r.g_err) ? r.g_err : 0;
+    if (r.status == SGT_HIT && !(fabs(f) <= fmax(2 * least, rounding))) r.status = SGT_UNPROVEN; /* a pole */
+    if (r.status == SGT_GRAZE && !isfinite(r.t_err)) r.status = SGT_UNPROVEN; /* F and t overflow */
     return (sgt_hit){
         .status = r.status, .t = r.t, .t_err = r.t_err, .lo = r.lo, .hi = r.hi, .f = f, .evals = r.evals};
 }
@@ -268,16 +270,19 @@ unguarded unguarded_run(unguarded_method m, sgt_surface s, double semi_diameter,
 
 unguarded_fault unguarded_fault_of(size_t n, const sgt_step step[])
 {
-    enum { BACKED = 3, ROUND = 6, FLICKER = 8 };
-    const double ulps = 16 * DBL_EPSILON;
-    size_t backed = 0, round = 0, short_steps = 0;
+    enum { BACKED = 3, ROUND = 6, RETURNS = 2, WALK = 8, FLICKER = 8 };
+    const double ulps = 16 * DBL_EPSILON, as_long = 0.98;
+    size_t backed = 0, round = 0, returns = 0, walked = 0, short_steps = 0, i;
     while (backed < n && isnan(step[n - 1 - backed].f) && step[n - 1 - backed].kind == SGT_AT_POINT) backed++;
     if (backed >= BACKED || (backed == n && n > 1)) return UNGUARDED_BACKS_OFF;
-    for (size_t i = n; i-- > 1 && step[i].move == (isnan(step[i].f) ? SGT_NEWTON : SGT_RETREAT);) round++;
-    if (round >= ROUND) return UNGUARDED_GOES_ROUND;
-    for (size_t i = n;
-         i-- > 1 && step[i].move == SGT_NEWTON && fabs(step[i].t - step[i - 1].t) <= ulps * fabs(step[i].t);)
-        short_steps++;
+    for (i = n; i-- > 1 && step[i].move == (isnan(step[i].f) ? SGT_NEWTON : SGT_RETREAT); round++)
+        returns += step[i].move == SGT_NEWTON;
+    if (round >= ROUND && returns >= RETURNS) return UNGUARDED_GOES_ROUND;
+    for (i = n; i-- > 2 && step[i].move == SGT_NEWTON && step[i - 1].move == SGT_NEWTON; walked++)
+        if (!((step[i].t - step[i - 1].t) / (step[i - 1].t - step[i - 2].t) > as_long)) break;
+    if (walked >= WALK) return UNGUARDED_WALKS;
+    for (i = n; i-- > 1 && step[i].move == SGT_NEWTON; short_steps++)
+        if (!(fabs(step[i].t - step[i - 1].t) <= ulps * fabs(step[i].t))) break;
     return short_steps >= FLICKER ? UNGUARDED_FLICKERS : UNGUARDED_NO_FAULT;
 }
 

@@ -37,6 +37,8 @@ typedef enum unguarded_fault {
     UNGUARDED_NO_FAULT,
     UNGUARDED_BACKS_OFF,  /* halving t leads from NaN to NaN: the last three evaluations, or all */
     UNGUARDED_GOES_ROUND, /* Newton's steps lead to a NaN, and halving back: the last six or more */
+    UNGUARDED_WALKS, /* the last eight steps, Newton's, go the same way, each 0.98 of the one before or longer
+                      */
     UNGUARDED_FLICKERS /* the last eight steps, Newton's, are of a few ulps, and none is short enough to end
                           on */
 } unguarded_fault;

@@ -539,6 +539,7 @@ def test_function_that_newton_does_not_solve():
     for formula, start, words, last in (
             ('x^3 - 2*x + 2', 0, 'oscillating', None),                        # 0, 1, 0, 1, ...
             ('atan(x)', 1.5, 'oscillating', 'the slope is 0 there'),          # each step longer
+            ('x*exp(-x)', 2, 'walking away', 'max_evals is used up'),          # each step x / (x - 1), to the right
             ('log(x) - 1', 10, 'backing off', 'max_evals is used up'),         # halving never leaves x < 0
             ('sqrt(4 - x^2) - 1', 0.5, 'going round', 'max_evals is used up')):
         asked = ('--function', formula, '--start', start, '--method', 'newton')
@@ -548,7 +549,7 @@ def test_function_that_newton_does_not_solve():
         text = run('diagnose', *asked[:4], '--bracket', bracket).stdout
         assert 'hit at t = ' in text, text
     # a double root: half of the error a step; a triple root: two thirds
-    for formula, factor in (('(x - 1)^2*(x + 2)', 1 / 2), ('(x - 1)^3*(x + 2)', 2 / 3)):
+    for formula, factor in (('(x - 1)^2*(x + 2)', 1 / 2), ('(x - 1)^3*(x + 2)', 2 / 3), ('(x - 1)^20', 0.95)):
         text = run('diagnose', '--function', formula, '--start', 2, '--method', 'newton', exit=None).stdout
         assert 'linear' in text, text
         close(re.search(r'a factor of ([\d.]+) a step', text).group(1), factor, 0.03)

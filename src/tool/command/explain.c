@@ -28,6 +28,9 @@ static const char *advice(const sgt_diagnosis *d, method m, const record *r)
         return "backing off: halving t leads from one point where F is NaN to the next";
     case UNGUARDED_GOES_ROUND:
         return "going round: Newton's step leads to where F is NaN, and halving t leads back";
+    case UNGUARDED_WALKS:
+        return "walking away: steps the same way that do not get shorter; the tangents point to no root that "
+               "is near";
     case UNGUARDED_FLICKERS:
         return "at the limit of rounding: to and fro between neighbouring numbers, and no step is short "
                "enough to end on; give --t-tol";
@@ -76,7 +79,7 @@ static void verdict(table *t, method m, const record *r)
     for (int i = 0; i < 4; i++)
         if (kinds[i].n)
             text = memory_print("%s%s%d %s", text, between, kinds[i].n, kinds[i].what), between = ", ";
-    const size_t from = (size_t)d.before < r->count ? (size_t)d.before : 0;
+    const size_t from = r->count / 2;
     const double factor =
         d.verdict == SGT_LINEAR ? unguarded_factor(r->count - from, r->step + from) : (double)NAN;
     if (isfinite(factor))
@@ -85,7 +88,7 @@ static void verdict(table *t, method m, const record *r)
         text = memory_print("%s; order %.3g, rate %.3g", text, d.order, d.rate);
     table_line(t, "%s", advice(&d, m, r));
     table_line(t, "%s.", text);
-    if (d.before > 2 && (d.verdict == SGT_LATE || d.verdict == SGT_LINEAR))
+    if (d.before > 2 && d.verdict == SGT_LATE)
         table_line(t, "%d of these came before the steps began to close in on the end.", d.before);
 }
 
