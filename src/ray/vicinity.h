@@ -20,6 +20,9 @@
  * FROM AFAR the surface may be so steep within R that the chord says nothing, and a root farther out may
  * be the first.  There F is looked at, point by point, on the way in (wings.c).
  *
+ * WITHIN A RIM, where F is not monotone within R either, the ray is followed along its chord with the rim
+ * (wings.c): a ray that grazes the surface, or enters a bowl from the side.
+ *
  * RUNGS.  To know the surface within R costs more than a root.  So R is rounded up to a power of two or,
  * if that says too little, to an eighth of one; and many rays share it.  It depends on nothing but the ray
  * and the surface: a ray in a batch has the same R as by itself.
@@ -32,7 +35,7 @@
 #include "../surface/builtin.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 28, VICINITY_ROWS = WINGS_ROWS };
+enum { VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
 typedef struct ring { double radius, steep, bend, noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
 typedef struct vicinities {
@@ -62,6 +65,7 @@ SGT_INLINE void memo_begin(memo *m) { m->begun = true, m->shares = false, vicini
 /* Some rays, a row each.
  *
  *     asked, before    1: to be looked at, and the seed is a number; 0: not
+ *     lo, hi, before   of a surface with a rim: the span, read for the rows that are asked
  *     asked, after     1: nothing was found
  *                      0, lo > hi: a miss
  *                      0, lo <= hi: [lo, hi] is the stretch, `least` a lower bound on |dF/dtau| all along it

@@ -95,6 +95,11 @@ typedef struct departure {
      * although P is not defined all over the region; departure.c relies on it there. */
     bool framed;
 
+    /* As `bounds`, and the same along x and y.  Given if P may be much steeper along one axis than along the
+     * other, and has no base.  Where P is not defined all over the region, *axis need not be set.  NULL: not
+     * known. */
+    int (*by_axis)(const void *self, region *where, bounds *out, sgt_by_axis *axis);
+
     /* May P jump where it is defined?  NULL: it does not. */
     bool (*jumps)(const void *self);
 
@@ -127,8 +132,8 @@ double sgt_departure_rounding(const departure_sag *s, sgt_vec3 p);
 void sgt_departure_share(const departure_sag *s, sgt_shared *shared);
 void sgt_departure_heights(const departure_sag *s, sgt_heights *out);
 void sgt_departure_within(const departure_sag *s, sgt_extent *extent);
-void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
-                         double *hi, double *least);
+void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep,
+                          const double *const axis[2], double *lo, double *hi, double *least);
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
 void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2]);
 sgt_span sgt_departure_span(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
