@@ -251,12 +251,18 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
         sgt_march_chord(s, n, r, whole, v, v->work);
         return;
     }
+    const bool boxed = left != 0 && marches && whole->by_axis;
+    if (boxed) {
+        sgt_march_box(s, n, r, &bare, kept, v, v->work);
+        left = 0;
+        for (size_t i = 0; i < n; i++) left += v->asked[i];
+    }
     if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
-    if (!marches || !(left != 0 || behind)) return;
+    if (!marches || !(left != 0 || behind || boxed)) return;
     if (left != 0) sgt_march_wings(s, n, r, from, false, &bare, &kept->rings, v, v->work);
     for (size_t i = 0; i < n; i++) {
-        if (!(v->evals[i] > 0 && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
-        double axis = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
-        noise_about(s, rung_above(1.02 * axis, FINE), i, kept, v);
+        if (!((v->evals[i] > 0 || boxed) && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
+        double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
+        noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
     }
 }

@@ -34,6 +34,11 @@
  * where the chord does, or the ray, and ends behind the chord or the ray.  There it is a miss: a root is
  * accepted within the rim only.
  *
+ * IN A BOX |x| <= X, |y| <= Y, with X and Y the rungs next above what the stretch needs, the same is known of a
+ * surface that is steeper along one axis.  The rounding is asked point by point, as what is known of it is known
+ * within circles.  The march ends behind the seed, or behind the vertex plane, by a quarter of the way to it.
+ * There is none if F is monotone all along that stretch: then a root in it is the first.
+ *
  * THE ROUNDING of F is that of the surface at the computed point, plus the gradient within the radius
  * times the error of that point.
  *
@@ -299,13 +304,70 @@ static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
                      v->tmin[i], v->tmax[i]};
 }
 
-static void march_rows(sgt_surface s, size_t left, sgt_rays r, const sgt_shared *known, double edge,
-                       rings *kept, const vicinity *v, rows a);
+typedef enum march_mode { IN_RINGS, IN_CHORD, IN_BOX } march_mode;
+
+static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, const sgt_shared *known,
+                       double edge, rings *kept, const vicinity *v, rows a);
+
+/* A bound on |F''| in row k, from what is known of the second derivative. */
+static double bend_along(rows a, size_t k, double bend, bool by_axis, sgt_by_axis e)
+{
+    double l = fabs(a[DX][k]), m = fabs(a[DY][k]), all = bend * (l * l + m * m),
+           apart = e.xx * (l * l) + 2 * e.xy * (l * m) + e.yy * (m * m);
+    return (by_axis && apart < all ? apart : all) * (1 + 0x1p-20);
+}
+
+static const sgt_extent *box_about(sgt_surface s, double x, double y, vicinities *kept)
+{
+    box *b = &kept->boxes[4 * place_of(x, x < y ? COARSE : FINE, 4) + place_of(y, x < y ? FINE : COARSE, 4)];
+    if (b->x != x || b->y != y)
+        b->x = x, b->y = y, s.ops->own_->extent_in_box(s.self, x, y, &b->extent);
+    return &b->extent;
+}
+
+/* A half-width that holds the coordinate from t to end. */
+static double half_width(double o, double d, double t, double end)
+{
+    double a = fabs(o + t * d), b = fabs(o + end * d), far = fabs(o) + (fabs(t) + fabs(end)) * fabs(d);
+    return 1.02 * larger(a, b) + 0x1p-40 * far;
+}
+
+void sgt_march_box(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *bare, vicinities *kept,
+                   const vicinity *v, double *const a[WINGS_ROWS])
+{
+    size_t left = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (v->asked[i] == 0) continue;
+        sgt_ray ray = row_ray(&r, v, i);
+        double from = ray.tmin, flat = -ray.o.z / ray.d.z, aim = larger(v->seed[i], flat),
+               end = aim + 0.25 * (aim - from);
+        if (!(fabs(from) < HUGE_VAL && flat > from && end < ray.tmax && end < HUGE_VAL)) continue;
+        double x = half_width(ray.o.x, ray.d.x, from, end), y = half_width(ray.o.y, ray.d.y, from, end);
+        /* Few boxes: along the rays an eighth of a power of two, across them a power of two, not much less. */
+        double wide = larger(x, y);
+        x = rung_above(larger(x, 0x1p-10 * wide), x < y ? COARSE : FINE);
+        y = rung_above(larger(y, 0x1p-10 * wide), y < wide ? COARSE : FINE);
+        const sgt_extent *e = x < HUGE_VAL && y < HUGE_VAL ? box_about(s, x, y, kept) : NULL;
+        if (!e || !(e->bend < HUGE_VAL)) continue;
+        size_t k = left;
+        lay_row(a, k, &ray, i, from, flat);
+        double least =
+            fabs(a[DZ][k]) * (1 - 0x1p-40) - (e->axis.x * fabs(a[DX][k]) + e->axis.y * fabs(a[DY][k]));
+        if (v->seed[i] > from && v->seed[i] < end && least > 0x1p-4 * fabs(a[DZ][k])) {
+            v->lo[i] = from, v->hi[i] = end, v->least[i] = least, v->asked[i] = 0;
+            continue;
+        }
+        left++;
+        a[END][k] = end * inverse_of_scale(ray.d);
+        a[BEND][k] = bend_along(a, k, e->bend, true, e->axis);
+        a[RADIUS][k] = DBL_MAX, a[STEEP][k] = e->steep, a[E0][k] = a[E1][k] = 0;
+    }
+    march_rows(s, left, r, IN_BOX, bare, HUGE_VAL, NULL, v, a);
+}
 
 void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, const vicinity *v,
                      double *const a[WINGS_ROWS])
 {
-    const sgt_by_axis e = whole->axis;
     double radius = sqrt(whole->radius2) * (1 + 0x1p-21);
     size_t left = 0;
     for (size_t i = 0; i < n; i++) {
@@ -315,13 +377,12 @@ void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whol
         if (!(from < to && fabs(from) < HUGE_VAL && to < HUGE_VAL)) continue;
         size_t k = left++;
         lay_row(a, k, &ray, i, from, v->seed[i]);
-        double end = to * inverse_of_scale(ray.d), l = fabs(a[DX][k]), m = fabs(a[DY][k]);
-        double bend = whole->bend * (l * l + m * m), apart = e.xx * (l * l) + 2 * e.xy * (l * m) + e.yy * (m * m);
+        double end = to * inverse_of_scale(ray.d);
         a[END][k] = end + 0x1p-48 * (fabs(end) + fabs(a[T][k]));
-        a[BEND][k] = (whole->by_axis && apart < bend ? apart : bend) * (1 + 0x1p-20);
+        a[BEND][k] = bend_along(a, k, whole->bend, whole->by_axis, whole->axis);
         a[RADIUS][k] = radius, a[STEEP][k] = whole->steep, a[E0][k] = a[E1][k] = 0;
     }
-    march_rows(s, left, r, whole, HUGE_VAL, NULL, v, a);
+    march_rows(s, left, r, IN_CHORD, whole, HUGE_VAL, NULL, v, a);
 }
 
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
@@ -346,12 +407,12 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as wings_judge has it */
         enclose_in(s, edge, kept, a, k);
     }
-    march_rows(s, left, r, bare, edge, kept, v, a);
+    march_rows(s, left, r, IN_RINGS, bare, edge, kept, v, a);
 }
 
-/* Marches along the first rows.  known: what `roundings` is given.  kept: NULL along a chord. */
-static void march_rows(sgt_surface s, size_t left, sgt_rays r, const sgt_shared *known, double edge,
-                       rings *kept, const vicinity *v, rows a)
+/* Marches along the first rows.  known: what `roundings` is given.  edge, kept: in rings only. */
+static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, const sgt_shared *known,
+                       double edge, rings *kept, const vicinity *v, rows a)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     while (left > 0) {
@@ -360,7 +421,10 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, const sgt_shared 
                    a[RADIUS], a[BEND], a[SEED], a[END], a[NEXT], a[PX], a[PY], a[PZ]);
         sgt_points at = {{a[PX], a[PY], a[PZ]}};
         s.ops->values(s.self, left, at, (sgt_values){a[F], {g, g ? g + 1 : NULL, g ? g + 2 : NULL}});
-        if (!builtin->roundings(s.self, known, left, at, a[F], a[OWN])) return;
+        if (mode == IN_BOX)
+            for (size_t i = 0; i < left; i++)
+                a[OWN][i] = s.ops->rounding(s.self, (sgt_vec3){a[PX][i], a[PY][i], a[PZ][i]});
+        else if (!builtin->roundings(s.self, known, left, at, a[F], a[OWN])) return;
         if (v->told) {
             double scale = scale_of((sgt_vec3){r.d[0][0], r.d[1][0], r.d[2][0]});
             double slope = grad[0] * r.d[0][0] + grad[1] * r.d[1][0] + grad[2] * r.d[2][0],
@@ -378,9 +442,12 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, const sgt_shared 
             if (a[VERDICT][i] == MOVED && !spent) {
                 sgt_ray ray = row_ray(&r, v, k);
                 double t = a[T][i] * scale;
-                if (kept) enclose_in(s, edge, kept, a, i);
-                if (t > ray.tmax ||
-                    (kept ? leaves_by_edge(s, &ray, edge, a, i, scale, v) : t > v->hi[k])) {
+                if (mode == IN_RINGS) enclose_in(s, edge, kept, a, i);
+                if (mode == IN_BOX) {
+                    if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);
+                } else if (t > ray.tmax || (mode == IN_RINGS
+                                                ? leaves_by_edge(s, &ray, edge, a, i, scale, v)
+                                                : t > v->hi[k])) {
                     is_miss(v, k);
                     wings_leave(a, i, --left);
                 }

@@ -52,6 +52,11 @@ SGT_INLINE bool marches_chord(const sgt_shared *whole)
            whole->noise[0] + whole->noise[1] < HUGE_VAL;
 }
 
+/* Marches along each row that is asked, as far as somewhat beyond the seed or the vertex plane, within a box
+ * about that stretch.  Answers in v, as above; without a root nothing is found. */
+void sgt_march_box(sgt_surface s, size_t n, sgt_rays rays, const sgt_shared *bare, vicinities *kept,
+                   const vicinity *v, double *const work[WINGS_ROWS]);
+
 /* The seed, or the middle of the chord, or NaN if no part of the ray is in it. */
 SGT_INLINE double chord_seed(double seed, double lo, double hi, double tmin, double tmax)
 {

@@ -281,13 +281,13 @@ static const departure biconic_departure = {
     .by_parameter = biconic_by_parameter_of, .object = biconic_objection, .noise = biconic_noise,
     .by_axis = biconic_apart};
 
-/* The seed: a conic with the mean curvature, and the conic constant of the stronger axis. */
+/* The seed: a conic with both curvatures, and the conic constant of the stronger axis. */
 static departure_sag biconic_on_conic(const sgt_biconic *b)
 {
     double k = fabs(b->c_x) > fabs(b->c_y) ? b->k_x : b->k_y;
     double A = (1 + b->k_x) * b->c_x * b->c_x, B = (1 + b->k_y) * b->c_y * b->c_y, least = A < B ? A : B,
            reach = least > 0x1p-900 ? (1 + 0x1p-40) / sqrt(least) : 0;
-    return (departure_sag){.c = 0.5 * (b->c_x + b->c_y), .k = k, .semi_diameter = b->semi_diameter,
+    return (departure_sag){.c = 0.5 * (b->c_x + b->c_y), .lean = 0.5 * (b->c_x - b->c_y), .k = k, .semi_diameter = b->semi_diameter,
                            .of = &biconic_departure, .self = b, .reach = reach};
 }
 

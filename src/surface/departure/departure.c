@@ -238,9 +238,11 @@ SGT_INLINE chord departure_chord_of(double radius2, double steep, bool by_axis, 
     return (chord){lo, hi, chosen(MASK(least > 0) & ~none, least, 0)};
 }
 
-/* The root of the conic near the vertex plane. */
-SGT_INLINE double seed_of(double c, double k1, sgt_vec3 o, sgt_vec3 d)
+/* The root of the conic near the vertex plane.  by_axis: with the curvature c + lean along x, and c - lean
+ * along y.  A ray along a mirror would end far from its root by the mean of the two. */
+SGT_INLINE double seed_of(const sgt_shared *s, bool by_axis, sgt_vec3 o, sgt_vec3 d)
 {
+    const double c = s->c, k1 = s->k1, lean = s->lean;
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m;
     double by_n = 1 / n, tz = -o.z * by_n;
     twofold qx = two_product(tz, l), qy = two_product(tz, m), rx = two_sum(o.x, qx.hi),
@@ -248,6 +250,8 @@ SGT_INLINE double seed_of(double c, double k1, sgt_vec3 o, sgt_vec3 d)
     double tz_lo = sgt_fma(-tz, n, -o.z) * by_n;
     double x = rx.hi + (rx.lo + qx.lo + tz_lo * l), y = ry.hi + (ry.lo + qy.lo + tz_lo * m);
     double A = c * (a + k1 * n * n), B = n - c * (x * l + y * m), C = c * (x * x + y * y);
+    if (by_axis)
+        A += lean * (l * l - m * m), B -= lean * (x * l - y * m), C += lean * (x * x - y * y);
     double root = sqrt(larger(B * B - A * C, 0)), near = C / (B + copysign(root, B));
     return (tz + (tz_lo + near)) * scale;
 }
@@ -255,7 +259,7 @@ SGT_INLINE double seed_of(double c, double k1, sgt_vec3 o, sgt_vec3 d)
 SGT_INLINE spanned span_of(const sgt_shared *s, bool by_axis, sgt_vec3 o, sgt_vec3 d)
 {
     chord at = departure_chord_of(s->radius2, s->steep, by_axis, s->axis.x, s->axis.y, o, d);
-    double seed = seed_of(s->c, s->k1, o, d);
+    double seed = seed_of(s, by_axis, o, d);
     seed = chosen(MASK(seed >= at.lo) & MASK(seed <= at.hi), seed, (double)NAN);
     return (spanned){at.lo, at.hi, seed, at.least};
 }
@@ -350,6 +354,19 @@ void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
     *extent = e;
 }
 
+void sgt_departure_in_box(const departure_sag *s, double x, double y, sgt_extent *extent)
+{
+    *extent = (sgt_extent)SGT_NO_EXTENT;
+    if (!s->of->by_axis || s->base || !(x < 0x1p400 && y < 0x1p400)) return;
+    x *= 1 + 0x1p-19, y *= 1 + 0x1p-19;
+    region where = {{-x, x}, {-y, y}, 0, sqrt(x * x + y * y) * (1 + 0x1p-40)};
+    bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    sgt_by_axis axis = extent->axis;
+    if (s->of->by_axis(s->self, &where, &b, &axis) != 1 || !(b.steep < 0x1p500)) return;
+    extent->steep = b.steep * (1 + 0x1p-20) + DEPARTURE_LOST;
+    extent->bend = b.bend * (1 + 0x1p-20) + DEPARTURE_LOST, extent->axis = widened(axis);
+}
+
 /* The radius at which the surface ends, or HUGE_VAL.  P may end before the rim; `bounds` then says so.
  * *endless is set if the surface ends there in one direction, but farther out or nowhere in the other (a
  * cylinder). */
@@ -407,7 +424,7 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
     sgt_departure_within(s, &e);
     *shared = (sgt_shared){.c = s->c, .k1 = 1 + s->k, .radius2 = e.radius2, .steep = e.steep,
                            .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
-                           .bend = e.bend, .axis = e.axis, .by_axis = s->of->by_axis != NULL,
+                           .bend = e.bend, .axis = e.axis, .lean = s->lean, .by_axis = s->of->by_axis != NULL,
                            .most2 = rim2_within_frame(s) * (1 + 0x1p-20)};
     sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
@@ -482,19 +499,24 @@ void sgt_departure_spans(const void *self, const sgt_shared *s, size_t n, sgt_ra
     }
 }
 
-SGT_KERNEL
-static void all_seeds(double c, double k1, size_t n, const double *restrict ox, const double *restrict oy,
-                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                      const double *restrict dz, double *restrict seed)
-{
-    LANES for (size_t i = 0; i < n; i++)
-        seed[i] = seed_of(c, k1, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
-}
+#define SEEDS(NAME, BY_AXIS)                                                                                 \
+    SGT_KERNEL                                                                                               \
+    static void NAME(const sgt_shared *self, size_t n, const double *restrict ox, const double *restrict oy, \
+                     const double *restrict oz, const double *restrict dx, const double *restrict dy,        \
+                     const double *restrict dz, double *restrict seed)                                       \
+    {                                                                                                        \
+        const sgt_shared s = *self;                                                                          \
+        LANES for (size_t i = 0; i < n; i++)                                                                 \
+            seed[i] = seed_of(&s, BY_AXIS, (sgt_vec3){ox[i], oy[i], oz[i]},                                  \
+                              (sgt_vec3){dx[i], dy[i], dz[i]});                                              \
+    }
+SEEDS(all_seeds, false)
+SEEDS(all_seeds_by_axis, true)
 
 void sgt_departure_seeds(const void *self, const sgt_shared *s, size_t n, sgt_rays r, double seed[])
 {
     (void)self;
-    all_seeds(s->c, s->k1, n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], seed);
+    (s->by_axis ? all_seeds_by_axis : all_seeds)(s, n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], seed);
 }
 
 static spanned one_span(const sgt_shared *s, const sgt_ray *ray)

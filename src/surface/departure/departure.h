@@ -115,6 +115,8 @@ typedef struct departure_sag {
     const departure *of;
     const void *self;
     bool fixed_k; /* k is no parameter */
+    /* Half the curvature along x less that along y, for the seed; read if P has by_axis. */
+    double lean;
     double reach; /* P is not defined farther than this from the axis (length); 0: not known */
 } departure_sag;
 
@@ -132,6 +134,7 @@ double sgt_departure_rounding(const departure_sag *s, sgt_vec3 p);
 void sgt_departure_share(const departure_sag *s, sgt_shared *shared);
 void sgt_departure_heights(const departure_sag *s, sgt_heights *out);
 void sgt_departure_within(const departure_sag *s, sgt_extent *extent);
+void sgt_departure_in_box(const departure_sag *s, double x, double y, sgt_extent *extent);
 void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep,
                           const double *const axis[2], double *lo, double *hi, double *least);
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
@@ -201,6 +204,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  v = sgt_departure_narrowed(v, most); sgt_departure_share(&v, shared))                       \
     DEPARTURE_OF(NAME, void NAME##_extent_within(const void *self, double most, sgt_extent *extent),         \
                  v = sgt_departure_narrowed(v, most); sgt_departure_within(&v, extent))                      \
+    DEPARTURE_OF(NAME, void NAME##_in_box(const void *self, double x, double y, sgt_extent *extent),         \
+                 sgt_departure_in_box(&v, x, y, extent))                                                     \
     DEPARTURE_OF(NAME, void NAME##_heights(const void *self, sgt_heights *out),                              \
                  sgt_departure_heights(&v, out))                                                             \
     DEPARTURE_OF(NAME, void NAME##_noise_within(const void *self, double radius, double e[2]),               \
@@ -240,7 +245,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static const struct sgt_builtin_ops NAME##_builtin = {                                                   \
         .object = NAME##_ops_object, .tile = SGT_MOST_TILE, .share = NAME##_share,                           \
         .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
-        .heights = NAME##_heights, .chords = sgt_departure_chords, .noise_within = NAME##_noise_within,      \
+         .heights = NAME##_heights, .extent_in_box = NAME##_in_box, .chords = sgt_departure_chords, .noise_within = NAME##_noise_within,      \
         .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \
@@ -255,7 +260,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
 #define DEPARTURE_ON_CONIC(NAME, TYPE)                                                               \
     static departure_sag NAME##_on_conic(const TYPE *s)                                             \
     {                                                                                               \
-        return (departure_sag){s->c, s->k, s->semi_diameter, true, &NAME##_departure, s, false, 0}; \
+        return (departure_sag){s->c, s->k, s->semi_diameter, true, &NAME##_departure, s, false, 0, 0}; \
     }                                                                                               \
     DEPARTURE_OPS(NAME, TYPE, NAME##_on_conic)
 

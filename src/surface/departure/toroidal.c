@@ -447,11 +447,11 @@ static const departure toroidal_departure = {
     .by_parameter = toroidal_by_parameter_of, .object = toroidal_objection, .noise = toroidal_noise,
     .noise_about = toroidal_noise_about, .by_axis = toroidal_apart};
 
-/* The seed: a conic with the mean curvature. */
+/* The seed: a conic with both curvatures. */
 static departure_sag toroidal_on_conic(const sgt_toroidal *a)
 {
     double c_y = a->c + 2 * a->a[0];
-    return (departure_sag){.c = 0.5 * (a->c_x + c_y), .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k,
+    return (departure_sag){.c = 0.5 * (a->c_x + c_y), .lean = 0.5 * (a->c_x - c_y), .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k,
                            .semi_diameter = a->semi_diameter, .of = &toroidal_departure, .self = a};
 }
 
