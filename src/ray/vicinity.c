@@ -193,7 +193,7 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
                             const vicinity *v)
 {
     for (size_t i = 0; i < n; i++) {
-        if (v->asked[i] == 0 || behind != (v->seed[i] < v->tmin[i])) continue;
+        if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i])) continue;
         if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
         kept->any_heights = true;
         sgt_vec3 o = {r.o[0][i], r.o[1][i], r.o[2][i]}, d = {r.d[0][i], r.d[1][i], r.d[2][i]};
@@ -255,13 +255,16 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     if (boxed) {
         sgt_march_box(s, n, r, &bare, kept, v, v->work);
         left = 0;
-        for (size_t i = 0; i < n; i++) left += v->asked[i];
+        for (size_t i = 0; i < n; i++) left += larger(v->asked[i], 0);
     }
     if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
     if (!marches || !(left != 0 || behind || boxed)) return;
-    if (left != 0) sgt_march_wings(s, n, r, from, false, &bare, &kept->rings, v, v->work);
+    /* the march through the box has used the rows of `from` */
+    if (left != 0) sgt_march_wings(s, n, r, boxed ? v->tmin : from, false, &bare, &kept->rings, v, v->work);
     for (size_t i = 0; i < n; i++) {
-        if (!((v->evals[i] > 0 || boxed) && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
+        bool monotone = v->asked[i] < 0;
+        if (monotone) v->asked[i] = 0;
+        if (!((v->evals[i] > 0 || monotone) && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
         double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
         noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
     }

@@ -354,7 +354,7 @@ void sgt_march_box(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *bare, 
         double least =
             fabs(a[DZ][k]) * (1 - 0x1p-40) - (e->axis.x * fabs(a[DX][k]) + e->axis.y * fabs(a[DY][k]));
         if (v->seed[i] > from && v->seed[i] < end && least > 0x1p-4 * fabs(a[DZ][k])) {
-            v->lo[i] = from, v->hi[i] = end, v->least[i] = least, v->asked[i] = 0;
+            v->lo[i] = from, v->hi[i] = end, v->least[i] = least, v->asked[i] = -1;
             continue;
         }
         left++;
@@ -392,7 +392,7 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
     size_t left = 0;
     for (size_t i = 0; i < n; i++) {
         double t = from[i]; /* perhaps one of the rows */
-        if (v->asked[i] == 0 || !(fabs(t) < HUGE_VAL)) continue;
+        if (!(v->asked[i] > 0) || !(fabs(t) < HUGE_VAL)) continue;
         if (edge < HUGE_VAL && behind != (v->seed[i] < v->tmin[i])) continue;
         sgt_ray ray = row_ray(&r, v, i);
         t = inside_edge(s, &ray, t, edge, v, &v->evals[i]);
