@@ -34,10 +34,10 @@
  * where the chord does, or the ray, and ends behind the chord or the ray.  There it is a miss: a root is
  * accepted within the rim only.
  *
- * IN A BOX |x| <= X, |y| <= Y, with X and Y the rungs next above what the stretch needs, the same is known of a
- * surface that is steeper along one axis.  The rounding is asked point by point, as what is known of it is known
- * within circles.  The march ends behind the seed, or behind the vertex plane, by a quarter of the way to it.
- * There is none if F is monotone all along that stretch: then a root in it is the first.
+ * IN A BOX |x| <= X, |y| <= Y, with X and Y the rungs next above what the stretch needs, the same is known
+ * of a surface that is steeper along one axis.  The rounding is asked point by point, as what is known of
+ * it is known within circles.  The march ends behind the seed, or behind the vertex plane, by a quarter of
+ * the way to it.  There is none if F is monotone all along that stretch: then a root in it is the first.
  *
  * THE ROUNDING of F is that of the surface at the computed point, plus the gradient within the radius
  * times the error of that point.
@@ -343,7 +343,8 @@ void sgt_march_box(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *bare, 
                end = aim + 0.25 * (aim - from);
         if (!(fabs(from) < HUGE_VAL && flat > from && end < ray.tmax && end < HUGE_VAL)) continue;
         double x = half_width(ray.o.x, ray.d.x, from, end), y = half_width(ray.o.y, ray.d.y, from, end);
-        /* Few boxes: along the rays an eighth of a power of two, across them a power of two, not much less. */
+        /* Few boxes: along the rays an eighth of a power of two, across them a power of two, not much
+         * less. */
         double wide = larger(x, y);
         x = rung_above(larger(x, 0x1p-10 * wide), x < y ? COARSE : FINE);
         y = rung_above(larger(y, 0x1p-10 * wide), y < wide ? COARSE : FINE);

@@ -53,8 +53,8 @@ SGT_INLINE bool marches_chord(const sgt_shared *whole)
 }
 
 /* Marches along each row that is asked, as far as somewhat beyond the seed or the vertex plane, within a box
- * about that stretch.  Answers in v, as above; without a root nothing is found.  asked is set to -1 where F is
- * monotone all along, and nothing was evaluated. */
+ * about that stretch.  Answers in v, as above; without a root nothing is found.  asked is set to -1 where F
+ * is monotone all along, and nothing was evaluated. */
 void sgt_march_box(sgt_surface s, size_t n, sgt_rays rays, const sgt_shared *bare, vicinities *kept,
                    const vicinity *v, double *const work[WINGS_ROWS]);
 

@@ -174,8 +174,8 @@ struct sgt_builtin_ops {
     void (*chords)(size_t n, sgt_rays rays, const double *radius2, const double *steep,
                    const double *const axis[2], double *lo, double *hi, double *least);
     void (*heights)(const void *self, sgt_heights *out);
-    /* What is known where |x| and |y| are at most these.  radius2 and size are not set.  All is infinite for a
-     * surface that is not steeper along one axis than along the other. */
+    /* What is known where |x| and |y| are at most these.  radius2 and size are not set.  All is infinite
+     * for a surface that is not steeper along one axis than along the other. */
     void (*extent_in_box)(const void *self, double x, double y, sgt_extent *extent);
     void (*noise_within)(const void *self, double radius, double e[2]);
     /* Bounds like that of `rounding`, for n points at once.  F at the points is given in f.  out[i] is NaN

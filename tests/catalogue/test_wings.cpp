@@ -16,10 +16,10 @@
 // Batches and single rays are the same to the last bit.
 //
 // GRAZING.  Mirrors of beamlines (toroids, biconics, cylinders with one curvature a hundred times the other),
-// bowls of other types and conics, with a rim and without.  Rays run at 0.1 to 45 degrees to the surface, along
-// the axis of the mirror or across, or through a bowl parallel to the vertex plane.  The judge is the same, on
-// the part of the ray within the rim.  First roots take some 8 evaluations with a rim (observed), where
-// enclosures took 30 and more; a tenth of the hits without one may need them.
+// bowls of other types and conics, with a rim and without.  Rays run at 0.1 to 45 degrees to the surface,
+// along the axis of the mirror or across, or through a bowl parallel to the vertex plane.  The judge is the
+// same, on the part of the ray within the rim.  First roots take some 8 evaluations with a rim (observed),
+// where enclosures took 30 and more; a tenth of the hits without one may need them.
 #include "../ends.h"
 #include "specimens.h"
 

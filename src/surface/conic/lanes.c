@@ -142,7 +142,8 @@ LANES_NEARBY(conic_lanes_near_nearby_rich, false, false, LANE_RICH)
 LANES_NEARBY(conic_lanes_first_nearby, false, true, LANE_PLAIN)
 LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 
-/* side_of of all rays.  `sooner` are those that a single ray meets before it, by easy_at or nearby_at. */
+/* met_from_side of all rays.  `sooner` are those that a single ray meets before it, by easy_at or
+ * nearby_at. */
 typedef struct side_room {
     double of[10][SGT_TILE]; /* the rows of a lane_to, if some rays have an answer already */
     lane_ends ends;
@@ -170,7 +171,7 @@ SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, co
     }
     LANES for (size_t i = 0; i < count; i++) {
         side_answer a =
-            side_of(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+            met_from_side(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
         LANE_STORE(to, i, a.e, LANE_RICH);
         away[i] = a.away;
     }
@@ -189,8 +190,8 @@ static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, const mas
     lane_side(s, false, tile, far_gone, to, away, sooner);
 }
 
-/* Answers the hard rays of a tile by side_of; no proof is asked for.  before: how many there are.  Returns how
- * many are left. */
+/* Answers the hard rays of a tile by met_from_side; no proof is asked for.  before: how many there are.
+ * Returns how many are left. */
 SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const sgt_tile *tile,
                                               const mask *far_gone, size_t before)
 {

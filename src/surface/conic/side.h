@@ -1,34 +1,35 @@
 /* conic/side.h - a conic met in closed form from the point of the ray nearest the vertex, without a branch:
  * rays that run along the surface, or enter a bowl from the side.  The loop is in conic/lanes.c.
  *
- * WHY.  Such a ray meets the vertex plane far from its root.  Seen from there the terms of the equation cancel,
- * and the root that comes first is the far one: easy.h leaves it.
+ * WHY.  Such a ray meets the vertex plane far from its root.  Seen from there the terms of the equation
+ * cancel, and the root that comes first is the far one: easy.h leaves it.
  *
  * THE EQUATION is that of conic.c.  The local origin (x, y, z) = o + t0 d is right to u of each coordinate
- * (moved_along in num/local.h), and t0 is a double.  With Aa, Ba and Ca the sums of the magnitudes of the terms,
- * A is off by 4 u Aa, B by 7 u Ba and C by 7 u Ca:
+ * (moved_along in num/local.h), and t0 is a double.  With Aa, Ba and Ca the sums of the magnitudes of the
+ * terms, A is off by 4 u Aa, B by 7 u Ba and C by 7 u Ca:
  *     A   k1, its product, the sum (by fma), c                                        4
  *     B   (1 + k) z n: z, k1, two products; three sums at most, by c (fma), |n|       7
  *     C   (1 + k) z^2: z twice, k1, two products; the sum, by c (fma), 2 z            7
- * Rounding of D = B^2 - A C, by u (|A C| + D), moves the root as another u of Aa and of Ca would, and by u / 2
- * of itself: |A C| <= b^2.  So to first order
+ * Rounding of D = B^2 - A C, by u (|A C| + D), moves the root as another u of Aa and of Ca would, and by u
+ * / 2 of itself: |A C| <= b^2.  So to first order
  *     |dtau| <= u ((2.5 Aa tau^2 + 7 Ba |tau| + 4 Ca) / S + 3 |tau|),    S = sqrt D.
- * Only rays with D > 2^-6 (Ba^2 + Aa Ca) are met.  There the relative change of D is below 2^-44, and a factor
- * of 1.01 covers the higher orders.
+ * Only rays with D > 2^-6 (Ba^2 + Aa Ca) are met.  There the relative change of D is below 2^-42, and a
+ * factor of 1.01 covers the higher orders.
  *
- * WHICH ROOT.  Where |A| > 2^-10 Aa both roots are right to a part in 2^40.  The earlier one is the first root,
- * unless it is certainly not accepted: off the sheet, beyond the rim, or before or behind the ends, by a part in
- * 2^20 (AWAY in easy.h).  For the root near the seed one of the two has to be such.  If both are, or if D is below
- * -2^-20 of its terms, the ray misses.  A root that may be the start is not met here.
+ * WHICH ROOT.  Where |A| > 2^-10 Aa both roots are right to a part in 2^40.  The earlier one is the first
+ * root, unless it is certainly not accepted: off the sheet, beyond the rim, or before or behind the ends,
+ * by a part in 2^20 (AWAY in easy.h).  For the root near the seed one of the two has to be such.  If both
+ * are, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met here.
  *
- * THE START, here the local origin, must not be too far away: its terms must be at most twice those at the root.
- * Else the careful form is sharper.
+ * THE START, here the local origin, must not be too far away: its terms must be at most twice those at the
+ * root.  Else the careful form is sharper.
  *
- * THE RIM is stated in computed numbers.  The point is off by no more than 64 u rims by tau, and a few u r by its
- * own rounding; so its r^2 is within 140 u of the true one, less than what easy.h counts with (PROVEN).
+ * THE RIM is stated in computed numbers.  The point is off by no more than 64 u rims by tau, and a few u r
+ * by its own rounding; so its r^2 is within 140 u of the true one, less than what easy.h counts with
+ * (PROVEN).
  *
- * UNDERFLOW.  The direction is between 2^-41 and 2^42 long (usual_direction), Ca between 2^-400 and 2^400, and |c| and |1 + k|
- * within 2^+-60.  What underflows is below 2^-900, and no part in 2^400 of u Ca. */
+ * UNDERFLOW.  The direction is between 2^-41 and 2^42 long (usual_direction), Ca between 2^-400 and 2^400,
+ * |c| within 2^+-60, and |1 + k| below 2^61.  What underflows is below 2^-900, and no part in 2^400 of u Ca. */
 #ifndef SGT_SURFACE_CONIC_SIDE_H
 #define SGT_SURFACE_CONIC_SIDE_H
 
@@ -49,7 +50,7 @@ SGT_INLINE mask side_gone(const bowl *s, double x, double y, double z, double t0
            MASK(t - slack > tmax) | MASK(t + slack < tmin);
 }
 
-SGT_INLINE side_answer side_of(const bowl *s, bool first, double ox, double oy, double oz, double l, double m,
+SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, double oy, double oz, double l, double m,
                                double n, double tmin, double tmax, double t_tol)
 {
     const double sure = s->proof;

@@ -16,8 +16,8 @@
  * any point of the chord bounds the distance to it.
  *
  * BY AXIS.  A mirror in grazing incidence is steep across the rays and nearly flat along them.  Where
- * L_x >= |P_x| and L_y >= |P_y| are known, |g' - n| is also at most L_x |l| + L_y |m|, and the smaller bound is
- * taken.
+ * L_x >= |P_x| and L_y >= |P_y| are known, |g' - n| is also at most L_x |l| + L_y |m|, and the smaller
+ * bound is taken.
  *
  * THE ENCLOSURE.  That of the base is in sag/enclose.c.  P is evaluated at the middle m of the stretch, and
  * extended from there by its bounds over the box of the stretch.  Let w = t - m, p' the slope of P along
