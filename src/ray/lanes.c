@@ -313,12 +313,19 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     bool chords = w->near == 0 && marches_chord(&w->shared);
     if ((chords ? chords_asked(a, n, a->x) : nearby_asked(a, n, a->x)) == 0) return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);
-    vicinity v = {.tmin = a->tmin, .tmax = a->tmax, .seed = a->seed,
-                  .asked = a->x, .lo = a->lo, .hi = a->hi, .least = a->least,
-                  .noise = {a->noise0, a->noise1, a->most2}, .evals = a->evals, .budget = w->budget,
-                  .work = {a->y, a->z, a->l, a->m, a->n, a->t0, a->scale, a->tau, a->last, a->first,
-                           a->f, a->fx, a->fy, a->fz, a->g_err, a->at, a->g, a->slope, a->sign, a->end,
-                           a->px, a->py, a->pz, a->qf, a->qx, a->qy, a->qz, a->t_tol, a->state}};
+    vicinity v = {.tmin = a->tmin,
+                  .tmax = a->tmax,
+                  .seed = a->seed,
+                  .asked = a->x,
+                  .lo = a->lo,
+                  .hi = a->hi,
+                  .least = a->least,
+                  .noise = {a->noise0, a->noise1, a->most2},
+                  .evals = a->evals,
+                  .budget = w->budget,
+                  .work = {a->y,  a->z,  a->l,  a->m,  a->n,     a->t0, a->scale, a->tau,   a->last, a->first,
+                           a->f,  a->fx, a->fy, a->fz, a->g_err, a->at, a->g,     a->slope, a->sign, a->end,
+                           a->px, a->py, a->pz, a->qf, a->qx,    a->qy, a->qz,    a->t_tol, a->state}};
     sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->shared, w->kept, &v);
 }
 

@@ -23,7 +23,7 @@ static const sgt_extent *vicinity_within(sgt_surface s, double rung, int digits,
 /* The same for n rays.  Nothing is known if the rung is infinite or the ray is not asked.  axis: NULL, or to
  * be set too. */
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
-                    vicinities *kept, double *radius2, double *steep, double *size, double *const *axis)
+                        vicinities *kept, double *radius2, double *steep, double *size, double *const *axis)
 {
     const sgt_extent none = SGT_NO_EXTENT;
     for (size_t i = 0; i < n; i++) {

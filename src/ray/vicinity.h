@@ -41,7 +41,10 @@
 enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
 typedef struct ring { double radius, steep, bend, noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
-typedef struct box { double x, y; sgt_extent extent; } box;
+typedef struct box {
+    double x, y;
+    sgt_extent extent;
+} box;
 typedef struct vicinities {
     box boxes[BOXES];
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];

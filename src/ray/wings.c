@@ -78,8 +78,36 @@ enum { MOST_STEPS = 1024, EDGE_RUNGS = 9, LEAVING = 32 };
  *     NEXT ... OWN       the next point, F there and its rounding
  *     VERDICT, WANTED    what the step has shown; the radius wanted next */
 enum {
-    OX, OY, OZ, DX, DY, DZ, T, H, A, SIGN, RATIO, RADIUS, STEEP, BEND, E0, E1, SEED, LIMIT, END, LANE, EVALS,
-    NEXT, PX, PY, PZ, F, OWN, VERDICT, WANTED, ROWS
+    OX,
+    OY,
+    OZ,
+    DX,
+    DY,
+    DZ,
+    T,
+    H,
+    A,
+    SIGN,
+    RATIO,
+    RADIUS,
+    STEEP,
+    BEND,
+    E0,
+    E1,
+    SEED,
+    LIMIT,
+    END,
+    LANE,
+    EVALS,
+    NEXT,
+    PX,
+    PY,
+    PZ,
+    F,
+    OWN,
+    VERDICT,
+    WANTED,
+    ROWS
 };
 _Static_assert((int)ROWS == (int)WINGS_ROWS, "the rows of vicinity.h");
 
@@ -300,8 +328,8 @@ static void lay_row(rows a, size_t k, const sgt_ray *ray, size_t i, double t, do
 
 static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
 {
-    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]},
-                     v->tmin[i], v->tmax[i]};
+    return (sgt_ray){
+        {r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, v->tmin[i], v->tmax[i]};
 }
 
 typedef enum march_mode { IN_RINGS, IN_CHORD, IN_BOX } march_mode;
@@ -320,8 +348,7 @@ static double bend_along(rows a, size_t k, double bend, bool by_axis, sgt_by_axi
 static const sgt_extent *box_about(sgt_surface s, double x, double y, vicinities *kept)
 {
     box *b = &kept->boxes[4 * place_of(x, x < y ? COARSE : FINE, 4) + place_of(y, x < y ? FINE : COARSE, 4)];
-    if (b->x != x || b->y != y)
-        b->x = x, b->y = y, s.ops->own_->extent_in_box(s.self, x, y, &b->extent);
+    if (b->x != x || b->y != y) b->x = x, b->y = y, s.ops->own_->extent_in_box(s.self, x, y, &b->extent);
     return &b->extent;
 }
 
@@ -425,7 +452,8 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
         if (mode == IN_BOX)
             for (size_t i = 0; i < left; i++)
                 a[OWN][i] = s.ops->rounding(s.self, (sgt_vec3){a[PX][i], a[PY][i], a[PZ][i]});
-        else if (!builtin->roundings(s.self, known, left, at, a[F], a[OWN])) return;
+        else if (!builtin->roundings(s.self, known, left, at, a[F], a[OWN]))
+            return;
         if (v->told) {
             double scale = scale_of((sgt_vec3){r.d[0][0], r.d[1][0], r.d[2][0]});
             double slope = grad[0] * r.d[0][0] + grad[1] * r.d[1][0] + grad[2] * r.d[2][0],
@@ -446,9 +474,8 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 if (mode == IN_RINGS) enclose_in(s, edge, kept, a, i);
                 if (mode == IN_BOX) {
                     if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);
-                } else if (t > ray.tmax || (mode == IN_RINGS
-                                                ? leaves_by_edge(s, &ray, edge, a, i, scale, v)
-                                                : t > v->hi[k])) {
+                } else if (t > ray.tmax || (mode == IN_RINGS ? leaves_by_edge(s, &ray, edge, a, i, scale, v)
+                                                             : t > v->hi[k])) {
                     is_miss(v, k);
                     wings_leave(a, i, --left);
                 }

@@ -166,7 +166,7 @@ struct sgt_builtin_ops {
      *
      * - extent_within: what is known of the surface within a radius (length).
      * - chords: for n rays, the lo, hi and least of `spans`.  Each ray has its own part of the surface,
-     *   given by radius2[i] and steep[i]; and by axis[0][i] and axis[1][i] along x and y, if axis is not NULL.
+     *   given by radius2[i] and steep[i], along x and y by axis[0][i] and axis[1][i] if axis is not NULL.
      * - heights: what is known of the whole surface, ring by ring.
      * - noise_within: how much the departure adds to the rounding of F within a radius of the axis: at most
      *   e[0] + e[1] r^2 (in the unit of F).  NaN: not known. */

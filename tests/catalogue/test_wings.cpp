@@ -151,7 +151,8 @@ bool changes_within(const formula<quad> &f, const sgt_ray &r, double rim, double
     const double a = r.d.x * r.d.x + r.d.y * r.d.y, nearest = -(r.o.x * r.d.x + r.o.y * r.d.y) / a,
                  x = r.o.x + nearest * r.d.x, y = r.o.y + nearest * r.d.y,
                  half = std::sqrt(std::max(rim * rim - x * x - y * y, 0.0) / a);
-    const double from = std::max(0.0, rim > 0 ? nearest - half : 0), end = std::min(to, rim > 0 ? nearest + half : to);
+    const double from = std::max(0.0, rim > 0 ? nearest - half : 0),
+                 end = std::min(to, rim > 0 ? nearest + half : to);
     int before = 0;
     std::vector<double> at;
     for (int i = 0; i < 500 && from < end; i++) {
@@ -171,7 +172,7 @@ bool changes_within(const formula<quad> &f, const sgt_ray &r, double rim, double
 void grazing(generator &g, int surfaces)
 {
     constexpr int RAYS = 20;
-    long hits[2] = { 0, 0 }, evals[2] = { 0, 0 }, misses = 0, undecided = 0, rays = 0;
+    long hits[2] = {0, 0}, evals[2] = {0, 0}, misses = 0, undecided = 0, rays = 0;
     for (int n = 0; n < surfaces; n++) {
         const int kind = n % 6;
         const bool bare = g.chance(0.3), mirror = kind < 3;
@@ -180,16 +181,17 @@ void grazing(generator &g, int surfaces)
                      weak = g.sign() / (size * g.log_uniform(20, 1000)), k = g.uniform(-2, 1);
         std::vector<double> terms(11);
         for (std::size_t j = 4; j < terms.size(); j++) terms[j] = g.uniform(-0.01, 0.01) * size;
-        const sgt_toroidal toroid = { weak, g.uniform(-1, 0), c, rim, {} };
-        const sgt_biconic biconic = { c, k, weak, 0, rim };
-        const sgt_biconic cylinder = { g.chance(0.5) ? c : 0, k, 0, 0, rim };
-        sgt_odd_asphere odd = { 0.5 * c, k, rim, {} };
-        odd.a[2] = g.uniform(-0.02, 0.02) / (size * size), odd.a[3] = g.uniform(-0.01, 0.01) / (size * size * size);
-        const sgt_zernike zernike = { 0.5 * c, k, rim, size, SGT_NOLL, 0, { terms.data(), 1, terms.size() } };
-        const sgt_conic conic = { g.chance(0.5) ? c : weak, k, rim };
-        const sgt_surface all[] = { { &sgt_toroidal_ops, &toroid }, { &sgt_biconic_ops, &biconic },
-                                    { &sgt_biconic_ops, &cylinder }, { &sgt_odd_asphere_ops, &odd },
-                                    { &sgt_zernike_ops, &zernike }, { &sgt_conic_ops, &conic } };
+        const sgt_toroidal toroid = {weak, g.uniform(-1, 0), c, rim, {}};
+        const sgt_biconic biconic = {c, k, weak, 0, rim};
+        const sgt_biconic cylinder = {g.chance(0.5) ? c : 0, k, 0, 0, rim};
+        sgt_odd_asphere odd = {0.5 * c, k, rim, {}};
+        odd.a[2] = g.uniform(-0.02, 0.02) / (size * size),
+        odd.a[3] = g.uniform(-0.01, 0.01) / (size * size * size);
+        const sgt_zernike zernike = {0.5 * c, k, rim, size, SGT_NOLL, 0, {terms.data(), 1, terms.size()}};
+        const sgt_conic conic = {g.chance(0.5) ? c : weak, k, rim};
+        const sgt_surface all[] = {{&sgt_toroidal_ops, &toroid},  {&sgt_biconic_ops, &biconic},
+                                   {&sgt_biconic_ops, &cylinder}, {&sgt_odd_asphere_ops, &odd},
+                                   {&sgt_zernike_ops, &zernike},  {&sgt_conic_ops, &conic}};
         specimen s = {};
         s.type = "grazing", s.h = size, s.s = all[kind];
         const formula<double> rough(s.s);
@@ -202,13 +204,13 @@ void grazing(generator &g, int surfaces)
         std::vector<double> in[6], out[3];
         std::vector<sgt_ray> ray;
         for (int i = 0; i < RAYS; i++) {
-            const double r = 0.9 * (bare ? 0.5 * size : rim) * std::sqrt(g.uniform(0, 1)), about = g.uniform(0, 6.28),
-                         x = r * std::cos(about), y = r * std::sin(about), z = -rough(x, y, 0.0),
+            const double r = 0.9 * (bare ? 0.5 * size : rim) * std::sqrt(g.uniform(0, 1)),
+                         about = g.uniform(0, 6.28), x = r * std::cos(about), y = r * std::sin(about),
+                         z = -rough(x, y, 0.0),
                          tilt = level ? g.uniform(-0.02, 0.02) : (g.chance(0.5) ? 1 : -1) * angle;
-            const sgt_vec3 d = { std::cos(tilt) * std::cos(to), std::cos(tilt) * std::sin(to), std::sin(tilt) };
+            const sgt_vec3 d = {std::cos(tilt) * std::cos(to), std::cos(tilt) * std::sin(to), std::sin(tilt)};
             const double past = g.chance(0.8) ? 0 : g.sign() * size * g.log_uniform(1e-4, 0.3);
-            if (z == z)
-                ray.push_back({ { x - far * d.x, y - far * d.y, z - far * d.z + past }, d, 0, INFINITY });
+            if (z == z) ray.push_back({{x - far * d.x, y - far * d.y, z - far * d.z + past}, d, 0, INFINITY});
         }
         const std::size_t count = ray.size();
         if (!count) continue;
@@ -216,17 +218,20 @@ void grazing(generator &g, int surfaces)
         for (std::vector<double> &a : in) a.resize(count);
         for (std::vector<double> &a : out) a.resize(count);
         for (std::size_t i = 0; i < count; i++) {
-            const double of[] = { ray[i].o.x, ray[i].o.y, ray[i].o.z, ray[i].d.x, ray[i].d.y, ray[i].d.z };
+            const double of[] = {ray[i].o.x, ray[i].o.y, ray[i].o.z, ray[i].d.x, ray[i].d.y, ray[i].d.z};
             for (int j = 0; j < 6; j++) in[j][i] = of[j];
         }
-        const sgt_rays many = { { in[0].data(), in[1].data(), in[2].data() },
-                                { in[3].data(), in[4].data(), in[5].data() }, nullptr, nullptr };
+        const sgt_rays many = {{in[0].data(), in[1].data(), in[2].data()},
+                               {in[3].data(), in[4].data(), in[5].data()},
+                               nullptr,
+                               nullptr};
         sgt_hits told = {};
-        told.status = status.data(), told.t = out[0].data(), told.t_err = out[1].data(), told.p_err = out[2].data();
+        told.status = status.data(), told.t = out[0].data(), told.t_err = out[1].data(),
+        told.p_err = out[2].data();
         sgt_intersect_batch(s.s, count, many, told, nullptr);
         for (std::size_t i = 0; i < count; i++) {
             const sgt_hit h = sgt_intersect(s.s, ray[i], nullptr);
-            const double one[] = { h.t, h.t_err, h.p_err };
+            const double one[] = {h.t, h.t_err, h.p_err};
             bool same = h.status == status[i];
             for (int j = 0; j < 3; j++)
                 same = same && (std::memcmp(&one[j], &out[j][i], sizeof one[j]) == 0 ||
@@ -246,9 +251,11 @@ void grazing(generator &g, int surfaces)
                 fail("another root is nearer", s, ray[i], h);
         }
     }
-    std::printf("grazing: %ld rays, %ld hits with a rim by %.1f evaluations, %ld without by %.1f, %ld misses, "
-                "%ld undecided\n", rays, hits[0], static_cast<double>(evals[0]) / static_cast<double>(hits[0]),
-                hits[1], static_cast<double>(evals[1]) / static_cast<double>(hits[1]), misses, undecided);
+    std::printf(
+        "grazing: %ld rays, %ld hits with a rim by %.1f evaluations, %ld without by %.1f, %ld misses, "
+        "%ld undecided\n",
+        rays, hits[0], static_cast<double>(evals[0]) / static_cast<double>(hits[0]), hits[1],
+        static_cast<double>(evals[1]) / static_cast<double>(hits[1]), misses, undecided);
     if (!(static_cast<double>(evals[0]) < 12 * static_cast<double>(hits[0])))
         failed["grazing: too many evaluations"]++;
     if (undecided * 100 > rays) failed["grazing: too many are undecided"]++;

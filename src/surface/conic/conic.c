@@ -106,7 +106,7 @@ static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_option
     if (!usual && !ends_are_whole(ray, scale)) return EASY_NOT;
     if (usual) scale = 1;
     side_answer side = met_from_side(s, first, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale,
-                               ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale);
+                                     ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale);
     *e = side.e;
     return side.away ? EASY_MISS : side.e.hit ? easy_unscaled(e, scale) : EASY_NOT;
 }

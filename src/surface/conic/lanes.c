@@ -198,14 +198,13 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
     side_room r;
     const sgt_hits *h = &tile->hits;
     size_t hard = 0;
-    lane_to to = {r.of[0], r.of[1], r.of[2], r.of[3], r.of[4], r.of[5],
+    lane_to to = {r.of[0], r.of[1], r.of[2], r.of[3], r.of[4],   r.of[5],
                   r.of[6], r.of[7], r.of[8], r.of[9], r.ends.hit};
     if (before == tile->n) to = lane_to_of(tile, &r.ends);
     (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, far_gone, to, r.away, r.sooner);
     for (size_t i = 0; i < tile->n; i++) {
         if (h->status[i] != SGT_HARD) continue;
-        double scale =
-            scale_of((sgt_vec3){tile->rays.d[0][i], tile->rays.d[1][i], tile->rays.d[2][i]});
+        double scale = scale_of((sgt_vec3){tile->rays.d[0][i], tile->rays.d[1][i], tile->rays.d[2][i]});
         bool met = r.ends.hit[i] != 0, none = r.sooner[i] || !(met || r.away[i]) || !usual_direction(scale);
         hard += none;
         if (none) continue;
@@ -321,7 +320,8 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         if (!met && tile->hits.evals) tile->hits.evals[i] = 0;
         hard += status[i] == SGT_HARD;
     }
-    return c != 0 && !s.proof && 8 * hard > tile->n ? conic_lanes_beside(&s, first, tile, far_gone, hard) : hard;
+    return c != 0 && !s.proof && 8 * hard > tile->n ? conic_lanes_beside(&s, first, tile, far_gone, hard)
+                                                    : hard;
 }
 
 /* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root

@@ -29,7 +29,8 @@
  * (PROVEN).
  *
  * UNDERFLOW.  The direction is between 2^-41 and 2^42 long (usual_direction), Ca between 2^-400 and 2^400,
- * |c| within 2^+-60, and |1 + k| below 2^61.  What underflows is below 2^-900, and no part in 2^400 of u Ca. */
+ * |c| within 2^+-60, and |1 + k| below 2^61.  What underflows is below 2^-900, and no part in 2^400 of u Ca.
+ */
 #ifndef SGT_SURFACE_CONIC_SIDE_H
 #define SGT_SURFACE_CONIC_SIDE_H
 
@@ -38,7 +39,10 @@
 SGT_INLINE bool usual_direction(double scale) { return scale > 0x1p-40 && scale < 0x1p40; }
 
 /* e: the ray met, where e.hit is set.  away: it certainly misses. */
-typedef struct side_answer { lane e; mask away; } side_answer;
+typedef struct side_answer {
+    lane e;
+    mask away;
+} side_answer;
 
 /* Is the root at t0 + tau certainly not accepted?  Its point is (x, y, z) + tau d. */
 SGT_INLINE mask side_gone(const bowl *s, double x, double y, double z, double t0, double tau, double l,
@@ -50,8 +54,8 @@ SGT_INLINE mask side_gone(const bowl *s, double x, double y, double z, double t0
            MASK(t - slack > tmax) | MASK(t + slack < tmin);
 }
 
-SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, double oy, double oz, double l, double m,
-                               double n, double tmin, double tmax, double t_tol)
+SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, double oy, double oz, double l,
+                                     double m, double n, double tmin, double tmax, double t_tol)
 {
     const double sure = s->proof;
     double a = l * l + m * m, n2 = n * n, d2 = a + n2, t0 = -(ox * l + oy * m + oz * n) / d2;
@@ -59,11 +63,13 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
     double xl = x * l, ym = y * m, kz = s->k1 * z, kzn = kz * n, kzz = kz * z, r2 = x * x + y * y;
     double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym + kzn, n),
            C = sgt_fma(s->c, r2 + kzz, -2 * z);
-    double Aa = sgt_fma(s->extra, n2, fabs(A)), Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
+    double Aa = sgt_fma(s->extra, n2, fabs(A)),
+           Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
            Ca = sgt_fma(s->abs_c, r2 + fabs(kzz), 2 * fabs(z));
     double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * Ca), S = sqrt(larger(D, 0)),
            b = B + copysign(S, B), one = C / b, other = b / A;
-    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(fabs(t0) < 0x1p300) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL),
+    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(fabs(t0) < 0x1p300) & MASK(tmin <= tmax) &
+                 MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL),
          two = usual & MASK(D > 0x1p-6 * size) & MASK(fabs(A) > 0x1p-10 * Aa);
     mask swapped = MASK(other < one);
     double early = chosen(swapped, other, one), late = chosen(swapped, one, other);
@@ -76,8 +82,14 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
     double pz = sgt_fma(tau, n, z), w = s->ck * pz, px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y),
            cr2 = s->abs_c * (px * px + py * py), width = sgt_fma(fabs(pz), 1 + fabs(w), cr2) / S,
            spread = Aa * (tau * tau) + 2 * (Ba * size_tau) + Ca, terms = cr2 + fabs(pz) * (2 + fabs(w));
-    near_root r = {.x = x, .y = y, .tau = tau, .t = t, .t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err),
-                   .tau_err = tau_err, .t0 = t0, .small = tau};
+    near_root r = {.x = x,
+                   .y = y,
+                   .tau = tau,
+                   .t = t,
+                   .t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err),
+                   .tau_err = tau_err,
+                   .t0 = t0,
+                   .small = tau};
     mask wanted = two & MASK(fabs(w) < 1 - 0x1p-8) & MASK(spread <= 2 * terms) &
                   MASK(tau_err * (fabs(l) + fabs(m)) * 0x1p46 <= 64 * SGT_U * s->reach);
     if (!first) wanted &= no_early | no_late;

@@ -208,8 +208,8 @@ typedef struct chord { double lo, hi, least; } chord;
 
 /* radius2 is that of the domain; it is widened here by 2^-40 and more.  steep is L, already rounded up by a
  * part in 2^20; so are L_x and L_y, which are read if by_axis is set. */
-SGT_INLINE chord departure_chord_of(double radius2, double steep, bool by_axis, double steep_x, double steep_y,
-                                    sgt_vec3 o, sgt_vec3 d)
+SGT_INLINE chord departure_chord_of(double radius2, double steep, bool by_axis, double steep_x,
+                                    double steep_y, sgt_vec3 o, sgt_vec3 d)
 {
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m,
            inverse = 1 / a;
@@ -250,8 +250,7 @@ SGT_INLINE double seed_of(const sgt_shared *s, bool by_axis, sgt_vec3 o, sgt_vec
     double tz_lo = sgt_fma(-tz, n, -o.z) * by_n;
     double x = rx.hi + (rx.lo + qx.lo + tz_lo * l), y = ry.hi + (ry.lo + qy.lo + tz_lo * m);
     double A = c * (a + k1 * n * n), B = n - c * (x * l + y * m), C = c * (x * x + y * y);
-    if (by_axis)
-        A += lean * (l * l - m * m), B -= lean * (x * l - y * m), C += lean * (x * x - y * y);
+    if (by_axis) A += lean * (l * l - m * m), B -= lean * (x * l - y * m), C += lean * (x * x - y * y);
     double root = sqrt(larger(B * B - A * C, 0)), near = C / (B + copysign(root, B));
     return (tz + (tz_lo + near)) * scale;
 }
@@ -422,9 +421,16 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
 {
     sgt_extent e;
     sgt_departure_within(s, &e);
-    *shared = (sgt_shared){.c = s->c, .k1 = 1 + s->k, .radius2 = e.radius2, .steep = e.steep,
-                           .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
-                           .bend = e.bend, .axis = e.axis, .lean = s->lean, .by_axis = s->of->by_axis != NULL,
+    *shared = (sgt_shared){.c = s->c,
+                           .k1 = 1 + s->k,
+                           .radius2 = e.radius2,
+                           .steep = e.steep,
+                           .base_c = s->base ? s->c : 0,
+                           .base_k = s->base ? s->k : 0,
+                           .bend = e.bend,
+                           .axis = e.axis,
+                           .lean = s->lean,
+                           .by_axis = s->of->by_axis != NULL,
                            .most2 = rim2_within_frame(s) * (1 + 0x1p-20)};
     sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
@@ -464,7 +470,8 @@ void sgt_departure_chords(size_t n, sgt_rays r, const double *radius2, const dou
     if (axis)
         all_chords_by_axis(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, axis[0],
                            axis[1], lo, hi, least);
-    else all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
+    else
+        all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
 }
 
 #define SPANS(NAME, BY_AXIS)                                                                                 \
@@ -475,9 +482,10 @@ void sgt_departure_chords(size_t n, sgt_rays r, const double *radius2, const dou
                      double *restrict seed, double *restrict least)                                          \
     {                                                                                                        \
         const sgt_shared s = *self;                                                                          \
-        LANES for (size_t i = 0; i < n; i++) {                                                               \
-            spanned e = span_of(&s, BY_AXIS, (sgt_vec3){ox[i], oy[i], oz[i]},                                \
-                                (sgt_vec3){dx[i], dy[i], dz[i]});                                            \
+        LANES for (size_t i = 0; i < n; i++)                                                                 \
+        {                                                                                                    \
+            spanned e =                                                                                      \
+                span_of(&s, BY_AXIS, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});      \
             lo[i] = e.lo, hi[i] = e.hi, seed[i] = e.seed, least[i] = e.least;                                \
         }                                                                                                    \
     }
@@ -506,9 +514,8 @@ void sgt_departure_spans(const void *self, const sgt_shared *s, size_t n, sgt_ra
                      const double *restrict dz, double *restrict seed)                                       \
     {                                                                                                        \
         const sgt_shared s = *self;                                                                          \
-        LANES for (size_t i = 0; i < n; i++)                                                                 \
-            seed[i] = seed_of(&s, BY_AXIS, (sgt_vec3){ox[i], oy[i], oz[i]},                                  \
-                              (sgt_vec3){dx[i], dy[i], dz[i]});                                              \
+        LANES for (size_t i = 0; i < n; i++) seed[i] =                                                       \
+            seed_of(&s, BY_AXIS, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});          \
     }
 SEEDS(all_seeds, false)
 SEEDS(all_seeds_by_axis, true)

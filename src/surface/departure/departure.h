@@ -245,7 +245,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static const struct sgt_builtin_ops NAME##_builtin = {                                                   \
         .object = NAME##_ops_object, .tile = SGT_MOST_TILE, .share = NAME##_share,                           \
         .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
-         .heights = NAME##_heights, .extent_in_box = NAME##_in_box, .chords = sgt_departure_chords, .noise_within = NAME##_noise_within,      \
+        .extent_in_box = NAME##_in_box, .heights = NAME##_heights, .chords = sgt_departure_chords,           \
+        .noise_within = NAME##_noise_within,                                                                 \
         .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \

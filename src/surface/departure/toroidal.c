@@ -160,7 +160,9 @@ static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_int
 typedef struct toroidal_slice {
     sgt_interval x, y, s;
     double q_most, m_least;
-    bounds most; sgt_by_axis axis; } toroidal_slice;
+    bounds most;
+    sgt_by_axis axis;
+} toroidal_slice;
 
 static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
 {
@@ -217,7 +219,8 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
     sgt_interval x = sgt_interval_absolute(where->x), y = sgt_interval_absolute(where->y);
     double r2 = sgt_product_above(where->r_hi, where->r_hi);
     bool some = false, whole = true;
-    *out = (bounds){0, 0, 0}, *all = (sgt_by_axis){0, 0, 0, 0, 0}, *range = sgt_interval_empty(), *q_most = 0, *m_least = HUGE_VAL;
+    *out = (bounds){0, 0, 0}, *all = (sgt_by_axis){0, 0, 0, 0, 0}, *range = sgt_interval_empty(), *q_most = 0,
+    *m_least = HUGE_VAL;
     for (int i = 0; i < slices; i++) {
         double from = y.lo + (y.hi - y.lo) * i / slices,
                to = i + 1 < slices ? y.lo + (y.hi - y.lo) * (i + 1) / slices : y.hi;
@@ -441,18 +444,28 @@ static sgt_objection toroidal_objection(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const departure toroidal_departure = {
-    .at = toroidal_at, .rounding = toroidal_off, .bounds = toroidal_bounds, .range = toroidal_range,
-    .second = toroidal_second, .parameters = toroidal_parameter_count,
-    .by_parameter = toroidal_by_parameter_of, .object = toroidal_objection, .noise = toroidal_noise,
-    .noise_about = toroidal_noise_about, .by_axis = toroidal_apart};
+static const departure toroidal_departure = {.at = toroidal_at,
+                                             .rounding = toroidal_off,
+                                             .bounds = toroidal_bounds,
+                                             .range = toroidal_range,
+                                             .second = toroidal_second,
+                                             .parameters = toroidal_parameter_count,
+                                             .by_parameter = toroidal_by_parameter_of,
+                                             .object = toroidal_objection,
+                                             .noise = toroidal_noise,
+                                             .noise_about = toroidal_noise_about,
+                                             .by_axis = toroidal_apart};
 
 /* The seed: a conic with both curvatures. */
 static departure_sag toroidal_on_conic(const sgt_toroidal *a)
 {
     double c_y = a->c + 2 * a->a[0];
-    return (departure_sag){.c = 0.5 * (a->c_x + c_y), .lean = 0.5 * (a->c_x - c_y), .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k,
-                           .semi_diameter = a->semi_diameter, .of = &toroidal_departure, .self = a};
+    return (departure_sag){.c = 0.5 * (a->c_x + c_y),
+                           .lean = 0.5 * (a->c_x - c_y),
+                           .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k,
+                           .semi_diameter = a->semi_diameter,
+                           .of = &toroidal_departure,
+                           .self = a};
 }
 
 DEPARTURE_OPS(toroidal, sgt_toroidal, toroidal_on_conic)
