@@ -212,6 +212,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     sgt_rays one = rays_of(ray);
     sgt_vicinity_of(w->s, 1, one, near, &w->shared, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
+    if (w->nearby) w->shared = bare_of(w->shared);
     if (asked != 0) return false;
     if (lo > hi) return true; /* the ray misses the whole surface */
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, seed,

@@ -276,6 +276,16 @@ static void single_all(lanes *a, size_t n)
     for (size_t i = 0; i < n; i++) a->single[i] = a->least[i] > 0 ? 1.0 : 0.0;
 }
 
+/* How many lanes have a bound on the slope. */
+SGT_KERNEL
+static double bounded_all(const lanes *a, size_t n)
+{
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) count += a->least[i] > 0 ? 1.0 : 0.0;
+    return count;
+}
+
 /* Marks the lanes that are to be asked, and returns how many.  The rows of the others are not used. */
 SGT_KERNEL
 static double nearby_asked(const lanes *a, size_t n, double *asked)
@@ -311,7 +321,9 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     w->rows = false;
     if (!w->s.ops->own_->extent_within) return;
     bool chords = w->near == 0 && marches_chord(&w->shared);
-    if ((chords ? chords_asked(a, n, a->x) : nearby_asked(a, n, a->x)) == 0) return;
+    if (chords ? bounded_all(a, n) == (double)n || chords_asked(a, n, a->x) == 0
+               : nearby_asked(a, n, a->x) == 0)
+        return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);
     vicinity v = {.tmin = a->tmin,
                   .tmax = a->tmax,
@@ -327,16 +339,6 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
                            a->f,  a->fx, a->fy, a->fz, a->g_err, a->at, a->g,     a->slope, a->sign, a->end,
                            a->px, a->py, a->pz, a->qf, a->qx,    a->qy, a->qz,    a->t_tol, a->state}};
     sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->shared, w->kept, &v);
-}
-
-/* How many lanes have a bound on the slope. */
-SGT_KERNEL
-static double bounded_all(const lanes *a, size_t n)
-{
-    double count = 0;
-#pragma omp simd reduction(+ : count)
-    for (size_t i = 0; i < n; i++) count += a->least[i] > 0 ? 1.0 : 0.0;
-    return count;
 }
 
 /* Takes the spans of the whole surface, in f, fx and fy, for the lanes that are left as they were. */

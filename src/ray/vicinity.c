@@ -25,7 +25,7 @@ static const sgt_extent *vicinity_within(sgt_surface s, double rung, int digits,
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
                         vicinities *kept, double *radius2, double *steep, double *size, double *const *axis)
 {
-    const sgt_extent none = SGT_NO_EXTENT;
+    static const sgt_extent none = SGT_NO_EXTENT;
     for (size_t i = 0; i < n; i++) {
         const sgt_extent *e = asked[i] != 0 && rung[i] < HUGE_VAL ? vicinity_within(s, rung[i], digits, kept)
                                                                   : &none;

@@ -50,7 +50,7 @@ typedef struct vicinities {
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
     sgt_extent extent[VICINITIES];
     rings rings;
-    bool any_heights;
+    bool any_heights, any_boxes;
     sgt_heights heights; /* of the whole surface */
 } vicinities;
 
@@ -65,8 +65,7 @@ SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
-    for (int i = 0; i < BOXES; i++) v->boxes[i].x = v->boxes[i].y = 0;
-    v->rings.any = v->any_heights = false;
+    v->rings.any = v->any_heights = v->any_boxes = false;
 }
 
 SGT_INLINE void memo_begin(memo *m) { m->begun = true, m->shares = false, vicinities_begin(&m->kept); }

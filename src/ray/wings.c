@@ -347,6 +347,9 @@ static double bend_along(rows a, size_t k, double bend, bool by_axis, sgt_by_axi
 
 static const sgt_extent *box_about(sgt_surface s, double x, double y, vicinities *kept)
 {
+    if (!kept->any_boxes)
+        for (int i = 0; i < BOXES; i++) kept->boxes[i].x = kept->boxes[i].y = 0;
+    kept->any_boxes = true;
     box *b = &kept->boxes[4 * place_of(x, x < y ? COARSE : FINE, 4) + place_of(y, x < y ? FINE : COARSE, 4)];
     if (b->x != x || b->y != y) b->x = x, b->y = y, s.ops->own_->extent_in_box(s.self, x, y, &b->extent);
     return &b->extent;

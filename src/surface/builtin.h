@@ -109,7 +109,7 @@ SGT_INLINE double sgt_noise_at(double e0, double e1, double most2, double r2)
  *   size            no point of this part is farther than this from the plane z = 0
  *   bend            the norm of the second derivative of the sag is nowhere above this
  *
- *   axis            steep and bend by axis, for a surface that is steeper along one of them
+ *   axis            steep and bend by axis; set only for a surface that is steeper along one of them
  *
  * Each bound is infinite if it is not known. */
 typedef struct sgt_extent { double radius2, steep, size, bend; sgt_by_axis axis; } sgt_extent;

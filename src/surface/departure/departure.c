@@ -316,6 +316,8 @@ static double rim2_within_frame(const departure_sag *s)
     return s->of->framed && s->reach > 0 && !(rim2 < HUGE_VAL) ? s->reach * s->reach * (1 + 0x1p-40) : rim2;
 }
 
+static const sgt_extent UNKNOWN = SGT_NO_EXTENT;
+
 /* As `steep` and `bend` are made wider. */
 static sgt_by_axis widened(sgt_by_axis b)
 {
@@ -327,35 +329,37 @@ static sgt_by_axis widened(sgt_by_axis b)
 void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
-    sgt_extent e = SGT_NO_EXTENT;
-    e.radius2 = domain2;
+    sgt_extent e;
+    e.radius2 = domain2, e.steep = e.size = e.bend = HUGE_VAL;
+    if (s->of->by_axis) e.axis = UNKNOWN.axis;
     bool whole = domain2 == rim2; /* if not, the equator of the base is inside, and its slope has no bound */
     if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
         double r = domain2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT,
                conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
         region where = {{-r, r}, {-r, r}, 0, r};
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-        sgt_by_axis axis = e.axis;
         int defined = !(conic < HUGE_VAL || !whole) ? 0
-                      : s->of->by_axis              ? s->of->by_axis(s->self, &where, &b, &axis)
+                      : s->of->by_axis              ? s->of->by_axis(s->self, &where, &b, &e.axis)
                                                     : s->of->bounds(s->self, &where, &b);
         double steep = (conic + b.steep + DEPARTURE_LOST) * (1 + 0x1p-20);
-        if (whole && (defined == 1 || s->of->framed) && steep < 0x1p500)
+        bool bounded = whole && (defined == 1 || s->of->framed) && steep < 0x1p500;
+        if (bounded)
             e.steep = steep * (1 + 0x1p-20),
-            e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + DEPARTURE_LOST) * (1 + 0x1p-20),
-            e.axis = widened(axis);
+            e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + DEPARTURE_LOST) * (1 + 0x1p-20);
+        if (s->of->by_axis) e.axis = bounded ? widened(e.axis) : UNKNOWN.axis;
         if (!(b.size < HUGE_VAL) && defined && s->of->range)
             b.size = sgt_interval_greatest(s->of->range(s->self, &where));
         if (defined) e.size = size_within(s, r, b.size);
     }
     if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2))
         e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
-    *extent = e;
+    extent->radius2 = e.radius2, extent->steep = e.steep, extent->size = e.size, extent->bend = e.bend;
+    if (s->of->by_axis) extent->axis = e.axis;
 }
 
 void sgt_departure_in_box(const departure_sag *s, double x, double y, sgt_extent *extent)
 {
-    *extent = (sgt_extent)SGT_NO_EXTENT;
+    *extent = UNKNOWN;
     if (!s->of->by_axis || s->base || !(x < 0x1p400 && y < 0x1p400)) return;
     x *= 1 + 0x1p-19, y *= 1 + 0x1p-19;
     region where = {{-x, x}, {-y, y}, 0, sqrt(x * x + y * y) * (1 + 0x1p-40)};
@@ -421,17 +425,11 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
 {
     sgt_extent e;
     sgt_departure_within(s, &e);
-    *shared = (sgt_shared){.c = s->c,
-                           .k1 = 1 + s->k,
-                           .radius2 = e.radius2,
-                           .steep = e.steep,
-                           .base_c = s->base ? s->c : 0,
-                           .base_k = s->base ? s->k : 0,
-                           .bend = e.bend,
-                           .axis = e.axis,
-                           .lean = s->lean,
-                           .by_axis = s->of->by_axis != NULL,
-                           .most2 = rim2_within_frame(s) * (1 + 0x1p-20)};
+    shared->c = s->c, shared->k1 = 1 + s->k, shared->radius2 = e.radius2, shared->steep = e.steep;
+    shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bend = e.bend;
+    shared->by_axis = s->of->by_axis != NULL;
+    if (shared->by_axis) shared->axis = e.axis, shared->lean = s->lean;
+    shared->most2 = rim2_within_frame(s) * (1 + 0x1p-20);
     sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
 
