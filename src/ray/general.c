@@ -44,8 +44,8 @@
 #include "../num/bits.h"
 #include "../solve/ways.h"
 #include "proof.h"
-#include "vicinity.h"
 #include "walk.h"
+#include "wings.h"
 
 #include <sagitta/interval.h>
 
@@ -197,11 +197,13 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
 {
     const sgt_ray *ray = w->ray;
     const sgt_surface_ops *ops = w->s.ops;
-    if (!is_catalogue(ops) || !ops->own_->extent_within || !(fabs(span->seed) < HUGE_VAL)) return false;
+    if (!is_catalogue(ops) || !ops->own_->extent_within) return false;
+    double seed = span->seed, asked = 1, lo = span->lo, hi = span->hi, least = 0, evals = w->told.evals,
+           work[VICINITY_ROWS];
+    if (!near && marches_chord(&w->shared)) seed = chord_seed(seed, lo, hi, ray->tmin, ray->tmax);
+    if (!(fabs(seed) < HUGE_VAL)) return false;
     vicinities kept;
     vicinities_begin(&kept);
-    double seed = span->seed, asked = 1, lo = 0, hi = 0, least = 0, evals = w->told.evals,
-           work[VICINITY_ROWS];
     vicinity v = {.tmin = &ray->tmin, .tmax = &ray->tmax, .seed = &seed,
                   .asked = &asked, .lo = &lo, .hi = &hi, .least = &least,
                   .noise = {&w->noise[0], &w->noise[1], &w->noise[2]},
@@ -210,6 +212,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     sgt_rays one = rays_of(ray);
     sgt_vicinity_of(w->s, 1, one, near, &w->shared, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
+    if (w->nearby) w->shared = bare_of(w->shared);
     if (asked != 0) return false;
     if (lo > hi) return true; /* the ray misses the whole surface */
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, seed,

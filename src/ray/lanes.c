@@ -29,7 +29,7 @@
 #include "../solve/root.h"
 #include "general.h"
 #include "../solve/step.h"
-#include "vicinity.h"
+#include "wings.h"
 
 #include <stddef.h>
 
@@ -276,6 +276,16 @@ static void single_all(lanes *a, size_t n)
     for (size_t i = 0; i < n; i++) a->single[i] = a->least[i] > 0 ? 1.0 : 0.0;
 }
 
+/* How many lanes have a bound on the slope. */
+SGT_KERNEL
+static double bounded_all(const lanes *a, size_t n)
+{
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) count += a->least[i] > 0 ? 1.0 : 0.0;
+    return count;
+}
+
 /* Marks the lanes that are to be asked, and returns how many.  The rows of the others are not used. */
 SGT_KERNEL
 static double nearby_asked(const lanes *a, size_t n, double *asked)
@@ -289,6 +299,19 @@ static double nearby_asked(const lanes *a, size_t n, double *asked)
     return some;
 }
 
+/* The same where the chord can be marched along: lanes without a seed begin in the middle of it. */
+static double chords_asked(lanes *a, size_t n, double *asked)
+{
+    double some = 0;
+    for (size_t i = 0; i < n; i++) {
+        asked[i] = 0;
+        if (a->single[i] != 0) continue;
+        a->seed[i] = chord_seed(a->seed[i], a->lo[i], a->hi[i], a->tmin[i], a->tmax[i]);
+        asked[i] = fabs(a->seed[i]) < HUGE_VAL ? 1.0 : 0.0, some += asked[i];
+    }
+    return some;
+}
+
 /* For sags with several roots along the whole ray: the stretch on which F is monotone (vicinity.h).  No
  * root on the stretch is not a miss, so the lane is not single.  The rows of the local ray are free as
  * yet. */
@@ -296,25 +319,26 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
 {
     lanes *a = w->a;
     w->rows = false;
-    if (!w->s.ops->own_->extent_within || nearby_asked(a, n, a->x) == 0) return;
+    if (!w->s.ops->own_->extent_within) return;
+    bool chords = w->near == 0 && marches_chord(&w->shared);
+    if (chords ? bounded_all(a, n) == (double)n || chords_asked(a, n, a->x) == 0
+               : nearby_asked(a, n, a->x) == 0)
+        return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);
-    vicinity v = {.tmin = a->tmin, .tmax = a->tmax, .seed = a->seed,
-                  .asked = a->x, .lo = a->lo, .hi = a->hi, .least = a->least,
-                  .noise = {a->noise0, a->noise1, a->most2}, .evals = a->evals, .budget = w->budget,
-                  .work = {a->y, a->z, a->l, a->m, a->n, a->t0, a->scale, a->tau, a->last, a->first,
-                           a->f, a->fx, a->fy, a->fz, a->g_err, a->at, a->g, a->slope, a->sign, a->end,
-                           a->px, a->py, a->pz, a->qf, a->qx, a->qy, a->qz, a->t_tol}};
+    vicinity v = {.tmin = a->tmin,
+                  .tmax = a->tmax,
+                  .seed = a->seed,
+                  .asked = a->x,
+                  .lo = a->lo,
+                  .hi = a->hi,
+                  .least = a->least,
+                  .noise = {a->noise0, a->noise1, a->most2},
+                  .evals = a->evals,
+                  .budget = w->budget,
+                  .work = {a->y,  a->z,  a->l,  a->m,  a->n,     a->t0, a->scale, a->tau,   a->last, a->first,
+                           a->f,  a->fx, a->fy, a->fz, a->g_err, a->at, a->g,     a->slope, a->sign, a->end,
+                           a->px, a->py, a->pz, a->qf, a->qx,    a->qy, a->qz,    a->t_tol, a->state}};
     sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->shared, w->kept, &v);
-}
-
-/* How many lanes have a bound on the slope. */
-SGT_KERNEL
-static double bounded_all(const lanes *a, size_t n)
-{
-    double count = 0;
-#pragma omp simd reduction(+ : count)
-    for (size_t i = 0; i < n; i++) count += a->least[i] > 0 ? 1.0 : 0.0;
-    return count;
 }
 
 /* Takes the spans of the whole surface, in f, fx and fy, for the lanes that are left as they were. */

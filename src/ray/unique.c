@@ -153,11 +153,12 @@ void sgt_none_nearer(sgt_surface s, const sgt_tile *tile, sgt_extents *kept, uns
     for (size_t i = 0; i < n; i++) within2[i] = radius2_about(tile->hits.p[0][i], tile->hits.p[1][i]);
     if (builtin && is_catalogue(s.ops) && builtin->extent_within) {
         for (size_t i = 0; i < n; i++) {
-            const sgt_extent nothing = {0, HUGE_VAL, HUGE_VAL, HUGE_VAL}, *e = &nothing;
+            static const sgt_extent nothing = SGT_NO_EXTENT;
+            const sgt_extent *e = &nothing;
             if (within2[i] < HUGE_VAL) e = extent_about(s, within2[i], kept);
             radius2[i] = e->radius2, steep[i] = e->steep;
         }
-        builtin->chords(n, tile->rays, radius2, steep, lo, hi, least);
+        builtin->chords(n, tile->rays, radius2, steep, NULL, lo, hi, least);
         for (size_t i = 0; i < n; i++) none[i] = MASK(least[i] > 0);
     } else if (builtin && builtin->unique) {
         unsigned long long unique[SGT_FEW];

@@ -20,15 +20,17 @@ static const sgt_extent *vicinity_within(sgt_surface s, double rung, int digits,
     return &kept->extent[i];
 }
 
-/* The same for n rays.  Nothing is known if the rung is infinite or the ray is not asked. */
+/* The same for n rays.  Nothing is known if the rung is infinite or the ray is not asked.  axis: NULL, or to
+ * be set too. */
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
-                    vicinities *kept, double *radius2, double *steep, double *size)
+                        vicinities *kept, double *radius2, double *steep, double *size, double *const *axis)
 {
-    const sgt_extent none = {0, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    static const sgt_extent none = SGT_NO_EXTENT;
     for (size_t i = 0; i < n; i++) {
         const sgt_extent *e = asked[i] != 0 && rung[i] < HUGE_VAL ? vicinity_within(s, rung[i], digits, kept)
                                                                   : &none;
         radius2[i] = e->radius2, steep[i] = e->steep, size[i] = e->size;
+        if (axis) axis[0][i] = e->axis.x, axis[1][i] = e->axis.y;
     }
 }
 
@@ -191,7 +193,7 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
                             const vicinity *v)
 {
     for (size_t i = 0; i < n; i++) {
-        if (v->asked[i] == 0 || behind != (v->seed[i] < v->tmin[i])) continue;
+        if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i])) continue;
         if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
         kept->any_heights = true;
         sgt_vec3 o = {r.o[0][i], r.o[1][i], r.o[2][i]}, d = {r.d[0][i], r.d[1][i], r.d[2][i]};
@@ -217,16 +219,20 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
             sgt_march_wings(s, n, r, v->tmin, true, &bare, &kept->rings, v, v->work);
     }
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
-           *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
+           *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7],
+           *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
+    const double *const read[2] = {both[0], both[1]};
     if (near)
         vicinity_begin_near(n, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->seed, at_seed, from, radius, wide,
                             about);
     else
         vicinity_begin(n, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius,
                        wide, about);
-    for (size_t i = 0; i < n; i++) noise_about(s, v->asked[i] != 0 ? about[i] : HUGE_VAL, i, kept, v);
+    const bool noisy = !(whole->noise[0] < HUGE_VAL); /* else the whole surface has one bound */
+    for (size_t i = 0; i < n; i++)
+        noise_about(s, noisy && v->asked[i] != 0 ? about[i] : HUGE_VAL, i, kept, v);
     for (int k = 0;; k++) {
-        extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size);
+        extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size, axis);
         if (near || k == SHRINKS
             || shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, at_seed, from, radius, wide)
                    == 0)
@@ -234,19 +240,32 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     }
     double *lo = at_seed, *hi = size, *least = about, left = 0;
     for (int k = 0; k < 2; k++) {
-        builtin->chords(n, r, radius2, steep, lo, hi, least);
+        builtin->chords(n, r, radius2, steep, axis ? read : NULL, lo, hi, least);
         left = vicinity_judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least,
                               v->asked, v->lo, v->hi, v->least);
         if (left == 0 || k == 1) break;
         for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
-        extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size);
+        extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size, axis);
+    }
+    if (left != 0 && !near && marches_chord(whole)) {
+        sgt_march_chord(s, n, r, whole, v, v->work);
+        return;
+    }
+    const bool boxed = left != 0 && marches && whole->by_axis;
+    if (boxed) {
+        sgt_march_box(s, n, r, &bare, kept, v, v->work);
+        left = 0;
+        for (size_t i = 0; i < n; i++) left += larger(v->asked[i], 0);
     }
     if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
-    if (!marches || !(left != 0 || behind)) return;
-    if (left != 0) sgt_march_wings(s, n, r, from, false, &bare, &kept->rings, v, v->work);
+    if (!marches || !(left != 0 || behind || boxed)) return;
+    /* the march through the box has used the rows of `from` */
+    if (left != 0) sgt_march_wings(s, n, r, boxed ? v->tmin : from, false, &bare, &kept->rings, v, v->work);
     for (size_t i = 0; i < n; i++) {
-        if (!(v->evals[i] > 0 && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
-        double axis = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
-        noise_about(s, rung_above(1.02 * axis, FINE), i, kept, v);
+        bool monotone = v->asked[i] < 0;
+        if (monotone) v->asked[i] = 0;
+        if (!((v->evals[i] > 0 || monotone) && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
+        double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
+        noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
     }
 }

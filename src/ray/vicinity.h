@@ -20,6 +20,12 @@
  * FROM AFAR the surface may be so steep within R that the chord says nothing, and a root farther out may
  * be the first.  There F is looked at, point by point, on the way in (wings.c).
  *
+ * WITHIN A RIM, where F is not monotone within R either, the ray is followed along its chord with the rim
+ * (wings.c): a ray that grazes the surface, or enters a bowl from the side.
+ *
+ * A MIRROR WITHOUT A RIM, in grazing incidence, has no circle in which it is gentle: the rays come from a
+ * thousand lengths along it, and across them it ends after sixty.  So it is followed through a box (wings.c).
+ *
  * RUNGS.  To know the surface within R costs more than a root.  So R is rounded up to a power of two or,
  * if that says too little, to an eighth of one; and many rays share it.  It depends on nothing but the ray
  * and the surface: a ray in a batch has the same R as by itself.
@@ -32,14 +38,19 @@
 #include "../surface/builtin.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 28, VICINITY_ROWS = WINGS_ROWS };
+enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
 typedef struct ring { double radius, steep, bend, noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
+typedef struct box {
+    double x, y;
+    sgt_extent extent;
+} box;
 typedef struct vicinities {
+    box boxes[BOXES];
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
     sgt_extent extent[VICINITIES];
     rings rings;
-    bool any_heights;
+    bool any_heights, any_boxes;
     sgt_heights heights; /* of the whole surface */
 } vicinities;
 
@@ -54,7 +65,7 @@ SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
-    v->rings.any = v->any_heights = false;
+    v->rings.any = v->any_heights = v->any_boxes = false;
 }
 
 SGT_INLINE void memo_begin(memo *m) { m->begun = true, m->shares = false, vicinities_begin(&m->kept); }
@@ -62,6 +73,7 @@ SGT_INLINE void memo_begin(memo *m) { m->begun = true, m->shares = false, vicini
 /* Some rays, a row each.
  *
  *     asked, before    1: to be looked at, and the seed is a number; 0: not
+ *     lo, hi, before   of a surface with a rim: the span, read for the rows that are asked
  *     asked, after     1: nothing was found
  *                      0, lo > hi: a miss
  *                      0, lo <= hi: [lo, hi] is the stretch, `least` a lower bound on |dF/dtau| all along it

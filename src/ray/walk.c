@@ -38,11 +38,8 @@ static double own_rounding(const walk *w, sgt_vec3 p, double f)
 {
     const sgt_surface_ops *ops = w->s.ops;
     double own = 0;
-    const sgt_shared *shared = &w->shared;
-    sgt_shared bare;
-    if (w->nearby) bare = bare_of(w->shared), shared = &bare;
     bool known = is_catalogue(ops) && ops->own_->roundings &&
-                 ops->own_->roundings(w->s.self, shared, 1, (sgt_points){{&p.x, &p.y, &p.z}}, &f, &own);
+                 ops->own_->roundings(w->s.self, &w->shared, 1, (sgt_points){{&p.x, &p.y, &p.z}}, &f, &own);
     if (w->nearby) own += sgt_noise_at(w->noise[0], w->noise[1], w->noise[2], p.x * p.x + p.y * p.y);
     if (!(known && own >= 0) && ops->rounding) own = ops->rounding(w->s.self, p);
     return own >= 0 ? own : is_catalogue(ops) ? HUGE_VAL : 0; /* a NaN or negative bound: none is known */

@@ -40,7 +40,7 @@ typedef struct walk {
     double least;
     double rim2;    /* r^2 at the surface's rim; infinite without one */
     double margin;  /* margin of acceptance_of: END_ERRORS if this way finds one root only */
-    sgt_shared shared; /* what the surface shares, if it has `share` */
+    sgt_shared shared; /* what the surface shares, if it has `share`; bare_of that, if nearby is set */
     bool nearby;       /* what its departure adds to the rounding is known near this ray only: */
     double noise[3];   /* noise of vicinity.h */
 } walk;

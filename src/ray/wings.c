@@ -1,5 +1,6 @@
 /* wings.c - the wings of a sag, however steep: finds the first root on the way in from afar, or proves
- * that there is none on the way out (vicinity.h).
+ * that there is none on the way out (vicinity.h).  The same along a chord within the rim, however near to the
+ * surface the ray runs.
  *
  * THE MARCH looks at F again and again, from where the search begins.  Take two points of the ray, h apart
  * in t, where F is certainly at least a and at least b on the same side of zero.  Let |F''| <= B all the
@@ -24,6 +25,19 @@
  * its norm within a radius that holds both points, times d_x^2 + d_y^2.  As r^2 is convex, that radius
  * holds all points between.  It is an eighth of a power of two.  On the way in it becomes smaller with r,
  * and B with it.
+ *
+ * BY AXIS.  Where bounds on the entries of the second derivative are known (departure.c), that along the ray
+ * is also at most s_xx d_x^2 + 2 s_xy |d_x d_y| + s_yy d_y^2.  For a mirror that is bent across the rays and
+ * nearly flat along them this is a small part of the norm.
+ *
+ * WITHIN A RIM one bound B holds for the whole chord, and so do the noise and the slope.  The march begins
+ * where the chord does, or the ray, and ends behind the chord or the ray.  There it is a miss: a root is
+ * accepted within the rim only.
+ *
+ * IN A BOX |x| <= X, |y| <= Y, with X and Y the rungs next above what the stretch needs, the same is known
+ * of a surface that is steeper along one axis.  The rounding is asked point by point, as what is known of
+ * it is known within circles.  The march ends behind the seed, or behind the vertex plane, by a quarter of
+ * the way to it.  There is none if F is monotone all along that stretch: then a root in it is the first.
  *
  * THE ROUNDING of F is that of the surface at the computed point, plus the gradient within the radius
  * times the error of that point.
@@ -59,12 +73,41 @@ enum { MOST_STEPS = 1024, EDGE_RUNGS = 9, LEAVING = 32 };
  *     RATIO              sqrt(b / a) of the last step, at most 1
  *     RADIUS ... E1      the radius, and what is known of the surface within it
  *     SEED, LIMIT        the seed; the r to which the ray is followed
+ *     END                the t where a march along a chord ends; else infinite
  *     LANE, EVALS        its row in the caller's arrays; its evaluations
  *     NEXT ... OWN       the next point, F there and its rounding
  *     VERDICT, WANTED    what the step has shown; the radius wanted next */
 enum {
-    OX, OY, OZ, DX, DY, DZ, T, H, A, SIGN, RATIO, RADIUS, STEEP, BEND, E0, E1, SEED, LIMIT, LANE, EVALS, NEXT,
-    PX, PY, PZ, F, OWN, VERDICT, WANTED, ROWS
+    OX,
+    OY,
+    OZ,
+    DX,
+    DY,
+    DZ,
+    T,
+    H,
+    A,
+    SIGN,
+    RATIO,
+    RADIUS,
+    STEEP,
+    BEND,
+    E0,
+    E1,
+    SEED,
+    LIMIT,
+    END,
+    LANE,
+    EVALS,
+    NEXT,
+    PX,
+    PY,
+    PZ,
+    F,
+    OWN,
+    VERDICT,
+    WANTED,
+    ROWS
 };
 _Static_assert((int)ROWS == (int)WINGS_ROWS, "the rows of vicinity.h");
 
@@ -94,8 +137,8 @@ static void wings_step(size_t n, const double *restrict ox, const double *restri
                        const double *restrict dz, const double *restrict at, const double *restrict h,
                        const double *restrict a, const double *restrict sign, const double *restrict ratio,
                        const double *restrict radius, const double *restrict bend,
-                       const double *restrict seed, double *restrict next, double *restrict px,
-                       double *restrict py, double *restrict pz)
+                       const double *restrict seed, const double *restrict end, double *restrict next,
+                       double *restrict px, double *restrict py, double *restrict pz)
 {
     LANES for (size_t i = 0; i < n; i++) {
         double l = dx[i], m = dy[i], t = at[i], x = ox[i] + t * l, y = oy[i] + t * m, along = l * l + m * m;
@@ -103,7 +146,8 @@ static void wings_step(size_t n, const double *restrict ox, const double *restri
         double leaves = nearest + sqrt(larger(R * R - cross * cross / along, 0) / along);
         double by_bend = 0.98 * sqrt(2 * a[i] / bend[i]) * (1 + 0.8 * ratio[i]), ahead = seed[i] - t,
                past = 1.25 * ahead;
-        double length = chosen(MASK(by_bend < 0.98 * leaves), by_bend, 0.98 * leaves);
+        double most = chosen(MASK(end[i] < HUGE_VAL), end[i] - t, 0.98 * leaves),
+               length = chosen(MASK(by_bend < most), by_bend, most);
         length = chosen(MASK(ahead > 0) & MASK(past < length), past, length);
         length = chosen(MASK(h[i] > 0), h[i], length);
         t = chosen(MASK(sign[i] != 0), t + length, t);
@@ -226,8 +270,8 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     sgt_rays one = rays_of(ray);
     double outer2 = edge * edge * (1 + 0x1p-40), inner2 = outer2 * (1 - 0x1p-7), steep = 0, lo, hi, begin,
            least;
-    builtin->chords(1, one, &inner2, &steep, &lo, &hi, &least);
-    builtin->chords(1, one, &outer2, &steep, &begin, &hi, &least);
+    builtin->chords(1, one, &inner2, &steep, NULL, &lo, &hi, &least);
+    builtin->chords(1, one, &outer2, &steep, NULL, &begin, &hi, &least);
     begin = larger(begin, from);
     if (!(lo <= hi && begin < lo && fabs(lo) < HUGE_VAL)) return (double)NAN;
     sgt_interval slope, t = {0, sgt_sum_above(lo, -begin)},
@@ -246,7 +290,7 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
     if (!(a[RADIUS][i] > edge * (1 - 0x1p-10))) return false;
     sgt_rays one = rays_of(ray);
     double outer2 = edge * edge * (1 + 0x1p-40), steep = 0, lo, end, least, from = a[T][i] * scale;
-    s.ops->own_->chords(1, one, &outer2, &steep, &lo, &end, &least);
+    s.ops->own_->chords(1, one, &outer2, &steep, NULL, &lo, &end, &least);
     if (end > ray->tmax) end = ray->tmax;
     if (!(from < end && end < HUGE_VAL)) return false;
     double width = end - from;
@@ -271,27 +315,121 @@ static void wings_leave(rows a, size_t i, size_t last)
     for (int j = 0; j < ROWS; j++) a[j][i] = a[j][last];
 }
 
+/* The rows of ray i that depend on the ray and t alone. */
+static void lay_row(rows a, size_t k, const sgt_ray *ray, size_t i, double t, double seed)
+{
+    double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
+    a[OX][k] = ray->o.x, a[OY][k] = ray->o.y, a[OZ][k] = ray->o.z;
+    a[DX][k] = ray->d.x * scale, a[DY][k] = ray->d.y * scale, a[DZ][k] = ray->d.z * scale;
+    a[T][k] = t * inverse, a[H][k] = 0, a[A][k] = 0, a[SIGN][k] = 0, a[RATIO][k] = 0, a[RADIUS][k] = 0,
+    a[SEED][k] = seed * inverse, a[END][k] = a[LIMIT][k] = HUGE_VAL;
+    a[LANE][k] = (double)i, a[EVALS][k] = 0;
+}
+
+static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
+{
+    return (sgt_ray){
+        {r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, v->tmin[i], v->tmax[i]};
+}
+
+typedef enum march_mode { IN_RINGS, IN_CHORD, IN_BOX } march_mode;
+
+static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, const sgt_shared *known,
+                       double edge, rings *kept, const vicinity *v, rows a);
+
+/* A bound on |F''| in row k, from what is known of the second derivative. */
+static double bend_along(rows a, size_t k, double bend, bool by_axis, sgt_by_axis e)
+{
+    double l = fabs(a[DX][k]), m = fabs(a[DY][k]), all = bend * (l * l + m * m),
+           apart = e.xx * (l * l) + 2 * e.xy * (l * m) + e.yy * (m * m);
+    return (by_axis && apart < all ? apart : all) * (1 + 0x1p-20);
+}
+
+static const sgt_extent *box_about(sgt_surface s, double x, double y, vicinities *kept)
+{
+    if (!kept->any_boxes)
+        for (int i = 0; i < BOXES; i++) kept->boxes[i].x = kept->boxes[i].y = 0;
+    kept->any_boxes = true;
+    box *b = &kept->boxes[4 * place_of(x, x < y ? COARSE : FINE, 4) + place_of(y, x < y ? FINE : COARSE, 4)];
+    if (b->x != x || b->y != y) b->x = x, b->y = y, s.ops->own_->extent_in_box(s.self, x, y, &b->extent);
+    return &b->extent;
+}
+
+/* A half-width that holds the coordinate from t to end. */
+static double half_width(double o, double d, double t, double end)
+{
+    double a = fabs(o + t * d), b = fabs(o + end * d), far = fabs(o) + (fabs(t) + fabs(end)) * fabs(d);
+    return 1.02 * larger(a, b) + 0x1p-40 * far;
+}
+
+void sgt_march_box(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *bare, vicinities *kept,
+                   const vicinity *v, double *const a[WINGS_ROWS])
+{
+    size_t left = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (v->asked[i] == 0) continue;
+        sgt_ray ray = row_ray(&r, v, i);
+        double from = ray.tmin, flat = -ray.o.z / ray.d.z, aim = larger(v->seed[i], flat),
+               end = aim + 0.25 * (aim - from);
+        if (!(fabs(from) < HUGE_VAL && flat > from && end < ray.tmax && end < HUGE_VAL)) continue;
+        double x = half_width(ray.o.x, ray.d.x, from, end), y = half_width(ray.o.y, ray.d.y, from, end);
+        /* Few boxes: along the rays an eighth of a power of two, across them a power of two, not much
+         * less. */
+        double wide = larger(x, y);
+        x = rung_above(larger(x, 0x1p-10 * wide), x < y ? COARSE : FINE);
+        y = rung_above(larger(y, 0x1p-10 * wide), y < wide ? COARSE : FINE);
+        const sgt_extent *e = x < HUGE_VAL && y < HUGE_VAL ? box_about(s, x, y, kept) : NULL;
+        if (!e || !(e->bend < HUGE_VAL)) continue;
+        size_t k = left;
+        lay_row(a, k, &ray, i, from, flat);
+        double least =
+            fabs(a[DZ][k]) * (1 - 0x1p-40) - (e->axis.x * fabs(a[DX][k]) + e->axis.y * fabs(a[DY][k]));
+        if (v->seed[i] > from && v->seed[i] < end && least > 0x1p-4 * fabs(a[DZ][k])) {
+            v->lo[i] = from, v->hi[i] = end, v->least[i] = least, v->asked[i] = -1;
+            continue;
+        }
+        left++;
+        a[END][k] = end * inverse_of_scale(ray.d);
+        a[BEND][k] = bend_along(a, k, e->bend, true, e->axis);
+        a[RADIUS][k] = DBL_MAX, a[STEEP][k] = e->steep, a[E0][k] = a[E1][k] = 0;
+    }
+    march_rows(s, left, r, IN_BOX, bare, HUGE_VAL, NULL, v, a);
+}
+
+void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, const vicinity *v,
+                     double *const a[WINGS_ROWS])
+{
+    double radius = sqrt(whole->radius2) * (1 + 0x1p-21);
+    size_t left = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (v->asked[i] == 0) continue;
+        sgt_ray ray = row_ray(&r, v, i);
+        double from = larger(v->lo[i], ray.tmin), to = smaller(v->hi[i], ray.tmax);
+        if (!(from < to && fabs(from) < HUGE_VAL && to < HUGE_VAL)) continue;
+        size_t k = left++;
+        lay_row(a, k, &ray, i, from, v->seed[i]);
+        double end = to * inverse_of_scale(ray.d);
+        a[END][k] = end + 0x1p-48 * (fabs(end) + fabs(a[T][k]));
+        a[BEND][k] = bend_along(a, k, whole->bend, whole->by_axis, whole->axis);
+        a[RADIUS][k] = radius, a[STEEP][k] = whole->steep, a[E0][k] = a[E1][k] = 0;
+    }
+    march_rows(s, left, r, IN_CHORD, whole, HUGE_VAL, NULL, v, a);
+}
+
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
                       const sgt_shared *bare, rings *kept, const vicinity *v, double *const a[WINGS_ROWS])
 {
-    const struct sgt_builtin_ops *builtin = s.ops->own_;
     double edge = sqrt(bare->radius2);
     size_t left = 0;
     for (size_t i = 0; i < n; i++) {
         double t = from[i]; /* perhaps one of the rows */
-        if (v->asked[i] == 0 || !(fabs(t) < HUGE_VAL)) continue;
+        if (!(v->asked[i] > 0) || !(fabs(t) < HUGE_VAL)) continue;
         if (edge < HUGE_VAL && behind != (v->seed[i] < v->tmin[i])) continue;
-        sgt_ray ray = {
-            {r.o[0][i], r.o[1][i], r.o[2][i]}, {r.d[0][i], r.d[1][i], r.d[2][i]}, v->tmin[i], v->tmax[i]};
+        sgt_ray ray = row_ray(&r, v, i);
         t = inside_edge(s, &ray, t, edge, v, &v->evals[i]);
         if (!(t <= ray.tmax) || (v->told && v->told->stopped)) continue; /* nor NaN */
         size_t k = left++;
-        double scale = scale_of(ray.d), inverse = inverse_of_scale(ray.d);
-        a[OX][k] = ray.o.x, a[OY][k] = ray.o.y, a[OZ][k] = ray.o.z;
-        a[DX][k] = ray.d.x * scale, a[DY][k] = ray.d.y * scale, a[DZ][k] = ray.d.z * scale;
-        a[T][k] = t * inverse, a[H][k] = 0, a[A][k] = 0, a[SIGN][k] = 0, a[RATIO][k] = 0, a[RADIUS][k] = 0,
-        a[SEED][k] = v->seed[i] * inverse;
-        a[LANE][k] = (double)i, a[EVALS][k] = 0;
+        lay_row(a, k, &ray, i, t, v->seed[i]);
         double x = ray.o.x + t * ray.d.x, y = ray.o.y + t * ray.d.y;
         double outward = x * a[DX][k] + y * a[DY][k];
         double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
@@ -300,13 +438,25 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as wings_judge has it */
         enclose_in(s, edge, kept, a, k);
     }
+    march_rows(s, left, r, IN_RINGS, bare, edge, kept, v, a);
+}
+
+/* Marches along the first rows.  known: what `roundings` is given.  edge, kept: in rings only. */
+static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, const sgt_shared *known,
+                       double edge, rings *kept, const vicinity *v, rows a)
+{
+    const struct sgt_builtin_ops *builtin = s.ops->own_;
     while (left > 0) {
         double grad[3], *g = v->told ? grad : NULL;
         wings_step(left, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO],
-                   a[RADIUS], a[BEND], a[SEED], a[NEXT], a[PX], a[PY], a[PZ]);
+                   a[RADIUS], a[BEND], a[SEED], a[END], a[NEXT], a[PX], a[PY], a[PZ]);
         sgt_points at = {{a[PX], a[PY], a[PZ]}};
         s.ops->values(s.self, left, at, (sgt_values){a[F], {g, g ? g + 1 : NULL, g ? g + 2 : NULL}});
-        if (!builtin->roundings(s.self, bare, left, at, a[F], a[OWN])) return;
+        if (mode == IN_BOX)
+            for (size_t i = 0; i < left; i++)
+                a[OWN][i] = s.ops->rounding(s.self, (sgt_vec3){a[PX][i], a[PY][i], a[PZ][i]});
+        else if (!builtin->roundings(s.self, known, left, at, a[F], a[OWN]))
+            return;
         if (v->told) {
             double scale = scale_of((sgt_vec3){r.d[0][0], r.d[1][0], r.d[2][0]});
             double slope = grad[0] * r.d[0][0] + grad[1] * r.d[1][0] + grad[2] * r.d[2][0],
@@ -322,10 +472,13 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
             double scale = scale_of((sgt_vec3){r.d[0][k], r.d[1][k], r.d[2][k]});
             bool spent = v->evals[k] >= 0.5 * v->budget || (v->told && v->told->stopped);
             if (a[VERDICT][i] == MOVED && !spent) {
-                sgt_ray ray = {{r.o[0][k], r.o[1][k], r.o[2][k]}, {r.d[0][k], r.d[1][k], r.d[2][k]},
-                               v->tmin[k], v->tmax[k]};
-                enclose_in(s, edge, kept, a, i);
-                if (a[T][i] * scale > ray.tmax || leaves_by_edge(s, &ray, edge, a, i, scale, v)) {
+                sgt_ray ray = row_ray(&r, v, k);
+                double t = a[T][i] * scale;
+                if (mode == IN_RINGS) enclose_in(s, edge, kept, a, i);
+                if (mode == IN_BOX) {
+                    if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);
+                } else if (t > ray.tmax || (mode == IN_RINGS ? leaves_by_edge(s, &ray, edge, a, i, scale, v)
+                                                             : t > v->hi[k])) {
                     is_miss(v, k);
                     wings_leave(a, i, --left);
                 }

@@ -1,4 +1,5 @@
-/* wings.h - a march through the wings of a sag (wings.c), and the rungs of radii. */
+/* wings.h - a march through the wings of a sag, or along its chord with the rim (wings.c), and the rungs of
+ * radii. */
 #ifndef SGT_RAY_WINGS_H
 #define SGT_RAY_WINGS_H
 
@@ -43,5 +44,30 @@ SGT_INLINE int place_of(double rung, int digits, int places)
  * (behind), or only the others.  Evaluations are counted in v, and told if v has a watcher. */
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays rays, const double *from, bool behind,
                      const sgt_shared *bare, rings *kept, const vicinity *v, double *const work[WINGS_ROWS]);
+
+/* Can the chord with the rim be marched along? */
+SGT_INLINE bool marches_chord(const sgt_shared *whole)
+{
+    return whole->radius2 < HUGE_VAL && whole->steep < HUGE_VAL && whole->bend < HUGE_VAL &&
+           whole->noise[0] + whole->noise[1] < HUGE_VAL;
+}
+
+/* Marches along each row that is asked, as far as somewhat beyond the seed or the vertex plane, within a box
+ * about that stretch.  Answers in v, as above; without a root nothing is found.  asked is set to -1 where F
+ * is monotone all along, and nothing was evaluated. */
+void sgt_march_box(sgt_surface s, size_t n, sgt_rays rays, const sgt_shared *bare, vicinities *kept,
+                   const vicinity *v, double *const work[WINGS_ROWS]);
+
+/* The seed, or the middle of the chord, or NaN if no part of the ray is in it. */
+SGT_INLINE double chord_seed(double seed, double lo, double hi, double tmin, double tmax)
+{
+    double from = larger(lo, tmin), to = hi < tmax ? hi : tmax, middle = 0.5 * from + 0.5 * to;
+    return fabs(seed) < HUGE_VAL || !(from < to && fabs(middle) < HUGE_VAL) ? seed : middle;
+}
+
+/* Marches along the chord of each row that is asked, within [v->lo, v->hi], and answers in v, as above.  A
+ * ray without a root in it is a miss. */
+void sgt_march_chord(sgt_surface s, size_t n, sgt_rays rays, const sgt_shared *whole, const vicinity *v,
+                     double *const work[WINGS_ROWS]);
 
 #endif

@@ -81,9 +81,18 @@ SGT_INLINE void put_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
     if (out->p_err) out->p_err[i] = hit->p_err;
 }
 
+/* Bounds on the magnitudes of a sag's derivatives, axis by axis; infinite: not known. */
+typedef struct sgt_by_axis { double x, y, xx, xy, yy; } sgt_by_axis;
+
 /* What the rays and points of one surface have in common.  `share` works it out once for many of them.  How
  * the members are used is the surface's own affair. */
-typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2, noise[2]; } sgt_shared;
+typedef struct sgt_shared {
+    double c, k1, radius2, steep, base_c, base_k, most2, noise[2];
+    double bend;      /* as in sgt_extent */
+    sgt_by_axis axis; /* these two are read only if by_axis is set */
+    double lean;
+    bool by_axis;
+} sgt_shared;
 
 /* What the departure adds to the rounding of F at a point of that r^2.  NaN beyond most2, and nearer to
  * the axis than half the radius of most2, where the bound is known but coarse.  The base's rounding is
@@ -100,8 +109,11 @@ SGT_INLINE double sgt_noise_at(double e0, double e1, double most2, double r2)
  *   size            no point of this part is farther than this from the plane z = 0
  *   bend            the norm of the second derivative of the sag is nowhere above this
  *
+ *   axis            steep and bend by axis; set only for a surface that is steeper along one of them
+ *
  * Each bound is infinite if it is not known. */
-typedef struct sgt_extent { double radius2, steep, size, bend; } sgt_extent;
+typedef struct sgt_extent { double radius2, steep, size, bend; sgt_by_axis axis; } sgt_extent;
+#define SGT_NO_EXTENT {0, HUGE_VAL, HUGE_VAL, HUGE_VAL, {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL}}
 
 /* What is known of a surface ring by ring.  Ring j reaches from j to j + 1 times `width` from the axis.  In
  * it the sag lies in [low[j], high[j]].  If low[j] > high[j], no part of the surface lies in the ring.
@@ -154,14 +166,17 @@ struct sgt_builtin_ops {
      *
      * - extent_within: what is known of the surface within a radius (length).
      * - chords: for n rays, the lo, hi and least of `spans`.  Each ray has its own part of the surface,
-     *   given by radius2[i] and steep[i].
+     *   given by radius2[i] and steep[i], along x and y by axis[0][i] and axis[1][i] if axis is not NULL.
      * - heights: what is known of the whole surface, ring by ring.
      * - noise_within: how much the departure adds to the rounding of F within a radius of the axis: at most
      *   e[0] + e[1] r^2 (in the unit of F).  NaN: not known. */
     void (*extent_within)(const void *self, double radius, sgt_extent *extent);
-    void (*chords)(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
-                   double *hi, double *least);
+    void (*chords)(size_t n, sgt_rays rays, const double *radius2, const double *steep,
+                   const double *const axis[2], double *lo, double *hi, double *least);
     void (*heights)(const void *self, sgt_heights *out);
+    /* What is known where |x| and |y| are at most these.  radius2 and size are not set.  All is infinite
+     * for a surface that is not steeper along one axis than along the other. */
+    void (*extent_in_box)(const void *self, double x, double y, sgt_extent *extent);
     void (*noise_within)(const void *self, double radius, double e[2]);
     /* Bounds like that of `rounding`, for n points at once.  F at the points is given in f.  out[i] is NaN
      * if no bound is known there.  Returns false if no bound is known anywhere; a given surface returns

@@ -19,7 +19,8 @@
  * times the instructions one by one, 25 times in a batch, 38 times under proof.  (Conics of
  * tests/cost/cases.c, 400 rays, by callgrind for x86-64-v3, as all prices in this folder.)
  *
- * EASY, AWAY.  They answer nearly every ray: conic/easy.h.
+ * EASY, AWAY.  They answer nearly every ray: conic/easy.h.  SIDE: rays that run along the surface, or into
+ * a bowl from the side: conic/side.h.
  *
  * QUICK.  In doubles, from the vertex plane.  Let u = 2^-53, and Aa, Ba, Ca the sums of the magnitudes of
  * the terms of A, B and C.  Each coefficient is off by at most 6 u of its sum; the roundings are counted
@@ -55,7 +56,7 @@
  * Times, worst cases: docs/accuracy.md. */
 #include "../../num/bits.h"
 #include "../../solve/ways.h"
-#include "easy.h"
+#include "side.h"
 #include "../sag/poly.h"
 #include "../sag/second.h"
 
@@ -90,10 +91,24 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
             return easy_unscaled(e, scale);
         }
         scale = scale_of(d);
-        if (lengths || (scale > 0x1p-40 && scale < 0x1p40) || !ends_are_whole(ray, scale)) break;
+        if (lengths || usual_direction(scale) || !ends_are_whole(ray, scale)) break;
         d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale}, tmin /= scale, tmax /= scale, t_tol /= scale;
     }
     return EASY_NOT;
+}
+
+/* met_from_side, along a direction scaled as above. */
+static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
+{
+    sgt_vec3 o = ray->o, d = ray->d;
+    double scale = scale_of(d);
+    bool usual = usual_direction(scale), first = opt->pick != SGT_NEAR_SEED;
+    if (!usual && !ends_are_whole(ray, scale)) return EASY_NOT;
+    if (usual) scale = 1;
+    side_answer side = met_from_side(s, first, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale,
+                                     ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale);
+    *e = side.e;
+    return side.away ? EASY_MISS : side.e.hit ? easy_unscaled(e, scale) : EASY_NOT;
 }
 
 /* ------------------------------------------------------------------ quick */
@@ -480,6 +495,9 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     if (usual && !met) {
         lane other; /* not e, so that e stays in registers */
         easy_answer answer = easy_else(&b, ray, opt, &other);
+        if (answer == EASY_MISS) return hit_without(SGT_MISS, ray, 0);
+        met = answer == EASY_HIT;
+        if (!met && c != 0) answer = side_else(&b, ray, opt, &other);
         if (answer == EASY_MISS) return hit_without(SGT_MISS, ray, 0);
         met = answer == EASY_HIT;
         if (met) e = other;

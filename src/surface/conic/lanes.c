@@ -2,7 +2,7 @@
  *
  * WHY APART.  Without these loops (lanes = NULL) a batch costs 12 times the instructions; by the lanes of
  * ray/lanes.c, as a user's surface, 25 times (counted as in conic.c). */
-#include "easy.h"
+#include "side.h"
 #include "../sag/poly.h"
 
 /* What the first loop leaves for the second. */
@@ -142,6 +142,84 @@ LANES_NEARBY(conic_lanes_near_nearby_rich, false, false, LANE_RICH)
 LANES_NEARBY(conic_lanes_first_nearby, false, true, LANE_PLAIN)
 LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 
+/* met_from_side of all rays.  `sooner` are those that a single ray meets before it, by easy_at or
+ * nearby_at. */
+typedef struct side_room {
+    double of[10][SGT_TILE]; /* the rows of a lane_to, if some rays have an answer already */
+    lane_ends ends;
+    mask away[SGT_TILE], sooner[SGT_TILE];
+} side_room;
+
+SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, const mask *far_gone,
+                          lane_to to, mask *away, mask *no)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
+                 *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        near_root r = easy_start(s, false, false, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        mask met = easy_end(s, &r, l[i], m[i], n[i], false, tmin[i], tmax[i], t_tol[i]).hit;
+        r.t_err = easy_start(s, false, true, ox[i], oy[i], oz[i], l[i], m[i], n[i]).t_err;
+        met |= nearby(s, &r, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]).hit;
+        if (first) {
+            double begun = easy_start(s, true, false, ox[i], oy[i], oz[i], l[i], m[i], n[i]).t_err;
+            met &= MASK(begun == begun) | far_gone[i];
+        }
+        no[i] = met;
+    }
+    LANES for (size_t i = 0; i < count; i++) {
+        side_answer a =
+            met_from_side(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        LANE_STORE(to, i, a.e, LANE_RICH);
+        away[i] = a.away;
+    }
+}
+
+SGT_KERNEL
+static void conic_lanes_side_first(const bowl *s, const sgt_tile *tile, const mask *far_gone, lane_to to,
+                                   mask *away, mask *sooner)
+{
+    lane_side(s, true, tile, far_gone, to, away, sooner);
+}
+SGT_KERNEL
+static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, const mask *far_gone, lane_to to,
+                                  mask *away, mask *sooner)
+{
+    lane_side(s, false, tile, far_gone, to, away, sooner);
+}
+
+/* Answers the hard rays of a tile by met_from_side; no proof is asked for.  before: how many there are.
+ * Returns how many are left. */
+SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const sgt_tile *tile,
+                                              const mask *far_gone, size_t before)
+{
+    side_room r;
+    const sgt_hits *h = &tile->hits;
+    size_t hard = 0;
+    lane_to to = {r.of[0], r.of[1], r.of[2], r.of[3], r.of[4],   r.of[5],
+                  r.of[6], r.of[7], r.of[8], r.of[9], r.ends.hit};
+    if (before == tile->n) to = lane_to_of(tile, &r.ends);
+    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, far_gone, to, r.away, r.sooner);
+    for (size_t i = 0; i < tile->n; i++) {
+        if (h->status[i] != SGT_HARD) continue;
+        double scale = scale_of((sgt_vec3){tile->rays.d[0][i], tile->rays.d[1][i], tile->rays.d[2][i]});
+        bool met = r.ends.hit[i] != 0, none = r.sooner[i] || !(met || r.away[i]) || !usual_direction(scale);
+        hard += none;
+        if (none) continue;
+        h->status[i] = met ? SGT_HIT : SGT_MISS;
+        if (!met) continue;
+        if (h->evals) h->evals[i] = 1;
+        if (before == tile->n) continue;
+        sgt_hit one = hit_of_lane(&(lane){to.t[i], to.t_err[i], to.t_lo[i], to.px[i], to.py[i], to.pz[i],
+                                          to.nx[i], to.ny[i], to.p_err[i], to.hit[i]},
+                                  1, 0);
+        put_hit(h, i, &one);
+    }
+    return hard;
+}
+
 /* Where the first ray of a tile starts.  It is a guess for all of them, and affects only the time:
  *
  *   AWAY     away from the surface
@@ -242,7 +320,8 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         if (!met && tile->hits.evals) tile->hits.evals[i] = 0;
         hard += status[i] == SGT_HARD;
     }
-    return hard;
+    return c != 0 && !s.proof && 8 * hard > tile->n ? conic_lanes_beside(&s, first, tile, far_gone, hard)
+                                                    : hard;
 }
 
 /* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root

@@ -147,7 +147,7 @@ static sgt_interval biconic_range(const void *self, const region *where)
     return biconic_over(self, &part, &phi, &s) ? s : sgt_interval_empty();
 }
 
-static int biconic_bounds(const void *self, region *where, bounds *out)
+static int biconic_apart(const void *self, region *where, bounds *out, sgt_by_axis *axis)
 {
     const sgt_biconic *b = self;
     sgt_interval phi, s, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y),
@@ -181,10 +181,18 @@ static int biconic_bounds(const void *self, region *where, bounds *out)
     sgt_interval steep2 = linear_over(&at, sgt_interval_square(sgt_interval_of(gx)),
                                       sgt_interval_square(sgt_interval_of(gy)));
     out->steep = sgt_square_root_above(steep2.hi);
+    *axis = (sgt_by_axis){gx * x * more, gy * y * more, (gx + mx * (x * x)) * more, mxy * (x * y) * more,
+                          (gy + my * (y * y)) * more};
     double by_entry = norm_of(gx + mx * (x * x), mxy * (x * y), gy + my * (y * y)) * more;
     double by_r = (larger(gx, gy) + larger(larger(mx, my), mxy) * (r * r)) * more;
     out->bend = by_r < by_entry ? by_r : by_entry;
     return defined;
+}
+
+static int biconic_bounds(const void *self, region *where, bounds *out)
+{
+    sgt_by_axis unused;
+    return biconic_apart(self, where, out, &unused);
 }
 
 /* The lines of biconic_off at the radius, with c and (1 + k) c^2 of the worse axis in all directions.  All
@@ -267,19 +275,30 @@ static sgt_objection biconic_objection(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const departure biconic_departure = {
-    .at = biconic_at, .rounding = biconic_off, .bounds = biconic_bounds, .range = biconic_range,
-    .second = biconic_second, .parameters = biconic_parameter_count,
-    .by_parameter = biconic_by_parameter_of, .object = biconic_objection, .noise = biconic_noise};
+static const departure biconic_departure = {.at = biconic_at,
+                                            .rounding = biconic_off,
+                                            .bounds = biconic_bounds,
+                                            .range = biconic_range,
+                                            .second = biconic_second,
+                                            .parameters = biconic_parameter_count,
+                                            .by_parameter = biconic_by_parameter_of,
+                                            .object = biconic_objection,
+                                            .noise = biconic_noise,
+                                            .by_axis = biconic_apart};
 
-/* The seed: a conic with the mean curvature, and the conic constant of the stronger axis. */
+/* The seed: a conic with both curvatures, and the conic constant of the stronger axis. */
 static departure_sag biconic_on_conic(const sgt_biconic *b)
 {
     double k = fabs(b->c_x) > fabs(b->c_y) ? b->k_x : b->k_y;
     double A = (1 + b->k_x) * b->c_x * b->c_x, B = (1 + b->k_y) * b->c_y * b->c_y, least = A < B ? A : B,
            reach = least > 0x1p-900 ? (1 + 0x1p-40) / sqrt(least) : 0;
-    return (departure_sag){.c = 0.5 * (b->c_x + b->c_y), .k = k, .semi_diameter = b->semi_diameter,
-                           .of = &biconic_departure, .self = b, .reach = reach};
+    return (departure_sag){.c = 0.5 * (b->c_x + b->c_y),
+                           .lean = 0.5 * (b->c_x - b->c_y),
+                           .k = k,
+                           .semi_diameter = b->semi_diameter,
+                           .of = &biconic_departure,
+                           .self = b,
+                           .reach = reach};
 }
 
 DEPARTURE_OPS(biconic, sgt_biconic, biconic_on_conic)

@@ -15,6 +15,10 @@
  * If |n| is greater than that bound, g is monotone along the chord.  A root there is the only one, and F at
  * any point of the chord bounds the distance to it.
  *
+ * BY AXIS.  A mirror in grazing incidence is steep across the rays and nearly flat along them.  Where
+ * L_x >= |P_x| and L_y >= |P_y| are known, |g' - n| is also at most L_x |l| + L_y |m|, and the smaller
+ * bound is taken.
+ *
  * THE ENCLOSURE.  That of the base is in sag/enclose.c.  P is evaluated at the middle m of the stretch, and
  * extended from there by its bounds over the box of the stretch.  Let w = t - m, p' the slope of P along
  * the ray at m, A = dx^2 + dy^2, B >= |P''| and S >= |grad P|.  Then
@@ -203,8 +207,9 @@ typedef struct spanned { double lo, hi, seed, least; } spanned; /* least > 0: th
 typedef struct chord { double lo, hi, least; } chord;
 
 /* radius2 is that of the domain; it is widened here by 2^-40 and more.  steep is L, already rounded up by a
- * part in 2^20. */
-SGT_INLINE chord departure_chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
+ * part in 2^20; so are L_x and L_y, which are read if by_axis is set. */
+SGT_INLINE chord departure_chord_of(double radius2, double steep, bool by_axis, double steep_x,
+                                    double steep_y, sgt_vec3 o, sgt_vec3 d)
 {
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m,
            inverse = 1 / a;
@@ -225,15 +230,19 @@ SGT_INLINE chord departure_chord_of(double radius2, double steep, sgt_vec3 o, sg
     lo = chosen(none, 1, lo), hi = chosen(none, -1, hi);
     /* L bounds the slope for r <= rim (1 + 2^-20).  Rounding makes the chord longer, here and where the ray
      * is made local.  So `least` is given only if the longer chord is certainly within that r. */
-    double least = fabs(n) * (1 - 0x1p-40) - steep * sqrt(a), added = 0x1p-48 * (fabs(middle) + fabs(t0));
+    double slope = steep * sqrt(a), apart = steep_x * fabs(l) + steep_y * fabs(m);
+    if (by_axis) slope = chosen(MASK(apart < slope), apart, slope);
+    double least = fabs(n) * (1 - 0x1p-40) - slope, added = 0x1p-48 * (fabs(middle) + fabs(t0));
     least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2) & MASK(hi - lo > 0x1p-900)),
                    least, 0);
     return (chord){lo, hi, chosen(MASK(least > 0) & ~none, least, 0)};
 }
 
-/* The root of the conic near the vertex plane. */
-SGT_INLINE double seed_of(double c, double k1, sgt_vec3 o, sgt_vec3 d)
+/* The root of the conic near the vertex plane.  by_axis: with the curvature c + lean along x, and c - lean
+ * along y.  A ray along a mirror would end far from its root by the mean of the two. */
+SGT_INLINE double seed_of(const sgt_shared *s, bool by_axis, sgt_vec3 o, sgt_vec3 d)
 {
+    const double c = s->c, k1 = s->k1, lean = s->lean;
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m;
     double by_n = 1 / n, tz = -o.z * by_n;
     twofold qx = two_product(tz, l), qy = two_product(tz, m), rx = two_sum(o.x, qx.hi),
@@ -241,14 +250,15 @@ SGT_INLINE double seed_of(double c, double k1, sgt_vec3 o, sgt_vec3 d)
     double tz_lo = sgt_fma(-tz, n, -o.z) * by_n;
     double x = rx.hi + (rx.lo + qx.lo + tz_lo * l), y = ry.hi + (ry.lo + qy.lo + tz_lo * m);
     double A = c * (a + k1 * n * n), B = n - c * (x * l + y * m), C = c * (x * x + y * y);
+    if (by_axis) A += lean * (l * l - m * m), B -= lean * (x * l - y * m), C += lean * (x * x - y * y);
     double root = sqrt(larger(B * B - A * C, 0)), near = C / (B + copysign(root, B));
     return (tz + (tz_lo + near)) * scale;
 }
 
-SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
+SGT_INLINE spanned span_of(const sgt_shared *s, bool by_axis, sgt_vec3 o, sgt_vec3 d)
 {
-    chord at = departure_chord_of(radius2, steep, o, d);
-    double seed = seed_of(c, k1, o, d);
+    chord at = departure_chord_of(s->radius2, s->steep, by_axis, s->axis.x, s->axis.y, o, d);
+    double seed = seed_of(s, by_axis, o, d);
     seed = chosen(MASK(seed >= at.lo) & MASK(seed <= at.hi), seed, (double)NAN);
     return (spanned){at.lo, at.hi, seed, at.least};
 }
@@ -306,28 +316,58 @@ static double rim2_within_frame(const departure_sag *s)
     return s->of->framed && s->reach > 0 && !(rim2 < HUGE_VAL) ? s->reach * s->reach * (1 + 0x1p-40) : rim2;
 }
 
+static const sgt_extent UNKNOWN = SGT_NO_EXTENT;
+
+/* As `steep` and `bend` are made wider. */
+static sgt_by_axis widened(sgt_by_axis b)
+{
+    double more = (1 + 0x1p-20) * (1 + 0x1p-20), least = DEPARTURE_LOST;
+    return (sgt_by_axis){(b.x + least) * more, (b.y + least) * more, (b.xx + least) * more,
+                         (b.xy + least) * more, (b.yy + least) * more};
+}
+
 void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
-    sgt_extent e = {.radius2 = domain2, .steep = HUGE_VAL, .size = HUGE_VAL, .bend = HUGE_VAL};
+    sgt_extent e;
+    e.radius2 = domain2, e.steep = e.size = e.bend = HUGE_VAL;
+    if (s->of->by_axis) e.axis = UNKNOWN.axis;
     bool whole = domain2 == rim2; /* if not, the equator of the base is inside, and its slope has no bound */
     if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
         double r = domain2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT,
                conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
         region where = {{-r, r}, {-r, r}, 0, r};
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-        int defined = conic < HUGE_VAL || !whole ? s->of->bounds(s->self, &where, &b) : 0;
+        int defined = !(conic < HUGE_VAL || !whole) ? 0
+                      : s->of->by_axis              ? s->of->by_axis(s->self, &where, &b, &e.axis)
+                                                    : s->of->bounds(s->self, &where, &b);
         double steep = (conic + b.steep + DEPARTURE_LOST) * (1 + 0x1p-20);
-        if (whole && (defined == 1 || s->of->framed) && steep < 0x1p500)
+        bool bounded = whole && (defined == 1 || s->of->framed) && steep < 0x1p500;
+        if (bounded)
             e.steep = steep * (1 + 0x1p-20),
             e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + DEPARTURE_LOST) * (1 + 0x1p-20);
+        if (s->of->by_axis) e.axis = bounded ? widened(e.axis) : UNKNOWN.axis;
         if (!(b.size < HUGE_VAL) && defined && s->of->range)
             b.size = sgt_interval_greatest(s->of->range(s->self, &where));
         if (defined) e.size = size_within(s, r, b.size);
     }
     if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2))
         e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
-    *extent = e;
+    extent->radius2 = e.radius2, extent->steep = e.steep, extent->size = e.size, extent->bend = e.bend;
+    if (s->of->by_axis) extent->axis = e.axis;
+}
+
+void sgt_departure_in_box(const departure_sag *s, double x, double y, sgt_extent *extent)
+{
+    *extent = UNKNOWN;
+    if (!s->of->by_axis || s->base || !(x < 0x1p400 && y < 0x1p400)) return;
+    x *= 1 + 0x1p-19, y *= 1 + 0x1p-19;
+    region where = {{-x, x}, {-y, y}, 0, sqrt(x * x + y * y) * (1 + 0x1p-40)};
+    bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    sgt_by_axis axis = extent->axis;
+    if (s->of->by_axis(s->self, &where, &b, &axis) != 1 || !(b.steep < 0x1p500)) return;
+    extent->steep = b.steep * (1 + 0x1p-20) + DEPARTURE_LOST;
+    extent->bend = b.bend * (1 + 0x1p-20) + DEPARTURE_LOST, extent->axis = widened(axis);
 }
 
 /* The radius at which the surface ends, or HUGE_VAL.  P may end before the rim; `bounds` then says so.
@@ -385,9 +425,11 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
 {
     sgt_extent e;
     sgt_departure_within(s, &e);
-    *shared = (sgt_shared){.c = s->c, .k1 = 1 + s->k, .radius2 = e.radius2, .steep = e.steep,
-                           .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
-                           .most2 = rim2_within_frame(s) * (1 + 0x1p-20)};
+    shared->c = s->c, shared->k1 = 1 + s->k, shared->radius2 = e.radius2, shared->steep = e.steep;
+    shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bend = e.bend;
+    shared->by_axis = s->of->by_axis != NULL;
+    if (shared->by_axis) shared->axis = e.axis, shared->lean = s->lean;
+    shared->most2 = rim2_within_frame(s) * (1 + 0x1p-20);
     sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
 
@@ -399,31 +441,54 @@ static void all_chords(size_t n, const double *restrict ox, const double *restri
                        double *restrict least)
 {
     LANES for (size_t i = 0; i < n; i++) {
-        chord e = departure_chord_of(radius2[i], steep[i], (sgt_vec3){ox[i], oy[i], oz[i]},
+        chord e = departure_chord_of(radius2[i], steep[i], false, 0, 0, (sgt_vec3){ox[i], oy[i], oz[i]},
                                      (sgt_vec3){dx[i], dy[i], dz[i]});
         lo[i] = e.lo, hi[i] = e.hi, least[i] = e.least;
     }
 }
 
-void sgt_departure_chords(size_t n, sgt_rays r, const double *radius2, const double *steep, double *lo,
-                         double *hi, double *least)
-{
-    all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
-}
-
 SGT_KERNEL
-static void all_spans(const sgt_shared *self, size_t n, const double *restrict ox, const double *restrict oy,
-                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                      const double *restrict dz, double *restrict lo, double *restrict hi,
-                      double *restrict seed, double *restrict least)
+static void all_chords_by_axis(size_t n, const double *restrict ox, const double *restrict oy,
+                               const double *restrict oz, const double *restrict dx,
+                               const double *restrict dy, const double *restrict dz,
+                               const double *restrict radius2, const double *restrict steep,
+                               const double *restrict steep_x, const double *restrict steep_y,
+                               double *restrict lo, double *restrict hi, double *restrict least)
 {
-    const sgt_shared s = *self;
     LANES for (size_t i = 0; i < n; i++) {
-        spanned e = span_of(s.c, s.k1, s.radius2, s.steep, (sgt_vec3){ox[i], oy[i], oz[i]},
-                            (sgt_vec3){dx[i], dy[i], dz[i]});
-        lo[i] = e.lo, hi[i] = e.hi, seed[i] = e.seed, least[i] = e.least;
+        chord e = departure_chord_of(radius2[i], steep[i], true, steep_x[i], steep_y[i],
+                                     (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
+        lo[i] = e.lo, hi[i] = e.hi, least[i] = e.least;
     }
 }
+
+void sgt_departure_chords(size_t n, sgt_rays r, const double *radius2, const double *steep,
+                          const double *const axis[2], double *lo, double *hi, double *least)
+{
+    if (axis)
+        all_chords_by_axis(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, axis[0],
+                           axis[1], lo, hi, least);
+    else
+        all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
+}
+
+#define SPANS(NAME, BY_AXIS)                                                                                 \
+    SGT_KERNEL                                                                                               \
+    static void NAME(const sgt_shared *self, size_t n, const double *restrict ox, const double *restrict oy, \
+                     const double *restrict oz, const double *restrict dx, const double *restrict dy,        \
+                     const double *restrict dz, double *restrict lo, double *restrict hi,                    \
+                     double *restrict seed, double *restrict least)                                          \
+    {                                                                                                        \
+        const sgt_shared s = *self;                                                                          \
+        LANES for (size_t i = 0; i < n; i++)                                                                 \
+        {                                                                                                    \
+            spanned e =                                                                                      \
+                span_of(&s, BY_AXIS, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});      \
+            lo[i] = e.lo, hi[i] = e.hi, seed[i] = e.seed, least[i] = e.least;                                \
+        }                                                                                                    \
+    }
+SPANS(all_spans, false)
+SPANS(all_spans_by_axis, true)
 
 void sgt_departure_spans(const void *self, const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out,
                          double *least)
@@ -433,30 +498,35 @@ void sgt_departure_spans(const void *self, const sgt_shared *s, size_t n, sgt_ra
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
         double *to = least ? least + i : own;
-        all_spans(s, few, r.o[0] + i, r.o[1] + i, r.o[2] + i, r.d[0] + i, r.d[1] + i, r.d[2] + i, out.lo + i,
-                  out.hi + i, out.seed + i, to);
+        (s->by_axis ? all_spans_by_axis : all_spans)(s, few, r.o[0] + i, r.o[1] + i, r.o[2] + i, r.d[0] + i,
+                                                     r.d[1] + i, r.d[2] + i, out.lo + i, out.hi + i,
+                                                     out.seed + i, to);
         for (size_t j = 0; out.single && j < few; j++) out.single[i + j] = to[j] > 0;
     }
 }
 
-SGT_KERNEL
-static void all_seeds(double c, double k1, size_t n, const double *restrict ox, const double *restrict oy,
-                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                      const double *restrict dz, double *restrict seed)
-{
-    LANES for (size_t i = 0; i < n; i++)
-        seed[i] = seed_of(c, k1, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
-}
+#define SEEDS(NAME, BY_AXIS)                                                                                 \
+    SGT_KERNEL                                                                                               \
+    static void NAME(const sgt_shared *self, size_t n, const double *restrict ox, const double *restrict oy, \
+                     const double *restrict oz, const double *restrict dx, const double *restrict dy,        \
+                     const double *restrict dz, double *restrict seed)                                       \
+    {                                                                                                        \
+        const sgt_shared s = *self;                                                                          \
+        LANES for (size_t i = 0; i < n; i++) seed[i] =                                                       \
+            seed_of(&s, BY_AXIS, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});          \
+    }
+SEEDS(all_seeds, false)
+SEEDS(all_seeds_by_axis, true)
 
 void sgt_departure_seeds(const void *self, const sgt_shared *s, size_t n, sgt_rays r, double seed[])
 {
     (void)self;
-    all_seeds(s->c, s->k1, n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], seed);
+    (s->by_axis ? all_seeds_by_axis : all_seeds)(s, n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], seed);
 }
 
 static spanned one_span(const sgt_shared *s, const sgt_ray *ray)
 {
-    return span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d);
+    return span_of(s, s->by_axis, ray->o, ray->d);
 }
 
 sgt_span sgt_departure_span(const void *self, const sgt_shared *s, const sgt_ray *ray, double *least)

@@ -95,6 +95,11 @@ typedef struct departure {
      * although P is not defined all over the region; departure.c relies on it there. */
     bool framed;
 
+    /* As `bounds`, and the same along x and y.  Given if P may be much steeper along one axis than along the
+     * other, and has no base.  Where P is not defined all over the region, *axis need not be set.  NULL: not
+     * known. */
+    int (*by_axis)(const void *self, region *where, bounds *out, sgt_by_axis *axis);
+
     /* May P jump where it is defined?  NULL: it does not. */
     bool (*jumps)(const void *self);
 
@@ -110,6 +115,8 @@ typedef struct departure_sag {
     const departure *of;
     const void *self;
     bool fixed_k; /* k is no parameter */
+    /* Half the curvature along x less that along y, for the seed; read if P has by_axis. */
+    double lean;
     double reach; /* P is not defined farther than this from the axis (length); 0: not known */
 } departure_sag;
 
@@ -127,8 +134,9 @@ double sgt_departure_rounding(const departure_sag *s, sgt_vec3 p);
 void sgt_departure_share(const departure_sag *s, sgt_shared *shared);
 void sgt_departure_heights(const departure_sag *s, sgt_heights *out);
 void sgt_departure_within(const departure_sag *s, sgt_extent *extent);
-void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
-                         double *hi, double *least);
+void sgt_departure_in_box(const departure_sag *s, double x, double y, sgt_extent *extent);
+void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep,
+                          const double *const axis[2], double *lo, double *hi, double *least);
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
 void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2]);
 sgt_span sgt_departure_span(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
@@ -196,6 +204,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  v = sgt_departure_narrowed(v, most); sgt_departure_share(&v, shared))                       \
     DEPARTURE_OF(NAME, void NAME##_extent_within(const void *self, double most, sgt_extent *extent),         \
                  v = sgt_departure_narrowed(v, most); sgt_departure_within(&v, extent))                      \
+    DEPARTURE_OF(NAME, void NAME##_in_box(const void *self, double x, double y, sgt_extent *extent),         \
+                 sgt_departure_in_box(&v, x, y, extent))                                                     \
     DEPARTURE_OF(NAME, void NAME##_heights(const void *self, sgt_heights *out),                              \
                  sgt_departure_heights(&v, out))                                                             \
     DEPARTURE_OF(NAME, void NAME##_noise_within(const void *self, double radius, double e[2]),               \
@@ -235,7 +245,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static const struct sgt_builtin_ops NAME##_builtin = {                                                   \
         .object = NAME##_ops_object, .tile = SGT_MOST_TILE, .share = NAME##_share,                           \
         .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
-        .heights = NAME##_heights, .chords = sgt_departure_chords, .noise_within = NAME##_noise_within,      \
+        .extent_in_box = NAME##_in_box, .heights = NAME##_heights, .chords = sgt_departure_chords,           \
+        .noise_within = NAME##_noise_within,                                                                 \
         .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \
@@ -250,7 +261,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
 #define DEPARTURE_ON_CONIC(NAME, TYPE)                                                               \
     static departure_sag NAME##_on_conic(const TYPE *s)                                             \
     {                                                                                               \
-        return (departure_sag){s->c, s->k, s->semi_diameter, true, &NAME##_departure, s, false, 0}; \
+        return (departure_sag){s->c, s->k, s->semi_diameter, true, &NAME##_departure, s, false, 0, 0}; \
     }                                                                                               \
     DEPARTURE_OPS(NAME, TYPE, NAME##_on_conic)
 

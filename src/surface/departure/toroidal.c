@@ -157,7 +157,12 @@ static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_int
 
 /* |x| and |y| of a rectangle, and what is known of s over it.  q_most and m_least bound q and m.
  * slice_bounds returns what `bounds` does, but does not cut a region. */
-typedef struct toroidal_slice { sgt_interval x, y, s; double q_most, m_least; bounds most; } toroidal_slice;
+typedef struct toroidal_slice {
+    sgt_interval x, y, s;
+    double q_most, m_least;
+    bounds most;
+    sgt_by_axis axis;
+} toroidal_slice;
 
 static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
 {
@@ -183,6 +188,7 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
     at->s = sgt_interval_sum(z, e), at->m_least = whole ? m.lo : 0;
     /* where it may be undefined, size is infinite: no graze is told by it */
     at->most = (bounds){whole ? sgt_interval_greatest(at->s) : HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    at->axis = (sgt_by_axis){HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
     if (!(whole && phi.lo > 0 && m.lo > 0)) return whole ? 1 : -1;
 
     sgt_interval dz = sgt_interval_product(
@@ -199,18 +205,22 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
                                        sgt_interval_product(bent, sgt_interval_square(across)));
     at->most.steep =
         sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(sx), sgt_interval_square(sy))).hi;
-    at->most.bend = norm_of(sgt_interval_greatest(xx), sgt_interval_greatest(xy), sgt_interval_greatest(yy));
+    sgt_by_axis *by = &at->axis;
+    *by = (sgt_by_axis){sgt_interval_greatest(sx), sgt_interval_greatest(sy), sgt_interval_greatest(xx),
+                        sgt_interval_greatest(xy), sgt_interval_greatest(yy)};
+    at->most.bend = norm_of(by->xx, by->xy, by->yy);
     return 1;
 }
 
 /* As `bounds`, over this many slices.  *where is not cut. */
-static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds *out, sgt_interval *range,
-                  double *q_most, double *m_least)
+static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds *out, sgt_by_axis *all,
+                  sgt_interval *range, double *q_most, double *m_least)
 {
     sgt_interval x = sgt_interval_absolute(where->x), y = sgt_interval_absolute(where->y);
     double r2 = sgt_product_above(where->r_hi, where->r_hi);
     bool some = false, whole = true;
-    *out = (bounds){0, 0, 0}, *range = sgt_interval_empty(), *q_most = 0, *m_least = HUGE_VAL;
+    *out = (bounds){0, 0, 0}, *all = (sgt_by_axis){0, 0, 0, 0, 0}, *range = sgt_interval_empty(), *q_most = 0,
+    *m_least = HUGE_VAL;
     for (int i = 0; i < slices; i++) {
         double from = y.lo + (y.hi - y.lo) * i / slices,
                to = i + 1 < slices ? y.lo + (y.hi - y.lo) * (i + 1) / slices : y.hi;
@@ -227,27 +237,30 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
         *q_most = larger(*q_most, at.q_most), *m_least = -larger(-*m_least, -at.m_least);
         out->size = larger(out->size, at.most.size), out->steep = larger(out->steep, at.most.steep),
         out->bend = larger(out->bend, at.most.bend);
+        const sgt_by_axis e = at.axis;
+        *all = (sgt_by_axis){larger(all->x, e.x), larger(all->y, e.y), larger(all->xx, e.xx),
+                             larger(all->xy, e.xy), larger(all->yy, e.yy)};
     }
     return !some ? 0 : whole ? 1 : -1;
 }
 
 /* Uses slices only if one rectangle is steep and has its corners beyond the rim. */
-static int toroidal_over(const sgt_toroidal *a, const region *where, bounds *out, sgt_interval *range,
-                         double *q_most, double *m_least)
+static int toroidal_over(const sgt_toroidal *a, const region *where, bounds *out, sgt_by_axis *axis,
+                         sgt_interval *range, double *q_most, double *m_least)
 {
     double x = sgt_interval_greatest(where->x), y = sgt_interval_greatest(where->y), r = where->r_hi;
-    int defined = sliced(a, where, 1, out, range, q_most, m_least);
+    int defined = sliced(a, where, 1, out, axis, range, q_most, m_least);
     if (defined && !(defined == 1 && out->steep < TOROIDAL_GENTLE) && x * x + y * y > r * r * (1 + 0x1p-20))
-        return sliced(a, where, TOROIDAL_SLICES, out, range, q_most, m_least);
+        return sliced(a, where, TOROIDAL_SLICES, out, axis, range, q_most, m_least);
     return defined;
 }
 
-static int toroidal_bounds(const void *self, region *where, bounds *out)
+static int toroidal_apart(const void *self, region *where, bounds *out, sgt_by_axis *axis)
 {
     const sgt_toroidal *a = self;
     double q_most, m_least;
     sgt_interval range;
-    int defined = toroidal_over(a, where, out, &range, &q_most, &m_least);
+    int defined = toroidal_over(a, where, out, axis, &range, &q_most, &m_least);
     if (defined != -1) return defined;
     sgt_interval one = {1, 1}, A = sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)),
                                                         sgt_interval_square(sgt_interval_of(a->c)));
@@ -258,6 +271,12 @@ static int toroidal_bounds(const void *self, region *where, bounds *out)
         far = sgt_interval_square_root(sgt_interval_quotient(one, A)),
         where->y = sgt_interval_intersection(where->y, sgt_interval_between(-far.hi, far.hi));
     return sgt_interval_is_empty(where->x) || sgt_interval_is_empty(where->y) ? 0 : -1;
+}
+
+static int toroidal_bounds(const void *self, region *where, bounds *out)
+{
+    sgt_by_axis unused;
+    return toroidal_apart(self, where, out, &unused);
 }
 
 /* The profile within the radius: bent = (1 + k) c^2 r^2, phi of its conic, the conic's own term over y^2,
@@ -297,9 +316,10 @@ static void toroidal_noise(const void *self, double radius, double e[2])
     region where = {{-radius, radius}, {-radius, radius}, 0, radius};
     bounds most;
     profile_size s;
+    sgt_by_axis axis;
     sgt_interval range;
     double q, m;
-    if (profile_within(self, radius, &s) && toroidal_over(self, &where, &most, &range, &q, &m) == 1)
+    if (profile_within(self, radius, &s) && toroidal_over(self, &where, &most, &axis, &range, &q, &m) == 1)
         noise_of(self, radius, &s, q, m, e);
 }
 
@@ -319,9 +339,10 @@ static void toroidal_noise_about(const void *self, double radius, double e[2])
 static sgt_interval toroidal_range(const void *self, const region *where)
 {
     bounds most;
+    sgt_by_axis axis;
     sgt_interval range;
     double q, m;
-    if (!sliced(self, where, 1, &most, &range, &q, &m)) return sgt_interval_empty();
+    if (!sliced(self, where, 1, &most, &axis, &range, &q, &m)) return sgt_interval_empty();
     /* q - c_x e = m >= 0, so c_x s is at most 1: there the sweep turns back. */
     double c_x = ((const sgt_toroidal *)self)->c_x;
     sgt_interval back = sgt_interval_quotient(sgt_interval_of(1), sgt_interval_of(c_x));
@@ -423,18 +444,28 @@ static sgt_objection toroidal_objection(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const departure toroidal_departure = {
-    .at = toroidal_at, .rounding = toroidal_off, .bounds = toroidal_bounds, .range = toroidal_range,
-    .second = toroidal_second, .parameters = toroidal_parameter_count,
-    .by_parameter = toroidal_by_parameter_of, .object = toroidal_objection, .noise = toroidal_noise,
-    .noise_about = toroidal_noise_about};
+static const departure toroidal_departure = {.at = toroidal_at,
+                                             .rounding = toroidal_off,
+                                             .bounds = toroidal_bounds,
+                                             .range = toroidal_range,
+                                             .second = toroidal_second,
+                                             .parameters = toroidal_parameter_count,
+                                             .by_parameter = toroidal_by_parameter_of,
+                                             .object = toroidal_objection,
+                                             .noise = toroidal_noise,
+                                             .noise_about = toroidal_noise_about,
+                                             .by_axis = toroidal_apart};
 
-/* The seed: a conic with the mean curvature. */
+/* The seed: a conic with both curvatures. */
 static departure_sag toroidal_on_conic(const sgt_toroidal *a)
 {
     double c_y = a->c + 2 * a->a[0];
-    return (departure_sag){.c = 0.5 * (a->c_x + c_y), .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k,
-                           .semi_diameter = a->semi_diameter, .of = &toroidal_departure, .self = a};
+    return (departure_sag){.c = 0.5 * (a->c_x + c_y),
+                           .lean = 0.5 * (a->c_x - c_y),
+                           .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k,
+                           .semi_diameter = a->semi_diameter,
+                           .of = &toroidal_departure,
+                           .self = a};
 }
 
 DEPARTURE_OPS(toroidal, sgt_toroidal, toroidal_on_conic)

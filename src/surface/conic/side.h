@@ -1,0 +1,104 @@
+/* conic/side.h - a conic met in closed form from the point of the ray nearest the vertex, without a branch:
+ * rays that run along the surface, or enter a bowl from the side.  The loop is in conic/lanes.c.
+ *
+ * WHY.  Such a ray meets the vertex plane far from its root.  Seen from there the terms of the equation
+ * cancel, and the root that comes first is the far one: easy.h leaves it.
+ *
+ * THE EQUATION is that of conic.c.  The local origin (x, y, z) = o + t0 d is right to u of each coordinate
+ * (moved_along in num/local.h), and t0 is a double.  With Aa, Ba and Ca the sums of the magnitudes of the
+ * terms, A is off by 4 u Aa, B by 7 u Ba and C by 7 u Ca:
+ *     A   k1, its product, the sum (by fma), c                                        4
+ *     B   (1 + k) z n: z, k1, two products; three sums at most, by c (fma), |n|       7
+ *     C   (1 + k) z^2: z twice, k1, two products; the sum, by c (fma), 2 z            7
+ * Rounding of D = B^2 - A C, by u (|A C| + D), moves the root as another u of Aa and of Ca would, and by u
+ * / 2 of itself: |A C| <= b^2.  So to first order
+ *     |dtau| <= u ((2.5 Aa tau^2 + 7 Ba |tau| + 4 Ca) / S + 3 |tau|),    S = sqrt D.
+ * Only rays with D > 2^-6 (Ba^2 + Aa Ca) are met.  There the relative change of D is below 2^-42, and a
+ * factor of 1.01 covers the higher orders.
+ *
+ * WHICH ROOT.  Where |A| > 2^-10 Aa both roots are right to a part in 2^40.  The earlier one is the first
+ * root, unless it is certainly not accepted: off the sheet, beyond the rim, or before or behind the ends,
+ * by a part in 2^20 (AWAY in easy.h).  For the root near the seed one of the two has to be such.  If both
+ * are, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met here.
+ *
+ * THE START, here the local origin, must not be too far away: its terms must be at most twice those at the
+ * root.  Else the careful form is sharper.
+ *
+ * THE RIM is stated in computed numbers.  The point is off by no more than 64 u rims by tau, and a few u r
+ * by its own rounding; so its r^2 is within 140 u of the true one, less than what easy.h counts with
+ * (PROVEN).
+ *
+ * UNDERFLOW.  The direction is between 2^-41 and 2^42 long (usual_direction), Ca between 2^-400 and 2^400,
+ * |c| within 2^+-60, and |1 + k| below 2^61.  What underflows is below 2^-900, and no part in 2^400 of u Ca.
+ */
+#ifndef SGT_SURFACE_CONIC_SIDE_H
+#define SGT_SURFACE_CONIC_SIDE_H
+
+#include "easy.h"
+
+SGT_INLINE bool usual_direction(double scale) { return scale > 0x1p-40 && scale < 0x1p40; }
+
+/* e: the ray met, where e.hit is set.  away: it certainly misses. */
+typedef struct side_answer {
+    lane e;
+    mask away;
+} side_answer;
+
+/* Is the root at t0 + tau certainly not accepted?  Its point is (x, y, z) + tau d. */
+SGT_INLINE mask side_gone(const bowl *s, double x, double y, double z, double t0, double tau, double l,
+                          double m, double n, double tmin, double tmax)
+{
+    double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = sgt_fma(tau, n, z), t = t0 + tau,
+           slack = 0x1p-20 * (fabs(t0) + fabs(tau));
+    return MASK(s->ck * pz > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)) |
+           MASK(t - slack > tmax) | MASK(t + slack < tmin);
+}
+
+SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, double oy, double oz, double l,
+                                     double m, double n, double tmin, double tmax, double t_tol)
+{
+    const double sure = s->proof;
+    double a = l * l + m * m, n2 = n * n, d2 = a + n2, t0 = -(ox * l + oy * m + oz * n) / d2;
+    double x = moved_along(ox, t0, l), y = moved_along(oy, t0, m), z = moved_along(oz, t0, n);
+    double xl = x * l, ym = y * m, kz = s->k1 * z, kzn = kz * n, kzz = kz * z, r2 = x * x + y * y;
+    double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym + kzn, n),
+           C = sgt_fma(s->c, r2 + kzz, -2 * z);
+    double Aa = sgt_fma(s->extra, n2, fabs(A)),
+           Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
+           Ca = sgt_fma(s->abs_c, r2 + fabs(kzz), 2 * fabs(z));
+    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * Ca), S = sqrt(larger(D, 0)),
+           b = B + copysign(S, B), one = C / b, other = b / A;
+    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(fabs(t0) < 0x1p300) & MASK(tmin <= tmax) &
+                 MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL),
+         two = usual & MASK(D > 0x1p-6 * size) & MASK(fabs(A) > 0x1p-10 * Aa);
+    mask swapped = MASK(other < one);
+    double early = chosen(swapped, other, one), late = chosen(swapped, one, other);
+    mask no_early = two & side_gone(s, x, y, z, t0, early, l, m, n, tmin, tmax),
+         no_late = two & side_gone(s, x, y, z, t0, late, l, m, n, tmin, tmax);
+
+    double tau = chosen(no_early, late, early), size_tau = fabs(tau), t = t0 + tau;
+    double tau_err =
+        1.01 * SGT_U * ((2.5 * Aa * (tau * tau) + 7 * Ba * size_tau + 4 * Ca) / S + 3 * size_tau);
+    double pz = sgt_fma(tau, n, z), w = s->ck * pz, px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y),
+           cr2 = s->abs_c * (px * px + py * py), width = sgt_fma(fabs(pz), 1 + fabs(w), cr2) / S,
+           spread = Aa * (tau * tau) + 2 * (Ba * size_tau) + Ca, terms = cr2 + fabs(pz) * (2 + fabs(w));
+    near_root r = {.x = x,
+                   .y = y,
+                   .tau = tau,
+                   .t = t,
+                   .t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err),
+                   .tau_err = tau_err,
+                   .t0 = t0,
+                   .small = tau};
+    mask wanted = two & MASK(fabs(w) < 1 - 0x1p-8) & MASK(spread <= 2 * terms) &
+                  MASK(tau_err * (fabs(l) + fabs(m)) * 0x1p46 <= 64 * SGT_U * s->reach);
+    if (!first) wanted &= no_early | no_late;
+    wanted &= MASK(sure * (Aa + Aa) * r.t_err < S);
+    side_answer told = {.away = (usual & MASK(D < -0x1p-20 * size)) | (no_early & no_late)};
+    told.e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), width, s->rim2, MASK(false),
+                     wanted & ~told.away);
+    told.e.p_err += 2.1 * SGT_U * fabs(z);
+    return told;
+}
+
+#endif
