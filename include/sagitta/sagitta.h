@@ -578,7 +578,8 @@ typedef struct sgt_start {
 /* The next crossing. */
 typedef struct sgt_crossing {
     sgt_hit hit;   /* as sgt_intersect gives it of `ray` */
-    sgt_ray ray;   /* from o along d; hit.t counts from o */
+    sgt_ray ray;   /* from o along d; hit.t counts from o.  tmin is 0, or somewhat more:
+                      then rounding hides the root at o, and none else is before tmin */
     int     side;  /* the sign of F between the start and hit.t (a miss: right behind the
                       start): 1, -1, or 0: it cannot be told, or the hit is undecided */
     unsigned long long reserved_[2];
