@@ -621,6 +621,12 @@ typedef struct sgt_starts {
 SGT_API size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits,
                                signed char *side, const sgt_options *opt);
 
+/* Why does sgt_leave answer SGT_INVALID?  As sgt_explain_intersect: false, and `error`
+ * names the first argument that makes no sense: "from.p_err", say. */
+SGT_API bool sgt_explain_leave(sgt_surface s, const sgt_start *from,
+                               const sgt_options *opt, const sgt_hits *hits,
+                               sgt_error *error);
+
 /* ------------------------------------------------- the solver, by itself */
 
 /* What the solver keeps between steps.  Not for programs: its members may change.  Its

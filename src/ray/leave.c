@@ -22,6 +22,12 @@
  * is the only root so near, and the ray is looked at from t = h on, its tmin.  (h: 2^-10 of the distance from
  * the origin, or less.)
  *
+ * THE START AGAIN.  If p_err is wider than the rule (terms of F that cancel: a small ball far from the
+ * origin), o may be on the wrong side of the surface by up to p_err, and a hit right at the start is the
+ * start.  It shows: F rises, or falls, along the ray at o as at the hit, and between two crossings it would
+ * have to turn.  Such a hit, if the surface there is within p_err and 4 ulps of p, measured along the normal,
+ * is dropped: the ray is looked at from there on.
+ *
  * THE SIDE is the sign of F between the start and the next crossing, and has to be that all along: there is
  * no accepted root in between.
  *
@@ -260,12 +266,29 @@ static bool past_hidden_start(sgt_surface s, const sgt_start *from, sgt_ray *ray
     return false;
 }
 
-/* What is undecided because of a hidden start is asked once more, from behind it. */
+/* Is the hit the start?  Then tmin is set to it. */
+static bool past_start_again(sgt_surface s, const sgt_start *from, sgt_ray *ray, const sgt_hit *hit,
+                             int *evals)
+{
+    double most = from->p_err + 4 * SGT_U * leave_size(from->p), slope = leave_dot(hit->n, ray->d);
+    if (!(hit->t * fabs(slope) <= most * sqrt(leave_dot(hit->n, hit->n)))) return false;
+    sgt_vec3 n = {0, 0, 0};
+    s.ops->value(s.self, ray->o, &n), ++*evals;
+    if (!(slope * leave_dot(n, ray->d) > 0 && hit->t < ray->tmax)) return false;
+    ray->tmin = hit->t;
+    return true;
+}
+
+/* Where the start hides the rest of the ray, or is met again, the ray is asked once more, from behind it.
+ * *hit: an array in a batch may lack its evals. */
 static bool met_behind(sgt_surface s, const sgt_start *from, bool on, const sgt_options *opt, sgt_ray *ray,
                        sgt_hit *hit)
 {
     int evals = hit->evals;
-    if (hit->status != SGT_UNPROVEN || !on || !past_hidden_start(s, from, ray, &evals)) return false;
+    bool hidden = hit->status == SGT_UNPROVEN && on && past_hidden_start(s, from, ray, &evals),
+         again = hit->status == SGT_HIT && on && !(opt->t_tol > 0) &&
+                 past_start_again(s, from, ray, hit, &evals);
+    if (!hidden && !again) return false;
     *hit = sgt_intersect(s, *ray, opt);
     hit->evals += evals;
     return true;
@@ -402,7 +425,9 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
                        .evals = hits->evals ? own.evals[i] : 0,
                        .t = w.t[i],
                        .n = {w.n[0][i], w.n[1][i], w.n[2][i]}};
-        if (met_behind(s, &start, w.on[i], opt, &ray, &hit)) put_hit(&own, i, &hit), met += hit.status > 0;
+        bool was = hit.status > 0;
+        if (met_behind(s, &start, w.on[i], opt, &ray, &hit))
+            put_hit(&own, i, &hit), met = met - was + (hit.status > 0);
         if (hit.status != SGT_INVALID && skipped(s, &ray, w.on[i], sharp, &hit)) {
             hit = hit_without(SGT_UNPROVEN, &ray, hit.evals);
             put_hit(&own, i, &hit), met--;
