@@ -148,7 +148,7 @@ bool sgt_explain_intersect(sgt_surface s, const sgt_ray *ray, const sgt_options 
            (!hits || PLAIN(hits, "hits", error));
 }
 
-static bool start_sound(const sgt_start *from, sgt_error *error)
+static bool explain_start(const sgt_start *from, sgt_error *error)
 {
     const sgt_vec3 d = from->d;
     if (!explain_finite(from->p))
@@ -165,7 +165,7 @@ static bool start_sound(const sgt_start *from, sgt_error *error)
 bool sgt_explain_leave(sgt_surface s, const sgt_start *from, const sgt_options *opt, const sgt_hits *hits,
                        sgt_error *error)
 {
-    return surface_sound(s, error) && start_sound(from, error) && options_sound(opt, error) &&
+    return surface_sound(s, error) && explain_start(from, error) && options_sound(opt, error) &&
            (!hits || PLAIN(hits, "hits", error));
 }
 

@@ -17,8 +17,8 @@
 // coordinate plane, what makes no sense.  A batch has the bits of single starts.
 //
 //     test_leave               SAGITTA_TEST_SCALE, SAGITTA_TEST_SEED as everywhere
-//     test_leave --steps N [WORLD]     N crossings in each world, or in those whose names begin so, and times,
-//                                      against those of first hits
+//     test_leave --steps N     N crossings in each world, and times, against those of first hits
+//     test_leave --steps N WORLD     in those worlds whose names begin so
 #include "../../src/truth/elementary.hpp"
 
 #include <sagitta/formula.h>
