@@ -28,15 +28,13 @@ sgt_vec3 direction()
     for (;;) {
         const sgt_vec3 v = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
         const double r2 = dot(v, v), r = std::sqrt(r2);
-        if (r2 < 1 && r2 > 1e-4)
-            return {v.x / r, v.y / r, v.z / r};
+        if (r2 < 1 && r2 > 1e-4) return {v.x / r, v.y / r, v.z / r};
     }
 }
 
 void require(bool good, const char *what)
 {
-    if (!good && failures++ < 20)
-        std::printf("%s\n", what);
+    if (!good && failures++ < 20) std::printf("%s\n", what);
 }
 
 bool close(double a, double b, double within) { return std::fabs(a - b) <= within; }
@@ -56,8 +54,7 @@ void openmc_large_torus(double major)
         const sgt_start at = {
             {r * std::cos(turn), r * std::sin(turn), std::sin(across)}, n, 4e-16 * major, d, 0, {}};
         const double slope = dot(n, d);
-        if (std::fabs(slope) < 1e-3)
-            continue;
+        if (std::fabs(slope) < 1e-3) continue;
         const sgt_crossing c = sgt_leave(s, &at, nullptr);
         require(c.hit.status >= 0 && c.side == (slope > 0 ? 1 : -1),
                 "large torus: undecided, or the wrong side");
@@ -174,20 +171,33 @@ void small_ball()
 {
     sgt_quadric ball = {};
     const sgt_vec3 c = {0, 0.083, 0.4};
-    for (double &k : ball.squares)
-        k = 1;
+    std::vector<double> in[10];
+    for (double &k : ball.squares) k = 1;
     ball.linear[1] = -2 * c.y, ball.linear[2] = -2 * c.z, ball.constant = dot(c, c) - 0.015 * 0.015;
     const sgt_surface s = {&sgt_quadric_ops, &ball};
     for (int i = 0; i < 20000; i++) {
         const sgt_vec3 from = direction(), d = direction(), o = {c.x + from.x, c.y + from.y, c.z + from.z};
         const sgt_hit hit = sgt_intersect(s, {o, {-from.x, -from.y, -from.z}, 0, 0}, nullptr);
         const double slope = dot(hit.n, d) / std::sqrt(dot(hit.n, hit.n));
-        if (hit.status != SGT_HIT || slope < 1e-6)
-            continue;
+        if (hit.status != SGT_HIT || slope < 1e-6) continue;
         const sgt_start at = {hit.p, hit.n, hit.p_err, d, 0, {}};
         const sgt_crossing out = sgt_leave(s, &at, nullptr);
         require(out.hit.status == SGT_MISS && out.side == 1, "a small ball is met again");
+        const double row[10] = {at.p.x, at.p.y, at.p.z, at.n.x, at.n.y, at.n.z, d.x, d.y, d.z, at.p_err};
+        for (int k = 0; k < 10; k++) in[k].push_back(row[k]);
     }
+    const size_t n = in[0].size();
+    std::vector<sgt_status> status(n, SGT_INVALID);
+    std::vector<signed char> side(n);
+    sgt_starts from = {};
+    for (size_t k = 0; k < 3; k++)
+        from.p[k] = in[k].data(), from.n[k] = in[3 + k].data(), from.d[k] = in[6 + k].data();
+    from.p_err = in[9].data();
+    sgt_hits hits = {};
+    hits.status = status.data();
+    require(n > 5000 && sgt_leave_batch(s, n, from, hits, side.data(), nullptr) == 0,
+            "a small ball, a batch");
+    for (size_t i = 0; i < n; i++) require(status[i] == SGT_MISS && side[i] == 1, "a small ball, a batch");
 }
 
 // Mitsuba, pull request 1871: between balls of radius 1 and 1 + 4e-5 rays skipped the inner one, since their
@@ -205,8 +215,7 @@ void two_balls()
         const sgt_hit hit = sgt_intersect(
             s, {{3 * from.x, 3 * from.y, 3 * from.z}, {-from.x, -from.y, -from.z}, 0, 0}, nullptr);
         const double slope = dot(from, d);
-        if (slope > -0.1)
-            continue;
+        if (slope > -0.1) continue;
         const sgt_start at = {hit.p, hit.n, hit.p_err, d, 0, {}};
         const sgt_crossing in = sgt_leave(s, &at, nullptr);
         const double r = 1 + 4e-5, t = -slope * r - std::sqrt(slope * slope * r * r - (r * r - 1));
