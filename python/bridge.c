@@ -309,7 +309,7 @@ void sagitta_function_begin(sagitta_function *of, asker *ask, double ball, const
 
 /* --------------------------------------------------------------------- the calls */
 
-typedef enum task { INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK } task;
+typedef enum task { INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE } task;
 
 typedef struct sagitta_call {
     int    task;
@@ -346,6 +346,9 @@ typedef struct sagitta_call {
     const sgt_ray *ray;
     sgt_vec3      *where;
     int            fault;
+    /* LEAVE */
+    sgt_starts   starts;
+    signed char *side;
 } sagitta_call;
 
 static const double *plus(const double *x, size_t from) { return x ? x + from : NULL; }
@@ -373,6 +376,15 @@ static sgt_hits hits_at(const sgt_hits *all, size_t from)
                      .t_lo = offset(all->t_lo, from), .p_err = offset(all->p_err, from)};
     for (int k = 0; k < 3; k++) hits.p[k] = offset(all->p[k], from), hits.n[k] = offset(all->n[k], from);
     return hits;
+}
+
+static sgt_starts starts_at(const sgt_starts *all, size_t from)
+{
+    sgt_starts starts = {.p_err = plus(all->p_err, from), .tmax = plus(all->tmax, from)};
+    for (int k = 0; k < 3; k++)
+        starts.p[k] = plus(all->p[k], from), starts.n[k] = plus(all->n[k], from),
+        starts.d[k] = plus(all->d[k], from);
+    return starts;
 }
 
 /* Traces rays; passages are told anew for the part, `room` of them. */
@@ -440,6 +452,10 @@ static bool part(sagitta_call *c, size_t from, size_t n)
         for (size_t i = from; i < from + n; i++)
             c->met += sgt_aim(c->elements, c->element, c->index_before, c->beam, c->point[i], work, c->aim,
                               &c->aiming[i]) == SGT_MET;
+        break;
+    case LEAVE:
+        c->met += sgt_leave_batch(c->surface, n, starts_at(&c->starts, from), hits_at(&c->hits, from),
+                                  c->side ? c->side + from : NULL, c->opt);
         break;
     case CHECK: c->fault = (int)sgt_check(c->surface, n, c->ray + from, c->where); break;
     }

@@ -70,7 +70,8 @@ static state state_at(const object *o, const beam *b, double t, double t_err)
     vec3 p = along(ray.o, t, ray.d), n = {0};
     double f = ops->value(o->surface.self, p, &n);
     double reach = length(ray.o) + fabs(t) * length(ray.d) + length(o->pose.origin) / o->scale;
-    double off = 2 * length(n) * (16 * U * reach + t_err * length(ray.d)) +
+    double start = b->from == o && !(o->options.t_tol > 0) ? b->at.p_err : 0;
+    double off = 2 * length(n) * (16 * U * reach + start + t_err * length(ray.d)) +
                  (ops->rounding ? ops->rounding(o->surface.self, p) : 0);
     return (state)(f < -off ? INSIDE : f > off ? OUTSIDE : UNKNOWN);
 }

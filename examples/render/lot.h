@@ -13,6 +13,7 @@ typedef struct event {
     int evals;
     double t, lo, hi; /* a hit: lo and hi are t, less and more by its error */
     vec3 p, n;        /* in the object's frame; n is F's gradient */
+    double p_err;
 } event;
 
 /* Some rays, a row for each number: in the world, in the frame of an object, and their hits with it.
@@ -22,7 +23,7 @@ typedef double row[LOT];
 typedef struct lot {
     size_t n;
     const beam *beam[LOT];
-    row world_o[3], world_d[3], lo, far, o[3], d[3], t, t_err, p[3], n_at[3];
+    row world_o[3], world_d[3], lo, far, o[3], d[3], t, t_err, p[3], n_at[3], p_err;
     sgt_status status[LOT];
     int evals[LOT];
 } lot;

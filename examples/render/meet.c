@@ -25,16 +25,15 @@ static sgt_status undecided_before(const scene *s, const beam *b, double t)
     return status < 0 ? status : SGT_MISS;
 }
 
-/* A hit is in the world what it is in its object's frame; m->n is F's gradient there. */
+/* A hit is in the world what it is in its object's frame. */
 static void place(const beam *b, meeting *m)
 {
     const object *o = m->object;
-    vec3 gradient = m->n;
-    m->p = along(o->pose.origin, o->scale, turned(&o->pose, m->at));
-    m->n = turned(&o->pose, normal_at(o, m->at, gradient));
+    m->p = along(o->pose.origin, o->scale, turned(&o->pose, m->at.p));
+    m->n = turned(&o->pose, normal_at(o, m->at.p, m->at.n));
     if (!(length(m->n) > 0)) m->n = scaled(b->d, -1); /* no direction to be had: toward the eye */
     if (dot(m->n, b->d) > 0) m->n = scaled(m->n, -1);
-    m->side = dot(turned(&o->pose, gradient), b->d) < 0 ? 1 : -1; /* by the gradient, whatever n is */
+    m->side = dot(turned(&o->pose, m->at.n), b->d) < 0 ? 1 : -1; /* by the gradient, whatever n is */
 }
 
 static void meet_plain(const object *o, lot *l, meeting m[], sgt_status undecided[])
@@ -45,7 +44,7 @@ static void meet_plain(const object *o, lot *l, meeting m[], sgt_status undecide
         if (l->status[i] < 0 && !undecided[i]) undecided[i] = (sgt_status)l->status[i];
         if (!(l->status[i] > 0 && l->t[i] < l->far[i])) continue;
         m[i].object = o, m[i].status = (sgt_status)l->status[i], m[i].t = l->far[i] = l->t[i];
-        m[i].at = vector_of(l->p, i), m[i].n = vector_of(l->n_at, i);
+        m[i].at = (spot){vector_of(l->p, i), vector_of(l->n_at, i), l->p_err[i]};
     }
 }
 
@@ -59,7 +58,7 @@ static void meet_compound(const scene *s, const body *of, const beam b[], lot *l
         if (a[i].undecided && !undecided[i]) undecided[i] = a[i].undecided;
         if (!(a[i].object && a[i].hit.t < l->far[i])) continue;
         m[i].object = a[i].object, m[i].status = a[i].hit.status, m[i].t = l->far[i] = a[i].hit.t;
-        m[i].at = a[i].hit.p, m[i].n = a[i].hit.n;
+        m[i].at = (spot){a[i].hit.p, a[i].hit.n, a[i].hit.p_err};
     }
 }
 

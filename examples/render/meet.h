@@ -5,14 +5,19 @@
 
 #include <stdint.h>
 
-/* Light, followed against its way.  It may start on a surface: then `from` is the object, `at` the
- * point in the object's own frame, as the library gave it, and `side` says where the ray goes: +1
- * to where F > 0. */
+/* A point of an object, in the object's own frame, as the library gave it. */
+typedef struct spot {
+    vec3 p, n;             /* n: F's gradient */
+    double p_err;
+} spot;
+
+/* Light, followed against its way.  It may start on a surface: then `from` is the object, `at` where, and
+ * `side` says where the ray goes: +1 to where F > 0. */
 typedef struct beam {
     vec3 o, d;             /* d is of unit length */
     double far;            /* nothing beyond is looked for */
     const object *from;    /* NULL: starts in the open */
-    vec3 at;
+    spot at;
     double side;
     const object *medium;  /* what it is inside of; NULL: air */
 } beam;
@@ -25,7 +30,7 @@ typedef struct meeting {
     double t;
     /* in the world; n of unit length, as the object's `normal` says, toward where the ray came from */
     vec3 p, n;
-    vec3 at;               /* the point in the object's own frame */
+    spot at;               /* the same place in the object's own frame */
     double side;           /* where it came from: +1 where F > 0 */
 } meeting;
 

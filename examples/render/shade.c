@@ -250,7 +250,7 @@ static void end(const scene *s, ray r, const beam *b, const meeting *m, const pl
              depth, next);
     } else {
         shine(&r,
-              scaled(filtered(at->diffuse, colour_at(&of->pattern, m->at)), of->diffuse * (1 - reflected)));
+              scaled(filtered(at->diffuse, colour_at(&of->pattern, m->at.p)), of->diffuse * (1 - reflected)));
     }
     turn(s, &r, leaving(m, unit(mirrored(b->d, m->n)), HUGE_VAL, m->side, b->medium), 2 * r.number, reflected,
          depth, next);

@@ -578,7 +578,8 @@ typedef struct sgt_start {
 /* The next crossing. */
 typedef struct sgt_crossing {
     sgt_hit hit;   /* as sgt_intersect gives it of `ray` */
-    sgt_ray ray;   /* from o along d; hit.t counts from o */
+    sgt_ray ray;   /* from o along d; hit.t counts from o.  tmin is 0, or somewhat more:
+                      then rounding hides the root at o, and none else is before tmin */
     int     side;  /* the sign of F between the start and hit.t (a miss: right behind the
                       start): 1, -1, or 0: it cannot be told, or the hit is undecided */
     unsigned long long reserved_[2];
@@ -619,6 +620,12 @@ typedef struct sgt_starts {
  * as in sgt_intersect_batch, but for the stack, which is below 150 KiB. */
 SGT_API size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits,
                                signed char *side, const sgt_options *opt);
+
+/* Why does sgt_leave answer SGT_INVALID?  As sgt_explain_intersect: false, and `error`
+ * names the first argument that makes no sense: "from.p_err", say. */
+SGT_API bool sgt_explain_leave(sgt_surface s, const sgt_start *from,
+                               const sgt_options *opt, const sgt_hits *hits,
+                               sgt_error *error);
 
 /* ------------------------------------------------- the solver, by itself */
 

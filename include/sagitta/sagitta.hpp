@@ -108,6 +108,30 @@ struct rays {
     }
 };
 
+/* sgt_starts.  p and d are needed; n, p_err and tmax may be {}. */
+struct starts {
+    views<const double> p, n;
+    view<const double> p_err;
+    views<const double> d;
+    view<const double> tmax;
+
+    std::size_t size() const noexcept { return p.x.size(); }
+    bool fit() const noexcept
+    {
+        return p.fits(size()) && n.fits(size()) && p_err.fits(size()) &&
+               d.x.size() == size() && d.fits(size()) && tmax.fits(size());
+    }
+    operator sgt_starts() const noexcept
+    {
+        return {{p.x.data(), p.y.data(), p.z.data()},
+                {n.x.data(), n.y.data(), n.z.data()},
+                p_err.data(),
+                {d.x.data(), d.y.data(), d.z.data()},
+                tmax.data(),
+                {}};
+    }
+};
+
 /* sgt_hits: set the members that are wanted. */
 struct hits {
     view<sgt_status> status;
@@ -371,6 +395,22 @@ inline std::size_t intersect(const sgt_surface &s, const rays &along, const hits
 {
     if (!along.fit() || !out.fit(along.size())) return misfit;
     return sgt_intersect_batch(s, along.size(), along, out, &options);
+}
+
+/* sgt_leave. */
+inline sgt_crossing leave(const sgt_surface &s, const sgt_start &from,
+                          const sgt_options &options = sgt_options()) noexcept
+{
+    return sgt_leave(s, &from, &options);
+}
+
+/* sgt_leave_batch: how many rays are met; or misfit.  side: {}, or one for each ray. */
+inline std::size_t leave(const sgt_surface &s, const starts &from, const hits &out,
+                         view<signed char> side = {},
+                         const sgt_options &options = sgt_options()) noexcept
+{
+    if (!from.fit() || !out.fit(from.size()) || !side.fits(from.size())) return misfit;
+    return sgt_leave_batch(s, from.size(), from, out, side.data(), &options);
 }
 
 /* sgt_intersect_all, with room for as many hits as the view has. */

@@ -20,7 +20,7 @@ from .formula import Formula, FormulaError, Sag
 from .function import Function
 from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Parabasal, Rays, Remark, Seidel
 from .lens import Sensitivity
-from .results import Aimed, Fate, Hit, Hits, Passage, Status, Traced
+from .results import Aimed, Crossings, Fate, Hit, Hits, Passage, Status, Traced
 from .study import Answer, Fates
 from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
 from .surfaces import *  # noqa: F401,F403
@@ -35,6 +35,7 @@ __all__ = [
     "ArithmeticFault",
     "Beam",
     "Check",
+    "Crossings",
     "Diagnosis",
     "Element",
     "Fate",

@@ -47,6 +47,17 @@ class Rays(Structure):
     _fields_ = [("o", Addresses), ("d", Addresses), ("tmin", Doubles), ("tmax", Doubles)]
 
 
+class Starts(Structure):
+    _fields_ = [
+        ("p", Addresses),
+        ("n", Addresses),
+        ("p_err", Doubles),
+        ("d", Addresses),
+        ("tmax", Doubles),
+        ("reserved_", Words * 2),
+    ]
+
+
 class Surface(Structure):
     _fields_ = [("ops", c_void_p), ("self", c_void_p)]
 
@@ -594,7 +605,7 @@ class FormulaSag(Structure):
     _fields_ = [("tape", c_void_p), ("semi_diameter", c_double)]
 
 
-INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK = range(6)
+INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE = range(7)
 
 
 class Call(Structure):
@@ -632,6 +643,8 @@ class Call(Structure):
         ("ray", c_void_p),
         ("where", c_void_p),
         ("fault", c_int),
+        ("starts", Starts),
+        ("side", c_void_p),
     ]
 
 

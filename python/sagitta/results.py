@@ -158,6 +158,22 @@ class Hits(Columns):
         return result
 
 
+class Crossings(Hits):
+    """What Surface.leave() answers: Hits, and
+
+    side    (int8) the sign of F between the start and the next crossing, where F > 0 is outside of a body and
+            above a sag.  0: it cannot be told, or the status is below 0
+    """
+
+    FIELDS = {**Hits.FIELDS, "side": ("i1", 1)}
+    side: NDArray[np.int8]
+
+    @classmethod
+    def empty(cls, n: int, *fields: str) -> "Crossings":
+        result: Crossings = cls._make(n, fields)
+        return result
+
+
 HIT_TABLE = np.dtype(
     [
         ("status", "i1"),

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _calls
 from . import _library as C
-from ._arrays import LARGE, Floats, RayArrays, VectorsLike, address, doubles, places_of
+from ._arrays import LARGE, Floats, RayArrays, VectorsLike, address, doubles, places_of, rows_of
 from ._calls import Prepared as Prepared
-from .results import HIT_TABLE, STEP_TABLE, Hit, Hits, Status
+from .results import HIT_TABLE, STEP_TABLE, Crossings, Hit, Hits, Status
 
 if TYPE_CHECKING:
     from .function import Function
@@ -304,6 +304,81 @@ class Surface:
         return Prepared(
             call, rays, there, self._functions, threads, lambda: there._void("status", Status.STOPPED)
         )
+
+    def leave(
+        self,
+        hits: Union[Hit, Hits],
+        d: VectorsLike,
+        *,
+        tmax: Optional[ArrayLike] = None,
+        proof: Optional[str] = None,
+        t_tol: float = 0.0,
+        f_tol: float = 0.0,
+        dt_min: float = 0.0,
+        max_evals: int = 0,
+        threads: int = 1,
+        axis: Optional[int] = None,
+        out: Optional[Crossings] = None,
+    ) -> Crossings:
+        """Where rays that start on the surface, at hits of it, meet it next (sgt_leave of sagitta.h).
+
+        hits        of intersect() or leave(), with p and p_err; n makes it faster
+        d           as of intersect(): where they go from there
+        tmax        as of intersect()
+
+        The root at the start is not accepted, and no ray has to be pushed off the surface.  A hit of a ray that
+        met nothing is no start: its status is -5 (Status.INVALID).  t counts from a point within p_err and 4
+        ulps of p.  The rest is as of intersect(); one hit is an array of one.
+
+        >>> import sagitta
+        >>> ball = sagitta.Ellipsoid(a=10)
+        >>> hit = ball.intersect((0, 6, -50), (0, 0, 1))
+        >>> across = ball.leave(hit, (0, 0, 1))
+        >>> across.t, across.side
+        (array([16.]), array([-1], dtype=int8))
+        >>> ball.leave(across, (0, 0, 1)).status
+        array([0], dtype=int8)
+        """
+        gradient: Optional[Floats]
+        if isinstance(hits, Hit):
+            p, gradient, p_err = hits.p, hits.n, np.array([hits.p_err])
+        elif isinstance(hits, Hits):
+            p, p_err = hits.p, hits.p_err
+            gradient = hits.n if "n" in hits._names else None
+            axis = hits._axis if axis is None and len(hits) == 3 else axis
+        else:
+            raise TypeError(f"hits: must be a Hit or Hits, not {type(hits).__name__}")
+        rays = RayArrays(p, d, None, tmax, axis)
+        if len(p_err) not in (1, rays.n):
+            raise ValueError(f"there are {len(p_err)} hits, and {rays.n} directions")
+        starts = C.Starts(p=rays.rows_at[:3], d=rays.rows_at[3:6])
+        keep: list[Any] = [rays, np.full(rays.n, p_err) if len(p_err) == 1 else p_err]
+        starts.p_err = address(keep[1])
+        if gradient is not None:
+            rows, at = rows_of(gradient, "n", axis)
+            rows = rows if at is not None or rays.n == 1 else np.repeat(rows, rays.n, axis=1)
+            keep.append([np.ascontiguousarray(x) for x in rows])
+            starts.n = tuple(address(x) for x in keep[-1])
+        end = rays.keep[1]
+        if end is not None:  # there, a 0 says that there is no end
+            keep.append(np.where(end == 0, -0.0, end))
+            starts.tmax = address(keep[-1])
+        if out is None:
+            out = Crossings._make(rays.n, (), rays.axis)
+        elif not isinstance(out, Crossings):
+            raise TypeError(f"out: must be Crossings, not {type(out).__name__}")
+        there = out
+        there._settle()
+        there._check(rays)
+        if there is hits or any(
+            np.may_share_memory(a, x) for a in there._rows.values() for x in (p_err, gradient) if x is not None
+        ):
+            raise ValueError("out: overlaps the hits that the rays start at")
+        call = self._call(C.LEAVE, rays, _calls.options(None, proof, t_tol, f_tol, dt_min, max_evals))
+        call._keep = (call._keep, keep)
+        call.starts, call.hits, call.side = starts, there._hits_struct(), there._at("side") or None
+        _calls.run(call, rays.n, threads, self._functions, lambda: there._void("status", Status.STOPPED))
+        return there
 
     def intersect_all(
         self,

@@ -1,5 +1,5 @@
-/* explain.c - why a call is SGT_INVALID, in words: sgt_explain_intersect (sagitta.h), sgt_explain_trace
- * (system.h), sgt_explain_aim (aim.h).
+/* explain.c - why a call is SGT_INVALID, in words: sgt_explain_intersect, sgt_explain_leave (sagitta.h),
+ * sgt_explain_trace (system.h), sgt_explain_aim (aim.h).
  *
  * The functions of the library look at their arguments with a few comparisons and answer with a status, since
  * they are called for each ray.  Here the same rules are asked one by one, and the first that is broken is
@@ -145,6 +145,27 @@ bool sgt_explain_intersect(sgt_surface s, const sgt_ray *ray, const sgt_options 
                            sgt_error *error)
 {
     return surface_sound(s, error) && ray_sound(ray, false, error) && options_sound(opt, error) &&
+           (!hits || PLAIN(hits, "hits", error));
+}
+
+static bool explain_start(const sgt_start *from, sgt_error *error)
+{
+    const sgt_vec3 d = from->d;
+    if (!explain_finite(from->p))
+        return blame(error, "from", "p", "not finite: a ray that met nothing has no point to start at");
+    if (!(from->p_err >= 0 && from->p_err < HUGE_VAL))
+        return blame(error, "from", "p_err", "negative, or not finite");
+    if (!explain_finite(d)) return blame(error, "from", "d", "not finite");
+    if (!(fabs(d.x) >= DBL_MIN || fabs(d.y) >= DBL_MIN || fabs(d.z) >= DBL_MIN))
+        return blame(error, "from", "d", "zero or subnormal: it has no direction");
+    if (!(from->tmax >= 0)) return blame(error, "from", "tmax", "negative, or not a number");
+    return PLAIN(from, "from", error);
+}
+
+bool sgt_explain_leave(sgt_surface s, const sgt_start *from, const sgt_options *opt, const sgt_hits *hits,
+                       sgt_error *error)
+{
+    return surface_sound(s, error) && explain_start(from, error) && options_sound(opt, error) &&
            (!hits || PLAIN(hits, "hits", error));
 }
 

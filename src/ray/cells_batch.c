@@ -32,6 +32,9 @@
  * the start by the rule of accept.h if the error of such a root, half the width of G over |S|, is no more
  * than 16 widths of the rule (as in proof_take of proof.c), and F as `value` has it says that it is within
  * half of one.  Behind the cell the sign is that of S.  If S is too wide for that, the cell is made shorter.
+ * Where F rounds little (a polynomial of low degree), 0 is often not in G: the start is a hit whose
+ * coordinates were rounded, and the root lies certainly behind it.  If it does so within 2^-30 of the cell,
+ * it is looked at in the same way.  If it is not the start, the march goes on.
  * proof.c would bisect these rays down to rounding, at 25 to 100 times the cost of a first hit.  This costs
  * 1.1 to 1.7 times (gyroid, quartic, sphere, torus as formulas, batches of 1000; observed).
  *
@@ -70,6 +73,9 @@ enum { SLOTS = 16, MEETINGS = 16, QUEUE = 64, NEWTON_STEPS = 16, MOST_CELLS = 20
 
 /* How many times farther from an end than rounding can tell a root has to be. */
 static const double DOUBT = 0x1p12;
+
+/* Of a cell: a root nearer to the start may be the start itself. */
+static const double NEAR_START = 0x1p-30;
 
 /* What a slot asks for: the cell, or its first or last point.  How it leaves. */
 enum { CELL, FIRST_POINT, LAST_POINT };
@@ -277,7 +283,9 @@ SGT_INLINE double march_on(slots *s, size_t k, double budget)
                past = (cell & (decided | nowhere)) | (~at_last & rises) | through | (at_last & same),
                to_first = cell & ~past & monotone & signless, to_last = ~at_last & ~past & falls,
                found = at_last & decided & ~same, lost = ~cell & ~decided;
-    const mask points = to_first | to_last;
+    double flat = either(MASK(lo > 0), lo, -hi); /* |g| changes at least so fast, in a monotone cell */
+    const mask points = to_first | to_last,
+               begins = at_first & decided & falls & MASK(size < NEAR_START * flat * w);
     double moved = either(moves, reach, 0), next = either(past & ~lost, b, a + moved);
     double held = either(moves | through, shrunk, either(at_first, size, least)),
            behind = either(decided, size, held);
@@ -309,7 +317,7 @@ SGT_INLINE double march_on(slots *s, size_t k, double budget)
                fine = MASK(stop - next > 0x1p-44 * larger(fabs(next), fabs(stop)));
     double leave = either(fine & MASK(evals < budget) & ~lost, STAYS, GIVEN_UP);
     leave = either(found, BRACKET, either(gone & ~lost, PASSED, leave));
-    leave = either(lost & at_first, STARTED, leave);
+    leave = either((lost & at_first) | (begins & MASK(leave == STAYS)), STARTED, leave);
     s->a[k] = next, s->b[k] = stop, s->sign[k] = new_sign, s->least[k] = new_least, s->evals[k] = evals;
     s->asks[k] = either(to_first, FIRST_POINT, either(to_last, LAST_POINT, CELL));
     s->steep_lo[k] = lo, s->steep_hi[k] = hi;
@@ -560,22 +568,28 @@ static void move_slot(slots *s, size_t to, size_t from)
         rows[r * SLOTS + to] = rows[r * SLOTS + from];
 }
 
-/* G at the start, the near end of a monotone cell, has 0 in it (THE START).  The march goes on, behind the
- * cell or in a shorter one, or the ray is given up.  f, n: F and its gradient at p, the start. */
+/* G at the start, the near end of a monotone cell, has 0 in it, or |g| falls to 0 just behind (THE START).
+ * The march goes on, behind the cell or in a shorter one, or as it would have, or the ray is given up.
+ * f, n: F and its gradient at p, the start. */
 static void settle_start(slots *s, size_t k, sgt_vec3 p, double f, sgt_vec3 n, double budget)
 {
     double a = s->a[k], b = s->b[k], g_lo = s->g_lo[k], g_hi = s->g_hi[k], lo = s->steep_lo[k],
            hi = s->steep_hi[k], w = b - a, flat = lo > 0 ? lo : -hi, steep = lo > 0 ? hi : -lo,
-           noise = g_hi - g_lo, last = (lo > 0 ? -g_lo : g_hi) / flat;
+           noise = g_hi - g_lo, last = (lo > 0 ? -g_lo : g_hi) / flat; /* no root of the cell is behind it */
     double terms = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z) - 64 * noise,
            slope = fabs(n.x * s->d[0][k] + n.y * s->d[1][k] + n.z * s->d[2][k]);
     slope = slope < flat ? flat : slope > steep ? steep : slope; /* of a NaN: NaN */
     double reach = START_ULPS * terms / slope, evals = s->evals[k] + 1,
            most = larger(fabs(s->d[0][k]), larger(fabs(s->d[1][k]), fabs(s->d[2][k])));
     bool near = 0.5 * noise / flat <= 16 * reach && fabs(f) <= 0.5 * reach * slope + 0.125 * noise,
-         start = g_lo <= 0 && g_hi >= 0 && last < 0.25 * w && (near || last * most <= START_LEAST),
+         open = !(g_lo > 0 || g_hi < 0), /* the sign there is not known */
+         start = g_lo <= g_hi && last < 0.25 * w && (near || last * most <= START_LEAST),
          shorter = !start && flat < 0.25 * steep && 0.125 * w > 0x1p-40 * fabs(a) && evals < budget;
     s->evals[k] = evals;
+    if (!open && !start) {
+        s->leave[k] = evals < budget ? STAYS : GIVEN_UP;
+        return;
+    }
     if (start) s->a[k] = b, s->sign[k] = lo > 0 ? 1 : -1, s->least[k] = 0.5 * flat * w;
     double next = start ? b + 2 * w : a + 0.125 * w;
     s->b[k] = next < s->end[k] ? next : s->end[k];
@@ -591,7 +605,7 @@ static void settle_starts(cell_search *j)
     double p[3][SLOTS], f[SLOTS], grad[3][SLOTS];
     for (size_t k = 0; k < s->count; k++) {
         if (s->leave[k] != STARTED) continue;
-        s->leave[k] = GIVEN_UP;
+        s->leave[k] = s->g_lo[k] > 0 || s->g_hi[k] < 0 ? STAYS : GIVEN_UP;
         if (s->a[k] != j->tile->rays.tmin[(size_t)s->ray[k]]) continue; /* not the start,
             but that of a span */
         for (int c = 0; c < 3; c++) p[c][n] = moved_along(s->o[c][k], s->a[k], s->d[c][k]);

@@ -14,6 +14,20 @@
  *
  * So nothing has to be known of the solvers here: the answer is that of sgt_intersect for the ray o + t d.
  *
+ * A HIDDEN START.  Where a gradient is along a coordinate that is nearly 0, the terms of the rule are too,
+ * and F rounds by more.  Then sgt_intersect cannot tell the root at the start, and is UNPROVEN.  But the
+ * surface is within p_err of p, as was promised.  So is o, as far as F computed tells, if |F| <= |grad F|
+ * (p_err and 4 ulps).  Let G be an enclosure of g at o, and S one of g' over [0, h].  If 0 is not in S, one
+ * root at most is in [0, h].  It lies before |G| / |S|.  If that is less than h / 4, it is the start, which
+ * is the only root so near, and the ray is looked at from t = h on, its tmin.  (h: 2^-10 of the distance from
+ * the origin, or less.)
+ *
+ * THE START AGAIN.  If p_err is wider than the rule (terms of F that cancel: a small ball far from the
+ * origin), o may be on the wrong side of the surface by up to p_err, and a hit right at the start is the
+ * start.  It shows: F rises, or falls, along the ray at o as at the hit, and between two crossings it would
+ * have to turn.  Such a hit, if the surface there is within p_err and 4 ulps of p, measured along the normal,
+ * is dropped: the ray is looked at from there on.
+ *
  * THE SIDE is the sign of F between the start and the next crossing, and has to be that all along: there is
  * no accepted root in between.
  *
@@ -213,6 +227,73 @@ static bool skipped(sgt_surface s, const sgt_ray *ray, bool on, bool sharp, cons
     return slope_sign(n, ray->d, 0x1p-20) * slope_sign(hit->n, ray->d, 0x1p-20) > 0;
 }
 
+/* Enclosures of g and g' over [lo, hi] of the ray; of a surface without any: no numbers. */
+static sgt_interval leave_enclosed(sgt_surface s, const sgt_ray *ray, double lo, double hi,
+                                   sgt_interval *slope)
+{
+    sgt_enclose_many *encloses = encloses_of(s.ops);
+    sgt_interval g = {(double)NAN, (double)NAN};
+    *slope = g;
+    if (encloses)
+        encloses(s.self, 1, rays_of(ray), &lo, &hi, (sgt_enclosures){&g.lo, &g.hi, &slope->lo, &slope->hi});
+    else if (s.ops->enclose)
+        g = s.ops->enclose(s.self, ray, (sgt_interval){lo, hi}, slope);
+    return g;
+}
+
+/* Is there a hidden start, and nothing else, up to some h?  Then tmin is set to it.  *evals is counted on. */
+static bool past_hidden_start(sgt_surface s, const sgt_start *from, sgt_ray *ray, int *evals)
+{
+    double far = leave_size(ray->o) / leave_size(ray->d), h = 0x1p-10 * far,
+           most = from->p_err + 4 * SGT_U * leave_size(from->p);
+    sgt_vec3 n = {0, 0, 0};
+    double f = s.ops->value(s.self, ray->o, &n);
+    ++*evals;
+    if (!(fabs(f) <= most * sqrt(leave_dot(n, n)))) return false;
+    for (int i = 0; i < LOOKS; i++, h *= 0x1p-6) {
+        sgt_interval slope, at_start;
+        if (!(h < ray->tmax)) continue;
+        leave_enclosed(s, ray, 0, h, &slope), ++*evals;
+        bool finite = slope.lo > -HUGE_VAL && slope.hi < HUGE_VAL && slope.lo <= slope.hi;
+        if (!finite || !(slope.lo > 0 || slope.hi < 0)) continue;
+        double flat = slope.lo > 0 ? slope.lo : -slope.hi, sign = slope.lo > 0 ? 1 : -1;
+        at_start = leave_enclosed(s, ray, 0, 0, &slope), ++*evals;
+        double last = (sign > 0 ? -at_start.lo : at_start.hi) / flat;
+        if (!(at_start.lo <= at_start.hi && last < 0.25 * h)) return false;
+        ray->tmin = h;
+        return true;
+    }
+    return false;
+}
+
+/* Is the hit the start?  Then tmin is set to it. */
+static bool past_start_again(sgt_surface s, const sgt_start *from, sgt_ray *ray, const sgt_hit *hit,
+                             int *evals)
+{
+    double most = from->p_err + 4 * SGT_U * leave_size(from->p), slope = leave_dot(hit->n, ray->d);
+    if (!(hit->t * fabs(slope) <= most * sqrt(leave_dot(hit->n, hit->n)))) return false;
+    sgt_vec3 n = {0, 0, 0};
+    s.ops->value(s.self, ray->o, &n), ++*evals;
+    if (!(slope * leave_dot(n, ray->d) > 0 && hit->t < ray->tmax)) return false;
+    ray->tmin = hit->t;
+    return true;
+}
+
+/* Where the start hides the rest of the ray, or is met again, the ray is asked once more, from behind it.
+ * *hit: an array in a batch may lack its evals. */
+static bool met_behind(sgt_surface s, const sgt_start *from, bool on, const sgt_options *opt, sgt_ray *ray,
+                       sgt_hit *hit)
+{
+    int evals = hit->evals;
+    bool hidden = hit->status == SGT_UNPROVEN && on && past_hidden_start(s, from, ray, &evals),
+         again = hit->status == SGT_HIT && on && !(opt->t_tol > 0) &&
+                 past_start_again(s, from, ray, hit, &evals);
+    if (!hidden && !again) return false;
+    *hit = sgt_intersect(s, *ray, opt);
+    hit->evals += evals;
+    return true;
+}
+
 /* The first root is asked for, whatever opt picks. */
 static sgt_options first_of(const sgt_options *opt)
 {
@@ -251,6 +332,7 @@ sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from, const sgt_options *
     out.ray = ray_from(from, at.o);
     out.hit = sgt_intersect(s, out.ray, ROOM_IS_ZERO(from) ? &own : &sgt_options_invalid);
     if (out.hit.status == SGT_INVALID) return out;
+    met_behind(s, from, at.on, &own, &out.ray, &out.hit);
     const bool sharp = !(own.t_tol > 0);
     if (skipped(s, &out.ray, at.on, sharp, &out.hit))
         out.hit = hit_undecided(SGT_UNPROVEN, &out.ray, out.hit.evals, 0, out.hit.t);
@@ -339,9 +421,15 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
     for (size_t i = 0; i < n; i++) {
         sgt_start start = start_of(from, at + i);
         sgt_ray ray = ray_of(&rays, i);
-        sgt_hit hit = {.status = w.status[i], .t = w.t[i], .n = {w.n[0][i], w.n[1][i], w.n[2][i]}};
+        sgt_hit hit = {.status = w.status[i],
+                       .evals = hits->evals ? own.evals[i] : 0,
+                       .t = w.t[i],
+                       .n = {w.n[0][i], w.n[1][i], w.n[2][i]}};
+        bool was = hit.status > 0;
+        if (met_behind(s, &start, w.on[i], opt, &ray, &hit))
+            put_hit(&own, i, &hit), met = met - was + (hit.status > 0);
         if (hit.status != SGT_INVALID && skipped(s, &ray, w.on[i], sharp, &hit)) {
-            hit = hit_without(SGT_UNPROVEN, &ray, hits->evals ? own.evals[i] : 0);
+            hit = hit_without(SGT_UNPROVEN, &ray, hit.evals);
             put_hit(&own, i, &hit), met--;
         }
         if (side) w.side[i] = side_told(s, &start, &ray, w.on[i], sharp, &hit, i, &a);

@@ -266,6 +266,26 @@ static void lambdas_against_c()
             EXPECT(same(t_c[i], t_cpp[i]) && same(err_c[i], err_cpp[i]) && same(n_c[2][i], n_cpp[2][i]));
     }
     EXPECT(met > RAYS && met < 3 * RAYS);
+    // Leaving: the same again, from the hits of the batch.
+    std::array<double, RAYS> at[3], p_err, t_next;
+    std::array<signed char, RAYS> side;
+    sagitta::hits met_at, next_at;
+    met_at.t = t_c, met_at.p = {at[0], at[1], at[2]}, met_at.n = {n_cpp[0], n_cpp[1], n_cpp[2]};
+    met_at.p_err = p_err;
+    next_at.t = t_next;
+    sagitta::intersect(lambda, {{ox, oy, oz}, {dx, dy, dz}, {}, {}}, met_at);
+    sagitta::starts from = {{at[0], at[1], at[2]}, {n_cpp[0], n_cpp[1], n_cpp[2]}, p_err, {dx, dy, dz}, {}};
+    std::size_t crossed = sagitta::leave(lambda, from, next_at, side), alone = 0;
+    for (std::size_t i = 0; i < RAYS; i++) {
+        sgt_start start = {{at[0][i], at[1][i], at[2][i]}, {n_cpp[0][i], n_cpp[1][i], n_cpp[2][i]}, p_err[i],
+                           {dx[i], dy[i], dz[i]}, 0, {}};
+        sgt_crossing a = sgt_leave(in_c, &start, nullptr), b = sagitta::leave(lambda, start);
+        EXPECT(same(a.hit, b.hit) && a.side == b.side && side[i] == b.side && same(t_next[i], b.hit.t));
+        alone += b.hit.status > 0;
+    }
+    EXPECT(crossed == alone);
+    sagitta::view<signed char> two(side.data(), 2);
+    EXPECT(sagitta::leave(lambda, from, next_at, two) == sagitta::misfit);
     std::array<sgt_ray, 2> some = {sagitta::ray({0, 0, -4}, {0, 0, 1}, 0, 9),
                                    sagitta::ray({0.5, 0, -4}, {0, 0.1, 1}, 0, 9)};
     EXPECT(sagitta::check(lambda, some) == SGT_SOUND);

@@ -1,9 +1,9 @@
 // sgt_leave and sgt_leave_batch: particles that go from crossing to crossing, against signs in 113 bits.
 //
 // A thousand particles at a time go through a world: a gyroid in a ball of ten cells, a thin torus (R = 139,
-// r = 1), nested spheres as one formula, and as built-in types a sphere, a quadric and an ellipsoid.  At each
-// crossing they go straight on; every tenth time, in a new direction of the whole sphere.  One that misses,
-// or is undecided, begins anew.  Asked of every crossing:
+// r = 1), nested spheres and Clebsch's cubic as formulas, and as built-in types a quadric and an ellipsoid.
+// At each crossing they go straight on; every tenth time, in a new direction of the whole sphere.  One that
+// misses, or is undecided, begins anew.  Asked of every crossing:
 //
 //     the side it starts on is that of the slope at the start, where that is not nearly 0
 //     the next crossing is one to the other side: the slope there has the other sign
@@ -18,6 +18,7 @@
 //
 //     test_leave               SAGITTA_TEST_SCALE, SAGITTA_TEST_SEED as everywhere
 //     test_leave --steps N     N crossings in each world, and times, against those of first hits
+//     test_leave --steps N WORLD     in those worlds whose names begin so
 #include "../../src/truth/elementary.hpp"
 
 #include <sagitta/formula.h>
@@ -108,6 +109,16 @@ std::vector<World> worlds()
                  const quad r2 = x * x + y * y + z * z;
                  return (r2 - 1) * (r2 - 4) * (r2 - 9);
              }},
+            {"Clebsch's cubic in a ball",
+             formula("81*(x^3 + y^3 + z^3) - 189*(x^2*(y + z) + y^2*(x + z) + z^2*(x + y)) + 54*x*y*z"
+                     " + 126*(x*y + x*z + y*z) - 9*(x^2 + y^2 + z^2) - 9*(x + y + z) + 1",
+                     1.6),
+             1.6,
+             [](quad x, quad y, quad z) {
+                 return 81 * (x * x * x + y * y * y + z * z * z) -
+                        189 * (x * x * (y + z) + y * y * (x + z) + z * z * (x + y)) + 54 * x * y * z +
+                        126 * (x * y + x * z + y * z) - 9 * (x * x + y * y + z * z) - 9 * (x + y + z) + 1;
+             }},
             {"quadric",
              {&sgt_quadric_ops, &quadric},
              3,
@@ -153,7 +164,7 @@ bool way_right(const World &w, const sgt_start &a, sgt_status status, double t, 
 }
 
 struct Counts {
-    long steps, hits, misses, undecided, unsided, checked, lost;
+    long steps, hits, misses, undecided, unsided, checked, lost, evals;
 };
 
 void walk(const World &w, long steps, long checks, bool timed)
@@ -168,6 +179,7 @@ void walk(const World &w, long steps, long checks, bool timed)
                         &new_err = plain[5];
     std::vector<double> new_n[3] = {p_err, p_err, p_err};
     std::vector<sgt_status> status(N);
+    std::vector<int> evals(N);
     std::vector<signed char> side(N);
     Counts c = {};
     double spent = 0, first = 0;
@@ -221,6 +233,7 @@ void walk(const World &w, long steps, long checks, bool timed)
                                  {}};
         sgt_hits hits = {};
         hits.status = status.data(), hits.t = t.data(), hits.p_err = new_err.data();
+        hits.evals = evals.data();
         for (int k = 0; k < 3; k++) hits.p[k] = new_p[k].data(), hits.n[k] = new_n[k].data();
         const double at = now();
         sgt_leave_batch(w.s, N, from, hits, side.data(), nullptr);
@@ -234,7 +247,7 @@ void walk(const World &w, long steps, long checks, bool timed)
                                  0,
                                  {}};
             const double slope = dot(a.n, a.d), steep = std::fabs(slope) / length(a.n);
-            c.steps++;
+            c.steps++, c.evals += evals[i];
             c.hits += status[i] > 0, c.misses += status[i] == 0, c.undecided += status[i] < 0,
                 c.unsided += status[i] >= 0 && side[i] == 0;
             if (status[i] < 0) {
@@ -271,8 +284,9 @@ void walk(const World &w, long steps, long checks, bool timed)
     }
     std::printf(
         "%s: %ld crossings and misses, %ld met, %ld undecided, %ld without a side, %ld lost or wrong, %ld in "
-        "113 bits",
-        w.name, c.steps, c.hits, c.undecided, c.unsided, c.lost, c.checked);
+        "113 bits; %.1f evaluations each",
+        w.name, c.steps, c.hits, c.undecided, c.unsided, c.lost, c.checked,
+        static_cast<double>(c.evals) / static_cast<double>(c.steps));
     if (timed)
         std::printf("; %.0f ns each, %.0f a first hit", spent / static_cast<double>(c.steps) * 1e9,
                     first / static_cast<double>(firsts) * 1e9);
@@ -484,7 +498,12 @@ int main(int argc, char **argv)
     const double by = scale ? std::atof(scale) : 0.5;
     bits.seed(seed ? std::strtoull(seed, nullptr, 10) : 37);
     const long steps = timed ? std::atol(argv[2]) : static_cast<long>(20000 * by);
-    for (const World &w : worlds()) walk(w, steps, timed ? std::min(steps, 100000L) : steps / 4, timed);
+    const std::string only = timed && argc > 3 ? argv[3] : "";
+    for (const World &w : worlds()) {
+        if (std::string(w.name).compare(0, only.size(), only) != 0) continue;
+        walk(w, steps, timed ? std::min(steps, 100000L) : steps / 4, timed);
+        std::fflush(stdout);
+    }
     if (!timed)
         for (const World &w : worlds()) beside_and_along(w, static_cast<int>(2000 * by));
     rows_by_hand();

@@ -1,6 +1,6 @@
 /* Why a call is SGT_INVALID: each argument that makes no sense is named, and nothing else is
- * (sgt_explain_intersect, sgt_explain_trace, sgt_explain_aim).  What they say is held to what the functions
- * answer. */
+ * (sgt_explain_intersect, sgt_explain_leave, sgt_explain_trace, sgt_explain_aim).  What they say is held to
+ * what the functions answer. */
 #include "unit.h"
 
 #include <sagitta/aim.h>
@@ -49,6 +49,34 @@ static void test_rays_and_options(void **state)
     REQUIRE(!sgt_explain_intersect(s, &along, NULL, &later, &e) && !strcmp(e.key, "hits.reserved_[1]"), "%s",
             e.key);
     REQUIRE(strstr(e.words, sgt_version()), "which version runs: %s", e.words);
+}
+
+static void test_starts(void **state)
+{
+    (void)state;
+    const double nan = (double)NAN;
+    const sgt_vec3 up = {0, 0, 1};
+    const struct { const char *key; sgt_start from; } row[] = {
+        {"", {.d = up}},
+        {"", {.d = up, .p_err = 1e-9, .tmax = -0.0}},
+        {"from.p", {.p = {0, nan, 0}, .d = up}},
+        {"from.p_err", {.d = up, .p_err = -1e-9}},
+        {"from.p_err", {.d = up, .p_err = HUGE_VAL}},
+        {"from.d", {.d = {0, 0, nan}}},
+        {"from.d", {.d = {0, 0, 0}}},
+        {"from.tmax", {.d = up, .tmax = -1}},
+        {"from.tmax", {.d = up, .tmax = nan}},
+        {"from.reserved_[1]", {.d = up, .reserved_ = {0, 1}}},
+    };
+    const sgt_surface s = {&sgt_conic_ops, &bowl};
+    const sgt_options opt = {.t_tol = -1};
+    const sgt_hits later = {.reserved_ = {1}};
+    sgt_error e;
+    for (size_t i = 0; i < COUNT_OF(row); i++)
+        require_key(sgt_explain_leave(s, &row[i].from, NULL, NULL, &e),
+                    sgt_leave(s, &row[i].from, NULL).hit.status != SGT_INVALID, row[i].key, &e);
+    require_key(sgt_explain_leave(s, &row[0].from, &opt, NULL, &e), false, "opt.t_tol", &e);
+    require_key(sgt_explain_leave(s, &row[0].from, NULL, &later, &e), false, "hits.reserved_[0]", &e);
 }
 
 /* Every parameter of every built-in type, made a NaN. */
@@ -181,7 +209,7 @@ static void test_ends_as_they_stand(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rays_and_options),
+        cmocka_unit_test(test_rays_and_options), cmocka_unit_test(test_starts),
         cmocka_unit_test(test_surfaces),
         cmocka_unit_test(test_lenses),
         cmocka_unit_test(test_aims),
