@@ -200,6 +200,8 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     if (!is_catalogue(ops) || !ops->own_->extent_within || !(fabs(span->seed) < HUGE_VAL)) return false;
     vicinities kept;
     vicinities_begin(&kept);
+    slopes_known within;
+    slopes_begin(&within);
     double seed = span->seed, asked = 1, lo = 0, hi = 0, least = 0, evals = w->told.evals,
            work[VICINITY_ROWS];
     vicinity v = {.tmin = &ray->tmin, .tmax = &ray->tmax, .seed = &seed,
@@ -208,7 +210,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
                   .evals = &evals, .budget = w->told.budget, .told = &w->told};
     for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
     sgt_rays one = rays_of(ray);
-    sgt_vicinity_of(w->s, 1, one, near, &w->shared, &kept, &v);
+    sgt_vicinity_of(w->s, 1, one, near ? &within : NULL, &w->shared, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (asked != 0) return false;
     if (lo > hi) return true; /* the ray misses the whole surface */

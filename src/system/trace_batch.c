@@ -28,6 +28,7 @@
 #include "trace.h"
 
 #include "../ray/unique.h"
+#include "../ray/vicinity.h"
 #include "../ray/batch.h"
 #include "../solve/root.h"
 #include "phase.h"
@@ -73,7 +74,8 @@ typedef struct tile {
     sgt_status status[TILE];
 } tile;
 
-/* What was asked for. */
+/* What was asked for; and of the first elements what is known of their surfaces near the seeds. */
+enum { KEPT = 10 };
 typedef struct bundle_work {
     size_t elements;
     const sgt_element *e;
@@ -83,6 +85,7 @@ typedef struct bundle_work {
     sgt_options opt;
     double index;
     bool by_hand, path;     /* sgt_pass does everything; some path is wanted */
+    slopes_known *kept;         /* [KEPT] */
 } bundle_work;
 
 /* -------------------------------------------------------------- the loops */
@@ -705,6 +708,7 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, d
     if (slopes) asked->t = w->t, asked->t_lo = w->t_lo, asked->t_err = w->t_err, asked->p_err = w->p_err;
     sgt_tile rays = {.n = w->n, .t_tol = w->t_tol, .hits = *asked,
                      .whole = job->opt.t_tol < HUGE_VAL,
+                     .slopes = j < KEPT ? &job->kept[j] : NULL,
                      .rays = {.o = {w->o->x, w->o->y, w->o->z}, .d = {w->d->x, w->d->y, w->d->z},
                               .tmin = line_begins, .tmax = line_ends}};
     sgt_options opt = met_by(&job->opt);
@@ -840,6 +844,9 @@ size_t sgt_trace_batch(size_t elements, const sgt_element e[], double index_befo
     if (!is_plain_output(elements, &out, passages)) job.opt = sgt_options_invalid;
     job.by_hand = job.opt.watch || !sgt_options_valid(&job.opt);
     tile w;
+    slopes_known kept[KEPT];
+    job.kept = kept;
+    for (size_t j = 0; j < KEPT && j < elements; j++) slopes_begin(&kept[j]);
     size_t most = job.by_hand ? 1 : TILE, all = 0;
     for (w.first = 0; w.first < n; w.first += w.whole) {
         w.whole = n - w.first < most ? n - w.first : most;
