@@ -99,6 +99,16 @@ static void test_random(void)
         }
         REQUIRE(at[i].x == c[0] && at[i].y == c[1], "random point %u", (unsigned)i);
     }
+    sgt_pupil_point some[COUNT], one;
+    const size_t far = (size_t)0xffffff9cu; /* some of their numbers have more than 32 bits */
+    sgt_pupil_random(COUNT, seed, 37, 300, some);
+    REQUIRE(memcmp(some, at + 37, 300 * sizeof *some) == 0, "a part");
+    sgt_pupil_random(COUNT, seed, far, COUNT, some);
+    for (size_t i = 0; i < COUNT; i++) {
+        sgt_pupil_random(COUNT, seed, far + i, 1, &one);
+        REQUIRE(memcmp(&one, &some[i], sizeof one) == 0, "random point %zu from afar", i);
+    }
+    REQUIRE(sizeof far < 8 || some[150].x != at[50].x, "numbers of 32 bits");
 }
 
 /* Rays by column are those one by one, to the bit. */

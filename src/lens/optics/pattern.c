@@ -70,15 +70,18 @@ static void attempt_points(uint64_t seed, uint64_t base, uint32_t attempt, size_
     }
 }
 
-/* Points first ... first + count - 1, of that weight; first is a multiple of PUPIL_PART.  All of a part that
- * have no point yet make an attempt together. */
-static void random_points(uint64_t seed, size_t first, size_t count, sgt_pupil_point at[], double weight)
+/* Points first ... first + count - 1, of that weight.  All of a part that have no point yet make an attempt
+ * together. */
+static void random_points(uint64_t seed, uint64_t first, size_t count, sgt_pupil_point at[], double weight)
 {
-    enum { ATTEMPTS = 128, TOGETHER = PUPIL_PART };
+    enum { ATTEMPTS = 128, TOGETHER = 128 };
     uint32_t open[TOGETHER];
     double x[TOGETHER], y[TOGETHER];
-    for (size_t begin = 0; begin < count; begin += TOGETHER) {
-        size_t left = count - begin < TOGETHER ? count - begin : TOGETHER;
+    for (size_t begin = 0, part; begin < count; begin += part) {
+        const uint64_t upto = UINT64_C(0x100000000) - (uint32_t)(first + begin);
+        part = count - begin < TOGETHER ? count - begin : TOGETHER;
+        if (part > upto) part = (size_t)upto;
+        size_t left = part;
         for (size_t i = 0; i < left; i++) open[i] = (uint32_t)i;
         for (uint32_t attempt = 0; attempt < ATTEMPTS && left; attempt++) {
             size_t still = 0;
@@ -248,6 +251,11 @@ size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t mos
 }
 
 /* ------------------------------------------------------------------ in parts */
+
+void sgt_pupil_random(size_t n, uint64_t seed, size_t first, size_t count, sgt_pupil_point at[])
+{
+    random_points(seed, first, count, at, 1 / (double)n);
+}
 
 size_t sgt_pupil_rows(sgt_pattern pattern, size_t n)
 {
