@@ -1,6 +1,6 @@
 #!/bin/sh
-# sh tests/fuzz/run.sh [SECONDS] [TARGET...]   fuzzes each target in turn with libFuzzer: lens, zmx, rays, array, surface, interval, formula
-# and glass unless some are named, SECONDS (300) divided among them.  Twenty minutes of each: sh tests/fuzz/run.sh 4800
+# sh tests/fuzz/run.sh [SECONDS] [TARGET...]   fuzzes each target for SECONDS (40) with libFuzzer, one after the other: those
+# of fuzz_*.c, unless some are named.
 #
 # Builds by clang, under its sanitizers, into build/fuzz.  Starts from corpus/ and past/ of this folder; what is new goes
 # to build/fuzz/corpus, a finding to build/fuzz/found, and stops its target: the run ends with status 1 and says
@@ -13,9 +13,9 @@ set -eu
 cd "$(dirname "$0")/../.."
 here=tests/fuzz
 build=build/fuzz
-seconds=${1:-300}
+seconds=${1:-40}
 [ $# -gt 0 ] && shift
-targets=${*:-lens zmx rays surface interval formula glass}
+targets=${*:-$(cd $here && ls fuzz_*.c | sed 's/fuzz_\(.*\)\.c/\1/')}
 # shellcheck disable=SC2086
 set -- $targets
 
@@ -48,9 +48,9 @@ for target; do
     [ -f "$here/$target.dict" ] && dictionary=-dict=$here/$target.dict
     folders="$build/corpus/$target $here/corpus/$target"
     [ -d "$here/past/$target" ] && folders="$folders $here/past/$target"
-    echo "== $target, $((seconds / $#)) s"
+    echo "== $target, $seconds s"
     # shellcheck disable=SC2086
-    if "$build/$here/fuzz_$target" $folders $dictionary -max_total_time=$((seconds / $#)) -max_len=1000 -timeout=10 \
+    if "$build/$here/fuzz_$target" $folders $dictionary -max_total_time="$seconds" -max_len=1000 -timeout=10 \
         -print_final_stats=1 -artifact_prefix="$build/found/$target-" >"$build/$target.log" 2>&1; then
         grep -E 'DONE|number_of_executed' "$build/$target.log"
     else

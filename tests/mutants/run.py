@@ -3,6 +3,7 @@
 
     python3 tests/mutants/run.py               every edit of *.txt here
     python3 tests/mutants/run.py n03 m12       these
+    python3 tests/mutants/run.py --share K/N   each N-th, beginning with number K from 0: N runs try all
     python3 tests/mutants/run.py --check       only: does each old text still occur once?
 
 --work DIR      holds one copy of the tree for each job, its build, results.txt and times.txt (build/mutants); it may be used again
@@ -41,6 +42,7 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 
 # The tests nearest to a file of src: the first row whose pattern matches.  Names are those of `meson test --list`.
 NEAREST = [
+    (r'src/num/decimal', ['unit decimal', 'fuzz formula', 'tool lens_files']),
     (r'src/num/', ['unit exact', 'unit table', 'catalogue climb', 'proof']),
     (r'src/lens/(.*/)?(agf|csv|rii|catalogue|glass|medium|reader|arena)', ['lens glass', 'fuzz glass', 'tool glass', 'tool media', 'tool info', 'numbers']),
     (r'src/lens/(.*/)?zmx', ['fuzz zmx', 'zmx fields', 'zmx', 'tool lens_files']),
@@ -275,6 +277,7 @@ def main():
     parser.add_argument('--threads', type=int, default=2)
     parser.add_argument('--timeout', type=float, default=600)
     parser.add_argument('--limit', type=float, default=3600)
+    parser.add_argument('--share')
     for name in ('only-nearest', 'resume', 'check'):
         parser.add_argument('--' + name, action='store_true')
     arguments = parser.parse_args()
@@ -283,6 +286,9 @@ def main():
         if key not in edits:
             fail(f'there is no edit {key}')
     chosen = [edits[key] for key in arguments.ids or edits]
+    if arguments.share:
+        share, shares = (int(word) for word in arguments.share.split('/'))
+        chosen = chosen[share % shares::shares]
     gone = [e for e in chosen if occurrences(e, ROOT) != 1]
     for edit in gone:
         print(f'{edit["id"]:5} {edit["file"]}: the old text occurs {occurrences(edit, ROOT)} times')

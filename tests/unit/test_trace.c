@@ -493,6 +493,47 @@ static void test_aperture_chooses(void **state)
     assert_true(chosen > 0);
 }
 
+/* Proven in an aperture, so is a root proven in a smaller one, whose edge is next to it: the ray comes in through
+ * the edge there, so that the start of its part inside is next to the root as well. */
+static void test_edge_of_the_aperture(void **state)
+{
+    (void)state;
+    generator g = seeded("edge of the aperture");
+    long proven = 0;
+    for (long i = 0, n = scaled(4000); i < n; i++) {
+        sgt_even_asphere bowl = {.c = uniform(&g, 0.5, 1), .a = {0, uniform(&g, -0.3, 0.3), uniform(&g, -0.3, 0.3)}};
+        sgt_odd_asphere odd = {.c = bowl.c, .a = {0, 0, uniform(&g, -0.1, 0.1)}};
+        const sgt_torus torus = {.major = 0.4, .minor = 0.5};
+        const sgt_surface surfaces[] = {
+            {&sgt_even_asphere_ops, &bowl}, {&sgt_odd_asphere_ops, &odd}, {&sgt_torus_ops, &torus}};
+        const double r = uniform(&g, 0.3, 0.8), a = uniform(&g, 0, 6.28), steep = log_uniform(&g, 0.05, 2),
+                     gap = log_uniform(&g, 1e-15, 1e-11), away = uniform(&g, 0, 5);
+        sgt_element e = {.index = 1, .surface = surfaces[below(&g, 3)]};
+        sgt_vec3 p = {r * cos(a), r * sin(a), 0}, d = {-cos(a + 0.3), -sin(a + 0.3), steep};
+        if (e.surface.self == &torus) p.z = -sqrt(0.25 - (r - 0.4) * (r - 0.4));
+        else p.z = -e.surface.ops->value(e.surface.self, p, NULL);
+        const sgt_ray launch = {.o = {p.x - away * d.x, p.y - away * d.y, p.z - away * d.z}, .d = d};
+        const sgt_options opt = {.pick = SGT_NEAR_SEED, .proof = SGT_PROVE_FIRST};
+        sgt_passage wide, tight;
+        sgt_fate fate;
+        e.semi_diameter = r * (1 + 1e-4);
+        sgt_ray ray = launch;
+        sgt_trace(1, &e, 1, &ray, &wide, &fate, &opt);
+        if (fate != SGT_PASSED) continue; /* another root is inside, too, or is the one that is near */
+        const double at = hypot(wide.hit.p.x, wide.hit.p.y);
+        if (fabs(at - r) > 1e-12) continue;
+        e.semi_diameter = at * (1 + gap) + 4 * wide.hit.p_err;
+        ray = launch;
+        sgt_trace(1, &e, 1, &ray, &tight, &fate, &opt);
+        proven++;
+        REQUIRE(fate == SGT_PASSED && fabs(tight.hit.t - wide.hit.t) <= wide.hit.t_err + tight.hit.t_err,
+                "case %ld: %s (%s), r %.17g within %.17g; %s in a wider one", i, sgt_fate_text(fate),
+                sgt_status_text(tight.hit.status), at, e.semi_diameter, e.surface.ops->name);
+    }
+    print_message("%ld proven\n", proven);
+    assert_true(proven > 0);
+}
+
 /* An aperture far larger than the lens stands for none, and costs no precision. */
 static void test_wide_aperture(void **state)
 {
@@ -779,6 +820,7 @@ int main(void)
         cmocka_unit_test(test_invalid),
         cmocka_unit_test(test_nothing_wanted),
         cmocka_unit_test(test_aperture_chooses),
+        cmocka_unit_test(test_edge_of_the_aperture),
         cmocka_unit_test(test_wide_aperture),
         cmocka_unit_test(test_far_lens),
         cmocka_unit_test(test_far_launch),
