@@ -469,8 +469,8 @@ typedef struct sgt_pupil_point { double x, y, weight; } sgt_pupil_point;
 SGT_API size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t most,
                                 sgt_pupil_point at[]);
 
-/* Those with the numbers first ... first + count - 1, of n random ones: so they can be made
- * when they are needed, in any thread. */
+/* Those with the numbers first ... first + count - 1, of n random ones.  So they can be
+ * made when they are needed, in any thread. */
 SGT_API void sgt_pupil_random(size_t n, uint64_t seed, size_t first, size_t count,
                               sgt_pupil_point at[]);
 
