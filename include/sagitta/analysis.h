@@ -300,7 +300,13 @@ typedef struct sgt_field_point {
 typedef enum sgt_distortion {
     SGT_DISTORTION_TAN,   /* efl tan(angle); of an object at a distance: magnification
                              times its height */
-    SGT_DISTORTION_THETA  /* efl times the angle, in radians */
+    SGT_DISTORTION_THETA, /* efl times the angle, in radians */
+    /* The same where the image surface stands, at the focus or not: times the height at
+     * which the paraxial chief ray meets its vertex plane, over that at the focus.  So
+     * the distortion of a field goes to 0 towards the axis.  Of an afocal lens, and where
+     * there is no focus, they are as the two above */
+    SGT_DISTORTION_TAN_SURFACE,
+    SGT_DISTORTION_THETA_SURFACE
 } sgt_distortion;
 
 /* Astigmatism along the real chief ray (by the derivatives of the trace, which is what

@@ -70,7 +70,11 @@ typedef struct sgt_study_options {
     void (*run)(void *context, size_t tasks, void (*task)(void *data, size_t i),
                 void *data);
     void *context;
-    unsigned long long reserved_[4]; /* leave it zero */
+
+    /* Each point of the pupil weighs alike.  false: by the area that it stands for, as
+     * sgt_pupil_points has it; only points of a hexapolar pattern differ in that */
+    bool equal_weights;
+    unsigned long long reserved_[3]; /* leave it zero */
 } sgt_study_options;
 
 typedef struct sgt_study sgt_study;

@@ -490,7 +490,8 @@ class StudyOptions(Structure):
         ("point", c_void_p),
         ("run", c_void_p),
         ("context", c_void_p),
-        ("reserved_", Words * 4),
+        ("equal_weights", c_bool),
+        ("reserved_", Words * 3),
     ]
 
 

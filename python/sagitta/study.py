@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .lens import Lens
 
 PATTERNS = {"fan": 0, "grid": 1, "hexapolar": 2, "random": 3, "sobol": 4, "cells": 5, "cross": 6}
+_WEIGHTS = {"area": 0, "equal": 1}
 _AIMS = {"pupil": 0, "stop": 1, "real-stop": 2}
 _NUMBER, _EXACT, _ERROR, _WAVELENGTH, _COUNT, _PLACE, _WHOLE, _FATE = range(8)
 _FLAG, _SETTING_COUNT, _WORD, _ONE_NUMBER, _NUMBERS = range(5)
@@ -279,6 +280,7 @@ def _ask(
     rays: int = 0,
     across: int = 0,
     seed: int = 0,
+    weights: Optional[str] = None,
     aim: Optional[str] = None,
     apertures: bool = True,
     pick: Optional[str] = None,
@@ -296,9 +298,10 @@ def _ask(
         if flag and given is not None:
             what = "fields" if analysis.no_fields else "a proof"
             raise ValueError(f"{C.text(analysis.name)}: takes no {what}")
-    if analysis.no_rays and (pattern is not None or rays or across):
+    if analysis.no_rays and (pattern is not None or rays or across or weights is not None):
         raise ValueError(f"{C.text(analysis.name)}: takes no rays: they are those near the chief ray")
-    option = C.StudyOptions(open=not apertures)
+    equal = weights is not None and _calls.of_words(weights, _WEIGHTS, "weights")  # type: ignore[arg-type]
+    option = C.StudyOptions(open=not apertures, equal_weights=bool(equal))
     keep = [
         _set_fields(option, lens, field, fields),
         _set_wavelengths(option, lens, wavelength),
@@ -341,6 +344,7 @@ _RAYS = """
 pattern         "fan", "grid", "hexapolar", "random", "sobol", "cells", "cross", or points of the unit circle (2, n)
 rays, across    the n of that pattern (lens.h), or so many rays across.  Default: {pattern}, {rays}
 seed            of "random"
+weights         "area" (the default): a point counts by the area that it stands for; "equal": each alike
 proof           "root" or "first": a ray for which it cannot be proven is lost
 """
 _REST = """

@@ -9,11 +9,19 @@
  * multiplies the error by 1 - |grad F|.  On a sag |grad F| is 1 / cos of the surface's slope:
  * beyond 60 degrees it is more than 2, and the iteration cannot settle.
  *
- * Bisection halves the span of the surface on the ray, if F has different signs at its ends. */
+ * Bisection halves the span of the surface on the ray, if F has different signs at its ends.
+ *
+ * The march is that of ray tracers for fractals: each step is the greatest of an estimate of the distance
+ * (the surface's own, or its clearance), Newton's step if it leads forward, and dt.  So it neither stalls
+ * before a root nor creeps along a surface that it passes by.  But a step of dt, or Newton's, may leap over
+ * two roots. If a step leads to where F is NaN, half of it is tried.  Once F has changed sign the bracket is
+ * halved, down to t_tol, and its middle is the answer.  On a surface that is rough at all scales a coarse
+ * t_tol averages over what is finer. */
 #include "unguarded.h"
 
 #include <sagitta/surfaces.h>
 
+#include <float.h>
 #include <math.h>
 
 typedef struct unguarded_search {
@@ -21,6 +29,7 @@ typedef struct unguarded_search {
     const sgt_ray *ray;
     const sgt_options *opt;
     double semi_diameter; /* of the clear aperture; 0: none */
+    double start;         /* NaN: none is given */
     int evals;
     bool normalised;
 } unguarded_search;
@@ -35,6 +44,11 @@ static sgt_vec3 point_at(const sgt_ray *ray, double t)
 }
 
 static double product(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+static double evaluate_quietly(const unguarded_search *s, double t)
+{
+    return s->surface.ops->value(s->surface.self, point_at(s->ray, t), NULL);
+}
 
 /* F and its slope at t, and tells them. */
 static double evaluate(unguarded_search *s, sgt_move move, double t, double lo, double hi, double *slope)
@@ -72,7 +86,7 @@ static double start_of(const unguarded_search *s)
 static void newton(unguarded_search *s, unguarded *r)
 {
     const double none = (double)NAN;
-    double t = start_of(s);
+    double t = isnan(s->start) ? start_of(s) : s->start;
     sgt_move move = SGT_SEED;
     if (isnan(t)) {
         r->stopped = "the ray passes beside the surface: there is nowhere to start";
@@ -95,7 +109,7 @@ static void newton(unguarded_search *s, unguarded *r)
             r->stopped = "the slope is 0 there, so the next step would be infinite";
             return;
         }
-        if (fabs(next - t) <= nextafter(fabs(t), HUGE_VAL) - fabs(t)) {
+        if (fabs(next - t) <= fmax(nextafter(fabs(t), HUGE_VAL) - fabs(t), s->opt->t_tol)) {
             r->settled = true;
             r->t = next;
             return;
@@ -133,25 +147,14 @@ static void cut_to_aperture(const unguarded_search *s, sgt_span *span)
     span->hi = fmin(span->hi, nearest + half);
 }
 
-static void bisect(unguarded_search *s, unguarded *r)
+/* Halves a bracket to t_tol, or to the last bit. */
+static void halve(unguarded_search *s, unguarded *r, double lo, double f_lo, double hi, double f_hi)
 {
-    sgt_span span = span_of(s);
-    cut_to_aperture(s, &span);
-    double lo = span.lo, hi = span.hi, slope;
-    if (lo > hi)
-        r->stopped = "the ray passes beside the surface: there is no span to halve";
-    else if (!isfinite(lo) || !isfinite(hi))
-        r->stopped = "the span is infinite and cannot be halved; give the ray a tmin and a tmax";
-    if (r->stopped) return;
-    double f_lo = end_value(s, &lo, hi, &slope), f_hi = end_value(s, &hi, lo, &slope);
-    if (isnan(f_lo) || isnan(f_hi)) r->stopped = "F is NaN near an end of the span";
-    else if ((f_lo > 0 && f_hi > 0) || (f_lo < 0 && f_hi < 0))
-        r->stopped = "F has the same sign at both ends: there is no bracket to halve";
-    if (r->stopped) return;
     for (r->stopped = SPENT; may_go_on(s);) {
-        double middle = lo + (hi - lo) / 2;
-        r->t = fabs(f_lo) <= fabs(f_hi) ? lo : hi;
-        if (!(middle > lo && middle < hi) || f_lo == 0 || f_hi == 0) {
+        double middle = lo + (hi - lo) / 2, slope;
+        const bool narrow = hi - lo <= 2 * s->opt->t_tol;
+        r->t = narrow ? middle : fabs(f_lo) <= fabs(f_hi) ? lo : hi;
+        if (narrow || !(middle > lo && middle < hi) || f_lo == 0 || f_hi == 0) {
             r->settled = true;
             return;
         }
@@ -165,13 +168,133 @@ static void bisect(unguarded_search *s, unguarded *r)
     }
 }
 
+/* The stretch to search; false: r->stopped says why there is none. */
+static bool stretch_of(unguarded_search *s, sgt_span *span, unguarded *r)
+{
+    *span = span_of(s);
+    cut_to_aperture(s, span);
+    if (span->lo > span->hi)
+        r->stopped = "the ray passes beside the surface: there is no span to search";
+    else if (!isfinite(span->lo) || !isfinite(span->hi))
+        r->stopped = "the span is infinite and cannot be searched; give the ray a tmin and a tmax";
+    return !r->stopped;
+}
+
+static void bisect(unguarded_search *s, unguarded *r)
+{
+    sgt_span span;
+    if (!stretch_of(s, &span, r)) return;
+    double slope, f_lo = end_value(s, &span.lo, span.hi, &slope),
+                  f_hi = end_value(s, &span.hi, span.lo, &slope);
+    if (isnan(f_lo) || isnan(f_hi))
+        r->stopped = "F is NaN near an end of the span";
+    else if ((f_lo > 0 && f_hi > 0) || (f_lo < 0 && f_hi < 0))
+        r->stopped = "F has the same sign at both ends: there is no bracket to halve";
+    if (!r->stopped) halve(s, r, span.lo, f_lo, span.hi, f_hi);
+}
+
+/* The surface's guess at its distance from the ray at t, in lengths of the direction. */
+static double estimate_at(const unguarded_search *s, double t)
+{
+    const sgt_surface_ops *ops = s->surface.ops;
+    double (*guess)(const void *, sgt_vec3) = ops->estimate ? ops->estimate : ops->clearance;
+    return guess ? guess(s->surface.self, point_at(s->ray, t)) / sqrt(product(s->ray->d, s->ray->d)) : 0;
+}
+
+static void march(unguarded_search *s, unguarded *r)
+{
+    const double none = (double)NAN;
+    sgt_span span;
+    if (!stretch_of(s, &span, r)) return;
+    const double dt = s->opt->dt_min > 0 ? s->opt->dt_min : (span.hi - span.lo) / 64;
+    double t = span.lo, before = none, f_before = none;
+    sgt_move move = SGT_SEED;
+    for (r->stopped = SPENT; may_go_on(s);) {
+        double slope, f = evaluate(s, move, t, none, none, &slope);
+        r->t = t;
+        if ((r->settled = f == 0)) return;
+        if ((f < 0 && f_before > 0) || (f > 0 && f_before < 0)) {
+            halve(s, r, before, f_before, t, f);
+            return;
+        }
+        if (isnan(f) && !isnan(f_before) && t - before > 0x1p-40 * (span.hi - span.lo)) { /* too far */
+            t = before + (t - before) / 2, move = SGT_RETREAT;
+            continue;
+        }
+        if (!(t < span.hi)) {
+            r->stopped = "F has not changed sign up to the end of the span";
+            return;
+        }
+        const double newton_step = -f / slope, other = fmax(dt, estimate_at(s, t));
+        move = newton_step > other ? SGT_NEWTON : SGT_MARCH;
+        before = t, f_before = f;
+        t = fmin(t + fmax(other, newton_step), span.hi); /* fmax passes over a NaN */
+    }
+}
+
+sgt_hit in_bracket(sgt_surface surface, const sgt_ray *ray, double start, const sgt_options *opt)
+{
+    unguarded_search s = {.surface = surface, .ray = ray, .opt = opt};
+    double f, slope, least = HUGE_VAL;
+    sgt_root r = sgt_root_begin((sgt_span){.lo = ray->tmin, .hi = ray->tmax, .seed = start}, opt);
+    do {
+        f = evaluate(&s, r.move, r.t, r.lo, r.hi, &slope);
+        const sgt_vec3 p = point_at(ray, r.t);
+        least = fmin(least, fabs(f));
+        r.g_err = surface.ops->rounding ? surface.ops->rounding(surface.self, p) : 0;
+    } while (sgt_root_next(&r, f, slope));
+    f = evaluate_quietly(&s, r.t);
+    const double rounding = isfinite(r.g_err) ? r.g_err : 0;
+    if (r.status == SGT_HIT && !(fabs(f) <= fmax(2 * least, rounding))) r.status = SGT_UNPROVEN; /* a pole */
+    if (r.status == SGT_GRAZE && !isfinite(r.t_err)) r.status = SGT_UNPROVEN; /* F and t overflow */
+    return (sgt_hit){
+        .status = r.status, .t = r.t, .t_err = r.t_err, .lo = r.lo, .hi = r.hi, .f = f, .evals = r.evals};
+}
+
 unguarded unguarded_run(unguarded_method m, sgt_surface s, double semi_diameter, const sgt_ray *ray,
-                        const sgt_options *opt)
+                        double start, const sgt_options *opt)
 {
     unguarded r = {.t = (double)NAN};
-    unguarded_search q = {.surface = s, .ray = ray, .opt = opt, .semi_diameter = semi_diameter,
+    unguarded_search q = {.surface = s,
+                          .ray = ray,
+                          .opt = opt,
+                          .semi_diameter = semi_diameter,
+                          .start = start,
                           .normalised = m == UNGUARDED_NORMALISED};
     if (m == UNGUARDED_BISECTION) bisect(&q, &r);
+    else if (m == UNGUARDED_MARCH)
+        march(&q, &r);
     else newton(&q, &r);
     return r;
+}
+
+unguarded_fault unguarded_fault_of(size_t n, const sgt_step step[])
+{
+    enum { BACKED = 3, ROUND = 6, RETURNS = 2, WALK = 8, FLICKER = 8 };
+    const double ulps = 16 * DBL_EPSILON, as_long = 0.98;
+    size_t backed = 0, round = 0, returns = 0, walked = 0, short_steps = 0, i;
+    while (backed < n && isnan(step[n - 1 - backed].f) && step[n - 1 - backed].kind == SGT_AT_POINT) backed++;
+    if (backed >= BACKED || (backed == n && n > 1)) return UNGUARDED_BACKS_OFF;
+    for (i = n; i-- > 1 && step[i].move == (isnan(step[i].f) ? SGT_NEWTON : SGT_RETREAT); round++)
+        returns += step[i].move == SGT_NEWTON;
+    if (round >= ROUND && returns >= RETURNS) return UNGUARDED_GOES_ROUND;
+    for (i = n; i-- > 2 && step[i].move == SGT_NEWTON && step[i - 1].move == SGT_NEWTON; walked++)
+        if (!((step[i].t - step[i - 1].t) / (step[i - 1].t - step[i - 2].t) > as_long)) break;
+    if (walked >= WALK) return UNGUARDED_WALKS;
+    for (i = n; i-- > 1 && step[i].move == SGT_NEWTON; short_steps++)
+        if (!(fabs(step[i].t - step[i - 1].t) <= ulps * fabs(step[i].t))) break;
+    return short_steps >= FLICKER ? UNGUARDED_FLICKERS : UNGUARDED_NO_FAULT;
+}
+
+double unguarded_factor(size_t n, const sgt_step step[])
+{
+    double first = 0, last = 0;
+    int steps = 0;
+    for (size_t i = 1; i < n; i++) {
+        const double s = fabs(step[i].t - step[i - 1].t);
+        if (step[i].move != SGT_NEWTON || !(s > 0)) continue;
+        if (steps++ == 0) first = s;
+        last = s;
+    }
+    return steps > 1 ? pow(last / first, 1.0 / (steps - 1)) : (double)NAN;
 }

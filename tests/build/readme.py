@@ -35,13 +35,16 @@ def same_line(line, other):
     return len(a) == len(b) and all(map(same, a, b))
 
 
-def matches(quoted, said):
-    """Is `said` what `quoted` shows?  Both lists of lines."""
-    if not quoted:
-        return not said
-    if quoted[0].strip() == '...':
-        return any(matches(quoted[1:], said[skip:]) for skip in range(len(said) + 1))
-    return bool(said) and same_line(quoted[0], said[0]) and matches(quoted[1:], said[1:])
+def matches(quoted, said, i=0, j=0):
+    """Is said[j:] what quoted[i:] shows?  Both lists of lines."""
+    while i < len(quoted) and quoted[i].strip() != '...':
+        if j == len(said) or not same_line(quoted[i], said[j]):
+            return False
+        i, j = i + 1, j + 1
+    if i >= len(quoted) - 1:
+        return i < len(quoted) or j == len(said)
+    return any(same_line(quoted[i + 1], said[k]) and matches(quoted, said, i + 1, k)
+               for k in range(j, len(said)))
 
 
 def anchor_of(heading):

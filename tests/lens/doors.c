@@ -4,7 +4,7 @@
  *
  *     first_order WAVELENGTH                           micrometres, or nan: the primary one; also parabasal
  *     room ANALYSIS N                                  with each of the last N words of its options not zero
- *     ANALYSIS FIELDS WAVELENGTHS RAYS [SETTING=X,X...]...
+ *     ANALYSIS FIELDS WAVELENGTHS RAYS [weights=equal] [SETTING=X,X...]...
  *
  * FIELDS and WAVELENGTHS are numbers with commas, or -: by default.  A wavelength that is not a whole number
  * is in micrometres; "all" are all.  A word is given as its place.  Columns and settings are those of the
@@ -139,8 +139,10 @@ static bool ask_analysis(const sgt_lens *lens, const sgt_analysis *of)
         wavelength[i] = number[i] == floor(number[i]) ? (sgt_wavelength){(size_t)number[i], 0}
                                                       : (sgt_wavelength){0, number[i]};
     bool fine = true;
-    while (fine && settings < MOST && (words = strtok(NULL, " ")))
-        fine = set(of, options, words, list[settings++]);
+    while (fine && settings < MOST && (words = strtok(NULL, " "))) {
+        if (strcmp(words, "weights=equal") == 0) how.equal_weights = true;
+        else fine = set(of, options, words, list[settings++]);
+    }
     if (fine) ask(lens, of, &how, options);
     free(options);
     return fine;

@@ -226,6 +226,13 @@ class FirstOrder:
             z = lens.entrance_pupil()
             self.angular = end(-z, n0)[1] / ni
         out['stop_radius'] = abs(end(y, nu, 0, stop)[0])
+        if lens.telecentric:  # the height at the image of the paraxial chief ray, for a slope or a height of 1
+            self.here = end(1, 0)[0]
+        elif lens.object is None:
+            self.here = end(-lens.entrance_pupil(), n0)[0]
+        else:
+            u = -1 / (lens.object + lens.entrance_pupil())
+            self.here = end(1 + lens.object * u, n0 * u)[0]
         y, nu_end = end(y, nu)
         out['f_number_working'] = 1 / abs(2 * nu_end) if abs(nu_end) > mpf(10) ** -40 else None
         if self.power and self.radius:
@@ -639,18 +646,17 @@ class Beam:
         p, t = differences([last(o, along(d, s * h, across)) for s in (1, -1)])
         return efl, focus, None if abs(t) < D('1e-25') else -p / t
 
-    def ideal_height(self, theta):
+    def ideal_height(self, kind):
         lens, wave = self.lens, self.wave
-        u = self.along_field()
+        u, first, here = self.along_field(), FirstOrder(lens, wave), kind.endswith('-surface')
         along_u = self.start[D][0] * u[0] + self.start[D][1] * u[1]
         if lens.object is not None:
-            m = FirstOrder(lens, wave).data['magnification']
-            return None if m is None else dec(m) * along_u
-        power = FirstOrder(lens, wave).power
-        if not power:
+            m = first.data['magnification']
+            return None if m is None else dec(first.here if here else m) * along_u
+        if not first.power:
             return None
-        slope = dec(mp.atan(mpf(str(along_u)))) if theta else along_u
-        return slope * dec(lens.before[wave] / power)
+        slope = dec(mp.atan(mpf(str(along_u)))) if kind.startswith('theta') else along_u
+        return slope * dec(first.here if here else lens.before[wave] / first.power)
 
 
 def lenses(data):

@@ -5,8 +5,8 @@
  * into 1 to 7 threads, of which the one that asks works, or only waits.  All that the sink is given has to be
  * the same bytes, and to come from the thread that asks.
  *
- * Of the fourteen ways with threads every third is tried of a question, other ones of the next: each analysis meets
- * all of them.  With SAGITTA_TEST_SCALE=1 or more each question is asked in each way. */
+ * Of the fourteen ways with threads every third is tried of a question, other ones of the next: each analysis
+ * meets all of them.  With SAGITTA_TEST_SCALE=1 or more each question is asked in each way. */
 #include <sagitta/study.h>
 
 #include <pthread.h>

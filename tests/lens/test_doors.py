@@ -120,7 +120,8 @@ def questions(draw, lens, name):
         least, most = min(lens.wavelengths), max(lens.wavelengths)
         bands = draw.choice([[draw.randint(1, len(lens.wavelengths))], [draw.uniform(least, most + 0.01)],
                              [len(lens.wavelengths), draw.uniform(least, most + 0.01)]])
-        yield None if no_fields else fields, bands, {**few, **drawn_settings(draw, name)}
+        weights = {} if analysis_of(name).no_rays else {'weights': draw.choice(['area', 'equal'])}
+        yield None if no_fields else fields, bands, {**few, **weights, **drawn_settings(draw, name)}
 
 
 def of_command(name, path, fields, wavelengths, given):
@@ -156,7 +157,9 @@ def for_c(name, fields, wavelengths, given):
     words = [name, ','.join(map(str, fields or '')) or '-', listed, str(rays)]
     of = {library.text(s.name): s for s in settings_of(name)}
     for key, value in given.items():
-        if key != 'rays' and value is not False:
+        if key == 'weights':
+            words += ['weights=equal'] if value == 'equal' else []
+        elif key != 'rays' and value is not False:
             if of[key].kind == WORD:
                 value = library.text(of[key].words).split('|').index(value)
             words.append(f'{key}={",".join(map(repr, value if isinstance(value, list) else [value + 0]))}')
@@ -308,6 +311,8 @@ def test_patterns_in_blocks():
             mine, whole = lens.ends(1, pattern=pattern, rays=rays, seed=5), lens.launch(1, pattern, rays, seed=5)
             for one, other in ((mine.px, whole.px), (mine.py, whole.py), (mine.weight, whole.weight)):
                 assert one.tobytes() == other.tobytes(), (pattern, rays)
+            alike = lens.ends(1, pattern=pattern, rays=rays, seed=5, weights='equal')
+            assert (alike.weight == 1 / len(alike)).all() and alike.px.tobytes() == mine.px.tobytes(), (pattern, rays)
 
 
 def test_memory():

@@ -492,7 +492,7 @@ class Check:
     # -------------------------------------------------------------- fields
 
     def field(self):
-        for kind in ('tan', 'theta'):
+        for kind in ('tan', 'theta', 'tan-surface', 'theta-surface'):
             for row in self.rows('field', '--distortion', kind):
                 self.curve(row, kind)
 
@@ -541,7 +541,7 @@ class Check:
                 self.close(row[cell + '_dioptre'], wanted, near * (1 + abs(float(wanted))), what + cell)
         if self.lens.afocal:
             return
-        ideal = beam.ideal_height(kind == 'theta')
+        ideal = beam.ideal_height(kind)
         self.close(row['ideal'], ideal, 1e-10 * self.length, what + 'ideal')
         within = 1e-10 * self.length / abs(float(ideal or 1)) if self.symmetric(field) else 1e-5
         self.close(row['distortion_percent'], 100 * (height / ideal - 1) if ideal else None, 100 * within,

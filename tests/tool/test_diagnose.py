@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """sagitta diagnose: the published iterations, and what is said of them; why a ray ended in a lens.
 
-    python3 test_diagnose.py SAGITTA
+    python3 test_diagnose.py SAGITTA [--without-cairo]
 """
 import math
 import os
 import random
 import re
+import sys
 
 from command import *
 
@@ -497,6 +498,185 @@ def test_evaluations_of_each_element():
                 if row['element'] == '1':
                     seen = [r['element'] for r in rows('diagnose', lens, '--fan', 3, *more, '--ray', row['ray'], exit=None)]
                 equal(seen.count(row['element']), int(row['evals']), (name, more, row['ray'], row['element']))
+
+
+# ------------------------------------------------------- a function of x; every method; the picture
+
+CUBIC = ('--function', 'x^3 - x - 1')
+CUBIC_ROOT = 1.3247179572447460259609088544780973407344  # mpmath, 40 digits
+
+
+def newton_by_hand(f, slope, x, n):
+    """Newton's iterates in exact fractions of the doubles, rounded at each step."""
+    out = [x]
+    while len(out) < n:
+        x = x - f(x) / slope(x)
+        out.append(x)
+    return out
+
+
+def test_function_by_each_method():
+    """The iterates of x^3 - x - 1 by arithmetic; the root by 40 digits."""
+    for start in (1.5, 0, -0.5):
+        got = diagnose(*CUBIC, '--start', start, '--method', 'newton')
+        for row, x in zip(got[:8], newton_by_hand(lambda x: x**3 - x - 1, lambda x: 3 * x * x - 1, start, 8)):
+            close(row['t'], x, 1e-9)
+            close(row['f'], float(row['t'])**3 - float(row['t']) - 1, 1e-13)
+            close(row['slope'], 3 * float(row['t'])**2 - 1, 1e-14)
+        close(got[-1]['t'], CUBIC_ROOT, 3e-16)
+    for method in ('safeguarded', 'bisection', 'march'):
+        got = diagnose(*CUBIC, '--start', 0, '--bracket', '-2 3', '--method', method)
+        close(got[-1]['t'], CUBIC_ROOT, 1e-15)
+        assert all(-2 <= float(row['t']) <= 3 for row in got), got
+    # each error is |f''/2f'| = 0.93186 of the square of the one before: order 2 and that rate
+    text = run('diagnose', *CUBIC, '--start', 1.5, '--method', 'newton').stdout
+    order, rate = map(float, re.search(r'order ([\d.]+), rate ([\d.]+)\.', text).groups())
+    close(order, 2, 0.03)
+    close(rate, 3 * CUBIC_ROOT / (3 * CUBIC_ROOT**2 - 1), 0.03)
+
+
+def test_function_that_newton_does_not_solve():
+    for formula, start, words, last in (
+            ('x^3 - 2*x + 2', 0, 'oscillating', None),                        # 0, 1, 0, 1, ...
+            ('atan(x)', 1.5, 'oscillating', 'the slope is 0 there'),          # each step longer
+            ('x*exp(-x)', 2, 'walking away', 'max_evals is used up'),          # each step x / (x - 1), to the right
+            ('log(x) - 1', 10, 'backing off', 'max_evals is used up'),         # halving never leaves x < 0
+            ('sqrt(4 - x^2) - 1', 0.5, 'going round', 'max_evals is used up')):
+        asked = ('--function', formula, '--start', start, '--method', 'newton')
+        text = run('diagnose', *asked, '--max-evals', 60, exit=UNDECIDED).stdout
+        assert words in text and (not last or last in text), text
+        bracket = '0 20' if 'log' in formula else '0 2' if 'sqrt' in formula else '-10 20'
+        text = run('diagnose', *asked[:4], '--bracket', bracket).stdout
+        assert 'hit at t = ' in text, text
+    # a double root: half of the error a step; a triple root: two thirds
+    for formula, factor in (('(x - 1)^2*(x + 2)', 1 / 2), ('(x - 1)^3*(x + 2)', 2 / 3), ('(x - 1)^20', 0.95)):
+        text = run('diagnose', '--function', formula, '--start', 2, '--method', 'newton', exit=None).stdout
+        assert 'linear' in text, text
+        close(re.search(r'a factor of ([\d.]+) a step', text).group(1), factor, 0.03)
+
+
+def test_function_without_a_root():
+    """A miss is proven over pieces; a pole is no root; a double root is neither."""
+    for formula in ('x^2 + 2', '1/(x - 1)', '1/(x - 0.3)', 'exp(x)', 'x + 7'):
+        text = run('diagnose', '--function', formula, '--bracket', '-1 2.5').stdout
+        assert 'F has no root in the bracket' in text and 'hit at' not in text, text
+    text = run('diagnose', '--function', '(x - 1)^2*(x + 2)', '--bracket', '0 3', exit=UNDECIDED).stdout
+    assert 'unproven' in text, text
+
+
+def test_flickering_is_told():
+    """Near the root steps of a few ulps, for ever: no verdict that there is nothing to mend."""
+    asked = ('diagnose', LENSES / 'ftheta.yaml', '--fan', 9, '--field', 20, '--ray', 3, '--element', 5, '--method', 'newton')
+    text = run(*asked, exit=UNDECIDED).stdout
+    assert 'at the limit of rounding' in text and 'nothing to mend' not in text, text
+    assert 'Settled' in run(*asked, '--t-tol', 1e-12).stdout
+    # t_tol is of the method alone: the library's answer is as sharp as ever
+    text = run('diagnose', *CUBIC, '--start', 1.5, '--method', 'newton', '--t-tol', 1e-3).stdout
+    assert numbers(line_with(text, "The library's answer"))[1] < 1e-15 and ': the same.' in text, text
+
+
+def test_march():
+    """Each step is the greatest of estimate, Newton's step and dt; then half the bracket is at most t_tol."""
+    for dt, tol in ((0.1, 1e-3), (0.01, 1e-6)):
+        got = diagnose('--surface', '{type: formula, f: "x^2 + y^2 + z^2 - 1", inside: {ball: 3}}', '--ray', '0 0.5 -2 0 0 1 0 2',
+                       '--method', 'march', '--dt-min', dt, '--t-tol', tol)
+        t = [float(row['t']) for row in got]
+        for i, row in enumerate(got[1:], 1):
+            before, step = got[i - 1], t[i] - t[i - 1]
+            newton = -float(before['f']) / float(before['slope'])
+            if row['move'] == 'march':
+                close(step, dt, 1e-12)
+                assert newton <= dt * (1 + 1e-9), (row, before)
+            elif row['move'] == 'newton':
+                close(step, newton, 1e-12)
+                assert newton > dt, (row, before)
+            else:
+                equal(row['move'], 'bisect')
+        text = run('diagnose', '--surface', '{type: formula, f: "x^2 + y^2 + z^2 - 1", inside: {ball: 3}}', '--ray',
+                   '0 0.5 -2 0 0 1 0 2', '--method', 'march', '--dt-min', dt, '--t-tol', tol).stdout
+        assert abs(numbers(line_with(text, 'Settled at'))[0] - (2 - math.sqrt(0.75))) <= tol, text
+    text = run('diagnose', '--function', 'x^2 + 1', '--bracket', '-1 1', '--method', 'march', exit=UNDECIDED).stdout
+    assert 'F has not changed sign' in text, text
+
+
+def test_compare_is_the_sum_of_single_searches():
+    lens, fields = LENSES / 'ftheta.yaml', (5, 20)
+    table = diagnose(lens, '--fan', 3, *[x for f in fields for x in ('--field', f)], '--compare')
+    equal([(float(r['field']), r['method']) for r in table],
+          [(f, m) for f in fields for m in ('safeguarded', 'newton', 'newton-normalised', 'bisection', 'march')])
+    for row in table:
+        evals, settled, agree, undefined, searches = [], 0, 0, 0, 0
+        for ray in range(3):
+            for element in range(1, 9):
+                one = ('diagnose', lens, '--fan', 3, '--field', row['field'], '--ray', ray, '--element', element, '--method', row['method'])
+                done = run(*one, exit=None)
+                searches += 1
+                own = row['method'] == 'safeguarded'
+                settled += own or 'Settled' in done.stdout
+                agree += own or ': the same.' in done.stdout
+                steps = rows(*one, exit=None)
+                evals.append(len(steps))
+                undefined += any(r['f'] == 'nan' for r in steps)
+        equal([int(row[k]) for k in ('searches', 'settled', 'agree', 'undefined')], [searches, settled, agree, undefined], row)
+        close(row['evals'], sum(evals) / searches, 0.00501)
+        equal(int(row['most']), max(evals), row)
+        equal((row['rays'], row['passed']), ('3', '3'))
+    some = diagnose(lens, '--fan', 3, '--field', 20, '--compare', '--ray', 2, '--element', 2)
+    equal([(r['rays'], r['searches']) for r in some], [('1', '1')] * 5)
+    close(some[1]['evals'], len(diagnose(lens, '--fan', 3, '--field', 20, '--ray', 2, '--element', 2, '--method', 'newton')), 0)
+    equal([float(r['field']) for r in diagnose(lens, '--field', -5, '--compare')], [-5] * 5)
+    # Newton's method settles on another root than the library's
+    for row in diagnose('--function', '(x - 1)*(x - 2)*(x - 5)', '--start', 3.4, '--bracket', '2.5 6', '--compare'):
+        if row['method'] == 'newton':
+            equal((row['settled'], row['agree']), ('1', '0'))
+            close(row['worst'], 4, 1e-12)  # at 1, from 5
+    one = diagnose(*CUBIC, '--start', 1.5, '--bracket', '-2 3', '--compare')
+    for row in one:
+        assert row['method'] == 'newton-normalised' or float(row['worst']) < 1e-15, row
+
+
+def test_picture_of_a_search():
+    """Of each kind of file and search; what is printed is the same with it."""
+    there = pathlib.Path(tempfile.mkdtemp(dir=folder.name))
+    if '--without-cairo' in sys.argv:
+        assert 'without cairo' in run('diagnose', *GOLDEN, '--picture', there / 'x.svg', exit=USAGE).stderr
+        return
+    begins = {'svg': b'<?xml', 'png': b'\x89PNG', 'pdf': b'%PDF'}
+    cases = [(*CUBIC, '--start', 0, '--bracket', '-2 3'), GOLDEN, (*GOLDEN, '--method', 'newton-normalised'),
+             ('--surface', SPHERE, '--ray', '0 5 -5 0 0 1'), ('--surface', '{type: plane}', '--ray', '0 0 -5 0 0 1'),
+             ('--surface', '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 8}', '--ray', '0.1 0 -3 0 0 1'),
+             ('--function', 'log(x) - 1', '--start', 10, '--method', 'newton'),
+             (LENSES / 'ftheta.yaml', '--field', 20, '--element', 2), (LENSES / 'ftheta.yaml', '--compare', '--fan', 2)]
+    for kind, first in begins.items():
+        for i, case in enumerate(cases):
+            path = there / f'{i}.{kind}'
+            plain, drawn = run('diagnose', *case, exit=None), run('diagnose', *case, '--picture', path, exit=None)
+            equal((plain.stdout, plain.returncode), (drawn.stdout, drawn.returncode))
+            assert path.read_bytes().startswith(first), (case, kind)
+    run('diagnose', LENSES / 'ftheta.yaml', '--picture', there / 'x.svg', exit=USAGE)
+    run('diagnose', *GOLDEN, '--picture', there / 'x.txt', exit=USAGE)
+
+
+def test_wrong_functions():
+    for arguments, words in (
+            (('--function', 'y^2 - 1', '--start', 1), 'its variable is x, not y'),
+            ((*CUBIC,), 'give --start X'), ((*CUBIC, '--bracket', '1'), 'two numbers'), ((*CUBIC, '--bracket', '3 1'), 'is not below'),
+            ((*CUBIC, '--bracket', '1 2', '--start', 5), 'not within'), ((*CUBIC, *GOLDEN), 'give one of'),
+            ((*CUBIC, '--start', 1, '--ray', '0 0 0 0 0 1'), '--ray goes with'), ((*CUBIC, '--start', 1, '--proof', 'root'), '--proof'),
+            ((*GOLDEN, '--start', 4), '--start goes with'), ((*GOLDEN, '--bracket', '1 2'), '--bracket goes with'),
+            ((*CUBIC, '--start', 1, '--field', 3), 'go with a lens file, not with --function'),
+            ((*CUBIC, '--start', 1, '--compare', '--method', 'newton'), 'leave --method out')):
+        done = run('diagnose', *arguments, exit=USAGE)
+        assert words in done.stderr, (arguments, done.stderr)
+    run('diagnose', *CUBIC, '--start', 1, '--method', 'bisection', exit=USAGE)
+    run('diagnose', '--function', 'x', '--bracket', -2, 3, exit=USAGE)  # without quotes
+    done = run('diagnose', '--function', 't^3', '--start', 1, exit=BAD_INPUT)
+    assert 't is not known; the variable is x' in done.stderr, done.stderr
+    done = run('diagnose', '--function', 'x^3 - (x', '--start', 1, exit=BAD_INPUT)
+    assert 'column' in done.stderr, done.stderr
+    got = diagnose(*GOLDEN, '--method', 'newton', '--start', 4.5)
+    equal((got[0]['move'], float(got[0]['t'])), ('seed', 4.5))
+    close(got[-1]['t'], ROOT, 1e-15)
 
 
 main(globals())

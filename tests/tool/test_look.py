@@ -124,6 +124,32 @@ def first_order(lens, wavelength):
     return json.loads(run('info', lens, '--wavelength', wavelength, '--format', 'json').stdout)['f_number_working']
 
 
+def test_weights():
+    """Each ray alike, in all that weighs them, and the table says so; on an obscured pupil, too."""
+    alike = 'Each ray counts alike, whatever area of the pupil it stands for.'
+    for lens in (TRIPLET, NEWTONIAN):
+        def asked(name, *options):
+            return rows(name, lens, '--hexapolar', 4, '--weights', 'equal', '--fields', 2, *options)
+        several = asked('ends')
+        equal({float(r['weight']) for r in several}, {1 / len(several)})
+        points = [(float(r['x']), float(r['y'])) for r in several if r['fate'] == 'passed']
+        middle = [math.fsum(p[k] for p in points) / len(points) for k in (0, 1)]
+        spot = asked('spot', '--reference', 'centroid')[0]
+        for key, value in zip(('x', 'y', 'rms', 'rms_x', 'rms_y'), (*middle, *spread(points, middle))):
+            close(spot[key], value, 1e-12)
+        waves = [float(r['opd']) for r in asked('opd') if r['opd']]
+        mean = math.fsum(waves) / len(waves)
+        close(asked('opd', '--summary')[0]['rms'],
+              math.sqrt(math.fsum((w - mean) ** 2 for w in waves) / len(waves)), 1e-12)
+        close(asked('opd', '--zernike', 1)[0]['coefficient'], mean, 1e-12)
+        close(asked('illumination')[0]['fraction'], len(points) / len(several), 1e-13)
+        for row in asked('energy', '--steps', 5):
+            inside = sum(math.dist(p, middle) <= float(row['radius']) for p in points)
+            close(row['fraction'], inside / len(points), float(row['unsure']) + 1e-12)
+    for options, told in ((['--weights', 'equal'], True), (['--weights', 'area'], False), ([], False)):
+        equal(alike in run('spot', TRIPLET, '--hexapolar', 2, *options).stdout, told)
+
+
 def test_a_wavelength_without_weight():
     """A row for one wavelength does not depend on how the lens weighs it; the row of all does."""
     weighed, not_weighed = written(COLOURED), written(COLOURED.replace('[1, 2, 1]', '[0, 2, 1]'))
@@ -491,8 +517,10 @@ def test_errors():
             ('give --summary or --zernike', 'opd', TRIPLET, '--summary', '--zernike', 3),
             ('--order goes with --zernike', 'opd', TRIPLET, '--order', 'noll'),
             ('--zernike', 'opd', TRIPLET, '--zernike', 0),
-            ('--distortion must be tan or theta', 'field', TRIPLET, '--distortion', 'sin'),
+            ('--distortion must be tan, theta, tan-surface or theta-surface', 'field', TRIPLET, '--distortion', 'sin'),
             ('a pattern of rays is of no use here', 'field', TRIPLET, '--grid', 3),
+            ('--weights: field follows chief rays', 'field', TRIPLET, '--weights', 'equal'),
+            ('--weights must be area or equal', 'spot', TRIPLET, '--weights', 'even'),
             ('--over must be pupil or field', 'map', TRIPLET, '--over', 'x'),
             ('--of must be fate', 'map', TRIPLET, '--of', 'x'),
             ('--steps goes with --over field', 'map', TRIPLET, '--steps', 3),

@@ -154,4 +154,31 @@ def test_errors():
         assert '--watch /dev/full: could not be written' in done.stderr, done.stderr
 
 
+def test_one_ray_at_one_element():
+    """Of a ray that is not lost, too: its rows are those of diagnose, with and without --watch-element, in threads."""
+    lens = LENSES / 'ftheta.yaml'
+    for threads in (1, 2):
+        _, seen, _ = watched('trace', lens, '--field', 20, '--fan', 9, '--watch-ray', 7, '--threads', threads)
+        alone = rows('diagnose', lens, '--field', 20, '--fan', 9, '--ray', 7)
+        equal([{name: row[name] for name in DIAGNOSE.split(',')} for row in seen], alone)
+        _, some, _ = watched('trace', lens, '--field', 20, '--fan', 9, '--watch-ray', 7, '--watch-element', 3, '--threads', threads)
+        equal(some, [row for row in seen if row['element'] == '3'])
+        assert some, seen
+    text = random_rays(100)
+    for more in ((), ('--all',)):
+        _, seen, _ = watched('intersect', '--surface', '{type: sphere, radius: 20}', '--rays', '-', '--watch-ray', 50, *more, stdin=text)
+        equal({row['ray'] for row in seen}, {'50'})
+    # of the lost rays, at one element
+    asked = ('trace', LENS, '--rays', '-', '--max-evals', 1)
+    _, seen, _ = watched(*asked, stdin=text, exit=UNDECIDED)
+    _, some, _ = watched(*asked, '--watch-element', 1, stdin=text, exit=UNDECIDED)
+    equal(some, [row for row in seen if row['element'] == '1'])
+    _, one, _ = watched(*asked, '--watch-ray', 50, stdin=text, exit=UNDECIDED)  # among others that are lost
+    equal(one, [row for row in seen if row['ray'] == '50'])
+    assert one and len({row['ray'] for row in seen}) > 1
+    run('trace', LENS, '--watch-ray', 1, exit=USAGE)
+    run('trace', LENS, '--watch', pathlib.Path(folder.name) / 'w.csv', '--watch-element', 99, exit=USAGE)
+    run('intersect', '--surface', JULIA, '--ray', '0 0 -3 0 0 1', '--watch', pathlib.Path(folder.name) / 'w.csv', '--watch-ray', 'x', exit=USAGE)
+
+
 main(globals())

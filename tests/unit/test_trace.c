@@ -493,15 +493,16 @@ static void test_aperture_chooses(void **state)
     assert_true(chosen > 0);
 }
 
-/* Proven in an aperture, so is a root proven in a smaller one, whose edge is next to it: the ray comes in through
- * the edge there, so that the start of its part inside is next to the root as well. */
+/* Proven in an aperture, so is a root proven in a smaller one, whose edge is next to it: the ray comes in
+ * through the edge there, so that the start of its part inside is next to the root as well. */
 static void test_edge_of_the_aperture(void **state)
 {
     (void)state;
     generator g = seeded("edge of the aperture");
     long proven = 0;
     for (long i = 0, n = scaled(4000); i < n; i++) {
-        sgt_even_asphere bowl = {.c = uniform(&g, 0.5, 1), .a = {0, uniform(&g, -0.3, 0.3), uniform(&g, -0.3, 0.3)}};
+        sgt_even_asphere bowl = {.c = uniform(&g, 0.5, 1),
+                                 .a = {0, uniform(&g, -0.3, 0.3), uniform(&g, -0.3, 0.3)}};
         sgt_odd_asphere odd = {.c = bowl.c, .a = {0, 0, uniform(&g, -0.1, 0.1)}};
         const sgt_torus torus = {.major = 0.4, .minor = 0.5};
         const sgt_surface surfaces[] = {

@@ -281,7 +281,7 @@ sgt_pupil sgt_pupil_of(sgt_pattern pattern, size_t n, uint64_t seed, size_t row[
     return p;
 }
 
-void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
+static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
 {
     size_t low = 0, high = p->n, row_first = 0, row_end = 0, begin = 0;
     double x = 0;
@@ -321,4 +321,10 @@ void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
         if (!hexapolar) to->weight = 1;
         to->weight /= p->sum;
     }
+}
+
+void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
+{
+    part_of(p, first, count, at);
+    for (size_t i = 0; i < count && p->equal; i++) at[i].weight = 1 / (double)p->count;
 }

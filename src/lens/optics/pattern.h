@@ -13,6 +13,7 @@ typedef struct sgt_pupil {
     double sum;                   /* of the weights */
     const size_t *row;
     const sgt_pupil_point *given; /* single points; NULL: the pattern */
+    bool equal;                   /* each weighs 1 / count */
 } sgt_pupil;
 
 /* How many numbers `row` of sgt_pupil_of needs. */

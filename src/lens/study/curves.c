@@ -8,6 +8,12 @@
  * THE IDEAL HEIGHT from afar is that of a paraxial ray at the focus, n u / P for the slope u: it depends on
  * the slope alone.  For f theta the slope is replaced by the angle.
  *
+ * AT THE SURFACE.  If the image surface stands at z in front of the focus, every image on it is scaled by
+ * the way of the chief rays from the focus: at height h' and with the slope u' they meet it at h' - u' z.
+ * For the slope 1 in front u' is the paraxial angular magnification; from a point at the height 1, at the
+ * distance d in front of the first vertex, the slope in front is -1 / (d + entrance pupil).  If the object is
+ * telecentric the chief ray comes parallel to the axis, and leaves through the rear focus.
+ *
  * AFOCAL.  In place of heights there are the angles of the chief ray from z of the image, and their tangents
  * are compared: without distortion that behind is the paraxial angular magnification times that in front.
  * In place of foci there are vergences, index over distance: 0 is parallel light, positive converges. */
@@ -25,13 +31,26 @@ static field_way way_of(const sgt_field_beam *b, const sgt_ray *chief, sgt_disto
     double size = hypot(v.x, v.y);
     if (size == 0) return (field_way){{0, 1}, 0};
     const sgt_vec2 h = {v.x / size, v.y / size};
-    return (field_way){h, !b->finite && distortion == SGT_DISTORTION_THETA ? atan(size) : size};
+    const bool theta = distortion == SGT_DISTORTION_THETA || distortion == SGT_DISTORTION_THETA_SURFACE;
+    return (field_way){h, !b->finite && theta ? atan(size) : size};
 }
 
 static double ideal_of(const sgt_field_beam *b, const sgt_first_order *data, double before)
 {
     const double index = before == 0 ? 1 : before;
     return b->finite ? data->magnification : data->efl * index;
+}
+
+/* The same on the image surface. */
+static double ideal_here(const sgt_launcher *from, const sgt_field_beam *b, const sgt_first_order *data,
+                         double before)
+{
+    const sgt_lens *l = from->lens;
+    const double there = ideal_of(b, data, before);
+    double slope = data->angular_magnification;
+    if (b->finite) slope /= -(l->object_distance + data->entrance_pupil);
+    if (b->finite && l->telecentric) slope = there / (data->image - data->focus);
+    return there - slope * data->image;
 }
 
 /* The same of an afocal image space: angles in milliradians, and vergences. */
@@ -102,7 +121,9 @@ static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const 
         tell_angles(from, b, e, before, data, &way, along, &sections, known, chief, last, out);
         return;
     }
-    out->ideal = ideal_of(b, data, before) * way.size;
+    const bool here =
+        distortion == SGT_DISTORTION_TAN_SURFACE || distortion == SGT_DISTORTION_THETA_SURFACE;
+    out->ideal = (here ? ideal_here(from, b, data, before) : ideal_of(b, data, before)) * way.size;
     if (out->ideal != 0) out->distortion = (height - out->ideal) / out->ideal;
 }
 

@@ -66,8 +66,15 @@ static void curve_take(void *data, size_t i, void *slot)
 
 static const char *ideal_words(const sgt_asking *a, sgt_distortion distortion)
 {
-    if (distortion == SGT_DISTORTION_THETA) return "f theta";
-    return isfinite(a->lens->object_distance) ? "the magnification" : "f tan(theta)";
+    const bool finite = isfinite(a->lens->object_distance);
+    switch (distortion) {
+    case SGT_DISTORTION_TAN: return finite ? "the magnification" : "f tan(theta)";
+    case SGT_DISTORTION_THETA: return "f theta";
+    case SGT_DISTORTION_TAN_SURFACE:
+        return finite ? "the magnification on the image surface"
+                      : "f tan(theta), scaled to the image surface";
+    default: return "f theta, scaled to the image surface";
+    }
 }
 
 static bool ask_field(sgt_asking *a)
@@ -75,11 +82,11 @@ static bool ask_field(sgt_asking *a)
     const sgt_field_options *o = a->options;
     const bool afocal = a->lens->afocal;
     curve c = {.ask = a, .steps = o->steps, .dioptre = afocal ? 1e6 / a->study->um : 1,
-               .distortion = o->distortion ? SGT_DISTORTION_THETA : SGT_DISTORTION_TAN};
+               .distortion = (sgt_distortion)o->distortion};
     if (o->steps == 1) return sgt_ask_refuse(a, "steps", "2 or more");
     if (afocal && o->distortion)
-        sgt_ask_say(a, SGT_STUDY_NOTE, "distortion theta: not used; of an afocal lens tangents of angles are "
-                                       "compared");
+        sgt_ask_say(a, SGT_STUDY_NOTE, "distortion: of an afocal lens tangents of angles are compared, "
+                                       "whatever is asked for");
     if (afocal && isnan(a->study->um))
         sgt_ask_say(a, SGT_STUDY_NOTE, "units of the lens must be mm, cm, m, um or in for vergences in "
                                        "dioptres");
@@ -134,10 +141,11 @@ static const sgt_column field_columns[] = {
 };
 
 static const sgt_setting field_settings[] = {
-    {.name = "distortion", SGT_SETTING_WORD, offsetof(sgt_field_options, distortion), "tan|theta", 0, 0,
+    {.name = "distortion", SGT_SETTING_WORD, offsetof(sgt_field_options, distortion),
+     "tan|theta|tan-surface|theta-surface" /* as sgt_distortion has them */, 0, 0,
      "tan (the default): the ideal height is efl tan(angle), of an object at a distance magnification times "
-     "its "
-     "height; theta: efl times the angle"},
+     "its height; theta: efl times the angle; tan-surface, theta-surface: the same, scaled to the image "
+     "surface where it stands, by the paraxial chief ray: the scale of images near the axis"},
     {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_field_options, steps), NULL, 2, 1000000,
      "so many fields from the axis to that of the study which is farthest from it, in place of its own"},
 };

@@ -494,7 +494,7 @@ static bool pick_points(sgt_asking *a, sgt_pattern pattern, size_t n, sgt_pupil 
 {
     const uint64_t seed = a->study->opt.seed ? a->study->opt.seed : 1;
     size_t *row = sgt_ask_room(a, sgt_pupil_rows(pattern, n) + 1, sizeof *row);
-    if (row) *out = sgt_pupil_of(pattern, n, seed, row);
+    if (row) *out = sgt_pupil_of(pattern, n, seed, row), out->equal = a->study->opt.equal_weights;
     return row;
 }
 
@@ -523,7 +523,7 @@ static bool pick_pupil(sgt_asking *a)
     const sgt_study_options *o = &a->study->opt;
     if (a->of->no_rays) return true;
     if (o->points) {
-        a->fine = (sgt_pupil){.count = o->points, .given = o->point};
+        a->fine = (sgt_pupil){.count = o->points, .given = o->point, .equal = o->equal_weights};
         return true;
     }
     const sgt_pattern pattern = o->pattern ? *o->pattern : a->of->pattern;
@@ -588,6 +588,8 @@ bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis, const v
     if (!a.options) a.options = sgt_ask_room(&a, analysis->options_size + 1, 1);
     const bool fine = !a.failed && set_bands(&a) && set_fields(&a) && pick_pupil(&a) && analysis->ask(&a) &&
                       !a.failed;
+    if (fine && study->opt.equal_weights && !analysis->no_rays)
+        sgt_ask_say(&a, SGT_STUDY_LEGEND, "Each ray counts alike, whatever area of the pupil it stands for.");
     if (total) *total = a.total;
     sgt_arena_free(&a.memory);
     return fine;

@@ -7,14 +7,6 @@
 
 #include <math.h>
 
-/* Was F NaN at every evaluation, so that all it did was to halve t? */
-static bool only_retreated(const record *r)
-{
-    for (size_t i = 0; i < r->count; i++)
-        if (!isnan(r->step[i].f) || r->step[i].move != (i ? SGT_RETREAT : SGT_SEED)) return false;
-    return r->count > 1;
-}
-
 static sgt_diagnosis diagnosis_of(const record *r)
 {
     return sgt_diagnose(&(sgt_log){.step = r->step, .cap = (int)r->count, .n = (int)r->count});
@@ -23,11 +15,26 @@ static sgt_diagnosis diagnosis_of(const record *r)
 /* A verdict in words for the user of the command; sgt_verdict_text is for programmers. */
 static const char *advice(const sgt_diagnosis *d, method m, const record *r)
 {
+    if (m == METHOD_MARCH)
+        return "marching: each step the greatest of an estimate, Newton's step and dt; once F has changed "
+               "sign, halving";
     bool own = m == METHOD_SAFEGUARDED, normalised = m == METHOD_NORMALISED;
     if (own && d->march == (int)r->count)
         return "marching: steps along the ray that never came near enough to a root to solve for it";
-    if (!own && only_retreated(r))
+    switch (own ? UNGUARDED_NO_FAULT : unguarded_fault_of(r->count, r->step)) {
+    case UNGUARDED_NO_FAULT:
+        break;
+    case UNGUARDED_BACKS_OFF:
         return "backing off: halving t leads from one point where F is NaN to the next";
+    case UNGUARDED_GOES_ROUND:
+        return "going round: Newton's step leads to where F is NaN, and halving t leads back";
+    case UNGUARDED_WALKS:
+        return "walking away: steps the same way that do not get shorter; the tangents point to no root that "
+               "is near";
+    case UNGUARDED_FLICKERS:
+        return "at the limit of rounding: to and fro between neighbouring numbers, and no step is short "
+               "enough to end on; give --t-tol";
+    }
     switch (d->verdict) {
     case SGT_LINEAR:
         return normalised ? "linear: the error shrinks by a constant factor a step, since the gradient was "
@@ -55,6 +62,12 @@ static const char *advice(const sgt_diagnosis *d, method m, const record *r)
     return sgt_verdict_text(d->verdict);
 }
 
+const char *explain_advice(method m, const record *r)
+{
+    const sgt_diagnosis d = diagnosis_of(r);
+    return advice(&d, m, r);
+}
+
 /* "7 evaluations: 5 Newton, 1 backing off; order 2, rate 0.139." */
 static void verdict(table *t, method m, const record *r)
 {
@@ -66,10 +79,16 @@ static void verdict(table *t, method m, const record *r)
     for (int i = 0; i < 4; i++)
         if (kinds[i].n)
             text = memory_print("%s%s%d %s", text, between, kinds[i].n, kinds[i].what), between = ", ";
-    if (isfinite(d.order)) text = memory_print("%s; order %.3g, rate %.3g", text, d.order, d.rate);
+    const size_t from = r->count / 2;
+    const double factor =
+        d.verdict == SGT_LINEAR ? unguarded_factor(r->count - from, r->step + from) : (double)NAN;
+    if (isfinite(factor))
+        text = memory_print("%s; order %.3g, a factor of %.3g a step", text, d.order, factor);
+    else if (isfinite(d.order))
+        text = memory_print("%s; order %.3g, rate %.3g", text, d.order, d.rate);
     table_line(t, "%s", advice(&d, m, r));
     table_line(t, "%s.", text);
-    if (d.before > 2 && (d.verdict == SGT_LATE || d.verdict == SGT_LINEAR))
+    if (d.before > 2 && d.verdict == SGT_LATE)
         table_line(t, "%d of these came before the steps began to close in on the end.", d.before);
 }
 
@@ -170,6 +189,12 @@ static void explain_not_accepted(table *t, double at, const sgt_search *s)
         table_line(t, "The t = %s on which it settled %s.", place, why);
 }
 
+/* A bare method rounds o + t d, so a few ulps outside the library's bound still agree. */
+bool explain_agrees(double t, const sgt_search *s)
+{
+    return fabs(t - s->hit->t) <= s->hit->t_err + 0x1p-40 * fabs(s->hit->t) + s->options->t_tol;
+}
+
 void explain_bare(table *t, method m, const record *r, const unguarded *end, const sgt_search *s)
 {
     const sgt_hit *hit = s->hit;
@@ -184,11 +209,10 @@ void explain_bare(table *t, method m, const record *r, const unguarded *end, con
     } else if (hit->status < 0) {
         options_say_undecided(t, "The library's answer: ", s);
     } else {
-        /* a bare method rounds o + t d, so a few ulps outside the library's bound still agree */
-        double apart = fabs(end->t - hit->t), close = hit->t_err + 0x1p-40 * fabs(hit->t);
-        const char *how = !end->settled ? "" : apart <= close ? ": the same" : ": another root, or none";
+        const bool agrees = explain_agrees(end->t, s);
+        const char *how = !end->settled ? "" : agrees ? ": the same" : ": another root, or none";
         table_line(t, "The library's answer: %s%s.", root_text(hit), how);
-        if (!(apart <= close) && end->settled) explain_not_accepted(t, end->t, s);
+        if (!agrees && end->settled) explain_not_accepted(t, end->t, s);
     }
     if (hit->status <= 0 && end->settled) explain_not_accepted(t, end->t, s);
     if (m == METHOD_NORMALISED) explain_normalised(t, end, s);

@@ -6,8 +6,21 @@
 #include "../../truth/unguarded.h"
 
 /* The library's own, and those to compare it with. */
-typedef enum method { METHOD_SAFEGUARDED, METHOD_NEWTON, METHOD_NORMALISED, METHOD_BISECTION } method;
+typedef enum method {
+    METHOD_SAFEGUARDED,
+    METHOD_NEWTON,
+    METHOD_NORMALISED,
+    METHOD_BISECTION,
+    METHOD_MARCH,
+    METHODS /* how many */
+} method;
 static inline unguarded_method method_unguarded(method m) { return (unguarded_method)(m - METHOD_NEWTON); }
+
+/* One line of verdict on the evaluations of a method. */
+const char *explain_advice(method m, const record *r);
+
+/* Is t the library's root of the search, to within its error and the t_tol that the method was given? */
+bool explain_agrees(double t, const sgt_search *s);
 
 /* What an answer under --dt-min does not claim. */
 extern const char explain_fast[];

@@ -25,8 +25,14 @@ static void check_field(look *l)
 static const char *field_ideal(const look *l)
 {
     const sgt_field_options *o = l->options;
-    if (o->distortion == SGT_DISTORTION_THETA) return "f theta";
-    return isfinite(l->primary.of->object_distance) ? "the magnification" : "f tan(theta)";
+    const bool finite = isfinite(l->primary.of->object_distance);
+    switch ((sgt_distortion)o->distortion) {
+    case SGT_DISTORTION_THETA: return "f theta";
+    case SGT_DISTORTION_TAN_SURFACE:
+        return finite ? "the magnification, on the surface" : "f tan(theta) on the surface";
+    case SGT_DISTORTION_THETA_SURFACE: return "f theta on the surface";
+    default: return finite ? "the magnification" : "f tan(theta)";
+    }
 }
 
 /* The field of a row, along the line from the axis to the farthest. */

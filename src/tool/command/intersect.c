@@ -35,7 +35,7 @@ typedef struct intersect_arguments {
     const char *surface, *file;
     ray_list rays;
     bool all, skip_bad;
-    const char *watch;
+    watch_options watched;
 } intersect_arguments;
 
 static void take_ray(void *into, const option_row *row, const char *value)
@@ -69,7 +69,8 @@ static const option_row intersect_rows[] = {
     {"watch", "FILE",
      "write the evaluations of each ray that is undecided, as csv\n"
      "The columns are those of sagitta diagnose",
-     OPTION_TEXT, .to = offsetof(intersect_arguments, watch)},
+     OPTION_TEXT, .to = offsetof(intersect_arguments, watched.path)},
+    WATCH_RAY_OPTION(intersect_arguments),
     {0},
 };
 static const option_row intersect_search_rows[] = {
@@ -215,13 +216,13 @@ static void find_one_each(const intersect_work *w, intersect_room *r)
         r->root[i] = root_of(status, 0), r->lo[i] = r->hi[i] = no;
         if (status == SGT_HIT) continue;
         for (int k = 2; k < 8 && status <= 0; k++) n[k][i] = no;
-        if (status >= 0) continue;
+        if (status >= 0 && !w->watch) continue;
         const launch l = rays_launch(b, i);
-        if (w->stretches) {
+        if (w->stretches && status < 0) {
             const sgt_hit h = sgt_intersect(w->surface, l.ray, opt);
             r->lo[i] = h.lo, r->hi[i] = h.hi;
         }
-        watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l, opt, false);
+        watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l, opt, false, status < 0);
     }
     const table_values rows[HEAD_COUNT] = {
         TABLE_VALUES(b->ray), TABLE_VALUES(r->root), {r->status, 1, answer_word}, TABLE_VALUES(n[0]),
@@ -278,7 +279,7 @@ static void find_all(const intersect_work *w, intersect_room *r)
         table_gap(r->rows);
         put_answers(w, r, (size_t)count, rows, (table_values){.at = &b->id[i]},
                     (table_values){&h->lo, step, NULL}, (table_values){&h->hi, step, NULL});
-        if (lost) watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l, opt, true);
+        watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l, opt, true, lost);
     }
 }
 
@@ -388,9 +389,9 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
     a.shared.target.word_size = a.rays.longest_id;
     tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
-    watch_tiling(&in, a.watch, &a.shared.solver);
+    watch_tiling(&in, a.watched.path, &a.shared.solver);
     size_t places = tiles_places(&in), undecided = 0;
-    w.watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, 0);
+    w.watch = watch_begin(&a.watched, a.shared.target.hexadecimal, places, 0);
     w.table = table_begin(&a.shared.target, intersect_columns_of(&w, columns), columns);
     w.room = memory_take(places, sizeof *w.room);
     for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);

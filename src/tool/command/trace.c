@@ -13,6 +13,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <limits.h>
 #include <string.h>
 
 static const column trace_head[] = {
@@ -37,7 +38,7 @@ typedef struct trace_arguments {
     int global;
     bool last;
     pictures pictures;
-    const char *watch;
+    watch_options watched;
 } trace_arguments;
 
 static const option_row trace_rows[] = {
@@ -50,7 +51,10 @@ static const option_row trace_rows[] = {
     {"watch", "FILE",
      "write the evaluations of each ray that is lost, as csv\n"
      "The columns are those of sagitta diagnose, and wavelength",
-     OPTION_TEXT, .to = offsetof(trace_arguments, watch)},
+     OPTION_TEXT, .to = offsetof(trace_arguments, watched.path)},
+    WATCH_RAY_OPTION(trace_arguments),
+    {"watch-element", "J", "with --watch: only at element J, counted from 1", OPTION_WHOLE,
+     .to = offsetof(trace_arguments, watched.element), 1, INT_MAX},
     {"ray", "I", "--ray: give the rays of a lens as a file, --rays FILE, or on standard input, --rays -",
      .kind = OPTION_REFUSED}, /* else getopt would take it for --rays */
     {0},
@@ -374,7 +378,7 @@ static void send(void *data, const tile *t)
     put_rows(w, r);
     for (size_t i = 0; i < r->rays.count && w->watch; i++) {
         const launch l = rays_launch(&r->rays, i);
-        if (r->fate[i] < 0) watch_trace(w->watch, t->place, w->at, &l, &w->asked->shared.solver);
+        watch_trace(w->watch, t->place, w->at, &l, &w->asked->shared.solver, r->fate[i] < 0);
     }
 }
 
@@ -601,17 +605,23 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
                  .most = count > RECORDS_MOST               ? 1
                          : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
                                                             : TILE_RAYS};
-    watch_tiling(&in, a.watch, &a.shared.solver);
+    watch_tiling(&in, a.watched.path, &a.shared.solver);
     const size_t places = tiles_places(&in);
     pictures_reserve(&a.pictures, a.shared.target.path, &j);
     scene picture = {.job = &j};
     if (a.pictures.file) picture = scene_begin(&j, pictures_plane(&a.pictures));
-    trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
-                    .watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, count),
-                    .picture = a.pictures.file ? &picture : NULL, .text = text, .alone = in.threads < 2,
-                    .every = text || a.pictures.file || !a.last, .launches = all || j.wavelengths > 1,
+    trace_work w = {.asked = &a,
+                    .job = &j,
+                    .room = memory_take(places, sizeof *w.room),
+                    .watch = watch_begin(&a.watched, a.shared.target.hexadecimal, places, count),
+                    .picture = a.pictures.file ? &picture : NULL,
+                    .text = text,
+                    .alone = in.threads < 2,
+                    .every = text || a.pictures.file || !a.last,
+                    .launches = all || j.wavelengths > 1,
                     .stretches = all && a.shared.solver.proof,
-                    .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),
+                    .loss = memory_take(count, sizeof *w.loss),
+                    .back = memory_take(count, sizeof *w.back),
                     .field = memory_take(j.fields, sizeof *w.field),
                     .point = memory_take(count + 1, sizeof *w.point)};
     column columns[COLUMNS_MOST];

@@ -1,9 +1,9 @@
-/* watch.c - --watch FILE: every evaluation of those rays of a batch that were lost.
+/* watch.c - --watch FILE: every evaluation of those rays of a batch that were lost, or of one.
  *
- * A batch under a watcher would run ray by ray.  So the batch runs without one.  A ray that it has lost is
- * answered once more by itself, under a watcher.  A batch gives the same bits as single rays, so these are
- * the evaluations that lost it.  This is done in the thread of the ray's tile, and the rows wait at the place
- * of the tile until it is its turn. */
+ * A batch under a watcher would run ray by ray.  So the batch runs without one.  A ray that is to be watched
+ * is answered once more by itself, under a watcher.  A batch gives the same bits as single rays, so these are
+ * the evaluations that it took in the batch.  This is done in the thread of the ray's tile, and the rows wait
+ * at the place of the tile until it is its turn. */
 #include "watch.h"
 
 #include "watched.h"
@@ -12,6 +12,7 @@
 #include "../../text/number.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -35,6 +36,8 @@ struct watch {
     const char *path;
     FILE *file;
     bool hexadecimal;
+    long ray;                /* -1: those that are lost */
+    size_t element;          /* from 1; 0: all */
     watch_part *part;        /* [places] */
 };
 
@@ -47,12 +50,20 @@ void watch_tiling(tiling *in, const char *path, const sgt_options *opt)
     if (in->share > SHARE_WATCHED) in->share = SHARE_WATCHED;
 }
 
-watch *watch_begin(const char *path, bool hexadecimal, size_t places, size_t elements)
+watch *watch_begin(const watch_options *o, bool hexadecimal, size_t places, size_t elements)
 {
+    const char *path = o->path;
+    if (!path && (o->ray || o->element)) fail_usage("--watch-ray and --watch-element go with --watch FILE");
     if (!path) return NULL;
+    if ((size_t)o->element > elements) fail_usage("--watch-element %d: there are %zu", o->element, elements);
+    const long ray = o->ray ? options_integer("watch-ray", o->ray, 0, LONG_MAX) : -1;
     output_reserve("watch", path);
     watch *w = memory_take(1, sizeof *w);
-    *w = (watch){.path = path, .file = fopen(path, "wb"), .hexadecimal = hexadecimal,
+    *w = (watch){.path = path,
+                 .file = fopen(path, "wb"),
+                 .hexadecimal = hexadecimal,
+                 .ray = ray,
+                 .element = (size_t)o->element,
                  .part = memory_take(places, sizeof *w->part)};
     if (!w->file) fail_input("--watch %s: %s", path, strerror(errno));
     fprintf(w->file, "%s%s,f_lo,f_hi,slope_lo,slope_hi\n", watch_head, elements ? ",wavelength" : "");
@@ -81,24 +92,31 @@ static void watch_write(const watch *w, watch_part *p, size_t ray, size_t elemen
     p->length = (size_t)(to - p->text);
 }
 
-void watch_trace(watch *w, size_t place, const job_lens *at, const launch *l, const sgt_options *opt)
+static bool to_watch(const watch *w, const launch *l, bool lost)
+{
+    return w && (w->ray < 0 ? lost : l->number == (size_t)w->ray);
+}
+
+void watch_trace(watch *w, size_t place, const job_lens *at, const launch *l, const sgt_options *opt,
+                 bool lost)
 {
     char behind[NUMBER_SIZE + 2] = ",", um[NUMBER_SIZE] = "";
-    if (!w) return;
+    if (!to_watch(w, l, lost)) return;
     watch_part *p = &w->part[place];
     if (!isnan(at->lens.wavelength)) number_print(um, at->lens.wavelength, w->hexadecimal);
     snprintf(behind, sizeof behind, ",%s", um);
     watched_trace(&p->ray, at->element, at->lens.index_before, &l->ray, opt);
     for (size_t i = 0; i < p->ray.count; i++) {
         const record r = watched_at(&p->ray, i);
-        for (size_t k = 0; k < r.count; k++) watch_write(w, p, l->number, i, &r, k, behind);
+        for (size_t k = 0; k < r.count && (!w->element || w->element == i + 1); k++)
+            watch_write(w, p, l->number, i, &r, k, behind);
     }
 }
 
-void watch_intersect(watch *w, size_t place, sgt_surface s, const launch *l, const sgt_options *opt,
-                     bool all)
+void watch_intersect(watch *w, size_t place, sgt_surface s, const launch *l, const sgt_options *opt, bool all,
+                     bool lost)
 {
-    if (!w) return;
+    if (!to_watch(w, l, lost)) return;
     watch_part *p = &w->part[place];
     record *r = &p->ray.all;
     sgt_options own = *opt;

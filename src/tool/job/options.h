@@ -13,6 +13,7 @@ typedef struct shared_options {
     int threads;          /* 0: not given */
     bool progress;
     const char *picture;  /* NULL: none */
+    int weights;          /* 1: each ray counts alike */
 } shared_options;
 
 /* --format, --output, --hex; the same with --columns, --progress and npy for a row for each ray. */

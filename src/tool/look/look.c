@@ -53,6 +53,10 @@ static const option_row look_rows[] = {
     {0},
 };
 static const option_row proof_rows[] = {
+    {"weights", "WORD",
+     "area (the default): a ray counts by the area of the pupil that it stands for; equal: each alike\n"
+     "They differ for --hexapolar.  OpticStudio has equal",
+     OPTION_WORD, .to = offsetof(shared_options, weights), .words = "area equal"},
     PROOF_OPTION("what must be proven of each hit: estimate, root or first (see sagitta trace)\n"
                  "A ray for which it is not is lost"),
     {0},
@@ -166,6 +170,8 @@ static void take_lens(look *l, const command *c, int argc, char *argv[])
         fail_usage("--field, --fields: %s takes --from and --to", c->name);
     if (l->of->no_rays && (o->pupils || o->points))
         fail_usage("a pattern of rays is of no use here: the rays are those near the chief ray");
+    if (l->of->no_rays && l->shared.weights)
+        fail_usage("--weights: %s follows chief rays, each by itself", c->name);
     if (l->of->no_rays && l->shared.solver.proof)
         fail_usage("--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and sweep do",
                    c->name);
@@ -275,7 +281,7 @@ static void begin_study(look *l, const job_points_asked *points, int *threads)
         .wavelengths = of->wavelength || o->wavelengths ? l->bands : 0, .wavelength = wavelength,
         .pattern = points->rays || fixed ? &points->pattern : NULL,
         .rays = fixed && !points->rays ? l->of->rays : points->rays, .seed = points->seed,
-        .points = points->count, .point = points->at,
+        .points = points->count, .point = points->at, .equal_weights = l->shared.weights,
         .run = *threads > 1 ? in_threads : NULL, .context = threads};
     l->study = studies[0] = sgt_study_new(of, &options, &e);
     if (!l->study) lens_refuse(&e);

@@ -115,8 +115,8 @@ const char *look_lens_line(const look *l)
         n += (size_t)snprintf(text + n, sizeof text - n, "%s%.6g", i ? ", " : "", l->band[i].wavelength);
     const char *units = l->primary.units;
     if (strcmp(units, "in") == 0) units = "inches";
-    return memory_print("%s%slengths in %s%s", text, n ? " \302\265m; " : "",
-                     *units ? units : "the unit of the lens",
+    return memory_print("%s%slengths in %s%s%s", text, n ? " \302\265m; " : "",
+                     *units ? units : "the unit of the lens", l->shared.weights ? "; each ray alike" : "",
                      l->shared.solver.proof == SGT_PROVE_FIRST  ? "; every hit proven to be the first"
                      : l->shared.solver.proof == SGT_PROVE_ROOT ? "; every root proven"
                                                                 : "");
