@@ -66,7 +66,7 @@ typedef struct tile {
     vectors offsets[3], ds[2]; /* what the pointers above point to */
     union { /* there is no more room in 80 KiB of stack */
         paths some_paths[2];     /* if paths are wanted */
-        slopes_known kept[KEPT]; /* else: of the first elements, what is known near the seeds, for all tiles */
+        slopes_known kept[KEPT]; /* else: of the first elements, what is known near the seeds, in all tiles */
     };
     double t[TILE], t_lo[TILE], t_err[TILE], p_err[TILE];
     /* t_tol is given to the surface's lanes.  After that good: 1, the loops have answered; 0, they have not;
