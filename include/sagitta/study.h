@@ -16,8 +16,8 @@
  *
  * NUMBERS.  Rays are traced in blocks of 128 points; sums add the rays of a block, then
  * the blocks, each in their order.  So bits do not depend on threads, and memory does not
- * grow with the number of rays (but for Zernike polynomials).  Each number that comes
- * from traced rays has a bound on what rounding does to it, or its certain `digits`.
+ * grow with the number of rays.  Each number that comes from traced rays has a bound on
+ * what rounding does to it, or its certain `digits`.
  *
  * AIMED RAYS.  If a field has 256 points or more at a wavelength, most of its aimed rays
  * come from a map that is fitted to 91 rays.  Each is traced to the stop and must meet

@@ -22,6 +22,11 @@ typedef struct sgt_pose {
  * in degrees, right-handed.  Multiples of 90 are exact. */
 SGT_API sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees);
 
+/* The cosines and sines of n angles, within 0.65 ulp and the same bits on every system: x
+ * and y of the ex of sgt_pose_tilted that is turned about z, to the bit.  NaN of an angle
+ * that is not finite.  The arrays do not overlap. */
+SGT_API void sgt_turns(size_t n, const double degrees[], double cosine[], double sine[]);
+
 /* ------------------------------------------------------------------- apertures */
 
 /* The shape of an item of an aperture, and the members that it needs.  x and y are seen

@@ -81,7 +81,7 @@ static inline double exponential(double x)
 typedef struct sine_cosine { double sine, cosine; } sine_cosine;
 
 /* Sine and cosine of a in radians, |a| <= pi/4. */
-static inline sine_cosine sine_cosine_of(twofold a)
+SGT_INLINE sine_cosine sine_cosine_of(twofold a)
 {
     static const twofold sixth = {0x1.5555555555555p-3, 0x1.5555555555555p-57};
     twofold b = twofold_product(a, a), cube = twofold_product(twofold_product(a, b), sixth);

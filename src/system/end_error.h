@@ -118,12 +118,30 @@ SGT_INLINE far_point far_point_of(const sgt_pose *pose, bool turned, sgt_vec3 p)
                        far_number(twofold_of(c.z), p, ex.z, ey.z, ez.z)};
 }
 
+/* Within 2 u^2 (|a| + |b|): the upper parts exactly, one rounding of what is left. */
+SGT_INLINE twofold far_between(twofold a, twofold b)
+{
+    const twofold s = two_sum(a.hi, -b.hi);
+    return quick_two_sum(s.hi, s.lo + (a.lo - b.lo));
+}
+
+/* What is summed has one sign but for the lower parts, so that plain sums of these are enough: the square is
+ * within 16 u^2 of itself, for the differences as they are.  Its root is s + (square - s^2) / 2 s, where the
+ * upper parts of the difference cancel exactly.  With far_between the length is within 16 u^2 of itself and
+ * of the numbers of the points, and the path within as much of all lengths: 2^-45 of its error, in told_path,
+ * is more, as that has a rounding of the sum at least unless the path is exact. */
 SGT_INLINE twofold length_between(far_point a, far_point b)
 {
-    const twofold x = twofold_difference(a.x, b.x), y = twofold_difference(a.y, b.y),
-                  z = twofold_difference(a.z, b.z);
-    return twofold_root(
-        twofold_sum(twofold_sum(twofold_product(x, x), twofold_product(y, y)), twofold_product(z, z)));
+    const twofold x = far_between(a.x, b.x), y = far_between(a.y, b.y), z = far_between(a.z, b.z);
+    const twofold xx = two_product(x.hi, x.hi), yy = two_product(y.hi, y.hi), zz = two_product(z.hi, z.hi);
+    const twofold two = two_sum(zz.hi, xx.hi), all = two_sum(two.hi, yy.hi);
+    const double twice = 2 * (x.hi * x.lo + y.hi * y.lo + z.hi * z.lo);
+    const twofold square = quick_two_sum(all.hi, (two.lo + all.lo) + (xx.lo + yy.lo + zz.lo) + twice);
+    const double s = sqrt(square.hi);
+    const twofold own = two_product(s, s);
+    const double rest = ((square.hi - own.hi) - own.lo) + square.lo;
+    const twofold root = quick_two_sum(s, rest / (2 * s));
+    return square.hi > 0 ? root : twofold_of(0);
 }
 
 /* The path with a stretch of length `by`, which is travelled backwards if t < 0. */

@@ -21,6 +21,7 @@
 #include <sagitta/system.h>
 
 #include "turn.h"
+#include "../num/lanes.h"
 
 /* 0.0 + x makes a zero of either sign +0, so that equal tilts print equal. */
 sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees)
@@ -31,4 +32,25 @@ sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees)
         .ey = {0.0 + (z.c * y.s * x.s - z.s * x.c), 0.0 + (z.s * y.s * x.s + z.c * x.c), 0.0 + y.c * x.s},
         .ez = {0.0 + (z.c * y.s * x.c + z.s * x.s), 0.0 + (z.s * y.s * x.c - z.c * x.s), 0.0 + y.c * x.c},
     };
+}
+
+SGT_KERNEL
+static void turns_near(size_t n, const double *restrict degrees, double *restrict cosine,
+                       double *restrict sine)
+{
+    LANES for (size_t i = 0; i < n; i++)
+    {
+        const unit_turn t = turn_near(degrees[i]);
+        cosine[i] = 0.0 + t.c, sine[i] = 0.0 + t.s;
+    }
+}
+
+void sgt_turns(size_t n, const double degrees[], double cosine[], double sine[])
+{
+    turns_near(n, degrees, cosine, sine);
+    for (size_t i = 0; i < n; i++) {
+        if (fabs(degrees[i]) < 0x1p53) continue;
+        const unit_turn t = turn_of(degrees[i]);
+        cosine[i] = 0.0 + t.c, sine[i] = 0.0 + t.s;
+    }
 }

@@ -14,43 +14,37 @@
 
 typedef struct unit_turn { double c, s; } unit_turn;
 
-/* Returns degrees - 90 n, at most 45 in magnitude, and sets *quarters to n modulo 4.  Exact.
- *
- *     |degrees| < 2^53     90 n is exact, as it is even and at most 2^53 + 90.  degrees and 90 n are
- *                          multiples of an ulp of degrees, or of 1 if that is less.  Their difference is at
- *                          most 46: fewer than 2^53 of those, so it is a double.  If rounding has made the
- *                          quotient an integer and a half, n is one off, and is corrected
- *     |degrees| >= 2^53    degrees is m 2^e with m < 2^53, e > 0.  It is first reduced modulo 360, in
- *                          integers, by e doublings */
-static inline double rest_of_quarters(double degrees, int *quarters)
+/* An angle that has the same turn and is below 2^53: an angle that is not is reduced modulo 360.  It is m 2^e
+ * with m < 2^53, e > 0, and is reduced in integers, by e doublings.  Exact; NaN if it is not finite. */
+static inline double without_turns(double degrees)
 {
-    *quarters = 0;
+    if (fabs(degrees) < 0x1p53) return degrees;
     if (!(fabs(degrees) <= DBL_MAX)) return (double)NAN;
-    if (fabs(degrees) >= 0x1p53) {
-        int e;
-        unsigned rest = (unsigned)((unsigned long long)(fabs(binary_mantissa(degrees, &e)) * 0x1p53) % 360);
-        for (; e > 53; e--) rest = 2 * rest % 360;
-        degrees = copysign(rest, degrees);
-    }
-    double n = nearest_integer(degrees / 90), rest = degrees - 90 * n;
-    if (fabs(rest) > 45) n += copysign(1, rest), rest -= copysign(90, rest);
-    *quarters = (int)((long long)n & 3);
-    return rest;
+    int e;
+    unsigned rest = (unsigned)((unsigned long long)(fabs(binary_mantissa(degrees, &e)) * 0x1p53) % 360);
+    for (; e > 53; e--) rest = 2 * rest % 360;
+    return copysign(rest, degrees);
 }
 
-static inline unit_turn turn_of(double degrees)
+/* Of an angle below 2^53; without a branch, for loops.
+ *
+ * It is 90 n + rest, |rest| <= 45.  90 n is exact, as it is even and at most 2^53 + 90.  degrees and 90 n are
+ * multiples of an ulp of degrees, or of 1 if that is less.  Their difference is at most 46: fewer than 2^53
+ * of those, so it is a double.  If rounding has made the quotient an integer and a half, n is one off, and is
+ * corrected.  Modulo 4 it is `quarters`, from -2 to 2. */
+SGT_INLINE unit_turn turn_near(double degrees)
 {
     static const twofold radian = {0x1.1df46a2529d39p-6, 0x1.5c1d8becdd291p-62}; /* pi / 180 */
-    int quarters;
-    sine_cosine r = {0, 1};
-    double rest = rest_of_quarters(degrees, &quarters);
-    if (rest != 0) r = sine_cosine_of(twofold_scaled(radian, rest));
-    switch (quarters) {
-    case 1: return (unit_turn){-r.sine, r.cosine};
-    case 2: return (unit_turn){-r.cosine, -r.sine};
-    case 3: return (unit_turn){r.sine, -r.cosine};
-    default: return (unit_turn){r.cosine, r.sine};
-    }
+    const double whole = nearest_integer(degrees / 90), left = degrees - 90 * whole;
+    const double one = fabs(left) > 45 ? copysign(1, left) : 0, n = whole + one, rest = left - 90 * one;
+    const double quarters = n - 4 * nearest_integer(n / 4), size = fabs(quarters);
+    const sine_cosine r = sine_cosine_of(twofold_scaled(radian, rest));
+    const double sine = rest == 0 ? 0 : r.sine;
+    const double c = size == 1 ? sine : r.cosine, s = size == 1 ? r.cosine : sine;
+    const double c_sign = size == 2 ? -1 : quarters == 1 ? -1 : 1, s_sign = size == 2 ? -1 : quarters;
+    return (unit_turn){c_sign * c, (s_sign == 0 ? 1 : s_sign) * s};
 }
+
+static inline unit_turn turn_of(double degrees) { return turn_near(without_turns(degrees)); }
 
 #endif

@@ -166,12 +166,42 @@ static void test_not_finite(void **state)
     }
 }
 
+/* Many at once, among them zeros, quarters, what lies next to them or halfway, and angles of any size. */
+static void test_many(void **state)
+{
+    enum { MOST = 37 };
+    (void)state;
+    generator g = seeded("many turns");
+    for (long k = 0, rounds = scaled(4000); k < rounds; k++) {
+        double degrees[MOST], cosine[MOST], sine[MOST];
+        const size_t n = (size_t)below(&g, MOST + 1);
+        for (size_t i = 0; i < n; i++) {
+            const double place = 45.0 * (below(&g, 4000) - 2000), size = log_uniform(&g, 1e-300, DBL_MAX);
+            degrees[i] = chance(&g, 0.4)   ? uniform(&g, -400, 400)
+                         : chance(&g, 0.2) ? place
+                         : chance(&g, 0.3) ? nextafter(place, chance(&g, 0.5) ? FAR : -FAR)
+                         : chance(&g, 0.1) ? (chance(&g, 0.3) ? NOT : chance(&g, 0.5) ? FAR : -FAR)
+                         : chance(&g, 0.1) ? -0.0
+                                           : copysign(size, uniform(&g, -1, 1));
+        }
+        sgt_turns(n, degrees, cosine, sine);
+        for (size_t i = 0; i < n; i++) {
+            const sgt_vec3 one = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){0, 0, degrees[i]}).ex;
+            const bool none = isnan(one.x) && isnan(cosine[i]) && isnan(one.y) && isnan(sine[i]);
+            REQUIRE(none || (same_bits(one.x, cosine[i]) && same_bits(one.y, sine[i])),
+                    "%.17g degrees: %.17g %.17g, alone %.17g %.17g", degrees[i], cosine[i], sine[i], one.x,
+                    one.y);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_against_product), cmocka_unit_test(test_one_turn),
         cmocka_unit_test(test_quarters_exact),  cmocka_unit_test(test_sense),
         cmocka_unit_test(test_whole_turns),     cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,12 +28,18 @@
  * of the pupil to u, v is smooth.  So AIM_NODES rays are aimed as above, and polynomials of degree
  * AIM_DEGREE are fitted to them by least squares.  A ray that they give is traced to the stop, and misses
  * its point by f.  It is then asked for at the point less f: a chord method, whose step leaves as much of
- * f as the slopes of the polynomials are off, some 1e-6.  Most rays of the lenses in examples and
- * tests/data/zmx take one step.
- * Where a ray arrives is not taken on trust.  It is accepted only if nothing clips it before the stop and it
- * misses its point by at most NEAR_ENOUGH p_err.  sgt_aim accepts 8 times the error of the end, which is at
- * least 1.5 p_err cos(a), a the slope of the stop: more than NEAR_ENOUGH p_err for slopes up to 80 degrees.
- * All other rays are searched for.
+ * f as the slopes of the polynomials are off.
+ * How many steps a beam needs is measured when its map is made, at points between the nodes: as many as
+ * bring nearly all of them to where they are accepted, most often one.  If STEPS_MOST do not bring half
+ * of them there, the map is not used.  That asks for a fit as good as some 1e-4, as each step at best
+ * multiplies what is left by how far the slopes are off.
+ * Steps go through the surfaces without their apertures, as a ray that is clipped is aimed, too.
+ * Where a ray arrives is not taken on trust: after the last step it is traced once more, and looked at.
+ * If it is clipped there, it is traced by itself to the stop, as sgt_aim does it (through.c).  It is accepted
+ * only if it misses its point by at most NEAR_ENOUGH p_err.
+ * sgt_aim accepts 8 times the error of the end, which is at least 1.5 p_err cos(a), a the slope of the stop:
+ * more than NEAR_ENOUGH p_err for slopes up to 80 degrees.  All other rays are searched for.
+ * That last trace may be the one through the whole lens, which is wanted anyway (ends.c).
  * That no ray is folded is an expectation.  The map is used only if no node is folded, and if the
  * determinants at the nodes are all within TAME times each other.  Nodes are a fifth of the radius apart; a
  * fold between them, with none at any of them, has not been seen, and is not ruled out.
@@ -101,6 +107,8 @@ typedef struct aim_search {
     size_t starts;
     sgt_vec2 start[2];
     bool chief;            /* it is wanted whatever clips it */
+    const sgt_element *open; /* of a fitted map: the elements without apertures, */
+    sgt_element *own;      /* and room for them */
     int home;              /* of REACH: the box where the chief ray was found */
     double within;         /* radii of the pupil: it is proven that no ray there meets the point */
     sgt_attempt nearest;
@@ -226,24 +234,19 @@ static sgt_ray of_unit_length(sgt_ray ray)
 
 /* ---------------------------------------------------------------- many rays at once */
 
-/* Rays on their way by a fitted map. */
-typedef struct guided {
-    size_t count;
-    size_t of[AIM_PART];
-    double x[AIM_PART], y[AIM_PART], u[AIM_PART], v[AIM_PART];
-    sgt_fate fate[AIM_PART];
-} guided;
-
 /* Some rays side by side, and how they met the elements up to the stop. */
 typedef struct aim_many {
     sgt_passages *at;           /* [stop + 1] */
-    sgt_passages *guide;        /* [stop + 1]: of which the last one alone is told, by p and p_err */
+    sgt_passages *guide;        /* [stop + 1]: of which the last one alone is told, by p, */
+    double *guide_err;          /* and p_err, if that is asked */
     sgt_vec2 wanted[AIM_PART], start[2 * AIM_PART];
     sgt_aiming found[AIM_PART];
     double o[3][AIM_PART], d[3][AIM_PART], change[12][AIM_PART];
     /* of the fitted map: its rays, and those that it leaves (here, and not on the stack, of which threads of
      * some systems have little) */
-    guided by_map;
+    double x[AIM_PART], y[AIM_PART], u[AIM_PART], v[AIM_PART];
+    sgt_fate fate[AIM_PART];
+    int passed[AIM_PART];
     size_t left[AIM_PART];
     sgt_pupil_point other[AIM_PART];
     sgt_launched own[AIM_PART];
@@ -269,7 +272,7 @@ static aim_many *aim_many_new(const sgt_launcher *from, size_t elements, size_t 
     }
     sgt_hits *last = &m->guide[elements - 1].hits;
     const sgt_hits *whole = &m->at[elements - 1].hits;
-    last->p_err = whole->p_err;
+    m->guide_err = whole->p_err;
     for (int k = 0; k < 3; k++) last->p[k] = whole->p[k];
     return m;
 }
@@ -361,6 +364,7 @@ void sgt_aim_nodes_set(sgt_aim_nodes *out)
     const double QUARTER = 90;
     double (*a)[AIM_NODES] = out->by, r[AIM_TERMS][AIM_TERMS];
     sgt_pupil_points(SGT_PATTERN_HEXAPOLAR, AIM_RINGS, 0, AIM_NODES, out->at);
+    sgt_pupil_points(SGT_PATTERN_HEXAPOLAR, AIM_TEST_RINGS, 0, AIM_TESTS, out->test);
     for (size_t i = 1, ring = 1; i < AIM_NODES; i++) {
         if (i > 3 * ring * (ring + 1)) ring++;
         const double at = (double)ring / AIM_RINGS;
@@ -391,34 +395,179 @@ void sgt_aim_nodes_set(sgt_aim_nodes *out)
         }
 }
 
-/* Both polynomials at x, y of four rays: so few that their sums stay in registers. */
-enum { AIM_FEW = 4 };
+/* Both polynomials at x, y of eight rays: as many sums as the registers hold, so that none waits for another.
+ * Of a mirrored map the one for u is x times a polynomial of x^2, the one for v is one of x^2. */
+enum { AIM_FEW = 8, AIM_PAIRS = AIM_FEW / 2 };
 typedef double two_rays __attribute__((vector_size(2 * sizeof(double))));
+#define PAIRS for (int q = 0; q < AIM_PAIRS; q++)
+
+static inline void few_fitted_by(bool mirrored, const sgt_aim_map *of, const double x[], const double y[],
+                                 double u[], double v[])
+{
+    const int by = mirrored ? 2 : 1;
+    two_rays at[AIM_PAIRS], up[AIM_PAIRS], to_u[AIM_PAIRS], to_v[AIM_PAIRS], a[AIM_PAIRS], b[AIM_PAIRS];
+    PAIRS
+    {
+        const two_rays own = {x[2 * q], x[2 * q + 1]}, none = {0};
+        at[q] = mirrored ? own * own : own, up[q] = (two_rays){y[2 * q], y[2 * q + 1]};
+        to_u[q] = to_v[q] = none;
+    }
+    for (int j = AIM_DEGREE, k = 0; j >= 0; k += AIM_DEGREE - j + 1, j--) {
+        const int most = AIM_DEGREE - j; /* the highest power of x; mirrored: odd ones for u, even for v */
+        const double *by_u = &of->fit[0][k], *by_v = &of->fit[1][k];
+        PAIRS a[q] = b[q] = (two_rays){0};
+        for (int i = mirrored && most % 2 == 0; i <= most; i += by) PAIRS a[q] = a[q] * at[q] + by_u[i];
+        for (int i = mirrored && most % 2 == 1; i <= most; i += by) PAIRS b[q] = b[q] * at[q] + by_v[i];
+        PAIRS to_u[q] = to_u[q] * up[q] + a[q], to_v[q] = to_v[q] * up[q] + b[q];
+    }
+    PAIRS
+    {
+        const two_rays own = {x[2 * q], x[2 * q + 1]};
+        if (mirrored) to_u[q] *= own;
+        u[2 * q] = to_u[q][0], u[2 * q + 1] = to_u[q][1], v[2 * q] = to_v[q][0], v[2 * q + 1] = to_v[q][1];
+    }
+}
 
 static void few_fitted_at(const sgt_aim_map *of, const double x[], const double y[], double u[], double v[])
 {
-    const two_rays x0 = {x[0], x[1]}, x1 = {x[2], x[3]}, y0 = {y[0], y[1]}, y1 = {y[2], y[3]};
-    two_rays u0 = {0}, u1 = {0}, v0 = {0}, v1 = {0};
-    for (int j = AIM_DEGREE, k = 0; j >= 0; j--) {
-        const two_rays none = {0};
-        two_rays a0 = none + of->fit[0][k], a1 = a0, b0 = none + of->fit[1][k], b1 = b0;
-        k++;
-        for (int more = AIM_DEGREE - j; more > 0; more--, k++) {
-            const double by_u = of->fit[0][k], by_v = of->fit[1][k];
-            a0 = a0 * x0 + by_u, a1 = a1 * x1 + by_u, b0 = b0 * x0 + by_v, b1 = b1 * x1 + by_v;
-        }
-        u0 = u0 * y0 + a0, u1 = u1 * y1 + a1, v0 = v0 * y0 + b0, v1 = v1 * y1 + b1;
-    }
-    u[0] = u0[0], u[1] = u0[1], u[2] = u1[0], u[3] = u1[1];
-    v[0] = v0[0], v[1] = v0[1], v[2] = v1[0], v[3] = v1[1];
+    if (of->mirrored) few_fitted_by(true, of, x, y, u, v);
+    else few_fitted_by(false, of, x, y, u, v);
 }
 
-/* (The arrays have room for AIM_FEW - 1 more.) */
-_Static_assert((int)AIM_PART % (int)AIM_FEW == 0 && (int)AIM_NODES <= (int)AIM_PART, "room for whole groups");
-static void fitted_at(const sgt_aim_map *of, size_t count, double x[], double y[], double u[], double v[])
+/* Is u odd in x, and v even?  So it is where the lens and the field have the plane x = 0 as a mirror.  What
+ * rounding leaves of the other coefficients is then left out: that changes the way to a ray, not the ray. */
+static bool is_mirrored(const sgt_aim_map *of)
 {
-    for (size_t i = count; i % AIM_FEW; i++) x[i] = y[i] = 0;
-    for (size_t i = 0; i < count; i += AIM_FEW) few_fitted_at(of, x + i, y + i, u + i, v + i);
+    const double NONE = 1e-12;
+    double kept[2] = {0, 0}, other[2] = {0, 0};
+    for (int j = AIM_DEGREE, k = 0; j >= 0; j--)
+        for (int i = AIM_DEGREE - j; i >= 0; i--, k++)
+            for (int c = 0; c < 2; c++) {
+                double *most = (i % 2 == 1) == (c == 0) ? &kept[c] : &other[c];
+                *most = fmax(*most, fabs(of->fit[c][k]));
+            }
+    return other[0] <= NONE * kept[0] && other[1] <= NONE * kept[1];
+}
+
+_Static_assert((int)AIM_NODES <= (int)AIM_PART && (int)AIM_TESTS <= (int)AIM_PART, "room for all");
+static void fitted_at(const sgt_aim_map *of, size_t count, const double x[], const double y[], double u[],
+                      double v[])
+{
+    const size_t whole = count - count % AIM_FEW;
+    double few[4][AIM_FEW] = {{0}};
+    for (size_t i = 0; i < whole; i += AIM_FEW) few_fitted_at(of, x + i, y + i, u + i, v + i);
+    if (whole == count) return;
+    for (size_t i = whole; i < count; i++) few[0][i - whole] = x[i], few[1][i - whole] = y[i];
+    few_fitted_at(of, few[0], few[1], few[2], few[3]);
+    for (size_t i = whole; i < count; i++) u[i] = few[2][i - whole], v[i] = few[3][i - whole];
+}
+
+static const double NEAR_ENOUGH = 2, DISC = 1 + 0x1p-40;
+
+static void set_wanted(const sgt_launcher *from, const sgt_field_beam *b, aim_many *m, size_t count,
+                       const sgt_pupil_point at[])
+{
+    for (size_t i = 0; i < count; i++) {
+        const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
+        m->wanted[i] = (sgt_vec2){q.x * from->stop_radius, q.y * from->stop_radius};
+        m->x[i] = at[i].x, m->y[i] = at[i].y;
+    }
+}
+
+/* Rays at u, v, of unit length. */
+static void rays_at(const sgt_beam *f, size_t count, const double *restrict u, const double *restrict v,
+                    double *const o[3], double *const d[3])
+{
+    const sgt_beam b = *f;
+    double *restrict ox = o[0], *restrict oy = o[1], *restrict oz = o[2];
+    double *restrict dx = d[0], *restrict dy = d[1], *restrict dz = d[2];
+    for (size_t i = 0; i < count; i++) {
+        const sgt_vec3 at = along3(along3(b.o, u[i], b.ou), v[i], b.ov);
+        const sgt_vec3 way = along3(along3(b.d, u[i], b.du), v[i], b.dv);
+        const double by = 1 / length3(way);
+        ox[i] = at.x, oy[i] = at.y, oz[i] = at.z, dx[i] = way.x * by, dy[i] = way.y * by, dz[i] = way.z * by;
+    }
+}
+
+/* Traces rays to the stop: through the open elements, or as they are, with the errors of the points. */
+static void trace_guides(const aim_search *s, aim_many *m, bool errors, size_t count, sgt_rays rays)
+{
+    const sgt_options near = {.pick = SGT_NEAR_SEED};
+    m->guide[s->element].hits.p_err = errors ? m->guide_err : NULL;
+    sgt_trace_batch(s->element + 1, errors ? s->e : s->open, s->before, count, rays,
+                    (sgt_traced){.fate = m->fate, .passed = m->passed}, m->guide, &near);
+}
+
+/* A step: moves x, y of rays that were traced by as much as they miss.  Those that did not get there become
+ * NaN, and are found out later. */
+static void step_by_miss(const sgt_launcher *from, const sgt_field_beam *b, const aim_search *s, aim_many *m,
+                         size_t first, size_t count)
+{
+    const sgt_vec2 turn = b->turn; /* (sgt_vignetted) */
+    const double by_x = 1 / (from->stop_radius * b->scale.x), by_y = 1 / (from->stop_radius * b->scale.y);
+    const double *px = m->guide[s->element].hits.p[0], *py = m->guide[s->element].hits.p[1];
+    for (size_t k = 0; k < count; k++) {
+        const size_t i = first + k;
+        const double x = px[k] - m->wanted[i].x, y = py[k] - m->wanted[i].y;
+        m->x[i] -= (x * turn.x + y * turn.y) * by_x, m->y[i] -= (y * turn.x - x * turn.y) * by_y;
+    }
+}
+
+/* Aims by the fitted map in so many steps.  m->wanted, x, y: set.  part: rays at a time. */
+static void guess_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
+                       const aim_search *s, const sgt_aim_map *of, aim_many *m, size_t part, int steps,
+                       size_t count, double *const o[3], double *const d[3])
+{
+    for (size_t first = 0; first < count; first += part) {
+        const size_t some = count - first < part ? count - first : part;
+        double *const at[3] = {o[0] + first, o[1] + first, o[2] + first};
+        double *const way[3] = {d[0] + first, d[1] + first, d[2] + first};
+        const sgt_rays rays = {.o = {at[0], at[1], at[2]}, .d = {way[0], way[1], way[2]}};
+        for (int step = 0; step <= steps; step++) {
+            if (step > 0) trace_guides(s, m, false, some, rays), step_by_miss(from, b, s, m, first, some);
+            fitted_at(of, some, m->x + first, m->y + first, m->u + first, m->v + first);
+            rays_at(f, some, m->u + first, m->v + first, at, way);
+        }
+    }
+}
+
+static bool is_there(const aim_many *m, size_t i, double px, double py, double p_err, sgt_pupil_point at)
+{
+    const double x = px - m->wanted[i].x, y = py - m->wanted[i].y;
+    return (p_err < HUGE_VAL) & (sqrt(x * x + y * y) <= NEAR_ENOUGH * p_err) &
+           (at.x * at.x + at.y * at.y <= DISC);
+}
+
+/* Does a ray that is clipped in front of the stop, or there, get to its point if nothing clips it? */
+static bool gets_there(const aim_many *m, const aim_search *s, size_t i, const sgt_ray *ray,
+                       sgt_pupil_point at)
+{
+    sgt_fate fate;
+    const size_t passed =
+        sgt_trace_through(s->element + 1, s->e, s->before, ray, s->own, s->passages, &fate);
+    const sgt_hit *hit = &s->passages[s->element].hit;
+    return passed >= s->element && hit->status > 0 && is_there(m, i, hit->p.x, hit->p.y, hit->p_err, at);
+}
+
+/* Lists in `left` the rays o, d that were traced and are not accepted; returns how many. */
+static size_t which_missed(const aim_many *m, const aim_search *s, size_t count, const sgt_pupil_point at[],
+                           double *const o[3], double *const d[3], sgt_traced traced, const sgt_hits *hits,
+                           size_t left[])
+{
+    const double *px = hits->p[0], *py = hits->p[1], *p_err = hits->p_err;
+    size_t missed = 0, still = 0;
+    for (size_t i = 0; i < count; i++) {
+        left[missed] = i;
+        missed += !(((size_t)traced.passed[i] > s->element) & is_there(m, i, px[i], py[i], p_err[i], at[i]));
+    }
+    for (size_t k = 0; k < missed; k++) {
+        const size_t i = left[k];
+        const bool clipped = traced.fate[i] == SGT_CLIPPED && (size_t)traced.passed[i] <= s->element;
+        const sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]}};
+        left[still] = i;
+        still += !(clipped && gets_there(m, s, i, &ray, at[i]));
+    }
+    return still;
 }
 
 /* Aims by the fitted map; returns how many are left, with their numbers in m->left. */
@@ -426,63 +575,39 @@ static size_t aim_guided(const sgt_launcher *from, const sgt_field_beam *b, cons
                          const aim_search *s, const sgt_aim_map *of, aim_many *m, size_t count,
                          const sgt_pupil_point at[], sgt_launched out[])
 {
-    enum { GUIDED_ROUNDS = 3 };
-    const double NEAR_ENOUGH = 2, DISC = 1 + 0x1p-40;
-    const size_t elements = s->element + 1;
-    const sgt_hits *last = &m->guide[s->element].hits;
-    const sgt_options near = {.pick = SGT_NEAR_SEED};
-    const sgt_rays rays = {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}};
-    size_t unfound = 0;
-    guided *g = &m->by_map;
-    size_t *left = m->left;
-    g->count = 0;
-    for (size_t i = 0; i < count; i++) {
-        const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
-        m->wanted[i] = (sgt_vec2){q.x * from->stop_radius, q.y * from->stop_radius};
-        if (at[i].x * at[i].x + at[i].y * at[i].y <= DISC)
-            g->of[g->count] = i, g->x[g->count] = at[i].x, g->y[g->count++] = at[i].y;
-        else left[unfound++] = i;
+    double *const o[3] = {m->o[0], m->o[1], m->o[2]}, *const d[3] = {m->d[0], m->d[1], m->d[2]};
+    set_wanted(from, b, m, count, at);
+    guess_rays(from, b, f, s, of, m, count, of->steps, count, o, d);
+    trace_guides(s, m, true, count, (sgt_rays){.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}});
+    for (size_t i = 0; i < count; i++)
+        out[i] = (sgt_launched){.status = SGT_MET, .wanted = m->wanted[i],
+                                .ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]}}};
+    return which_missed(m, s, count, at, o, d, (sgt_traced){.fate = m->fate, .passed = m->passed},
+                        &m->guide[s->element].hits, m->left);
+}
+
+/* Sets how many steps the map needs, and whether it is worth its while. */
+static void try_map(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f, const aim_search *s,
+                    const sgt_aim_nodes *nodes, aim_many *m, sgt_aim_map *of)
+{
+    enum { STEPS_MOST = 3, FEW = 16 }; /* one of so many may be left */
+    size_t reached = 1, missed = 1;    /* of the rays that get to the stop, or are clipped */
+    for (of->steps = 0; of->steps < STEPS_MOST && FEW * missed > reached;) {
+        of->steps++;
+        const size_t left = aim_guided(from, b, f, s, of, m, AIM_TESTS, nodes->test, m->own);
+        reached = 0;
+        for (size_t i = 0; i < AIM_TESTS; i++)
+            reached += m->fate[i] == SGT_PASSED || m->fate[i] == SGT_CLIPPED;
+        missed = left + reached - AIM_TESTS;
     }
-    for (int round = 0; round < GUIDED_ROUNDS && g->count; round++) {
-        size_t still = 0;
-        fitted_at(of, g->count, g->x, g->y, g->u, g->v);
-        for (size_t k = 0; k < g->count; k++) {
-            const sgt_ray ray = of_unit_length(sgt_beam_ray(f, g->u[k], g->v[k]));
-            m->o[0][k] = ray.o.x, m->o[1][k] = ray.o.y, m->o[2][k] = ray.o.z;
-            m->d[0][k] = ray.d.x, m->d[1][k] = ray.d.y, m->d[2][k] = ray.d.z;
-        }
-        sgt_trace_batch(elements, s->e, s->before, g->count, rays, (sgt_traced){.fate = g->fate}, m->guide,
-                        &near);
-        for (size_t k = 0; k < g->count; k++) {
-            const size_t i = g->of[k];
-            const double x = last->p[0][k] - m->wanted[i].x, y = last->p[1][k] - m->wanted[i].y;
-            if (g->fate[k] == SGT_PASSED && last->p_err[k] < HUGE_VAL &&
-                sqrt(x * x + y * y) <= NEAR_ENOUGH * last->p_err[k]) {
-                out[i] = (sgt_launched){.status = SGT_MET, .wanted = m->wanted[i],
-                                        .ray = {.o = {m->o[0][k], m->o[1][k], m->o[2][k]},
-                                                .d = {m->d[0][k], m->d[1][k], m->d[2][k]}}};
-                continue;
-            }
-            if (g->fate[k] != SGT_PASSED || round + 1 == GUIDED_ROUNDS) {
-                left[unfound++] = i;
-                continue;
-            }
-            /* by how much the point of the pupil is off (sgt_vignetted) */
-            const double across = (x * b->turn.x + y * b->turn.y) / from->stop_radius,
-                         along = (y * b->turn.x - x * b->turn.y) / from->stop_radius;
-            g->of[still] = i;
-            g->x[still] = g->x[k] - across / b->scale.x, g->y[still++] = g->y[k] - along / b->scale.y;
-        }
-        g->count = still;
-    }
-    return unfound;
+    of->fitted = 2 * missed < reached;
 }
 
 /* Fits the map to the rays through the nodes, if all are there and none is folded. */
 static void fit_map(const sgt_launcher *from, const sgt_field_beam *b, const sgt_beam *f,
                     const aim_search *s, const sgt_aim_nodes *nodes, aim_many *m, sgt_aim_map *of)
 {
-    const double TAME = 16, CLOSE = 1e-3;
+    const double TAME = 16;
     double least = HUGE_VAL, most = 0;
     if (!of->mapped || from->sense == 0) return;
     aim_part(from, b, f, s, of, m, AIM_NODES, nodes->at, m->own);
@@ -498,12 +623,8 @@ static void fit_map(const sgt_launcher *from, const sgt_field_beam *b, const sgt
             of->fit[0][t] += nodes->by[t][i] * m->found[i].u,
                 of->fit[1][t] += nodes->by[t][i] * m->found[i].v;
     }
-    double *x = m->by_map.x, *y = m->by_map.y, *u = m->by_map.u, *v = m->by_map.v;
-    for (size_t i = 0; i < AIM_NODES; i++) x[i] = nodes->at[i].x, y[i] = nodes->at[i].y;
-    fitted_at(of, AIM_NODES, x, y, u, v);
-    of->fitted = true;
-    for (size_t i = 0; i < AIM_NODES; i++)
-        if (!(hypot(u[i] - m->found[i].u, v[i] - m->found[i].v) < CLOSE)) of->fitted = false;
+    of->mirrored = is_mirrored(of);
+    try_map(from, b, f, s, nodes, m, of);
 }
 
 /* Some rays: those by the map, then the others. */
@@ -525,7 +646,7 @@ struct sgt_aim_room {
     sgt_beam f;
     aim_search search;
     sgt_passage *passages;
-    sgt_element *bare;
+    sgt_element *bare, *open, *own;
     aim_many *many;
     size_t part;
 };
@@ -535,7 +656,7 @@ void sgt_aim_room_free(const sgt_launcher *from, sgt_aim_room *r)
     if (!r) return;
     sgt_launch_forget(from, r->many);
     sgt_launch_forget(from, r->passages);
-    sgt_launch_forget(from, r->bare);
+    sgt_launch_forget(from, r->bare); /* and those behind it */
     sgt_launch_forget(from, r);
 }
 
@@ -547,9 +668,12 @@ sgt_aim_room *sgt_aim_room_new(const sgt_launcher *from, size_t count)
     if (!r) return NULL;
     r->part = count < most ? count : most;
     r->passages = sgt_launch_take(from, stop + 1, sizeof *r->passages);
-    r->bare = sgt_launch_take(from, stop + 1, sizeof *r->bare);
+    r->bare = sgt_launch_take(from, 3 * (stop + 1), sizeof *r->bare);
     r->many = aim_many_new(from, stop + 1, r->part);
-    if (r->passages && r->bare && r->many) return r;
+    if (r->passages && r->bare && r->many) {
+        r->open = r->bare + stop + 1, r->own = r->open + stop + 1;
+        return r;
+    }
     sgt_aim_room_free(from, r);
     return NULL;
 }
@@ -561,8 +685,10 @@ static void begin_aims(const sgt_launcher *from, sgt_aim_room *r, const sgt_fiel
     const size_t stop = from->lens->stop;
     for (size_t i = 0; i <= stop; i++) r->bare[i] = e[i];
     r->bare[stop].phase = NULL; /* what the stop does to light has no say in where it is met */
+    for (size_t i = 0; i <= stop; i++)
+        r->open[i] = r->bare[i], r->open[i].semi_diameter = 0, r->open[i].aperture = NULL;
     r->f = family_of(b);
-    r->search = (aim_search){stop, r->bare, before, r->passages, .starts = 0};
+    r->search = (aim_search){stop, r->bare, before, r->passages, .open = r->open, .own = r->own};
 }
 
 bool sgt_aim_map_of(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
@@ -587,6 +713,21 @@ void sgt_aim_rays(const sgt_launcher *from, sgt_aim_room *r, const sgt_field_bea
     for (size_t first = 0; first < count; first += r->part)
         aim_some(from, b, &r->f, &r->search, of ? of : &own, r->many,
                  count - first < r->part ? count - first : r->part, at + first, out + first);
+}
+
+void sgt_aim_guess(const sgt_launcher *from, sgt_aim_room *r, const sgt_field_beam *b, const sgt_element e[],
+                   double before, const sgt_aim_map *of, size_t count, const sgt_pupil_point at[],
+                   double *const o[3], double *const d[3])
+{
+    begin_aims(from, r, b, e, before);
+    set_wanted(from, b, r->many, count, at);
+    guess_rays(from, b, &r->f, &r->search, of, r->many, r->part, of->steps, count, o, d);
+}
+
+size_t sgt_aim_missed(const sgt_aim_room *r, size_t count, const sgt_pupil_point at[], double *const o[3],
+                      double *const d[3], sgt_traced traced, const sgt_hits *hits, size_t left[])
+{
+    return which_missed(r->many, &r->search, count, at, o, d, traced, hits, left);
 }
 
 /* ------------------------------------------------------------ real image heights */

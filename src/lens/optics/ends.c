@@ -10,6 +10,10 @@
  * so the angle between both rays is at most the sum of both over L.  L is FAR times the lens, and the plane's
  * own rounding is of the order of u.
  *
+ * AIMED RAYS by a fitted map (aim.c) are traced through the whole lens at once.  Their hits at the stop tell
+ * which of them meet their points there; the others are aimed one by one, and traced again.  That is so where
+ * the trace asks for the roots that aiming asks for: near the seed, to rounding, without proofs.
+ *
  * MANY RAYS go side by side, some hundred at a time, through the loops of sgt_trace_batch and
  * sgt_trace_error_batch, whose numbers are those of one ray to the bit.  One by one is the chief ray alone,
  * whatever clips it, and what an afocal lens needs besides. */
@@ -97,14 +101,19 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
 
 #define NOWHERE {(double)NAN, (double)NAN, (double)NAN}
 
-/* (A copy of what is constant, and then its numbers: a struct that is put together on the stack, number by
- * number, and copied by larger pieces waits for each of them.) */
-static void set_untraced(const sgt_pupil_point *at, const sgt_launched *l, sgt_ray_end *out)
+/* Ends as they are where no ray was traced.  (Each is a copy of the first.  gcc 12 would clear a copy of what
+ * is constant by `rep stos`, which takes longer than all else that is told of a ray.) */
+static void begin_ends(size_t count, sgt_ray_end out[])
 {
     static const sgt_ray_end untraced = {
         .fate = SGT_LOST, .status = SGT_EXHAUSTED, .p = NOWHERE, .d = NOWHERE, .opl = (double)NAN,
         .p_err = (double)NAN, .opl_err = (double)NAN, .d_err = (double)NAN};
-    *out = untraced;
+    if (count) out[0] = untraced;
+    for (size_t i = 1; i < count; i++) out[i] = out[0];
+}
+
+static void set_untraced(const sgt_pupil_point *at, const sgt_launched *l, sgt_ray_end *out)
+{
     out->px = at->x, out->py = at->y, out->weight = at->weight;
     out->aimed = l->status, out->within = l->within;
 }
@@ -131,18 +140,19 @@ enum { END_ERRORS = END_POINT_ERROR | END_PATH_ERROR };
 
 /* The arrays of a passage at `number`, [rays] each: those that are wanted of the element with `behind`
  * elements behind it.  Errors and slants need all elements; else points and paths are told at the last one,
- * and directions in front of it. */
-static sgt_passages passage_of(unsigned wanted, size_t behind, size_t rays, double *number, int *evals,
-                               sgt_status *status)
+ * and directions in front of it.  aimed: where it is seen whether a ray met its point. */
+static sgt_passages passage_of(unsigned wanted, size_t behind, bool aimed, size_t rays, double *number,
+                               int *evals, sgt_status *status)
 {
     const bool errors = wanted & END_ERRORS, slant = wanted & END_SLANT, point = wanted & END_POINT;
     sgt_passages p = {.hits.status = status};
     for (int k = 0; k < 3; k++, number += 3 * rays) {
-        if (errors || (point && behind == 0)) p.hits.p[k] = number;
+        if (errors || aimed || (point && behind == 0)) p.hits.p[k] = number;
         if (errors || slant) p.hits.n[k] = number + rays;
         if (errors || slant || (point && behind == 1)) p.direction[k] = number + 2 * rays;
     }
-    if (errors) p.hits.t = number, p.hits.p_err = number + rays;
+    if (errors) p.hits.t = number;
+    if (errors || aimed) p.hits.p_err = number + rays;
     if (slant) p.hits.t_err = number + 2 * rays;
     if (wanted & END_PATH && behind == 0) p.opl = number + 3 * rays;
     if (wanted & END_EVALS) p.hits.evals = evals;
@@ -153,6 +163,7 @@ static sgt_passages passage_of(unsigned wanted, size_t behind, size_t rays, doub
 static many *many_new(const sgt_launcher *from, size_t rays, unsigned wanted)
 {
     enum { NUMBERS = 13, OTHERS = 15, BYTES = 4 };
+    const bool aims = from->aim != SGT_LENS_AIM_PUPIL;
     const size_t count = from->lens->count, each = NUMBERS * sizeof(double) + sizeof(int) + 1;
     const size_t size = sizeof(many) + count * (sizeof(sgt_passages) + rays * each) +
                         rays * (OTHERS * sizeof(double) + 2 * sizeof(int) + BYTES) + 64;
@@ -169,8 +180,10 @@ static many *many_new(const sgt_launcher *from, size_t rays, unsigned wanted)
     int *whole = (int *)(void *)(others + 6 * rays);
     m->passed = whole, m->evals = whole + rays, whole += 2 * rays;
     sgt_status *status = (sgt_status *)(whole + count * rays);
-    for (size_t i = 0; i < count; i++, number += NUMBERS * rays, whole += rays, status += rays)
-        m->at[i] = passage_of(wanted, count - 1 - i, rays, number, whole, status);
+    for (size_t i = 0; i < count; i++, number += NUMBERS * rays, whole += rays, status += rays) {
+        const bool aimed = aims && i == from->lens->stop;
+        m->at[i] = passage_of(wanted, count - 1 - i, aimed, rays, number, whole, status);
+    }
     m->fate = (sgt_fate *)status, m->met = (bool *)(m->fate + rays);
     return m;
 }
@@ -274,6 +287,7 @@ static void trace_unaimed(const sgt_launcher *from, const sgt_field_beam *b, con
     static const sgt_launched there = {.status = SGT_MET};
     sgt_launch_unaimed(b, count, at, m->o, m->d);
     trace_many(from, e, before, m, count, opt);
+    begin_ends(count, out);
     for (size_t i = 0; i < count; i++) {
         set_untraced(&at[i], &there, &out[i]);
         tell_end(from, b, e, before, m, i, &out[i]);
@@ -286,6 +300,7 @@ static void trace_aimed(const sgt_launcher *from, const sgt_field_beam *b, const
                         const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
 {
     size_t there = 0;
+    begin_ends(count, out);
     for (size_t i = 0; i < count; i++) {
         const sgt_ray *ray = &launched[i].ray;
         set_untraced(&at[i], &launched[i], &out[i]);
@@ -304,7 +319,9 @@ static void trace_aimed(const sgt_launcher *from, const sgt_field_beam *b, const
 struct sgt_ends_room {
     size_t part;
     sgt_element *own;
-    sgt_launched *launched;
+    sgt_launched *launched;     /* and of those that a map has not led to their points: */
+    sgt_pupil_point other[PART];
+    sgt_ray_end other_end[PART];
     many *m;
     sgt_aim_room *aims;         /* NULL: rays are not aimed */
     sgt_ray_end *end;
@@ -340,6 +357,42 @@ sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigne
     return NULL;
 }
 
+/* Does a trace ask for the roots that aiming asks for? */
+static bool asks_as_aims(const sgt_options *opt)
+{
+    return !opt || (opt->pick != SGT_FIRST && opt->proof == SGT_ESTIMATE && opt->t_tol == 0 && !opt->watch);
+}
+
+/* By the fitted map; those that it leaves are aimed and traced again. */
+static void trace_guessed(const sgt_launcher *from, sgt_ends_room *r, const sgt_field_beam *b, double before,
+                          const sgt_aim_map *of, size_t count, const sgt_pupil_point at[],
+                          const sgt_options *opt, sgt_ray_end out[])
+{
+    static const sgt_launched there = {.status = SGT_MET};
+    many *m = r->m;
+    size_t left[PART];
+    sgt_aim_guess(from, r->aims, b, r->own, before, of, count, at, m->o, m->d);
+    trace_many(from, r->own, before, m, count, opt);
+    const sgt_traced traced = {.fate = m->fate, .passed = m->passed};
+    const size_t missed =
+        sgt_aim_missed(r->aims, count, at, m->o, m->d, traced, &m->at[from->lens->stop].hits, left);
+    begin_ends(count, out);
+    for (size_t i = 0, k = 0; i < count; i++) {
+        if (k < missed && left[k] == i) {
+            r->other[k++] = at[i];
+            continue;
+        }
+        set_untraced(&at[i], &there, &out[i]);
+        tell_end(from, b, r->own, before, m, i, &out[i]);
+    }
+    if (missed == 0) return;
+    sgt_aim_map plain = *of;
+    plain.fitted = false;
+    sgt_aim_rays(from, r->aims, b, r->own, before, &plain, missed, r->other, r->launched);
+    trace_aimed(from, b, r->own, before, m, missed, r->launched, r->other, opt, r->other_end);
+    for (size_t k = 0; k < missed; k++) out[left[k]] = r->other_end[k];
+}
+
 sgt_ray_end *sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *r, const sgt_field_beam *b,
                             const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
                             const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
@@ -351,6 +404,10 @@ sgt_ray_end *sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *r, const sg
         const size_t rays = count - first < r->part ? count - first : r->part;
         if (!r->aims) {
             trace_unaimed(from, b, r->own, index_before, r->m, rays, at, opt, out);
+            continue;
+        }
+        if (of && of->fitted && asks_as_aims(opt)) {
+            trace_guessed(from, r, b, index_before, of, rays, at, opt, out);
             continue;
         }
         sgt_aim_rays(from, r->aims, b, r->own, index_before, of, rays, at, r->launched);
@@ -396,6 +453,7 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
     if (fine) sgt_launch_ending(count, e, own);
     fine = fine && sgt_launch_rays(from, b, own, index_before, 1, &centre, &launched, error);
     if (fine) {
+        begin_ends(1, out);
         set_untraced(&centre, &launched, out);
         if (launched.status == SGT_MET) {
             sgt_trace_through(count, own, index_before, &launched.ray, open, passages, &out->fate);

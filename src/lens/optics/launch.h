@@ -26,15 +26,17 @@ typedef struct sgt_aim_map {
     sgt_aiming chief;
     int home;
     sgt_linear map;
-    bool mapped, fitted;
+    bool mapped, fitted, mirrored; /* mirrored: u is odd in x, and v is even */
+    int steps;                  /* how many a ray needs that begins at the fitted map */
     double fit[2][AIM_TERMS];   /* for u, v: of x^i y^j, from the highest j, and in each from the highest i */
 } sgt_aim_map;
 
 /* The points of the pupil that it is fitted to, and the fit of their values by least squares: coefficient k
- * is the sum of by[k][i] value[i]. */
+ * is the sum of by[k][i] value[i].  And others, to see how good it is. */
 enum { AIM_RINGS = 5, AIM_NODES = 1 + 3 * AIM_RINGS * (AIM_RINGS + 1) };
+enum { AIM_TEST_RINGS = 4, AIM_TESTS = 1 + 3 * AIM_TEST_RINGS * (AIM_TEST_RINGS + 1) };
 typedef struct sgt_aim_nodes {
-    sgt_pupil_point at[AIM_NODES];
+    sgt_pupil_point at[AIM_NODES], test[AIM_TESTS];
     double by[AIM_TERMS][AIM_NODES];
 } sgt_aim_nodes;
 
@@ -121,6 +123,19 @@ void sgt_aim_room_free(const sgt_launcher *from, sgt_aim_room *room);
 void sgt_aim_rays(const sgt_launcher *from, sgt_aim_room *room, const sgt_field_beam *b,
                   const sgt_element e[], double before, const sgt_aim_map *of, size_t count,
                   const sgt_pupil_point at[], sgt_launched out[]);
+
+/* (aim.c) By the fitted map `of`, which is that of these b, e and before: launch rays, [count] each, that
+ * nearly all meet their points.  Those that do not are known when they have been traced, SGT_NEAR_SEED and to
+ * rounding: sgt_aim_missed lists them in `left`, and returns how many there are.
+ *
+ *     count     at most that of the room
+ *     traced    fate and passed
+ *     hits      at the stop: p and p_err */
+void   sgt_aim_guess(const sgt_launcher *from, sgt_aim_room *room, const sgt_field_beam *b,
+                     const sgt_element e[], double before, const sgt_aim_map *of, size_t count,
+                     const sgt_pupil_point at[], double *const o[3], double *const d[3]);
+size_t sgt_aim_missed(const sgt_aim_room *room, size_t count, const sgt_pupil_point at[], double *const o[3],
+                      double *const d[3], sgt_traced traced, const sgt_hits *hits, size_t left[]);
 
 /* (aim.c) Sets the nodes; and the map of a beam, fitted to them where that can be.  false: no memory. */
 void sgt_aim_nodes_set(sgt_aim_nodes *out);

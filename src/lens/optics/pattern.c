@@ -1,7 +1,7 @@
 /* pattern.c - points in the unit circle of a pupil, the same bits on every system.
  *
  * What makes them is integers, sums, products and quotients; the cosines of a hexapolar pattern
- * are those of sgt_pose_tilted, whose bits are the library's own.
+ * are those of sgt_turns, whose bits are the library's own.
  *
  * RANDOM.  Philox4x32-10 (Salmon, Moraes, Dror & Shaw 2011, Parallel random numbers: as easy as
  * 1, 2, 3, SC'11, section 5.3) turns a counter and a key into 128 bits that look random.  The
@@ -169,15 +169,23 @@ static size_t ring_of(size_t i)
     return j;
 }
 
-/* Point i, of ring j, each of which has that weight. */
-static sgt_pupil_point hexapolar_point(size_t i, size_t j, size_t n, double weight)
+/* The points first ... first + count - 1, at most PUPIL_PART of them. */
+static void hexapolar_points(size_t first, size_t count, size_t n, sgt_pupil_point at[])
 {
-    const size_t k = j ? i - 1 - 3 * j * (j - 1) : 0;
-    if (j == 0) return (sgt_pupil_point){0, 0, weight};
-    sgt_vec3 turn = {0, 0, 60 * (double)k / (double)j}, ex = {1, 0, 0};
-    if (k > 0) ex = sgt_pose_tilted((sgt_vec3){0, 0, 0}, turn).ex;
-    return (sgt_pupil_point){ex.x * (double)j / (double)n, ex.y * (double)j / (double)n,
-                             weight};
+    double degrees[PUPIL_PART] = {0}, cosine[PUPIL_PART], sine[PUPIL_PART];
+    size_t ring = ring_of(first);
+    for (size_t k = 0, i = first; k < count; k++, i++) {
+        if (i > 3 * ring * (ring + 1)) ring++;
+        degrees[k] = ring ? 60 * (double)(i - 1 - 3 * ring * (ring - 1)) / (double)ring : 0;
+    }
+    sgt_turns(count, degrees, cosine, sine);
+    ring = ring_of(first);
+    double weight = hexapolar_weight(ring, n);
+    for (size_t k = 0, i = first; k < count; k++, i++) {
+        if (i > 3 * ring * (ring + 1)) ring++, weight = hexapolar_weight(ring, n);
+        const double j = (double)ring, last = (double)n;
+        at[k] = (sgt_pupil_point){cosine[k] * j / last, sine[k] * j / last, weight};
+    }
 }
 
 static sgt_pupil_point cross_point(size_t i, size_t n)
@@ -215,11 +223,10 @@ static uint32_t sobol_next(uint32_t k, sgt_pupil_point *at)
     return k;
 }
 
-/* The i-th point of a pattern that is neither a net, nor Sobol's, nor random. */
+/* The i-th point of a pattern of which any point is as easy as any other, but for random ones. */
 static sgt_pupil_point point_of(sgt_pattern pattern, size_t i, size_t n)
 {
     switch (pattern) {
-    case SGT_PATTERN_HEXAPOLAR: return hexapolar_point(i, ring_of(i), n, hexapolar_weight(ring_of(i), n));
     case SGT_PATTERN_CROSS: return cross_point(i, n);
     default: return (sgt_pupil_point){0, step_of_grid(i, n), 1};
     }
@@ -238,12 +245,14 @@ size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t mos
     }
     if (!is_net(pattern)) count = count_of(pattern, n);
     const size_t kept = count < most ? count : most;
-    const bool random = pattern == SGT_PATTERN_RANDOM;
+    const bool random = pattern == SGT_PATTERN_RANDOM, hexapolar = pattern == SGT_PATTERN_HEXAPOLAR;
     if (random) random_points(seed, 0, kept, at, 1 / (double)kept);
-    for (size_t i = 0; i < kept && !is_net(pattern) && !random; i++) {
+    for (size_t i = 0; i < kept && hexapolar; i += PUPIL_PART)
+        hexapolar_points(i, kept - i < PUPIL_PART ? kept - i : PUPIL_PART, n, at + i);
+    for (size_t i = 0; i < kept && !is_net(pattern) && !random && !hexapolar; i++) {
         if (pattern == SGT_PATTERN_SOBOL) k = sobol_next(k, &at[i]);
         else at[i] = point_of(pattern, i, n);
-        if (pattern != SGT_PATTERN_HEXAPOLAR) at[i].weight = 1;
+        at[i].weight = 1;
     }
     const double sum = weight_of(pattern, n, kept);
     for (size_t i = 0; i < kept && !random; i++) at[i].weight /= sum;
@@ -298,9 +307,11 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
         *(p->row[middle] <= first ? &low : &high) = middle;
     }
     uint32_t k = p->pattern == SGT_PATTERN_SOBOL ? (uint32_t)p->row[first / PUPIL_PART] : 0;
-    const bool hexapolar = p->pattern == SGT_PATTERN_HEXAPOLAR;
-    size_t ring = hexapolar ? ring_of(first) : 0;
-    double weight = hexapolar ? hexapolar_weight(ring, p->n) : 0;
+    if (p->pattern == SGT_PATTERN_HEXAPOLAR) {
+        hexapolar_points(first, count, p->n, at);
+        for (size_t i = 0; i < count; i++) at[i].weight /= p->sum;
+        return;
+    }
     for (size_t i = first; i < first + count; i++) {
         sgt_pupil_point *to = &at[i - first];
         if (is_net(p->pattern)) {
@@ -312,14 +323,10 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
             *to = (sgt_pupil_point){x, net_place(p->pattern, begin + (i - row_first), p->n), 1};
         } else if (p->pattern == SGT_PATTERN_SOBOL) {
             k = sobol_next(k, to);
-        } else if (hexapolar) {
-            if (i > 3 * ring * (ring + 1)) ring++, weight = hexapolar_weight(ring, p->n);
-            *to = hexapolar_point(i, ring, p->n, weight);
         } else {
             *to = point_of(p->pattern, i, p->n);
         }
-        if (!hexapolar) to->weight = 1;
-        to->weight /= p->sum;
+        to->weight = 1 / p->sum;
     }
 }
 

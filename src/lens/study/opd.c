@@ -5,6 +5,7 @@
 #include "analyses.h"
 #include "study.h"
 #include "wavefront.h"
+#include "zernike_fit.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -23,8 +24,7 @@ typedef struct opds {
     size_t *without;            /* [cells]: rays that passed and have no difference */
     sgt_wavefront_sum *sum;     /* [cells] */
     sgt_fates *fates;           /* [cells] */
-    double *x, *y, *waves, *weight; /* [cells * rays], for the fits */
-    size_t kept;
+    struct zernike_work *zernike;
 } opds;
 
 typedef struct differences {
@@ -224,7 +224,7 @@ static bool ask_wavefront(sgt_asking *a)
 
 /* ----------------------------------------------------------------- polynomials */
 
-enum { TERMS = 37, TERMS_MOST = 5151 };
+enum { TERMS = 37, TERMS_MOST = ZERNIKE_TERMS_MOST };
 
 /* The order and the azimuthal frequency of a polynomial, counted from 1 (surfaces.h has the sources). */
 static void zernike_numbers(int order, size_t term, size_t *n, double *m)
@@ -243,16 +243,6 @@ static void zernike_numbers(int order, size_t term, size_t *n, double *m)
     if (frequency == 0) *m = 0;
 }
 
-static void zernike_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
-{
-    opds *w = p->data;
-    const differences *d = sum;
-    w->without[i] += d->without;
-    for (size_t k = 0; k < count; k++, w->kept++)
-        w->x[w->kept] = end[k].px, w->y[w->kept] = end[k].py, w->waves[w->kept] = d->waves[k],
-        w->weight[w->kept] = end[k].weight;
-}
-
 static size_t terms_of(const opds *w)
 {
     const sgt_opd_options *o = w->ask->options;
@@ -265,37 +255,174 @@ static sgt_zernike_order order_of(const opds *w)
     return o->order ? SGT_FRINGE : SGT_NOLL;
 }
 
-/* The fit of a cell; its coefficients stand behind it. */
-typedef struct zernike_fitted { bool fits; double residual; } zernike_fitted;
+/* Many rays are fitted by sums, in threads, about a fit of some rays of each cell; others, and cells where
+ * these are not like the rest, by blocks (zernike_fit.c). */
+enum { SAMPLE = 16, WORTH = 256, SUMS_MOST = 127 }; /* rays, a term; terms, so that sums are small */
 
-static bool zernike_work(void *data, size_t i, void *slot)
+typedef struct zernike_work {
+    size_t terms, cells;
+    bool *fits, *pending;       /* [cells]: pending, to be fitted by blocks */
+    double *residual;           /* [cells] */
+    double *coefficient;        /* [cells * terms] */
+    zernike_triangle own, *about; /* of the cell that is fitted by blocks; [cells], of the sample */
+    double *own_room, *sums;    /* sums: [cells * room] */
+    zernike_block block;
+} zernike_work;
+
+/* The rows of a block of ends. */
+static void zernike_block_in(const opds *w, size_t count, const sgt_ray_end end[], const differences *d,
+                             zernike_block *out)
 {
-    const opds *w = data;
-    const size_t count = w->ask->fine.count, first = i * count;
-    zernike_fitted *f = slot;
-    f->fits = sgt_zernike_fit(order_of(w), terms_of(w), count, w->x + first, w->y + first, w->waves + first,
-                              w->weight + first, (double *)(f + 1), &f->residual,
-                              &w->ask->from->allocator, NULL);
+    double x[PUPIL_PART], y[PUPIL_PART], weight[PUPIL_PART];
+    for (size_t k = 0; k < count; k++) x[k] = end[k].px, y[k] = end[k].py, weight[k] = end[k].weight;
+    sgt_zernike_block_of(order_of(w), terms_of(w), count, x, y, d->waves, weight, out);
+}
+
+static void zernike_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
+{
+    opds *w = p->data;
+    zernike_work *z = w->zernike;
+    const differences *d = sum;
+    if (p->ask->counts) w->without[i] += d->without;
+    if (!z->pending[i]) return;
+    zernike_block_in(w, count, end, d, &z->block);
+    sgt_zernike_absorb(&z->own, &z->block);
+}
+
+static void zernike_end(const pass *p, size_t i, const sgt_fates *fates)
+{
+    const opds *w = p->data;
+    zernike_work *z = w->zernike;
+    (void)fates;
+    if (z->pending[i])
+        z->fits[i] = sgt_zernike_solve(&z->own, z->coefficient + i * z->terms, &z->residual[i]);
+    z->own = sgt_zernike_triangle_in(z->terms, z->own_room);
+}
+
+/* The same of a sample: its triangle is kept. */
+static void sample_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
+{
+    const opds *w = p->data;
+    zernike_work *z = w->zernike;
+    zernike_block_in(w, count, end, sum, &z->block);
+    sgt_zernike_absorb(&z->about[i], &z->block);
+}
+
+static void sample_end(const pass *p, size_t i, const sgt_fates *fates)
+{
+    const opds *w = p->data;
+    zernike_work *z = w->zernike;
+    (void)fates;
+    z->pending[i] = !sgt_zernike_solve(&z->about[i], z->coefficient + i * z->terms, NULL);
+}
+
+/* Of a block: what other analyses have, then the sums, then room for the columns. */
+static double *sums_of_block(void *sum) { return (double *)((differences *)sum + 1); }
+
+static void sums_block(const pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum)
+{
+    const opds *w = p->data;
+    const zernike_work *z = w->zernike;
+    double *sums = sums_of_block(sum);
+    zernike_block b = {.column = sums + sgt_zernike_sums_room(z->terms)};
+    opd_block(p, i, count, end, sum);
+    if (z->pending[i]) return;
+    zernike_block_in(w, count, end, sum, &b);
+    sgt_zernike_sums(&z->about[i], z->coefficient + i * z->terms, &b, sums);
+}
+
+static void sums_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
+{
+    opds *w = p->data;
+    const size_t room = sgt_zernike_sums_room(w->zernike->terms);
+    const double *more = (const double *)((const differences *)sum + 1);
+    double *to = w->zernike->sums + i * room;
+    (void)count, (void)end;
+    w->without[i] += ((const differences *)sum)->without;
+    for (size_t k = 0; k < room; k++) to[k] += more[k];
+}
+
+static void sums_end(const pass *p, size_t i, const sgt_fates *fates)
+{
+    const opds *w = p->data;
+    zernike_work *z = w->zernike;
+    (void)fates;
+    if (z->pending[i]) return;
+    z->fits[i] = sgt_zernike_joined(&z->about[i], z->sums + i * sgt_zernike_sums_room(z->terms),
+                                    z->coefficient + i * z->terms, &z->residual[i]);
+    z->pending[i] = !z->fits[i];
+}
+
+static bool zernike_begin(opds *w, zernike_work *z)
+{
+    sgt_asking *a = w->ask;
+    const size_t terms = terms_of(w);
+    *z = (zernike_work){.terms = terms, .cells = w->cells};
+    z->fits = sgt_ask_room(a, w->cells, sizeof *z->fits);
+    z->pending = sgt_ask_room(a, w->cells, sizeof *z->pending);
+    z->residual = sgt_ask_room(a, w->cells, sizeof *z->residual);
+    z->coefficient = sgt_ask_room(a, w->cells * terms, sizeof *z->coefficient);
+    z->own_room = sgt_ask_room(a, sgt_zernike_triangle_room(terms), sizeof *z->own_room);
+    z->block.column = sgt_ask_room(a, sgt_zernike_block_room(terms), sizeof *z->block.column);
+    if (a->failed) return false;
+    z->own = sgt_zernike_triangle_in(terms, z->own_room);
+    for (size_t i = 0; i < w->cells; i++) z->pending[i] = true;
+    w->zernike = z;
     return true;
 }
 
-static void zernike_rows(void *data, size_t i, void *slot)
+/* By sums: leaves `pending` the cells that it does not fit. */
+static bool zernike_by_sums(opds *w, zernike_work *z)
 {
-    opds *w = data;
+    sgt_asking *a = w->ask;
+    const size_t triangle = sgt_zernike_triangle_room(z->terms), room = sgt_zernike_sums_room(z->terms);
+    const size_t across = (size_t)ceil(sqrt(1.28 * SAMPLE * (double)z->terms)); /* 4 / pi: in the circle */
+    size_t *row = sgt_ask_room(a, sgt_pupil_rows(SGT_PATTERN_CELLS, across) + 1, sizeof *row);
+    double *rooms = sgt_ask_room(a, w->cells * triangle, sizeof *rooms);
+    z->about = sgt_ask_room(a, w->cells, sizeof *z->about);
+    z->sums = sgt_ask_room(a, w->cells * room, sizeof *z->sums);
+    if (a->failed) return false;
+    for (size_t i = 0; i < w->cells; i++)
+        z->about[i] = sgt_zernike_triangle_in(z->terms, rooms + i * triangle);
+    const sgt_pupil sample = sgt_pupil_of(SGT_PATTERN_CELLS, across, 1, row);
+    pass p = opd_pass(a, w, &sample);
+    p.wanted = OPD_OF_END, p.takes_ends = true, p.take = sample_take, p.end = sample_end;
+    a->counts = false;
+    if (!sgt_ask_pass(&p)) return false;
+    a->counts = true;
+    p = opd_pass(a, w, &a->fine);
+    p.wanted = OPD_OF_END;
+    p.size = sizeof(differences) + (room + sgt_zernike_block_room(z->terms)) * sizeof(double);
+    p.block = sums_block, p.take = sums_take, p.end = sums_end;
+    if (!sgt_ask_pass(&p)) return false;
+    a->counts = false;
+    return true;
+}
+
+/* By blocks: the cells that are pending. */
+static bool zernike_by_blocks(opds *w)
+{
+    pass p = opd_pass(w->ask, w, &w->ask->fine);
+    p.wanted = OPD_OF_END, p.takes_ends = true, p.take = zernike_take, p.end = zernike_end;
+    return sgt_ask_pass(&p);
+}
+
+static void zernike_rows(const opds *w, size_t i)
+{
     const sgt_asking *a = w->ask;
-    const size_t terms = terms_of(w);
-    const zernike_fitted *f = slot;
-    const double *coefficient = (const double *)(f + 1);
+    const zernike_work *z = w->zernike;
+    const double *coefficient = z->coefficient + i * z->terms;
     char words[200];
     opd_say_empty(w, i);
-    snprintf(words, sizeof words, "the rays that passed do not determine %zu polynomials, or there is no "
-             "memory; take more rays, or fewer terms", terms);
-    if (!f->fits) opd_say(w, i, words);
-    for (size_t k = 0; k < terms; k++) {
+    snprintf(words, sizeof words,
+             "the rays that passed do not determine %zu polynomials; take more rays, or fewer terms",
+             z->terms);
+    if (!z->fits[i]) opd_say(w, i, words);
+    for (size_t k = 0; k < z->terms; k++) {
         sgt_zernike_row row = {.field = a->number[i / a->bands],
                                .wavelength = a->band[i % a->bands].at.um, .term = k + 1,
-                               .coefficient = f->fits ? coefficient[k] : (double)NAN,
-                               .residual = f->fits ? f->residual : (double)NAN};
+                               .coefficient = z->fits[i] ? coefficient[k] : (double)NAN,
+                               .residual = z->fits[i] ? z->residual[i] : (double)NAN};
         zernike_numbers((int)order_of(w), k + 1, &row.n, &row.m);
         sgt_ask_row(a, &row);
     }
@@ -308,14 +435,13 @@ static bool ask_zernike(sgt_asking *a)
     if (o->terms > TERMS_MOST)
         return sgt_ask_refuse(a, "terms", "%zu polynomials; at most %d", o->terms, TERMS_MOST);
     if (!opds_begin(a, &w)) return false;
-    const size_t rays = w.cells * a->fine.count;
-    w.x = sgt_ask_room(a, rays, sizeof *w.x), w.y = sgt_ask_room(a, rays, sizeof *w.y);
-    w.waves = sgt_ask_room(a, rays, sizeof *w.waves), w.weight = sgt_ask_room(a, rays, sizeof *w.weight);
-    pass p = opd_pass(a, &w, &a->fine);
-    p.take = zernike_take, p.takes_ends = true;
-    const rounds fits = {.tasks = w.cells, .size = sizeof(zernike_fitted) + terms_of(&w) * sizeof(double),
-                         .data = &w, .work = zernike_work, .take = zernike_rows};
-    if (a->failed || !sgt_ask_pass(&p) || !sgt_ask_rounds(a, &fits)) return false;
+    zernike_work z;
+    if (!zernike_begin(&w, &z)) return false;
+    if (z.terms <= SUMS_MOST && a->fine.count >= WORTH * z.terms && !zernike_by_sums(&w, &z)) return false;
+    bool some = false;
+    for (size_t i = 0; i < w.cells; i++) some = some || z.pending[i];
+    if (some && !zernike_by_blocks(&w)) return false;
+    for (size_t i = 0; i < w.cells; i++) zernike_rows(&w, i);
     opd_say_legend(&w);
     sgt_ask_say(a, SGT_STUDY_LEGEND, "Zernike polynomials in %s over px, py.",
                 o->order ? "fringe order, each 1 at the edge"

@@ -7,15 +7,16 @@
  * BLOCKS.  What a ray does depends on that ray alone.  So blocks of PUPIL_PART points may be traced in any
  * thread; what is made of a block is made there, too, and then taken in order.  The size of a block has no
  * part in how many threads there are, so that neither have the sums.  Blocks go in rounds of ROUND at
- * least, and of as many as ROUND_BYTES hold: memory does not grow with the number of rays (but that of
- * Zernike polynomials, opd.c), and threads rarely wait for each other.
+ * least, and of as many as ROUND_BYTES hold: memory does not grow with the number of rays, and threads
+ * rarely wait for each other.
  *
  * TAKING goes on beside the work: the thread that asks takes the blocks of a round while the others are at
  * the next.  So what comes in order, such as rows that are printed, does not keep them waiting.
  *
- * AIMED RAYS of a cell of 256 rays or more begin at a map of the pupil (optics/aim.c).  Each cell has its
- * own.  It is made before the first round that has a block of the cell, and kept until the last.  So neither
- * blocks nor threads change a bit of it. */
+ * AIMED RAYS of a cell of 256 rays or more begin at a map of the pupil (optics/aim.c).  It is made before the
+ * first round that has a block of the cell, and kept until the last.  That of a beam of the study is kept
+ * longer, for later passes and for image surfaces that are moved: it hangs on the beam and on the elements up
+ * to the stop, nothing else.  So neither blocks, nor threads, nor passes change a bit of it. */
 #include "study.h"
 
 #include <stdarg.h>
@@ -23,7 +24,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 20, ROOMS = 16 };
+enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 18, ROOMS = 16 };
 
 /* ---------------------------------------------------------------- small things */
 
@@ -202,7 +203,8 @@ bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
 {
     const sgt_study_options *o = &a->study->opt;
     const size_t align = 64, step = (r->size + align) / align * align, fit = ROUND_BYTES / step;
-    const size_t round = fit < ROUND ? ROUND : fit < ROUND_MOST ? fit : ROUND_MOST;
+    /* alone: what was made is taken before it leaves the cache */
+    const size_t round = !o->run ? 1 : fit < ROUND ? ROUND : fit < ROUND_MOST ? fit : ROUND_MOST;
     const size_t most = r->tasks < round ? r->tasks : round;
     two_rounds w = {.ask = a, .r = r, .step = step, .asker = &own_thread};
     if (r->tasks == 0 || a->failed) return !a->failed;
@@ -236,14 +238,15 @@ typedef struct block {
     sgt_error fault;
 } block_of_rays;
 
-/* maps: of the cells mapped ... mapped + maps - 1, if rays are aimed and a cell is worth it. */
+/* maps: of the cells mapped ... mapped + maps - 1, if rays are aimed and a cell is worth it.  fresh: which of
+ * them are to be made. */
 typedef struct passing {
     const pass *p;
     size_t blocks;
     sgt_fates fates;
     sgt_aim_nodes *nodes;
     sgt_aim_map *map;
-    size_t mapped, maps;
+    size_t mapped, maps, *fresh;
     _Atomic(sgt_ends_room *) room[ROOMS]; /* those that no block uses now */
 } passing;
 
@@ -326,39 +329,76 @@ static void take_block(void *data, size_t i, void *slot)
     if (p->end && i % now->blocks + 1 == now->blocks) p->end(p, of, &now->fates);
 }
 
-/* The map of a cell, from number `mapped` on. */
+/* A map that is kept, and what it is of. */
+struct kept_map { const sgt_field_beam *beam; const sgt_element *element; double before; sgt_aim_map of;
+};
+
+/* The map of a cell that is kept; NULL: there is none. */
+static const sgt_aim_map *kept_map_of(const sgt_asking *a, const cell *c)
+{
+    const size_t front = (a->lens->stop + 1) * sizeof *c->element;
+    for (size_t i = 0; i < a->kept_maps; i++) {
+        const kept_map *k = &a->kept_map[i];
+        if (k->beam == c->beam && k->before == c->before &&
+            (k->element == c->element || memcmp(k->element, c->element, front) == 0))
+            return &k->of;
+    }
+    return NULL;
+}
+
+/* Keeps the map of a cell of a beam that lasts, if there is room. */
+static void keep_map_of(sgt_asking *a, const cell *c, const sgt_aim_map *of)
+{
+    if (c->beam == &c->own || a->kept_maps == a->fields * a->bands) return;
+    if (!a->kept_map) a->kept_map = sgt_ask_room(a, a->fields * a->bands, sizeof *a->kept_map);
+    if (!a->failed) a->kept_map[a->kept_maps++] = (kept_map){c->beam, c->element, c->before, *of};
+}
+
 static bool map_cell(void *data, size_t i, void *slot)
 {
     const passing *now = data;
     const pass *p = now->p;
-    const size_t of = now->mapped + now->maps + i;
     cell c = {.beam = NULL};
     sgt_aim_map *out = slot;
     sgt_error unsaid; /* its block will say so */
     *out = (sgt_aim_map){.home = 0};
-    return !p->place(p, of, &c, &unsaid) ||
+    return !p->place(p, now->fresh[i], &c, &unsaid) ||
            sgt_aim_map_of(p->ask->from, c.beam, c.element, c.before, now->nodes, out);
 }
 
-static void keep_map(void *data, size_t i, void *slot)
+static void take_map(void *data, size_t i, void *slot)
 {
     passing *now = data;
-    memcpy(&now->map[now->maps + i], slot, sizeof *now->map);
+    memcpy(&now->map[now->fresh[i] - now->mapped], slot, sizeof *now->map);
 }
 
-/* Keeps the map of the cell that both rounds have a part of, and makes the others. */
+/* Keeps the map of the cell that both rounds have a part of, takes those that are kept, makes the others. */
 static bool prepare_maps(void *data, size_t first, size_t tasks)
 {
     passing *now = data;
+    sgt_asking *a = now->p->ask;
     const size_t low = first / now->blocks, high = (first + tasks - 1) / now->blocks;
-    const bool kept = now->maps && low < now->mapped + now->maps;
-    if (kept) now->map[0] = now->map[low - now->mapped];
-    now->mapped = low, now->maps = kept;
-    const rounds r = {.tasks = high - low + 1 - kept, .size = sizeof *now->map, .data = now, .work = map_cell,
-                      .take = keep_map};
-    const bool fine = sgt_ask_rounds(now->p->ask, &r);
-    now->maps = high - low + 1;
-    return fine;
+    const bool again = now->maps && low < now->mapped + now->maps;
+    size_t fresh = 0;
+    sgt_error unsaid;
+    if (again && low > now->mapped) now->map[0] = now->map[low - now->mapped];
+    now->mapped = low, now->maps = high - low + 1;
+    for (size_t of = low + again; of <= high; of++) {
+        cell c = {.beam = NULL};
+        const bool lasts = now->p->place(now->p, of, &c, &unsaid) && c.beam != &c.own;
+        const sgt_aim_map *known = lasts ? kept_map_of(a, &c) : NULL;
+        if (known) now->map[of - low] = *known;
+        else now->fresh[fresh++] = of;
+    }
+    const rounds r = {.tasks = fresh, .size = sizeof *now->map, .data = now, .work = map_cell,
+                      .take = take_map};
+    if (!sgt_ask_rounds(a, &r)) return false;
+    for (size_t i = 0; i < fresh; i++) {
+        cell c = {.beam = NULL};
+        if (now->p->place(now->p, now->fresh[i], &c, &unsaid))
+            keep_map_of(a, &c, &now->map[now->fresh[i] - low]);
+    }
+    return !a->failed;
 }
 
 bool sgt_ask_pass(const pass *p)
@@ -371,6 +411,7 @@ bool sgt_ask_pass(const pass *p)
     if (a->from->aim != SGT_LENS_AIM_PUPIL && p->points->count >= WORTH) {
         now.map = sgt_ask_room(a, ROUND_MOST / now.blocks + 2, sizeof *now.map);
         now.nodes = sgt_ask_room(a, 1, sizeof *now.nodes);
+        now.fresh = sgt_ask_room(a, ROUND_MOST / now.blocks + 2, sizeof *now.fresh);
         if (a->failed) return false;
         sgt_aim_nodes_set(now.nodes);
         r.prepare = prepare_maps;

@@ -23,6 +23,8 @@ typedef struct band {
     sgt_first_order data;
 } band;
 
+typedef struct kept_map kept_map; /* study.c */
+
 /* What asking needs; an analysis reads all of it. */
 struct sgt_asking {
     const sgt_study *study;
@@ -43,6 +45,8 @@ struct sgt_asking {
     bool of_lens;               /* these are numbers of fields of the lens */
     sgt_field_beam *beam;       /* [fields] */
     sgt_pupil fine, coarse;     /* the points; with half as many rays across, if that can be */
+    size_t kept_maps;           /* of aims, [fields * bands] at most */
+    kept_map *kept_map;
     bool counts;                /* fates of what is traced now are counted */
     sgt_study_total total;
     bool failed;

@@ -28,6 +28,7 @@
  * projection: so it is off by the rms of their errors at most, and hence by the largest of them.  Peak to
  * valley may be off by twice that, which bounds all numbers of a wavefront. */
 #include "wavefront.h"
+#include "zernike_fit.h"
 
 #include "../base/arena.h"
 #include "../optics/launch.h"
@@ -151,71 +152,29 @@ sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[], const doub
 
 /* ------------------------------------------------------------------------ the fit */
 
-/* The value of the polynomial `place` (from 0): the height of the surface that has it alone. */
-static double zernike_at(const sgt_zernike *z, double x, double y)
-{
-    return -sgt_zernike_ops.value(z, (sgt_vec3){x, y, 0}, NULL);
-}
-
-/* Householder's reflections of the m x n matrix a (rows of n) and of the right side; then back
- * substitution.  false: a column hardly differs from those before it. */
-static bool least_squares(size_t m, size_t n, double *a, double *right, double *x)
-{
-    const double ALIKE = 1e-12;
-    for (size_t j = 0; j < n; j++) {
-        double norm = 0, whole = 0;
-        for (size_t i = 0; i < m; i++) {
-            double square = a[i * n + j] * a[i * n + j];
-            whole += square;
-            if (i >= j) norm += square;
-        }
-        norm = sqrt(norm);
-        if (!(norm > ALIKE * sqrt(whole))) return false;
-        double head = a[j * n + j], diagonal = head > 0 ? -norm : norm, by = 1 / (norm * (norm + fabs(head)));
-        a[j * n + j] = head - diagonal; /* the vector of the reflection lies in the column */
-        for (size_t k = j + 1; k <= n; k++) {
-            double dot = 0;
-            for (size_t i = j; i < m; i++) dot += a[i * n + j] * (k < n ? a[i * n + k] : right[i]);
-            dot *= by;
-            for (size_t i = j; i < m; i++) *(k < n ? &a[i * n + k] : &right[i]) -= dot * a[i * n + j];
-        }
-        x[j] = diagonal;
-    }
-    for (size_t j = n; j-- > 0;) {
-        double sum = right[j];
-        for (size_t k = j + 1; k < n; k++) sum -= a[j * n + k] * x[k];
-        x[j] = sum / x[j];
-    }
-    return true;
-}
-
 bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count, const double x[], const double y[],
                      const double value[], const double weight[], double coefficient[], double *residual,
                      const sgt_allocator *allocator, sgt_error *error)
 {
     sgt_launcher none = {.allocator = sgt_allocator_or(allocator)};
-    double *a = NULL, *right = sgt_launch_take(&none, count + terms, sizeof *right);
-    if (terms > 0 && count <= SIZE_MAX / 16 / terms) a = sgt_launch_take(&none, count * terms, sizeof *a);
-    bool fine = (a && right) || sgt_launch_memory(&none, error);
-    size_t rows = 0;
-    double sum = 0, left = 0;
-    for (size_t i = 0; fine && i < count; i++) {
-        if (isnan(value[i] + x[i] + y[i]) || !(weight[i] > 0)) continue;
-        double *one = right + count, w = sqrt(weight[i]);
-        for (size_t j = 0; j < terms; j++) one[j] = 0;
-        for (size_t j = 0; j < terms; j++) {
-            const sgt_zernike z = {.norm = 1, .order = (int)order, .normalised = order == SGT_NOLL,
-                                   .a = {one, 1, j + 1}};
-            one[j] = 1, a[rows * terms + j] = w * zernike_at(&z, x[i], y[i]), one[j] = 0;
-        }
-        right[rows++] = w * value[i];
-        sum += weight[i];
+    double *room = NULL;
+    const size_t column = sgt_zernike_block_room(terms), triangle = sgt_zernike_triangle_room(terms);
+    const bool some = terms > 0 && terms <= ZERNIKE_TERMS_MOST;
+    if (some) room = sgt_launch_take(&none, column + triangle, sizeof *room);
+    if (!room && some) return sgt_launch_memory(&none, error);
+    if (!some)
+        return sgt_launch_fail(&none, error, "", "%zu polynomials; 1 to %d", terms, (int)ZERNIKE_TERMS_MOST);
+    zernike_block b = {.column = room};
+    zernike_triangle t = sgt_zernike_triangle_in(terms, room + column);
+    for (size_t first = 0; first < count; first += PUPIL_PART) {
+        const size_t left = count - first;
+        sgt_zernike_block_of(order, terms, left < PUPIL_PART ? left : PUPIL_PART, x + first, y + first,
+                             value + first, weight + first, &b);
+        sgt_zernike_absorb(&t, &b);
     }
-    if (fine && !(rows >= terms && least_squares(rows, terms, a, right, coefficient)))
-        fine = sgt_launch_fail(&none, error, "", "%zu points do not determine %zu coefficients", rows, terms);
-    for (size_t i = terms; fine && i < rows; i++) left += right[i] * right[i]; /* reflections keep lengths */
-    if (fine && residual) *residual = sqrt(left / sum);
-    sgt_launch_forget(&none, a);
-    sgt_launch_forget(&none, right);
+    const bool fine =
+        sgt_zernike_solve(&t, coefficient, residual) ||
+        sgt_launch_fail(&none, error, "", "%zu points do not determine %zu coefficients", t.rows, terms);
+    sgt_launch_forget(&none, room);
     return fine;
 }

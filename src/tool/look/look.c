@@ -348,8 +348,10 @@ typedef struct printing {
     look *look;
     const look_way *way;
     size_t count, *place;       /* [count]: which columns */
+    const sgt_column **column;  /* [count]: they */
+    table_member *member;       /* [count]: the same for rows of csv */
     bool text;                  /* for people, in the columns by default */
-    size_t wavelength;          /* its column; of->columns: there is none */
+    const sgt_column *wavelength; /* NULL: there is none */
     char *before;               /* the row before; NULL: none yet */
     const char **legend;
     size_t legends;
@@ -367,6 +369,20 @@ static column head_of(const look *l, size_t i, char unit[32])
     return (column){memory_print("%s", name), kinds[sgt_analysis_column(l->of, i)->kind]};
 }
 
+/* What put_column prints. */
+static table_member member_of(const sgt_column *c)
+{
+    static const member_kind kinds[] = {
+        [SGT_COLUMN_NUMBER] = MEMBER_NUMBER, [SGT_COLUMN_EXACT] = MEMBER_NUMBER,
+        [SGT_COLUMN_ERROR] = MEMBER_NUMBER,  [SGT_COLUMN_WAVELENGTH] = MEMBER_NUMBER,
+        [SGT_COLUMN_COUNT] = MEMBER_COUNT,   [SGT_COLUMN_PLACE] = MEMBER_COUNT,
+        [SGT_COLUMN_WHOLE] = MEMBER_WHOLE,   [SGT_COLUMN_FATE] = MEMBER_CODE};
+    return (table_member){.kind = kinds[c->kind], .offset = c->offset, .word = sgt_study_fate_text,
+                          .zero = c->kind == SGT_COLUMN_WAVELENGTH ? "all"
+                                  : c->kind == SGT_COLUMN_PLACE    ? ""
+                                                                   : NULL};
+}
+
 static void begin_table(printing *p)
 {
     look *l = p->look;
@@ -374,12 +390,16 @@ static void begin_table(printing *p)
     column *head = memory_take(l->of->columns, sizeof *head);
     const char **units = memory_take(l->of->columns, sizeof *units);
     p->place = memory_take(l->of->columns, sizeof *p->place);
+    p->column = memory_take(l->of->columns, sizeof *p->column);
+    p->member = memory_take(l->of->columns, sizeof *p->member);
     p->text = l->shared.target.format == TABLE_TEXT && !l->shared.target.columns;
-    p->wavelength = look_column(l, "wavelength");
+    p->wavelength = sgt_analysis_column(l->of, look_column(l, "wavelength"));
     for (size_t i = 0; i < l->of->columns; i++) {
         if (!sgt_study_column(l->study, l->of, l->options, i, name, unit)) continue;
         if (p->text && sgt_analysis_column(l->of, i)->flags & SGT_COLUMN_DETAIL) continue;
         head[p->count] = head_of(l, i, unit), units[p->count] = memory_print("%s", unit);
+        p->column[p->count] = sgt_analysis_column(l->of, i);
+        p->member[p->count] = member_of(p->column[p->count]);
         p->place[p->count++] = i;
     }
     l->shared.target.unit = units;
@@ -440,10 +460,8 @@ static void put_column(const printing *p, const sgt_column *c, const void *row)
 
 static bool new_group(const printing *p, const void *row)
 {
-    const sgt_analysis *a = p->look->of;
     for (size_t i = 0; i < p->count && p->before; i++) {
-        const sgt_column *c = sgt_analysis_column(a, p->place[i]);
-        if (!(c->flags & SGT_COLUMN_GROUPS)) continue;
+        if (!(p->column[i]->flags & SGT_COLUMN_GROUPS)) continue;
         const double one = look_value(p->look, p->before, p->place[i]);
         const double other = look_value(p->look, row, p->place[i]);
         if (one != other && !(isnan(one) && isnan(other))) return true;
@@ -457,12 +475,11 @@ static void print_row(void *context, const void *row)
     look *l = p->look;
     const size_t size = l->of->row_size;
     if (l->picture) keep_row(l, row);
-    const bool together =
-        p->wavelength < l->of->columns &&
-        number_at(row, sgt_analysis_column(l->of, p->wavelength)->offset) == SGT_ALL_WAVELENGTHS;
+    if (table_put_members(l->table, p->member, row)) return;
+    const bool together = p->wavelength && number_at(row, p->wavelength->offset) == SGT_ALL_WAVELENGTHS;
     if (together && l->bands == 1 && l->shared.target.format == TABLE_TEXT) return;
     if (new_group(p, row)) table_gap(l->table);
-    for (size_t i = 0; i < p->count; i++) put_column(p, sgt_analysis_column(l->of, p->place[i]), row);
+    for (size_t i = 0; i < p->count; i++) put_column(p, p->column[i], row);
     if (!p->before) p->before = memory_take(size, 1);
     memcpy(p->before, row, size);
 }

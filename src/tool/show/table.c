@@ -396,6 +396,55 @@ void table_block(table *t, size_t rows, const table_values values[])
         for (size_t c = 0; c < t->columns; c++) block_value(t, &t->column[c], &values[c], row);
 }
 
+/* --------------------------------------------------------------- rows in memory */
+
+static inline size_t put_text(char *to, const char *text)
+{
+    const size_t length = strlen(text);
+    memcpy(to, text, length);
+    return length;
+}
+
+/* Prints a member, where NUMBER_SIZE characters have room; returns the length. */
+static inline size_t put_member(table *t, const table_member *m, printed *p, const char *row, char *to)
+{
+    uint64_t bits = 0;
+    double number = 1;
+    int code;
+    if (m->kind == MEMBER_CODE) memcpy(&code, row + m->offset, sizeof code), bits = (uint32_t)code;
+    else memcpy(&bits, row + m->offset, sizeof bits);
+    if (m->kind == MEMBER_NUMBER || m->kind == MEMBER_WHOLE) memcpy(&number, &bits, sizeof number);
+    if (isnan(number)) return 0;
+    if (m->zero && (number == 0 || (m->kind == MEMBER_COUNT && bits == 0))) return put_text(to, m->zero);
+    if (p->length && p->bits == bits) { /* as in print_or_copy */
+        if (!p->again) memcpy(p->text, t->kept.at + p->start, NUMBER_SIZE), p->again = true;
+        memcpy(to, p->text, NUMBER_SIZE);
+        return (size_t)p->length;
+    }
+    p->length = m->kind == MEMBER_NUMBER  ? number_print(to, number, false)
+                : m->kind == MEMBER_WHOLE ? number_print_count(to, (long long)number)
+                : m->kind == MEMBER_COUNT ? number_print_count(to, (long long)bits)
+                                          : (int)put_text(to, m->word((int)(uint32_t)bits));
+    p->bits = bits, p->start = (size_t)(to - t->kept.at), p->again = false;
+    return (size_t)p->length;
+}
+
+bool table_put_members(table *t, const table_member member[], const void *row)
+{
+    if (!t->plain) return false;
+    char *to = bytes_room(&t->kept, t->chosen * (NUMBER_SIZE + 1));
+    for (size_t i = 0; i < t->chosen; i++) {
+        const size_t place = t->choice[i];
+        to += put_member(t, &member[place], &t->last[place], row, to);
+        *to++ = ',';
+    }
+    to[-1] = '\n';
+    t->kept.length = (size_t)(to - t->kept.at);
+    t->rows++;
+    if (!t->part && t->kept.length >= WRITE_AT) write_kept(t);
+    return true;
+}
+
 /* ------------------------------------------------------------------- text */
 
 static void write_block(table *t)

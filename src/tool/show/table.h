@@ -49,6 +49,19 @@ void table_empty(table *t); /* nothing in csv, null in json, - in text; NaN, 0 o
 /* Whole rows, by column: what a table or part is quickest with. */
 void table_block(table *t, size_t rows, const table_values values[]);
 
+/* A column as rows in memory have it, at an offset: a double, of which a NaN is nothing; a size_t; a double
+ * that is a whole number; an int that is a code.  zero: NULL, or what 0 stands for. */
+typedef enum member_kind { MEMBER_NUMBER, MEMBER_COUNT, MEMBER_WHOLE, MEMBER_CODE } member_kind;
+typedef struct table_member {
+    member_kind kind;
+    size_t offset;
+    const char *zero;           /* without a mark of csv */
+    const char *(*word)(int code);
+} table_member;
+
+/* A whole row, of csv: the same bytes as by cells, but quicker.  false: the format is another one. */
+bool table_put_members(table *t, const table_member member[], const void *row);
+
 /* Only in text.  table_gap: an empty line, if it is between two rows.  table_line: a line of text under the
  * rows so far; later rows start a new block with its own header. */
 void table_gap(table *t);
