@@ -119,6 +119,13 @@ SGT_API bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *bea
                              const sgt_pupil_point at[], sgt_launched out[],
                              sgt_error *error);
 
+/* The same rays by column, of a launcher that does not aim (SGT_LENS_AIM_PUPIL): all are
+ * there, none is folded, and e does not matter.  Sets o[0 ... 2] and d[0 ... 2], each of
+ * `count` numbers.  false: it aims, or as sgt_launch_rays; then nothing is set. */
+SGT_API bool sgt_launch_columns(const sgt_launcher *from, const sgt_field_beam *beam,
+                                size_t count, const sgt_pupil_point at[],
+                                double *const o[3], double *const d[3]);
+
 /* ------------------------------------------------------------------- where rays end */
 
 typedef struct sgt_ray_end {

@@ -469,6 +469,11 @@ typedef struct sgt_pupil_point { double x, y, weight; } sgt_pupil_point;
 SGT_API size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t most,
                                 sgt_pupil_point at[]);
 
+/* Those with the numbers first ... first + count - 1, of n random ones.  So they can be
+ * made when they are needed, in any thread. */
+SGT_API void sgt_pupil_random(size_t n, uint64_t seed, size_t first, size_t count,
+                              sgt_pupil_point at[]);
+
 /* Philox4x32-10 (Salmon et al. 2011): 128 random bits of a counter and a key. */
 SGT_API void sgt_philox(const uint32_t counter[4], const uint32_t key[2],
                         uint32_t out[4]);

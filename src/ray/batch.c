@@ -97,7 +97,8 @@ static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options
                         .t_tol = tile->t_tol + i,
                         .hits = hits_from(&tile->hits, i),
                         .rays = rays_from(&tile->rays, i),
-                        .memo = tile->memo};
+                        .memo = tile->memo,
+                        .slopes = tile->slopes};
         run.rays.tmin = tile->rays.tmin + i, run.rays.tmax = tile->rays.tmax + i;
         hard -= n - sgt_lanes_general(s, &run, opt);
     }

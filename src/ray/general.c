@@ -204,13 +204,15 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     if (!(fabs(seed) < HUGE_VAL)) return false;
     vicinities kept;
     vicinities_begin(&kept);
+    slopes_known within;
+    slopes_begin(&within);
     vicinity v = {.tmin = &ray->tmin, .tmax = &ray->tmax, .seed = &seed,
                   .asked = &asked, .lo = &lo, .hi = &hi, .least = &least,
                   .noise = {&w->noise[0], &w->noise[1], &w->noise[2]},
                   .evals = &evals, .budget = w->told.budget, .told = &w->told};
     for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
     sgt_rays one = rays_of(ray);
-    sgt_vicinity_of(w->s, 1, one, near, &w->shared, &kept, &v);
+    sgt_vicinity_of(w->s, 1, one, near ? &within : NULL, &w->shared, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (w->nearby) w->shared = bare_of(w->shared);
     if (asked != 0) return false;

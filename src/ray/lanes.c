@@ -77,7 +77,8 @@ typedef struct lanes_job {
     bool slopes;        /* the spans come with bounds on the slope */
     bool moved;         /* some lane is not at its place */
     sgt_shared shared;  /* what the surface shares, if it has `share` */
-    vicinities *kept;   /* what is known of parts of it */
+    vicinities *kept;   /* what is known of parts of it, */
+    slopes_known *within; /* and near the seed */
     sgt_shared bare;    /* bare_of shared */
     bool rows;          /* what the departure adds to the rounding differs from lane to lane */
     bool rounded;       /* g_err of every lane that Newton's steps were tried on has all of the rounding */
@@ -338,7 +339,7 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
                   .work = {a->y,  a->z,  a->l,  a->m,  a->n,     a->t0, a->scale, a->tau,   a->last, a->first,
                            a->f,  a->fx, a->fy, a->fz, a->g_err, a->at, a->g,     a->slope, a->sign, a->end,
                            a->px, a->py, a->pz, a->qf, a->qx,    a->qy, a->qz,    a->t_tol, a->state}};
-    sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->shared, w->kept, &v);
+    sgt_vicinity_of(w->s, n, rays, w->near != 0 ? w->within : NULL, &w->shared, w->kept, &v);
 }
 
 /* Takes the spans of the whole surface, in f, fx and fy, for the lanes that are left as they were. */
@@ -1143,7 +1144,9 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     if (is_catalogue(ops)) own.f_tol = 0; /* as read_of in answer.c */
     memo *known = tile->memo;
     if (!known->begun) memo_begin(known);
-    lanes_job w = {.s = s, .opt = &own, .a = &a, .kept = &known->kept, .near = opt->pick == SGT_NEAR_SEED,
+    slopes_known *within = tile->slopes ? tile->slopes : &known->near;
+    lanes_job w = {.s = s, .opt = &own, .a = &a, .kept = &known->kept, .within = within,
+                   .near = opt->pick == SGT_NEAR_SEED,
                    .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                    .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .rim2 = rim2_of_surface(s),
                    .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0,
@@ -1155,8 +1158,8 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     size_t hard = 0;
     a.none = 0;
     if (is_catalogue(ops) && ops->own_->share) {
-        if (!known->shares) ops->own_->share(s.self, &known->shared);
-        known->shares = true, w.shared = known->shared, w.bare = bare_of(w.shared);
+        if (!within->shares) ops->own_->share(s.self, &within->shared);
+        within->shares = true, w.shared = within->shared, w.bare = bare_of(w.shared);
     }
     for (int i = 0; i < LANE_COUNT; i++) a.slot[i] = i; /* lanes_settle restores this after each run */
     w.points = (sgt_points){{a.px, a.py, a.pz}};

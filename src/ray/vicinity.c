@@ -34,6 +34,54 @@ SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits,
     }
 }
 
+/* How many rows that are asked have a rung that is not in the table. */
+SGT_KERNEL
+static double slopes_missing(size_t n, const double *restrict rung, const double *restrict asked,
+                             const slopes_known *table)
+{
+    double missing = 0;
+#pragma omp simd reduction(+ : missing)
+    for (size_t i = 0; i < n; i++) {
+        double kept = table->radius[place_of(rung[i], COARSE, SLOPES)],
+               other = ((kept != rung[i]) & (rung[i] < HUGE_VAL)) ? 1.0 : 0.0;
+        missing += asked[i] != 0 ? other : 0;
+    }
+    return missing;
+}
+
+SGT_KERNEL
+static void slopes_read(size_t n, const double *restrict rung, const double *restrict asked,
+                        const slopes_known *table, double *restrict radius2, double *restrict steep)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        int k = place_of(rung[i], COARSE, SLOPES);
+        double r2 = table->radius2[k], slope = table->steep[k], known = asked[i] != 0 ? rung[i] : HUGE_VAL;
+        radius2[i] = known < HUGE_VAL ? r2 : 0, steep[i] = known < HUGE_VAL ? slope : HUGE_VAL;
+    }
+}
+
+/* `extents` for rungs that are COARSE, without the size. */
+static void slopes_of(sgt_surface s, size_t n, const double *rung, const double *asked, slopes_known *table,
+                      double *radius2, double *steep)
+{
+    if (n > 1 && slopes_missing(n, rung, asked, table) == 0) {
+        slopes_read(n, rung, asked, table, radius2, steep);
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        radius2[i] = 0, steep[i] = HUGE_VAL;
+        if (asked[i] == 0 || !(rung[i] < HUGE_VAL)) continue;
+        int k = place_of(rung[i], COARSE, SLOPES);
+        if (table->radius[k] != rung[i]) {
+            sgt_extent e;
+            s.ops->own_->extent_within(s.self, rung[i], &e);
+            table->radius[k] = rung[i], table->radius2[k] = e.radius2, table->steep[k] = e.steep;
+        }
+        radius2[i] = table->radius2[k], steep[i] = table->steep[k];
+    }
+}
+
 /* Sets the noise of row i for a root whose rung is `rung`. */
 SGT_INLINE void noise_about(sgt_surface s, double rung, size_t i, vicinities *kept, const vicinity *v)
 {
@@ -44,6 +92,27 @@ SGT_INLINE void noise_about(sgt_surface s, double rung, size_t i, vicinities *ke
     if (kept->noise_radius[k] != rung)
         kept->noise_radius[k] = rung, s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e);
     v->noise[0][i] = e[0], v->noise[1][i] = e[1], v->noise[2][i] = rung * rung;
+}
+
+SGT_KERNEL
+static void noise_radii(size_t n, const double *restrict rung, const double *restrict asked,
+                        double *restrict radius, double *restrict most2)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        double r = chosen(MASK(asked[i] != 0), rung[i], HUGE_VAL);
+        radius[i] = r * (1 + 0x1p-20), most2[i] = chosen(MASK(r < HUGE_VAL), r * r, (double)NAN);
+    }
+}
+
+/* The same for all rows that are asked.  A bound at an infinite radius is not read, as most2 is NaN. */
+static void noises_about(sgt_surface s, size_t n, const double *rung, double *radius, vicinities *kept,
+                         const vicinity *v)
+{
+    const struct sgt_builtin_ops *builtin = s.ops->own_;
+    if (n > 1) noise_radii(n, rung, v->asked, radius, v->noise[2]);
+    if (n > 1 && builtin->noises_within &&
+        builtin->noises_within(s.self, n, radius, v->noise[0], v->noise[1])) return;
+    for (size_t i = 0; i < n; i++) noise_about(s, v->asked[i] != 0 ? rung[i] : HUGE_VAL, i, kept, v);
 }
 
 /* -------------------------------------------------------------------------- the radius */
@@ -206,7 +275,7 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
     }
 }
 
-void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_shared *whole,
+void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
@@ -228,10 +297,12 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     else
         vicinity_begin(n, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius,
                        wide, about);
-    const bool noisy = !(whole->noise[0] < HUGE_VAL); /* else the whole surface has one bound */
-    for (size_t i = 0; i < n; i++)
-        noise_about(s, noisy && v->asked[i] != 0 ? about[i] : HUGE_VAL, i, kept, v);
-    for (int k = 0;; k++) {
+    if (!(whole->noise[0] < HUGE_VAL)) noises_about(s, n, about, v->work[8], kept, v);
+    else /* the whole surface has one bound */
+        for (size_t i = 0; i < n; i++) noise_about(s, HUGE_VAL, i, kept, v);
+    const bool known = near && !axis;
+    if (known) slopes_of(s, n, wide, v->asked, near, radius2, steep);
+    for (int k = 0; !known; k++) {
         extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size, axis);
         if (near || k == SHRINKS
             || shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, at_seed, from, radius, wide)

@@ -54,10 +54,25 @@ typedef struct vicinities {
     sgt_heights heights; /* of the whole surface */
 } vicinities;
 
+/* For the root near the seed: what is known of an element within some radii, at a place each (radius 0: the
+ * place is empty).  A trace keeps that of its first elements for all tiles.  shares: `shared` is set. */
+enum { SLOPES = 8 };
+typedef struct slopes {
+    double radius[SLOPES], radius2[SLOPES], steep[SLOPES];
+    bool shares;
+    sgt_shared shared;
+} slopes_known;
+
+SGT_INLINE void slopes_begin(slopes_known *s)
+{
+    for (int i = 0; i < SLOPES; i++) s->radius[i] = 0;
+    s->shares = false;
+}
+
 /* What is worked out once for a batch: what the surface shares, and what is known of parts of it. */
 typedef struct memo {
-    bool begun, shares; /* begun: set by who reads the rest first */
-    sgt_shared shared;
+    bool begun; /* set by who reads the rest first */
+    slopes_known near;
     vicinities kept;
 } memo;
 
@@ -68,7 +83,7 @@ SGT_INLINE void vicinities_begin(vicinities *v)
     v->rings.any = v->any_heights = v->any_boxes = false;
 }
 
-SGT_INLINE void memo_begin(memo *m) { m->begun = true, m->shares = false, vicinities_begin(&m->kept); }
+SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), vicinities_begin(&m->kept); }
 
 /* Some rays, a row each.
  *
@@ -95,9 +110,9 @@ SGT_INLINE sgt_shared bare_of(sgt_shared s)
     return s;
 }
 
-/* Fills v.  s has extent_within; `whole` is what it shares; the ends of the rays are explicit.  near: the
- * root near the seed is wanted, not the first. */
-void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, bool near, const sgt_shared *whole,
+/* Fills v.  s has extent_within; `whole` is what it shares; the ends of the rays are explicit.  near: NULL if
+ * the first root is wanted, and not that near the seed. */
+void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v);
 
 #endif

@@ -25,14 +25,17 @@
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_NOT_UNIQUE = 1 };
 #define SGT_HARD ((sgt_status)-100)
 /* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called.
+ * slopes: the same, but of all tiles of a trace; NULL: nothing is kept for them.
  * whole: each ray is known to be a whole line, with the ends -inf and inf, and each t_tol to be finite. */
 struct memo;
+struct slopes;
 typedef struct sgt_tile {
     size_t n;
     sgt_rays rays;
     const double *t_tol;
     sgt_hits hits;
     struct memo *memo;
+    struct slopes *slopes;
     bool whole;
 } sgt_tile;
 
@@ -178,6 +181,8 @@ struct sgt_builtin_ops {
      * for a surface that is not steeper along one axis than along the other. */
     void (*extent_in_box)(const void *self, double x, double y, sgt_extent *extent);
     void (*noise_within)(const void *self, double radius, double e[2]);
+    /* noise_within for n radii, to the bit.  NULL or false: ask one by one. */
+    bool (*noises_within)(const void *self, size_t n, const double radius[], double e0[], double e1[]);
     /* Bounds like that of `rounding`, for n points at once.  F at the points is given in f.  out[i] is NaN
      * if no bound is known there.  Returns false if no bound is known anywhere; a given surface returns
      * false always or never.  If it is NULL or returns false, `rounding` is asked instead. */

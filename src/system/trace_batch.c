@@ -28,6 +28,7 @@
 #include "trace.h"
 
 #include "../ray/unique.h"
+#include "../ray/vicinity.h"
 #include "../ray/batch.h"
 #include "../solve/root.h"
 #include "phase.h"
@@ -44,6 +45,7 @@ static const double line_begins[TILE] = {ALL(-HUGE_VAL)}, line_ends[TILE] = {ALL
 
 typedef struct vectors { double x[TILE], y[TILE], z[TILE]; } vectors;
 typedef struct paths { double hi[TILE], lo[TILE]; } paths;
+enum { KEPT = 2 * sizeof(paths) / sizeof(slopes_known) };
 
 SGT_INLINE sgt_vec3 get(const vectors *v, size_t i) { return (sgt_vec3){v->x[i], v->y[i], v->z[i]}; }
 SGT_INLINE void put(vectors *v, size_t i, sgt_vec3 a) { v->x[i] = a.x, v->y[i] = a.y, v->z[i] = a.z; }
@@ -62,7 +64,10 @@ typedef struct tile {
     vectors *o, *p, *d;     /* in its frame: start, hit, and the direction before */
     _Alignas(64) vectors n_; /* 64: a cache line */
     vectors offsets[3], ds[2]; /* what the pointers above point to */
-    paths some_paths[2];
+    union { /* there is no more room in 80 KiB of stack */
+        paths some_paths[2];     /* if paths are wanted */
+        slopes_known kept[KEPT]; /* else: of the first elements, what is known near the seeds, in all tiles */
+    };
     double t[TILE], t_lo[TILE], t_err[TILE], p_err[TILE];
     /* t_tol is given to the surface's lanes.  After that good: 1, the loops have answered; 0, they have not;
      * below 0, a verdict (judge_rest). */
@@ -705,6 +710,7 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, d
     if (slopes) asked->t = w->t, asked->t_lo = w->t_lo, asked->t_err = w->t_err, asked->p_err = w->p_err;
     sgt_tile rays = {.n = w->n, .t_tol = w->t_tol, .hits = *asked,
                      .whole = job->opt.t_tol < HUGE_VAL,
+                     .slopes = j < KEPT && !job->path ? &w->kept[j] : NULL,
                      .rays = {.o = {w->o->x, w->o->y, w->o->z}, .d = {w->d->x, w->d->y, w->d->z},
                               .tmin = line_begins, .tmax = line_ends}};
     sgt_options opt = met_by(&job->opt);
@@ -840,6 +846,7 @@ size_t sgt_trace_batch(size_t elements, const sgt_element e[], double index_befo
     if (!is_plain_output(elements, &out, passages)) job.opt = sgt_options_invalid;
     job.by_hand = job.opt.watch || !sgt_options_valid(&job.opt);
     tile w;
+    for (size_t j = 0; j < KEPT && j < elements && !job.path; j++) slopes_begin(&w.kept[j]);
     size_t most = job.by_hand ? 1 : TILE, all = 0;
     for (w.first = 0; w.first < n; w.first += w.whole) {
         w.whole = n - w.first < most ? n - w.first : most;

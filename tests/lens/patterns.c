@@ -3,11 +3,11 @@
  * Philox against the published vectors (Salmon et al. 2011; Random123's known answers).  Each pattern: how
  * many points there are, all in the circle, weights that add up to 1, and the moments of a uniform circle,
  * 1/4 of x^2 and of y^2, 1/8 of x^4, 0 of x, y and x y, within what the number of points allows.  A random
- * point depends on the seed and its number alone; the first points of a longer Sobol pattern are the
- * shorter one. */
+ * point depends on the seed and its number alone, and is that of Philox's words; the first points of a longer
+ * Sobol pattern are the shorter one.  The rays through points by column. */
 #include "require.h"
 
-#include <sagitta/lens.h>
+#include <sagitta/analysis.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -81,6 +81,77 @@ static void test_alone(void)
     for (int i = 0; i < 10; i++) REQUIRE(few[i].x == many[i].x && few[i].y == many[i].y, "%d", i);
 }
 
+/* A random point is that of the first words of Philox that lie in the circle. */
+static void test_random(void)
+{
+    enum { COUNT = 1000 };
+    const uint64_t seed = 0x9876543210abcdefu;
+    const uint32_t key[2] = {(uint32_t)seed, (uint32_t)(seed >> 32)};
+    sgt_pupil_point at[COUNT];
+    sgt_pupil_points(SGT_PATTERN_RANDOM, COUNT, seed, COUNT, at);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        double c[2] = {2, 2};
+        for (uint32_t attempt = 0; c[0] * c[0] + c[1] * c[1] > 1; attempt++) {
+            uint32_t w[4];
+            sgt_philox((const uint32_t[4]){i, 0, attempt, 0}, key, w);
+            for (int k = 0; k < 2; k++)
+                c[k] = ((double)(((uint64_t)w[2 * k] << 32 | w[2 * k + 1]) >> 11) + 0.5) * 0x1p-52 - 1;
+        }
+        REQUIRE(at[i].x == c[0] && at[i].y == c[1], "random point %u", (unsigned)i);
+    }
+    sgt_pupil_point some[COUNT], one;
+    const size_t far = (size_t)0xffffff9cu; /* some of their numbers have more than 32 bits */
+    sgt_pupil_random(COUNT, seed, 37, 300, some);
+    REQUIRE(memcmp(some, at + 37, 300 * sizeof *some) == 0, "a part");
+    sgt_pupil_random(COUNT, seed, far, COUNT, some);
+    for (size_t i = 0; i < COUNT; i++) {
+        sgt_pupil_random(COUNT, seed, far + i, 1, &one);
+        REQUIRE(memcmp(&one, &some[i], sizeof one) == 0, "random point %zu from afar", i);
+    }
+    REQUIRE(sizeof far < 8 || some[150].x != at[50].x, "numbers of 32 bits");
+}
+
+/* Rays by column are those one by one, to the bit. */
+static void test_columns(void)
+{
+    static const char *const object[] = {"", "object: {distance: 30}\n"};
+    enum { COUNT = 300, BEAMS = 2 };
+    static sgt_pupil_point at[COUNT];
+    static sgt_launched one[COUNT];
+    static double n[6][COUNT];
+    double *column[6];
+    for (int k = 0; k < 6; k++) column[k] = n[k];
+    sgt_pupil_points(SGT_PATTERN_RANDOM, COUNT, 3, COUNT, at);
+    for (int i = 0; i < 4 * BEAMS; i++) {
+        char text[400];
+        sgt_error e;
+        sgt_field_beam b;
+        static const sgt_lens_aim stop = SGT_LENS_AIM_REAL_STOP;
+        snprintf(text, sizeof text, "pupil: {semi_diameter: 2}\n%ssurfaces:\n"
+                                    "  - {type: sphere, radius: 20, thickness: 3, index: 1.5, stop: true}\n"
+                                    "  - {type: plane}\n", object[i % BEAMS]);
+        sgt_lens *lens = sgt_lens_read_text("lens", text, strlen(text), NULL, &e);
+        sgt_launcher *from = lens ? sgt_launcher_new(lens, NULL, &e) : NULL;
+        const sgt_field_kind kind = i % BEAMS ? SGT_FIELD_OBJECT_HEIGHT : SGT_FIELD_ANGLE;
+        const bool fine = from && sgt_launch_field(from, kind, &(sgt_lens_field){.x = 1, .y = -2}, &b, &e);
+        REQUIRE(fine, "%s: %s", text, e.words);
+        if (!fine) return;
+        if (i / BEAMS > 0) b.shift = (sgt_vec2){0.1, -0.2}, b.scale = (sgt_vec2){0.7, 0.6};
+        if (i / BEAMS > 1) b.turn = (sgt_vec2){0.6, 0.8};
+        if (i / BEAMS > 2) b.cone = 0.3;
+        const bool rays = sgt_launch_rays(from, &b, lens->element, 1, COUNT, at, one, &e);
+        REQUIRE(rays && sgt_launch_columns(from, &b, COUNT, at, column, column + 3), "columns %d", i);
+        for (int k = 0; k < COUNT; k++) {
+            const sgt_ray *r = &one[k].ray;
+            const double want[6] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z};
+            for (int c = 0; c < 6; c++) REQUIRE(memcmp(&want[c], &n[c][k], 8) == 0, "beam %d, ray %d", i, k);
+        }
+        sgt_launcher *aimed = sgt_launcher_new(lens, &(sgt_launcher_options){.aim = &stop}, &e);
+        REQUIRE(aimed && !sgt_launch_columns(aimed, &b, COUNT, at, column, column + 3), "aimed: %s", e.words);
+        sgt_launcher_free(aimed), sgt_launcher_free(from), sgt_lens_free(lens);
+    }
+}
+
 /* The edges of fans and rings are exactly on the circle's axes. */
 static void test_exact(void)
 {
@@ -118,6 +189,8 @@ int main(void)
     test_pattern(SGT_PATTERN_SOBOL, 2000, 2000, 2e-3);
     test_pattern(SGT_PATTERN_RANDOM, 40000, 40000, 1e-2);
     test_alone();
+    test_random();
+    test_columns();
     test_exact();
     printf("seed 1\n%d faults\n", faults);
     return faults > 0;

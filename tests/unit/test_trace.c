@@ -515,21 +515,21 @@ static void test_edge_of_the_aperture(void **state)
         else p.z = -e.surface.ops->value(e.surface.self, p, NULL);
         const sgt_ray launch = {.o = {p.x - away * d.x, p.y - away * d.y, p.z - away * d.z}, .d = d};
         const sgt_options opt = {.pick = SGT_NEAR_SEED, .proof = SGT_PROVE_FIRST};
-        sgt_passage wide, tight;
+        sgt_passage broad, narrow;
         sgt_fate fate;
         e.semi_diameter = r * (1 + 1e-4);
         sgt_ray ray = launch;
-        sgt_trace(1, &e, 1, &ray, &wide, &fate, &opt);
+        sgt_trace(1, &e, 1, &ray, &broad, &fate, &opt);
         if (fate != SGT_PASSED) continue; /* another root is inside, too, or is the one that is near */
-        const double at = hypot(wide.hit.p.x, wide.hit.p.y);
+        const double at = hypot(broad.hit.p.x, broad.hit.p.y);
         if (fabs(at - r) > 1e-12) continue;
-        e.semi_diameter = at * (1 + gap) + 4 * wide.hit.p_err;
+        e.semi_diameter = at * (1 + gap) + 4 * broad.hit.p_err;
         ray = launch;
-        sgt_trace(1, &e, 1, &ray, &tight, &fate, &opt);
+        sgt_trace(1, &e, 1, &ray, &narrow, &fate, &opt);
         proven++;
-        REQUIRE(fate == SGT_PASSED && fabs(tight.hit.t - wide.hit.t) <= wide.hit.t_err + tight.hit.t_err,
+        REQUIRE(fate == SGT_PASSED && fabs(narrow.hit.t - broad.hit.t) <= broad.hit.t_err + narrow.hit.t_err,
                 "case %ld: %s (%s), r %.17g within %.17g; %s in a wider one", i, sgt_fate_text(fate),
-                sgt_status_text(tight.hit.status), at, e.semi_diameter, e.surface.ops->name);
+                sgt_status_text(narrow.hit.status), at, e.semi_diameter, e.surface.ops->name);
     }
     print_message("%ld proven\n", proven);
     assert_true(proven > 0);

@@ -211,14 +211,14 @@ bool sgt_beam_of_field(const sgt_launcher *from, sgt_field_kind kind, const sgt_
 
 /* ------------------------------------------------------------------ the rays */
 
-sgt_vec2 sgt_vignetted(const sgt_field_beam *b, double x, double y)
+static inline sgt_vec2 vignetted(const sgt_field_beam *b, double x, double y)
 {
     double u = b->shift.x + x * b->scale.x, v = b->shift.y + y * b->scale.y;
     if (b->turn.y == 0 && b->turn.x == 1) return (sgt_vec2){u, v};
     return (sgt_vec2){u * b->turn.x - v * b->turn.y, u * b->turn.y + v * b->turn.x};
 }
 
-sgt_ray sgt_field_ray(const sgt_field_beam *b, double x, double y)
+static inline sgt_ray field_ray(const sgt_field_beam *b, double x, double y)
 {
     const sgt_vec3 p = {b->radius * x, b->radius * y, b->pupil};
     if (b->cone > 0) return (sgt_ray){.o = b->object, .d = unit3((sgt_vec3){b->cone * x, b->cone * y, 1})};
@@ -228,4 +228,20 @@ sgt_ray sgt_field_ray(const sgt_field_beam *b, double x, double y)
     /* light runs along +z even if the pupil lies in front of the object */
     double length = copysign(length3(d), d.z);
     return (sgt_ray){.o = b->object, .d = {d.x / length, d.y / length, d.z / length}};
+}
+
+sgt_vec2 sgt_vignetted(const sgt_field_beam *b, double x, double y) { return vignetted(b, x, y); }
+
+sgt_ray sgt_field_ray(const sgt_field_beam *b, double x, double y) { return field_ray(b, x, y); }
+
+void sgt_launch_unaimed(const sgt_field_beam *beam, size_t count, const sgt_pupil_point at[],
+                        double *const o[3], double *const d[3])
+{
+    const sgt_field_beam b = *beam; /* no column lies in it, so its members are read once */
+    for (size_t i = 0; i < count; i++) {
+        const sgt_vec2 q = vignetted(&b, at[i].x, at[i].y);
+        const sgt_ray ray = field_ray(&b, q.x, q.y);
+        o[0][i] = ray.o.x, o[1][i] = ray.o.y, o[2][i] = ray.o.z;
+        d[0][i] = ray.d.x, d[1][i] = ray.d.y, d[2][i] = ray.d.z;
+    }
 }

@@ -63,15 +63,12 @@ bool sgt_launch_field(const sgt_launcher *from, sgt_field_kind kind, const sgt_l
             sgt_aim_field(from, b, (sgt_vec2){at->x, at->y}, error));
 }
 
-void sgt_launch_unaimed(const sgt_field_beam *b, size_t count, const sgt_pupil_point at[], double *const o[3],
-                        double *const d[3])
+bool sgt_launch_columns(const sgt_launcher *from, const sgt_field_beam *b, size_t count,
+                        const sgt_pupil_point at[], double *const o[3], double *const d[3])
 {
-    for (size_t i = 0; i < count; i++) {
-        const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
-        const sgt_ray ray = sgt_field_ray(b, q.x, q.y);
-        o[0][i] = ray.o.x, o[1][i] = ray.o.y, o[2][i] = ray.o.z;
-        d[0][i] = ray.d.x, d[1][i] = ray.d.y, d[2][i] = ray.d.z;
-    }
+    if (from->aim != SGT_LENS_AIM_PUPIL || !PLAIN(from, b, "sgt_field_beam", NULL)) return false;
+    sgt_launch_unaimed(b, count, at, o, d);
+    return true;
 }
 
 bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],

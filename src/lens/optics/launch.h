@@ -145,7 +145,7 @@ bool sgt_aim_map_of(const sgt_launcher *from, const sgt_field_beam *b, const sgt
 /* A point of the unit circle after vignetting. */
 sgt_vec2 sgt_vignetted(const sgt_field_beam *b, double x, double y);
 
-/* The rays through points of the paraxial pupil, as sgt_launch_rays has them if it does not aim. */
+/* (beam.c) The rays through points of the paraxial pupil, as sgt_launch_rays has them if it does not aim. */
 void sgt_launch_unaimed(const sgt_field_beam *b, size_t count, const sgt_pupil_point at[], double *const o[3],
                         double *const d[3]);
 

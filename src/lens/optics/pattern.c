@@ -26,42 +26,75 @@
 
 /* -------------------------------------------------------------- generators */
 
-void sgt_philox(const uint32_t counter[4], const uint32_t key[2], uint32_t out[4])
+typedef struct philox_words { uint32_t at[4]; } philox_words;
+
+static inline philox_words philox(philox_words x, uint32_t k0, uint32_t k1)
 {
     enum { ROUNDS = 10 };
-    const uint32_t first = 0xD2511F53u, second = 0xCD9E8D57u, weyl[2] = {0x9E3779B9u, 0xBB67AE85u};
-    uint32_t x[4] = {counter[0], counter[1], counter[2], counter[3]}, k[2] = {key[0], key[1]};
     for (int i = 0; i < ROUNDS; i++) {
-        uint64_t a = (uint64_t)first * x[0], b = (uint64_t)second * x[2];
-        const uint32_t next[4] = {(uint32_t)(b >> 32) ^ x[1] ^ k[0], (uint32_t)b,
-                                  (uint32_t)(a >> 32) ^ x[3] ^ k[1], (uint32_t)a};
-        for (int j = 0; j < 4; j++) x[j] = next[j];
-        k[0] += weyl[0], k[1] += weyl[1];
+        const uint64_t a = (uint64_t)0xD2511F53u * x.at[0], b = (uint64_t)0xCD9E8D57u * x.at[2];
+        x = (philox_words){{(uint32_t)(b >> 32) ^ x.at[1] ^ k0, (uint32_t)b,
+                            (uint32_t)(a >> 32) ^ x.at[3] ^ k1, (uint32_t)a}};
+        k0 += 0x9E3779B9u, k1 += 0xBB67AE85u; /* Weyl's sequences */
     }
-    for (int j = 0; j < 4; j++) out[j] = x[j];
+    return x;
 }
 
-/* [-1, 1), symmetric about 0: the middles of 2^53 parts. */
-static double symmetric(uint32_t high, uint32_t low)
+void sgt_philox(const uint32_t counter[4], const uint32_t key[2], uint32_t out[4])
 {
-    uint64_t bits = ((uint64_t)high << 32 | low) >> 11;
-    return ((double)bits + 0.5) * 0x1p-52 - 1;
+    const philox_words first = {{counter[0], counter[1], counter[2], counter[3]}},
+                       x = philox(first, key[0], key[1]);
+    for (int j = 0; j < 4; j++) out[j] = x.at[j];
+}
+
+/* [-1, 1), symmetric about 0: the middles of 2^53 parts.  The two words become doubles each by itself, as
+ * signed numbers: for these there are lanes.  The number of the part is exact. */
+static inline double symmetric(uint32_t high, uint32_t low)
+{
+    const double upper = (double)(int32_t)(high ^ 0x80000000u), lower = (double)(int32_t)(low >> 11);
+    const double part = upper * 0x1p21 + 0x1p52 + lower;
+    return (part + 0.5) * 0x1p-52 - 1;
 }
 
 static bool in_circle(double x, double y) { return x * x + y * y <= 1; }
 
-static sgt_pupil_point random_point(uint64_t seed, size_t i)
+/* An attempt of `count` points, those of the numbers base + open[i], which differ in their lower 32 bits. */
+static void attempt_points(uint64_t seed, uint64_t base, uint32_t attempt, size_t count,
+                           const uint32_t open[], double x[], double y[])
 {
-    enum { ATTEMPTS = 128 };
-    const uint32_t key[2] = {(uint32_t)seed, (uint32_t)(seed >> 32)};
-    for (uint32_t attempt = 0; attempt < ATTEMPTS; attempt++) {
-        const uint32_t counter[4] = {(uint32_t)i, (uint32_t)((uint64_t)i >> 32), attempt, 0};
-        uint32_t bits[4];
-        sgt_philox(counter, key, bits);
-        double x = symmetric(bits[0], bits[1]), y = symmetric(bits[2], bits[3]);
-        if (in_circle(x, y)) return (sgt_pupil_point){x, y, 0};
+    const uint32_t k0 = (uint32_t)seed, k1 = (uint32_t)(seed >> 32);
+    for (size_t i = 0; i < count; i++) {
+        const philox_words first = {{(uint32_t)base + open[i], (uint32_t)(base >> 32), attempt, 0}},
+                           w = philox(first, k0, k1);
+        x[i] = symmetric(w.at[0], w.at[1]), y[i] = symmetric(w.at[2], w.at[3]);
     }
-    return (sgt_pupil_point){0, 0, 0};
+}
+
+/* Points first ... first + count - 1, of that weight.  All of a part that have no point yet make an attempt
+ * together. */
+static void random_points(uint64_t seed, uint64_t first, size_t count, sgt_pupil_point at[], double weight)
+{
+    enum { ATTEMPTS = 128, TOGETHER = 128 };
+    uint32_t open[TOGETHER];
+    double x[TOGETHER], y[TOGETHER];
+    for (size_t begin = 0, part; begin < count; begin += part) {
+        const uint64_t upto = UINT64_C(0x100000000) - (uint32_t)(first + begin);
+        part = count - begin < TOGETHER ? count - begin : TOGETHER;
+        if (part > upto) part = (size_t)upto;
+        size_t left = part;
+        for (size_t i = 0; i < left; i++) open[i] = (uint32_t)i;
+        for (uint32_t attempt = 0; attempt < ATTEMPTS && left; attempt++) {
+            size_t still = 0;
+            attempt_points(seed, first + begin, attempt, left, open, x, y);
+            for (size_t i = 0; i < left; i++) {
+                const uint32_t k = open[i];
+                at[begin + k] = (sgt_pupil_point){x[i], y[i], weight};
+                open[still] = k, still += !in_circle(x[i], y[i]);
+            }
+            left = still;
+        }
+        for (size_t i = 0; i < left; i++) at[begin + open[i]] = (sgt_pupil_point){0, 0, weight};
+    }
 }
 
 /* The k-th of the square, k < 2^32. */
@@ -190,11 +223,10 @@ static uint32_t sobol_next(uint32_t k, sgt_pupil_point *at)
     return k;
 }
 
-/* The i-th point of a pattern of which any point is as easy as any other. */
-static sgt_pupil_point point_of(sgt_pattern pattern, size_t i, size_t n, uint64_t seed)
+/* The i-th point of a pattern of which any point is as easy as any other, but for random ones. */
+static sgt_pupil_point point_of(sgt_pattern pattern, size_t i, size_t n)
 {
     switch (pattern) {
-    case SGT_PATTERN_RANDOM: return random_point(seed, i);
     case SGT_PATTERN_CROSS: return cross_point(i, n);
     default: return (sgt_pupil_point){0, step_of_grid(i, n), 1};
     }
@@ -213,19 +245,26 @@ size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t mos
     }
     if (!is_net(pattern)) count = count_of(pattern, n);
     const size_t kept = count < most ? count : most;
-    for (size_t i = 0; i < kept && pattern == SGT_PATTERN_HEXAPOLAR; i += PUPIL_PART)
+    const bool random = pattern == SGT_PATTERN_RANDOM, hexapolar = pattern == SGT_PATTERN_HEXAPOLAR;
+    if (random) random_points(seed, 0, kept, at, 1 / (double)kept);
+    for (size_t i = 0; i < kept && hexapolar; i += PUPIL_PART)
         hexapolar_points(i, kept - i < PUPIL_PART ? kept - i : PUPIL_PART, n, at + i);
-    for (size_t i = 0; i < kept && !is_net(pattern) && pattern != SGT_PATTERN_HEXAPOLAR; i++) {
+    for (size_t i = 0; i < kept && !is_net(pattern) && !random && !hexapolar; i++) {
         if (pattern == SGT_PATTERN_SOBOL) k = sobol_next(k, &at[i]);
-        else at[i] = point_of(pattern, i, n, seed);
+        else at[i] = point_of(pattern, i, n);
         at[i].weight = 1;
     }
     const double sum = weight_of(pattern, n, kept);
-    for (size_t i = 0; i < kept; i++) at[i].weight /= sum;
+    for (size_t i = 0; i < kept && !random; i++) at[i].weight /= sum;
     return count;
 }
 
 /* ------------------------------------------------------------------ in parts */
+
+void sgt_pupil_random(size_t n, uint64_t seed, size_t first, size_t count, sgt_pupil_point at[])
+{
+    random_points(seed, first, count, at, 1 / (double)n);
+}
 
 size_t sgt_pupil_rows(sgt_pattern pattern, size_t n)
 {
@@ -259,6 +298,10 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
         for (size_t i = 0; i < count; i++) at[i] = p->given[first + i];
         return;
     }
+    if (p->pattern == SGT_PATTERN_RANDOM) {
+        random_points(p->seed, first, count, at, 1 / p->sum);
+        return;
+    }
     while (is_net(p->pattern) && high - low > 1) { /* row[low] <= first < row[high] */
         const size_t middle = low + (high - low) / 2;
         *(p->row[middle] <= first ? &low : &high) = middle;
@@ -281,7 +324,7 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
         } else if (p->pattern == SGT_PATTERN_SOBOL) {
             k = sobol_next(k, to);
         } else {
-            *to = point_of(p->pattern, i, p->n, p->seed);
+            *to = point_of(p->pattern, i, p->n);
         }
         to->weight = 1 / p->sum;
     }

@@ -308,6 +308,15 @@ void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2
     e[0] += NOISE_LOST;
 }
 
+/* noise_about of many radii; an infinite one is NaN. */
+bool sgt_departure_noises(const departure_sag *s, size_t n, const double radius[], double e0[], double e1[])
+{
+    if (!s->of->noises) return false;
+    s->of->noises(s->self, n, radius, e0, e1);
+    LANES for (size_t i = 0; i < n; i++) e0[i] += NOISE_LOST;
+    return true;
+}
+
 /* If a rectangle has no rim, the circle through its corners is taken.  That is safe because a ray is inside
  * a rectangle along one stretch at most. */
 static double rim2_within_frame(const departure_sag *s)

@@ -91,6 +91,9 @@ typedef struct departure {
     /* As `noise`, at less cost and perhaps wider.  It is asked for many radii.  NULL: `noise` is asked. */
     void (*noise_about)(const void *self, double radius, double e[2]);
 
+    /* `noise` for n finite radii, to the bit.  NULL: one by one. */
+    void (*noises)(const void *self, size_t n, const double *radius, double *e0, double *e1);
+
     /* Set if P is defined within a rectangle and nowhere else.  Then `bounds` holds where P is defined,
      * although P is not defined all over the region; departure.c relies on it there. */
     bool framed;
@@ -139,6 +142,7 @@ void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const 
                           const double *const axis[2], double *lo, double *hi, double *least);
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
 void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2]);
+bool sgt_departure_noises(const departure_sag *s, size_t n, const double radius[], double e0[], double e1[]);
 sgt_span sgt_departure_span(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
 void sgt_departure_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out,
                          double *least);
@@ -211,6 +215,10 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     DEPARTURE_OF(NAME, void NAME##_noise_within(const void *self, double radius, double e[2]),               \
                  sgt_departure_noise_about(&v, radius, e))                                                   \
     DEPARTURE_OF(NAME,                                                                                       \
+                 bool NAME##_noises_within(const void *self, size_t n, const double radius[], double e0[],   \
+                                           double e1[]),                                                     \
+                 return sgt_departure_noises(&v, n, radius, e0, e1))                                         \
+    DEPARTURE_OF(NAME,                                                                                       \
                  sgt_interval NAME##_builtin_enclose(const void *self, const sgt_ray *ray, double t0,        \
                                                      sgt_interval t, sgt_interval *slope),                   \
                  return sgt_departure_enclose(&v, ray, t0, t, slope))                                        \
@@ -246,7 +254,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         .object = NAME##_ops_object, .tile = SGT_MOST_TILE, .share = NAME##_share,                           \
         .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
         .extent_in_box = NAME##_in_box, .heights = NAME##_heights, .chords = sgt_departure_chords,           \
-        .noise_within = NAME##_noise_within,                                                                 \
+        .noise_within = NAME##_noise_within, .noises_within = NAME##_noises_within,                          \
         .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \

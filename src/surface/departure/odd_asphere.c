@@ -102,13 +102,37 @@ static void odd_rounding(const void *self, double x, double y, double *p_err, do
 }
 
 /* A term is rounded i times in h and twice after it, and carries the 2 u of r i + 1 times. */
+SGT_INLINE void odd_noises_of(size_t n, int most, const double *a, const double *restrict radius,
+                              double *restrict e0, double *restrict e1)
+{
+    double weight[ODD_TERMS], tip = fabs(a[0]);
+    for (int k = 0; k < ODD_TERMS; k++) weight[k] = (3 * k + 4) * fabs(a[k]);
+    LANES for (size_t i = 0; i < n; i++) {
+        double r = radius[i], sum = 0;
+        UNROLLED
+        for (int k = most - 1; k > 0; k--) sum = sum * r + weight[k];
+        e0[i] = 1.01 * SGT_U * 4 * tip * r + 0x1p-470 * tip;
+        e1[i] = 1.01 * SGT_U * sum;
+    }
+}
+
+SGT_KERNEL
+static void odd_noises_at(size_t n, int terms, const double *a, const double *radius, double *e0, double *e1)
+{
+    if (terms <= 10) odd_noises_of(n, 10, a, radius, e0, e1);
+    else odd_noises_of(n, ODD_TERMS, a, radius, e0, e1);
+}
+
+static void odd_noises(const void *self, size_t n, const double *radius, double *e0, double *e1)
+{
+    const double *a = ((const sgt_odd_asphere *)self)->a;
+    odd_noises_at(n, odd_terms_of(a), a, radius, e0, e1);
+}
+
 static void odd_noise(const void *self, double radius, double e[2])
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;
-    double sum = 0;
-    for (int i = odd_terms_of(a) - 1; i > 0; i--) sum = sum * radius + (3 * i + 4) * fabs(a[i]);
-    e[0] = 1.01 * SGT_U * 4 * fabs(a[0]) * radius + 0x1p-470 * fabs(a[0]);
-    e[1] = 1.01 * SGT_U * sum;
+    odd_noises_of(1, odd_terms_of(a), a, &radius, &e[0], &e[1]);
 }
 
 /* The least and the greatest value of a sum of monotone terms, and the sum of their magnitudes. */
@@ -236,6 +260,7 @@ static sgt_objection odd_object(const void *self)
 
 static const departure odd_asphere_departure = {
     .at = odd_sag, .rounding = odd_rounding, .bounds = odd_bounds_over, .second = odd_bend,
-    .parameters = odd_parameters, .by_parameter = odd_by_parameter, .object = odd_object, .noise = odd_noise};
+    .parameters = odd_parameters, .by_parameter = odd_by_parameter, .object = odd_object, .noise = odd_noise,
+    .noises = odd_noises};
 
 DEPARTURE_ON_CONIC(odd_asphere, sgt_odd_asphere)

@@ -10,10 +10,10 @@
 
 launch_pattern launch_points(sgt_pattern pattern, size_t n, uint64_t seed)
 {
-    size_t count = sgt_pupil_points(pattern, n, seed, 0, NULL);
-    sgt_pupil_point *at = memory_take(count, sizeof *at);
-    sgt_pupil_points(pattern, n, seed, count, at);
-    return (launch_pattern){.count = count, .n = n, .at = at, .pattern = pattern};
+    const size_t count = sgt_pupil_points(pattern, n, seed, 0, NULL);
+    sgt_pupil_point *at = pattern == SGT_PATTERN_RANDOM ? NULL : memory_take(count, sizeof *at);
+    if (at) sgt_pupil_points(pattern, n, seed, count, at);
+    return (launch_pattern){.count = count, .n = n, .at = at, .pattern = pattern, .seed = seed};
 }
 
 /* Launchers are freed when the command ends. */
@@ -75,6 +75,13 @@ sgt_field_beam launch_beam(const launch_how *how, sgt_field_kind kind, sgt_lens_
 
 enum { LAUNCH_PART = 64 }; /* with all that is known of them they stay in the nearest cache */
 
+/* Adds a ray to the block, without its columns. */
+static inline void put_number(ray_block *to, size_t number, size_t field, sgt_pupil_point p)
+{
+    const size_t i = to->count++;
+    to->ray[i] = (long long)number, to->field[i] = (int)field, to->px[i] = p.x, to->py[i] = p.y;
+}
+
 /* Adds a ray to the block. */
 static void put_launched(ray_block *to, const sgt_launched *l, size_t number, size_t field, sgt_pupil_point p)
 {
@@ -84,23 +91,30 @@ static void put_launched(ray_block *to, const sgt_launched *l, size_t number, si
                                               .py = p.y, .status = l->status, .within = l->within};
         return;
     }
-    const size_t i = to->count++;
     const double value[] = {l->ray.o.x, l->ray.o.y, l->ray.o.z, l->ray.d.x, l->ray.d.y, l->ray.d.z};
-    for (int k = 0; k < 6; k++) to->number[k][i] = value[k];
-    to->ray[i] = (long long)number, to->field[i] = (int)field, to->px[i] = p.x, to->py[i] = p.y;
+    for (int k = 0; k < 6; k++) to->number[k][to->count] = value[k];
+    put_number(to, number, field, p);
     to->folded += l->folded;
 }
 
 void launch_part(const launch_plan *plan, size_t first, size_t count, ray_block *to)
 {
     sgt_launched launched[LAUNCH_PART];
+    sgt_pupil_point made[LAUNCH_PART];
     to->count = to->lost_count = to->folded = 0;
     for (size_t done = 0, part; done < count; done += part) {
         const size_t number = first + done, field = number / plan->points->count;
         const size_t point = number % plan->points->count, left = plan->points->count - point;
-        const sgt_pupil_point *p = plan->points->at + point;
+        const sgt_pupil_point *p = plan->points->at ? plan->points->at + point : made;
         part = count - done < left ? count - done : left;
         if (part > LAUNCH_PART) part = LAUNCH_PART;
+        if (p == made) sgt_pupil_random(plan->points->count, plan->points->seed, point, part, made);
+        double *n[6];
+        for (int k = 0; k < 6; k++) n[k] = to->number[k] + to->count;
+        if (sgt_launch_columns(plan->how->from, &plan->beam[field], part, p, n, n + 3)) {
+            for (size_t i = 0; i < part; i++) put_number(to, number + i, field, p[i]);
+            continue;
+        }
         if (!sgt_launch_rays(plan->how->from, &plan->beam[field], plan->element,
                              plan->traced->index_before, part, p, launched, NULL))
             fail_input("out of memory");

@@ -10,8 +10,9 @@
  * for single points. */
 typedef struct launch_pattern {
     size_t count, n;
-    const sgt_pupil_point *at;
+    const sgt_pupil_point *at; /* NULL: of a random one, made when they are needed */
     sgt_pattern pattern;
+    uint64_t seed;
 } launch_pattern;
 launch_pattern launch_points(sgt_pattern pattern, size_t n, uint64_t seed);
 
