@@ -34,13 +34,13 @@ SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits,
     }
 }
 
-/* How many rows that are asked have a rung that is not in the table. */
-SGT_KERNEL
+/* How many rows that are asked have a rung that is not in the table.  (What a table has is fetched one by one
+ * in this loop and the next.) */
+SGT_NOINLINE
 static double slopes_missing(size_t n, const double *restrict rung, const double *restrict asked,
                              const slopes_known *table)
 {
     double missing = 0;
-#pragma omp simd reduction(+ : missing)
     for (size_t i = 0; i < n; i++) {
         double kept = table->radius[place_of(rung[i], COARSE, SLOPES)],
                other = ((kept != rung[i]) & (rung[i] < HUGE_VAL)) ? 1.0 : 0.0;
@@ -49,11 +49,10 @@ static double slopes_missing(size_t n, const double *restrict rung, const double
     return missing;
 }
 
-SGT_KERNEL
+SGT_NOINLINE
 static void slopes_read(size_t n, const double *restrict rung, const double *restrict asked,
                         const slopes_known *table, double *restrict radius2, double *restrict steep)
 {
-#pragma omp simd
     for (size_t i = 0; i < n; i++) {
         int k = place_of(rung[i], COARSE, SLOPES);
         double r2 = table->radius2[k], slope = table->steep[k], known = asked[i] != 0 ? rung[i] : HUGE_VAL;

@@ -45,6 +45,11 @@ SGT_INLINE unit_turn turn_near(double degrees)
     return (unit_turn){c_sign * c, (s_sign == 0 ? 1 : s_sign) * s};
 }
 
-static inline unit_turn turn_of(double degrees) { return turn_near(without_turns(degrees)); }
+static inline unit_turn turn_of(double degrees)
+{
+    static const unit_turn quarter[4] = {{1, 0}, {-0.0, 1}, {-1, -0.0}, {0, -1}}; /* the same, at once */
+    const double near = without_turns(degrees), whole = nearest_integer(near / 90);
+    return near == 90 * whole ? quarter[(long long)whole & 3] : turn_near(near);
+}
 
 #endif
