@@ -45,7 +45,7 @@ def test_the_choices_are_named():
             assert f'estimate, root or first, not "{wrong}"' in said.stderr, said.stderr
             equal(said.stdout, '')
         assert '--proof' in run(*command, '--proof', exit=USAGE).stderr
-        assert '--proof P' in run(command[0], '--help').stdout
+        assert '--proof P' in run(command[0], '--help', 'all').stdout
         equal(run(*command, '--proof', 'estimate').stdout, run(*command).stdout)
 
 

@@ -3,6 +3,7 @@
 
     python3 test_watch.py SAGITTA
 """
+import csv
 import math
 import random
 
@@ -166,8 +167,11 @@ def test_one_ray_at_one_element():
         assert some, seen
     text = random_rays(100)
     for more in ((), ('--all',)):
-        _, seen, _ = watched('intersect', '--surface', '{type: sphere, radius: 20}', '--rays', '-', '--watch-ray', 50, *more, stdin=text)
-        equal({row['ray'] for row in seen}, {'50'})
+        asked = ('intersect', '--surface', '{type: sphere, radius: 20}', '--rays', '-', *more)
+        met = next(row['ray'] for row in csv.DictReader(run(*asked, '--format', 'csv', stdin=text).stdout.splitlines())
+                   if row['status'] == 'hit' and int(row['ray']) > 20)  # what misses may need no evaluation
+        _, seen, _ = watched(*asked, '--watch-ray', met, stdin=text)
+        equal({row['ray'] for row in seen}, {met})
     # of the lost rays, at one element
     asked = ('trace', LENS, '--rays', '-', '--max-evals', 1)
     _, seen, _ = watched(*asked, stdin=text, exit=UNDECIDED)

@@ -809,7 +809,8 @@ static void test_scan_lens_ray(void **state)
     assert_int_equal(sgt_trace(1, &e, 1, &ray, &p, NULL, NULL), 1);
     REQUIRE(fabsl(p.hit.t - 4.143085073464611925784L) <= p.hit.t_err + 1e-16L && p.hit.t_err < 4e-15,
             "t %.17g +- %g", p.hit.t, p.hit.t_err);
-    REQUIRE(fabs(p.hit.t - 4.143085073464612) <= 0x1p-50 && p.opl == p.hit.t, "t %.17g, opl %.17g", p.hit.t, p.opl);
+    REQUIRE(fabs(p.hit.t - 4.143085073464612) <= 0x1p-50 && p.opl == p.hit.t, "t %.17g, opl %.17g", p.hit.t,
+            p.opl);
 }
 
 int main(void)

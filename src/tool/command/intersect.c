@@ -214,7 +214,7 @@ static void find_one_each(const intersect_work *w, intersect_room *r)
         const sgt_status status = r->status[i];
         note_status(&r->found, status, b, i);
         r->root[i] = root_of(status, 0), r->lo[i] = r->hi[i] = no;
-        if (status == SGT_HIT) continue;
+        if (status == SGT_HIT && !w->watch) continue;
         for (int k = 2; k < 8 && status <= 0; k++) n[k][i] = no;
         if (status >= 0 && !w->watch) continue;
         const launch l = rays_launch(b, i);
