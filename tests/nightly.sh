@@ -2,12 +2,12 @@
 # bash tests/nightly.sh [STAGE...]   what takes too long for every change, or these of its stages; some ten hours
 # on an idle machine of two cores.
 #
-#   scale      all random tests, oracles and proofs with twenty times the cases (SAGITTA_TEST_SCALE=10, 0.5 by day;
-#              SAGITTA_TEST_SEED chooses other cases: the day of the year, unless it is set)
+#   scale      all random tests, oracles and proofs with twenty times the cases (SAGITTA_TEST_SCALE=10, 0.5 by day, or
+#              NIGHT_SCALE; SAGITTA_TEST_SEED chooses other cases: the day of the year, unless it is set)
 #   rest       what a plain `meson test` leaves out: the suite `nightly` (random lenses against mpmath, the ways of a
 #              search, the costs of a render, the library as a subproject, the wheel, Python under valgrind, interval.h
 #              by each compiler, breaks of the saved interface that are planted)
-#   tapes      random formulas against Arb, their operations and rays to them, ten minutes each
+#   tapes      random formulas against Arb, their operations and rays to them, each for NIGHT_TAPE_SECONDS (600)
 #   cliffs     the search for ordinary input that costs many times the usual (bench/cliff_search.cpp), for
 #              NIGHT_CLIFF_SECONDS (7200); its log has the worst fifty, each a line for `bench_ordinary --case`
 #   platforms  the library on other systems (platforms/run.py): all sums, the speed, and the oracles by wine and qemu at
@@ -42,7 +42,7 @@ run() {  # run STAGE COMMAND...
 }
 
 scale() {
-    SAGITTA_TEST_SCALE=10 meson test -C $build --no-rebuild --timeout-multiplier 0 --print-errorlogs \
+    SAGITTA_TEST_SCALE=${NIGHT_SCALE:-10} meson test -C $build --no-rebuild --timeout-multiplier 0 --print-errorlogs \
         --suite unit --suite batch --suite oracle --suite interval --suite extremes \
         --suite sensitivity --suite geo --suite catalogue --suite lens --suite formula
 }
@@ -54,7 +54,8 @@ rest() {
 tapes() {
     local what status=0
     for what in operations roots; do
-        $build/tests/formula/test_formula_$what --seconds 600 --seed "$SAGITTA_TEST_SEED" --random || status=1
+        $build/tests/formula/test_formula_$what --seconds "${NIGHT_TAPE_SECONDS:-600}" \
+            --seed "$SAGITTA_TEST_SEED" --random || status=1
     done
     return $status
 }
