@@ -12,6 +12,7 @@ for the commands of its page.
 The first section of docs/accuracy.md repeats numbers of the sections below it.  Each
 number of a row has to stand in a section that the row links to.
 """
+import os
 import pathlib
 import re
 import shlex
@@ -124,6 +125,9 @@ def differing(page, programs, folder, somewhere):
 
 def main(readme, *programs):
     folder = pathlib.Path(readme).resolve().parent
+    # What fontconfig keeps of a picture is no leak of the command (tests/tool/command.py).
+    os.environ['LSAN_OPTIONS'] = f'suppressions={folder / "tests/tool/leaks.supp"}:print_suppressions=0'
+    os.environ.setdefault('ASAN_OPTIONS', 'intercept_tls_get_addr=0')
     pages = [*sorted(folder.glob('*.md')), *sorted((folder / 'docs').rglob('*.md'))]
     programs = {pathlib.Path(program).name: str(pathlib.Path(program).resolve()) for program in programs}
     with tempfile.TemporaryDirectory() as somewhere:
