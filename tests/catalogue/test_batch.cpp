@@ -61,6 +61,7 @@ sgt_ray hostile_ray(generator &g, const subject &of)
     }
     default: break;
     }
+    if (r.tmin == 0 && r.tmax == 0) r.tmax = -0.0; // an end in arrays, where a single ray of {0} has none
     return r;
 }
 
