@@ -213,8 +213,8 @@ void ask(const subject &s, double c, double k, const sgt_ray &ray, double t0, sg
         if (proof && a <= quad(h.t_err) && b <= quad(h.t_err))
             return fail(s, "two roots within t_err, under proof", c, k, ray, proof, h, h.t_err);
         // what t_lo leaves: rounding over the slope, which where the ray nearly touches is that of a root
-        // of it, and an ulp of the way from t0.  512: a sum of terms has up to six times 64 of it, as its F
-        // carries the rounding of each term
+        // of it, and an ulp of the way from t0.  512 is observed, not argued: six times 64 was seen, of a sum
+        // whose ray is followed along its chord (ray/wings.c).  What is promised is t_err, above
         const double length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z),
                      slope = length * std::sqrt(2 * std::fabs(c) * depth),
                      most = 512 * std::max(rounding_at(s.s, touch), rounding_at(s.s, h.p)) / slope +

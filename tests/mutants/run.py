@@ -287,7 +287,10 @@ def main():
             fail(f'there is no edit {key}')
     chosen = [edits[key] for key in arguments.ids or edits]
     if arguments.share:
-        share, shares = (int(word) for word in arguments.share.split('/'))
+        words = re.fullmatch(r'(\d+)/([1-9]\d*)', arguments.share)
+        if not words:
+            fail(f'--share must be K/N, as 0/7, not {arguments.share}')
+        share, shares = int(words[1]), int(words[2])
         chosen = chosen[share % shares::shares]
     gone = [e for e in chosen if occurrences(e, ROOT) != 1]
     for edit in gone:
