@@ -1,6 +1,5 @@
 /* unguarded.h - methods by themselves, to compare with what the library does: Newton's and bisection without
- * safeguards, the march of old ray tracers, and the library's Newton in a bracket from a start of one's own.
- */
+ * safeguards, the march of old ray tracers, and the library's Newton in a bracket from a given start. */
 #ifndef TRUTH_UNGUARDED_H
 #define TRUTH_UNGUARDED_H
 #include <sagitta/sagitta.h>

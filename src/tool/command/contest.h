@@ -39,8 +39,8 @@ void tally_add(tally sum[], const contest *c);
 void tally_show(const table_target *target, const char *title, size_t fields, const tally sum[],
                 const char *path, const char *axis);
 
-/* Draws a search as the method `shown` made it, and the errors of all. */
-void contest_draw(const char *path, const char *title, const contest *c, method shown);
+/* Draws a search as the method `shown` made it, and the errors of all.  function: of x, and not of a ray. */
+void contest_draw(const char *path, const char *title, const contest *c, method shown, bool function);
 
 /* The name of a method. */
 extern const char *const method_name[METHODS];

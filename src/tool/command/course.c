@@ -1,14 +1,14 @@
-/* course.c - the picture of one search.
+/* course.c - the picture of one search, in four panels.
  *
- *     F along the ray      its curve, and each evaluation on it, with a mark for how its t was chosen;
- * Newton's steps go along the tangent to its zero, and from there up or down to the curve where it looked the
- * same evaluations, one above the other, with the bracket or cell of each the slope            grad F . d,
- * what Newton's step divides by; |grad F|; their quotient if that is used the errors           of each
- * method, against evaluations: a curve that falls ever faster is quadratic, a straight line is linear.  Left
- * out if no root is known
+ *     F along the ray  its curve, and each evaluation on it, with a mark for how its t was chosen.  Newton's
+ *                      steps go along the tangent to its zero, and from there to the curve
+ *     where it looked  the same evaluations, one above the other, with the bracket or cell of each
+ *     the slope        grad F . d, what Newton's step divides by; |grad F|; their quotient if that is used
+ *     the errors       of each method, against evaluations: a curve that falls ever faster is quadratic, a
+ *                      straight line is linear.  Left out if no root is known
  *
  * The first three show the same stretch of the ray: the bracket, if the ray has two ends; else what holds all
- * evaluations.  What lies outside is counted in a note. */
+ * evaluations.  What lies outside is counted in a note.  Of a function, t is x. */
 #include "contest.h"
 
 #include "../base/memory.h"
@@ -26,6 +26,7 @@ typedef struct course {
     method shown;
     double low, high; /* the stretch that is shown */
     size_t outside;
+    bool function;        /* of x; else of a ray */
 } course;
 
 /* Points to draw, one after another; NaN is a gap. */
@@ -161,14 +162,15 @@ static chart_panel panel_of_course(const course *c, const char *const *note)
     }
     add_tangents(c, &tangents);
     size_t n = 0;
-    s[n++] = series_of(&curve, "F along the ray", 4, CHART_NO_MARK, CHART_SOLID);
+    s[n++] = series_of(&curve, c->function ? "f" : "F along the ray", 4, CHART_NO_MARK, CHART_SOLID);
     if (tangents.count)
         s[n++] =
             series_of(&tangents, "Newton's step, along the slope to zero", 3, CHART_NO_MARK, CHART_DASHED);
     n += add_marks(c, false, s + n);
-    return (chart_panel){.title = "F along the ray (NaN: on the line F = 0)",
-                         .x_label = "t",
-                         .y_label = "F",
+    return (chart_panel){.title = c->function ? "f (NaN: on the line f = 0)"
+                                              : "F along the ray (NaN: on the line F = 0)",
+                         .x_label = c->function ? "x" : "t",
+                         .y_label = c->function ? "f" : "F",
                          .x_low = c->low,
                          .x_high = c->high,
                          .note = note,
@@ -192,7 +194,7 @@ static chart_panel panel_of_brackets(const course *c)
         s[n++] = series_of(&bars, "bracket, cell, or what is left", 3, CHART_NO_MARK, CHART_SOLID);
     n += add_marks(c, true, s + n);
     return (chart_panel){.title = "Where it looked",
-                         .x_label = "t",
+                         .x_label = c->function ? "x" : "t",
                          .y_label = "evaluation",
                          .y_high = (double)c->seen->count + 1,
                          .x_low = c->low,
@@ -218,11 +220,14 @@ static chart_panel panel_of_slope(const course *c)
         point_add(&used, t, there ? g / all : none);
     }
     chart_series *s = memory_take(3, sizeof *s);
-    s[0] = series_of(&slope, "grad F . d, the slope", 0, CHART_NO_MARK, CHART_SOLID);
-    s[1] = series_of(&length, "|grad F|", 4, CHART_NO_MARK, CHART_DASHED);
-    s[2] = series_of(&used, "grad F . d / |grad F|, used in its place", 2, CHART_NO_MARK, CHART_DOTTED);
-    return (chart_panel){.title = "The slope along the ray",
-                         .x_label = "t",
+    const char *const slope_name = c->function ? "f', the slope" : "grad F . d, the slope",
+                      *const used_name = c->function ? "f' / |f'|, used in its place"
+                                                     : "grad F . d / |grad F|, used in its place";
+    s[0] = series_of(&slope, slope_name, 0, CHART_NO_MARK, CHART_SOLID);
+    s[1] = series_of(&length, c->function ? "|f'|" : "|grad F|", 4, CHART_NO_MARK, CHART_DASHED);
+    s[2] = series_of(&used, used_name, 2, CHART_NO_MARK, CHART_DOTTED);
+    return (chart_panel){.title = c->function ? "The slope" : "The slope along the ray",
+                         .x_label = c->function ? "x" : "t",
                          .y_label = "slope",
                          .x_low = c->low,
                          .x_high = c->high,
@@ -253,14 +258,15 @@ static chart_panel panel_of_errors(const course *c)
     }
     return (chart_panel){.title = "The error of each method",
                          .x_label = "evaluation",
-                         .y_label = "log10 |t - root|",
+                         .y_label = c->function ? "log10 |x - root|" : "log10 |t - root|",
                          .series_count = n,
                          .series = s};
 }
 
-void contest_draw(const char *path, const char *title, const contest *of, method shown)
+void contest_draw(const char *path, const char *title, const contest *of, method shown, bool function)
 {
-    const course c = course_of(of, shown);
+    course c = course_of(of, shown);
+    c.function = function;
     const char *note = memory_print("%zu of %zu evaluations lie outside", c.outside, c.seen->count);
     const char *line =
         memory_print("--method %s, %zu evaluation%s: %s", method_name[shown], c.seen->count,

@@ -244,7 +244,7 @@ static bool show(table *t, const diagnose_arguments *a, const char *title, size_
     asked.options = &a->shared.solver; /* with the t_tol of the method that is shown */
     if (a->shared.picture) {
         const contest all = contest_run(&asked, seen, &rules);
-        contest_draw(a->shared.picture, title, &all, (method)a->method);
+        contest_draw(a->shared.picture, title, &all, (method)a->method, a->function != NULL);
     }
     if (a->method == METHOD_SAFEGUARDED) {
         diagnose_write_rows(t, a->shared.target.format == TABLE_TEXT, number, element, seen);
@@ -336,7 +336,8 @@ static bool diagnose_alone(const diagnose_arguments *a)
         for (int m = 0; m < METHODS; m++)
             sum[m] = (tally){.field = (double)NAN, .rays = 1, .passed = hit.status > 0};
         tally_add(sum, &all);
-        if (a->shared.picture) contest_draw(a->shared.picture, title, &all, METHOD_SAFEGUARDED);
+        if (a->shared.picture)
+            contest_draw(a->shared.picture, title, &all, METHOD_SAFEGUARDED, a->function != NULL);
         tally_show(&a->shared.target, title, 1, sum, NULL, NULL);
         return hit.status >= 0;
     }
