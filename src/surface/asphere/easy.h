@@ -76,6 +76,7 @@ typedef struct wavy {
     double a[ALL_TERMS], slope[ALL_TERMS], size[ALL_TERMS];  /* a_i, (i+1) a_i, its magnitude */
     double bend;              /* 2 (2 T - 1) */
     double rim2, single;      /* n^2 > single a: at most one root within the rim */
+    double domain2;           /* r^2 of the rim or the equator */
     double room;              /* of a proof: 98 u rims; rim2 is then where a root is certain */
     bool proof;
     double enough;            /* 4 u, or 0: SHARP ENOUGH */
@@ -88,7 +89,7 @@ SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
     double rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000;
     *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck),
                 .bend = 2 * (2 * s->terms - 1), .rim2 = proof ? sure_rim2(rim2) : rim2,
-                .room = proof ? 98 * SGT_U * sqrt(rim2) : 0, .proof = proof, .single = single_limit(s),
+                .room = proof ? 98 * SGT_U * sqrt(rim2) : 0, .proof = proof, .single = single_limit(s), .domain2 = s->domain2,
                 .enough = s->terms <= 3 ? 4 * SGT_U : 0,
                 .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
     for (int i = 0; i < s->terms; i++)
@@ -197,13 +198,13 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
                 MASK(rho0 <= 4 * rho) & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) &
                 MASK(s->abs_ck * (W1 * H) < 0x1p-10);
-    sure &= MASK(e <= 24 * SGT_U * (aw + az))
+    sure &= MASK(e <= 25 * SGT_U * (aw + az))
             | (MASK(noise <= s->enough * fabs(t0)) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* if not, it can be sharper */
     return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN),
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
                         .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)), .g = g,
-                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2))};
+                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2)) & MASK(rho0 <= 16 * rho)};
 }
 
 /* Is the root certainly within the rim, given that its point as computed is within rim2? */
