@@ -61,14 +61,11 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sg
                                                                                                  : EASY_NOT;
     bool is_first = !first || wavy_single(s, d.x, d.y, d.z);
     if (!is_first)
-        is_first = wavy_first_from(s, ALL_TERMS, false, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
-    if (!is_first) {
-        convex b = convex_of(s);
-        is_first =
-            first_of_bent(s, &b, ALL_TERMS, o.x, o.y, o.z, tmin, r.x, r.y, q.tau, half.inverse, d.x, d.y, d.z);
-    }
-    if (!is_first)
-        is_first = wavy_first_from(s, ALL_TERMS, true, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
+        is_first = wavy_first_from(s, ALL_TERMS, o.x, o.y, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
+    convex b = {0};
+    if (!is_first) b = convex_of(s);
+    for (int afar = 0; afar < 2 && !is_first; afar++)
+        is_first = first_of_bent(s, &b, ALL_TERMS, afar != 0, tmin, r.t0, r.x, r.y, q.tau, half.inverse, d.x, d.y, d.z);
     return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0) ? EASY_HIT
                                                                                              : EASY_NOT;
 }
@@ -117,27 +114,23 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
     return all;
 }
 
-/* Is the root of each hit the first one?  The answers are in room->again.  With `halves`, it asks for those
- * that were not found first without.  Between the two it is asked whether F is bent in one way. */
-SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile *tile, wavy_room *room)
+/* Is the root of each hit the first one?  The answers are in room->again. */
+SGT_INLINE bool all_first(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
 {
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin;
     size_t count = tile->n;
     mask every = MASK(true);
-    if (!halves) {
-        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
-            mask is = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
-            room->again[i] = is;
-            every &= is;
-        }
-        if (every) return true;
-        every = MASK(true);
-    }
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
-        mask is = room->again[i] | wavy_first_from(s, terms, halves, ox[i], oy[i], oz[i], tmin[i],
-                                                   room->t0[i], room->x[i], room->y[i], room->tau[i], l[i],
-                                                   m[i], n[i]);
+        mask is = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
+        room->again[i] = is;
+        every &= is;
+    }
+    if (every) return true;
+    every = MASK(true);
+    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
+        mask is = room->again[i] | wavy_first_from(s, terms, ox[i], oy[i], tmin[i], room->t0[i], room->x[i],
+                                                   room->y[i], room->tau[i], l[i], m[i], n[i]);
         room->again[i] = is;
         every &= is;
     }
@@ -145,16 +138,15 @@ SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile 
 }
 
 /* The same for those that are left, by the bend of F (side.h). */
-SGT_INLINE bool all_bent(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+SGT_INLINE bool all_bent(const wavy *s, int terms, bool from_afar, const sgt_tile *tile, wavy_room *room)
 {
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin;
     const convex bent = convex_of(s), *b = &bent;
     size_t count = tile->n;
     mask every = MASK(true);
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
-        mask is = room->again[i] | first_of_bent(s, b, terms, ox[i], oy[i], oz[i], tmin[i], room->x[i], room->y[i],
-                                                 room->tau[i], room->inverse[i], l[i], m[i], n[i]);
+        mask is = room->again[i] | first_of_bent(s, b, terms, from_afar, tmin[i], room->t0[i], room->x[i],
+                                                 room->y[i], room->tau[i], room->inverse[i], l[i], m[i], n[i]);
         room->again[i] = is;
         every &= is;
     }
@@ -266,8 +258,8 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     mask all = lane_ending(s, terms, wish, false, tile, room), vertex = 0;
     for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
     if (vertex) all = lane_ending(s, terms, wish, true, tile, room);
-    if (first && !all_first(s, terms, false, tile, room) && !all_bent(s, terms, tile, room) &&
-        !all_first(s, terms, true, tile, room)) {
+    if (first && !all_first(s, terms, tile, room) && !all_bent(s, terms, false, tile, room) &&
+        !all_bent(s, terms, true, tile, room)) {
         all = 0;
         LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
     }
@@ -549,7 +541,7 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
                 hard =
                     near ? asphere_lanes_few_near(&v, tile, &room) : asphere_lanes_few_first(&v, tile, &room);
             const bool beside = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
-            if (8 * hard > tile->n && beside)
+            if (24 * hard > tile->n && beside)
                 hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, room.from);
             return 8 * hard > tile->n
                        ? asphere_without_passing(&h, beside ? PASS_RINGS : PASS_BOTH, tile, &room, hard)

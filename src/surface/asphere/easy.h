@@ -204,7 +204,8 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
     return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN),
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
                         .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)), .g = g,
-                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2)) & MASK(rho0 <= 16 * rho)};
+                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2)) & MASK(rho0 <= 6 * rho) &
+                                 MASK(rho <= 4 * s->domain2)};
 }
 
 /* Is the root certainly within the rim, given that its point as computed is within rim2? */
@@ -259,51 +260,19 @@ SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
     return r2 * (base + h) * (1 + 0x1p-10);
 }
 
-/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So between a point of the
- * ray and the root at tau, r^2 is at most R^2, the larger of the two values.  If the slope within R allows
- * it, F is monotone there, and no root is between.  The start may be such a point.
- *
- * A point after the start serves too, if no root is before it.  The surface is ahead of the ray by at most
- * a polynomial in r^2 with terms of one sign.  That polynomial is convex along the ray, and z is linear.
- * So if the ray is farther off at two points, it is so all the way between them.  Such a second point is
- * looked for between the start and the root, at 1/2 ... 1/1024 of the way from the root.
+/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So between the start and the
+ * root at tau, r^2 is at most R^2, the larger of the two values.  If the slope within R allows it, F is
+ * monotone there, and no root is between.  For what is left see CONVEX and comes_near in asphere/side.h.
  *
  * A start nearer to the root than 2^-20 |t| is left to other forms.  So tau_err, at most 40 u |t|, moves
- * r^2 by less than 2^-14 of itself even from the last of these points.
- *
- * halves: try these points.  First it is called without, because the start is mostly enough. */
-typedef struct wavy_way { double ox, oy, oz, l, m, n, side, t, root2; } wavy_way;
-
-/* Is the point this far before the root such a second point?  (Called once for each distance: a loop would
- * keep the compiler from vectorising that over the rays.) */
-SGT_INLINE mask wavy_second(const wavy *s, int terms, const wavy_way *w, double before)
+ * r^2 by less than 2^-14 of itself. */
+SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double ox, double oy, double tmin, double t0, double x0,
+                                double y0, double tau, double l, double m, double n)
 {
-    double at = w->t - before, r2 = wavy_r2(w->ox, w->oy, at, w->l, w->m),
-           off = -w->side * sgt_fma(at, w->n, w->oz);
-    return MASK(off > wavy_ahead(s, terms, r2, w->side))
-           & MASK(w->n * w->n > wavy_slope2(s, terms, larger(r2, w->root2)) * (w->l * w->l + w->m * w->m));
-}
-
-SGT_INLINE mask wavy_first_from(const wavy *s, int terms, bool halves, double ox, double oy, double oz,
-                                double tmin, double t0, double x0, double y0, double tau, double l, double m,
-                                double n)
-{
-    double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau,
+    double a = l * l + m * m, root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau,
            start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
-    mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t))
-                 & MASK(fabs(start) < HUGE_VAL);
-    mask is = MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
-    if (halves) {
-        wavy_way w = {ox, oy, oz, l, m, n, side, t, root2};
-        double left = t - start;
-        mask second = wavy_second(s, terms, &w, 0x1p-1 * left) | wavy_second(s, terms, &w, 0x1p-2 * left)
-                      | wavy_second(s, terms, &w, 0x1p-3 * left) | wavy_second(s, terms, &w, 0x1p-4 * left)
-                      | wavy_second(s, terms, &w, 0x1p-5 * left) | wavy_second(s, terms, &w, 0x1p-6 * left)
-                      | wavy_second(s, terms, &w, 0x1p-7 * left) | wavy_second(s, terms, &w, 0x1p-8 * left)
-                      | wavy_second(s, terms, &w, 0x1p-10 * left);
-        is |= second & MASK(-side * sgt_fma(start, n, oz) > wavy_ahead(s, terms, start2, side));
-    }
-    return known & is;
+    return MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
+           MASK(fabs(start) < HUGE_VAL) & MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
 }
 
 /* The root, for lane_of. */

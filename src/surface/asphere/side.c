@@ -26,9 +26,9 @@ easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray
     if (!r.away) sgt_asphere_pass(h, &(sgt_tile){.n = 1, .rays = rays_of(ray)}, PASS_CONES, &passes);
     if (r.away | passes) return EASY_MISS;
     if (!r.chord) return EASY_NOT;
-    side_seed seed =
-        side_seed_of(s, &b, ALL_TERMS, first, &r.q, r.from, r.to, r.chord, d.x, d.y, d.z);
-    side_tell(h, ray, w, r.t0, r.from, SGT_PROBE);
+    side_way way = side_way_of(s, ALL_TERMS, &r.q, r.from, d.x, d.y, d.z);
+    side_seed seed = side_seed_of(s, &b, ALL_TERMS, first, &r.q, &way, r.to, r.chord, d.x, d.y, d.z);
+    side_tell(h, ray, w, r.t0, way.from, SGT_PROBE);
     side_tell(h, ray, w, r.t0, r.to, SGT_PROBE);
     if (w->stopped || !(seed.above | seed.below)) return seed.away && !w->stopped ? EASY_MISS : EASY_NOT;
     wavy_newton step = {.tau2 = seed.tau};
@@ -39,7 +39,7 @@ easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray
     }
     wavy_round at = side_bound(s, ALL_TERMS, &r.q, r.t0, &step, d.x, d.y, d.z, w->opt->t_tol);
     side_tell(h, ray, w, r.t0, step.tau2, SGT_NEWTON);
-    *e = side_lane(s, &b, ALL_TERMS, &r.q, r.t0, seed.r2, seed.above, seed.below, &at, step.inverse, d.x, d.y,
+    *e = side_lane(s, &b, ALL_TERMS, &r.q, r.t0, way.r2, seed.above, seed.below, &at, step.inverse, d.x, d.y,
                    d.z, ray->tmin, ray->tmax, w->opt->t_tol);
     return e->hit && !w->stopped ? EASY_HIT : EASY_NOT;
 }
@@ -49,8 +49,9 @@ typedef struct side_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], z[SGT_TILE], rho0[SGT_TILE], t0[SGT_TILE], from[SGT_TILE], to[SGT_TILE], r2[SGT_TILE],
         tau[SGT_TILE], tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
-    mask asked[SGT_TILE], over[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE], again[SGT_TILE];
+    mask asked[SGT_TILE], over[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE], again[SGT_TILE];
     int steps[SGT_TILE];
+    bool afar;
     double of[10][SGT_TILE];
     lane_ends ends;
 } side_room;
@@ -64,16 +65,32 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, sid
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
                  *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
-    mask any = 0;
-    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
+    mask any = 0, afar = 0;
+    _Pragma("omp simd reduction(| : any, afar)") for (size_t i = 0; i < count; i++) {
         side_stretch one = side_stretch_of(b, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
         r->x[i] = one.q.x, r->y[i] = one.q.y, r->z[i] = one.q.z, r->rho0[i] = one.q.rho0, r->t0[i] = one.t0,
         r->from[i] = one.from, r->to[i] = one.to;
         mask hard = r->asked[i], left = hard & ~one.away;
         r->away[i] = hard & one.away, r->asked[i] = left & one.chord, r->over[i] = left;
+        r->r2[i] = wavy_r2(one.q.x, one.q.y, one.from, l[i], m[i]), r->off[i] = 0;
+        afar |= left & one.afar;
         any |= left;
     }
+    r->afar = afar != 0;
     return any;
+}
+
+/* Makes the stretches shorter. */
+SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, side_room *r)
+{
+    const wavy own = *self, *s = &own;
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
+        side_way way = side_way_of(s, terms, &q, r->from[i], l[i], m[i], n[i]);
+        r->from[i] = way.from, r->r2[i] = way.r2, r->off[i] = way.off;
+    }
 }
 
 /* Takes out the rays that the cone finds to miss.  Is something left to ask? */
@@ -99,9 +116,10 @@ SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bo
     mask any = 0;
     _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
+        side_way way = {r->from[i], r->r2[i], r->off[i]};
         side_seed one =
-            side_seed_of(s, b, terms, first, &q, r->from[i], r->to[i], r->asked[i], l[i], m[i], n[i]);
-        r->tau2[i] = one.tau, r->r2[i] = one.r2, r->above[i] = one.above, r->below[i] = one.below;
+            side_seed_of(s, b, terms, first, &q, &way, r->to[i], r->asked[i], l[i], m[i], n[i]);
+        r->tau2[i] = one.tau, r->above[i] = one.above, r->below[i] = one.below;
         r->away[i] |= one.away;
         mask again = one.above | one.below;
         r->again[i] = again;
@@ -150,6 +168,11 @@ SGT_INLINE void beside_ends(const wavy *self, const convex *bent, int terms, con
 }
 
 
+#define BESIDE_WAYS(name, terms)                                                                           \
+    SGT_KERNEL static void name(const wavy *s, const sgt_tile *tile, side_room *r)                         \
+    {                                                                                                      \
+        beside_ways(s, terms, tile, r);                                                                    \
+    }
 #define BESIDE_SEEDS(name, terms, first)                                                                   \
     SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, side_room *r)        \
     {                                                                                                      \
@@ -167,6 +190,8 @@ SGT_INLINE void beside_ends(const wavy *self, const convex *bent, int terms, con
         beside_ends(s, b, terms, tile, to, r);                                                             \
     }
 
+BESIDE_WAYS(asphere_beside_few_ways, FEW_TERMS)
+BESIDE_WAYS(asphere_beside_ways, ALL_TERMS)
 BESIDE_SEEDS(asphere_beside_few_first, FEW_TERMS, true)
 BESIDE_SEEDS(asphere_beside_few_near, FEW_TERMS, false)
 BESIDE_SEEDS(asphere_beside_first, ALL_TERMS, true)
@@ -195,10 +220,13 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
     }
     memset(r.ends.hit, 0, n * sizeof *r.ends.hit), memset(r.above, 0, n * sizeof *r.above);
     memset(r.below, 0, n * sizeof *r.below);
-    if (asphere_beside_stretch(&b, tile, &r) && beside_left(h, tile, &r) &&
-        (first ? few ? asphere_beside_few_first(s, &b, tile, &r) : asphere_beside_first(s, &b, tile, &r)
-         : few ? asphere_beside_few_near(s, &b, tile, &r)
-               : asphere_beside_near(s, &b, tile, &r))) {
+    bool left = asphere_beside_stretch(&b, tile, &r) && beside_left(h, tile, &r);
+    if (left && r.afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, &r);
+    if (left && first)
+        left = (few ? asphere_beside_few_first : asphere_beside_first)(s, &b, tile, &r) != 0;
+    else if (left)
+        left = (few ? asphere_beside_few_near : asphere_beside_near)(s, &b, tile, &r) != 0;
+    if (left) {
         mask again = MASK(true);
         for (int k = 0; k < SIDE_STEPS && again; k++) {
             for (size_t i = 0; hits->evals && i < n; i++) r.steps[i] += r.again[i] != 0;

@@ -44,7 +44,7 @@
 #include "../../num/bits.h"
 #include "easy.h"
 
-enum { SIDE_STEPS = 6, SIDE_LOOKS = SIDE_STEPS + 3 }; /* evaluations: both ends, the steps, the bound */
+enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 3 }; /* evaluations: both ends, the steps, the bound */
 
 /* What all rays of a surface share.
  *
@@ -89,18 +89,43 @@ SGT_INLINE mask is_convex(const convex *b, int terms, double r2)
                                        horner(b->flat, terms, r2) * (1 + 0x1p-20) + 0x1p-900));
 }
 
-/* Is a root that easy.h has met the first one, since F is concave or convex up to it?  If it falls there, the
- * ray has to begin off the surface, on the side where sigma F > 0.  inverse: 1 / G' at the root. */
-SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, double ox, double oy, double oz,
-                              double tmin, double x0, double y0, double tau, double inverse, double l,
-                              double m, double n)
+/* A stretch before a root, made shorter.  from: where it begins, at (x + from l, y + from m, z + from n).  r2: of
+ * the larger r of its ends.  off: there F has the sign of -n for certain, and so all the way before. */
+typedef struct side_way {
+    double from, r2;
+    mask off;
+} side_way;
+
+/* Within r <= R the surface is ahead of the vertex plane by h = wavy_ahead(R^2) at most.  So a ray that
+ * begins beyond that height meets nothing before it comes down to it.  There it is nearer to the axis, mostly,
+ * and h is less: from afar a few rounds lead to where the surface is. */
+SGT_INLINE side_way comes_near(const wavy *s, int terms, const side_way *way, double root2, double x, double y,
+                               double z, double l, double m, double n)
 {
-    double root2 = wavy_r2(x0, y0, tau, l, m), start2 = wavy_r2(ox, oy, tmin, l, m), side = copysign(1, n);
-    mask inside = MASK(start2 < b->edge2), known = MASK(b->edge2 < HUGE_VAL) | MASK(start2 < HUGE_VAL);
-    double r2 = larger(root2, chosen(inside, start2, b->edge2));
-    mask off = inside & MASK(side * b->sign < 0) &
-               MASK(-side * sgt_fma(tmin, n, oz) > wavy_ahead(s, terms, start2, side));
-    return known & is_convex(b, terms, r2) & (MASK(b->sign * inverse > 0) | (off & MASK(b->sign * inverse < 0)));
+    double side = copysign(1, n), h = wavy_ahead(s, terms, way->r2, side) * (1 + 0x1p-10) + 0x1p-30 * fabs(z),
+           at = (-h - side * z) / fabs(n), r2 = wavy_r2(x, y, at, l, m);
+    mask off = MASK(h < HUGE_VAL) & MASK(at > way->from) & MASK(r2 <= way->r2);
+    return (side_way){chosen(off, at, way->from), chosen(off, larger(r2, root2), way->r2), way->off | off};
+}
+
+/* Is a root that easy.h has met the first one, since F is monotone or bent in one way up to it?  (x0, y0): on the
+ * vertex plane, as in easy.h.  inverse: 1 / G' at the root.  from_afar: the way is made shorter first. */
+SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, bool from_afar, double tmin, double t0, double x0,
+                              double y0, double tau, double inverse, double l, double m, double n)
+{
+    double a = l * l + m * m, across = x0 * m - y0 * l, disc = a * b->edge2 - across * across, by = 1 / a,
+           enters = -(x0 * l + y0 * m) * by - sqrt(larger(disc, 0)) * by, t = t0 + tau,
+           starts = tmin - t0 - 0x1p-50 * (fabs(tmin) + fabs(t0)), root2 = wavy_r2(x0, y0, tau, l, m);
+    double from = chosen(MASK(enters > starts), enters, starts);
+    side_way way = {from, larger(wavy_r2(x0, y0, from, l, m), root2), 0};
+    mask known = MASK(disc > 0) & MASK(fabs(from) < HUGE_VAL) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
+                 MASK(fabs(x0) + fabs(y0) <= 0x1p16 * b->edge) & MASK(from < tau);
+    if (from_afar) way = comes_near(s, terms, &way, root2, x0, y0, 0, l, m, n);
+    if (from_afar) way = comes_near(s, terms, &way, root2, x0, y0, 0, l, m, n);
+    mask rises = MASK(b->sign * inverse > 0), falls = MASK(b->sign * inverse < 0),
+         above = way.off & MASK(b->sign * n < 0);
+    return known & (MASK(n * n > wavy_slope2(s, terms, way.r2) * a) |
+                    (is_convex(b, terms, way.r2) & (rises | (falls & above))));
 }
 
 /* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither. */
@@ -177,11 +202,12 @@ SGT_INLINE wavy_round side_bound(const wavy *s, int terms, const side_local *q, 
 }
 
 /* What is known of a ray before a root is looked for.  t0, q: the local origin.  from, to: the stretch.  away:
- * it certainly misses.  chord: the stretch is known. */
+ * it certainly misses.  chord: the stretch is known.  afar: it may
+ * be made shorter. */
 typedef struct side_stretch {
     side_local q;
     double t0, from, to;
-    mask away, chord;
+    mask away, chord, afar;
 } side_stretch;
 
 SGT_INLINE side_stretch side_stretch_of(const convex *b, double ox, double oy, double oz, double l, double m,
@@ -203,19 +229,30 @@ SGT_INLINE side_stretch side_stretch_of(const convex *b, double ox, double oy, d
     mask away = usual & MASK(fabs(across) > sqrt(a) * b->edge * (1 + 0x1p-20) + 0x1p-48 * beside * side);
     away |= chord & (MASK(from > to) | MASK(smaller(z1, z2) - unsure > b->high) |
                      MASK(larger(z1, z2) + unsure < -b->low));
-    return (side_stretch){q, t0, from, to, away, chord};
+    return (side_stretch){q, t0, from, to, away, chord, MASK(z1 * n <= 0)};
+}
+
+/* The stretch made shorter at its beginning.  It stays as it is where z n > 0 there. */
+SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, double from, double l, double m,
+                                double n)
+{
+    side_way way = {from, wavy_r2(q->x, q->y, from, l, m), 0};
+    way = comes_near(s, terms, &way, 0, q->x, q->y, q->z, l, m, n);
+    return comes_near(s, terms, &way, 0, q->x, q->y, q->z, l, m, n);
 }
 
 /* The ends of the stretch, and where Newton's steps begin.  above: sigma F > 0 at the beginning, so a root at
  * which it falls is wanted.  below: it is < 0 there, so one at which it rises is.  Neither: no root is looked
  * for.  Both are 0 for a ray that misses, as `away` tells. */
-typedef struct side_seed { double tau, r2; mask above, below, away; } side_seed;
+typedef struct side_seed { double tau; mask above, below, away; } side_seed;
 
 SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, bool first, const side_local *q,
-                                  double from, double to, mask chord, double l, double m, double n)
+                                  const side_way *way, double to, mask chord, double l, double m, double n)
 {
+    double from = way->from;
     side_end begin = side_end_at(s, b, terms, q, from, l, m, n), end = side_end_at(s, b, terms, q, to, l, m, n);
-    double both = larger(begin.r2, end.r2), a = l * l + m * m, half = q->x * l + q->y * m;
+    begin.above |= way->off & MASK(b->sign * n < 0), begin.below |= way->off & MASK(b->sign * n > 0);
+    double both = larger(way->r2, end.r2), a = l * l + m * m, half = q->x * l + q->y * m;
     mask bent = is_convex(b, terms, both), away = chord & begin.above & end.above & bent;
     double A = sgt_fma(b->bowl, a, s->ck * (n * n)), B = n - sgt_fma(b->bowl, half, s->ck * q->z * n),
            C = sgt_fma(b->bowl, q->rho0, s->ck * q->z * q->z - 2 * q->z), D = sgt_fma(B, B, -A * C),
@@ -225,7 +262,7 @@ SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, boo
     tau = chosen(MASK(tau > from), tau, from), tau = chosen(MASK(tau < to), tau, to);
     chord &= ~away;
     if (!first) chord &= MASK(b->edge2 < HUGE_VAL) & (begin.above | (end.above & bent));
-    return (side_seed){tau, begin.r2, chord & begin.above, chord & begin.below, away};
+    return (side_seed){tau, chord & begin.above, chord & begin.below, away};
 }
 
 /* The root from side_bound.  rises: 1 / G' there, times sigma. */
