@@ -411,8 +411,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     WENT(WAY_ROUNDS);
     bool tried = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v);
     easy_answer is = tried ? easy(&v, &h, ray, &e, &w) : EASY_NOT;
-    const bool beside = tried && !v.proof && w.budget > MOST_EASY + SIDE_LOOKS &&
-                        usual_length((ray->d.x * ray->d.x + ray->d.y * ray->d.y) + ray->d.z * ray->d.z);
+    const bool beside = tried && !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
     if (is == EASY_NOT && beside && !w.stopped)
         is = sgt_asphere_beside(&v, &h, ray, &e, &w);
     if (is == EASY_HIT) {

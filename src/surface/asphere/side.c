@@ -8,40 +8,54 @@
 #include "asphere.h"
 
 /* Tells the watcher of F at tau. */
-static void side_tell(const shape *h, const sgt_ray *ray, tally *w, double t0, double tau, sgt_move move)
+static void side_tell(const shape *h, const sgt_ray *ray, tally *w, const local *at, double tau, sgt_move move)
 {
-    local at = {.t0 = t0, .scale = 1};
-    if (!w->stopped) observe(h, ray, w, &at, tau, move, -HUGE_VAL, HUGE_VAL);
+    if (!w->stopped) observe(h, ray, w, at, tau, move, -HUGE_VAL, HUGE_VAL);
 }
 
-/* Answers a ray that easy.h has left.  Its evaluations are counted and reported, whatever the answer. */
-easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w)
+/* One ray with explicit ends, as asphere_easy_at. */
+SGT_INLINE easy_answer beside_at(const wavy *s, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol,
+                                 double scale, lane *e, tally *w, const shape *h, const sgt_ray *ray)
 {
-    sgt_vec3 o = ray->o, d = ray->d;
-    if (!usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return EASY_NOT;
     const bool first = w->opt->pick != SGT_NEAR_SEED;
-    convex b = convex_of(s);
-    side_stretch r = side_stretch_of(&b, o.x, o.y, o.z, d.x, d.y, d.z, ray->tmin, ray->tmax);
     mask passes = MASK(true);
+    convex b = convex_of(s);
+    side_stretch r = side_stretch_of(&b, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
     if (!r.away) sgt_asphere_pass(h, &(sgt_tile){.n = 1, .rays = rays_of(ray)}, PASS_CONES, &passes);
     if (r.away | passes) return EASY_MISS;
     if (!r.chord) return EASY_NOT;
     side_way way = side_way_of(s, ALL_TERMS, &r.q, r.from, d.x, d.y, d.z);
     side_seed seed = side_seed_of(s, &b, ALL_TERMS, first, &r.q, &way, r.to, r.chord, d.x, d.y, d.z);
-    side_tell(h, ray, w, r.t0, way.from, SGT_PROBE);
-    side_tell(h, ray, w, r.t0, r.to, SGT_PROBE);
+    local at = {.t0 = r.t0, .scale = scale};
+    side_tell(h, ray, w, &at, way.from, SGT_PROBE);
+    side_tell(h, ray, w, &at, r.to, SGT_PROBE);
     if (w->stopped || !(seed.above | seed.below)) return seed.away && !w->stopped ? EASY_MISS : EASY_NOT;
     wavy_newton step = {.tau2 = seed.tau};
     for (int i = 0; i < SIDE_STEPS && (i == 0 || !side_ready(&step, seed.tau)); i++) {
         seed.tau = step.tau2;
         step = side_step(s, ALL_TERMS, &r.q, seed.tau, d.x, d.y, d.z);
-        side_tell(h, ray, w, r.t0, seed.tau, i ? SGT_NEWTON : SGT_SEED);
+        side_tell(h, ray, w, &at, seed.tau, i ? SGT_NEWTON : SGT_SEED);
     }
-    wavy_round at = side_bound(s, ALL_TERMS, &r.q, r.t0, &step, d.x, d.y, d.z, w->opt->t_tol);
-    side_tell(h, ray, w, r.t0, step.tau2, SGT_NEWTON);
-    *e = side_lane(s, &b, ALL_TERMS, &r.q, r.t0, way.r2, seed.above, seed.below, &at, step.inverse, d.x, d.y,
-                   d.z, ray->tmin, ray->tmax, w->opt->t_tol);
+    wavy_round end = side_bound(s, ALL_TERMS, &r.q, r.t0, &step, d.x, d.y, d.z, t_tol);
+    side_tell(h, ray, w, &at, step.tau2, SGT_NEWTON);
+    *e = side_lane(s, &b, ALL_TERMS, &r.q, r.t0, way.r2, seed.above, seed.below, &end, step.inverse, d.x, d.y,
+                   d.z, tmin, tmax, t_tol);
     return e->hit && !w->stopped ? EASY_HIT : EASY_NOT;
+}
+
+/* Answers a ray that easy.h has left.  Its evaluations are counted and reported, whatever the answer.  A
+ * direction of unusual length is scaled as there. */
+easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w)
+{
+    sgt_vec3 d = ray->d;
+    double scale = scale_of(d);
+    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z))
+        return beside_at(s, ray->o, d, ray->tmin, ray->tmax, w->opt->t_tol, 1, e, w, h, ray);
+    if (!ends_are_whole(ray, scale)) return EASY_NOT;
+    d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
+    easy_answer is = beside_at(s, ray->o, d, ray->tmin / scale, ray->tmax / scale, w->opt->t_tol / scale, scale,
+                               e, w, h, ray);
+    return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
 /* What the loops leave for each other.  of: the rows of a lane_to, if some rays have an answer already. */

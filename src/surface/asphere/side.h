@@ -193,7 +193,7 @@ SGT_INLINE wavy_round side_bound(const wavy *s, int terms, const side_local *q, 
                 MASK(q->rho0 <= 4 * rho) & MASK(fabs(ckw) < 1 - 0x1p-8) & MASK(e < s->most_e) &
                 MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) & MASK(rho < 0x1p400);
     sure &= MASK(e <= 24 * SGT_U * (aw + az)) |
-            (MASK(noise <= s->enough * t) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
+            (MASK(noise <= s->enough * t) & MASK(e * e <= 16 * SGT_U * SGT_U * rho) & MASK(fabs(q->z) <= 2 * az));
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol);
     return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN),
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
@@ -259,6 +259,7 @@ SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, boo
            sum = B + copysign(sqrt(larger(D, 0)), B);
     mask sign = MASK(b->sign * B > 0), one = (sign & begin.below) | ~(sign | begin.below);
     double tau = chosen(one, C, sum) / chosen(one, sum, A);
+    tau = chosen(MASK(A == 0) & ~one, chosen(begin.below, from, to), tau); /* no matter which zero */
     tau = chosen(MASK(tau > from), tau, from), tau = chosen(MASK(tau < to), tau, to);
     chord &= ~away;
     if (!first) chord &= MASK(b->edge2 < HUGE_VAL) & (begin.above | (end.above & bent));
