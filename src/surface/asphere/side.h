@@ -190,10 +190,10 @@ SGT_INLINE wavy_round side_bound(const wavy *s, int terms, const side_local *q, 
     double tau_err = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai)),
            terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
     mask sure = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
-                MASK(q->rho0 <= 4 * rho) & MASK(fabs(ckw) < 1 - 0x1p-8) & MASK(e < s->most_e) &
+                MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) & MASK(fabs(ckw) < 1 - 0x1p-8) & MASK(e < s->most_e) &
                 MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) & MASK(rho < 0x1p400);
     sure &= MASK(e <= 24 * SGT_U * (aw + az)) |
-            (MASK(noise <= s->enough * t) & MASK(e * e <= 16 * SGT_U * SGT_U * rho) & MASK(fabs(q->z) <= 2 * az));
+            (MASK(noise <= s->enough * t) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol);
     return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN),
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
