@@ -90,7 +90,7 @@ SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
     *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck),
                 .bend = 2 * (2 * s->terms - 1), .rim2 = proof ? sure_rim2(rim2) : rim2,
                 .room = proof ? 98 * SGT_U * sqrt(rim2) : 0, .proof = proof, .single = single_limit(s), .domain2 = s->domain2,
-                .enough = s->terms <= 3 ? 4 * SGT_U : 0,
+                .enough = s->terms <= 4 ? 4 * SGT_U : 0,
                 .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
     for (int i = 0; i < s->terms; i++)
         v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
