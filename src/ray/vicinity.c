@@ -116,8 +116,8 @@ static void noises_about(sgt_surface s, size_t n, const double *rung, double *ra
 
 /* -------------------------------------------------------------------------- the radius */
 
-/* The radius of the seed, and somewhat more, the point from which the search begins, and the least radius for both;
- * the rungs of that radius and of the root. */
+/* The radius of the seed, and somewhat more, the point from which the search begins, and the least radius for
+ * both; the rungs of that radius and of the root. */
 SGT_INLINE void vicinity_begin_by(size_t n, bool near, const double *restrict ox, const double *restrict oy,
                                   const double *restrict dx, const double *restrict dy,
                                   const double *restrict dz, const double *restrict tmin,
@@ -171,7 +171,7 @@ static double shrink(size_t n, const double *restrict ox, const double *restrict
                z = oz[i] + t * dz[i];
         double to = (copysign(thick, z) - oz[i]) / dz[i], length = fabs(dx[i]) + fabs(dy[i]) + fabs(dz[i]),
                about = at_seed[i] + 0x1p-10 * (fabs(seed[i] - to) * length), /* as vicinity_begin has it */
-               smaller = larger(about, radius_at(ox[i], oy[i], dx[i], dy[i], to)),
+            smaller = larger(about, radius_at(ox[i], oy[i], dx[i], dy[i], to)),
                narrow = rung_above(smaller, COARSE);
         mask sharp = MASK(fabs(oz[i]) + fabs(t * dz[i]) + fabs(to * dz[i]) < 0x1p36 * s),
              inward = MASK(fabs(z) > thick) & MASK(z * dz[i] < 0);
@@ -306,9 +306,9 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     if (known) slopes_of(s, n, wide, v->asked, near, radius2, steep);
     for (int k = 0; !known; k++) {
         extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size, axis);
-        if (near || k == SHRINKS
-            || shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, v->seed, at_seed, from, radius,
-                      wide) == 0)
+        if (near || k == SHRINKS ||
+            shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, v->seed, at_seed, from, radius,
+                   wide) == 0)
             break;
     }
     double *lo = at_seed, *hi = size, *least = about, left = 0;

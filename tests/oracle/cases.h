@@ -149,8 +149,8 @@ inline test_case random_case(generator &g)
     return t;
 }
 
-// Rays from the side, past the rim, and from afar.  In a half the terms are those of a lens, so that the sag is bent
-// in one way.
+// Rays from the side, past the rim, and from afar.  In a half the terms are those of a lens, so that the
+// sag is bent in one way.
 inline test_case random_side_case(generator &g)
 {
     test_case t = random_case(g);
@@ -164,7 +164,8 @@ inline test_case random_side_case(generator &g)
                  side = 1 / std::sqrt(1 + slope * slope),
                  away = t.h * (kind == 2 ? g.log_uniform(1e2, 1e8) : g.log_uniform(1e-2, 1e2));
     t.ray.d = {side * std::cos(about), side * std::sin(about), g.sign() * side * slope};
-    t.ray.o = {r * std::cos(at) - away * t.ray.d.x, r * std::sin(at) - away * t.ray.d.y, z - away * t.ray.d.z};
+    t.ray.o = {r * std::cos(at) - away * t.ray.d.x, r * std::sin(at) - away * t.ray.d.y,
+               z - away * t.ray.d.z};
     t.ray.tmin = 0, t.ray.tmax = g.chance(0.7) ? HUGE_VAL : away * g.uniform(0.5, 3);
     t.aimed = kind != 1, t.on_surface = false;
     return t;

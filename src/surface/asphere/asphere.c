@@ -65,7 +65,8 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sg
     convex b = {0};
     if (!is_first) b = convex_of(s);
     for (int afar = 0; afar < 2 && !is_first; afar++)
-        is_first = first_of_bent(s, &b, ALL_TERMS, afar != 0, tmin, r.t0, r.x, r.y, q.tau, half.inverse, d.x, d.y, d.z);
+        is_first = first_of_bent(s, &b, ALL_TERMS, afar != 0, tmin, r.t0, r.x, r.y, q.tau, half.inverse, d.x,
+                                 d.y, d.z);
     return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0) ? EASY_HIT
                                                                                              : EASY_NOT;
 }
@@ -121,14 +122,16 @@ SGT_INLINE bool all_first(const wavy *s, int terms, const sgt_tile *tile, wavy_r
                  *n = tile->rays.d[2], *tmin = tile->rays.tmin;
     size_t count = tile->n;
     mask every = MASK(true);
-    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
+    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+    {
         mask is = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
         room->again[i] = is;
         every &= is;
     }
     if (every) return true;
     every = MASK(true);
-    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
+    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+    {
         mask is = room->again[i] | wavy_first_from(s, terms, ox[i], oy[i], tmin[i], room->t0[i], room->x[i],
                                                    room->y[i], room->tau[i], l[i], m[i], n[i]);
         room->again[i] = is;
@@ -145,8 +148,9 @@ SGT_INLINE bool all_bent(const wavy *s, int terms, bool from_afar, const sgt_til
     size_t count = tile->n;
     mask every = MASK(true);
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
-        mask is = room->again[i] | first_of_bent(s, b, terms, from_afar, tmin[i], room->t0[i], room->x[i],
-                                                 room->y[i], room->tau[i], room->inverse[i], l[i], m[i], n[i]);
+        mask is =
+            room->again[i] | first_of_bent(s, b, terms, from_afar, tmin[i], room->t0[i], room->x[i],
+                                           room->y[i], room->tau[i], room->inverse[i], l[i], m[i], n[i]);
         room->again[i] = is;
         every &= is;
     }
@@ -412,8 +416,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     bool tried = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v);
     easy_answer is = tried ? easy(&v, &h, ray, &e, &w) : EASY_NOT;
     const bool beside = tried && !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
-    if (is == EASY_NOT && beside && !w.stopped)
-        is = sgt_asphere_beside(&v, &h, ray, &e, &w);
+    if (is == EASY_NOT && beside && !w.stopped) is = sgt_asphere_beside(&v, &h, ray, &e, &w);
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch)
@@ -423,7 +426,8 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
         return w.stopped ? hit_without(SGT_STOPPED, ray, w.evals) : hit_of_lane(&e, w.evals, f);
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
-    if (is == EASY_MISS || passes_by(&h, beside ? PASS_RINGS : PASS_BOTH, ray)) return hit_without(SGT_MISS, ray, w.evals);
+    if (is == EASY_MISS || passes_by(&h, beside ? PASS_RINGS : PASS_BOTH, ray))
+        return hit_without(SGT_MISS, ray, w.evals);
     bool miss = false;
     if (asphere_quick(&h, ray, &at, &seed, &miss, &w))
         return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
@@ -493,8 +497,8 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
 
 /* Gives SGT_MISS to hard rays that pass the whole surface (asphere/unique.c), as for a single ray.  It asks
  * only for rays on which the easy form has tried the direction as given. */
-static size_t asphere_without_passing(const shape *s, pass_by how, const sgt_tile *tile, const wavy_room *room,
-                                      size_t hard)
+static size_t asphere_without_passing(const shape *s, pass_by how, const sgt_tile *tile,
+                                      const wavy_room *room, size_t hard)
 {
     const double *const *d = tile->rays.d;
     mask passes[SGT_TILE];

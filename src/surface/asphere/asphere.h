@@ -12,7 +12,8 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
  * as it does.  All rays are tried at once, then each by itself. */
 bool sgt_asphere_unique(const shape *s, const sgt_tile *tile, unsigned long long unique[]);
 
-/* What is asked: all rays at once, by the cone; or each by itself, ring by ring; or the one, then the other. */
+/* What is asked: all rays at once, by the cone; or each by itself, ring by ring; or the one, then the
+ * other. */
 typedef enum pass_by { PASS_CONES, PASS_RINGS, PASS_BOTH } pass_by;
 
 /* Which rays certainly meet nothing?  Asked for rays that begin behind the vertex plane or in the vertex,

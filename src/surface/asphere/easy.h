@@ -87,9 +87,17 @@ typedef struct wavy {
 SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
 {
     double rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000;
-    *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck),
-                .bend = 2 * (2 * s->terms - 1), .rim2 = proof ? sure_rim2(rim2) : rim2,
-                .room = proof ? 98 * SGT_U * sqrt(rim2) : 0, .proof = proof, .single = single_limit(s), .domain2 = s->domain2,
+    *v = (wavy){.c = s->c,
+                .abs_c = fabs(s->c),
+                .k1 = 1 + s->k,
+                .ck = s->ck,
+                .abs_ck = fabs(s->ck),
+                .bend = 2 * (2 * s->terms - 1),
+                .rim2 = proof ? sure_rim2(rim2) : rim2,
+                .room = proof ? 98 * SGT_U * sqrt(rim2) : 0,
+                .proof = proof,
+                .single = single_limit(s),
+                .domain2 = s->domain2,
                 .enough = s->terms <= 4 ? 4 * SGT_U : 0,
                 .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
     for (int i = 0; i < s->terms; i++)
@@ -198,12 +206,14 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
                 MASK(rho0 <= 4 * rho) & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) &
                 MASK(s->abs_ck * (W1 * H) < 0x1p-10);
-    sure &= MASK(e <= 25 * SGT_U * (aw + az))
-            | (MASK(noise <= s->enough * fabs(t0)) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
+    sure &= MASK(e <= 25 * SGT_U * (aw + az)) |
+            (MASK(noise <= s->enough * fabs(t0)) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* if not, it can be sharper */
-    return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN),
+    return (wavy_round){.tau = tau,
+                        .tau_err = chosen(sure, tau_err, (double)NAN),
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
-                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)), .g = g,
+                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
+                        .g = g,
                         .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2)) & MASK(rho0 <= 6 * rho) &
                                  MASK(rho <= 4 * s->domain2)};
 }
@@ -266,8 +276,8 @@ SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
  *
  * A start nearer to the root than 2^-20 |t| is left to other forms.  So tau_err, at most 40 u |t|, moves
  * r^2 by less than 2^-14 of itself. */
-SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double ox, double oy, double tmin, double t0, double x0,
-                                double y0, double tau, double l, double m, double n)
+SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double ox, double oy, double tmin, double t0,
+                                double x0, double y0, double tau, double l, double m, double n)
 {
     double a = l * l + m * m, root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau,
            start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);

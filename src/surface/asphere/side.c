@@ -1,21 +1,23 @@
 /* asphere/side.c - rays from the side: the loops of asphere/side.h, and the single ray.
  *
- * WHY APART.  Without them each such ray of a batch is met by itself: 1,960 ns for a ray along the vertex plane
- * into a bowl, 300 for one that passes 40 beside a rim of 5 (even asphere c = 0.1, k = -0.6; 45 and 30 with
- * them). */
+ * WHY APART.  Without them each such ray of a batch is met by itself: 1,960 ns for a ray along the vertex
+ * plane into a bowl, 300 for one that passes 40 beside a rim of 5 (even asphere c = 0.1, k = -0.6; 45 and
+ * 30 with them). */
 #include "side.h"
 
 #include "asphere.h"
 
 /* Tells the watcher of F at tau. */
-static void side_tell(const shape *h, const sgt_ray *ray, tally *w, const local *at, double tau, sgt_move move)
+static void side_tell(const shape *h, const sgt_ray *ray, tally *w, const local *at, double tau,
+                      sgt_move move)
 {
     if (!w->stopped) observe(h, ray, w, at, tau, move, -HUGE_VAL, HUGE_VAL);
 }
 
 /* One ray with explicit ends, as asphere_easy_at. */
-SGT_INLINE easy_answer beside_at(const wavy *s, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol,
-                                 double scale, lane *e, tally *w, const shape *h, const sgt_ray *ray)
+SGT_INLINE easy_answer beside_at(const wavy *s, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
+                                 double t_tol, double scale, lane *e, tally *w, const shape *h,
+                                 const sgt_ray *ray)
 {
     const bool first = w->opt->pick != SGT_NEAR_SEED;
     mask passes = MASK(true);
@@ -53,8 +55,8 @@ easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray
         return beside_at(s, ray->o, d, ray->tmin, ray->tmax, w->opt->t_tol, 1, e, w, h, ray);
     if (!ends_are_whole(ray, scale)) return EASY_NOT;
     d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
-    easy_answer is = beside_at(s, ray->o, d, ray->tmin / scale, ray->tmax / scale, w->opt->t_tol / scale, scale,
-                               e, w, h, ray);
+    easy_answer is = beside_at(s, ray->o, d, ray->tmin / scale, ray->tmax / scale, w->opt->t_tol / scale,
+                               scale, e, w, h, ray);
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
@@ -63,7 +65,8 @@ typedef struct side_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], z[SGT_TILE], rho0[SGT_TILE], t0[SGT_TILE], from[SGT_TILE], to[SGT_TILE], r2[SGT_TILE],
         tau[SGT_TILE], tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
-    mask asked[SGT_TILE], over[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE], again[SGT_TILE];
+    mask asked[SGT_TILE], over[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE],
+        again[SGT_TILE];
     int steps[SGT_TILE];
     bool afar;
     double of[10][SGT_TILE];
@@ -80,7 +83,8 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, sid
                  *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     mask any = 0, afar = 0;
-    _Pragma("omp simd reduction(| : any, afar)") for (size_t i = 0; i < count; i++) {
+    _Pragma("omp simd reduction(| : any, afar)") for (size_t i = 0; i < count; i++)
+    {
         side_stretch one = side_stretch_of(b, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
         r->x[i] = one.q.x, r->y[i] = one.q.y, r->z[i] = one.q.z, r->rho0[i] = one.q.rho0, r->t0[i] = one.t0,
         r->from[i] = one.from, r->to[i] = one.to;
@@ -100,7 +104,8 @@ SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, s
     const wavy own = *self, *s = &own;
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
+    LANES for (size_t i = 0; i < count; i++)
+    {
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
         side_way way = side_way_of(s, terms, &q, r->from[i], l[i], m[i], n[i]);
         r->from[i] = way.from, r->r2[i] = way.r2, r->off[i] = way.off;
@@ -120,19 +125,19 @@ static bool beside_left(const shape *h, const sgt_tile *tile, side_room *r)
 }
 
 /* The seeds.  Returns all bits set if a root is looked for. */
-SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bool first, const sgt_tile *tile,
-                             side_room *r)
+SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bool first,
+                             const sgt_tile *tile, side_room *r)
 {
     const wavy own = *self, *s = &own;
     const convex mine = *bent, *b = &mine;
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
     mask any = 0;
-    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
         side_way way = {r->from[i], r->r2[i], r->off[i]};
-        side_seed one =
-            side_seed_of(s, b, terms, first, &q, &way, r->to[i], r->asked[i], l[i], m[i], n[i]);
+        side_seed one = side_seed_of(s, b, terms, first, &q, &way, r->to[i], r->asked[i], l[i], m[i], n[i]);
         r->tau2[i] = one.tau, r->above[i] = one.above, r->below[i] = one.below;
         r->away[i] |= one.away;
         mask again = one.above | one.below;
@@ -149,7 +154,8 @@ SGT_INLINE mask beside_step(const wavy *self, int terms, const sgt_tile *tile, s
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
     mask any = 0;
-    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
         mask again = r->again[i];
         double tau = chosen(again, r->tau2[i], r->tau[i]); /* a ray that is done gets the same step again */
@@ -171,37 +177,37 @@ SGT_INLINE void beside_ends(const wavy *self, const convex *bent, int terms, con
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin,
                  *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
+    LANES for (size_t i = 0; i < count; i++)
+    {
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
         wavy_newton h = {r->tau2[i], r->step2[i], r->inverse[i], r->dw[i], r->slant[i], 0, 0};
         wavy_round at = side_bound(s, terms, &q, r->t0[i], &h, l[i], m[i], n[i], t_tol[i]);
-        lane e = side_lane(s, b, terms, &q, r->t0[i], r->r2[i], r->above[i], r->below[i], &at, h.inverse, l[i],
-                           m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        lane e = side_lane(s, b, terms, &q, r->t0[i], r->r2[i], r->above[i], r->below[i], &at, h.inverse,
+                           l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
         LANE_STORE(to, i, e, LANE_RICH);
     }
 }
 
-
-#define BESIDE_WAYS(name, terms)                                                                           \
-    SGT_KERNEL static void name(const wavy *s, const sgt_tile *tile, side_room *r)                         \
-    {                                                                                                      \
-        beside_ways(s, terms, tile, r);                                                                    \
+#define BESIDE_WAYS(name, terms)                                                   \
+    SGT_KERNEL static void name(const wavy *s, const sgt_tile *tile, side_room *r) \
+    {                                                                              \
+        beside_ways(s, terms, tile, r);                                            \
     }
-#define BESIDE_SEEDS(name, terms, first)                                                                   \
-    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, side_room *r)        \
-    {                                                                                                      \
-        return beside_seeds(s, b, terms, first, tile, r);                                                  \
+#define BESIDE_SEEDS(name, terms, first)                                                            \
+    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, side_room *r) \
+    {                                                                                               \
+        return beside_seeds(s, b, terms, first, tile, r);                                           \
     }
-#define BESIDE_STEP(name, terms)                                                                           \
-    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, side_room *r)                         \
-    {                                                                                                      \
-        return beside_step(s, terms, tile, r);                                                             \
+#define BESIDE_STEP(name, terms)                                                   \
+    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, side_room *r) \
+    {                                                                              \
+        return beside_step(s, terms, tile, r);                                     \
     }
-#define BESIDE_ENDS(name, terms)                                                                           \
-    SGT_KERNEL static void name(const wavy *s, const convex *b, const sgt_tile *tile, lane_to to,          \
-                                const side_room *r)                                                        \
-    {                                                                                                      \
-        beside_ends(s, b, terms, tile, to, r);                                                             \
+#define BESIDE_ENDS(name, terms)                                                                  \
+    SGT_KERNEL static void name(const wavy *s, const convex *b, const sgt_tile *tile, lane_to to, \
+                                const side_room *r)                                               \
+    {                                                                                             \
+        beside_ends(s, b, terms, tile, to, r);                                                    \
     }
 
 BESIDE_WAYS(asphere_beside_few_ways, FEW_TERMS)
@@ -215,9 +221,10 @@ BESIDE_STEP(asphere_beside_step, ALL_TERMS)
 BESIDE_ENDS(asphere_beside_few_ends, FEW_TERMS)
 BESIDE_ENDS(asphere_beside_ends, ALL_TERMS)
 
-/* Answers hard rays of a tile.  A ray without a start for the rounds of easy.h has taken one evaluation there. */
-size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile, size_t before,
-                                const double *start)
+/* Answers hard rays of a tile.  A ray without a start for the rounds of easy.h has taken one evaluation
+ * there. */
+size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
+                                size_t before, const double *start)
 {
     side_room r;
     const sgt_hits *hits = &tile->hits;
@@ -246,8 +253,10 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
             for (size_t i = 0; hits->evals && i < n; i++) r.steps[i] += r.again[i] != 0;
             again = few ? asphere_beside_few_step(s, tile, &r) : asphere_beside_step(s, tile, &r);
         }
-        if (few) asphere_beside_few_ends(s, &b, tile, to, &r);
-        else asphere_beside_ends(s, &b, tile, to, &r);
+        if (few)
+            asphere_beside_few_ends(s, &b, tile, to, &r);
+        else
+            asphere_beside_ends(s, &b, tile, to, &r);
     }
     for (size_t i = 0; i < n; i++) {
         if (hits->status[i] != SGT_HARD) continue;

@@ -33,6 +33,9 @@
  *     G by e = |v| (error of w) + |c| Q / 2 + 3 |(1 + k) c| w^2 + |G|.
  * (|c| rho / 2 of the second is the rounding of the inner fma.)  The slope is as good as that of easy.h.
  *
+ * THE POINT.  Rounding of x, y and z0 takes it off the surface by u of their parts of F.  So a ray is met
+ * only if |x F_x| + |y F_y| <= 4 |z| and |z0| <= 2 |z| there.
+ *
  * AN END of a stretch is moved outward: in r^2 by 2^-20, in t by 2^-50 of its terms.  So nothing rests on its
  * last digits, and F there is that of the point as it is, with the bound e.
  *
@@ -60,8 +63,12 @@ typedef struct convex {
 
 SGT_INLINE convex convex_of(const wavy *s)
 {
-    convex b = {.sign = s->c != 0 ? copysign(1, s->c) : 0, .round = s->abs_c, .ckc = s->ck * s->c,
-                .edge2 = s->domain2 * (1 + 0x1p-20), .bowl = s->c + 2 * s->a[0], .everywhere = true};
+    convex b = {.sign = s->c != 0 ? copysign(1, s->c) : 0,
+                .round = s->abs_c,
+                .ckc = s->ck * s->c,
+                .edge2 = s->domain2 * (1 + 0x1p-20),
+                .bowl = s->c + 2 * s->a[0],
+                .everywhere = true};
     for (int i = 0; i < ALL_TERMS && b.sign == 0; i++)
         if (s->a[i] != 0) b.sign = copysign(1, s->a[i]);
     for (int i = 0; i < ALL_TERMS; i++) {
@@ -89,18 +96,19 @@ SGT_INLINE mask is_convex(const convex *b, int terms, double r2)
                                        horner(b->flat, terms, r2) * (1 + 0x1p-20) + 0x1p-900));
 }
 
-/* A stretch before a root, made shorter.  from: where it begins, at (x + from l, y + from m, z + from n).  r2: of
- * the larger r of its ends.  off: there F has the sign of -n for certain, and so all the way before. */
+/* A stretch before a root, made shorter.  from: where it begins, at (x + from l, y + from m, z + from n).
+ * r2: of the larger r of its ends.  off: there F has the sign of -n for certain, and so all the way before.
+ * */
 typedef struct side_way {
     double from, r2;
     mask off;
 } side_way;
 
 /* Within r <= R the surface is ahead of the vertex plane by h = wavy_ahead(R^2) at most.  So a ray that
- * begins beyond that height meets nothing before it comes down to it.  There it is nearer to the axis, mostly,
- * and h is less: from afar a few rounds lead to where the surface is. */
-SGT_INLINE side_way comes_near(const wavy *s, int terms, const side_way *way, double root2, double x, double y,
-                               double z, double l, double m, double n)
+ * begins beyond that height meets nothing before it comes down to it.  There it is nearer to the axis,
+ * mostly, and h is less: from afar a few rounds lead to where the surface is. */
+SGT_INLINE side_way comes_near(const wavy *s, int terms, const side_way *way, double root2, double x,
+                               double y, double z, double l, double m, double n)
 {
     double side = copysign(1, n), h = wavy_ahead(s, terms, way->r2, side) * (1 + 0x1p-10) + 0x1p-30 * fabs(z),
            at = (-h - side * z) / fabs(n), r2 = wavy_r2(x, y, at, l, m);
@@ -108,10 +116,12 @@ SGT_INLINE side_way comes_near(const wavy *s, int terms, const side_way *way, do
     return (side_way){chosen(off, at, way->from), chosen(off, larger(r2, root2), way->r2), way->off | off};
 }
 
-/* Is a root that easy.h has met the first one, since F is monotone or bent in one way up to it?  (x0, y0): on the
- * vertex plane, as in easy.h.  inverse: 1 / G' at the root.  from_afar: the way is made shorter first. */
-SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, bool from_afar, double tmin, double t0, double x0,
-                              double y0, double tau, double inverse, double l, double m, double n)
+/* Is a root that easy.h has met the first one, since F is monotone or bent in one way up to it?  (x0, y0):
+ * on the vertex plane, as in easy.h.  inverse: 1 / G' at the root.  from_afar: the way is made shorter
+ * first. */
+SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, bool from_afar, double tmin,
+                              double t0, double x0, double y0, double tau, double inverse, double l, double m,
+                              double n)
 {
     double a = l * l + m * m, across = x0 * m - y0 * l, disc = a * b->edge2 - across * across, by = 1 / a,
            enters = -(x0 * l + y0 * m) * by - sqrt(larger(disc, 0)) * by, t = t0 + tau,
@@ -129,10 +139,15 @@ SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, bool fr
 }
 
 /* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither. */
-typedef struct side_end { double r2; mask above, below; } side_end;
+typedef struct side_end {
+    double r2;
+    mask above, below;
+} side_end;
 
 /* The local origin, and what belongs to it. */
-typedef struct side_local { double x, y, z, rho0; } side_local;
+typedef struct side_local {
+    double x, y, z, rho0;
+} side_local;
 
 /* The error of G, over u. */
 SGT_INLINE double side_noise(const wavy *s, const side_local *q, double rho, double z, double first, double g,
@@ -187,23 +202,26 @@ SGT_INLINE wavy_round side_bound(const wavy *s, int terms, const side_local *q, 
     double off = sgt_fma(M * (H + H), ai, 0x1p-30); /* Delta / |s| */
     double e = 1.01 * SGT_U * side_noise(s, q, rho, z, first, g, w, ckw), noise = e * ai,
            tau = at->tau2 - step, t = fabs(t0 + tau);
-    double tau_err = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai)),
+    double tau_err =
+               sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai)),
            terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
     mask sure = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
-                MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) & MASK(fabs(ckw) < 1 - 0x1p-8) & MASK(e < s->most_e) &
-                MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) & MASK(rho < 0x1p400);
+                MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) & MASK(fabs(ckw) < 1 - 0x1p-8) &
+                MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
+                MASK(rho < 0x1p400);
     sure &= MASK(e <= 24 * SGT_U * (aw + az)) |
             (MASK(noise <= s->enough * t) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol);
-    return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN),
+    return (wavy_round){.tau = tau,
+                        .tau_err = chosen(sure, tau_err, (double)NAN),
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
                         .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
-                        .g = g, .again = MASK(false)};
+                        .g = g,
+                        .again = MASK(false)};
 }
 
-/* What is known of a ray before a root is looked for.  t0, q: the local origin.  from, to: the stretch.  away:
- * it certainly misses.  chord: the stretch is known.  afar: it may
- * be made shorter. */
+/* What is known of a ray before a root is looked for.  t0, q: the local origin.  from, to: the stretch.
+ * away: it certainly misses.  chord: the stretch is known.  afar: it may be made shorter. */
 typedef struct side_stretch {
     side_local q;
     double t0, from, to;
@@ -219,9 +237,11 @@ SGT_INLINE side_stretch side_stretch_of(const convex *b, double ox, double oy, d
     double across = q.x * m - q.y * l, beside = fabs(q.x) + fabs(q.y), disc = a * b->edge2 - across * across,
            by = 1 / a, half = sqrt(larger(disc, 0)) * by, centre = -(q.x * l + q.y * m) * by;
     double starts = tmin - t0 - 0x1p-50 * (fabs(tmin) + fabs(t0)),
-           ends = tmax - t0 + 0x1p-50 * (fabs(tmax) + fabs(t0)), enters = centre - half, leaves = centre + half;
+           ends = tmax - t0 + 0x1p-50 * (fabs(tmax) + fabs(t0)), enters = centre - half,
+           leaves = centre + half;
     double from = chosen(MASK(enters > starts), enters, starts),
-           to = chosen(MASK(leaves < ends), leaves, ends), z1 = sgt_fma(from, n, q.z), z2 = sgt_fma(to, n, q.z),
+           to = chosen(MASK(leaves < ends), leaves, ends), z1 = sgt_fma(from, n, q.z),
+           z2 = sgt_fma(to, n, q.z),
            unsure = 0x1p-30 * (fabs(q.z) + smaller(fabs(z1), fabs(z2))); /* one end may be infinite */
     mask usual = MASK(a > 0x1p-60 * d2) & MASK(fabs(t0) < 0x1p300) & MASK(tmin <= tmax) &
                  MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL) & MASK(beside < 0x1p400);
@@ -233,8 +253,8 @@ SGT_INLINE side_stretch side_stretch_of(const convex *b, double ox, double oy, d
 }
 
 /* The stretch made shorter at its beginning.  It stays as it is where z n > 0 there. */
-SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, double from, double l, double m,
-                                double n)
+SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, double from, double l,
+                                double m, double n)
 {
     side_way way = {from, wavy_r2(q->x, q->y, from, l, m), 0};
     way = comes_near(s, terms, &way, 0, q->x, q->y, q->z, l, m, n);
@@ -244,13 +264,17 @@ SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, d
 /* The ends of the stretch, and where Newton's steps begin.  above: sigma F > 0 at the beginning, so a root at
  * which it falls is wanted.  below: it is < 0 there, so one at which it rises is.  Neither: no root is looked
  * for.  Both are 0 for a ray that misses, as `away` tells. */
-typedef struct side_seed { double tau; mask above, below, away; } side_seed;
+typedef struct side_seed {
+    double tau;
+    mask above, below, away;
+} side_seed;
 
 SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, bool first, const side_local *q,
                                   const side_way *way, double to, mask chord, double l, double m, double n)
 {
     double from = way->from;
-    side_end begin = side_end_at(s, b, terms, q, from, l, m, n), end = side_end_at(s, b, terms, q, to, l, m, n);
+    side_end begin = side_end_at(s, b, terms, q, from, l, m, n),
+             end = side_end_at(s, b, terms, q, to, l, m, n);
     begin.above |= way->off & MASK(b->sign * n < 0), begin.below |= way->off & MASK(b->sign * n > 0);
     double both = larger(way->r2, end.r2), a = l * l + m * m, half = q->x * l + q->y * m;
     mask bent = is_convex(b, terms, both), away = chord & begin.above & end.above & bent;
@@ -267,19 +291,27 @@ SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, boo
 }
 
 /* The root from side_bound.  rises: 1 / G' there, times sigma. */
-SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q, double t0, double r2,
-                          mask above, mask below, const wavy_round *at, double inverse, double l, double m,
-                          double n, double tmin, double tmax, double t_tol)
+SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q, double t0,
+                          double r2, mask above, mask below, const wavy_round *at, double inverse, double l,
+                          double m, double n, double tmin, double tmax, double t_tol)
 {
     double t = t0 + at->tau;
-    near_root r = {.x = q->x, .y = q->y, .tau = at->tau, .t = t, .t_err = sgt_fma(1.01 * SGT_U, fabs(t), at->tau_err),
-                   .tau_err = at->tau_err, .t0 = t0, .small = at->tau};
+    near_root r = {.x = q->x,
+                   .y = q->y,
+                   .tau = at->tau,
+                   .t = t,
+                   .t_err = sgt_fma(1.01 * SGT_U, fabs(t), at->tau_err),
+                   .tau_err = at->tau_err,
+                   .t0 = t0,
+                   .small = at->tau};
     double px = sgt_fma(at->tau, l, q->x), py = sgt_fma(at->tau, m, q->y), rho = px * px + py * py,
-           dp = horner(s->slope, terms, rho), g = -s->c / at->v - (dp + dp), rises = b->sign * inverse;
+           dp = horner(s->slope, terms, rho), g = -s->c / at->v - (dp + dp), rises = b->sign * inverse,
+           pz = sgt_fma(at->tau, n, q->z);
     mask known = ((below & MASK(rises > 0)) | (above & MASK(rises < 0))) &
                  is_convex(b, terms, larger(r2, rho * (1 + 0x1p-10)));
-    lane e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, sgt_fma(at->tau, n, q->z), g, at->near, s->rim2,
-                     MASK(false), known & MASK(fabs(t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
+    lane e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, g, at->near, s->rim2, MASK(false),
+                     known & MASK(fabs(t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2) &
+                         MASK(fabs(g) * rho <= 4 * fabs(pz)));
     e.p_err += 2.1 * SGT_U * fabs(q->z);
     return e;
 }
@@ -289,7 +321,7 @@ easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray
 
 /* Answers hard rays of a tile.  before: how many are hard.  start: NaN if the rounds of easy.h had nowhere to
  * begin.  Returns how many are left. */
-size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile, size_t before,
-                                const double *start);
+size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
+                                size_t before, const double *start);
 
 #endif

@@ -183,14 +183,16 @@ SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, co
                  *t_tol = tile->t_tol;
     size_t count = tile->n;
     mask any = 0;
-    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
         double t_err = easy_start(s, false, false, ox[i], oy[i], oz[i], l[i], m[i], n[i]).t_err;
         any |= MASK(t_err == t_err); /* else neither the easy form nor `nearby` meets it */
         no[i] = 0;
     }
     if (any) lane_sooner(s, first, tile, far_gone, no);
     mask again = 0;
-    _Pragma("omp simd reduction(| : again)") for (size_t i = 0; i < count; i++) {
+    _Pragma("omp simd reduction(| : again)") for (size_t i = 0; i < count; i++)
+    {
         side_answer a =
             met_from_side(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
         LANE_STORE(to, i, a.e, LANE_RICH);
@@ -198,9 +200,10 @@ SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, co
         again |= a.blunt;
     }
     if (!again) return;
-    LANES for (size_t i = 0; i < count; i++) {
-        lane e = sharp_from_side(s, blunt->at[i], blunt->off[i], ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i],
-                                 tmax[i], t_tol[i]);
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        lane e = sharp_from_side(s, blunt->at[i], blunt->off[i], ox[i], oy[i], oz[i], l[i], m[i], n[i],
+                                 tmin[i], tmax[i], t_tol[i]);
         mask is = blunt->is[i];
         to.t[i] = chosen(is, e.t, to.t[i]), to.t_err[i] = chosen(is, e.t_err, to.t_err[i]),
         to.t_lo[i] = chosen(is, e.t_lo, to.t_lo[i]), to.px[i] = chosen(is, e.px, to.px[i]),
@@ -235,7 +238,8 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
     lane_to to = {r.of[0], r.of[1], r.of[2], r.of[3], r.of[4],   r.of[5],
                   r.of[6], r.of[7], r.of[8], r.of[9], r.ends.hit};
     if (before == tile->n) to = lane_to_of(tile, &r.ends);
-    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, far_gone, to, &r.blunt, r.away, r.sooner);
+    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, far_gone, to, &r.blunt, r.away,
+                                                             r.sooner);
     for (size_t i = 0; i < tile->n; i++) {
         if (h->status[i] != SGT_HARD) continue;
         double scale = scale_of((sgt_vec3){tile->rays.d[0][i], tile->rays.d[1][i], tile->rays.d[2][i]});
@@ -276,7 +280,8 @@ static bool begins_close(const bowl *s, const sgt_tile *tile)
 {
     double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0],
            sag = 0.5 * s->c * (x * x + y * y + s->k1 * z * z);
-    double t_err = easy_start(s, false, true, x, y, z, tile->rays.d[0][0], tile->rays.d[1][0], tile->rays.d[2][0]).t_err;
+    double t_err =
+        easy_start(s, false, true, x, y, z, tile->rays.d[0][0], tile->rays.d[1][0], tile->rays.d[2][0]).t_err;
     return t_err == t_err && fabs(z - sag) <= 0.625 * fabs(sag);
 }
 
