@@ -6,6 +6,9 @@
  * EASY.  Four evaluations on lens surfaces, for the single ray and for lanes: asphere/easy.h.  It answers
  * first roots without a rim too.
  *
+ * FROM THE SIDE.  What is not easy, from the point of the ray nearest the vertex: asphere/side.h.  It answers
+ * where the sag is bent in one way, and rays that pass by.  Not under proof.
+ *
  * QUICK.  For what is not easy.  Newton's method from the conic's root near the vertex, each step at most
  * half the last.  If t is not sharp, the root is settled from there.  The root is certainly the only one
  * within the rim if
