@@ -160,6 +160,14 @@ SGT_INLINE bool all_bent(const wavy *s, int terms, bool from_afar, const sgt_til
     return every != 0;
 }
 
+/* Is the first root of several rays still in doubt?  A few go one by one. */
+SGT_INLINE bool many_left(const sgt_tile *tile, const wavy_room *room)
+{
+    size_t left = 0;
+    for (size_t i = 0; i < tile->n; i++) left += room->again[i] == 0;
+    return 24 * left > tile->n;
+}
+
 SGT_INLINE void lane_away(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
 {
     const wavy own = *self, *s = &own;
@@ -266,7 +274,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
     if (vertex) all = lane_ending(s, terms, wish, true, tile, room);
     if (first && !all_first(s, terms, tile, room) && !all_bent(s, terms, false, tile, room) &&
-        !all_bent(s, terms, true, tile, room)) {
+        !(many_left(tile, room) && all_bent(s, terms, true, tile, room))) {
         all = 0;
         LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
     }
@@ -501,14 +509,13 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
 /* Gives SGT_MISS to hard rays that pass the whole surface (asphere/unique.c), as for a single ray.  It asks
  * only for rays on which the easy form has tried the direction as given. */
 static size_t asphere_without_passing(const shape *s, pass_by how, const sgt_tile *tile,
-                                      const wavy_room *room, size_t hard)
+                                      const easy_tried *tried, size_t hard)
 {
     const double *const *d = tile->rays.d;
     mask passes[SGT_TILE];
     for (size_t i = 0; i < tile->n; i++) {
         double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i];
-        passes[i] =
-            MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && room->tau[i] == room->tau[i]);
+        passes[i] = MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && tried->ended[i]);
     }
     sgt_asphere_pass(s, tile, how, passes);
     for (size_t i = 0; i < tile->n; i++) {
@@ -519,38 +526,48 @@ static size_t asphere_without_passing(const shape *s, pass_by how, const sgt_til
     return hard;
 }
 
+/* The loops of easy.h.  Apart, so that its room and that of the loops after it are not on the stack at once. */
+SGT_NOINLINE static size_t asphere_easy_lanes(const wavy *v, int terms, bool near, const sgt_tile *tile,
+                                              easy_tried *tried)
+{
+    wavy_room room;
+    size_t hard;
+    const lane_wish wish = lane_wish_of(tile);
+    const bool few = terms <= FEW_TERMS;
+    if (wish == LANE_BARE && near)
+        hard = few ? asphere_lanes_few_near_bare(v, tile, &room) : asphere_lanes_near_bare(v, tile, &room);
+    else if (!few)
+        hard = near ? asphere_lanes_near(v, tile, &room) : asphere_lanes_first(v, tile, &room);
+    else if (wish == LANE_FINE && near)
+        hard = asphere_lanes_few_near_fine(v, tile, &room);
+    else if (wish >= LANE_FINE)
+        hard =
+            near ? asphere_lanes_few_near_rich(v, tile, &room) : asphere_lanes_few_first_rich(v, tile, &room);
+    else
+        hard = near ? asphere_lanes_few_near(v, tile, &room) : asphere_lanes_few_first(v, tile, &room);
+    for (size_t i = 0; hard && i < tile->n; i++)
+        tried->begun[i] = room.from[i] == room.from[i], tried->ended[i] = room.tau[i] == room.tau[i];
+    return hard;
+}
+
 static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_even_asphere *s = self;
-    wavy_room room;
     wavy v;
+    easy_tried tried;
     int terms = asphere_terms_of(s);
-    const lane_wish wish = lane_wish_of(tile);
     bool near = opt->pick == SGT_NEAR_SEED,
          enough = !opt->max_evals || opt->max_evals > MOST_EASY;
     if (asphere_valid(s) && !terms) return sgt_conic_lanes(s->c, s->k, s->semi_diameter, tile, opt);
     if (asphere_valid(s) && enough) {
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
-            size_t hard;
-            if (wish == LANE_BARE && near)
-                hard = terms > FEW_TERMS ? asphere_lanes_near_bare(&v, tile, &room)
-                                         : asphere_lanes_few_near_bare(&v, tile, &room);
-            else if (terms > FEW_TERMS)
-                hard = near ? asphere_lanes_near(&v, tile, &room) : asphere_lanes_first(&v, tile, &room);
-            else if (wish == LANE_FINE && near)
-                hard = asphere_lanes_few_near_fine(&v, tile, &room);
-            else if (wish >= LANE_FINE)
-                hard = near ? asphere_lanes_few_near_rich(&v, tile, &room)
-                            : asphere_lanes_few_first_rich(&v, tile, &room);
-            else
-                hard =
-                    near ? asphere_lanes_few_near(&v, tile, &room) : asphere_lanes_few_first(&v, tile, &room);
+            size_t hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
             const bool beside = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
             if (24 * hard > tile->n && beside)
-                hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, room.from);
+                hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, &tried);
             return 8 * hard > tile->n
-                       ? asphere_without_passing(&h, beside ? PASS_RINGS : PASS_BOTH, tile, &room, hard)
+                       ? asphere_without_passing(&h, beside ? PASS_RINGS : PASS_BOTH, tile, &tried, hard)
                        : hard; /* a few go one by one */
         }
     }

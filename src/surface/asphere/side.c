@@ -224,7 +224,7 @@ BESIDE_ENDS(asphere_beside_ends, ALL_TERMS)
 /* Answers hard rays of a tile.  A ray without a start for the rounds of easy.h has taken one evaluation
  * there. */
 size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
-                                size_t before, const double *start)
+                                size_t before, const easy_tried *tried)
 {
     side_room r;
     const sgt_hits *hits = &tile->hits;
@@ -264,7 +264,7 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
         hard += !(met || gone);
         int evals = 0;
         if (hits->evals) { /* of a hit and of a hard ray with that of F at the end */
-            evals = (start[i] == start[i] ? hits->evals[i] : 2) + (r.asked[i] ? 2 : 0) - (gone ? 1 : 0);
+            evals = (tried->begun[i] ? hits->evals[i] : 2) + (r.asked[i] ? 2 : 0) - (gone ? 1 : 0);
             if (r.above[i] | r.below[i]) evals += r.steps[i] + 1;
             hits->evals[i] = evals;
         }

@@ -319,9 +319,13 @@ SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_
 /* The single ray, and a tile (asphere/side.c); no proof is asked for. */
 easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w);
 
-/* Answers hard rays of a tile.  before: how many are hard.  start: NaN if the rounds of easy.h had nowhere to
- * begin.  Returns how many are left. */
+/* What easy.h has done with each ray of a tile: its rounds had where to begin; they have ended at a number. */
+typedef struct easy_tried {
+    bool begun[SGT_TILE], ended[SGT_TILE];
+} easy_tried;
+
+/* Answers hard rays of a tile.  before: how many are hard.  Returns how many are left. */
 size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
-                                size_t before, const double *start);
+                                size_t before, const easy_tried *tried);
 
 #endif
