@@ -160,14 +160,6 @@ SGT_INLINE bool all_bent(const wavy *s, int terms, bool from_afar, const sgt_til
     return every != 0;
 }
 
-/* Is the first root of several rays still in doubt?  A few go one by one. */
-SGT_INLINE bool many_left(const sgt_tile *tile, const wavy_room *room)
-{
-    size_t left = 0;
-    for (size_t i = 0; i < tile->n; i++) left += room->again[i] == 0;
-    return 24 * left > tile->n;
-}
-
 SGT_INLINE void lane_away(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
 {
     const wavy own = *self, *s = &own;
@@ -274,14 +266,14 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
     if (vertex) all = lane_ending(s, terms, wish, true, tile, room);
     if (first && !all_first(s, terms, tile, room) && !all_bent(s, terms, false, tile, room) &&
-        !(many_left(tile, room) && all_bent(s, terms, true, tile, room))) {
+        !all_bent(s, terms, true, tile, room)) {
         all = 0;
         LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
     }
     if (s->proof) all &= asphere_sure_all(self, tile, room);
     size_t hard = lane_told(tile, &room->ends, 4, all);
     for (size_t i = 0; tile->hits.evals && rounds > 1 && i < count; i++) tile->hits.evals[i] += 2 * extra[i];
-    return 8 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
+    return 24 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
 }
 
 #define LANES_OF_TERMS(name, terms, first, wish)                                                \
@@ -526,7 +518,8 @@ static size_t asphere_without_passing(const shape *s, pass_by how, const sgt_til
     return hard;
 }
 
-/* The loops of easy.h.  Apart, so that its room and that of the loops after it are not on the stack at once. */
+/* The loops of easy.h.  Apart, so that its room and that of the loops after it are not on the stack at
+ * once. */
 SGT_NOINLINE static size_t asphere_easy_lanes(const wavy *v, int terms, bool near, const sgt_tile *tile,
                                               easy_tried *tried)
 {

@@ -61,7 +61,7 @@ easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray
 }
 
 /* What the loops leave for each other.  of: the rows of a lane_to, if some rays have an answer already. */
-typedef struct side_room {
+typedef struct beside_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], z[SGT_TILE], rho0[SGT_TILE], t0[SGT_TILE], from[SGT_TILE], to[SGT_TILE], r2[SGT_TILE],
         tau[SGT_TILE], tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
@@ -71,12 +71,12 @@ typedef struct side_room {
     bool afar;
     double of[10][SGT_TILE];
     lane_ends ends;
-} side_room;
+} beside_room;
 
 /* The stretch of each ray that is asked about.  `over` is set for those that do not certainly miss by it.
  * Returns all bits set if there are such. */
 SGT_KERNEL
-static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, side_room *r)
+static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, beside_room *r)
 {
     const convex mine = *bent, *b = &mine; /* a copy, so that no output can alias it */
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
@@ -99,7 +99,7 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, sid
 }
 
 /* Makes the stretches shorter. */
-SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, side_room *r)
+SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, beside_room *r)
 {
     const wavy own = *self, *s = &own;
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
@@ -113,7 +113,7 @@ SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, s
 }
 
 /* Takes out the rays that the cone finds to miss.  Is something left to ask? */
-static bool beside_left(const shape *h, const sgt_tile *tile, side_room *r)
+static bool beside_left(const shape *h, const sgt_tile *tile, beside_room *r)
 {
     bool left = false;
     sgt_asphere_pass(h, tile, PASS_CONES, r->over);
@@ -126,7 +126,7 @@ static bool beside_left(const shape *h, const sgt_tile *tile, side_room *r)
 
 /* The seeds.  Returns all bits set if a root is looked for. */
 SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bool first,
-                             const sgt_tile *tile, side_room *r)
+                             const sgt_tile *tile, beside_room *r)
 {
     const wavy own = *self, *s = &own;
     const convex mine = *bent, *b = &mine;
@@ -148,7 +148,7 @@ SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bo
 }
 
 /* A step of Newton for the rays that need one.  Returns all bits set if some need another. */
-SGT_INLINE mask beside_step(const wavy *self, int terms, const sgt_tile *tile, side_room *r)
+SGT_INLINE mask beside_step(const wavy *self, int terms, const sgt_tile *tile, beside_room *r)
 {
     const wavy own = *self, *s = &own;
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
@@ -170,7 +170,7 @@ SGT_INLINE mask beside_step(const wavy *self, int terms, const sgt_tile *tile, s
 }
 
 SGT_INLINE void beside_ends(const wavy *self, const convex *bent, int terms, const sgt_tile *tile, lane_to to,
-                            const side_room *r)
+                            const beside_room *r)
 {
     const wavy own = *self, *s = &own;
     const convex mine = *bent, *b = &mine;
@@ -188,24 +188,24 @@ SGT_INLINE void beside_ends(const wavy *self, const convex *bent, int terms, con
     }
 }
 
-#define BESIDE_WAYS(name, terms)                                                   \
-    SGT_KERNEL static void name(const wavy *s, const sgt_tile *tile, side_room *r) \
-    {                                                                              \
-        beside_ways(s, terms, tile, r);                                            \
+#define BESIDE_WAYS(name, terms)                                                     \
+    SGT_KERNEL static void name(const wavy *s, const sgt_tile *tile, beside_room *r) \
+    {                                                                                \
+        beside_ways(s, terms, tile, r);                                              \
     }
-#define BESIDE_SEEDS(name, terms, first)                                                            \
-    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, side_room *r) \
-    {                                                                                               \
-        return beside_seeds(s, b, terms, first, tile, r);                                           \
+#define BESIDE_SEEDS(name, terms, first)                                                              \
+    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r) \
+    {                                                                                                 \
+        return beside_seeds(s, b, terms, first, tile, r);                                             \
     }
-#define BESIDE_STEP(name, terms)                                                   \
-    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, side_room *r) \
-    {                                                                              \
-        return beside_step(s, terms, tile, r);                                     \
+#define BESIDE_STEP(name, terms)                                                     \
+    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, beside_room *r) \
+    {                                                                                \
+        return beside_step(s, terms, tile, r);                                       \
     }
 #define BESIDE_ENDS(name, terms)                                                                  \
     SGT_KERNEL static void name(const wavy *s, const convex *b, const sgt_tile *tile, lane_to to, \
-                                const side_room *r)                                               \
+                                const beside_room *r)                                             \
     {                                                                                             \
         beside_ends(s, b, terms, tile, to, r);                                                    \
     }
@@ -226,7 +226,7 @@ BESIDE_ENDS(asphere_beside_ends, ALL_TERMS)
 size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
                                 size_t before, const easy_tried *tried)
 {
-    side_room r;
+    beside_room r;
     const sgt_hits *hits = &tile->hits;
     const convex b = convex_of(s);
     const bool few = h->terms <= FEW_TERMS, all = before == tile->n;
@@ -235,9 +235,11 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
                   r.of[6], r.of[7], r.of[8], r.of[9], r.ends.hit};
     if (all) to = lane_to_of(tile, &r.ends);
     for (size_t i = 0; i < n; i++) {
-        const double *const *d = tile->rays.d;
-        double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i];
-        r.asked[i] = MASK(hits->status[i] == SGT_HARD) & usual_length(d2), r.steps[i] = 0;
+        const double *const *o = tile->rays.o, *const *d = tile->rays.d;
+        double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i],
+               far = fabs(o[0][i]) + fabs(o[1][i]) + fabs(o[2][i]); /* the rays have not been checked */
+        r.asked[i] = MASK(hits->status[i] == SGT_HARD) & usual_length(d2) & MASK(far < HUGE_VAL),
+        r.steps[i] = 0;
     }
     memset(r.ends.hit, 0, n * sizeof *r.ends.hit), memset(r.above, 0, n * sizeof *r.above);
     memset(r.below, 0, n * sizeof *r.below);

@@ -319,7 +319,7 @@ SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_
 /* The single ray, and a tile (asphere/side.c); no proof is asked for. */
 easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w);
 
-/* What easy.h has done with each ray of a tile: its rounds had where to begin; they have ended at a number. */
+/* What easy.h has done with each ray of a tile: its rounds had where to begin; they ended at a number. */
 typedef struct easy_tried {
     bool begun[SGT_TILE], ended[SGT_TILE];
 } easy_tried;

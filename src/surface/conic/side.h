@@ -31,8 +31,8 @@
  * THE START, here the local origin, must not be too far away: its terms must be at most twice those at the
  * root.  Else little is known of the first bound.
  *
- * THE POINT.  Rounding of x and y takes it off the surface by u of |x F_x| + |y F_y|.  Where that is more than 4
- * |z| (a strongly oblate conic) the careful form computes z anew.
+ * THE POINT.  Rounding of x and y takes it off the surface by u of |x F_x| + |y F_y|.  Where that is more
+ * than 4 |z| (a strongly oblate conic) the careful form computes z anew.
  *
  * THE RIM is stated in computed numbers.  The point is off by no more than 64 u rims by tau, and a few u r
  * by its own rounding; so its r^2 is within 140 u of the true one, less than what easy.h counts with
