@@ -188,8 +188,8 @@ bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before
         out->path += of_sum(path, by, c.n1, to);
         path = path_with(path, by, c.n1, c.t);
         if (c.phased && c.passed == 1) {
-            const thin_lens by = thin_lens_of(e[i].phase, c.n1, c.n2, e[i].index == SGT_MIRROR);
-            path = twofold_sum(path, twofold_of(phase_path(by, c.p, c.d)));
+            const thin_lens lens = thin_lens_of(e[i].phase, c.n1, c.n2, e[i].index == SGT_MIRROR);
+            path = twofold_sum(path, twofold_of(phase_path(lens, c.p, c.d)));
         }
         if (!phases) out->path += of_kick(c.n1, c.n2, c.d, c.after, p_err);
         if (turned) out->path += of_axes(c.p, c.n1, c.n2);
