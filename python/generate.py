@@ -3,7 +3,8 @@
 
     SAGITTA_PYTHON_LIBRARY=BUILD/python/libsagitta_python.so python3 python/generate.py [--check]
 
-It is a file and not made as the package is loaded, so that an editor and mypy know the parameters.  With
+It is a file and not made as the package is loaded, so that an editor and mypy know the parameters, as arguments
+and as attributes.  All are given by their names; those of POSITIONAL may be given in that order, too.  With
 --check it is compared, and not written; the suite `python` does that.
 """
 import pathlib
@@ -22,12 +23,23 @@ has its default, 0 or none.  `semi_diameter` is the radius of the rim; 0: none.
 """
 from __future__ import annotations
 
-from typing import Optional, Sequence
+from typing import Literal, Optional, Sequence
 
 from numpy.typing import ArrayLike
 
+from ._tables import Floats
 from .surface import CLASSES, Catalogue
 '''
+
+POSITIONAL = {
+    "sphere": ("radius",),
+    "conic": ("radius", "conic"),
+    "cylinder": ("radius", "conic"),
+    "even_asphere": ("radius", "conic", "coefficients"),
+    "odd_asphere": ("radius", "conic", "coefficients"),
+    "torus": ("major", "minor"),
+    "ellipsoid": ("a", "f"),
+}
 
 
 def class_name(of_type):
@@ -54,29 +66,32 @@ def unit(p):
 
 
 def described(p, C):
-    """The type for Python, the default, and what it is."""
+    """The type of the argument, its default, what it is; the type of the attribute."""
     said = [unit(p)] if unit(p) else []
     if p.kind == C.TERMS:
-        return "Sequence[Catalogue]", "()", f"up to {p.count} surfaces, whose departures are added"
+        what = f"up to {p.count} surfaces, whose departures are added"
+        return "Sequence[Catalogue]", "()", what, "tuple[Catalogue, ...]"
     if p.kind == C.WORD:
-        return "Optional[str]", "None", "one of " + ", ".join(f'"{w}"' for w in p.words.decode().split("|"))
+        words = ", ".join(f'"{w}"' for w in p.words.decode().split("|"))
+        return f"Optional[Literal[{words}]]", "None", "one of " + words, f"Optional[Literal[{words}]]"
     if p.kind == C.TRUTH:
-        return "bool", "False", "True or False"
+        return "bool", "False", "True or False", "bool"
     if p.kind == C.WHOLE:
-        return "Optional[int]", "None", f"a whole number from {p.lo:g} to {p.hi:g}"
+        return "Optional[int]", "None", f"a whole number from {p.lo:g} to {p.hi:g}", "int"
     if p.kind == C.TABLE:
         return (
             "Optional[ArrayLike]",
             "None",
             "; ".join([f"a table of up to {p.count} rows and columns", *said]),
+            "Floats",
         )
     if p.kind == C.LIST or (p.kind == C.REAL and p.count > 1):
-        return "Optional[ArrayLike]", "None", "; ".join([f"up to {p.count} numbers", *said])
+        return "Optional[ArrayLike]", "None", "; ".join([f"up to {p.count} numbers", *said]), "Floats"
     if p.kind == C.VECTOR:
-        return "Optional[ArrayLike]", "None", "; ".join([f"{p.count} numbers", *said])
+        return "Optional[ArrayLike]", "None", "; ".join([f"{p.count} numbers", *said]), "Floats"
     if p.hi < 1e300:
         said.append(f"{p.lo:g} to {p.hi:g}")
-    return "Optional[float]", "None", "; ".join(said or ["a number"])
+    return "Optional[float]", "None", "; ".join(said or ["a number"]), "float"
 
 
 def wrapped(begin, items, end, indent):
@@ -101,18 +116,21 @@ def written():
 
     parts, names = [HEAD], []
     for of_type, row in surface.BUILTINS.items():
-        lines, arguments, passed = [], [], []
+        lines, arguments, passed, attributes = [], {}, [], []
         for p in surface.params_of(row):
             name = p.name.decode()
-            hint, default, what = described(p, C)
+            hint, default, what, attribute = described(p, C)
             if name.startswith("curvature"):
                 radius = name.replace("curvature", "radius")
                 lines.append((radius, f"length; 1 / {name}, math.inf is flat.  Or give the {name}"))
-                arguments.append(f"{radius}: {hint} = {default}")
+                arguments[radius] = f"{radius}: {hint} = {default}"
                 passed.append(radius)
+                attributes.append(f"    {radius}: {attribute}")
             lines.append((name, what))
-            arguments.append(f"{name}: {hint} = {default}")
+            arguments[name] = f"{name}: {hint} = {default}"
             passed.append(name)
+            if not hasattr(surface.Surface, name):  # (as a grid's sag, which is a method, too)
+                attributes.append(f"    {name}: {attribute}")
         wide = max((len(name) for name, _ in lines), default=0)
         name = class_name(of_type)
         names.append((of_type, name))
@@ -124,8 +142,11 @@ def written():
             "",
         ]
         text += [f"    {n:{wide}}  {what}" for n, what in lines]
-        text += ['    """', f'    type = "{of_type}"', ""]
-        text += wrapped("def __init__(", ["self", "*", *arguments], ") -> None:", 4)
+        first = POSITIONAL.get(of_type, ())
+        rest = [a for n, a in arguments.items() if n not in first]
+        order = [*(arguments[n] for n in first), *(["*"] if rest else []), *rest]
+        text += ['    """', f'    type = "{of_type}"', *attributes, ""]
+        text += wrapped("def __init__(", ["self", *order], ") -> None:", 4)
         text += wrapped("self._make(dict(", [f"{n}={n}" for n in passed], "))", 8)
         parts.append("\n".join(text))
     parts.append(

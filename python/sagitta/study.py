@@ -8,14 +8,15 @@ from __future__ import annotations
 import ctypes
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Iterator, Optional, Sequence, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _calls
 from . import _library as C
-from ._arrays import Floats, address, doubles
+from ._arrays import address, doubles
+from ._tables import Dims, Floats, Table, Tabular, alike, ray_axes
 
 if TYPE_CHECKING:
     from .lens import Lens
@@ -78,7 +79,7 @@ class Fates:
     proven: int
 
 
-class Answer:
+class Answer(Tabular):
     """The rows of an analysis.  Each column is an attribute, an array of one number a row, as the command names it
     (`sagitta spot --help`, or help(Lens.spot)): answer.rms, answer.field ...
 
@@ -123,11 +124,49 @@ class Answer:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[np.void]:
         return iter(self.rows)
 
-    def __getitem__(self, row: Any) -> Any:
-        return self.rows[row]
+    @overload
+    def __getitem__(self, key: str) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, key: int) -> np.void: ...
+    @overload
+    def __getitem__(self, key: Union[slice, NDArray[Any], list[int], list[bool]]) -> "Answer": ...
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, str):
+            if key not in self.keys():
+                raise KeyError(f"{key}: there are {', '.join(self.keys())}")
+            return self.rows[key]
+        if isinstance(key, (int, np.integer)):
+            return self.rows[key]
+        return self._some(key)
+
+    def keys(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return self.rows.dtype.names or ()
+
+    def _some(self, keep: Any) -> "Answer":
+        return Answer(self.analysis, self.rows[keep], self.units, self.fates, self.notes, self.legend)
+
+    @property
+    def _units(self) -> dict[str, str]:  # type: ignore[override]
+        return self.units
+
+    _along = ("field", "wavelength")
+
+    def _table(self, dims: Dims) -> Table:
+        axes = ray_axes((1,), dims or "row")
+        return {name: (axes, self.rows[name]) for name in self.keys()}
+
+    def __eq__(self, other: object) -> bool:
+        """The same analysis with the same rows; a NaN is equal to a NaN."""
+        if not isinstance(other, Answer):
+            return NotImplemented
+        return self.analysis == other.analysis and alike(self.rows, other.rows)
+
+    __hash__ = None  # type: ignore[assignment]
 
     def of(self, field: Optional[int] = None, wavelength: Optional[float] = None) -> "Answer":
         """The rows of one field, or of one wavelength (micrometres; 0: all together)."""
@@ -136,7 +175,7 @@ class Answer:
             keep &= self.rows["field"] == field
         if wavelength is not None:
             keep &= self.rows["wavelength"] == wavelength
-        return Answer(self.analysis, self.rows[keep], self.units, self.fates, self.notes, self.legend)
+        return self._some(keep)
 
     def __repr__(self) -> str:
         return f"<{self.analysis}: {len(self.rows)} rows of {', '.join(self.rows.dtype.names or ())}>"
@@ -306,7 +345,7 @@ def _ask(
         _set_fields(option, lens, field, fields),
         _set_wavelengths(option, lens, wavelength),
         _set_points(option, pattern, rays, across, seed),
-        _calls.options(pick, proof, t_tol, 0.0, dt_min, max_evals),
+        _calls.options(dict(pick=pick, proof=proof, t_tol=t_tol, dt_min=dt_min, max_evals=max_evals)),
     ]
     if keep[-1] is not None:
         option.solver = ctypes.addressof(keep[-1])
