@@ -65,4 +65,5 @@ __all__ = [
     "Surface",
     "Traced",
     "Verdict",
-] + _surfaces.__all__
+]
+__all__ += _surfaces.__all__

@@ -43,9 +43,7 @@ from ._tables import Dims, Floats, Table, Tabular, alike, ray_axes
 # One vector, and many.  (An array may be either: to a type it is many.)
 Vector = Sequence[float]
 Numbers1 = Union[NDArray[Any], Sequence[float], Sequence[Sequence[float]]]  # an array of numbers, not one number
-Vectors = Union[
-    NDArray[Any], Sequence[NDArray[Any]], Sequence[Sequence[float]], Sequence[Sequence[Sequence[float]]]
-]
+Vectors = Union[NDArray[Any], Sequence[Union[NDArray[Any], Sequence[float], Sequence[Sequence[float]]]]]
 VectorsLike = Union[ArrayLike, Sequence[ArrayLike]]
 Rows = Union[Floats, list[Floats]]  # three rows
 

@@ -355,8 +355,9 @@ class Traced(Columns[End]):
         return new
 
     def __eq__(self, other: object) -> bool:
-        same = super().__eq__(other)
-        return same and (not isinstance(other, Traced) or self.passages == other.passages)
+        if not isinstance(other, Traced):
+            return NotImplemented
+        return super().__eq__(other) is True and self.passages == other.passages
 
     __hash__ = None  # type: ignore[assignment]
 

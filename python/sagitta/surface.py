@@ -549,8 +549,8 @@ class Surface:
         the sag is not defined, and where the gradient is 0.
 
         >>> import sagitta
-        >>> sagitta.Sphere(radius=10).normal(0, 6)
-        array([ 0. , -0.6,  0.8])
+        >>> sagitta.Sphere(radius=7).normal(2, 3).round(3)
+        array([-0.286, -0.429,  0.857])
         >>> ring = sagitta.Torus(major=2, minor=0.5)
         >>> ring.normal(*ring.intersect((-5, 0, 0), (1, 0, 0)).p)
         array([-1.,  0.,  0.])

@@ -1,0 +1,57 @@
+"""mypy --strict: the package, the examples, and what a program sees of the types (typed.py)."""
+import pathlib
+import re
+import shutil
+import subprocess
+
+import pytest
+
+TYPED = pathlib.Path(__file__).resolve().parent / "typed.py"
+SHORT = (
+    (r"numpy\.ndarray\[Any, numpy\.dtype\[numpy\.floating\[numpy\._typing\._64Bit\]\]\]", "array[float64]"),
+    (r"numpy\.ndarray\[Any, numpy\.dtype\[numpy\.signedinteger\[numpy\._typing\._(8|32)Bit\]\]\]", r"array[int\1]"),
+    (r"\b(builtins|sagitta|results|surface|surfaces|lens|study|_calls)\.", ""),
+)
+
+
+@pytest.fixture(scope="module")
+def mypy(tree, tmp_path_factory):
+    if not shutil.which("mypy"):
+        pytest.skip("mypy is not installed (on Debian: apt-get install mypy)")
+    if not (tree / "pyproject.toml").exists():
+        pytest.skip("no pyproject.toml beside the tests")
+
+    def run(*paths):
+        cache = tmp_path_factory.getbasetemp() / "mypy"
+        return subprocess.run(
+            ["mypy", "--strict", "--config-file", "pyproject.toml", "--cache-dir", str(cache), *map(str, paths)],
+            cwd=tree,
+            env={"MYPYPATH": "python", "PATH": "/usr/local/bin:/usr/bin:/bin"},
+            capture_output=True,
+            text=True,
+        )
+
+    return run
+
+
+def test_the_package_and_the_examples(mypy, tree):
+    said = mypy("python/sagitta", *sorted((tree / "examples" / "python").glob("*.py")))
+    assert said.returncode == 0, said.stdout + said.stderr
+
+
+def test_what_a_program_sees(mypy):
+    said, found = mypy(TYPED), {}
+    for line in said.stdout.splitlines():
+        number, kind, words = re.fullmatch(r".*typed\.py:(\d+): (note|error): (.*)", line).groups() if (
+            "typed.py:" in line
+        ) else ("0", "", "")
+        reveals = re.fullmatch(r'Revealed type is "(.*)"', words)
+        if reveals or kind == "error":
+            short = reveals[1] if reveals else "error"
+            for long, brief in SHORT:
+                short = re.sub(long, brief, short)
+            found[int(number)] = short
+    wanted = {
+        i: line.rsplit("  # ", 1)[1] for i, line in enumerate(TYPED.read_text().splitlines(), 1) if "  # " in line
+    }
+    assert len(wanted) > 60 and found == wanted
