@@ -1,19 +1,21 @@
 #!/usr/bin/env python3
-"""Writes sagitta/surfaces.py: a class for each type of the library's own table, sgt_builtins.
+"""Writes sagitta/surfaces.py: a class for each type of the library's own table, sgt_builtins; and
+sagitta/_analyses.pyi: what an editor and mypy know of each analysis, from the library's tables (study.h).
 
     SAGITTA_PYTHON_LIBRARY=BUILD/python/libsagitta_python.so python3 python/generate.py [--check]
 
-It is a file and not made as the package is loaded, so that an editor and mypy know the parameters, as arguments
+They are files and not made as the package is loaded, so that an editor and mypy know the parameters, as arguments
 and as attributes.  All are given by their names; those of POSITIONAL may be given in that order, too.  With
---check it is compared, and not written; the suite `python` does that.
+--check they are compared, and not written; the suite `python` does that.
 """
+import keyword
 import pathlib
 import sys
 import textwrap
 import types
 
 here = pathlib.Path(__file__).resolve().parent
-target = here / "sagitta" / "surfaces.py"
+SURFACES, ANALYSES = here / "sagitta" / "surfaces.py", here / "sagitta" / "_analyses.pyi"
 sys.path.insert(0, str(here))
 
 HEAD = '''"""The types of the catalogue.  Written by python/generate.py from the library's own table.
@@ -186,19 +188,74 @@ def formulas():
     return found
 
 
+ANALYSES_HEAD = '''"""The analyses as methods of Lens.  Written by python/generate.py from the library's own tables.
+
+study.py makes these methods when the package is loaded; this is for editors and for mypy.  Each answers with
+an Answer; the classes here only say which columns it has, and of which type each is.
+"""
+from typing import Literal, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Unpack
+
+from ._tables import Floats
+from .study import Answer, Asking, Field, Wavelength
+'''
+
+
+def setting_type(setting, study, C):
+    words = ", ".join(f'"{w}"' for w in C.text(setting.words).split("|")) if setting.kind == study._WORD else ""
+    return {
+        study._FLAG: "bool",
+        study._SETTING_COUNT: "Optional[int]",
+        study._WORD: f"Optional[Literal[{words}]]",
+        study._ONE_NUMBER: "Optional[float]",
+        study._NUMBERS: "Optional[ArrayLike]",
+    }[setting.kind]
+
+
+def analyses():
+    from sagitta import _library as C
+    from sagitta import study
+
+    parts, methods = [ANALYSES_HEAD], ["\n\nclass Analyses:"]
+    for analysis in study.analyses():
+        name = class_name(C.text(analysis.name)) + "Answer"
+        kinds = {study._COUNT: "NDArray[np.uintp]", study._PLACE: "NDArray[np.uintp]", study._FATE: "NDArray[np.intc]"}
+        parts.append(f"\n\nclass {name}(Answer):")
+        for column in analysis.column[: analysis.columns]:
+            parts.append(f"    {C.text(column.name)}: {kinds.get(column.kind, 'Floats')}")
+        arguments = ["self"]
+        if not analysis.no_fields:
+            arguments.append("field: Optional[Field] = None")
+        arguments.append("wavelength: Union[Wavelength, Sequence[Wavelength]] = None")
+        if analysis.no_fields:
+            arguments.insert(1, "field: None = None")
+        settings = [x for x in analysis.setting[: analysis.settings] if not keyword.iskeyword(C.text(x.name))]
+        if settings:
+            arguments.append("*")
+        for setting in settings:
+            hint = setting_type(setting, study, C)
+            arguments.append(f"{C.text(setting.name)}: {hint} = {'False' if hint == 'bool' else 'None'}")
+        methods += wrapped(f"def {C.text(analysis.name)}(", [*arguments, "**asked: Unpack[Asking]"], f") -> {name}: ...", 4)
+    return "\n".join(parts + methods) + "\n"
+
+
 def main():
-    text = written()
-    long = [line for line in text.splitlines() if len(line) > 110]
+    texts = {SURFACES: written(), ANALYSES: analyses()}
+    long = [line for text in texts.values() for line in text.splitlines() if len(line) > 110]
     if long:
         print("too long:", *long, sep="\n")
         return 1
-    if "--check" in sys.argv[1:]:
-        if target.read_text() != text:
+    for target, text in texts.items():
+        if "--check" not in sys.argv[1:]:
+            target.write_text(text)
+        elif not target.exists() or target.read_text() != text:
             print(f"{target} is not what python/generate.py writes: run it")
             return 1
-        print(f"{target.name}: as the library has it")
-        return 0
-    target.write_text(text)
+        else:
+            print(f"{target.name}: as the library has it")
     return 0
 
 

@@ -34,6 +34,10 @@ from .surface import _read as _parameters_at
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
+    from ._analyses import Analyses
+else:
+    Analyses = object  # study.py adds them
+
 _byref = ctypes.byref
 _pack_passing = C.packer(C.Passing)
 _pass = C.library.sagitta_pass
@@ -432,7 +436,7 @@ class Sensitivity(Named):
         return {"of": list(self.of), "parameter": list(self._lens.parameters)}
 
 
-class Lens:
+class Lens(Analyses):
     """A row of elements, and how rays are launched into it.
 
     elements            a list of Element
@@ -996,11 +1000,6 @@ class Lens:
     # -------------------------------------------------------- what a designer asks (study.py)
 
     _fault = staticmethod(_fault)
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, analysis: str) -> Callable[..., Answer]:
-            """spot, fan, opd, wavefront, zernike, field, map, sweep, ends ..."""
 
     # -------------------------------------------------------------------------- fields
 

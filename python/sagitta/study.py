@@ -6,12 +6,14 @@ that is added later.  The numbers are those of the command and of C, bit for bit
 from __future__ import annotations
 
 import ctypes
+import inspect
+import keyword
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator, Optional, Sequence, Union, overload
+from typing import TYPE_CHECKING, Any, Iterator, Literal, Optional, Sequence, TypedDict, TypeVar, Union, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _calls
 from . import _library as C
@@ -29,6 +31,8 @@ _FLAG, _SETTING_COUNT, _WORD, _ONE_NUMBER, _NUMBERS = range(5)
 _FORMATS = {_COUNT: np.dtype(np.uintp), _PLACE: np.dtype(np.uintp), _FATE: np.dtype(np.intc)}
 
 Field = Union[int, Sequence[float]]
+Rows = Union[slice, NDArray[Any], list[int], list[bool]]
+Some = TypeVar("Some", bound="Answer")
 Wavelength = Union[None, int, float, str]
 
 
@@ -110,13 +114,14 @@ class Answer(Tabular):
         self.analysis, self.rows, self.units, self.fates = analysis, rows, units, fates
         self.notes, self.legend = list(notes), list(legend)
 
-    def __getattr__(self, name: str) -> NDArray[Any]:
-        rows = self.__dict__.get("rows")
-        if rows is None or name not in (rows.dtype.names or ()):
-            columns = ", ".join(rows.dtype.names) if rows is not None else ""
-            raise AttributeError(f"no column {name!r}; there are {columns}")
-        result: NDArray[Any] = rows[name]
-        return result
+    if not TYPE_CHECKING:  # (_analyses.pyi says which columns an answer has)
+
+        def __getattr__(self, name: str) -> NDArray[Any]:
+            rows = self.__dict__.get("rows")
+            if rows is None or name not in (rows.dtype.names or ()):
+                columns = ", ".join(rows.dtype.names) if rows is not None else ""
+                raise AttributeError(f"no column {name!r}; there are {columns}")
+            return rows[name]
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(self.rows.dtype.names or ())]
@@ -132,7 +137,7 @@ class Answer(Tabular):
     @overload
     def __getitem__(self, key: int) -> np.void: ...
     @overload
-    def __getitem__(self, key: Union[slice, NDArray[Any], list[int], list[bool]]) -> "Answer": ...
+    def __getitem__(self: Some, key: Rows) -> Some: ...
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, str):
@@ -147,8 +152,8 @@ class Answer(Tabular):
         """The names of the columns."""
         return self.rows.dtype.names or ()
 
-    def _some(self, keep: Any) -> "Answer":
-        return Answer(self.analysis, self.rows[keep], self.units, self.fates, self.notes, self.legend)
+    def _some(self: Some, keep: Any) -> Some:
+        return type(self)(self.analysis, self.rows[keep], self.units, self.fates, self.notes, self.legend)
 
     @property
     def _units(self) -> dict[str, str]:  # type: ignore[override]
@@ -168,7 +173,7 @@ class Answer(Tabular):
 
     __hash__ = None  # type: ignore[assignment]
 
-    def of(self, field: Optional[int] = None, wavelength: Optional[float] = None) -> "Answer":
+    def of(self: Some, field: Optional[int] = None, wavelength: Optional[float] = None) -> Some:
         """The rows of one field, or of one wavelength (micrometres; 0: all together)."""
         keep = np.ones(len(self.rows), bool)
         if field is not None:
@@ -308,33 +313,48 @@ def _table_of(study: _Handle, analysis: C.Analysis, options: Any) -> tuple[np.dt
     return np.dtype(table), units  # type: ignore[call-overload]
 
 
+class Asking(TypedDict, total=False):
+    """What every analysis may be told, besides its own settings: help(Lens.spot) says what each is."""
+
+    fields: Optional[Sequence[Field]]
+    pattern: Union[None, str, ArrayLike]
+    rays: int
+    across: int
+    seed: int
+    weights: Optional[Literal["area", "equal"]]
+    aim: Optional[Literal["pupil", "stop", "real-stop"]]
+    apertures: bool
+    pick: Optional[_calls.Pick]
+    proof: Optional[_calls.Proof]
+    t_tol: float
+    dt_min: float
+    max_evals: int
+    threads: int
+
+
+_DEFAULTS: dict[str, Any] = dict(
+    fields=None, pattern=None, rays=0, across=0, seed=0, weights=None, aim=None, apertures=True, pick=None,
+    proof=None, t_tol=0.0, dt_min=0.0, max_evals=0, threads=1,
+)
+
+
 def _ask(
     analysis: C.Analysis,
     lens: "Lens",
     field: Optional[Field] = None,
     wavelength: Union[Wavelength, Sequence[Wavelength]] = None,
-    *,
-    fields: Optional[Sequence[Field]] = None,
-    pattern: Any = None,
-    rays: int = 0,
-    across: int = 0,
-    seed: int = 0,
-    weights: Optional[str] = None,
-    aim: Optional[str] = None,
-    apertures: bool = True,
-    pick: Optional[str] = None,
-    proof: Optional[str] = None,
-    t_tol: float = 0.0,
-    dt_min: float = 0.0,
-    max_evals: int = 0,
-    threads: int = 1,
-    **settings: Any,
+    **given: Any,
 ) -> Answer:
+    asked = {**_DEFAULTS, **{name: x for name, x in given.items() if name in _DEFAULTS}}
+    settings = {name: x for name, x in given.items() if name not in _DEFAULTS and x is not None}
+    fields, pattern, rays, across, seed, weights, aim, apertures, pick, proof, t_tol, dt_min, max_evals, threads = (
+        asked.values()
+    )
     lens._only_files(C.text(analysis.name))
     C.check_arithmetic()
     _calls.check_threads(threads)
-    for given, flag in ((field if field is not None else fields, analysis.no_fields), (proof, analysis.no_rays)):
-        if flag and given is not None:
+    for wanted, flag in ((field if field is not None else fields, analysis.no_fields), (proof, analysis.no_rays)):
+        if flag and wanted is not None:
             what = "fields" if analysis.no_fields else "a proof"
             raise ValueError(f"{C.text(analysis.name)}: takes no {what}")
     if analysis.no_rays and (pattern is not None or rays or across or weights is not None):
@@ -409,11 +429,26 @@ def _document(analysis: C.Analysis) -> str:
     return "\n".join(parts)
 
 
-def add_to(lens: Any) -> None:
-    """Makes a method of each analysis."""
+def analyses() -> Iterator[C.Analysis]:
     place = 0
     while at := C.library.sgt_analysis_at(place):
-        analysis = at.contents
+        yield at.contents
+        place += 1
+
+
+def _signature(analysis: C.Analysis) -> inspect.Signature:
+    """For help(): the settings by their names."""
+    own = {C.text(s.name): False if s.kind == _FLAG else None for s in analysis.setting[: analysis.settings]}
+    places = [inspect.Parameter(n, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=d)
+              for n, d in (("self", inspect.Parameter.empty), ("field", None), ("wavelength", None))]
+    names = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=d)
+             for n, d in {**own, **_DEFAULTS}.items() if not keyword.iskeyword(n)]
+    return inspect.Signature(places + names, return_annotation="Answer")
+
+
+def add_to(lens: Any) -> None:
+    """Makes a method of each analysis."""
+    for analysis in analyses():
 
         def method(self: "Lens", *given: Any, _analysis: Any = analysis, **named: Any) -> Answer:
             return _ask(_analysis, self, *given, **named)
@@ -421,8 +456,8 @@ def add_to(lens: Any) -> None:
         method.__name__ = C.text(analysis.name)
         method.__qualname__ = f"{lens.__name__}.{method.__name__}"
         method.__doc__ = _document(analysis)
+        method.__signature__ = _signature(analysis)  # type: ignore[attr-defined]
         setattr(lens, method.__name__, method)
-        place += 1
 
 
 __all__ = ["Answer", "Fates"]

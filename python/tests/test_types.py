@@ -7,9 +7,12 @@ import subprocess
 import pytest
 
 TYPED = pathlib.Path(__file__).resolve().parent / "typed.py"
+ARRAY = r"numpy\.ndarray\[Any, numpy\.dtype\[numpy\.%s\]\]"
 SHORT = (
-    (r"numpy\.ndarray\[Any, numpy\.dtype\[numpy\.floating\[numpy\._typing\._64Bit\]\]\]", "array[float64]"),
-    (r"numpy\.ndarray\[Any, numpy\.dtype\[numpy\.signedinteger\[numpy\._typing\._(8|32)Bit\]\]\]", r"array[int\1]"),
+    (ARRAY % r"floating\[numpy\._typing\._64Bit\]", "array[float64]"),
+    (ARRAY % r"signedinteger\[numpy\._typing\._(8|32)Bit\]", r"array[int\1]"),
+    (ARRAY % r"unsignedinteger\[Any\]", "array[uint]"),
+    (ARRAY % r"signedinteger\[Any\]", "array[intc]"),
     (r"\b(builtins|sagitta|results|surface|surfaces|lens|study|_calls)\.", ""),
 )
 

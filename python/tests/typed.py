@@ -79,6 +79,16 @@ reveal_type(lens.first_order().efl)  # float
 reveal_type(lens.sensitivity(o, along).by(0, "radius"))  # array[float64]
 reveal_type(lens.aim(1, (0, 0), sagitta.Beam((0, 0, -9), along)))  # Aims
 
+# Analyses.
+spot = lens.spot(1, pattern="grid", rays=9, reference="centroid", defocus=[0, 0.1])
+reveal_type(spot.rms)  # array[float64]
+reveal_type(spot.of(wavelength=0).rms)  # array[float64]
+reveal_type(spot[1:].field)  # array[uint]
+reveal_type(spot.fates.passed)  # int
+reveal_type(spot.units["rms"])  # str
+reveal_type(lens.zernike(terms=9).coefficient)  # array[float64]
+reveal_type(lens.ends().fate)  # array[intc]
+
 # What is wrong, and that mypy says so.
 ball.intersect(o, along, pick="last")  # error
 ball.intersect(o, along, colour="red")  # error
@@ -86,3 +96,7 @@ ball.leave(many, along, pick="first")  # error
 cone.colour  # error
 sagitta.Sphere(50, -1)  # error
 sagitta.Zernike(norm=1, order="nol", coefficients=[1])  # error
+lens.spot(1, reference="cheif")  # error
+lens.spot(1, colour="red")  # error
+lens.spott()  # error
+spot.colour  # error
