@@ -4,9 +4,9 @@ sagitta/_analyses.pyi: what an editor and mypy know of each analysis, from the l
 
     SAGITTA_PYTHON_LIBRARY=BUILD/python/libsagitta_python.so python3 python/generate.py [--check]
 
-They are files and not made as the package is loaded, so that an editor and mypy know the parameters, as arguments
-and as attributes.  All are given by their names; those of POSITIONAL may be given in that order, too.  With
---check they are compared, and not written; the suite `python` does that.
+They are files and not made as the package is loaded, so that an editor and mypy know the parameters, as
+arguments and as attributes.  All are given by their names; those of POSITIONAL may be given in that order,
+too.  With --check they are compared, and not written; the suite `python` does that.
 """
 import keyword
 import pathlib
@@ -188,7 +188,7 @@ def formulas():
     return found
 
 
-ANALYSES_HEAD = '''"""The analyses as methods of Lens.  Written by python/generate.py from the library's own tables.
+ANALYSES_HEAD = '''"""The analyses as methods of Lens.  Written by python/generate.py from the library's tables.
 
 study.py makes these methods when the package is loaded; this is for editors and for mypy.  Each answers with
 an Answer; the classes here only say which columns it has, and of which type each is.
@@ -205,7 +205,8 @@ from .study import Answer, Asking, Field, Wavelength
 
 
 def setting_type(setting, study, C):
-    words = ", ".join(f'"{w}"' for w in C.text(setting.words).split("|")) if setting.kind == study._WORD else ""
+    listed = C.text(setting.words).split("|") if setting.kind == study._WORD else ()
+    words = ", ".join(f'"{w}"' for w in listed)
     return {
         study._FLAG: "bool",
         study._SETTING_COUNT: "Optional[int]",
@@ -220,9 +221,10 @@ def analyses():
     from sagitta import study
 
     parts, methods = [ANALYSES_HEAD], ["\n\nclass Analyses:"]
+    count, fate = "NDArray[np.uintp]", "NDArray[np.intc]"
+    kinds = {study._COUNT: count, study._PLACE: count, study._FATE: fate}
     for analysis in study.analyses():
         name = class_name(C.text(analysis.name)) + "Answer"
-        kinds = {study._COUNT: "NDArray[np.uintp]", study._PLACE: "NDArray[np.uintp]", study._FATE: "NDArray[np.intc]"}
         parts.append(f"\n\nclass {name}(Answer):")
         for column in analysis.column[: analysis.columns]:
             parts.append(f"    {C.text(column.name)}: {kinds.get(column.kind, 'Floats')}")
@@ -238,7 +240,8 @@ def analyses():
         for setting in settings:
             hint = setting_type(setting, study, C)
             arguments.append(f"{C.text(setting.name)}: {hint} = {'False' if hint == 'bool' else 'None'}")
-        methods += wrapped(f"def {C.text(analysis.name)}(", [*arguments, "**asked: Unpack[Asking]"], f") -> {name}: ...", 4)
+        arguments.append("**asked: Unpack[Asking]")
+        methods += wrapped(f"def {C.text(analysis.name)}(", arguments, f") -> {name}: ...", 4)
     return "\n".join(parts + methods) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""The analyses as methods of Lens.  Written by python/generate.py from the library's own tables.
+"""The analyses as methods of Lens.  Written by python/generate.py from the library's tables.
 
 study.py makes these methods when the package is loaded; this is for editors and for mypy.  Each answers with
 an Answer; the classes here only say which columns it has, and of which type each is.

@@ -11,8 +11,8 @@ A vector argument is one of these:
 
 Where the first and the last axis are both 3 it can be read both ways and is refused, unless `axis` says which
 of the two holds x, y, z: axis=0 or axis=-1.  The shapes of the rays of o, d and their ends are broadcast as
-numpy does it.  To the library all rays are in one row, in the order of C: so an array of rays is a view of that
-row, and the answers are, too.
+numpy does it.  To the library all rays are in one row, in the order of C.  An array of rays is looked at as
+that row, and the answers are rows that are looked at in the shape of the rays.
 """
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from ._tables import Dims, Floats, Table, Tabular, alike, ray_axes
 
 # One vector, and many.  (An array may be either: to a type it is many.)
 Vector = Sequence[float]
-Numbers1 = Union[NDArray[Any], Sequence[float], Sequence[Sequence[float]]]  # an array of numbers, not one number
+Numbers1 = Union[NDArray[Any], Sequence[float], Sequence[Sequence[float]]]  # not one number, but an array
 Vectors = Union[NDArray[Any], Sequence[Union[NDArray[Any], Sequence[float], Sequence[Sequence[float]]]]]
 VectorsLike = Union[ArrayLike, Sequence[ArrayLike]]
 Rows = Union[Floats, list[Floats]]  # three rows
@@ -90,13 +90,10 @@ def count_of(shape: Shape) -> int:
 
 
 def ambiguous(name: str, shape: Shape) -> ValueError:
-    flat = len(shape) == 2
-    return ValueError(
-        f"{name}: {shape} can be "
-        + ("three vectors in columns or in rows" if flat else "read with x, y, z along its first axis or its last")
-        + f"; say axis=0 if {name}[0] are the x of all, "
-        + (f"axis=1 if {name}[:, 0] are" if flat else f"axis=-1 if {name}[..., 0] are")
-    )
+    said, last = "read with x, y, z along its first axis or its last", f"axis=-1 if {name}[..., 0] are"
+    if len(shape) == 2:
+        said, last = "three vectors in columns or in rows", f"axis=1 if {name}[:, 0] are"
+    return ValueError(f"{name}: {shape} can be {said}; say axis=0 if {name}[0] are the x of all, {last}")
 
 
 def _is_xyz(x: Any) -> bool:
@@ -110,8 +107,8 @@ def _is_xyz(x: Any) -> bool:
 
 
 def rows_of(x: VectorsLike, name: str, axis: Optional[int]) -> tuple[Rows, Optional[int], Shape]:
-    """Three rows; the axis that holds x, y, z, 0 or 1 (the last), or None of a single vector; the shape of the
-    rays."""
+    """Three rows; the axis that holds x, y, z, 0 or 1 (the last), or None of a single vector; the shape of
+    the rays."""
     if _is_xyz(x):
         parts = [doubles(v, name) for v in x]  # type: ignore[union-attr]
         if len({v.shape for v in parts}) != 1:
@@ -427,7 +424,7 @@ class Columns(Tabular, Generic[One]):
         return cls.FIELDS[name]
 
     def _set(self, arrays: dict[str, NDArray[Any]], axis: int = 0, shape: Optional[Shape] = None) -> None:
-        """Takes arrays (n,) and (3, n), or of rays in more axes.  shape: that of the rays, if they are flat."""
+        """Takes arrays (n,) and (3, n), or of rays in more axes.  shape: that of the rays, if it is not n."""
         found, rows = None, {}
         for name, a in arrays.items():
             kind, count = self._field(name)
@@ -449,9 +446,8 @@ class Columns(Tabular, Generic[One]):
             if a.shape[-1] > 1 and (a.strides[-1] != a.itemsize or not a.flags.aligned):
                 raise ValueError(f"out: {name} must be contiguous along its last axis")
             if found is not None and found != of:
-                raise ValueError(
-                    f"out: {name} has room for {_numbers(of)} rays, the arrays before it for {_numbers(found)}"
-                )
+                many, before = _numbers(of), _numbers(found)
+                raise ValueError(f"out: {name} has room for {many} rays, the arrays before it for {before}")
             found, rows[name] = of, a
         of = found or (0,)
         self.size, self._axis, self._views = count_of(of), axis, rows

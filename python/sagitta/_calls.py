@@ -68,10 +68,10 @@ def takes(options: Any) -> Callable[[F], F]:
     def shown(f: F) -> F:
         own = inspect.signature(f)
         parameters = [x for x in own.parameters.values() if x.kind is not inspect.Parameter.VAR_KEYWORD]
-        parameters += [
-            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=DEFAULTS[name], annotation=hint)
-            for name, hint in ((n, str(getattr(h, "__forward_arg__", h))) for n, h in options.__annotations__.items())
-        ]
+        for name, hint in options.__annotations__.items():
+            hint = getattr(hint, "__forward_arg__", hint)
+            kind = inspect.Parameter.KEYWORD_ONLY
+            parameters.append(inspect.Parameter(name, kind, default=DEFAULTS[name], annotation=hint))
         f.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
         return f
 

@@ -7,6 +7,7 @@ vectors in columns p_x, p_y, p_z.  pandas and xarray are imported when they are 
 from __future__ import annotations
 
 import importlib
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
@@ -47,7 +48,8 @@ def _module(name: str, method: str) -> Any:
         return importlib.import_module(name)
     except ImportError as error:
         raise ImportError(
-            f"{method}() needs {name}, which is not installed: pip install {name}, or on Debian python3-{name}",
+            f"{method}() needs {name}, which is not installed: pip install {name} (on Debian: "
+            f"apt-get install python3-{name})",
             name=name,
         ) from error
 
@@ -100,8 +102,8 @@ class Tabular:
         return frame
 
     def to_xarray(self, dims: Dims = None) -> "xarray.Dataset":
-        """A Dataset with an array for each number: a copy.  The axes of the rays are called "ray", or "ray_0",
-        "ray_1" ..., or as `dims` says; that of vectors "xyz", with the labels x, y, z.  It needs xarray."""
+        """A Dataset with an array for each number: a copy.  The axes of the rays are called "ray", or
+        "ray_0", "ray_1" ..., or as `dims` says; that of vectors "xyz", with labels.  It needs xarray."""
         module = _module("xarray", "to_xarray")
         table = self._table(dims)
         used = {axis for axes, _ in table.values() for axis in axes}
@@ -118,11 +120,8 @@ class Tabular:
 class Named(Tabular):
     """A dataclass as a mapping of its members, and equal by value: a NaN is equal to a NaN."""
 
-    _DIMS: dict[str, Union[str, tuple[str, ...]]] = {}  # members with axes before those of the rays
-    _ROWS: Optional[str] = "ray"  # what an element of the others is
-
     def keys(self) -> tuple[str, ...]:
-        return tuple(name for name in self.__dataclass_fields__ if not name.startswith("_"))  # type: ignore[attr-defined]
+        return tuple(f.name for f in fields(self) if not f.name.startswith("_"))
 
     def __getitem__(self, name: str) -> Any:
         if name not in self.keys():

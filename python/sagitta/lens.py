@@ -891,7 +891,8 @@ class Lens(Analyses):
         max_boxes: int = 0,
         threads: int = 1,
     ) -> Aims:
-        """The rays of a beam that meet an element at wanted points (x, y) of its frame: (2,), (2, n), (2, ny, nx).
+        """The rays of a beam that meet an element at wanted points (x, y) of its frame: (2,), (2, n) or
+        (2, ny, nx).
 
         >>> from sagitta import Beam, Element, Lens, Plane, Sphere
         >>> lens = Lens([Element(Sphere(radius=50), index=1.5, thickness=10), Element(Plane())])

@@ -105,8 +105,8 @@ class Hit(ctypes.Structure):
         return C.text(C.library.sgt_status_text(self.status))
 
     def __repr__(self) -> str:
-        name = type(self).__name__
-        return f"<{name}: {self.text}, t = {self.t!r} +- {self.t_err:.1g}>" if self.met else f"<{name}: {self.text}>"
+        at = f", t = {self.t!r} +- {self.t_err:.1g}" if self.met else ""
+        return f"<{type(self).__name__}: {self.text}{at}>"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Hit) or type(self) is not type(other):
@@ -115,9 +115,14 @@ class Hit(ctypes.Structure):
 
     __hash__ = None  # type: ignore[assignment]
 
+    @classmethod
+    def _members(cls) -> list[tuple[str, Any]]:
+        """What it has, and the types of ctypes: of a subclass all of it."""
+        return [member for of in cls.__mro__ for member in of.__dict__.get("_fields_", ())]
+
     def _all(self) -> list[Any]:
-        names = [name for of in type(self).__mro__ for name, *_ in of.__dict__.get("_fields_", ())]
-        return [getattr(self, name) if name[0] != "_" else np.array(getattr(self, name)) for name in names]
+        values = [getattr(self, name) for name, _ in self._members()]
+        return [np.array(x) if isinstance(x, ctypes.Array) else x for x in values]
 
 
 class Crossing(Hit):
@@ -145,9 +150,9 @@ class Hits(Columns[Hit]):
     Of rays in more axes (ny, nx), and (3, ny, nx) or (ny, nx, 3).
 
     `Hits.empty(1000)` makes room for 1000 rays, to be given as out= to any number of calls;
-    `Hits.empty(1000, "status", "t")` for these numbers only, which is faster; `Hits.empty((ny, nx))` for rays of
-    that shape.  `Hits(t=a, p=b)` takes arrays of yours: doubles (status: int8, evals: int32), (n,) and (3, n),
-    contiguous and writable.
+    `Hits.empty(1000, "status", "t")` for these numbers only, which is faster; `Hits.empty((ny, nx))` for rays
+    of that shape.  `Hits(t=a, p=b)` takes arrays of yours: doubles (status: int8, evals: int32), (n,) and
+    (3, n), contiguous and writable.
 
     >>> import sagitta
     >>> hits = sagitta.Sphere(10).intersect([[0, 0], [0, 6], [-5, -5]], (0, 0, 1))
@@ -182,13 +187,14 @@ class Hits(Columns[Hit]):
     _HIT = Hit
 
     def _one(self, k: int) -> Hit:
-        if "status" not in self._names:
-            raise ValueError(f"a {self._HIT.__name__} has a status, which was not asked for; there are "
-                             + ", ".join(self._names))
-        hit = self._HIT(evals=-1)
-        for name, kind in ((name, kind) for of in self._HIT.__mro__ for name, kind in of.__dict__.get("_fields_", ())):
+        names, kind_of_hit = self._names, self._HIT
+        if "status" not in names:
+            said = f"a {kind_of_hit.__name__} has a status, which was not asked for; there are "
+            raise ValueError(said + ", ".join(names))
+        hit = kind_of_hit(evals=-1)
+        for name, kind in kind_of_hit._members():
             bare = name.lstrip("_")
-            if bare in self._names:
+            if bare in names:
                 value = self._row_of(bare, k)
                 setattr(hit, name, tuple(value) if isinstance(value, list) else value)
             elif kind is ctypes.c_double:
@@ -298,7 +304,7 @@ class Traced(Columns[End]):
 
     fate (int8, Fate), passed (int32: how many elements), opl: (n,).  o, d: the ray at its end, global, (3,
     n), or (n, 3) if the rays came so; d is of unit length.  Of rays in more axes (ny, nx), and (3, ny, nx) or
-    (ny, nx, 3).  If it was asked for, `passages` has a Passage for each element, in the frame of that element.
+    (ny, nx, 3).  If it was asked for, `passages` has a Passage for each element, in its own frame.
     """
 
     FIELDS = {"fate": ("i1", 1), "passed": ("i4", 1), "o": ("f8", 3), "d": ("f8", 3), "opl": ("f8", 1)}

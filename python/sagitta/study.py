@@ -10,7 +10,8 @@ import inspect
 import keyword
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator, Literal, Optional, Sequence, TypedDict, TypeVar, Union, overload
+from typing import TYPE_CHECKING, Any, Iterator, Literal, Optional, Sequence, TypedDict, TypeVar, Union
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -347,13 +348,13 @@ def _ask(
 ) -> Answer:
     asked = {**_DEFAULTS, **{name: x for name, x in given.items() if name in _DEFAULTS}}
     settings = {name: x for name, x in given.items() if name not in _DEFAULTS and x is not None}
-    fields, pattern, rays, across, seed, weights, aim, apertures, pick, proof, t_tol, dt_min, max_evals, threads = (
-        asked.values()
-    )
+    fields, pattern, rays, across, seed, weights, aim, apertures, *solver, threads = asked.values()
+    pick, proof, t_tol, dt_min, max_evals = solver
     lens._only_files(C.text(analysis.name))
     C.check_arithmetic()
     _calls.check_threads(threads)
-    for wanted, flag in ((field if field is not None else fields, analysis.no_fields), (proof, analysis.no_rays)):
+    given_fields = field if field is not None else fields
+    for wanted, flag in ((given_fields, analysis.no_fields), (proof, analysis.no_rays)):
         if flag and wanted is not None:
             what = "fields" if analysis.no_fields else "a proof"
             raise ValueError(f"{C.text(analysis.name)}: takes no {what}")

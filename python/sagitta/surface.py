@@ -73,11 +73,9 @@ class AllHits(Named):
         return iter(np.split(self.table, np.cumsum(np.maximum(self.count.reshape(-1), 0))[:-1]))
 
     def _table(self, dims: Dims) -> Table:
-        (axis,) = ray_axes((1,), dims or "entry")
-        return {
-            name: (("xyz", axis), self.table[name].T) if self.table[name].ndim > 1 else ((axis,), self.table[name])
-            for name in self.table.dtype.names or ()
-        }
+        axes = ray_axes((1,), dims or "entry")
+        columns = {name: self.table[name].T for name in self.table.dtype.names or ()}
+        return {name: (("xyz",) * (a.ndim - 1) + axes, a) for name, a in columns.items()}
 
 
 @dataclass(eq=False)
@@ -89,8 +87,9 @@ class Jacobian(Named):
     n_by_o  (3, 3, n)                                 n_by_a  (3, m, n)
     parameters              the names of the m parameters
 
-    n is the shape of the rays, one axis or more.  By the direction it is t times that by the origin.  NaN where the ray does not meet the surface, and where
-    the surface does not offer what is needed (a Function has neither second derivatives nor parameters).
+    n is the shape of the rays, one axis or more.  By the direction it is t times that by the origin.  NaN
+    where the ray does not meet the surface, and where the surface does not offer what is needed (a Function
+    has neither second derivatives nor parameters).
     """
 
     t_by_o: Floats
@@ -103,11 +102,11 @@ class Jacobian(Named):
 
     def _table(self, dims: Dims) -> Table:
         axes = ray_axes(self.t_by_o.shape[1:], dims)
-        return {
-            name: (("xyz",) * (name[0] != "t") + ("o" if name.endswith("o") else "parameter",) + axes, self[name])
-            for name in self.keys()
-            if name != "parameters"
-        }
+        found: Table = {}
+        for name in self.keys()[:-1]:
+            by = "o" if name.endswith("o") else "parameter"
+            found[name] = (*("xyz",) * (name[0] != "t"), by, *axes), self[name]
+        return found
 
     def _coords(self) -> dict[str, Any]:
         return {"o": ["x", "y", "z"], "parameter": list(self.parameters)}
@@ -240,8 +239,8 @@ class Surface:
     ) -> Union[Hit, Hits]:
         """Where the rays o + t d meet the surface: a Hit for one ray, Hits for many.
 
-        o, d        (3,), (3, n), (n, 3), or three arrays; one of them may be (3,) for all rays.  Of rays in more
-                    axes (3, ny, nx) or (ny, nx, 3): the answers have their shape.  Shapes are broadcast
+        o, d        (3,), (3, n), (n, 3), or three arrays; one of them may be (3,) for all rays.  Of rays in
+                    more axes (3, ny, nx) or (ny, nx, 3): the answers have their shape.  Shapes are broadcast
         tmin, tmax  the ends, in lengths of d: a number, or one for each ray.  Default: 0 and infinity.  The
                     root at a finite tmin itself is not accepted; -inf takes the whole line
         pick        "first", or "near-seed": the root that the surface's own guess leads to
@@ -533,8 +532,8 @@ class Surface:
     def value(self, x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Union[float, Floats]:
         """F at points: a number, or an array of the shape that x, y and z have together.
 
-        F is 0 on the surface, above 0 outside of a body and above a sag, and NaN where it is not defined.  It is
-        in the unit that the surface has it in, a distance or not (docs/surfaces.md), and without the rim.
+        F is 0 on the surface, above 0 outside of a body and above a sag, and NaN where it is not defined.
+        Its unit is the surface's own (docs/surfaces.md).  The rim is not part of it.
 
         >>> import sagitta
         >>> sagitta.Plane().value(0, 0, [-1, 0, 2])
@@ -544,9 +543,9 @@ class Surface:
         return float(f) if f.ndim == 0 else f
 
     def normal(self, x: ArrayLike, y: ArrayLike, z: Optional[ArrayLike] = None) -> Floats:
-        """The normal of unit length at points, where F grows: the gradient of F by its length.  (3,), or (3, ...)
-        with the shape that x, y and z have together.  Without z, of a sag: at z = sag(x, y).  NaN where F or
-        the sag is not defined, and where the gradient is 0.
+        """The normal at points: of unit length, to where F grows.  (3,), or (3, ...) with the shape that x, y
+        and z have together.  Without z, of a sag: at z = sag(x, y).  NaN where F or the sag is not defined,
+        and where the gradient is 0.
 
         >>> import sagitta
         >>> sagitta.Sphere(radius=7).normal(2, 3).round(3)
@@ -598,7 +597,8 @@ class Surface:
         if len(hits) != rays.n:
             raise ValueError(f"hits are of {len(hits)} rays; there are {rays.n}")
         if hits._shape != rays.shape and not rays.one:
-            raise ValueError(f"hits have the shape {hits.shape}; that of the rays is {rays.shape or (rays.n,)}")
+            of = rays.shape or (rays.n,)
+            raise ValueError(f"hits have the shape {hits.shape}; that of the rays is {of}")
         if "p" not in hits._names or "n" not in hits._names:
             raise ValueError("hits: p and n are needed")
         hits._row("p"), hits._row("n")
