@@ -30,30 +30,27 @@ def of_words(value: Optional[str], words: dict[Optional[str], int], name: str) -
         raise ValueError(f"{name}: must be one of {known}, not {value!r}") from None
 
 
-class Options(TypedDict, total=False):
-    """The options of the solver, which every call that meets surfaces takes: sgt_options of sagitta.h.
+class Proofs(TypedDict, total=False):
+    """The options of the solver (sgt_options of sagitta.h), of a call that takes no root rather than another.
 
-    pick        "first", or "near-seed": the root that the surface's own guess leads to
     proof       "estimate", "root" (exactly one root within t_err) or "first" (and none before it)
     t_tol, f_tol, dt_min, max_evals     as in sgt_options
     """
 
+    proof: Optional[Proof]
+    t_tol: float
+    f_tol: float
+    dt_min: float
+    max_evals: int
+
+
+class Options(Proofs, total=False):
+    """All of them.
+
+    pick        "first", or "near-seed": the root that the surface's own guess leads to
+    """
+
     pick: Optional[Pick]
-    proof: Optional[Proof]
-    t_tol: float
-    f_tol: float
-    dt_min: float
-    max_evals: int
-
-
-class Proofs(TypedDict, total=False):
-    """Options without `pick`: of calls that take no root rather than another."""
-
-    proof: Optional[Proof]
-    t_tol: float
-    f_tol: float
-    dt_min: float
-    max_evals: int
 
 
 DEFAULTS: dict[str, Any] = {

@@ -143,6 +143,23 @@ def test_room_of_any_shape(rng):
     assert same(room.passages[2].p, lens().trace(o, d, passages=True).passages[2].p)
 
 
+OPTIONS = {"pick", "proof", "t_tol", "f_tol", "dt_min", "max_evals"}
+
+
+@pytest.mark.parametrize(
+    "call, lacks",
+    [(BALL.intersect, ()), (BALL.prepare, ()), (BALL.leave, ("pick",)), (BALL.intersect_all, ("pick",)),
+     (BALL.diagnose, ()), (lens().trace, ()), (lens().prepare, ()), (lens().spot, ("f_tol",))],
+)
+def test_options_are_in_signatures_and_have_no_others(call, lacks, rng):
+    assert OPTIONS & set(inspect.signature(call).parameters) == OPTIONS - set(lacks)
+    hits, d = BALL.intersect(*rays(rng, 4)), rays(rng, 4)[1]
+    given = {"leave": (hits, d), "diagnose": ((0, 0, -9), (0, 0, 1)), "spot": ()}.get(call.__name__, (d, d))
+    for name in ("colour", *lacks):
+        with pytest.raises(TypeError, match=f"no (option|setting) '{name}'"):
+            call(*given, **{name: "red"})
+
+
 # ------------------------------------------------------------------ names and rays
 
 
