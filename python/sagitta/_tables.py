@@ -54,20 +54,11 @@ def _module(name: str, method: str) -> Any:
         ) from error
 
 
-class Tabular:
-    """A result whose numbers have names: a mapping of names to arrays, and what tables are made of."""
-
-    _units: dict[str, str] = {}
-    _along: tuple[str, ...] = ()  # names that are labels of the rows
+class Mapping:
+    """A result whose numbers have names: a mapping of names to arrays."""
 
     def keys(self) -> tuple[str, ...]:
         raise NotImplementedError
-
-    def _table(self, dims: Dims) -> Table:
-        raise NotImplementedError
-
-    def _coords(self) -> dict[str, Any]:
-        return {}
 
     def values(self) -> list[Any]:
         return [self[name] for name in self.keys()]  # type: ignore[index]
@@ -77,6 +68,19 @@ class Tabular:
 
     def __contains__(self, name: object) -> bool:
         return name in self.keys()
+
+
+class Tabular(Mapping):
+    """One that tables are made of."""
+
+    _units: dict[str, str] = {}
+    _along: tuple[str, ...] = ()  # names that are labels of the rows
+
+    def _table(self, dims: Dims) -> Table:
+        raise NotImplementedError
+
+    def _coords(self) -> dict[str, Any]:
+        return {}
 
     def to_pandas(self, dims: Dims = None) -> "pandas.DataFrame":
         """A DataFrame with a row for each ray, and columns t, p_x, p_y, p_z ...: a copy.  Its index is called
@@ -117,7 +121,7 @@ class Tabular:
         return made
 
 
-class Named(Tabular):
+class Named(Mapping):
     """A dataclass as a mapping of its members, and equal by value: a NaN is equal to a NaN."""
 
     def keys(self) -> tuple[str, ...]:

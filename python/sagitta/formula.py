@@ -63,6 +63,10 @@ class _Written(Surface):
             return self.given[name]
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
 
+    @property
+    def _numbers(self) -> Hashable:
+        return frozenset((name, float(x)) for name, x in self.given.items())
+
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.given]
 
@@ -107,7 +111,7 @@ class Formula(_Written):
         return _again, (Formula, self.formula, {"inside": self.inside, **self.given})
 
     def _key(self) -> Hashable:
-        return self.formula, frozenset(self.given.items()), ball_key(self.inside)
+        return self.formula, self._numbers, ball_key(self.inside)
 
     def _yaml(self) -> dict[str, Any]:
         ball, lo, hi = ball_and_box(self.inside)
@@ -151,7 +155,7 @@ class Sag(_Written):
         return _again, (Sag, self.formula, {"semi_diameter": self.semi_diameter, **self.given})
 
     def _key(self) -> Hashable:
-        return self.formula, frozenset(self.given.items()), self.semi_diameter
+        return self.formula, self._numbers, self.semi_diameter
 
     def _yaml(self) -> dict[str, Any]:
         rim = {"semi_diameter": self.semi_diameter} if self.semi_diameter else {}

@@ -24,7 +24,7 @@ from . import _library as C
 from .earth import lens_options
 from ._arrays import LARGE, RayArrays, VectorsLike, address, doubles, places_of
 from ._calls import Options
-from ._tables import Dims, Floats, Named, Table, ray_axes
+from ._tables import Dims, Floats, Named, Table, Tabular, ray_axes
 from .function import Function
 from .results import Aimed, Fate, Later, Passage, Room, Status, Traced
 from .study import PATTERNS, Answer, Wavelength, add_to, field_number, points_of, wavelength_of, whole
@@ -213,7 +213,7 @@ def _not_there(aimed: int, within: float) -> str:
 
 
 @dataclass(eq=False)
-class Rays(Named):
+class Rays(Named, Tabular):
     """Rays of a field: o, d (3, n) as trace() wants them; the points of the unit circle of the pupil, with
     their weights; aimed (int32, Aimed): only where it is MET, o and d are a ray (else NaN).
     NO_SUCH_RAY is proven of all that the rims in front let through (analysis.h); else it is undecided.
@@ -316,7 +316,7 @@ class Parabasal(Named):
 
 
 @dataclass(eq=False)
-class Seidel(Named):
+class Seidel(Named, Tabular):
     """The Seidel sums of each surface, as wavefronts (lens.h, sgt_seidel), or why there are none."""
 
     spherical: Floats
@@ -354,7 +354,7 @@ class Beam:
 
 
 @dataclass(eq=False)
-class Aims(Named):
+class Aims(Named, Tabular):
     """The ray of a beam through each wanted point.  aimed (Aimed): MET; NO_SUCH_RAY is proven; else
     UNDECIDED. u, v, o, d: the launch ray (NaN unless met).  miss: the exact ray meets the element within
     `miss` of the point. clipped: the first element whose aperture clips it, or -1."""
@@ -384,7 +384,7 @@ OUTPUTS = ("x", "y", "z", "l", "m", "n", "opl")
 
 
 @dataclass(eq=False)
-class Sensitivity(Named):
+class Sensitivity(Named, Tabular):
     """The ends of rays and how they change.
 
     of          which numbers: x, y, z of the point on the last element and l, m, n of the direction behind

@@ -30,7 +30,7 @@ from ._arrays import (
 )
 from ._calls import Options, Proofs
 from ._calls import Prepared as Prepared
-from ._tables import Dims, Floats, Named, Table, ray_axes
+from ._tables import Dims, Floats, Named, Table, Tabular, ray_axes
 from .results import HIT_TABLE, STEP_TABLE, Crossings, Hit, Hits, Status
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ Out = TypeVar("Out", bound=Hits)
 
 
 @dataclass(eq=False)
-class AllHits(Named):
+class AllHits(Named, Tabular):
     """Every hit of every ray, in order of t.  `for entries in every` goes over the rays.
 
     count   (n,), or as the rays have it: how many entries each ray has; 0: it certainly misses
@@ -70,7 +70,8 @@ class AllHits(Named):
         return self.count.size
 
     def __iter__(self) -> Iterator[NDArray[Any]]:
-        return iter(np.split(self.table, np.cumsum(np.maximum(self.count.reshape(-1), 0))[:-1]))
+        counts = np.maximum(self.count.reshape(-1), 0)
+        return (self.table[end - count : end] for count, end in zip(counts, np.cumsum(counts)))
 
     def _table(self, dims: Dims) -> Table:
         axes = ray_axes((1,), dims or "entry")
@@ -79,7 +80,7 @@ class AllHits(Named):
 
 
 @dataclass(eq=False)
-class Jacobian(Named):
+class Jacobian(Named, Tabular):
     """How t, p and n of each hit change: with the origin, and with the parameters of the surface.
 
     t_by_o  (3, n)          dt/do_j                   t_by_a  (m, n)         dt/da_j

@@ -325,6 +325,8 @@ def test_tables_of_what_a_lens_answers(rng):
     assert list(change["parameter"].values) == ["curvature", "conic"]
     every = RING.intersect_all(o, d)
     assert len(every.to_pandas()) == len(every.table) and sum(len(e) for e in every) == len(every.table)
+    assert all(same(a["t"], every.of(k)["t"]) for k, a in enumerate(every)) and len(list(every)) == 4
+    assert list(RING.intersect_all(np.zeros((3, 0)), (0, 0, 1))) == []
     assert of.seidel().to_pandas().index.name == "element"
     aimed = of.aim(1, np.zeros((2, 3)), sagitta.Beam(o=(0, 0, -20), d=(0, 0, 1), ou=(1, 0, 0), ov=(0, 1, 0)))
     assert aimed.to_xarray()["o"].dims == ("xyz", "ray")
