@@ -172,9 +172,10 @@ def spread(rows: Rows, shape: Shape, over: Shape) -> Rows:
     """Rows of rays of one shape, as often as a shape that it is broadcast to wants them."""
     if shape == over:
         return rows
-    n = count_of(over)
-    parts = [np.broadcast_to(np.reshape(x, shape), over).reshape(n) for x in rows]
-    return np.array(parts) if len(parts) == 3 else parts
+    wide = np.empty((len(rows), *over))
+    for place, x in zip(wide, rows):
+        place[...] = np.reshape(x, shape)
+    return wide.reshape(len(rows), count_of(over))
 
 
 def _addresses(rows: Rows) -> Iterable[int]:
