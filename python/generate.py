@@ -101,7 +101,7 @@ def wrapped(begin, items, end, indent):
     lines = [" " * indent + begin]
     for i, item in enumerate(items):
         item += end if i == len(items) - 1 else ","
-        space = "" if lines[-1].endswith("(") else " "
+        space = "" if lines[-1][-1] in "([" else " "
         if len(lines[-1] + space + item) > 108:
             lines.append(" " * (indent + len(begin)) + item)
         else:
@@ -242,7 +242,15 @@ def analyses():
             arguments.append(f"{C.text(setting.name)}: {hint} = {'False' if hint == 'bool' else 'None'}")
         arguments.append("**asked: Unpack[Asking]")
         methods += wrapped(f"def {C.text(analysis.name)}(", arguments, f") -> {name}: ...", 4)
-    return "\n".join(parts + methods) + "\n"
+    # Columns by the types that they have in all analyses, for answer["name"].
+    types = {}
+    for analysis in study.analyses():
+        for column in analysis.column[: analysis.columns]:
+            types.setdefault(C.text(column.name), set()).add(kinds.get(column.kind, "Floats"))
+    names = []
+    for alias, hint in (("Reals", "Floats"), ("Counts", count), ("FatesOfRays", fate)):
+        names += ["", *wrapped(f"{alias} = Literal[", [f'"{n}"' for n, t in types.items() if t == {hint}], "]", 0)]
+    return "\n".join(parts[:1] + names + parts[1:] + methods) + "\n"
 
 
 def main():

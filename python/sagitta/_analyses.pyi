@@ -13,6 +13,17 @@ from ._tables import Floats
 from .study import Answer, Asking, Field, Wavelength
 
 
+Reals = Literal["wavelength", "x", "y", "rms", "rms_x", "rms_y", "geometric", "airy", "sampling", "defocus",
+                "xy_err", "px", "py", "ex", "ey", "e_err", "opd", "opd_err", "pv", "m", "coefficient",
+                "residual", "tangential", "sagittal", "distortion_percent", "fx", "fy", "ideal", "t_err",
+                "condition", "at", "weight", "z", "l", "opl", "opl_err", "within", "radius", "fraction",
+                "unsure", "cos4", "illumination", "cos4_err", "illumination_err"]
+
+Counts = Literal["field", "rays", "passed", "digits", "missed", "clipped", "tir", "lost", "none", "proven",
+                 "term", "lacks", "element"]
+
+FatesOfRays = Literal["fate"]
+
 
 class SpotAnswer(Answer):
     field: NDArray[np.uintp]

@@ -22,6 +22,7 @@ from ._arrays import address, doubles
 from ._tables import Dims, Floats, Table, Tabular, alike, ray_axes
 
 if TYPE_CHECKING:
+    from ._analyses import Counts, FatesOfRays, Reals
     from .lens import Lens
 
 PATTERNS = {"fan": 0, "grid": 1, "hexapolar": 2, "random": 3, "sobol": 4, "cells": 5, "cross": 6}
@@ -133,6 +134,12 @@ class Answer(Tabular):
     def __iter__(self) -> Iterator[np.void]:
         return iter(self.rows)
 
+    @overload
+    def __getitem__(self, key: "Reals") -> Floats: ...
+    @overload
+    def __getitem__(self, key: "Counts") -> NDArray[np.uintp]: ...
+    @overload
+    def __getitem__(self, key: "FatesOfRays") -> NDArray[np.intc]: ...
     @overload
     def __getitem__(self, key: str) -> NDArray[Any]: ...
     @overload

@@ -84,6 +84,8 @@ spot = lens.spot(1, pattern="grid", rays=9, reference="centroid", defocus=[0, 0.
 reveal_type(spot.rms)  # array[float64]
 reveal_type(spot.of(wavelength=0).rms)  # array[float64]
 reveal_type(spot[1:].field)  # array[uint]
+reveal_type(spot["rms"])  # array[float64]
+reveal_type(spot["rays"])  # array[uint]
 reveal_type(spot.fates.passed)  # int
 reveal_type(spot.units["rms"])  # str
 reveal_type(lens.zernike(terms=9).coefficient)  # array[float64]
