@@ -132,7 +132,7 @@ class Crossing(Hit):
     side: int
 
 
-class Pass(Hit):
+class Passed(Hit):
     """One ray of a Passage: a Hit, `direction` and `opl`."""
 
     _fields_ = [("_direction", C.Vector), ("opl", ctypes.c_double)]
@@ -391,11 +391,11 @@ class Passage(Hits):
         result: Passage = cls._make(n, fields)
         return result
 
-    _HIT = Pass
+    _HIT = Passed
 
     if TYPE_CHECKING:
 
-        def __iter__(self) -> Iterator[Pass]: ...
+        def __iter__(self) -> Iterator[Passed]: ...
 
     def _fill(self) -> C.Passages:  # type: ignore[override]
         return C.Passages.from_buffer_copy(

@@ -87,6 +87,18 @@ def test_any_shape_is_the_row_of_its_rays(rng, shape, turned):
     assert aimed.u.shape == aimed.o.shape[1:] == (shape[::-1] if turned else shape)
 
 
+def test_columns_with_memory_of_their_own(rng, monkeypatch):
+    """As with very many rays."""
+    o, d = (a.reshape(3, *SHAPE) for a in rays(rng, 20, 8.0))
+    want, through = BALL.intersect(o, d), lens().trace(o, d, passages=True)
+    for module in ("_arrays", "results", "surface", "lens"):
+        monkeypatch.setattr(sys.modules[f"sagitta.{module}"], "LARGE", 10)
+    got = BALL.intersect(o, d)
+    assert got._block is None and got == want and got.shape == SHAPE
+    for passages in (True, tuple(sagitta.Passage.FIELDS)):
+        assert lens().trace(o, d, passages=passages) == through
+
+
 def test_shapes_are_broadcast(rng):
     x, y = rng.uniform(-9, 9, (4, 1)), rng.uniform(-9, 9, 5)
     hits = BALL.intersect((x, y, -20.0), (0, 0, 1))
