@@ -118,7 +118,7 @@ SGT_INLINE side_way comes_near(const wavy *s, int terms, const side_way *way, do
 
 /* Is a root that easy.h has met the first one, since F is monotone or bent in one way up to it?  (x0, y0):
  * on the vertex plane, as in easy.h.  inverse: 1 / G' at the root.  from_afar: the way is made shorter
- * first. */
+ * twice. */
 SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, bool from_afar, double tmin,
                               double t0, double x0, double y0, double tau, double inverse, double l, double m,
                               double n)
@@ -130,7 +130,7 @@ SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, bool fr
     side_way way = {from, larger(wavy_r2(x0, y0, from, l, m), root2), 0};
     mask known = MASK(disc > 0) & MASK(fabs(from) < HUGE_VAL) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
                  MASK(fabs(x0) + fabs(y0) <= 0x1p16 * b->edge) & MASK(from < tau);
-    if (from_afar) way = comes_near(s, terms, &way, root2, x0, y0, 0, l, m, n);
+    way = comes_near(s, terms, &way, root2, x0, y0, 0, l, m, n);
     if (from_afar) way = comes_near(s, terms, &way, root2, x0, y0, 0, l, m, n);
     mask rises = MASK(b->sign * inverse > 0), falls = MASK(b->sign * inverse < 0),
          above = way.off & MASK(b->sign * n < 0);
