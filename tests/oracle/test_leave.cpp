@@ -1,7 +1,8 @@
 // sgt_leave and sgt_leave_batch: particles that go from crossing to crossing, against signs in 113 bits.
 //
 // A thousand particles at a time go through a world: a gyroid in a ball of ten cells, a thin torus (R = 139,
-// r = 1), nested spheres and Clebsch's cubic as formulas, and as built-in types a quadric and an ellipsoid.
+// r = 1), nested spheres and Clebsch's cubic as formulas, and as built-in types a quadric, an ellipsoid, a
+// hyperboloid, a ring and a spindle.
 // At each crossing they go straight on; every tenth time, in a new direction of the whole sphere.  One that
 // misses, or is undecided, begins anew.  Asked of every crossing:
 //
@@ -86,8 +87,9 @@ sgt_surface formula(const char *text, double ball)
 
 std::vector<World> worlds()
 {
-    static const sgt_torus torus = {139, 1};
+    static const sgt_torus torus = {139, 1}, ring = {3, 1}, spindle = {1, 2};
     static const sgt_quadric quadric = {{1, 0.25, 0.5}, {0.1, 0.05, 0.2}, {0, 0, 0}, -1};
+    static const sgt_quadric sheets = {{1, 1.5, -1}, {0, 0, 0}, {0, 0, 0}, -1};
     static const sgt_ellipsoid ellipsoid = {1.5, 0.25};
     return {{"gyroid in a ball of ten cells",
              formula("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x) = 0", 62.8), 62.8,
@@ -126,9 +128,27 @@ std::vector<World> worlds()
                  return x * x + y * y / 4 + z * z / 2 + quad(0.1) * x * y + quad(0.05) * y * z +
                         quad(0.2) * x * z - 1;
              }},
-            {"ellipsoid", {&sgt_ellipsoid_ops, &ellipsoid}, 1.5, [](quad x, quad y, quad z) {
+            {"ellipsoid",
+             {&sgt_ellipsoid_ops, &ellipsoid},
+             1.5,
+             [](quad x, quad y, quad z) {
                  const quad w = z / quad(0.75);
                  return x * x + y * y + w * w - quad(1.5) * quad(1.5);
+             }},
+            {"hyperboloid",
+             {&sgt_quadric_ops, &sheets},
+             3,
+             [](quad x, quad y, quad z) { return x * x + quad(1.5) * y * y - z * z - 1; }},
+            {"ring, R = 3, r = 1",
+             {&sgt_torus_ops, &ring},
+             4,
+             [](quad x, quad y, quad z) {
+                 const quad off = oracle::square_root(x * x + y * y) - 3;
+                 return off * off + z * z - 1;
+             }},
+            {"spindle, R = 1, r = 2", {&sgt_torus_ops, &spindle}, 3, [](quad x, quad y, quad z) {
+                 const quad sum = x * x + y * y + z * z + 1 - 4;
+                 return sum * sum - 4 * (x * x + y * y);
              }}};
 }
 
@@ -391,7 +411,8 @@ void beside_and_along(const World &w, int count)
             complain(w, "wrong side", a, c.hit.t, c.side);
         if (c.side == 0) continue;
         a.p = c.ray.o;
-        const double skip = 1e-12 * w.reach / (std::fabs(slope) + 1e-7);
+        const double way_to = c.hit.status > 0 ? c.hit.t : 0,
+                     skip = 1e-12 * (w.reach + way_to) / (std::fabs(slope) + 1e-7);
         way_right(w, a, c.hit.status, c.hit.status > 0 ? c.hit.t : 0, c.side, skip);
     }
     batch_is_single(w, starts, nullptr);

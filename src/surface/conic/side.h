@@ -19,7 +19,8 @@
  * WHICH ROOT.  Where |A| > 2^-10 Aa both roots are right to a part in 2^40.  The earlier one is the first
  * root, unless it is certainly not accepted: off the sheet, beyond the rim, or before or behind the ends,
  * by a part in 2^20 (AWAY in easy.h).  For the root near the seed one of the two has to be such.  If both
- * are, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met here.
+ * are, or if D is below -2^-20 of its terms, the ray misses.  If the ray starts on the surface, the root
+ * nearer to tmin, by a factor of 4, is the start (AWAY there).  No other root that may be it is met here.
  *
  * THE START, here the local origin, must not be too far away: its terms must be at most twice those at the
  * root.  Else the careful form is sharper.
@@ -73,8 +74,12 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
          two = usual & MASK(D > 0x1p-6 * size) & MASK(fabs(A) > 0x1p-10 * Aa);
     mask swapped = MASK(other < one);
     double early = chosen(swapped, other, one), late = chosen(swapped, one, other);
-    mask no_early = two & side_gone(s, x, y, z, t0, early, l, m, n, tmin, tmax),
-         no_late = two & side_gone(s, x, y, z, t0, late, l, m, n, tmin, tmax);
+    mask start = starts_on(s, ox, oy, oz, l, m, n, tmin);
+    double to_early = fabs((t0 - tmin) + early), to_late = fabs((t0 - tmin) + late);
+    mask no_early = two & (side_gone(s, x, y, z, t0, early, l, m, n, tmin, tmax) |
+                           (start & MASK(to_early < 0.25 * to_late))),
+         no_late = two & (side_gone(s, x, y, z, t0, late, l, m, n, tmin, tmax) |
+                          (start & MASK(to_late < 0.25 * to_early)));
 
     double tau = chosen(no_early, late, early), size_tau = fabs(tau), t = t0 + tau;
     double tau_err =
