@@ -97,7 +97,7 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
     return EASY_NOT;
 }
 
-/* met_from_side, along a direction scaled as above. */
+/* met_from_side, else met_from_on, along a direction scaled as above. */
 static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
     sgt_vec3 o = ray->o, d = ray->d;
@@ -107,6 +107,9 @@ static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_option
     if (usual) scale = 1;
     side_answer side = met_from_side(s, first, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale,
                                      ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale);
+    if (!(side.away | side.e.hit))
+        side = met_from_on(s, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale, ray->tmin / scale,
+                           ray->tmax / scale, opt->t_tol / scale);
     *e = side.e;
     return side.away ? EASY_MISS : side.e.hit ? easy_unscaled(e, scale) : EASY_NOT;
 }
