@@ -103,10 +103,10 @@ static place polished(sgt_surface s, sgt_vec3 p, double f, sgt_vec3 n, double p_
     return (place){on ? o : p, on};
 }
 
-static double leave_sign(double x) { return (x > 0 ? 1.0 : 0.0) - (x < 0 ? 1.0 : 0.0); }
+SGT_INLINE double leave_sign(double x) { return (x > 0 ? 1.0 : 0.0) - (x < 0 ? 1.0 : 0.0); }
 
 /* The sign of the slope n . d; 0 if it is less than `part` of what it may be. */
-static double slope_sign(sgt_vec3 n, sgt_vec3 d, double part)
+SGT_INLINE double slope_sign(sgt_vec3 n, sgt_vec3 d, double part)
 {
     double slope = leave_dot(n, d);
     return fabs(slope) > part * leave_size(n) * leave_size(d) ? leave_sign(slope) : 0;
@@ -148,6 +148,34 @@ SGT_INLINE double first_look(sgt_vec3 o, sgt_vec3 d, sgt_vec3 n, double far)
     return t > least ? t : least; /* of a NaN: least */
 }
 
+/* F by `value` and its own rounding is off by no more than this from F at the point meant. */
+SGT_INLINE double look_error(double own, sgt_vec3 p, sgt_vec3 n)
+{
+    return 2 * (own + 2 * SGT_U * leave_terms(p, n));
+}
+
+/* Is it a built-in surface of which a look may be taken before its span is known?  A span ends where F may
+ * get another sign without a root, at a rim.  But if the slope at the start, and F at the first look, have
+ * one sign, it is that behind the start. */
+static bool looks_early(const sgt_surface_ops *ops)
+{
+    return ops->own_ && ops->rounding && !encloses_of(ops) && !is_body(ops);
+}
+
+/* The side of a start on such a surface, from which the ray misses.  0: not known. */
+static signed char early_side(sgt_surface s, const sgt_ray *ray, sgt_vec3 n)
+{
+    sgt_vec3 o = ray->o, d = ray->d;
+    double by_slope = slope_sign(n, d, 0x1p-20), t = first_look(o, d, n, far_of(o, d));
+    t = t < ray->tmax ? t : ray->tmax;
+    sgt_vec3 m = {0, 0, 0},
+             p = {moved_along(o.x, t, d.x), moved_along(o.y, t, d.y), moved_along(o.z, t, d.z)};
+    if (by_slope == 0 || !(t > 0)) return 0;
+    double f = s.ops->value(s.self, p, &m), err = look_error(s.ops->rounding(s.self, p), p, m),
+           there = (f - err > 0 ? 1.0 : 0.0) - (f + err < 0 ? 1.0 : 0.0);
+    return there == by_slope ? (signed char)there : 0;
+}
+
 /* Asks for the side of number i. */
 static double ask_side(sgt_surface s, asked *a, size_t i, const sgt_ray *ray, sgt_vec3 n, bool on,
                        const sgt_hit *hit)
@@ -163,12 +191,6 @@ static double ask_side(sgt_surface s, asked *a, size_t i, const sgt_ray *ray, sg
     double end = s.ops->span(s.self, ray).hi; /* behind it F may have another sign */
     if (end > 0 && 0.5 * end < a->most[k]) a->most[k] = 0.5 * end;
     return a->t[k];
-}
-
-/* F by `value` and its own rounding is off by no more than this from F at the point meant. */
-SGT_INLINE double look_error(double own, sgt_vec3 p, sgt_vec3 n)
-{
-    return 2 * (own + 2 * SGT_U * leave_terms(p, n));
 }
 
 /* Enclosures of F by `values` and the many roundings of a built-in surface without a share. */
@@ -251,6 +273,8 @@ static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray
     double by_hit = sharp && hit->status == SGT_HIT ? -slope_sign(hit->n, ray->d, 0x1p-30) : 0;
     if (by_hit != 0) return (signed char)by_hit;
     sgt_vec3 n = gradient_at(s, from, ray->o);
+    signed char early = on && hit->status == SGT_MISS && looks_early(s.ops) ? early_side(s, ray, n) : 0;
+    if (early != 0) return early;
     double t = ask_side(s, a, i, ray, n, on, hit);
     if (t > 0) return 0;
     a->count--; /* at the origin all terms are 0 */
@@ -445,21 +469,42 @@ static double on_all(size_t n, const double *px, const double *py, const double 
     return count;
 }
 
+/* F and its gradient at n points. */
+static void leave_values(sgt_surface s, size_t n, const double *const p[3], double *f, double *const grad[3])
+{
+    if (s.ops->values) {
+        s.ops->values(s.self, n, (sgt_points){{p[0], p[1], p[2]}},
+                      (sgt_values){f, {grad[0], grad[1], grad[2]}});
+        return;
+    }
+    for (size_t k = 0; k < n; k++) {
+        sgt_vec3 m = {0, 0, 0};
+        f[k] = s.ops->value(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}, &m);
+        grad[0][k] = m.x, grad[1][k] = m.y, grad[2][k] = m.z;
+    }
+}
+
 /* The starts of at most ASKS rays, from number i of a tile on, whose p are in w->o.  F is asked of all
  * together. */
 static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, leaving *w, size_t i)
 {
-    double sure[ASKS], none[ASKS] = {0}, f[ASKS], grad[3][ASKS], known = 0;
+    double sure[ASKS], p_err[ASKS], f[ASKS], grad[3][ASKS], known = 0;
     double *const p[3] = {w->o[0] + i, w->o[1] + i, w->o[2] + i};
-    const double *const *const m = from->n, *p_err = from->p_err ? from->p_err + at + i : none;
-    bool asked_here = asked_of(s), many = asked_here && s.ops->values;
-    if (m[0] && asked_here)
+    double *const there[3] = {grad[0], grad[1], grad[2]};
+    const double *const at_all[3] = {p[0], p[1], p[2]};
+    const double *const *const m = from->n;
+    bool many = asked_of(s);
+    for (size_t k = 0; k < n; k++) { /* F is not asked for where a start makes no sense */
+        p_err[k] = from->p_err ? from->p_err[at + i + k] : 0;
+        if (sound_at((sgt_vec3){p[0][k], p[1][k], p[2][k]}, p_err[k])) continue;
+        p[0][k] = p[1][k] = p[2][k] = 0, p_err[k] = (double)NAN;
+    }
+    if (m[0] && many)
         known = surely_all(n, p[0], p[1], p[2], m[0] + at + i, m[1] + at + i, m[2] + at + i, p_err, sure);
     else
         memset(sure, 0, sizeof sure);
     if (known < (double)n && many) {
-        s.ops->values(s.self, n, (sgt_points){{p[0], p[1], p[2]}},
-                      (sgt_values){f, {grad[0], grad[1], grad[2]}});
+        leave_values(s, n, at_all, f, there);
         known = on_all(n, p[0], p[1], p[2], p_err, f, grad[0], grad[1], grad[2], sure);
     }
     memset(w->on + i, true, n * sizeof *w->on);
@@ -505,10 +550,11 @@ static void sides_by_hit(size_t n, const double *const p[3], const double *const
     }
 }
 
-/* The first looks of answer_sides at a body, of starts that miss.  p: where; NaN: look_again has to ask. */
+/* The first looks of answer_sides, of starts that miss.  p: where; asks: 0 (and p is 0) where
+ * look_again has to ask. */
 SGT_KERNEL
 static void looks_at(size_t n, const sgt_rays *rays, const double *const grad[3], const double *state,
-                     double *restrict px, double *restrict py, double *restrict pz)
+                     double *restrict px, double *restrict py, double *restrict pz, double *restrict asks)
 {
     const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0], *dy = rays->d[1],
                  *dz = rays->d[2], *tmax = rays->tmax, *nx = grad[0], *ny = grad[1], *nz = grad[2];
@@ -517,41 +563,53 @@ static void looks_at(size_t n, const sgt_rays *rays, const double *const grad[3]
         double t = first_look(o, d, m, far_of(o, d));
         mask told = MASK(state[i] == SGT_MISS) & MASK(leave_size(m) > 0) & MASK(leave_finite(m)) &
                     MASK(t > 0);
-        t = chosen(told, t < tmax[i] ? t : tmax[i], (double)NAN);
-        px[i] = moved_along(o.x, t, d.x), py[i] = moved_along(o.y, t, d.y), pz[i] = moved_along(o.z, t, d.z);
+        t = t < tmax[i] ? t : tmax[i];
+        px[i] = chosen(told, moved_along(o.x, t, d.x), 0), py[i] = chosen(told, moved_along(o.y, t, d.y), 0),
+        pz[i] = chosen(told, moved_along(o.z, t, d.z), 0), asks[i] = chosen(told, 1, 0);
     }
 }
 
 SGT_KERNEL
 static void sides_by_look(size_t n, const double *const p[3], const double *f, const double *const grad[3],
-                          const double *own, double *restrict side)
+                          const double *own, const double *asks, const sgt_rays *rays,
+                          const double *const first[3], double agree, double *restrict side)
 {
-    const double *px = p[0], *py = p[1], *pz = p[2], *nx = grad[0], *ny = grad[1], *nz = grad[2];
+    const double *px = p[0], *py = p[1], *pz = p[2], *nx = grad[0], *ny = grad[1], *nz = grad[2],
+                 *dx = rays->d[0], *dy = rays->d[1], *dz = rays->d[2], *mx = first[0], *my = first[1],
+                 *mz = first[2];
     LANES for (size_t i = 0; i < n; i++) {
-        double err = look_error(own[i], (sgt_vec3){px[i], py[i], pz[i]}, (sgt_vec3){nx[i], ny[i], nz[i]});
-        double lo = f[i] - err, hi = f[i] + err, side_there = chosen(MASK(lo > 0), 1, -1);
-        side[i] = chosen(MASK(lo <= hi) & (MASK(lo > 0) | MASK(hi < 0)), side_there, side[i]);
+        sgt_vec3 m = {mx[i], my[i], mz[i]}, d = {dx[i], dy[i], dz[i]};
+        double err = look_error(own[i], (sgt_vec3){px[i], py[i], pz[i]}, (sgt_vec3){nx[i], ny[i], nz[i]}),
+               by_slope = slope_sign(m, d, 0x1p-20);
+        double lo = f[i] - err, hi = f[i] + err, there = chosen(MASK(lo > 0), 1, -1);
+        mask told = MASK(asks[i] > 0) & MASK(lo <= hi) & (MASK(lo > 0) | MASK(hi < 0)) &
+                    (MASK(agree == 0) | MASK(there == by_slope));
+        side[i] = chosen(told, there, side[i]);
     }
 }
 
-/* Sides of n starts that miss a body: as many of them as the first look tells. */
+/* Sides of n starts that miss: as many of them as the first look tells. */
 static void sides_of_misses(sgt_surface s, size_t n, const sgt_rays *rays, const double *const grad[3],
                             const double *state, double *side)
 {
-    double p[3][ASKS], f[ASKS], m[3][ASKS], own[ASKS];
+    double p[3][ASKS], f[ASKS], m[3][ASKS], own[ASKS], asks[ASKS];
     const double *const at[3] = {p[0], p[1], p[2]}, *const there[3] = {m[0], m[1], m[2]};
-    sgt_points points = {{p[0], p[1], p[2]}};
-    looks_at(n, rays, grad, state, p[0], p[1], p[2]);
-    s.ops->values(s.self, n, points, (sgt_values){f, {m[0], m[1], m[2]}});
-    s.ops->own_->roundings(s.self, NULL, n, points, f, own);
-    sides_by_look(n, at, f, there, own, side);
+    double *const out[3] = {m[0], m[1], m[2]};
+    bool body = is_body(s.ops);
+    looks_at(n, rays, grad, state, p[0], p[1], p[2], asks);
+    leave_values(s, n, at, f, out);
+    if (body) s.ops->own_->roundings(s.self, NULL, n, (sgt_points){{p[0], p[1], p[2]}}, f, own);
+    for (size_t k = 0; k < n && !body; k++)
+        own[k] = asks[k] > 0 ? s.ops->rounding(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}) : 0;
+    sides_by_look(n, at, f, there, own, asks, rays, grad, body ? 0 : 1, side);
 }
 
 /* Are there enough of these to be looked at together? */
-static bool looked_at(sgt_surface s, size_t n, const double *state)
+static bool looked_at(sgt_surface s, size_t n, const double *state, const bool *on)
 {
     size_t misses = 0;
-    if (!is_body(s.ops) || !asked_of(s)) return false;
+    bool early = looks_early(s.ops) && !memchr(on, false, n);
+    if (!(is_body(s.ops) || early) || !asked_of(s)) return false;
     for (size_t i = 0; i < n; i++) misses += state[i] == SGT_MISS;
     return 8 * misses > n;
 }
@@ -613,7 +671,7 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
         if (by_hit) {
             states_of(few, w.status + i, state);
             sides_by_hit(few, p, grad, d, from->p_err ? from->p_err + at + i : none, w.t + i, state, told);
-            if (side && from->n[0] && looked_at(s, few, state)) {
+            if (side && from->n[0] && looked_at(s, few, state, w.on + i)) {
                 const double *const first[3] = {from->n[0] + at + i, from->n[1] + at + i,
                                                 from->n[2] + at + i};
                 sgt_rays part = rays_from(&rays, i);

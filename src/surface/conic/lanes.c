@@ -343,8 +343,8 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         if (!met && tile->hits.evals) tile->hits.evals[i] = 0;
         hard += status[i] == SGT_HARD;
     }
-    return c != 0 && !s.proof && 8 * hard > tile->n ? conic_lanes_beside(&s, first, from == LEAVING, tile, far_gone, hard)
-                                                    : hard;
+    if (c == 0 || s.proof || 8 * hard <= tile->n) return hard;
+    return conic_lanes_beside(&s, first, from == LEAVING, tile, far_gone, hard);
 }
 
 /* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root

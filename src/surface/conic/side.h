@@ -102,8 +102,8 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
     return told;
 }
 
-/* FROM ON THE SURFACE.  About the start o itself C is nearly 0, so the root t1 = C / 2 B there is known, and the
- * other one is without a square root
+/* FROM ON THE SURFACE.  About the start o itself C is nearly 0.  So the root t1 = C / 2 B there is known, and
+ * the other one is without a square root
  *     t = 2 B / A - t1.
  * All three are worked out in twice the precision: off by 27 u^2 of their terms (conic.c, CAREFUL).  So where
  * B^2 > 2^-60 Ba^2 and A > 2^-20 Aa, their doubles are right to 1.01 u, and 2 B / A to 3.1 u.  t1 is off by
@@ -111,12 +111,12 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
  *     27 u^2 Ca / 2 B: below u |t| / 4 if Aa Ca <= 2^45 B^2,
  * and by 2 u of itself.  With the rounding of the difference t is off by less than 6 u of itself; 8 is taken.
  *
- * t1 is the start: |t1| S is at most 3/4 of what the rule allows (sagitta.h, sgt_ray), S = |B| to 2^-26, and so
- * are the terms at the root those at o.  It is not accepted, so t alone is asked for, whatever is picked.  The
- * ray misses if t is before the start, off the sheet or beyond the rim by the margins of side_gone; rounding of
- * the point is far below these (low, near). */
-SGT_INLINE side_answer met_from_on(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
-                                   double tmin, double tmax, double t_tol)
+ * t1 is the start: |t1| S is at most 3/4 of what the rule allows (sagitta.h, sgt_ray), S = |B| to 2^-26, and
+ * so are the terms at the root those at o.  It is not accepted, so t alone is asked for, whatever is picked.
+ * The ray misses if t is before the start, off the sheet or beyond the rim by the margins of side_gone;
+ * rounding of the point is far below these (low, near). */
+SGT_INLINE side_answer met_from_on(const bowl *s, double ox, double oy, double oz, double l, double m,
+                                   double n, double tmin, double tmax, double t_tol)
 {
     const double sure = s->proof;
     const twofold k1 = {s->k1, s->k1_lo};
@@ -141,7 +141,8 @@ SGT_INLINE side_answer met_from_on(const bowl *s, double ox, double oy, double o
     double tau_err = 8 * SGT_U * at, pz = sgt_fma(t, n, oz), w = s->ck * pz, px = sgt_fma(t, l, ox),
            py = sgt_fma(t, m, oy), across = fabs(l) + fabs(m),
            width = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * (px * px + py * py)) / size;
-    mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p30), near = MASK(at * across <= 0x1p20 * (fabs(px) + fabs(py))),
+    mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p30),
+         near = MASK(at * across <= 0x1p20 * (fabs(px) + fabs(py))),
          gone = known & side_gone(s, ox, oy, oz, 0, t, l, m, n, tmin, tmax) &
                 (MASK(t < 0) | MASK(t > tmax) | (low & near));
     near_root r = {.x = ox, .y = oy, .tau = t, .t = t, .t_err = tau_err, .tau_err = tau_err, .small = t};
