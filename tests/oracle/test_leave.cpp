@@ -4,7 +4,8 @@
 // r = 1), nested spheres and Clebsch's cubic as formulas, and as built-in types a quadric, an ellipsoid, a
 // hyperboloid, a ring and a spindle.
 // At each crossing they go straight on; every tenth time, in a new direction of the whole sphere.  One that
-// misses, or is undecided, begins anew.  Asked of every crossing:
+// misses turns where it was, into a new direction; one in 64 of these, and what is undecided, begins anew from
+// outside.  Asked of every crossing:
 //
 //     the side it starts on is that of the slope at the start, where that is not nearly 0
 //     the next crossing is one to the other side: the slope there has the other sign
@@ -298,6 +299,9 @@ void walk(const World &w, long steps, long checks, bool timed)
                     const sgt_vec3 v = direction();
                     d[0][i] = v.x, d[1][i] = v.y, d[2][i] = v.z;
                 }
+            } else if (status[i] == SGT_MISS && bits() % 64 != 0) {
+                const sgt_vec3 v = direction();
+                d[0][i] = v.x, d[1][i] = v.y, d[2][i] = v.z;
             } else
                 begin(i);
         }
