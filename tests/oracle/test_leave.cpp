@@ -4,8 +4,8 @@
 // r = 1), nested spheres and Clebsch's cubic as formulas, and as built-in types a quadric, an ellipsoid, a
 // hyperboloid, a ring and a spindle.
 // At each crossing they go straight on; every tenth time, in a new direction of the whole sphere.  One that
-// misses turns where it was, into a new direction; one in 64 of these, and what is undecided, begins anew from
-// outside.  Asked of every crossing:
+// misses turns where it was, into a new direction; one in 64 of these, and what is undecided, begins anew
+// from outside.  Asked of every crossing:
 //
 //     the side it starts on is that of the slope at the start, where that is not nearly 0
 //     the next crossing is one to the other side: the slope there has the other sign
@@ -441,7 +441,8 @@ void bowls(int count)
         std::vector<sgt_start> starts;
         int hits = 0, undecided = 0;
         for (int i = 0; i < count; i++) {
-            const sgt_vec3 at = direction(), d = i % 7 == 0 ? sgt_vec3{at.y, -at.x, 1e-3 * at.z} : direction();
+            const sgt_vec3 at = direction(), along = {at.y, -at.x, 1e-3 * at.z},
+                           d = i % 7 == 0 ? along : direction();
             const double by = 0.99 * w.reach * std::cbrt(uniform(0, 1)) / std::hypot(at.x, at.y);
             sgt_vec3 p = {by * at.x, by * at.y, 0}, n = {0, 0, 0};
             p.z = -w.s.ops->value(w.s.self, p, &n);
@@ -476,8 +477,8 @@ void bowls(int count)
                 complain(w, "wrong side", a, next.hit.t, next.side);
         }
         batch_is_single(w, starts, nullptr);
-        std::printf("conic, c %g, k %g, rim %g: %zu starts, %d met, %d undecided\n", kind[0], kind[1], kind[2],
-                    starts.size(), hits, undecided);
+        std::printf("conic, c %g, k %g, rim %g: %zu starts, %d met, %d undecided\n", kind[0], kind[1],
+                    kind[2], starts.size(), hits, undecided);
         require(undecided == 0, "conic: undecided");
     }
 }

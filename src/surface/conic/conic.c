@@ -20,7 +20,7 @@
  * tests/cost/cases.c, 400 rays, by callgrind for x86-64-v3, as all prices in this folder.)
  *
  * EASY, AWAY.  They answer nearly every ray: conic/easy.h.  SIDE: rays that run along the surface, or into
- * a bowl from the side: conic/side.h.
+ * a bowl from the side, or start on the surface: conic/side.h.
  *
  * QUICK.  In doubles, from the vertex plane.  Let u = 2^-53, and Aa, Ba, Ca the sums of the magnitudes of
  * the terms of A, B and C.  Each coefficient is off by at most 6 u of its sum; the roundings are counted

@@ -1,5 +1,6 @@
 /* conic/side.h - a conic met in closed form from the point of the ray nearest the vertex, without a branch:
- * rays that run along the surface, or enter a bowl from the side.  The loop is in conic/lanes.c.
+ * rays that run along the surface, or enter a bowl from the side; last, rays that start on it.  The loops
+ * are in conic/lanes.c.
  *
  * WHY.  Such a ray meets the vertex plane far from its root.  Seen from there the terms of the equation
  * cancel, and the root that comes first is the far one: easy.h leaves it.
