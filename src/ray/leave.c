@@ -155,8 +155,8 @@ SGT_INLINE double look_error(double own, sgt_vec3 p, sgt_vec3 n)
 }
 
 /* Is it a built-in surface of which a look may be taken before its span is known?  A span ends where F may
- * get another sign without a root, at a rim.  But if the slope at the start, and F at the first look, have
- * one sign, it is that behind the start. */
+ * get another sign without a root, at a rim.  But if F at the first look and its slope there have one sign, F
+ * has come from the root at the start: it is the sign behind it. */
 static bool looks_early(const sgt_surface_ops *ops)
 {
     return ops->own_ && ops->rounding && !encloses_of(ops) && !is_body(ops);
@@ -166,14 +166,14 @@ static bool looks_early(const sgt_surface_ops *ops)
 static signed char early_side(sgt_surface s, const sgt_ray *ray, sgt_vec3 n)
 {
     sgt_vec3 o = ray->o, d = ray->d;
-    double by_slope = slope_sign(n, d, 0x1p-20), t = first_look(o, d, n, far_of(o, d));
+    double t = first_look(o, d, n, far_of(o, d));
     t = t < ray->tmax ? t : ray->tmax;
     sgt_vec3 m = {0, 0, 0},
              p = {moved_along(o.x, t, d.x), moved_along(o.y, t, d.y), moved_along(o.z, t, d.z)};
-    if (by_slope == 0 || !(t > 0)) return 0;
+    if (!(t > 0)) return 0;
     double f = s.ops->value(s.self, p, &m), err = look_error(s.ops->rounding(s.self, p), p, m),
            there = (f - err > 0 ? 1.0 : 0.0) - (f + err < 0 ? 1.0 : 0.0);
-    return there == by_slope ? (signed char)there : 0;
+    return there == slope_sign(m, d, 0x1p-20) ? (signed char)there : 0;
 }
 
 /* Asks for the side of number i. */
@@ -571,15 +571,14 @@ static void looks_at(size_t n, const sgt_rays *rays, const double *const grad[3]
 
 SGT_KERNEL
 static void sides_by_look(size_t n, const double *const p[3], const double *f, const double *const grad[3],
-                          const double *own, const double *asks, const sgt_rays *rays,
-                          const double *const first[3], double agree, double *restrict side)
+                          const double *own, const double *asks, const double *const way[3], double agree,
+                          double *restrict side)
 {
     const double *px = p[0], *py = p[1], *pz = p[2], *nx = grad[0], *ny = grad[1], *nz = grad[2],
-                 *dx = rays->d[0], *dy = rays->d[1], *dz = rays->d[2], *mx = first[0], *my = first[1],
-                 *mz = first[2];
+                 *dx = way[0], *dy = way[1], *dz = way[2];
     LANES for (size_t i = 0; i < n; i++) {
-        sgt_vec3 m = {mx[i], my[i], mz[i]}, d = {dx[i], dy[i], dz[i]};
-        double err = look_error(own[i], (sgt_vec3){px[i], py[i], pz[i]}, (sgt_vec3){nx[i], ny[i], nz[i]}),
+        sgt_vec3 m = {nx[i], ny[i], nz[i]}, d = {dx[i], dy[i], dz[i]};
+        double err = look_error(own[i], (sgt_vec3){px[i], py[i], pz[i]}, m),
                by_slope = slope_sign(m, d, 0x1p-20);
         double lo = f[i] - err, hi = f[i] + err, there = chosen(MASK(lo > 0), 1, -1);
         mask told = MASK(asks[i] > 0) & MASK(lo <= hi) & (MASK(lo > 0) | MASK(hi < 0)) &
@@ -601,7 +600,7 @@ static void sides_of_misses(sgt_surface s, size_t n, const sgt_rays *rays, const
     if (body) s.ops->own_->roundings(s.self, NULL, n, (sgt_points){{p[0], p[1], p[2]}}, f, own);
     for (size_t k = 0; k < n && !body; k++)
         own[k] = asks[k] > 0 ? s.ops->rounding(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}) : 0;
-    sides_by_look(n, at, f, there, own, asks, rays, grad, body ? 0 : 1, side);
+    sides_by_look(n, at, f, there, own, asks, rays->d, body ? 0 : 1, side);
 }
 
 /* Are there enough of these to be looked at together? */
