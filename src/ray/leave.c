@@ -607,7 +607,8 @@ static void sides_of_misses(sgt_surface s, size_t n, const sgt_rays *rays, const
 static bool looked_at(sgt_surface s, size_t n, const double *state, const bool *on)
 {
     size_t misses = 0;
-    bool early = looks_early(s.ops) && !memchr(on, false, n);
+    bool early = looks_early(s.ops);
+    for (size_t i = 0; i < n; i++) early = early && on[i];
     if (!(is_body(s.ops) || early) || !asked_of(s)) return false;
     for (size_t i = 0; i < n; i++) misses += state[i] == SGT_MISS;
     return 8 * misses > n;
