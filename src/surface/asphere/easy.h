@@ -202,9 +202,9 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
            tau_err
            = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
     double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
-    mask again = MASK(off < 0x1p20);
+    mask again = MASK(off < 0x1p20), close = MASK(rho0 <= 4 * rho);
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
-                MASK(rho0 <= 4 * rho) & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) &
+                close & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) &
                 MASK(s->abs_ck * (W1 * H) < 0x1p-10);
     sure &= MASK(e <= 25 * SGT_U * (aw + az)) |
             (MASK(noise <= s->enough * fabs(t0)) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
@@ -214,7 +214,7 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
                         .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
                         .g = g,
-                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2)) & MASK(rho0 <= 6 * rho) &
+                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2)) & close &
                                  MASK(rho <= 4 * s->domain2)};
 }
 
