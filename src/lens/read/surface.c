@@ -72,6 +72,9 @@ static void check_keys(source *s, const node *map, const sgt_builtin *type, surf
                        const char *more, const char *others)
 {
     char text[900];
+    size_t left = 0;
+    while (left < map->count && map->taken[left]) left++;
+    if (left == map->count) return;
     size_t length = (size_t)snprintf(text, sizeof text, "type");
     for (const sgt_param *p = type->params; p->name && length < sizeof text; p++) {
         if (not_read(p, rim)) continue;

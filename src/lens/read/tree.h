@@ -38,6 +38,7 @@ typedef struct node {
     node_kind kind;
     bool quoted;          /* a scalar in quotes: neither a number nor a truth value */
     bool inline_;         /* write.c: in one line, in brackets */
+    bool number;          /* a scalar that was read as a number */
     union {
         const char *text;   /* of a scalar */
         struct node **item; /* of a list; of a map: the values */
@@ -69,6 +70,7 @@ typedef struct source {
     const sgt_lens_options *options;
     sgt_error *error;
     jmp_buf *refused;     /* where the reading began */
+    size_t only_line;     /* of all nodes of the text, where it is a piece of a file; 0: their own */
     node *root;
     bool in_lens;         /* not one surface alone */
     sgt_lens_remark *remark;
@@ -83,6 +85,9 @@ _Noreturn void tree_fail(source *s, size_t line, const char *key, const char *wo
 /* Words of a thing that was turned are put behind "taken as ", of one left out behind "left out: ". */
 void tree_remark(source *s, sgt_remark_kind kind, size_t line, const char *key, const char *words, ...)
     SGT_PRINTF(5, 6);
+
+/* The same remark of another reading, at another line. */
+void tree_remark_again(source *s, const sgt_lens_remark *r, size_t line, const char *key);
 
 void tree_comment(source *s, const char *text); /* kept as it is */
 
@@ -103,6 +108,7 @@ void tree_set(source *s, node *map, const char *key, node *value);
 node *tree_word(source *s, size_t line, const char *text);           /* as it stands */
 node *tree_number(source *s, size_t line, double x);                 /* reads back to the same bits */
 node *tree_numbers(source *s, size_t line, size_t count, const double x[]);  /* an inline list */
+node *tree_copy(source *s, const node *n); /* of all below it; nothing is shared, and nothing read yet */
 
 /* ----------------------------------------------------------------- reading */
 
@@ -112,6 +118,7 @@ void tree_finish(source *s, const node *map, const char *known);
 
 /* Values.  `key` is for the message.  The range says which of NaN and the infinities are allowed;
  * NUMBER_ANY is for callers that check the range themselves. */
+void tree_mark_number(const node *n); /* it was read as a number */
 typedef enum number_range { NUMBER_FINITE, NUMBER_MAYBE_INFINITE, NUMBER_ANY } number_range;
 double tree_read_number(source *s, const node *n, const char *key, number_range range);
 bool tree_read_truth(source *s, const node *n, const char *key);
@@ -139,5 +146,8 @@ void sgt_read_zmx(source *s);  /* s->text is UTF-8 */
 
 /* The tree as YAML, in memory of the reading. */
 char *sgt_write_yaml(source *s, size_t *length);
+
+/* A part of it in one line. */
+char *sgt_write_line(source *s, const node *n, size_t *length);
 
 #endif

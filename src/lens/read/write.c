@@ -173,6 +173,15 @@ static void write_comment(writer *w, const char *text)
     write_text(w, "\n");
 }
 
+char *sgt_write_line(source *s, const node *n, size_t *length)
+{
+    writer w = {.s = s};
+    write_inline(&w, n);
+    *length = w.length;
+    write_bytes(&w, "", 1);
+    return w.text;
+}
+
 char *sgt_write_yaml(source *s, size_t *length)
 {
     writer w = {.s = s};

@@ -101,9 +101,14 @@ static void put_node(builder *b, node *n)
     else tree_put(b->s, in->of, in->key, n), in->key = NULL;
 }
 
+static size_t line_of_node(const builder *b, yaml_mark_t mark)
+{
+    return b->s->only_line ? b->s->only_line : line_at(mark, b->last);
+}
+
 static node *node_at(builder *b, yaml_mark_t mark, node_kind kind)
 {
-    return tree_node(b->s, kind, line_at(mark, b->last));
+    return tree_node(b->s, kind, line_of_node(b, mark));
 }
 
 /* Takes an event into the tree.  Returns what is wrong with it, or NULL. */
@@ -114,7 +119,7 @@ static const char *take_event(builder *b, const yaml_event_t *e)
     switch (e->type) {
     case YAML_SCALAR_EVENT:
         replace_zeros((char *)e->data.scalar.value, e->data.scalar.length);
-        n = tree_scalar(b->s, line_at(e->start_mark, b->last), (const char *)e->data.scalar.value,
+        n = tree_scalar(b->s, line_of_node(b, e->start_mark), (const char *)e->data.scalar.value,
                         e->data.scalar.length);
         n->quoted = e->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
         anchor = e->data.scalar.anchor;
