@@ -141,7 +141,7 @@ const command command_sweep = {
     .often = "from to steps over hexapolar grid wavelength picture proof format output",
     .examples = "  sagitta sweep examples/lenses/double_gauss.yaml --to 30 --steps 7\n"
                 "  sagitta sweep examples/lenses/double_gauss.yaml --picture sweep.svg\n"
-                "  sagitta sweep examples/lenses/cooke_triplet.yaml --over surfaces[6].thickness \\\n"
-                "      --from 42 --to 42.5 --steps 11 --picture focus.svg\n",
+                "  sagitta sweep examples/lenses/cooke_triplet.yaml --over surfaces[6].thickness --from 42 "
+                "--to 43\n",
     .run = sweep_run,
 };
