@@ -246,7 +246,7 @@ _Noreturn static void tell_circle(source *s, expression *const stack[], size_t d
 
 static bool agrees(const expression *e, const node *value)
 {
-    const node *stored = e->map->stored;
+    const node *stored = e->map->is->stored;
     double x, y;
     if (!sgt_path_number(value, &x) || !sgt_path_number(stored, &y))
         return value->kind == NODE_SCALAR && stored->kind == NODE_SCALAR &&
@@ -257,14 +257,16 @@ static bool agrees(const expression *e, const node *value)
 static void settle(source *s, expression *e, node *value, const char *why)
 {
     e->done = true;
-    if (e->map->stored && (!value || !agrees(e, value))) {
-        tree_remark(s, SGT_REMARK_TURNED, e->map->stored->line, e->map->record,
+    expressed *is = e->map->is;
+    if (is && is->stored && (!value || !agrees(e, value))) {
+        tree_remark(s, SGT_REMARK_TURNED, is->stored->line, is->record,
                     "the number that is stored: its solve or pickup gives another");
-        *e->place = e->map->stored, e->map = NULL;
+        *e->place = is->stored, e->map = NULL;
         return;
     }
     if (!value) tree_fail(s, e->map->line, e->path, "%s", why);
-    *e->place = e->map->value = value;
+    if (!is) e->map->is = is = tree_room(s, 1, sizeof *is);
+    *e->place = is->value = value;
 }
 
 static void evaluate(whole_lens *w, source *s, resolution *r, expression *stack[], expression *first)
