@@ -2,14 +2,15 @@
  *
  * A fault anywhere jumps back to `read_by`, which frees what was read so far.  What a reading
  * takes is in the arena of the lens, but for a catalogue of glasses. */
+#include "open.h"
+
 #include "conjugate.h"
+#include "resolve.h"
 
 #include "../base/reader.h"
 
 #include <stdio.h>
 #include <string.h>
-
-typedef void (*maker)(whole_lens *w, source *s);
 
 static bool ends_in_zmx(const char *name)
 {
@@ -52,10 +53,10 @@ static void sort_remarks(source *s)
 }
 
 /* text NULL: that of the file `name`. */
-static void read_into(maker make, whole_lens *w, source *s, const char *name, const char *text, size_t length)
+static void read_into(lens_maker make, whole_lens *w, source *s, const char *name, const char *text,
+                      size_t length)
 {
-    w->media.source = s;
-    w->lens.file = s->file = tree_text(s, name, strlen(name));
+    s->file = tree_text(s, name, strlen(name));
     s->folder = folder_of_path(s, name);
     if (!text) {
         const char *fault = tree_borrow(s, name, &s->borrowed, &length);
@@ -65,11 +66,31 @@ static void read_into(maker make, whole_lens *w, source *s, const char *name, co
     s->text = text, s->length = length;
     if (make == sgt_read_lens && ends_in_zmx(name)) read_zmx(s, text, length);
     else sgt_read_yaml(s);
-    make(w, s);
-    if (make == sgt_read_lens) sgt_find_conjugates(w, s);
+    w->make = make;
+    sgt_make_lens(w, s);
+}
+
+void sgt_make_lens(whole_lens *w, source *s)
+{
+    w->media.source = s;
+    w->lens.file = s->file;
+    const resolution *resolved = w->make == sgt_read_lens ? sgt_resolve(w, s) : NULL;
+    sgt_lens_remark *imported = tree_room(s, s->remarks, sizeof *imported);
+    if (s->remarks) memcpy(imported, s->remark, s->remarks * sizeof *imported);
+    w->imported = imported, w->imports = s->remarks;
+    w->make(w, s);
+    if (w->make == sgt_read_lens) sgt_find_conjugates(w, s);
+    sgt_end_resolution(resolved);
     sort_remarks(s);
     w->lens.remarks = s->remarks, w->lens.remark = s->remark;
     w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
+    w->folder = s->folder, w->options = *s->options, w->options.allocator = NULL;
+}
+
+void sgt_end_making(whole_lens *w, source *s)
+{
+    sgt_catalogue_free(s->own_glasses);
+    w->media.source = NULL, w->media.before = NULL;
 }
 
 static void refuse_later(source *s, const char *type, size_t place)
@@ -93,7 +114,8 @@ static void check_options(source *s)
     }
 }
 
-static bool read_by(maker make, whole_lens *w, source *s, const char *name, const char *text, size_t length)
+static bool read_by(lens_maker make, whole_lens *w, source *s, const char *name, const char *text,
+                    size_t length)
 {
     jmp_buf here;
     s->refused = &here;
@@ -103,7 +125,7 @@ static bool read_by(maker make, whole_lens *w, source *s, const char *name, cons
     return true;
 }
 
-static sgt_lens *lens_by(maker make, const char *name, const char *text, size_t length,
+static sgt_lens *lens_by(lens_maker make, const char *name, const char *text, size_t length,
                          const sgt_lens_options *opt, sgt_error *error)
 {
     static const sgt_lens_options defaults = {0};
@@ -120,8 +142,7 @@ static sgt_lens *lens_by(maker make, const char *name, const char *text, size_t 
     source s = {.arena = &w->memory, .options = opt ? opt : &defaults, .error = error, .file = name};
     bool fine = read_by(make, w, &s, name, text, length);
     tree_return(&s, s.borrowed);
-    sgt_catalogue_free(w->media.own);
-    w->media = (media){.source = NULL};
+    sgt_end_making(w, &s);
     if (fine) return &w->lens;
     sgt_lens_free(&w->lens);
     return NULL;

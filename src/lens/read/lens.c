@@ -83,9 +83,10 @@ static void read_makers(whole_lens *w, source *s)
     if (!n) return;
     if (n->kind != NODE_LIST)
         tree_fail(s, n->line, "makers", "must be a list of names, like [SCHOTT, OHARA]");
-    w->media.maker = tree_room(s, n->count, sizeof *w->media.maker);
+    const char **maker = tree_room(s, n->count, sizeof *maker);
     for (size_t i = 0; i < n->count; i++)
-        w->media.maker[w->media.makers++] = tree_read_text(s, n->item[i], "makers");
+        maker[w->media.makers++] = tree_read_text(s, n->item[i], "makers");
+    w->media.maker = maker;
 }
 
 /* Numbers in micrometres, or spectral lines: [F, d, 0.6562725]. */
@@ -99,6 +100,7 @@ static double *wavelength_list(source *s, const node *n, size_t *count)
     for (size_t i = 0; i < n->count; i++) {
         const node *one = n->item[i];
         list[i] = one->kind == NODE_SCALAR ? sgt_spectral_line(one->text) : (double)NAN;
+        tree_mark_number(one);
         if (isnan(list[i])) list[i] = positive_number(s, one, "wavelengths", NUMBER_FINITE);
     }
     return list;

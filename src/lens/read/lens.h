@@ -16,7 +16,13 @@ typedef struct whole_lens {
                                 object_distance, at each wavelength; kind 0: of no such one.  NULL: there
                                 is none */
     formula_text *formula;   /* of the surfaces that are formulas, in any order */
-    media media;             /* while it is read */
+    media media;             /* while it is read; then the glasses that were found */
+    /* for an edit, which reads the tree anew */
+    void (*make)(struct whole_lens *w, source *s);
+    sgt_lens_options options; /* but for the allocator, which is that of the memory */
+    const char *folder;
+    const sgt_lens_remark *imported; /* remarks that are older than the tree */
+    size_t imports;
 } whole_lens;
 
 /* Fill in w->lens from s->root. */

@@ -1,7 +1,8 @@
 /* medium.c - a medium as a lens file names it, and its index at a wavelength.
  *
  * The table of glasses that ships is read when the first name is met, if the caller gave none.
- * A name is looked up once: a lens has few glasses, and many surfaces of each. */
+ * A name is looked up once: a lens has few glasses, and many surfaces of each.  An edited lens takes
+ * the glasses that it had, with what was told of them. */
 #include "medium.h"
 
 #include "../glass/forms.h"
@@ -21,13 +22,13 @@ static const sgt_catalogue *catalogue_of(media *m, const node *n, const char *ke
 {
     source *s = m->source;
     if (s->options->glasses) return s->options->glasses;
-    if (m->own) return m->own;
+    if (s->own_glasses) return s->own_glasses;
     sgt_error e;
-    m->own = sgt_catalogue_new(&s->arena->allocator);
-    if (!m->own) tree_fail(s, 0, NULL, "no memory");
-    if (!sgt_catalogue_add(m->own, NULL, &e))
+    s->own_glasses = sgt_catalogue_new(&s->arena->allocator);
+    if (!s->own_glasses) tree_fail(s, 0, NULL, "no memory");
+    if (!sgt_catalogue_add(s->own_glasses, NULL, &e))
         tree_fail(s, n->line, key, "the table of glasses: %s:%zu: %s", e.file, e.line, e.words);
-    return m->own;
+    return s->own_glasses;
 }
 
 /* A copy of which nothing lies in the catalogue. */
@@ -88,13 +89,54 @@ static void tell_others(source *s, const sgt_catalogue *c, const sgt_glass *g, s
                     g->maker, nd, list, g->maker, g->maker, g->name);
 }
 
+static bool same_makers(const media *a, const media *b)
+{
+    bool same = a->makers == b->makers;
+    for (size_t i = 0; same && i < a->makers; i++) same = strcmp(a->maker[i], b->maker[i]) == 0;
+    return same;
+}
+
+/* Remembers a glass, and the remarks from `told` on. */
+static void remember(media *m, const char *name, const sgt_glass *own, size_t told)
+{
+    source *s = m->source;
+    if (m->known == KNOWN_MOST) return;
+    known_glass *k = &m->known_glass[m->known++];
+    *k = (known_glass){.name = name, .glass = own, .remarks = s->remarks - told};
+    if (!k->remarks) return;
+    sgt_lens_remark *kept = tree_room(s, k->remarks, sizeof *kept);
+    memcpy(kept, s->remark + told, k->remarks * sizeof *kept);
+    k->remark = kept;
+}
+
+/* A glass that the lens had before it was edited; NULL: none of that name. */
+static const sgt_glass *glass_kept(media *m, const char *name, size_t line, const char *key)
+{
+    source *s = m->source;
+    const media *old = m->before;
+    if (!old || !same_makers(m, old)) return NULL;
+    for (size_t i = 0; i < old->known; i++) {
+        const known_glass *k = &old->known_glass[i];
+        if (strcmp(k->name, name) != 0) continue;
+        const size_t told = s->remarks;
+        for (size_t j = 0; j < k->remarks; j++) tree_remark_again(s, &k->remark[j], line, key);
+        const sgt_glass *own = own_copy(s, *k->glass);
+        remember(m, name, own, told);
+        return own;
+    }
+    return NULL;
+}
+
 static const sgt_glass *glass_named(media *m, const node *n, const char *key)
 {
     source *s = m->source;
     const char *name = tree_read_text(s, n, key);
     double mil[3] = {0};
     for (size_t i = 0; i < m->known; i++)
-        if (strcmp(m->known_name[i], name) == 0) return m->known_glass[i];
+        if (strcmp(m->known_glass[i].name, name) == 0) return m->known_glass[i].glass;
+    const sgt_glass *kept = glass_kept(m, name, n->line, key);
+    if (kept) return kept;
+    const size_t told = s->remarks;
     sgt_glass g = {.name = name, .formula = SGT_DISPERSION_MODEL, .count = 3, .coefficient = mil};
     sgt_error e;
     if (mil_number(name, mil)) {
@@ -111,7 +153,7 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
         if (g.remark) tree_remark(s, SGT_REMARK_NOTE, n->line, key, "%s: %s", g.name, g.remark);
     }
     const sgt_glass *own = own_copy(s, g);
-    if (m->known < KNOWN_MOST) m->known_name[m->known] = name, m->known_glass[m->known++] = own;
+    remember(m, name, own, told);
     return own;
 }
 

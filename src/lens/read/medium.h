@@ -21,13 +21,18 @@ typedef struct medium {
 
 /* What the media of one lens share. */
 enum { KNOWN_MOST = 64 };
+typedef struct known_glass {
+    const char *name;       /* as the lens has it */
+    const sgt_glass *glass;
+    const sgt_lens_remark *remark; /* what was told of it when it was looked up */
+    size_t remarks;
+} known_glass;
 typedef struct media {
     source *source;
     size_t makers;          /* in the order in which one is taken where several have a name */
-    const char **maker;
-    sgt_catalogue *own;     /* the table that ships, once it is needed; to be freed */
-    const char *known_name[KNOWN_MOST];
-    const sgt_glass *known_glass[KNOWN_MOST];
+    const char *const *maker;
+    const struct media *before; /* of the lens of which this one is an edit; NULL: none */
+    known_glass known_glass[KNOWN_MOST];
     size_t known;
     bool model_told;        /* that a model glass is approximate */
 } media;

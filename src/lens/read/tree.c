@@ -85,6 +85,14 @@ void tree_remark(source *s, sgt_remark_kind kind, size_t line, const char *key, 
     va_end(more);
 }
 
+void tree_remark_again(source *s, const sgt_lens_remark *r, size_t line, const char *key)
+{
+    s->remark = tree_grow(s, s->remark, s->remarks, &s->remark_room, sizeof *s->remark);
+    s->remark[s->remarks++] = (sgt_lens_remark){.kind = r->kind, .line = line,
+                                                .key = tree_text(s, key, strlen(key)),
+                                                .words = tree_text(s, r->words, strlen(r->words))};
+}
+
 void tree_comment(source *s, const char *text)
 {
     s->comment = tree_grow(s, s->comment, s->comments, &s->comment_room, sizeof *s->comment);
@@ -167,6 +175,15 @@ void tree_put(source *s, node *map, node *key, node *value)
     map->item[map->count++] = value;
 }
 
+void tree_remove(node *from, size_t place)
+{
+    for (size_t i = place; i + 1 < from->count; i++) {
+        from->item[i] = from->item[i + 1];
+        if (from->kind == NODE_MAP) from->key[i] = from->key[i + 1];
+    }
+    from->count--;
+}
+
 void tree_set(source *s, node *map, const char *key, node *value)
 {
     tree_put(s, map, tree_word(s, value->line, key), value);
@@ -190,6 +207,31 @@ node *tree_numbers(source *s, size_t line, size_t count, const double x[])
     list->inline_ = true;
     for (size_t i = 0; i < count; i++) tree_append(s, list, tree_number(s, line, x[i]));
     return list;
+}
+
+/* An alias of YAML becomes a node of its own.  A reader visits a node as often as the file names it, so the
+ * copy of a lens that was read takes no longer than its reading. */
+node *tree_copy(source *s, const node *n)
+{
+    node *copy;
+    if (n->kind == NODE_SCALAR) {
+        copy = tree_scalar(s, n->line, n->text, strlen(n->text));
+    } else {
+        copy = tree_node(s, n->kind, n->line);
+        tree_expect(s, copy, n->count);
+        for (; copy->count < n->count; copy->count++) {
+            copy->item[copy->count] = tree_copy(s, n->item[copy->count]);
+            if (n->kind == NODE_MAP) copy->key[copy->count] = tree_copy(s, n->key[copy->count]);
+        }
+    }
+    copy->quoted = n->quoted, copy->inline_ = n->inline_, copy->number = n->number;
+    return copy;
+}
+
+void tree_forget_numbers(node *n)
+{
+    n->number = false;
+    for (size_t i = 0; n->kind != NODE_SCALAR && i < n->count; i++) tree_forget_numbers(n->item[i]);
 }
 
 /* ----------------------------------------------------------------- reading */
@@ -298,6 +340,9 @@ static const char *number_hint(const node *n)
     return *behind == ' ' || strchr("mciuf", *behind) ? "; write the number without its unit" : "";
 }
 
+/* Readers have no business to change a tree, and so see it as const; what was read is noted all the same. */
+void tree_mark_number(const node *n) { ((node *)(uintptr_t)n)->number = true; }
+
 double tree_read_number(source *s, const node *n, const char *key, number_range range)
 {
     if (n->kind != NODE_SCALAR) tree_fail(s, n->line, key, "must be a number");
@@ -310,6 +355,7 @@ double tree_read_number(source *s, const node *n, const char *key, number_range 
         tree_fail(s, n->line, key, "must be a number, not \"%.60s\"%s", n->text, number_hint(n));
     if ((isnan(value) && range != NUMBER_ANY) || (isinf(value) && range == NUMBER_FINITE))
         tree_fail(s, n->line, key, "must be finite, not %.60s", n->text);
+    tree_mark_number(n);
     return value;
 }
 

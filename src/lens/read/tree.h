@@ -38,6 +38,8 @@ typedef struct node {
     node_kind kind : 8;
     bool quoted : 1;      /* a scalar in quotes: neither a number nor a truth value */
     bool inline_ : 1;     /* write.c: in one line, in brackets */
+    bool number : 1;      /* a scalar that was read as a number */
+    bool seen : 1, holds : 1; /* ../open/resolve.c: looked at; a pickup or solve is in it */
     uint32_t line;        /* counts from 1 */
     union {
         const char *text;   /* of a scalar; equal texts may be one */
@@ -47,7 +49,16 @@ typedef struct node {
     struct node **key;    /* of a map */
     bool *taken;          /* of a map */
     uint32_t room;
+    uint32_t expression;  /* of a pickup or solve: its number from 1; 0: it is none */
+    struct expressed *is; /* NULL: nothing is known of it */
 } node;
+
+/* What is known of a pickup or solve beside its map. */
+typedef struct expressed {
+    node *value;          /* what it is, once the lens is made */
+    node *stored;         /* what an import has beside it; NULL: nothing */
+    const char *record;   /* and where from */
+} expressed;
 
 /* Some texts of scalars that were met, by their hashes. */
 typedef struct met_text { const char *text; size_t length; } met_text;
@@ -64,6 +75,7 @@ typedef struct formula_text {
 
 /* What is being read. */
 typedef struct source {
+    sgt_catalogue *own_glasses; /* the table that ships, once it is needed; to be freed */
     const char *file;     /* a file, or the option that held the text */
     const char *folder;   /* of the file, with the / behind it; "" for the current one */
     const char *text;     /* ends in a zero byte */
@@ -73,6 +85,7 @@ typedef struct source {
     const sgt_lens_options *options;
     sgt_error *error;
     jmp_buf *refused;     /* where the reading began */
+    size_t only_line;     /* of all nodes of the text, where it is a piece of a file; 0: their own */
     node *root;
     met_text met[TEXTS_MET];
     bool in_lens;         /* not one surface alone */
@@ -88,6 +101,9 @@ _Noreturn void tree_fail(source *s, size_t line, const char *key, const char *wo
 /* Words of a thing that was turned are put behind "taken as ", of one left out behind "left out: ". */
 void tree_remark(source *s, sgt_remark_kind kind, size_t line, const char *key, const char *words, ...)
     SGT_PRINTF(5, 6);
+
+/* The same remark of another reading, at another line. */
+void tree_remark_again(source *s, const sgt_lens_remark *r, size_t line, const char *key);
 
 void tree_comment(source *s, const char *text); /* kept as it is */
 
@@ -105,10 +121,13 @@ node *tree_scalar(source *s, size_t line, const char *text, size_t length);
 void tree_expect(source *s, node *n, size_t more);   /* so many come, and room is made for no more */
 void tree_append(source *s, node *list, node *item);
 void tree_put(source *s, node *map, node *key, node *value);         /* at the end of the map */
+void tree_remove(node *from, size_t place);                           /* of a list or map */
 void tree_set(source *s, node *map, const char *key, node *value);
 node *tree_word(source *s, size_t line, const char *text);           /* as it stands */
 node *tree_number(source *s, size_t line, double x);                 /* reads back to the same bits */
 node *tree_numbers(source *s, size_t line, size_t count, const double x[]);  /* an inline list */
+node *tree_copy(source *s, const node *n); /* of all below it; nothing is shared */
+void tree_forget_numbers(node *n);         /* that they were read */
 
 /* ----------------------------------------------------------------- reading */
 
@@ -118,6 +137,7 @@ void tree_finish(source *s, const node *map, const char *known);
 
 /* Values.  `key` is for the message.  The range says which of NaN and the infinities are allowed;
  * NUMBER_ANY is for callers that check the range themselves. */
+void tree_mark_number(const node *n); /* it was read as a number */
 typedef enum number_range { NUMBER_FINITE, NUMBER_MAYBE_INFINITE, NUMBER_ANY } number_range;
 double tree_read_number(source *s, const node *n, const char *key, number_range range);
 bool tree_read_truth(source *s, const node *n, const char *key);
@@ -145,5 +165,8 @@ void sgt_read_zmx(source *s);  /* s->text is UTF-8 */
 
 /* The tree as YAML, in memory of the reading. */
 char *sgt_write_yaml(source *s, size_t *length);
+
+/* A part of it in one line. */
+char *sgt_write_line(source *s, const node *n, size_t *length);
 
 #endif

@@ -78,9 +78,14 @@ static bool add_name(source *s, names *all, const char *text, node *of)
 enum { DEPTH_MOST = 64 };
 
 /* A list or map that is not yet closed; key: of a map, the one whose value is awaited.  The first that come
- * are held here until it is known how many they are: then room is made for no more. */
+ * are held here until it is known how many they are: then room is made for no more.  line: of its mark, from
+ * 0; flow: it is in brackets. */
 enum { HELD = 16 };
-typedef struct opened { node *of, *key, *keys[HELD], *values[HELD]; size_t held; } opened;
+typedef struct opened {
+    node *of, *key, *keys[HELD], *values[HELD];
+    size_t held, line;
+    bool flow;
+} opened;
 
 typedef struct builder {
     source *s;
@@ -122,9 +127,27 @@ static void put_node(builder *b, node *n)
     in->key = NULL;
 }
 
+static size_t line_of_node(const builder *b, yaml_mark_t mark)
+{
+    return b->s->only_line ? b->s->only_line : line_at(mark, b->last);
+}
+
 static node *node_at(builder *b, yaml_mark_t mark, node_kind kind)
 {
-    return tree_node(b->s, kind, line_at(mark, b->last));
+    return tree_node(b->s, kind, line_of_node(b, mark));
+}
+
+static bool in_brackets(const yaml_event_t *e)
+{
+    return e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.style == YAML_FLOW_MAPPING_STYLE
+                                               : e->data.sequence_start.style == YAML_FLOW_SEQUENCE_STYLE;
+}
+
+/* Closes a list or map.  One that stands in brackets in one line is written so again. */
+static void end_node(source *s, opened *o, size_t line)
+{
+    put_held(s, o);
+    o->of->inline_ = o->flow && line == o->line;
 }
 
 /* Takes an event into the tree.  Returns what is wrong with it, or NULL. */
@@ -135,7 +158,7 @@ static const char *take_event(builder *b, const yaml_event_t *e)
     switch (e->type) {
     case YAML_SCALAR_EVENT:
         replace_zeros((char *)e->data.scalar.value, e->data.scalar.length);
-        n = tree_scalar(b->s, line_at(e->start_mark, b->last), (const char *)e->data.scalar.value,
+        n = tree_scalar(b->s, line_of_node(b, e->start_mark), (const char *)e->data.scalar.value,
                         e->data.scalar.length);
         n->quoted = e->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
         anchor = e->data.scalar.anchor;
@@ -149,15 +172,17 @@ static const char *take_event(builder *b, const yaml_event_t *e)
                                                      : e->data.sequence_start.anchor;
         put_node(b, n);
         b->open[b->depth].of = n, b->open[b->depth].key = NULL, b->open[b->depth].held = 0;
+        b->open[b->depth].line = e->start_mark.line, b->open[b->depth].flow = in_brackets(e);
         b->depth++;
         break;
     case YAML_ALIAS_EVENT:
+        if (b->s->only_line) return "not a value by itself: it has an alias (*name)";
         n = node_named(&b->anchors, (const char *)e->data.alias.anchor);
         if (!n) return "not valid YAML: an alias (*name) without its anchor (&name)";
         put_node(b, n);
         break;
     case YAML_SEQUENCE_END_EVENT:
-    case YAML_MAPPING_END_EVENT: put_held(b->s, &b->open[--b->depth]); break;
+    case YAML_MAPPING_END_EVENT: end_node(b->s, &b->open[--b->depth], e->end_mark.line); break;
     default: break;
     }
     if (!anchor) return NULL;
@@ -188,6 +213,14 @@ static bool begins_with_tab(const char *text, size_t line)
     return text && text[strspn(text, " ")] == '\t';
 }
 
+/* Is there a path of a pickup without quotes?  In a map in braces YAML takes its brackets for a list. */
+static bool has_bare_path(const char *text, size_t line)
+{
+    for (; line > 1 && (text = strchr(text, '\n')); line--) text++;
+    const char *end = text ? text + strcspn(text, "\n") : NULL, *key = text ? strstr(text, "pickup: ") : NULL;
+    return key && key < end && key[8] != '"' && key[8] != '\'';
+}
+
 /* What libyaml found wrong, in its words; returns the line.  For a byte that is not UTF-8, libyaml gives the
  * byte's place and no line. */
 static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, size_t last,
@@ -203,6 +236,8 @@ static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t
         size_t line = line_at(parser->problem_mark, last), so_far = strlen(fault);
         if (begins_with_tab(text, line))
             snprintf(fault + so_far, FAULT_SIZE - so_far, "; indent by blanks, not by tabs");
+        else if (has_bare_path(text, line))
+            snprintf(fault + so_far, FAULT_SIZE - so_far, "; put the path of a pickup in quotes");
         return line;
     }
     return line_of(text, parser->problem_offset < length ? parser->problem_offset : length);

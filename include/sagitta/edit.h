@@ -1,0 +1,133 @@
+/* edit.h - a lens that was read is a value that can be edited: copied, asked for any
+ * number of its file, and changed.
+ *
+ * PATHS.  A path is a place in the lens file (docs/lens_file.md): keys with a point
+ * between, and in brackets the place in a list, counted from 1.
+ *
+ *     surfaces[3].thickness      surfaces["front"].radius    surfaces[2].coefficients[1]
+ *     pupil.f_number             object.distance             fields[2]    wavelengths[1]
+ *     surfaces[4].apertures[1].radius        breaks[1].tilt[1]        fields[2][1]
+ *
+ * Surfaces are counted as everywhere, without breaks; breaks[1] is the first break.  A
+ * surface can be told by its name, in "double" or 'single' quotes or in none.  A file of
+ * one surface (sgt_lens_read_surface) has paths such as radius.
+ *
+ * AN EDIT changes the tree that the file was read into, and then makes the lens anew from
+ * it, by the reader of files.  So every check of the reader holds.  The lens is that of
+ * its written file (sgt_lens_yaml) read anew, to the bit; only lines differ.  If the
+ * reader refuses the new tree, the lens stays as it was in every bit; error->key is then
+ * the path, and error->words says what is wrong.
+ *
+ * What an edit reads with are the options of the reading: what they point to (types,
+ * glasses, context) must last as long as the lens is edited.  A glass that the lens has
+ * by its name is not looked up again while `makers` stay.
+ *
+ * POINTERS to what a lens has (elements, texts, sgt_lens_yaml) are good until an edit of
+ * it succeeds; the lens itself stays where it is.
+ *
+ * THREADS.  Functions that take a const lens may run in any number of threads at once.
+ * An edit needs the lens for itself.  A lens and its copy share nothing but the options.
+ *
+ *     sgt_error error;
+ *     double t;
+ *     if (sgt_lens_get(lens, "surfaces[6].thickness", &t, &error) &&
+ *         sgt_lens_set(lens, "surfaces[6].thickness", t + 0.1, &error)) ...
+ *     else printf("%s: %s\n", error.key, error.words); */
+#ifndef SAGITTA_EDIT_H
+#define SAGITTA_EDIT_H
+#include <sagitta/lens.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The same lens once more, by the same allocator.  NULL: no memory; `error` (may be NULL,
+ * here and below) says so. */
+SGT_API sgt_lens *sgt_lens_copy(const sgt_lens *lens, sgt_error *error);
+
+/* The number at a path, as the file has it.  A wavelength that is given by the name of a
+ * spectral line has its number.  The radius where a curvature is given is 1 / curvature,
+ * and the other way round.  false: there is none; *x is then NaN. */
+SGT_API bool sgt_lens_get(const sgt_lens *lens, const char *path, double *x,
+                          sgt_error *error);
+
+/* What stands at a path, as YAML in one line without a line's end.  Returns the length of
+ * the text, and sets as much of it as has room, with a zero byte behind it (room 0:
+ * nothing).  SIZE_MAX: there is nothing, or no memory. */
+SGT_API size_t sgt_lens_get_text(const sgt_lens *lens, const char *path, size_t room,
+                                 char text[], sgt_error *error);
+
+/* Sets the number at a path.  A key that is not given is added to its map, and maps on
+ * the way to it are, too.  A key that says the same in another way makes room for it:
+ * radius and curvature, the sizes of the pupil, index and glass.  false: refused. */
+SGT_API bool sgt_lens_set(sgt_lens *lens, const char *path, double x, sgt_error *error);
+
+/* The same of a value in YAML: "12.5", "N-BK7", "true", "[0, 5, 7]",
+ * "{type: sphere, radius: 20, thickness: 3, glass: air}". */
+SGT_API bool sgt_lens_set_text(sgt_lens *lens, const char *path, const char *yaml,
+                               sgt_error *error);
+
+/* Inserts a value in YAML into a list, in front of what has the place; the place behind
+ * the last one is the end.  Pickups by number go on meaning the same surfaces, as with
+ * the edits below; those of the new value mean the new numbers. */
+SGT_API bool sgt_lens_insert(sgt_lens *lens, const char *path, const char *yaml,
+                             sgt_error *error);
+
+/* Removes an entry of a list, or a key. */
+SGT_API bool sgt_lens_remove(sgt_lens *lens, const char *path, sgt_error *error);
+
+/* Turns the surfaces `first` to `last` ("surfaces[2]", or by name) front to back: their
+ * order, the thicknesses and media between them, their shapes, tilts and decentres.  It
+ * mirrors the group in a plane z = const; for surfaces that are symmetric in x that is to
+ * turn it.  What stands in front of it and behind it stays: the last thickness and medium
+ * are those that were the last.  false, too: a break, a mirror or an origin among them, a
+ * surface that is no sag, a sag from a file. */
+SGT_API bool sgt_lens_reverse(sgt_lens *lens, const char *first, const char *last,
+                              sgt_error *error);
+
+/* Makes the whole lens larger by a positive factor: every length of it, and every number
+ * whose unit has a power of length.  Wavelengths stay.  false, too: it has a formula, a
+ * level set, or numbers in a file. */
+SGT_API bool sgt_lens_scale(sgt_lens *lens, double factor, sgt_error *error);
+
+typedef enum sgt_edit_kind {
+    SGT_EDIT_SET,      /* number is the new value */
+    SGT_EDIT_SET_TEXT, /* text is, in YAML */
+    SGT_EDIT_INSERT,   /* text is the value, in YAML */
+    SGT_EDIT_REMOVE,
+    SGT_EDIT_REVERSE,  /* path is the first surface, text the last */
+    SGT_EDIT_SCALE     /* number is the factor; no path */
+} sgt_edit_kind;
+
+/* One of several edits, as the functions above make them.  Begin with zeros. */
+typedef struct sgt_edit {
+    sgt_edit_kind kind;
+    const char   *path;
+    double        number;
+    const char   *text;
+    unsigned long long reserved_[4]; /* leave it zero */
+} sgt_edit;
+
+/* Several edits, one after the other, and the lens made once, when all are done: so what
+ * is between may be no lens.  All or none.  The fastest way to set many numbers. */
+SGT_API bool sgt_lens_edit(sgt_lens *lens, size_t count, const sgt_edit edit[],
+                           sgt_error *error);
+
+/* A number of a lens and its path. */
+enum { SGT_PATH_SIZE = 128 };
+typedef struct sgt_lens_path {
+    char   path[SGT_PATH_SIZE];
+    double value;
+    unsigned long long reserved_[4];
+} sgt_lens_path;
+
+/* Sets at[0 ... most - 1] to the first numbers of a lens that its file gives, in the
+ * order of the file, and returns how many there are.  Those are the numbers that the
+ * reader has read: not what a name or a label looks like, not what is left to its
+ * default, not what stands in another file.  (A number whose path is longer is left out:
+ * the name of a parameter of a formula can be of any length.) */
+SGT_API size_t sgt_lens_paths(const sgt_lens *lens, size_t most, sgt_lens_path at[]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* SAGITTA_EDIT_H */
