@@ -22,7 +22,7 @@ import tempfile
 
 C = {'.c', '.h', '.cpp', '.hpp', '.in'}
 TEXT = C | {'.py', '.sh', '.build', '.map', '.txt', '.yaml', '.csv'}
-FOLDERS = ('src', 'include', 'tests', 'examples', 'docs')
+FOLDERS = ('src', 'include', 'tests', 'examples', 'docs', 'python')
 # Names of other projects and of systems.
 FOREIGN = {'ldconfig', 'julia_fractal', 'dllimport'}
 # Words that stand for others.
