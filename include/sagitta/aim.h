@@ -41,7 +41,7 @@ extern "C" {
  *
  * WHAT IS MISSING.  Both functions return the sum of the SGT_LACKS_... of the elements.
  * Without second derivatives of a surface that bends, d behind it is NaN, and so is all
- * that it has a say in.  (A surface with a phase does not bend by its normal, and needs
+ * that depends on it.  (A surface with a phase does not bend by its normal, and needs
  * none.)  Where a hit is not positive, all is NaN.  If the ray passed all but the last
  * element, and met that one, p and opl are right and d is NaN. */
 
@@ -84,8 +84,8 @@ SGT_API int sgt_trace_sensitivity(size_t elements, const sgt_element e[],
  *
  * The numbers of a phase are not among them.
  *
- * Returns how many they are of so many elements: 7 and m + 7 of each.  A thickness is no
- * number of its own: it moves all elements behind it, so its derivative is the sum of
+ * Returns how many they are of so many elements: 7 and m + 7 of each.  A thickness is not
+ * one of them: it moves all elements behind it, so its derivative is the sum of
  * theirs by origin. */
 SGT_API size_t sgt_trace_parameters(size_t elements, const sgt_element e[]);
 
@@ -109,7 +109,7 @@ SGT_API int sgt_trace_gradient(size_t elements, const sgt_element e[],
 /* How far rounding has put the end of a ray off. */
 typedef struct sgt_end_error {
     double point; /* x and y of the last hit.p, in its frame, from the exact ray's */
-    double path;  /* opl, but for what `point` adds: the path to the foot of the
+    double path;  /* opl, without what `point` adds: the path to the foot of the
                      perpendicular from a fixed point near the end on the ray.  opl itself
                      is off by at most path + index * point */
     double grain; /* how far an ulp of each number of the launch ray moves the point */
@@ -133,7 +133,7 @@ typedef struct sgt_end_error {
  * do, and the bound of W of system.h is added.
  *
  * point is NaN where a surface that bends has no second derivatives; so are path and
- * path_grain, if there is a phase besides.  false: a hit is not positive; all is NaN. */
+ * path_grain, if there is also a phase.  false: a hit is not positive; all is NaN. */
 SGT_API bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before,
                              const sgt_ray *launch, const sgt_passage passages[],
                              sgt_end_error *out);
@@ -185,14 +185,14 @@ SGT_API int sgt_trace_gradient_batch(size_t elements, const sgt_element e[],
                                      double *const gradient[]);
 
 /* The numbers of sgt_end_error of many rays.  An array that is NULL is not wanted.  If
- * path is not, and there is no phase, the path is not worked out again, which is a third
- * of the work. */
+ * path is not wanted and no element has a phase, the path is not worked out again, a
+ * third of the work. */
 typedef struct sgt_end_errors {
     double *point, *path, *grain, *path_grain;
     unsigned long long reserved_[2]; /* leave it zero: else all is NaN */
 } sgt_end_errors;
 
-/* sgt_trace_error of n rays.  Of the passages hits.p_err is read besides, and opl of the
+/* sgt_trace_error of n rays.  Of the passages hits.p_err is also read, and opl of the
  * last one if path is wanted.  Returns for how many rays all hits are positive. */
 SGT_API size_t sgt_trace_error_batch(size_t elements, const sgt_element e[],
                                      double index_before, size_t n, sgt_rays rays,
@@ -260,7 +260,7 @@ typedef struct sgt_aim_options {
     int max_traces;         /* of the search; 0: 400 */
     int max_boxes;          /* of the proof that there is no such ray; 0: 1500, some
                                milliseconds; below 0: no proof is tried */
-    size_t       room;      /* of attempt[]: of further starts nothing is told */
+    size_t       room;      /* of attempt[]: further starts are not recorded */
     sgt_attempt *attempt;   /* written */
     unsigned long long reserved_[4]; /* leave it zero */
 } sgt_aim_options;

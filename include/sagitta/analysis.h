@@ -141,7 +141,7 @@ typedef struct sgt_ray_end {
     int        evals;
     double     t_err;    /* the largest of its elements */
     double     condition; /* the largest 1 / cos of its angles of incidence: a surface
-                             off along its normal moves t by so many times as much */
+                             off along its normal moves t by that factor */
     /* Where it met the last element, and its direction in front of it, in that frame; NaN
      * unless it passed. */
     sgt_vec3 p, d;

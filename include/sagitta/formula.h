@@ -61,7 +61,7 @@
 extern "C" {
 #endif
 
-/* What a formula may name besides x, y, z, r, pi and the functions, which are reserved.
+/* What a formula may name beyond x, y, z, r, pi and the functions, which are reserved.
  * Its value is finite. */
 typedef struct sgt_named { const char *name; double value; } sgt_named;
 

@@ -28,7 +28,7 @@ extern "C" {
  * is the clearance.  Inside the ellipsoid the height is that of the nearest point of it,
  * with the up vector there.
  *
- * Invalid besides the ranges below: a number that is not finite; h at or below -0.99 of
+ * Invalid, beyond the ranges below: a number that is not finite; h at or below -0.99 of
  * the least radius of curvature (-b^2 / a of an oblate one: -6335 km on WGS84), where the
  * surface begins to fold.  Parameters for sensitivities: h. */
 typedef struct sgt_geodetic_height {
@@ -64,7 +64,7 @@ typedef struct sgt_geoid sgt_geoid;
  * BETWEEN THE NODES N is by bicubic convolution (Keys 1981, a = -1/2): through every
  * height of the grid, with a continuous gradient.  So Newton's method and normals meet no
  * kinks at the lines of the grid, as they would with bilinear interpolation.  It is
- * nearer to the geoid, too: GeographicLib's manual has, of a 15' grid of EGM96, a largest
+ * also nearer to the geoid: GeographicLib's manual has, of a 15' grid of EGM96, a largest
  * error of 1.2 m bilinear and 0.2 m cubic.  PROJ interpolates bilinearly and differs by
  * as much.
  *

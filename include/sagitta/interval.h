@@ -31,7 +31,7 @@
  *     double, and at less than one of a hundred others.  It may be one double more where
  *     it is of 1e-289 and less or 1e307 and more.
  *   - Sine, cosine and tangent tell nothing of arguments beyond 2^26: they are [-1, 1]
- *     and all numbers.  A tangent with a pole in x is all numbers, too.
+ *     and all numbers.  A tangent with a pole in x is also all numbers.
  *   - A function that is not defined on all of x is that of the part where it is: empty
  *     if there is none.  An `enclose` has to see to it that its slope is infinite there.
  *   - A sine and a cosine stay in [-1, 1], and a hyperbolic tangent does.
@@ -106,7 +106,7 @@ static inline double sgt_raised(double x, bool asked)
 
 /* The next functions are bounds from above on a + b, a * b, a / b and the root of a.
  * Those from below are made of them: a sum's is -above(-a, -b).
- * 0 * INFINITY is 0: an end at infinity is no number, and 0 times each number is 0.
+ * 0 * INFINITY is 0: an end at infinity is not a number, and 0 times each number is 0.
  * An upper end that is -INFINITY is of numbers below -DBL_MAX, as near to it as you like.
  * So -DBL_MAX is added, multiplied or divided in its place: */
 static inline double sgt_within(double a)
@@ -842,7 +842,7 @@ static inline sgt_interval sgt_interval_hypotenuse(sgt_interval x, sgt_interval 
 }
 
 /* x^y = e^(y log x), of the part of x above 0, and 0^y = 0 for y > 0.  sgt_interval_power
- * is for integer exponents, and for numbers below 0, too.  y log x has its extremes at
+ * is for integer exponents, and also for numbers below 0.  y log x has its extremes at
  * two of the corners. */
 static inline sgt_interval sgt_interval_real_power(sgt_interval x, sgt_interval y)
 {

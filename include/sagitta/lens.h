@@ -144,7 +144,7 @@ SGT_API void           sgt_catalogue_free(sgt_catalogue *catalogue); /* NULL: no
 SGT_API bool sgt_catalogue_add(sgt_catalogue *catalogue, const char *path,
                                sgt_error *error);
 
-/* The same of text in memory; `name` is a file's name, and its ending tells the form. */
+/* The same of text in memory; `name` is a file's name, and its ending gives the form. */
 SGT_API bool sgt_catalogue_add_text(sgt_catalogue *catalogue, const char *name,
                                     const char *text, size_t length,
                                     sgt_error *error);
@@ -158,7 +158,7 @@ SGT_API bool   sgt_catalogue_glass(const sgt_catalogue *catalogue, size_t place,
 /* Finds a glass by `NAME` or `MAKER NAME`, in either case of letters.  If several makers
  * have the name, the first in the list `makers` that has it is taken; else that of the
  * call that added last; of that call, of the first of SCHOTT, OHARA, HOYA, CDGM, HIKARI,
- * SUMITA that has it, else the first that was added.  glass->maker tells which.
+ * SUMITA that has it, else the first that was added.  glass->maker says which.
  * false: none, and `error` (may be NULL) names those whose names are nearest. */
 SGT_API bool sgt_catalogue_find(const sgt_catalogue *catalogue, const char *name,
                                 size_t makers_count, const char *const *makers,
@@ -317,7 +317,7 @@ SGT_API sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt,
                                 sgt_error *error);
 
 /* The same of text in memory; `name` is a file's name, for messages, and its ending
- * tells the form.  Other files that the lens names are looked for in its folder. */
+ * gives the form.  Other files that the lens names are looked for in its folder. */
 SGT_API sgt_lens *sgt_lens_read_text(const char *name, const char *text, size_t length,
                                      const sgt_lens_options *opt, sgt_error *error);
 
@@ -439,8 +439,8 @@ typedef struct sgt_parabasal {
 /* chief and passages: as given to sgt_trace, and as it left them, of all elements.
  * from_point: the chief ray starts at its object point; else from afar, and image is
  * focus.  false: all is NaN, and `error` (may be NULL) says why: it did not get through,
- * or a surface has no second derivatives.  sgt_field_parabasal (analysis.h) finds the
- * chief ray of a field, too. */
+ * or a surface has no second derivatives.  sgt_field_parabasal (analysis.h) also finds
+ * the chief ray of a field. */
 SGT_API bool sgt_lens_parabasal(size_t elements, const sgt_element e[],
                                 double index_before, bool from_point,
                                 const sgt_ray *chief, const sgt_passage passages[],

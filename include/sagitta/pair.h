@@ -5,7 +5,7 @@
  * sums, quotients, square roots and sgt_fma in one order, so their bits are the same on
  * every processor.  No product stands beside a sum, unless it is exact: a product to be
  * added is made by sgt_pair_times, which a compiler cannot fuse with the sum.  (The rest
- * of what interval.h asks of the compiler holds here, too.)
+ * of what interval.h asks of the compiler also holds here.)
  *
  * A PAIR is hi + lo, with hi the double nearest to the sum.  The operations on pairs are
  * those of Joldes, Muller and Popescu 2017 (ACM TOMS 44, 15res): algorithms 6 (sum) and

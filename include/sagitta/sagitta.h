@@ -97,10 +97,10 @@ SGT_API const char *sgt_arithmetic_text(int arithmetic);
 /* What is wrong with a call.
  *
  * ONE WAY.  What became of a ray is a status, of each ray by itself.  All else that may
- * be wrong is told as follows: the function returns false or NULL, and sets the sgt_error
- * that its last parameter points to (NULL: not wanted).  An sgt_error is read after that
- * only.  It need not be set before the call.  SGT_INVALID is a status, as it is about a
- * ray; sgt_explain_intersect, sgt_explain_trace and sgt_explain_aim put it into words.
+ * be wrong is reported as follows: the function returns false or NULL, and sets the
+ * sgt_error that its last parameter points to (NULL: not wanted), which is read only then
+ * and need not be set before the call.  SGT_INVALID is a status, as it is about a ray;
+ * sgt_explain_intersect, sgt_explain_trace and sgt_explain_aim put it into words.
  * What you write and the library calls has it shorter: it returns a constant text, NULL
  * for nothing.
  *
@@ -124,9 +124,9 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * UNITS.  o and d are in the length unit of the surface.  d may have any length but
  * zero.  t is in lengths of d.
  *
- * ENDS.  tmin and tmax are taken as they stand, but for one pair: both 0, as {0} leaves
+ * ENDS.  tmin and tmax are taken as they stand, with one exception: both 0, as {0} leaves
  * them, mean the half-line that begins at o, tmax = INFINITY.  So if you give tmin alone,
- * give INFINITY besides.  If you compute tmax, make the ray by sgt_ray_between, which
+ * give INFINITY as well.  If you compute tmax, make the ray by sgt_ray_between, which
  * takes ends as they stand: a tmax that comes out as 0 beside a tmin of 0 would mean
  * INFINITY here.  -INFINITY and INFINITY mean the whole line.  At tmax a root is accepted
  * if its computed t is at most tmax.
@@ -134,10 +134,10 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * THE START.  The root at the start itself is not accepted: a finite tmin stands for
  * "leave the surface you may be on".  Precisely, a root t is not accepted if
  *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d| + 2^-50 |t|,
- * the products taken at the root.  That is no farther from tmin than 16 ulps in each
- * coordinate of a point on the surface can put it.  A root within 2^-1000 (length) of the
- * start is the start, too: all products may be 0 there.  Where the gradient nearly
- * vanishes, rounding hides how far that is.  A root that may be the one at the start is
+ * the products taken at the root.  Errors of 16 ulps in each coordinate of a point on the
+ * surface put it at most that far from tmin.  A root within 2^-1000 (length) of the start
+ * is also the start: all products may be 0 there.  Where the gradient nearly vanishes,
+ * rounding hides how far that is.  A root that may be the one at the start is
  * then UNPROVEN and is never dropped.
  * To get the root at the start, give tmin = -INFINITY or a tmin a little less than
  * zero. */
@@ -157,7 +157,7 @@ SGT_API sgt_ray sgt_ray_between(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
 typedef struct sgt_interval { double lo, hi; } sgt_interval;
 
 /* Many rays: one array for each number of sgt_ray.  Ends that are given are taken as they
- * stand, as by sgt_ray_between: 0 and 0, too. */
+ * stand, as by sgt_ray_between, also 0 and 0. */
 typedef struct sgt_rays {
     const double *o[3], *d[3];
     const double *tmin;  /* NULL: 0 */
@@ -276,11 +276,11 @@ typedef struct sgt_surface_ops {
      * What `enclose` says, of n cells at once: of cell i, which is [t_lo[i], t_hi[i]] of
      * ray i, with t_lo[i] <= t_hi[i], both finite.  The cells of one ray may be many.
      * Of `rays` only o and d are given.
-     *   - The promises are those of `enclose`, which has to be offered, too.  The
+     *   - The promises are those of `enclose`, which has to be offered as well.  The
      *     intervals may be other ones: wider, or narrower.
      *   - What is said of a cell does not depend on its neighbours, nor on its place
      *     among them, to the last bit (of an interval that is not a NaN).
-     *   - out.slope_lo NULL: slopes are not wanted, and out.slope_hi is NULL, too.
+     *   - out.slope_lo NULL: slopes are not wanted, and out.slope_hi is also NULL.
      * First roots are searched for by it, of many rays side by side and of one, unless
      * the surface has `first`, or the span is single and no proof is asked for.  Such a
      * root is proven, whatever options.proof is, and as sharp as rounding allows (t_tol
@@ -380,7 +380,7 @@ typedef enum sgt_step_kind {
  * ROUNDING OF t.  A search has an origin of its own on the ray: near the surface, at its
  * seed, or at an end of the ray.  So t, lo and hi are rounded by at most 2^-50 times the
  * largest of |t|, |lo|, |hi|, the distances to these places and that from o to the
- * frame's origin.  The last point of a hit is told as the answer has it (hit.t, hit.f,
+ * frame's origin.  The last point of a hit is as the answer has it (hit.t, hit.f,
  * the slope by hit.n), with t -+ t_err as lo and hi: F and its slope are f and `slope`
  * somewhere between these.
  *
@@ -477,7 +477,7 @@ typedef struct sgt_options {
  *
  * A USER'S SURFACE.  That the first hit is the first, and that a miss is one:
  *   - is certain if the surface offers span.single or enclose;
- *   - by clearance it is certain, but for stretches shorter than dt_min (0: 2^-20 of the
+ *   - by clearance it is certain, except in stretches below dt_min (0: 2^-20 of the
  *     stretch searched);
  *   - with neither, or with `estimate` and dt_min > 0, it is not certain.  The hit is
  *     then the first that a march can see.  Its steps are dt_min (0: 1/64 of the
@@ -617,7 +617,7 @@ typedef struct sgt_starts {
  * is off from the hit by up to p_err and 4 ulps.  Take the point from hits.p, or call
  * sgt_leave to get o.  side[i] (side may be NULL) is 1, -1 or 0.  Outputs must not
  * overlap the starts or each other.  Returns the number of positive statuses; all else is
- * as in sgt_intersect_batch, but for the stack, which is below 150 KiB. */
+ * as in sgt_intersect_batch, except the stack, which is below 150 KiB. */
 SGT_API size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits,
                                signed char *side, const sgt_options *opt);
 

@@ -42,7 +42,7 @@ namespace sagitta {
 
 /* size numbers from data on, which stay the caller's.  One of no numbers, {}, stands for
  * an array that is not given or not wanted.  It is made of an array, or of anything that
- * has data() and size() and is no temporary: std::vector, std::array, std::span. */
+ * has data() and size() and is not a temporary: std::vector, std::array, std::span. */
 template <class T> class view {
 public:
     constexpr view() noexcept = default;
@@ -186,7 +186,7 @@ struct traced {
 
 namespace detail {
 
-/* The members of sgt_surface_ops, but for its size and its name. */
+/* The members of sgt_surface_ops, except its size and its name. */
 enum class of {
     value, gradient, span, rounding, clearance, estimate, enclose, values, spans, first,
     firsts, second, parameters, by_parameter, encloses

@@ -39,7 +39,7 @@
  *     pinch of a torus, u times these lengths stands in place of a smaller p_err: they
  *     are rounded on the way to n.
  *   - Conics and even aspheres polish the roots of grazing rays in twice the precision.
- *     Their dt/do is besides within 64 u c (20 u c has been seen).
+ *     Their dt/do is also within 64 u c (20 u c has been seen).
  *   - Other surfaces know a root, along the ray, to about u c lengths, since their F has
  *     a rounding of its own; one more Newton step from p would be off by as much.  So the
  *     second term is about u c^2: at c = 1e6 a relative 1e-4, and at c = 1e8 hardly a
@@ -51,7 +51,7 @@
  *     ray need neither of them and are as good as n.
  *
  * NOT SAID.  They are the derivatives of the root that was met.  No derivative
- * tells whether another root comes before it, or whether it leaves the rim.
+ * says whether another root comes before it, or whether it leaves the rim.
  *
  * Every function may run in any number of threads.  Nothing is allocated, and the stack
  * needed is below 80 KiB.  Answers have the same bits on every processor, alone and among

@@ -17,15 +17,15 @@ extern "C" {
  * parallel to z is met, by a search with SGT_NEAR_SEED; so z is as exact as the answer
  * of that is, on most types a few roundings.  NaN: there is no surface at x, y (its rim
  * is nearer, or it does not reach so far), the search was undecided, x or y is not
- * finite, or the surface is no sag (sgt_is_sag). */
+ * finite, or the surface is not a sag (sgt_is_sag). */
 SGT_API double sgt_sag_at(sgt_surface s, double x, double y);
 
 /* The largest radius up to `wanted` (finite, above 0) at which the surface exists at the
- * four points on the axes x and y, to 2^-39 of `wanted`; 0: there is none.  It is taken
- * to exist nearer to the vertex, too.  Of a sag. */
+ * four points on the axes x and y, to 2^-39 of `wanted`; 0: there is none.  It is also
+ * taken to exist nearer to the vertex.  Of a sag. */
 SGT_API double sgt_whole_radius(sgt_surface s, double wanted);
 
-/* A section has at most so many strokes. */
+/* The most strokes that a section has. */
 enum { SGT_SECTION_MOST = 32768 };
 
 /* The section of an element's surface by the plane through its origin with the axes

@@ -57,7 +57,7 @@ typedef struct sgt_study_options {
 
     /* The points of the pupil.  NULL and zeros: the pattern of the analysis, with the
      * rays that it names.  rays: the n of sgt_pupil_points, 0: as many as suit the
-     * pattern.  across: in its place, so many across the pupil (of random and sobol as
+     * pattern.  across: in its place, this many across the pupil (of random and sobol as
      * many as a grid would have).  points: in place of a pattern, these points */
     const sgt_pattern     *pattern;
     size_t                 rays, across;
@@ -211,7 +211,7 @@ SGT_API bool sgt_study_column(const sgt_study *study, const sgt_analysis *analys
 /* How many rays met which fate. */
 typedef struct sgt_fates {
     size_t rays, passed, missed, clipped, tir;
-    size_t lost;                 /* could not be decided; aiming that found none, too */
+    size_t lost;                 /* could not be decided, or aiming found none */
     size_t none;                 /* proven: there is no such ray */
     size_t unfound;              /* of those that are lost: aiming has not found them */
     double within;               /* none of these is so near, in radii of the pupil */
@@ -259,7 +259,7 @@ typedef struct sgt_sink {
 } sgt_sink;
 
 /* Asks.  options: those of the analysis, or NULL.  false: `error` (may be NULL) says why;
- * rows may have come.  A wrong setting is told with its name as the key, and line 0.
+ * rows may have come.  A wrong setting is reported with its name as the key, and line 0.
  * reserved_ of options and sink must be zero. */
 SGT_API bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis,
                            const void *options, const sgt_sink *sink,

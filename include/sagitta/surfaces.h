@@ -175,7 +175,7 @@ typedef struct sgt_q_con {
 } sgt_q_con;
 
 /* P = u^2 (1 - u^2) / sqrt(1 - c^2 r^2) sum of a[m] Qbfs_m(u^2), u = r / norm, on a
- * sphere: k = 0, and is no parameter.  Source: Forbes 2007, section 3; the recurrences:
+ * sphere: k = 0, which is not a parameter.  Source: Forbes 2007, section 3; recurrences:
  * Forbes 2010 (Opt. Express 18, 19700).  Example:
  *
  *     const double q[2] = {0.01, -0.002};
@@ -326,7 +326,7 @@ extern SGT_API const sgt_surface_ops sgt_quadric_ops, sgt_ellipsoid_ops, sgt_tor
  * F = (u - 1) / (u + 1) with u = |Q_N|^2 / escape^2: -1 ... 0 inside, 0 ... 1 outside.
  * It cannot overflow.  There are no parameters for derivatives.
  *
- * SGT_INVALID besides the ranges below: axes that are not independent; iterations so many
+ * SGT_INVALID, beyond the ranges below: axes that are not independent; so many iterations
  * that the derivative leaves the range of a double, that is (p R^(p-1))^N above 2^480,
  * where R is the safe escape (of a mandelbrot the escape).
  *
@@ -403,7 +403,7 @@ typedef enum sgt_param_kind {
  * a list; in a table i is the row and j the column; else both are 0. */
 typedef struct sgt_param_unit {
     int length, by_i, by_j;
-    int time;  /* exponent of time; 0 but for a potential (geo.h) */
+    int time;  /* exponent of time; 0 except of a potential (geo.h) */
 } sgt_param_unit;
 
 /* A parameter of a type.  Two parameters may be two names for one number ("slice" is

@@ -91,7 +91,7 @@ typedef struct sgt_aperture_item {
  *              + |centre.x| + |centre.y|           or of the arm
  *     2^-500 and 2^-45 of that side's |x| + |y|    more, a polygon; in any direction
  *
- * The inner end of an arm is no edge: what is on it is inside of the arm.  A centred
+ * The inner end of an arm is not an edge: what is on it is inside of the arm.  A centred
  * circle clips the points that a semi_diameter of its radius clips. */
 typedef struct sgt_aperture {
     size_t count;                    /* 0: no item.  Below 2^31 */
@@ -145,8 +145,8 @@ typedef enum sgt_phase_kind {
  * t_err and p_err are those of the hit.  If n is so small that W overflows, opl is not
  * finite.
  *
- * On a surface that is no plane, (x, y) is that of the point, slopes are changed there as
- * above, and W is that of a plane: paths are not equal then. */
+ * On a surface that is not a plane, (x, y) is that of the point, slopes are changed there
+ * as above, and W is that of a plane: paths are not equal then. */
 typedef struct sgt_phase {
     sgt_phase_kind kind;
     double focal_length;     /* length, 2^-500 to 2^500 in magnitude */
@@ -174,7 +174,7 @@ typedef struct sgt_element {
     double      index;          /* refractive index behind it, above 0 and finite.
                                    SGT_MIRROR: it reflects.  0: as in front */
     double      semi_diameter;  /* of the clear aperture, length; soft by a part in 2^44.
-                                   0, or 2^500 and more: none.  It has a say in which root
+                                   0, or 2^500 and more: none.  It also says which root
                                    is meant (sgt_trace) */
     const sgt_aperture *aperture; /* what else clips at the point that is met.  NULL:
                                      nothing */
@@ -213,13 +213,13 @@ SGT_API const char *sgt_fate_text(sgt_fate fate);
  *
  * WHERE IT IS LESS.  If the ray nearly touches, |n . d| < 2^-22 |n|, that effect is
  * included only in part: the given ray may as well have two roots nearby, or none.
- * status, fate and what a proof says are about the rounded ray.  t_err of a graze, too,
- * is as good as its first order.
+ * status, fate and what a proof says are about the rounded ray.  t_err of a graze is
+ * also as good as its first order.
  *
  * LENGTHS.  hit.t is the length along the ray from the element before, or from its start
- * (ray->o) at element 1, in the unit of the lens, however long ray->d is.  Axes that are
- * of unit length but for rounding change lengths by 2^-51: the first t is of the global
- * frame, the others are of that of their element. */
+ * (ray->o) at element 1, in the unit of the lens, however long ray->d is.  Axes whose
+ * length is 1 to rounding change lengths by 2^-51: the first t is of the global frame,
+ * the others are of that of their element. */
 typedef struct sgt_passage {
     sgt_hit  hit;        /* hit.t is a length (LENGTHS above) */
     sgt_vec3 direction;  /* behind the surface, of unit length; zero unless passed */
@@ -238,7 +238,7 @@ typedef struct sgt_passage {
  *     index_before  the refractive index in front of e[0]; 0: 1
  *     passages      NULL, or room for all.  passages[i] says how e[i] was met, the one
  *                   that stopped the ray included.  It is stored before a watcher
- *                   (options.watch) is told of an evaluation at the next element
+ *                   (options.watch) hears of an evaluation at the next element
  *     fate          NULL, or what became of the ray at last
  *     opt           NULL, or the options
  *
@@ -301,7 +301,7 @@ SGT_API sgt_clipping sgt_clipped_by(const sgt_element *e, sgt_vec3 p);
 
 /* What became of many rays.  An array that is NULL is not wanted. */
 typedef struct sgt_traced {
-    sgt_fate *fate;         /* as sgt_trace tells it */
+    sgt_fate *fate;         /* as sgt_trace has it */
     int      *passed;       /* how many elements the ray passed */
     double   *o[3], *d[3];  /* the ray at return, as sgt_trace leaves it.  These may be
                                the arrays the rays came in.  Give all three of one, or
