@@ -1,0 +1,131 @@
+/* tolerance.c - draws, quantiles and shares of sagitta/tolerance.h: tolerance LENS
+ *
+ * Binomial sums are held against the same in long double by logarithms of factorials, which the library does
+ * not use. */
+#include <sagitta/tolerance.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int faults;
+
+#define EXPECT(holds, ...) \
+    ((holds) ? 0 : (faults++, printf("line %d: ", __LINE__), printf(__VA_ARGS__), puts("")))
+
+/* P(B >= k) of n and p. */
+static double at_least(size_t n, double p, size_t k)
+{
+    long double sum = 0;
+    for (size_t i = k; i <= n; i++)
+        sum += expl(lgammal(n + 1.0L) - lgammal(i + 1.0L) - lgammal((long double)(n - i) + 1) +
+                    (long double)i * logl(p) + (long double)(n - i) * log1pl(-(long double)p));
+    return (double)sum;
+}
+
+static bool nearly(double x, double wanted) { return fabs(x - wanted) <= 1e-10 * fabs(wanted); }
+
+static void try_shares(void)
+{
+    static const size_t sizes[] = {1, 2, 7, 50, 1000, 20000};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
+        for (size_t part = 0; part <= 10; part++) {
+            const size_t n = sizes[s], k = n * part / 10;
+            const sgt_confidence q = sgt_share(k, n, 0.9);
+            EXPECT(q.estimate == (double)k / (double)n, "estimate of %zu in %zu", k, n);
+            EXPECT(k ? nearly(at_least(n, q.lower, k), 0.05) : q.lower == 0, "%zu in %zu: lower %g", k, n,
+                   q.lower);
+            EXPECT(k < n ? nearly(1 - at_least(n, q.upper, k + 1), 0.05) : q.upper == 1,
+                   "%zu in %zu: upper %g", k, n, q.upper);
+        }
+    EXPECT(isnan(sgt_share(1, 0, 0.9).estimate) && isnan(sgt_share(3, 2, 0.9).estimate), "no share");
+}
+
+/* Of the numbers 1 ... n the value is the rank. */
+static void try_quantiles(void)
+{
+    static const size_t sizes[] = {1, 5, 30, 59, 1000, 20000};
+    static const double shares[] = {0.001, 0.1, 0.5, 0.95, 0.999};
+    double *rank = malloc(20000 * sizeof *rank);
+    for (size_t i = 0; rank && i < 20000; i++) rank[i] = (double)(i + 1);
+    for (size_t s = 0; rank && s < sizeof sizes / sizeof *sizes; s++)
+        for (size_t k = 0; k < sizeof shares / sizeof *shares; k++) {
+            const size_t n = sizes[s];
+            const double p = shares[k], half = 0.025;
+            const sgt_confidence q = sgt_quantile(n, rank, p, 1 - 2 * half);
+            EXPECT(q.estimate == fmax(1, ceil((double)n * p)), "%zu, %g: estimate %g", n, p, q.estimate);
+            const size_t r = isnan(q.lower) ? 0 : (size_t)q.lower,
+                         u = isnan(q.upper) ? n + 1 : (size_t)q.upper;
+            /* the greatest r of P(B < r) <= half, the least u of P(B >= u) <= half */
+            EXPECT(r == 0 || 1 - at_least(n, p, r) <= half, "%zu, %g: lower %zu", n, p, r);
+            EXPECT(r == n || 1 - at_least(n, p, r + 1) > half, "%zu, %g: lower %zu is not the greatest", n, p,
+                   r);
+            EXPECT(u == n + 1 || at_least(n, p, u) <= half, "%zu, %g: upper %zu", n, p, u);
+            EXPECT(u == 1 || at_least(n, p, u - 1) > half, "%zu, %g: upper %zu is not the least", n, p, u);
+        }
+    free(rank);
+    EXPECT(isnan(sgt_quantile(0, NULL, 0.5, 0.95).estimate), "of nothing");
+}
+
+typedef struct seen {
+    size_t count;
+    double figure[8], value[8][16];
+    size_t entries;
+} seen;
+
+static void see(void *context, const sgt_trial *trial)
+{
+    seen *s = context;
+    s->figure[s->count] = trial->figure;
+    memcpy(s->value[s->count++], trial->value, s->entries * sizeof(double));
+}
+
+/* A trial is its draw; the lens of its point has its figure; the box is what the file says. */
+static void try_lens(const sgt_lens *lens)
+{
+    const sgt_tolerance *entry;
+    const size_t n = sgt_lens_tolerances(lens, &entry);
+    const sgt_pattern pattern = SGT_PATTERN_HEXAPOLAR;
+    const sgt_study_options study = {.pattern = &pattern, .rays = 2};
+    const sgt_tolerancing_options options = {.study = &study};
+    const uint64_t first = (1ull << 40) + 5;
+    sgt_error e = {.line = 0};
+    seen s = {.entries = n};
+    double value[16], figure;
+    sgt_tolerancing *t = sgt_tolerancing_new(lens, &options, &e);
+    EXPECT(t && n == 13, "%zu tolerances: %s", n, e.words);
+    if (!t || n > 16) return;
+    EXPECT(sgt_tolerancing_trials(t, 7, first, 8, see, &s, &e) && s.count == 8, "trials: %s", e.words);
+    for (size_t i = 0; i < s.count; i++) {
+        sgt_tolerancing_draw(t, 7, first + i, value);
+        for (size_t k = 0; k < n; k++) {
+            EXPECT(value[k] >= entry[k].lower && value[k] <= entry[k].upper, "out of the box");
+            EXPECT(entry[k].compensator || value[k] == s.value[i][k], "trial %zu, entry %zu", i, k);
+        }
+        EXPECT(sgt_tolerancing_at(t, value, &figure, &e) && figure == s.figure[i], "trial %zu: %g", i,
+               figure);
+        EXPECT(memcmp(value, s.value[i], n * sizeof *value) == 0, "trial %zu: compensators", i);
+        sgt_lens *built = sgt_tolerancing_lens(t, value, &e);
+        sgt_tolerancing *again = built ? sgt_tolerancing_new(built, &options, &e) : NULL;
+        EXPECT(again && sgt_tolerancing_nominal(again) == figure, "trial %zu: its lens: %s", i, e.words);
+        EXPECT(built && sgt_lens_tolerances(built, NULL) == 0, "a lens that is built has tolerances");
+        sgt_tolerancing_free(again);
+        sgt_lens_free(built);
+    }
+    sgt_tolerancing_free(t);
+    const sgt_tolerancing_options later = {.reserved_ = {1}};
+    EXPECT(!sgt_tolerancing_new(lens, &later, &e), "a later version's member");
+}
+
+int main(int argc, char *argv[])
+{
+    sgt_error e;
+    sgt_lens *lens = argc == 2 ? sgt_lens_read(argv[1], NULL, &e) : NULL;
+    if (!lens) return 2;
+    try_shares();
+    try_quantiles();
+    try_lens(lens);
+    sgt_lens_free(lens);
+    return faults ? 1 : 0;
+}
