@@ -191,10 +191,30 @@ const char *sgt_path_rival(const char *key, bool in_pupil, int i, char room[PATH
     return other ? other : turned_stem(key, "curvature", "radius", room);
 }
 
+node *sgt_path_value(node *root, const way *p, bool *inverse, char why[PATH_WHY])
+{
+    spot at;
+    char key[PATH_KEY], room[PATH_KEY];
+    *inverse = false;
+    if (!sgt_path_find(root, p, p->count, &at, why)) return NULL;
+    if (at.is) return at.is;
+    const path_step *last = &p->step[p->count - 1];
+    snprintf(key, sizeof key, "%.*s", last->length < PATH_KEY ? (int)last->length : PATH_KEY - 1, last->text);
+    const char *rival = *key == 'r' || *key == 'c' ? sgt_path_rival(key, false, 0, room) : NULL;
+    const path_step other = {.text = rival, .length = rival ? strlen(rival) : 0};
+    if (rival && find_key(at.in, &other, &at)) {
+        *inverse = true;
+        return at.is;
+    }
+    snprintf(why, PATH_WHY, "not given in the file");
+    return NULL;
+}
+
 /* ----------------------------------------------------------------- numbers */
 
 bool sgt_path_number(const node *n, double *x)
 {
+    if (n->kind == NODE_MAP && n->value) n = n->value;
     if (n->kind != NODE_SCALAR) return false;
     if (number_read(n->text, x)) return true;
     *x = sgt_spectral_line(n->text);
