@@ -1,7 +1,10 @@
 /* tolerance.c - draws, quantiles and shares of sagitta/tolerance.h: tolerance LENS
  *
+ * Edits keep what the tolerances of a lens mean, or are refused.
+ *
  * Binomial sums are held against the same in long double by logarithms of factorials, which the library does
  * not use. */
+#include <sagitta/edit.h>
 #include <sagitta/tolerance.h>
 
 #include <math.h>
@@ -118,6 +121,49 @@ static void try_lens(const sgt_lens *lens)
     EXPECT(!sgt_tolerancing_new(lens, &later, &e), "a later version's member");
 }
 
+/* What an edit of the lens makes of them: the surfaces of tolerance `at` and its upper end. */
+static void try_edit(const sgt_lens *lens, sgt_edit edit, size_t at, size_t first, size_t last, double upper)
+{
+    sgt_error e = {.line = 0};
+    const sgt_tolerance *entry;
+    sgt_lens *other = sgt_lens_copy(lens, &e);
+    if (!other) exit(2);
+    const bool fine = sgt_lens_edit(other, 1, &edit, &e);
+    if (first == 0)
+        EXPECT(!fine && strstr(e.words, "tolerances["), "not refused: %s", e.words);
+    else {
+        EXPECT(fine, "%s: %s", e.key, e.words);
+        const size_t n = sgt_lens_tolerances(other, &entry);
+        EXPECT(at < n && entry[at].first == first && entry[at].last == last && entry[at].upper == upper,
+               "%s: %zu: %zu to %zu, %g", edit.path ? edit.path : "", at, entry[at].first, entry[at].last,
+               entry[at].upper);
+    }
+    sgt_lens_free(other);
+}
+
+static void try_edits(const sgt_lens *lens)
+{
+    const char plane[] = "{type: plane, thickness: 1}";
+    const sgt_edit front = {.kind = SGT_EDIT_INSERT, .path = "surfaces[1]", .text = plane},
+                   middle = {.kind = SGT_EDIT_INSERT,
+                             .path = "surfaces[4]",
+                             .text = "{type: break, thickness: 0}"},
+                   gone = {.kind = SGT_EDIT_REMOVE, .path = "surfaces[4]"},
+                   entry = {.kind = SGT_EDIT_REMOVE, .path = "tolerances[1]"},
+                   larger = {.kind = SGT_EDIT_SCALE, .number = 2},
+                   turned = {.kind = SGT_EDIT_REVERSE, .path = "surfaces[3]", .text = "surfaces[4]"};
+    /* 0: radius of surface 1; 1: fringes of surface 2; 8, 9: surfaces 3 to 4 decentred, tilted */
+    try_edit(lens, front, 0, 2, 2, 0.02);
+    try_edit(lens, front, 8, 4, 5, 0.01);
+    try_edit(lens, middle, 8, 3, 4, 0.01);
+    try_edit(lens, entry, 0, 2, 2, 4);
+    try_edit(lens, larger, 0, 1, 1, 0.04);
+    try_edit(lens, larger, 1, 2, 2, 4);
+    try_edit(lens, larger, 9, 3, 4, 0.02);
+    try_edit(lens, gone, 0, 0, 0, 0);
+    try_edit(lens, turned, 0, 0, 0, 0);
+}
+
 int main(int argc, char *argv[])
 {
     sgt_error e;
@@ -126,6 +172,7 @@ int main(int argc, char *argv[])
     try_shares();
     try_quantiles();
     try_lens(lens);
+    try_edits(lens);
     sgt_lens_free(lens);
     return faults ? 1 : 0;
 }

@@ -181,6 +181,17 @@ def test_a_tilted_surface_has_its_own_axes():
     by_hand('surface: 6, decenter_x: 0.02', origins, origins(0.0))
 
 
+def test_pickups_and_solves_keep_their_values():
+    """A radius that is off in one surface is not off in those that picked it up, and the focus stays."""
+    text = HEAD + surfaces({4: {'radius': '{pickup: "surfaces[3].radius", scale: -1}'},
+                            6: {'thickness': '{solve: paraxial_focus}'}})
+    row, = sensitivity(text, 'surface: 3, radius: 0.1').values()
+    image = float(rows('info', written(HEAD + surfaces({4: {'radius': 22.21328}})))[0]['image'])
+    hand = HEAD + surfaces({3: {'radius': -22.21328 + 0.1}, 4: {'radius': 22.21328},
+                            6: {'thickness': repr(42.20778 + image)}})
+    close(row['figure_upper'], spot(hand), 1e-9 * spot(hand))
+
+
 def test_the_paraxial_compensator():
     lens = HEAD + surfaces()
     row, = sensitivity(lens, 'surface: 1, radius: 0.2', 'surface: 6, thickness: 2, compensator: paraxial').values()

@@ -101,7 +101,7 @@ static void read_ends(source *s, const node *n, const char *key, sgt_tolerance *
     t->lower = end[0], t->upper = end[1];
 }
 
-static int word_at(source *s, const node *n, const char *key, int count, const char *const word[])
+static int choice_at(source *s, const node *n, const char *key, int count, const char *const word[])
 {
     const char *given = tree_read_text(s, n, key);
     char all[100] = "";
@@ -225,7 +225,7 @@ static void read_compensator(const whole_lens *w, source *s, const node *map, sg
     static const char *const words[] = {"figure", "paraxial"};
     const node *n = tree_take(map, "compensator");
     if (!n) return;
-    t->compensator = (sgt_compensation)(SGT_COMPENSATE_FIGURE + word_at(s, n, "compensator", 2, words));
+    t->compensator = (sgt_compensation)(SGT_COMPENSATE_FIGURE + choice_at(s, n, "compensator", 2, words));
     if (t->compensator == SGT_COMPENSATE_PARAXIAL &&
         (t->kind != SGT_TOLERANCE_THICKNESS || t->first + 1 != w->lens.count))
         tree_fail(s, n->line, "compensator", "paraxial is of the last thickness, of surface %zu",
@@ -260,7 +260,7 @@ static void read_tolerance(const whole_lens *w, source *s, const node *list, con
         if (distribution && t->compensator)
             tree_fail(s, distribution->line, "distribution", "a compensator has none: it is set, not drawn");
         if (distribution)
-            t->distribution = (sgt_distribution)word_at(s, distribution, "distribution", 3, distributions);
+            t->distribution = (sgt_distribution)choice_at(s, distribution, "distribution", 3, distributions);
         tree_finish(s, map,
                     "surface or surfaces, name, distribution, compensator, pivot, wavelength, over, term; "
                     "radius, fringes, thickness, decenter_x ..., tilt_x ..., index, irregularity");

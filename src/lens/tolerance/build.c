@@ -42,7 +42,7 @@ static bool refuse_entry(const sgt_tolerancing *t, size_t i, const char *words, 
 
 /* -------------------------------------------------------------------- as designed */
 
-static double number_or(const sgt_lens *lens, size_t surface, const char *key, double otherwise)
+static double number_given(const sgt_lens *lens, size_t surface, const char *key, double otherwise)
 {
     char path[PATH];
     double x;
@@ -64,7 +64,7 @@ static sgt_vec3 vector_of(const sgt_lens *lens, size_t surface, const char *key)
     double *const to[] = {&v.x, &v.y, &v.z};
     for (int i = 0; i < 3; i++) {
         snprintf(path, sizeof path, "%s[%d]", key, i + 1);
-        *to[i] = number_or(lens, surface, path, 0);
+        *to[i] = number_given(lens, surface, path, 0);
     }
     return v;
 }
@@ -100,11 +100,11 @@ static bool as_designed(sgt_tolerancing *t, off_surface *o, sgt_error *error)
     const sgt_lens *l = t->base;
     const size_t i = o->number;
     if (o->curved) {
-        o->curvature = number_or(l, i, "curvature", 0), o->radius = number_or(l, i, "radius", HUGE_VAL);
+        o->curvature = number_given(l, i, "curvature", 0), o->radius = number_given(l, i, "radius", HUGE_VAL);
         if (isinf(o->radius)) o->curvature = 0;
         o->by_radius = o->by_radius && file_gives(l, i, "radius");
     }
-    if (o->thick) o->thickness = number_or(l, i, "thickness", 0);
+    if (o->thick) o->thickness = number_given(l, i, "thickness", 0);
     if (o->indexed && !indices_of(t, o, error)) return false;
     o->pose = l->element[i - 1].pose;
     if (dot3(o->pose.ex, o->pose.ex) == 0) o->pose.ex.x = o->pose.ey.y = o->pose.ez.z = 1;

@@ -3,15 +3,15 @@
  * A compensator is sought by parabolas through the square of the figure at three places: of the spot against
  * the last thickness that square is a parabola, since rays are straight lines behind the last glass and
  * apertures do not change; of anything else it nearly is one where the figure is smallest.  The search ends
- * when the parabola has foretold the new value within AGREES of it, so the figure is then within some AGREES
- * of the least one.  Several compensators are sought in turn until a round gains no more than that. */
+ * when the parabola has foretold the new value within FORETOLD of it, so the figure is then within some
+ * FORETOLD of the least one.  Several compensators are sought in turn until a round gains no more. */
 #include "tolerance.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const double AGREES = 1e-7;
+static const double FORETOLD = 1e-7;
 
 /* ------------------------------------------------------------------------ a figure */
 
@@ -131,7 +131,7 @@ static double seek(search_at *s, size_t i)
         next.f = square_at(s, i, next.x);
         p[3] = next;
         sort_tried(p);
-        if (inside && fabs(next.f - foretold) <= AGREES * fabs(next.f)) break;
+        if (inside && fabs(next.f - foretold) <= FORETOLD * fabs(next.f)) break;
         p[3].f = HUGE_VAL;
     }
     s->value[i] = p[0].x;
@@ -166,7 +166,7 @@ bool sgt_figure_at(const sgt_tolerancing *t, sgt_lens *lens, double value[], dou
     for (int round = 0; round < ROUNDS && sought && !s.failed; round++) {
         for (size_t i = 0; i < t->count; i++)
             if (t->entry[i].compensator == SGT_COMPENSATE_FIGURE) now = seek(&s, i);
-        if (sought == 1 || !(before - now > AGREES * now)) break;
+        if (sought == 1 || !(before - now > FORETOLD * now)) break;
         before = now;
     }
     if (!sought) now = square_at(&s, last, t->count ? value[last] : 0);

@@ -5,6 +5,8 @@
  * of them: memory does not grow with their number. */
 #include "tolerance.h"
 
+#include "../read/lens.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -112,6 +114,17 @@ static bool try_ends(const sgt_tolerancing *t, sgt_lens *lens, double value[], s
     return true;
 }
 
+/* A pickup or solve becomes the number that it was when the lens was designed. */
+static void keep_values(node *n, int depth)
+{
+    enum { DEEP = 64 };
+    for (size_t i = 0; n->kind != NODE_SCALAR && depth < DEEP && i < n->count; i++) {
+        node *one = n->item[i];
+        if (one->kind != NODE_SCALAR && one->value) n->item[i] = one->value;
+        else keep_values(one, depth + 1);
+    }
+}
+
 static bool begin(sgt_tolerancing *t, const sgt_tolerancing_options *o, sgt_error *error)
 {
     if (o) t->opt = *o;
@@ -122,8 +135,9 @@ static bool begin(sgt_tolerancing *t, const sgt_tolerancing_options *o, sgt_erro
     t->base = sgt_lens_copy(t->of, error);
     if (!t->base) return false;
     t->count = sgt_lens_tolerances(t->of, &t->entry);
+    keep_values(((whole_lens *)(void *)t->base)->root, 0);
     /* a lens that is built has none: what may be off has been so */
-    if (t->count && !sgt_lens_set_text(t->base, "tolerances", "[]", error)) return false;
+    if (t->count && !sgt_lens_remove(t->base, "tolerances", error)) return false;
     t->um = sgt_lens_unit(t->base);
     double *value = sgt_arena_take(&t->memory, (t->count + 1) * sizeof *value);
     refuse(t->of, error, "", "no memory"); /* stands, if that is why the next fail */

@@ -55,8 +55,8 @@ static const option_row tolerance_rows[] = {
      "the number of the first trial: 0 if it is not given\n"
      "Trial I is the same in every run, so that trials can be split over machines",
      OPTION_WHOLE, .to = offsetof(tolerance_options, first), .least = 0, .most = INT_MAX},
-    {"trial-seed", "N", "other trials; 1 if it is not given", OPTION_WHOLE, .to = offsetof(tolerance_options, seed),
-     .least = 0, .most = INT_MAX},
+    {"trial-seed", "N", "other trials; 1 if it is not given", OPTION_WHOLE,
+     .to = offsetof(tolerance_options, seed), .least = 0, .most = INT_MAX},
     {"limit", "X", "the yield: the share of trials whose figure is at most X; several", OPTION_TAKE,
      .take = take_limit},
     {"confidence", "PERCENT", "of the intervals of quantiles and yields; 95 if it is not given", OPTION_TAKE,

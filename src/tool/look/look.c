@@ -261,7 +261,6 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
     const job_options *o = &l->job;
     sgt_lens *of;
     const lens_list lenses = job_lenses(o);
-    static bool registered;
     l->band = lenses.lens, l->bands = lenses.count, of = lenses.lens[0].of;
     l->primary = of->wavelength ? lens_at(of, (lens_wavelength){.um = (double)NAN}) : lenses.lens[0];
     l->fields = job_fields(o, &l->primary);
@@ -288,6 +287,7 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
 
 static void begin_study(look *l, const job_points_asked *points, int *threads)
 {
+    static bool registered;
     sgt_error e;
     const sgt_study_options options = look_study(l, points, threads);
     l->study = studies[0] = sgt_study_new(l->band[0].of, &options, &e);
