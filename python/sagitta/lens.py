@@ -613,8 +613,8 @@ class Lens:
         value is a number, a text, or a list or dict as the file has them.
 
         >>> import sagitta
-        >>> lens = sagitta.Lens.text("surfaces: [{type: sphere, radius: 50, thickness: 3, glass: N-BK7}, "
-        ...                          "{type: plane}]")
+        >>> lens = sagitta.Lens.text("{wavelengths: [d], surfaces: [{type: sphere, radius: 50, thickness: 3, "
+        ...                          "glass: N-BK7}, {type: plane}]}")
         >>> lens.set("surfaces[1].thickness", {"solve": "paraxial_focus"}).get("surfaces[1].thickness") > 50
         True
         >>> lens.set({"surfaces[1].radius": 40, "surfaces[1].glass": "N-SF6"}) == lens

@@ -15,7 +15,6 @@
 #include "../base/reader.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -118,46 +117,6 @@ static void put_value(source *s, const way *p, const sgt_edit *e)
     size_t line = at.is ? at.is->line : 0;
     node **place = at.is ? &at.in->item[at.at] : new_place(s, at.in, p, &line);
     *place = number ? tree_number(s, line, e->number) : parse_value(s, e->text, line);
-}
-
-void sgt_edit_refuse(const editing *e, const char *words, ...)
-{
-    char text[600];
-    va_list more;
-    va_start(more, words);
-    vsnprintf(text, sizeof text, words, more);
-    va_end(more);
-    tree_fail(e->s, 0, path_of(e->edit), "%s", text);
-}
-
-way sgt_edit_way(const editing *e, const char *text)
-{
-    char why[PATH_WHY];
-    way p;
-    if (!sgt_path_read(&p, text ? text : "", why)) sgt_edit_refuse(e, "%s", why);
-    return p;
-}
-
-node *sgt_edit_surfaces(const editing *e)
-{
-    const node *root = e->s->root;
-    for (size_t i = 0; root->kind == NODE_MAP && i < root->count; i++)
-        if (strcmp(root->key[i]->text, "surfaces") == 0 && root->item[i]->kind == NODE_LIST)
-            return root->item[i];
-    sgt_edit_refuse(e, "there are no surfaces");
-}
-
-const sgt_builtin *sgt_edit_type(const editing *e, const node *map)
-{
-    const sgt_builtin *const several[] = {sgt_builtins(), e->s->options->types};
-    const char *name = "";
-    for (size_t i = 0; map->kind == NODE_MAP && i < map->count; i++)
-        if (strcmp(map->key[i]->text, "type") == 0 && map->item[i]->kind == NODE_SCALAR)
-            name = map->item[i]->text;
-    for (int i = 0; i < 2; i++)
-        for (const sgt_builtin *b = several[i]; b && b->type; b++)
-            if (strcmp(b->type, name) == 0) return b;
-    return NULL;
 }
 
 static void change(source *s, const sgt_edit *edit)

@@ -41,7 +41,4 @@ void sgt_edit_scale(const editing *e);
 /* The row of a surface's type; NULL: a break, a formula, an ideal lens, or none. */
 const sgt_builtin *sgt_edit_type(const editing *e, const node *map);
 
-/* A number or a pickup becomes its negative. */
-void sgt_edit_negate(const editing *e, node **place);
-
 #endif

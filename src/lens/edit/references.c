@@ -15,6 +15,7 @@ typedef struct gathering {
     references found;
     node *in;
     size_t base; /* where the path behind `in` begins */
+    places known;
     char text[SGT_PATH_SIZE];
 } gathering;
 
@@ -36,6 +37,7 @@ static void gather_pickup(gathering *g, node *map, size_t key)
     spot at;
     if (from->kind != NODE_SCALAR || !sgt_path_read(&p, from->text, why) || p.count < 2) return;
     if (!(sgt_step_is(&p.step[0], "surfaces") || sgt_step_is(&p.step[0], "breaks"))) return;
+    p.known = &g->known;
     if (!sgt_path_find(e->s->root, &p, 2, &at, why)) return;
     references *r = &g->found;
     const char *rest = strchr(from->text, ']');
@@ -120,7 +122,7 @@ static void gather_tolerances(gathering *g)
 
 references sgt_edit_references(const editing *e)
 {
-    gathering g = {.e = e};
+    gathering g = {.e = e, .known = sgt_path_places(e->s, e->s->root)};
     gather(&g, e->s->root, 0, 0);
     gather_tolerances(&g);
     return g.found;

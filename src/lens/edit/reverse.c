@@ -68,7 +68,8 @@ static void negate_key(const editing *e, node *map, const char *key, double othe
         tree_set(e->s, map, key, tree_number(e->s, map->line, -otherwise));
 }
 
-void sgt_edit_negate(const editing *e, node **place)
+/* A number, or each of a list. */
+static void negate(const editing *e, node **place)
 {
     node *n = *place;
     if (picks_up(n)) return; /* with its reference, below */
@@ -77,7 +78,7 @@ void sgt_edit_negate(const editing *e, node **place)
         return;
     }
     if (n->kind == NODE_MAP) sgt_edit_refuse(e, "a map where a number is expected");
-    for (size_t i = 0; i < n->count; i++) sgt_edit_negate(e, &n->item[i]);
+    for (size_t i = 0; i < n->count; i++) negate(e, &n->item[i]);
 }
 
 /* Keys of sags that change their sign with the sag. */
@@ -140,7 +141,7 @@ static void turn_shape(const editing *e, node *map)
                  n->kind == NODE_SCALAR)
             sgt_edit_refuse(e, "the numbers of %s stand in a file", map->key[i]->text);
         else if (turns_sign(map->key[i]->text))
-            sgt_edit_negate(e, &map->item[i]);
+            negate(e, &map->item[i]);
     }
 }
 
@@ -148,9 +149,9 @@ static void turn_place(const editing *e, node *map)
 {
     node **tilt = slot(map, "tilt"), **decenter = slot(map, "decenter");
     for (size_t i = 0; tilt && (*tilt)->kind == NODE_LIST && i < 2 && i < (*tilt)->count; i++)
-        sgt_edit_negate(e, &(*tilt)->item[i]);
+        negate(e, &(*tilt)->item[i]);
     if (decenter && (*decenter)->kind == NODE_LIST && (*decenter)->count == 3)
-        sgt_edit_negate(e, &(*decenter)->item[2]);
+        negate(e, &(*decenter)->item[2]);
 }
 
 /* ------------------------------------------------------------ what is between */

@@ -30,6 +30,7 @@
 #include <string.h>
 
 static const double AGREES = 1e-9; /* relative */
+enum { SOLVES_MOST = 64 }; /* each reads all in front of it */
 
 typedef struct expression {
     node *map, **place;
@@ -39,7 +40,7 @@ typedef struct expression {
     size_t next;               /* of a solve: all expressions before this one are evaluated or not needed */
 } expression;
 
-struct resolution { size_t count, room; expression *at; };
+struct resolution { size_t count, room; expression *at; places known; };
 
 /* -------------------------------------------------------------- which there are */
 
@@ -116,7 +117,7 @@ static double number_or(source *s, const expression *e, const char *key, double 
 }
 
 /* s x + o of what stands at the path; NULL: why.  *needs: an expression that has to be evaluated first. */
-static node *pick_up(source *s, const expression *e, uint32_t *needs, char why[PATH_WHY])
+static node *pick_up(source *s, const places *known, const expression *e, uint32_t *needs, char why[PATH_WHY])
 {
     tree_map(s, e->map, "pickup");
     const node *from = tree_take(e->map, "pickup");
@@ -128,7 +129,9 @@ static node *pick_up(source *s, const expression *e, uint32_t *needs, char why[P
     bool inverse;
     double x;
     char what[PATH_WHY];
-    const node *n = sgt_path_read(&p, text, what) ? sgt_path_value(s->root, &p, &inverse, what) : NULL;
+    const bool is_path = sgt_path_read(&p, text, what);
+    p.known = known;
+    const node *n = is_path ? sgt_path_value(s->root, &p, &inverse, what) : NULL;
     if (!n) {
         snprintf(why, PATH_WHY, "picks up %.60s: %.150s", text, what);
         return NULL;
@@ -271,7 +274,7 @@ static void evaluate(whole_lens *w, source *s, resolution *r, expression *stack[
             if ((next = first_needed(r, e))) continue;
             value = solve(w, s, e, why);
         } else {
-            value = pick_up(s, e, &needs, why);
+            value = pick_up(s, &r->known, e, &needs, why);
             next = needs ? &r->at[needs - 1] : NULL;
             if (next) continue;
         }
@@ -287,6 +290,10 @@ const resolution *sgt_resolve(whole_lens *w, source *s)
     if (s->root->kind != NODE_MAP) return NULL;
     look(&l, s->root, 0, 0);
     if (!r->count) return NULL;
+    r->known = sgt_path_places(s, s->root);
+    for (size_t i = 0, solves = 0; i < r->count; i++)
+        if (is_solve(&r->at[i]) && ++solves > SOLVES_MOST)
+            tree_fail(s, r->at[i].map->line, r->at[i].path, "more than %d solves in one lens", SOLVES_MOST);
     expression **stack = tree_room(s, r->count, sizeof *stack);
     for (size_t i = 0; i < r->count; i++)
         if (!r->at[i].done) evaluate(w, s, r, stack, &r->at[i]);

@@ -12,8 +12,16 @@ typedef struct path_step {
     bool name;
 } path_step;
 
+/* Where the surfaces and the breaks are in the list `surfaces`, for those who follow many paths. */
+typedef struct places { const node *list; size_t surfaces, breaks, *surface, *lies; } places;
+places sgt_path_places(source *s, const node *root);
+
 enum { PATH_STEPS = 16, PATH_WHY = 240 };
-typedef struct way { path_step step[PATH_STEPS]; size_t count; } way;
+typedef struct way {
+    path_step step[PATH_STEPS];
+    size_t count;
+    const places *known; /* NULL: they are counted at each path */
+} way;
 
 /* A place in the tree. */
 typedef struct spot {

@@ -77,6 +77,8 @@ static option_row *look_settings(asking *to, option_row *row, const sgt_analysis
         const sgt_setting *s = sgt_analysis_setting(a, i);
         bool known = argument && strcmp(s->name, argument) == 0;
         for (size_t k = 0; k < to->settings; k++) known = known || strcmp(to->setting[k]->name, s->name) == 0;
+        for (const option_row *own = to->way->own; own && own->name; own++)
+            known = known || strcmp(own->name, s->name) == 0; /* over a number: --steps is of that */
         if (known) continue;
         *row++ = (option_row){s->name, value[s->kind], s->help, OPTION_TAKE, .to = to->settings,
                               .take = note_setting};
