@@ -24,6 +24,7 @@ from .results import Aimed, Crossings, Fate, Hit, Hits, Passage, Status, Traced
 from .study import Answer, Fates
 from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
 from .surfaces import *  # noqa: F401,F403
+from .tolerance import Interval, Tolerance, Tolerancing, Trials, quantile, share
 
 __version__: str = _C.text(_C.library.sgt_version())
 
@@ -49,6 +50,7 @@ __all__ = [
     "Geoid",
     "Hit",
     "Hits",
+    "Interval",
     "Jacobian",
     "Lens",
     "LensError",
@@ -63,6 +65,11 @@ __all__ = [
     "Sensitivity",
     "Status",
     "Surface",
+    "Tolerance",
+    "Tolerancing",
     "Traced",
+    "Trials",
     "Verdict",
+    "quantile",
+    "share",
 ] + _surfaces.__all__
