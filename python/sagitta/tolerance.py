@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _calls
 from . import _library as C
-from ._arrays import Floats, address, doubles
+from ._arrays import address, doubles
+from ._tables import Floats
 from .study import _AIMS, _set_fields, _set_points, _set_wavelengths, whole
 
 if TYPE_CHECKING:
