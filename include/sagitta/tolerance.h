@@ -98,8 +98,10 @@ SGT_API const char *sgt_tolerance_unit(const sgt_lens *lens, const sgt_tolerance
 typedef enum sgt_figure {
     SGT_FIGURE_SPOT,   /* the root of the mean square of the spots' radii: of the fields'
                           rms, all wavelengths together ("spot" of study.h) */
-    SGT_FIGURE_OPD     /* the same of the rms of path differences, in waves, over fields
+    SGT_FIGURE_OPD,    /* the same of the rms of path differences, in waves, over fields
                           and wavelengths ("wavefront") */
+    SGT_FIGURE_BORESIGHT /* the same of the way from where a chief ray is designed to end
+                          to where it does, x and y of "spot".  0 as designed */
 } sgt_figure;
 
 /* Zeros are the defaults. */

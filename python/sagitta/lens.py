@@ -1129,7 +1129,7 @@ class Lens(Analyses):
         apertures: bool = True,
         threads: int = 1,
     ) -> Tolerancing:
-        """How badly it may be built: what the tolerances of its file do to a figure, "spot" or "opd".  The other
+        """How badly it may be built: what the tolerances of its file do to a figure, "spot", "opd" or "boresight".  The other
         arguments are those of spot() and wavefront(); threads change no bit."""
         return Tolerancing(
             self,

@@ -17,7 +17,7 @@ from .study import _AIMS, _set_fields, _set_points, _set_wavelengths, whole
 if TYPE_CHECKING:
     from .lens import Lens
 
-_FIGURES = {"spot": 0, "opd": 1}
+_FIGURES = {"spot": 0, "opd": 1, "boresight": 2}
 _REFERENCES = {"chief": 0, "centroid": 1}
 _COMPENSATORS = (None, "figure", "paraxial")
 _DISTRIBUTIONS = ("uniform", "normal", "ends")

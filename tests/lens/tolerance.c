@@ -164,6 +164,56 @@ static void try_edits(const sgt_lens *lens)
     try_edit(lens, turned, 0, 0, 0, 0);
 }
 
+/* An allocator that has so many blocks to give. */
+typedef struct giver {
+    long left, held;
+} giver;
+
+static void *give(void *context, void *block, size_t size)
+{
+    giver *g = context;
+    if (size == 0) {
+        g->held -= block != NULL;
+        free(block);
+        return NULL;
+    }
+    if (g->left-- <= 0) return NULL;
+    g->held += block == NULL;
+    return realloc(block, size);
+}
+
+/* Without memory, wherever it ends, there is an error that says so, and nothing is kept. */
+static void try_no_memory(const char *file)
+{
+    giver g = {.left = 1L << 40};
+    const sgt_allocator a = {give, &g};
+    const sgt_lens_options reading = {.allocator = &a};
+    const sgt_pattern pattern = SGT_PATTERN_HEXAPOLAR;
+    const sgt_study_options study = {.allocator = &a, .pattern = &pattern, .rays = 1};
+    const sgt_tolerancing_options options = {.study = &study};
+    sgt_error e;
+    sgt_lens *lens = sgt_lens_read(file, &reading, &e);
+    if (!lens) exit(2);
+    const long with_lens = g.held;
+    sgt_sensitivity row[16];
+    size_t count, tries = 0;
+    for (long most = 0, step = 1; tries < 10000; most += step, step += most / 50, tries++) {
+        seen s = {.entries = 13};
+        g.left = most, e = (sgt_error){.line = 0};
+        sgt_tolerancing *t = sgt_tolerancing_new(lens, &options, &e);
+        const bool fine = t && sgt_tolerancing_trials(t, 1, 0, 2, see, &s, &e) &&
+                          sgt_tolerancing_sensitivity(t, &count, row, NULL, &e);
+        sgt_tolerancing_free(t);
+        EXPECT(g.held == with_lens, "%ld blocks: %ld are kept", most, g.held - with_lens);
+        if (fine) break;
+        EXPECT(strstr(e.words, "no memory"), "%ld blocks: %s: %s", most, e.key, e.words);
+    }
+    EXPECT(tries > 20 && tries < 10000, "%zu tries", tries);
+    g.left = 1L << 40;
+    sgt_lens_free(lens);
+    EXPECT(g.held == 0, "%ld blocks are kept", g.held);
+}
+
 int main(int argc, char *argv[])
 {
     sgt_error e;
@@ -173,6 +223,7 @@ int main(int argc, char *argv[])
     try_quantiles();
     try_lens(lens);
     try_edits(lens);
+    try_no_memory(argv[1]);
     sgt_lens_free(lens);
     return faults ? 1 : 0;
 }

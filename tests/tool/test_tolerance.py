@@ -245,6 +245,26 @@ def test_sorted_and_estimated():
     equal([r['tolerance'] for r in by_json], [r['tolerance'] for r in table], 'json')
 
 
+def test_boresight():
+    """Where chief rays end, against sagitta spot of files."""
+    lens = HEAD + surfaces()
+    row, = rows('tolerance', written(lens + tolerances('surface: 3, decenter_y: 0.02')), '--quiet', '--figure',
+                'boresight')
+    def ends(text):
+        return [(float(r['x']), float(r['y'])) for r in rows('spot', written(text), *RAYS)
+                if r['wavelength'] == 'all']
+    for end, d in (('lower', -0.02), ('upper', 0.02)):
+        way = [math.dist(a, b) for a, b in zip(ends(lens), ends(HEAD + surfaces({3: {'decenter': [0, d, 0]}})))]
+        close(row['figure_' + end], math.sqrt((way[0] ** 2 + 2 * way[1] ** 2) / 3), 1e-12, end)
+        equal(row['figure_' + end], row['change_' + end], 'from 0')
+    # to move the image surface back makes it good again
+    row, = rows('tolerance', written(lens + tolerances(
+        'surface: 3, decenter_y: 0.02', 'surface: 6, thickness: 0.001, compensator: figure')), '--quiet', '--figure',
+        'boresight')
+    assert abs(float(row['compensator_upper'])) <= 0.001
+    run('tolerance', EXAMPLE, '--figure', 'boresight', '--hexapolar', 4, exit=USAGE)
+
+
 def test_trials_in_any_threads_and_split():
     def lines(first, count, *more):
         done = run('tolerance', EXAMPLE, '--hexapolar', 2, '--quiet', '--trials', count, '--first', first,

@@ -18,6 +18,8 @@ static const double FORETOLD = 1e-7;
 typedef struct squares {
     const sgt_tolerancing *t;
     const sgt_lens *lens;
+    size_t field;               /* of the study, from 0: the next one */
+    sgt_vec2 *chief;            /* of the boresight: to be set; NULL: it is known */
     double sum, weight;
 } squares;
 
@@ -36,6 +38,16 @@ static void add_spot(void *context, const void *row)
     if (r->wavelength == SGT_ALL_WAVELENGTHS) add_square(context, r->field, 1, r->rms);
 }
 
+static void add_boresight(void *context, const void *row)
+{
+    const sgt_spot_row *r = row;
+    squares *s = context;
+    if (r->wavelength != SGT_ALL_WAVELENGTHS) return;
+    if (s->chief) s->chief[s->field] = (sgt_vec2){r->x, r->y};
+    const sgt_vec2 as_designed = s->t->chief[s->field++];
+    add_square(s, r->field, 1, hypot(r->x - as_designed.x, r->y - as_designed.y));
+}
+
 static void add_wavefront(void *context, const void *row)
 {
     const sgt_wavefront_row *r = row;
@@ -46,18 +58,42 @@ static void add_wavefront(void *context, const void *row)
     add_square(s, r->field, weight, r->rms);
 }
 
+static bool run_figure(const sgt_tolerancing *t, squares *s, sgt_error *error)
+{
+    static const struct { const char *analysis; void (*row)(void *context, const void *row); } of[] = {
+        [SGT_FIGURE_SPOT] = {"spot", add_spot},
+        [SGT_FIGURE_OPD] = {"wavefront", add_wavefront},
+        [SGT_FIGURE_BORESIGHT] = {"spot", add_boresight}};
+    const sgt_spot_options of_spot = {.reference = t->opt.reference};
+    const sgt_sink sink = {.context = s, .row = of[t->opt.figure].row};
+    sgt_study *study = sgt_study_new(s->lens, &t->study, error);
+    const bool fine = study && sgt_study_run(study, sgt_analysis_named(of[t->opt.figure].analysis),
+                                             t->opt.figure == SGT_FIGURE_OPD ? NULL : &of_spot, &sink, NULL,
+                                             error);
+    sgt_study_free(study);
+    return fine;
+}
+
 bool sgt_figure_of(const sgt_tolerancing *t, const sgt_lens *lens, double *figure, sgt_error *error)
 {
-    const bool spot = t->opt.figure == SGT_FIGURE_SPOT;
-    const sgt_spot_options of_spot = {.reference = t->opt.reference};
     squares s = {.t = t, .lens = lens};
-    const sgt_sink sink = {.context = &s, .row = spot ? add_spot : add_wavefront};
-    sgt_study *study = sgt_study_new(lens, &t->study, error);
-    const bool fine = study && sgt_study_run(study, sgt_analysis_named(spot ? "spot" : "wavefront"),
-                                             spot ? &of_spot : NULL, &sink, NULL, error);
-    sgt_study_free(study);
+    const bool fine = run_figure(t, &s, error);
     *figure = fine ? sqrt(s.sum / s.weight) : (double)NAN;
     return fine;
+}
+
+bool sgt_figure_begin(sgt_tolerancing *t, sgt_error *error)
+{
+    static const sgt_pattern centre = SGT_PATTERN_FAN;
+    if (t->opt.figure == SGT_FIGURE_BORESIGHT) {
+        const size_t fields = t->study.fields ? t->study.fields : t->of->fields;
+        squares s = {.t = t, .lens = t->base};
+        t->opt.reference = 0; /* the chief ray, alone: no other is needed */
+        t->study.pattern = &centre, t->study.rays = 1, t->study.points = 0, t->study.across = 0;
+        t->chief = s.chief = sgt_arena_take(&t->memory, fields * sizeof *t->chief);
+        if (!t->chief || !run_figure(t, &s, error)) return false;
+    }
+    return sgt_figure_of(t, t->base, &t->nominal, error);
 }
 
 /* --------------------------------------------------------------------- compensators */

@@ -84,6 +84,8 @@ static void *jobs_room(const sgt_tolerancing *t, size_t count, size_t batch, job
 
 static bool plain_options(const sgt_tolerancing *t, const sgt_tolerancing_options *o, sgt_error *error)
 {
+    if ((int)o->figure < SGT_FIGURE_SPOT || o->figure > SGT_FIGURE_BORESIGHT)
+        return refuse(t->of, error, "figure", "there is none of this number");
     for (size_t i = 0; i < sizeof o->reserved_ / sizeof *o->reserved_; i++)
         if (o->reserved_[i])
             return refuse(t->of, error, "sgt_tolerancing_options",
@@ -148,7 +150,7 @@ static bool begin(sgt_tolerancing *t, const sgt_tolerancing_options *o, sgt_erro
     t->image = data.image;
     sgt_lens *lens = sgt_lens_copy(t->base, error);
     if (!lens) return false;
-    bool fine = try_ends(t, lens, value, error) && sgt_figure_of(t, t->base, &t->nominal, error);
+    bool fine = try_ends(t, lens, value, error) && sgt_figure_begin(t, error);
     sgt_lens_free(lens);
     for (size_t i = 0; i < t->count && fine; i++)
         if (t->entry[i].compensator == SGT_COMPENSATE_PARAXIAL && !isfinite(t->image))

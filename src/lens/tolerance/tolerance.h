@@ -36,6 +36,7 @@ struct sgt_tolerancing {
     size_t edits, text;         /* the most that a point needs */
     double um;                  /* the unit of length */
     double nominal, image;      /* the figure, and the paraxial image, as designed */
+    sgt_vec2 *chief;            /* [fields]: of the boresight, where chief rays end as designed */
 };
 
 /* (build.c) Finds the surfaces that are off.  false: `error`. */
@@ -46,6 +47,9 @@ bool sgt_build_at(const sgt_tolerancing *t, sgt_lens *lens, const double value[]
 
 /* (figure.c) The figure of a lens.  false: no memory. */
 bool sgt_figure_of(const sgt_tolerancing *t, const sgt_lens *lens, double *figure, sgt_error *error);
+
+/* (figure.c) What the figure needs of the lens as designed: sets t->nominal.  false: `error`. */
+bool sgt_figure_begin(sgt_tolerancing *t, sgt_error *error);
 
 /* (figure.c) Of a point: seeks the compensators and sets them.  lens: a copy of the base. */
 bool sgt_figure_at(const sgt_tolerancing *t, sgt_lens *lens, double value[], double *figure,

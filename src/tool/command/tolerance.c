@@ -42,9 +42,10 @@ static void take_picture_of(void *into, const option_row *row, const char *value
 
 static const option_row tolerance_rows[] = {
     {"figure", "WORD",
-     "what is to be small: spot (the default) or opd\n"
-     "spot: root mean square of the spot radii of all fields; opd: of the path differences, in waves",
-     OPTION_WORD, .to = offsetof(tolerance_options, figure), .words = "spot opd"},
+     "what is to be small: spot (the default), opd or boresight\n"
+     "spot: root mean square of the spot radii of all fields; opd: of the path differences, in waves; "
+     "boresight: of how far the chief rays of the fields end from where they are designed to",
+     OPTION_WORD, .to = offsetof(tolerance_options, figure), .words = "spot opd boresight"},
     {"reference", "WORD", "of a spot: chief (the default), the chief ray, or centroid", OPTION_WORD,
      .to = offsetof(tolerance_options, reference), .words = "chief centroid"},
     {"trials", "N",
@@ -94,6 +95,13 @@ static const char *entry_name(const tolerating *w, size_t i)
     char text[SGT_TOLERANCE_SIZE];
     sgt_tolerance_text(&w->entry[i], text);
     return memory_print("%s", text);
+}
+
+static const char *figure_name(const tolerating *w)
+{
+    static const char *const names[] = {"root mean square spot radius", "root mean square path difference",
+                                        "root mean square way of the chief rays"};
+    return names[w->own.figure];
 }
 
 /* -------------------------------------------------------------------- sensitivity */
@@ -153,7 +161,7 @@ static void print_sensitivity(tolerating *w)
     }
     const char *space = *w->unit ? " " : "";
     table_line(t, "The worst first.  figure: %s.  change: from that as designed.",
-               w->own.figure ? "root mean square path difference" : "root mean square spot radius");
+               figure_name(w));
     table_line(t, "as designed: %.6g%s%s", sum.nominal, space, w->unit);
     if (compensated)
         table_line(t, "with its compensators set: %.6g%s%s.  compensator: %s", sum.compensated, space,
@@ -241,8 +249,7 @@ static void print_quantiles(tolerating *w)
     const char *space = *w->unit ? " " : "";
     size_t none = 0;
     while (none < w->done && isnan(w->figure[w->done - 1 - none])) none++;
-    table_line(t, "So many of %zu trials have at most this figure, %s.", w->done,
-               w->own.figure ? "the root mean square path difference" : "the root mean square spot radius");
+    table_line(t, "So many of %zu trials have at most this figure, the %s.", w->done, figure_name(w));
     table_line(t, "lower, upper: the true quantile lies between, with %g %% confidence.", w->own.confidence);
     for (size_t i = 0; i < w->own.limits; i++) {
         size_t k = 0;
@@ -296,7 +303,7 @@ static void draw_yield(const tolerating *w)
     for (size_t i = 0; i < w->own.limits; i++)
         rule[i + 1] =
             (chart_rule){.upright = true, .at = w->own.limit[i], .name = "limit", .dash = CHART_DASHED};
-    const char *what = w->own.figure ? "rms path difference" : "rms spot radius";
+    const char *what = figure_name(w);
     const chart_panel panel = {.x_label = *w->unit ? memory_print("%s (%s)", what, w->unit) : what,
                                .y_label = "trials (%)",
                                .y_high = 100,
@@ -379,10 +386,12 @@ static exit_status tolerance_run(const command *c, int argc, char *argv[])
     int threads;
     command_read(c, &w.own, &l->job, &l->shared, argc, argv);
     l->job.lens = command_file(c, "lens file", argc, argv), l->job.several = true;
-    l->of = sgt_analysis_named(w.own.figure ? "wavefront" : "spot");
+    l->of = sgt_analysis_named(w.own.figure == SGT_FIGURE_OPD ? "wavefront" : "spot");
     l->picture = l->shared.picture;
     if (l->job.rays) fail_usage("--rays: tolerance launches the rays of fields; sagitta trace takes a file");
     if (l->job.skip_bad) fail_usage("--skip-bad goes with --rays; tolerance launches the rays of fields");
+    if (w.own.figure == SGT_FIGURE_BORESIGHT && (l->job.pupils || l->job.points))
+        fail_usage("a pattern of rays is of no use here: the chief rays alone are traced");
     if (w.own.figure && w.own.reference) fail_usage("--reference goes with --figure spot");
     if (!w.own.trials && (w.own.limits || w.own.worst || l->picture || w.own.first))
         fail_usage("--limit, --worst, --picture and --first go with --trials N");
@@ -395,7 +404,7 @@ static exit_status tolerance_run(const command *c, int argc, char *argv[])
     w.count = sgt_lens_tolerances(w.lens, &w.entry);
     if (!w.count)
         lens_fail(&l->primary, "tolerances", "missing; a list of what may be off (docs/tolerance.md)");
-    w.unit = w.own.figure ? "waves" : w.lens->afocal ? "mrad" : w.lens->units;
+    w.unit = w.own.figure == SGT_FIGURE_OPD ? "waves" : w.lens->afocal ? "mrad" : w.lens->units;
     const sgt_tolerancing_options options = {
         .figure = (sgt_figure)w.own.figure, .study = &study, .reference = w.own.reference};
     w.of = tolerancings[0] = sgt_tolerancing_new(w.lens, &options, &e);
