@@ -112,6 +112,7 @@ def test_thickness_and_index():
     by_hand('surface: 3, thickness: 0.05', lambda d: HEAD + surfaces({3: {'thickness': repr(0.99997 + d)}}))
     by_hand('surface: 3, index: 1e-3',
             lambda d: HEAD + surfaces({3: {'index': f'[{1.6237 + d!r}, {1.615 + d!r}]'}}))
+    by_hand('surface: 2, index: 1e-3', lambda d: HEAD + surfaces({2: {'index': f'{1 + d!r}'}}))
     # a glass by its name: the same off at every wavelength
     def bk7(um):
         w, n = um * um, 1
@@ -179,6 +180,26 @@ def test_a_tilted_surface_has_its_own_axes():
             text = text.replace(f'thickness: {thickness!r}', own)
         return text.replace('{type: plane}', f'{{type: plane, origin: [0, 0, {z!r}]}}')
     by_hand('surface: 6, decenter_x: 0.02', origins, origins(0.0))
+
+
+def test_a_folded_lens():
+    """An image surface across the axis, where the angles of a tilt are not unique."""
+    folded = '''units: mm
+wavelengths: [0.55, 0.65]
+primary: 1
+pupil: {{semi_diameter: 5, distance: 0}}
+fields: [0, 1]
+field_weights: [1, 2]
+surfaces:
+  - {{type: sphere, radius: 50, origin: [0, 0, 0], index: 1.5}}
+  - {{type: plane, origin: [0, 0, 4], index: 1}}
+  - {{type: plane, origin: [0, 0, 50], tilt: [0, 45, 0], mirror: true}}
+  - {{type: plane, origin: [-40, 0, 50], tilt: [{}, {}, 0]}}
+'''
+    by_hand('surface: 4, tilt_x: 2', lambda d: folded.format(d, 90), folded.format(0, 90))
+    by_hand('surface: 4, tilt_y: 2', lambda d: folded.format(0, 90 + d), folded.format(0, 90))
+    by_hand('surface: 3, tilt_y: 0.1', lambda d: folded.format(0, 90).replace('45', repr(45 + d)),
+            folded.format(0, 90))
 
 
 def test_pickups_and_solves_keep_their_values():

@@ -15,7 +15,10 @@
  * axes as designed; from the new ones P' and the way v of the vertex follow decenter' = decenter + A^-1 v and
  * T' = A^-1 P', and of a product Rz(c) Ry(b) Rx(a) the angles are
  *
- *     a = atan2(T32, T33), b = atan2(-T31, hypot(T32, T33)), c = atan2(T21, T11).
+ *     a = atan2(T32, T33), b = atan2(-T31, hypot(T32, T33)), c = atan2(T13 sin a - T12 cos a, T22 cos a - T23
+ * sin a),
+ *
+ * where c, which is that of T Rx(a)^-1, makes good what rounding does to a where b is near 90 degrees.
  *
  * SHAPE.  A plane, sphere or conic becomes the same base with polynomials of Zernike. */
 #include "tolerance.h"
@@ -88,9 +91,6 @@ static bool indices_of(sgt_tolerancing *t, off_surface *o, sgt_error *error)
         double before;
         if (!sgt_lens_at(l, l->wavelength ? l->wavelength[k] : (double)NAN, e, &before, error)) return false;
         o->index[k] = e[o->number - 1].index;
-        if (o->index[k] == 0) o->index[k] = before; /* 0: as in front */
-        for (size_t i = 0; i < o->number && o->index[k] == before; i++)
-            if (e[i].index != SGT_MIRROR && e[i].index != 0) o->index[k] = e[i].index;
     }
     return true;
 }
@@ -321,9 +321,11 @@ static void put_place(building *b, const off_surface *o)
     const sgt_vec3 way = into3(&a, minus3(p.origin, o->pose.origin)), d = along3(o->decenter, 1, way);
     const sgt_vec3 x = into3(&a, p.ex), y = into3(&a, p.ey), z = into3(&a, p.ez);
     const double at[] = {d.x, d.y, d.z};
-    const double angle[] = {turned ? DEGREES * atan2(y.z, z.z) : o->tilt.x,
-                            turned ? DEGREES * atan2(-x.z, hypot(y.z, z.z)) : o->tilt.y,
-                            turned ? DEGREES * atan2(x.y, x.x) : o->tilt.z};
+    const double about_x = atan2(y.z, z.z), s = sin(about_x), c = cos(about_x);
+    const double turn[] = {about_x, atan2(-x.z, hypot(y.z, z.z)),
+                           atan2(s * z.x - c * y.x, c * y.y - s * z.y)};
+    const double angle[] = {turned ? DEGREES * turn[0] : o->tilt.x, turned ? DEGREES * turn[1] : o->tilt.y,
+                            turned ? DEGREES * turn[2] : o->tilt.z};
     put_list(b, o->number, o->by_origin ? "origin" : "decenter", 3, at, 0);
     put_list(b, o->number, "tilt", 3, angle, 0);
 }

@@ -150,7 +150,9 @@ static bool begin(sgt_tolerancing *t, const sgt_tolerancing_options *o, sgt_erro
     t->image = data.image;
     sgt_lens *lens = sgt_lens_copy(t->base, error);
     if (!lens) return false;
-    bool fine = try_ends(t, lens, value, error) && sgt_figure_begin(t, error);
+    double built; /* a fault of the figure of a lens that is built: later it would only be without one */
+    bool fine = try_ends(t, lens, value, error) && sgt_figure_begin(t, error) &&
+                sgt_build_at(t, lens, value, error) && sgt_figure_of(t, lens, &built, error);
     sgt_lens_free(lens);
     for (size_t i = 0; i < t->count && fine; i++)
         if (t->entry[i].compensator == SGT_COMPENSATE_PARAXIAL && !isfinite(t->image))
