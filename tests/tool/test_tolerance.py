@@ -389,6 +389,21 @@ def test_by_name():
     equal(row['tolerance'], 'surface 3 radius')
 
 
+def test_arrays():
+    try:
+        import numpy
+    except ImportError:
+        return
+    path = written('', 'trials.npy')
+    run('tolerance', EXAMPLE, *RAYS, '--trials', 5, '--format', 'npy', '--output', path)
+    by_csv = rows('tolerance', EXAMPLE, *RAYS, '--trials', 5)
+    table = numpy.load(path)
+    for name in by_csv[0]:
+        equal([float(r[name]) for r in by_csv], [float(x) for x in table[name]], name)
+    only = run('tolerance', EXAMPLE, *RAYS, '--trials', 3, '--format', 'csv', '--columns', 'trial,figure').stdout
+    equal(only.splitlines()[0], 'trial,figure')
+
+
 def test_picture():
     path = written('', 'yield.svg')
     run('tolerance', EXAMPLE, *RAYS, '--trials', 20, '--limit', 0.0115, '--picture', path,

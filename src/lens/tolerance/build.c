@@ -15,8 +15,8 @@
  * axes as designed; from the new ones P' and the way v of the vertex follow decenter' = decenter + A^-1 v and
  * T' = A^-1 P', and of a product Rz(c) Ry(b) Rx(a) the angles are
  *
- *     a = atan2(T32, T33), b = atan2(-T31, hypot(T32, T33)), c = atan2(T13 sin a - T12 cos a, T22 cos a - T23
- * sin a),
+ *     a = atan2(T32, T33), b = atan2(-T31, hypot(T32, T33)),
+ *     c = atan2(T13 sin a - T12 cos a, T22 cos a - T23 sin a),
  *
  * where c, which is that of T Rx(a)^-1, makes good what rounding does to a where b is near 90 degrees.
  *

@@ -370,7 +370,7 @@ const command command_tolerance = {
              "  3  bad input, or output that cannot be written\n",
     .group = {&tolerance_own, &picture_group, &job_fields_options, &job_pattern_options, &job_no_file,
               &job_aim_options, &job_wavelength_options, &job_glass_options, &job_aperture_options,
-              &options_in_threads, &options_output},
+              &options_in_threads, &options_rows},
     .run = tolerance_run,
 };
 
