@@ -143,10 +143,10 @@ static void refer_tolerance(const editing *e, const reference *r)
 {
     const node *was = r->word;
     if (!stands(e->s->root, was, 0)) return; /* it was removed itself */
-    if (!r->entry->expression)
-        sgt_edit_refuse(e, "%s is of surface %s, which would be gone", r->path, was->text);
+    const unsigned place = r->entry->expression;
+    if (!place) sgt_edit_refuse(e, "%s is of surface %s, which would be gone", r->path, was->text);
     if (!r->rest) return;
-    node *number = tree_word(e->s, was->line, tree_print(e->s, "%u", (unsigned)r->entry->expression));
+    node *number = tree_word(e->s, was->line, tree_print(e->s, "%u", place));
     number->number = was->number;
     r->map->item[r->pickup] = number;
 }
