@@ -122,7 +122,7 @@ static void keep_values(node *n, int depth)
     enum { DEEP = 64 };
     for (size_t i = 0; n->kind != NODE_SCALAR && depth < DEEP && i < n->count; i++) {
         node *one = n->item[i];
-        if (one->kind != NODE_SCALAR && one->value) n->item[i] = one->value;
+        if (one->kind != NODE_SCALAR && one->is && one->is->value) n->item[i] = one->is->value;
         else keep_values(one, depth + 1);
     }
 }
