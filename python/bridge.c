@@ -28,6 +28,7 @@
 #include <sagitta/formula.h>
 #include <sagitta/sensitivity.h>
 #include <sagitta/study.h>
+#include <sagitta/tolerance.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
@@ -815,6 +816,38 @@ bool sagitta_ask(const sgt_study *study, const sgt_analysis *analysis, const voi
     if (!sgt_study_run(study, analysis, options, &sink, &total, error)) return false;
     answer->fates = total.fates;
     return true;
+}
+
+/* Tolerances that are asked about in answer->threads; the answer lasts as long as they. */
+SGT_API sgt_tolerancing *sagitta_tolerancing(const sgt_lens *lens, sgt_tolerancing_options *opt,
+                                             sgt_study_options *study, sagitta_answer *answer,
+                                             sgt_error *error);
+sgt_tolerancing *sagitta_tolerancing(const sgt_lens *lens, sgt_tolerancing_options *opt,
+                                     sgt_study_options *study, sagitta_answer *answer, sgt_error *error)
+{
+    if (answer->threads > 1) study->run = in_threads, study->context = answer;
+    opt->study = study;
+    return sgt_tolerancing_new(lens, opt, error);
+}
+
+/* Where trials go: the figure of each, and `entries` numbers. */
+typedef struct trials_to { double *figure, *value; size_t entries; } trials_to;
+
+static void keep_trial(void *context, const sgt_trial *trial)
+{
+    trials_to *to = context;
+    *to->figure++ = trial->figure;
+    if (to->entries) memcpy(to->value, trial->value, to->entries * sizeof *to->value);
+    to->value += to->entries;
+}
+
+SGT_API bool sagitta_trials(const sgt_tolerancing *t, size_t entries, uint64_t seed, uint64_t first,
+                            uint64_t count, double figure[], double value[], sgt_error *error);
+bool sagitta_trials(const sgt_tolerancing *t, size_t entries, uint64_t seed, uint64_t first, uint64_t count,
+                    double figure[], double value[], sgt_error *error)
+{
+    trials_to to = {figure, value, entries};
+    return sgt_tolerancing_trials(t, seed, first, count, keep_trial, &to, error);
 }
 
 SGT_API void sagitta_forget(sagitta_answer *answer);

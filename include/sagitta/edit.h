@@ -67,12 +67,12 @@ SGT_API bool sgt_lens_set_text(sgt_lens *lens, const char *path, const char *yam
                                sgt_error *error);
 
 /* Inserts a value in YAML into a list, in front of what has the place; the place behind
- * the last one is the end.  Pickups by number go on meaning the same surfaces, as with
- * the edits below; those of the new value mean the new numbers. */
+ * the last one is the end.  Pickups and tolerances by number go on meaning the same
+ * surfaces, as with the edits below; those of the new value mean the new numbers. */
 SGT_API bool sgt_lens_insert(sgt_lens *lens, const char *path, const char *yaml,
                              sgt_error *error);
 
-/* Removes an entry of a list, or a key. */
+/* Removes an entry of a list, or a key.  false, too: a pickup or a tolerance means it. */
 SGT_API bool sgt_lens_remove(sgt_lens *lens, const char *path, sgt_error *error);
 
 /* Turns the surfaces `first` to `last` ("surfaces[2]", or by name) front to back: their
@@ -80,7 +80,7 @@ SGT_API bool sgt_lens_remove(sgt_lens *lens, const char *path, sgt_error *error)
  * mirrors the group in a plane z = const; for surfaces that are symmetric in x that is to
  * turn it.  What stands in front of it and behind it stays: the last thickness and medium
  * are those that were the last.  false, too: a break, a mirror or an origin among them, a
- * surface that is no sag, a sag from a file. */
+ * surface that is no sag, a sag from a file, one that a tolerance is of. */
 SGT_API bool sgt_lens_reverse(sgt_lens *lens, const char *first, const char *last,
                               sgt_error *error);
 

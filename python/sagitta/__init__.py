@@ -25,6 +25,7 @@ from .results import Aimed, Crossing, Crossings, End, Fate, Hit, Hits, Passage, 
 from .study import Answer, Fates
 from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
 from .surfaces import *  # noqa: F401,F403
+from .tolerance import Interval, Tolerance, Tolerancing, Trials, quantile, share
 
 __version__: str = _C.text(_C.library.sgt_version())
 
@@ -52,6 +53,7 @@ __all__ = [
     "Geoid",
     "Hit",
     "Hits",
+    "Interval",
     "Jacobian",
     "Lens",
     "LensError",
@@ -68,7 +70,12 @@ __all__ = [
     "Sensitivity",
     "Status",
     "Surface",
+    "Tolerance",
+    "Tolerancing",
     "Traced",
+    "Trials",
     "Verdict",
+    "quantile",
+    "share",
 ]
 __all__ += _surfaces.__all__

@@ -610,6 +610,65 @@ class Answer(Structure):
     ]
 
 
+class Tolerance(Structure):
+    _fields_ = [
+        ("kind", c_int),
+        ("distribution", c_int),
+        ("compensator", c_int),
+        ("first", c_size_t),
+        ("last", c_size_t),
+        ("lower", c_double),
+        ("upper", c_double),
+        ("wavelength", c_double),
+        ("over", c_double),
+        ("pivot", c_double),
+        ("term", c_size_t),
+        ("line", c_size_t),
+        ("name", c_char_p),
+        ("reserved_", Words * 4),
+    ]
+
+
+class TolerancingOptions(Structure):
+    _fields_ = [
+        ("figure", c_int),
+        ("study", c_void_p),
+        ("reference", c_int),
+        ("reserved_", Words * 4),
+    ]
+
+
+class Sensitivity(Structure):
+    _fields_ = [
+        ("entry", c_size_t),
+        ("figure_lower", c_double),
+        ("figure_upper", c_double),
+        ("change_lower", c_double),
+        ("change_upper", c_double),
+        ("worse", c_double),
+        ("compensator_lower", c_double),
+        ("compensator_upper", c_double),
+        ("reserved_", Words * 4),
+    ]
+
+
+class SensitivitySum(Structure):
+    _fields_ = [
+        ("nominal", c_double),
+        ("compensated", c_double),
+        ("estimate", c_double),
+        ("reserved_", Words * 4),
+    ]
+
+
+class Confidence(Structure):
+    _fields_ = [
+        ("estimate", c_double),
+        ("lower", c_double),
+        ("upper", c_double),
+    ]
+
+
 class Named(Structure):
     _fields_ = [("name", c_char_p), ("value", c_double)]
 
@@ -787,6 +846,29 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
         [POINTER(Lens), POINTER(StudyOptions), POINTER(Answer), POINTER(Error)],
     ),
     "sagitta_forget": (None, [POINTER(Answer)]),
+    # tolerance.h
+    "sgt_lens_tolerances": (c_size_t, [POINTER(Lens), POINTER(POINTER(Tolerance))]),
+    "sgt_tolerance_text": (None, [POINTER(Tolerance), c_char * 80]),
+    "sgt_tolerance_unit": (c_char_p, [POINTER(Lens), POINTER(Tolerance)]),
+    "sagitta_tolerancing": (
+        c_void_p,
+        [POINTER(Lens), POINTER(TolerancingOptions), POINTER(StudyOptions), POINTER(Answer), POINTER(Error)],
+    ),
+    "sgt_tolerancing_free": (None, [c_void_p]),
+    "sgt_tolerancing_nominal": (c_double, [c_void_p]),
+    "sgt_tolerancing_at": (c_bool, [c_void_p, c_void_p, POINTER(c_double), POINTER(Error)]),
+    "sgt_tolerancing_lens": (POINTER(Lens), [c_void_p, c_void_p, POINTER(Error)]),
+    "sgt_tolerancing_sensitivity": (
+        c_bool,
+        [c_void_p, POINTER(c_size_t), c_void_p, POINTER(SensitivitySum), POINTER(Error)],
+    ),
+    "sgt_tolerancing_draw": (None, [c_void_p, c_uint64, c_uint64, c_void_p]),
+    "sagitta_trials": (
+        c_bool,
+        [c_void_p, c_size_t, c_uint64, c_uint64, c_uint64, c_void_p, c_void_p, POINTER(Error)],
+    ),
+    "sgt_quantile": (Confidence, [c_size_t, c_void_p, c_double, c_double]),
+    "sgt_share": (Confidence, [c_size_t, c_size_t, c_double]),
     # formula.h
     "sgt_formula_room": (c_size_t, [c_char_p, c_size_t]),
     "sgt_formula_read": (

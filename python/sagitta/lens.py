@@ -27,6 +27,7 @@ from ._calls import Options
 from ._tables import Dims, Floats, Named, Table, Tabular, ray_axes
 from .function import Function
 from .results import Aimed, Fate, Later, Passage, Room, Status, Traced
+from .tolerance import Tolerancing
 from .study import PATTERNS, Answer, Wavelength, add_to, field_number, points_of, wavelength_of, whole
 from .surface import BUILTINS, CLASSES, Surface
 from .surface import _read as _parameters_at
@@ -604,10 +605,17 @@ class Lens(Analyses):
             pointer, len(edits), (C.Edit * len(edits))(*edits), _byref(error)
         ):
             raise _fault(error)
+        return self._beside(handle)
+
+    def _beside(self, handle: _Handle) -> "Lens":
+        """A lens made of this one."""
         other = Lens.__new__(Lens)
         other._given = None
         other._begin(handle, [], self._glasses)
         return other
+
+    def _built(self, pointer: Any) -> "Lens":
+        return self._beside(_Handle(pointer, self._handle.keep))
 
     def copy(self) -> "Lens":
         """The same lens once more."""
@@ -1105,6 +1113,31 @@ class Lens(Analyses):
     # -------------------------------------------------------- what a designer asks (study.py)
 
     _fault = staticmethod(_fault)
+
+    def tolerance(
+        self,
+        figure: str = "spot",
+        *,
+        reference: str = "chief",
+        field: Any = None,
+        fields: Any = None,
+        wavelength: Any = None,
+        pattern: Any = None,
+        rays: int = 0,
+        across: int = 0,
+        aim: Optional[str] = None,
+        apertures: bool = True,
+        threads: int = 1,
+    ) -> Tolerancing:
+        """How badly it may be built: what the tolerances of its file do to a figure, "spot", "opd" or "boresight".  The other
+        arguments are those of spot() and wavefront(); threads change no bit."""
+        return Tolerancing(
+            self,
+            figure,
+            reference,
+            (field, fields, wavelength, pattern, rays, across, aim, apertures),
+            threads,
+        )
 
     # -------------------------------------------------------------------------- fields
 

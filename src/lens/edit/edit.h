@@ -16,8 +16,8 @@ _Noreturn void sgt_edit_refuse(const editing *e, const char *words, ...) SGT_PRI
 /* The list `surfaces`; a fault if there is none. */
 node *sgt_edit_surfaces(const editing *e);
 
-/* references.c: pickups name surfaces by their numbers.  Note what they mean before the list of surfaces
- * changes; say it again by the new numbers behind it. */
+/* references.c: pickups and tolerances name surfaces by their numbers.  Note what they mean before the list
+ * of surfaces changes; say it again by the new numbers behind it. */
 typedef struct reference {
     node *map;           /* of the pickup */
     size_t pickup;       /* the place of its key */
@@ -25,6 +25,8 @@ typedef struct reference {
     const char *rest;    /* of its path, behind the entry */
     const char *own;     /* its own path, behind `in` */
     const char *path;    /* its own, whole */
+    const node *word;    /* not NULL: it is no pickup but a surface of a tolerance, this number or name
+                            in place `pickup` of `map`, a map or list */
 } reference;
 typedef struct references { reference *at; size_t count, room; } references;
 references sgt_edit_references(const editing *e);

@@ -1,9 +1,11 @@
-/* references.c - pickups go on meaning the same surface when others come, go or change places.
+/* references.c - pickups and tolerances go on meaning the same surface when others come, go or change places.
  *
- * A pickup names a surface by its number.  Before the list changes the entry that is meant is noted, and
+ * They name a surface by its number.  Before the list changes the entry that is meant is noted, and
  * behind it the number is written anew; so its other words stay as they are.  A name goes on meaning what is
  * called so.  What is picked up and removed is a fault: another surface would take its number. */
 #include "edit.h"
+
+#include "../../text/number.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -80,11 +82,73 @@ static void gather(gathering *g, node *n, size_t length, int depth)
     }
 }
 
+/* A surface that a tolerance names, in place i of `in`. */
+static void gather_surface(gathering *g, node *in, size_t i, const char *path)
+{
+    const editing *e = g->e;
+    const node *n = in->item[i];
+    if (n->kind != NODE_SCALAR) return;
+    char why[PATH_WHY];
+    way p = {.count = 2, .step = {{.text = "surfaces", .length = 8}, {.text = n->text, .name = true}}};
+    long number;
+    spot at;
+    p.step[1].length = strlen(n->text);
+    const bool by_number = !n->quoted && number_read_integer(n->text, 1, INT32_MAX, &number);
+    if (by_number) p.step[1] = (path_step){.place = (size_t)number};
+    if (!sgt_path_find(e->s->root, &p, 2, &at, why)) return;
+    references *r = &g->found;
+    r->at = tree_grow(e->s, r->at, r->count, &r->room, sizeof *r->at);
+    r->at[r->count++] = (reference){.map = in, .pickup = i, .entry = at.is, .rest = by_number ? "" : NULL,
+                                    .path = path, .word = n};
+}
+
+static void gather_tolerances(gathering *g)
+{
+    const editing *e = g->e;
+    const node *root = e->s->root, *list = NULL;
+    for (size_t i = 0; root->kind == NODE_MAP && i < root->count; i++)
+        if (strcmp(root->key[i]->text, "tolerances") == 0) list = root->item[i];
+    for (size_t i = 0; list && list->kind == NODE_LIST && i < list->count; i++) {
+        node *map = list->item[i];
+        const char *path = tree_print(e->s, "tolerances[%zu]", i + 1);
+        for (size_t k = 0; map->kind == NODE_MAP && k < map->count; k++) {
+            node *value = map->item[k];
+            if (strcmp(map->key[k]->text, "surface") == 0) gather_surface(g, map, k, path);
+            if (strcmp(map->key[k]->text, "surfaces") == 0 && value->kind == NODE_LIST)
+                for (size_t j = 0; j < value->count; j++) gather_surface(g, value, j, path);
+        }
+    }
+}
+
 references sgt_edit_references(const editing *e)
 {
     gathering g = {.e = e, .known = sgt_path_places(e->s, e->s->root)};
     gather(&g, e->s->root, 0, 0);
+    gather_tolerances(&g);
     return g.found;
+}
+
+/* Is it still in the tree? */
+static bool stands(const node *n, const node *sought, int depth)
+{
+    enum { DEPTH_OF_TREE = 8 };
+    if (n == sought) return true;
+    for (size_t i = 0; n->kind != NODE_SCALAR && depth < DEPTH_OF_TREE && i < n->count; i++)
+        if (stands(n->item[i], sought, depth + 1)) return true;
+    return false;
+}
+
+/* The surface of a tolerance by its new number. */
+static void refer_tolerance(const editing *e, const reference *r)
+{
+    const node *was = r->word;
+    if (!stands(e->s->root, was, 0)) return; /* it was removed itself */
+    const unsigned place = r->entry->expression;
+    if (!place) sgt_edit_refuse(e, "%s is of surface %s, which would be gone", r->path, was->text);
+    if (!r->rest) return;
+    node *number = tree_word(e->s, was->line, tree_print(e->s, "%u", place));
+    number->number = was->number;
+    r->map->item[r->pickup] = number;
 }
 
 void sgt_edit_refer(const editing *e, const references *all)
@@ -97,6 +161,10 @@ void sgt_edit_refer(const editing *e, const references *all)
             list->item[i]->expression = lies(list->item[i]) ? ++breaks : ++surfaces;
     for (size_t i = 0; i < all->count; i++) {
         const reference *r = &all->at[i];
+        if (r->word) {
+            refer_tolerance(e, r);
+            continue;
+        }
         if (r->in && !r->in->expression) continue; /* it went with its own surface */
         if (!r->entry->expression)
             sgt_edit_refuse(e, "%s picks up %s, which would be gone", r->path, r->map->item[r->pickup]->text);

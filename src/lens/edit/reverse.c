@@ -298,6 +298,9 @@ void sgt_edit_reverse(const editing *e)
             sgt_edit_refuse(e, "a thickness between the surfaces is a solve");
     }
     const references all = sgt_edit_references(e);
+    for (size_t i = 0; i < all.count; i++)
+        if (all.at[i].word && in_group(&g, all.at[i].entry))
+            sgt_edit_refuse(e, "%s is of one of the surfaces; remove it first", all.at[i].path);
     follow_gaps(&g, &all);
     turn_between(&g);
     for (size_t i = g.first; i <= g.last; i++) turn_shape(e, g.list->item[i]), turn_place(e, g.list->item[i]);

@@ -84,7 +84,9 @@ static int entry_power(const editing *e, const node *map, const way *p, size_t i
 /* entry: of `surfaces` where the path leads, if it is known. */
 static int power_of(const editing *e, const way *p, const node *entry)
 {
-    static const char *const pupil[] = {"semi_diameter", "diameter", "distance", NULL};
+    static const char *const pupil[] = {"semi_diameter", "diameter", "distance", NULL},
+                             *const off[] = {"radius",     "thickness", "decenter_x", "decenter_y",
+                                             "decenter_z", "over",      "pivot",      NULL};
     char why[PATH_WHY];
     spot at;
     const path_step *first = &p->step[0];
@@ -94,6 +96,7 @@ static int power_of(const editing *e, const way *p, const node *entry)
                                                                     : NO_POWER;
     if (sgt_step_is(first, "object") && p->count > 1) return sgt_step_is(&p->step[1], "distance");
     if (sgt_step_is(first, "pupil") && p->count > 1) return is_key(&p->step[1], pupil);
+    if (sgt_step_is(first, "tolerances") && p->count > 2) return is_key(&p->step[2], off);
     if (!sgt_step_is(first, "fields")) return 0;
     const node *root = e->s->root;
     for (size_t i = 0; i < root->count; i++)

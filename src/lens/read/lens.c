@@ -13,6 +13,7 @@
 #include "frame.h"
 #include "../base/reader.h"
 #include "surface.h"
+#include "tolerance.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -592,9 +593,10 @@ void sgt_read_lens(whole_lens *w, source *s)
     read_pupil(l, s);
     read_fields(l, s);
     read_surfaces(w, s, list);
+    sgt_read_tolerances(w, s, tree_take(s->root, "tolerances"));
     tree_finish(s, s->root,
                 "name, units, wavelengths, wavelength_weights, primary, makers, object, pupil, aim, afocal, "
-                "fields, field_type, field_weights, vignetting, surfaces");
+                "fields, field_type, field_weights, vignetting, surfaces, tolerances");
     char why[WHY_SIZE];
     fill_indices(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element, &l->index_before,
                  why);

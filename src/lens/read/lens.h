@@ -3,6 +3,8 @@
 #define SGT_LENS_LENS_H
 #include "medium.h"
 
+#include <sagitta/tolerance.h>
+
 typedef struct whole_lens {
     sgt_lens lens;           /* first: users have a pointer to it */
     arena memory;            /* in which everything lies that the lens points to */
@@ -16,6 +18,8 @@ typedef struct whole_lens {
                                 object_distance, at each wavelength; kind 0: of no such one.  NULL: there
                                 is none */
     formula_text *formula;   /* of the surfaces that are formulas, in any order */
+    sgt_tolerance *tolerance; /* [tolerances] */
+    size_t tolerances;
     media media;             /* while it is read; then the glasses that were found */
     /* for an edit, which reads the tree anew */
     void (*make)(struct whole_lens *w, source *s);

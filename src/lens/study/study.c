@@ -83,17 +83,6 @@ const char *sgt_ask_units(const sgt_asking *a)
     return *a->lens->units ? a->lens->units : "that of the lens";
 }
 
-double sgt_lens_unit(const sgt_lens *lens)
-{
-    static const struct { const char *name; double um; } known[] = {
-        {"mm", 1e3}, {"cm", 1e4}, {"m", 1e6}, {"um", 1}, {"\302\265m", 1}, {"in", 25400}, {"inch", 25400},
-        {"millimetres", 1e3}, {"millimeters", 1e3}, {"metres", 1e6}, {"meters", 1e6},
-    };
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-        if (strcmp(lens->units, known[i].name) == 0) return known[i].um;
-    return (double)NAN;
-}
-
 size_t sgt_digits(double value, double error)
 {
     enum { MOST = 16 };

@@ -52,16 +52,22 @@ void output_reserve(const char *option, const char *path)
     fclose(file);
 }
 
-void output_write(const char *path, const char *text, size_t length)
+void output_fill(const char *option, const char *path, const char *text, size_t length)
 {
-    FILE *file = stdout;
-    if (path) output_check("output", path);
-    if (path && !(file = fopen(path, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
+    FILE *file = path ? fopen(path, "wb") : stdout;
+    if (!file) fail_input("--%s %s: %s", option, path, strerror(errno));
     fwrite(text, 1, length, file);
     bool fine = fflush(file) == 0 && !ferror(file);
     if (path && fclose(file) != 0) fine = false;
-    if (!fine)
-        fail_input("%s%s: could not be written", path ? "--output " : "", path ? path : "standard output");
+    if (fine) return;
+    if (path) fail_input("--%s %s: could not be written", option, path);
+    fail_input("standard output: could not be written");
+}
+
+void output_write(const char *path, const char *text, size_t length)
+{
+    if (path) output_check("output", path);
+    output_fill("output", path, text, length);
 }
 
 static const char *read_all(FILE *file, input *in)

@@ -37,4 +37,7 @@ void output_reserve(const char *option, const char *path);
  * ends. */
 void output_write(const char *path, const char *text, size_t length);
 
+/* The same to a file that was reserved for an option. */
+void output_fill(const char *option, const char *path, const char *text, size_t length);
+
 #endif

@@ -258,13 +258,11 @@ _Noreturn static void refuse(const look *l, const sgt_error *e)
     lens_refuse(e);
 }
 
-static void begin_study(look *l, const job_points_asked *points, int *threads)
+sgt_study_options look_study(look *l, const job_points_asked *points, int *threads)
 {
     const job_options *o = &l->job;
-    sgt_error e;
     sgt_lens *of;
     const lens_list lenses = job_lenses(o);
-    static bool registered;
     l->band = lenses.lens, l->bands = lenses.count, of = lenses.lens[0].of;
     l->primary = of->wavelength ? lens_at(of, (lens_wavelength){.um = (double)NAN}) : lenses.lens[0];
     l->fields = job_fields(o, &l->primary);
@@ -278,7 +276,7 @@ static void begin_study(look *l, const job_points_asked *points, int *threads)
     *threads = options_threads(&l->shared);
     /* (A picture may ask another analysis for the same points.) */
     const bool fixed = l->picture && l->of->part_of;
-    const sgt_study_options options = {
+    return (sgt_study_options){
         .aim = job_aim(o, of), .solver = &l->shared.solver, .open = o->no_apertures,
         .fields = o->fields || o->numbers ? l->fields.count : 0, .field = o->fields ? NULL : number,
         .field_at = l->fields.at, .field_kind = &l->fields.kind,
@@ -287,7 +285,14 @@ static void begin_study(look *l, const job_points_asked *points, int *threads)
         .rays = fixed && !points->rays ? l->of->rays : points->rays, .seed = points->seed,
         .points = points->count, .point = points->at, .equal_weights = l->shared.weights,
         .run = *threads > 1 ? in_threads : NULL, .context = threads};
-    l->study = studies[0] = sgt_study_new(of, &options, &e);
+}
+
+static void begin_study(look *l, const job_points_asked *points, int *threads)
+{
+    static bool registered;
+    sgt_error e;
+    const sgt_study_options options = look_study(l, points, threads);
+    l->study = studies[0] = sgt_study_new(l->band[0].of, &options, &e);
     if (!l->study) lens_refuse(&e);
     if (!registered) {
         atexit(free_study);

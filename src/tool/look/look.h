@@ -62,6 +62,10 @@ typedef struct look_way {
 /* The command has the name of its analysis; its options and most of its help are those of the library. */
 exit_status look_run(const command *c, const look_way *way, int argc, char *argv[]);
 
+/* The study that l->job and l->shared ask for, of the analysis l->of; sets l->primary, band and fields.  It
+ * reads the lens.  *threads must last as long as the study. */
+sgt_study_options look_study(look *l, const job_points_asked *points, int *threads);
+
 /* A command for an analysis that has none of its own. */
 command look_command(const sgt_analysis *a);
 

@@ -1,0 +1,209 @@
+/* tolerance.h - how badly a lens may be built: what each tolerance of its file does to a
+ * figure, and what all of them do together, by many lenses built at random.  Part of
+ * sagitta_lens.
+ *
+ * A TOLERANCE says what is off and by how much: the radius of a surface, a thickness, the
+ * place or tilt of a surface or of several together, an index, the shape.  It is an entry
+ * of `tolerances` in the lens file (docs/tolerance.md).  All of them are a BOX: entry i
+ * may be anything from lower to upper.  A point of the box is an array with a number for
+ * each entry, in the order of the file; 0 everywhere is the lens as designed.
+ *
+ * A COMPENSATOR is an entry that is not off by chance: when the lens has been built it is
+ * set within its box so that the figure, or the paraxial focus, is best.
+ *
+ * A FIGURE is one number that is to be small, of the whole lens: see sgt_figure.  NaN:
+ * the lens cannot be judged, for example because a chief ray does not get through.
+ *
+ *     sgt_tolerancing *t = sgt_tolerancing_new(lens, NULL, &error);
+ *     sgt_tolerancing_trials(t, 1, 0, 10000, take, NULL, &error);
+ *     sgt_tolerancing_free(t);       void take(void *context, const sgt_trial *trial)
+ *
+ * A lens of a point is made by edits of the lens (edit.h).  So sgt_tolerancing_lens
+ * written as a file and read anew has the same figure.
+ *
+ * THREADS.  Functions that take a const sgt_tolerancing may run in any number of threads
+ * at once. */
+#ifndef SAGITTA_TOLERANCE_H
+#define SAGITTA_TOLERANCE_H
+#include <sagitta/study.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* --------------------------------------------------------------- what a file says */
+
+/* What is off, and the unit of lower and upper.  x, y and z are the axes of the first of
+ * the surfaces as it is designed. */
+typedef enum sgt_tolerance_kind {
+    SGT_TOLERANCE_RADIUS,       /* the vertex radius: length */
+    SGT_TOLERANCE_FRINGES,      /* the curvature, in fringes of power: n fringes change it
+                                   by n wavelength / over^2 */
+    SGT_TOLERANCE_THICKNESS,    /* behind the surface: length.  What follows moves */
+    SGT_TOLERANCE_DECENTER_X,   /* lengths.  What follows stays */
+    SGT_TOLERANCE_DECENTER_Y,
+    SGT_TOLERANCE_DECENTER_Z,
+    SGT_TOLERANCE_TILT_X,       /* degrees, right-handed, about the pivot.  What */
+    SGT_TOLERANCE_TILT_Y,       /* follows stays */
+    SGT_TOLERANCE_TILT_Z,
+    SGT_TOLERANCE_INDEX,        /* behind the surface, alike at all wavelengths */
+    SGT_TOLERANCE_IRREGULARITY  /* the shape, in fringes: n of them add to the sag
+                                   n wavelength / 2 Z(r / over), Z the one of `term` */
+} sgt_tolerance_kind;
+
+typedef enum sgt_distribution {
+    SGT_UNIFORM,       /* from lower to upper */
+    SGT_NORMAL,        /* about the middle, cut at lower and upper, 2 sigma off */
+    SGT_ENDS           /* lower or upper, each in half of the cases */
+} sgt_distribution;
+
+typedef enum sgt_compensation {
+    SGT_NO_COMPENSATOR,
+    SGT_COMPENSATE_FIGURE,   /* the best figure within the box */
+    SGT_COMPENSATE_PARAXIAL  /* the paraxial image is as far from the image surface as it
+                                is designed: of the last thickness alone */
+} sgt_compensation;
+
+typedef struct sgt_tolerance {
+    sgt_tolerance_kind kind;
+    sgt_distribution   distribution;
+    sgt_compensation   compensator;
+    size_t first, last;      /* the surfaces that are off, from 1 */
+    double lower, upper;     /* lower < upper */
+    double wavelength;       /* of fringes, um */
+    double over;             /* of fringes: the semi-diameter that is tested; else 0 */
+    double pivot;            /* of tilts: from the first vertex along its z */
+    size_t term;             /* of irregularity: the number of the polynomial in the
+                                fringe order (SGT_FRINGE) */
+    size_t line;             /* of the file */
+    const char *name;        /* "" where not given */
+    unsigned long long reserved_[4];
+} sgt_tolerance;
+
+/* The tolerances of a lens: how many, and *list (may be NULL) the first of them.  They
+ * last until the lens is edited. */
+SGT_API size_t sgt_lens_tolerances(const sgt_lens *lens, const sgt_tolerance **list);
+
+/* What an entry is about in a few words, "surface 2 radius" or its name, zero-ended. */
+enum { SGT_TOLERANCE_SIZE = 80 };
+SGT_API void sgt_tolerance_text(const sgt_tolerance *tolerance,
+                                char text[SGT_TOLERANCE_SIZE]);
+
+/* The unit of lower and upper: "fringe", "degree", "", or that of the lens. */
+SGT_API const char *sgt_tolerance_unit(const sgt_lens *lens, const sgt_tolerance *of);
+
+/* ------------------------------------------------------------------ a figure */
+
+/* Fields weigh as field_weights of the lens says; those of sgt_study_options.field_at
+ * alike. */
+typedef enum sgt_figure {
+    SGT_FIGURE_SPOT,   /* the root of the mean square of the spots' radii: of the fields'
+                          rms, all wavelengths together ("spot" of study.h) */
+    SGT_FIGURE_OPD,    /* the same of the rms of path differences, in waves, over fields
+                          and wavelengths ("wavefront") */
+    SGT_FIGURE_BORESIGHT /* the same of the way from where a chief ray is designed to end
+                          to where it does, x and y of "spot".  0 as designed */
+} sgt_figure;
+
+/* Zeros are the defaults. */
+typedef struct sgt_tolerancing_options {
+    sgt_figure figure;
+    const sgt_study_options *study; /* fields, rays, threads ...; NULL: as there */
+    int reference;                  /* of SGT_FIGURE_SPOT, as in sgt_spot_options */
+    unsigned long long reserved_[4]; /* leave it zero */
+} sgt_tolerancing_options;
+
+typedef struct sgt_tolerancing sgt_tolerancing;
+
+/* The lens must last as long, and not be edited; so must what the options point to.
+ * Pickups and solves of its file keep their values: a lens that is built has none.
+ * NULL: `error` (may be NULL) says why; it names the tolerance that cannot be. */
+SGT_API sgt_tolerancing *sgt_tolerancing_new(const sgt_lens *lens,
+                                             const sgt_tolerancing_options *opt,
+                                             sgt_error *error);
+SGT_API void sgt_tolerancing_free(sgt_tolerancing *t); /* NULL: nothing */
+
+/* The figure of the lens as designed, with nothing compensated. */
+SGT_API double sgt_tolerancing_nominal(const sgt_tolerancing *t);
+
+/* Sets *figure to that of a point of the box, value[i] of entry i.  Compensators are
+ * sought, whatever their value is, and set.  false: `error` says why. */
+SGT_API bool sgt_tolerancing_at(const sgt_tolerancing *t, double value[],
+                                double *figure, sgt_error *error);
+
+/* The lens of a point, compensators as they are given, without its tolerances; free it by
+ * sgt_lens_free. */
+SGT_API sgt_lens *sgt_tolerancing_lens(const sgt_tolerancing *t, const double value[],
+                                       sgt_error *error);
+
+/* ----------------------------------------------------------------- sensitivity */
+
+/* One entry at its ends, all others 0 but the compensators.  change: of the figure, from
+ * that of the lens as designed with its compensators set. */
+typedef struct sgt_sensitivity {
+    size_t entry;               /* from 0 */
+    double figure_lower, figure_upper;
+    double change_lower, change_upper;
+    double worse;               /* the greater change */
+    double compensator_lower, compensator_upper; /* the first one's value; NaN: none */
+    unsigned long long reserved_[4];
+} sgt_sensitivity;
+
+typedef struct sgt_sensitivity_sum {
+    double nominal;             /* the compensators at 0 */
+    double compensated;         /* the compensators set */
+    double estimate;            /* compensated plus the root of the sum, over the entries,
+                                   of the mean square of the two changes */
+    unsigned long long reserved_[4];
+} sgt_sensitivity_sum;
+
+/* Sets row[0 ... n - 1], the worst first, a NaN before all, where n is the number of
+ * entries that are no compensators, and *count to n.  row: room for all entries. */
+SGT_API bool sgt_tolerancing_sensitivity(const sgt_tolerancing *t, size_t *count,
+                                         sgt_sensitivity row[],
+                                         sgt_sensitivity_sum *sum, sgt_error *error);
+
+/* ----------------------------------------------------------------- Monte Carlo */
+
+/* One lens built at random. */
+typedef struct sgt_trial {
+    uint64_t      number;
+    double        figure;
+    const double *value;        /* of each entry, the compensators as they were set */
+    unsigned long long reserved_[4];
+} sgt_trial;
+
+/* The values of the entries in a trial; those of compensators are 0.  They depend on the
+ * seed, the number of the trial and the place of the entry, and on nothing else: the bits
+ * are the same on every system. */
+SGT_API void sgt_tolerancing_draw(const sgt_tolerancing *t, uint64_t seed, uint64_t trial,
+                                  double value[]);
+
+/* Calls take for each of the trials first ... first + count - 1, in their order, from the
+ * thread that asks.  Bits do not depend on threads, nor on how trials are split. */
+SGT_API bool sgt_tolerancing_trials(const sgt_tolerancing *t, uint64_t seed,
+                                    uint64_t first, uint64_t count,
+                                    void (*take)(void *context, const sgt_trial *trial),
+                                    void *context, sgt_error *error);
+
+/* ------------------------------------------------------- quantiles, free of a model
+ *
+ * Of n values the k-th smallest is at or above the quantile p unless fewer than k of n
+ * lie below it: a binomial number, whatever the distribution (David and Nagaraja 2003,
+ * Order Statistics, 7.1). */
+
+/* An estimate and its interval: that contains the true one in at least `confidence` of
+ * all cases.  An end that n values cannot give is NaN (0 or 1 of a share). */
+typedef struct sgt_confidence { double estimate, lower, upper; } sgt_confidence;
+
+/* The quantile p of n values that rise; a NaN counts as beyond all and stands last.  The
+ * estimate is the k-th smallest, k = ceil(n p). */
+SGT_API sgt_confidence sgt_quantile(size_t n, const double sorted[], double p,
+                                     double confidence);
+
+/* The share of which k in n were seen (Clopper and Pearson 1934). */
+SGT_API sgt_confidence sgt_share(size_t k, size_t n, double confidence);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* SAGITTA_TOLERANCE_H */
