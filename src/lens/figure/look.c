@@ -1,0 +1,220 @@
+/* look.c - a lens as a row of numbers: all that its rays hang on.
+ *
+ * A ray's end is a function of the numbers of a trace (sgt_trace_parameters) and of the launch ray.  The launch
+ * ray is one of the beam of its field, whose numbers follow from the lens, and of the size of the stop.  A
+ * figure besides asks for focal length, exit pupil and ideal image.  No other number has a say.  So if all are
+ * listed, a lens with other numbers in its file, of the same kind, is known by its row.
+ *
+ * THE PARAMETERS OF A SURFACE stand in its struct in the order of sgt_trace_parameters: those are the numbers
+ * that the rows of its type have, without its rim, its normalisations and steps.  Where that gives another
+ * count than the surface says, it is not one that we know.  Then nothing of it may move: what it is at some
+ * points of space stands for it, and is one of the fixed numbers. */
+#include "figure.h"
+
+#include <string.h>
+
+bool sgt_look_begin(look *l, const sgt_lens *lens, const looking *how, bool points, sgt_error *error)
+{
+    static const sgt_sink nowhere;
+    *l = (look){.study = sgt_study_new(lens, how->options, error)};
+    if (!l->study) return false;
+    l->ask = (sgt_asking){.study = l->study, .lens = lens, .from = l->study->from, .of = how->of,
+                          .sink = &nowhere, .error = error, .memory = {.allocator = l->study->from->allocator}};
+    return sgt_ask_begin(&l->ask) && (!points || sgt_ask_pupil(&l->ask));
+}
+
+void sgt_look_end(look *l)
+{
+    if (l->study) sgt_arena_free(&l->ask.memory);
+    sgt_study_free(l->study);
+    *l = (look){.study = NULL};
+}
+
+/* ------------------------------------------------------------------------ the list */
+
+/* number NULL: they are counted. */
+typedef struct list { double *number; size_t count, room; } list;
+
+static void put(list *to, double x)
+{
+    if (to->number && to->count < to->room) to->number[to->count] = x;
+    to->count++;
+}
+
+static void put_vector(list *to, sgt_vec3 v) { put(to, v.x), put(to, v.y), put(to, v.z); }
+
+/* A number in the struct of a surface, or several. */
+typedef struct place { size_t at, end; const sgt_param *of; } place;
+enum { PLACES = 32 };
+
+static size_t size_of(const sgt_param *p)
+{
+    switch (p->kind) {
+    case SGT_PARAM_WHOLE: case SGT_PARAM_WORD: case SGT_PARAM_TRUTH: return sizeof(int);
+    case SGT_PARAM_LIST: case SGT_PARAM_TABLE: return sizeof(sgt_numbers);
+    case SGT_PARAM_TERMS: return sizeof(sgt_surface *);
+    case SGT_PARAM_REAL: case SGT_PARAM_VECTOR: break;
+    }
+    return (size_t)p->count * sizeof(double);
+}
+
+/* Those of all rows with these operations, in the order of the struct, each once. */
+static size_t places_of(sgt_surface s, place out[PLACES])
+{
+    size_t count = 0;
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
+        for (const sgt_param *p = b->params; b->ops == s.ops && p->name; p++) {
+            place one = {p->offset, p->offset + size_of(p), p};
+            size_t i = 0, same = 0;
+            for (; i < count && !same; i++) same = one.at >= out[i].at && one.end <= out[i].end;
+            if (same || count == PLACES) continue;
+            for (i = count; i > 0 && out[i - 1].at > one.at; i--) out[i] = out[i - 1];
+            out[i] = one, count++;
+        }
+    return count;
+}
+
+static bool starts(const char *name, const char *with) { return strncmp(name, with, strlen(with)) == 0; }
+
+static bool is_parameter(const sgt_param *p, bool term)
+{
+    return !starts(p->name, "semi_diameter") && !starts(p->name, "norm") && !starts(p->name, "step") &&
+           !(term && (strcmp(p->name, "curvature") == 0 || strcmp(p->name, "conic") == 0));
+}
+
+/* Parameters, or (fixed) what is none but may shape it. */
+static void put_surface(list *to, sgt_surface s, bool term, bool fixed)
+{
+    place at[PLACES];
+    const size_t count = places_of(s, at);
+    for (size_t i = 0; i < count; i++) {
+        const sgt_param *p = at[i].of;
+        const char *self = (const char *)s.self + p->offset;
+        if (p->kind == SGT_PARAM_TERMS) {
+            const sgt_surface *of;
+            size_t terms;
+            memcpy(&of, self, sizeof of), memcpy(&terms, self + sizeof of, sizeof terms);
+            for (size_t k = 0; k < terms; k++) put_surface(to, of[k], true, fixed);
+            continue;
+        }
+        if (is_parameter(p, term) == fixed || starts(p->name, "semi_diameter")) continue;
+        if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
+            sgt_numbers n;
+            memcpy(&n, self, sizeof n);
+            for (size_t k = 0; k < n.rows * n.columns; k++) put(to, n.x[k]);
+        } else if (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR) {
+            const double *x = (const void *)self;
+            for (int k = 0; k < p->count; k++) put(to, x[k]);
+        }
+    }
+}
+
+/* The parameters of element i: `many` of them.  false: they are not known. */
+static bool put_parameters(list *to, const sgt_lens *lens, size_t i, sgt_surface s, size_t many)
+{
+    const size_t before = to->count;
+    const char *text;
+    const sgt_named *named;
+    size_t n;
+    if (sgt_lens_formula(lens, i + 1, &text, &named, &n)) {
+        for (; to->count < before + many - n;) put(to, 0); /* of a sag: its base, which has no numbers */
+        for (size_t k = 0; k < n; k++) put(to, named[k].value);
+        return true;
+    }
+    list all = {.count = 0};
+    put_surface(&all, s, false, false);
+    if (all.count == many) put_surface(to, s, false, false);
+    else for (size_t k = 0; k < many; k++) put(to, 0);
+    return all.count == many;
+}
+
+static void put_trace(list *to, const sgt_lens *lens, const band *b)
+{
+    const sgt_element *e = b->element;
+    for (int k = 0; k < 6; k++) put(to, 0);
+    put(to, b->before == 0 ? 1 : b->before);
+    for (size_t i = 0; i < lens->count; i++) {
+        put_parameters(to, lens, i, e[i].surface, sgt_parameters(e[i].surface));
+        put_vector(to, e[i].pose.origin);
+        for (int k = 0; k < 3; k++) put(to, 0);
+        put(to, e[i].index);
+    }
+}
+
+/* Of an element: what must not move. */
+static void put_fixed(list *to, const sgt_lens *lens, size_t i, const sgt_element *e)
+{
+    const double away[][3] = {{0.11, 0.07, 0.05}, {-1.3, 0.8, 0.3}, {4.1, 5.3, -0.7}, {-9.7, 2.9, 1.1}};
+    list none = {.count = 0};
+    put(to, e->phase ? e->phase->focal_length : 0);
+    if (put_parameters(&none, lens, i, e->surface, sgt_parameters(e->surface))) {
+        put_surface(to, e->surface, false, true);
+        return;
+    }
+    for (size_t k = 0; k < sizeof away / sizeof *away; k++) {
+        const sgt_vec3 p = {away[k][0], away[k][1], away[k][2]};
+        const double f = e->surface.ops->value(e->surface.self, p, NULL);
+        put(to, isfinite(f) ? f : 0);
+    }
+}
+
+static void put_beam(list *to, const sgt_field_beam *b)
+{
+    put_vector(to, b->object), put_vector(to, b->direction);
+    put(to, b->pupil), put(to, b->radius), put(to, b->cone), put(to, b->wave);
+    put(to, b->shift.x), put(to, b->shift.y), put(to, b->scale.x), put(to, b->scale.y);
+    put(to, b->turn.x), put(to, b->turn.y);
+}
+
+/* As ideal_of of ../study/curves.c, by the tangent. */
+static double ideal_of(const sgt_field_beam *b, const band *at)
+{
+    const double before = at->before == 0 ? 1 : at->before;
+    if (b->finite) return at->data.magnification * hypot(b->object.x, b->object.y);
+    return at->data.efl * before * hypot(b->direction.x / b->direction.z, b->direction.y / b->direction.z);
+}
+
+static void put_all(list *to, const look *l, layout *out)
+{
+    const sgt_asking *a = &l->ask;
+    const sgt_lens *lens = a->lens;
+    *out = (layout){.slots = a->bands + 1};
+    for (size_t s = 0; s < out->slots; s++) put_trace(to, lens, sgt_look_slot(l, s));
+    out->trace = to->count / out->slots, out->axes = to->count;
+    for (size_t i = 0; i < lens->count; i++) {
+        const sgt_pose *p = &lens->element[i].pose;
+        const bool straight = dot3(p->ex, p->ex) == 0;
+        put_vector(to, straight ? (sgt_vec3){1, 0, 0} : p->ex);
+        put_vector(to, straight ? (sgt_vec3){0, 1, 0} : p->ey);
+        put_vector(to, straight ? (sgt_vec3){0, 0, 1} : p->ez);
+    }
+    out->beams = to->count;
+    for (size_t f = 0; f < a->fields; f++) put_beam(to, &a->beam[f]);
+    out->stop = to->count;
+    put(to, a->from->aim == SGT_LENS_AIM_PUPIL ? 0 : a->from->stop_radius);
+    out->first = to->count;
+    for (size_t s = 0; s < out->slots; s++)
+        put(to, sgt_look_slot(l, s)->data.efl), put(to, sgt_look_slot(l, s)->data.exit_pupil);
+    out->ideal = to->count;
+    for (size_t f = 0; f < a->fields; f++)
+        for (size_t s = 0; s < out->slots; s++) put(to, ideal_of(&a->beam[f], sgt_look_slot(l, s)));
+    out->fixed = to->count;
+    for (size_t i = 0; i < lens->count; i++) put_fixed(to, lens, i, &lens->element[i]);
+    out->weights = to->count;
+    for (size_t b = 0; b < a->bands; b++) put(to, sgt_look_slot(l, b)->weight);
+    for (size_t f = 0; f < a->fields; f++) put(to, a->at[f].weight);
+    for (size_t s = 0; s < out->slots; s++) put(to, sgt_look_slot(l, s)->at.um);
+    out->end = to->count;
+}
+
+bool sgt_look_list(look *l, layout *out, bool first)
+{
+    list to = {.count = 0};
+    layout own;
+    put_all(&to, l, &own);
+    l->number = sgt_ask_room(&l->ask, to.count, sizeof *l->number);
+    if (!l->number || (!first && memcmp(&own, out, sizeof own) != 0)) return false;
+    to = (list){.number = l->number, .room = to.count};
+    put_all(&to, l, out);
+    return true;
+}
