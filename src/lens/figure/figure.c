@@ -56,7 +56,8 @@ typedef struct asked {
     motion *motion;             /* [paths] */
     double *residual, *jacobian; /* of the caller, or room */
     /* of the group that is summed: an rms and its gradient */
-    double *moved, *moved_error, *sum, *sum_error;
+    double *sum, *sum_error, *moved;
+    bool bounds;                /* errors are wanted */
     double *chief;              /* [FLOCK_ROWS * paths]: how a chief ray's end moves */
     double *chief_error;
 } asked;
@@ -122,10 +123,8 @@ static void tell_slope(asked *a, size_t i, size_t m, double x, double error)
 static double error_of_chief(const asked *a)
 {
     const flock *f = &a->rays;
-    const sgt_ray ray = {.o = {f->o[0][0], f->o[1][0], f->o[2][0]}, .d = {f->d[0][0], f->d[1][0], f->d[2][0]}};
     const sgt_rays rays = {.o = {f->o[0], f->o[1], f->o[2]}, .d = {f->d[0], f->d[1], f->d[2]}};
     double point, grain;
-    (void)ray;
     sgt_trace_error_batch(f->elements, f->own, f->before, 1, rays, f->passages,
                           (sgt_end_errors){.point = &point, .grain = &grain});
     return isnan(point + grain) ? HUGE_VAL : point + 4 * grain;
@@ -212,7 +211,7 @@ static void sum_up(asked *a, size_t value, group g, const double weight[], doubl
         for (size_t c = 0; c < g.each && weight[k] > 0; c++)
             mean[c] += weight[k] / total * a->residual[g.first + k * g.each + c];
     for (size_t m = 0; m < paths; m++) {
-        double slope[2] = {0, 0}, sum = 0, sum_error = 0;
+        double slope[2] = {0, 0}, sum = 0, sum_error = 0, moved = 0;
         for (size_t k = 0; k < g.count && about_mean; k++)
             for (size_t c = 0; c < g.each && weight[k] > 0; c++)
                 slope[c] += weight[k] / total * a->jacobian[(g.first + k * g.each + c) * paths + m];
@@ -221,9 +220,11 @@ static void sum_up(asked *a, size_t value, group g, const double weight[], doubl
                 const size_t row = g.first + k * g.each + c;
                 a->jacobian[row * paths + m] -= slope[c];
                 sum += weight[k] * (a->residual[row] - mean[c]) * a->jacobian[row * paths + m];
+                moved += weight[k] * a->jacobian[row * paths + m] * a->jacobian[row * paths + m];
                 if (own_error) sum_error += weight[k] * own_error[row * paths + m] * own_error[row * paths + m];
             }
-        a->sum[m] = sum / total, a->sum_error[m] = own_error ? sqrt(sum_error / total) : 0;
+        a->sum[m] = sum / total, a->sum_error[m] = sqrt(sum_error / total);
+        a->moved[m] = off * sqrt(moved / total); /* what is off in the errors of rays counts as well */
     }
     for (size_t k = 0; k < g.count; k++)
         for (size_t c = 0; c < g.each; c++) {
@@ -239,7 +240,7 @@ static void sum_up(asked *a, size_t value, group g, const double weight[], doubl
     if (out->value_err) out->value_err[value] = off + (double)g.count * 0x1p-52 * rms;
     for (size_t m = 0; m < paths; m++) {
         if (out->gradient) out->gradient[value * paths + m] = a->sum[m] / rms;
-        if (out->gradient_err) out->gradient_err[value * paths + m] = (about_mean ? 2 : 1) * a->sum_error[m];
+        if (out->gradient_err) out->gradient_err[value * paths + m] = (about_mean ? 2 : 1) * a->sum_error[m] + a->moved[m] / rms;
     }
 }
 
@@ -335,7 +336,7 @@ static bool spot_of_field(asked *a, size_t field, const double share[], double o
     for (size_t k = 0; k < FLOCK; k++) one[k] = 1;
     const sgt_ray_changes x_and_y[2] = {{.p = {one, zero, zero}}, {.p = {zero, one, zero}}};
     if (!centroid && !trace_chief_of(a, field, ask->bands, false, true, &end)) return false;
-    if (!centroid && a->out->value_err) chief_off = error_of_chief(a);
+    if (!centroid && a->bounds) chief_off = error_of_chief(a);
     for (size_t i = 0; i < ask->bands * points; i += f->count) {
         const size_t b = i / points, first = i % points, row = g.first + i * each;
         const size_t part = first % PUPIL_PART, left = points - first;
@@ -349,13 +350,13 @@ static bool spot_of_field(asked *a, size_t field, const double share[], double o
         a->out->rays += count;
         const double band_weight = ask->bands > 1 ? ask->band[b].weight : 1;
         double point[FLOCK];
-        if (a->out->value_err) point_errors(f, point);
+        if (a->bounds) point_errors(f, point);
         for (size_t k = 0; k < count; k++) {
             const sgt_ray_change ray = sgt_flock_end(f, k);
             a->residual[row + each * k] = ray.p.x - end.p.x, a->residual[row + each * k + 1] = ray.p.y - end.p.y;
             weight[i + k] = weight_of_ray(a, f, k, band_weight * at[part + k].weight, row + each * k, each);
             total += weight[i + k];
-            if (a->out->value_err && weight[i + k] > 0) off += weight[i + k] * point[k] * point[k];
+            if (a->bounds && weight[i + k] > 0) off += weight[i + k] * point[k] * point[k];
         }
         if (!paths) continue;
         sgt_flock_back(f, 2, x_and_y);
@@ -535,6 +536,7 @@ static bool prepare(asked *a)
     a->jacobian = out->jacobian && a->paths ? out->jacobian : room_of(a, residuals * a->paths);
     a->chief = room_of(a, FLOCK_ROWS * a->paths), a->chief_error = room_of(a, FLOCK_ROWS * a->paths);
     a->sum = room_of(a, a->paths), a->sum_error = room_of(a, a->paths);
+    a->moved = room_of(a, a->paths), a->bounds = out->value_err || (out->gradient_err && a->paths);
     if (gone(a)) return false;
     if (a->paths && !f->scratch && !(f->scratch = sgt_lens_copy(f->lens, a->error))) return false;
     if (a->paths && !find_motions(a)) return false;
