@@ -20,6 +20,7 @@ from .formula import Formula, FormulaError, Sag
 from .function import Function
 from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Parabasal, Rays, Remark, Seidel
 from .lens import Sensitivity
+from .optimise import Variables
 from .results import Aimed, Crossings, Fate, Hit, Hits, Passage, Status, Traced
 from .study import Answer, Fates
 from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
@@ -64,5 +65,6 @@ __all__ = [
     "Status",
     "Surface",
     "Traced",
+    "Variables",
     "Verdict",
 ] + _surfaces.__all__

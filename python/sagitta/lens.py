@@ -24,6 +24,7 @@ from . import _library as C
 from .earth import lens_options
 from ._arrays import LARGE, Floats, RayArrays, VectorsLike, address, doubles, places_of
 from .function import Function
+from .optimise import variables
 from .results import Aimed, Fate, Later, Passage, Room, Status, Traced
 from .study import PATTERNS, Answer, Wavelength, add_to, field_number, points_of, wavelength_of, whole
 from .surface import BUILTINS, CLASSES, Surface
@@ -961,6 +962,8 @@ class Lens:
 
         def __getattr__(self, analysis: str) -> Callable[..., Answer]:
             """spot, fan, opd, wavefront, zernike, field, map, sweep, ends ..."""
+
+    variables = variables
 
     # -------------------------------------------------------------------------- fields
 

@@ -79,7 +79,7 @@ static bool starts(const char *name, const char *with) { return strncmp(name, wi
 static bool is_parameter(const sgt_param *p, bool term)
 {
     return !starts(p->name, "semi_diameter") && !starts(p->name, "norm") && !starts(p->name, "step") &&
-           !starts(p->name, "heights") &&
+           strcmp(p->name, "sag") != 0 &&
            !(term && (strcmp(p->name, "curvature") == 0 || strcmp(p->name, "conic") == 0));
 }
 
