@@ -22,7 +22,7 @@
 struct sgt_figure {
     sgt_allocator allocator;
     arena memory;
-    sgt_lens *lens, *scratch;
+    sgt_lens *lens;
     sgt_study_options study;
     looking how;
     sgt_figure_options opt;
@@ -388,11 +388,11 @@ static bool ask_spots(asked *a)
 /* The place of the index of the image space among the numbers of a trace. */
 static size_t image_index(const flock *f)
 {
-    size_t place = 6;
+    size_t at = 6;
     for (size_t i = 0; i + 1 < f->elements; i++)
         if (f->own[i].index != SGT_MIRROR && f->own[i].index != 0)
-            place = sgt_trace_parameters(i + 1, f->own) - 1;
-    return place;
+            at = sgt_trace_parameters(i + 1, f->own) - 1;
+    return at;
 }
 
 /* A path difference, the weights by which the end of the ray moves it, and its derivatives by R and n. */
@@ -511,13 +511,17 @@ static sgt_figure_count count_of(const sgt_figure *f, const look *l)
 static bool find_motions(asked *a)
 {
     const sgt_figure *f = a->of;
-    for (size_t m = 0; m < a->paths; m++) {
+    sgt_lens *copy = a->paths ? sgt_lens_copy(f->lens, a->error) : NULL;
+    bool fine = copy || !a->paths;
+    for (size_t m = 0; m < a->paths && fine; m++) {
         motion *to = &a->motion[m];
         to->by = room_of(a, a->in.end), to->error = room_of(a, a->in.end);
-        if (gone(a)) return false;
-        if (!sgt_motion_of(f->scratch, f->path[m], f->x[m], &f->how, &a->in, &a->at, to, a->error)) return false;
+        f->edit[m].number = f->x[m];
+        fine = !gone(a) && sgt_motion_of(copy, f->path[m], f->x[m], m ? &f->edit[m - 1] : NULL, &f->how, &a->in,
+                                         &a->at, to, a->error);
     }
-    return true;
+    sgt_lens_free(copy);
+    return fine;
 }
 
 static bool prepare(asked *a)
@@ -538,8 +542,7 @@ static bool prepare(asked *a)
     a->sum = room_of(a, a->paths), a->sum_error = room_of(a, a->paths);
     a->moved = room_of(a, a->paths), a->bounds = out->value_err || (out->gradient_err && a->paths);
     if (gone(a)) return false;
-    if (a->paths && !f->scratch && !(f->scratch = sgt_lens_copy(f->lens, a->error))) return false;
-    if (a->paths && !find_motions(a)) return false;
+    if (!find_motions(a)) return false;
     return sgt_flock_begin(&a->rays, &a->at, &a->in, a->paths, a->motion);
 }
 
@@ -560,8 +563,6 @@ static bool put_numbers(sgt_figure *f, const double x[], sgt_error *error)
     for (size_t m = 0; m < f->paths; m++) f->edit[m].number = x[m];
     if (!sgt_lens_edit(f->lens, f->paths, f->edit, error)) return false;
     memcpy(f->x, x, f->paths * sizeof *x);
-    sgt_lens_free(f->scratch);
-    f->scratch = NULL;
     return true;
 }
 
@@ -611,7 +612,8 @@ static bool begin(sgt_figure *f, const sgt_lens *lens, const char *const path[],
     for (size_t i = 0; i < sizeof f->opt.reserved_ / sizeof *f->opt.reserved_; i++)
         if (f->opt.reserved_[i]) return fail(error, "sgt_figure_options.reserved_", "a member that this sagitta has not");
     if (lens->afocal) return fail(error, "afocal", "no figures of an afocal lens");
-    f->how = (looking){&f->study, of[f->opt.kind], f->opt.kind == SGT_FIGURE_OPD};
+    const bool rays = f->opt.kind == SGT_FIGURE_SPOT || f->opt.kind == SGT_FIGURE_CHIEF;
+    f->how = (looking){&f->study, of[f->opt.kind], f->opt.kind == SGT_FIGURE_OPD, !rays};
     if (!(f->lens = sgt_lens_copy(lens, error)) || !read_paths(f, path, error)) return false;
     look l;
     const bool fine = sgt_look_begin(&l, f->lens, &f->how, true, error);
@@ -644,7 +646,6 @@ void sgt_figure_free(sgt_figure *f)
     if (!f) return;
     const sgt_allocator a = f->allocator;
     sgt_lens_free(f->lens);
-    sgt_lens_free(f->scratch);
     sgt_arena_free(&f->memory);
     a.resize(a.context, f, 0);
 }

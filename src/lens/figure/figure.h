@@ -15,6 +15,8 @@ typedef struct look {
 
 /* Where the numbers stand.  A slot is a wavelength of the study, or, the last, the primary one. */
 enum { BEAM_NUMBERS = 16, FIRST_NUMBERS = 2, AXES = 9 };
+typedef struct place { size_t at, end; const sgt_param *of; } place;
+typedef struct places { size_t count; place *at; } places;
 typedef struct layout {
     size_t trace, slots;        /* numbers of a trace (sgt_trace_parameters), a row for each slot; turns are
                                    left 0: they are in the axes */
@@ -26,6 +28,7 @@ typedef struct layout {
     size_t fixed;               /* what must not move: lengths of phases, numbers that are no parameters */
     size_t weights;             /* of fields and wavelengths, and the wavelengths; the same */
     size_t end;
+    const places *of;           /* [elements]: where the numbers of its surface stand in its struct */
 } layout;
 
 /* Which faults are told: of a figure with its lens. */
@@ -33,9 +36,10 @@ typedef struct looking {
     const sgt_study_options *options;
     const sgt_analysis *of;
     bool path;                  /* optical paths matter */
+    bool first;                 /* first-order data do, not by the rays alone */
 } looking;
 
-/* (look.c) Looks at a lens, with points of the pupil or without.  false: `error` says why.  look_end frees in
+/* (look.c) Looks at a lens, with points of the pupil; or without, and wavefronts begin anywhere.  false: `error` says why.  look_end frees in
  * either case. */
 bool sgt_look_begin(look *l, const sgt_lens *lens, const looking *how, bool points, sgt_error *error);
 void sgt_look_end(look *l);
@@ -56,10 +60,11 @@ typedef struct motion {
     bool beams;                 /* any number of a beam, or of the stop's size */
 } motion;
 
-/* (motion.c) By what stands at `path`, x now, of a copy of the lens that may be edited, and is as it was at
- * return, but for its last bits.  false: `error` names the path. */
-bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const looking *how, const layout *at,
-                   const look *now, motion *out, sgt_error *error);
+/* (motion.c) By what stands at `path`, x now, of a copy of the lens that may be edited.  undo: what makes the
+ * copy the lens again (NULL: nothing has to).  At return x has to be set at `path`, to undo this.  false:
+ * `error` names the path. */
+bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *undo, const looking *how,
+                   const layout *at, const look *now, motion *out, sgt_error *error);
 
 /* (rays.c) Rays of one field and slot: launched, traced, and gone back. */
 enum { FLOCK = 64 };

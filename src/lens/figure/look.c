@@ -11,6 +11,7 @@
  * points of space stands for it, and is one of the fixed numbers. */
 #include "figure.h"
 
+#include <stddef.h>
 #include <string.h>
 
 bool sgt_look_begin(look *l, const sgt_lens *lens, const looking *how, bool points, sgt_error *error)
@@ -18,6 +19,7 @@ bool sgt_look_begin(look *l, const sgt_lens *lens, const looking *how, bool poin
     static const sgt_sink nowhere;
     *l = (look){.study = sgt_study_new(lens, how->options, error)};
     if (!l->study) return false;
+    l->study->from->any_front = !points;
     l->ask = (sgt_asking){.study = l->study, .lens = lens, .from = l->study->from, .of = how->of,
                           .sink = &nowhere, .error = error, .memory = {.allocator = l->study->from->allocator}};
     return sgt_ask_begin(&l->ask) && (!points || sgt_ask_pupil(&l->ask));
@@ -43,9 +45,7 @@ static void put(list *to, double x)
 
 static void put_vector(list *to, sgt_vec3 v) { put(to, v.x), put(to, v.y), put(to, v.z); }
 
-/* A number in the struct of a surface, or several. */
-typedef struct place { size_t at, end; const sgt_param *of; } place;
-enum { PLACES = 32 };
+enum { PLACES = 32 }; /* of a surface, at most */
 
 static size_t size_of(const sgt_param *p)
 {
@@ -83,11 +83,13 @@ static bool is_parameter(const sgt_param *p, bool term)
            !(term && (strcmp(p->name, "curvature") == 0 || strcmp(p->name, "conic") == 0));
 }
 
-/* Parameters, or (fixed) what is none but may shape it. */
-static void put_surface(list *to, sgt_surface s, bool term, bool fixed)
+/* Parameters, or (fixed) what is none but may shape it.  known: the places of the surface; NULL: it is a term. */
+static void put_surface(list *to, sgt_surface s, const places *known, bool fixed)
 {
-    place at[PLACES];
-    const size_t count = places_of(s, at);
+    place own[PLACES];
+    const bool term = !known;
+    const size_t count = term ? places_of(s, own) : known->count;
+    const place *at = term ? own : known->at;
     for (size_t i = 0; i < count; i++) {
         const sgt_param *p = at[i].of;
         const char *self = (const char *)s.self + p->offset;
@@ -95,7 +97,7 @@ static void put_surface(list *to, sgt_surface s, bool term, bool fixed)
             const sgt_surface *of;
             size_t terms;
             memcpy(&of, self, sizeof of), memcpy(&terms, self + sizeof of, sizeof terms);
-            for (size_t k = 0; k < terms; k++) put_surface(to, of[k], true, fixed);
+            for (size_t k = 0; k < terms; k++) put_surface(to, of[k], NULL, fixed);
             continue;
         }
         if (is_parameter(p, term) == fixed || starts(p->name, "semi_diameter")) continue;
@@ -111,8 +113,9 @@ static void put_surface(list *to, sgt_surface s, bool term, bool fixed)
 }
 
 /* The parameters of element i: `many` of them.  false: they are not known. */
-static bool put_parameters(list *to, const sgt_lens *lens, size_t i, sgt_surface s, size_t many)
+static bool put_parameters(list *to, const sgt_lens *lens, const layout *in, size_t i, size_t many)
 {
+    const sgt_surface s = lens->element[i].surface;
     const size_t before = to->count;
     const char *text;
     const sgt_named *named;
@@ -122,20 +125,20 @@ static bool put_parameters(list *to, const sgt_lens *lens, size_t i, sgt_surface
         for (size_t k = 0; k < n; k++) put(to, named[k].value);
         return true;
     }
-    list all = {.count = 0};
-    put_surface(&all, s, false, false);
-    if (all.count == many) put_surface(to, s, false, false);
-    else for (size_t k = 0; k < many; k++) put(to, 0);
-    return all.count == many;
+    put_surface(to, s, &in->of[i], false);
+    if (to->count == before + many) return true;
+    to->count = before;
+    for (size_t k = 0; k < many; k++) put(to, 0);
+    return false;
 }
 
-static void put_trace(list *to, const sgt_lens *lens, const band *b)
+static void put_trace(list *to, const sgt_lens *lens, const layout *in, const band *b)
 {
     const sgt_element *e = b->element;
     for (int k = 0; k < 6; k++) put(to, 0);
     put(to, b->before == 0 ? 1 : b->before);
     for (size_t i = 0; i < lens->count; i++) {
-        put_parameters(to, lens, i, e[i].surface, sgt_parameters(e[i].surface));
+        put_parameters(to, lens, in, i, sgt_parameters(e[i].surface));
         put_vector(to, e[i].pose.origin);
         for (int k = 0; k < 3; k++) put(to, 0);
         put(to, e[i].index);
@@ -143,13 +146,13 @@ static void put_trace(list *to, const sgt_lens *lens, const band *b)
 }
 
 /* Of an element: what must not move. */
-static void put_fixed(list *to, const sgt_lens *lens, size_t i, const sgt_element *e)
+static void put_fixed(list *to, const sgt_lens *lens, const layout *in, size_t i, const sgt_element *e)
 {
     const double away[][3] = {{0.11, 0.07, 0.05}, {-1.3, 0.8, 0.3}, {4.1, 5.3, -0.7}, {-9.7, 2.9, 1.1}};
     list none = {.count = 0};
     put(to, e->phase ? e->phase->focal_length : 0);
-    if (put_parameters(&none, lens, i, e->surface, sgt_parameters(e->surface))) {
-        put_surface(to, e->surface, false, true);
+    if (put_parameters(&none, lens, in, i, sgt_parameters(e->surface))) {
+        put_surface(to, e->surface, &in->of[i], true);
         return;
     }
     for (size_t k = 0; k < sizeof away / sizeof *away; k++) {
@@ -179,8 +182,8 @@ static void put_all(list *to, const look *l, layout *out)
 {
     const sgt_asking *a = &l->ask;
     const sgt_lens *lens = a->lens;
-    *out = (layout){.slots = a->bands + 1};
-    for (size_t s = 0; s < out->slots; s++) put_trace(to, lens, sgt_look_slot(l, s));
+    *out = (layout){.slots = a->bands + 1, .of = out->of};
+    for (size_t s = 0; s < out->slots; s++) put_trace(to, lens, out, sgt_look_slot(l, s));
     out->trace = to->count / out->slots, out->axes = to->count;
     for (size_t i = 0; i < lens->count; i++) {
         const sgt_pose *p = &lens->element[i].pose;
@@ -200,7 +203,7 @@ static void put_all(list *to, const look *l, layout *out)
     for (size_t f = 0; f < a->fields; f++)
         for (size_t s = 0; s < out->slots; s++) put(to, ideal_of(&a->beam[f], sgt_look_slot(l, s)));
     out->fixed = to->count;
-    for (size_t i = 0; i < lens->count; i++) put_fixed(to, lens, i, &lens->element[i]);
+    for (size_t i = 0; i < lens->count; i++) put_fixed(to, lens, out, i, &lens->element[i]);
     out->weights = to->count;
     for (size_t b = 0; b < a->bands; b++) put(to, sgt_look_slot(l, b)->weight);
     for (size_t f = 0; f < a->fields; f++) put(to, a->at[f].weight);
@@ -208,14 +211,29 @@ static void put_all(list *to, const look *l, layout *out)
     out->end = to->count;
 }
 
-bool sgt_look_list(look *l, layout *out, bool first)
+/* The first list says how many there are, and where. */
+static bool begin_list(look *l, layout *out)
 {
+    const sgt_lens *lens = l->ask.lens;
     list to = {.count = 0};
-    layout own;
-    put_all(&to, l, &own);
-    l->number = sgt_ask_room(&l->ask, to.count, sizeof *l->number);
-    if (!l->number || (!first && memcmp(&own, out, sizeof own) != 0)) return false;
-    to = (list){.number = l->number, .room = to.count};
+    places *of = sgt_ask_room(&l->ask, lens->count, sizeof *of);
+    place *at = sgt_ask_room(&l->ask, lens->count * PLACES, sizeof *at);
+    if (!of || !at) return false;
+    for (size_t i = 0; i < lens->count; i++, at += PLACES)
+        of[i] = (places){.count = places_of(lens->element[i].surface, at), .at = at};
+    *out = (layout){.of = of};
     put_all(&to, l, out);
     return true;
+}
+
+/* (Types of surfaces are words of the file, which no number changes: places are those of the first list.) */
+bool sgt_look_list(look *l, layout *out, bool first)
+{
+    if (first && !begin_list(l, out)) return false;
+    layout own = {.of = out->of};
+    l->number = sgt_ask_room(&l->ask, out->end, sizeof *l->number);
+    if (!l->number) return false;
+    list to = {.number = l->number, .room = out->end};
+    put_all(&to, l, &own);
+    return memcmp(&own, out, offsetof(layout, of)) == 0;
 }

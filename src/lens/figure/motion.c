@@ -1,32 +1,33 @@
 /* motion.c - how the numbers of a lens move with one number of its file.
  *
- * DIFFERENCES OF THE READER.  The lens is made anew, by the reader, at x + k h for k = -3 ... 3 without 0, and
- * its numbers are listed.  With the odd differences v(k) - v(-k) the derivative is
+ * DIFFERENCES OF THE READER.  The lens is made anew, by the reader, at x - h and x + h, and its numbers v are
+ * listed.  Most numbers of a file move all of them linearly: if v(h) + v(-h) = 2 v(0) to rounding, their
+ * difference is the derivative.  (What is odd and not linear, a sine, has a cosine beside it.)  Else x - 2 h and
+ * x + 2 h are taken as well; with the odd differences d(k) = v(k h) - v(-k h)
  *
- *     D6 = (45 d1 - 9 d2 + d3) / (60 h),      off by 36 / 7! f'''''''(x) h^6,
- *     D4 = (8 d1 - d2) / (12 h),              off by 4 / 5! f'''''(x) h^4
+ *     D2 = d(1) / (2 h),    D4 = (8 d(1) - d(2)) / (12 h),    off by h^4 / 30 times the fifth derivative
  *
- * (Fornberg 1988, Math. Comp. 51, 699).  No ray is traced, so that seven numbers of a lens cost less than the
- * rays of a spot; and whatever the reader knows (breaks and their order, pickups, the dispersion of a glass,
- * the pupil of an f-number) is in it, without a second description of it that might differ.
+ * (Fornberg 1988, Math. Comp. 51, 699).  No ray is traced, so this costs less than the rays of a spot; and
+ * whatever the reader knows (breaks and their order, the dispersion of a glass, the pupil of an f-number) is in
+ * it, without a second description of it that might differ.
  *
  * THE STEP is a power of two, some 2^-11 of x: x + k h is mostly exact, and so is all that is linear.  Lengths
  * and angles that are small or 0 have the scale of the lens, or a radian.  Where focal length or pupil change
- * by more than 2^-5 over the stencil, or the reader refuses a point of it, h is made less.  So the rest of D6
- * is some (2^-6 / 3)^6 = 2^-45, and its rounding 2^-53 2^11 of a number that x sets alone.
+ * by more than 2^-7 from x - h to x + h, or the reader refuses a point, h is made less.  So D4 is off by some
+ * 4 (2^-11)^4 = 2^-42, and by the rounding 2^-53 2^11 of a number that x sets alone.
  *
  * A RADIUS is taken by its reciprocal, in which nearly everything is linear: d/dR = -1/R^2 d/d(1/R).
  *
- * THE ERROR.  If the terms of the series fall by the factor q from one to the next, D4 is off by q^2 of f', and
- * D6 by q^3.  Four times that is told, and the rounding of the numbers. */
+ * THE ERROR.  If the terms of the series fall by the factor q from one to the next, D2 is off by q of the
+ * derivative, and D4 by q^2.  Four times that is told, and the rounding of the numbers. */
 #include "figure.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { POINTS = 3, TRIES = 5, SMALLER = 4, STEP = 11 };
+enum { POINTS = 2, TRIES = 5, SMALLER = 4, STEP = 11 };
 enum { BEAM_RADIUS = 7, BEAM_WAVE = 9 }; /* places of numbers in a beam's row */
-static const double ULP = 0x1p-53, TOO_FAR = 0x1p-5, RADIAN = 57.29577951308232;
+static const double ULP = 0x1p-53, TOO_FAR = 0x1p-7, RADIAN = 57.29577951308232;
 
 static bool refuse(sgt_error *error, const char *path, const char *why)
 {
@@ -74,20 +75,30 @@ static double scale_of(const sgt_lens *lens, const char *path, double x)
     return scale > 0 ? scale : 1;
 }
 
+/* What is asked: of a path, and the edit that undoes what was asked before it. */
+typedef struct asking {
+    sgt_lens *copy;
+    const char *path;
+    const sgt_edit *undo;
+    const looking *how;
+    const layout *at;
+    bool inverse;
+} asking;
+
 /* Looks at the lens with `to` at the path. */
-static bool look_at(sgt_lens *copy, const char *path, double to, const looking *how, const layout *at, look *l,
-                    sgt_error *error)
+static bool look_at(const asking *a, double to, look *l, sgt_error *error)
 {
-    layout same = *at;
+    layout same = *a->at;
+    sgt_edit edit[2] = {{.kind = SGT_EDIT_SET, .path = a->path, .number = to}};
+    if (a->undo) edit[1] = *a->undo;
     *l = (look){.study = NULL};
-    if (!sgt_lens_set(copy, path, to, error) || !sgt_look_begin(l, copy, how, false, error)) return false;
-    return sgt_look_list(l, &same, false) || refuse(error, path, "it changes what there is, not how much");
+    if (!sgt_lens_edit(a->copy, a->undo ? 2 : 1, edit, error) || !sgt_look_begin(l, a->copy, a->how, false, error)) return false;
+    return sgt_look_list(l, &same, false) || refuse(error, a->path, "it changes what there is, not how much");
 }
 
 /* Does the focal length, or the size of a pupil, change too much over the stencil? */
-static bool too_far(const layout *at, const look stencil[2 * POINTS])
+static bool too_far(const layout *at, const double low[], const double high[])
 {
-    const double *low = stencil[0].number, *high = stencil[2 * POINTS - 1].number;
     for (size_t i = at->beams; i < at->ideal; i++) {
         const bool radius = i < at->stop && (i - at->beams) % BEAM_NUMBERS == BEAM_RADIUS;
         const bool efl = i >= at->first && (i - at->first) % FIRST_NUMBERS == 0;
@@ -97,22 +108,38 @@ static bool too_far(const layout *at, const look stencil[2 * POINTS])
     return false;
 }
 
-static void differ(const look stencil[2 * POINTS], double h, size_t i, double *by, double *error)
+/* A stencil; lines: the two points next to x alone are there, and are enough. */
+typedef struct stencil { look at[2 * POINTS]; bool lines; double h; } stencil;
+
+/* Number i at x + k h. */
+static double number_at(const stencil *s, int k, size_t i)
 {
-    double d[POINTS], most = 0;
-    for (int k = 0; k < POINTS; k++) {
-        const double below = stencil[POINTS - 1 - k].number[i], above = stencil[POINTS + k].number[i];
-        d[k] = above - below;
-        if (above == below || (isnan(above) && isnan(below))) d[k] = 0;
-        most = fmax(most, fmax(fabs(above), fabs(below)));
-    }
+    return s->at[k < 0 ? k + POINTS : k + POINTS - 1].number[i];
+}
+
+static void differ(const stencil *s, size_t i, double *by, double *error)
+{
+    const double most = fmax(fabs(number_at(s, 1, i)), fabs(number_at(s, -1, i)));
+    const double first = number_at(s, 1, i) - number_at(s, -1, i);
+    const double second = s->lines ? 2 * first : number_at(s, 2, i) - number_at(s, -2, i);
     *by = *error = 0;
-    if (d[0] == 0 && d[1] == 0 && d[2] == 0) return;
-    const double fourth = (8 * d[0] - d[1]) / (12 * h), sixth = (45 * d[0] - 9 * d[1] + d[2]) / (60 * h);
-    const double q2 = fmin(fabs(sixth - fourth), fabs(sixth)) / fabs(sixth);
-    *by = sixth;
-    *error = sixth == 0 ? 0 : 4 * q2 * sqrt(q2) * fabs(sixth);
-    *error += 2 * ULP * most / h;
+    if ((first == 0 && second == 0) || isnan(most)) return;
+    const double lower = first / (2 * s->h), higher = (8 * first - second) / (12 * s->h);
+    const double q = fmin(fabs(higher - lower), fabs(higher)) / fabs(higher);
+    *by = s->lines ? lower : higher;
+    *error = (s->lines || higher == 0 ? 0 : 4 * q * q * fabs(higher)) + 2 * ULP * most / s->h;
+}
+
+/* Do all numbers that matter lie on lines? */
+static bool on_lines(const stencil *s, const looking *how, const layout *at, const look *now)
+{
+    const size_t end = how->first ? at->fixed : at->first;
+    for (size_t i = 0; i < end; i++) {
+        const double above = number_at(s, 1, i), below = number_at(s, -1, i), here = now->number[i];
+        const bool front = i >= at->beams && i < at->stop && (i - at->beams) % BEAM_NUMBERS == BEAM_WAVE;
+        if (!front && fabs(above + below - 2 * here) > 4 * ULP * (fabs(above) + fabs(below))) return false;
+    }
+    return true;
 }
 
 /* The turn of each element about its own axes: of a rotation R, with the axes as columns, dR = R [w]. */
@@ -144,44 +171,52 @@ static bool all_zero(const double x[], size_t from, size_t to)
     return from == to;
 }
 
-/* The stencil about `at`, in x or in 1/x. */
-static bool look_around(sgt_lens *copy, const char *path, double x, double h, bool inverse, const looking *how,
-                        const layout *at, look stencil[2 * POINTS], sgt_error *error)
+/* Looks at x - k h and x + k h, of x or of 1/x. */
+static bool look_beside(const asking *a, double x, int k, stencil *s, sgt_error *error)
 {
-    bool fine = true;
-    for (int i = 0; i < 2 * POINTS && fine; i++) {
-        const int k = i < POINTS ? i - POINTS : i - POINTS + 1;
-        const double to = (inverse ? 1 / x : x) + k * h;
-        fine = look_at(copy, path, inverse ? 1 / to : to, how, at, &stencil[i], error);
+    for (int side = -1; side <= 1; side += 2) {
+        const double to = (a->inverse ? 1 / x : x) + side * k * s->h;
+        look *l = &s->at[side < 0 ? POINTS - k : POINTS - 1 + k];
+        if (!look_at(a, a->inverse ? 1 / to : to, l, error)) return false;
     }
-    return fine;
+    return true;
 }
 
-bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const looking *how, const layout *at,
-                   const look *now, motion *out, sgt_error *error)
+static void end_stencil(stencil *s)
+{
+    for (int k = 0; k < 2 * POINTS; k++) sgt_look_end(&s->at[k]);
+}
+
+bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *undo, const looking *how,
+                   const layout *at, const look *now, motion *out, sgt_error *error)
 {
     const bool inverse = is_radius(path);
-    look stencil[2 * POINTS] = {{.study = NULL}};
+    const asking a = {copy, path, undo, how, at, inverse};
+    stencil s = {.lines = false};
     sgt_error first = {.line = 0}, unread;
     if (!isfinite(x))
         return refuse(error, path, inverse ? "no derivative by an infinite radius; take its curvature"
                                            : "no derivative by an infinite number");
-    double scale = inverse ? 1 / fabs(x) : scale_of(copy, path, x);
-    double h = ldexp(1, ilogb(scale) - STEP);
+    const double scale = inverse ? 1 / fabs(x) : scale_of(copy, path, x);
+    s.h = ldexp(1, ilogb(scale) - STEP);
     bool fine = false;
-    for (int i = 0; i < TRIES && !fine; i++, h = ldexp(h, -SMALLER)) {
-        fine = look_around(copy, path, x, h, inverse, how, at, stencil, i == 0 ? &first : &unread) &&
-               (!too_far(at, stencil) || i + 1 == TRIES);
+    for (int i = 0; i < TRIES && !fine; i++) {
+        sgt_error *told = i == 0 ? &first : &unread;
+        fine = look_beside(&a, x, 1, &s, told);
+        fine = fine && (i + 1 == TRIES || !too_far(at, s.at[POINTS - 1].number, s.at[POINTS].number));
+        s.lines = fine && on_lines(&s, how, at, now);
+        fine = fine && (s.lines || look_beside(&a, x, 2, &s, told));
         if (fine) break;
-        for (int k = 0; k < 2 * POINTS; k++) sgt_look_end(&stencil[k]);
+        end_stencil(&s);
+        s.h = ldexp(s.h, -SMALLER);
     }
     const double by_x = inverse ? -1 / (x * x) : 1;
     for (size_t i = 0; i < at->end && fine; i++) {
-        differ(stencil, h, i, &out->by[i], &out->error[i]);
+        differ(&s, i, &out->by[i], &out->error[i]);
         out->by[i] *= by_x, out->error[i] *= fabs(by_x);
     }
-    for (int k = 0; k < 2 * POINTS; k++) sgt_look_end(&stencil[k]);
-    if (!sgt_lens_set(copy, path, x, &unread) || !fine) {
+    end_stencil(&s);
+    if (!fine) {
         *error = first;
         if (!*first.words) refuse(error, path, "no derivative: the lens changes too much about it");
         snprintf(error->key, sizeof error->key, "%s", path);

@@ -176,17 +176,21 @@ static void launch_change(const sgt_field_beam *b, const beam_change *c, sgt_pup
 
 /* -------------------------------------------------------------------------- the chain */
 
-/* The part of a row by numbers from `from` on, all but the launch ray. */
-static void by_numbers(double *const gradient[], size_t count, const double by[], const double off[], size_t k,
-                       double *sum, double *error)
+/* Adds the part of a row by all numbers but the launch ray; error (may be NULL): what may be off in it. */
+static void by_numbers(double *const gradient[], size_t numbers_in, const double by[], const double off[],
+                       size_t rays, double sum[], double error[])
 {
     static const double TRACE = 0x1p-44; /* what the gradient may be off by, of each term: observed */
-    for (size_t j = 6; j < count; j++) {
-        if (by[j] == 0 || !gradient[j]) continue;
-        const double term = gradient[j][k] * by[j];
-        *sum += term, *error += fabs(gradient[j][k]) * off[j] + TRACE * fabs(term);
+    for (size_t j = 6; j < numbers_in; j++) {
+        const double *g = gradient[j], b = by[j], o = off[j] + TRACE * fabs(by[j]);
+        if (b == 0 || !g) continue;
+        for (size_t k = 0; k < rays; k++) sum[k] += g[k] * b;
+        for (size_t k = 0; error && k < rays; k++) error[k] += fabs(g[k]) * o;
     }
 }
+
+/* What is told to be off in the part of the launch ray. */
+static const double LAUNCH = 0x1p-38;
 
 static double by_launch(double *const gradient[], sgt_vec3 o, sgt_vec3 d, size_t k)
 {
@@ -203,8 +207,8 @@ static void across(sgt_vec3 d, sgt_vec3 *u, sgt_vec3 *v)
 }
 
 /* What the stop decides: adds it to o or d. */
-static void meet_stop(const flock *f, const motion *m, const beam_change *c, const double by[], const double off[],
-                      size_t k, const sgt_ray *ray, sgt_vec3 *o, sgt_vec3 *d, double *error)
+static void meet_stop(const flock *f, const motion *m, const beam_change *c, double moved[2][FLOCK], size_t k,
+                      const sgt_ray *ray, sgt_vec3 *o, sgt_vec3 *d)
 {
     static const sgt_vec3 none = {0, 0, 0};
     const double height = f->at->number[f->in->stop], dh = m->by[f->in->stop];
@@ -216,11 +220,9 @@ static void meet_stop(const flock *f, const motion *m, const beam_change *c, con
     across(ray->d, &e[0], &e[1]);
     for (size_t r = 0; r < 2; r++) {
         double *const *g = f->to_stop + r * f->stop_numbers;
-        left[r] = wanted[r] - by_launch(g, *o, *d, k);
-        double sum = 0;
-        by_numbers(g, f->stop_numbers, by, off, k, &sum, error);
-        left[r] -= sum;
-        for (int i = 0; i < 2; i++) s[r][i] = f->beam.finite ? by_launch(g, none, e[i], k) : by_launch(g, e[i], none, k);
+        left[r] = wanted[r] - by_launch(g, *o, *d, k) - moved[r][k];
+        for (int i = 0; i < 2; i++)
+            s[r][i] = f->beam.finite ? by_launch(g, none, e[i], k) : by_launch(g, e[i], none, k);
     }
     const double determinant = s[0][0] * s[1][1] - s[0][1] * s[1][0];
     const double a = (left[0] * s[1][1] - left[1] * s[0][1]) / determinant;
@@ -238,22 +240,26 @@ void sgt_flock_move(const flock *f, const motion *m, size_t row, double out[], d
     const size_t beam = in->beams + f->field * BEAM_NUMBERS;
     const beam_change c = change_of(m->by + beam, f->vignetted);
     double *const *g = f->gradient + row * in->trace;
+    double at_stop[2][FLOCK] = {{0}};
+    for (size_t k = 0; k < f->count; k++) out[k] = 0;
+    for (size_t k = 0; error && k < f->count; k++) error[k] = 0;
+    by_numbers(g, in->trace, by, off, f->count, out, error);
+    for (size_t r = 0; aims && r < 2; r++)
+        by_numbers(f->to_stop + r * f->stop_numbers, f->stop_numbers, by, off, f->count, at_stop[r], NULL);
     for (size_t k = 0; k < f->count; k++) {
-        double sum = 0, lost = 0;
-        out[k] = 0;
-        if (error) error[k] = 0;
-        if (!f->there[k] || f->fate[k] != SGT_PASSED) continue;
-        by_numbers(g, in->trace, by, off, k, &sum, &lost);
-        if (m->beams || aims) {
-            const sgt_ray ray = {.o = {f->o[0][k], f->o[1][k], f->o[2][k]},
-                                 .d = {f->d[0][k], f->d[1][k], f->d[2][k]}};
-            sgt_vec3 o, d;
-            launch_change(&f->beam, &c, f->point[k], aims, &ray, &o, &d);
-            if (aims) meet_stop(f, m, &c, by, off, k, &ray, &o, &d, &lost);
-            const double term = by_launch(g, o, d, k);
-            sum += term, lost += 0x1p-40 * fabs(term);
+        if (!f->there[k] || f->fate[k] != SGT_PASSED) {
+            out[k] = 0;
+            if (error) error[k] = 0;
+            continue;
         }
-        out[k] = sum;
-        if (error) error[k] = lost;
+        if (!m->beams && !aims) continue;
+        const sgt_ray ray = {.o = {f->o[0][k], f->o[1][k], f->o[2][k]},
+                             .d = {f->d[0][k], f->d[1][k], f->d[2][k]}};
+        sgt_vec3 o, d;
+        launch_change(&f->beam, &c, f->point[k], aims, &ray, &o, &d);
+        if (aims) meet_stop(f, m, &c, at_stop, k, &ray, &o, &d);
+        const double term = by_launch(g, o, d, k);
+        out[k] += term;
+        if (error) error[k] += LAUNCH * fabs(term);
     }
 }
