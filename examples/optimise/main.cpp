@@ -1,13 +1,13 @@
 // main.cpp - optimise LENS: a lens is brought back from poor starts, by Ceres.
 //
 // Radii and thicknesses of the lens file may vary within bounds; the glass stays.  What is made small are the
-// residuals of the RMS spot (sagitta/figure.h), and beside them one more: the focal length shall be that of the
-// lens.  Each is a cost function whose derivatives the library has: a Jacobian is one trace of the rays, and one
-// sweep back.  The same by differences of residuals, as Ceres takes them where it knows no derivatives, traces
-// the rays once for each variable.
+// residuals of the RMS spot (sagitta/figure.h), and beside them one more: the focal length shall be that of
+// the lens.  Each is a cost function whose derivatives the library has: a Jacobian is one trace of the rays,
+// and one sweep back.  The same by differences of residuals, as Ceres takes them where it knows no
+// derivatives, traces the rays once for each variable.
 //
-// A start is the lens with every variable moved at random, all by the same share of theirs at most, so far that
-// its RMS spot is ten times as large.
+// A start is the lens with every variable moved at random, all by the same share of theirs at most, so far
+// that its RMS spot is ten times as large.
 //
 //     optimise double_gauss.yaml [STARTS]
 #include <sagitta/figure.h>
@@ -24,7 +24,8 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace
+{
 
 constexpr double TIMES_WORSE = 10, FOCAL_WEIGHT = 0.1; // of a length of focal length, beside a length of spot
 constexpr std::size_t RINGS = 4;                       // of rays over the pupil
@@ -36,8 +37,9 @@ constexpr std::size_t RINGS = 4;                       // of rays over the pupil
 }
 
 // A figure of a lens, as Ceres takes a function, and what it has cost.
-class figure {
-public:
+class figure
+{
+  public:
     figure(const sgt_lens *lens, sgt_figure_kind kind, const std::vector<const char *> &paths)
     {
         sgt_study_options study = {};
@@ -71,13 +73,14 @@ public:
     }
     std::size_t rays = 0, traces = 0;
 
-private:
+  private:
     sgt_figure *of;
 };
 
 // weight * (residual - wanted), with the derivatives of the library.
-class cost : public ceres::CostFunction {
-public:
+class cost : public ceres::CostFunction
+{
+  public:
     cost(figure &f, std::size_t variables, double by, double less) : of(f), weight(by), wanted(less)
     {
         set_num_residuals(static_cast<int>(f.residuals()));
@@ -93,7 +96,7 @@ public:
         return true;
     }
 
-private:
+  private:
     figure &of;
     double weight, wanted;
 };
@@ -112,7 +115,8 @@ struct plain {
 
 ceres::CostFunction *by_differences(figure &f, std::size_t variables, double weight, double wanted)
 {
-    auto *made = new ceres::DynamicNumericDiffCostFunction<plain, ceres::FORWARD>(new plain{f, weight, wanted});
+    auto *made =
+        new ceres::DynamicNumericDiffCostFunction<plain, ceres::FORWARD>(new plain{f, weight, wanted});
     made->AddParameterBlock(static_cast<int>(variables));
     made->SetNumResiduals(static_cast<int>(f.residuals()));
     return made;
@@ -177,6 +181,7 @@ void solve(const variables &v, std::vector<double> &x, figure &spot, figure &foc
     ceres::Solver::Options options;
     options.max_num_iterations = 100;
     options.linear_solver_type = ceres::DENSE_QR;
+    options.use_nonmonotonic_steps = true; // bounds are in the way of a straight descent
     options.function_tolerance = 1e-4;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
@@ -191,7 +196,8 @@ int main(int count, char **argument)
     google::InitGoogleLogging(argument[0]);
     FLAGS_minloglevel = 3; // a step into a lens that is none is no news
     sgt_error e = {};
-    const std::unique_ptr<sgt_lens, void (*)(sgt_lens *)> lens(sgt_lens_read(argument[1], nullptr, &e), sgt_lens_free);
+    const std::unique_ptr<sgt_lens, void (*)(sgt_lens *)> lens(sgt_lens_read(argument[1], nullptr, &e),
+                                                               sgt_lens_free);
     if (!lens) fail(e);
     const variables v = variables_of(lens.get());
     std::vector<const char *> paths;
@@ -200,20 +206,23 @@ int main(int count, char **argument)
     const int starts = count > 2 ? std::atoi(argument[2]) : 5;
     figure spot(lens.get(), SGT_FIGURE_SPOT, paths), focal(lens.get(), SGT_FIGURE_EFL, paths);
     const double rms = spot.value(v.x.data()), f = focal.value(v.x.data());
-    std::printf("%s: %zu variables, %zu residuals, rms spot %.5f, focal length %.2f\n\n", lens->name, v.x.size(),
-                spot.residuals() + 1, rms, f);
-    std::printf("start  derivatives      before     after  of it  focal length  traces      rays\n");
+    std::printf("%s: %zu variables, %zu residuals, rms spot %.5f, focal length %.2f\n\n", lens->name,
+                v.x.size(), spot.residuals() + 1, rms, f);
+    std::printf("start  derivatives      before     after  of it  focal length  traces      rays  seconds\n");
     bool well = true;
     for (int i = 1; i <= starts; i++)
         for (bool analytic : {true, false}) {
             std::vector<double> x = start_of(static_cast<unsigned>(i), v, spot, rms);
             const double before = spot.value(x.data());
             spot.rays = spot.traces = 0;
+            const auto begun = std::chrono::steady_clock::now();
             solve(v, x, spot, focal, f, analytic);
+            const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begun;
             const double after = spot.value(x.data());
             well = well && after <= 1.05 * rms;
-            std::printf("%5d  %-12s %10.5f %9.5f %6.3f %13.3f %7zu %9zu\n", i, analytic ? "exact" : "differences",
-                        before, after, after / rms, focal.value(x.data()), spot.traces, spot.rays);
+            std::printf("%5d  %-12s %10.5f %9.5f %6.3f %13.3f %7zu %9zu %8.2f\n", i,
+                        analytic ? "exact" : "differences", before, after, after / rms, focal.value(x.data()),
+                        spot.traces, spot.rays, seconds.count());
         }
     std::printf("\n%s\n", well ? "all come back" : "not all come back");
     return well ? 0 : 1;

@@ -1,5 +1,5 @@
-/* figure.h - figures of a lens, the residuals that they are made of, and their derivatives
- * by any numbers of its file: what an optimiser asks.  Part of sagitta_lens.
+/* figure.h - figures of a lens, the residuals that they are made of, and their
+ * derivatives by any numbers of its file: what an optimiser asks.  Part of sagitta_lens.
  *
  *     const char *path[] = {"surfaces[1].radius", "surfaces[2].thickness"};
  *     sgt_figure *f = sgt_figure_new(lens, NULL, NULL, 2, path, &error);
@@ -7,9 +7,9 @@
  *     sgt_figure_start(f, x);
  *     sgt_figure_eval(f, x, &(sgt_figure_out){.residual = r, .jacobian = j}, &error);
  *
- * A FIGURE IS A NORM.  Of a spot or a wavefront the sum of the squares of all residuals is
- * the mean of rms^2 over the fields, weighted as the lens weighs them.  So a solver for
- * least squares, which halves that sum, makes it as small as can be.
+ * A FIGURE IS A NORM.  Of a spot or a wavefront the sum of the squares of all residuals
+ * is the mean of rms^2 over the fields, weighted as the lens weighs them.  So a solver
+ * for least squares, which halves that sum, makes it as small as can be.
  *
  * WHAT IS DIFFERENTIATED is the figure of the lens with that number in its file: the
  * pupil, the fields and the aim are found anew.  A radius that changes the focal length
@@ -21,10 +21,11 @@
  * METHOD.  Rays go through once, and once back (sgt_trace_gradient_batch): that gives
  * their ends by all numbers of all elements, and by the launch ray.  What is left is how
  * the file's number moves these.  No ray has a part in that: the lens is made anew at
- * x +- h, x +- 2h, x +- 3h, and differences of the sixth order are taken.  What depends on
- * x linearly (a thickness, a coefficient, a decentre; a radius is taken by its reciprocal)
- * is exact to rounding, the rest (angles, glass, pupils) to some 1e-13.  Aimed rays besides
- * go back from the stop, where the point that they meet is held.
+ * x - h and x + h, and where its numbers do not lie on a line at x - 2h and x + 2h, for
+ * differences of the fourth order (src/lens/figure/motion.c).  What depends on x linearly
+ * (a thickness, a coefficient, a decentre; a radius is taken by its reciprocal) is exact
+ * to rounding, the rest (angles, glass, pupils) to some 1e-11.  Aimed rays besides go
+ * back from the stop, where the point that they meet is held.
  *
  * NOT DIFFERENTIATED.  An error names the path, and says why:
  *   - whole numbers and words; an infinite radius (vary `curvature` in its place)
@@ -106,8 +107,9 @@ typedef struct sgt_figure_out {
     double *value_err;     /* [values] */
     double *gradient;      /* [values * paths], a row for each value */
     double *gradient_err;  /* [values * paths] */
-    size_t  rays, clipped, lost; /* traced, with chief rays; those with residuals 0, NaN */
-    size_t  backward;      /* how many of them went back as well */
+    size_t  rays;          /* traced, with chief rays */
+    size_t  clipped, lost; /* whose residuals are 0, and NaN */
+    size_t  backward;      /* how many went back as well */
     unsigned long long reserved_[6]; /* leave it zero */
 } sgt_figure_out;
 

@@ -20,7 +20,7 @@ def test_jacobian_and_gradient(triplet, figure):
     x = v.x0 * (1 + np.array([1e-3, -2e-3, 1e-3, 2e-4]))
     jacobian, gradient = v.jacobian(x), v.gradient(x)
     assert v.backward > 0 or figure == "efl"
-    for i, h in enumerate(np.abs(x) * 2.0**-14):
+    for i, h in enumerate(np.abs(x) * 2.0**-18):
         step = np.eye(len(x))[i] * h
         by = (v.residuals(x + step) - v.residuals(x - step)) / (2 * h)
         assert np.allclose(jacobian[:, i], by, rtol=1e-5, atol=1e-5 * np.abs(by).max() + 1e-12)

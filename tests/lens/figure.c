@@ -3,10 +3,11 @@
  *   - each figure of each lens, as the study tells it: rms of spots and wavefronts, chief rays, focal length,
  *     distortion;
  *   - its derivative by every number of the file that it takes, against central differences of the figure of
- *     the edited lens, extrapolated (Richardson) from four steps; the steps are chosen by the test, and no ray
- *     of the differences goes back;
+ *     the edited lens, extrapolated (Richardson) from four steps; the steps are chosen by the test, and no
+ * ray of the differences goes back;
  *   - one call for all paths has the numbers of one call for each;
- *   - the sum of the squares of residuals is the square of the last value, and the Jacobian gives its gradient;
+ *   - the sum of the squares of residuals is the square of the last value, and the Jacobian gives its
+ * gradient;
  *   - what has no derivative is refused with its path. */
 #include "require.h"
 
@@ -74,10 +75,13 @@ static void compare(const char *file, sgt_figure_kind kind, const char *path, re
     const bool squares = kind == SGT_FIGURE_SPOT || kind == SGT_FIGURE_OPD;
     for (size_t v = 0; v < r->size.values; v++) {
         best[v] = spread[v] = HUGE_VAL;
-        if (squares) gradient[v] *= 2 * r->value[v], error[v] *= 2 * r->value[v], r->noise[v] *= 2 * r->value[v] + r->noise[v];
+        if (squares)
+            gradient[v] *= 2 * r->value[v], error[v] *= 2 * r->value[v],
+                r->noise[v] *= 2 * r->value[v] + r->noise[v];
     }
     for (int e = 4; e <= 20; e += 4) {
-        if (!difference(r->of, r->x, squares, ldexp(scale, -e), r->size.values, r->noise, by, known)) continue;
+        if (!difference(r->of, r->x, squares, ldexp(scale, -e), r->size.values, r->noise, by, known))
+            continue;
         for (size_t v = 0; v < r->size.values; v++)
             if (known[v] < spread[v]) spread[v] = known[v], best[v] = by[v];
     }
@@ -87,8 +91,10 @@ static void compare(const char *file, sgt_figure_kind kind, const char *path, re
         const double off = fabs(gradient[v] - best[v]), size = fmax(fabs(best[v]), 1e-6 * value / scale);
         compared++;
         if (spread[v] < 1e-8 * size) sharp++, worst[kind] = fmax(worst[kind], off / size);
-        REQUIRE(off <= error[v] + 3 * spread[v] + 1e-9 * size, "%s: %s by %s, value %zu: %.12g, not %.12g (+- %.2g); "
-                "value %.6g", file, kind_name[kind], path, v, gradient[v], best[v], spread[v], r->value[v]);
+        REQUIRE(off <= error[v] + 3 * spread[v] + 1e-9 * size,
+                "%s: %s by %s, value %zu: %.12g, not %.12g (+- %.2g); "
+                "value %.6g",
+                file, kind_name[kind], path, v, gradient[v], best[v], spread[v], r->value[v]);
     }
 }
 
@@ -106,7 +112,8 @@ static bool try_path(const sgt_lens *lens, const char *file, sgt_figure_kind kin
     if (r.size.values > VALUES || !sgt_figure_eval(r.of, NULL, &out, &e)) {
         refused++;
         REQUIRE(*e.words, "%s: %s by %s: refused without words", file, kind_name[kind], path);
-        if (getenv("SHOW")) printf("%s: %s by %s: refused: %s: %s\n", file, kind_name[kind], path, e.key, e.words);
+        if (getenv("SHOW"))
+            printf("%s: %s by %s: refused: %s: %s\n", file, kind_name[kind], path, e.key, e.words);
         sgt_figure_free(r.of);
         return false;
     }
@@ -129,7 +136,8 @@ static void try_together(const sgt_lens *lens, const char *file, sgt_figure_kind
         return;
     }
     const sgt_figure_count size = sgt_figure_size(f);
-    double *residual = calloc(size.residuals + 1, sizeof *residual), gradient[VALUES * PATHS_OF_LENS], value[VALUES];
+    double *residual = calloc(size.residuals + 1, sizeof *residual), gradient[VALUES * PATHS_OF_LENS],
+           value[VALUES];
     double *jacobian = calloc(size.residuals * count + 1, sizeof *jacobian), square = 0;
     sgt_figure_out out = {.residual = residual, .jacobian = jacobian, .value = value, .gradient = gradient};
     const bool fine = size.values <= VALUES && sgt_figure_eval(f, NULL, &out, NULL);
@@ -137,8 +145,8 @@ static void try_together(const sgt_lens *lens, const char *file, sgt_figure_kind
     for (size_t i = 0; fine && i < size.residuals; i++) square += residual[i] * residual[i];
     const size_t last = size.values - 1;
     if (fine && kind <= SGT_FIGURE_OPD)
-        REQUIRE(fabs(sqrt(square) - value[last]) <= 1e-12 * value[last], "%s: %s: %g, not %g", file, kind_name[kind],
-                sqrt(square), value[last]);
+        REQUIRE(fabs(sqrt(square) - value[last]) <= 1e-12 * value[last], "%s: %s: %g, not %g", file,
+                kind_name[kind], sqrt(square), value[last]);
     for (size_t m = 0; fine && m < count; m++) {
         double own = 0, alone[VALUES], size_of = 0;
         for (size_t i = 0; i < size.residuals; i++) {
@@ -146,12 +154,15 @@ static void try_together(const sgt_lens *lens, const char *file, sgt_figure_kind
             size_of += jacobian[i * count + m] * jacobian[i * count + m];
         }
         if (kind <= SGT_FIGURE_OPD)
-            REQUIRE(fabs(own - value[last] * gradient[last * count + m]) <= 1e-11 * sqrt(size_of) * value[last],
-                    "%s: %s by %s: %g by the Jacobian, not %g", file, kind_name[kind], path[m], own / value[last],
-                    gradient[last * count + m]);
-        sgt_figure *one = sgt_figure_new(lens, &study, &(sgt_figure_options){.kind = kind}, 1, &path[m], NULL);
+            REQUIRE(fabs(own - value[last] * gradient[last * count + m]) <=
+                        1e-11 * sqrt(size_of) * value[last],
+                    "%s: %s by %s: %g by the Jacobian, not %g", file, kind_name[kind], path[m],
+                    own / value[last], gradient[last * count + m]);
+        sgt_figure *one =
+            sgt_figure_new(lens, &study, &(sgt_figure_options){.kind = kind}, 1, &path[m], NULL);
         sgt_figure_out by_one = {.value = value, .gradient = alone};
-        REQUIRE(one && sgt_figure_eval(one, NULL, &by_one, NULL), "%s: %s by %s", file, kind_name[kind], path[m]);
+        REQUIRE(one && sgt_figure_eval(one, NULL, &by_one, NULL), "%s: %s by %s", file, kind_name[kind],
+                path[m]);
         for (size_t v = 0; v < size.values; v++) {
             const double x = gradient[v * count + m];
             REQUIRE(x == alone[v] || (isnan(x) && isnan(alone[v])) || fabs(x - alone[v]) <= 1e-9 * fabs(x),
@@ -187,8 +198,8 @@ int main(int count, char **argument)
         }
         sgt_lens_free(lens);
     }
-    printf("%zu derivatives compared, %zu of them to 1e-8 or better, %zu refused; worst of these:", compared, sharp,
-           refused);
+    printf("%zu derivatives compared, %zu of them to 1e-8 or better, %zu refused; worst of these:", compared,
+           sharp, refused);
     for (int k = 0; k < 5; k++) printf(" %s %.2g", kind_name[k], worst[k]);
     printf("\n");
     return faults != 0;

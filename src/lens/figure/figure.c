@@ -1,8 +1,9 @@
 /* figure.c - figures of a lens, residuals and derivatives.
  *
  * A NORM.  The residual of a ray is its error times the root of its share: with the weight W of a field among
- * all, and w of a ray among those of its field that pass, r = sqrt(W w) (p - reference).  So the sum of r^2 is
- * the weighted mean of the fields' rms^2; and the rms of a field, R, has the derivative (sum of w e de) / R.
+ * all, and w of a ray among those of its field that pass, r = sqrt(W w) (p - reference).  So the sum of r^2
+ * is the weighted mean of the fields' rms^2; and the rms of a field, R, has the derivative (sum of w e de) /
+ * R.
  *
  * A PATH DIFFERENCE (../study/wavefront.c) is, with v = p - c, b = v . d and h^2 = v^2 - b^2,
  *
@@ -52,20 +53,17 @@ typedef struct asked {
     look at;
     layout in;
     flock rays;
-    size_t paths;               /* 0: no derivatives are wanted */
-    motion *motion;             /* [paths] */
+    size_t paths;                /* 0: no derivatives are wanted */
+    motion *motion;              /* [paths] */
     double *residual, *jacobian; /* of the caller, or room */
     /* of the group that is summed: an rms and its gradient */
     double *sum, *sum_error, *moved;
-    bool bounds;                /* errors are wanted */
-    double *chief;              /* [FLOCK_ROWS * paths]: how a chief ray's end moves */
+    bool bounds;   /* errors are wanted */
+    double *chief; /* [FLOCK_ROWS * paths]: how a chief ray's end moves */
     double *chief_error;
 } asked;
 
-static double *room_of(asked *a, size_t count)
-{
-    return sgt_ask_room(&a->at.ask, count, sizeof(double));
-}
+static double *room_of(asked *a, size_t count) { return sgt_ask_room(&a->at.ask, count, sizeof(double)); }
 
 static bool gone(const asked *a) { return a->at.ask.failed; }
 
@@ -74,7 +72,8 @@ static bool gone(const asked *a) { return a->at.ask.failed; }
 static const sgt_pupil_point centre = {0, 0, 1};
 
 /* Traces one, and takes all of its end back. */
-static bool trace_chief_of(asked *a, size_t field, size_t slot, bool unbent, bool vignetted, sgt_ray_change *end)
+static bool trace_chief_of(asked *a, size_t field, size_t slot, bool unbent, bool vignetted,
+                           sgt_ray_change *end)
 {
     flock *f = &a->rays;
     double one = 1, zero = 0;
@@ -88,14 +87,16 @@ static bool trace_chief_of(asked *a, size_t field, size_t slot, bool unbent, boo
     if (!a->paths) return true;
     sgt_ray_changes weight[FLOCK_ROWS] = {{.opl = NULL}};
     for (int r = 0; r < FLOCK_ROWS; r++) {
-        for (int k = 0; k < 3; k++) weight[r].p[k] = k == r ? &one : &zero, weight[r].d[k] = k + 3 == r ? &one : &zero;
+        for (int k = 0; k < 3; k++)
+            weight[r].p[k] = k == r ? &one : &zero, weight[r].d[k] = k + 3 == r ? &one : &zero;
         weight[r].opl = r == 6 ? &one : &zero;
     }
     sgt_flock_back(f, FLOCK_ROWS, weight);
     a->out->backward++;
     for (size_t m = 0; m < a->paths; m++)
         for (size_t r = 0; r < FLOCK_ROWS; r++)
-            sgt_flock_move(f, &a->motion[m], r, &a->chief[r * a->paths + m], &a->chief_error[r * a->paths + m]);
+            sgt_flock_move(f, &a->motion[m], r, &a->chief[r * a->paths + m],
+                           &a->chief_error[r * a->paths + m]);
     return true;
 }
 
@@ -179,8 +180,10 @@ static bool ask_distortion(asked *a)
         /* the height is told along the field's plane, in which the point lies */
         const double length = hypot(end.p.x, end.p.y), height = curve.ideal * (1 + curve.distortion);
         if (!(fabs(fabs(height) - length) <= 1e-9 * length))
-            return sgt_ask_fail(&a->at.ask, "", "field %zu: no derivative of distortion: the lens has no plane of "
-                                "symmetry through it", ask->number[field]);
+            return sgt_ask_fail(&a->at.ask, "",
+                                "field %zu: no derivative of distortion: the lens has no plane of "
+                                "symmetry through it",
+                                ask->number[field]);
         const double side = copysign(1 / length, height), x = end.p.x * side, y = end.p.y * side;
         tell_plain(a, i, curve.distortion, curve.error / fabs(ideal));
         for (size_t m = 0; m < a->paths; m++) {
@@ -196,10 +199,12 @@ static bool ask_distortion(asked *a)
 /* ---------------------------------------------------------------- sums of squares */
 
 /* Rays of a field and wavelength at their places in residual and jacobian: `each` numbers a ray. */
-typedef struct group { size_t first, count, each; } group;
+typedef struct group {
+    size_t first, count, each;
+} group;
 
-/* Of rays, or of several groups of them: its residuals e with weights w become sqrt(share w / W) e; the rms of
- * those is value[i].  about_mean: less their weighted mean. */
+/* Of rays, or of several groups of them: its residuals e with weights w become sqrt(share w / W) e; the rms
+ * of those is value[i].  about_mean: less their weighted mean. */
 static void sum_up(asked *a, size_t value, group g, const double weight[], double share, bool about_mean,
                    double off, double own_error[])
 {
@@ -221,7 +226,8 @@ static void sum_up(asked *a, size_t value, group g, const double weight[], doubl
                 a->jacobian[row * paths + m] -= slope[c];
                 sum += weight[k] * (a->residual[row] - mean[c]) * a->jacobian[row * paths + m];
                 moved += weight[k] * a->jacobian[row * paths + m] * a->jacobian[row * paths + m];
-                if (own_error) sum_error += weight[k] * own_error[row * paths + m] * own_error[row * paths + m];
+                if (own_error)
+                    sum_error += weight[k] * own_error[row * paths + m] * own_error[row * paths + m];
             }
         a->sum[m] = sum / total, a->sum_error[m] = sqrt(sum_error / total);
         a->moved[m] = off * sqrt(moved / total); /* what is off in the errors of rays counts as well */
@@ -230,7 +236,8 @@ static void sum_up(asked *a, size_t value, group g, const double weight[], doubl
         for (size_t c = 0; c < g.each; c++) {
             const size_t row = g.first + k * g.each + c;
             const double scale = weight[k] > 0 ? sqrt(share * weight[k] / total) : 0;
-            if (weight[k] > 0) square += weight[k] * (a->residual[row] - mean[c]) * (a->residual[row] - mean[c]);
+            if (weight[k] > 0)
+                square += weight[k] * (a->residual[row] - mean[c]) * (a->residual[row] - mean[c]);
             a->residual[row] = weight[k] > 0 ? scale * (a->residual[row] - mean[c]) : a->residual[row];
             for (size_t m = 0; m < paths; m++) a->jacobian[row * paths + m] *= scale;
         }
@@ -240,7 +247,8 @@ static void sum_up(asked *a, size_t value, group g, const double weight[], doubl
     if (out->value_err) out->value_err[value] = off + (double)g.count * 0x1p-52 * rms;
     for (size_t m = 0; m < paths; m++) {
         if (out->gradient) out->gradient[value * paths + m] = a->sum[m] / rms;
-        if (out->gradient_err) out->gradient_err[value * paths + m] = (about_mean ? 2 : 1) * a->sum_error[m] + a->moved[m] / rms;
+        if (out->gradient_err)
+            out->gradient_err[value * paths + m] = (about_mean ? 2 : 1) * a->sum_error[m] + a->moved[m] / rms;
     }
 }
 
@@ -353,7 +361,8 @@ static bool spot_of_field(asked *a, size_t field, const double share[], double o
         if (a->bounds) point_errors(f, point);
         for (size_t k = 0; k < count; k++) {
             const sgt_ray_change ray = sgt_flock_end(f, k);
-            a->residual[row + each * k] = ray.p.x - end.p.x, a->residual[row + each * k + 1] = ray.p.y - end.p.y;
+            a->residual[row + each * k] = ray.p.x - end.p.x,
+                                     a->residual[row + each * k + 1] = ray.p.y - end.p.y;
             weight[i + k] = weight_of_ray(a, f, k, band_weight * at[part + k].weight, row + each * k, each);
             total += weight[i + k];
             if (a->bounds && weight[i + k] > 0) off += weight[i + k] * point[k] * point[k];
@@ -396,26 +405,30 @@ static size_t image_index(const flock *f)
 }
 
 /* A path difference, the weights by which the end of the ray moves it, and its derivatives by R and n. */
-typedef struct difference { double opd, by_radius, by_index; sgt_vec3 p, d; } difference;
+typedef struct opd_change {
+    double opd, by_radius, by_index;
+    sgt_vec3 p, d;
+} opd_change;
 
-static difference difference_of(const sgt_reference *of, const sgt_ray_change *end)
+static opd_change opd_moved(const sgt_reference *of, const sgt_ray_change *end)
 {
     const double n = of->index, R = of->radius;
     const sgt_vec3 v = minus3(end->p, of->centre), d = end->d, none = {0, 0, 0};
     const double b = dot3(v, d), base = end->opl - of->opl;
     if (of->kind == SGT_REFERENCE_INFINITE)
-        return (difference){base - n * b, 0, -b, along3(none, -n, d), along3(none, -n, v)};
+        return (opd_change){base - n * b, 0, -b, along3(none, -n, d), along3(none, -n, v)};
     const sgt_vec3 across = along3(v, -b, d);
     const double h2 = dot3(across, across), root = copysign(sqrt(R * R - h2), R), G = R + root;
     const double K = 1 / G + h2 / (2 * G * G * root), back = 2 * K * b + 1;
-    return (difference){base + n * (h2 / G - b), -n * h2 / (G * G) * (1 + R / root), h2 / G - b,
+    return (opd_change){base + n * (h2 / G - b), -n * h2 / (G * G) * (1 + R / root), h2 / G - b,
                         along3(along3(none, 2 * n * K, v), -n * back, d), along3(none, -n * back, v)};
 }
 
 static bool front_of_cell(asked *a, size_t panel, const double share[], double own_error[], double weight[])
 {
     const sgt_asking *ask = &a->at.ask;
-    const size_t field = panel / ask->bands, b = panel % ask->bands, points = ask->fine.count, paths = a->paths;
+    const size_t field = panel / ask->bands, b = panel % ask->bands, points = ask->fine.count,
+                 paths = a->paths;
     const double waves = a->at.study->um / ask->band[b].at.um;
     const group g = {panel * points, points, 1};
     sgt_ray_change end;
@@ -424,7 +437,8 @@ static bool front_of_cell(asked *a, size_t panel, const double share[], double o
     double off = 0;
     if (!trace_chief_of(a, field, b, true, true, &end)) return false;
     const sgt_ray_end chief = {.fate = SGT_PASSED, .p = end.p, .d = end.d, .opl = end.opl};
-    if (!sgt_reference_of(ask->lens, &ask->primary.data, f->own, f->before, &chief, false, &reference, a->error))
+    if (!sgt_reference_of(ask->lens, &ask->primary.data, f->own, f->before, &chief, false, &reference,
+                          a->error))
         return false;
     const sgt_vec3 from_pupil = minus3(end.p, (sgt_vec3){0, 0, ask->primary.data.exit_pupil});
     const size_t exit = a->in.first + ask->bands * FIRST_NUMBERS + 1;
@@ -437,11 +451,11 @@ static bool front_of_cell(asked *a, size_t panel, const double share[], double o
         if (!sgt_flock_trace(f, field, b, count, at + part, false, true, true))
             return sgt_ask_fail(&a->at.ask, "", "no memory");
         a->out->rays += count;
-        difference diff[FLOCK];
+        opd_change diff[FLOCK];
         double w[FLOCK_ROWS][FLOCK];
         for (size_t k = 0; k < count; k++) {
             const sgt_ray_change ray = sgt_flock_end(f, k);
-            diff[k] = difference_of(&reference, &ray);
+            diff[k] = opd_moved(&reference, &ray);
             a->residual[g.first + i + k] = waves * diff[k].opd;
             weight[i + k] = weight_of_ray(a, f, k, at[part + k].weight, g.first + i + k, 1);
             w[0][k] = diff[k].p.x, w[1][k] = diff[k].p.y, w[2][k] = diff[k].p.z;
@@ -478,11 +492,13 @@ static bool ask_fronts(asked *a)
     const sgt_asking *ask = &a->at.ask;
     for (size_t i = 0; i + 1 < ask->lens->count; i++)
         if (ask->lens->element[i].phase && a->paths)
-            return sgt_ask_fail(&a->at.ask, "", "no derivatives of paths through an ideal lens (element %zu)", i + 1);
+            return sgt_ask_fail(&a->at.ask, "", "no derivatives of paths through an ideal lens (element %zu)",
+                                i + 1);
     if (isnan(a->at.study->um))
         return sgt_ask_fail(&a->at.ask, "units", "must be mm, cm, m, um or in for differences in waves");
     for (size_t b = 0; b < ask->bands; b++)
-        if (isnan(ask->band[b].at.um)) return sgt_ask_fail(&a->at.ask, "wavelengths", "missing: paths are in waves");
+        if (isnan(ask->band[b].at.um))
+            return sgt_ask_fail(&a->at.ask, "wavelengths", "missing: paths are in waves");
     double *share = shares_of(a, true), *error = errors_of(a), *weight = room_of(a, ask->fine.count);
     for (size_t i = 0; i < ask->fields * ask->bands && !gone(a); i++)
         if (!front_of_cell(a, i, share, error, weight)) return false;
@@ -493,17 +509,26 @@ static bool ask_fronts(asked *a)
 /* ----------------------------------------------------------------------- the figure */
 
 /* How many there are, of a lens as it is looked at. */
-static sgt_figure_count count_of(const sgt_figure *f, const look *l)
+static sgt_figure_count figure_count(const sgt_figure *f, const look *l)
 {
     const sgt_asking *a = &l->ask;
     const size_t cells = a->fields * a->bands;
     sgt_figure_count c = {.paths = f->paths, .residuals = cells, .values = cells};
     switch (f->opt.kind) {
-    case SGT_FIGURE_SPOT: c.residuals = 2 * cells * a->fine.count, c.values = a->fields + 1; break;
-    case SGT_FIGURE_OPD: c.residuals = cells * a->fine.count, c.values = cells + 1; break;
-    case SGT_FIGURE_CHIEF: c.residuals = c.values = 2 * cells; break;
-    case SGT_FIGURE_EFL: c.residuals = c.values = a->bands; break;
-    case SGT_FIGURE_DISTORTION: break;
+    case SGT_FIGURE_SPOT:
+        c.residuals = 2 * cells * a->fine.count, c.values = a->fields + 1;
+        break;
+    case SGT_FIGURE_OPD:
+        c.residuals = cells * a->fine.count, c.values = cells + 1;
+        break;
+    case SGT_FIGURE_CHIEF:
+        c.residuals = c.values = 2 * cells;
+        break;
+    case SGT_FIGURE_EFL:
+        c.residuals = c.values = a->bands;
+        break;
+    case SGT_FIGURE_DISTORTION:
+        break;
     }
     return c;
 }
@@ -517,8 +542,8 @@ static bool find_motions(asked *a)
         motion *to = &a->motion[m];
         to->by = room_of(a, a->in.end), to->error = room_of(a, a->in.end);
         f->edit[m].number = f->x[m];
-        fine = !gone(a) && sgt_motion_of(copy, f->path[m], f->x[m], m ? &f->edit[m - 1] : NULL, &f->how, &a->in,
-                                         &a->at, to, a->error);
+        fine = !gone(a) && sgt_motion_of(copy, f->path[m], f->x[m], m ? &f->edit[m - 1] : NULL, &f->how,
+                                         &a->in, &a->at, to, a->error);
     }
     sgt_lens_free(copy);
     return fine;
@@ -531,7 +556,9 @@ static bool prepare(asked *a)
     const bool slopes = out->jacobian || out->gradient || out->gradient_err;
     a->paths = slopes ? f->paths : 0;
     if (!sgt_look_begin(&a->at, f->lens, &f->how, true, a->error)) return false;
-    if (memcmp(&(sgt_figure_count[]){count_of(f, &a->at)}->residuals, &f->size.residuals, sizeof(size_t)) != 0)
+    if (memcmp(
+            &(sgt_figure_count[]) { figure_count(f, &a->at) } -> residuals, &f->size.residuals,
+            sizeof(size_t)) != 0)
         return fail(a->error, "", "the lens has other residuals than at first");
     if (!sgt_look_list(&a->at, &a->in, true)) return sgt_ask_fail(&a->at.ask, "", "no memory");
     const size_t residuals = f->size.residuals;
@@ -549,11 +576,16 @@ static bool prepare(asked *a)
 static bool ask(asked *a)
 {
     switch (a->of->opt.kind) {
-    case SGT_FIGURE_SPOT: return ask_spots(a);
-    case SGT_FIGURE_OPD: return ask_fronts(a);
-    case SGT_FIGURE_CHIEF: return ask_chiefs(a);
-    case SGT_FIGURE_EFL: return ask_efl(a);
-    case SGT_FIGURE_DISTORTION: return ask_distortion(a);
+    case SGT_FIGURE_SPOT:
+        return ask_spots(a);
+    case SGT_FIGURE_OPD:
+        return ask_fronts(a);
+    case SGT_FIGURE_CHIEF:
+        return ask_chiefs(a);
+    case SGT_FIGURE_EFL:
+        return ask_efl(a);
+    case SGT_FIGURE_DISTORTION:
+        return ask_distortion(a);
     }
     return false;
 }
@@ -570,7 +602,8 @@ bool sgt_figure_eval(sgt_figure *f, const double x[], sgt_figure_out *out, sgt_e
 {
     sgt_error unread;
     for (size_t i = 0; i < sizeof out->reserved_ / sizeof *out->reserved_; i++)
-        if (out->reserved_[i]) return fail(error, "sgt_figure_out.reserved_", "a member that this sagitta has not");
+        if (out->reserved_[i])
+            return fail(error, "sgt_figure_out.reserved_", "a member that this sagitta has not");
     out->rays = out->clipped = out->lost = out->backward = 0;
     asked a = {.of = f, .out = out, .error = error ? error : &unread};
     if (x && !put_numbers(f, x, a.error)) return false;
@@ -595,7 +628,8 @@ static bool read_paths(sgt_figure *f, const char *const path[], sgt_error *error
     if (!f->path || !f->x || !f->edit) return fail(error, "", "no memory");
     for (size_t m = 0; m < f->paths; m++) {
         if (!sgt_lens_get(f->lens, path[m], &f->x[m], error)) return false;
-        if (!(f->path[m] = sgt_arena_text(&f->memory, path[m], strlen(path[m])))) return fail(error, "", "no memory");
+        if (!(f->path[m] = sgt_arena_text(&f->memory, path[m], strlen(path[m]))))
+            return fail(error, "", "no memory");
         for (size_t k = 0; k < m; k++)
             if (strcmp(path[k], path[m]) == 0) return fail(error, path[m], "this path is given twice");
         f->edit[m] = (sgt_edit){.kind = SGT_EDIT_SET, .path = f->path[m]};
@@ -607,23 +641,26 @@ static bool begin(sgt_figure *f, const sgt_lens *lens, const char *const path[],
 {
     static const sgt_analysis *const of[] = {&sgt_spot_analysis, &sgt_wavefront_analysis, &sgt_field_analysis,
                                              &sgt_field_analysis, &sgt_field_analysis};
-    if ((unsigned)f->opt.kind >= sizeof of / sizeof *of) return fail(error, "kind", "there is no such figure");
+    if ((unsigned)f->opt.kind >= sizeof of / sizeof *of)
+        return fail(error, "kind", "there is no such figure");
     if (f->opt.reference < 0 || f->opt.reference > 1) return fail(error, "reference", "must be 0 or 1");
     for (size_t i = 0; i < sizeof f->opt.reserved_ / sizeof *f->opt.reserved_; i++)
-        if (f->opt.reserved_[i]) return fail(error, "sgt_figure_options.reserved_", "a member that this sagitta has not");
+        if (f->opt.reserved_[i])
+            return fail(error, "sgt_figure_options.reserved_", "a member that this sagitta has not");
     if (lens->afocal) return fail(error, "afocal", "no figures of an afocal lens");
     const bool rays = f->opt.kind == SGT_FIGURE_SPOT || f->opt.kind == SGT_FIGURE_CHIEF;
     f->how = (looking){&f->study, of[f->opt.kind], f->opt.kind == SGT_FIGURE_OPD, !rays};
     if (!(f->lens = sgt_lens_copy(lens, error)) || !read_paths(f, path, error)) return false;
     look l;
     const bool fine = sgt_look_begin(&l, f->lens, &f->how, true, error);
-    if (fine) f->size = count_of(f, &l);
+    if (fine) f->size = figure_count(f, &l);
     sgt_look_end(&l);
     return fine;
 }
 
-sgt_figure *sgt_figure_new(const sgt_lens *lens, const sgt_study_options *study, const sgt_figure_options *opt,
-                           size_t paths, const char *const path[], sgt_error *error)
+sgt_figure *sgt_figure_new(const sgt_lens *lens, const sgt_study_options *study,
+                           const sgt_figure_options *opt, size_t paths, const char *const path[],
+                           sgt_error *error)
 {
     const sgt_allocator a = sgt_allocator_or(study ? study->allocator : NULL);
     sgt_error unread;

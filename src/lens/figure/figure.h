@@ -10,42 +10,48 @@
 typedef struct look {
     sgt_study *study;
     sgt_asking ask;
-    double *number;             /* [layout.end]; NULL: not listed yet */
+    double *number; /* [layout.end]; NULL: not listed yet */
 } look;
 
 /* Where the numbers stand.  A slot is a wavelength of the study, or, the last, the primary one. */
 enum { BEAM_NUMBERS = 16, FIRST_NUMBERS = 2, AXES = 9 };
-typedef struct place { size_t at, end; const sgt_param *of; } place;
-typedef struct places { size_t count; place *at; } places;
+typedef struct place {
+    size_t at, end;
+    const sgt_param *of;
+} place;
+typedef struct places {
+    size_t count;
+    place *at;
+} places;
 typedef struct layout {
-    size_t trace, slots;        /* numbers of a trace (sgt_trace_parameters), a row for each slot; turns are
-                                   left 0: they are in the axes */
-    size_t axes;                /* [elements * 9] */
-    size_t beams;               /* [fields * 16]: the members of sgt_field_beam in order, but `front` */
-    size_t stop;                /* the height on the stop that the rim of the pupil is aimed at */
-    size_t first;               /* [slots * 2]: efl, exit_pupil */
-    size_t ideal;               /* [fields * slots]: the height of an image without distortion */
-    size_t fixed;               /* what must not move: lengths of phases, numbers that are no parameters */
-    size_t weights;             /* of fields and wavelengths, and the wavelengths; the same */
+    size_t trace, slots; /* numbers of a trace (sgt_trace_parameters), a row for each slot; turns are
+                            left 0: they are in the axes */
+    size_t axes;         /* [elements * 9] */
+    size_t beams;        /* [fields * 16]: the members of sgt_field_beam in order, but `front` */
+    size_t stop;         /* the height on the stop that the rim of the pupil is aimed at */
+    size_t first;        /* [slots * 2]: efl, exit_pupil */
+    size_t ideal;        /* [fields * slots]: the height of an image without distortion */
+    size_t fixed;        /* what must not move: lengths of phases, numbers that are no parameters */
+    size_t weights;      /* of fields and wavelengths, and the wavelengths; the same */
     size_t end;
-    const places *of;           /* [elements]: where the numbers of its surface stand in its struct */
+    const places *of; /* [elements]: where the numbers of its surface stand in its struct */
 } layout;
 
 /* Which faults are told: of a figure with its lens. */
 typedef struct looking {
     const sgt_study_options *options;
     const sgt_analysis *of;
-    bool path;                  /* optical paths matter */
-    bool first;                 /* first-order data do, not by the rays alone */
+    bool path;  /* optical paths matter */
+    bool first; /* first-order data do, not by the rays alone */
 } looking;
 
-/* (look.c) Looks at a lens, with points of the pupil; or without, and wavefronts begin anywhere.  false: `error` says why.  look_end frees in
- * either case. */
+/* (look.c) Looks at a lens, with points of the pupil; or without, and wavefronts begin anywhere.  false:
+ * `error` says why.  look_end frees in either case. */
 bool sgt_look_begin(look *l, const sgt_lens *lens, const looking *how, bool points, sgt_error *error);
 void sgt_look_end(look *l);
 
-/* (look.c) Lists its numbers; *out is set if they are the first.  false: no memory, or a lens whose numbers are
- * others than in *out. */
+/* (look.c) Lists its numbers; *out is set if they are the first.  false: no memory, or a lens whose numbers
+ * are others than in *out. */
 bool sgt_look_list(look *l, layout *out, bool first);
 
 /* The elements of a slot, and the index in front. */
@@ -56,8 +62,8 @@ static inline const band *sgt_look_slot(const look *l, size_t slot)
 
 /* How the numbers move with one of the file. */
 typedef struct motion {
-    double *by, *error;         /* [layout.end], with turns; estimates of the error */
-    bool beams;                 /* any number of a beam, or of the stop's size */
+    double *by, *error; /* [layout.end], with turns; estimates of the error */
+    bool beams;         /* any number of a beam, or of the stop's size */
 } motion;
 
 /* (motion.c) By what stands at `path`, x now, of a copy of the lens that may be edited.  undo: what makes the
@@ -72,19 +78,19 @@ typedef struct flock {
     const look *at;
     const layout *in;
     size_t elements, stop_numbers;
-    sgt_element *own, *open;    /* [elements]: as rays meet them */
-    sgt_passage *passage;       /* [elements], of one ray */
+    sgt_element *own, *open; /* [elements]: as rays meet them */
+    sgt_passage *passage;    /* [elements], of one ray */
     sgt_passages *passages;
     size_t field, slot, count;
     sgt_field_beam beam;
-    bool vignetted;             /* its vignetting counts */
+    bool vignetted; /* its vignetting counts */
     double before;
     sgt_pupil_point point[FLOCK];
-    double *o[3], *d[3];        /* [FLOCK]: the launch rays; NaN: there is none */
+    double *o[3], *d[3]; /* [FLOCK]: the launch rays; NaN: there is none */
     sgt_fate *fate;
     bool there[FLOCK];
-    double **gradient;          /* [rows * in->trace], each [FLOCK] or NULL */
-    double **to_stop;           /* [2 * in->trace] */
+    double **gradient; /* [rows * in->trace], each [FLOCK] or NULL */
+    double **to_stop;  /* [2 * in->trace] */
     size_t rows;
 } flock;
 

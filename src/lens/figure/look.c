@@ -1,9 +1,9 @@
 /* look.c - a lens as a row of numbers: all that its rays hang on.
  *
- * A ray's end is a function of the numbers of a trace (sgt_trace_parameters) and of the launch ray.  The launch
- * ray is one of the beam of its field, whose numbers follow from the lens, and of the size of the stop.  A
- * figure besides asks for focal length, exit pupil and ideal image.  No other number has a say.  So if all are
- * listed, a lens with other numbers in its file, of the same kind, is known by its row.
+ * A ray's end is a function of the numbers of a trace (sgt_trace_parameters) and of the launch ray.  The
+ * launch ray is one of the beam of its field, whose numbers follow from the lens, and of the size of the
+ * stop.  A figure besides asks for focal length, exit pupil and ideal image.  No other number has a say.  So
+ * if all are listed, a lens with other numbers in its file, of the same kind, is known by its row.
  *
  * THE PARAMETERS OF A SURFACE stand in its struct in the order of sgt_trace_parameters: those are the numbers
  * that the rows of its type have, without its rim, its normalisations and steps.  Where that gives another
@@ -20,8 +20,13 @@ bool sgt_look_begin(look *l, const sgt_lens *lens, const looking *how, bool poin
     *l = (look){.study = sgt_study_new(lens, how->options, error)};
     if (!l->study) return false;
     l->study->from->any_front = !points;
-    l->ask = (sgt_asking){.study = l->study, .lens = lens, .from = l->study->from, .of = how->of,
-                          .sink = &nowhere, .error = error, .memory = {.allocator = l->study->from->allocator}};
+    l->ask = (sgt_asking){.study = l->study,
+                          .lens = lens,
+                          .from = l->study->from,
+                          .of = how->of,
+                          .sink = &nowhere,
+                          .error = error,
+                          .memory = {.allocator = l->study->from->allocator}};
     return sgt_ask_begin(&l->ask) && (!points || sgt_ask_pupil(&l->ask));
 }
 
@@ -35,25 +40,39 @@ void sgt_look_end(look *l)
 /* ------------------------------------------------------------------------ the list */
 
 /* number NULL: they are counted. */
-typedef struct list { double *number; size_t count, room; } list;
+typedef struct list {
+    double *number;
+    size_t count, room;
+} list;
 
-static void put(list *to, double x)
+static void put_number(list *to, double x)
 {
     if (to->number && to->count < to->room) to->number[to->count] = x;
     to->count++;
 }
 
-static void put_vector(list *to, sgt_vec3 v) { put(to, v.x), put(to, v.y), put(to, v.z); }
+static void put_vector(list *to, sgt_vec3 v)
+{
+    put_number(to, v.x), put_number(to, v.y), put_number(to, v.z);
+}
 
 enum { PLACES = 32 }; /* of a surface, at most */
 
-static size_t size_of(const sgt_param *p)
+static size_t bytes_of(const sgt_param *p)
 {
     switch (p->kind) {
-    case SGT_PARAM_WHOLE: case SGT_PARAM_WORD: case SGT_PARAM_TRUTH: return sizeof(int);
-    case SGT_PARAM_LIST: case SGT_PARAM_TABLE: return sizeof(sgt_numbers);
-    case SGT_PARAM_TERMS: return sizeof(sgt_surface *);
-    case SGT_PARAM_REAL: case SGT_PARAM_VECTOR: break;
+    case SGT_PARAM_WHOLE:
+    case SGT_PARAM_WORD:
+    case SGT_PARAM_TRUTH:
+        return sizeof(int);
+    case SGT_PARAM_LIST:
+    case SGT_PARAM_TABLE:
+        return sizeof(sgt_numbers);
+    case SGT_PARAM_TERMS:
+        return sizeof(sgt_surface *);
+    case SGT_PARAM_REAL:
+    case SGT_PARAM_VECTOR:
+        break;
     }
     return (size_t)p->count * sizeof(double);
 }
@@ -64,7 +83,7 @@ static size_t places_of(sgt_surface s, place out[PLACES])
     size_t count = 0;
     for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
         for (const sgt_param *p = b->params; b->ops == s.ops && p->name; p++) {
-            place one = {p->offset, p->offset + size_of(p), p};
+            place one = {p->offset, p->offset + bytes_of(p), p};
             size_t i = 0, same = 0;
             for (; i < count && !same; i++) same = one.at >= out[i].at && one.end <= out[i].end;
             if (same || count == PLACES) continue;
@@ -83,7 +102,8 @@ static bool is_parameter(const sgt_param *p, bool term)
            !(term && (strcmp(p->name, "curvature") == 0 || strcmp(p->name, "conic") == 0));
 }
 
-/* Parameters, or (fixed) what is none but may shape it.  known: the places of the surface; NULL: it is a term. */
+/* Parameters, or (fixed) what is none but may shape it.  known: the places of the surface; NULL: it is a
+ * term. */
 static void put_surface(list *to, sgt_surface s, const places *known, bool fixed)
 {
     place own[PLACES];
@@ -104,10 +124,10 @@ static void put_surface(list *to, sgt_surface s, const places *known, bool fixed
         if (p->kind == SGT_PARAM_LIST || p->kind == SGT_PARAM_TABLE) {
             sgt_numbers n;
             memcpy(&n, self, sizeof n);
-            for (size_t k = 0; k < n.rows * n.columns; k++) put(to, n.x[k]);
+            for (size_t k = 0; k < n.rows * n.columns; k++) put_number(to, n.x[k]);
         } else if (p->kind == SGT_PARAM_REAL || p->kind == SGT_PARAM_VECTOR) {
             const double *x = (const void *)self;
-            for (int k = 0; k < p->count; k++) put(to, x[k]);
+            for (int k = 0; k < p->count; k++) put_number(to, x[k]);
         }
     }
 }
@@ -121,27 +141,28 @@ static bool put_parameters(list *to, const sgt_lens *lens, const layout *in, siz
     const sgt_named *named;
     size_t n;
     if (sgt_lens_formula(lens, i + 1, &text, &named, &n)) {
-        for (; to->count < before + many - n;) put(to, 0); /* of a sag: its base, which has no numbers */
-        for (size_t k = 0; k < n; k++) put(to, named[k].value);
+        for (; to->count < before + many - n;)
+            put_number(to, 0); /* of a sag: its base, which has no numbers */
+        for (size_t k = 0; k < n; k++) put_number(to, named[k].value);
         return true;
     }
     put_surface(to, s, &in->of[i], false);
     if (to->count == before + many) return true;
     to->count = before;
-    for (size_t k = 0; k < many; k++) put(to, 0);
+    for (size_t k = 0; k < many; k++) put_number(to, 0);
     return false;
 }
 
 static void put_trace(list *to, const sgt_lens *lens, const layout *in, const band *b)
 {
     const sgt_element *e = b->element;
-    for (int k = 0; k < 6; k++) put(to, 0);
-    put(to, b->before == 0 ? 1 : b->before);
+    for (int k = 0; k < 6; k++) put_number(to, 0);
+    put_number(to, b->before == 0 ? 1 : b->before);
     for (size_t i = 0; i < lens->count; i++) {
         put_parameters(to, lens, in, i, sgt_parameters(e[i].surface));
         put_vector(to, e[i].pose.origin);
-        for (int k = 0; k < 3; k++) put(to, 0);
-        put(to, e[i].index);
+        for (int k = 0; k < 3; k++) put_number(to, 0);
+        put_number(to, e[i].index);
     }
 }
 
@@ -150,7 +171,7 @@ static void put_fixed(list *to, const sgt_lens *lens, const layout *in, size_t i
 {
     const double away[][3] = {{0.11, 0.07, 0.05}, {-1.3, 0.8, 0.3}, {4.1, 5.3, -0.7}, {-9.7, 2.9, 1.1}};
     list none = {.count = 0};
-    put(to, e->phase ? e->phase->focal_length : 0);
+    put_number(to, e->phase ? e->phase->focal_length : 0);
     if (put_parameters(&none, lens, in, i, sgt_parameters(e->surface))) {
         put_surface(to, e->surface, &in->of[i], true);
         return;
@@ -158,20 +179,21 @@ static void put_fixed(list *to, const sgt_lens *lens, const layout *in, size_t i
     for (size_t k = 0; k < sizeof away / sizeof *away; k++) {
         const sgt_vec3 p = {away[k][0], away[k][1], away[k][2]};
         const double f = e->surface.ops->value(e->surface.self, p, NULL);
-        put(to, isfinite(f) ? f : 0);
+        put_number(to, isfinite(f) ? f : 0);
     }
 }
 
 static void put_beam(list *to, const sgt_field_beam *b)
 {
     put_vector(to, b->object), put_vector(to, b->direction);
-    put(to, b->pupil), put(to, b->radius), put(to, b->cone), put(to, b->wave);
-    put(to, b->shift.x), put(to, b->shift.y), put(to, b->scale.x), put(to, b->scale.y);
-    put(to, b->turn.x), put(to, b->turn.y);
+    put_number(to, b->pupil), put_number(to, b->radius), put_number(to, b->cone), put_number(to, b->wave);
+    put_number(to, b->shift.x), put_number(to, b->shift.y), put_number(to, b->scale.x),
+        put_number(to, b->scale.y);
+    put_number(to, b->turn.x), put_number(to, b->turn.y);
 }
 
 /* As ideal_of of ../study/curves.c, by the tangent. */
-static double ideal_of(const sgt_field_beam *b, const band *at)
+static double ideal_height(const sgt_field_beam *b, const band *at)
 {
     const double before = at->before == 0 ? 1 : at->before;
     if (b->finite) return at->data.magnification * hypot(b->object.x, b->object.y);
@@ -195,19 +217,20 @@ static void put_all(list *to, const look *l, layout *out)
     out->beams = to->count;
     for (size_t f = 0; f < a->fields; f++) put_beam(to, &a->beam[f]);
     out->stop = to->count;
-    put(to, a->from->aim == SGT_LENS_AIM_PUPIL ? 0 : a->from->stop_radius);
+    put_number(to, a->from->aim == SGT_LENS_AIM_PUPIL ? 0 : a->from->stop_radius);
     out->first = to->count;
     for (size_t s = 0; s < out->slots; s++)
-        put(to, sgt_look_slot(l, s)->data.efl), put(to, sgt_look_slot(l, s)->data.exit_pupil);
+        put_number(to, sgt_look_slot(l, s)->data.efl), put_number(to, sgt_look_slot(l, s)->data.exit_pupil);
     out->ideal = to->count;
     for (size_t f = 0; f < a->fields; f++)
-        for (size_t s = 0; s < out->slots; s++) put(to, ideal_of(&a->beam[f], sgt_look_slot(l, s)));
+        for (size_t s = 0; s < out->slots; s++)
+            put_number(to, ideal_height(&a->beam[f], sgt_look_slot(l, s)));
     out->fixed = to->count;
     for (size_t i = 0; i < lens->count; i++) put_fixed(to, lens, out, i, &lens->element[i]);
     out->weights = to->count;
-    for (size_t b = 0; b < a->bands; b++) put(to, sgt_look_slot(l, b)->weight);
-    for (size_t f = 0; f < a->fields; f++) put(to, a->at[f].weight);
-    for (size_t s = 0; s < out->slots; s++) put(to, sgt_look_slot(l, s)->at.um);
+    for (size_t b = 0; b < a->bands; b++) put_number(to, sgt_look_slot(l, b)->weight);
+    for (size_t f = 0; f < a->fields; f++) put_number(to, a->at[f].weight);
+    for (size_t s = 0; s < out->slots; s++) put_number(to, sgt_look_slot(l, s)->at.um);
     out->end = to->count;
 }
 

@@ -2,19 +2,19 @@
  *
  * DIFFERENCES OF THE READER.  The lens is made anew, by the reader, at x - h and x + h, and its numbers v are
  * listed.  Most numbers of a file move all of them linearly: if v(h) + v(-h) = 2 v(0) to rounding, their
- * difference is the derivative.  (What is odd and not linear, a sine, has a cosine beside it.)  Else x - 2 h and
- * x + 2 h are taken as well; with the odd differences d(k) = v(k h) - v(-k h)
+ * difference is the derivative.  (What is odd and not linear, a sine, has a cosine beside it.)  Else x - 2 h
+ * and x + 2 h are taken as well; with the odd differences d(k) = v(k h) - v(-k h)
  *
  *     D2 = d(1) / (2 h),    D4 = (8 d(1) - d(2)) / (12 h),    off by h^4 / 30 times the fifth derivative
  *
  * (Fornberg 1988, Math. Comp. 51, 699).  No ray is traced, so this costs less than the rays of a spot; and
- * whatever the reader knows (breaks and their order, the dispersion of a glass, the pupil of an f-number) is in
- * it, without a second description of it that might differ.
+ * whatever the reader knows (breaks and their order, the dispersion of a glass, the pupil of an f-number) is
+ * in it, without a second description of it that might differ.
  *
- * THE STEP is a power of two, some 2^-11 of x: x + k h is mostly exact, and so is all that is linear.  Lengths
- * and angles that are small or 0 have the scale of the lens, or a radian.  Where focal length or pupil change
- * by more than 2^-7 from x - h to x + h, or the reader refuses a point, h is made less.  So D4 is off by some
- * 4 (2^-11)^4 = 2^-42, and by the rounding 2^-53 2^11 of a number that x sets alone.
+ * THE STEP is a power of two, some 2^-11 of x: x + k h is mostly exact, and so is all that is linear.
+ * Lengths and angles that are small or 0 have the scale of the lens, or a radian.  Where focal length or
+ * pupil change by more than 2^-7 from x - h to x + h, or the reader refuses a point, h is made less.  So D4
+ * is off by some 4 (2^-11)^4 = 2^-42, and by the rounding 2^-53 2^11 of a number that x sets alone.
  *
  * A RADIUS is taken by its reciprocal, in which nearly everything is linear: d/dR = -1/R^2 d/d(1/R).
  *
@@ -27,7 +27,7 @@
 
 enum { POINTS = 2, TRIES = 5, SMALLER = 4, STEP = 11 };
 enum { BEAM_RADIUS = 7, BEAM_WAVE = 9 }; /* places of numbers in a beam's row */
-static const double ULP = 0x1p-53, TOO_FAR = 0x1p-7, RADIAN = 57.29577951308232;
+static const double ROUNDING = 0x1p-53, TOO_FAR = 0x1p-7, RADIAN = 57.29577951308232;
 
 static bool refuse(sgt_error *error, const char *path, const char *why)
 {
@@ -43,8 +43,10 @@ static size_t last_key(const char *path, const char **key)
     bool inside = false;
     *key = path;
     for (const char *at = path; *at; at++) {
-        if (*at == '[' || *at == ']') inside = *at == '[';
-        else if (*at == '.' && !inside) *key = at + 1;
+        if (*at == '[' || *at == ']')
+            inside = *at == '[';
+        else if (*at == '.' && !inside)
+            *key = at + 1;
     }
     return strcspn(*key, "[");
 }
@@ -92,7 +94,9 @@ static bool look_at(const asking *a, double to, look *l, sgt_error *error)
     sgt_edit edit[2] = {{.kind = SGT_EDIT_SET, .path = a->path, .number = to}};
     if (a->undo) edit[1] = *a->undo;
     *l = (look){.study = NULL};
-    if (!sgt_lens_edit(a->copy, a->undo ? 2 : 1, edit, error) || !sgt_look_begin(l, a->copy, a->how, false, error)) return false;
+    if (!sgt_lens_edit(a->copy, a->undo ? 2 : 1, edit, error) ||
+        !sgt_look_begin(l, a->copy, a->how, false, error))
+        return false;
     return sgt_look_list(l, &same, false) || refuse(error, a->path, "it changes what there is, not how much");
 }
 
@@ -109,25 +113,29 @@ static bool too_far(const layout *at, const double low[], const double high[])
 }
 
 /* A stencil; lines: the two points next to x alone are there, and are enough. */
-typedef struct stencil { look at[2 * POINTS]; bool lines; double h; } stencil;
+typedef struct stencil {
+    look at[2 * POINTS];
+    bool lines;
+    double h;
+} stencil;
 
 /* Number i at x + k h. */
-static double number_at(const stencil *s, int k, size_t i)
+static double listed_at(const stencil *s, int k, size_t i)
 {
     return s->at[k < 0 ? k + POINTS : k + POINTS - 1].number[i];
 }
 
 static void differ(const stencil *s, size_t i, double *by, double *error)
 {
-    const double most = fmax(fabs(number_at(s, 1, i)), fabs(number_at(s, -1, i)));
-    const double first = number_at(s, 1, i) - number_at(s, -1, i);
-    const double second = s->lines ? 2 * first : number_at(s, 2, i) - number_at(s, -2, i);
+    const double most = fmax(fabs(listed_at(s, 1, i)), fabs(listed_at(s, -1, i)));
+    const double first = listed_at(s, 1, i) - listed_at(s, -1, i);
+    const double second = s->lines ? 2 * first : listed_at(s, 2, i) - listed_at(s, -2, i);
     *by = *error = 0;
     if ((first == 0 && second == 0) || isnan(most)) return;
     const double lower = first / (2 * s->h), higher = (8 * first - second) / (12 * s->h);
     const double q = fmin(fabs(higher - lower), fabs(higher)) / fabs(higher);
     *by = s->lines ? lower : higher;
-    *error = (s->lines || higher == 0 ? 0 : 4 * q * q * fabs(higher)) + 2 * ULP * most / s->h;
+    *error = (s->lines || higher == 0 ? 0 : 4 * q * q * fabs(higher)) + 2 * ROUNDING * most / s->h;
 }
 
 /* Do all numbers that matter lie on lines? */
@@ -135,9 +143,10 @@ static bool on_lines(const stencil *s, const looking *how, const layout *at, con
 {
     const size_t end = how->first ? at->fixed : at->first;
     for (size_t i = 0; i < end; i++) {
-        const double above = number_at(s, 1, i), below = number_at(s, -1, i), here = now->number[i];
+        const double above = listed_at(s, 1, i), below = listed_at(s, -1, i), here = now->number[i];
         const bool front = i >= at->beams && i < at->stop && (i - at->beams) % BEAM_NUMBERS == BEAM_WAVE;
-        if (!front && fabs(above + below - 2 * here) > 4 * ULP * (fabs(above) + fabs(below))) return false;
+        if (!front && fabs(above + below - 2 * here) > 4 * ROUNDING * (fabs(above) + fabs(below)))
+            return false;
     }
     return true;
 }
@@ -195,8 +204,9 @@ bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *u
     stencil s = {.lines = false};
     sgt_error first = {.line = 0}, unread;
     if (!isfinite(x))
-        return refuse(error, path, inverse ? "no derivative by an infinite radius; take its curvature"
-                                           : "no derivative by an infinite number");
+        return refuse(error, path,
+                      inverse ? "no derivative by an infinite radius; take its curvature"
+                              : "no derivative by an infinite number");
     const double scale = inverse ? 1 / fabs(x) : scale_of(copy, path, x);
     s.h = ldexp(1, ilogb(scale) - STEP);
     bool fine = false;

@@ -1,18 +1,19 @@
 /* rays.c - rays of a field through a lens, and back: how sums of their ends move with numbers of the file.
  *
- * THE CHAIN.  The gradient of a sum s of a ray's end has its derivatives by all numbers of the trace, the launch
- * ray o, d among them.  With the motion of these numbers
+ * THE CHAIN.  The gradient of a sum s of a ray's end has its derivatives by all numbers of the trace, the
+ * launch ray o, d among them.  With the motion of these numbers
  *
  *     ds = sum of s_a da + s_o . do + s_d . dd.
  *
- * THE LAUNCH RAY is that of beam.c (../optics), differentiated: with q the point of the pupil after vignetting
- * and p = (R q, z) its place, from afar o = p + (wave - p . d) d; else o is the object and d = (p - o) / |p - o|;
- * of a telecentric object d goes along (cone q, 1).  The change of d along d itself changes no end.
+ * THE LAUNCH RAY is that of beam.c (../optics), differentiated: with q the point of the pupil after
+ * vignetting and p = (R q, z) its place, from afar o = p + (wave - p . d) d; else o is the object and d = (p
+ * - o) / |p - o|; of a telecentric object d goes along (cone q, 1).  The change of d along d itself changes
+ * no end.
  *
- * AIMED RAYS meet a point w = R q of the stop.  Their family is that of the beam: all lines through the object,
- * or all with the direction.  Take any change of o, d that goes with the object or the direction; what is left
- * is a move by (a, b) along two vectors across d, of d or of o, which the stop decides: with the gradients of
- * its point, of two rows,
+ * AIMED RAYS meet a point w = R q of the stop.  Their family is that of the beam: all lines through the
+ * object, or all with the direction.  Take any change of o, d that goes with the object or the direction;
+ * what is left is a move by (a, b) along two vectors across d, of d or of o, which the stop decides: with the
+ * gradients of its point, of two rows,
  *
  *     S1 a + S2 b = dw - (what the point moves without them).
  *
@@ -74,7 +75,8 @@ bool sgt_flock_trace(flock *f, size_t field, size_t slot, size_t count, const sg
     const band *b = sgt_look_slot(f->at, slot);
     const sgt_launcher *from = a->from;
     sgt_launched launched[FLOCK];
-    f->field = field, f->slot = slot, f->count = count, f->before = b->before, f->beam = a->beam[field], f->vignetted = vignetted;
+    f->field = field, f->slot = slot, f->count = count, f->before = b->before, f->beam = a->beam[field],
+    f->vignetted = vignetted;
     if (!vignetted)
         f->beam.shift = (sgt_vec2){0, 0}, f->beam.scale = (sgt_vec2){1, 1}, f->beam.turn = (sgt_vec2){1, 0};
     sgt_launch_ending(f->elements, b->element, f->own);
@@ -93,7 +95,8 @@ bool sgt_flock_trace(flock *f, size_t field, size_t slot, size_t count, const sg
         memcpy(f->own, f->open, f->elements * sizeof *f->own);
     }
     const sgt_rays rays = {.o = {f->o[0], f->o[1], f->o[2]}, .d = {f->d[0], f->d[1], f->d[2]}};
-    sgt_trace_batch(f->elements, f->own, f->before, count, rays, (sgt_traced){.fate = f->fate}, f->passages, NULL);
+    sgt_trace_batch(f->elements, f->own, f->before, count, rays, (sgt_traced){.fate = f->fate}, f->passages,
+                    NULL);
     return true;
 }
 
@@ -101,7 +104,8 @@ sgt_ray_change sgt_flock_end(const flock *f, size_t k)
 {
     const sgt_passages *p = &f->passages[f->elements - 1];
     return (sgt_ray_change){{p->hits.p[0][k], p->hits.p[1][k], p->hits.p[2][k]},
-                            {p->direction[0][k], p->direction[1][k], p->direction[2][k]}, p->opl[k]};
+                            {p->direction[0][k], p->direction[1][k], p->direction[2][k]},
+                            p->opl[k]};
 }
 
 void sgt_flock_back(flock *f, size_t rows, const sgt_ray_changes weight[])
