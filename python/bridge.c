@@ -25,6 +25,7 @@
 #include <sagitta/analysis.h>
 #include <sagitta/diagnose.h>
 #include <sagitta/figure.h>
+#include <sagitta/edit.h>
 #include <sagitta/formula.h>
 #include <sagitta/sensitivity.h>
 #include <sagitta/study.h>

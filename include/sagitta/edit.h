@@ -66,12 +66,39 @@ SGT_API bool sgt_lens_set(sgt_lens *lens, const char *path, double x, sgt_error 
 SGT_API bool sgt_lens_set_text(sgt_lens *lens, const char *path, const char *yaml,
                                sgt_error *error);
 
+/* Inserts a value in YAML into a list, in front of what has the place; the place behind
+ * the last one is the end.  Pickups by number go on meaning the same surfaces, as with
+ * the edits below; those of the new value mean the new numbers. */
+SGT_API bool sgt_lens_insert(sgt_lens *lens, const char *path, const char *yaml,
+                             sgt_error *error);
+
+/* Removes an entry of a list, or a key. */
+SGT_API bool sgt_lens_remove(sgt_lens *lens, const char *path, sgt_error *error);
+
+/* Turns the surfaces `first` to `last` ("surfaces[2]", or by name) front to back: their
+ * order, the thicknesses and media between them, their shapes, tilts and decentres.  It
+ * mirrors the group in a plane z = const; for surfaces that are symmetric in x that is to
+ * turn it.  What stands in front of it and behind it stays: the last thickness and medium
+ * are those that were the last.  false, too: a break, a mirror or an origin among them, a
+ * surface that is no sag, a sag from a file. */
+SGT_API bool sgt_lens_reverse(sgt_lens *lens, const char *first, const char *last,
+                              sgt_error *error);
+
+/* Makes the whole lens larger by a positive factor: every length of it, and every number
+ * whose unit has a power of length.  Wavelengths stay.  false, too: it has a formula, a
+ * level set, or numbers in a file. */
+SGT_API bool sgt_lens_scale(sgt_lens *lens, double factor, sgt_error *error);
+
 typedef enum sgt_edit_kind {
-    SGT_EDIT_SET,     /* number is the new value */
-    SGT_EDIT_SET_TEXT /* text is, in YAML */
+    SGT_EDIT_SET,      /* number is the new value */
+    SGT_EDIT_SET_TEXT, /* text is, in YAML */
+    SGT_EDIT_INSERT,   /* text is the value, in YAML */
+    SGT_EDIT_REMOVE,
+    SGT_EDIT_REVERSE,  /* path is the first surface, text the last */
+    SGT_EDIT_SCALE     /* number is the factor; no path */
 } sgt_edit_kind;
 
-/* One of several edits.  Begin with zeros. */
+/* One of several edits, as the functions above make them.  Begin with zeros. */
 typedef struct sgt_edit {
     sgt_edit_kind kind;
     const char   *path;

@@ -286,7 +286,8 @@ typedef struct sgt_lens {
     unsigned long long reserved_[8];
 } sgt_lens;
 
-/* How to read.  Zeros are the defaults. */
+/* How to read.  Zeros are the defaults.  What they point to has to last as long as the
+ * lens is edited (edit.h). */
 typedef struct sgt_lens_options {
     const sgt_allocator *allocator;  /* NULL: malloc.  It must last as long as the lens.
                                         (libyaml takes from malloc while it parses) */
@@ -350,8 +351,9 @@ SGT_API bool sgt_lens_formula(const sgt_lens *lens, size_t place, const char **t
                               const sgt_named **parameters, size_t *n);
 
 /* The lens as a lens file in YAML, whatever it was read from: it reads back as the same
- * lens, bit for bit.  Comments at the head of the file, and the notes of a .zmx file,
- * stand in front.  The text lasts as long as the lens.  NULL: no memory. */
+ * lens, bit for bit, and is written again byte for byte.  Comments at the head of the
+ * file, and the notes of a .zmx file, stand in front.  The text lasts as long as the
+ * lens.  NULL: no memory. */
 SGT_API const char *sgt_lens_yaml(sgt_lens *lens, size_t *length);
 
 /* ------------------------------------------------------------- first-order data

@@ -299,6 +299,23 @@ class LensRemark(Structure):
     ]
 
 
+class Edit(Structure):
+    _fields_ = [
+        ("kind", c_int),
+        ("path", c_char_p),
+        ("number", c_double),
+        ("text", c_char_p),
+        ("reserved_", Words * 4),
+    ]
+
+
+EDIT_SET, EDIT_SET_TEXT, EDIT_INSERT, EDIT_REMOVE, EDIT_REVERSE, EDIT_SCALE = range(6)
+
+
+class LensPath(Structure):
+    _fields_ = [("path", ctypes.c_char * 128), ("value", c_double), ("reserved_", Words * 4)]
+
+
 class LensField(Structure):
     _fields_ = [(name, c_double) for name in ("x", "y", "weight", "dx", "dy", "cx", "cy", "angle")] + [
         ("reserved_", Words * 2)
@@ -749,6 +766,11 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
         [c_char_p, c_char_p, c_size_t, POINTER(LensOptions), POINTER(Error)],
     ),
     "sgt_lens_free": (None, [POINTER(Lens)]),
+    "sgt_lens_copy": (POINTER(Lens), [POINTER(Lens), POINTER(Error)]),
+    "sgt_lens_edit": (c_bool, [POINTER(Lens), c_size_t, POINTER(Edit), POINTER(Error)]),
+    "sgt_lens_get": (c_bool, [POINTER(Lens), c_char_p, POINTER(c_double), POINTER(Error)]),
+    "sgt_lens_get_text": (c_size_t, [POINTER(Lens), c_char_p, c_size_t, c_char_p, POINTER(Error)]),
+    "sgt_lens_paths": (c_size_t, [POINTER(Lens), c_size_t, POINTER(LensPath)]),
     "sgt_lens_at": (c_bool, [POINTER(Lens), c_double, c_void_p, POINTER(c_double), POINTER(Error)]),
     "sgt_lens_yaml": (c_void_p, [POINTER(Lens), POINTER(c_size_t)]),
     "sgt_lens_first_order": (

@@ -14,7 +14,7 @@ import os
 import pathlib
 import threading
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -87,10 +87,10 @@ def _catalogue(paths: Iterable[Union[str, os.PathLike[str], None]]) -> int:
 
 
 class _Handle:
-    """An sgt_lens, freed with this object."""
+    """An sgt_lens, freed with this object.  keep: what an edit of it reads with (glasses)."""
 
-    def __init__(self, pointer: Any) -> None:
-        self.pointer = pointer
+    def __init__(self, pointer: Any, keep: Any) -> None:
+        self.pointer, self.keep = pointer, keep
 
     def __del__(self, free: Any = C.library.sgt_lens_free) -> None:
         free(self.pointer)
@@ -406,7 +406,9 @@ class Lens:
     wavelengths, primary, pupil, fields, field_type, object, aim ...     the keys of docs/lens_file.md, as
                         data: pupil={"semi_diameter": 6}, fields=[0, 5], object={"distance": 100}
 
-    A lens does not change: replace() makes another.
+    A lens does not change: set(), insert(), remove(), reverse() and scale() make another, by the paths of
+    docs/lens_file.md; so does replace(), of one that was made of Elements.  Two are equal if they are
+    written alike (yaml()).
 
     >>> import sagitta
     >>> from sagitta import Element, Lens, Plane, Sphere
@@ -456,11 +458,10 @@ class Lens:
         option, keep = _reading(glasses, configuration)
         error = C.Error()
         pointer = C.library.sgt_lens_read(os.fsencode(path), _byref(option), _byref(error))
-        del keep
         if not pointer:
             raise _fault(error)
         self._given = None
-        self._begin(_Handle(pointer), [], glasses)
+        self._begin(_Handle(pointer, keep), [], glasses)
         return self
 
     @classmethod
@@ -473,6 +474,7 @@ class Lens:
 
     def _begin(self, handle: _Handle, row: list[Element], glasses: Any) -> None:
         self._handle, self._glasses = handle, glasses
+        self._written: Optional[str] = None
         lens = self._c = handle.pointer.contents
         self.name, self.units = C.text(lens.name), C.text(lens.units)
         self.wavelengths: tuple[float, ...] = (
@@ -525,7 +527,7 @@ class Lens:
     def replace(self, elements: Optional[Sequence[Element]] = None, **keys: Any) -> "Lens":
         """The same lens with other elements, or other keys."""
         if self._given is None:
-            raise TypeError("replace: a lens that was read from a file cannot be changed; change the file")
+            raise TypeError("replace: a lens that was read from a file has no elements of Python; use set()")
         return Lens(
             self._given[0] if elements is None else elements,
             glasses=self._glasses,
@@ -534,11 +536,113 @@ class Lens:
 
     def yaml(self) -> str:
         """The lens as a lens file.  A Function stands in it as a plane."""
-        size = ctypes.c_size_t()
-        at = C.library.sgt_lens_yaml(self._handle.pointer, _byref(size))
-        if not at:
-            raise MemoryError("sagitta: no memory")
-        return ctypes.string_at(at, size.value).decode()
+        if self._written is None:
+            size = ctypes.c_size_t()
+            at = C.library.sgt_lens_yaml(self._handle.pointer, _byref(size))
+            if not at:
+                raise MemoryError("sagitta: no memory")
+            self._written = ctypes.string_at(at, size.value).decode()
+        return self._written
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Lens):
+            return NotImplemented
+        return self._functions == other._functions and self.yaml() == other.yaml()
+
+    def __hash__(self) -> int:
+        return hash(self.yaml())
+
+    # ------------------------------------------------------------------- another lens
+
+    def _edited(self, edits: Sequence[C.Edit]) -> "Lens":
+        if self._functions:
+            raise TypeError("a Function is no part of a file, so this lens has no paths; use replace()")
+        error = C.Error()
+        pointer = C.library.sgt_lens_copy(self._handle.pointer, _byref(error))
+        if not pointer:
+            raise _fault(error)
+        handle = _Handle(pointer, self._handle.keep)
+        if edits and not C.library.sgt_lens_edit(
+            pointer, len(edits), (C.Edit * len(edits))(*edits), _byref(error)
+        ):
+            raise _fault(error)
+        other = Lens.__new__(Lens)
+        other._given = None
+        other._begin(handle, [], self._glasses)
+        return other
+
+    def copy(self) -> "Lens":
+        """The same lens once more."""
+        return self._edited(())
+
+    def paths(self) -> dict[str, float]:
+        """The numbers of the lens that its file gives, by their paths, in the order of the file."""
+        count = C.library.sgt_lens_paths(self._handle.pointer, 0, None)
+        at = (C.LensPath * count)()
+        C.library.sgt_lens_paths(self._handle.pointer, count, at)
+        return {C.text(p.path): p.value for p in at}
+
+    def get(self, path: str) -> Union[float, bool, str]:
+        """What stands at a path: a number, true or false, a word; a list or map as YAML in one line.  Of a
+        pickup or solve it is its number.
+
+        >>> import sagitta
+        >>> lens = sagitta.Lens.text("surfaces: [{type: sphere, radius: 50, glass: N-BK7, name: front}]")
+        >>> lens.get("surfaces[1].radius"), lens.get("surfaces[front].glass")
+        (50.0, 'N-BK7')
+        """
+        x, error = ctypes.c_double(), C.Error()
+        if C.library.sgt_lens_get(self._handle.pointer, path.encode(), _byref(x), _byref(error)):
+            return x.value
+        room = ctypes.create_string_buffer(256)
+        while True:
+            size = C.library.sgt_lens_get_text(
+                self._handle.pointer, path.encode(), len(room), room, _byref(error)
+            )
+            if size == ctypes.c_size_t(-1).value:
+                raise _fault(error)
+            if size < len(room):
+                break
+            room = ctypes.create_string_buffer(size + 1)
+        text = room.value.decode()
+        if text in ("true", "false"):
+            return text == "true"
+        return str(json.loads(text)) if text.startswith('"') else text
+
+    def set(self, path: Union[str, Mapping[str, Any]], value: Any = None) -> "Lens":
+        """The lens with another value at a path; or with several, {path: value}, which are set together.  A
+        value is a number, a text, or a list or dict as the file has them.
+
+        >>> import sagitta
+        >>> lens = sagitta.Lens.text("{wavelengths: [d], surfaces: [{type: sphere, radius: 50, thickness: 3, "
+        ...                          "glass: N-BK7}, {type: plane}]}")
+        >>> lens.set("surfaces[1].thickness", {"solve": "paraxial_focus"}).get("surfaces[1].thickness") > 50
+        True
+        >>> lens.set({"surfaces[1].radius": 40, "surfaces[1].glass": "N-SF6"}) == lens
+        False
+        """
+        given = path if isinstance(path, Mapping) else {path: value}
+        return self._edited([_set(str(p), v) for p, v in given.items()])
+
+    def insert(self, path: str, value: Any) -> "Lens":
+        """The lens with an Element, or another value, in front of what stands at a place of a list:
+        insert("surfaces[3]", Element(...)).  The place behind the last one is the end."""
+        if isinstance(value, Element):
+            value = value._yaml(False, value.origin is not None)
+        return self._edited([C.Edit(C.EDIT_INSERT, path.encode(), 0, _text(value).encode())])
+
+    def remove(self, path: str) -> "Lens":
+        """The lens without an entry of a list, or a key."""
+        return self._edited([C.Edit(C.EDIT_REMOVE, path.encode())])
+
+    def reverse(self, first: str, last: str) -> "Lens":
+        """The lens with the surfaces `first` to `last` turned front to back: reverse("surfaces[1]",
+        "surfaces[4]")."""
+        return self._edited([C.Edit(C.EDIT_REVERSE, first.encode(), 0, last.encode())])
+
+    def scale(self, factor: float) -> "Lens":
+        """The lens made larger by a factor: each length, and each number with a power of length."""
+        return self._edited([C.Edit(C.EDIT_SCALE, None, factor)])
 
     def __reduce__(self) -> Any:
         if self._given is not None:
@@ -1139,10 +1243,15 @@ def _read_text(name: str, text: str, glasses: Any, configuration: int) -> _Handl
     option, keep = _reading(glasses, configuration)
     raw, error = text.encode(), C.Error()
     pointer = C.library.sgt_lens_read_text(os.fsencode(name), raw, len(raw), _byref(option), _byref(error))
-    del keep
     if not pointer:
         raise _fault(error)
-    return _Handle(pointer)
+    return _Handle(pointer, keep)
+
+
+def _set(path: str, value: Any) -> C.Edit:
+    if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
+        return C.Edit(C.EDIT_SET, path.encode(), float(value))
+    return C.Edit(C.EDIT_SET_TEXT, path.encode(), 0, _text(value).encode())
 
 
 def _made_again(elements: list[Element], keys: dict[str, Any], glasses: Any) -> Lens:

@@ -6,8 +6,9 @@
  * -ffp-contract=off leaves them as they are written.  So a lane's bits are those of the single ray, on
  * every processor.
  *
- * A condition is written so that it is false for NaN.  The result of fma is never negated; its arguments
- * are: compilers make one instruction of -fma(a, b, c), and its zero has another sign. */
+ * A condition is written so that it is false for NaN.  The result of fma is never negated, nor that of dot,
+ * which ends in one; its arguments are, or what it is multiplied by: compilers make one instruction of
+ * -fma(a, b, c), and its zero has another sign. */
 #ifndef SGT_NUM_LANES_H
 #define SGT_NUM_LANES_H
 

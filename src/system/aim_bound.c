@@ -170,7 +170,9 @@ bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before
         chain_link c;
         link_at(&task, launch, i, &c);
         const far_point to = far_point_of(&e[i].pose, turned, c.p);
-        path = path_with(path, length_between(from, to), c.n1, c.t);
+        const twofold by = length_between(from, to);
+        out->path += of_sum(path, by, c.n1, to);
+        path = path_with(path, by, c.n1, c.t);
         if (c.phased && c.passed == 1) {
             const thin_lens by = thin_lens_of(e[i].phase, c.n1, c.n2, e[i].index == SGT_MIRROR);
             path = twofold_sum(path, twofold_of(phase_path(by, c.p, c.d)));

@@ -172,6 +172,13 @@ SGT_INLINE sgt_vec3 plus_times(sgt_vec3 a, double f, sgt_vec3 b)
     return (sgt_vec3){a.x + f * b.x, a.y + f * b.y, a.z + f * b.z};
 }
 
+/* What of a is across a direction of unit length. */
+SGT_INLINE sgt_vec3 across(sgt_vec3 a, sgt_vec3 unit)
+{
+    const double along = dot(unit, a);
+    return (sgt_vec3){a.x - along * unit.x, a.y - along * unit.y, a.z - along * unit.z};
+}
+
 SGT_INLINE sgt_vec3 cross_product(sgt_vec3 a, sgt_vec3 b)
 {
     return (sgt_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -183,7 +190,7 @@ typedef struct chain_shift { sgt_vec3 p; double t; } chain_shift;
 SGT_INLINE chain_shift chain_point(chain_link c, sgt_ray_change x)
 {
     const sgt_vec3 q = plus_times(x.p, c.t, x.d);
-    const double dt = -dot(c.n, q) * c.inverse;
+    const double dt = dot(c.n, q) * -c.inverse;
     return (chain_shift){plus_times(q, dt, c.d), dt};
 }
 
@@ -231,7 +238,7 @@ SGT_INLINE chain_step chain_back_point(chain_link c, chain_inside in, sgt_vec3 t
                                        chain_back x)
 {
     in.p = to_p;
-    in.w = -(dot(to_p, c.d) + c.n1 * x.opl) * c.inverse;
+    in.w = (dot(to_p, c.d) + c.n1 * x.opl) * -c.inverse;
     x.p = plus_times(to_p, in.w, c.n);
     x.d = plus_times(front, c.t, x.p);
     return (chain_step){x, in, front};

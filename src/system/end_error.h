@@ -128,8 +128,7 @@ SGT_INLINE twofold far_between(twofold a, twofold b)
 /* What is summed has one sign but for the lower parts, so that plain sums of these are enough: the square is
  * within 16 u^2 of itself, for the differences as they are.  Its root is s + (square - s^2) / 2 s, where the
  * upper parts of the difference cancel exactly.  With far_between the length is within 16 u^2 of itself and
- * of the numbers of the points, and the path within as much of all lengths: 2^-45 of its error, in told_path,
- * is more, as that has a rounding of the sum at least unless the path is exact. */
+ * of the numbers of the points. */
 SGT_INLINE twofold length_between(far_point a, far_point b)
 {
     const twofold x = far_between(a.x, b.x), y = far_between(a.y, b.y), z = far_between(a.z, b.z);
@@ -150,6 +149,15 @@ SGT_INLINE twofold path_with(twofold path, twofold by, double n1, double t)
     return twofold_sum(path, twofold_scaled(by, t < 0 ? -n1 : n1));
 }
 
+/* How far rounding moves that sum: 16 u^2 of the length and of the numbers of both points, 6 u^2 of the
+ * sum.  The numbers of the other point are at most those of this one and the length, three times: 2^-100,
+ * which is 64 u^2, covers it. */
+SGT_INLINE double of_sum(twofold path, twofold by, double n1, far_point to)
+{
+    const double numbers = fabs(to.x.hi) + fabs(to.y.hi) + fabs(to.z.hi);
+    return 0x1p-100 * (fabs(path.hi) + n1 * (by.hi + numbers));
+}
+
 /* |n d - n' d'| p_err; 0 if there is no direction behind. */
 SGT_INLINE double of_kick(double n1, double n2, sgt_vec3 d, sgt_vec3 after, double p_err)
 {
@@ -157,8 +165,7 @@ SGT_INLINE double of_kick(double n1, double n2, sgt_vec3 d, sgt_vec3 after, doub
     return is_zero(after) ? 0 : kick;
 }
 
-/* The told error of a path.  Between surfaces that do not bend, the first term, which is computed, is all of
- * the error: so what the sum rounds is added (2^-53 at each element). */
+/* The told error of a path, with what the sum of its parts rounds (2^-53 at each element). */
 SGT_INLINE double told_path(double off) { return off * (1 + 0x1p-45); }
 
 /* What the axes of a turned frame do to lengths. */

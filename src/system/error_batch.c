@@ -213,8 +213,9 @@ SGT_INLINE void path_by(bool turned, bool kicks, const chain_tile *b, const doub
     {
         const sgt_vec3 p = chain_from(v.p, i);
         const far_point from = far_get(w, i), to = far_point_of(&pose, turned, p);
-        const twofold path = path_with((twofold){w->hi[i], w->lo[i]}, length_between(from, to), v.n1, v.t[i]);
-        double off = w->off[i];
+        const twofold before = {w->hi[i], w->lo[i]}, by = length_between(from, to);
+        const twofold path = path_with(before, by, v.n1, v.t[i]);
+        double off = w->off[i] + of_sum(before, by, v.n1, to);
         if (kicks) off += of_kick(v.n1, v.n2, chain_from(v.d, i), chain_from(v.after, i), p_err[i]);
         if (turned) off += of_axes(p, v.n1, v.n2);
         w->hi[i] = path.hi, w->lo[i] = path.lo, w->off[i] = off;

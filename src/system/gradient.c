@@ -37,7 +37,7 @@ int sgt_trace_sensitivity(size_t elements, const sgt_element e[], double index_b
     double index = index_before == 0 ? 1 : index_before;
     for (size_t j = 0; j < columns; j++) {
         sgt_ray_change x = change[j];
-        x.d = times(1 / from.length, plus_times(x.d, -dot(from.d, x.d), from.d));
+        x.d = times(1 / from.length, across(x.d, from.d));
         out[j] = x;
     }
     for (size_t i = 0; i < elements; i++) {
@@ -162,7 +162,7 @@ int sgt_trace_gradient(size_t elements, const sgt_element e[], double index_befo
             double *to = gradient + (done + r) * count;
             sgt_vec3 a = back[r].d;
             put_three(to, back[r].p);
-            put_three(to + 3, times(1 / from.length, plus_times(a, -dot(from.d, a), from.d)));
+            put_three(to + 3, times(1 / from.length, across(a, from.d)));
             to[6] = back[r].index;
         }
     }

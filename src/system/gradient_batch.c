@@ -48,7 +48,7 @@ static void across_launch(size_t n, const double *dx, const double *dy, const do
     {
         const unit_launch from = unit_of((sgt_vec3){dx[i], dy[i], dz[i]});
         const sgt_vec3 x = chain_get(a, i);
-        chain_put(a, i, times(1 / from.length, plus_times(x, -dot(from.d, x), from.d)));
+        chain_put(a, i, times(1 / from.length, across(x, from.d)));
     }
 }
 

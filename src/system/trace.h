@@ -134,7 +134,7 @@ SGT_INLINE launched launch_from(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool tu
 {
     double e = excess(d);
     sgt_vec3 q = minus(o, origin), v = times(scale_of(d), d); /* v is exact */
-    double length = sqrt(dot(v, v)), inverse = 1 / length, t0 = -dot(q, v) * inverse * inverse;
+    double length = sqrt(dot(v, v)), inverse = 1 / length, t0 = dot(q, v) * inverse * -inverse;
     sgt_vec3 made = times(inverse, v), kept = kept_unit(d, e);
     made = corrected(made, excess(made));
     bool near = fabs(e) <= NEAR_UNIT, stay = stays(o, d, origin, turned);

@@ -23,6 +23,8 @@ COLUMNS, COLUMNS_PUBLIC, README_LINES, README_LINES_OF = 110, 90, 40, {'ray': 70
 COMMENT = re.compile(r'/\*.*?\*/|//[^\n]*', re.DOTALL)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 # A definition begins in the first column.  SGT_INLINE and its kin are static (src/num/exact.h).
+# A sign in front of a sum that ends in fma: compilers make one instruction of it, whose zero has another sign.
+NEGATED = re.compile(r'(?:[=(,?:*/+<>&|{\[-]|\breturn)\s*-\(?(?:dot|sgt_fma|fma)\(')
 STATIC = re.compile(r'^(?:(?:SGT_KERNEL|SGT_NOINLINE)\s+)?(?:static|SGT_INLINE)\b[^;{=()]*?'
                     r'\b(\w+)\s*(?:\(|(?:\[[^\]]*\])*\s*=)', re.MULTILINE)
 TYPE = re.compile(r'^typedef\s+(?:struct|union|enum)\b[^{;]*'
@@ -125,9 +127,22 @@ def name_faults(paths, src):
     return [f'{name}: in {", ".join(files)}' for name, files in sorted(where.items()) if len(files) > 1]
 
 
+def negated_faults(tree):
+    """Results of fma that are negated, where bits have to be the same everywhere."""
+    found = []
+    for path in sources(tree / 'include') + [p for room in ('num', 'ray', 'solve', 'surface', 'system')
+                                              for p in sources(tree / 'src' / room)]:
+        text = COMMENT.sub(lambda m: re.sub(r'[^\n]', ' ', m[0]), path.read_text())
+        for m in NEGATED.finditer(text):
+            line = text.count('\n', 0, m.end()) + 1
+            found.append(f'{path.relative_to(tree)}:{line}: the result of fma or dot is negated (num/lanes.h)')
+    return found
+
+
 def faults(tree, libraries=()):
     src, found = tree / 'src', []
     found += include_faults(src)
+    found += negated_faults(tree)
     for library in libraries:
         found += symbol_faults(src, library)
     clients = [src / name for name in ('tool', 'geo', 'lens', 'truth')]
@@ -180,6 +195,8 @@ PLANTED = [
     {'include/sagitta/sagitta.h': '/* ' + 'x' * 90 + ' */\n'},
     {'src/ray/README.md': 'x\n' * 71},
     {'src/sub/e.c': 'int e;\n'},
+    {'src/num/b.c': 'double t = -dot(a, b) * c;\n'},
+    {'src/ray/e.c': 'double t = f(a,\n             -sgt_fma(a, b, c));\n'},
 ]
 
 

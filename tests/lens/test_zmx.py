@@ -776,6 +776,53 @@ def test_remarks_and_strict():
     assert not faults, '\n'.join(faults)
 
 
+def test_solves_and_pickups():
+    """One that gives the number which is stored is kept, and follows what it says; another is told, and its
+    number is kept."""
+    front = surf(c=0.02, t=4.0, glass=glas('N-BK7'), more=['STOP'])
+    middle = surf(c=-0.02, t=4.0, glass=glas('N-BK7', 2, 1), more=['PZUP 1 1 0 0'])
+    middle[1] = 'CURV -0.02 4 1 -1 0 0 ""'
+    plain = zmx(FAR, front, middle, surf(c=-0.01, t=40.0), IMAGE)
+    info = json.loads(run('info', written(plain, 'lens.zmx'), '--format', 'json').stdout)
+    distance = 40.0 + info['data'][0]['image'] if 'data' in info else 40.0 + float(
+        rows('info', written(plain, 'lens.zmx'))[0]['image'])
+    solved = surf(c=-0.01, t=distance, more=['MAZH 0 0'])
+    lens, said = imported(written(zmx(FAR, front, middle, solved, IMAGE), 'lens.zmx'))
+    equal(said, [], 'remarks on pickups that are kept')
+    text = lens.read_text()
+    for words in ('radius: {pickup: "surfaces[1].radius", scale: -1}', 'thickness: {pickup: "surfaces[1].thickness"}',
+                  'glass: {pickup: "surfaces[1].glass"}', 'thickness: {solve: paraxial_focus}'):
+        assert words in text, (words, text)
+    moved = rows('info', lens, '--set', 'surfaces[1].radius=45')[0]
+    assert abs(float(moved['image'])) < 1e-12, moved
+    # what gives another number
+    for wrong, key, kept in (
+            (plain.replace('PZUP 1 1 0 0', 'PZUP 1 2 0 0'), 'PZUP', 'thickness: 4'),
+            (plain.replace('PZUP 1 1 0 0', 'PZUP 1 1 0 3'), 'PZUP', 'thickness: 4'),
+            (plain.replace('PZUP 1 1 0 0', 'PZUP 9 1 0 0'), 'PZUP', 'thickness: 4'),
+            (plain.replace('CURV -0.02 4 1 -1', 'CURV -0.02 4 1 1'), 'CURV', 'radius: -50'),
+            (plain.replace('CURV -0.02 4 1 -1', 'CURV -0.02 9 1 -1'), 'CURV', 'radius: -50'),
+            (zmx(FAR, front, middle, surf(c=-0.01, t=30.0, more=['MAZH 0 0']), IMAGE), 'MAZH', 'thickness: 30'),
+            (zmx(FAR, front, middle, surf(c=-0.01, t=distance, more=['MAZH 0 0.7']), IMAGE), 'MAZH', 'thickness: '),
+            (plain.replace('GLAS N-BK7 2 1', 'GLAS N-BK7 2 3'), 'GLAS', 'glass: ')):
+        lens, said = imported(written(wrong, 'lens.zmx'))
+        assert [words for _, k, words in said if k == key and words.startswith('taken as the ')] or key == 'GLAS', \
+            (key, said)
+        assert kept in lens.read_text(), (kept, lens.read_text())
+        equal(run('import', lens).stdout, lens.read_text(), 'written again')
+    # breaks that pick each other up keep what is zero
+    broken = zmx(FAR, front, surf('COORDBRK', t=1.0, parm=[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+                 surf(c=-0.02, t=1.0), surf('COORDBRK', t=1.0, parm=[0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+                                            more=['PPAR 1 2 -1 0 0', 'PPAR 3 2 -1 0 0']), IMAGE)
+    lens, _ = imported(written(broken, 'lens.zmx'))
+    moved = run('import', lens, '--set', 'breaks[1].decenter=[1, 0]', '--set', 'breaks[1].tilt=[3, 0, 0]')
+    there, plain_there = (rows('trace', written(text), '--fan', 3, '--last') for text in (
+        moved.stdout, moved.stdout.replace('{pickup: "breaks[1].decenter[1]", scale: -1}', '-1')
+        .replace('{pickup: "breaks[1].tilt[1]", scale: -1}', '-3')))
+    equal(there, plain_there)
+    assert 'pickup' in moved.stdout
+
+
 def test_quiet():
     """Remarks that change the lens come first; -q silences them at each command, and nothing else."""
     near = zmx(FAR, surf(t=2.0, more=['STOP']), surf(c=0.02, t=4.0, glass=glas('N-BK7')),

@@ -296,10 +296,10 @@ def named(key, told):
 def shows(text, at, field, value, before):
     """Whether this value in place of that of the record in line `at` shows."""
     lines = text.splitlines()
-    indent, words = re.match(r'\s*', lines[at])[0], lines[at].split()
-    words[field] = value
-    status, lens, told = imported('\n'.join([*lines[:at], indent + ' '.join(words), *lines[at + 1:]]) + '\n')
-    key = words[0]
+    words = list(re.finditer(r'\S+', lines[at]))  # what stands between them stays: a text may count its blanks
+    key, word = words[0][0], words[field]
+    changed = lines[at][:word.start()] + value + lines[at][word.end():]
+    status, lens, told = imported('\n'.join([*lines[:at], changed, *lines[at + 1:]]) + '\n')
     if status == BAD_INPUT:
         return True  # by the name of the record, or of another that contradicts it now
     return (lens, told) != before[1:] or named(key, told)

@@ -489,6 +489,35 @@ def test_import_writes():
     assert 'import' in run('import', '--help').stdout
 
 
+def test_set():
+    """--set is the lens of the file in which the value stands, at each command; errors name the path."""
+    lens = LENSES / 'cooke_triplet.yaml'
+    text = lens.read_text()
+    other = written(text.replace('thickness: 42.20778', 'thickness: 42.2').replace('radius: 22.01359', 'radius: 22'))
+    assert text != other.read_text()
+    given = ('--set', 'surfaces[6].thickness=42.2', '--set', 'surfaces[1].radius=22')
+    for command in (('info',), ('spot',), ('trace', '--fan', 3), ('field',), ('diagnose', '--fan', 3, '--ray', 1)):
+        equal(run(*command, lens, *given, '--format', 'csv').stdout, run(*command, other, '--format', 'csv').stdout)
+    equal(run('import', lens, *given).stdout, run('import', other).stdout)
+    # between two of them the lens need not be one
+    both = run('import', lens, '--set', 'wavelengths=[0.5, 0.6]', '--set', 'primary=2', '--set',
+               'wavelength_weights=[1, 2]').stdout
+    assert 'wavelengths: [0.5, 0.6]\nobject' in both, both
+    assert 'glass: "a=b"' not in run('import', lens, '--set', 'surfaces[1].name=a=b').stdout
+    assert 'name: "a=b"' in run('import', lens, '--set', 'surfaces[1].name=a=b').stdout
+    for value, words, status in (
+            ('surfaces[6].thickness=x', ':16: surfaces[6].thickness: must be a number, not "x"', BAD_INPUT),
+            ('surfaces[9].radius=1', ': surfaces[9].radius: there is no surface 9; there are 7', BAD_INPUT),
+            ('surfaces[1].glass=N-BK8', ':11: surfaces[1].glass: no glass "N-BK8"', BAD_INPUT),
+            ('surfaces[1].radius={pickup: surfaces[2].radius}', 'put the path of a pickup in quotes', BAD_INPUT),
+            ('surfaces[1].radius', 'must be PATH=VALUE', USAGE), ('=1', 'must be PATH=VALUE', USAGE)):
+        said = run('info', lens, '--set', value, exit=status).stderr
+        assert words in said, (words, said)
+    # what is to be run again has it, too
+    note = run('spot', LENSES / 'ftheta.yaml', '--field', 60, '--set', 'surfaces[1].name="x"', exit=None)
+    assert note.stdout
+
+
 def test_one_stop():
     lens = {'surfaces': [{'type': 'plane', 'stop': i in (1, 3), 'thickness': 1} for i in range(4)]}
     assert 'a second stop' in run('import', written(json.dumps(lens)), exit=BAD_INPUT).stderr

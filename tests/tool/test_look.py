@@ -485,6 +485,34 @@ surfaces:
         run(name, lens, exit=BAD_INPUT)
 
 
+def test_over():
+    """sweep --over asks an analysis of the lens with each value, as --set has it."""
+    lens = LENSES / 'double_gauss.yaml'
+    path = 'surfaces[6].thickness'
+    for figure, more in ((), ('--fields', '1,3', '--reference', 'centroid')), (('--figure', 'field'), ()):
+        all_of_it = rows('sweep', lens, '--over', path, '--from', 12, '--to', 12.5, '--steps', 3, *figure, *more)
+        there = []
+        for x in (12, 12.25, 12.5):
+            one = rows(figure[1] if figure else 'spot', lens, '--set', f'{path}={x}', *more)
+            there += [{'at': format(x, 'g'), **row} for row in one]
+        equal(all_of_it, there)
+    picture = written('', 'over.svg')
+    run('sweep', lens, '--over', path, '--from', 12, '--to', 13, '--steps', 4, '--of', 'geometric', '--picture',
+        picture)
+    assert picture.read_text().count('<svg') == 1
+    for more, words in ((('--over', path), '--from and --to'), (('--of', 'rms'), 'go with --over'),
+                        (('--over', path, '--from', 1, '--to', 2, '--figure', 'no'), 'there is no analysis "no"'),
+                        (('--over', path, '--from', 1, '--to', 2, '--of', 'no'), 'has no column "no"'),
+                        (('--over', path, '--from', 1, '--to', 2, '--figure', 'fan', '--picture', picture),
+                         'a row for each ray'),
+                        (('--over', path, '--from', 1, '--to', 2, '--steps', 1), 'from 2 to')):
+        said = run('sweep', lens, *more, exit=USAGE).stderr
+        assert words in said, (words, said)
+    said = run('sweep', lens, '--over', 'surfaces[1].radius', '--from', -1, '--to', 1, '--steps', 3,
+               exit=BAD_INPUT).stderr
+    assert 'surfaces[1].radius: must not be zero' in said, said
+
+
 def test_help():
     """--help all offers what is taken, and tells the defaults."""
     for name, default in (('spot', '--hexapolar 10'), ('fan', '--cross 41'), ('opd', '--cross 41; with'),

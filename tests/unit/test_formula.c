@@ -293,6 +293,15 @@ static bool is_constant(const tree *t)
     return (!t->a || is_constant(t->a)) && (!t->b || is_constant(t->b));
 }
 
+/* Is the number near an end of where the operation is defined?  A rounding may take it across, and the few
+ * tries at changed numbers may all miss that. */
+static bool near_end(formula_op op, const tree *of, long double a)
+{
+    const long double end = op == FORMULA_ASIN || op == FORMULA_ACOS ? 1 : 0;
+    if (end == 0 && op != FORMULA_SQRT && op != FORMULA_LOG && op != FORMULA_REAL_POWER) return false;
+    return !is_constant(of) && fabsl(fabsl(a) - end) < 1e-9L;
+}
+
 static long double work(working *w, const tree *t)
 {
     long double v = 0, a = t->a ? work(w, t->a) : 0, b = 0;
@@ -318,6 +327,7 @@ static long double work(working *w, const tree *t)
             v = n == 0 ? (isnan(a) ? a : 1) : op_value(FORMULA_POWER, n, a, 0);
         else
             v = op_value(FORMULA_REAL_POWER, 0, a, b);
+        if (!power && near_end(FORMULA_REAL_POWER, t->a, a)) w->wild = true;
         /* 9 - 9 is a whole exponent, and so is 4/2; is 3*(1/3)? */
         if (!power && is_constant(t->b) && fabsl(b - roundl(b)) < 1e-9L) w->wild = true;
         break;
@@ -331,6 +341,7 @@ static long double work(working *w, const tree *t)
     case FUNCTION: {
         formula_op op = table[t->which].op;
         v = op_value(op, 0, a, b);
+        if (near_end(op, t->a, a)) w->wild = true;
         /* intervals know nothing beyond */
         if (op >= FORMULA_SIN && op <= FORMULA_TAN && fabsl(a) > 0x1p26L) w->wild = true;
         break;

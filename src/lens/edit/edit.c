@@ -30,6 +30,8 @@ static bool refuse_path(const sgt_lens *lens, const char *path, const char *why,
     return false;
 }
 
+static const char *path_of(const sgt_edit *e) { return e->path ? e->path : ""; }
+
 /* Of which edit a fault is that the reader found: the first whose path ends with the reader's key; else the
  * first, and the key stands before the words. */
 static void name_path(sgt_error *error, size_t count, const sgt_edit edit[])
@@ -38,18 +40,21 @@ static void name_path(sgt_error *error, size_t count, const sgt_edit edit[])
     const char *last = strrchr(error->key, '.');
     snprintf(key, sizeof key, "%s", error->key);
     last = last ? last + 1 : error->key;
-    const size_t stem = strcspn(last, "[");
+    const bool whole_path = strncmp(key, "surfaces[", 9) == 0 || strncmp(key, "breaks[", 7) == 0;
+    const size_t stem = whole_path ? 0 : strcspn(last, "[");
     size_t i = 0;
     for (; i < count; i++) {
-        const char *end = strrchr(edit[i].path, '.');
-        end = end ? end + 1 : edit[i].path;
-        if (stem && strncmp(end, last, stem) == 0 && (!end[stem] || end[stem] == '[')) break;
+        const char *whole = path_of(&edit[i]), *end = strrchr(whole, '.');
+        end = end ? end + 1 : whole;
+        if (strcmp(whole, key) == 0 ||
+            (stem && strncmp(end, last, stem) == 0 && (!end[stem] || end[stem] == '[')))
+            break;
     }
     if (i == count && *key) {
         snprintf(words, sizeof words, "%s", error->words);
         snprintf(error->words, sizeof error->words, "%s: %.1200s", key, words);
     }
-    snprintf(error->key, sizeof error->key, "%s", edit[i < count ? i : 0].path);
+    snprintf(error->key, sizeof error->key, "%s", path_of(&edit[i < count ? i : 0]));
 }
 
 /* ----------------------------------------------------------------- changes */
@@ -58,7 +63,7 @@ static void name_path(sgt_error *error, size_t count, const sgt_edit edit[])
 static node *parse_value(source *s, const char *yaml, size_t line)
 {
     source own = *s;
-    own.text = yaml, own.length = strlen(yaml), own.root = NULL, own.comment = NULL, own.comments = 0;
+    own.text = yaml ? yaml : "", own.length = strlen(own.text), own.root = NULL, own.comment = NULL, own.comments = 0;
     own.comment_room = 0, own.only_line = line;
     sgt_read_yaml(&own);
     return own.root;
@@ -114,18 +119,32 @@ static void put_value(source *s, const way *p, const sgt_edit *e)
     *place = number ? tree_number(s, line, e->number) : parse_value(s, e->text, line);
 }
 
-static void change(source *s, const sgt_edit *e)
+static void change(source *s, const sgt_edit *edit)
 {
-    char why[PATH_WHY];
-    way p;
-    for (size_t i = 0; i < sizeof e->reserved_ / sizeof *e->reserved_; i++)
-        if (e->reserved_[i])
-            tree_fail(s, 0, e->path, "the program asks for a member that sagitta %s has not", sgt_version());
-    if (!sgt_path_read(&p, e->path, why)) tree_fail(s, 0, e->path, "%s", why);
-    switch (e->kind) {
-    case SGT_EDIT_SET: case SGT_EDIT_SET_TEXT: put_value(s, &p, e); return;
+    editing e = {.s = s, .edit = edit};
+    for (size_t i = 0; i < sizeof edit->reserved_ / sizeof *edit->reserved_; i++)
+        if (edit->reserved_[i])
+            sgt_edit_refuse(&e, "the program asks for a member that sagitta %s has not", sgt_version());
+    if (edit->kind != SGT_EDIT_SCALE) e.at = sgt_edit_way(&e, path_of(edit));
+    switch (edit->kind) {
+    case SGT_EDIT_SET:
+    case SGT_EDIT_SET_TEXT:
+        put_value(s, &e.at, edit);
+        return;
+    case SGT_EDIT_INSERT:
+        sgt_edit_insert(&e, parse_value(s, edit->text, s->root->line));
+        return;
+    case SGT_EDIT_REMOVE:
+        sgt_edit_remove(&e);
+        return;
+    case SGT_EDIT_REVERSE:
+        sgt_edit_reverse(&e);
+        return;
+    case SGT_EDIT_SCALE:
+        sgt_edit_scale(&e);
+        return;
     }
-    tree_fail(s, 0, e->path, "no kind of edit: %d", (int)e->kind);
+    sgt_edit_refuse(&e, "no kind of edit: %d", (int)edit->kind);
 }
 
 /* ------------------------------------------------------------- a new making */
@@ -153,6 +172,7 @@ static bool make_anew(whole_lens *w, source *s, const whole_lens *old, size_t co
     if (setjmp(here) != 0) return false;
     take_over(w, s, old);
     for (; *changed < count; ++*changed) change(s, &edit[*changed]);
+    tree_forget_numbers(s->root);
     sgt_make_lens(w, s);
     return true;
 }
@@ -166,11 +186,13 @@ static bool edited(const sgt_lens *lens, size_t count, const sgt_edit edit[], wh
     *out = (whole_lens){.memory = {.allocator = old->memory.allocator}};
     source s = {.arena = &out->memory, .options = &old->options, .error = error, .file = lens->file};
     const bool fine = make_anew(out, &s, old, count, edit, &changed);
-    sgt_end_making(out);
+    sgt_end_making(out, &s);
     if (fine) return true;
     sgt_arena_free(&out->memory);
-    if (changed < count) snprintf(error->key, sizeof error->key, "%s", edit[changed].path);
-    else if (count) name_path(error, count, edit);
+    if (changed < count)
+        snprintf(error->key, sizeof error->key, "%s", path_of(&edit[changed]));
+    else if (count)
+        name_path(error, count, edit);
     return false;
 }
 
@@ -190,8 +212,10 @@ sgt_lens *sgt_lens_copy(const sgt_lens *lens, sgt_error *error)
     sgt_error unread;
     if (!error) error = &unread;
     whole_lens *w = a.resize(a.context, NULL, sizeof *w);
-    if (!w) refuse_path(lens, "", "no memory", error);
-    else if (edited(lens, 0, NULL, w, error)) return &w->lens;
+    if (!w)
+        refuse_path(lens, "", "no memory", error);
+    else if (edited(lens, 0, NULL, w, error))
+        return &w->lens;
     a.resize(a.context, w, 0);
     return NULL;
 }
@@ -206,33 +230,36 @@ bool sgt_lens_set_text(sgt_lens *lens, const char *path, const char *yaml, sgt_e
     return sgt_lens_edit(lens, 1, &(sgt_edit){.kind = SGT_EDIT_SET_TEXT, .path = path, .text = yaml}, error);
 }
 
+bool sgt_lens_insert(sgt_lens *lens, const char *path, const char *yaml, sgt_error *error)
+{
+    return sgt_lens_edit(lens, 1, &(sgt_edit){.kind = SGT_EDIT_INSERT, .path = path, .text = yaml}, error);
+}
+
+bool sgt_lens_remove(sgt_lens *lens, const char *path, sgt_error *error)
+{
+    return sgt_lens_edit(lens, 1, &(sgt_edit){.kind = SGT_EDIT_REMOVE, .path = path}, error);
+}
+
+bool sgt_lens_reverse(sgt_lens *lens, const char *first, const char *last, sgt_error *error)
+{
+    return sgt_lens_edit(lens, 1, &(sgt_edit){.kind = SGT_EDIT_REVERSE, .path = first, .text = last}, error);
+}
+
+bool sgt_lens_scale(sgt_lens *lens, double factor, sgt_error *error)
+{
+    return sgt_lens_edit(lens, 1, &(sgt_edit){.kind = SGT_EDIT_SCALE, .number = factor}, error);
+}
+
 /* --------------------------------------------------------------- questions */
 
-/* Finds what stands at a path.  *inverse: it is the curvature of a radius, or the other way round. */
 static node *find(const sgt_lens *lens, const char *text, bool *inverse, sgt_error *error)
 {
     const whole_lens *w = (const void *)lens;
-    char why[PATH_WHY], key[SGT_PATH_SIZE], room[PATH_KEY];
+    char why[PATH_WHY];
     way p;
-    spot at;
-    *inverse = false;
-    if (!sgt_path_read(&p, text, why) || !sgt_path_find(w->root, &p, p.count, &at, why)) {
-        refuse_path(lens, text, why, error);
-        return NULL;
-    }
-    if (at.is) return at.is;
-    path_step *last = &p.step[p.count - 1];
-    snprintf(key, sizeof key, "%.*s", last->length < PATH_KEY ? (int)last->length : PATH_KEY - 1, last->text);
-    if (*key == 'r' || *key == 'c') {
-        const char *rival = sgt_path_rival(key, false, 0, room);
-        if (rival) *last = (path_step){.text = rival, .length = strlen(rival)};
-        if (rival && sgt_path_find(w->root, &p, p.count, &at, why) && at.is) {
-            *inverse = true;
-            return at.is;
-        }
-    }
-    refuse_path(lens, text, "not given in the file", error);
-    return NULL;
+    node *found = sgt_path_read(&p, text, why) ? sgt_path_value(w->root, &p, inverse, why) : NULL;
+    if (!found) refuse_path(lens, text, why, error);
+    return found;
 }
 
 bool sgt_lens_get(const sgt_lens *lens, const char *path, double *x, sgt_error *error)
@@ -286,7 +313,10 @@ size_t sgt_lens_get_text(const sgt_lens *lens, const char *path, size_t room, ch
     return length;
 }
 
-typedef struct listing { size_t most, count; sgt_lens_path *at; } listing;
+typedef struct listing {
+    size_t most, count;
+    sgt_lens_path *at;
+} listing;
 
 static void list_number(void *context, const char *path, const node *n)
 {

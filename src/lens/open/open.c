@@ -5,6 +5,7 @@
 #include "open.h"
 
 #include "conjugate.h"
+#include "resolve.h"
 
 #include "../base/reader.h"
 
@@ -73,21 +74,23 @@ void sgt_make_lens(whole_lens *w, source *s)
 {
     w->media.source = s;
     w->lens.file = s->file;
+    const resolution *resolved = w->make == sgt_read_lens ? sgt_resolve(w, s) : NULL;
     sgt_lens_remark *imported = tree_room(s, s->remarks, sizeof *imported);
     if (s->remarks) memcpy(imported, s->remark, s->remarks * sizeof *imported);
     w->imported = imported, w->imports = s->remarks;
     w->make(w, s);
     if (w->make == sgt_read_lens) sgt_find_conjugates(w, s);
+    sgt_end_resolution(resolved);
     sort_remarks(s);
     w->lens.remarks = s->remarks, w->lens.remark = s->remark;
     w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
     w->folder = s->folder, w->options = *s->options, w->options.allocator = NULL;
 }
 
-void sgt_end_making(whole_lens *w)
+void sgt_end_making(whole_lens *w, source *s)
 {
-    sgt_catalogue_free(w->media.own);
-    w->media.own = NULL, w->media.source = NULL, w->media.before = NULL;
+    sgt_catalogue_free(s->own_glasses);
+    w->media.source = NULL, w->media.before = NULL;
 }
 
 static void refuse_later(source *s, const char *type, size_t place)
@@ -139,7 +142,7 @@ static sgt_lens *lens_by(lens_maker make, const char *name, const char *text, si
     source s = {.arena = &w->memory, .options = opt ? opt : &defaults, .error = error, .file = name};
     bool fine = read_by(make, w, &s, name, text, length);
     tree_return(&s, s.borrowed);
-    sgt_end_making(w);
+    sgt_end_making(w, &s);
     if (fine) return &w->lens;
     sgt_lens_free(&w->lens);
     return NULL;

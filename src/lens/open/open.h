@@ -9,6 +9,6 @@ typedef void (*lens_maker)(whole_lens *w, source *s);
 void sgt_make_lens(whole_lens *w, source *s);
 
 /* When a making has ended, well or not: gives back what is not in the arena. */
-void sgt_end_making(whole_lens *w);
+void sgt_end_making(whole_lens *w, source *s);
 
 #endif

@@ -22,13 +22,13 @@ static const sgt_catalogue *catalogue_of(media *m, const node *n, const char *ke
 {
     source *s = m->source;
     if (s->options->glasses) return s->options->glasses;
-    if (m->own) return m->own;
+    if (s->own_glasses) return s->own_glasses;
     sgt_error e;
-    m->own = sgt_catalogue_new(&s->arena->allocator);
-    if (!m->own) tree_fail(s, 0, NULL, "no memory");
-    if (!sgt_catalogue_add(m->own, NULL, &e))
+    s->own_glasses = sgt_catalogue_new(&s->arena->allocator);
+    if (!s->own_glasses) tree_fail(s, 0, NULL, "no memory");
+    if (!sgt_catalogue_add(s->own_glasses, NULL, &e))
         tree_fail(s, n->line, key, "the table of glasses: %s:%zu: %s", e.file, e.line, e.words);
-    return m->own;
+    return s->own_glasses;
 }
 
 /* A copy of which nothing lies in the catalogue. */

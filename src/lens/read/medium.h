@@ -31,7 +31,6 @@ typedef struct media {
     source *source;
     size_t makers;          /* in the order in which one is taken where several have a name */
     const char *const *maker;
-    sgt_catalogue *own;     /* the table that ships, once it is needed; to be freed */
     const struct media *before; /* of the lens of which this one is an edit; NULL: none */
     known_glass known_glass[KNOWN_MOST];
     size_t known;

@@ -95,6 +95,27 @@ static bool is_called(const node *entry, const path_step *step)
            memcmp(name->text, step->text, step->length) == 0;
 }
 
+places sgt_path_places(source *s, const node *root)
+{
+    places p = {.list = value_of(root, "surfaces")};
+    if (!p.list || p.list->kind != NODE_LIST) return (places){.list = NULL};
+    p.surface = tree_room(s, p.list->count, sizeof *p.surface);
+    p.lies = tree_room(s, p.list->count, sizeof *p.lies);
+    for (size_t i = 0; i < p.list->count; i++)
+        if (holds_break(p.list->item[i])) p.lies[p.breaks++] = i;
+        else p.surface[p.surfaces++] = i;
+    return p;
+}
+
+/* The same as find_in_list of a place that is known. */
+static bool find_known(const places *p, node *list, const path_step *step, char kind, spot *out)
+{
+    if (!p || p->list != list || !kind || step->text) return false;
+    if (step->place > (kind == 'b' ? p->breaks : p->surfaces)) return false;
+    out->at = (kind == 'b' ? p->lies : p->surface)[step->place - 1], out->is = list->item[out->at];
+    return true;
+}
+
 /* The place in a list.  kind 's', 'b': of the list of surfaces, those that are none or that are breaks. */
 static bool find_in_list(const node *list, const path_step *step, char kind, spot *out, char why[PATH_WHY])
 {
@@ -145,7 +166,9 @@ bool sgt_path_find(node *root, const way *p, size_t count, spot *out, char why[P
                 return false;
             }
             out->surface = list_kind != 0;
-            if (!find_in_list(in, step, list_kind, out, why)) return false;
+            if (!find_known(p->known, in, step, list_kind, out) &&
+                !find_in_list(in, step, list_kind, out, why))
+                return false;
             continue;
         }
         path_step key = *step;
@@ -191,10 +214,30 @@ const char *sgt_path_rival(const char *key, bool in_pupil, int i, char room[PATH
     return other ? other : turned_stem(key, "curvature", "radius", room);
 }
 
+node *sgt_path_value(node *root, const way *p, bool *inverse, char why[PATH_WHY])
+{
+    spot at;
+    char key[PATH_KEY], room[PATH_KEY];
+    *inverse = false;
+    if (!sgt_path_find(root, p, p->count, &at, why)) return NULL;
+    if (at.is) return at.is;
+    const path_step *last = &p->step[p->count - 1];
+    snprintf(key, sizeof key, "%.*s", last->length < PATH_KEY ? (int)last->length : PATH_KEY - 1, last->text);
+    const char *rival = *key == 'r' || *key == 'c' ? sgt_path_rival(key, false, 0, room) : NULL;
+    const path_step other = {.text = rival, .length = rival ? strlen(rival) : 0};
+    if (rival && find_key(at.in, &other, &at)) {
+        *inverse = true;
+        return at.is;
+    }
+    snprintf(why, PATH_WHY, "not given in the file");
+    return NULL;
+}
+
 /* ----------------------------------------------------------------- numbers */
 
 bool sgt_path_number(const node *n, double *x)
 {
+    if (n->kind == NODE_MAP && n->value) n = n->value;
     if (n->kind != NODE_SCALAR) return false;
     if (number_read(n->text, x)) return true;
     *x = sgt_spectral_line(n->text);

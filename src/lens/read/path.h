@@ -12,8 +12,16 @@ typedef struct path_step {
     bool name;
 } path_step;
 
+/* Where the surfaces and the breaks are in the list `surfaces`, for those who follow many paths. */
+typedef struct places { const node *list; size_t surfaces, breaks, *surface, *lies; } places;
+places sgt_path_places(source *s, const node *root);
+
 enum { PATH_STEPS = 16, PATH_WHY = 240 };
-typedef struct way { path_step step[PATH_STEPS]; size_t count; } way;
+typedef struct way {
+    path_step step[PATH_STEPS];
+    size_t count;
+    const places *known; /* NULL: they are counted at each path */
+} way;
 
 /* A place in the tree. */
 typedef struct spot {
@@ -29,6 +37,9 @@ bool sgt_path_read(way *p, const char *text, char why[PATH_WHY]);
 /* Finds it.  Of the last step the key may be missing.  false: `why`.  count: of the steps, those to go. */
 bool sgt_path_find(node *root, const way *p, size_t count, spot *out, char why[PATH_WHY]);
 
+/* What stands at a path; NULL: `why`.  *inverse: it is the curvature of a radius, or the other way round. */
+node *sgt_path_value(node *root, const way *p, bool *inverse, char why[PATH_WHY]);
+
 bool sgt_step_is(const path_step *step, const char *key);
 
 /* A key that says the same as `key` in another way, number i from 0; NULL: none is left.  in_pupil: of the
@@ -40,7 +51,7 @@ const char *sgt_path_rival(const char *key, bool in_pupil, int i, char room[PATH
 void sgt_path_numbers(const node *root, void (*each)(void *context, const char *path, const node *n),
                       void *context);
 
-/* The number of a node that has one: as it stands, or that of a spectral line. */
+/* The number of a node that has one: as it stands, that of a spectral line, of a pickup or solve. */
 bool sgt_path_number(const node *n, double *x);
 
 #endif

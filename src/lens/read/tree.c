@@ -145,6 +145,15 @@ void tree_put(source *s, node *map, node *key, node *value)
     map->item[map->count++] = value;
 }
 
+void tree_remove(node *from, size_t place)
+{
+    for (size_t i = place; i + 1 < from->count; i++) {
+        from->item[i] = from->item[i + 1];
+        if (from->kind == NODE_MAP) from->key[i] = from->key[i + 1];
+    }
+    from->count--;
+}
+
 void tree_set(source *s, node *map, const char *key, node *value)
 {
     tree_put(s, map, tree_word(s, value->line, key), value);
@@ -190,8 +199,14 @@ node *tree_copy(source *s, const node *n)
             if (n->kind == NODE_MAP) copy->key[copy->count] = tree_copy(s, n->key[copy->count]);
         }
     }
-    copy->quoted = n->quoted, copy->inline_ = n->inline_;
+    copy->quoted = n->quoted, copy->inline_ = n->inline_, copy->number = n->number;
     return copy;
+}
+
+void tree_forget_numbers(node *n)
+{
+    n->number = false;
+    for (size_t i = 0; n->kind != NODE_SCALAR && i < n->count; i++) tree_forget_numbers(n->item[i]);
 }
 
 /* ----------------------------------------------------------------- reading */

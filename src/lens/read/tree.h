@@ -48,6 +48,12 @@ typedef struct node {
     size_t count;
     struct node **key;    /* of a map */
     bool *taken;          /* of a map */
+    /* of a pickup or solve (../open/resolve.c), or what holds one */
+    uint32_t expression;  /* its number from 1; 0: it is none */
+    bool seen, holds;
+    struct node *value;   /* what it is, once the lens is made */
+    struct node *stored;  /* what an import has beside it; NULL: nothing */
+    const char *record;   /* and where from */
 } node;
 
 /* The text of a surface that is a formula, and its parameters. */
@@ -61,6 +67,7 @@ typedef struct formula_text {
 
 /* What is being read. */
 typedef struct source {
+    sgt_catalogue *own_glasses; /* the table that ships, once it is needed; to be freed */
     const char *file;     /* a file, or the option that held the text */
     const char *folder;   /* of the file, with the / behind it; "" for the current one */
     const char *text;     /* ends in a zero byte */
@@ -104,11 +111,13 @@ node *tree_node(source *s, node_kind kind, size_t line);             /* a list o
 node *tree_scalar(source *s, size_t line, const char *text, size_t length);
 void tree_append(source *s, node *list, node *item);
 void tree_put(source *s, node *map, node *key, node *value);         /* at the end of the map */
+void tree_remove(node *from, size_t place);                           /* of a list or map */
 void tree_set(source *s, node *map, const char *key, node *value);
 node *tree_word(source *s, size_t line, const char *text);           /* as it stands */
 node *tree_number(source *s, size_t line, double x);                 /* reads back to the same bits */
 node *tree_numbers(source *s, size_t line, size_t count, const double x[]);  /* an inline list */
-node *tree_copy(source *s, const node *n); /* of all below it; nothing is shared, and nothing read yet */
+node *tree_copy(source *s, const node *n); /* of all below it; nothing is shared */
+void tree_forget_numbers(node *n);         /* that they were read */
 
 /* ----------------------------------------------------------------- reading */
 

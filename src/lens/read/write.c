@@ -1,8 +1,9 @@
 /* write.c - a tree as YAML that a person likes to read.
  *
  * A list or map is written in one line, in brackets, if it is marked so or fits the line; else
- * each of its items has a line of its own.  Words are quoted if YAML would read them as
- * something else.  What is written reads back as the same tree, with the same comments in front of it. */
+ * each of its items has a line of its own.  What is read from one line in brackets is marked (yaml.c).
+ * Words are quoted if YAML would read them as something else.  What is written reads back as the same
+ * tree, with the same comments in front of it, and is written again byte for byte. */
 #include "tree.h"
 
 #include <stdio.h>

@@ -78,7 +78,7 @@ static bool add_name(source *s, names *all, const char *text, node *of)
 enum { DEPTH_MOST = 64 };
 
 /* A list or map that is not yet closed; key: of a map, the one whose value is awaited. */
-typedef struct opened { node *of, *key; } opened;
+typedef struct opened { node *of, *key; size_t line; bool flow; } opened; /* line: of its mark, from 0 */
 
 typedef struct builder {
     source *s;
@@ -111,6 +111,12 @@ static node *node_at(builder *b, yaml_mark_t mark, node_kind kind)
     return tree_node(b->s, kind, line_of_node(b, mark));
 }
 
+static bool in_brackets(const yaml_event_t *e)
+{
+    return e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.style == YAML_FLOW_MAPPING_STYLE
+                                               : e->data.sequence_start.style == YAML_FLOW_SEQUENCE_STYLE;
+}
+
 /* Takes an event into the tree.  Returns what is wrong with it, or NULL. */
 static const char *take_event(builder *b, const yaml_event_t *e)
 {
@@ -132,15 +138,19 @@ static const char *take_event(builder *b, const yaml_event_t *e)
         anchor = e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.anchor
                                                      : e->data.sequence_start.anchor;
         put_node(b, n);
-        b->open[b->depth++] = (opened){.of = n};
+        b->open[b->depth++] = (opened){.of = n, .line = e->start_mark.line, .flow = in_brackets(e)};
         break;
     case YAML_ALIAS_EVENT:
+        if (b->s->only_line) return "not a value by itself: it has an alias (*name)";
         n = node_named(&b->anchors, (const char *)e->data.alias.anchor);
         if (!n) return "not valid YAML: an alias (*name) without its anchor (&name)";
         put_node(b, n);
         break;
     case YAML_SEQUENCE_END_EVENT:
-    case YAML_MAPPING_END_EVENT: b->depth--; break;
+    case YAML_MAPPING_END_EVENT:
+        b->depth--;
+        b->open[b->depth].of->inline_ = b->open[b->depth].flow && e->end_mark.line == b->open[b->depth].line;
+        break;
     default: break;
     }
     if (!anchor) return NULL;
@@ -171,6 +181,14 @@ static bool begins_with_tab(const char *text, size_t line)
     return text && text[strspn(text, " ")] == '\t';
 }
 
+/* Is there a path of a pickup without quotes?  In a map in braces YAML takes its brackets for a list. */
+static bool has_bare_path(const char *text, size_t line)
+{
+    for (; line > 1 && (text = strchr(text, '\n')); line--) text++;
+    const char *end = text ? text + strcspn(text, "\n") : NULL, *key = text ? strstr(text, "pickup: ") : NULL;
+    return key && key < end && key[8] != '"' && key[8] != '\'';
+}
+
 /* What libyaml found wrong, in its words; returns the line.  For a byte that is not UTF-8, libyaml gives the
  * byte's place and no line. */
 static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, size_t last,
@@ -186,6 +204,8 @@ static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t
         size_t line = line_at(parser->problem_mark, last), so_far = strlen(fault);
         if (begins_with_tab(text, line))
             snprintf(fault + so_far, FAULT_SIZE - so_far, "; indent by blanks, not by tabs");
+        else if (has_bare_path(text, line))
+            snprintf(fault + so_far, FAULT_SIZE - so_far, "; put the path of a pickup in quotes");
         return line;
     }
     return line_of(text, parser->problem_offset < length ? parser->problem_offset : length);

@@ -6,8 +6,9 @@
  * the file is read before anything is made of it.  The format is not published; what its numbers mean is
  * known from OpticStudio's help, which documents the quantities, and from files whose traces agree.
  *
- * WHAT STORED NUMBERS ARE.  Solves and pickups are stored together with the numbers they gave, so the solve
- * can be dropped and the number kept.  With several configurations the surfaces are those of the active one.
+ * WHAT STORED NUMBERS ARE.  Solves and pickups are stored together with the numbers they gave.  Those that
+ * the lens file has, too, are kept if they give the stored number (../open/resolve.c); of others the number
+ * is.  With several configurations the surfaces are those of the active one.
  * DIAM is a semi-diameter that blocks nothing: most of them were computed from rays.
  *
  * NOTHING IN SILENCE.  The tables of zmx_system.c and zmx_surface.c say of each keyword what becomes of it:

@@ -15,6 +15,7 @@ typedef struct zmx_glass {
     size_t line;
     const char *name;    /* ZMX_GLASS */
     size_t from;         /* ZMX_PICKUP: the surface it is taken from */
+    bool picked;         /* it was one */
     double nd, vd, dPgF; /* ZMX_MODEL; vd 0: no dispersion */
 } zmx_glass;
 
@@ -33,6 +34,15 @@ typedef struct zmx_aperture {
 
 typedef struct zmx_extra { size_t number, line; double value; } zmx_extra;
 
+/* What is picked up from another surface: s x + o, and which number.  PARM: + i. */
+typedef enum zmx_picked { ZMX_PICK_CURVATURE, ZMX_PICK_THICKNESS, ZMX_PICK_PARM } zmx_picked;
+typedef struct zmx_pick {
+    zmx_picked what;
+    size_t parm, from, line;
+    double scale, offset;
+    const char *key;
+} zmx_pick;
+
 typedef struct zmx_type zmx_type;
 
 enum { ZMX_PARMS = 12 };
@@ -50,6 +60,13 @@ typedef struct zmx_surface {
     zmx_glass glass;
     zmx_break *before, *behind; /* NULL: none */
     zmx_aperture aperture;
+    size_t focus_line;          /* of a solve for the paraxial focus; 0: none */
+    zmx_pick *pick;
+    size_t picks, pick_room;
+    bool keeps_decenter, keeps_tilt; /* though all are 0: something picks them up */
+    /* once it is written: its own map, that of its thickness, and their paths */
+    node *map, *step;
+    const char *path, *step_path;
 } zmx_surface;
 
 /* ------------------------------------------------------------------ records */
@@ -95,7 +112,7 @@ typedef enum zmx_tally {
 
 typedef struct zmx_count { const char *key; size_t line, count; } zmx_count;
 
-enum { ZMX_RECORDS = 48, ZMX_UNKNOWN = 32, ZMX_KEYS = 6 }; /* KEYS: those that share a remark */
+enum { ZMX_RECORDS = 48, ZMX_UNKNOWN = 32, ZMX_KEYS = 12 }; /* KEYS: those that share a remark */
 
 struct zmx {
     source *s;
@@ -126,6 +143,7 @@ struct zmx {
     size_t count, room;
     size_t stop, stop_line; /* the surface; 0: none */
     bool behind;            /* records of the system stand behind the surfaces */
+    size_t surfaces, breaks; /* that are written */
 
     zmx_count tally[ZMX_TALLIES][ZMX_KEYS], unknown[ZMX_UNKNOWN];
     size_t unknowns, others; /* others: unknown records that found no room */

@@ -250,7 +250,7 @@ static void resolve_pickups(zmx *z)
             size_t line = z->surface[j].glass.line;
             next = z->surface[j].glass.from;
             z->surface[j].glass = found, z->surface[j].glass.line = line;
-            sgt_zmx_tally(z, ZMX_PICKUPS, line, "GLAS");
+            z->surface[j].glass.picked = true, z->surface[j].glass.from = next;
         }
     }
 }
@@ -323,23 +323,140 @@ static void set_aperture(zmx *z, node *map, const zmx_surface *f)
     tree_set(z->s, map, "apertures", list);
 }
 
+/* -------------------------------------------------------- pickups and solves */
+
+static node **key_place(node *map, const char *key)
+{
+    for (size_t i = 0; map && i < map->count; i++)
+        if (strcmp(map->key[i]->text, key) == 0) return &map->item[i];
+    return NULL;
+}
+
+static node **list_place(node *map, const char *key, size_t i)
+{
+    node **list = key_place(map, key);
+    return list && (*list)->kind == NODE_LIST && i >= 1 && i <= (*list)->count ? &(*list)->item[i - 1] : NULL;
+}
+
+static bool is_coordinate_break(const zmx_surface *f) { return !f->type->write; }
+
+/* The list and the place in it of a PARM; "": no such list. */
+static const char *list_of_parm(const zmx_surface *f, size_t parm, size_t *i)
+{
+    *i = is_coordinate_break(f) && parm > 2 ? parm - 2 : parm;
+    if (is_coordinate_break(f)) return parm <= 2 ? "decenter" : parm <= 5 ? "tilt" : "";
+    return f->type->write == write_asphere ? "coefficients" : "";
+}
+
+/* Breaks that pick each other up keep numbers that are 0. */
+static void keep_lists(zmx *z)
+{
+    for (zmx_surface *f = z->surface; f < z->surface + z->count; f++)
+        for (size_t k = 0; k < f->picks; k++) {
+            zmx_surface *both[] = {f, &z->surface[f->pick[k].from]};
+            if (f->pick[k].what != ZMX_PICK_PARM) continue;
+            for (int j = 0; j < 2; j++) {
+                if (f->pick[k].parm <= 2) both[j]->keeps_decenter = true;
+                else both[j]->keeps_tilt = true;
+            }
+        }
+}
+
+/* Puts an expression where a number is, with the number beside it, which it has to give: see
+ * ../open/resolve.c. */
+static void express(node **place, node *map, size_t line, const char *key)
+{
+    map->inline_ = true, map->stored = *place, map->record = key;
+    map->stored->line = map->line = (uint32_t)line;
+    *place = map;
+}
+
+static node *pickup_of(zmx *z, size_t line, const char *path, double scale, double offset)
+{
+    node *map = tree_node(z->s, NODE_MAP, line), *word = tree_word(z->s, line, path);
+    word->quoted = true;
+    tree_set(z->s, map, "pickup", word);
+    if (scale != 1) set_number(z, map, "scale", line, scale);
+    if (offset != 0) set_number(z, map, "offset", line, offset);
+    return map;
+}
+
+/* false: the lens file has no such number. */
+static bool express_pick(zmx *z, const zmx_surface *f, const zmx_pick *p)
+{
+    static const char *const bends[] = {"radius", "curvature", "radius_y", "curvature_y"};
+    const zmx_surface *from = &z->surface[p->from];
+    const char *path = NULL;
+    node **place = NULL;
+    double scale = p->scale;
+    if (!from->map || !f->map) return false;
+    if (p->what == ZMX_PICK_THICKNESS && from->step && key_place(from->step, "thickness")) {
+        place = key_place(f->step, "thickness");
+        path = tree_print(z->s, "%s.thickness", from->step_path);
+    } else if (p->what == ZMX_PICK_PARM && f->type == from->type) {
+        size_t i;
+        const char *list = list_of_parm(f, p->parm, &i);
+        place = list_place(f->map, list, i);
+        if (!list_place(from->map, list, i)) return false;
+        path = tree_print(z->s, "%s.%s[%zu]", from->path, list, i);
+    } else if (p->what == ZMX_PICK_CURVATURE && p->offset == 0 && scale != 0) {
+        for (size_t k = 0; k < sizeof bends / sizeof *bends && !place; k++) {
+            if (!key_place(from->map, bends[k])) continue;
+            place = key_place(f->map, bends[k]);
+            path = tree_print(z->s, "%s.%s", from->path, bends[k]);
+            if (*bends[k] == 'r') scale = 1 / scale;
+        }
+    }
+    if (!place || !path) return false;
+    express(place, pickup_of(z, p->line, path, scale, p->offset), p->line, p->key);
+    return true;
+}
+
+/* Once all surfaces are written: what they picked up, and solved for, is said so. */
+static void write_expressions(zmx *z)
+{
+    for (const zmx_surface *f = z->surface; f < z->surface + z->count; f++) {
+        const zmx_glass *g = &f->glass;
+        node **glass = f->map && g->picked && g->medium == ZMX_GLASS ? key_place(f->map, "glass") : NULL;
+        const zmx_surface *from = g->picked ? &z->surface[g->from] : NULL;
+        for (size_t k = 0; k < f->picks; k++)
+            if (!express_pick(z, f, &f->pick[k]))
+                sgt_zmx_tally(z, ZMX_SOLVES, f->pick[k].line, f->pick[k].key);
+        node **step = f->focus_line && f->step ? key_place(f->step, "thickness") : NULL;
+        if (step) {
+            node *map = tree_node(z->s, NODE_MAP, f->focus_line);
+            set_word(z, map, "solve", f->focus_line, "paraxial_focus");
+            express(step, map, f->focus_line, "MAZH");
+        } else if (f->focus_line) {
+            sgt_zmx_tally(z, ZMX_SOLVES, f->focus_line, "MAZH");
+        }
+        if (glass && from->map && key_place(from->map, "glass"))
+            express(glass, pickup_of(z, g->line, tree_print(z->s, "%s.glass", from->path), 1, 0), g->line,
+                    "GLAS");
+        else if (g->picked) sgt_zmx_tally(z, ZMX_PICKUPS, g->line, "GLAS");
+    }
+}
+
 /* ---------------------------------------------------------------- surfaces */
 
-static void append_break(zmx *z, node *list, const zmx_break *b, double thickness, size_t line)
+static node *append_break(zmx *z, node *list, const zmx_break *b, double thickness, size_t line,
+                          bool decenter, bool tilt)
 {
     node *map = tree_node(z->s, NODE_MAP, b->line);
+    z->breaks++;
     set_word(z, map, "type", b->line, "break");
-    if (b->decenter[0] != 0 || b->decenter[1] != 0)
+    if (decenter || b->decenter[0] != 0 || b->decenter[1] != 0)
         tree_set(z->s, map, "decenter", tree_numbers(z->s, b->line, 2, b->decenter));
-    if (b->tilt[0] != 0 || b->tilt[1] != 0 || b->tilt[2] != 0)
+    if (tilt || b->tilt[0] != 0 || b->tilt[1] != 0 || b->tilt[2] != 0)
         tree_set(z->s, map, "tilt", tree_numbers(z->s, b->line, 3, b->tilt));
     if (b->tilt_first) set_word(z, map, "order", b->line, "tilt_first");
     set_number(z, map, "thickness", line, thickness);
     map->inline_ = true;
     tree_append(z->s, list, map);
+    return map;
 }
 
-static void write_break(zmx *z, node *list, const zmx_surface *f)
+static void write_break(zmx *z, node *list, zmx_surface *f)
 {
     const double *p = f->parm;
     zmx_break b = {f->line, p[6] != 0, {p[1], p[2]}, {p[3], p[4], p[5]}};
@@ -351,18 +468,20 @@ static void write_break(zmx *z, node *list, const zmx_surface *f)
     if (f->before || f->behind)
         tree_fail(z->s, (f->before ? f->before : f->behind)->line, "SCBD",
                   "surface %zu is a coordinate break itself", number_of(z, f));
-    append_break(z, list, &b, f->thickness, f->thickness_line);
+    f->map = f->step = append_break(z, list, &b, f->thickness, f->thickness_line, f->keeps_decenter,
+                                    f->keeps_tilt);
+    f->path = f->step_path = tree_print(z->s, "breaks[%zu]", z->breaks);
     sgt_zmx_tally(z, ZMX_BREAKS, f->line, "COORDBRK");
     if (f->glass.medium != ZMX_AIR) sgt_zmx_tally(z, ZMX_BREAK_GLASS, f->glass.line, "GLAS");
     set_aperture(z, NULL, f);
     tally_unused(z, f);
 }
 
-static void write_surface(zmx *z, node *list, const zmx_surface *f)
+static void write_surface(zmx *z, node *list, zmx_surface *f)
 {
     bool last = number_of(z, f) == z->count - 1, behind = f->behind && !last;
     node *map = tree_node(z->s, NODE_MAP, f->line);
-    if (f->before) append_break(z, list, f->before, 0, f->before->line);
+    if (f->before) append_break(z, list, f->before, 0, f->before->line, false, false);
     f->type->write(z, f, map);
     if (!last) set_number(z, map, "thickness", f->thickness_line, behind ? 0 : f->thickness);
     set_medium(z, map, f);
@@ -379,7 +498,12 @@ static void write_surface(zmx *z, node *list, const zmx_surface *f)
     }
     map->inline_ = !tree_take(map, "coefficients"); /* such a list needs lines of its own */
     tree_append(z->s, list, map);
-    if (behind) append_break(z, list, f->behind, f->thickness, f->thickness_line);
+    f->map = f->step = map;
+    f->path = f->step_path = tree_print(z->s, "surfaces[%zu]", ++z->surfaces);
+    if (behind) {
+        f->step = append_break(z, list, f->behind, f->thickness, f->thickness_line, false, false);
+        f->step_path = tree_print(z->s, "breaks[%zu]", z->breaks);
+    }
     tally_unused(z, f);
 }
 
@@ -416,9 +540,10 @@ void sgt_zmx_write_surfaces(zmx *z, node *root)
 {
     node *list = tree_node(z->s, NODE_LIST, z->surface[1].line);
     resolve_pickups(z);
+    keep_lists(z);
     write_object(z, root);
     for (size_t i = 1; i < z->count; i++) {
-        const zmx_surface *f = &z->surface[i];
+        zmx_surface *f = &z->surface[i];
         if (!isfinite(f->thickness) && i < z->count - 1)
             tree_fail(z->s, f->thickness_line, "DISZ", "surface %zu is infinitely far from the next", i);
         if (f->type->write)
@@ -427,4 +552,5 @@ void sgt_zmx_write_surfaces(zmx *z, node *root)
             write_break(z, list, f);
     }
     tree_set(z->s, root, "surfaces", list);
+    write_expressions(z);
 }

@@ -57,11 +57,47 @@ static void read_stop(zmx *z)
     z->stop = z->count - 1, z->stop_line = z->lines.line;
 }
 
-/* CURV c solve ...: solves 0 and 1 are a fixed number and a variable. */
+/* What a record picks up: from scale offset column; another column than its own is not followed. */
+static void read_pick(zmx *z, zmx_picked what, size_t parm)
+{
+    zmx_surface *f = current(z);
+    const double from = sgt_zmx_number_or(z, -1);
+    zmx_pick p = {.what = what, .parm = parm, .line = z->lines.line, .key = z->row->key};
+    p.scale = sgt_zmx_number_or(z, 1), p.offset = sgt_zmx_number_or(z, 0);
+    if (!(from >= 0 && from < (double)z->count) || from != floor(from) || sgt_zmx_number_or(z, 0) != 0) {
+        sgt_zmx_tally(z, ZMX_SOLVES, p.line, p.key);
+        return;
+    }
+    p.from = (size_t)from;
+    f->pick = tree_grow(z->s, f->pick, f->picks, &f->pick_room, sizeof *f->pick);
+    f->pick[f->picks++] = p;
+}
+
+/* CURV c solve ...: solves 0 and 1 are a fixed number and a variable, 4 is a pickup: from scale. */
 static void read_curvature(zmx *z)
 {
     current(z)->curvature = sgt_zmx_number(z), current(z)->curvature_line = z->lines.line;
-    if (sgt_zmx_number_or(z, 0) > 1) sgt_zmx_tally(z, ZMX_SOLVES, z->lines.line, "CURV");
+    const double how = sgt_zmx_number_or(z, 0);
+    if (how == 4) read_pick(z, ZMX_PICK_CURVATURE, 0);
+    else if (how > 1) sgt_zmx_tally(z, ZMX_SOLVES, z->lines.line, "CURV");
+}
+
+/* MAZH height zone: where the marginal ray of a zone of the pupil has a height.  Height 0 of zone 0, the
+ * paraxial one, is the paraxial focus. */
+static void read_marginal(zmx *z)
+{
+    if (sgt_zmx_number_or(z, 1) == 0 && sgt_zmx_number_or(z, 0) == 0) current(z)->focus_line = z->lines.line;
+    else sgt_zmx_tally(z, ZMX_SOLVES, z->lines.line, "MAZH");
+}
+
+static void read_thickness_pickup(zmx *z) { read_pick(z, ZMX_PICK_THICKNESS, 0); }
+
+/* PPAR parm from scale offset column */
+static void read_parm_pickup(zmx *z)
+{
+    const double parm = sgt_zmx_number_or(z, 0);
+    if (parm >= 1 && parm <= ZMX_PARMS && parm == floor(parm)) read_pick(z, ZMX_PICK_PARM, (size_t)parm);
+    else sgt_zmx_tally(z, ZMX_SOLVES, z->lines.line, "PPAR");
 }
 
 /* INFINITY, in either case of letters and with a sign. */
@@ -241,12 +277,12 @@ static const zmx_record surface_rows[] = {
     {"SPID", ZMX_LEFT, NULL, 0},
     {"UDAD", ZMX_LEFT, NULL, 0},
     {"COAT", ZMX_LEFT, NULL, 0},
-    {"MAZH", ZMX_SOLVE, NULL, 0},
+    {"MAZH", ZMX_FREE, read_marginal, 0},
     {"CHZH", ZMX_SOLVE, NULL, 0},
     {"EDGE", ZMX_SOLVE, NULL, 0},
-    {"PZUP", ZMX_SOLVE, NULL, 0},
+    {"PZUP", ZMX_FREE, read_thickness_pickup, 0},
     {"PKUP", ZMX_SOLVE, NULL, 0},
-    {"PPAR", ZMX_SOLVE, NULL, 0},
+    {"PPAR", ZMX_FREE, read_parm_pickup, 0},
 };
 
 _Static_assert(sizeof surface_rows / sizeof *surface_rows <= (size_t)ZMX_RECORDS, "zmx counts them");

@@ -16,9 +16,11 @@ static void take_of(void *into, const option_row *row, const char *value)
     map_of = (map_number)options_word(row, value);
 }
 
-static const option_row map_own = {
-    "of", "NUMBER", "what the picture shows: fate (the default), element, evals, t_err, condition",
-    OPTION_TAKE, .words = "fate element evals t_err condition", .take = take_of};
+static const option_row map_own[] = {
+    {"of", "NUMBER", "what the picture shows: fate (the default), element, evals, t_err, condition",
+     OPTION_TAKE, .words = "fate element evals t_err condition", .take = take_of},
+    {0},
+};
 
 static bool over_field(const look *l) { return ((const sgt_map_options *)l->options)->over == 1; }
 
@@ -133,7 +135,7 @@ static void draw_fates(const look *l)
 
 static exit_status map_run(const command *c, int argc, char *argv[])
 {
-    return look_run(c, &(look_way){.draw = draw_fates, .check = check_map, .own = &map_own}, argc, argv);
+    return look_run(c, &(look_way){.draw = draw_fates, .check = check_map, .own = map_own}, argc, argv);
 }
 
 const command command_map = {

@@ -148,11 +148,14 @@ static void take_again(void *into, const option_row *row, const char *value)
     const char *before = o->again ? o->again : "";
     const size_t size = strlen(before) + strlen(row->name) + (value ? strlen(value) : 0) + 8;
     char *all = memory_take(size, 1);
-    snprintf(all, size, value ? "%s --%s \"%s\"" : "%s --%s", before, row->name, value);
+    const char *quote = value && strchr(value, '"') ? "'" : "\"";
+    if (value) snprintf(all, size, "%s --%s %s%s%s", before, row->name, quote, value, quote);
+    else snprintf(all, size, "%s --%s", before, row->name);
     o->again = all;
     if (strcmp(row->name, "aim") == 0) o->aim_given = true, o->aimed = options_word(row, value);
     else if (strcmp(row->name, "glass") == 0) lens_glass_folder(value);
     else if (strcmp(row->name, "strict") == 0) lens_be_strict();
+    else if (strcmp(row->name, "set") == 0) lens_set(value);
     else o->no_apertures = true;
 }
 
@@ -225,6 +228,10 @@ static const option_row wavelength_rows[] = {
     {0},
 };
 static const option_row glass_rows[] = {
+    {"set", "PATH=VALUE",
+     "the lens with another value: surfaces[3].thickness=4.5, \"surfaces[front].glass=N-SF6\"\n"
+     "PATH is a place in the lens file (docs/lens_file.md#paths), VALUE is YAML.  May be repeated",
+     OPTION_TAKE, .take = take_again},
     {"glass", "PATH",
      "glasses of a catalogue (.agf, .yml, .csv) or a folder of them.  May be repeated\n"
      "They come before those that ship.  If several makers have a name, the first of the\n"
@@ -263,7 +270,7 @@ lens_list job_lenses(const job_options *o)
     if (!o->several && (o->all_wavelengths || o->wavelengths > 1))
         fail_usage("--wavelength: give one wavelength");
     if (o->all_wavelengths && o->wavelengths) fail_usage("give --wavelength all, or single ones, not both");
-    sgt_lens *of = lens_open(o->lens);
+    sgt_lens *of = o->of ? o->of : lens_open(o->lens);
     const lens_wavelength primary = {.um = (double)NAN};
     lens_list all = {.count = o->all_wavelengths ? of->wavelengths : o->wavelengths ? o->wavelengths : 1};
     all.lens = memory_take(all.count, sizeof *all.lens);

@@ -8,6 +8,7 @@
 
 typedef struct job_options {
     const char *lens, *rays;          /* files */
+    sgt_lens *of;                     /* the lens if it is there already; NULL: that of the file */
     sgt_lens_field *field;            /* --field, one after another */
     size_t fields, capacity;
     bool field_at;                    /* those of --field-at, not of --field */
@@ -26,7 +27,7 @@ typedef struct job_options {
     bool several;                     /* set by a command that takes several wavelengths */
     bool parts;                       /* set by a command that calls job_part */
     bool skip_bad, no_apertures;
-    char *again;                      /* --glass, --strict, --aim and --no-apertures as given; NULL: none */
+    char *again;                      /* --set, --glass, --strict, --aim, --no-apertures as given; or NULL */
     int threads;                      /* to read rays with; 0: one */
     double defocus;                   /* set by a command: moves the last element along its own z */
 } job_options;

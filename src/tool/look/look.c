@@ -8,6 +8,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <sagitta/edit.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,6 +77,8 @@ static option_row *look_settings(asking *to, option_row *row, const sgt_analysis
         const sgt_setting *s = sgt_analysis_setting(a, i);
         bool known = argument && strcmp(s->name, argument) == 0;
         for (size_t k = 0; k < to->settings; k++) known = known || strcmp(to->setting[k]->name, s->name) == 0;
+        for (const option_row *own = to->way->own; own && own->name; own++)
+            known = known || strcmp(own->name, s->name) == 0; /* over a number: --steps is of that */
         if (known) continue;
         *row++ = (option_row){s->name, value[s->kind], s->help, OPTION_TAKE, .to = to->settings,
                               .take = note_setting};
@@ -92,7 +95,7 @@ static const option_row *own_rows(asking *a)
                               .to = (size_t)(v - a->way->view), .take = note_view};
         row = look_settings(a, row, sgt_analysis_named(v->analysis), v->setting);
     }
-    if (a->way->own) *row = *a->way->own;
+    for (const option_row *own = a->way->own; own && own->name; own++) *row++ = *own;
     return all;
 }
 
@@ -261,6 +264,7 @@ static void begin_study(look *l, const job_points_asked *points, int *threads)
     sgt_error e;
     sgt_lens *of;
     const lens_list lenses = job_lenses(o);
+    static bool registered;
     l->band = lenses.lens, l->bands = lenses.count, of = lenses.lens[0].of;
     l->primary = of->wavelength ? lens_at(of, (lens_wavelength){.um = (double)NAN}) : lenses.lens[0];
     l->fields = job_fields(o, &l->primary);
@@ -285,8 +289,11 @@ static void begin_study(look *l, const job_points_asked *points, int *threads)
         .run = *threads > 1 ? in_threads : NULL, .context = threads};
     l->study = studies[0] = sgt_study_new(of, &options, &e);
     if (!l->study) lens_refuse(&e);
-    atexit(free_study);
-    atexit(wait_for_threads);
+    if (!registered) {
+        atexit(free_study);
+        atexit(wait_for_threads);
+    }
+    registered = true;
 }
 
 /* ---------------------------------------------------------------------- rows */
@@ -387,8 +394,9 @@ static void begin_table(printing *p)
 {
     look *l = p->look;
     char name[32], unit[32];
-    column *head = memory_take(l->of->columns, sizeof *head);
-    const char **units = memory_take(l->of->columns, sizeof *units);
+    column *head = memory_take(l->of->columns + 1, sizeof *head), *first = head;
+    const char **units = memory_take(l->of->columns + 1, sizeof *units), **first_unit = units;
+    if (l->over) *head++ = (column){"at", COLUMN_NUMBER}, *units++ = "";
     p->place = memory_take(l->of->columns, sizeof *p->place);
     p->column = memory_take(l->of->columns, sizeof *p->column);
     p->member = memory_take(l->of->columns, sizeof *p->member);
@@ -402,8 +410,8 @@ static void begin_table(printing *p)
         p->member[p->count] = member_of(p->column[p->count]);
         p->place[p->count++] = i;
     }
-    l->shared.target.unit = units;
-    l->table = table_begin(&l->shared.target, p->count, head);
+    l->shared.target.unit = first_unit;
+    l->table = table_begin(&l->shared.target, p->count + l->over, first);
 }
 
 /* In text a number that rounding alone may have made is 0. */
@@ -411,6 +419,10 @@ static void keep_row(look *l, const void *row)
 {
     const size_t size = l->of->row_size;
     if (l->rows == l->room) l->room = 2 * l->room + 64, l->row = memory_grow(l->row, l->room, size);
+    if (l->over) {
+        l->row_at = memory_room(l->row_at, l->rows, &l->row_at_room, sizeof *l->row_at);
+        l->row_at[l->rows] = l->at;
+    }
     memcpy(l->row + l->rows++ * size, row, size);
 }
 
@@ -475,10 +487,11 @@ static void print_row(void *context, const void *row)
     look *l = p->look;
     const size_t size = l->of->row_size;
     if (l->picture) keep_row(l, row);
-    if (table_put_members(l->table, p->member, row)) return;
+    if (!l->over && table_put_members(l->table, p->member, row)) return;
     const bool together = p->wavelength && number_at(row, p->wavelength->offset) == SGT_ALL_WAVELENGTHS;
     if (together && l->bands == 1 && l->shared.target.format == TABLE_TEXT) return;
     if (new_group(p, row)) table_gap(l->table);
+    if (l->over) table_number(l->table, l->at);
     for (size_t i = 0; i < p->count; i++) put_column(p, p->column[i], row);
     if (!p->before) p->before = memory_take(size, 1);
     memcpy(p->before, row, size);
@@ -487,6 +500,7 @@ static void print_row(void *context, const void *row)
 static void take_sentence(void *context, sgt_remark_of_study kind, const char *sentence)
 {
     printing *p = context;
+    if (p->look->step) return; /* it was said at the first */
     if (kind == SGT_STUDY_NOTE) {
         note("%s", sentence);
         return;
@@ -509,27 +523,62 @@ static void keep_ends(void *context, size_t field, size_t surface, size_t wavele
     e->count += count;
 }
 
+static void add_fates(sgt_fates *sum, const sgt_fates *f)
+{
+    sum->rays += f->rays, sum->passed += f->passed, sum->missed += f->missed, sum->clipped += f->clipped;
+    sum->tir += f->tir, sum->lost += f->lost, sum->none += f->none, sum->proven += f->proven;
+}
+
+/* The study at each value of the number, each of a copy of the lens. */
+static void run_over(look *l, const job_points_asked *points, printing *p, const sgt_sink *sink, int *threads)
+{
+    const look_over *over = p->way->over;
+    const int steps = *over->steps;
+    sgt_lens *base = lens_open(l->job.lens);
+    sgt_fates sum = {.rays = 0};
+    sgt_error e;
+    if (isnan(*over->from) || isnan(*over->to)) fail_usage("--over goes with --from and --to");
+    for (int i = 0; i < steps; i++) {
+        l->at = i + 1 == steps ? *over->to : *over->from + (*over->to - *over->from) * i / (steps - 1);
+        l->job.of = sgt_lens_copy(base, &e);
+        if (!l->job.of || !sgt_lens_set(lens_keep(l->job.of), *over->path, l->at, &e)) lens_refuse(&e);
+        free_study(), studies[0] = NULL;
+        begin_study(l, points, threads);
+        if (i == 0) begin_table(p);
+        l->step = (size_t)i;
+        lens_note_no_ranges();
+        if (!sgt_study_run(l->study, l->of, l->options, sink, &l->total, &e)) refuse(l, &e);
+        add_fates(&sum, &l->total.fates);
+    }
+    l->total.fates = sum;
+}
+
 exit_status look_run(const command *c, const look_way *way, int argc, char *argv[])
 {
-    look l = {.of = sgt_analysis_named(c->name)};
+    look l = {.of = sgt_analysis_named(way->over ? way->over->analysis : c->name), .over = way->over};
     printing p = {.look = &l, .way = way};
     sgt_sink sink = {.context = &p, .row = print_row, .say = take_sentence};
     sgt_error e;
     int threads;
+    if (!l.of) fail_usage("--figure: there is no analysis \"%s\"; see sagitta --help", way->over->analysis);
     take_options(&l, c, way, argc, argv);
     job_points_asked points = {.count = 0};
     if (!l.of->no_rays) points = job_points_of(&l.job, l.of->pattern);
     if (way->check) way->check(&l);
-    begin_study(&l, &points, &threads);
-    if (l.picture && way->ends) {
-        const sgt_list *defocus =
-            (const void *)((const char *)l.options + offsetof(sgt_spot_options, defocus));
-        l.surfaces = defocus->count ? defocus->count : 1;
-        l.ends = memory_take(l.fields.count * l.surfaces * l.bands, sizeof *l.ends);
-        sink.ends = keep_ends;
+    if (l.over) {
+        run_over(&l, &points, &p, &sink, &threads);
+    } else {
+        begin_study(&l, &points, &threads);
+        if (l.picture && way->ends) {
+            const sgt_list *defocus =
+                (const void *)((const char *)l.options + offsetof(sgt_spot_options, defocus));
+            l.surfaces = defocus->count ? defocus->count : 1;
+            l.ends = memory_take(l.fields.count * l.surfaces * l.bands, sizeof *l.ends);
+            sink.ends = keep_ends;
+        }
+        begin_table(&p);
+        if (!sgt_study_run(l.study, l.of, l.options, &sink, &l.total, &e)) refuse(&l, &e);
     }
-    begin_table(&p);
-    if (!sgt_study_run(l.study, l.of, l.options, &sink, &l.total, &e)) refuse(&l, &e);
     for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
     look_verdict(&l);
     table_end(l.table);

@@ -32,15 +32,28 @@ typedef struct look {
     size_t rows, room;
     look_ends *ends;            /* [fields * surfaces * bands] if the picture wants them */
     size_t surfaces;
+    /* over a number of the lens (over.c) */
+    bool over;
+    double at, *row_at;         /* its value now, and at each row that is kept */
+    size_t step, row_at_room;   /* from 0 */
 } look;
 
 /* An option that makes another analysis of it: "--zernike 10" is the analysis zernike with terms 10. */
 typedef struct look_view { const char *option, *analysis, *setting, *help; } look_view;
 
+/* An analysis asked at each of several values of a number of the lens; its rows begin with the value. */
+typedef struct look_over {
+    const char *analysis;
+    const char **path;
+    double *from, *to;          /* NaN: not given */
+    int *steps;
+} look_over;
+
 /* What a subcommand adds to its analysis. */
 typedef struct look_way {
     const look_view *view;      /* ends with {NULL} */
-    const option_row *own;      /* an option that only the picture has; NULL: none */
+    const option_row *own;      /* options of the command's own; ends with {NULL}.  NULL: none */
+    const look_over *over;      /* what is asked again and again; NULL: nothing */
     bool ends;                  /* the picture wants the rays of a spot */
     void (*check)(look *l);     /* before anything is read; a fault ends the command.  NULL: none */
     void (*draw)(const look *l); /* NULL: as draw_x and draw_y of the analysis say */
@@ -91,6 +104,9 @@ void look_verdict(const look *l);
 
 /* (curves.c) A panel for each field (or one), a curve for each wavelength: draw_y against draw_x. */
 void look_draw_curves(const look *l);
+
+/* (curves.c) The column of a name against the value of the path. */
+void look_draw_over(const look *l, const char *path, const char *figure);
 
 /* (help.c) Prints the columns: context is a look_help. */
 typedef struct look_help { const sgt_analysis *of; const look_view *view; } look_help;

@@ -9,6 +9,7 @@
 #include "earth.h"
 
 #include <math.h>
+#include <sagitta/edit.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -123,9 +124,36 @@ bool lens_formula_of(sgt_surface s, const char **text, const sgt_named **paramet
     return false;
 }
 
+/* --------------------------------------------------------------- what is set */
+
+static sgt_edit *edit;
+static size_t edits, edit_capacity;
+
+/* Where the path ends: the first = that is not in brackets. */
+static const char *end_of_path(const char *text)
+{
+    int open = 0;
+    for (; *text && (*text != '=' || open); text++) open += (*text == '[') - (*text == ']');
+    return *text ? text : NULL;
+}
+
+void lens_set(const char *text)
+{
+    const char *end = end_of_path(text);
+    if (!end || end == text)
+        fail_usage("--set must be PATH=VALUE, as surfaces[3].thickness=4.5, not \"%s\"", text);
+    edit = memory_room(edit, edits, &edit_capacity, sizeof *edit);
+    edit[edits++] = (sgt_edit){.kind = SGT_EDIT_SET_TEXT, .path = memory_text(text, (size_t)(end - text)),
+                               .text = end + 1};
+}
+
 static bool strict;
 
 void lens_be_strict(void) { strict = true; }
+
+static bool no_ranges;
+
+void lens_note_no_ranges(void) { no_ranges = true; }
 
 /* Notes each glass that is used outside its range at the wavelength, once. */
 static void note_ranges(const lens *l)
@@ -136,6 +164,7 @@ static void note_ranges(const lens *l)
         if (!sgt_lens_glass(l->of, i, &g, &line) || sgt_glass_covers(&g, l->wavelength)) continue;
         if (before.name && strcmp(before.name, g.name) == 0) continue;
         static const char words[] = "%s:%zu: glass: %g micrometres is outside the range of %s, %g to %g";
+        if (no_ranges && !strict) return;
         if (strict) fail_input(words, l->of->file, line, l->wavelength, g.name, g.from, g.to);
         note(words, l->of->file, line, l->wavelength, g.name, g.from, g.to);
         before = g;
@@ -208,7 +237,9 @@ sgt_lens *lens_open(const char *path)
         of = sgt_lens_read(path, &o, &e);
     }
     if (!of) lens_refuse(&e);
-    note_remarks(lens_keep(of));
+    lens_keep(of);
+    if (edits && !sgt_lens_edit(of, edits, edit, &e)) lens_refuse(&e);
+    note_remarks(of);
     return of;
 }
 

@@ -30,6 +30,9 @@ void lens_configuration(int number);
 /* --strict: what a reader leaves out, and a wavelength outside the range of a glass, are errors. */
 void lens_be_strict(void);
 
+/* --set: PATH=VALUE, one after another; all are made together of each lens that is opened. */
+void lens_set(const char *text);
+
 /* From now on what a reader remarks of a lens is not printed.  Errors, and what --strict refuses, are. */
 void lens_be_quiet(void);
 bool lens_quiet(void);
@@ -40,6 +43,7 @@ sgt_lens *lens_open(const char *path);
 
 /* The lens at a wavelength.  Notes glasses that are used outside their ranges. */
 lens lens_at(sgt_lens *of, lens_wavelength at);
+void lens_note_no_ranges(void); /* from now on */
 
 /* The same of text; nothing is noted. */
 lens lens_of_text(const char *name, const char *text);

@@ -1,0 +1,111 @@
+/* references.c - pickups go on meaning the same surface when others come, go or change places.
+ *
+ * A pickup names a surface by its number.  Before the list changes the entry that is meant is noted, and
+ * behind it the number is written anew; so its other words stay as they are.  A name goes on meaning what is
+ * called so.  What is picked up and removed is a fault: another surface would take its number. */
+#include "edit.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct gathering {
+    const editing *e;
+    references found;
+    node *in;
+    size_t base; /* where the path behind `in` begins */
+    places known;
+    char text[SGT_PATH_SIZE];
+} gathering;
+
+static bool lies(const node *entry)
+{
+    for (size_t i = 0; entry->kind == NODE_MAP && i < entry->count; i++)
+        if (strcmp(entry->key[i]->text, "type") == 0)
+            return entry->item[i]->kind == NODE_SCALAR && strcmp(entry->item[i]->text, "break") == 0;
+    return false;
+}
+
+/* A pickup that names an entry of `surfaces` by its number. */
+static void gather_pickup(gathering *g, node *map, size_t key)
+{
+    const editing *e = g->e;
+    const node *from = map->item[key];
+    char why[PATH_WHY];
+    way p;
+    spot at;
+    if (from->kind != NODE_SCALAR || !sgt_path_read(&p, from->text, why) || p.count < 2) return;
+    if (!(sgt_step_is(&p.step[0], "surfaces") || sgt_step_is(&p.step[0], "breaks"))) return;
+    p.known = &g->known;
+    if (!sgt_path_find(e->s->root, &p, 2, &at, why)) return;
+    references *r = &g->found;
+    const char *rest = strchr(from->text, ']');
+    if (p.step[1].text) rest = NULL; /* by its name: nothing to write anew */
+    r->at = tree_grow(e->s, r->at, r->count, &r->room, sizeof *r->at);
+    r->at[r->count++] = (reference){.map = map,
+                                    .pickup = key,
+                                    .entry = at.is,
+                                    .in = g->in,
+                                    .rest = rest ? rest + 1 : NULL,
+                                    .own = tree_text(e->s, g->text + g->base, strlen(g->text + g->base)),
+                                    .path = tree_text(e->s, g->text, strlen(g->text))};
+}
+
+static void gather(gathering *g, node *n, size_t length, int depth)
+{
+    enum { DEPTH = 32 };
+    if (n->kind == NODE_SCALAR || depth > DEPTH) return;
+    const bool surfaces = depth == 1 && n->kind == NODE_LIST && strcmp(g->text, "surfaces") == 0;
+    for (size_t i = 0, breaks = 0; i < n->count; i++) {
+        const size_t room = sizeof g->text - length;
+        const bool key = n->kind == NODE_MAP, is_break = surfaces && lies(n->item[i]);
+        size_t more = length;
+        if (is_break)
+            more = (size_t)snprintf(g->text, sizeof g->text, "breaks[%zu]", ++breaks);
+        else if (key)
+            more += (size_t)snprintf(g->text + length, room, "%s%s", depth ? "." : "", n->key[i]->text);
+        else
+            more += (size_t)snprintf(g->text + length, room, "[%zu]", i + 1 - breaks);
+        if (more >= sizeof g->text) more = sizeof g->text - 1;
+        if (surfaces) g->in = n->item[i], g->base = more;
+        if (key && strcmp(n->key[i]->text, "pickup") == 0) {
+            g->text[length] = 0;
+            gather_pickup(g, n, i);
+        } else {
+            gather(g, n->item[i], more, depth + 1);
+        }
+        if (surfaces)
+            memcpy(g->text, "surfaces", 9), g->in = NULL, g->base = 0;
+        else
+            g->text[length] = 0;
+    }
+}
+
+references sgt_edit_references(const editing *e)
+{
+    gathering g = {.e = e, .known = sgt_path_places(e->s, e->s->root)};
+    gather(&g, e->s->root, 0, 0);
+    return g.found;
+}
+
+void sgt_edit_refer(const editing *e, const references *all)
+{
+    if (!all->count) return;
+    const node *list = sgt_edit_surfaces(e);
+    uint32_t surfaces = 0, breaks = 0;
+    for (size_t i = 0; i < list->count; i++) /* its new number, for a while */
+        if (list->item[i]->kind == NODE_MAP)
+            list->item[i]->expression = lies(list->item[i]) ? ++breaks : ++surfaces;
+    for (size_t i = 0; i < all->count; i++) {
+        const reference *r = &all->at[i];
+        if (r->in && !r->in->expression) continue; /* it went with its own surface */
+        if (!r->entry->expression)
+            sgt_edit_refuse(e, "%s picks up %s, which would be gone", r->path, r->map->item[r->pickup]->text);
+        if (!r->rest) continue;
+        const char *text = tree_print(e->s, "%s[%u]%s", lies(r->entry) ? "breaks" : "surfaces",
+                                      (unsigned)r->entry->expression, r->rest);
+        node *word = tree_word(e->s, r->map->item[r->pickup]->line, text);
+        word->quoted = true;
+        r->map->item[r->pickup] = word;
+    }
+    for (size_t i = 0; i < list->count; i++) list->item[i]->expression = 0;
+}
