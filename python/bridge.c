@@ -311,7 +311,7 @@ void sagitta_function_begin(sagitta_function *of, asker *ask, double ball, const
 
 /* --------------------------------------------------------------------- the calls */
 
-typedef enum task { INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE } task;
+typedef enum task { INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE, VALUES } task;
 
 typedef struct sagitta_call {
     int    task;
@@ -427,6 +427,24 @@ static size_t gradient_of(sagitta_call *c, size_t i, sgt_passage *passage)
     return 1;
 }
 
+/* F at the points rays.o, to hits.t, and its gradient, to hits.n. */
+static void values_at(const sagitta_call *c, size_t from, size_t n)
+{
+    const sgt_surface_ops *ops = c->surface.ops;
+    for (size_t i = from; i < from + n; i += BLOCK) {
+        size_t many = from + n - i < BLOCK ? from + n - i : BLOCK;
+        sgt_points at;
+        sgt_values out = {.f = c->hits.t + i};
+        for (int k = 0; k < 3; k++) at.p[k] = c->rays.o[k] + i, out.grad[k] = c->hits.n[k] + i;
+        if (ops->values) ops->values(c->surface.self, many, at, out);
+        for (size_t j = 0; j < many && !ops->values; j++) {
+            sgt_vec3 p = {at.p[0][j], at.p[1][j], at.p[2][j]}, gradient;
+            out.f[j] = ops->value(c->surface.self, p, &gradient);
+            out.grad[0][j] = gradient.x, out.grad[1][j] = gradient.y, out.grad[2][j] = gradient.z;
+        }
+    }
+}
+
 /* Some rays of a call.  false: no memory. */
 static bool part(sagitta_call *c, size_t from, size_t n)
 {
@@ -459,6 +477,7 @@ static bool part(sagitta_call *c, size_t from, size_t n)
         c->met += sgt_leave_batch(c->surface, n, starts_at(&c->starts, from), hits_at(&c->hits, from),
                                   c->side ? c->side + from : NULL, c->opt);
         break;
+    case VALUES: values_at(c, from, n); break;
     case CHECK: c->fault = (int)sgt_check(c->surface, n, c->ray + from, c->where); break;
     }
     free(work);

@@ -8,8 +8,15 @@ user edits, rays are arrays x, y, z, L, M, N, and every surface remembers where 
 loop over the surfaces and ask each for a distance.  Here the loop only describes them; sgt_trace_batch traces
 all rays through all surfaces, and keeps them in the processor's cache on the way.
 """
+from __future__ import annotations
+
+from typing import Any, Optional, Sequence
+
 import numpy as np
 import sagitta
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
 
 
 class Surface:
@@ -17,25 +24,24 @@ class Surface:
 
     def __init__(
         self,
-        radius=np.inf,
-        thickness=0.0,
-        index=None,
-        conic=0.0,
-        coefficients=(),
-        semi_diameter=0.0,
-        is_stop=False,
-        mirror=False,
-    ):
+        radius: float = np.inf,
+        thickness: float = 0.0,
+        index: Optional[float] = None,
+        conic: float = 0.0,
+        coefficients: Sequence[float] = (),
+        semi_diameter: float = 0.0,
+        is_stop: bool = False,
+        mirror: bool = False,
+    ) -> None:
         self.radius, self.thickness, self.index, self.conic = radius, thickness, index, conic
         self.coefficients, self.semi_diameter = list(coefficients), semi_diameter
         self.is_stop, self.mirror = is_stop, mirror
-        self.x = self.y = self.z = self.L = self.M = self.N = self.opd = None
+        self.x = self.y = self.z = self.L = self.M = self.N = self.opd = np.empty(0)
 
-    def element(self):
+    def element(self) -> sagitta.Element:
+        shape: sagitta.Surface = sagitta.Conic(self.radius, self.conic)
         if self.coefficients:
-            shape = sagitta.EvenAsphere(radius=self.radius, conic=self.conic, coefficients=self.coefficients)
-        else:
-            shape = sagitta.Conic(radius=self.radius, conic=self.conic)
+            shape = sagitta.EvenAsphere(self.radius, self.conic, self.coefficients)
         return sagitta.Element(
             shape,
             thickness=self.thickness,
@@ -49,30 +55,32 @@ class Surface:
 class Optic:
     """A row of surfaces; the last is the image."""
 
-    def __init__(self, epd=0.0, fields=(0.0,)):
-        self.surfaces, self.epd, self.fields = [], epd, list(fields)
-        self._lens = self._state = None
+    def __init__(self, epd: float = 0.0, fields: Sequence[float] = (0.0,)) -> None:
+        self.surfaces: list[Surface] = []
+        self.epd, self.fields = epd, list(fields)
+        self._lens: Optional[sagitta.Lens] = None
+        self._state: Any = None
 
-    def add_surface(self, **keys):
+    def add_surface(self, **keys: Any) -> Optic:
         self.surfaces.append(Surface(**keys))
         return self
 
     @property
-    def lens(self):
+    def lens(self) -> sagitta.Lens:
         """The library's lens, made anew only if something has been edited."""
         elements = [s.element() for s in self.surfaces]
-        state = (repr(elements), self.epd, repr(self.fields))
-        if state != self._state:
+        state = (elements, self.epd, list(self.fields))
+        if self._lens is None or state != self._state:
             self._lens = sagitta.Lens(elements, pupil={"semi_diameter": self.epd / 2}, fields=self.fields)
             self._state = state
         return self._lens
 
-    def trace(self, field=1, rays=6, pattern="hexapolar"):
+    def trace(self, field: int = 1, rays: int = 6, pattern: str = "hexapolar") -> sagitta.Traced:
         """Rays of a field; afterwards each surface has the global points and directions."""
         launched = self.lens.launch(field, pattern, rays)
         return self.trace_rays(*launched.o, *launched.d)
 
-    def trace_rays(self, x, y, z, L, M, N):
+    def trace_rays(self, x: Floats, y: Floats, z: Floats, L: Floats, M: Floats, N: Floats) -> sagitta.Traced:
         traced = self.lens.trace((x, y, z), (L, M, N), passages=("p", "direction", "opl"))
         for i, (surface, passage) in enumerate(zip(self.surfaces, traced.passages)):
             vertex, _ = self.lens.vertex(i)  # no surface is tilted here
@@ -81,20 +89,20 @@ class Optic:
             surface.opd = passage.opl
         return traced
 
-    def focal_length(self):
+    def focal_length(self) -> float:
         return self.lens.first_order().efl
 
-    def rms_spot(self, field=1):
+    def rms_spot(self, field: int = 1) -> float:
         return float(self.lens.spot(field, rays=6, reference="centroid").rms[0])
 
-    def gradient(self, field, surface, name):
+    def gradient(self, field: int, surface: int, name: str) -> float:
         """d(mean square of the spot) / d(radius, conic, thickness ...) of a surface."""
         there = self.lens.sensitivity(self.lens.launch(field), of=("x", "y"))
         centred = there.value - there.value.mean(axis=1, keepdims=True)
         return float(2 * (centred * there.by(surface, name)).sum(axis=0).mean())
 
 
-def cooke_triplet():
+def cooke_triplet() -> Optic:
     optic = Optic(epd=10, fields=[0, 14, 20])
     for radius, thickness, index, semi in (
         (22.01359, 3.25896, 1.62261, 9.5),
@@ -110,7 +118,7 @@ def cooke_triplet():
     return optic.add_surface()
 
 
-def main():
+def main() -> None:
     optic = cooke_triplet()
     traced = optic.trace(1)
     print(f"{len(optic.surfaces)} surfaces, {int(traced.through.sum())} of {len(traced)} rays at the image")

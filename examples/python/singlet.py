@@ -8,16 +8,22 @@ What is to vanish is how far from where they ought to be 91 rays of each of two 
 Lens.sensitivity() gives the Jacobian in one sweep backward: no ray is traced again, and no step of a
 difference has to be chosen.
 """
+from __future__ import annotations
+
+from typing import Any, Sequence
+
 import numpy as np
 import sagitta
-from sagitta import Element, Lens, Plane
+from numpy.typing import NDArray
+from sagitta import Element, Lens, Plane, Sensitivity
 from scipy.optimize import least_squares
 
+Floats = NDArray[np.float64]
 FOCAL, INDEX, FIELDS = 100.0, 1.5168, np.radians([0, 1])
 START = (0.005, -0.005, 0.0, 95.0)
 
 
-def lens_of(v):
+def lens_of(v: Sequence[float] | Floats) -> Lens:
     front, rear, conic, back = v
     return Lens(
         [
@@ -30,7 +36,7 @@ def lens_of(v):
     )
 
 
-def launched():
+def launched() -> tuple[Floats, Floats, Floats]:
     """Rays of all fields through the stop, and where each ought to end."""
     at = lens_of(START).launch(1, "hexapolar", 5)
     stop = 10 * np.array([at.px, at.py, 0 * at.px])
@@ -39,16 +45,16 @@ def launched():
     return np.hstack([stop - 10 * v for v in d]), np.hstack(d), np.hstack(wanted)
 
 
-def main():
+def main() -> tuple[Lens, Any]:
     o, d, wanted = launched()
 
-    def ends(v):
+    def ends(v: Sequence[float] | Floats) -> Sensitivity:
         return lens_of(v).sensitivity(o, d, ("x", "y"))
 
-    def miss(v):
+    def miss(v: Sequence[float] | Floats) -> Floats:
         return (ends(v).value - wanted).ravel()
 
-    def jacobian(v):
+    def jacobian(v: Floats) -> Floats:
         found = ends(v)
         variables = ((1, "curvature"), (2, "curvature"), (2, "conic"), (2, "thickness"))
         return np.array([found.by(*v).ravel() for v in variables]).T
@@ -56,13 +62,13 @@ def main():
     found = least_squares(miss, START, jac=jacobian, x_scale=[0.01, 0.01, 1, 100])
     lens = lens_of(found.x)
     print(f"{found.nfev} evaluations: rms {rms(miss(START)):.3g} -> {rms(found.fun):.3g}")
-    front, rear = (lens.elements[i].surface for i in (1, 2))
-    print(f"radii {front.radius:.2f}, {rear.radius:.2f}, conic {rear.conic:.2f}; image at {found.x[3]:.2f}")
+    front, rear, conic, back = found.x
+    print(f"radii {1 / front:.2f}, {1 / rear:.2f}, conic {conic:.2f}; image at {back:.2f}")
     print(f"focal length {lens.first_order().efl:.2f}")
     return lens, found
 
 
-def rms(x):
+def rms(x: Floats) -> float:
     return float(np.sqrt(np.mean(x * x)))
 
 

@@ -21,7 +21,8 @@ from .function import Function
 from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Parabasal, Rays, Remark, Seidel
 from .lens import Sensitivity
 from .optimise import Variables
-from .results import Aimed, Crossings, Fate, Hit, Hits, Passage, Status, Traced
+from ._calls import Options
+from .results import Aimed, Crossing, Crossings, End, Fate, Hit, Hits, Passage, Passed, Status, Traced
 from .study import Answer, Fates
 from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
 from .surfaces import *  # noqa: F401,F403
@@ -36,9 +37,11 @@ __all__ = [
     "ArithmeticFault",
     "Beam",
     "Check",
+    "Crossing",
     "Crossings",
     "Diagnosis",
     "Element",
+    "End",
     "Fate",
     "Fates",
     "Fault",
@@ -54,8 +57,10 @@ __all__ = [
     "Lens",
     "LensError",
     "LevelGravity",
+    "Options",
     "Parabasal",
     "Passage",
+    "Passed",
     "Prepared",
     "Rays",
     "Remark",
@@ -67,4 +72,5 @@ __all__ = [
     "Traced",
     "Variables",
     "Verdict",
-] + _surfaces.__all__
+]
+__all__ += _surfaces.__all__

@@ -3,15 +3,18 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import inspect
 import math
 import threading
-from typing import Any, Callable, Generic, Optional, Sequence, TypeVar, Union
+from typing import Any, Callable, Generic, Literal, Optional, Sequence, TypedDict, TypeVar, Union
 
 from . import _library as C
 from ._arrays import Columns, RayArrays
 
-PICKS = {None: 0, "default": 0, "first": 1, "near-seed": 2}
-PROOFS = {None: 0, "estimate": 0, "root": 1, "first": 2}
+Pick = Literal["default", "first", "near-seed"]
+Proof = Literal["estimate", "root", "first"]
+PICKS: dict[Optional[str], int] = {None: 0, "default": 0, "first": 1, "near-seed": 2}
+PROOFS: dict[Optional[str], int] = {None: 0, "estimate": 0, "root": 1, "first": 2}
 
 # A block is 64 rays.  So many of them are under way at once if Python is asked for F.  More of them are more
 # points a call, and more than the processor's caches hold: of a gyroid by numpy 64, 128 and 256 blocks cost 50,
@@ -25,6 +28,51 @@ def of_words(value: Optional[str], words: dict[Optional[str], int], name: str) -
     except (KeyError, TypeError):
         known = ", ".join(repr(w) for w in words if w is not None)
         raise ValueError(f"{name}: must be one of {known}, not {value!r}") from None
+
+
+class Proofs(TypedDict, total=False):
+    """The options of the solver (sgt_options of sagitta.h), of a call that takes no root rather than another.
+
+    proof       "estimate", "root" (exactly one root within t_err) or "first" (and none before it)
+    t_tol, f_tol, dt_min, max_evals     as in sgt_options
+    """
+
+    proof: Optional[Proof]
+    t_tol: float
+    f_tol: float
+    dt_min: float
+    max_evals: int
+
+
+class Options(Proofs, total=False):
+    """All of them.
+
+    pick        "first", or "near-seed": the root that the surface's own guess leads to
+    """
+
+    pick: Optional[Pick]
+
+
+DEFAULTS: dict[str, Any] = {
+    "pick": None, "proof": None, "t_tol": 0.0, "f_tol": 0.0, "dt_min": 0.0, "max_evals": 0
+}
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def takes(options: Any) -> Callable[[F], F]:
+    """The signature of such a call with all options by their names, for help() and for editors."""
+
+    def shown(f: F) -> F:
+        own = inspect.signature(f)
+        parameters = [x for x in own.parameters.values() if x.kind is not inspect.Parameter.VAR_KEYWORD]
+        for name, hint in options.__annotations__.items():
+            hint = getattr(hint, "__forward_arg__", hint)
+            kind = inspect.Parameter.KEYWORD_ONLY
+            parameters.append(inspect.Parameter(name, kind, default=DEFAULTS[name], annotation=hint))
+        f.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
+        return f
+
+    return shown
 
 
 @functools.lru_cache(maxsize=256)
@@ -50,19 +98,16 @@ def _options(
     )
 
 
-def options(
-    pick: Optional[str] = None,
-    proof: Optional[str] = None,
-    t_tol: float = 0.0,
-    f_tol: float = 0.0,
-    dt_min: float = 0.0,
-    max_evals: int = 0,
-) -> Optional[C.Options]:
-    """The options of a call; None: all are the defaults."""
-    if pick is None and proof is None and not t_tol and not f_tol and not dt_min and not max_evals:
+def options(given: Any, of: Any = Options) -> Optional[C.Options]:
+    """The options of a call, by their names; None: all are the defaults."""
+    for name in given:
+        if name not in of.__annotations__:
+            raise TypeError(f"there is no option {name!r}; there are {', '.join(of.__annotations__)}")
+    chosen = {**DEFAULTS, **given}
+    if chosen == DEFAULTS:
         return None
     try:
-        return _options(pick, proof, t_tol, f_tol, dt_min, max_evals)
+        return _options(**chosen)
     except TypeError as error:
         if "unhashable" in str(error):
             raise TypeError("an option is neither a number nor a word") from None
@@ -129,7 +174,7 @@ def run(call: C.Call, n: int, threads: int, functions: Sequence[Any], void: Any 
 
 
 _run = C.library.sagitta_run
-Out = TypeVar("Out", bound=Columns)
+Out = TypeVar("Out", bound="Columns[Any]")
 
 
 class Prepared(Generic[Out]):

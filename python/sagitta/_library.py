@@ -646,7 +646,7 @@ class FormulaSag(Structure):
     _fields_ = [("tape", c_void_p), ("semi_diameter", c_double)]
 
 
-INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE = range(7)
+INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE, VALUES = range(8)
 
 
 class Call(Structure):

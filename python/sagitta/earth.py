@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import Any, Optional, Union
+from typing import Any, Hashable, Optional, Union
 
 from . import _library as C
 from .surface import ROWS, Catalogue, builtins_at
@@ -88,6 +88,9 @@ class GeodeticHeight(_Earth):
     h  m
     """
     type = "geodetic_height"
+    a: float
+    f: float
+    h: float
 
     def __init__(self, *, a: Optional[float] = None, f: Optional[float] = None,
                  h: Optional[float] = None) -> None:
@@ -101,6 +104,8 @@ class LevelGravity(_Earth):
     potential  m^2/s^2; instead of h
     """
     type = "level_gravity"
+    h: float
+    potential: float
 
     def __init__(self, *, h: Optional[float] = None, potential: Optional[float] = None) -> None:
         self._make(dict(h=h, potential=potential))
@@ -113,6 +118,8 @@ class Geoid(_Earth):
     h     m
     """
     type = "geoid"
+    h: float
+    _file: Optional[str]
 
     def __init__(self, *, file: Union[str, "os.PathLike[str]", None] = None,
                  h: Optional[float] = None) -> None:
@@ -125,11 +132,15 @@ class Geoid(_Earth):
     def _yaml(self) -> dict[str, Any]:
         return {**super()._yaml(), **({} if self._file is None else {"file": os.path.abspath(self._file)})}
 
+    def _key(self) -> Hashable:
+        return self._file, super()._key()
+
     def __reduce__(self) -> Any:
         return _geoid, (self._file, dict(self._given))
 
     def replace(self, **changes: Any) -> "Geoid":
-        return Geoid(**{"file": self._file, **self._given, **changes})
+        given: dict[str, Any] = {"file": self._file, **self._given, **changes}
+        return Geoid(**given)
 
 
 def _geoid(file: Optional[str], given: dict[str, Any]) -> Geoid:

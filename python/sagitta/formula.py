@@ -2,11 +2,11 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any
+from typing import TYPE_CHECKING, Any, Hashable
 
 from . import _library as C
 from ._arrays import doubles
-from .function import Inside, ball_and_box
+from .function import Inside, ball_and_box, ball_key
 from .surface import Surface
 
 
@@ -58,15 +58,17 @@ class _Written(Surface):
     formula: str
     given: dict[str, float]
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> float:
         if not name.startswith("_") and name in self.__dict__.get("given", {}):
             return self.given[name]
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
 
-    def __eq__(self, other: object) -> bool:
-        return type(self) is type(other) and self.__reduce__() == other.__reduce__()
+    @property
+    def _numbers(self) -> Hashable:
+        return frozenset((name, float(x)) for name, x in self.given.items())
 
-    __hash__ = None  # type: ignore[assignment]
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.given]
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -108,6 +110,9 @@ class Formula(_Written):
     def __reduce__(self) -> Any:
         return _again, (Formula, self.formula, {"inside": self.inside, **self.given})
 
+    def _key(self) -> Hashable:
+        return self.formula, self._numbers, ball_key(self.inside)
+
     def _yaml(self) -> dict[str, Any]:
         ball, lo, hi = ball_and_box(self.inside)
         inside: dict[str, Any] = {
@@ -148,6 +153,9 @@ class Sag(_Written):
 
     def __reduce__(self) -> Any:
         return _again, (Sag, self.formula, {"semi_diameter": self.semi_diameter, **self.given})
+
+    def _key(self) -> Hashable:
+        return self.formula, self._numbers, self.semi_diameter
 
     def _yaml(self) -> dict[str, Any]:
         rim = {"semi_diameter": self.semi_diameter} if self.semi_diameter else {}

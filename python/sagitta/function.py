@@ -3,13 +3,14 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from typing import Any, Callable, Optional, Sequence, Union
+from typing import Any, Callable, Hashable, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _library as C
-from ._arrays import Floats, doubles
+from ._arrays import doubles
+from ._tables import Floats
 from .surface import Surface
 
 Inside = Union[None, float, Sequence[Any], dict[str, Any]]
@@ -51,6 +52,11 @@ def ball_and_box(inside: Inside) -> tuple[float, Floats, Floats]:
                 "second, or three half sides"
             )
     return ball, box[0], box[1]
+
+
+def ball_key(inside: Inside) -> Hashable:
+    ball, lo, hi = ball_and_box(inside)
+    return ball, tuple(lo.tolist()), tuple(hi.tolist())
 
 
 class Function(Surface):
@@ -121,6 +127,12 @@ class Function(Surface):
             sum(1 << what for f, what in answers if f),
         )
         self._set(ctypes.addressof(memory), memory)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)  # (a class of a user's may have members of its own)
+
+    def _key(self) -> Hashable:
+        return self.values, self.rounding, self.clearance, self.enclose, ball_key(self.inside)
 
     def __reduce__(self) -> Any:
         return _again, (

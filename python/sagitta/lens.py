@@ -14,7 +14,7 @@ import os
 import pathlib
 import threading
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Collection, Iterable, Mapping, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,13 +22,22 @@ from numpy.typing import ArrayLike, NDArray
 from . import _calls
 from . import _library as C
 from .earth import lens_options
-from ._arrays import LARGE, Floats, RayArrays, VectorsLike, address, doubles, places_of
+from ._arrays import LARGE, RayArrays, VectorsLike, address, doubles, places_of
+from ._calls import Options
+from ._tables import Dims, Floats, Named, Table, Tabular, ray_axes
 from .function import Function
 from .optimise import variables
 from .results import Aimed, Fate, Later, Passage, Room, Status, Traced
 from .study import PATTERNS, Answer, Wavelength, add_to, field_number, points_of, wavelength_of, whole
 from .surface import BUILTINS, CLASSES, Surface
 from .surface import _read as _parameters_at
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._analyses import Analyses
+else:
+    Analyses = object  # study.py adds them
 
 _byref = ctypes.byref
 _pack_passing = C.packer(C.Passing)
@@ -184,8 +193,8 @@ def _text(x: Any) -> Any:
     raise TypeError(f"a lens file has no {type(x).__name__}")
 
 
-@dataclass
-class Remark:
+@dataclass(eq=False)
+class Remark(Named):
     """What a user should know of a lens that was read: of interest, "turned" into something else, "left
     out"."""
 
@@ -204,8 +213,8 @@ def _not_there(aimed: int, within: float) -> str:
     return f"no ray was found (none within {within:g} pupil radii; beyond that it is open)"
 
 
-@dataclass
-class Rays:
+@dataclass(eq=False)
+class Rays(Named, Tabular):
     """Rays of a field: o, d (3, n) as trace() wants them; the points of the unit circle of the pupil, with
     their weights; aimed (int32, Aimed): only where it is MET, o and d are a ray (else NaN).
     NO_SUCH_RAY is proven of all that the rims in front let through (analysis.h); else it is undecided.
@@ -221,6 +230,9 @@ class Rays:
     within: Floats
     wanted: Floats
 
+    def _table(self, dims: Dims) -> Table:
+        return vectors_of(self, ray_axes((len(self),), dims))
+
     def __len__(self) -> int:
         return len(self.px)
 
@@ -233,8 +245,8 @@ class Rays:
         ]
 
 
-@dataclass
-class FirstOrder:
+@dataclass(eq=False)
+class FirstOrder(Named):
     """Paraxial data (lens.h, sgt_first_order).  NaN: there is none: the focal length of an afocal lens.
 
     wavelength                      in um, or NaN
@@ -284,8 +296,8 @@ class FirstOrder:
     angular_magnification: float
 
 
-@dataclass
-class Parabasal:
+@dataclass(eq=False)
+class Parabasal(Named):
     """First-order data along the real chief ray of a field (analysis.h, sgt_field_parabasal), for lenses that
     are folded, tilted or freeform: in two sections, x and y.  Distances are along the ray, from the last
     element.  power_xy: how far the sections mix; if it is not 0, the rest is NaN.  why_not: why there are no
@@ -304,8 +316,8 @@ class Parabasal:
     why_not: str
 
 
-@dataclass
-class Seidel:
+@dataclass(eq=False)
+class Seidel(Named, Tabular):
     """The Seidel sums of each surface, as wavefronts (lens.h, sgt_seidel), or why there are none."""
 
     spherical: Floats
@@ -316,6 +328,10 @@ class Seidel:
     axial: Floats
     lateral: Floats
     why_not: str
+
+    def _table(self, dims: Dims) -> Table:
+        axes = ray_axes(self.spherical.shape, dims or "element")
+        return {name: (axes, a) for name, a in self.items() if name != "why_not"}
 
 
 @dataclass(frozen=True)
@@ -338,8 +354,8 @@ class Beam:
         return part[0] + part[1] * x + part[2] * y, part[3] + part[4] * x + part[5] * y
 
 
-@dataclass
-class Aims:
+@dataclass(eq=False)
+class Aims(Named, Tabular):
     """The ray of a beam through each wanted point.  aimed (Aimed): MET; NO_SUCH_RAY is proven; else
     UNDECIDED. u, v, o, d: the launch ray (NaN unless met).  miss: the exact ray meets the element within
     `miss` of the point. clipped: the first element whose aperture clips it, or -1."""
@@ -353,17 +369,28 @@ class Aims:
     miss: Floats
     clipped: NDArray[np.int64]
 
+    def _table(self, dims: Dims) -> Table:
+        return vectors_of(self, ray_axes(self.aimed.shape, dims))
+
+
+def vectors_of(result: Named, axes: tuple[str, ...]) -> Table:
+    """The members of a result; one with an axis more than `axes` is of vectors in rows."""
+    return {
+        name: ((("xyz" if len(a) == 3 else "xy",) if a.ndim > len(axes) else ()) + axes, a)
+        for name, a in result.items()
+    }
+
 
 OUTPUTS = ("x", "y", "z", "l", "m", "n", "opl")
 
 
-@dataclass
-class Sensitivity:
+@dataclass(eq=False)
+class Sensitivity(Named, Tabular):
     """The ends of rays and how they change.
 
     of          which numbers: x, y, z of the point on the last element and l, m, n of the direction behind
                 it, in its frame; opl
-    value       (rows, n): these numbers
+    value       (rows, n), n as the rays have it: these numbers
     gradient    (n, rows, parameters): the derivatives by all numbers of the trace (aim.h, sgt_trace_gradient)
     fate        (n,)
 
@@ -394,11 +421,23 @@ class Sensitivity:
         return np.asarray(self._at([lens._place(element, name)])[0])
 
     def _at(self, places: list[int]) -> Floats:
-        result: Floats = np.ascontiguousarray(self.gradient[:, :, places].transpose(2, 1, 0))
-        return result
+        flat = self.gradient.reshape(-1, *self.gradient.shape[-2:])
+        found: Floats = np.ascontiguousarray(flat[:, :, places].transpose(2, 1, 0))
+        return found.reshape(len(places), *self.value.shape)
+
+    def _table(self, dims: Dims) -> Table:
+        axes = ray_axes(self.fate.shape, dims)
+        return {
+            "value": (("of", *axes), self.value),
+            "gradient": ((*axes, "of", "parameter"), self.gradient),
+            "fate": (axes, self.fate),
+        }
+
+    def _coords(self) -> dict[str, Any]:
+        return {"of": list(self.of), "parameter": list(self._lens.parameters)}
 
 
-class Lens:
+class Lens(Analyses):
     """A row of elements, and how rays are launched into it.
 
     elements            a list of Element
@@ -694,26 +733,22 @@ class Lens:
         call._keep = (self, rays, row, option)
         return call
 
+    @_calls.takes(Options)
     def trace(
         self,
         o: Union[VectorsLike, Rays],
         d: Optional[VectorsLike] = None,
         *,
         wavelength: Wavelength = None,
-        passages: Union[bool, str, Sequence[str]] = False,
-        pick: Optional[str] = None,
-        proof: Optional[str] = None,
-        t_tol: float = 0.0,
-        f_tol: float = 0.0,
-        dt_min: float = 0.0,
-        max_evals: int = 0,
+        passages: Union[bool, str, Collection[str]] = False,
         threads: int = 1,
         axis: Optional[int] = None,
         out: Optional[Traced] = None,
+        **options: Unpack[Options],
     ) -> Traced:
         """Traces rays through all elements, in their order; the whole line of each ray counts.
 
-        o, d        as of Surface.intersect(); or the Rays of launch() alone
+        o, d        as of Surface.intersect(), of any shape; or the Rays of launch() alone
         wavelength  a whole number: that of the lens, from 1; a float: micrometres; None: the primary one
         passages    tell how each element was met, too: traced.passages[i].  By the names of what is wanted,
                     ("p", "opl"), it is found in the same trace.  True: all; then only status, p and opl are.
@@ -727,7 +762,7 @@ class Lens:
         >>> traced.passages[0], traced.passages[0].t
         (<Passage of 1 rays: t, p>, array([7.]))
         """
-        option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
+        option = _calls.options(options) if options else None
         rays = _rays(o, d, axis) if d is None or isinstance(o, Rays) else RayArrays(o, d, None, None, axis)
         if (
             out is not None
@@ -739,7 +774,7 @@ class Lens:
         ):
             return self._trace(rays, option, wavelength, _names_of(passages), passages is True, threads, out)
         row, before, at = wavelength is None and self._at.get(PRIMARY) or self._light(wavelength)
-        new: Traced = Traced._in_block(rays.n, _ALL, rays.axis)
+        new: Traced = Traced._in_block(rays.n, _ALL, rays.axis, rays.shape)
         given = 0 if option is None else ctypes.addressof(option)
         bad = _pass(
             _pack_passing(len(row), at, before, given, rays.n, new._base, _ALL.bits, 0, 0, 0, *rays.at)
@@ -764,7 +799,7 @@ class Lens:
         if out is not None:
             self._settle(out, rays, names, later)
         else:
-            out = Traced._make(rays.n, (), rays.axis)
+            out = Traced._make(rays.n, (), rays.axis, rays.shape)
             if later and not self._functions:
                 trace = self._again(rays, option, wavelength, threads)
                 room = Room(len(self), out, AT_ONCE, tuple(Later(group, trace) for group in LATER))
@@ -799,7 +834,7 @@ class Lens:
 
         def trace(names: tuple[str, ...]) -> list[Passage]:
             again = RayArrays(kept[:3], kept[3:], axis=0)
-            again.axis = rays.axis
+            again.axis, again.shape = rays.axis, rays.shape
             return self._trace(again, option, wavelength, names, False, threads, None).passages
 
         return trace
@@ -830,22 +865,18 @@ class Lens:
             call._listed = (listed, tuple(out.passages))  # their memory stays, whatever becomes of the list
         return call
 
+    @_calls.takes(Options)
     def prepare(
         self,
         o: Union[VectorsLike, Rays],
         d: Optional[VectorsLike] = None,
         *,
         wavelength: Wavelength = None,
-        passages: Union[bool, str, Sequence[str]] = False,
-        pick: Optional[str] = None,
-        proof: Optional[str] = None,
-        t_tol: float = 0.0,
-        f_tol: float = 0.0,
-        dt_min: float = 0.0,
-        max_evals: int = 0,
+        passages: Union[bool, str, Collection[str]] = False,
         threads: int = 1,
         axis: Optional[int] = None,
         out: Optional[Traced] = None,
+        **options: Unpack[Options],
     ) -> _calls.Prepared[Traced]:
         """The call of trace(), to be made many times, as Surface.prepare() has it of intersect().  It returns
         how many rays passed all elements.  Passages are written at each call, all that are asked for.
@@ -858,12 +889,12 @@ class Lens:
         >>> call(), call.out.passages[0].p[2]
         (1, array([2.]))
         """
-        option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
+        option = _calls.options(options)
         rays, names = _rays(o, d, axis), _names_of(passages)
         if out is not None:
             self._settle(out, rays, names, passages is True)
         else:
-            out = Traced._make(rays.n, (), rays.axis)
+            out = Traced._make(rays.n, (), rays.axis, rays.shape)
             out._passages = Room(len(self), out, names) if names else []
         done = out
         call = self._prepared(done, rays, option, wavelength)
@@ -942,7 +973,14 @@ class Lens:
         call.weight, call.gradient, call.ends = address(weight), address(gradient), address(ends)
         _calls.run(call, rays.n, threads, self._functions)
         value = np.ascontiguousarray(ends[:, [OUTPUTS.index(name) for name in names]].T)
-        return Sensitivity(names, value, gradient, out.fate, self)
+        shape = rays.shape or (rays.n,)
+        return Sensitivity(
+            names,
+            value.reshape(len(names), *shape),
+            gradient.reshape(*shape, len(names), m),
+            out.fate.reshape(shape),
+            self,
+        )
 
     # ------------------------------------------------------------------------- aiming
 
@@ -958,7 +996,8 @@ class Lens:
         max_boxes: int = 0,
         threads: int = 1,
     ) -> Aims:
-        """The rays of a beam that meet an element at wanted points (x, y) of its frame: (2,), (2, n).
+        """The rays of a beam that meet an element at wanted points (x, y) of its frame: (2,), (2, n) or
+        (2, ny, nx).
 
         >>> from sagitta import Beam, Element, Lens, Plane, Sphere
         >>> lens = Lens([Element(Sphere(radius=50), index=1.5, thickness=10), Element(Plane())])
@@ -967,15 +1006,16 @@ class Lens:
         (True, True)
         """
         wanted = doubles(points, "points")
-        if wanted.ndim not in (1, 2) or wanted.shape[0] != 2:
-            raise ValueError(f"points: has the shape {wanted.shape}; it must be (2,) or (2, n)")
+        if wanted.ndim < 1 or wanted.shape[0] != 2:
+            raise ValueError(f"points: has the shape {wanted.shape}; it must be (2,), (2, n) or (2, ...)")
         if not 0 <= element < len(self):
             raise IndexError(f"element {element}: the lens has elements 0 to {len(self) - 1}")
         for name, number in (("tol", tol), ("max_traces", max_traces), ("max_boxes", max_boxes)):
             if not isinstance(number, (int, float) if name == "tol" else int):
                 raise TypeError(f"{name}: must be a number, not {type(number).__name__}")
-        wanted = np.ascontiguousarray(wanted.reshape(2, -1).T)
-        n = len(wanted)
+        shape = wanted.shape[1:] or (1,)
+        n = math.prod(shape)
+        wanted = np.ascontiguousarray(wanted.reshape(2, n).T)
         rays = RayArrays((0, 0, 0), (0, 0, 1))
         call = self._call(C.AIM, rays, None, wavelength)
         parts = {f.name: tuple(float(x) for x in getattr(beam, f.name)) for f in fields(beam)}
@@ -989,15 +1029,20 @@ class Lens:
         met = answers["status"] == 1
         clipped = answers["clipped"].astype(np.int64)
         clipped[~met | (clipped > element)] = -1
+
+        def shaped(a: NDArray[Any]) -> Any:
+            """A copy, vectors in rows."""
+            return np.array(a.T, order="C").reshape(*a.shape[1:], *shape)
+
         return Aims(
-            answers["status"].copy(),
-            answers["u"].copy(),
-            answers["v"].copy(),
-            answers["ray"]["o"].T.copy(),
-            answers["ray"]["d"].T.copy(),
-            answers["point"].T.copy(),
-            answers["miss"].copy(),
-            clipped,
+            aimed=shaped(answers["status"]),
+            u=shaped(answers["u"]),
+            v=shaped(answers["v"]),
+            o=shaped(answers["ray"]["o"]),
+            d=shaped(answers["ray"]["d"]),
+            point=shaped(answers["point"]),
+            miss=shaped(answers["miss"]),
+            clipped=shaped(clipped),
         )
 
     # ---------------------------------------------------------------- first-order data
@@ -1061,11 +1106,6 @@ class Lens:
     # -------------------------------------------------------- what a designer asks (study.py)
 
     _fault = staticmethod(_fault)
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, analysis: str) -> Callable[..., Answer]:
-            """spot, fan, opd, wavefront, zernike, field, map, sweep, ends ..."""
 
     variables = variables
 
@@ -1149,7 +1189,7 @@ class Lens:
         rays = RayArrays((a.ravel(), b.ravel(), np.zeros(a.size)), (0.0, 0.0, 1.0), -math.inf)
         hits = Passage._make(a.size, ("status", "t"))
         call = C.Call(task=C.INTERSECT, surface=row[i].surface, rays=rays.struct, hits=hits._hits_struct())
-        call.opt = ctypes.pointer(_calls.options(pick="near-seed"))
+        call.opt = ctypes.pointer(_calls.options({"pick": "near-seed"}))
         _calls.run(call, a.size, 1, self._functions)
         z: Floats = hits.t.reshape(a.shape)
         return z

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from . import _calls
 from . import _library as C
-from ._arrays import Floats, address, doubles
+from ._arrays import address, doubles
+from ._tables import Floats
 from .study import Field, Wavelength, study_options
 
 if TYPE_CHECKING:
@@ -159,19 +160,7 @@ class Variables:
 
     def lens(self, x: ArrayLike) -> "Lens":
         """The lens with the numbers x."""
-        from .lens import Lens
-
-        error = self._ask(x)
-        if error is not None:
-            raise self._of._fault(error)
-        size = ctypes.c_size_t()
-        at = C.library.sgt_lens_yaml(C.library.sgt_figure_lens(self._pointer), ctypes.byref(size))
-        if not at:
-            raise MemoryError("sagitta: no memory")
-        name = C.text(self._of._c.file)
-        text = ctypes.string_at(at, size.value).decode()
-        return Lens.text(text, name=name if name.endswith((".yaml", ".yml")) else name + ".yaml",
-                         glasses=self._of._glasses)
+        return self._of.set(dict(zip(self.paths, doubles(x, "x").tolist())))
 
 
 def variables(

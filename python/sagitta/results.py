@@ -4,13 +4,15 @@ from __future__ import annotations
 import ctypes
 import enum
 import threading
-from typing import Any, Callable, Optional, Sequence, Union
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as C
-from ._arrays import LARGE, Columns, Floats, address, places_of
+from ._arrays import LARGE, Columns, Shape, address, places_of
+from ._tables import Floats, Named, alike
 
 _pack_hits, _pack_traced, _pack_passages = map(C.packer, (C.Hits, C.Traced, C.Passages))
 
@@ -56,6 +58,9 @@ class Hit(ctypes.Structure):
     lo, hi          the stretch of the ray that the status is about
     f, p, n         F, the point, and the gradient there (not of unit length)
     p_err           the surface is within p_err of p
+
+    Two are equal if all of this is; a NaN is equal to a NaN.  One that is taken out of Hits has what these
+    have: lo, hi and f are NaN, and so is what was not asked for (evals: -1).
     """
 
     _fields_ = [
@@ -100,19 +105,59 @@ class Hit(ctypes.Structure):
         return C.text(C.library.sgt_status_text(self.status))
 
     def __repr__(self) -> str:
-        return (
-            f"<Hit: {self.text}, t = {self.t!r} +- {self.t_err:.1g}>" if self.met else f"<Hit: {self.text}>"
-        )
+        at = f", t = {self.t!r} +- {self.t_err:.1g}" if self.met else ""
+        return f"<{type(self).__name__}: {self.text}{at}>"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Hit) or type(self) is not type(other):
+            return NotImplemented
+        return all(alike(a, b) for a, b in zip(self._all(), other._all()))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @classmethod
+    def _members(cls) -> list[tuple[str, Any]]:
+        """What it has, and the types of ctypes: of a subclass all of it."""
+        return [member for of in cls.__mro__ for member in of.__dict__.get("_fields_", ())]
+
+    def _all(self) -> list[Any]:
+        values = [getattr(self, name) for name, _ in self._members()]
+        return [np.array(x) if isinstance(x, ctypes.Array) else x for x in values]
 
 
-class Hits(Columns):
+class Crossing(Hit):
+    """One ray of Crossings: a Hit, and `side`."""
+
+    _fields_ = [("side", ctypes.c_byte)]
+    side: int
+
+
+class Passed(Hit):
+    """One ray of a Passage: a Hit, `direction` and `opl`."""
+
+    _fields_ = [("_direction", C.Vector), ("opl", ctypes.c_double)]
+    opl: float
+
+    @property
+    def direction(self) -> Floats:
+        return np.array(self._direction)
+
+
+class Hits(Columns[Hit]):
     """Many rays and one surface: an array for each number.
 
     status (int8), evals (int32), t, t_err, t_lo, p_err: (n,).  p, n: (3, n), or (n, 3) if the rays came so.
+    Of rays in more axes (ny, nx), and (3, ny, nx) or (ny, nx, 3).
 
     `Hits.empty(1000)` makes room for 1000 rays, to be given as out= to any number of calls;
-    `Hits.empty(1000, "status", "t")` for these numbers only, which is faster.  `Hits(t=a, p=b)` takes arrays
-    of yours: doubles (status: int8, evals: int32), (n,) and (3, n), contiguous and writable.
+    `Hits.empty(1000, "status", "t")` for these numbers only, which is faster; `Hits.empty((ny, nx))` for rays
+    of that shape.  `Hits(t=a, p=b)` takes arrays of yours: doubles (status: int8, evals: int32), (n,) and
+    (3, n), contiguous and writable.
+
+    >>> import sagitta
+    >>> hits = sagitta.Sphere(10).intersect([[0, 0], [0, 6], [-5, -5]], (0, 0, 1))
+    >>> [hit.t for hit in hits], hits["t"], hits.keys()[:3]
+    ([5.0, 7.0], array([5., 7.]), ('status', 'evals', 't'))
     """
 
     FIELDS = {
@@ -135,9 +180,28 @@ class Hits(Columns):
     p_err: Floats
 
     @classmethod
-    def empty(cls, n: int, *fields: str) -> "Hits":
+    def empty(cls, n: Union[int, Shape], *fields: str) -> "Hits":
         result: Hits = cls._make(n, fields)
         return result
+
+    _HIT = Hit
+
+    def _one(self, k: int) -> Hit:
+        names, kind_of_hit = self._names, self._HIT
+        if "status" not in names:
+            said = f"a {kind_of_hit.__name__} has a status, which was not asked for; there are "
+            raise ValueError(said + ", ".join(names))
+        hit = kind_of_hit(evals=-1)
+        for name, kind in kind_of_hit._members():
+            bare = name.lstrip("_")
+            if bare in names:
+                value = self._row_of(bare, k)
+                setattr(hit, name, tuple(value) if isinstance(value, list) else value)
+            elif kind is ctypes.c_double:
+                setattr(hit, name, np.nan)
+            elif kind is C.Vector:
+                setattr(hit, name, (np.nan,) * 3)
+        return hit
 
     def _fill(self) -> C.Hits:
         return C.Hits.from_buffer_copy(_pack_hits(*self._pointers()))
@@ -169,9 +233,15 @@ class Crossings(Hits):
     side: NDArray[np.int8]
 
     @classmethod
-    def empty(cls, n: int, *fields: str) -> "Crossings":
+    def empty(cls, n: Union[int, Shape], *fields: str) -> "Crossings":
         result: Crossings = cls._make(n, fields)
         return result
+
+    _HIT = Crossing
+
+    if TYPE_CHECKING:
+
+        def __iter__(self) -> Iterator[Crossing]: ...
 
 
 HIT_TABLE = np.dtype(
@@ -213,12 +283,28 @@ STEP_TABLE = np.dtype(
 )
 
 
-class Traced(Columns):
+@dataclass(eq=False)
+class End(Named):
+    """One ray of Traced: fate (Fate), passed, o and d (3,), opl.  None, or NaN: it was not asked for."""
+
+    fate: Optional[Fate]
+    passed: Optional[int]
+    o: Floats
+    d: Floats
+    opl: float
+
+    @property
+    def through(self) -> bool:
+        """The ray passed all elements."""
+        return self.fate == Fate.PASSED
+
+
+class Traced(Columns[End]):
     """Many rays through a lens, and how they left it.
 
     fate (int8, Fate), passed (int32: how many elements), opl: (n,).  o, d: the ray at its end, global, (3,
-    n), or (n, 3) if the rays came so; d is of unit length.  If it was asked for, `passages` has a Passage for
-    each element, in the frame of that element.
+    n), or (n, 3) if the rays came so; d is of unit length.  Of rays in more axes (ny, nx), and (3, ny, nx) or
+    (ny, nx, 3).  If it was asked for, `passages` has a Passage for each element, in its own frame.
     """
 
     FIELDS = {"fate": ("i1", 1), "passed": ("i4", 1), "o": ("f8", 3), "d": ("f8", 3), "opl": ("f8", 1)}
@@ -230,7 +316,9 @@ class Traced(Columns):
     _passages: "Union[list[Passage], Room]" = []
 
     @classmethod
-    def empty(cls, n: int, *fields: str, passages: int = 0, of_passages: Sequence[str] = ()) -> "Traced":
+    def empty(
+        cls, n: Union[int, Shape], *fields: str, passages: int = 0, of_passages: Sequence[str] = ()
+    ) -> "Traced":
         """Room for n rays.  `passages`: for as many elements, and of each the numbers `of_passages`; (): all."""
         result: Traced = cls._make(n, fields)
         result.passages = [Passage.empty(n, *of_passages) for _ in range(passages)]
@@ -260,6 +348,25 @@ class Traced(Columns):
         super().__setstate__(state)
         self.passages = state["passages"]
 
+    def _one(self, k: int) -> End:
+        has = {name: np.array(self._row_of(name, k)) if self.FIELDS[name][1] > 1 else self._row_of(name, k)
+               for name in self._names}
+        fate = has.get("fate")
+        return End(None if fate is None else Fate(fate), has.get("passed"), has.get("o", np.full(3, np.nan)),
+                   has.get("d", np.full(3, np.nan)), has.get("opl", np.nan))
+
+    def _some(self, at: NDArray[Any]) -> "Traced":
+        new = super()._some(at)
+        new.passages = [p._some(at) for p in self.passages]
+        return new
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Traced):
+            return NotImplemented
+        return super().__eq__(other) is True and self.passages == other.passages
+
+    __hash__ = None  # type: ignore[assignment]
+
     @property
     def through(self) -> NDArray[np.bool_]:
         """Where the ray passed all elements."""
@@ -280,9 +387,15 @@ class Passage(Hits):
     _element: int
 
     @classmethod
-    def empty(cls, n: int, *fields: str) -> "Passage":
+    def empty(cls, n: Union[int, Shape], *fields: str) -> "Passage":
         result: Passage = cls._make(n, fields)
         return result
+
+    _HIT = Passed
+
+    if TYPE_CHECKING:
+
+        def __iter__(self) -> Iterator[Passed]: ...
 
     def _fill(self) -> C.Passages:  # type: ignore[override]
         return C.Passages.from_buffer_copy(
@@ -309,7 +422,7 @@ class Passage(Hits):
                 for name in later.names:
                     if name not in self._views:
                         self._views[name] = self._column(self.size, name)
-            self._set(self._rows, self._axis)
+            self._set(self._rows, self._axis, self._shape)
             self._block, self._later, self._c = None, (), None
 
 
@@ -334,10 +447,10 @@ class Room:
     """Where the passages of a trace are written to: a block, `pitch` bytes for each element.  The objects are
     made when they are first asked for."""
 
-    __slots__ = ("count", "size", "axis", "places", "block", "base", "pitch", "later")
+    __slots__ = ("count", "size", "axis", "shape", "places", "block", "base", "pitch", "later")
 
     def __init__(self, count: int, of: Traced, names: tuple[str, ...], later: tuple[Later, ...] = ()) -> None:
-        self.count, self.size, self.axis, self.later = count, of.size, of._axis, later
+        self.count, self.size, self.axis, self.shape, self.later = count, of.size, of._axis, of._shape, later
         self.places = places_of(Passage, names)
         self.pitch = (self.size * self.places.width + 63) // 64 * 64
         # (Above LARGE each element has columns of its own.)
@@ -351,9 +464,9 @@ class Room:
                 p = Passage.__new__(Passage)
                 p.size, p._axis, p._views, p._places = self.size, self.axis, {}, self.places
                 p._block, p._from = self.block, i * self.pitch
-                p._base = self.base + p._from
+                p._base, p._shape = self.base + p._from, self.shape
             else:
-                p = Passage._make(self.size, self.places.names, self.axis)
+                p = Passage._make(self.size, self.places.names, self.axis, self.shape)
             p._element, p._later = i, self.later
             all_of_them.append(p)
         return all_of_them

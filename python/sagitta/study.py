@@ -6,18 +6,23 @@ that is added later.  The numbers are those of the command and of C, bit for bit
 from __future__ import annotations
 
 import ctypes
+import inspect
+import keyword
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Iterator, Literal, Optional, Sequence, TypedDict, TypeVar, Union
+from typing import overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _calls
 from . import _library as C
-from ._arrays import Floats, address, doubles
+from ._arrays import address, doubles
+from ._tables import Dims, Floats, Table, Tabular, alike, ray_axes
 
 if TYPE_CHECKING:
+    from ._analyses import Counts, FatesOfRays, Reals
     from .lens import Lens
 
 PATTERNS = {"fan": 0, "grid": 1, "hexapolar": 2, "random": 3, "sobol": 4, "cells": 5, "cross": 6}
@@ -28,6 +33,8 @@ _FLAG, _SETTING_COUNT, _WORD, _ONE_NUMBER, _NUMBERS = range(5)
 _FORMATS = {_COUNT: np.dtype(np.uintp), _PLACE: np.dtype(np.uintp), _FATE: np.dtype(np.intc)}
 
 Field = Union[int, Sequence[float]]
+Rows = Union[slice, NDArray[Any], list[int], list[bool]]
+Some = TypeVar("Some", bound="Answer")
 Wavelength = Union[None, int, float, str]
 
 
@@ -78,7 +85,7 @@ class Fates:
     proven: int
 
 
-class Answer:
+class Answer(Tabular):
     """The rows of an analysis.  Each column is an attribute, an array of one number a row, as the command names it
     (`sagitta spot --help`, or help(Lens.spot)): answer.rms, answer.field ...
 
@@ -109,13 +116,14 @@ class Answer:
         self.analysis, self.rows, self.units, self.fates = analysis, rows, units, fates
         self.notes, self.legend = list(notes), list(legend)
 
-    def __getattr__(self, name: str) -> NDArray[Any]:
-        rows = self.__dict__.get("rows")
-        if rows is None or name not in (rows.dtype.names or ()):
-            columns = ", ".join(rows.dtype.names) if rows is not None else ""
-            raise AttributeError(f"no column {name!r}; there are {columns}")
-        result: NDArray[Any] = rows[name]
-        return result
+    if not TYPE_CHECKING:  # (_analyses.pyi says which columns an answer has)
+
+        def __getattr__(self, name: str) -> NDArray[Any]:
+            rows = self.__dict__.get("rows")
+            if rows is None or name not in (rows.dtype.names or ()):
+                columns = ", ".join(rows.dtype.names) if rows is not None else ""
+                raise AttributeError(f"no column {name!r}; there are {columns}")
+            return rows[name]
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(self.rows.dtype.names or ())]
@@ -123,20 +131,64 @@ class Answer:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[np.void]:
         return iter(self.rows)
 
-    def __getitem__(self, row: Any) -> Any:
-        return self.rows[row]
+    @overload
+    def __getitem__(self, key: "Reals") -> Floats: ...
+    @overload
+    def __getitem__(self, key: "Counts") -> NDArray[np.uintp]: ...
+    @overload
+    def __getitem__(self, key: "FatesOfRays") -> NDArray[np.intc]: ...
+    @overload
+    def __getitem__(self, key: str) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, key: int) -> np.void: ...
+    @overload
+    def __getitem__(self: Some, key: Rows) -> Some: ...
 
-    def of(self, field: Optional[int] = None, wavelength: Optional[float] = None) -> "Answer":
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, str):
+            if key not in self.keys():
+                raise KeyError(f"{key}: there are {', '.join(self.keys())}")
+            return self.rows[key]
+        if isinstance(key, (int, np.integer)):
+            return self.rows[key]
+        return self._some(key)
+
+    def keys(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return self.rows.dtype.names or ()
+
+    def _some(self: Some, keep: Any) -> Some:
+        return type(self)(self.analysis, self.rows[keep], self.units, self.fates, self.notes, self.legend)
+
+    @property
+    def _units(self) -> dict[str, str]:  # type: ignore[override]
+        return self.units
+
+    _along = ("field", "wavelength")
+
+    def _table(self, dims: Dims) -> Table:
+        axes = ray_axes((1,), dims or "row")
+        return {name: (axes, self.rows[name]) for name in self.keys()}
+
+    def __eq__(self, other: object) -> bool:
+        """The same analysis with the same rows; a NaN is equal to a NaN."""
+        if not isinstance(other, Answer):
+            return NotImplemented
+        return self.analysis == other.analysis and alike(self.rows, other.rows)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def of(self: Some, field: Optional[int] = None, wavelength: Optional[float] = None) -> Some:
         """The rows of one field, or of one wavelength (micrometres; 0: all together)."""
         keep = np.ones(len(self.rows), bool)
         if field is not None:
             keep &= self.rows["field"] == field
         if wavelength is not None:
             keep &= self.rows["wavelength"] == wavelength
-        return Answer(self.analysis, self.rows[keep], self.units, self.fates, self.notes, self.legend)
+        return self._some(keep)
 
     def __repr__(self) -> str:
         return f"<{self.analysis}: {len(self.rows)} rows of {', '.join(self.rows.dtype.names or ())}>"
@@ -301,40 +353,56 @@ def _table_of(study: _Handle, analysis: C.Analysis, options: Any) -> tuple[np.dt
     return np.dtype(table), units  # type: ignore[call-overload]
 
 
+class Asking(TypedDict, total=False):
+    """What every analysis may be told, besides its own settings: help(Lens.spot) says what each is."""
+
+    fields: Optional[Sequence[Field]]
+    pattern: Union[None, str, ArrayLike]
+    rays: int
+    across: int
+    seed: int
+    weights: Optional[Literal["area", "equal"]]
+    aim: Optional[Literal["pupil", "stop", "real-stop"]]
+    apertures: bool
+    pick: Optional[_calls.Pick]
+    proof: Optional[_calls.Proof]
+    t_tol: float
+    dt_min: float
+    max_evals: int
+    threads: int
+
+
+_DEFAULTS: dict[str, Any] = dict(
+    fields=None, pattern=None, rays=0, across=0, seed=0, weights=None, aim=None, apertures=True, pick=None,
+    proof=None, t_tol=0.0, dt_min=0.0, max_evals=0, threads=1,
+)
+
+
 def _ask(
     analysis: C.Analysis,
     lens: "Lens",
     field: Optional[Field] = None,
     wavelength: Union[Wavelength, Sequence[Wavelength]] = None,
-    *,
-    fields: Optional[Sequence[Field]] = None,
-    pattern: Any = None,
-    rays: int = 0,
-    across: int = 0,
-    seed: int = 0,
-    weights: Optional[str] = None,
-    aim: Optional[str] = None,
-    apertures: bool = True,
-    pick: Optional[str] = None,
-    proof: Optional[str] = None,
-    t_tol: float = 0.0,
-    dt_min: float = 0.0,
-    max_evals: int = 0,
-    threads: int = 1,
-    **settings: Any,
+    **given: Any,
 ) -> Answer:
+    asked = {**_DEFAULTS, **{name: x for name, x in given.items() if name in _DEFAULTS}}
+    settings = {name: x for name, x in given.items() if name not in _DEFAULTS and x is not None}
+    fields, pattern, rays, across, seed, weights, aim, apertures, *solver, threads = asked.values()
+    pick, proof, t_tol, dt_min, max_evals = solver
     lens._only_files(C.text(analysis.name))
     C.check_arithmetic()
     _calls.check_threads(threads)
-    for given, flag in ((field if field is not None else fields, analysis.no_fields), (proof, analysis.no_rays)):
-        if flag and given is not None:
+    given_fields = field if field is not None else fields
+    for wanted, flag in ((given_fields, analysis.no_fields), (proof, analysis.no_rays)):
+        if flag and wanted is not None:
             what = "fields" if analysis.no_fields else "a proof"
             raise ValueError(f"{C.text(analysis.name)}: takes no {what}")
     if analysis.no_rays and (pattern is not None or rays or across or weights is not None):
         raise ValueError(f"{C.text(analysis.name)}: takes no rays: they are those near the chief ray")
+    option_of_trace = _calls.options(dict(pick=pick, proof=proof, t_tol=t_tol, dt_min=dt_min, max_evals=max_evals))
     option, keep = study_options(
         lens, field, wavelength, fields=fields, pattern=pattern, rays=rays, across=across, seed=seed, weights=weights,
-        aim=aim, apertures=apertures, solver=_calls.options(pick, proof, t_tol, 0.0, dt_min, max_evals),
+        aim=aim, apertures=apertures, solver=option_of_trace,
     )
     room, lists = _settings_of(analysis, settings)
     answer = C.Answer(threads=threads)
@@ -393,11 +461,26 @@ def _document(analysis: C.Analysis) -> str:
     return "\n".join(parts)
 
 
-def add_to(lens: Any) -> None:
-    """Makes a method of each analysis."""
+def analyses() -> Iterator[C.Analysis]:
     place = 0
     while at := C.library.sgt_analysis_at(place):
-        analysis = at.contents
+        yield at.contents
+        place += 1
+
+
+def _signature(analysis: C.Analysis) -> inspect.Signature:
+    """For help(): the settings by their names."""
+    own = {C.text(s.name): False if s.kind == _FLAG else None for s in analysis.setting[: analysis.settings]}
+    places = [inspect.Parameter(n, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=d)
+              for n, d in (("self", inspect.Parameter.empty), ("field", None), ("wavelength", None))]
+    names = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=d)
+             for n, d in {**own, **_DEFAULTS}.items() if not keyword.iskeyword(n)]
+    return inspect.Signature(places + names, return_annotation="Answer")
+
+
+def add_to(lens: Any) -> None:
+    """Makes a method of each analysis."""
+    for analysis in analyses():
 
         def method(self: "Lens", *given: Any, _analysis: Any = analysis, **named: Any) -> Answer:
             return _ask(_analysis, self, *given, **named)
@@ -405,8 +488,8 @@ def add_to(lens: Any) -> None:
         method.__name__ = C.text(analysis.name)
         method.__qualname__ = f"{lens.__name__}.{method.__name__}"
         method.__doc__ = _document(analysis)
+        method.__signature__ = _signature(analysis)  # type: ignore[attr-defined]
         setattr(lens, method.__name__, method)
-        place += 1
 
 
 __all__ = ["Answer", "Fates"]

@@ -6,18 +6,36 @@ import enum
 import math
 import struct
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Iterator, Optional, Sequence, Type, TypeVar, Union
+from typing import TYPE_CHECKING, Any, ClassVar, Hashable, Iterator, Optional, Sequence, Type, TypeVar, Union
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _calls
 from . import _library as C
-from ._arrays import LARGE, Floats, RayArrays, VectorsLike, address, doubles, places_of, rows_of
+from ._arrays import (
+    LARGE,
+    Numbers1,
+    RayArrays,
+    Rows,
+    Shape,
+    Vector,
+    Vectors,
+    VectorsLike,
+    address,
+    doubles,
+    places_of,
+    spread,
+)
+from ._calls import Options, Proofs
 from ._calls import Prepared as Prepared
+from ._tables import Dims, Floats, Named, Table, Tabular, ray_axes
 from .results import HIT_TABLE, STEP_TABLE, Crossings, Hit, Hits, Status
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from .function import Function
 
 _byref = ctypes.byref
@@ -27,16 +45,16 @@ _one = C.library.sagitta_one
 _meet = C.library.sagitta_meet
 _ALL = places_of(Hits, ())
 _SIZES = (tuple, list, np.ndarray)
-Result = Union[Hit, Hits]
+Out = TypeVar("Out", bound=Hits)
 
 
-@dataclass
-class AllHits:
-    """Every hit of every ray, in order of t.
+@dataclass(eq=False)
+class AllHits(Named, Tabular):
+    """Every hit of every ray, in order of t.  `for entries in every` goes over the rays.
 
-    count   (n,), how many entries each ray has; 0: it certainly misses
-    table   a structured array of all entries, ray by ray: `ray`, and what a Hit has.  An entry with a status
-            below 0 is a stretch of the ray that could not be decided
+    count   (n,), or as the rays have it: how many entries each ray has; 0: it certainly misses
+    table   a structured array of all entries, ray by ray: `ray` (its place in the order of C), and what a Hit
+            has.  An entry with a status below 0 is a stretch of the ray that could not be decided
     """
 
     count: NDArray[np.int32]
@@ -44,15 +62,25 @@ class AllHits:
 
     def of(self, ray: int) -> NDArray[Any]:
         """The entries of one ray."""
-        begin = int(np.maximum(self.count[:ray], 0).sum())
-        return self.table[begin : begin + max(int(self.count[ray]), 0)]
+        count = self.count.reshape(-1)
+        begin = int(np.maximum(count[:ray], 0).sum())
+        return self.table[begin : begin + max(int(count[ray]), 0)]
 
     def __len__(self) -> int:
-        return len(self.count)
+        return self.count.size
+
+    def __iter__(self) -> Iterator[NDArray[Any]]:
+        counts = np.maximum(self.count.reshape(-1), 0)
+        return (self.table[end - count : end] for count, end in zip(counts, np.cumsum(counts)))
+
+    def _table(self, dims: Dims) -> Table:
+        axes = ray_axes((1,), dims or "entry")
+        columns = {name: self.table[name].T for name in self.table.dtype.names or ()}
+        return {name: (("xyz",) * (a.ndim - 1) + axes, a) for name, a in columns.items()}
 
 
-@dataclass
-class Jacobian:
+@dataclass(eq=False)
+class Jacobian(Named, Tabular):
     """How t, p and n of each hit change: with the origin, and with the parameters of the surface.
 
     t_by_o  (3, n)          dt/do_j                   t_by_a  (m, n)         dt/da_j
@@ -60,8 +88,9 @@ class Jacobian:
     n_by_o  (3, 3, n)                                 n_by_a  (3, m, n)
     parameters              the names of the m parameters
 
-    By the direction it is t times that by the origin.  NaN where the ray does not meet the surface, and where
-    the surface does not offer what is needed (a Function has neither second derivatives nor parameters).
+    n is the shape of the rays, one axis or more.  By the direction it is t times that by the origin.  NaN
+    where the ray does not meet the surface, and where the surface does not offer what is needed (a Function
+    has neither second derivatives nor parameters).
     """
 
     t_by_o: Floats
@@ -71,6 +100,17 @@ class Jacobian:
     p_by_a: Floats
     n_by_a: Floats
     parameters: tuple[str, ...]
+
+    def _table(self, dims: Dims) -> Table:
+        axes = ray_axes(self.t_by_o.shape[1:], dims)
+        found: Table = {}
+        for name in self.keys()[:-1]:
+            by = "o" if name.endswith("o") else "parameter"
+            found[name] = (*("xyz",) * (name[0] != "t"), by, *axes), self[name]
+        return found
+
+    def _coords(self) -> dict[str, Any]:
+        return {"o": ["x", "y", "z"], "parameter": list(self.parameters)}
 
 
 class Verdict(enum.IntEnum):
@@ -85,8 +125,8 @@ class Verdict(enum.IntEnum):
     LATE = 6
 
 
-@dataclass
-class Diagnosis:
+@dataclass(eq=False)
+class Diagnosis(Named):
     """How the solver came to its answer for one ray.
 
     verdict, text       as a number (Verdict), and as a sentence
@@ -131,8 +171,8 @@ class Fault(enum.IntEnum):
     WRONG_ARITHMETIC = 12
 
 
-@dataclass
-class Check:
+@dataclass(eq=False)
+class Check(Named):
     """What check() found: the fault, a sentence about it, and a point that shows it."""
 
     fault: Fault
@@ -156,6 +196,36 @@ class Surface:
 
     # ------------------------------------------------------------------------- rays
 
+    @overload
+    def intersect(
+        self, o: Vector, d: Vector, *, tmin: Optional[float] = None, tmax: Optional[float] = None,
+        threads: int = 1, axis: Optional[int] = None, out: None = None, **options: Unpack[Options],
+    ) -> Hit: ...
+    @overload
+    def intersect(
+        self, o: VectorsLike, d: VectorsLike, *, tmin: Optional[ArrayLike] = None,
+        tmax: Optional[ArrayLike] = None, threads: int = 1, axis: Optional[int] = None, out: Out,
+        **options: Unpack[Options],
+    ) -> Out: ...
+    @overload
+    def intersect(
+        self, o: Vectors, d: VectorsLike, *, tmin: Optional[ArrayLike] = None,
+        tmax: Optional[ArrayLike] = None, threads: int = 1, axis: Optional[int] = None, out: None = None,
+        **options: Unpack[Options],
+    ) -> Hits: ...
+    @overload
+    def intersect(
+        self, o: Vector, d: Vectors, *, tmin: Optional[ArrayLike] = None, tmax: Optional[ArrayLike] = None,
+        threads: int = 1, axis: Optional[int] = None, out: None = None, **options: Unpack[Options],
+    ) -> Hits: ...
+    @overload
+    def intersect(
+        self, o: VectorsLike, d: VectorsLike, *, tmin: Optional[ArrayLike] = None,
+        tmax: Optional[ArrayLike] = None, threads: int = 1, axis: Optional[int] = None,
+        out: Optional[Hits] = None, **options: Unpack[Options],
+    ) -> Union[Hit, Hits]: ...
+
+    @_calls.takes(Options)
     def intersect(
         self,
         o: VectorsLike,
@@ -163,26 +233,22 @@ class Surface:
         *,
         tmin: Optional[ArrayLike] = None,
         tmax: Optional[ArrayLike] = None,
-        pick: Optional[str] = None,
-        proof: Optional[str] = None,
-        t_tol: float = 0.0,
-        f_tol: float = 0.0,
-        dt_min: float = 0.0,
-        max_evals: int = 0,
         threads: int = 1,
         axis: Optional[int] = None,
         out: Optional[Hits] = None,
-    ) -> Any:
+        **options: Unpack[Options],
+    ) -> Union[Hit, Hits]:
         """Where the rays o + t d meet the surface: a Hit for one ray, Hits for many.
 
-        o, d        (3,), (3, n), (n, 3), or three arrays; one of them may be (3,) for all rays
+        o, d        (3,), (3, n), (n, 3), or three arrays; one of them may be (3,) for all rays.  Of rays in
+                    more axes (3, ny, nx) or (ny, nx, 3): the answers have their shape.  Shapes are broadcast
         tmin, tmax  the ends, in lengths of d: a number, or one for each ray.  Default: 0 and infinity.  The
                     root at a finite tmin itself is not accepted; -inf takes the whole line
         pick        "first", or "near-seed": the root that the surface's own guess leads to
         proof       "estimate", "root" (exactly one root within t_err) or "first" (and none before it)
         t_tol, f_tol, dt_min, max_evals     as in sgt_options (sagitta.h)
         threads     in how many threads; the answers are the same to the last bit
-        axis        which axis of o and d holds x, y, z; needed for (3, 3)
+        axis        which axis of o and d holds x, y, z, 0 or -1; needed for (3, 3)
         out         Hits to write to, and to return
 
         >>> import sagitta
@@ -194,7 +260,7 @@ class Surface:
         >>> many.status
         array([1, 1, 1, 0], dtype=int8)
         """
-        option = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
+        option = _calls.options(options) if options else None
         if out is None and axis is None and threads == 1 and not (type(o) is np.ndarray and o.ndim == 2):
             try:
                 ox, oy, oz = o  # type: ignore[misc]
@@ -222,8 +288,8 @@ class Surface:
         if rays.one and out is None:
             return self._intersect_one(rays, option)
         if out is None:
-            n, turned = rays.n, rays.axis
-            out = Hits._in_block(n, _ALL, turned) if n < LARGE else Hits._make(n, (), turned)
+            n, turned, shape = rays.n, rays.axis, rays.shape
+            out = Hits._in_block(n, _ALL, turned, shape) if n < LARGE else Hits._make(n, (), turned, shape)
         elif not isinstance(out, Hits):
             raise TypeError(f"out: must be Hits, not {type(out).__name__}")
         else:
@@ -261,6 +327,7 @@ class Surface:
         call._keep = (self, rays, option)
         return call
 
+    @_calls.takes(Options)
     def prepare(
         self,
         o: VectorsLike,
@@ -268,15 +335,10 @@ class Surface:
         *,
         tmin: Optional[ArrayLike] = None,
         tmax: Optional[ArrayLike] = None,
-        pick: Optional[str] = None,
-        proof: Optional[str] = None,
-        t_tol: float = 0.0,
-        f_tol: float = 0.0,
-        dt_min: float = 0.0,
-        max_evals: int = 0,
         threads: int = 1,
         axis: Optional[int] = None,
         out: Optional[Hits] = None,
+        **options: Unpack[Options],
     ) -> Prepared[Hits]:
         """The call of intersect(), to be made many times: all checks and addresses are done once.
 
@@ -293,32 +355,29 @@ class Surface:
         """
         rays = RayArrays(o, d, tmin, tmax, axis)
         if out is None:
-            out = Hits._make(rays.n, (), rays.axis)
+            out = Hits._make(rays.n, (), rays.axis, rays.shape)
         elif not isinstance(out, Hits):
             raise TypeError(f"out: must be Hits, not {type(out).__name__}")
         there = out
         there._settle()
         there._check(rays)
-        call = self._call(C.INTERSECT, rays, _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals))
+        call = self._call(C.INTERSECT, rays, _calls.options(options))
         call.hits = there._hits_struct()
         return Prepared(
             call, rays, there, self._functions, threads, lambda: there._void("status", Status.STOPPED)
         )
 
+    @_calls.takes(Proofs)
     def leave(
         self,
         hits: Union[Hit, Hits],
         d: VectorsLike,
         *,
         tmax: Optional[ArrayLike] = None,
-        proof: Optional[str] = None,
-        t_tol: float = 0.0,
-        f_tol: float = 0.0,
-        dt_min: float = 0.0,
-        max_evals: int = 0,
         threads: int = 1,
         axis: Optional[int] = None,
         out: Optional[Crossings] = None,
+        **options: Unpack[Proofs],
     ) -> Crossings:
         """Where rays that start on the surface, at hits of it, meet it next (sgt_leave of sagitta.h).
 
@@ -339,47 +398,47 @@ class Surface:
         >>> ball.leave(across, (0, 0, 1)).status
         array([0], dtype=int8)
         """
-        gradient: Optional[Floats]
+        gradient: Optional[Rows] = None
+        of: Shape = ()
         if isinstance(hits, Hit):
-            p, gradient, p_err = hits.p, hits.n, np.array([hits.p_err])
+            p, p_err = hits.p, np.array([hits.p_err])
+            gradient = hits.n.reshape(3, 1)
         elif isinstance(hits, Hits):
-            p, p_err = hits.p, hits.p_err
-            gradient = hits.n if "n" in hits._names else None
-            axis = hits._axis if axis is None and len(hits) == 3 else axis
+            p, p_err, of = hits.p, hits._row("p_err"), hits.shape
+            gradient = hits._row("n") if "n" in hits._names else None
+            if axis is None and p.shape[0] == p.shape[-1] == 3:  # as they came
+                axis = -hits._axis
         else:
             raise TypeError(f"hits: must be a Hit or Hits, not {type(hits).__name__}")
         rays = RayArrays(p, d, None, tmax, axis)
-        if len(p_err) not in (1, rays.n):
-            raise ValueError(f"there are {len(p_err)} hits, and {rays.n} directions")
+        over = rays.shape or (rays.n,)
         starts = C.Starts(p=rays.rows_at[:3], d=rays.rows_at[3:6])
-        keep: list[Any] = [rays, np.full(rays.n, p_err) if len(p_err) == 1 else p_err]
+        keep: list[Any] = [rays, spread([p_err], of, over)[0]]
         starts.p_err = address(keep[1])
         if gradient is not None:
-            rows, at = rows_of(gradient, "n", axis)
-            rows = rows if at is not None or rays.n == 1 else np.repeat(rows, rays.n, axis=1)
-            keep.append([np.ascontiguousarray(x) for x in rows])
+            keep.append([np.ascontiguousarray(x) for x in spread(gradient, of, over)])
             starts.n = tuple(address(x) for x in keep[-1])
         end = rays.keep[1]
         if end is not None:  # there, a 0 says that there is no end
             keep.append(np.where(end == 0, -0.0, end))
             starts.tmax = address(keep[-1])
         if out is None:
-            out = Crossings._make(rays.n, (), rays.axis)
+            out = Crossings._make(rays.n, (), rays.axis, rays.shape)
         elif not isinstance(out, Crossings):
             raise TypeError(f"out: must be Crossings, not {type(out).__name__}")
         there = out
         there._settle()
         there._check(rays)
-        if there is hits or any(
-            np.may_share_memory(a, x) for a in there._rows.values() for x in (p_err, gradient) if x is not None
-        ):
+        given = [p_err] if gradient is None else [p_err, *gradient]
+        if there is hits or any(np.may_share_memory(a, x) for a in there._rows.values() for x in given):
             raise ValueError("out: overlaps the hits that the rays start at")
-        call = self._call(C.LEAVE, rays, _calls.options(None, proof, t_tol, f_tol, dt_min, max_evals))
+        call = self._call(C.LEAVE, rays, _calls.options(options, Proofs))
         call._keep = (call._keep, keep)
         call.starts, call.hits, call.side = starts, there._hits_struct(), there._at("side") or None
         _calls.run(call, rays.n, threads, self._functions, lambda: there._void("status", Status.STOPPED))
         return there
 
+    @_calls.takes(Proofs)
     def intersect_all(
         self,
         o: VectorsLike,
@@ -387,13 +446,9 @@ class Surface:
         *,
         tmin: Optional[ArrayLike] = None,
         tmax: Optional[ArrayLike] = None,
-        proof: Optional[str] = None,
-        t_tol: float = 0.0,
-        f_tol: float = 0.0,
-        dt_min: float = 0.0,
-        max_evals: int = 0,
         threads: int = 1,
         axis: Optional[int] = None,
+        **options: Unpack[Proofs],
     ) -> AllHits:
         """Every hit of every ray, in order of t.  Arguments as for intersect().
 
@@ -402,7 +457,7 @@ class Surface:
         array([2.5, 3.5, 6.5, 7.5])
         """
         rays = RayArrays(o, d, tmin, tmax, axis)
-        option = _calls.options(None, proof, t_tol, f_tol, dt_min, max_evals)
+        option = _calls.options(options, Proofs)
         count = np.empty(rays.n, np.int32)
         cap = 4
         while True:
@@ -429,11 +484,18 @@ class Surface:
         table["ray"] = np.repeat(np.arange(rays.n), count)
         for name in names:
             table[name] = hits[name][kept]
-        return AllHits(count, table)
+        return AllHits(count.reshape(rays.shape or (rays.n,)), table)
 
-    # ------------------------------------------------------------------ derivatives
+    # ---------------------------------------------------------------- the function itself
 
-    def sag(self, x: ArrayLike, y: ArrayLike) -> Any:
+    @overload
+    def sag(self, x: float, y: float) -> float: ...
+    @overload
+    def sag(self, x: Numbers1, y: Union[float, Numbers1]) -> Floats: ...
+    @overload
+    def sag(self, x: float, y: Numbers1) -> Floats: ...
+
+    def sag(self, x: ArrayLike, y: ArrayLike) -> Union[float, Floats]:
         """z of the surface at x, y, on the sheet of its vertex: a number, or an array of the shape that x and y
         have together.
 
@@ -444,16 +506,74 @@ class Surface:
         >>> sagitta.Sphere(radius=10).sag(0, [6, 8, 11])
         array([ 2.,  4., nan])
         """
+        z = self._sag(x, y)
+        return float(z) if z.ndim == 0 else z
+
+    def _sag(self, x: ArrayLike, y: ArrayLike) -> Floats:
         if self._functions:
             raise TypeError("sag: not of a surface that asks functions of Python")
         across, up = np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(y, np.float64))
         z = np.full(across.shape, np.nan)
         there = np.isfinite(across) & np.isfinite(up)
         if there.any() and C.library.sgt_is_sag(self._struct):
-            at = (across[there], up[there], np.zeros(np.count_nonzero(there)))
+            at = np.array([across[there], up[there], np.zeros(np.count_nonzero(there))])
             hits = self.intersect(at, (0, 0, 1), tmin=-np.inf, pick="near-seed", axis=0)
             z[there] = np.where(hits.status > 0, hits.p[2], np.nan)
-        return float(z) if z.ndim == 0 else z
+        return z
+
+    @overload
+    def value(self, x: float, y: float, z: float) -> float: ...
+    @overload
+    def value(self, x: Numbers1, y: Union[float, Numbers1], z: Union[float, Numbers1]) -> Floats: ...
+    @overload
+    def value(self, x: float, y: Numbers1, z: Union[float, Numbers1]) -> Floats: ...
+    @overload
+    def value(self, x: float, y: float, z: Numbers1) -> Floats: ...
+
+    def value(self, x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Union[float, Floats]:
+        """F at points: a number, or an array of the shape that x, y and z have together.
+
+        F is 0 on the surface, above 0 outside of a body and above a sag, and NaN where it is not defined.
+        Its unit is the surface's own (docs/surfaces.md).  The rim is not part of it.
+
+        >>> import sagitta
+        >>> sagitta.Plane().value(0, 0, [-1, 0, 2])
+        array([-1.,  0.,  2.])
+        """
+        f = self._values(x, y, z)[0]
+        return float(f) if f.ndim == 0 else f
+
+    def normal(self, x: ArrayLike, y: ArrayLike, z: Optional[ArrayLike] = None) -> Floats:
+        """The normal at points: of unit length, to where F grows.  (3,), or (3, ...) with the shape that x, y
+        and z have together.  Without z, of a sag: at z = sag(x, y).  NaN where F or the sag is not defined,
+        and where the gradient is 0.
+
+        >>> import sagitta
+        >>> sagitta.Sphere(radius=7).normal(2, 3).round(3)
+        array([-0.286, -0.429,  0.857])
+        >>> ring = sagitta.Torus(major=2, minor=0.5)
+        >>> ring.normal(*ring.intersect((-5, 0, 0), (1, 0, 0)).p)
+        array([-1.,  0.,  0.])
+        """
+        _, n = self._values(x, y, self._sag(x, y) if z is None else z)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            n = n / np.max(np.abs(n), axis=0)  # so that no square overflows
+            made: Floats = n / np.sqrt((n * n).sum(axis=0))
+        return made
+
+    def _values(self, x: ArrayLike, y: ArrayLike, z: ArrayLike) -> tuple[Floats, Floats]:
+        """F and its gradient."""
+        parts = np.broadcast_arrays(*(doubles(v, name) for v, name in ((x, "x"), (y, "y"), (z, "z"))))
+        shape, n = parts[0].shape, parts[0].size
+        rows, f, gradient = np.array([v.reshape(n) for v in parts]), np.empty(n), np.empty((3, n))
+        call = C.Call(task=C.VALUES, python=bool(self._functions), surface=self._struct)
+        call.rays.o = tuple(address(v) for v in rows) if n else (0, 0, 0)
+        call.hits.t = address(f)
+        call.hits.n = tuple(address(v) for v in gradient) if n else (0, 0, 0)
+        _calls.run(call, n, 1, self._functions)
+        return f.reshape(shape), gradient.reshape(3, *shape)
+
+    # ------------------------------------------------------------------ derivatives
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -477,6 +597,9 @@ class Surface:
             raise TypeError(f"hits: must be Hits, not {type(hits).__name__}")
         if len(hits) != rays.n:
             raise ValueError(f"hits are of {len(hits)} rays; there are {rays.n}")
+        if hits._shape != rays.shape and not rays.one:
+            of = rays.shape or (rays.n,)
+            raise ValueError(f"hits have the shape {hits.shape}; that of the rays is {of}")
         if "p" not in hits._names or "n" not in hits._names:
             raise ValueError("hits: p and n are needed")
         hits._row("p"), hits._row("n")
@@ -507,10 +630,12 @@ class Surface:
                 for i in range(3):
                     at[i] = ctypes.addressof(listed) + 8 * m * i
         C.library.sgt_differentiate_batch(self._struct, n, rays.struct, there, out)
-        return Jacobian(by_o[0], by_o[1], by_o[2], by_a[0], by_a[1], by_a[2], names)
+        by = [a.reshape(*a.shape[:-1], *hits.shape) for a in (*by_o, *by_a)]
+        return Jacobian(by[0], by[1], by[2], by[3], by[4], by[5], names)
 
     # ------------------------------------------------------------------- diagnosis
 
+    @_calls.takes(Options)
     def diagnose(
         self,
         o: Sequence[float],
@@ -518,12 +643,7 @@ class Surface:
         *,
         tmin: float = 0.0,
         tmax: float = math.inf,
-        pick: Optional[str] = None,
-        proof: Optional[str] = None,
-        t_tol: float = 0.0,
-        f_tol: float = 0.0,
-        dt_min: float = 0.0,
-        max_evals: int = 0,
+        **options: Unpack[Options],
     ) -> Diagnosis:
         """How the solver comes to its answer for one ray.
 
@@ -537,7 +657,7 @@ class Surface:
             raise ValueError("diagnose: takes one ray, o and d of shape (3,)")
         steps = np.zeros(4096, STEP_TABLE)
         log = C.Log(address(steps), len(steps), 0)
-        given = _calls.options(pick, proof, t_tol, f_tol, dt_min, max_evals)
+        given = _calls.options(options)
         option = C.Options.from_buffer_copy(given) if given is not None else C.Options()
         option.watch = ctypes.cast(C.library.sgt_log_step, ctypes.c_void_p)
         option.watch_data = ctypes.addressof(log)
@@ -587,6 +707,11 @@ class Surface:
         _calls.run(call, rays.n, 1, self._functions)
         return Check(Fault(call.fault), C.text(C.library.sgt_fault_text(call.fault)), where)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and "_struct" in self.__dict__:
+            raise AttributeError(f"a surface does not change; use replace({name}=...) to get another")
+        object.__setattr__(self, name, value)
+
     def _set(self, ops: int, memory: Any) -> None:
         """The struct of C; memory: what has to stay as long as this."""
         self._memory = memory
@@ -596,6 +721,19 @@ class Surface:
     def _yaml(self) -> dict[str, Any]:
         """As a lens file has it; {}: it cannot have it."""
         return {}
+
+    def _key(self) -> Hashable:
+        """What is equal of surfaces that are."""
+        raise NotImplementedError
+
+    def __eq__(self, other: object) -> bool:
+        """The same class with the same parameters; one that is not given is equal to its default."""
+        if not isinstance(other, Surface) or type(self) is not type(other):
+            return NotImplemented
+        return self is other or self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash((type(self), self._key()))
 
 
 # ------------------------------------------------------------------------ the catalogue
@@ -761,21 +899,23 @@ class Catalogue(Surface):
         x.flags.writeable = False
         return x
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        given = self._given
-        if name in given:
-            return given[name]
-        if name.startswith("radius") and name.replace("radius", "curvature") in (
-            p.name.decode() for p in params_of(ROWS[self.type])
-        ):
-            c = given.get(name.replace("radius", "curvature"), 0.0)
-            return 1 / c if c else math.inf
-        for p in params_of(ROWS[self.type]):
-            if p.name.decode() == name:
-                return self._default(p)
-        raise AttributeError(f"{self.type} has no parameter {name!r}")
+    if not TYPE_CHECKING:  # (a class of surfaces.py says what it has)
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_"):
+                raise AttributeError(name)
+            given = self._given
+            if name in given:
+                return given[name]
+            if name.startswith("radius") and name.replace("radius", "curvature") in (
+                p.name.decode() for p in params_of(ROWS[self.type])
+            ):
+                c = given.get(name.replace("radius", "curvature"), 0.0)
+                return 1 / c if c else math.inf
+            for p in params_of(ROWS[self.type]):
+                if p.name.decode() == name:
+                    return self._default(p)
+            raise AttributeError(f"{self.type} has no parameter {name!r}")
 
     def _default(self, p: C.Param) -> Any:
         if p.kind == C.TERMS:
@@ -788,11 +928,10 @@ class Catalogue(Surface):
             return 0
         return 0.0 if p.count == 1 else np.zeros(p.count if p.kind in (C.VECTOR,) else 0)
 
-    def __setattr__(self, name: str, value: Any) -> None:
-        if name.startswith("_"):
-            object.__setattr__(self, name, value)
-            return
-        raise AttributeError(f"a surface does not change; use replace({name}=...) to get another")
+    def __dir__(self) -> list[str]:
+        names = [p.name.decode() for p in params_of(ROWS[self.type])]
+        radii = [name.replace("curvature", "radius") for name in names if name.startswith("curvature")]
+        return [*super().__dir__(), *names, *radii]
 
     def replace(self: Self, **changes: Any) -> Self:
         """The same surface with some parameters changed; None takes one away.
@@ -814,15 +953,19 @@ class Catalogue(Surface):
 
         return f"{type(self).__name__}({', '.join(f'{k}={shown(v)}' for k, v in self._given.items())})"
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Catalogue) or type(self) is not type(other):
-            return NotImplemented
-        a, b = self._given, other._given
-        return a.keys() == b.keys() and all(
-            np.array_equal(a[k], b[k]) if isinstance(a[k], np.ndarray) else a[k] == b[k] for k in a
-        )
-
-    __hash__ = None  # type: ignore[assignment]
+    def _key(self) -> Hashable:
+        found: list[Hashable] = []
+        for p in params_of(ROWS[self.type]):
+            value = self._given.get(p.name.decode())
+            if isinstance(value, np.ndarray):
+                value = value.tolist()
+                if p.kind not in (C.LIST, C.TABLE):  # numbers of the struct, which ends in zeros
+                    while value and value[-1] == 0:
+                        value.pop()
+                value = tuple(tuple(x) if isinstance(x, list) else x for x in value)
+            if value:
+                found.append((p.name, value))
+        return tuple(found)
 
     def __reduce__(self) -> Any:
         return _again, (type(self), self._given)

@@ -5,10 +5,11 @@ has its default, 0 or none.  `semi_diameter` is the radius of the rim; 0: none.
 """
 from __future__ import annotations
 
-from typing import Optional, Sequence
+from typing import Literal, Optional, Sequence
 
 from numpy.typing import ArrayLike
 
+from ._tables import Floats
 from .surface import CLASSES, Catalogue
 
 
@@ -18,6 +19,7 @@ class Plane(Catalogue):
     semi_diameter  length
     """
     type = "plane"
+    semi_diameter: float
 
     def __init__(self, *, semi_diameter: Optional[float] = None) -> None:
         self._make(dict(semi_diameter=semi_diameter))
@@ -31,8 +33,11 @@ class Sphere(Catalogue):
     semi_diameter  length
     """
     type = "sphere"
+    radius: float
+    curvature: float
+    semi_diameter: float
 
-    def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
+    def __init__(self, radius: Optional[float] = None, *, curvature: Optional[float] = None,
                  semi_diameter: Optional[float] = None) -> None:
         self._make(dict(radius=radius, curvature=curvature, semi_diameter=semi_diameter))
 
@@ -46,9 +51,13 @@ class Conic(Catalogue):
     semi_diameter  length
     """
     type = "conic"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
 
-    def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
-                 conic: Optional[float] = None, semi_diameter: Optional[float] = None) -> None:
+    def __init__(self, radius: Optional[float] = None, conic: Optional[float] = None, *,
+                 curvature: Optional[float] = None, semi_diameter: Optional[float] = None) -> None:
         self._make(dict(radius=radius, curvature=curvature, conic=conic, semi_diameter=semi_diameter))
 
 
@@ -62,10 +71,15 @@ class EvenAsphere(Catalogue):
     coefficients   up to 8 numbers; length^(-1 - 2 i)
     """
     type = "even_asphere"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
+    coefficients: Floats
 
-    def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
-                 conic: Optional[float] = None, semi_diameter: Optional[float] = None,
-                 coefficients: Optional[ArrayLike] = None) -> None:
+    def __init__(self, radius: Optional[float] = None, conic: Optional[float] = None,
+                 coefficients: Optional[ArrayLike] = None, *, curvature: Optional[float] = None,
+                 semi_diameter: Optional[float] = None) -> None:
         self._make(dict(radius=radius, curvature=curvature, conic=conic, semi_diameter=semi_diameter,
                         coefficients=coefficients))
 
@@ -84,6 +98,15 @@ class Julia(Catalogue):
     power       a whole number from 2 to 8
     """
     type = "julia"
+    c: Floats
+    at: Floats
+    slice: float
+    ex: Floats
+    ey: Floats
+    ez: Floats
+    escape: float
+    iterations: int
+    power: int
 
     def __init__(self, *, c: Optional[ArrayLike] = None, at: Optional[ArrayLike] = None,
                  slice: Optional[float] = None, ex: Optional[ArrayLike] = None,
@@ -107,6 +130,14 @@ class Mandelbrot(Catalogue):
     power       a whole number from 2 to 8
     """
     type = "mandelbrot"
+    at: Floats
+    slice: float
+    ex: Floats
+    ey: Floats
+    ez: Floats
+    escape: float
+    iterations: int
+    power: int
 
     def __init__(self, *, at: Optional[ArrayLike] = None, slice: Optional[float] = None,
                  ex: Optional[ArrayLike] = None, ey: Optional[ArrayLike] = None,
@@ -126,10 +157,15 @@ class OddAsphere(Catalogue):
     coefficients   up to 16 numbers; length^(-i)
     """
     type = "odd_asphere"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
+    coefficients: Floats
 
-    def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
-                 conic: Optional[float] = None, semi_diameter: Optional[float] = None,
-                 coefficients: Optional[ArrayLike] = None) -> None:
+    def __init__(self, radius: Optional[float] = None, conic: Optional[float] = None,
+                 coefficients: Optional[ArrayLike] = None, *, curvature: Optional[float] = None,
+                 semi_diameter: Optional[float] = None) -> None:
         self._make(dict(radius=radius, curvature=curvature, conic=conic, semi_diameter=semi_diameter,
                         coefficients=coefficients))
 
@@ -144,6 +180,11 @@ class PolynomialXy(Catalogue):
     coefficients   a table of up to 32 rows and columns; length^(1 - i - j)
     """
     type = "polynomial_xy"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
+    coefficients: Floats
 
     def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
                  conic: Optional[float] = None, semi_diameter: Optional[float] = None,
@@ -165,6 +206,13 @@ class Toroidal(Catalogue):
     coefficients   up to 8 numbers; length^(-1 - 2 i)
     """
     type = "toroidal"
+    radius: float
+    curvature: float
+    conic: float
+    radius_x: float
+    curvature_x: float
+    semi_diameter: float
+    coefficients: Floats
 
     def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
                  conic: Optional[float] = None, radius_x: Optional[float] = None,
@@ -186,6 +234,13 @@ class Biconic(Catalogue):
     semi_diameter  length
     """
     type = "biconic"
+    radius_x: float
+    curvature_x: float
+    conic_x: float
+    radius_y: float
+    curvature_y: float
+    conic_y: float
+    semi_diameter: float
 
     def __init__(self, *, radius_x: Optional[float] = None, curvature_x: Optional[float] = None,
                  conic_x: Optional[float] = None, radius_y: Optional[float] = None,
@@ -204,9 +259,13 @@ class Cylinder(Catalogue):
     semi_diameter  length
     """
     type = "cylinder"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
 
-    def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
-                 conic: Optional[float] = None, semi_diameter: Optional[float] = None) -> None:
+    def __init__(self, radius: Optional[float] = None, conic: Optional[float] = None, *,
+                 curvature: Optional[float] = None, semi_diameter: Optional[float] = None) -> None:
         self._make(dict(radius=radius, curvature=curvature, conic=conic, semi_diameter=semi_diameter))
 
 
@@ -223,11 +282,19 @@ class Zernike(Catalogue):
     coefficients   up to 5151 numbers; length
     """
     type = "zernike"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
+    norm: float
+    order: Optional[Literal["noll", "fringe"]]
+    normalised: bool
+    coefficients: Floats
 
     def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
                  conic: Optional[float] = None, semi_diameter: Optional[float] = None,
-                 norm: Optional[float] = None, order: Optional[str] = None, normalised: bool = False,
-                 coefficients: Optional[ArrayLike] = None) -> None:
+                 norm: Optional[float] = None, order: Optional[Literal["noll", "fringe"]] = None,
+                 normalised: bool = False, coefficients: Optional[ArrayLike] = None) -> None:
         self._make(dict(radius=radius, curvature=curvature, conic=conic, semi_diameter=semi_diameter,
                         norm=norm, order=order, normalised=normalised, coefficients=coefficients))
 
@@ -244,6 +311,13 @@ class Chebyshev(Catalogue):
     coefficients   a table of up to 64 rows and columns; length
     """
     type = "chebyshev"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
+    norm_x: float
+    norm_y: float
+    coefficients: Floats
 
     def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
                  conic: Optional[float] = None, semi_diameter: Optional[float] = None,
@@ -264,6 +338,12 @@ class QCon(Catalogue):
     coefficients   up to 64 numbers; length
     """
     type = "q_con"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
+    norm: float
+    coefficients: Floats
 
     def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
                  conic: Optional[float] = None, semi_diameter: Optional[float] = None,
@@ -282,6 +362,11 @@ class QBfs(Catalogue):
     coefficients   up to 64 numbers; length
     """
     type = "q_bfs"
+    radius: float
+    curvature: float
+    semi_diameter: float
+    norm: float
+    coefficients: Floats
 
     def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
                  semi_diameter: Optional[float] = None, norm: Optional[float] = None,
@@ -302,6 +387,12 @@ class Grid(Catalogue):
     sag            a table of up to 4096 rows and columns; length
     """
     type = "grid"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
+    step_x: float
+    step_y: float
 
     def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
                  conic: Optional[float] = None, semi_diameter: Optional[float] = None,
@@ -321,6 +412,11 @@ class Sum(Catalogue):
     terms          up to 16 surfaces, whose departures are added
     """
     type = "sum"
+    radius: float
+    curvature: float
+    conic: float
+    semi_diameter: float
+    terms: tuple[Catalogue, ...]
 
     def __init__(self, *, radius: Optional[float] = None, curvature: Optional[float] = None,
                  conic: Optional[float] = None, semi_diameter: Optional[float] = None,
@@ -339,6 +435,10 @@ class Quadric(Catalogue):
     constant  length^2
     """
     type = "quadric"
+    squares: Floats
+    products: Floats
+    linear: Floats
+    constant: float
 
     def __init__(self, *, squares: Optional[ArrayLike] = None, products: Optional[ArrayLike] = None,
                  linear: Optional[ArrayLike] = None, constant: Optional[float] = None) -> None:
@@ -353,8 +453,10 @@ class Torus(Catalogue):
     minor  length
     """
     type = "torus"
+    major: float
+    minor: float
 
-    def __init__(self, *, major: Optional[float] = None, minor: Optional[float] = None) -> None:
+    def __init__(self, major: Optional[float] = None, minor: Optional[float] = None) -> None:
         self._make(dict(major=major, minor=minor))
 
 
@@ -365,8 +467,10 @@ class Ellipsoid(Catalogue):
     f  a number
     """
     type = "ellipsoid"
+    a: float
+    f: float
 
-    def __init__(self, *, a: Optional[float] = None, f: Optional[float] = None) -> None:
+    def __init__(self, a: Optional[float] = None, f: Optional[float] = None) -> None:
         self._make(dict(a=a, f=f))
 
 

@@ -18,12 +18,17 @@ def surfaces():
         s.intersect(O, D)
         s.intersect((0, 1, -5), D)
         s.intersect_all(O, D)
+        s.normal(O[0], O[1])
+        s.value(*O)
+        list(s.intersect(O.reshape(3, 1, 2), D)[..., 0])
+        {s: s.replace(), s.replace(): s}
 
 
 def functions():
     s = sagitta.Function(lambda x, y, z: (z - 0.1 * x, -0.1 + 0 * x, 0 * x, 1 + 0 * x), inside=20)
     s.intersect((0, 1, -5), D)
     s.prepare(O, D)()
+    s.value(*O)
 
 
 def raising():

@@ -180,7 +180,8 @@ inline bool to_circle(ball *a)
     seen.border = true;
     ball unit;
     arb_add_error(unit.x, one.x);
-    return arb_intersection(a->x, a->x, unit.x, bits);
+    if (!cut_to(unit, a)) *a = unit; // of a NaN nothing is known
+    return true;
 }
 inline ball half_pi()
 {

@@ -169,9 +169,7 @@ class course
         *g = v.v;
         *slope = seen.torn() ? proof::unknown() : v.s;
         if (g->sign() || !slope->is_finite()) return true;
-        const ball by_mean = value(m) + *slope * (s - m);
-        ball both;
-        if (arb_intersection(both.x, by_mean.x, g->x, proof::bits)) *g = both;
+        proof::cut_to(value(m) + *slope * (s - m), g);
         return true;
     }
 

@@ -79,6 +79,16 @@ inline ball middle(const ball &a) { ball r; arb_get_mid_arb(r.x, a.x); return r;
 inline ball low(const ball &a) { ball r; arb_get_lbound_arf(arb_midref(r.x), a.x, bits); return r; }
 inline ball high(const ball &a) { ball r; arb_get_ubound_arf(arb_midref(r.x), a.x, bits); return r; }
 inline ball between(const ball &a, const ball &b) { ball r; arb_union(r.x, a.x, b.x, bits); return r; }
+inline bool is_number(const ball &a) { return !arf_is_nan(arb_midref(a.x)); } // or a ball without end
+// Takes away from a what is not in b; false: a stays, as nothing would be left, or as one of them is NaN, of
+// which arb_intersection makes numbers.
+inline bool cut_to(const ball &b, ball *a)
+{
+    ball both;
+    const bool common = is_number(*a) && is_number(b) && arb_intersection(both.x, a->x, b.x, bits);
+    if (common) *a = both;
+    return common;
+}
 inline ball around(const ball &a, slong e) { ball r = middle(a); arb_add_error_2exp_si(r.x, e); return r; }
 inline bool less(const ball &a, const ball &b) { return arb_lt(a.x, b.x); } // certainly
 inline std::string text(const ball &a, slong digits = 30)

@@ -126,9 +126,7 @@ public:
         *slope = c_ * d_rho - scaled(h * (d_.z - d_sum * d_rho), 1);
         *g = c_ * (rho + k1_ * square(w)) - scaled(w, 1);
         if (g->sign() != 0) return true;
-        const ball by_mean = value(m) + *slope * (s - m);
-        ball both;
-        if (arb_intersection(both.x, by_mean.x, g->x, bits)) *g = both;
+        cut_to(value(m) + *slope * (s - m), g);
         return true;
     }
 
