@@ -63,8 +63,8 @@ static void name_path(sgt_error *error, size_t count, const sgt_edit edit[])
 static node *parse_value(source *s, const char *yaml, size_t line)
 {
     source own = *s;
-    own.text = yaml ? yaml : "", own.length = strlen(own.text), own.root = NULL, own.comment = NULL, own.comments = 0;
-    own.comment_room = 0, own.only_line = line;
+    own.text = yaml ? yaml : "", own.length = strlen(own.text), own.root = NULL;
+    own.comment = NULL, own.comments = own.comment_room = 0, own.only_line = line;
     sgt_read_yaml(&own);
     return own.root;
 }
