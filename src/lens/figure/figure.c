@@ -50,7 +50,7 @@ typedef struct asked {
     sgt_figure *of;
     sgt_figure_out *out;
     sgt_error *error;
-    look at;
+    look_of_lens at;
     layout in;
     flock rays;
     size_t paths;                /* 0: no derivatives are wanted */
@@ -199,13 +199,13 @@ static bool ask_distortion(asked *a)
 /* ---------------------------------------------------------------- sums of squares */
 
 /* Rays of a field and wavelength at their places in residual and jacobian: `each` numbers a ray. */
-typedef struct group {
+typedef struct ray_group {
     size_t first, count, each;
-} group;
+} ray_group;
 
 /* Of rays, or of several groups of them: its residuals e with weights w become sqrt(share w / W) e; the rms
  * of those is value[i].  about_mean: less their weighted mean. */
-static void sum_up(asked *a, size_t value, group g, const double weight[], double share, bool about_mean,
+static void sum_up(asked *a, size_t value, ray_group g, const double weight[], double share, bool about_mean,
                    double off, double own_error[])
 {
     const size_t paths = a->paths;
@@ -337,7 +337,7 @@ static bool spot_of_field(asked *a, size_t field, const double share[], double o
     const sgt_asking *ask = &a->at.ask;
     const size_t points = ask->fine.count, each = 2, paths = a->paths;
     const bool centroid = a->of->opt.reference == 1;
-    const group g = {field * ask->bands * points * each, ask->bands * points, each};
+    const ray_group g = {field * ask->bands * points * each, ask->bands * points, each};
     double one[FLOCK], zero[FLOCK] = {0}, off = 0, chief_off = 0, total = 0;
     sgt_ray_change end = {{0, 0, 0}, {0, 0, 0}, 0};
     flock *f = &a->rays;
@@ -430,7 +430,7 @@ static bool front_of_cell(asked *a, size_t panel, const double share[], double o
     const size_t field = panel / ask->bands, b = panel % ask->bands, points = ask->fine.count,
                  paths = a->paths;
     const double waves = a->at.study->um / ask->band[b].at.um;
-    const group g = {panel * points, points, 1};
+    const ray_group g = {panel * points, points, 1};
     sgt_ray_change end;
     sgt_reference reference;
     flock *f = &a->rays;
@@ -509,7 +509,7 @@ static bool ask_fronts(asked *a)
 /* ----------------------------------------------------------------------- the figure */
 
 /* How many there are, of a lens as it is looked at. */
-static sgt_figure_count figure_count(const sgt_figure *f, const look *l)
+static sgt_figure_count figure_count(const sgt_figure *f, const look_of_lens *l)
 {
     const sgt_asking *a = &l->ask;
     const size_t cells = a->fields * a->bands;
@@ -651,7 +651,7 @@ static bool begin(sgt_figure *f, const sgt_lens *lens, const char *const path[],
     const bool rays = f->opt.kind == SGT_FIGURE_SPOT || f->opt.kind == SGT_FIGURE_CHIEF;
     f->how = (looking){&f->study, of[f->opt.kind], f->opt.kind == SGT_FIGURE_OPD, !rays};
     if (!(f->lens = sgt_lens_copy(lens, error)) || !read_paths(f, path, error)) return false;
-    look l;
+    look_of_lens l;
     const bool fine = sgt_look_begin(&l, f->lens, &f->how, true, error);
     if (fine) f->size = figure_count(f, &l);
     sgt_look_end(&l);

@@ -7,11 +7,11 @@
 #include <sagitta/figure.h>
 
 /* A lens that is looked at: its study, and all numbers that its rays hang on. */
-typedef struct look {
+typedef struct look_of_lens {
     sgt_study *study;
     sgt_asking ask;
     double *number; /* [layout.end]; NULL: not listed yet */
-} look;
+} look_of_lens;
 
 /* Where the numbers stand.  A slot is a wavelength of the study, or, the last, the primary one. */
 enum { BEAM_NUMBERS = 16, FIRST_NUMBERS = 2, AXES = 9 };
@@ -19,10 +19,10 @@ typedef struct place {
     size_t at, end;
     const sgt_param *of;
 } place;
-typedef struct places {
+typedef struct places_in_struct {
     size_t count;
     place *at;
-} places;
+} places_in_struct;
 typedef struct layout {
     size_t trace, slots; /* numbers of a trace (sgt_trace_parameters), a row for each slot; turns are
                             left 0: they are in the axes */
@@ -34,7 +34,7 @@ typedef struct layout {
     size_t fixed;        /* what must not move: lengths of phases, numbers that are no parameters */
     size_t weights;      /* of fields and wavelengths, and the wavelengths; the same */
     size_t end;
-    const places *of; /* [elements]: where the numbers of its surface stand in its struct */
+    const places_in_struct *of; /* [elements]: where the numbers of its surface stand in its struct */
 } layout;
 
 /* Which faults are told: of a figure with its lens. */
@@ -47,15 +47,15 @@ typedef struct looking {
 
 /* (look.c) Looks at a lens, with points of the pupil; or without, and wavefronts begin anywhere.  false:
  * `error` says why.  look_end frees in either case. */
-bool sgt_look_begin(look *l, const sgt_lens *lens, const looking *how, bool points, sgt_error *error);
-void sgt_look_end(look *l);
+bool sgt_look_begin(look_of_lens *l, const sgt_lens *lens, const looking *how, bool points, sgt_error *error);
+void sgt_look_end(look_of_lens *l);
 
 /* (look.c) Lists its numbers; *out is set if they are the first.  false: no memory, or a lens whose numbers
  * are others than in *out. */
-bool sgt_look_list(look *l, layout *out, bool first);
+bool sgt_look_list(look_of_lens *l, layout *out, bool first);
 
 /* The elements of a slot, and the index in front. */
-static inline const band *sgt_look_slot(const look *l, size_t slot)
+static inline const band *sgt_look_slot(const look_of_lens *l, size_t slot)
 {
     return slot < l->ask.bands ? &l->ask.band[slot] : &l->ask.primary;
 }
@@ -70,12 +70,12 @@ typedef struct motion {
  * copy the lens again (NULL: nothing has to).  At return x has to be set at `path`, to undo this.  false:
  * `error` names the path. */
 bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *undo, const looking *how,
-                   const layout *at, const look *now, motion *out, sgt_error *error);
+                   const layout *at, const look_of_lens *now, motion *out, sgt_error *error);
 
 /* (rays.c) Rays of one field and slot: launched, traced, and gone back. */
 enum { FLOCK = 64 };
 typedef struct flock {
-    const look *at;
+    const look_of_lens *at;
     const layout *in;
     size_t elements, stop_numbers;
     sgt_element *own, *open; /* [elements]: as rays meet them */
@@ -96,7 +96,7 @@ typedef struct flock {
 
 enum { FLOCK_ROWS = 7 };
 /* Room, from the memory of the look.  needed: of all motions, NULL: no derivatives.  false: no memory. */
-bool sgt_flock_begin(flock *f, look *at, const layout *in, size_t motions, const motion *of);
+bool sgt_flock_begin(flock *f, look_of_lens *at, const layout *in, size_t motions, const motion *of);
 
 /* Traces the rays of a field and slot through points of the pupil.  chief: whatever clips it, one point.
  * unbent: the last element bends nothing.  false: no memory. */

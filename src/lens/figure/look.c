@@ -14,10 +14,10 @@
 #include <stddef.h>
 #include <string.h>
 
-bool sgt_look_begin(look *l, const sgt_lens *lens, const looking *how, bool points, sgt_error *error)
+bool sgt_look_begin(look_of_lens *l, const sgt_lens *lens, const looking *how, bool points, sgt_error *error)
 {
     static const sgt_sink nowhere;
-    *l = (look){.study = sgt_study_new(lens, how->options, error)};
+    *l = (look_of_lens){.study = sgt_study_new(lens, how->options, error)};
     if (!l->study) return false;
     l->study->from->any_front = !points;
     l->ask = (sgt_asking){.study = l->study,
@@ -30,11 +30,11 @@ bool sgt_look_begin(look *l, const sgt_lens *lens, const looking *how, bool poin
     return sgt_ask_begin(&l->ask) && (!points || sgt_ask_pupil(&l->ask));
 }
 
-void sgt_look_end(look *l)
+void sgt_look_end(look_of_lens *l)
 {
     if (l->study) sgt_arena_free(&l->ask.memory);
     sgt_study_free(l->study);
-    *l = (look){.study = NULL};
+    *l = (look_of_lens){.study = NULL};
 }
 
 /* ------------------------------------------------------------------------ the list */
@@ -104,7 +104,7 @@ static bool is_parameter(const sgt_param *p, bool term)
 
 /* Parameters, or (fixed) what is none but may shape it.  known: the places of the surface; NULL: it is a
  * term. */
-static void put_surface(list *to, sgt_surface s, const places *known, bool fixed)
+static void put_surface(list *to, sgt_surface s, const places_in_struct *known, bool fixed)
 {
     place own[PLACES];
     const bool term = !known;
@@ -200,7 +200,7 @@ static double ideal_height(const sgt_field_beam *b, const band *at)
     return at->data.efl * before * hypot(b->direction.x / b->direction.z, b->direction.y / b->direction.z);
 }
 
-static void put_all(list *to, const look *l, layout *out)
+static void put_all(list *to, const look_of_lens *l, layout *out)
 {
     const sgt_asking *a = &l->ask;
     const sgt_lens *lens = a->lens;
@@ -235,22 +235,22 @@ static void put_all(list *to, const look *l, layout *out)
 }
 
 /* The first list says how many there are, and where. */
-static bool begin_list(look *l, layout *out)
+static bool begin_list(look_of_lens *l, layout *out)
 {
     const sgt_lens *lens = l->ask.lens;
     list to = {.count = 0};
-    places *of = sgt_ask_room(&l->ask, lens->count, sizeof *of);
+    places_in_struct *of = sgt_ask_room(&l->ask, lens->count, sizeof *of);
     place *at = sgt_ask_room(&l->ask, lens->count * PLACES, sizeof *at);
     if (!of || !at) return false;
     for (size_t i = 0; i < lens->count; i++, at += PLACES)
-        of[i] = (places){.count = places_of(lens->element[i].surface, at), .at = at};
+        of[i] = (places_in_struct){.count = places_of(lens->element[i].surface, at), .at = at};
     *out = (layout){.of = of};
     put_all(&to, l, out);
     return true;
 }
 
 /* (Types of surfaces are words of the file, which no number changes: places are those of the first list.) */
-bool sgt_look_list(look *l, layout *out, bool first)
+bool sgt_look_list(look_of_lens *l, layout *out, bool first)
 {
     if (first && !begin_list(l, out)) return false;
     layout own = {.of = out->of};

@@ -88,12 +88,12 @@ typedef struct asking {
 } asking;
 
 /* Looks at the lens with `to` at the path. */
-static bool look_at(const asking *a, double to, look *l, sgt_error *error)
+static bool look_with(const asking *a, double to, look_of_lens *l, sgt_error *error)
 {
     layout same = *a->at;
     sgt_edit edit[2] = {{.kind = SGT_EDIT_SET, .path = a->path, .number = to}};
     if (a->undo) edit[1] = *a->undo;
-    *l = (look){.study = NULL};
+    *l = (look_of_lens){.study = NULL};
     if (!sgt_lens_edit(a->copy, a->undo ? 2 : 1, edit, error) ||
         !sgt_look_begin(l, a->copy, a->how, false, error))
         return false;
@@ -114,7 +114,7 @@ static bool too_far(const layout *at, const double low[], const double high[])
 
 /* A stencil; lines: the two points next to x alone are there, and are enough. */
 typedef struct stencil {
-    look at[2 * POINTS];
+    look_of_lens at[2 * POINTS];
     bool lines;
     double h;
 } stencil;
@@ -139,7 +139,7 @@ static void differ(const stencil *s, size_t i, double *by, double *error)
 }
 
 /* Do all numbers that matter lie on lines? */
-static bool on_lines(const stencil *s, const looking *how, const layout *at, const look *now)
+static bool on_lines(const stencil *s, const looking *how, const layout *at, const look_of_lens *now)
 {
     const size_t end = how->first ? at->fixed : at->first;
     for (size_t i = 0; i < end; i++) {
@@ -152,7 +152,7 @@ static bool on_lines(const stencil *s, const looking *how, const layout *at, con
 }
 
 /* The turn of each element about its own axes: of a rotation R, with the axes as columns, dR = R [w]. */
-static void find_turns(const sgt_lens *lens, const layout *at, const look *now, motion *m)
+static void find_turns(const sgt_lens *lens, const layout *at, const look_of_lens *now, motion *m)
 {
     for (size_t i = 0; i < lens->count; i++) {
         const size_t axes = at->axes + i * AXES;
@@ -185,8 +185,8 @@ static bool look_beside(const asking *a, double x, int k, stencil *s, sgt_error 
 {
     for (int side = -1; side <= 1; side += 2) {
         const double to = (a->inverse ? 1 / x : x) + side * k * s->h;
-        look *l = &s->at[side < 0 ? POINTS - k : POINTS - 1 + k];
-        if (!look_at(a, a->inverse ? 1 / to : to, l, error)) return false;
+        look_of_lens *l = &s->at[side < 0 ? POINTS - k : POINTS - 1 + k];
+        if (!look_with(a, a->inverse ? 1 / to : to, l, error)) return false;
     }
     return true;
 }
@@ -197,7 +197,7 @@ static void end_stencil(stencil *s)
 }
 
 bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *undo, const looking *how,
-                   const layout *at, const look *now, motion *out, sgt_error *error)
+                   const layout *at, const look_of_lens *now, motion *out, sgt_error *error)
 {
     const bool inverse = is_radius(path);
     const asking a = {copy, path, undo, how, at, inverse};

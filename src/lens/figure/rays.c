@@ -35,7 +35,7 @@ static bool moves(size_t motions, const motion of[], const layout *in, size_t j)
     return false;
 }
 
-bool sgt_flock_begin(flock *f, look *at, const layout *in, size_t motions, const motion *of)
+bool sgt_flock_begin(flock *f, look_of_lens *at, const layout *in, size_t motions, const motion *of)
 {
     sgt_asking *a = &at->ask;
     const size_t count = a->lens->count;
