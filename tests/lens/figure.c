@@ -8,7 +8,8 @@
  *   - one call for all paths has the numbers of one call for each;
  *   - the sum of the squares of residuals is the square of the last value, and the Jacobian gives its
  * gradient;
- *   - what has no derivative is refused with its path. */
+ *   - what has no derivative is refused with its path;
+ *   - with an allocator that fails at each place in turn nothing is lost. */
 #include "require.h"
 
 #include <sagitta/figure.h>
@@ -174,6 +175,56 @@ static void try_together(const sgt_lens *lens, const char *file, sgt_figure_kind
     sgt_figure_free(f);
 }
 
+/* ------------------------------------------------------------------------- memory */
+
+static long held, before_failure = -1; /* blocks; how many more may be taken, if not negative */
+
+static void *counted_resize(void *context, void *block, size_t size)
+{
+    (void)context;
+    if (size && before_failure == 0) return NULL;
+    if (size && before_failure > 0) before_failure--;
+    held += (size != 0) - (block != NULL);
+    if (size) return realloc(block, size);
+    free(block);
+    return NULL;
+}
+
+/* With an allocator that fails at each place in turn: it is told, nothing is lost, and the figure asks again
+ * as if nothing had been. */
+static void try_memory(const char *path, sgt_figure_kind kind)
+{
+    static const sgt_allocator counted = {counted_resize, NULL};
+    static const char *const by[] = {"surfaces[1].radius", "surfaces[1].thickness"};
+    const sgt_lens_options opt = {.allocator = &counted};
+    const sgt_pattern fan = SGT_PATTERN_FAN;
+    const sgt_study_options study = {.allocator = &counted, .pattern = &fan, .rays = 3};
+    double value[VALUES], gradient[VALUES * 2], again[VALUES * 2];
+    sgt_figure_out out = {.value = value, .gradient = gradient};
+    sgt_lens *lens = sgt_lens_read(path, &opt, NULL);
+    REQUIRE(lens, "%s", path);
+    const long base = held;
+    bool made = false;
+    for (long i = 0; lens && !made && i < 4000; i++) {
+        sgt_error e = {0};
+        before_failure = i;
+        sgt_figure *f = sgt_figure_new(lens, &study, &(sgt_figure_options){.kind = kind}, 2, by, &e);
+        made = f && sgt_figure_eval(f, NULL, &out, &e);
+        REQUIRE(made || strstr(e.words, "no memory"), "%s: %s: %s: %s", path, kind_name[kind], e.key,
+                e.words);
+        before_failure = -1;
+        if (f && !made) {
+            sgt_figure_out whole = {.value = value, .gradient = again};
+            REQUIRE(sgt_figure_eval(f, NULL, &whole, &e), "%s: %s: %s", path, kind_name[kind], e.words);
+        }
+        sgt_figure_free(f);
+        REQUIRE(held == base, "%s: %s: %ld blocks are lost", path, kind_name[kind], held - base);
+    }
+    REQUIRE(made, "%s: %s", path, kind_name[kind]);
+    sgt_lens_free(lens);
+    REQUIRE(held == 0, "%ld blocks are lost", held);
+}
+
 int main(int count, char **argument)
 {
     static sgt_lens_path at[MOST];
@@ -198,6 +249,7 @@ int main(int count, char **argument)
         }
         sgt_lens_free(lens);
     }
+    for (int kind = 0; kind < 5 && count > 1; kind++) try_memory(argument[1], (sgt_figure_kind)kind);
     printf("%zu derivatives compared, %zu of them to 1e-8 or better, %zu refused; worst of these:", compared,
            sharp, refused);
     for (int k = 0; k < 5; k++) printf(" %s %.2g", kind_name[k], worst[k]);
