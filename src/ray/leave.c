@@ -58,28 +58,28 @@ typedef struct place {
     bool on;
 } place;
 
-static double leave_size(sgt_vec3 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
-static double leave_dot(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static double leave_terms(sgt_vec3 p, sgt_vec3 n)
+SGT_INLINE double leave_size(sgt_vec3 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
+SGT_INLINE double leave_dot(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+SGT_INLINE double leave_terms(sgt_vec3 p, sgt_vec3 n)
 {
     return fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z);
 }
 
-static bool leave_finite(sgt_vec3 a) { return a.x - a.x + (a.y - a.y) + (a.z - a.z) == 0; }
+SGT_INLINE bool leave_finite(sgt_vec3 a) { return a.x - a.x + (a.y - a.y) + (a.z - a.z) == 0; }
 
 /* Is there a surface of which F may be asked? */
 static bool asked_of(sgt_surface s) { return s.ops && s.ops->value && parameters_valid(s); }
 
 /* Within half of the rule, and so is |F| if |grad F| p_err is. */
-static bool is_on(double f, sgt_vec3 p, sgt_vec3 n)
+SGT_INLINE bool is_on(double f, sgt_vec3 p, sgt_vec3 n)
 {
     return fabs(f) <= 0.5 * START_ULPS * leave_terms(p, n);
 }
 
-static bool surely_on(sgt_vec3 p, sgt_vec3 n, double p_err)
+SGT_INLINE bool surely_on(sgt_vec3 p, sgt_vec3 n, double p_err)
 {
     double steep = fabs(n.x) + fabs(n.y) + fabs(n.z);
-    return steep > 0 && is_on(steep * p_err, p, n);
+    return (steep > 0) & is_on(steep * p_err, p, n);
 }
 
 /* p is not on the surface: f, n there. */
@@ -103,10 +103,10 @@ static place polished(sgt_surface s, sgt_vec3 p, double f, sgt_vec3 n, double p_
     return (place){on ? o : p, on};
 }
 
-static double leave_sign(double x) { return (x > 0 ? 1.0 : 0.0) - (x < 0 ? 1.0 : 0.0); }
+SGT_INLINE double leave_sign(double x) { return (x > 0 ? 1.0 : 0.0) - (x < 0 ? 1.0 : 0.0); }
 
 /* The sign of the slope n . d; 0 if it is less than `part` of what it may be. */
-static double slope_sign(sgt_vec3 n, sgt_vec3 d, double part)
+SGT_INLINE double slope_sign(sgt_vec3 n, sgt_vec3 d, double part)
 {
     double slope = leave_dot(n, d);
     return fabs(slope) > part * leave_size(n) * leave_size(d) ? leave_sign(slope) : 0;
@@ -128,25 +128,85 @@ typedef struct asked {
     bool on[ASKS]; /* it starts on the surface */
 } asked;
 
-/* Asks for the side of number i.  The first t is behind all that the rule of the start drops: roots there
- * have t |slope| <= START_ULPS of the terms.  Where the ray bends away from the surface, or twists, that is
- * below 2^-24 or 2^-16 of the lengths at hand, however small the slope at the start is. */
+/* Is it a built-in surface without an edge?  Its F is continuous everywhere, so that its sign behind the last
+ * root does not change. */
+static bool is_body(const sgt_surface_ops *ops)
+{
+    return is_catalogue(ops) && ops->first && ops->values && ops->own_->roundings && !ops->own_->share;
+}
+
+/* How far the origin is, in lengths of d. */
+SGT_INLINE double far_of(sgt_vec3 o, sgt_vec3 d) { return leave_size(o) / leave_size(d); }
+
+/* The first t.  It is behind all that the rule of the start drops: roots there have t |slope| <= START_ULPS
+ * of the terms.  Where the ray bends away from the surface, or twists, that is below 2^-24 or 2^-16 of the
+ * lengths at hand, however small the slope at the start is. */
+SGT_INLINE double first_look(sgt_vec3 o, sgt_vec3 d, sgt_vec3 n, double far)
+{
+    double least = 0x1p-32 * far, t = 0x1p6 * START_ULPS * leave_terms(o, n) / fabs(leave_dot(n, d));
+    t = t < 0x1p-14 * far ? t : 0x1p-14 * far;
+    return t > least ? t : least; /* of a NaN: least */
+}
+
+/* F by `value` and its own rounding is off by no more than this from F at the point meant. */
+SGT_INLINE double look_error(double own, sgt_vec3 p, sgt_vec3 n)
+{
+    return 2 * (own + 2 * SGT_U * leave_terms(p, n));
+}
+
+/* Is it a built-in surface of which a look may be taken before its span is known?  A span ends where F may
+ * get another sign without a root, at a rim.  But if F at the first look and its slope there have one sign, F
+ * has come from the root at the start: it is the sign behind it. */
+static bool looks_early(const sgt_surface_ops *ops)
+{
+    return ops->own_ && ops->rounding && !encloses_of(ops) && !is_body(ops);
+}
+
+/* The side of a start on such a surface, from which the ray misses.  0: not known. */
+static signed char early_side(sgt_surface s, const sgt_ray *ray, sgt_vec3 n)
+{
+    sgt_vec3 o = ray->o, d = ray->d;
+    double t = first_look(o, d, n, far_of(o, d));
+    t = t < ray->tmax ? t : ray->tmax;
+    sgt_vec3 m = {0, 0, 0},
+             p = {moved_along(o.x, t, d.x), moved_along(o.y, t, d.y), moved_along(o.z, t, d.z)};
+    if (!(t > 0)) return 0;
+    double f = s.ops->value(s.self, p, &m), err = look_error(s.ops->rounding(s.self, p), p, m),
+           there = (f - err > 0 ? 1.0 : 0.0) - (f + err < 0 ? 1.0 : 0.0);
+    return there == slope_sign(m, d, 0x1p-20) ? (signed char)there : 0;
+}
+
+/* Asks for the side of number i. */
 static double ask_side(sgt_surface s, asked *a, size_t i, const sgt_ray *ray, sgt_vec3 n, bool on,
                        const sgt_hit *hit)
 {
     size_t k = a->count++;
     a->on[k] = on;
     const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z};
-    double far = leave_size(ray->o) / leave_size(ray->d), least = 0x1p-32 * far,
-           t = 0x1p6 * START_ULPS * leave_terms(ray->o, n) / fabs(leave_dot(n, ray->d));
+    double far = far_of(ray->o, ray->d);
     for (int c = 0; c < 3; c++) a->o[c][k] = o[c], a->d[c][k] = d[c];
-    t = t < 0x1p-14 * far ? t : 0x1p-14 * far;
-    a->t[k] = t > least ? t : least; /* of a NaN: least */
+    a->t[k] = first_look(ray->o, ray->d, n, far);
     a->far[k] = 0x1p-6 * far, a->most[k] = hit->status > 0 ? 0.5 * hit->t : ray->tmax, a->of[k] = i;
-    if (hit->status > 0 || !s.ops->span) return a->t[k];
+    if (hit->status > 0 || !s.ops->span || is_body(s.ops)) return a->t[k];
     double end = s.ops->span(s.self, ray).hi; /* behind it F may have another sign */
     if (end > 0 && 0.5 * end < a->most[k]) a->most[k] = 0.5 * end;
     return a->t[k];
+}
+
+/* Enclosures of F by `values` and the many roundings of a built-in surface without a share. */
+static void value_asked(sgt_surface s, asked *a)
+{
+    double p[3][ASKS], f[ASKS], n[3][ASKS], own[ASKS];
+    sgt_points points = {{p[0], p[1], p[2]}};
+    for (int c = 0; c < 3; c++)
+        for (size_t k = 0; k < a->count; k++) p[c][k] = moved_along(a->o[c][k], a->t[k], a->d[c][k]);
+    s.ops->values(s.self, a->count, points, (sgt_values){f, {n[0], n[1], n[2]}});
+    s.ops->own_->roundings(s.self, NULL, a->count, points, f, own);
+    for (size_t k = 0; k < a->count; k++) {
+        sgt_vec3 at = {p[0][k], p[1][k], p[2][k]}, grad = {n[0][k], n[1][k], n[2][k]};
+        double err = look_error(own[k], at, grad);
+        a->lo[k] = f[k] - err, a->hi[k] = f[k] + err;
+    }
 }
 
 /* Enclosures of F at the points asked for. */
@@ -158,13 +218,17 @@ static void enclose_asked(sgt_surface s, asked *a)
         encloses(s.self, a->count, rays, a->t, a->t, (sgt_enclosures){a->lo, a->hi, NULL, NULL});
         return;
     }
+    if (is_body(s.ops)) {
+        value_asked(s, a);
+        return;
+    }
     for (size_t k = 0; k < a->count; k++) {
         double t = a->t[k];
         sgt_vec3 n = {0, 0, 0},
                  p = {moved_along(a->o[0][k], t, a->d[0][k]), moved_along(a->o[1][k], t, a->d[1][k]),
                       moved_along(a->o[2][k], t, a->d[2][k])};
         double f = s.ops->value(s.self, p, &n), own = s.ops->rounding ? s.ops->rounding(s.self, p) : 0,
-               err = 2 * (own + 2 * SGT_U * leave_terms(p, n));
+               err = look_error(own, p, n);
         a->lo[k] = f - err, a->hi[k] = f + err;
     }
 }
@@ -209,6 +273,8 @@ static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray
     double by_hit = sharp && hit->status == SGT_HIT ? -slope_sign(hit->n, ray->d, 0x1p-30) : 0;
     if (by_hit != 0) return (signed char)by_hit;
     sgt_vec3 n = gradient_at(s, from, ray->o);
+    signed char early = on && hit->status == SGT_MISS && looks_early(s.ops) ? early_side(s, ray, n) : 0;
+    if (early != 0) return early;
     double t = ask_side(s, a, i, ray, n, on, hit);
     if (t > 0) return 0;
     a->count--; /* at the origin all terms are 0 */
@@ -302,16 +368,20 @@ static sgt_options first_of(const sgt_options *opt)
     return own;
 }
 
-static bool start_sound(const sgt_start *from)
+SGT_INLINE bool sound_at(sgt_vec3 p, double p_err)
 {
-    return from->p_err >= 0 && from->p_err < HUGE_VAL && leave_finite(from->p);
+    return (p_err >= 0) & (p_err < HUGE_VAL) & leave_finite(p);
 }
+
+static bool start_sound(const sgt_start *from) { return sound_at(from->p, from->p_err); }
+
+static double leave_end(double tmax) { return tmax == 0 && !signbit(tmax) ? HUGE_VAL : tmax; }
 
 /* One that makes no sense has an origin that is not finite. */
 static sgt_ray ray_from(const sgt_start *from, sgt_vec3 o)
 {
     if (!start_sound(from)) o.x = (double)NAN;
-    return (sgt_ray){o, from->d, 0, from->tmax == 0 && !signbit(from->tmax) ? HUGE_VAL : from->tmax};
+    return (sgt_ray){o, from->d, 0, leave_end(from->tmax)};
 }
 
 static place place_to_leave(sgt_surface s, const sgt_start *from)
@@ -369,32 +439,202 @@ typedef struct leaving {
     bool on[SGT_MOST_TILE];
 } leaving;
 
-/* The starts of at most ASKS rays.  F is asked of all together that need it. */
-static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, leaving *w, size_t to)
+/* start_sound and surely_on of n starts: a row of 1 and 0.  Returns how many are both. */
+SGT_KERNEL
+static double surely_all(size_t n, const double *px, const double *py, const double *pz, const double *nx,
+                         const double *ny, const double *nz, const double *p_err, double *restrict sure)
 {
-    double p[3][ASKS], f[ASKS], grad[3][ASKS];
-    size_t of[ASKS], count = 0;
-    bool many = asked_of(s) && s.ops->values;
-    for (size_t i = 0; i < n; i++) {
-        sgt_start start = start_of(from, at + i);
-        bool open = many && start_sound(&start) && !surely_on(start.p, start.n, start.p_err);
-        place here = open ? (place){start.p, true} : place_to_leave(s, &start);
-        sgt_ray ray = ray_from(&start, here.o);
-        w->on[to + i] = here.on, w->tmax[to + i] = ray.tmax;
-        w->o[0][to + i] = ray.o.x, w->o[1][to + i] = ray.o.y, w->o[2][to + i] = ray.o.z;
-        if (open) p[0][count] = start.p.x, p[1][count] = start.p.y, p[2][count] = start.p.z, of[count++] = i;
+    double count = 0;
+    _Pragma("omp simd reduction(+ : count)") for (size_t i = 0; i < n; i++) {
+        sgt_vec3 p = {px[i], py[i], pz[i]}, grad = {nx[i], ny[i], nz[i]};
+        double is = (sound_at(p, p_err[i]) & surely_on(p, grad, p_err[i])) ? 1.0 : 0.0;
+        sure[i] = is, count += is;
     }
-    if (count > 0)
-        s.ops->values(s.self, count, (sgt_points){{p[0], p[1], p[2]}},
+    return count;
+}
+
+/* Sets a row of surely_all to 1 where is_on says so.  Returns how many are 1 then. */
+SGT_KERNEL
+static double on_all(size_t n, const double *px, const double *py, const double *pz, const double *p_err,
+                     const double *f, const double *nx, const double *ny, const double *nz,
+                     double *restrict sure)
+{
+    double count = 0;
+    _Pragma("omp simd reduction(+ : count)") for (size_t i = 0; i < n; i++) {
+        sgt_vec3 p = {px[i], py[i], pz[i]};
+        bool on = sound_at(p, p_err[i]) & is_on(f[i], p, (sgt_vec3){nx[i], ny[i], nz[i]});
+        double is = on ? 1.0 : sure[i];
+        sure[i] = is, count += is;
+    }
+    return count;
+}
+
+/* F and its gradient at n points. */
+static void leave_values(sgt_surface s, size_t n, const double *const p[3], double *f, double *const grad[3])
+{
+    if (s.ops->values) {
+        s.ops->values(s.self, n, (sgt_points){{p[0], p[1], p[2]}},
                       (sgt_values){f, {grad[0], grad[1], grad[2]}});
-    for (size_t k = 0; k < count; k++) {
-        sgt_vec3 o = {p[0][k], p[1][k], p[2][k]}, normal = {grad[0][k], grad[1][k], grad[2][k]};
-        size_t i = of[k];
-        if (is_on(f[k], o, normal)) continue;
-        place here = polished(s, o, f[k], normal, from->p_err ? from->p_err[at + i] : 0);
-        w->on[to + i] = here.on;
-        w->o[0][to + i] = here.o.x, w->o[1][to + i] = here.o.y, w->o[2][to + i] = here.o.z;
+        return;
     }
+    for (size_t k = 0; k < n; k++) {
+        sgt_vec3 m = {0, 0, 0};
+        f[k] = s.ops->value(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}, &m);
+        grad[0][k] = m.x, grad[1][k] = m.y, grad[2][k] = m.z;
+    }
+}
+
+/* The starts of at most ASKS rays, from number i of a tile on, whose p are in w->o.  F is asked of all
+ * together. */
+static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, leaving *w, size_t i)
+{
+    double sure[ASKS], p_err[ASKS], f[ASKS], grad[3][ASKS], known = 0;
+    double *const p[3] = {w->o[0] + i, w->o[1] + i, w->o[2] + i};
+    double *const there[3] = {grad[0], grad[1], grad[2]};
+    const double *const at_all[3] = {p[0], p[1], p[2]};
+    const double *const *const m = from->n;
+    bool many = asked_of(s);
+    for (size_t k = 0; k < n; k++) { /* F is not asked for where a start makes no sense */
+        p_err[k] = from->p_err ? from->p_err[at + i + k] : 0;
+        if (sound_at((sgt_vec3){p[0][k], p[1][k], p[2][k]}, p_err[k])) continue;
+        p[0][k] = p[1][k] = p[2][k] = 0, p_err[k] = (double)NAN;
+    }
+    if (m[0] && many)
+        known = surely_all(n, p[0], p[1], p[2], m[0] + at + i, m[1] + at + i, m[2] + at + i, p_err, sure);
+    else
+        memset(sure, 0, sizeof sure);
+    if (known < (double)n && many) {
+        leave_values(s, n, at_all, f, there);
+        known = on_all(n, p[0], p[1], p[2], p_err, f, grad[0], grad[1], grad[2], sure);
+    }
+    memset(w->on + i, true, n * sizeof *w->on);
+    for (size_t k = 0; k < n && known < (double)n; k++) {
+        if (sure[k] > 0) continue;
+        sgt_start start = start_of(from, at + i + k);
+        sgt_vec3 normal = {grad[0][k], grad[1][k], grad[2][k]};
+        place here = many && start_sound(&start) ? polished(s, start.p, f[k], normal, p_err[k])
+                                                 : place_to_leave(s, &start);
+        sgt_vec3 o = ray_from(&start, here.o).o;
+        w->on[i + k] = here.on, p[0][k] = o.x, p[1][k] = o.y, p[2][k] = o.z;
+    }
+}
+
+/* Statuses as numbers.  Two loops: of bytes and doubles in one no vector code is made. */
+SGT_KERNEL
+static void states_of(size_t n, const sgt_status *status, double *restrict state)
+{
+    int wide[ASKS];
+    LANES for (size_t i = 0; i < n; i++) wide[i] = status[i];
+    LANES for (size_t i = 0; i < n; i++) state[i] = wide[i];
+}
+
+/* The side where the hit alone tells it, as side_told has it; else OPEN.  The hit is certainly not the start
+ * again (past_start_again). */
+static const double OPEN = 2;
+
+SGT_KERNEL
+static void sides_by_hit(size_t n, const double *const p[3], const double *const grad[3],
+                         const double *const d[3], const double *p_err, const double *t, const double *state,
+                         double *restrict side)
+{
+    const double *px = p[0], *py = p[1], *pz = p[2], *nx = grad[0], *ny = grad[1], *nz = grad[2], *dx = d[0],
+                 *dy = d[1], *dz = d[2];
+    LANES for (size_t i = 0; i < n; i++) {
+        sgt_vec3 m = {nx[i], ny[i], nz[i]}, way = {dx[i], dy[i], dz[i]};
+        double slope = leave_dot(m, way),
+               most = p_err[i] + 4 * SGT_U * leave_size((sgt_vec3){px[i], py[i], pz[i]});
+        double flat = 0x1p-30 * leave_size(m) * leave_size(way);
+        mask told = MASK(state[i] == SGT_HIT) & MASK(fabs(slope) > flat) &
+                    MASK(t[i] * fabs(slope) > most * sqrt(leave_dot(m, m)));
+        side[i] = chosen(told, chosen(MASK(slope > 0), -1, 1), OPEN);
+    }
+}
+
+/* The first looks of answer_sides, of starts that miss.  p: where; asks: 0 (and p is 0) where
+ * look_again has to ask. */
+SGT_KERNEL
+static void looks_at(size_t n, const sgt_rays *rays, const double *const grad[3], const double *state,
+                     double *restrict px, double *restrict py, double *restrict pz, double *restrict asks)
+{
+    const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0], *dy = rays->d[1],
+                 *dz = rays->d[2], *tmax = rays->tmax, *nx = grad[0], *ny = grad[1], *nz = grad[2];
+    LANES for (size_t i = 0; i < n; i++) {
+        sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]}, m = {nx[i], ny[i], nz[i]};
+        double t = first_look(o, d, m, far_of(o, d));
+        mask told = MASK(state[i] == SGT_MISS) & MASK(leave_size(m) > 0) & MASK(leave_finite(m)) &
+                    MASK(t > 0);
+        t = t < tmax[i] ? t : tmax[i];
+        px[i] = chosen(told, moved_along(o.x, t, d.x), 0), py[i] = chosen(told, moved_along(o.y, t, d.y), 0),
+        pz[i] = chosen(told, moved_along(o.z, t, d.z), 0), asks[i] = chosen(told, 1, 0);
+    }
+}
+
+SGT_KERNEL
+static void sides_by_look(size_t n, const double *const p[3], const double *f, const double *const grad[3],
+                          const double *own, const double *asks, const double *const way[3], double agree,
+                          double *restrict side)
+{
+    const double *px = p[0], *py = p[1], *pz = p[2], *nx = grad[0], *ny = grad[1], *nz = grad[2],
+                 *dx = way[0], *dy = way[1], *dz = way[2];
+    LANES for (size_t i = 0; i < n; i++) {
+        sgt_vec3 m = {nx[i], ny[i], nz[i]}, d = {dx[i], dy[i], dz[i]};
+        double err = look_error(own[i], (sgt_vec3){px[i], py[i], pz[i]}, m),
+               by_slope = slope_sign(m, d, 0x1p-20);
+        double lo = f[i] - err, hi = f[i] + err, there = chosen(MASK(lo > 0), 1, -1);
+        mask told = MASK(asks[i] > 0) & MASK(lo <= hi) & (MASK(lo > 0) | MASK(hi < 0)) &
+                    (MASK(agree == 0) | MASK(there == by_slope));
+        side[i] = chosen(told, there, side[i]);
+    }
+}
+
+/* Sides of n starts that miss: as many of them as the first look tells. */
+static void sides_of_misses(sgt_surface s, size_t n, const sgt_rays *rays, const double *const grad[3],
+                            const double *state, double *side)
+{
+    double p[3][ASKS], f[ASKS], m[3][ASKS], own[ASKS], asks[ASKS];
+    const double *const at[3] = {p[0], p[1], p[2]}, *const there[3] = {m[0], m[1], m[2]};
+    double *const out[3] = {m[0], m[1], m[2]};
+    bool body = is_body(s.ops);
+    looks_at(n, rays, grad, state, p[0], p[1], p[2], asks);
+    leave_values(s, n, at, f, out);
+    if (body) s.ops->own_->roundings(s.self, NULL, n, (sgt_points){{p[0], p[1], p[2]}}, f, own);
+    for (size_t k = 0; k < n && !body; k++)
+        own[k] = asks[k] > 0 ? s.ops->rounding(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}) : 0;
+    sides_by_look(n, at, f, there, own, asks, rays->d, body ? 0 : 1, side);
+}
+
+/* Are there enough of these to be looked at together? */
+static bool looked_at(sgt_surface s, size_t n, const double *state, const bool *on)
+{
+    size_t misses = 0;
+    bool early = looks_early(s.ops);
+    for (size_t i = 0; i < n; i++) early = early && on[i];
+    if (!(is_body(s.ops) || early) || !asked_of(s)) return false;
+    for (size_t i = 0; i < n; i++) misses += state[i] == SGT_MISS;
+    return 8 * misses > n;
+}
+
+/* The ray of number i of a tile once more, where its hit alone does not tell all.  Returns by how much there
+ * are more hits. */
+static int look_again(sgt_surface s, const sgt_starts *from, size_t at, const sgt_rays *rays, size_t i,
+                      const sgt_hits *own, leaving *w, const sgt_options *opt, bool sides, asked *a)
+{
+    const bool sharp = !(opt->t_tol > 0);
+    sgt_start start = start_of(from, at + i);
+    sgt_ray ray = ray_of(rays, i);
+    sgt_hit hit = {.status = w->status[i],
+                   .evals = own->evals ? own->evals[i] : 0,
+                   .t = w->t[i],
+                   .n = {w->n[0][i], w->n[1][i], w->n[2][i]}};
+    int was = hit.status > 0;
+    if (met_behind(s, &start, w->on[i], opt, &ray, &hit)) put_hit(own, i, &hit);
+    if (hit.status != SGT_INVALID && skipped(s, &ray, w->on[i], sharp, &hit)) {
+        hit = hit_without(SGT_UNPROVEN, &ray, hit.evals);
+        put_hit(own, i, &hit);
+    }
+    if (sides) w->side[i] = side_told(s, &start, &ray, w->on[i], sharp, &hit, i, a);
+    if (a->count == ASKS) answer_sides(s, a, w->side);
+    return (hit.status > 0) - was;
 }
 
 /* The rays from number `at` of the batch on. */
@@ -402,7 +642,10 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
                          signed char *side, const sgt_options *opt)
 {
     leaving w;
-    for (size_t i = 0; i < n; i += ASKS) places(s, n - i < ASKS ? n - i : ASKS, from, at + i, &w, i);
+    for (int k = 0; k < 3; k++) memcpy(w.o[k], from->p[k] + at, n * sizeof *w.o[k]);
+    for (size_t i = 0; i < n; i++) w.tmax[i] = HUGE_VAL;
+    for (size_t i = 0; i < n && from->tmax; i++) w.tmax[i] = leave_end(from->tmax[at + i]);
+    for (size_t i = 0; i < n; i += ASKS) places(s, n - i < ASKS ? n - i : ASKS, from, at, &w, i);
     sgt_rays rays = {.o = {w.o[0], w.o[1], w.o[2]},
                      .d = {from->d[0] + at, from->d[1] + at, from->d[2] + at},
                      .tmax = w.tmax};
@@ -415,25 +658,31 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
                     .n = {w.n[0], w.n[1], w.n[2]},
                     .p_err = leave_from(hits->p_err, at)};
     size_t met = sgt_intersect_batch(s, n, rays, own, opt);
+    /* where a march may have skipped roots, or a hit may lie beside its root, no hit tells all */
+    const bool by_hit = !(opt->t_tol > 0) && s.ops && (s.ops->own_ || s.ops->enclose);
+    double state[ASKS], told[ASKS], none[ASKS] = {0};
     asked a;
-    const bool sharp = !(opt->t_tol > 0);
     a.count = 0;
-    for (size_t i = 0; i < n; i++) {
-        sgt_start start = start_of(from, at + i);
-        sgt_ray ray = ray_of(&rays, i);
-        sgt_hit hit = {.status = w.status[i],
-                       .evals = hits->evals ? own.evals[i] : 0,
-                       .t = w.t[i],
-                       .n = {w.n[0][i], w.n[1][i], w.n[2][i]}};
-        bool was = hit.status > 0;
-        if (met_behind(s, &start, w.on[i], opt, &ray, &hit))
-            put_hit(&own, i, &hit), met = met - was + (hit.status > 0);
-        if (hit.status != SGT_INVALID && skipped(s, &ray, w.on[i], sharp, &hit)) {
-            hit = hit_without(SGT_UNPROVEN, &ray, hit.evals);
-            put_hit(&own, i, &hit), met--;
+    for (size_t i = 0, few; i < n; i += few) {
+        few = n - i < ASKS ? n - i : ASKS;
+        const double *const p[3] = {from->p[0] + at + i, from->p[1] + at + i, from->p[2] + at + i},
+                            *const grad[3] = {w.n[0] + i, w.n[1] + i, w.n[2] + i},
+                            *const d[3] = {rays.d[0] + i, rays.d[1] + i, rays.d[2] + i};
+        if (by_hit) {
+            states_of(few, w.status + i, state);
+            sides_by_hit(few, p, grad, d, from->p_err ? from->p_err + at + i : none, w.t + i, state, told);
+            if (side && from->n[0] && looked_at(s, few, state, w.on + i)) {
+                const double *const first[3] = {from->n[0] + at + i, from->n[1] + at + i,
+                                                from->n[2] + at + i};
+                sgt_rays part = rays_from(&rays, i);
+                part.tmax = w.tmax + i;
+                sides_of_misses(s, few, &part, first, state, told);
+            }
         }
-        if (side) w.side[i] = side_told(s, &start, &ray, w.on[i], sharp, &hit, i, &a);
-        if (a.count == ASKS) answer_sides(s, &a, w.side);
+        for (size_t j = 0; j < few; j++) {
+            if (by_hit && told[j] != OPEN) w.side[i + j] = (signed char)told[j];
+            else met += (size_t)look_again(s, from, at, &rays, i + j, &own, &w, opt, side != NULL, &a);
+        }
     }
     if (side) answer_sides(s, &a, w.side), memcpy(side + at, w.side, n);
     if (hits->status) memcpy(hits->status + at, w.status, n * sizeof *w.status);

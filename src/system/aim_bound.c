@@ -11,6 +11,9 @@
  *     |A_n| g          the gradient, below
  *     |A_d| 8 u        the frame in front, if it is turned
  *
+ * Of the point, x and y are off together: A has two rows then, and |A| is how long A v is at most for a v of
+ * unit length (longest_of).
+ *
  * THE BENDING is d' = r d + f n (trace.h).  Its roundings and those of the unit length are at most
  * u (r + |f n| + 3).  f itself is off by a part e_f; that moves d' along n, and across d' by |f n| e_f
  * times the sine behind the surface.  With the cosines c1 and c2 in front and behind and q = r c1 + c2, f
@@ -90,6 +93,7 @@ bool sgt_aim_trace(const aim_task *task, const sgt_ray *launch, sgt_fate *fate, 
 /* --------------------------------------------------------------------- the error */
 
 enum { ERROR_ROWS = 3, OF_PATH = 2 }; /* x, y, and the path */
+enum { ERROR_OF_POINT, ERROR_OF_PATH, ERRORS };
 
 /* Of an element i of the trace. */
 static void link_at(const aim_task *task, const sgt_ray *launch, size_t i, chain_link *c)
@@ -98,16 +102,35 @@ static void link_at(const aim_task *task, const sgt_ray *launch, size_t i, chain
              chain_index(task->e, i, task->index_before), &task->passages[i], c);
 }
 
-/* Of the first `rows`: the errors, and what an ulp of each number of the launch ray does. */
-static void through_derivatives(const aim_task *task, const sgt_ray *launch, int rows, double error[],
+/* Rows k and, if `two`, k + 1 through an element; returns what that adds to the error. */
+static double error_through(const sgt_element *e, const chain_link *c, bool turns, double p_err, bend_off off,
+                            bool two, chain_back back[])
+{
+    const bool turned = is_turned(&e->pose);
+    error_steps s = {.two = two};
+    for (int k = 0; k <= two; k++) {
+        chain_back *x = &back[k];
+        if (turns) x->p = into(&e->pose, x->p), x->d = into(&e->pose, x->d); /* else in its frame */
+        s.direction[k] = x->d, s.by[k] = chain_backward(c, turns, *x);
+        *x = s.by[k].x;
+        x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);
+    }
+    const double more = c->phased ? of_phase(e, c, turns, s) : 0;
+    return of_element(c->bends, c->phased, *c, turns, turned, p_err, off, s) + more;
+}
+
+/* The errors of the point and, if `path`, of the path; what an ulp of each number of the launch ray does. */
+static void through_derivatives(const aim_task *task, const sgt_ray *launch, bool path, double error[],
                                 double ulp[])
 {
+    const int rows = path ? ERROR_ROWS : OF_PATH;
     chain_back back[ERROR_ROWS] = {{{1, 0, 0}, {0, 0, 0}, 0, 0}, {{0, 1, 0}, {0, 0, 0}, 0, 0}};
-    for (int k = 0; k < rows; k++) error[k] = 0;
+    error[ERROR_OF_POINT] = error[ERROR_OF_PATH] = 0;
     for (size_t i = task->stop + 1; i-- > 0;) {
         const sgt_element *e = &task->e[i];
         const sgt_surface s = chain_surface(e->surface);
-        const bool turns = i < task->stop, turned = is_turned(&e->pose);
+        const bool turns = i < task->stop;
+        const double p_err = task->passages[i].hit.p_err;
         bend_off off = {0, 0};
         chain_link c;
         link_at(task, launch, i, &c);
@@ -116,17 +139,8 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, int
             off = bend_off_of(gradient_kind_of(s), s.self, c);
         }
         if (i == task->stop) back[OF_PATH] = (chain_back){times(-c.n1, c.d), {0, 0, 0}, 1, 0};
-        for (int k = 0; k < rows; k++) {
-            chain_back *x = &back[k];
-            if (turns) x->p = into(&e->pose, x->p), x->d = into(&e->pose, x->d); /* else in its frame */
-            const sgt_vec3 direction = x->d;
-            const chain_step by = chain_backward(&c, turns, *x);
-            error[k] += of_element(c.bends, c.phased, c, turns, turned, task->passages[i].hit.p_err, off,
-                                   direction, by);
-            *x = by.x;
-            if (c.phased) error[k] += of_phase(e, &c, turns, direction, x->opl);
-            x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);
-        }
+        error[ERROR_OF_POINT] += error_through(e, &c, turns, p_err, off, true, back);
+        if (path) error[ERROR_OF_PATH] += error_through(e, &c, turns, p_err, off, false, &back[OF_PATH]);
     }
     const unit_launch from = unit_of(launch->d);
     const double index = task->index_before == 0 ? 1 : task->index_before;
@@ -135,10 +149,10 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, int
 
 double sgt_aim_error(const aim_task *task, const sgt_ray *launch, double *grain)
 {
-    double error[ERROR_ROWS], ulp[ERROR_ROWS];
-    through_derivatives(task, launch, OF_PATH, error, ulp);
+    double error[ERRORS], ulp[ERROR_ROWS];
+    through_derivatives(task, launch, false, error, ulp);
     *grain = ulp[0] + ulp[1];
-    return of_point(error[0], error[1]);
+    return of_point(error[ERROR_OF_POINT]);
 }
 
 bool sgt_any_phase(size_t elements, const sgt_element e[])
@@ -161,7 +175,7 @@ bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before
     const bool phases = sgt_any_phase(elements, e);
     const aim_task task = {.stop = elements - 1, .e = e, .index_before = index_before,
                            .passages = (sgt_passage *)(uintptr_t)passages};
-    double error[ERROR_ROWS], ulp[ERROR_ROWS];
+    double error[ERRORS], ulp[ERROR_ROWS];
     far_point from = far_point_of(&global, false, launch->o);
     twofold path = {0, 0};
     for (size_t i = 0; i < elements; i++) {
@@ -174,17 +188,17 @@ bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before
         out->path += of_sum(path, by, c.n1, to);
         path = path_with(path, by, c.n1, c.t);
         if (c.phased && c.passed == 1) {
-            const thin_lens by = thin_lens_of(e[i].phase, c.n1, c.n2, e[i].index == SGT_MIRROR);
-            path = twofold_sum(path, twofold_of(phase_path(by, c.p, c.d)));
+            const thin_lens lens = thin_lens_of(e[i].phase, c.n1, c.n2, e[i].index == SGT_MIRROR);
+            path = twofold_sum(path, twofold_of(phase_path(lens, c.p, c.d)));
         }
         if (!phases) out->path += of_kick(c.n1, c.n2, c.d, c.after, p_err);
         if (turned) out->path += of_axes(c.p, c.n1, c.n2);
         from = to;
     }
     out->path += fabs(twofold_difference(twofold_of(passages[elements - 1].opl), path).hi);
-    through_derivatives(&task, launch, phases ? ERROR_ROWS : OF_PATH, error, ulp);
-    out->point = of_point(error[0], error[1]), out->grain = ulp[0] + ulp[1];
-    if (phases) out->path += 1.5 * error[OF_PATH], out->path_grain = ulp[OF_PATH];
+    through_derivatives(&task, launch, phases, error, ulp);
+    out->point = of_point(error[ERROR_OF_POINT]), out->grain = ulp[0] + ulp[1];
+    if (phases) out->path += 1.5 * error[ERROR_OF_PATH], out->path_grain = ulp[OF_PATH];
     out->path = told_path(out->path);
     return true;
 }

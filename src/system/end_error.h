@@ -8,6 +8,18 @@
 
 SGT_INLINE double size_of(sgt_vec3 a) { return sqrt(dot(a, a)); }
 
+/* Rows x and y of derivatives of two numbers at the end: how long (x . v, y . v) is at most for a v of unit
+ * length.  The square of that is the larger eigenvalue of the matrix of xx, xy, yy (products of the rows).
+ * It is at most the larger of xx and yy, and |xy| besides (Gershgorin); and at most xx + yy.  two: there is
+ * a row y. */
+SGT_INLINE double longest_of(bool two, sgt_vec3 x, sgt_vec3 y)
+{
+    if (!two) return size_of(x);
+    const double xx = dot(x, x), yy = dot(y, y), xy = fabs(dot(x, y));
+    const double most = xx > yy ? xx : yy, least = xx > yy ? yy : xx; /* a NaN stays one */
+    return sqrt(most + (xy < least ? xy : least));
+}
+
 /* What is known of a surface's gradient. */
 typedef enum gradient_kind { GRADIENT_OF_CONIC, GRADIENT_OF_ASPHERE, GRADIENT_OF_OTHER } gradient_kind;
 
@@ -58,31 +70,37 @@ SGT_INLINE bend_off bend_off_of(gradient_kind kind, const sgt_even_asphere *a, c
     return (bend_off){of_bending(c, n, by_n), of_gradient(kind, a, c.p, c.n, n2, n, by_n)};
 }
 
-/* What the rounding at one element adds to a number at the end, as far as points, frames and bending go.
+/* The adjoints of one number at the end, of the direction behind an element, and the step to the front; or
+ * of two, x and y, if there are two. */
+typedef struct error_steps { bool two; sgt_vec3 direction[2]; chain_step by[2]; } error_steps;
+
+/* What the rounding at one element adds to the error of a number at the end, or of a point, as far as points,
+ * frames and bending go.
  *
  *     bends, phased  those of the link; constants, where it is in a loop
  *     turns      the direction behind has a say in it
  *     turned     the element's frame is
- *     direction  the adjoint of the direction behind it; by: the step to the front
  *     off        as above; read if the element bends */
 SGT_INLINE double of_element(bool bends, bool phased, chain_link c, bool turns, bool turned, double p_err,
-                             bend_off off, sgt_vec3 direction, chain_step by)
+                             bend_off off, error_steps s)
 {
     const double frame = 8 * SGT_U;
-    double sum = size_of(plus_times(by.in.p, by.x.opl * c.n1, c.d)) * p_err;
-    if (turned && (turns || phased)) sum += size_of(by.front) * frame;
+    const chain_step x = s.by[0], y = s.by[1];
+    const sgt_vec3 point = s.two ? x.in.p : plus_times(x.in.p, x.x.opl * c.n1, c.d);
+    double sum = longest_of(s.two, point, y.in.p) * p_err;
+    if (turned && (turns || phased)) sum += longest_of(s.two, x.front, y.front) * frame;
     if (!turns) return sum;
-    const double size = turned || bends ? size_of(direction) : 0;
+    const double size = turned || bends ? longest_of(s.two, s.direction[0], s.direction[1]) : 0;
     if (turned) sum += size * frame;
-    return bends ? sum + size * off.bending + size_of(by.in.n) * off.gradient : sum;
+    return bends ? sum + size * off.bending + longest_of(s.two, x.in.n, y.in.n) * off.gradient : sum;
 }
 
 /* What a phase adds to that. */
-SGT_INLINE double of_phase(const sgt_element *e, const chain_link *c, bool turns, sgt_vec3 direction,
-                           double opl)
+SGT_INLINE double of_phase(const sgt_element *e, const chain_link *c, bool turns, error_steps s)
 {
     const phase_off off = phase_off_of(e->phase, c->n1, c->n2, c->p, c->d);
-    return (turns ? absolute(direction) * off.direction : 0) + (c->passed == 1 ? fabs(opl) * off.path : 0);
+    const double size = longest_of(s.two, s.direction[0], s.direction[1]);
+    return (turns ? size * off.direction : 0) + (c->passed == 1 ? fabs(s.by[0].x.opl) * off.path : 0);
 }
 
 /* What an ulp of each number of the launch ray does to a number at the end; index: in front of all. */
@@ -92,8 +110,8 @@ SGT_INLINE double of_launch(chain_back back, double index, sgt_vec3 o, sgt_vec3 
     return 2 * SGT_U * (size_of(by) * absolute(o) + size_of(back.d) * absolute(d) / from.length);
 }
 
-/* Of both coordinates together, with what the second order may add. */
-SGT_INLINE double of_point(double x, double y) { return 1.5 * sqrt(x * x + y * y); }
+/* The error of a point, with what the second order may add. */
+SGT_INLINE double of_point(double first_order) { return 1.5 * first_order; }
 
 /* ------------------------------------------------------------------------ the path */
 

@@ -2,8 +2,8 @@
  * formulas.
  *
  * A tile of rays goes backward through the elements.  At each the links of all its rays are made, then what
- * the bending and the gradient are off by, then each row goes through: x, y, and the path if there is a
- * phase.  Each step is a loop over rays.  The path is a sweep of its own, forward. */
+ * the bending and the gradient are off by, then the rows go through: x and y together, and the path if there
+ * is a phase.  Each step is a loop over rays.  The path is a sweep of its own, forward. */
 #include "chain_batch.h"
 #include "end_error.h"
 #include "aim.h"
@@ -12,17 +12,18 @@
 
 enum { ROWS = 3, OF_PATH = 2 };
 
-/* An adjoint of the end, and the error that has been gathered. */
+/* An adjoint of the end. */
 typedef struct error_row {
     chain_vectors p, d;
     double opl;
-    chain_row error;
 } error_row;
 
+/* With the errors that have been gathered. */
 typedef struct error_tile {
     chain_tile link;
     chain_row bent_off, gradient, ok;
     error_row row[ROWS];
+    chain_row point, path;
 } error_tile;
 
 /* -------------------------------------------------------------------- the point */
@@ -61,53 +62,75 @@ static void link_off(chain_tile *b, double *bent_off, double *gradient)
 #define LANES_BY_GCC LANES
 #endif
 
-/* One row through the element. */
-SGT_INLINE void error_back_by(bool bends, bool turns, bool turned, const error_tile *w, const double *p_err,
-                              error_row *row)
+/* Rows x and y through the element, or if not `two`, x alone. */
+SGT_INLINE void error_back_by(bool two, bool bends, bool turns, bool turned, const error_tile *w,
+                              const double *p_err, error_row *x, error_row *y, double *error)
 {
     const chain_view v = w->link.view;
-    const double opl = row->opl;
+    const double opl = x->opl;
     const size_t n = w->link.n;
     LANES_BY_GCC for (size_t i = 0; i < n; i++)
     {
         const chain_link c = chain_link_of(&v, bends, i);
-        const chain_back x = {chain_get(&row->p, i), chain_get(&row->d, i), opl, 0};
-        const chain_step by = chain_backward_by(bends, false, c, turns, x);
+        const chain_back back = {chain_get(&x->p, i), chain_get(&x->d, i), opl, 0};
+        const chain_back other = {chain_get(&y->p, i), chain_get(&y->d, i), 0, 0};
+        error_steps s;
+        s.two = two, s.direction[0] = back.d, s.direction[1] = other.d;
+        s.by[0] = chain_backward_by(bends, false, c, turns, back);
+        s.by[1] = chain_backward_by(bends, false, c, turns, other);
         const bend_off off = {bends ? w->bent_off[i] : 0, bends ? w->gradient[i] : 0};
-        row->error[i] += of_element(bends, false, c, turns, turned, p_err[i], off, x.d, by);
-        chain_put(&row->p, i, by.x.p), chain_put(&row->d, i, by.x.d);
+        error[i] += of_element(bends, false, c, turns, turned, p_err[i], off, s);
+        chain_put(&x->p, i, s.by[0].x.p), chain_put(&x->d, i, s.by[0].x.d);
+        if (two) chain_put(&y->p, i, s.by[1].x.p), chain_put(&y->d, i, s.by[1].x.d);
     }
 }
 
-SGT_KERNEL
-static void error_back(bool turns, const error_tile *w, const double *p_err, error_row *row)
+SGT_INLINE void error_back_of(bool two, bool turns, const error_tile *w, const double *p_err, error_row *x,
+                              error_row *y, double *error)
 {
     const bool turned = w->link.turned;
     if (!turns && turned)
-        error_back_by(false, false, true, w, p_err, row);
+        error_back_by(two, false, false, true, w, p_err, x, y, error);
     else if (!turns)
-        error_back_by(false, false, false, w, p_err, row);
+        error_back_by(two, false, false, false, w, p_err, x, y, error);
     else if (w->link.bends && turned)
-        error_back_by(true, true, true, w, p_err, row);
+        error_back_by(two, true, true, true, w, p_err, x, y, error);
     else if (w->link.bends)
-        error_back_by(true, true, false, w, p_err, row);
+        error_back_by(two, true, true, false, w, p_err, x, y, error);
     else if (turned)
-        error_back_by(false, true, true, w, p_err, row);
+        error_back_by(two, false, true, true, w, p_err, x, y, error);
     else
-        error_back_by(false, true, false, w, p_err, row);
+        error_back_by(two, false, true, false, w, p_err, x, y, error);
 }
 
-/* The same at a phase. */
-static void error_back_phased(bool turns, const error_tile *w, const double *p_err, error_row *row)
+SGT_KERNEL
+static void error_back(bool turns, const error_tile *w, const double *p_err, error_row *x, error_row *y,
+                       double *error)
+{
+    error_back_of(true, turns, w, p_err, x, y, error);
+}
+
+SGT_KERNEL
+static void error_back_path(bool turns, const error_tile *w, const double *p_err, error_row *x, double *error)
+{
+    error_back_of(false, turns, w, p_err, x, x, error);
+}
+
+/* The same at a phase, of one row or of two. */
+static void error_back_phased(bool two, bool turns, const error_tile *w, const double *p_err, error_row row[],
+                              double *error)
 {
     const chain_tile *b = &w->link;
     for (size_t i = 0; i < b->n; i++) {
         const chain_link c = chain_phased_link(b, i);
-        const chain_back x = {chain_get(&row->p, i), chain_get(&row->d, i), row->opl, 0};
-        const chain_step by = chain_backward(&c, turns, x);
-        row->error[i] += of_element(false, true, c, turns, b->turned, p_err[i], (bend_off){0, 0}, x.d, by);
-        row->error[i] += of_phase(b->e, &c, turns, x.d, x.opl);
-        chain_put(&row->p, i, by.x.p), chain_put(&row->d, i, by.x.d);
+        error_steps s = {.two = two};
+        for (int k = 0; k <= two; k++) {
+            const chain_back x = {chain_get(&row[k].p, i), chain_get(&row[k].d, i), row[k].opl, 0};
+            s.direction[k] = x.d, s.by[k] = chain_backward(&c, turns, x);
+            chain_put(&row[k].p, i, s.by[k].x.p), chain_put(&row[k].d, i, s.by[k].x.d);
+        }
+        const double more = of_phase(b->e, &c, turns, s);
+        error[i] += of_element(false, true, c, turns, b->turned, p_err[i], (bend_off){0, 0}, s) + more;
     }
 }
 
@@ -118,15 +141,17 @@ static void begin_row(const error_tile *w, int k, error_row *row)
     row->opl = k == OF_PATH;
     for (size_t i = 0; i < n; i++) {
         chain_put(&row->d, i, (sgt_vec3){0, 0, 0});
-        row->error[i] = 0;
         chain_put(&row->p, i,
                   k == OF_PATH ? times(-n1, chain_from(w->link.view.d, i)) : (sgt_vec3){k == 0, k == 1, 0});
     }
 }
 
-/* Of the first `rows`: the errors, and the adjoints of the launch ray. */
-static void sweep_back(const chain_work *work, int rows, size_t first, size_t n, error_tile *w)
+/* The errors of the point and, if `path`, of the path, and the adjoints of the launch ray. */
+static void sweep_back(const chain_work *work, bool path, size_t first, size_t n, error_tile *w)
 {
+    error_row *const x = &w->row[0], *const y = &w->row[1], *const z = &w->row[OF_PATH];
+    const int rows = path ? ROWS : OF_PATH;
+    for (size_t i = 0; i < n; i++) w->point[i] = w->path[i] = 0;
     for (size_t i = work->elements; i-- > 0;) {
         const sgt_element *e = &work->e[i];
         const double *p_err = work->passages[i].hits.p_err + first;
@@ -140,39 +165,58 @@ static void sweep_back(const chain_work *work, int rows, size_t first, size_t n,
                 begin_row(w, k, row);
             else
                 sgt_chain_into(&e->pose, n, &row->p), sgt_chain_into(&e->pose, n, &row->d);
-            if (b->phased)
-                error_back_phased(turns, w, p_err, row);
-            else
-                error_back(turns, w, p_err, row);
-            sgt_chain_out_of(&e->pose, n, &row->p), sgt_chain_out_of(&e->pose, n, &row->d);
         }
+        if (b->phased)
+            error_back_phased(true, turns, w, p_err, x, w->point);
+        else
+            error_back(turns, w, p_err, x, y, w->point);
+        if (path && b->phased)
+            error_back_phased(false, turns, w, p_err, z, w->path);
+        else if (path)
+            error_back_path(turns, w, p_err, z, w->path);
+        for (int k = 0; k < rows; k++)
+            sgt_chain_out_of(&e->pose, n, &w->row[k].p), sgt_chain_out_of(&e->pose, n, &w->row[k].d);
     }
 }
 
-/* What an ulp of each number of the launch ray does. */
-SGT_KERNEL
-static void row_grains(size_t n, const error_row *row, double index, const double *ox, const double *oy,
-                       const double *oz, const double *dx, const double *dy, const double *dz, double *out)
+/* What an ulp of each number of the launch ray does to the numbers at the end of which x and y are rows; if
+ * not `two`, y does not count. */
+SGT_INLINE void grains_by(bool two, size_t n, const error_row *x, const error_row *y, double index,
+                          const sgt_rays *rays, size_t first, const double *ok, double *out)
 {
-    const double opl = row->opl;
+    const double opl = x->opl;
+    const double *ox = rays->o[0] + first, *oy = rays->o[1] + first, *oz = rays->o[2] + first;
+    const double *dx = rays->d[0] + first, *dy = rays->d[1] + first, *dz = rays->d[2] + first;
     LANES for (size_t i = 0; i < n; i++)
     {
         const sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]};
-        const chain_back back = {chain_get(&row->p, i), chain_get(&row->d, i), opl, 0};
-        out[i] = of_launch(back, index, o, d, unit_of(d));
+        const unit_launch from = unit_of(d);
+        const chain_back back = {chain_get(&x->p, i), chain_get(&x->d, i), opl, 0};
+        const chain_back other = {chain_get(&y->p, i), chain_get(&y->d, i), 0, 0};
+        double grain = of_launch(back, index, o, d, from);
+        if (two) grain += of_launch(other, index, o, d, from);
+        out[i] = ok[i] != 0 ? grain : (double)NAN;
     }
 }
 
 SGT_KERNEL
-static void point_errors(size_t n, const double *x, const double *y, const double *ok, double *out)
+static void point_grains(size_t n, const error_row *x, const error_row *y, double index, const sgt_rays *rays,
+                         size_t first, const double *ok, double *out)
 {
-    LANES for (size_t i = 0; i < n; i++) out[i] = ok[i] != 0 ? of_point(x[i], y[i]) : (double)NAN;
+    grains_by(true, n, x, y, index, rays, first, ok, out);
 }
 
 SGT_KERNEL
-static void point_grains(size_t n, const double *x, const double *y, const double *ok, double *out)
+static void path_grains(size_t n, const error_row *x, double index, const sgt_rays *rays, size_t first,
+                        const double *ok, double *out)
 {
-    LANES for (size_t i = 0; i < n; i++) out[i] = ok[i] != 0 ? x[i] + y[i] : (double)NAN;
+    grains_by(false, n, x, x, index, rays, first, ok, out);
+}
+
+SGT_KERNEL
+static void point_errors(size_t n, const double *error, const double *ok, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = ok[i] != 0 ? of_point(error[i]) : (double)NAN;
 }
 
 /* --------------------------------------------------------------------- the path */
@@ -279,7 +323,7 @@ SGT_NOINLINE static void sweep_path(const chain_work *work, bool phases, size_t 
         path_all(!phases, &w->link, work->passages[i].hits.p_err + first, &path);
         if (w->link.phased) path_phased(&w->link, &path);
     }
-    for (size_t i = 0; i < n; i++) more[i] = phases ? 1.5 * w->row[OF_PATH].error[i] : 0;
+    for (size_t i = 0; i < n; i++) more[i] = phases ? 1.5 * w->path[i] : 0;
     path_ends(n, work->passages[work->elements - 1].opl + first, &path, more, w->ok, out);
 }
 
@@ -312,17 +356,14 @@ static void errors_of_tile(const chain_work *work, bool phases, size_t first, si
 {
     const sgt_rays *r = work->rays;
     const double index = work->index_before == 0 ? 1 : work->index_before;
-    const bool path = out->path || out->path_grain, point = out->point || out->grain;
-    const int rows = phases && path ? ROWS : point ? OF_PATH : 0;
-    chain_row ulp[ROWS];
-    if (rows) sweep_back(work, rows, first, n, w);
-    for (int k = 0; k < rows; k++)
-        row_grains(n, &w->row[k], index, r->o[0] + first, r->o[1] + first, r->o[2] + first, r->d[0] + first,
-                   r->d[1] + first, r->d[2] + first, ulp[k]);
-    if (out->point) point_errors(n, w->row[0].error, w->row[1].error, w->ok, out->point + first);
-    if (out->grain) point_grains(n, ulp[0], ulp[1], w->ok, out->grain + first);
-    for (size_t i = 0; out->path_grain && i < n; i++)
-        out->path_grain[first + i] = w->ok[i] == 0 ? (double)NAN : phases ? ulp[OF_PATH][i] : 0;
+    const bool path = phases && (out->path || out->path_grain), point = out->point || out->grain;
+    if (path || point) sweep_back(work, path, first, n, w);
+    if (out->point) point_errors(n, w->point, w->ok, out->point + first);
+    if (out->grain) point_grains(n, &w->row[0], &w->row[1], index, r, first, w->ok, out->grain + first);
+    if (out->path_grain && phases)
+        path_grains(n, &w->row[OF_PATH], index, r, first, w->ok, out->path_grain + first);
+    for (size_t i = 0; out->path_grain && !phases && i < n; i++)
+        out->path_grain[first + i] = w->ok[i] == 0 ? (double)NAN : 0;
     if (out->path) sweep_path(work, phases, first, n, w, out->path + first);
 }
 

@@ -1,9 +1,11 @@
 // sgt_leave and sgt_leave_batch: particles that go from crossing to crossing, against signs in 113 bits.
 //
 // A thousand particles at a time go through a world: a gyroid in a ball of ten cells, a thin torus (R = 139,
-// r = 1), nested spheres and Clebsch's cubic as formulas, and as built-in types a quadric and an ellipsoid.
+// r = 1), nested spheres and Clebsch's cubic as formulas, and as built-in types a quadric, an ellipsoid, a
+// hyperboloid, a ring and a spindle.
 // At each crossing they go straight on; every tenth time, in a new direction of the whole sphere.  One that
-// misses, or is undecided, begins anew.  Asked of every crossing:
+// misses turns where it was, into a new direction; one in 64 of these, and what is undecided, begins anew
+// from outside.  Asked of every crossing:
 //
 //     the side it starts on is that of the slope at the start, where that is not nearly 0
 //     the next crossing is one to the other side: the slope there has the other sign
@@ -12,6 +14,8 @@
 // Of some of them: F in 113 bits has the sign of the side at points all along the way, up to the crossing,
 // and the other sign right behind it.  A miss is looked at as far as the world reaches.  A crossing that was
 // lost, or met twice, shows as a wrong sign.  Undecided answers are printed, with the slope at the start.
+//
+// Conics with a rim are left against their equation in 113 bits.
 //
 // Rows by hand: starts within 1e-8 of a torus, exits along tangents, the vertex of a sag, starts on a
 // coordinate plane, what makes no sense.  A batch has the bits of single starts.
@@ -86,8 +90,9 @@ sgt_surface formula(const char *text, double ball)
 
 std::vector<World> worlds()
 {
-    static const sgt_torus torus = {139, 1};
+    static const sgt_torus torus = {139, 1}, ring = {3, 1}, spindle = {1, 2};
     static const sgt_quadric quadric = {{1, 0.25, 0.5}, {0.1, 0.05, 0.2}, {0, 0, 0}, -1};
+    static const sgt_quadric sheets = {{1, 1.5, -1}, {0, 0, 0}, {0, 0, 0}, -1};
     static const sgt_ellipsoid ellipsoid = {1.5, 0.25};
     return {{"gyroid in a ball of ten cells",
              formula("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x) = 0", 62.8), 62.8,
@@ -126,9 +131,27 @@ std::vector<World> worlds()
                  return x * x + y * y / 4 + z * z / 2 + quad(0.1) * x * y + quad(0.05) * y * z +
                         quad(0.2) * x * z - 1;
              }},
-            {"ellipsoid", {&sgt_ellipsoid_ops, &ellipsoid}, 1.5, [](quad x, quad y, quad z) {
+            {"ellipsoid",
+             {&sgt_ellipsoid_ops, &ellipsoid},
+             1.5,
+             [](quad x, quad y, quad z) {
                  const quad w = z / quad(0.75);
                  return x * x + y * y + w * w - quad(1.5) * quad(1.5);
+             }},
+            {"hyperboloid",
+             {&sgt_quadric_ops, &sheets},
+             3,
+             [](quad x, quad y, quad z) { return x * x + quad(1.5) * y * y - z * z - 1; }},
+            {"ring, R = 3, r = 1",
+             {&sgt_torus_ops, &ring},
+             4,
+             [](quad x, quad y, quad z) {
+                 const quad off = oracle::square_root(x * x + y * y) - 3;
+                 return off * off + z * z - 1;
+             }},
+            {"spindle, R = 1, r = 2", {&sgt_torus_ops, &spindle}, 3, [](quad x, quad y, quad z) {
+                 const quad sum = x * x + y * y + z * z + 1 - 4;
+                 return sum * sum - 4 * (x * x + y * y);
              }}};
 }
 
@@ -202,14 +225,12 @@ void walk(const World &w, long steps, long checks, bool timed)
         }
     };
     for (size_t i = 0; i < N; i++) begin(i);
-    if (timed) { // a first hit, for comparison
+    if (timed) { // a first hit, for comparison: from outside toward a point of the surface
         std::vector<double> o[3] = {t, t, t}, e[3] = {t, t, t};
         for (size_t i = 0; i < N; i++) {
-            const sgt_vec3 from = direction(), to = direction();
-            const double k = w.reach * std::cbrt(uniform(0, 1)),
-                         a[3] = {3 * w.reach * from.x, 3 * w.reach * from.y, 3 * w.reach * from.z},
-                         b[3] = {k * to.x, k * to.y, k * to.z};
-            for (int j = 0; j < 3; j++) o[j][i] = a[j], e[j][i] = b[j] - a[j];
+            const sgt_vec3 from = direction();
+            const double a[3] = {3 * w.reach * from.x, 3 * w.reach * from.y, 3 * w.reach * from.z};
+            for (int j = 0; j < 3; j++) o[j][i] = a[j], e[j][i] = p[j][i] - a[j];
         }
         const sgt_rays rays = {{o[0].data(), o[1].data(), o[2].data()},
                                {e[0].data(), e[1].data(), e[2].data()},
@@ -278,6 +299,9 @@ void walk(const World &w, long steps, long checks, bool timed)
                     const sgt_vec3 v = direction();
                     d[0][i] = v.x, d[1][i] = v.y, d[2][i] = v.z;
                 }
+            } else if (status[i] == SGT_MISS && bits() % 64 != 0) {
+                const sgt_vec3 v = direction();
+                d[0][i] = v.x, d[1][i] = v.y, d[2][i] = v.z;
             } else
                 begin(i);
         }
@@ -391,12 +415,72 @@ void beside_and_along(const World &w, int count)
             complain(w, "wrong side", a, c.hit.t, c.side);
         if (c.side == 0) continue;
         a.p = c.ray.o;
-        const double skip = 1e-12 * w.reach / (std::fabs(slope) + 1e-7);
+        const double way_to = c.hit.status > 0 ? c.hit.t : 0,
+                     skip = 1e-12 * (w.reach + way_to) / (std::fabs(slope) + 1e-7);
         way_right(w, a, c.hit.status, c.hit.status > 0 ? c.hit.t : 0, c.side, skip);
     }
     batch_is_single(w, starts, nullptr);
     std::printf("%s: %zu starts beside it and along tangents, %d undecided\n", w.name, starts.size(),
                 undecided);
+}
+
+// Conics with a rim, left from points on them: the roots of c (r^2 + (1 + k) z^2) = 2 z along the ray, in 113
+// bits, without the one at the start.  What is decided has to be the first of them that is on the sheet and
+// within the rim, within t_err; a root nearer to either than a part in 2^40 is not judged.
+void bowls(int count)
+{
+    static const double kinds[][3] = {{0.1, 0, 8},   {0.2, -1, 10}, {0.2, -2.5, 8},   {-0.05, 1.5, 9},
+                                      {0.4, 0, 2.4}, {1e-3, 0, 30}, {-0.2, -1.01, 0}, {0.1, 0, 0}};
+    for (const auto &kind : kinds) {
+        static sgt_conic conic;
+        conic = {};
+        conic.c = kind[0], conic.k = kind[1], conic.semi_diameter = kind[2];
+        const World w = {"conic", {&sgt_conic_ops, &conic}, kind[2] > 0 ? kind[2] : 6, nullptr};
+        const quad c = kind[0], k1 = 1 + quad(kind[1]),
+                   rim2 = kind[2] > 0 ? quad(kind[2]) * kind[2] : quad(1e300);
+        std::vector<sgt_start> starts;
+        int hits = 0, undecided = 0;
+        for (int i = 0; i < count; i++) {
+            const sgt_vec3 at = direction(), along = {at.y, -at.x, 1e-3 * at.z},
+                           d = i % 7 == 0 ? along : direction();
+            const double by = 0.99 * w.reach * std::cbrt(uniform(0, 1)) / std::hypot(at.x, at.y);
+            sgt_vec3 p = {by * at.x, by * at.y, 0}, n = {0, 0, 0};
+            p.z = -w.s.ops->value(w.s.self, p, &n);
+            if (!(std::fabs(p.z) < 1e6)) continue;
+            w.s.ops->value(w.s.self, p, &n);
+            const sgt_start a = {p, n, 4e-16 * w.reach, d, 0, {}};
+            starts.push_back(a);
+            const sgt_crossing next = sgt_leave(w.s, &a, nullptr);
+            const sgt_vec3 o = next.ray.o;
+            const quad A = c * (quad(d.x) * d.x + quad(d.y) * d.y + k1 * d.z * d.z),
+                       B = d.z - c * (quad(o.x) * d.x + quad(o.y) * d.y + k1 * o.z * d.z),
+                       C = c * (quad(o.x) * o.x + quad(o.y) * o.y + k1 * o.z * o.z) - 2 * quad(o.z);
+            const quad D = B * B - A * C;
+            if (next.hit.status < 0 || D < 1e-14 * B * B || A == 0) {
+                undecided += next.hit.status < 0;
+                continue;
+            }
+            const quad q = B + (B < 0 ? -1 : 1) * oracle::square_root(D), t = q / A, z = o.z + t * d.z,
+                       x = o.x + t * d.x, y = o.y + t * d.y, r2 = x * x + y * y, v = 1 - k1 * c * z;
+            const quad narrow = 1e-12;
+            if ((v < narrow && v > -narrow) || (r2 > rim2 * (1 - narrow) && r2 < rim2 * (1 + narrow)) ||
+                (t < 1e-9 && t > -1e-9))
+                continue;
+            const bool meets = v > 0 && r2 < rim2 && t > 0;
+            const quad off = next.hit.t - t;
+            hits += meets;
+            if (meets != (next.hit.status == SGT_HIT) ||
+                (meets && !(off <= next.hit.t_err && -off <= next.hit.t_err)))
+                complain(w, "not the other root of the conic", a, next.hit.t, next.side);
+            const double slope = dot(n, d) / length(n);
+            if (std::fabs(slope) > 1e-3 && next.side != (slope > 0 ? 1 : -1))
+                complain(w, "wrong side", a, next.hit.t, next.side);
+        }
+        batch_is_single(w, starts, nullptr);
+        std::printf("conic, c %g, k %g, rim %g: %zu starts, %d met, %d undecided\n", kind[0], kind[1],
+                    kind[2], starts.size(), hits, undecided);
+        require(undecided == 0, "conic: undecided");
+    }
 }
 
 void rows_by_hand()
@@ -506,6 +590,7 @@ int main(int argc, char **argv)
     }
     if (!timed)
         for (const World &w : worlds()) beside_and_along(w, static_cast<int>(2000 * by));
+    if (!timed) bowls(static_cast<int>(4000 * by));
     rows_by_hand();
     return failures > 0;
 }

@@ -513,8 +513,8 @@ def joined(item, n):
 PUPIL = 'pupil: {semi_diameter: 1}\n'
 # A text with n of something; the bytes that each may take (before this was made linear a plane took 22,000).
 LONG = {
-    'surfaces': (lambda n: PUPIL + 'surfaces:\n' + joined('  - {{type: plane, thickness: 1}}\n', n), 10000),
-    'surfaces in blocks': (lambda n: PUPIL + 'surfaces:\n' + joined('  - type: plane\n    thickness: 1\n', n), 10000),
+    'surfaces': (lambda n: PUPIL + 'surfaces:\n' + joined('  - {{type: plane, thickness: 1}}\n', n), 800),
+    'surfaces in blocks': (lambda n: PUPIL + 'surfaces:\n' + joined('  - type: plane\n    thickness: 1\n', n), 800),
     'fields': (lambda n: PUPIL + 'fields: [' + joined('{0}e-6, ', n) + '0]\nsurfaces: [{type: plane}]\n', 10000),
     'keys': (lambda n: '{' + joined('k{0}: 1, ', n) + 'a: 1}', 3000),
     'keys of a surface': (lambda n: 'surfaces:\n  - {type: plane, ' + joined('k{0}: 1, ', n) + 'a: 1}', 3000),
@@ -531,10 +531,11 @@ LONG = {
 
 def test_time_and_memory_grow_with_the_length():
     """Four times the length: not more than eight times the time (16 times would be the square), and a few bytes for each."""
+    kept = b'__asan_init' in pathlib.Path(SAGITTA).read_bytes()  # with memory that no program would take
     for what, (text, most) in LONG.items():
         (seconds, few), (more_seconds, many) = (spent('trace', written(text(n)), '--grid', 1, '--format', 'csv', '--threads', 1) for n in (10000, 40000))
         assert more_seconds < 8 * seconds + 0.3, f'{what}: {seconds} s, of four times the length {more_seconds} s'
-        assert (many - few) / 30000 < most, f'{what}: {few} bytes, of four times the length {many}'
+        assert (many - few) / 30000 < most * (12 if kept else 1), f'{what}: {few} bytes, of four times the length {many}'
 
 
 # --------------------------------------------------------------- output that is not written

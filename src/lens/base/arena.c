@@ -29,11 +29,14 @@ sgt_allocator sgt_allocator_or(const sgt_allocator *allocator)
     return allocator ? *allocator : (sgt_allocator){.resize = plain_resize};
 }
 
-void *sgt_arena_take(arena *a, size_t size)
+/* All sizes are multiples of a pointer's. */
+static void *take(arena *a, size_t size, size_t aligned)
 {
     if (size > SIZE_MAX / 2) return NULL;
-    size = (size + ALIGNED - 1) / ALIGNED * ALIGNED;
-    if (size <= a->left) {
+    size = (size + aligned - 1) / aligned * aligned;
+    const size_t apart = a->left % aligned;
+    if (size + apart <= a->left) {
+        a->left -= apart;
         char *data = (char *)a->blocks->data + a->blocks->size - a->left;
         a->left -= size;
         return data;
@@ -50,6 +53,10 @@ void *sgt_arena_take(arena *a, size_t size)
     }
     return b->data;
 }
+
+void *sgt_arena_take(arena *a, size_t size) { return take(a, size, ALIGNED); }
+
+void *sgt_arena_pack(arena *a, size_t size) { return take(a, size, sizeof(void *)); }
 
 char *sgt_arena_text(arena *a, const char *text, size_t length)
 {

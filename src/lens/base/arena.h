@@ -17,6 +17,9 @@ sgt_allocator sgt_allocator_or(const sgt_allocator *allocator);
 /* Memory aligned for any type, not zeroed; NULL: there is none. */
 void *sgt_arena_take(arena *a, size_t size);
 
+/* The same, aligned for what is no larger than a pointer. */
+void *sgt_arena_pack(arena *a, size_t size);
+
 /* A copy of `length` bytes with a zero byte behind them; NULL: no memory. */
 char *sgt_arena_text(arena *a, const char *text, size_t length);
 

@@ -8,7 +8,7 @@
  *   - memory does not grow with the number of edits.
  *
  * WHAT IS NOT DONE AGAIN.  The text is not parsed and the catalogue of glasses not searched: glasses are
- * copied by their names (../read/medium.c).  For a lens of a dozen surfaces that is some 10 microseconds, of
+ * copied by their names (../read/medium.c).  For a lens of a dozen surfaces that is some 20 microseconds, of
  * which half are the tree's copy and memory. */
 #include "edit.h"
 

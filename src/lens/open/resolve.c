@@ -54,20 +54,35 @@ static const node *of_key(const node *map, const char *key)
 /* A formula may have a parameter called solve; but then the map has a type. */
 static bool is_expression(const node *n)
 {
-    return n->kind == NODE_MAP && (of_key(n, "pickup") || of_key(n, "solve")) && !of_key(n, "type");
+    bool is = false;
+    for (size_t i = 0; n->kind == NODE_MAP && i < n->count; i++) {
+        const char *key = n->key[i]->kind == NODE_SCALAR ? n->key[i]->text : "";
+        if (*key == 't' && strcmp(key, "type") == 0) return false;
+        is = is || (*key == 'p' && strcmp(key, "pickup") == 0) || (*key == 's' && strcmp(key, "solve") == 0);
+    }
+    return is;
+}
+
+/* Marks what holds an expression.  Each list and map is seen once, though aliases may name it often. */
+static bool mark_holders(node *n, int depth)
+{
+    enum { DEPTH = 64 };
+    if (n->kind == NODE_SCALAR || n->seen || depth >= DEPTH) return n->kind != NODE_SCALAR && n->holds;
+    n->seen = true;
+    for (size_t i = 0; i < n->count; i++)
+        if (is_expression(n->item[i]) || mark_holders(n->item[i], depth + 1)) n->holds = true;
+    return n->holds;
 }
 
 typedef struct search { source *s; resolution *found; char text[SGT_PATH_SIZE]; size_t entry; } search;
 
-enum { SEARCH_DEPTH = 64 };
-
-static bool look(search *l, node *n, size_t length, int depth);
+static void look(search *l, node *n, size_t length, int depth);
 
 /* Looks at what stands in one place of n.  breaks: how many stood before, in the list of surfaces. */
-static bool look_at(search *l, node *n, size_t i, size_t *breaks, size_t length, int depth)
+static void look_at(search *l, node *n, size_t i, size_t *breaks, size_t length, int depth)
 {
     node *item = n->item[i];
-    if (item->kind == NODE_SCALAR) return false;
+    if (item->kind == NODE_SCALAR) return;
     const bool surfaces = depth == 1 && n->kind == NODE_LIST && strcmp(l->text, "surfaces") == 0;
     const node *type = surfaces && item->kind == NODE_MAP ? of_key(item, "type") : NULL;
     const bool lies = type && type->kind == NODE_SCALAR && strcmp(type->text, "break") == 0;
@@ -80,8 +95,7 @@ static bool look_at(search *l, node *n, size_t i, size_t *breaks, size_t length,
     if (length >= sizeof l->text) length = sizeof l->text - 1;
     const bool thickness = depth == 2 && l->entry && n->kind == NODE_MAP &&
                            strcmp(n->key[i]->text, "thickness") == 0;
-    bool holds = is_expression(item);
-    if (holds) {
+    if (is_expression(item)) {
         resolution *r = l->found;
         r->at = tree_grow(l->s, r->at, r->count, &r->room, sizeof *r->at);
         r->at[r->count++] = (expression){.map = item, .place = &n->item[i], .entry = l->entry,
@@ -89,23 +103,19 @@ static bool look_at(search *l, node *n, size_t i, size_t *breaks, size_t length,
                                          .thickness = thickness};
         item->expression = (uint32_t)r->count;
     } else {
-        holds = look(l, item, length, depth + 1);
+        look(l, item, length, depth + 1);
     }
     if (surfaces) memcpy(l->text, "surfaces", 9), l->entry = 0;
     else *end = 0;
-    return holds;
 }
 
-/* Each list and map once, though aliases of YAML may name it often. */
-static bool look(search *l, node *n, size_t length, int depth)
+static void look(search *l, node *n, size_t length, int depth)
 {
-    if (n->seen || depth >= SEARCH_DEPTH) return n->holds;
-    n->seen = true;
+    if (!n->holds || !n->seen) return;
+    n->seen = false;
     for (size_t i = 0, breaks = 0; i < n->count; i++)
-        if ((n->kind == NODE_LIST || n->key[i]->kind == NODE_SCALAR) &&
-            look_at(l, n, i, &breaks, length, depth))
-            n->holds = true;
-    return n->holds;
+        if (n->kind == NODE_LIST || n->key[i]->kind == NODE_SCALAR)
+            look_at(l, n, i, &breaks, length, depth);
 }
 
 /* ------------------------------------------------------------------ values */
@@ -236,7 +246,7 @@ _Noreturn static void tell_circle(source *s, expression *const stack[], size_t d
 
 static bool agrees(const expression *e, const node *value)
 {
-    const node *stored = e->map->stored;
+    const node *stored = e->map->is->stored;
     double x, y;
     if (!sgt_path_number(value, &x) || !sgt_path_number(stored, &y))
         return value->kind == NODE_SCALAR && stored->kind == NODE_SCALAR &&
@@ -247,14 +257,16 @@ static bool agrees(const expression *e, const node *value)
 static void settle(source *s, expression *e, node *value, const char *why)
 {
     e->done = true;
-    if (e->map->stored && (!value || !agrees(e, value))) {
-        tree_remark(s, SGT_REMARK_TURNED, e->map->stored->line, e->map->record,
+    expressed *is = e->map->is;
+    if (is && is->stored && (!value || !agrees(e, value))) {
+        tree_remark(s, SGT_REMARK_TURNED, is->stored->line, is->record,
                     "the number that is stored: its solve or pickup gives another");
-        *e->place = e->map->stored, e->map = NULL;
+        *e->place = is->stored, e->map = NULL;
         return;
     }
     if (!value) tree_fail(s, e->map->line, e->path, "%s", why);
-    *e->place = e->map->value = value;
+    if (!is) e->map->is = is = tree_room(s, 1, sizeof *is);
+    *e->place = is->value = value;
 }
 
 static void evaluate(whole_lens *w, source *s, resolution *r, expression *stack[], expression *first)
@@ -285,11 +297,10 @@ static void evaluate(whole_lens *w, source *s, resolution *r, expression *stack[
 
 const resolution *sgt_resolve(whole_lens *w, source *s)
 {
+    if (s->root->kind != NODE_MAP || !mark_holders(s->root, 0)) return NULL;
     resolution *r = tree_room(s, 1, sizeof *r);
     search l = {.s = s, .found = r};
-    if (s->root->kind != NODE_MAP) return NULL;
     look(&l, s->root, 0, 0);
-    if (!r->count) return NULL;
     r->known = sgt_path_places(s, s->root);
     for (size_t i = 0, solves = 0; i < r->count; i++)
         if (is_solve(&r->at[i]) && ++solves > SOLVES_MOST)

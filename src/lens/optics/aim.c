@@ -474,18 +474,32 @@ static void set_wanted(const sgt_launcher *from, const sgt_field_beam *b, aim_ma
     }
 }
 
-/* Rays at u, v, of unit length. */
+static bool is_none(sgt_vec3 a) { return a.x == 0 && a.y == 0 && a.z == 0; }
+
+static sgt_vec3 unit_at(const sgt_beam *b, double u, double v)
+{
+    const sgt_vec3 way = along3(along3(b->d, u, b->du), v, b->dv);
+    const double by = 1 / length3(way);
+    return (sgt_vec3){way.x * by, way.y * by, way.z * by};
+}
+
+/* Rays at u, v, of unit length.  From afar all have one direction. */
 static void rays_at(const sgt_beam *f, size_t count, const double *restrict u, const double *restrict v,
                     double *const o[3], double *const d[3])
 {
     const sgt_beam b = *f;
+    const bool afar = is_none(b.du) && is_none(b.dv);
+    const sgt_vec3 common = unit_at(&b, 0, 0);
     double *restrict ox = o[0], *restrict oy = o[1], *restrict oz = o[2];
     double *restrict dx = d[0], *restrict dy = d[1], *restrict dz = d[2];
     for (size_t i = 0; i < count; i++) {
         const sgt_vec3 at = along3(along3(b.o, u[i], b.ou), v[i], b.ov);
-        const sgt_vec3 way = along3(along3(b.d, u[i], b.du), v[i], b.dv);
-        const double by = 1 / length3(way);
-        ox[i] = at.x, oy[i] = at.y, oz[i] = at.z, dx[i] = way.x * by, dy[i] = way.y * by, dz[i] = way.z * by;
+        ox[i] = at.x, oy[i] = at.y, oz[i] = at.z;
+    }
+    for (size_t i = 0; afar && i < count; i++) dx[i] = common.x, dy[i] = common.y, dz[i] = common.z;
+    for (size_t i = 0; !afar && i < count; i++) {
+        const sgt_vec3 way = unit_at(&b, u[i], v[i]);
+        dx[i] = way.x, dy[i] = way.y, dz[i] = way.z;
     }
 }
 

@@ -69,6 +69,13 @@ double sgt_direction_error(const sgt_launcher *from, const sgt_element e[], doub
     return isnan(away) ? HUGE_VAL : 1.01 * (away + end->p_err) / length;
 }
 
+/* The square of 1 / cos of an angle of incidence: so that the root is drawn once, of the largest. */
+static inline double slant_of(sgt_vec3 n, sgt_vec3 d)
+{
+    const double along = dot3(n, d);
+    return dot3(n, n) * dot3(d, d) / (along * along);
+}
+
 static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
                    const sgt_launched *l, const sgt_options *opt, sgt_passage passages[], sgt_ray_end *out)
 {
@@ -77,19 +84,20 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     size_t passed = sgt_trace(count, e, before, &ray, passages, &out->fate, opt);
     out->element = passed < count ? passed : count - 1;
     const sgt_passage *last = &passages[out->element];
+    double slant = 0;
     out->status = last->hit.status, out->folded = l->folded;
     out->proven = passed == count;
     sgt_vec3 d = l->ray.d, in = d;
     for (size_t i = 0; i <= out->element; i++) {
         const sgt_hit *hit = &passages[i].hit;
         in = into3(&e[i].pose, d);
-        if (hit->status > 0)
-            out->condition = fmax(out->condition, length3(hit->n) * length3(in) / fabs(dot3(hit->n, in)));
+        if (hit->status > 0) slant = fmax(slant, slant_of(hit->n, in));
         d = out_of3(&e[i].pose, passages[i].direction);
         out->evals += hit->evals;
         out->t_err = fmax(out->t_err, hit->t_err);
         out->proven = out->proven && hit->status == SGT_HIT;
     }
+    out->condition = sqrt(slant);
     if (passed < count) return;
     sgt_end_error off;
     sgt_trace_error(count, e, before, &l->ray, passages, &off);
@@ -126,7 +134,8 @@ typedef struct many {
     size_t rays;
     unsigned wanted;
     double *o[3], *d[3];
-    double *in[3];              /* the direction in front of an element, in its frame */
+    double *turned[3];          /* room for directions, and */
+    const double *in[3];        /* the directions in front of an element, in its frame */
     sgt_fate *fate;
     int *passed;
     sgt_passages *at;           /* [elements] */
@@ -173,7 +182,7 @@ static many *many_new(const sgt_launcher *from, size_t rays, unsigned wanted)
     *m = (many){.rays = rays, .wanted = wanted, .at = (void *)(room + sizeof *m)};
     double *number = (double *)(void *)(m->at + count), *others = number + count * NUMBERS * rays;
     for (int k = 0; k < 3; k++, others += 3 * rays)
-        m->o[k] = others, m->d[k] = others + rays, m->in[k] = others + 2 * rays;
+        m->o[k] = others, m->d[k] = others + rays, m->turned[k] = others + 2 * rays;
     if (wanted & END_POINT_ERROR) m->off.point = others, m->off.grain = others + rays;
     if (wanted & END_PATH_ERROR) m->off.path = others + 2 * rays, m->off.path_grain = others + 3 * rays;
     m->t_err = others + 4 * rays, m->condition = others + 5 * rays;
@@ -188,30 +197,26 @@ static many *many_new(const sgt_launcher *from, size_t rays, unsigned wanted)
     return m;
 }
 
-/* A direction in front of a frame: out of that of the element before, if there is one. */
-static void turn_directions(const sgt_pose *before, const sgt_pose *pose, const double *const d[3],
-                            size_t rays, double *const in[3])
+static bool is_turned(const sgt_pose *pose) { return dot3(pose->ex, pose->ex) != 0; }
+
+/* Sets the directions in front of element i, in its frame: as they were told, if nothing is turned. */
+static void directions_at(many *m, const sgt_element e[], size_t i, size_t rays)
 {
-    const double *dx = d[0], *dy = d[1], *dz = d[2];
-    double *x = in[0], *y = in[1], *z = in[2];
-    for (size_t k = 0; k < rays; k++) {
+    const sgt_pose *before = i > 0 ? &e[i - 1].pose : NULL, *pose = &e[i].pose;
+    const bool turned = (before && is_turned(before)) || is_turned(pose);
+    double *const *told = i > 0 ? m->at[i - 1].direction : m->d;
+    const double *dx = told[0], *dy = told[1], *dz = told[2];
+    double *x = m->turned[0], *y = m->turned[1], *z = m->turned[2];
+    for (int k = 0; k < 3; k++) m->in[k] = turned ? m->turned[k] : told[k];
+    for (size_t k = 0; turned && k < rays; k++) {
         const sgt_vec3 own = {dx[k], dy[k], dz[k]};
-        const sgt_vec3 turned = into3(pose, before ? out_of3(before, own) : own);
-        x[k] = turned.x, y[k] = turned.y, z[k] = turned.z;
+        const sgt_vec3 in = into3(pose, before ? out_of3(before, own) : own);
+        x[k] = in.x, y[k] = in.y, z[k] = in.z;
     }
 }
 
-/* Sets the directions in front of element i, in its frame. */
-static void directions_at(const many *m, const sgt_element e[], size_t i, size_t rays)
-{
-    const double *const *launch = (const double *const *)m->d;
-    const sgt_passages *before = i > 0 ? &m->at[i - 1] : NULL;
-    turn_directions(before ? &e[i - 1].pose : NULL, &e[i].pose,
-                    before ? (const double *const *)before->direction : launch, rays, m->in);
-}
-
-/* How slanting rays meet an element, and how far off t is.  A ray that did not get there has the status 0,
- * and NaN. */
+/* How slanting rays meet an element (the square, as above), and how far off t is.  A ray that did not get
+ * there has the status 0, and NaN. */
 static void slant_at(const many *m, const sgt_passages *p, size_t rays)
 {
     const double *nx = p->hits.n[0], *ny = p->hits.n[1], *nz = p->hits.n[2], *t_err = p->hits.t_err;
@@ -223,7 +228,7 @@ static void slant_at(const many *m, const sgt_passages *p, size_t rays)
     SIDE_BY_SIDE for (size_t k = 0; k < rays; k++)
     {
         const sgt_vec3 n = {nx[k], ny[k], nz[k]}, d = {x[k], y[k], z[k]};
-        const double c = length3(n) * length3(d) / fabs(dot3(n, d)), own = met[k] != 0 ? c : 0;
+        const double c = slant_of(n, d), own = met[k] != 0 ? c : 0;
         condition[k] = own > condition[k] ? own : condition[k]; /* not a NaN */
     }
     SIDE_BY_SIDE for (size_t k = 0; k < rays; k++) most[k] = t_err[k] > most[k] ? t_err[k] : most[k];
@@ -249,6 +254,7 @@ static void trace_many(const sgt_launcher *from, const sgt_element e[], double b
         directions_at(m, e, i, rays);
         slant_at(m, &m->at[i], rays);
     }
+    for (size_t k = 0; k < rays; k++) m->condition[k] = sqrt(m->condition[k]);
     if (m->wanted & END_POINT) directions_at(m, e, count - 1, rays);
 }
 

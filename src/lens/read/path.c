@@ -237,7 +237,7 @@ node *sgt_path_value(node *root, const way *p, bool *inverse, char why[PATH_WHY]
 
 bool sgt_path_number(const node *n, double *x)
 {
-    if (n->kind == NODE_MAP && n->value) n = n->value;
+    if (n->kind == NODE_MAP && n->is && n->is->value) n = n->is->value;
     if (n->kind != NODE_SCALAR) return false;
     if (number_read(n->text, x)) return true;
     *x = sgt_spectral_line(n->text);

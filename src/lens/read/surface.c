@@ -263,13 +263,13 @@ static int read_word(source *s, const node *n, const sgt_param *p)
     tree_fail(s, n->line, p->name, "must be one of %s, not \"%.60s\"", p->words, given);
 }
 
-/* The value of a parameter; key: the name it is given by.  NULL: it is not given. */
+/* The value of a parameter; key: the name it is given by.  NULL: it is not given, and key is nothing. */
 static node *given_as(source *s, const node *map, const sgt_param *p, char key[NAME_SIZE])
 {
     radius_name(key, p->name);
     node *n = tree_take(map, p->name), *reciprocal = *key ? tree_take(map, key) : NULL;
     if (n && reciprocal) tree_fail(s, reciprocal->line, key, "given beside %s; give one of the two", p->name);
-    if (!reciprocal) snprintf(key, NAME_SIZE, "%s", p->name);
+    if (n && !reciprocal) snprintf(key, NAME_SIZE, "%s", p->name);
     return reciprocal ? reciprocal : n;
 }
 
@@ -338,8 +338,8 @@ static void check_whole(source *s, const node *map, const sgt_builtin *b, const 
     const sgt_param *p = b->params;
     while (p->name && strcmp(p->name, no.param) != 0) p++;
     char key[NAME_SIZE];
-    snprintf(key, NAME_SIZE, "%s", no.param);
     const node *n = p->name ? given_as(s, map, p, key) : NULL;
+    if (!n) snprintf(key, NAME_SIZE, "%s", no.param);
     /* the library says "not above 0", or "must be above 0" */
     bool negated = strncmp(no.reason, "not ", 4) == 0, must = negated || strncmp(no.reason, "must ", 5) == 0;
     const char *missing = n ? "" : must ? "missing; " : "missing, and so ";

@@ -101,35 +101,65 @@ void tree_comment(source *s, const char *text)
 
 /* ---------------------------------------------------------------- building */
 
+/* The tree stays as long as its lens, and that of a long lens is most of its memory.  So nodes are packed:
+ * a scalar has no more than it needs, with its text behind it, or the text of one before. */
+static void *packed(source *s, size_t count, size_t size)
+{
+    void *data = count > SIZE_MAX / 2 / size ? NULL : sgt_arena_pack(s->arena, count * size);
+    if (!data) tree_fail(s, 0, NULL, "no memory");
+    memset(data, 0, count * size);
+    return data;
+}
+
 node *tree_node(source *s, node_kind kind, size_t line)
 {
-    node *n = tree_room(s, 1, sizeof *n);
+    node *n = packed(s, 1, sizeof *n);
     n->kind = kind, n->line = (uint32_t)line;
     return n;
 }
 
+/* The place of a text among those that were met. */
+static met_text *met_at(source *s, const char *text, size_t length)
+{
+    uint32_t hash = 2166136261u; /* FNV-1a */
+    for (size_t i = 0; i < length; i++) hash = (hash ^ (unsigned char)text[i]) * 16777619u;
+    return &s->met[(hash ^ hash >> 16) % TEXTS_MET];
+}
+
 node *tree_scalar(source *s, size_t line, const char *text, size_t length)
 {
-    enum { FIRST = offsetof(node, room) };
-    char *all = tree_room(s, FIRST + length + 1, 1);
+    enum { FIRST = offsetof(node, count), SHORT = 32 };
+    met_text none = {.text = NULL}, *met = length <= SHORT ? met_at(s, text, length) : &none;
+    const bool known = met->text && met->length == length && memcmp(met->text, text, length) == 0;
+    char *all = packed(s, known ? FIRST : FIRST + length + 1, 1);
     node *n = (void *)all;
-    if (length) memcpy(all + FIRST, text, length);
-    n->kind = NODE_SCALAR, n->line = (uint32_t)line, n->text = all + FIRST;
+    if (!known && length) memcpy(all + FIRST, text, length);
+    if (!known) *met = (met_text){all + FIRST, length};
+    n->kind = NODE_SCALAR, n->line = (uint32_t)line, n->text = met->text;
     return n;
+}
+
+/* Makes room for `more` in all in a list or map. */
+static void widen(source *s, node *n, size_t more)
+{
+    node **item = packed(s, more, sizeof *item);
+    node **key = n->kind == NODE_MAP ? packed(s, more, sizeof *key) : NULL;
+    if (n->count) memcpy(item, n->item, n->count * sizeof *item);
+    if (n->count && key) memcpy(key, n->key, n->count * sizeof *key);
+    if (key) n->taken = packed(s, more, sizeof *n->taken);
+    n->item = item, n->key = key, n->room = (uint32_t)more;
+}
+
+void tree_expect(source *s, node *n, size_t more)
+{
+    if (n->room < n->count + more) widen(s, n, n->count + more);
 }
 
 /* Makes room for one more in a list or map. */
 static void grow(source *s, node *n)
 {
     enum { SMALL = 6 }; /* the keys of most surfaces */
-    if (n->count < n->room) return;
-    const uint32_t more = n->room ? 2 * n->room : SMALL;
-    node **item = tree_room(s, more, sizeof *item);
-    node **key = n->kind == NODE_MAP ? tree_room(s, more, sizeof *key) : NULL;
-    if (n->count) memcpy(item, n->item, n->count * sizeof *item);
-    if (n->count && key) memcpy(key, n->key, n->count * sizeof *key);
-    if (key) n->taken = tree_room(s, more, sizeof *n->taken);
-    n->item = item, n->key = key, n->room = more;
+    if (n->count == n->room) widen(s, n, n->room ? 2 * (size_t)n->room : SMALL);
 }
 
 void tree_append(source *s, node *list, node *item)
@@ -188,12 +218,7 @@ node *tree_copy(source *s, const node *n)
         copy = tree_scalar(s, n->line, n->text, strlen(n->text));
     } else {
         copy = tree_node(s, n->kind, n->line);
-        copy->room = (uint32_t)n->count + 1;
-        copy->item = tree_room(s, copy->room, sizeof *copy->item);
-        if (n->kind == NODE_MAP) {
-            copy->key = tree_room(s, copy->room, sizeof *copy->key);
-            copy->taken = tree_room(s, copy->room, sizeof *copy->taken);
-        }
+        tree_expect(s, copy, n->count);
         for (; copy->count < n->count; copy->count++) {
             copy->item[copy->count] = tree_copy(s, n->item[copy->count]);
             if (n->kind == NODE_MAP) copy->key[copy->count] = tree_copy(s, n->key[copy->count]);

@@ -35,26 +35,34 @@ typedef enum node_kind { NODE_SCALAR, NODE_LIST, NODE_MAP } node_kind;
 /* A lens of 10^5 surfaces has 10^6 scalars.  So they are small: of a scalar there are only the members up to
  * `room`, and its text stands right behind them. */
 typedef struct node {
-    node_kind kind;
-    bool quoted;          /* a scalar in quotes: neither a number nor a truth value */
-    bool inline_;         /* write.c: in one line, in brackets */
-    bool number;          /* a scalar that was read as a number */
+    node_kind kind : 8;
+    bool quoted : 1;      /* a scalar in quotes: neither a number nor a truth value */
+    bool inline_ : 1;     /* write.c: in one line, in brackets */
+    bool number : 1;      /* a scalar that was read as a number */
+    bool seen : 1, holds : 1; /* ../open/resolve.c: looked at; a pickup or solve is in it */
+    uint32_t line;        /* counts from 1 */
     union {
-        const char *text;   /* of a scalar */
+        const char *text;   /* of a scalar; equal texts may be one */
         struct node **item; /* of a list; of a map: the values */
     };
-    uint32_t line;        /* counts from 1 */
-    uint32_t room;        /* of a list or map */
-    size_t count;
+    size_t count;         /* from here on of a list or map: a scalar ends in front of it */
     struct node **key;    /* of a map */
     bool *taken;          /* of a map */
-    /* of a pickup or solve (../open/resolve.c), or what holds one */
-    uint32_t expression;  /* its number from 1; 0: it is none */
-    bool seen, holds;
-    struct node *value;   /* what it is, once the lens is made */
-    struct node *stored;  /* what an import has beside it; NULL: nothing */
-    const char *record;   /* and where from */
+    uint32_t room;
+    uint32_t expression;  /* of a pickup or solve: its number from 1; 0: it is none */
+    struct expressed *is; /* NULL: nothing is known of it */
 } node;
+
+/* What is known of a pickup or solve beside its map. */
+typedef struct expressed {
+    node *value;          /* what it is, once the lens is made */
+    node *stored;         /* what an import has beside it; NULL: nothing */
+    const char *record;   /* and where from */
+} expressed;
+
+/* Some texts of scalars that were met, by their hashes. */
+typedef struct met_text { const char *text; size_t length; } met_text;
+enum { TEXTS_MET = 64 };
 
 /* The text of a surface that is a formula, and its parameters. */
 typedef struct formula_text {
@@ -79,6 +87,7 @@ typedef struct source {
     jmp_buf *refused;     /* where the reading began */
     size_t only_line;     /* of all nodes of the text, where it is a piece of a file; 0: their own */
     node *root;
+    met_text met[TEXTS_MET];
     bool in_lens;         /* not one surface alone */
     sgt_lens_remark *remark;
     size_t remarks, remark_room;
@@ -109,6 +118,7 @@ char *tree_print(source *s, const char *words, ...) SGT_PRINTF(2, 3);
 
 node *tree_node(source *s, node_kind kind, size_t line);             /* a list or map */
 node *tree_scalar(source *s, size_t line, const char *text, size_t length);
+void tree_expect(source *s, node *n, size_t more);   /* so many come, and room is made for no more */
 void tree_append(source *s, node *list, node *item);
 void tree_put(source *s, node *map, node *key, node *value);         /* at the end of the map */
 void tree_remove(node *from, size_t place);                           /* of a list or map */

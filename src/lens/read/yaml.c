@@ -77,8 +77,15 @@ static bool add_name(source *s, names *all, const char *text, node *of)
 
 enum { DEPTH_MOST = 64 };
 
-/* A list or map that is not yet closed; key: of a map, the one whose value is awaited. */
-typedef struct opened { node *of, *key; size_t line; bool flow; } opened; /* line: of its mark, from 0 */
+/* A list or map that is not yet closed; key: of a map, the one whose value is awaited.  The first that come
+ * are held here until it is known how many they are: then room is made for no more.  line: of its mark, from
+ * 0; flow: it is in brackets. */
+enum { HELD = 16 };
+typedef struct opened {
+    node *of, *key, *keys[HELD], *values[HELD];
+    size_t held, line;
+    bool flow;
+} opened;
 
 typedef struct builder {
     source *s;
@@ -88,6 +95,20 @@ typedef struct builder {
     names anchors;
 } builder;
 
+static void put_pair(source *s, node *in, node *key, node *value)
+{
+    if (in->kind == NODE_LIST) tree_append(s, in, value);
+    else tree_put(s, in, key, value);
+}
+
+/* Puts what is held into the list or map. */
+static void put_held(source *s, opened *in)
+{
+    tree_expect(s, in->of, in->held);
+    for (size_t i = 0; i < in->held; i++) put_pair(s, in->of, in->keys[i], in->values[i]);
+    in->held = 0;
+}
+
 /* Adds a node: to the innermost list, to the innermost map as key or value, or as the root. */
 static void put_node(builder *b, node *n)
 {
@@ -96,9 +117,14 @@ static void put_node(builder *b, node *n)
         return;
     }
     opened *in = &b->open[b->depth - 1];
-    if (in->of->kind == NODE_LIST) tree_append(b->s, in->of, n);
-    else if (!in->key) in->key = n;
-    else tree_put(b->s, in->of, in->key, n), in->key = NULL;
+    if (in->of->kind == NODE_MAP && !in->key) {
+        in->key = n;
+        return;
+    }
+    if (in->held == HELD) put_held(b->s, in);
+    if (in->of->count) put_pair(b->s, in->of, in->key, n);
+    else in->keys[in->held] = in->key, in->values[in->held++] = n;
+    in->key = NULL;
 }
 
 static size_t line_of_node(const builder *b, yaml_mark_t mark)
@@ -115,6 +141,13 @@ static bool in_brackets(const yaml_event_t *e)
 {
     return e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.style == YAML_FLOW_MAPPING_STYLE
                                                : e->data.sequence_start.style == YAML_FLOW_SEQUENCE_STYLE;
+}
+
+/* Closes a list or map.  One that stands in brackets in one line is written so again. */
+static void end_node(source *s, opened *o, size_t line)
+{
+    put_held(s, o);
+    o->of->inline_ = o->flow && line == o->line;
 }
 
 /* Takes an event into the tree.  Returns what is wrong with it, or NULL. */
@@ -138,7 +171,9 @@ static const char *take_event(builder *b, const yaml_event_t *e)
         anchor = e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.anchor
                                                      : e->data.sequence_start.anchor;
         put_node(b, n);
-        b->open[b->depth++] = (opened){.of = n, .line = e->start_mark.line, .flow = in_brackets(e)};
+        b->open[b->depth].of = n, b->open[b->depth].key = NULL, b->open[b->depth].held = 0;
+        b->open[b->depth].line = e->start_mark.line, b->open[b->depth].flow = in_brackets(e);
+        b->depth++;
         break;
     case YAML_ALIAS_EVENT:
         if (b->s->only_line) return "not a value by itself: it has an alias (*name)";
@@ -147,10 +182,7 @@ static const char *take_event(builder *b, const yaml_event_t *e)
         put_node(b, n);
         break;
     case YAML_SEQUENCE_END_EVENT:
-    case YAML_MAPPING_END_EVENT:
-        b->depth--;
-        b->open[b->depth].of->inline_ = b->open[b->depth].flow && e->end_mark.line == b->open[b->depth].line;
-        break;
+    case YAML_MAPPING_END_EVENT: end_node(b->s, &b->open[--b->depth], e->end_mark.line); break;
     default: break;
     }
     if (!anchor) return NULL;

@@ -364,10 +364,11 @@ static void keep_lists(zmx *z)
 
 /* Puts an expression where a number is, with the number beside it, which it has to give: see
  * ../open/resolve.c. */
-static void express(node **place, node *map, size_t line, const char *key)
+static void express(zmx *z, node **place, node *map, size_t line, const char *key)
 {
-    map->inline_ = true, map->stored = *place, map->record = key;
-    map->stored->line = map->line = (uint32_t)line;
+    map->is = tree_room(z->s, 1, sizeof *map->is);
+    map->inline_ = true, map->is->stored = *place, map->is->record = key;
+    map->is->stored->line = map->line = (uint32_t)line;
     *place = map;
 }
 
@@ -408,7 +409,7 @@ static bool express_pick(zmx *z, const zmx_surface *f, const zmx_pick *p)
         }
     }
     if (!place || !path) return false;
-    express(place, pickup_of(z, p->line, path, scale, p->offset), p->line, p->key);
+    express(z, place, pickup_of(z, p->line, path, scale, p->offset), p->line, p->key);
     return true;
 }
 
@@ -426,12 +427,12 @@ static void write_expressions(zmx *z)
         if (step) {
             node *map = tree_node(z->s, NODE_MAP, f->focus_line);
             set_word(z, map, "solve", f->focus_line, "paraxial_focus");
-            express(step, map, f->focus_line, "MAZH");
+            express(z, step, map, f->focus_line, "MAZH");
         } else if (f->focus_line) {
             sgt_zmx_tally(z, ZMX_SOLVES, f->focus_line, "MAZH");
         }
         if (glass && from->map && key_place(from->map, "glass"))
-            express(glass, pickup_of(z, g->line, tree_print(z->s, "%s.glass", from->path), 1, 0), g->line,
+            express(z, glass, pickup_of(z, g->line, tree_print(z->s, "%s.glass", from->path), 1, 0), g->line,
                     "GLAS");
         else if (g->picked) sgt_zmx_tally(z, ZMX_PICKUPS, g->line, "GLAS");
     }

@@ -125,12 +125,10 @@ SGT_INLINE double quadratic_above(const near_ray *r, double tau)
     return end_above((r->t0 + tau) + 0x1p-51 * (fabs(r->t0) + fabs(tau)), r->scale);
 }
 
-/* The start of the ray. */
-SGT_INLINE sgt_vec3 outset_of(const near_ray *r, double ox, double oy, double oz, double tmin)
+/* The start of the ray, which is o + from d. */
+SGT_INLINE sgt_vec3 outset_of(sgt_vec3 o, sgt_vec3 d, double from)
 {
-    double from = tmin * r->inverse;
-    return (sgt_vec3){moved_along(ox, from, r->d.x), moved_along(oy, from, r->d.y),
-                      moved_along(oz, from, r->d.z)};
+    return (sgt_vec3){moved_along(o.x, from, d.x), moved_along(o.y, from, d.y), moved_along(o.z, from, d.z)};
 }
 
 /* leaves: the start may be the second root. */
@@ -165,6 +163,10 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
 
 /* g at the start, and a bound on its error; the slope along the local d, and on its error; the terms. */
 typedef struct outset { double g, g_err, slope, slope_err, terms; } outset;
+typedef struct outsets {
+    double g[DEPARTURE_BLOCK], g_err[DEPARTURE_BLOCK], slope[DEPARTURE_BLOCK], slope_err[DEPARTURE_BLOCK],
+        terms[DEPARTURE_BLOCK];
+} outsets;
 
 /* What `a`, of quadratic_first, does not promise of a start on the surface.  Other rays keep `a`. */
 SGT_INLINE lane_span quadratic_leave(const near_ray *r, const crossings *c, const parabola *p, lane_span a,
@@ -193,6 +195,8 @@ SGT_INLINE double settled_of(lane_span a)
     return chosen(a.leaves, 2.0, chosen(a.single, 1.0, 0.0));
 }
 
+enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked at */
+
 /* Defines span and first, single and in lanes, for a surface of this kind:
  *
  *   SELF                       its type
@@ -202,8 +206,8 @@ SGT_INLINE double settled_of(lane_span a)
  *
  * Truth values are written by a loop of their own: a loop with bytes beside doubles is not vectorised.
  *
- * NAME_all_leaving runs only for blocks with a ray that NAME_all_firsts leaves open.  It is no kernel:
- * compilers keep the local ray in memory there and make no vector code of it. */
+ * NAME_all_leaving runs only for blocks with a ray that NAME_all_firsts leaves open.  Where the first ray
+ * starts on the surface, most do, and it runs at once: it gives what the other gives, and more. */
 #define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER, KIND)                                            \
     KIND                                                                                               \
     static void NAME(const SELF *self, size_t n, const double *restrict ox, const double *restrict oy, \
@@ -228,24 +232,70 @@ SGT_INLINE double settled_of(lane_span a)
     QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c), SGT_KERNEL)                   \
     QUADRATIC_LANES(NAME##_all_firsts, SELF, APPROACH,                                                      \
                     quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]), SGT_KERNEL)                   \
-    QUADRATIC_LANES(NAME##_all_leaving, SELF, APPROACH,                                                     \
-                    quadratic_leave(&r, &c, &p, quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]),   \
-                                    BEGINNING(&s, outset_of(&r, ox[i], oy[i], oz[i], tmin[i]), r.d),         \
-                                    tmin[i]), SGT_NOINLINE)                                                 \
+    SGT_KERNEL                                                                                              \
+    static void NAME##_all_outsets(const SELF *self, size_t n, const sgt_rays *rays, outsets *restrict out) \
+    {                                                                                                       \
+        const SELF s = *self;                                                                               \
+        const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0],                \
+                     *dy = rays->d[1], *dz = rays->d[2], *tmin = rays->tmin;                                \
+        LANES for (size_t i = 0; i < n; i++)                                                                \
+        {                                                                                                   \
+            sgt_vec3 d = {dx[i], dy[i], dz[i]};                                                             \
+            double scale = scale_of(d), from = tmin[i] * inverse_of_scale(d);                               \
+            d.x *= scale, d.y *= scale, d.z *= scale;                                                       \
+            outset b = BEGINNING(&s, outset_of((sgt_vec3){ox[i], oy[i], oz[i]}, d, from), d);               \
+            out->g[i] = b.g, out->g_err[i] = b.g_err, out->slope[i] = b.slope,                              \
+            out->slope_err[i] = b.slope_err, out->terms[i] = b.terms;                                       \
+        }                                                                                                   \
+    }                                                                                                       \
+    SGT_KERNEL                                                                                              \
+    static void NAME##_all_leaving(const SELF *self, size_t n, const sgt_rays *rays, const outsets *from,   \
+                                   double *restrict lo, double *restrict hi, double *restrict seed,         \
+                                   double *restrict single)                                                 \
+    {                                                                                                       \
+        const SELF s = *self;                                                                               \
+        const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0],                \
+                     *dy = rays->d[1], *dz = rays->d[2], *tmin = rays->tmin;                                \
+        LANES for (size_t i = 0; i < n; i++)                                                                \
+        {                                                                                                   \
+            parabola p;                                                                                     \
+            near_ray r;                                                                                     \
+            APPROACH(&s, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, &p, &r);         \
+            crossings c = crossings_of(&p, r.t0);                                                           \
+            outset b = {from->g[i], from->g_err[i], from->slope[i], from->slope_err[i], from->terms[i]};    \
+            lane_span a = quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]);                         \
+            a = quadratic_leave(&r, &c, &p, a, b, tmin[i]);                                                 \
+            lo[i] = a.lo, hi[i] = a.hi, seed[i] = a.seed, single[i] = settled_of(a);                        \
+        }                                                                                                   \
+    }                                                                                                       \
     SGT_NOINLINE                                                                                            \
     static void NAME##_unsettled(const void *self, size_t n, sgt_rays rays, sgt_spans out, size_t i)        \
     {                                                                                                       \
         double single[DEPARTURE_BLOCK];                                                                     \
-        NAME##_all_leaving(self, n, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i,             \
-                           rays.d[1] + i, rays.d[2] + i, rays.tmin + i, out.lo + i, out.hi + i,             \
-                           out.seed + i, single);                                                           \
+        outsets from;                                                                                       \
+        sgt_rays own = rays_from(&rays, i);                                                                 \
+        own.tmin = rays.tmin + i;                                                                           \
+        NAME##_all_outsets(self, n, &own, &from);                                                           \
+        NAME##_all_leaving(self, n, &own, &from, out.lo + i, out.hi + i, out.seed + i, single);             \
         for (size_t j = 0; j < n; j++) out.single[i + j] = single[j] > 0;                                   \
+    }                                                                                                       \
+    static bool NAME##_begins_on(const SELF *s, const sgt_rays *r, size_t i)                                \
+    {                                                                                                       \
+        sgt_vec3 d = {r->d[0][i], r->d[1][i], r->d[2][i]};                                                  \
+        double scale = scale_of(d), from = r->tmin[i] * inverse_of_scale(d);                                \
+        d.x *= scale, d.y *= scale, d.z *= scale;                                                           \
+        outset b = BEGINNING(s, outset_of((sgt_vec3){r->o[0][i], r->o[1][i], r->o[2][i]}, d, from), d);     \
+        return fabs(b.g) <= START_ULPS * b.terms;                                                           \
     }                                                                                                       \
     static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)         \
     {                                                                                                       \
         double single[DEPARTURE_BLOCK];                                                                     \
         for (size_t i = 0, few; i < n; i += few) {                                                          \
             few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;                                        \
+            if (first && few >= FEW_LEAVE && NAME##_begins_on(self, &rays, i)) {                            \
+                NAME##_unsettled(self, few, rays, out, i);                                                  \
+                continue;                                                                                   \
+            }                                                                                               \
             (first ? NAME##_all_firsts : NAME##_all_spans)(                                                 \
                 self, few, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i, rays.d[1] + i,       \
                 rays.d[2] + i, first ? rays.tmin + i : NULL, out.lo + i, out.hi + i, out.seed + i, single); \

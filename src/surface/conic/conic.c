@@ -20,7 +20,7 @@
  * tests/cost/cases.c, 400 rays, by callgrind for x86-64-v3, as all prices in this folder.)
  *
  * EASY, AWAY.  They answer nearly every ray: conic/easy.h.  SIDE: rays that run along the surface, or into
- * a bowl from the side: conic/side.h.
+ * a bowl from the side, or start on the surface: conic/side.h.
  *
  * QUICK.  In doubles, from the vertex plane.  Let u = 2^-53, and Aa, Ba, Ca the sums of the magnitudes of
  * the terms of A, B and C.  Each coefficient is off by at most 6 u of its sum; the roundings are counted
@@ -97,7 +97,7 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
     return EASY_NOT;
 }
 
-/* met_from_side, along a direction scaled as above. */
+/* met_from_side, else met_from_on, along a direction scaled as above. */
 static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
     sgt_vec3 o = ray->o, d = ray->d;
@@ -107,6 +107,9 @@ static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_option
     if (usual) scale = 1;
     side_answer side = met_from_side(s, first, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale,
                                      ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale);
+    if (!(side.away | side.e.hit))
+        side = met_from_on(s, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale, ray->tmin / scale,
+                           ray->tmax / scale, opt->t_tol / scale);
     *e = side.e;
     return side.away ? EASY_MISS : side.e.hit ? easy_unscaled(e, scale) : EASY_NOT;
 }

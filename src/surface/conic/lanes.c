@@ -190,9 +190,31 @@ static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, const mas
     lane_side(s, false, tile, far_gone, to, away, sooner);
 }
 
-/* Answers the hard rays of a tile by met_from_side; no proof is asked for.  before: how many there are.
- * Returns how many are left. */
-SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const sgt_tile *tile,
+/* met_from_on of the rays that have no answer yet. */
+SGT_KERNEL
+static void conic_lanes_on(const bowl *self, const sgt_tile *tile, lane_to to, mask *away)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
+                 *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        side_answer a = met_from_on(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        mask had = to.hit[i] | away[i];
+        lane e = {chosen(had, to.t[i], a.e.t),   chosen(had, to.t_err[i], a.e.t_err),
+                  chosen(had, to.t_lo[i], a.e.t_lo), chosen(had, to.px[i], a.e.px),
+                  chosen(had, to.py[i], a.e.py), chosen(had, to.pz[i], a.e.pz),
+                  chosen(had, to.nx[i], a.e.nx), chosen(had, to.ny[i], a.e.ny),
+                  chosen(had, to.p_err[i], a.e.p_err), to.hit[i] | (~had & a.e.hit)};
+        LANE_STORE(to, i, e, LANE_RICH);
+        away[i] |= ~had & a.away;
+    }
+}
+
+/* Answers the hard rays of a tile by met_from_side, and met_from_on if `on`; no proof is asked for.  before:
+ * how many there are.  Returns how many are left. */
+SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, bool on, const sgt_tile *tile,
                                               const mask *far_gone, size_t before)
 {
     side_room r;
@@ -202,6 +224,7 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
                   r.of[6], r.of[7], r.of[8], r.of[9], r.ends.hit};
     if (before == tile->n) to = lane_to_of(tile, &r.ends);
     (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, far_gone, to, r.away, r.sooner);
+    if (on) conic_lanes_on(s, tile, to, r.away);
     for (size_t i = 0; i < tile->n; i++) {
         if (h->status[i] != SGT_HARD) continue;
         double scale = scale_of((sgt_vec3){tile->rays.d[0][i], tile->rays.d[1][i], tile->rays.d[2][i]});
@@ -320,8 +343,8 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         if (!met && tile->hits.evals) tile->hits.evals[i] = 0;
         hard += status[i] == SGT_HARD;
     }
-    return c != 0 && !s.proof && 8 * hard > tile->n ? conic_lanes_beside(&s, first, tile, far_gone, hard)
-                                                    : hard;
+    if (c == 0 || s.proof || 8 * hard <= tile->n) return hard;
+    return conic_lanes_beside(&s, first, from == LEAVING, tile, far_gone, hard);
 }
 
 /* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root

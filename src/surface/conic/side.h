@@ -1,5 +1,6 @@
 /* conic/side.h - a conic met in closed form from the point of the ray nearest the vertex, without a branch:
- * rays that run along the surface, or enter a bowl from the side.  The loop is in conic/lanes.c.
+ * rays that run along the surface, or enter a bowl from the side; last, rays that start on it.  The loops
+ * are in conic/lanes.c.
  *
  * WHY.  Such a ray meets the vertex plane far from its root.  Seen from there the terms of the equation
  * cancel, and the root that comes first is the far one: easy.h leaves it.
@@ -19,7 +20,8 @@
  * WHICH ROOT.  Where |A| > 2^-10 Aa both roots are right to a part in 2^40.  The earlier one is the first
  * root, unless it is certainly not accepted: off the sheet, beyond the rim, or before or behind the ends,
  * by a part in 2^20 (AWAY in easy.h).  For the root near the seed one of the two has to be such.  If both
- * are, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met here.
+ * are, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met here,
+ * but by met_from_on.
  *
  * THE START, here the local origin, must not be too far away: its terms must be at most twice those at the
  * root.  Else the careful form is sharper.
@@ -98,6 +100,60 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
     told.e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), width, s->rim2, MASK(false),
                      wanted & ~told.away);
     told.e.p_err += 2.1 * SGT_U * fabs(z);
+    return told;
+}
+
+/* FROM ON THE SURFACE.  About the start o itself C is nearly 0.  So the root t1 = C / 2 B there is known, and
+ * the other one is without a square root
+ *     t = 2 B / A - t1.
+ * All three are worked out in twice the precision: off by 27 u^2 of their terms (conic.c, CAREFUL).  So where
+ * B^2 > 2^-60 Ba^2 and A > 2^-20 Aa, their doubles are right to 1.01 u, and 2 B / A to 3.1 u.  t1 is off by
+ *     A t1^2 / 2 B, its second order: below u |t| if |t1| <= 2^-27 |t|,
+ *     27 u^2 Ca / 2 B: below u |t| / 4 if Aa Ca <= 2^45 B^2,
+ * and by 2 u of itself.  With the rounding of the difference t is off by less than 6 u of itself; 8 is taken.
+ *
+ * t1 is the start: |t1| S is at most 3/4 of what the rule allows (sagitta.h, sgt_ray), S = |B| to 2^-26, and
+ * so are the terms at the root those at o.  It is not accepted, so t alone is asked for, whatever is picked.
+ * The ray misses if t is before the start, off the sheet or beyond the rim by the margins of side_gone;
+ * rounding of the point is far below these (low, near). */
+SGT_INLINE side_answer met_from_on(const bowl *s, double ox, double oy, double oz, double l, double m,
+                                   double n, double tmin, double tmax, double t_tol)
+{
+    const double sure = s->proof;
+    const twofold k1 = {s->k1, s->k1_lo};
+    twofold zz = twofold_product(k1, two_product(oz, oz)), zn = twofold_product(k1, two_product(oz, n)),
+            nn = twofold_product(k1, two_product(n, n)), xl = two_product(ox, l), ym = two_product(oy, m),
+            r2 = twofold_sum(two_product(ox, ox), two_product(oy, oy));
+    twofold A2 = twofold_scaled(twofold_sum(twofold_sum(two_product(l, l), two_product(m, m)), nn), s->c),
+            B2 = twofold_difference(twofold_of(n),
+                                    twofold_scaled(twofold_sum(twofold_sum(xl, ym), zn), s->c)),
+            C2 = twofold_difference(twofold_scaled(twofold_sum(r2, zz), s->c), twofold_of(2 * oz));
+    double A = A2.hi, B = B2.hi, C = C2.hi, size = fabs(B),
+           Aa = sgt_fma(s->extra, n * n, fabs(A)),
+           Ba = sgt_fma(s->abs_c, fabs(xl.hi) + fabs(ym.hi) + fabs(zn.hi), fabs(n)),
+           Ca = sgt_fma(s->abs_c, r2.hi + fabs(zz.hi), 2 * fabs(oz));
+    double first = 0.5 * C / B, t = 2 * B / A - first, at = fabs(t), w0 = s->ck * oz,
+           rule = 0.75 * START_ULPS * sgt_fma(s->abs_c, r2.hi, fabs(oz * (1 - w0)));
+    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(Ba > 0x1p-400) & MASK(Ba < 0x1p400) &
+                 MASK(tmin == 0) & MASK(tmax > 0),
+         known = usual & MASK(B * B > 0x1p-60 * (Ba * Ba)) & MASK(fabs(A) > 0x1p-20 * Aa) &
+                 MASK(Aa * Ca <= 0x1p45 * (B * B)) & MASK(fabs(first) <= 0x1p-27 * at) &
+                 MASK(fabs(first) * size <= rule);
+    double tau_err = 8 * SGT_U * at, pz = sgt_fma(t, n, oz), w = s->ck * pz, px = sgt_fma(t, l, ox),
+           py = sgt_fma(t, m, oy), across = fabs(l) + fabs(m),
+           width = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * (px * px + py * py)) / size;
+    mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p30),
+         near = MASK(at * across <= 0x1p20 * (fabs(px) + fabs(py))),
+         gone = known & side_gone(s, ox, oy, oz, 0, t, l, m, n, tmin, tmax) &
+                (MASK(t < 0) | MASK(t > tmax) | (low & near));
+    near_root r = {.x = ox, .y = oy, .tau = t, .t = t, .t_err = tau_err, .tau_err = tau_err, .small = t};
+    mask wanted = known & low & MASK(fabs(w) < 1 - 0x1p-8) &
+                  MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach) &
+                  MASK(sure * (Aa + Aa) * tau_err < size);
+    side_answer told = {.away = gone};
+    told.e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), width, s->rim2, MASK(false),
+                     wanted & ~gone);
+    told.e.p_err += 2.1 * SGT_U * fabs(oz);
     return told;
 }
 
