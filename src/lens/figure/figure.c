@@ -614,7 +614,7 @@ bool sgt_figure_eval(sgt_figure *f, const double x[], sgt_figure_out *out, sgt_e
 
 /* ------------------------------------------------------------------------ begin, end */
 
-static void *take(sgt_figure *f, size_t count, size_t size)
+static void *room_in(sgt_figure *f, size_t count, size_t size)
 {
     void *room = sgt_arena_take(&f->memory, count * size + 1);
     if (room) memset(room, 0, count * size);
@@ -623,8 +623,8 @@ static void *take(sgt_figure *f, size_t count, size_t size)
 
 static bool read_paths(sgt_figure *f, const char *const path[], sgt_error *error)
 {
-    f->path = take(f, f->paths, sizeof *f->path);
-    f->x = take(f, f->paths, sizeof *f->x), f->edit = take(f, f->paths, sizeof *f->edit);
+    f->path = room_in(f, f->paths, sizeof *f->path);
+    f->x = room_in(f, f->paths, sizeof *f->x), f->edit = room_in(f, f->paths, sizeof *f->edit);
     if (!f->path || !f->x || !f->edit) return fail(error, "", "no memory");
     for (size_t m = 0; m < f->paths; m++) {
         if (!sgt_lens_get(f->lens, path[m], &f->x[m], error)) return false;
