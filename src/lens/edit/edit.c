@@ -8,8 +8,8 @@
  *   - memory does not grow with the number of edits.
  *
  * WHAT IS NOT DONE AGAIN.  The text is not parsed and the catalogue of glasses not searched: glasses are
- * copied by their names (../read/medium.c).  For a lens of a dozen surfaces that is some 20 microseconds, of
- * which half are the tree's copy and memory. */
+ * copied by their names (../read/medium.c).  For a lens of twelve surfaces an edit of a number is some
+ * 140,000 instructions. */
 #include "edit.h"
 
 #include "../base/reader.h"
