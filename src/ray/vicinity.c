@@ -116,8 +116,8 @@ static void noises_about(sgt_surface s, size_t n, const double *rung, double *ra
 
 /* -------------------------------------------------------------------------- the radius */
 
-/* The radius needed at the seed, the point from which the search begins, and the least radius for both;
- * the rungs of that radius and of the root. */
+/* The radius of the seed, and somewhat more, the point from which the search begins, and the least radius for
+ * both; the rungs of that radius and of the root. */
 SGT_INLINE void vicinity_begin_by(size_t n, bool near, const double *restrict ox, const double *restrict oy,
                                   const double *restrict dx, const double *restrict dy,
                                   const double *restrict dz, const double *restrict tmin,
@@ -132,7 +132,7 @@ SGT_INLINE void vicinity_begin_by(size_t n, bool near, const double *restrict ox
         if (!near)
             r = chosen(MASK(fabs(dx[i]) + fabs(dy[i]) == 0), most,
                        larger(most, radius_at(ox[i], oy[i], dx[i], dy[i], first)));
-        at_seed[i] = most, from[i] = first, radius[i] = r, about[i] = fine;
+        at_seed[i] = 1.125 * axis, from[i] = first, radius[i] = r, about[i] = fine;
         wide[i] = chosen(MASK(fine < HUGE_VAL), rung_above(r, COARSE), HUGE_VAL);
     }
 }
@@ -155,20 +155,23 @@ static void vicinity_begin_near(size_t n, const double *ox, const double *oy, co
 
 /* Moves the beginning to where the ray enters |z| <= size, if a smaller radius is enough from there on.
  * size is first made larger by far more than rounding.  Not if the ray comes from so far that an ulp of t
- * is too long for that.  Returns how many rays were moved. */
+ * is too long for that.  The root is as far from the seed as a part of the way from the beginning, so less
+ * room is needed about the seed, too.  Returns how many rays were moved. */
 SGT_KERNEL
 static double shrink(size_t n, const double *restrict ox, const double *restrict oy,
                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                     const double *restrict dz, const double *restrict size, const double *restrict at_seed,
-                     double *restrict from, double *restrict radius, double *restrict wide)
+                     const double *restrict dz, const double *restrict size, const double *restrict seed,
+                     const double *restrict at_seed, double *restrict from, double *restrict radius,
+                     double *restrict wide)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
         double t = from[i], s = size[i], r = radius[i], rung = wide[i], thick = s * (1 + 0x1p-10),
                z = oz[i] + t * dz[i];
-        double to = (copysign(thick, z) - oz[i]) / dz[i],
-               smaller = larger(at_seed[i], radius_at(ox[i], oy[i], dx[i], dy[i], to)),
+        double to = (copysign(thick, z) - oz[i]) / dz[i], length = fabs(dx[i]) + fabs(dy[i]) + fabs(dz[i]),
+               about = at_seed[i] + 0x1p-10 * (fabs(seed[i] - to) * length), /* as vicinity_begin has it */
+            smaller = larger(about, radius_at(ox[i], oy[i], dx[i], dy[i], to)),
                narrow = rung_above(smaller, COARSE);
         mask sharp = MASK(fabs(oz[i]) + fabs(t * dz[i]) + fabs(to * dz[i]) < 0x1p36 * s),
              inward = MASK(fabs(z) > thick) & MASK(z * dz[i] < 0);
@@ -303,9 +306,9 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     if (known) slopes_of(s, n, wide, v->asked, near, radius2, steep);
     for (int k = 0; !known; k++) {
         extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size, axis);
-        if (near || k == SHRINKS
-            || shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, at_seed, from, radius, wide)
-                   == 0)
+        if (near || k == SHRINKS ||
+            shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, v->seed, at_seed, from, radius,
+                   wide) == 0)
             break;
     }
     double *lo = at_seed, *hi = size, *least = about, left = 0;

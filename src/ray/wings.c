@@ -350,7 +350,7 @@ static const sgt_extent *box_about(sgt_surface s, double x, double y, vicinities
     if (!kept->any_boxes)
         for (int i = 0; i < BOXES; i++) kept->boxes[i].x = kept->boxes[i].y = 0;
     kept->any_boxes = true;
-    box *b = &kept->boxes[2 * place_of(x, x < y ? COARSE : FINE, 2) + place_of(y, x < y ? FINE : COARSE, 2)];
+    box *b = &kept->boxes[4 * place_of(x, x < y ? COARSE : FINE, 4) + place_of(y, x < y ? FINE : COARSE, 4)];
     if (b->x != x || b->y != y) b->x = x, b->y = y, s.ops->own_->extent_in_box(s.self, x, y, &b->extent);
     return &b->extent;
 }

@@ -702,6 +702,51 @@ Table misses()
     return table;
 }
 
+Table from_the_side()
+{
+    Table table = {
+        "From the side, from afar and past the rim",
+        "The first root, in a batch; the neighbour hits the surface with the rim from 5 before it. *Bowl*: "
+        "rays that run nearly along the vertex plane into the bowl, with the rim. *Afar*: from a million "
+        "times as far, along the same lines, without a rim. *Past*: 40 beside the axis, with the rim. "
+        "*Steep*: at up to 64 degrees, without a rim.",
+        "type",
+        {"bowl", "afar", "past", "steep"},
+        {"neighbour", "asked", "ratio"},
+        {}};
+    std::vector<Subject> without = sags(0);
+    size_t number = 0;
+    Random dice(7);
+    std::vector<sgt_ray> bowl = each(bundle(N), [&](sgt_ray ray) {
+        return sgt_ray{
+            {-3, 0.5 * dice.unit(), 0.24}, {1, 0.02 * dice.unit(), 0.02 * dice.unit()}, ray.tmin, ray.tmax};
+    });
+    std::vector<sgt_ray> steep = each(bundle(N), [&](sgt_ray ray) {
+        double l = 1.8 * dice.unit() - 0.9, m = 0.4 * dice.unit() - 0.2;
+        ray.d = {l, m, std::sqrt(1 - l * l - m * m)};
+        return moved({{ray.o.x, ray.o.y, 0}, ray.d, ray.tmin, ray.tmax}, -5 / ray.d.z);
+    });
+    for (const Subject &one : sags(RIM)) {
+        const Subject &bare = without[number++];
+        if (!wanted(one.name) || one.name == "plane") continue;
+        const Side *hits = side(one.s, bundle(N));
+        table.rows.push_back({one.name, {}});
+        table.rows.back().lines.emplace_back(hits, side(one.s, bowl), SGT_FIRST, false);
+        table.rows.back().lines.emplace_back(
+            hits, side(bare.s, each(bundle(N), [](sgt_ray ray) { return moved(ray, -5e6); })), SGT_FIRST,
+            false);
+        table.rows.back().lines.emplace_back(hits,
+                                             side(one.s, each(bundle(N),
+                                                              [](sgt_ray ray) {
+                                                                  ray.o.x += 40;
+                                                                  return ray;
+                                                              })),
+                                             SGT_FIRST, false);
+        table.rows.back().lines.emplace_back(hits, side(bare.s, steep), SGT_FIRST, false);
+    }
+    return table;
+}
+
 Table others()
 {
     Table table = { "Near by, and strong",
@@ -1097,6 +1142,7 @@ int ordinary()
     tables.push_back(first_against_near());
     tables.push_back(at_zero());
     tables.push_back(misses());
+    tables.push_back(from_the_side());
     tables.push_back(others());
     tables.push_back(hundreds());
     tables.push_back(traces());

@@ -149,6 +149,28 @@ inline test_case random_case(generator &g)
     return t;
 }
 
+// Rays from the side, past the rim, and from afar.  In a half the terms are those of a lens, so that the
+// sag is bent in one way.
+inline test_case random_side_case(generator &g)
+{
+    test_case t = random_case(g);
+    const double pi = 3.141592653589793, at = g.uniform(0, 2 * pi), about = g.uniform(0, 2 * pi);
+    const double weaker = g.chance(0.5) ? g.log_uniform(1e-5, 0.1) : 1;
+    for (double &a : t.surface.a) a *= weaker;
+    const int kind = g.below(3); // 0: from the side; 1: past the rim; 2: from afar
+    const double r = t.h * (kind == 1 ? 1 + g.log_uniform(1e-3, 10) : std::sqrt(g.uniform(0, 1))),
+                 z = rough_sag(t.surface, std::fmin(r * r, t.h * t.h)) * g.uniform(0.9, 1.1);
+    const double slope = kind == 0 ? g.log_uniform(1e-4, 0.3) : std::tan(g.uniform(0.2, 1.5)),
+                 side = 1 / std::sqrt(1 + slope * slope),
+                 away = t.h * (kind == 2 ? g.log_uniform(1e2, 1e8) : g.log_uniform(1e-2, 1e2));
+    t.ray.d = {side * std::cos(about), side * std::sin(about), g.sign() * side * slope};
+    t.ray.o = {r * std::cos(at) - away * t.ray.d.x, r * std::sin(at) - away * t.ray.d.y,
+               z - away * t.ray.d.z};
+    t.ray.tmin = 0, t.ray.tmax = g.chance(0.7) ? HUGE_VAL : away * g.uniform(0.5, 3);
+    t.aimed = kind != 1, t.on_surface = false;
+    return t;
+}
+
 // What the above draws too seldom: rays that graze (1e-12 to 0.1 rad from a tangent plane),
 // and rays that meet the surface next to the rim of its domain or of its semi_diameter
 // (1e-16 to 1e-2 of it, either side).

@@ -206,9 +206,11 @@ int main(int argc, char **argv)
     const auto began = std::chrono::steady_clock::now();
     generator g(r.seed);
     long aimed_hits = 0, aimed = 0, past = 0, past_hits = 0;
-    const long narrow = r.count / 5;
-    for (long i = 0; i < r.count + narrow; i++) {
-        const test_case t = i < r.count ? random_case(g) : random_narrow_case(g);
+    const long narrow = r.count / 5, sides = r.count / 2;
+    for (long i = 0; i < r.count + narrow + sides; i++) {
+        const test_case t = i < r.count            ? random_case(g)
+                            : i < r.count + narrow ? random_narrow_case(g)
+                                                   : random_side_case(g);
         const surface s(t.surface);
         const answer a = all_roots(s, t.ray);
         total[group(t)].cases++;

@@ -6,6 +6,9 @@
  * EASY.  Four evaluations on lens surfaces, for the single ray and for lanes: asphere/easy.h.  It answers
  * first roots without a rim too.
  *
+ * FROM THE SIDE.  What is not easy, from the point of the ray nearest the vertex: asphere/side.h.  It answers
+ * where the sag is bent in one way, and rays that pass by.  Not under proof.
+ *
  * QUICK.  For what is not easy.  Newton's method from the conic's root near the vertex, each step at most
  * half the last.  If t is not sharp, the root is settled from there.  The root is certainly the only one
  * within the rim if
@@ -27,7 +30,7 @@
 #include "../../solve/root.h"
 #include "../../solve/ways.h"
 #include "../conic/conic.h"
-#include "easy.h"
+#include "side.h"
 #include "../sag/second.h"
 
 /* ------------------------------------------------------------------- easy */
@@ -60,9 +63,13 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sg
         return wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, o.z, d.x, d.y, d.z, tmin, tmax) ? EASY_MISS
                                                                                                  : EASY_NOT;
     bool is_first = !first || wavy_single(s, d.x, d.y, d.z);
-    for (int halves = 0; halves < 2 && !is_first; halves++)
-        is_first = wavy_first_from(s, ALL_TERMS, halves != 0, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x,
-                                   d.y, d.z);
+    if (!is_first)
+        is_first = wavy_first_from(s, ALL_TERMS, o.x, o.y, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
+    convex b = {0};
+    if (!is_first) b = convex_of(s);
+    for (int afar = 0; afar < 2 && !is_first; afar++)
+        is_first = first_of_bent(s, &b, ALL_TERMS, afar != 0, tmin, r.t0, r.x, r.y, q.tau, half.inverse, d.x,
+                                 d.y, d.z);
     return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0) ? EASY_HIT
                                                                                              : EASY_NOT;
 }
@@ -111,27 +118,42 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
     return all;
 }
 
-/* Is the root of each hit the first one?  The answers are in room->again.  With `halves`, it asks for those
- * that were not found first without. */
-SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile *tile, wavy_room *room)
+/* Is the root of each hit the first one?  The answers are in room->again. */
+SGT_INLINE bool all_first(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
 {
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin;
     size_t count = tile->n;
     mask every = MASK(true);
-    if (!halves) {
-        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
-            mask is = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
-            room->again[i] = is;
-            every &= is;
-        }
-        if (every) return true;
-        every = MASK(true);
+    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+    {
+        mask is = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
+        room->again[i] = is;
+        every &= is;
     }
+    if (every) return true;
+    every = MASK(true);
+    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+    {
+        mask is = room->again[i] | wavy_first_from(s, terms, ox[i], oy[i], tmin[i], room->t0[i], room->x[i],
+                                                   room->y[i], room->tau[i], l[i], m[i], n[i]);
+        room->again[i] = is;
+        every &= is;
+    }
+    return every != 0;
+}
+
+/* The same for those that are left, by the bend of F (side.h). */
+SGT_INLINE bool all_bent(const wavy *s, int terms, bool from_afar, const sgt_tile *tile, wavy_room *room)
+{
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    const convex bent = convex_of(s), *b = &bent;
+    size_t count = tile->n;
+    mask every = MASK(true);
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
-        mask is = room->again[i] | wavy_first_from(s, terms, halves, ox[i], oy[i], oz[i], tmin[i],
-                                                   room->t0[i], room->x[i], room->y[i], room->tau[i], l[i],
-                                                   m[i], n[i]);
+        mask is =
+            room->again[i] | first_of_bent(s, b, terms, from_afar, tmin[i], room->t0[i], room->x[i],
+                                           room->y[i], room->tau[i], room->inverse[i], l[i], m[i], n[i]);
         room->again[i] = is;
         every &= is;
     }
@@ -243,14 +265,15 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     mask all = lane_ending(s, terms, wish, false, tile, room), vertex = 0;
     for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
     if (vertex) all = lane_ending(s, terms, wish, true, tile, room);
-    if (first && !all_first(s, terms, false, tile, room) && !all_first(s, terms, true, tile, room)) {
+    if (first && !all_first(s, terms, tile, room) && !all_bent(s, terms, false, tile, room) &&
+        !all_bent(s, terms, true, tile, room)) {
         all = 0;
         LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
     }
     if (s->proof) all &= asphere_sure_all(self, tile, room);
     size_t hard = lane_told(tile, &room->ends, 4, all);
     for (size_t i = 0; tile->hits.evals && rounds > 1 && i < count; i++) tile->hits.evals[i] += 2 * extra[i];
-    return 8 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
+    return 24 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
 }
 
 #define LANES_OF_TERMS(name, terms, first, wish)                                                \
@@ -371,11 +394,11 @@ static bool asphere_valid(const sgt_even_asphere *s)
     return sum == 0 && s->semi_diameter >= 0;
 }
 
-static bool passes_by(const shape *s, const sgt_ray *ray)
+static bool passes_by(const shape *s, pass_by how, const sgt_ray *ray)
 {
     mask passes = MASK(true);
     sgt_tile one = {.n = 1, .rays = rays_of(ray)};
-    sgt_asphere_pass(s, &one, &passes);
+    sgt_asphere_pass(s, &one, how, &passes);
     return passes != 0;
 }
 
@@ -393,9 +416,10 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     wavy v;
     lane e;
     WENT(WAY_ROUNDS);
-    easy_answer is = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)
-                         ? easy(&v, &h, ray, &e, &w)
-                         : EASY_NOT;
+    bool tried = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v);
+    easy_answer is = tried ? easy(&v, &h, ray, &e, &w) : EASY_NOT;
+    const bool beside = tried && !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
+    if (is == EASY_NOT && beside && !w.stopped) is = sgt_asphere_beside(&v, &h, ray, &e, &w);
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch)
@@ -405,7 +429,8 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
         return w.stopped ? hit_without(SGT_STOPPED, ray, w.evals) : hit_of_lane(&e, w.evals, f);
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
-    if (is == EASY_MISS || passes_by(&h, ray)) return hit_without(SGT_MISS, ray, w.evals);
+    if (is == EASY_MISS || passes_by(&h, beside ? PASS_RINGS : PASS_BOTH, ray))
+        return hit_without(SGT_MISS, ray, w.evals);
     bool miss = false;
     if (asphere_quick(&h, ray, &at, &seed, &miss, &w))
         return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
@@ -475,17 +500,16 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
 
 /* Gives SGT_MISS to hard rays that pass the whole surface (asphere/unique.c), as for a single ray.  It asks
  * only for rays on which the easy form has tried the direction as given. */
-static size_t asphere_without_passing(const shape *s, const sgt_tile *tile, const wavy_room *room,
-                                      size_t hard)
+static size_t asphere_without_passing(const shape *s, pass_by how, const sgt_tile *tile,
+                                      const easy_tried *tried, size_t hard)
 {
     const double *const *d = tile->rays.d;
     mask passes[SGT_TILE];
     for (size_t i = 0; i < tile->n; i++) {
         double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i];
-        passes[i] =
-            MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && room->tau[i] == room->tau[i]);
+        passes[i] = MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && tried->ended[i]);
     }
-    sgt_asphere_pass(s, tile, passes);
+    sgt_asphere_pass(s, tile, how, passes);
     for (size_t i = 0; i < tile->n; i++) {
         if (!passes[i]) continue;
         tile->hits.status[i] = SGT_MISS, hard--;
@@ -494,35 +518,50 @@ static size_t asphere_without_passing(const shape *s, const sgt_tile *tile, cons
     return hard;
 }
 
+/* The loops of easy.h.  Apart, so that its room and that of the loops after it are not on the stack at
+ * once. */
+SGT_NOINLINE static size_t asphere_easy_lanes(const wavy *v, int terms, bool near, const sgt_tile *tile,
+                                              easy_tried *tried)
+{
+    wavy_room room;
+    size_t hard;
+    const lane_wish wish = lane_wish_of(tile);
+    const bool few = terms <= FEW_TERMS;
+    if (wish == LANE_BARE && near)
+        hard = few ? asphere_lanes_few_near_bare(v, tile, &room) : asphere_lanes_near_bare(v, tile, &room);
+    else if (!few)
+        hard = near ? asphere_lanes_near(v, tile, &room) : asphere_lanes_first(v, tile, &room);
+    else if (wish == LANE_FINE && near)
+        hard = asphere_lanes_few_near_fine(v, tile, &room);
+    else if (wish >= LANE_FINE)
+        hard =
+            near ? asphere_lanes_few_near_rich(v, tile, &room) : asphere_lanes_few_first_rich(v, tile, &room);
+    else
+        hard = near ? asphere_lanes_few_near(v, tile, &room) : asphere_lanes_few_first(v, tile, &room);
+    for (size_t i = 0; hard && i < tile->n; i++)
+        tried->begun[i] = room.from[i] == room.from[i], tried->ended[i] = room.tau[i] == room.tau[i];
+    return hard;
+}
+
 static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_even_asphere *s = self;
-    wavy_room room;
     wavy v;
+    easy_tried tried;
     int terms = asphere_terms_of(s);
-    const lane_wish wish = lane_wish_of(tile);
     bool near = opt->pick == SGT_NEAR_SEED,
          enough = !opt->max_evals || opt->max_evals > MOST_EASY;
     if (asphere_valid(s) && !terms) return sgt_conic_lanes(s->c, s->k, s->semi_diameter, tile, opt);
     if (asphere_valid(s) && enough) {
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
-            size_t hard;
-            if (wish == LANE_BARE && near)
-                hard = terms > FEW_TERMS ? asphere_lanes_near_bare(&v, tile, &room)
-                                         : asphere_lanes_few_near_bare(&v, tile, &room);
-            else if (terms > FEW_TERMS)
-                hard = near ? asphere_lanes_near(&v, tile, &room) : asphere_lanes_first(&v, tile, &room);
-            else if (wish == LANE_FINE && near)
-                hard = asphere_lanes_few_near_fine(&v, tile, &room);
-            else if (wish >= LANE_FINE)
-                hard = near ? asphere_lanes_few_near_rich(&v, tile, &room)
-                            : asphere_lanes_few_first_rich(&v, tile, &room);
-            else
-                hard =
-                    near ? asphere_lanes_few_near(&v, tile, &room) : asphere_lanes_few_first(&v, tile, &room);
-            return 8 * hard > tile->n ? asphere_without_passing(&h, tile, &room, hard)
-                                      : hard; /* a few go one by one */
+            size_t hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
+            const bool beside = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
+            if (24 * hard > tile->n && beside)
+                hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, &tried);
+            return 8 * hard > tile->n
+                       ? asphere_without_passing(&h, beside ? PASS_RINGS : PASS_BOTH, tile, &tried, hard)
+                       : hard; /* a few go one by one */
         }
     }
     memset(tile->hits.status, SGT_HARD, tile->n);

@@ -76,6 +76,7 @@ typedef struct wavy {
     double a[ALL_TERMS], slope[ALL_TERMS], size[ALL_TERMS];  /* a_i, (i+1) a_i, its magnitude */
     double bend;              /* 2 (2 T - 1) */
     double rim2, single;      /* n^2 > single a: at most one root within the rim */
+    double domain2;           /* r^2 of the rim or the equator */
     double room;              /* of a proof: 98 u rims; rim2 is then where a root is certain */
     bool proof;
     double enough;            /* 4 u, or 0: SHARP ENOUGH */
@@ -86,10 +87,18 @@ typedef struct wavy {
 SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
 {
     double rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000;
-    *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck),
-                .bend = 2 * (2 * s->terms - 1), .rim2 = proof ? sure_rim2(rim2) : rim2,
-                .room = proof ? 98 * SGT_U * sqrt(rim2) : 0, .proof = proof, .single = single_limit(s),
-                .enough = s->terms <= 3 ? 4 * SGT_U : 0,
+    *v = (wavy){.c = s->c,
+                .abs_c = fabs(s->c),
+                .k1 = 1 + s->k,
+                .ck = s->ck,
+                .abs_ck = fabs(s->ck),
+                .bend = 2 * (2 * s->terms - 1),
+                .rim2 = proof ? sure_rim2(rim2) : rim2,
+                .room = proof ? 98 * SGT_U * sqrt(rim2) : 0,
+                .proof = proof,
+                .single = single_limit(s),
+                .domain2 = s->domain2,
+                .enough = s->terms <= 4 ? 4 * SGT_U : 0,
                 .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
     for (int i = 0; i < s->terms; i++)
         v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
@@ -193,17 +202,20 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
            tau_err
            = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
     double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
-    mask again = MASK(off < 0x1p20);
+    mask again = MASK(off < 0x1p20), close = MASK(rho0 <= 4 * rho);
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
-                MASK(rho0 <= 4 * rho) & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) &
+                close & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) &
                 MASK(s->abs_ck * (W1 * H) < 0x1p-10);
-    sure &= MASK(e <= 24 * SGT_U * (aw + az))
-            | (MASK(noise <= s->enough * fabs(t0)) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
+    sure &= MASK(e <= 25 * SGT_U * (aw + az)) |
+            (MASK(noise <= s->enough * fabs(t0)) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* if not, it can be sharper */
-    return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN),
+    return (wavy_round){.tau = tau,
+                        .tau_err = chosen(sure, tau_err, (double)NAN),
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
-                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)), .g = g,
-                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2))};
+                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
+                        .g = g,
+                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2)) & close &
+                                 MASK(rho <= 4 * s->domain2)};
 }
 
 /* Is the root certainly within the rim, given that its point as computed is within rim2? */
@@ -258,51 +270,19 @@ SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
     return r2 * (base + h) * (1 + 0x1p-10);
 }
 
-/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So between a point of the
- * ray and the root at tau, r^2 is at most R^2, the larger of the two values.  If the slope within R allows
- * it, F is monotone there, and no root is between.  The start may be such a point.
- *
- * A point after the start serves too, if no root is before it.  The surface is ahead of the ray by at most
- * a polynomial in r^2 with terms of one sign.  That polynomial is convex along the ray, and z is linear.
- * So if the ray is farther off at two points, it is so all the way between them.  Such a second point is
- * looked for between the start and the root, at 1/2 ... 1/1024 of the way from the root.
+/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So between the start and the
+ * root at tau, r^2 is at most R^2, the larger of the two values.  If the slope within R allows it, F is
+ * monotone there, and no root is between.  For what is left see CONVEX and comes_near in asphere/side.h.
  *
  * A start nearer to the root than 2^-20 |t| is left to other forms.  So tau_err, at most 40 u |t|, moves
- * r^2 by less than 2^-14 of itself even from the last of these points.
- *
- * halves: try these points.  First it is called without, because the start is mostly enough. */
-typedef struct wavy_way { double ox, oy, oz, l, m, n, side, t, root2; } wavy_way;
-
-/* Is the point this far before the root such a second point?  (Called once for each distance: a loop would
- * keep the compiler from vectorising that over the rays.) */
-SGT_INLINE mask wavy_second(const wavy *s, int terms, const wavy_way *w, double before)
+ * r^2 by less than 2^-14 of itself. */
+SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double ox, double oy, double tmin, double t0,
+                                double x0, double y0, double tau, double l, double m, double n)
 {
-    double at = w->t - before, r2 = wavy_r2(w->ox, w->oy, at, w->l, w->m),
-           off = -w->side * sgt_fma(at, w->n, w->oz);
-    return MASK(off > wavy_ahead(s, terms, r2, w->side))
-           & MASK(w->n * w->n > wavy_slope2(s, terms, larger(r2, w->root2)) * (w->l * w->l + w->m * w->m));
-}
-
-SGT_INLINE mask wavy_first_from(const wavy *s, int terms, bool halves, double ox, double oy, double oz,
-                                double tmin, double t0, double x0, double y0, double tau, double l, double m,
-                                double n)
-{
-    double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau,
+    double a = l * l + m * m, root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau,
            start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
-    mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t))
-                 & MASK(fabs(start) < HUGE_VAL);
-    mask is = MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
-    if (halves) {
-        wavy_way w = {ox, oy, oz, l, m, n, side, t, root2};
-        double left = t - start;
-        mask second = wavy_second(s, terms, &w, 0x1p-1 * left) | wavy_second(s, terms, &w, 0x1p-2 * left)
-                      | wavy_second(s, terms, &w, 0x1p-3 * left) | wavy_second(s, terms, &w, 0x1p-4 * left)
-                      | wavy_second(s, terms, &w, 0x1p-5 * left) | wavy_second(s, terms, &w, 0x1p-6 * left)
-                      | wavy_second(s, terms, &w, 0x1p-7 * left) | wavy_second(s, terms, &w, 0x1p-8 * left)
-                      | wavy_second(s, terms, &w, 0x1p-10 * left);
-        is |= second & MASK(-side * sgt_fma(start, n, oz) > wavy_ahead(s, terms, start2, side));
-    }
-    return known & is;
+    return MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
+           MASK(fabs(start) < HUGE_VAL) & MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
 }
 
 /* The root, for lane_of. */

@@ -107,6 +107,9 @@ static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_option
     if (usual) scale = 1;
     side_answer side = met_from_side(s, first, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale,
                                      ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale);
+    if (side.blunt)
+        side.e = sharp_from_side(s, side.at, side.off, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale,
+                                 ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale);
     if (!(side.away | side.e.hit))
         side = met_from_on(s, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale, ray->tmin / scale,
                            ray->tmax / scale, opt->t_tol / scale);

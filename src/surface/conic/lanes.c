@@ -144,16 +144,19 @@ LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 
 /* met_from_side of all rays.  `sooner` are those that a single ray meets before it, by easy_at or
  * nearby_at. */
+typedef struct side_blunt {
+    mask is[SGT_TILE];
+    double at[SGT_TILE], off[SGT_TILE];
+} side_blunt;
 typedef struct side_room {
     double of[10][SGT_TILE]; /* the rows of a lane_to, if some rays have an answer already */
     lane_ends ends;
     mask away[SGT_TILE], sooner[SGT_TILE];
+    side_blunt blunt;
 } side_room;
 
-SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, const mask *far_gone,
-                          lane_to to, mask *away, mask *no)
+SGT_INLINE void lane_sooner(const bowl *s, bool first, const sgt_tile *tile, const mask *far_gone, mask *no)
 {
-    const bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
                  *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
                  *t_tol = tile->t_tol;
@@ -169,25 +172,59 @@ SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, co
         }
         no[i] = met;
     }
-    LANES for (size_t i = 0; i < count; i++) {
+}
+
+SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, const mask *far_gone,
+                          lane_to to, side_blunt *blunt, mask *away, mask *no)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
+                 *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        double t_err = easy_start(s, false, false, ox[i], oy[i], oz[i], l[i], m[i], n[i]).t_err;
+        any |= MASK(t_err == t_err); /* else neither the easy form nor `nearby` meets it */
+        no[i] = 0;
+    }
+    if (any) lane_sooner(s, first, tile, far_gone, no);
+    mask again = 0;
+    _Pragma("omp simd reduction(| : again)") for (size_t i = 0; i < count; i++)
+    {
         side_answer a =
             met_from_side(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
         LANE_STORE(to, i, a.e, LANE_RICH);
-        away[i] = a.away;
+        away[i] = a.away, blunt->is[i] = a.blunt, blunt->at[i] = a.at, blunt->off[i] = a.off;
+        again |= a.blunt;
+    }
+    if (!again) return;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        lane e = sharp_from_side(s, blunt->at[i], blunt->off[i], ox[i], oy[i], oz[i], l[i], m[i], n[i],
+                                 tmin[i], tmax[i], t_tol[i]);
+        mask is = blunt->is[i];
+        to.t[i] = chosen(is, e.t, to.t[i]), to.t_err[i] = chosen(is, e.t_err, to.t_err[i]),
+        to.t_lo[i] = chosen(is, e.t_lo, to.t_lo[i]), to.px[i] = chosen(is, e.px, to.px[i]),
+        to.py[i] = chosen(is, e.py, to.py[i]), to.pz[i] = chosen(is, e.pz, to.pz[i]),
+        to.nx[i] = chosen(is, e.nx, to.nx[i]), to.ny[i] = chosen(is, e.ny, to.ny[i]),
+        to.nz[i] = chosen(is & e.hit, 1, to.nz[i]), to.p_err[i] = chosen(is, e.p_err, to.p_err[i]),
+        to.hit[i] |= is & e.hit;
     }
 }
 
 SGT_KERNEL
 static void conic_lanes_side_first(const bowl *s, const sgt_tile *tile, const mask *far_gone, lane_to to,
-                                   mask *away, mask *sooner)
+                                   side_blunt *blunt, mask *away, mask *sooner)
 {
-    lane_side(s, true, tile, far_gone, to, away, sooner);
+    lane_side(s, true, tile, far_gone, to, blunt, away, sooner);
 }
 SGT_KERNEL
 static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, const mask *far_gone, lane_to to,
-                                  mask *away, mask *sooner)
+                                  side_blunt *blunt, mask *away, mask *sooner)
 {
-    lane_side(s, false, tile, far_gone, to, away, sooner);
+    lane_side(s, false, tile, far_gone, to, blunt, away, sooner);
 }
 
 /* met_from_on of the rays that have no answer yet. */
@@ -223,7 +260,8 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, bool on
     lane_to to = {r.of[0], r.of[1], r.of[2], r.of[3], r.of[4],   r.of[5],
                   r.of[6], r.of[7], r.of[8], r.of[9], r.ends.hit};
     if (before == tile->n) to = lane_to_of(tile, &r.ends);
-    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, far_gone, to, r.away, r.sooner);
+    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, far_gone, to, &r.blunt, r.away,
+                                                             r.sooner);
     if (on) conic_lanes_on(s, tile, to, r.away);
     for (size_t i = 0; i < tile->n; i++) {
         if (h->status[i] != SGT_HARD) continue;
@@ -259,12 +297,15 @@ static beginning beginning_of(const bowl *s, const sgt_tile *tile)
 }
 
 /* Is that why the loop for AWAY leaves rays over?  The first ray's t is not sharp (lane_of) if t_err / u is
- * above 40 |t|.  That is 25 |tau| + |t|, about 25 times the sag and the distance g, above 40 g. */
+ * above 40 |t|.  That is 25 |tau| + |t|, about 25 times the sag and the distance g, above 40 g.  If it has no
+ * t_err, as from the side, `nearby` has no answer either. */
 static bool begins_close(const bowl *s, const sgt_tile *tile)
 {
     double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0],
            sag = 0.5 * s->c * (x * x + y * y + s->k1 * z * z);
-    return fabs(z - sag) <= 0.625 * fabs(sag);
+    double t_err =
+        easy_start(s, false, true, x, y, z, tile->rays.d[0][0], tile->rays.d[1][0], tile->rays.d[2][0]).t_err;
+    return t_err == t_err && fabs(z - sag) <= 0.625 * fabs(sag);
 }
 
 /* Traces ask for near roots of whole lines, and for t_lo with paths: so there are loops for these alone. */

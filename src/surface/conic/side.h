@@ -23,16 +23,26 @@
  * are, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met here,
  * but by met_from_on.
  *
+ * SHARP.  Where the ray runs along the surface S is small, and C is a difference: tau is off by thousands
+ * of u. So the root is solved for once more, from the point at t0 + tau, which is a double.  Its
+ * coordinates are known to 4 u^2 of themselves, and C in twice the precision: each product adds 5 u^2 and
+ * each sum 3 u^2, so C is off by at most 40 u^2 Ca, and what is left of tau by half of that over S.  The
+ * quotient itself is off by a part of less than 2^14 u where Ba <= 2^8 S.  What is left has to be within
+ * the first bound, or it is not this root.
+ *
  * THE START, here the local origin, must not be too far away: its terms must be at most twice those at the
- * root.  Else the careful form is sharper.
+ * root.  Else little is known of the first bound.
+ *
+ * THE POINT.  Rounding of x and y takes it off the surface by u of |x F_x| + |y F_y|.  Where that is more
+ * than 4 |z| (a strongly oblate conic) the careful form computes z anew.
  *
  * THE RIM is stated in computed numbers.  The point is off by no more than 64 u rims by tau, and a few u r
  * by its own rounding; so its r^2 is within 140 u of the true one, less than what easy.h counts with
  * (PROVEN).
  *
  * UNDERFLOW.  The direction is between 2^-41 and 2^42 long (usual_direction), Ca between 2^-400 and 2^400,
- * |c| within 2^+-60, and |1 + k| below 2^61.  What underflows is below 2^-900, and no part in 2^400 of u Ca.
- */
+ * |c| within 2^+-60, and |1 + k| below 2^61.  What underflows is below 2^-900, and no part in 2^400 of u
+ * Ca. */
 #ifndef SGT_SURFACE_CONIC_SIDE_H
 #define SGT_SURFACE_CONIC_SIDE_H
 
@@ -40,11 +50,20 @@
 
 SGT_INLINE bool usual_direction(double scale) { return scale > 0x1p-40 && scale < 0x1p40; }
 
-/* e: the ray met, where e.hit is set.  away: it certainly misses. */
+/* e: the ray met, where e.hit is set.  away: it certainly misses.  blunt: it would be met if t were sharp;
+ * the root is at `at`, to within `off`. */
 typedef struct side_answer {
     lane e;
-    mask away;
+    mask away, blunt;
+    double at, off;
 } side_answer;
+
+/* One coordinate of o + t d, to 4 u^2 of itself. */
+SGT_INLINE twofold place_of_root(double o, double t, double d)
+{
+    twofold p = two_product(t, d), s = two_sum(o, p.hi);
+    return two_sum(s.hi, s.lo + p.lo);
+}
 
 /* Is the root at t0 + tau certainly not accepted?  Its point is (x, y, z) + tau d. */
 SGT_INLINE mask side_gone(const bowl *s, double x, double y, double z, double t0, double tau, double l,
@@ -84,6 +103,7 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
     double pz = sgt_fma(tau, n, z), w = s->ck * pz, px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y),
            cr2 = s->abs_c * (px * px + py * py), width = sgt_fma(fabs(pz), 1 + fabs(w), cr2) / S,
            spread = Aa * (tau * tau) + 2 * (Ba * size_tau) + Ca, terms = cr2 + fabs(pz) * (2 + fabs(w));
+
     near_root r = {.x = x,
                    .y = y,
                    .tau = tau,
@@ -94,13 +114,48 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
                    .small = tau};
     mask wanted = two & MASK(fabs(w) < 1 - 0x1p-8) & MASK(spread <= 2 * terms) &
                   MASK(tau_err * (fabs(l) + fabs(m)) * 0x1p46 <= 64 * SGT_U * s->reach);
+    wanted &= MASK(cr2 <= 4 * fabs(pz) * (1 - w));
     if (!first) wanted &= no_early | no_late;
     wanted &= MASK(sure * (Aa + Aa) * r.t_err < S);
     side_answer told = {.away = (usual & MASK(D < -0x1p-20 * size)) | (no_early & no_late)};
     told.e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), width, s->rim2, MASK(false),
                      wanted & ~told.away);
     told.e.p_err += 2.1 * SGT_U * fabs(z);
+    told.at = t, told.off = tau_err;
+    told.blunt = wanted & ~told.away & ~told.e.hit & MASK(r.t_err > larger(40 * SGT_U * fabs(t), t_tol));
     return told;
+}
+
+/* SHARP.  The root of such a ray, from the point at `at`, where it was found to within `off`. */
+SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, double ox, double oy, double oz,
+                                double l, double m, double n, double tmin, double tmax, double t_tol)
+{
+    twofold X = place_of_root(ox, at, l), Y = place_of_root(oy, at, m), Z = place_of_root(oz, at, n);
+    twofold r2 = twofold_sum(twofold_product(X, X), twofold_product(Y, Y)),
+            kzz = twofold_product((twofold){s->k1, s->k1_lo}, twofold_product(Z, Z)),
+            C = twofold_difference(twofold_scaled(twofold_sum(r2, kzz), s->c), (twofold){2 * Z.hi, 2 * Z.lo});
+    double xl = X.hi * l, ym = Y.hi * m, kzn = s->k1 * Z.hi * n,
+           A = s->c * sgt_fma(s->k1, n * n, l * l + m * m), B = sgt_fma(-s->c, xl + ym + kzn, n),
+           Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
+           Ca = sgt_fma(s->abs_c, r2.hi + fabs(kzz.hi), 2 * fabs(Z.hi)),
+           S = sqrt(larger(sgt_fma(B, B, -A * C.hi), 0)), tau = C.hi / (B + copysign(S, B)), t = at + tau,
+           tau_err = 1.01 * SGT_U * (20 * SGT_U * (Ca / S) + 0x1p14 * fabs(tau));
+    mask same = MASK(fabs(tau) <= 2 * (off + SGT_U * fabs(at))) & MASK(Ba <= 0x1p8 * S) &
+                MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400);
+    double px = sgt_fma(tau, l, X.hi), py = sgt_fma(tau, m, Y.hi), pz = sgt_fma(tau, n, Z.hi), w = s->ck * pz,
+           near = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * (px * px + py * py)) / S;
+    near_root r = {.x = X.hi,
+                   .y = Y.hi,
+                   .tau = tau,
+                   .t = t,
+                   .t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err),
+                   .tau_err = tau_err,
+                   .t0 = at,
+                   .small = tau};
+    lane e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), near, s->rim2, MASK(false),
+                     same & MASK(fabs(w) < 1 - 0x1p-8));
+    e.p_err += 2.1 * SGT_U * fabs(Z.hi);
+    return e;
 }
 
 /* FROM ON THE SURFACE.  About the start o itself C is nearly 0.  So the root t1 = C / 2 B there is known, and

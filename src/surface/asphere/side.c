@@ -1,0 +1,282 @@
+/* asphere/side.c - rays from the side: the loops of asphere/side.h, and the single ray.
+ *
+ * WHY APART.  Without them each such ray of a batch is met by itself: 1,960 ns for a ray along the vertex
+ * plane into a bowl, 300 for one that passes 40 beside a rim of 5 (even asphere c = 0.1, k = -0.6; 45 and
+ * 30 with them). */
+#include "side.h"
+
+#include "asphere.h"
+
+/* Tells the watcher of F at tau. */
+static void side_tell(const shape *h, const sgt_ray *ray, tally *w, const local *at, double tau,
+                      sgt_move move)
+{
+    if (!w->stopped) observe(h, ray, w, at, tau, move, -HUGE_VAL, HUGE_VAL);
+}
+
+/* One ray with explicit ends, as asphere_easy_at. */
+SGT_INLINE easy_answer beside_at(const wavy *s, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
+                                 double t_tol, double scale, lane *e, tally *w, const shape *h,
+                                 const sgt_ray *ray)
+{
+    const bool first = w->opt->pick != SGT_NEAR_SEED;
+    mask passes = MASK(true);
+    convex b = convex_of(s);
+    side_stretch r = side_stretch_of(&b, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
+    if (!r.away) sgt_asphere_pass(h, &(sgt_tile){.n = 1, .rays = rays_of(ray)}, PASS_CONES, &passes);
+    if (r.away | passes) return EASY_MISS;
+    if (!r.chord) return EASY_NOT;
+    side_way way = side_way_of(s, ALL_TERMS, &r.q, r.from, d.x, d.y, d.z);
+    side_seed seed = side_seed_of(s, &b, ALL_TERMS, first, &r.q, &way, r.to, r.chord, d.x, d.y, d.z);
+    local at = {.t0 = r.t0, .scale = scale};
+    side_tell(h, ray, w, &at, way.from, SGT_PROBE);
+    side_tell(h, ray, w, &at, r.to, SGT_PROBE);
+    if (w->stopped || !(seed.above | seed.below)) return seed.away && !w->stopped ? EASY_MISS : EASY_NOT;
+    wavy_newton step = {.tau2 = seed.tau};
+    for (int i = 0; i < SIDE_STEPS && (i == 0 || !side_ready(&step, seed.tau)); i++) {
+        seed.tau = step.tau2;
+        step = side_step(s, ALL_TERMS, &r.q, seed.tau, d.x, d.y, d.z);
+        side_tell(h, ray, w, &at, seed.tau, i ? SGT_NEWTON : SGT_SEED);
+    }
+    wavy_round end = side_bound(s, ALL_TERMS, &r.q, r.t0, &step, d.x, d.y, d.z, t_tol);
+    side_tell(h, ray, w, &at, step.tau2, SGT_NEWTON);
+    *e = side_lane(s, &b, ALL_TERMS, &r.q, r.t0, way.r2, seed.above, seed.below, &end, step.inverse, d.x, d.y,
+                   d.z, tmin, tmax, t_tol);
+    return e->hit && !w->stopped ? EASY_HIT : EASY_NOT;
+}
+
+/* Answers a ray that easy.h has left.  Its evaluations are counted and reported, whatever the answer.  A
+ * direction of unusual length is scaled as there. */
+easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w)
+{
+    sgt_vec3 d = ray->d;
+    double scale = scale_of(d);
+    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z))
+        return beside_at(s, ray->o, d, ray->tmin, ray->tmax, w->opt->t_tol, 1, e, w, h, ray);
+    if (!ends_are_whole(ray, scale)) return EASY_NOT;
+    d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
+    easy_answer is = beside_at(s, ray->o, d, ray->tmin / scale, ray->tmax / scale, w->opt->t_tol / scale,
+                               scale, e, w, h, ray);
+    return is == EASY_HIT ? easy_unscaled(e, scale) : is;
+}
+
+/* What the loops leave for each other.  of: the rows of a lane_to, if some rays have an answer already. */
+typedef struct beside_room {
+    _Alignas(64) double x[SGT_TILE];
+    double y[SGT_TILE], z[SGT_TILE], rho0[SGT_TILE], t0[SGT_TILE], from[SGT_TILE], to[SGT_TILE], r2[SGT_TILE],
+        tau[SGT_TILE], tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
+    mask asked[SGT_TILE], over[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE],
+        again[SGT_TILE];
+    int steps[SGT_TILE];
+    bool afar;
+    double of[10][SGT_TILE];
+    lane_ends ends;
+} beside_room;
+
+/* The stretch of each ray that is asked about.  `over` is set for those that do not certainly miss by it.
+ * Returns all bits set if there are such. */
+SGT_KERNEL
+static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, beside_room *r)
+{
+    const convex mine = *bent, *b = &mine; /* a copy, so that no output can alias it */
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    size_t count = tile->n;
+    mask any = 0, afar = 0;
+    _Pragma("omp simd reduction(| : any, afar)") for (size_t i = 0; i < count; i++)
+    {
+        side_stretch one = side_stretch_of(b, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+        r->x[i] = one.q.x, r->y[i] = one.q.y, r->z[i] = one.q.z, r->rho0[i] = one.q.rho0, r->t0[i] = one.t0,
+        r->from[i] = one.from, r->to[i] = one.to;
+        mask hard = r->asked[i], left = hard & ~one.away;
+        r->away[i] = hard & one.away, r->asked[i] = left & one.chord, r->over[i] = left;
+        r->r2[i] = wavy_r2(one.q.x, one.q.y, one.from, l[i], m[i]), r->off[i] = 0;
+        afar |= left & one.afar;
+        any |= left;
+    }
+    r->afar = afar != 0;
+    return any;
+}
+
+/* Makes the stretches shorter. */
+SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, beside_room *r)
+{
+    const wavy own = *self, *s = &own;
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
+        side_way way = side_way_of(s, terms, &q, r->from[i], l[i], m[i], n[i]);
+        r->from[i] = way.from, r->r2[i] = way.r2, r->off[i] = way.off;
+    }
+}
+
+/* Takes out the rays that the cone finds to miss.  Is something left to ask? */
+static bool beside_left(const shape *h, const sgt_tile *tile, beside_room *r)
+{
+    bool left = false;
+    sgt_asphere_pass(h, tile, PASS_CONES, r->over);
+    for (size_t i = 0; i < tile->n; i++) {
+        r->away[i] |= r->over[i], r->asked[i] &= ~r->over[i];
+        left = left || r->asked[i];
+    }
+    return left;
+}
+
+/* The seeds.  Returns all bits set if a root is looked for. */
+SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bool first,
+                             const sgt_tile *tile, beside_room *r)
+{
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
+        side_way way = {r->from[i], r->r2[i], r->off[i]};
+        side_seed one = side_seed_of(s, b, terms, first, &q, &way, r->to[i], r->asked[i], l[i], m[i], n[i]);
+        r->tau2[i] = one.tau, r->above[i] = one.above, r->below[i] = one.below;
+        r->away[i] |= one.away;
+        mask again = one.above | one.below;
+        r->again[i] = again;
+        any |= again;
+    }
+    return any;
+}
+
+/* A step of Newton for the rays that need one.  Returns all bits set if some need another. */
+SGT_INLINE mask beside_step(const wavy *self, int terms, const sgt_tile *tile, beside_room *r)
+{
+    const wavy own = *self, *s = &own;
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
+        mask again = r->again[i];
+        double tau = chosen(again, r->tau2[i], r->tau[i]); /* a ray that is done gets the same step again */
+        wavy_newton h = side_step(s, terms, &q, tau, l[i], m[i], n[i]);
+        r->tau[i] = tau, r->tau2[i] = h.tau2, r->step2[i] = h.step2, r->inverse[i] = h.inverse,
+        r->dw[i] = h.dw, r->slant[i] = h.slant;
+        again &= ~side_ready(&h, tau);
+        r->again[i] = again;
+        any |= again;
+    }
+    return any;
+}
+
+SGT_INLINE void beside_ends(const wavy *self, const convex *bent, int terms, const sgt_tile *tile, lane_to to,
+                            const beside_room *r)
+{
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin,
+                 *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
+        wavy_newton h = {r->tau2[i], r->step2[i], r->inverse[i], r->dw[i], r->slant[i], 0, 0};
+        wavy_round at = side_bound(s, terms, &q, r->t0[i], &h, l[i], m[i], n[i], t_tol[i]);
+        lane e = side_lane(s, b, terms, &q, r->t0[i], r->r2[i], r->above[i], r->below[i], &at, h.inverse,
+                           l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        LANE_STORE(to, i, e, LANE_RICH);
+    }
+}
+
+#define BESIDE_WAYS(name, terms)                                                     \
+    SGT_KERNEL static void name(const wavy *s, const sgt_tile *tile, beside_room *r) \
+    {                                                                                \
+        beside_ways(s, terms, tile, r);                                              \
+    }
+#define BESIDE_SEEDS(name, terms, first)                                                              \
+    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r) \
+    {                                                                                                 \
+        return beside_seeds(s, b, terms, first, tile, r);                                             \
+    }
+#define BESIDE_STEP(name, terms)                                                     \
+    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, beside_room *r) \
+    {                                                                                \
+        return beside_step(s, terms, tile, r);                                       \
+    }
+#define BESIDE_ENDS(name, terms)                                                                  \
+    SGT_KERNEL static void name(const wavy *s, const convex *b, const sgt_tile *tile, lane_to to, \
+                                const beside_room *r)                                             \
+    {                                                                                             \
+        beside_ends(s, b, terms, tile, to, r);                                                    \
+    }
+
+BESIDE_WAYS(asphere_beside_few_ways, FEW_TERMS)
+BESIDE_WAYS(asphere_beside_ways, ALL_TERMS)
+BESIDE_SEEDS(asphere_beside_few_first, FEW_TERMS, true)
+BESIDE_SEEDS(asphere_beside_few_near, FEW_TERMS, false)
+BESIDE_SEEDS(asphere_beside_first, ALL_TERMS, true)
+BESIDE_SEEDS(asphere_beside_near, ALL_TERMS, false)
+BESIDE_STEP(asphere_beside_few_step, FEW_TERMS)
+BESIDE_STEP(asphere_beside_step, ALL_TERMS)
+BESIDE_ENDS(asphere_beside_few_ends, FEW_TERMS)
+BESIDE_ENDS(asphere_beside_ends, ALL_TERMS)
+
+/* Answers hard rays of a tile.  A ray without a start for the rounds of easy.h has taken one evaluation
+ * there. */
+size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
+                                size_t before, const easy_tried *tried)
+{
+    beside_room r;
+    const sgt_hits *hits = &tile->hits;
+    const convex b = convex_of(s);
+    const bool few = h->terms <= FEW_TERMS, all = before == tile->n;
+    size_t hard = 0, n = tile->n;
+    lane_to to = {r.of[0], r.of[1], r.of[2], r.of[3], r.of[4],   r.of[5],
+                  r.of[6], r.of[7], r.of[8], r.of[9], r.ends.hit};
+    if (all) to = lane_to_of(tile, &r.ends);
+    for (size_t i = 0; i < n; i++) {
+        const double *const *o = tile->rays.o, *const *d = tile->rays.d;
+        double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i],
+               far = fabs(o[0][i]) + fabs(o[1][i]) + fabs(o[2][i]); /* the rays have not been checked */
+        r.asked[i] = MASK(hits->status[i] == SGT_HARD) & usual_length(d2) & MASK(far < HUGE_VAL),
+        r.steps[i] = 0;
+    }
+    memset(r.ends.hit, 0, n * sizeof *r.ends.hit), memset(r.above, 0, n * sizeof *r.above);
+    memset(r.below, 0, n * sizeof *r.below);
+    bool left = asphere_beside_stretch(&b, tile, &r) && beside_left(h, tile, &r);
+    if (left && r.afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, &r);
+    if (left && first)
+        left = (few ? asphere_beside_few_first : asphere_beside_first)(s, &b, tile, &r) != 0;
+    else if (left)
+        left = (few ? asphere_beside_few_near : asphere_beside_near)(s, &b, tile, &r) != 0;
+    if (left) {
+        mask again = MASK(true);
+        for (int k = 0; k < SIDE_STEPS && again; k++) {
+            for (size_t i = 0; hits->evals && i < n; i++) r.steps[i] += r.again[i] != 0;
+            again = few ? asphere_beside_few_step(s, tile, &r) : asphere_beside_step(s, tile, &r);
+        }
+        if (few)
+            asphere_beside_few_ends(s, &b, tile, to, &r);
+        else
+            asphere_beside_ends(s, &b, tile, to, &r);
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (hits->status[i] != SGT_HARD) continue;
+        bool met = r.ends.hit[i] != 0, gone = r.away[i] != 0;
+        hard += !(met || gone);
+        int evals = 0;
+        if (hits->evals) { /* of a hit and of a hard ray with that of F at the end */
+            evals = (tried->begun[i] ? hits->evals[i] : 2) + (r.asked[i] ? 2 : 0) - (gone ? 1 : 0);
+            if (r.above[i] | r.below[i]) evals += r.steps[i] + 1;
+            hits->evals[i] = evals;
+        }
+        if (!(met || gone)) continue;
+        hits->status[i] = met ? SGT_HIT : SGT_MISS;
+        if (!met || all) continue;
+        sgt_hit one = hit_of_lane(&(lane){to.t[i], to.t_err[i], to.t_lo[i], to.px[i], to.py[i], to.pz[i],
+                                          to.nx[i], to.ny[i], to.p_err[i], to.hit[i]},
+                                  evals, 0);
+        put_hit(hits, i, &one);
+    }
+    return hard;
+}

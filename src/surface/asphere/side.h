@@ -1,0 +1,331 @@
+/* asphere/side.h - an even asphere met from the point of the ray nearest the vertex, without a branch: rays
+ * that run along the surface, enter a bowl from the side, or pass by.  The loops are in asphere/side.c.
+ *
+ * WHY.  Such a ray meets the vertex plane far from its root, or not at all, and easy.h leaves it.  And where
+ * the bound on the slope allows a second root, nothing there tells which is the first.
+ *
+ * CONVEX.  Let S be the sag and sigma S'' >= 0 for all r <= R, with S'' its second derivative in r and sigma
+ * = 1 or -1.  As S'(0) = 0, sigma S' / r >= 0 too.  These two are the curvatures of S.  So sigma F = sigma (z
+ * - S) is concave along each stretch of a ray within R.  r^2 is convex along a ray: the stretch between two
+ * points is within the larger r of the two.  For a conic S'' = c / phi^3, with phi^2 = 1 - (1 + k) c^2 r^2.
+ * That is c sigma at least, or, if (1 + k) c^2 < 0, what it is at R.  The terms add (2 i + 2) (2 i + 1) a[i]
+ * r^(2 i); those of the sign of sigma are left out, but for a[0], which is constant.
+ *
+ * A concave function has two zeros at most: it rises at the first, and falls at the second.  Let the stretch
+ * begin where the ray does, or where r comes below the rim, and end likewise.  Then
+ *     a root at which sigma F rises                                  is the first,
+ *     the same, if sigma F > 0 at the end of the stretch             is the only one,
+ *     a root at which it falls, if sigma F > 0 at the beginning      is the only one,
+ *     sigma F > 0 at the beginning and at the end                    is a miss.
+ *
+ * PASSING BY.  The sag within the rim, or up to the equator, is between two heights (wavy_ahead of easy.h).
+ * If the ray is above or below both of them along its whole stretch, or if the stretch is empty, it misses.
+ *
+ * THE ROOT.  The conic of curvature c + 2 a[0] gives the first guess, one root of the two, or the place where
+ * they fall together.  Newton's steps on G lead from there to the root.  The last steps, and the bound with
+ * its argument, are those of easy.h, with z = z0 + tau n.
+ *
+ * ROUNDING, in units of u.  The local origin (x0, y0, z0) is right to u of each coordinate (moved_along in
+ * num/local.h), and its t0 is a double.  x = fma(tau, l, x0) is off by |x0| + |x|, so rho is off by 5 rho +
+ * rho0: 2 (|x x0| + |y y0|) <= rho + rho0, 2 rho by the last rounding of x and y, 2 rho by the products and
+ * the sum.  Horner's rule rounds P by another first rho.  With Q = 6 rho + rho0
+ *     w is off by first Q + |z0| + |z| + |w|,
+ *     G by e = |v| (error of w) + |c| Q / 2 + 3 |(1 + k) c| w^2 + |G|.
+ * (|c| rho / 2 of the second is the rounding of the inner fma.)  The slope is as good as that of easy.h.
+ *
+ * THE POINT.  Rounding of x, y and z0 takes it off the surface by u of their parts of F.  So a ray is met
+ * only if |x F_x| + |y F_y| <= 4 |z| and |z0| <= 2 |z| there.
+ *
+ * AN END of a stretch is moved outward: in r^2 by 2^-20, in t by 2^-50 of its terms.  So nothing rests on its
+ * last digits, and F there is that of the point as it is, with the bound e.
+ *
+ * UNDERFLOW.  rho is between 2^-400 and 2^400 at the root; what underflows is below 2^-1000 in G, which is
+ * added. */
+#ifndef SGT_SURFACE_ASPHERE_SIDE_H
+#define SGT_SURFACE_ASPHERE_SIDE_H
+
+#include "../../num/bits.h"
+#include "easy.h"
+
+enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 3 }; /* evaluations: both ends, the steps, the bound */
+
+/* What all rays of a surface share.
+ *
+ *   sign         sigma
+ *   round, flat  S'' sigma is at least `round` of the base, at r = 0, less the sum of flat[i] r^(2 i)
+ *   edge2        r^2 of the rim or the equator, made greater by 2^-20
+ *   high, low    the sag within it is between -low and high
+ *   bowl         c + 2 a[0] */
+typedef struct convex {
+    double sign, round, constant, flat[ALL_TERMS], ckc, edge2, edge, high, low, bowl;
+    bool everywhere; /* no term has the other sign */
+} convex;
+
+SGT_INLINE convex convex_of(const wavy *s)
+{
+    convex b = {.sign = s->c != 0 ? copysign(1, s->c) : 0,
+                .round = s->abs_c,
+                .ckc = s->ck * s->c,
+                .edge2 = s->domain2 * (1 + 0x1p-20),
+                .bowl = s->c + 2 * s->a[0],
+                .everywhere = true};
+    for (int i = 0; i < ALL_TERMS && b.sign == 0; i++)
+        if (s->a[i] != 0) b.sign = copysign(1, s->a[i]);
+    for (int i = 0; i < ALL_TERMS; i++) {
+        b.flat[i] = larger(-b.sign * s->a[i], 0) * ((2 * i + 2) * (2 * i + 1));
+        b.everywhere = b.everywhere && !(b.flat[i] > 0);
+    }
+    b.constant = 2 * larger(b.sign * s->a[0], 0);
+    b.edge = sqrt(b.edge2);
+    if (b.edge2 < HUGE_VAL) {
+        b.high = wavy_ahead(s, ALL_TERMS, b.edge2, -1), b.low = wavy_ahead(s, ALL_TERMS, b.edge2, 1);
+    } else {
+        bool rises = s->c > 0, falls = s->c < 0;
+        for (int i = 0; i < ALL_TERMS; i++) rises = rises || s->a[i] > 0, falls = falls || s->a[i] < 0;
+        b.high = rises ? HUGE_VAL : 0, b.low = falls ? HUGE_VAL : 0;
+    }
+    return b;
+}
+
+/* Is sigma S'' >= 0 for r^2 <= r2? */
+SGT_INLINE mask is_convex(const convex *b, int terms, double r2)
+{
+    double phi2 = 1 - b->ckc * r2, round = b->round / chosen(MASK(b->ckc < 0), phi2 * sqrt(phi2), 1);
+    return MASK(phi2 > 0x1p-10) & MASK(r2 < 0x1p400) &
+           (MASK(b->everywhere) | MASK((round + b->constant) * (1 - 0x1p-20) >
+                                       horner(b->flat, terms, r2) * (1 + 0x1p-20) + 0x1p-900));
+}
+
+/* A stretch before a root, made shorter.  from: where it begins, at (x + from l, y + from m, z + from n).
+ * r2: of the larger r of its ends.  off: there F has the sign of -n for certain, and so all the way before.
+ * */
+typedef struct side_way {
+    double from, r2;
+    mask off;
+} side_way;
+
+/* Within r <= R the surface is ahead of the vertex plane by h = wavy_ahead(R^2) at most.  So a ray that
+ * begins beyond that height meets nothing before it comes down to it.  There it is nearer to the axis,
+ * mostly, and h is less: from afar a few rounds lead to where the surface is. */
+SGT_INLINE side_way comes_near(const wavy *s, int terms, const side_way *way, double root2, double x,
+                               double y, double z, double l, double m, double n)
+{
+    double side = copysign(1, n), h = wavy_ahead(s, terms, way->r2, side) * (1 + 0x1p-10) + 0x1p-30 * fabs(z),
+           at = (-h - side * z) / fabs(n), r2 = wavy_r2(x, y, at, l, m);
+    mask off = MASK(h < HUGE_VAL) & MASK(at > way->from) & MASK(r2 <= way->r2);
+    return (side_way){chosen(off, at, way->from), chosen(off, larger(r2, root2), way->r2), way->off | off};
+}
+
+/* Is a root that easy.h has met the first one, since F is monotone or bent in one way up to it?  (x0, y0):
+ * on the vertex plane, as in easy.h.  inverse: 1 / G' at the root.  from_afar: the way is made shorter
+ * twice. */
+SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, bool from_afar, double tmin,
+                              double t0, double x0, double y0, double tau, double inverse, double l, double m,
+                              double n)
+{
+    double a = l * l + m * m, across = x0 * m - y0 * l, disc = a * b->edge2 - across * across, by = 1 / a,
+           enters = -(x0 * l + y0 * m) * by - sqrt(larger(disc, 0)) * by, t = t0 + tau,
+           starts = tmin - t0 - 0x1p-50 * (fabs(tmin) + fabs(t0)), root2 = wavy_r2(x0, y0, tau, l, m);
+    double from = chosen(MASK(enters > starts), enters, starts);
+    side_way way = {from, larger(wavy_r2(x0, y0, from, l, m), root2), 0};
+    mask known = MASK(disc > 0) & MASK(fabs(from) < HUGE_VAL) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
+                 MASK(fabs(x0) + fabs(y0) <= 0x1p16 * b->edge) & MASK(from < tau);
+    way = comes_near(s, terms, &way, root2, x0, y0, 0, l, m, n);
+    if (from_afar) way = comes_near(s, terms, &way, root2, x0, y0, 0, l, m, n);
+    mask rises = MASK(b->sign * inverse > 0), falls = MASK(b->sign * inverse < 0),
+         above = way.off & MASK(b->sign * n < 0);
+    return known & (MASK(n * n > wavy_slope2(s, terms, way.r2) * a) |
+                    (is_convex(b, terms, way.r2) & (rises | (falls & above))));
+}
+
+/* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither. */
+typedef struct side_end {
+    double r2;
+    mask above, below;
+} side_end;
+
+/* The local origin, and what belongs to it. */
+typedef struct side_local {
+    double x, y, z, rho0;
+} side_local;
+
+/* The error of G, over u. */
+SGT_INLINE double side_noise(const wavy *s, const side_local *q, double rho, double z, double first, double g,
+                             double w, double ckw)
+{
+    double Q = sgt_fma(6, rho, q->rho0), aw = fabs(w), ackw = fabs(ckw);
+    return sgt_fma(fabs(1 - ckw), sgt_fma(first, Q, fabs(z) + fabs(q->z) + aw),
+                   sgt_fma(0.5 * s->abs_c, Q, sgt_fma(3 * aw, ackw, fabs(g))));
+}
+
+SGT_INLINE side_end side_end_at(const wavy *s, const convex *b, int terms, const side_local *q, double tau,
+                                double l, double m, double n)
+{
+    double x = sgt_fma(tau, l, q->x), y = sgt_fma(tau, m, q->y), z = sgt_fma(tau, n, q->z),
+           rho = x * x + y * y, w, ckw;
+    double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), first = horner(s->size, terms, rho),
+           e = sgt_fma(1.01 * SGT_U, side_noise(s, q, rho, z, first, g, w, ckw), 0x1p-1000), up = b->sign * g;
+    mask known = MASK(fabs(ckw) < 1 - 0x1p-8) & MASK(b->ckc * rho < 1 - 0x1p-10) & MASK(e < s->most_e);
+    return (side_end){rho * (1 + 0x1p-10), known & MASK(up > e), known & MASK(up < -e)};
+}
+
+/* A step of Newton on G, and what the bound needs of it.  It is the last if it is short (side_ready). */
+SGT_INLINE wavy_newton side_step(const wavy *s, int terms, const side_local *q, double tau, double l,
+                                 double m, double n)
+{
+    double x = sgt_fma(tau, l, q->x), y = sgt_fma(tau, m, q->y), z = sgt_fma(tau, n, q->z),
+           rho = x * x + y * y, w, ckw, xl = x * l, ym = y * m, half = xl + ym;
+    double dh, h = horner_slope(s->a, terms, rho, &dh), dp = sgt_fma(rho, dh, h);
+    double g = wavy_g(s, rho, z, h, &w, &ckw), dw = sgt_fma(-(dp + dp), half, n);
+    double slope = sgt_fma(-s->c, half, (1 - ckw) * dw), inverse = 1 / slope, step = g * inverse;
+    return (wavy_newton){tau - step, step, inverse, dw, fabs(xl) + fabs(ym), g, slope};
+}
+
+/* The bound squares a step.  What is left after it is then below an ulp, unless the root is flat. */
+SGT_INLINE mask side_ready(const wavy_newton *step, double tau)
+{
+    return ~MASK(fabs(step->step2) > 0x1p-22 * (fabs(tau) + fabs(step->tau2)));
+}
+
+/* As wavy_bound. */
+SGT_INLINE wavy_round side_bound(const wavy *s, int terms, const side_local *q, double t0,
+                                 const wavy_newton *at, double l, double m, double n, double t_tol)
+{
+    double x = sgt_fma(at->tau2, l, q->x), y = sgt_fma(at->tau2, m, q->y), z = sgt_fma(at->tau2, n, q->z),
+           rho = x * x + y * y, w, ckw;
+    double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step),
+           ai = fabs(at->inverse), aw = fabs(w), az = fabs(z), a = l * l + m * m;
+    double H = sgt_fma(0x1p-50, fabs(t0), sgt_fma(0x1p-40, fabs(at->tau2), fabs(at->step2) + (as + as))),
+           wide = sgt_fma(17 * a, H * H, 1.0625 * rho), first = horner(s->size, terms, wide);
+    double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
+    double M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, aw), W2, W1 * W1), sgt_fma(s->abs_c, a, W2));
+    double off = sgt_fma(M * (H + H), ai, 0x1p-30); /* Delta / |s| */
+    double e = 1.01 * SGT_U * side_noise(s, q, rho, z, first, g, w, ckw), noise = e * ai,
+           tau = at->tau2 - step, t = fabs(t0 + tau);
+    double tau_err =
+               sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai)),
+           terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
+    mask sure = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
+                MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) & MASK(fabs(ckw) < 1 - 0x1p-8) &
+                MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
+                MASK(rho < 0x1p400);
+    sure &= MASK(e <= 24 * SGT_U * (aw + az)) |
+            (MASK(noise <= s->enough * t) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
+    sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol);
+    return (wavy_round){.tau = tau,
+                        .tau_err = chosen(sure, tau_err, (double)NAN),
+                        .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
+                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
+                        .g = g,
+                        .again = MASK(false)};
+}
+
+/* What is known of a ray before a root is looked for.  t0, q: the local origin.  from, to: the stretch.
+ * away: it certainly misses.  chord: the stretch is known.  afar: it may be made shorter. */
+typedef struct side_stretch {
+    side_local q;
+    double t0, from, to;
+    mask away, chord, afar;
+} side_stretch;
+
+SGT_INLINE side_stretch side_stretch_of(const convex *b, double ox, double oy, double oz, double l, double m,
+                                        double n, double tmin, double tmax)
+{
+    double a = l * l + m * m, d2 = a + n * n, t0 = -(ox * l + oy * m + oz * n) / d2, side = fabs(l) + fabs(m);
+    side_local q = {moved_along(ox, t0, l), moved_along(oy, t0, m), moved_along(oz, t0, n), 0};
+    q.rho0 = q.x * q.x + q.y * q.y;
+    double across = q.x * m - q.y * l, beside = fabs(q.x) + fabs(q.y), disc = a * b->edge2 - across * across,
+           by = 1 / a, half = sqrt(larger(disc, 0)) * by, centre = -(q.x * l + q.y * m) * by;
+    double starts = tmin - t0 - 0x1p-50 * (fabs(tmin) + fabs(t0)),
+           ends = tmax - t0 + 0x1p-50 * (fabs(tmax) + fabs(t0)), enters = centre - half,
+           leaves = centre + half;
+    double from = chosen(MASK(enters > starts), enters, starts),
+           to = chosen(MASK(leaves < ends), leaves, ends), z1 = sgt_fma(from, n, q.z),
+           z2 = sgt_fma(to, n, q.z),
+           unsure = 0x1p-30 * (fabs(q.z) + smaller(fabs(z1), fabs(z2))); /* one end may be infinite */
+    mask usual = MASK(a > 0x1p-60 * d2) & MASK(fabs(t0) < 0x1p300) & MASK(tmin <= tmax) &
+                 MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL) & MASK(beside < 0x1p400);
+    mask chord = usual & MASK(disc > 0) & MASK(beside <= 0x1p16 * b->edge);
+    mask away = usual & MASK(fabs(across) > sqrt(a) * b->edge * (1 + 0x1p-20) + 0x1p-48 * beside * side);
+    away |= chord & (MASK(from > to) | MASK(smaller(z1, z2) - unsure > b->high) |
+                     MASK(larger(z1, z2) + unsure < -b->low));
+    return (side_stretch){q, t0, from, to, away, chord, MASK(z1 * n <= 0)};
+}
+
+/* The stretch made shorter at its beginning.  It stays as it is where z n > 0 there. */
+SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, double from, double l,
+                                double m, double n)
+{
+    side_way way = {from, wavy_r2(q->x, q->y, from, l, m), 0};
+    way = comes_near(s, terms, &way, 0, q->x, q->y, q->z, l, m, n);
+    return comes_near(s, terms, &way, 0, q->x, q->y, q->z, l, m, n);
+}
+
+/* The ends of the stretch, and where Newton's steps begin.  above: sigma F > 0 at the beginning, so a root at
+ * which it falls is wanted.  below: it is < 0 there, so one at which it rises is.  Neither: no root is looked
+ * for.  Both are 0 for a ray that misses, as `away` tells. */
+typedef struct side_seed {
+    double tau;
+    mask above, below, away;
+} side_seed;
+
+SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, bool first, const side_local *q,
+                                  const side_way *way, double to, mask chord, double l, double m, double n)
+{
+    double from = way->from;
+    side_end begin = side_end_at(s, b, terms, q, from, l, m, n),
+             end = side_end_at(s, b, terms, q, to, l, m, n);
+    begin.above |= way->off & MASK(b->sign * n < 0), begin.below |= way->off & MASK(b->sign * n > 0);
+    double both = larger(way->r2, end.r2), a = l * l + m * m, half = q->x * l + q->y * m;
+    mask bent = is_convex(b, terms, both), away = chord & begin.above & end.above & bent;
+    double A = sgt_fma(b->bowl, a, s->ck * (n * n)), B = n - sgt_fma(b->bowl, half, s->ck * q->z * n),
+           C = sgt_fma(b->bowl, q->rho0, s->ck * q->z * q->z - 2 * q->z), D = sgt_fma(B, B, -A * C),
+           sum = B + copysign(sqrt(larger(D, 0)), B);
+    mask sign = MASK(b->sign * B > 0), one = (sign & begin.below) | ~(sign | begin.below);
+    double tau = chosen(one, C, sum) / chosen(one, sum, A);
+    tau = chosen(MASK(A == 0) & ~one, chosen(begin.below, from, to), tau); /* no matter which zero */
+    tau = chosen(MASK(tau > from), tau, from), tau = chosen(MASK(tau < to), tau, to);
+    chord &= ~away;
+    if (!first) chord &= MASK(b->edge2 < HUGE_VAL) & (begin.above | (end.above & bent));
+    return (side_seed){tau, chord & begin.above, chord & begin.below, away};
+}
+
+/* The root from side_bound.  rises: 1 / G' there, times sigma. */
+SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q, double t0,
+                          double r2, mask above, mask below, const wavy_round *at, double inverse, double l,
+                          double m, double n, double tmin, double tmax, double t_tol)
+{
+    double t = t0 + at->tau;
+    near_root r = {.x = q->x,
+                   .y = q->y,
+                   .tau = at->tau,
+                   .t = t,
+                   .t_err = sgt_fma(1.01 * SGT_U, fabs(t), at->tau_err),
+                   .tau_err = at->tau_err,
+                   .t0 = t0,
+                   .small = at->tau};
+    double px = sgt_fma(at->tau, l, q->x), py = sgt_fma(at->tau, m, q->y), rho = px * px + py * py,
+           dp = horner(s->slope, terms, rho), g = -s->c / at->v - (dp + dp), rises = b->sign * inverse,
+           pz = sgt_fma(at->tau, n, q->z);
+    mask known = ((below & MASK(rises > 0)) | (above & MASK(rises < 0))) &
+                 is_convex(b, terms, larger(r2, rho * (1 + 0x1p-10)));
+    lane e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, g, at->near, s->rim2, MASK(false),
+                     known & MASK(fabs(t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2) &
+                         MASK(fabs(g) * rho <= 4 * fabs(pz)));
+    e.p_err += 2.1 * SGT_U * fabs(q->z);
+    return e;
+}
+
+/* The single ray, and a tile (asphere/side.c); no proof is asked for. */
+easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w);
+
+/* What easy.h has done with each ray of a tile: its rounds had where to begin; they ended at a number. */
+typedef struct easy_tried {
+    bool begun[SGT_TILE], ended[SGT_TILE];
+} easy_tried;
+
+/* Answers hard rays of a tile.  before: how many are hard.  Returns how many are left. */
+size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
+                                size_t before, const easy_tried *tried);
+
+#endif
