@@ -24,6 +24,7 @@
 #include <sagitta/aim.h>
 #include <sagitta/analysis.h>
 #include <sagitta/diagnose.h>
+#include <sagitta/figure.h>
 #include <sagitta/edit.h>
 #include <sagitta/formula.h>
 #include <sagitta/sensitivity.h>

@@ -11,8 +11,8 @@
  * A COMPENSATOR is an entry that is not off by chance: when the lens has been built it is
  * set within its box so that the figure, or the paraxial focus, is best.
  *
- * A FIGURE is one number that is to be small, of the whole lens: see sgt_figure.  NaN:
- * the lens cannot be judged, for example because a chief ray does not get through.
+ * A FIGURE is one number that is to be small, of the whole lens: sgt_tolerancing_figure.
+ * NaN: the lens cannot be judged, for example because a chief ray does not get through.
  *
  *     sgt_tolerancing *t = sgt_tolerancing_new(lens, NULL, &error);
  *     sgt_tolerancing_trials(t, 1, 0, 10000, take, NULL, &error);
@@ -95,20 +95,20 @@ SGT_API const char *sgt_tolerance_unit(const sgt_lens *lens, const sgt_tolerance
 
 /* Fields weigh as field_weights of the lens says; those of sgt_study_options.field_at
  * alike. */
-typedef enum sgt_figure {
-    SGT_FIGURE_SPOT,   /* the root of the mean square of the spots' radii: of the fields'
-                          rms, all wavelengths together ("spot" of study.h) */
-    SGT_FIGURE_OPD,    /* the same of the rms of path differences, in waves, over fields
-                          and wavelengths ("wavefront") */
-    SGT_FIGURE_BORESIGHT /* the same of the way from where a chief ray is designed to end
-                          to where it does, x and y of "spot".  0 as designed */
-} sgt_figure;
+typedef enum sgt_tolerancing_figure {
+    SGT_TOLERANCING_SPOT, /* the root of the mean square of the spots' radii: of the
+                             fields' rms, all wavelengths together ("spot" of study.h) */
+    SGT_TOLERANCING_OPD,  /* the same of the rms of path differences, in waves, over
+                             fields and wavelengths ("wavefront") */
+    SGT_TOLERANCING_BORESIGHT /* the same of the way from where a chief ray is designed to
+                                 end to where it does, x and y of "spot"; 0 as designed */
+} sgt_tolerancing_figure;
 
 /* Zeros are the defaults. */
 typedef struct sgt_tolerancing_options {
-    sgt_figure figure;
+    sgt_tolerancing_figure figure;
     const sgt_study_options *study; /* fields, rays, threads ...; NULL: as there */
-    int reference;                  /* of SGT_FIGURE_SPOT, as in sgt_spot_options */
+    int reference;                  /* of SGT_TOLERANCING_SPOT, as in sgt_spot_options */
     unsigned long long reserved_[4]; /* leave it zero */
 } sgt_tolerancing_options;
 

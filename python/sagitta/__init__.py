@@ -20,6 +20,7 @@ from .formula import Formula, FormulaError, Sag
 from .function import Function
 from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Parabasal, Rays, Remark, Seidel
 from .lens import Sensitivity
+from .optimise import Variables
 from ._calls import Options
 from .results import Aimed, Crossing, Crossings, End, Fate, Hit, Hits, Passage, Passed, Status, Traced
 from .study import Answer, Fates
@@ -74,6 +75,7 @@ __all__ = [
     "Tolerancing",
     "Traced",
     "Trials",
+    "Variables",
     "Verdict",
     "quantile",
     "share",

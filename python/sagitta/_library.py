@@ -666,6 +666,27 @@ class Confidence(Structure):
         ("estimate", c_double),
         ("lower", c_double),
         ("upper", c_double),
+class FigureOptions(Structure):
+    _fields_ = [("kind", c_int), ("reference", c_int), ("reserved_", Words * 6)]
+
+
+class FigureCount(Structure):
+    _fields_ = [("paths", c_size_t), ("residuals", c_size_t), ("values", c_size_t), ("reserved_", Words * 4)]
+
+
+class FigureOut(Structure):
+    _fields_ = [
+        ("residual", Doubles),
+        ("jacobian", Doubles),
+        ("value", Doubles),
+        ("value_err", Doubles),
+        ("gradient", Doubles),
+        ("gradient_err", Doubles),
+        ("rays", c_size_t),
+        ("clipped", c_size_t),
+        ("lost", c_size_t),
+        ("backward", c_size_t),
+        ("reserved_", Words * 6),
     ]
 
 
@@ -869,6 +890,16 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     ),
     "sgt_quantile": (Confidence, [c_size_t, c_void_p, c_double, c_double]),
     "sgt_share": (Confidence, [c_size_t, c_size_t, c_double]),
+    # figure.h
+    "sgt_figure_new": (
+        c_void_p,
+        [POINTER(Lens), POINTER(StudyOptions), POINTER(FigureOptions), c_size_t, POINTER(c_char_p), POINTER(Error)],
+    ),
+    "sgt_figure_free": (None, [c_void_p]),
+    "sgt_figure_size": (FigureCount, [c_void_p]),
+    "sgt_figure_start": (None, [c_void_p, Doubles]),
+    "sgt_figure_eval": (c_bool, [c_void_p, Doubles, POINTER(FigureOut), POINTER(Error)]),
+    "sgt_figure_lens": (POINTER(Lens), [c_void_p]),
     # formula.h
     "sgt_formula_room": (c_size_t, [c_char_p, c_size_t]),
     "sgt_formula_read": (

@@ -26,6 +26,7 @@ from ._arrays import LARGE, RayArrays, VectorsLike, address, doubles, places_of
 from ._calls import Options
 from ._tables import Dims, Floats, Named, Table, Tabular, ray_axes
 from .function import Function
+from .optimise import variables
 from .results import Aimed, Fate, Later, Passage, Room, Status, Traced
 from .tolerance import Tolerancing
 from .study import PATTERNS, Answer, Wavelength, add_to, field_number, points_of, wavelength_of, whole
@@ -1138,6 +1139,8 @@ class Lens(Analyses):
             (field, fields, wavelength, pattern, rays, across, aim, apertures),
             threads,
         )
+
+    variables = variables
 
     # -------------------------------------------------------------------------- fields
 

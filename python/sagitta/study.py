@@ -273,6 +273,38 @@ def _set_points(option: C.StudyOptions, pattern: Any, rays: int, across: int, se
     return points
 
 
+def study_options(
+    lens: "Lens",
+    field: Any,
+    wavelength: Any,
+    *,
+    fields: Any,
+    pattern: Any,
+    rays: int,
+    across: int,
+    seed: int,
+    weights: Optional[str],
+    aim: Optional[str],
+    apertures: bool,
+    solver: Optional[C.Options] = None,
+) -> tuple[C.StudyOptions, list[Any]]:
+    """What is asked of a lens, and what it points to."""
+    equal = weights is not None and _calls.of_words(weights, _WEIGHTS, "weights")  # type: ignore[arg-type]
+    option = C.StudyOptions(open=not apertures, equal_weights=bool(equal))
+    keep = [
+        _set_fields(option, lens, field, fields),
+        _set_wavelengths(option, lens, wavelength),
+        _set_points(option, pattern, rays, across, seed),
+        solver,
+    ]
+    if solver is not None:
+        option.solver = ctypes.addressof(solver)
+    if aim is not None:
+        keep.append(ctypes.c_int(_calls.of_words(aim, _AIMS, "aim")))  # type: ignore[arg-type]
+        option.aim = ctypes.addressof(keep[-1])
+    return option, keep
+
+
 def _settings_of(analysis: C.Analysis, given: dict[str, Any]) -> tuple[Any, Any]:
     """The options of an analysis as bytes, and what they point to."""
     room = (ctypes.c_uint64 * (analysis.options_size // 8 + 1))()
@@ -367,19 +399,11 @@ def _ask(
             raise ValueError(f"{C.text(analysis.name)}: takes no {what}")
     if analysis.no_rays and (pattern is not None or rays or across or weights is not None):
         raise ValueError(f"{C.text(analysis.name)}: takes no rays: they are those near the chief ray")
-    equal = weights is not None and _calls.of_words(weights, _WEIGHTS, "weights")  # type: ignore[arg-type]
-    option = C.StudyOptions(open=not apertures, equal_weights=bool(equal))
-    keep = [
-        _set_fields(option, lens, field, fields),
-        _set_wavelengths(option, lens, wavelength),
-        _set_points(option, pattern, rays, across, seed),
-        _calls.options(dict(pick=pick, proof=proof, t_tol=t_tol, dt_min=dt_min, max_evals=max_evals)),
-    ]
-    if keep[-1] is not None:
-        option.solver = ctypes.addressof(keep[-1])
-    if aim is not None:
-        keep.append(ctypes.c_int(_calls.of_words(aim, _AIMS, "aim")))  # type: ignore[arg-type]
-        option.aim = ctypes.addressof(keep[-1])
+    option_of_trace = _calls.options(dict(pick=pick, proof=proof, t_tol=t_tol, dt_min=dt_min, max_evals=max_evals))
+    option, keep = study_options(
+        lens, field, wavelength, fields=fields, pattern=pattern, rays=rays, across=across, seed=seed, weights=weights,
+        aim=aim, apertures=apertures, solver=option_of_trace,
+    )
     room, lists = _settings_of(analysis, settings)
     answer = C.Answer(threads=threads)
     study = _Handle(lens, option, answer, keep)

@@ -13,7 +13,7 @@ import pytest
 import sagitta
 
 
-@pytest.mark.parametrize("name, least", [("python.md", 60), ("analysis.md", 2)])
+@pytest.mark.parametrize("name, least", [("python.md", 60), ("analysis.md", 2), ("optimise.md", 8)])
 def test_the_page(tree, monkeypatch, name, least):
     page = tree / "docs" / name
     if not page.exists():
@@ -65,7 +65,10 @@ def test_the_readme(tree, monkeypatch):
     assert there["hits"].met.all() and (0 < there["spot"].rms).all() and (there["spot"].rms < 1).all()
 
 
-@pytest.mark.parametrize("name", ["__init__", "surface", "lens", "formula", "function", "results", "study", "_arrays"])
+MODULES = ["__init__", "surface", "lens", "formula", "function", "optimise", "results", "study", "_arrays"]
+
+
+@pytest.mark.parametrize("name", MODULES)
 def test_docstrings(name):
     module = importlib.import_module("sagitta" if name == "__init__" else f"sagitta.{name}")
     said = []
@@ -88,6 +91,14 @@ def test_the_design_of_a_singlet(tree, capsys):
     lens, found = example(tree, "singlet.py").main()
     assert "rms 2.7" in capsys.readouterr().out and np.sqrt(np.mean(found.fun**2)) < 0.01
     assert abs(lens.first_order().efl - 100) < 1
+
+
+def test_a_double_gauss_comes_back(tree, capsys):
+    pytest.importorskip("scipy")
+    assert example(tree, "optimise.py").main(2)
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line[:1] == " "]
+    exact, differences = rows[:2]
+    assert exact[1] == "exact" and int(differences[6]) > 5 * int(exact[6])  # traces
 
 
 def test_the_lens_class(tree, capsys):

@@ -4,7 +4,7 @@ and what the compiler itself asks for come in, and nothing in it can be written 
 
     python3 symbols.py INCLUDE_FOLDER SHARED_LIBRARY STATIC_LIBRARY [OTHER_SHARED_LIBRARY ...]
 
-Of the libraries of geo.h and of lens.h, edit.h, analysis.h, shape.h, study.h, tolerance.h and why.h, which allocate, only the names are looked at.
+Of the libraries of geo.h and of lens.h, edit.h, analysis.h, figure.h, shape.h, study.h, tolerance.h and why.h, which allocate, only the names are looked at.
 """
 import pathlib
 import re
@@ -26,8 +26,8 @@ COMPILER = {  # what its own runtime and the linker answer
     '_GLOBAL_OFFSET_TABLE_': 'position-independent code',
     '__stack_chk_fail': '-fstack-protector of a distribution',
 }
-OTHERS = {'libsagitta_geo': ['geo.h'], 'libsagitta_lens': ['lens.h', 'edit.h', 'analysis.h', 'shape.h', 'study.h',
-                                  'tolerance.h', 'why.h']}
+OTHERS = {'libsagitta_geo': ['geo.h'], 'libsagitta_lens': ['lens.h', 'edit.h', 'analysis.h', 'figure.h', 'shape.h',
+                                  'study.h', 'tolerance.h', 'why.h']}
 ALLOWED = MEMORY.keys() | ENVIRONMENT.keys() | COMPILER.keys()
 LIBRARIES = re.compile(r'^(libm|libc|ld-linux[\w-]*)\.so')
 

@@ -190,7 +190,7 @@ bool sgt_beam_of_field(const sgt_launcher *from, sgt_field_kind kind, const sgt_
     if (kind == SGT_FIELD_ANGLE && !(fabs(x) < 90 && fabs(y) < 90))
         return sgt_launch_fail(from, error, "fields",
                                "angles must be between -90 and 90 degrees, not [%g, %g]", x, y);
-    if (!b->finite) b->front = front_of(from, b->pupil, b->radius);
+    if (!b->finite) b->front = from->any_front ? b->pupil : front_of(from, b->pupil, b->radius);
     if (l->telecentric && !set_cone(from, kind, at, &b->cone, error)) return false;
     if (kind == SGT_FIELD_REAL_IMAGE_HEIGHT) return true;
     if (kind == SGT_FIELD_PARAXIAL_IMAGE_HEIGHT) {

@@ -16,6 +16,7 @@ struct sgt_launcher {
     double          stop_radius; /* unless SGT_LENS_AIM_PUPIL */
     /* the sign of a turn in the pupil as seen at the stop, on the axis; 0: not known */
     double          sense;
+    bool            any_front;  /* where wavefronts begin does not matter: they begin at the pupil */
 };
 
 /* What the search for all rays of a beam shares (aim.c): the chief ray, the linear map about it, and the map

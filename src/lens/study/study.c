@@ -548,7 +548,7 @@ static size_t rays_across(sgt_pattern pattern, size_t across)
     return (size_t)ceil(QUARTER * (double)across * (double)across);
 }
 
-static bool pick_pupil(sgt_asking *a)
+bool sgt_ask_pupil(sgt_asking *a)
 {
     const sgt_study_options *o = &a->study->opt;
     if (a->of->no_rays) return true;
@@ -597,6 +597,8 @@ void sgt_study_free(sgt_study *study)
     sgt_launcher_free(from);
 }
 
+bool sgt_ask_begin(sgt_asking *a) { return !a->failed && set_bands(a) && set_fields(a); }
+
 /* Is what is reserved for later versions zero, in the sink and at the end of the options? */
 static bool asks_plainly(const sgt_asking *a, sgt_error *error)
 {
@@ -616,8 +618,7 @@ bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis, const v
                     .counts = true, .memory = {.allocator = study->from->allocator}};
     if (!asks_plainly(&a, error)) return false;
     if (!a.options) a.options = sgt_ask_room(&a, analysis->options_size + 1, 1);
-    const bool fine = !a.failed && set_bands(&a) && set_fields(&a) && pick_pupil(&a) && analysis->ask(&a) &&
-                      !a.failed;
+    const bool fine = sgt_ask_begin(&a) && sgt_ask_pupil(&a) && analysis->ask(&a) && !a.failed;
     if (fine && study->opt.equal_weights && !analysis->no_rays)
         sgt_ask_say(&a, SGT_STUDY_LEGEND, "Each ray counts alike, whatever area of the pupil it stands for.");
     if (total) *total = a.total;

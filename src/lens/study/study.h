@@ -52,6 +52,10 @@ struct sgt_asking {
     bool failed;
 };
 
+/* Sets bands, primary and fields; the points of the pupil.  false: failed, as *error says. */
+bool sgt_ask_begin(sgt_asking *a);
+bool sgt_ask_pupil(sgt_asking *a);
+
 /* Memory until all is answered, zeroed; NULL: none, and the asking has failed. */
 void *sgt_ask_room(sgt_asking *a, size_t count, size_t size);
 

@@ -61,15 +61,15 @@ static void add_wavefront(void *context, const void *row)
 static bool run_figure(const sgt_tolerancing *t, squares *s, sgt_error *error)
 {
     static const struct { const char *analysis; void (*row)(void *context, const void *row); } of[] = {
-        [SGT_FIGURE_SPOT] = {"spot", add_spot},
-        [SGT_FIGURE_OPD] = {"wavefront", add_wavefront},
-        [SGT_FIGURE_BORESIGHT] = {"spot", add_boresight}};
+        [SGT_TOLERANCING_SPOT] = {"spot", add_spot},
+        [SGT_TOLERANCING_OPD] = {"wavefront", add_wavefront},
+        [SGT_TOLERANCING_BORESIGHT] = {"spot", add_boresight}};
     const sgt_spot_options of_spot = {.reference = t->opt.reference};
     const sgt_sink sink = {.context = s, .row = of[t->opt.figure].row};
     sgt_study *study = sgt_study_new(s->lens, &t->study, error);
-    const bool fine = study && sgt_study_run(study, sgt_analysis_named(of[t->opt.figure].analysis),
-                                             t->opt.figure == SGT_FIGURE_OPD ? NULL : &of_spot, &sink, NULL,
-                                             error);
+    const void *options = t->opt.figure == SGT_TOLERANCING_OPD ? NULL : &of_spot;
+    const bool fine = study && sgt_study_run(study, sgt_analysis_named(of[t->opt.figure].analysis), options,
+                                             &sink, NULL, error);
     sgt_study_free(study);
     return fine;
 }
@@ -85,7 +85,7 @@ bool sgt_figure_of(const sgt_tolerancing *t, const sgt_lens *lens, double *figur
 bool sgt_figure_begin(sgt_tolerancing *t, sgt_error *error)
 {
     static const sgt_pattern centre = SGT_PATTERN_FAN;
-    if (t->opt.figure == SGT_FIGURE_BORESIGHT) {
+    if (t->opt.figure == SGT_TOLERANCING_BORESIGHT) {
         const size_t fields = t->study.fields ? t->study.fields : t->of->fields;
         squares s = {.t = t, .lens = t->base};
         t->opt.reference = 0; /* the chief ray, alone: no other is needed */

@@ -84,7 +84,7 @@ static void *jobs_room(const sgt_tolerancing *t, size_t count, size_t batch, job
 
 static bool plain_options(const sgt_tolerancing *t, const sgt_tolerancing_options *o, sgt_error *error)
 {
-    if ((int)o->figure < SGT_FIGURE_SPOT || o->figure > SGT_FIGURE_BORESIGHT)
+    if ((int)o->figure < SGT_TOLERANCING_SPOT || o->figure > SGT_TOLERANCING_BORESIGHT)
         return refuse(t->of, error, "figure", "there is none of this number");
     for (size_t i = 0; i < sizeof o->reserved_ / sizeof *o->reserved_; i++)
         if (o->reserved_[i])

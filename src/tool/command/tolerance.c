@@ -386,11 +386,11 @@ static exit_status tolerance_run(const command *c, int argc, char *argv[])
     int threads;
     command_read(c, &w.own, &l->job, &l->shared, argc, argv);
     l->job.lens = command_file(c, "lens file", argc, argv), l->job.several = true;
-    l->of = sgt_analysis_named(w.own.figure == SGT_FIGURE_OPD ? "wavefront" : "spot");
+    l->of = sgt_analysis_named(w.own.figure == SGT_TOLERANCING_OPD ? "wavefront" : "spot");
     l->picture = l->shared.picture;
     if (l->job.rays) fail_usage("--rays: tolerance launches the rays of fields; sagitta trace takes a file");
     if (l->job.skip_bad) fail_usage("--skip-bad goes with --rays; tolerance launches the rays of fields");
-    if (w.own.figure == SGT_FIGURE_BORESIGHT && (l->job.pupils || l->job.points))
+    if (w.own.figure == SGT_TOLERANCING_BORESIGHT && (l->job.pupils || l->job.points))
         fail_usage("a pattern of rays is of no use here: the chief rays alone are traced");
     if (w.own.figure && w.own.reference) fail_usage("--reference goes with --figure spot");
     if (!w.own.trials && (w.own.limits || w.own.worst || l->picture || w.own.first))
@@ -404,9 +404,9 @@ static exit_status tolerance_run(const command *c, int argc, char *argv[])
     w.count = sgt_lens_tolerances(w.lens, &w.entry);
     if (!w.count)
         lens_fail(&l->primary, "tolerances", "missing; a list of what may be off (docs/tolerance.md)");
-    w.unit = w.own.figure == SGT_FIGURE_OPD ? "waves" : w.lens->afocal ? "mrad" : w.lens->units;
+    w.unit = w.own.figure == SGT_TOLERANCING_OPD ? "waves" : w.lens->afocal ? "mrad" : w.lens->units;
     const sgt_tolerancing_options options = {
-        .figure = (sgt_figure)w.own.figure, .study = &study, .reference = w.own.reference};
+        .figure = (sgt_tolerancing_figure)w.own.figure, .study = &study, .reference = w.own.reference};
     w.of = tolerancings[0] = sgt_tolerancing_new(w.lens, &options, &e);
     if (!w.of) lens_refuse(&e);
     atexit(free_tolerancing);
