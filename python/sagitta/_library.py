@@ -666,6 +666,9 @@ class Confidence(Structure):
         ("estimate", c_double),
         ("lower", c_double),
         ("upper", c_double),
+    ]
+
+
 class FigureOptions(Structure):
     _fields_ = [("kind", c_int), ("reference", c_int), ("reserved_", Words * 6)]
 

@@ -107,13 +107,13 @@ typedef struct side_way {
 /* Within r <= R the surface is ahead of the vertex plane by h = wavy_ahead(R^2) at most.  So a ray that
  * begins beyond that height meets nothing before it comes down to it.  There it is nearer to the axis,
  * mostly, and h is less: from afar a few rounds lead to where the surface is. */
-SGT_INLINE side_way comes_near(const wavy *s, int terms, const side_way *way, double root2, double x,
+SGT_INLINE side_way comes_near(const wavy *s, int terms, side_way way, double root2, double x,
                                double y, double z, double l, double m, double n)
 {
-    double side = copysign(1, n), h = wavy_ahead(s, terms, way->r2, side) * (1 + 0x1p-10) + 0x1p-30 * fabs(z),
+    double side = copysign(1, n), h = wavy_ahead(s, terms, way.r2, side) * (1 + 0x1p-10) + 0x1p-30 * fabs(z),
            at = (-h - side * z) / fabs(n), r2 = wavy_r2(x, y, at, l, m);
-    mask off = MASK(h < HUGE_VAL) & MASK(at > way->from) & MASK(r2 <= way->r2);
-    return (side_way){chosen(off, at, way->from), chosen(off, larger(r2, root2), way->r2), way->off | off};
+    mask off = MASK(h < HUGE_VAL) & MASK(at > way.from) & MASK(r2 <= way.r2);
+    return (side_way){chosen(off, at, way.from), chosen(off, larger(r2, root2), way.r2), way.off | off};
 }
 
 /* Is a root that easy.h has met the first one, since F is monotone or bent in one way up to it?  (x0, y0):
@@ -130,8 +130,8 @@ SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, bool fr
     side_way way = {from, larger(wavy_r2(x0, y0, from, l, m), root2), 0};
     mask known = MASK(disc > 0) & MASK(fabs(from) < HUGE_VAL) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
                  MASK(fabs(x0) + fabs(y0) <= 0x1p16 * b->edge) & MASK(from < tau);
-    way = comes_near(s, terms, &way, root2, x0, y0, 0, l, m, n);
-    if (from_afar) way = comes_near(s, terms, &way, root2, x0, y0, 0, l, m, n);
+    way = comes_near(s, terms, way, root2, x0, y0, 0, l, m, n);
+    if (from_afar) way = comes_near(s, terms, way, root2, x0, y0, 0, l, m, n);
     mask rises = MASK(b->sign * inverse > 0), falls = MASK(b->sign * inverse < 0),
          above = way.off & MASK(b->sign * n < 0);
     return known & (MASK(n * n > wavy_slope2(s, terms, way.r2) * a) |
@@ -257,8 +257,8 @@ SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, d
                                 double m, double n)
 {
     side_way way = {from, wavy_r2(q->x, q->y, from, l, m), 0};
-    way = comes_near(s, terms, &way, 0, q->x, q->y, q->z, l, m, n);
-    return comes_near(s, terms, &way, 0, q->x, q->y, q->z, l, m, n);
+    way = comes_near(s, terms, way, 0, q->x, q->y, q->z, l, m, n);
+    return comes_near(s, terms, way, 0, q->x, q->y, q->z, l, m, n);
 }
 
 /* The ends of the stretch, and where Newton's steps begin.  above: sigma F > 0 at the beginning, so a root at

@@ -192,7 +192,7 @@ static double torus_clearance(const void *self, sgt_vec3 p)
 
 /* ------------------------------------------------------------------ the first root */
 
-enum { BLOCK = DEPARTURE_BLOCK };
+enum { BLOCK = DEPARTURE_BLOCK / 2 }; /* its rows are many, and the stack is small */
 typedef double row[BLOCK];
 
 /* The state of n rays in the search.
