@@ -61,7 +61,6 @@ sgt_ray hostile_ray(generator &g, const subject &of)
     }
     default: break;
     }
-    if (r.tmin == 0 && r.tmax == 0) r.tmax = -0.0; // an end in arrays, where a single ray of {0} has none
     return r;
 }
 
@@ -149,6 +148,8 @@ std::size_t one_batch(generator &g, const char *type)
                                                                : random_ray(g, of, ordinary));
         if (no_tmin) rays.back().tmin = 0;
         if (no_tmax) rays.back().tmax = HUGE_VAL;
+        // (an end in arrays, where a single ray of {0} has none)
+        if (rays.back().tmin == 0 && rays.back().tmax == 0) rays.back().tmax = -0.0;
         alone.push_back(sgt_intersect(s.s, rays.back(), &options));
         of_status[alone.back().status - SGT_INVALID]++;
     }

@@ -131,7 +131,10 @@ bool is_of(const known &k, const sgt_hit &h)
 bool at_end(const known &k, const scene &c, const sgt_hit &h)
 {
     const quad behind = k.r.t - c.ray.tmax;
-    return behind > 0 && behind <= h.t_err && h.t <= c.ray.tmax && h.t_err <= 0x1p-46 * std::fabs(h.t);
+    // (t is known as well as the coordinates of the point are)
+    const sgt_vec3 d = c.ray.d;
+    const double far = std::fabs(h.t) + std::hypot(h.p.x, h.p.y, h.p.z) / std::hypot(d.x, d.y, d.z);
+    return behind > 0 && behind <= h.t_err && h.t <= c.ray.tmax && h.t_err <= 0x1p-46 * far;
 }
 
 bool same(double a, double b) { return !std::memcmp(&a, &b, sizeof a) || (a != a && b != b); }

@@ -152,12 +152,15 @@ void points_of(const specimen &s, generator &g, worst *w, int count)
     if (looked > 0 && g.chance(0.5)) {
         const int few = std::min(looked, 8);
         const bool grids = s.type == "grid" || s.type == "sum";
+        const bool cone = s.type == "odd_asphere" &&
+                          static_cast<const sgt_odd_asphere *>(s.s.self)->a[0] != 0;
         double h[6][most], *const to[6] = {h[0], h[1], h[2], h[3], h[4], h[5]};
         s.s.ops->second(s.s.self, static_cast<std::size_t>(together), points, to);
         for (int i = 0; i < few; i++) {
             second.push_back(level_at(s, own, {x[0][i], x[1][i], x[2][i]}));
-            if (!(second.back().a.a == second.back().a.a) || (grids && (x[0][i] == 0 || x[1][i] == 0)))
-                second.back() = hessian(gradient(quad(NAN))); // a knot
+            if (!(second.back().a.a == second.back().a.a) || (grids && (x[0][i] == 0 || x[1][i] == 0)) ||
+                (cone && x[0][i] == 0 && x[1][i] == 0))
+                second.back() = hessian(gradient(quad(NAN))); // a knot, or the tip of a cone
             if (second.back().a.a != second.back().a.a) continue;
             for (const gradient &row : second.back().v)
                 for (quad d : row.v)
