@@ -24,8 +24,8 @@
  * x - h and x + h, and where its numbers do not lie on a line at x - 2h and x + 2h, for
  * differences of the fourth order (src/lens/figure/motion.c).  What depends on x linearly
  * (a thickness, a coefficient, a decentre; a radius is taken by its reciprocal) is exact
- * to rounding, the rest (angles, glass, pupils) to some 1e-11.  Aimed rays besides go
- * back from the stop, where the point that they meet is held.
+ * to rounding, the rest (angles, glass, pupils) to some 1e-11.  Aimed rays also
+ * go back from the stop, where the point that they meet is held.
  *
  * NOT DIFFERENTIATED.  An error names the path, and says why:
  *   - whole numbers and words; an infinite radius (vary `curvature` in its place)
@@ -36,9 +36,10 @@
  *   - an afocal lens has no figures here; "distortion" needs a plane of symmetry through
  *     the field and the axis
  *
- * ERRORS.  value_err is a bound, as those of study.h.  gradient_err and what is said of
- * the differences above are estimates, which tests/lens/figure.c holds to differences of
- * whole figures. */
+ * ERRORS.  value_err of spots and chief rays follows from the bounds of their rays, as in
+ * study.h; of the other figures it estimates the rounding.  gradient_err and what is said
+ * of the differences above are estimates, which tests/lens/figure.c holds to differences
+ * of whole figures. */
 #ifndef SAGITTA_FIGURE_H
 #define SAGITTA_FIGURE_H
 #include <sagitta/edit.h>

@@ -101,6 +101,16 @@ def test_a_double_gauss_comes_back(tree, capsys):
     assert exact[1] == "exact" and int(differences[6]) > 5 * int(exact[6])  # traces
 
 
+def test_a_day_with_a_lens(tree, capsys, tmp_path):
+    pytest.importorskip("scipy")
+    pytest.importorskip("matplotlib")
+    module = example(tree, "designer.py")
+    read, better, ninety = module.main(picture=tmp_path / "lens.png")
+    assert better < 0.95 * read and better < ninety < 2 * better
+    assert "90 % of 500 trials below" in capsys.readouterr().out
+    assert (tmp_path / "lens.png").read_bytes()[:4] == b"\x89PNG"
+
+
 def test_the_lens_class(tree, capsys):
     module = example(tree, "optic.py")
     module.main()
