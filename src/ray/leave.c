@@ -447,7 +447,7 @@ static double surely_all(size_t n, const double *px, const double *py, const dou
     double count = 0;
     _Pragma("omp simd reduction(+ : count)") for (size_t i = 0; i < n; i++) {
         sgt_vec3 p = {px[i], py[i], pz[i]}, grad = {nx[i], ny[i], nz[i]};
-        double is = (sound_at(p, p_err[i]) & surely_on(p, grad, p_err[i])) ? 1.0 : 0.0;
+        double is = ((int)sound_at(p, p_err[i]) & (int)surely_on(p, grad, p_err[i])) ? 1.0 : 0.0;
         sure[i] = is, count += is;
     }
     return count;
@@ -462,7 +462,7 @@ static double on_all(size_t n, const double *px, const double *py, const double 
     double count = 0;
     _Pragma("omp simd reduction(+ : count)") for (size_t i = 0; i < n; i++) {
         sgt_vec3 p = {px[i], py[i], pz[i]};
-        bool on = sound_at(p, p_err[i]) & is_on(f[i], p, (sgt_vec3){nx[i], ny[i], nz[i]});
+        bool on = (int)sound_at(p, p_err[i]) & (int)is_on(f[i], p, (sgt_vec3){nx[i], ny[i], nz[i]});
         double is = on ? 1.0 : sure[i];
         sure[i] = is, count += is;
     }

@@ -153,7 +153,8 @@ inline void of_hit(const subject &s, way asked, table *to)
                  d = std::sqrt(s.ray.d.x * s.ray.d.x + s.ray.d.y * s.ray.d.y + s.ray.d.z * s.ray.d.z);
     const double g = h.n.x * s.ray.d.x + h.n.y * s.ray.d.y + h.n.z * s.ray.d.z, sine = std::fabs(g) / (n * d);
     const double spread = std::fabs(h.p.x * h.n.x) + std::fabs(h.p.y * h.n.y) + std::fabs(h.p.z * h.n.z);
-    if (!(0x1p-108 * (spread + n * 0x1p-4 * s.size) < 1e-3 * h.t_err * std::fabs(g))) return;
+    const double noise = 0x1p-108 * (spread + n * 0x1p-4 * s.size) / std::fabs(g); // of t in 113 bits
+    if (!(noise < 1e-3 * h.t_err)) return;
     quad t = h.t, f = s.along(t), step = f / quad(g);
     const double enough = h.p_err > 0 && h.p_err / d < h.t_err ? h.p_err / d : h.t_err;
     bool good = false;
@@ -178,7 +179,7 @@ inline void of_hit(const subject &s, way asked, table *to)
         if (above && below) return; // another one
     }
     const int place = int(asked) * int(angles) + (sine >= 0.5 ? steep : sine >= 0.05 ? slanting : grazing);
-    to->take(of_t + place, magnitude(t - quad(h.t)) / h.t_err, s);
+    to->take(of_t + place, std::max(magnitude(t - quad(h.t)) - noise, 0.0) / h.t_err, s);
     const double rest = (h.t_err - std::fabs(h.t_lo)) - 0x1p-52 * h.t_err,
                  by_t = good && rest > 0.05 * h.t_err && rest > 0x1p-50 * std::fabs(h.t)
                             ? magnitude(t - (quad(h.t) + h.t_lo)) / rest
