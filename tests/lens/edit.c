@@ -251,8 +251,8 @@ static const char *const entries[] = {
     "{type: conic, radius: {pickup: \"surfaces[1].radius\", scale: -2}, thickness: 2, glass: air}",
     "{type: plane, thickness: {solve: paraxial_focus}, glass: air}",
     "{type: break, tilt: [0, 3, 0], thickness: {pickup: \"surfaces[1].thickness\"}}",
-    "{type: sum, radius: 90, thickness: 1, glass: {pickup: \"surfaces[1].glass\"}, "
-    "terms: [{type: odd_asphere, coefficients: [0, 0, 1e-4]}]}",
+    ("{type: sum, radius: 90, thickness: 1, glass: {pickup: \"surfaces[1].glass\"}, "
+     "terms: [{type: odd_asphere, coefficients: [0, 0, 1e-4]}]}"),
     "{type: formula, sag: \"0.01*r^2\", thickness: 1, glass: same, semi_diameter: 4}",
     "{type: ideal, focal_length: 50, thickness: 1, glass: air}"};
 
