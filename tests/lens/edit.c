@@ -378,7 +378,7 @@ static void test_random(generator *g, const sgt_lens *original, long edits)
         free(all);
         sgt_lens_free(was);
     }
-    REQUIRE(accepted * 10 > edits, "%s: %ld of %ld", original->file, accepted, edits);
+    REQUIRE(edits < 30 || accepted * 10 > edits, "%s: %ld of %ld", original->file, accepted, edits);
     sgt_lens_free(lens);
 }
 

@@ -453,7 +453,7 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
     static const sgt_pupil_point centre = {0, 0, 1};
     const size_t count = from->lens->count;
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
-    sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
+    sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own ? own + count : NULL;
     sgt_launched launched;
     bool fine = (passages && own) || sgt_launch_memory(from, error);
     if (fine) sgt_launch_ending(count, e, own);

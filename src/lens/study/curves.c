@@ -140,7 +140,7 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
                              .sagittal = none, .ideal = none, .distortion = none};
     sgt_launched chief;
     sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
-    sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own + count;
+    sgt_element *own = sgt_launch_take(from, 2 * count, sizeof *own), *open = own ? own + count : NULL;
     bool fine = (passages && own) || sgt_launch_memory(from, error);
     if (fine) sgt_launch_ending(count, e, own), own[count - 1].index = 0; /* nor does it reflect totally */
     fine = fine && sgt_launch_rays(from, &b, own, index_before, 1, &centre, &chief, error);
