@@ -153,7 +153,7 @@ inline void of_hit(const subject &s, way asked, table *to)
                  d = std::sqrt(s.ray.d.x * s.ray.d.x + s.ray.d.y * s.ray.d.y + s.ray.d.z * s.ray.d.z);
     const double g = h.n.x * s.ray.d.x + h.n.y * s.ray.d.y + h.n.z * s.ray.d.z, sine = std::fabs(g) / (n * d);
     const double spread = std::fabs(h.p.x * h.n.x) + std::fabs(h.p.y * h.n.y) + std::fabs(h.p.z * h.n.z);
-    const double noise = 0x1p-108 * (spread + n * 0x1p-4 * s.size) / std::fabs(g); // of t in 113 bits
+    const double noise = 0x1p-104 * (spread + n * 0x1p-4 * s.size) / std::fabs(g); // of t in 113 bits
     if (!(noise < 1e-3 * h.t_err)) return;
     quad t = h.t, f = s.along(t), step = f / quad(g);
     const double enough = h.p_err > 0 && h.p_err / d < h.t_err ? h.p_err / d : h.t_err;
