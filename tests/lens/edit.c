@@ -7,6 +7,8 @@
  *   - the same with an allocator that fails at each place in turn: no memory is told, none is lost, and the
  *     lens is as it was;
  *   - what a path means, and what is said of one that means nothing. */
+#include "counted.h"
+
 #include "require.h"
 #include "same.h"
 
@@ -32,20 +34,6 @@ static double uniform(generator *g, double lo, double hi)
     return lo + (hi - lo) * ldexp((double)(generate(g) >> 11), -53);
 }
 
-static long held, before_failure = -1; /* blocks; how many more may be taken, if not negative */
-
-static void *counted_resize(void *context, void *block, size_t size)
-{
-    (void)context;
-    if (size && before_failure == 0) return NULL;
-    if (size && before_failure > 0) before_failure--;
-    held += (size != 0) - (block != NULL);
-    if (size) return realloc(block, size);
-    free(block);
-    return NULL;
-}
-
-static const sgt_allocator counted = {counted_resize, NULL};
 static const sgt_lens_options options = {.allocator = &counted};
 
 /* The lens is that of its written file. */

@@ -10,6 +10,8 @@
  * gradient;
  *   - what has no derivative is refused with its path;
  *   - with an allocator that fails at each place in turn nothing is lost. */
+#include "counted.h"
+
 #include "require.h"
 
 #include <sagitta/figure.h>
@@ -177,24 +179,10 @@ static void try_together(const sgt_lens *lens, const char *file, sgt_figure_kind
 
 /* ------------------------------------------------------------------------- memory */
 
-static long held, before_failure = -1; /* blocks; how many more may be taken, if not negative */
-
-static void *counted_resize(void *context, void *block, size_t size)
-{
-    (void)context;
-    if (size && before_failure == 0) return NULL;
-    if (size && before_failure > 0) before_failure--;
-    held += (size != 0) - (block != NULL);
-    if (size) return realloc(block, size);
-    free(block);
-    return NULL;
-}
-
-/* With an allocator that fails at each place in turn: it is told, nothing is lost, and the figure asks again
- * as if nothing had been. */
+/* With an allocator that fails at each place in turn: the error says so, nothing is lost, and the figure asks
+ * again as if nothing had been. */
 static void try_memory(const char *path, sgt_figure_kind kind)
 {
-    static const sgt_allocator counted = {counted_resize, NULL};
     static const char *const by[] = {"surfaces[1].radius", "surfaces[1].thickness"};
     const sgt_lens_options opt = {.allocator = &counted};
     const sgt_pattern fan = SGT_PATTERN_FAN;
