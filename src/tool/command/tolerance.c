@@ -249,7 +249,7 @@ static void print_quantiles(tolerating *w)
     const char *space = *w->unit ? " " : "";
     size_t none = 0;
     while (none < w->done && isnan(w->figure[w->done - 1 - none])) none++;
-    table_line(t, "So many of %zu trials have at most this figure, the %s.", w->done, figure_name(w));
+    table_line(t, "%%: of %zu trials, those whose figure, the %s, is at most this.", w->done, figure_name(w));
     table_line(t, "lower, upper: the true quantile lies between, with %g %% confidence.", w->own.confidence);
     for (size_t i = 0; i < w->own.limits; i++) {
         size_t k = 0;
