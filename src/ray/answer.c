@@ -12,6 +12,7 @@
 #include "../solve/root.h"
 #include "cells_batch.h"
 #include "proof.h"
+#include "unique.h"
 
 /* The evaluations of an estimate that is to be proven. */
 enum { QUICK = 24 };
@@ -28,18 +29,6 @@ static sgt_options plain(const sgt_options *opt)
     sgt_options estimate = *opt;
     estimate.proof = SGT_ESTIMATE;
     return estimate;
-}
-
-/* Is the root so near an end that the search may not accept it?  The search has another t and t_err, and the
- * first root and the first of all are to be the same.  At the start the search drops a root that is nearer
- * than the width of the rule and twice its t_err, if t_err is at most 16 widths (proof_take in proof.c). */
-static bool near_an_end(const sgt_ray *ray, const sgt_hit *hit)
-{
-    sgt_vec3 p = hit->p, n = hit->n, d = ray->d;
-    double room = END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t));
-    double terms = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z),
-           width = START_ULPS * terms / fabs(n.x * d.x + n.y * d.y + n.z * d.z) + 8 * SGT_U * fabs(hit->t);
-    return fabs(hit->t - ray->tmax) <= room || !(hit->t - ray->tmin > room + 33 * width);
 }
 
 /* Estimates a root with a few evaluations and proves it.  true: *hit is the proven root, or the watcher
@@ -91,11 +80,28 @@ sgt_hit sgt_prove_within(sgt_surface s, const sgt_ray *ray, double rim2, const s
     return hit_undecided(open, ray, hit.evals, kept.lo, hit.hi);
 }
 
+/* Is the root that a quick proof proves the only one, or is there none?  Then it is added.  *spent is set to
+ * the evaluations. */
+static bool only_root(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list, int *spent)
+{
+    sgt_options first = *opt;
+    sgt_hit hit;
+    first.pick = SGT_FIRST, *spent = 0;
+    if (!sgt_quick_proof_offered(s, &first)) return false;
+    bool proven = sgt_quick_proof_one(s, ray, &first, &hit);
+    *spent = hit.evals;
+    if (proven && hit.status != SGT_MISS) sgt_list_add(list, &hit);
+    return proven;
+}
+
 static void prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
     sgt_span span;
     if (!sgt_proof_bounds(s, ray, &span)) return;
+    int spent;
+    if (only_root(s, ray, opt, list, &spent)) return;
     proof w = sgt_proof_of(s, ray, opt, &span, list, true);
+    w.told.evals = w.told.root = spent;
     if (s.ops->enclose) {
         sgt_proof_search(&w);
         return;
@@ -142,11 +148,13 @@ SGT_INLINE sgt_hit by_operations(sgt_surface s, const sgt_ray *ray, const sgt_op
     return opt->proof ? sgt_prove_within(s, ray, HUGE_VAL, opt) : sgt_search_first(s, ray, opt);
 }
 
-/* Cells decide it, or what they leave has the evaluations that they left. */
-SGT_NOINLINE static sgt_hit by_cells(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+/* Cells decide it, or a proof without enclosures, or what they leave has the evaluations that they left. */
+typedef bool quick_answer(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
+SGT_NOINLINE static sgt_hit quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
+                                    quick_answer *answer)
 {
     sgt_hit hit;
-    if (sgt_cells_first(s, ray, opt, &hit)) return hit;
+    if (answer(s, ray, opt, &hit)) return hit;
     sgt_options rest = *opt;
     counted told = {opt->watch, opt->watch_data, hit.evals};
     if (opt->watch) rest.watch = watch_counted, rest.watch_data = &told;
@@ -161,7 +169,9 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
     sgt_options own;
     opt = read_of(s, opt, &own);
     if (!rim_in_range(rim2_of_surface(s))) return hit_without(SGT_UNPROVEN, ray, 0);
-    return sgt_cells_offered(s, opt) ? by_cells(s, ray, opt) : by_operations(s, ray, opt);
+    if (sgt_cells_offered(s, opt)) return quickly(s, ray, opt, sgt_cells_first);
+    if (sgt_quick_proof_offered(s, opt)) return quickly(s, ray, opt, sgt_quick_proof_one);
+    return by_operations(s, ray, opt);
 }
 
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)

@@ -112,14 +112,53 @@ static size_t by_cells_in_lanes(sgt_surface s, const sgt_tile *tile, const sgt_o
     return hard ? single_runs(s, tile, opt, hard) : 0;
 }
 
-static size_t tile_met(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+/* Writes what is known of n rays of a block. */
+static void put_hits(const sgt_hits *out, size_t from, size_t n, const sgt_hits *of)
 {
-    size_t hard = tile->n;
-    if (s.ops && s.ops->own_ && s.ops->own_->lanes) hard = s.ops->own_->lanes(s.self, tile, opt);
-    else if (s.ops && s.ops->value && !answers_itself(s.ops))
-        hard = (sgt_cells_offered(s, opt) ? by_cells_in_lanes : sgt_lanes_general)(s, tile, opt);
-    else memset(tile->hits.status, SGT_HARD, tile->n);
-    if (hard < tile->n && s.ops->own_ && s.ops->own_->unique && asks_unique(opt)) hard += not_unique(s, tile);
+    for (size_t i = 0; i < n; i++) {
+        sgt_hit hit = {.status = of->status[i], .evals = of->evals[i], .t = of->t[i], .t_err = of->t_err[i],
+                       .t_lo = of->t_lo[i], .p = {of->p[0][i], of->p[1][i], of->p[2][i]},
+                       .n = {of->n[0][i], of->n[1][i], of->n[2][i]}, .p_err = of->p_err[i]};
+        put_hit(out, from + i, &hit);
+    }
+}
+
+/* Estimates that are proven without enclosures.  Returns how many rays are left SGT_HARD. */
+static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+{
+    double x[10][SGT_QUICK];
+    sgt_status status[SGT_QUICK];
+    int evals[SGT_QUICK];
+    sgt_shared shared;
+    sgt_options estimate = sgt_quick_estimate(opt);
+    size_t hard = 0;
+    s.ops->own_->share(s.self, &shared);
+    for (size_t from = 0, n; from < tile->n; from += n) {
+        size_t most = tile->n - from < SGT_QUICK ? tile->n - from : SGT_QUICK;
+        sgt_tile part = {.rays = rays_from(&tile->rays, from), .t_tol = tile->t_tol + from,
+                         .memo = tile->memo,
+                         .hits = {.status = status, .evals = evals, .t = x[0], .t_err = x[1], .t_lo = x[2],
+                                  .p = {x[3], x[4], x[5]}, .n = {x[6], x[7], x[8]}, .p_err = x[9]}};
+        part.rays.tmin = tile->rays.tmin + from, part.rays.tmax = tile->rays.tmax + from;
+        for (n = 0; n < most; n++) { /* the surface is not given a ray that is not valid */
+            sgt_ray ray = ray_of(&part.rays, n);
+            if (!ray_valid(&ray)) break;
+        }
+        part.n = n;
+        if (n > 0 && sgt_lanes_general(s, &part, &estimate) < n) {
+            hard += sgt_quick_prove(s, &shared, &part, opt);
+            put_hits(&tile->hits, from, n, &part.hits);
+            continue;
+        }
+        n = n > 0 ? n : 1;
+        memset(tile->hits.status + from, SGT_HARD, n), hard += n;
+    }
+    return hard;
+}
+
+/* Answers the hard rays of the tile.  Returns how many of all are met. */
+static size_t hard_met(sgt_surface s, const sgt_tile *tile, const sgt_options *opt, size_t hard)
+{
     sgt_options own = *opt;
     for (size_t i = 0; hard > 0; i++) {
         if (tile->hits.status[i] != SGT_HARD) continue;
@@ -130,6 +169,17 @@ static size_t tile_met(sgt_surface s, const sgt_tile *tile, const sgt_options *o
         hard--;
     }
     return positives(tile->hits.status, tile->n);
+}
+
+static size_t tile_met(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+{
+    size_t hard = tile->n;
+    if (s.ops && s.ops->own_ && s.ops->own_->lanes) hard = s.ops->own_->lanes(s.self, tile, opt);
+    else if (s.ops && s.ops->value && !answers_itself(s.ops))
+        hard = (sgt_cells_offered(s, opt) ? by_cells_in_lanes : sgt_lanes_general)(s, tile, opt);
+    else memset(tile->hits.status, SGT_HARD, tile->n);
+    if (hard < tile->n && s.ops->own_ && s.ops->own_->unique && asks_unique(opt)) hard += not_unique(s, tile);
+    return hard_met(s, tile, opt, hard);
 }
 
 size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
@@ -180,8 +230,10 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     sgt_status status[SGT_MOST_TILE];
     double tmin[SGT_MOST_TILE], tmax[SGT_MOST_TILE], t_tol[SGT_MOST_TILE];
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
-    if (s.ops && s.ops->value && !answers_itself(s.ops) && sgt_cells_offered(s, opt))
-        most = SGT_MOST_TILE; /* of a short tile's last rays few slots are busy */
+    bool by_operations = s.ops && s.ops->value && !answers_itself(s.ops),
+         cells = by_operations && sgt_cells_offered(s, opt),
+         proofs = by_operations && !cells && sgt_quick_proof_offered(s, opt);
+    if (cells) most = SGT_MOST_TILE; /* of a short tile's last rays few slots are busy */
     memo known;
     known.begun = false;
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
@@ -191,7 +243,8 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
         tile.rays.tmin = rays.tmin ? rays.tmin + i : tmin, tile.rays.tmax = tmax;
         if (rays.tmax) given_ends(tile.n, rays.tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;
-        met += tile_met(s, &tile, opt);
+        met += proofs ? hard_met(s, &tile, opt, quick_proofs(s, &tile, opt))
+                      : tile_met(s, &tile, opt);
     }
     return met;
 }

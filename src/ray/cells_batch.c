@@ -106,12 +106,13 @@ typedef struct meetings {
     size_t count;
 } meetings;
 
-/* Rays that are prepared, from number `from` of the tile on: what is searched, and if (READY). */
+/* Rays that are prepared, from number `from` of the tile on: what is searched, and if (READY), or where the
+ * root of a stretch is refined at once, from its seed (AT_SEED). */
 typedef struct queue {
-    double lo[QUEUE], hi[QUEUE], state[QUEUE];
+    double lo[QUEUE], hi[QUEUE], seed[QUEUE], state[QUEUE];
     size_t from, next, count;
 } queue;
-enum { READY = 1 };
+enum { READY = 1, AT_SEED };
 
 /* told: of the only ray, if it has a watcher; else NULL.  f: what `value` says at its hit. */
 typedef struct cell_search {
@@ -120,7 +121,7 @@ typedef struct cell_search {
     const sgt_options *opt;
     const sgt_tile *tile;
     double budget;
-    bool proof;
+    bool proof, own; /* own: of sgt_builtin_ops */
     tally *told;
     double f;
     queue *queue;
@@ -198,21 +199,32 @@ static bool refill(cell_search *j)
         return true;
     }
     bool single[QUEUE] = {false};
-    double seed[QUEUE];
     sgt_rays rays = rays_from(&j->tile->rays, q->from);
-    if (ops->spans && ops->span) ops->spans(j->s.self, n, rays, (sgt_spans){q->lo, q->hi, seed, single});
-    for (size_t i = 0; i < n && !(ops->spans && ops->span); i++) {
+    sgt_spans spans = {q->lo, q->hi, q->seed, single};
+    if (j->own && ops->firsts) {
+        rays.tmin = j->tile->rays.tmin + q->from, rays.tmax = j->tile->rays.tmax + q->from;
+        ops->firsts(j->s.self, n, rays, spans);
+    } else if (ops->spans && ops->span) {
+        ops->spans(j->s.self, n, rays, spans);
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (j->own && ops->firsts ? single[i] : ops->spans && ops->span) continue;
         sgt_ray ray = ray_of(&j->tile->rays, q->from + i);
         sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL};
         if (ops->span) span = ops->span(j->s.self, &ray);
-        q->lo[i] = span.lo, q->hi[i] = span.hi, single[i] = span.single;
+        q->lo[i] = span.lo, q->hi[i] = span.hi, single[i] = span.single && !j->own;
     }
     cells_cut(n, &j->tile->rays, q->from, q->lo, q->hi, q->state);
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         if (single[i] && !j->proof && q->state[i] != SGT_MISS) q->state[i] = SGT_SINGLE;
+        bool inside = q->seed[i] > q->lo[i] && q->seed[i] < q->hi[i];
+        if (single[i] && j->own && inside && q->state[i] == READY) q->state[i] = AT_SEED;
+    }
     q->count = n;
     return true;
 }
+
+static void refine_seed(cell_search *j, size_t i, double lo, double hi, double seed);
 
 /* Gives slot k the next ray that has to be searched.  false: there is none. */
 static bool fill_slot(cell_search *j, size_t k)
@@ -227,6 +239,8 @@ static bool fill_slot(cell_search *j, size_t k)
             give(j, i, SGT_MISS, 0);
         else if (q->state[at] == (double)SGT_HARD)
             leave_hard(j, i, 0);
+        else if (q->state[at] == AT_SEED)
+            refine_seed(j, i, q->lo[at], q->hi[at], q->seed[at]);
         else if (q->state[at] != READY)
             give(j, i, (sgt_status)SGT_SINGLE, 0), j->hard++;
         else {
@@ -379,7 +393,9 @@ SGT_INLINE double meeting_step(meetings *s, size_t k)
 {
     double tau = s->tau[k], f = s->f[k], asks = s->asks[k], lo = s->lo[k], hi = s->hi[k], last = s->last[k],
            l = s->l[k], m = s->m[k], n = s->n[k];
-    double slope = s->fx[k] * l + s->fy[k] * m + s->fz[k] * n, side = f * s->sign[k];
+    double slope = s->fx[k] * l + s->fy[k] * m + s->fz[k] * n, sign = s->sign[k];
+    sign = sign == 0 ? -slope : sign; /* not known, in a stretch in which the sign of the slope is */
+    double side = f * sign;
     lo = side > 0 ? tau : lo, hi = side > 0 ? hi : tau;
     double next = tau - f / slope, middle = 0.5 * (lo + hi);
     next = ((next >= lo) & (next <= hi)) ? next : middle;
@@ -405,11 +421,16 @@ static double meetings_step(meetings *s, size_t n)
     return more;
 }
 
-/* The point t and the interval X about it, wider than what rounding of F leaves of the root. */
-SGT_INLINE void meeting_ask(meetings *s, size_t k, size_t n)
+/* The point t and the interval X about it, wider than what rounding of F leaves of the root.  The enclosures
+ * of a built-in surface are sharper than `value`: own.  That rounds by a few ulps of the terms of its
+ * gradient. */
+SGT_INLINE void meeting_ask(meetings *s, size_t k, size_t n, bool own)
 {
     double t = (s->t0[k] + s->tau[k]) * s->scale[k], steep = fabs(s->steep[k]) * s->inverse[k];
-    double pad = 8 * s->noise[k] / steep + 0x1p-49 * fabs(t) + 4 * s->last[k] * s->scale[k] * 0x1p-20;
+    double noise = s->noise[k];
+    if (own)
+        noise += 0x1p-50 * (fabs(s->px[k] * s->fx[k]) + fabs(s->py[k] * s->fy[k]) + fabs(s->pz[k] * s->fz[k]));
+    double pad = 8 * noise / steep + 0x1p-49 * fabs(t) + 4 * s->last[k] * s->scale[k] * 0x1p-20;
     double whole = s->b[k] - s->a[k];
     pad = pad < whole ? pad : whole; /* NaN, too */
     s->t_lo[k] = s->t_hi[k] = t, s->t_lo[n + k] = t - pad, s->t_hi[n + k] = t + pad;
@@ -417,7 +438,14 @@ SGT_INLINE void meeting_ask(meetings *s, size_t k, size_t n)
 }
 
 SGT_KERNEL
-static void meetings_ask(meetings *s, size_t n) { LANES for (size_t k = 0; k < n; k++) meeting_ask(s, k, n); }
+static void meetings_ask(meetings *s, size_t n, bool own)
+{
+    if (own) {
+        LANES for (size_t k = 0; k < n; k++) meeting_ask(s, k, n, true);
+    } else {
+        LANES for (size_t k = 0; k < n; k++) meeting_ask(s, k, n, false);
+    }
+}
 
 /* t - G / S, about t: is it inside X, and in the bracket? */
 SGT_INLINE void meeting_certify(meetings *s, size_t k, size_t n)
@@ -515,7 +543,7 @@ static void meet(cell_search *j)
         tell_value(j, s, SGT_NEWTON);
         more = meetings_step(s, n);
     }
-    meetings_ask(s, n);
+    meetings_ask(s, n, j->own);
     sgt_rays rays = {{s->o[0], s->o[1], s->o[2]}, {s->d[0], s->d[1], s->d[2]}, NULL, NULL};
     j->encloses(j->s.self, 2 * n, rays, s->t_lo, s->t_hi,
                 (sgt_enclosures){s->g_lo, s->g_hi, s->slope_lo, s->slope_hi});
@@ -545,17 +573,37 @@ static void meet(cell_search *j)
     }
 }
 
+/* A bracket [a, b] on ray i; the first of the meetings' rows that are not set by others. */
+static size_t new_meeting(cell_search *j, size_t i, double a, double b)
+{
+    meetings *m = j->meetings;
+    size_t to = m->count++;
+    for (int c = 0; c < 3; c++)
+        m->o[c][to] = j->tile->rays.o[c][i], m->d[c][to] = j->tile->rays.d[c][i];
+    m->a[to] = a, m->b[to] = b, m->sign[to] = m->evals[to] = 0;
+    m->ray[to] = (double)i, m->tmin[to] = j->tile->rays.tmin[i], m->tmax[to] = j->tile->rays.tmax[i];
+    return to;
+}
+
 /* Slot k has a bracket, and G at its far end. */
 static void add_meeting(cell_search *j, size_t k)
 {
     const slots *s = j->slots;
     meetings *m = j->meetings;
-    size_t to = m->count++, i = (size_t)s->ray[k];
-    for (int c = 0; c < 3; c++) m->o[c][to] = s->o[c][k], m->d[c][to] = s->d[c][k];
-    m->a[to] = s->a[k], m->b[to] = s->b[k], m->sign[to] = s->sign[k], m->evals[to] = s->evals[k];
-    m->ray[to] = s->ray[k], m->tmin[to] = j->tile->rays.tmin[i], m->tmax[to] = j->tile->rays.tmax[i];
+    size_t to = new_meeting(j, (size_t)s->ray[k], s->a[k], s->b[k]);
+    m->sign[to] = s->sign[k], m->evals[to] = s->evals[k];
     m->g_lo[to] = s->g_lo[k], m->g_hi[to] = s->g_hi[k], m->slope_lo[to] = s->slope_lo[k],
     m->slope_hi[to] = s->slope_hi[k];
+    if (m->count == MEETINGS) meet(j);
+}
+
+/* Ray i has a stretch with one root at most, and the seed is near it.  With this G and S at the far end
+ * Newton's steps begin there. */
+static void refine_seed(cell_search *j, size_t i, double lo, double hi, double seed)
+{
+    meetings *m = j->meetings;
+    size_t to = new_meeting(j, i, lo, hi);
+    m->g_lo[to] = m->g_hi[to] = hi - seed, m->slope_lo[to] = m->slope_hi[to] = 1;
     if (m->count == MEETINGS) meet(j);
 }
 
@@ -668,10 +716,17 @@ static double budget_of(const sgt_options *opt)
     return most < MOST_CELLS ? most : MOST_CELLS;
 }
 
+/* The enclosures that are asked for; NULL: none. */
+static sgt_enclose_many *cells_of(const sgt_surface_ops *ops, const sgt_options *opt)
+{
+    if (ops->own_ && ops->own_->encloses) return opt->proof != SGT_ESTIMATE ? ops->own_->encloses : NULL;
+    return ops->first ? NULL : encloses_of(ops);
+}
+
 bool sgt_cells_offered(sgt_surface s, const sgt_options *opt)
 {
     const sgt_surface_ops *ops = s.ops;
-    return parameters_valid(s) && encloses_of(ops) && !ops->first && opt->pick != SGT_NEAR_SEED &&
+    return parameters_valid(s) && cells_of(ops, opt) && opt->pick != SGT_NEAR_SEED &&
            !(ops->own_ && ops->own_->rim) && !(opt->f_tol > 0) && !(opt->dt_min > 0 && ops->estimate) &&
            budget_of(opt) > 0;
 }
@@ -682,7 +737,7 @@ static size_t search(cell_search *j)
     slots s;
     meetings m;
     s.count = m.count = 0;
-    j->encloses = encloses_of(j->s.ops), j->budget = budget_of(j->opt),
+    j->encloses = cells_of(j->s.ops, j->opt), j->own = j->s.ops->own_ && j->s.ops->own_->encloses, j->budget = budget_of(j->opt),
     j->proof = j->opt->proof != SGT_ESTIMATE;
     j->queue = &q, j->slots = &s, j->meetings = &m;
     stream_rays(j);

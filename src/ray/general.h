@@ -5,6 +5,7 @@
  * are in intersect.c, general.c and lanes.c. */
 #ifndef SGT_RAY_GENERAL_H
 #define SGT_RAY_GENERAL_H
+#include "../solve/accept.h"
 #include "../surface/builtin.h"
 
 /* 0 if all three are finite, else NaN: x - x is 0 for a finite x and NaN for any other.  So one comparison
@@ -30,6 +31,18 @@ SGT_INLINE double rim2_of_surface(sgt_surface s)
 SGT_INLINE bool parameters_valid(sgt_surface s)
 {
     return is_catalogue(s.ops) ? !s.ops->own_->object(s.self).reason : is_whole(s.ops);
+}
+
+/* Is the root so near an end that the search may not accept it?  The search has another t and t_err, and the
+ * first root and the first of all are to be the same.  At the start the search drops a root that is nearer
+ * than the width of the rule and twice its t_err, if t_err is at most 16 widths (proof_take in proof.c). */
+SGT_INLINE bool near_an_end(const sgt_ray *ray, const sgt_hit *hit)
+{
+    sgt_vec3 p = hit->p, n = hit->n, d = ray->d;
+    double room = END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t));
+    double terms = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z),
+           width = START_ULPS * terms / fabs(n.x * d.x + n.y * d.y + n.z * d.z) + 8 * SGT_U * fabs(hit->t);
+    return fabs(hit->t - ray->tmax) <= room || !(hit->t - ray->tmin > room + 33 * width);
 }
 
 /* sgt_intersect, with the ray by address: its tmax is made explicit (explicit_end).  In intersect.c. */

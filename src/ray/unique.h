@@ -1,6 +1,6 @@
 /* unique.h - is the root that was met the only one?
  *
- * Functions in unique.c, but for sgt_meet_by_slope and sgt_unique_by_slope, in by_slope.c. */
+ * Functions in unique.c, but for those named by_slope and quick, in by_slope.c. */
 #ifndef SGT_RAY_UNIQUE_H
 #define SGT_RAY_UNIQUE_H
 #include "../surface/builtin.h"
@@ -25,6 +25,21 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
  * proven[i] and returns how many are.  For these, t_err, p_err and evals become those of a proof.  All of
  * status, t, t_err, t_lo, p, p_err and evals have to be there. */
 size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, bool proven[]);
+
+/* QUICK PROOFS, of sags made by departure/departure.c: an estimate, proven where a bound on the slope along the
+ * whole chord says that it has one root at most.  Are they tried first? */
+bool sgt_quick_proof_offered(sgt_surface s, const sgt_options *opt);
+
+/* Of one ray.  true: *hit is the answer, or STOPPED; a hit is the only root on the ray.  false: the ray is left
+ * to others, and hit->evals evaluations have been spent. */
+bool sgt_quick_proof_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
+
+/* Of a tile of at most SGT_QUICK valid rays, answered by sgt_lanes_general under the options of
+ * sgt_quick_estimate; each array of its hits is there.  Rays that are not proven become SGT_HARD; returns how
+ * many.  shared: what `share` of the surface gives. */
+enum { SGT_QUICK = 64 };
+size_t sgt_quick_prove(sgt_surface s, const sgt_shared *shared, const sgt_tile *tile, const sgt_options *opt);
+sgt_options sgt_quick_estimate(const sgt_options *opt);
 
 /* For at most SGT_FEW rays that were met near the seed, at hits.p; nothing else of the hits is read.  Sets
  * none[i] to all bits set if certainly no other accepted root lies as near to the axis as that one, or

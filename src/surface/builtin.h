@@ -212,6 +212,11 @@ struct sgt_builtin_ops {
      * ray/wings.c. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
                             sgt_interval *slope);
+    /* As `encloses` of sgt_surface_ops, and asked for under a proof only: it makes the proofs of a surface
+     * that offers `first`.  No output is NULL.  At a point F is known to far more than a double, so a proven
+     * root is as sharp as t.  Called by ray/cells_batch.c. */
+    void (*encloses)(const void *self, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
+                     sgt_enclosures out);
     /* May F jump where it is defined (a formula with the cut of atan2)?  Then a change of sign may be no
      * root, and only enclosures are asked.  NULL: it does not. */
     bool (*jumps)(const void *self);

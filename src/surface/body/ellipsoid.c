@@ -159,6 +159,30 @@ static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, 
     return sgt_interval_quotient(g, sgt_interval_scaled(a, 2));
 }
 
+/* In twice the precision. */
+typedef struct fine_shell { double a, half; twofold e, a2; mask known; } fine_shell;
+
+static fine_shell fine_shell_of(const sgt_ellipsoid *s)
+{
+    twofold b = two_sum(1, -s->f);
+    return (fine_shell){s->a, 0.5 / s->a, twofold_quotient(twofold_of(1), twofold_product(b, b)),
+                        two_product(s->a, s->a),
+                        MASK(s->a > 0x1p-200) & MASK(s->a < 0x1p200) & MASK(fabs(s->f) < 0x1p200)};
+}
+
+SGT_INLINE fine_parabola ellipsoid_parabola(const fine_shell *s, const fine_ray *r)
+{
+    twofold xl = twofold_scaled(r->x, r->l), ym = twofold_scaled(r->y, r->m),
+            zn = twofold_product(twofold_scaled(r->z, r->n), s->e),
+            n2 = twofold_product(two_product(r->n, r->n), s->e),
+            w2 = twofold_product(twofold_product(r->z, r->z), s->e);
+    twofold r2 = twofold_sum(twofold_sum(twofold_product(r->x, r->x), twofold_product(r->y, r->y)), w2);
+    fine_parabola p = {twofold_sum(twofold_sum(two_product(r->l, r->l), two_product(r->m, r->m)), n2),
+                       twofold_sum(twofold_sum(xl, ym), zn), twofold_difference(r2, s->a2), 0, 0, 0};
+    p.Aa = p.A.hi, p.Ba = fabs(xl.hi) + fabs(ym.hi) + fabs(zn.hi) + 0x1p-700, p.Ca = r2.hi + s->a2.hi;
+    return p;
+}
+
 static sgt_interval ellipsoid_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
                                            sgt_interval *slope)
 {
@@ -168,19 +192,21 @@ static sgt_interval ellipsoid_enclose_from(const void *self, const sgt_ray *ray,
     if (!stretch_valid(ray, t, &g, slope)) return g;
     if (!fine_ray_of(ray, t0, t, &r) || !(s->a > 0x1p-400 && s->a < 0x1p400 && fabs(s->f) < 0x1p200))
         return ellipsoid_plain(s, ray, t0, t, slope);
-    twofold b = two_sum(1, -s->f), e = twofold_quotient(twofold_of(1), twofold_product(b, b)),
-            xl = twofold_scaled(r.x, r.l), ym = twofold_scaled(r.y, r.m);
-    twofold zn = twofold_product(twofold_scaled(r.z, r.n), e), n2 = twofold_product(two_product(r.n, r.n), e),
-            w2 = twofold_product(twofold_product(r.z, r.z), e), a2 = two_product(s->a, s->a);
-    twofold r2 = twofold_sum(twofold_sum(twofold_product(r.x, r.x), twofold_product(r.y, r.y)), w2);
-    fine_parabola p = {twofold_sum(twofold_sum(two_product(r.l, r.l), two_product(r.m, r.m)), n2),
-                       twofold_sum(twofold_sum(xl, ym), zn), twofold_difference(r2, a2), 0, 0, 0};
-    p.Aa = p.A.hi, p.Ba = fabs(xl.hi) + fabs(ym.hi) + fabs(zn.hi) + 0x1p-700, p.Ca = r2.hi + a2.hi;
+    fine_shell fine = fine_shell_of(s);
+    fine_parabola p = ellipsoid_parabola(&fine, &r);
     sgt_interval twice = sgt_interval_of(2 * s->a);
     g = sgt_interval_quotient(fine_enclose(&p, &r, slope), twice);
     *slope = sgt_interval_quotient(*slope, twice);
     return g;
 }
+
+SGT_INLINE void ellipsoid_cell(const fine_shell *s, const fine_ray *r, lane_cell *out)
+{
+    fine_parabola p = ellipsoid_parabola(s, r);
+    lane_parabola(&p, r, out);
+}
+
+LANE_CELLS(ellipsoid, fine_shell, fine_shell_of, ellipsoid_cell, s.half, s.known)
 
 static sgt_interval ellipsoid_enclose(const void *self, const sgt_ray *ray, sgt_interval t,
                                       sgt_interval *slope)
@@ -226,7 +252,8 @@ static sgt_objection ellipsoid_object(const void *self)
 }
 
 static const struct sgt_builtin_ops ellipsoid_builtin = {
-    .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from};
+    .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from,
+    .encloses = ellipsoid_encloses};
 
 const sgt_surface_ops sgt_ellipsoid_ops = {
     .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span,

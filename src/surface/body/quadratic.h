@@ -43,6 +43,7 @@
 #define SGT_SURFACE_BODY_QUADRATIC_H
 
 #include "../../num/expansion.h"
+#include "../../num/interval_lanes.h"
 #include "../../num/lanes.h"
 #include "../departure/departure.h"
 #include "../builtin.h"
@@ -445,6 +446,139 @@ SGT_INLINE sgt_interval fine_enclose(const fine_parabola *p, const fine_ray *r, 
     *slope = sgt_interval_scaled(*slope, r->inverse);
     return g;
 }
+
+/* --------------------------------------------------------------------- cells in lanes
+ *
+ * The same for many cells at once, for proofs (sgt_builtin_ops.encloses): t0 is 0, and what is out of range
+ * is not known.  That is NaN inside, and all numbers outside.
+ *
+ * ROUNDING.  Let w be the greater |tau| of a cell.  In units of the scaled direction
+ *     2 (B + A tau)          is worked out in doubles, in three roundings of at most u (2 |B| + 2 |A| w).
+ *                            LANE_ROUNDING = 16 u of that is subtracted and added.  So is what A.hi and B.hi
+ *                            leave of A and B: their low parts and E (Aa w + Ba), E = FINE_COEFFICIENT
+ *     tau (2 B + A tau)      has its extremes at the ends of the cell or at -B / A, moved into the cell.  The
+ *                            quotient is off by 2 u of itself, and the parabola by |A| tau^2 (2 u)^2 there.
+ *                            Each value is rounded three times, by at most u w (2 |B| + |A| w).  16 u of
+ *                            that is added, and what is left of A and B as above
+ *     its sum with C.hi      is rounded once, and the bound is subtracted with another rounding: 4 u of the
+ *                            result is added, and what C.hi leaves of C
+ * LANE_LOST is more than underflow takes from a product here, as all numbers but 0 are within 2^-300 and
+ * 2^300, and tau is 0 or above 2^-900 where its products count: below it they are less than 2^-600. */
+#define LANE_ROUNDING (16 * SGT_U)
+#define LANE_LOST 0x1p-600
+
+typedef struct lane_cell { two_ends g, slope; } lane_cell;
+
+SGT_INLINE mask lane_fits(double x)
+{
+    double size = fabs(x);
+    return MASK(x == 0) | (MASK(size > 0x1p-300) & MASK(size < 0x1p300));
+}
+
+/* o + t l. */
+SGT_INLINE twofold lane_along(double o, double l, double t)
+{
+    return twofold_sum(twofold_of(o), two_product(t, l));
+}
+
+/* Are all products of it split exactly? */
+SGT_INLINE mask lane_way(double o, double l, double t)
+{
+    double way = fabs(l * t);
+    return lane_fits(o) & lane_fits(l) & MASK(way < 0x1p300) & (MASK(way > 0x1p-300) | MASK(t == 0) | MASK(l == 0));
+}
+
+/* The ray about the middle of the cell, in units of the scaled direction.  Returns whether all is known. */
+SGT_INLINE mask lane_ray(fine_ray *r, sgt_vec3 o, sgt_vec3 d, double t_lo, double t_hi)
+{
+    double scale = scale_of(d), inverse = inverse_of_scale(d), lo = t_lo * inverse, hi = t_hi * inverse,
+           mid = 0.5 * lo + 0.5 * hi;
+    mid = chosen(MASK(fabs(mid) < 0x1p-300), 0, mid);
+    double l = d.x * scale, m = d.y * scale, n = d.z * scale;
+    r->x = lane_along(o.x, l, mid), r->y = lane_along(o.y, m, mid), r->z = lane_along(o.z, n, mid);
+    r->l = l, r->m = m, r->n = n, r->inverse = inverse;
+    r->tau.lo = (lo - mid) - fabs(lo - mid) * 0x1p-52, r->tau.hi = (hi - mid) + fabs(hi - mid) * 0x1p-52;
+    return MASK(scale > 0x1p-300) & MASK(scale < 0x1p300) & MASK(lo * scale == t_lo) &
+           MASK(hi * scale == t_hi) & MASK(fabs(lo) < 0x1p300) & MASK(fabs(hi) < 0x1p300) &
+           lane_way(o.x, l, mid) & lane_way(o.y, m, mid) & lane_way(o.z, n, mid);
+}
+
+SGT_INLINE double moved_within(double x, double lo, double hi)
+{
+    x = x > lo ? x : lo; /* of a NaN: lo */
+    return x < hi ? x : hi;
+}
+
+/* The least of tau (2 b + a tau) for tau in the cell, but for rounding. */
+SGT_INLINE double lane_least(double a, double b, double lo, double hi)
+{
+    double turn = moved_within(-b / a, lo, hi), p = lo * (2 * b + a * lo), q = hi * (2 * b + a * hi),
+           v = turn * (2 * b + a * turn);
+    return lesser_of(lesser_of(p, q), v);
+}
+
+/* Of g, not yet times the inverse: its slope is by tau. */
+SGT_INLINE void lane_parabola(const fine_parabola *p, const fine_ray *r, lane_cell *e)
+{
+    double lo = r->tau.lo, hi = r->tau.hi, w = greater_of(-lo, hi), a = p->A.hi, b = p->B.hi, c = p->C.hi;
+    double a_err = fabs(p->A.lo) + FINE_COEFFICIENT * p->Aa, b_err = fabs(p->B.lo) + FINE_COEFFICIENT * p->Ba,
+           c_err = fabs(p->C.lo) + FINE_COEFFICIENT * p->Ca;
+    double aw = fabs(a) * w, off = LANE_ROUNDING * (2 * fabs(b) + 2 * aw) + 2.5 * (b_err + a_err * w) + LANE_LOST,
+           rise = greater_of(a * lo, a * hi), fall = lesser_of(a * lo, a * hi);
+    double swing = w * (LANE_ROUNDING * (2 * fabs(b) + aw) + 2.5 * (b_err + a_err * w)) + 1.25 * c_err + LANE_LOST;
+    double least = c + lane_least(a, b, lo, hi), most = c - lane_least(-a, -b, lo, hi);
+    e->slope.lo = 2 * (b + fall) - off, e->slope.hi = 2 * (b + rise) + off;
+    e->g.lo = least - (swing + 4 * SGT_U * fabs(least)), e->g.hi = most + (swing + 4 * SGT_U * fabs(most));
+}
+
+/* What is told of an end: all numbers where it is not known. */
+SGT_INLINE double lane_told(double end, double by, double off, mask known, double all)
+{
+    double x = end * by, out = x + copysign(fabs(x) * off + 2 * LANE_LEAST, all);
+    return chosen(known & MASK(fabs(out) < HUGE_VAL), out, all);
+}
+
+/* Defines NAME_encloses for a surface whose cells CELL(&s, &r, &e) encloses, but for the factor FACTOR > 0,
+ * which is right to 6 u.  s is of type SHARED, made of its parameters by MADE.  KNOWN: are the parameters in
+ * range?  (What is local to a cell is in a function of its own: of structs in the loop itself gcc 12 makes
+ * arrays, and no vector code.) */
+#define LANE_CELLS(NAME, SHARED, MADE, CELL, FACTOR, KNOWN)                                                 \
+    SGT_INLINE void NAME##_told(const SHARED *shared, double ox, double oy, double oz, double dx, double dy, \
+                                double dz, double t_lo, double t_hi, double *lo, double *hi,                \
+                                double *slope_lo, double *slope_hi)                                         \
+    {                                                                                                       \
+        const SHARED s = *shared;                                                                           \
+        fine_ray r;                                                                                         \
+        lane_cell e;                                                                                        \
+        mask known = lane_ray(&r, (sgt_vec3){ox, oy, oz}, (sgt_vec3){dx, dy, dz}, t_lo, t_hi) & (KNOWN);    \
+        double by = (FACTOR) * r.inverse, off = LANE_OFF(8);                                                \
+        CELL(&s, &r, &e);                                                                                   \
+        *lo = lane_told(e.g.lo, (FACTOR), off, known, -HUGE_VAL);                                           \
+        *hi = lane_told(e.g.hi, (FACTOR), off, known, HUGE_VAL);                                            \
+        *slope_lo = lane_told(e.slope.lo, by, off, known, -HUGE_VAL);                                       \
+        *slope_hi = lane_told(e.slope.hi, by, off, known, HUGE_VAL);                                        \
+    }                                                                                                       \
+    SGT_KERNEL                                                                                              \
+    static void NAME##_cells(const SHARED *shared, size_t n, const sgt_rays *rays, const double *t_lo,      \
+                             const double *t_hi, const sgt_enclosures *out)                                 \
+    {                                                                                                       \
+        const SHARED s = *shared;                                                                           \
+        const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0],                \
+                     *dy = rays->d[1], *dz = rays->d[2];                                                    \
+        double *lo = out->lo, *hi = out->hi, *slope_lo = out->slope_lo, *slope_hi = out->slope_hi;          \
+        LANES for (size_t i = 0; i < n; i++)                                                                \
+        {                                                                                                   \
+            double a, b, c, d;                                                                              \
+            NAME##_told(&s, ox[i], oy[i], oz[i], dx[i], dy[i], dz[i], t_lo[i], t_hi[i], &a, &b, &c, &d);    \
+            lo[i] = a, hi[i] = b, slope_lo[i] = c, slope_hi[i] = d;                                         \
+        }                                                                                                   \
+    }                                                                                                       \
+    static void NAME##_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo,              \
+                                const double *t_hi, sgt_enclosures out)                                     \
+    {                                                                                                       \
+        SHARED s = MADE(self);                                                                              \
+        NAME##_cells(&s, n, &rays, t_lo, t_hi, &out);                                                       \
+    }
 
 /* o + (t0 + t) d, if nothing better is known. */
 SGT_INLINE sgt_interval plain_line(double o, double d, double t0, sgt_interval t)

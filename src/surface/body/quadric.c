@@ -198,14 +198,10 @@ static bool moderate(const sgt_quadric *s)
     return is;
 }
 
-/* Returns false if they are not moderate, or if the ray is out of range. */
-static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g,
-                         sgt_interval *slope)
+SGT_INLINE fine_parabola quadric_parabola(const sgt_quadric *s, const sgt_quadric *size, const fine_ray *r)
 {
     const double *a = s->squares, *b = s->products, *c = s->linear;
-    fine_ray r;
-    if (!fine_ray_of(ray, t0, t, &r) || !moderate(s)) return false;
-    twofold l = twofold_of(r.l), m = twofold_of(r.m), n = twofold_of(r.n), x = r.x, y = r.y, z = r.z;
+    twofold l = twofold_of(r->l), m = twofold_of(r->m), n = twofold_of(r->n), x = r->x, y = r->y, z = r->z;
     fine_rows full = {fine_form(2 * a[0], x, b[0], y, b[2], z, c[0]),
                       fine_form(b[0], x, 2 * a[1], y, b[1], z, c[1]),
                       fine_form(b[2], x, b[1], y, 2 * a[2], z, c[2])};
@@ -213,16 +209,26 @@ static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sg
                        fine_form(0, x, 0, y, a[2], z, c[2])};
     fine_rows along = {fine_form(a[0], l, b[0], m, b[2], n, 0), fine_form(0, l, a[1], m, b[1], n, 0),
                        fine_form(0, l, 0, m, a[2], n, 0)};
-    sgt_quadric size = quadric_sizes_of(s);
     rows sizes;
-    double la = fabs(r.l), ma = fabs(r.m), na = fabs(r.n), tiny = 0x1p-700; /* for underflow */
+    double la = fabs(r->l), ma = fabs(r->m), na = fabs(r->n), tiny = 0x1p-700; /* for underflow */
     fine_parabola p = {fine_dot(l, along.x, m, along.y, n, along.z),
                        twofold_times_power(fine_dot(l, full.x, m, full.y, n, full.z), 0.5),
                        twofold_sum(fine_dot(x, upper.x, y, upper.y, z, upper.z), twofold_of(s->constant)),
                        0, 0, 0};
-    p.Aa = quadric_bent(&size, la, ma, na),
-    p.Ca = quadric_at(&size, fabs(x.hi), fabs(y.hi), fabs(z.hi), &sizes) + tiny;
+    p.Aa = quadric_bent(size, la, ma, na),
+    p.Ca = quadric_at(size, fabs(x.hi), fabs(y.hi), fabs(z.hi), &sizes) + tiny;
     p.Ba = 0.5 * (sizes.x * la + sizes.y * ma + sizes.z * na) + tiny;
+    return p;
+}
+
+/* Returns false if they are not moderate, or if the ray is out of range. */
+static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g,
+                         sgt_interval *slope)
+{
+    fine_ray r;
+    if (!fine_ray_of(ray, t0, t, &r) || !moderate(s)) return false;
+    sgt_quadric size = quadric_sizes_of(s);
+    fine_parabola p = quadric_parabola(s, &size, &r);
     *g = fine_enclose(&p, &r, slope);
     return true;
 }
@@ -308,6 +314,21 @@ static sgt_interval quadric_enclose(const void *self, const sgt_ray *ray, sgt_in
     return quadric_enclose_from(self, ray, 0, t, slope);
 }
 
+typedef struct fine_quadric { sgt_quadric s, size; mask known; } fine_quadric;
+
+static fine_quadric fine_quadric_of(const sgt_quadric *s)
+{
+    return (fine_quadric){*s, quadric_sizes_of(s), MASK(moderate(s))};
+}
+
+SGT_INLINE void quadric_cell(const fine_quadric *s, const fine_ray *r, lane_cell *out)
+{
+    fine_parabola p = quadric_parabola(&s->s, &s->size, r);
+    lane_parabola(&p, r, out);
+}
+
+LANE_CELLS(quadric, fine_quadric, fine_quadric_of, quadric_cell, 1.0, s.known)
+
 /* ------------------------------------------------------------------ sensitivities */
 
 static void quadric_second(const void *self, size_t n, sgt_points p, double *const out[6])
@@ -351,7 +372,8 @@ static sgt_objection quadric_object(const void *self)
 }
 
 static const struct sgt_builtin_ops quadric_builtin = {
-    .object = quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from};
+    .object = quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from,
+    .encloses = quadric_encloses};
 
 const sgt_surface_ops sgt_quadric_ops = {
     .name = "quadric", .value = quadric_value, .values = quadric_values, .span = quadric_span,

@@ -589,6 +589,143 @@ static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_inte
     return torus_enclose_from(self, ray, 0, t, slope);
 }
 
+/* ------------------------------------------------------------------- cells in lanes
+ *
+ * The same for many cells at once, for proofs (sgt_builtin_ops.encloses): quadratic.h has the ray about the
+ * middle of a cell, in units of the scaled direction, and the unit u of its bounds, LANE_ROUNDING.  At the
+ * middle rho, h, z, X, G and b are known in twice the precision, as above.  Let w be the greater |tau|, and S
+ * the length of d in x and y.
+ *
+ * RHO is convex along the ray, and rho' = h / rho.  So over the cell
+ *     rho >= rho(m) + rho' tau at an end (the tangent),   rho >= X / S,
+ *     rho <= sqrt(rho(m)^2 + w (2 |h| + S^2 w)),          |rho'| <= S.
+ * rho'' = X^2 / rho^3 lies in [curl_lo, curl_hi], from these bounds: X / rho is taken before its square, which
+ * cannot overflow, as it is at most S.  Where the least rho is not above 2^-200 nothing is known of rho''.
+ * Else rho' is in rho'(m) + curl_hi [tau_lo, tau_hi], and G'' / 2 in A - R [curl_lo, curl_hi].
+ *
+ * G AND b by that: b in b(m) + bend tau, and G is between the parabolas tau (2 b(m) + bend tau) with either end
+ * of bend (lane_least).  Besides, G in (rho - R)^2 + z^2 - r^2 and b in (rho - R) rho' + z dz, by intervals.
+ * H is G with -R for R, and A + R [curl] for its bend.
+ *
+ * ROUNDING.  rho(m), rho'(m) and S are right to 4 u of themselves, or rho'(m) to 2^-90 S.  The tangent is
+ * lowered by 16 u (rho(m) + S w); the greatest rho and X / S are moved by 16 u of themselves, and curl by 64
+ * u.  The other sums are treated as in lane_parabola. */
+typedef struct fine_tube { double R, r, half, inverse, k; twofold r2; two_ends square; mask spindle, known; } fine_tube;
+
+static fine_tube fine_tube_of(const sgt_torus *s)
+{
+    torus_ring ring = ring_of(s);
+    return (fine_tube){s->major, s->minor, ring.half, ring.inverse, ring.k, two_product(s->minor, s->minor),
+                       ends_square(ends_of(s->minor, s->minor)), ring.spindle,
+                       MASK(s->major > 0x1p-150) & MASK(s->major < 0x1p150) & MASK(s->minor > 0x1p-150) &
+                           MASK(s->minor < 0x1p150)};
+}
+
+/* What G and H share on a cell; numbers of a single precision but for what is known at the middle. */
+typedef struct lane_view {
+    twofold rho, ratio, z, zn;
+    double length, n, A, lo, hi, w;
+    two_ends all_rho, turn, curl, all_z;
+    double unknown; /* NaN where nothing is known of rho'', else 0 */
+} lane_view;
+
+/* Of a sum of squares: 0, or above 2^-800. */
+SGT_INLINE twofold lane_root(twofold a)
+{
+    double s = sqrt(a.hi);
+    twofold r = twofold_difference(a, two_product(s, s));
+    return quick_two_sum(s, r.hi / larger(2 * s, 0x1p-800));
+}
+
+SGT_INLINE void lane_view_of(const fine_ray *r, lane_view *v)
+{
+    twofold xl = twofold_scaled(r->x, r->l), ym = twofold_scaled(r->y, r->m), xm = twofold_scaled(r->x, r->m),
+            yl = twofold_scaled(r->y, r->l), h = twofold_sum(xl, ym), X = twofold_difference(xm, yl),
+            square = twofold_sum(twofold_product(r->x, r->x), twofold_product(r->y, r->y));
+    double lo = r->tau.lo, hi = r->tau.hi, w = greater_of(-lo, hi), S2 = r->l * r->l + r->m * r->m, S = sqrt(S2);
+    v->length = fabs(xl.hi) + fabs(ym.hi) + 0x1p-700;
+    v->rho = lane_root(square), v->z = r->z, v->n = r->n, v->zn = twofold_scaled(r->z, r->n);
+    v->ratio = twofold_quotient(h, (twofold){larger(v->rho.hi, 0x1p-800), v->rho.lo}); /* 0 on the axis */
+    double rho = v->rho.hi, slope = v->ratio.hi, blur = LANE_ROUNDING * (rho + S * w),
+           tangent = rho + lesser_of(slope * lo, slope * hi) - blur;
+    double away = fabs(X.hi), away_err = FINE_COEFFICIENT * (fabs(xm.hi) + fabs(yl.hi)) + 0x1p-700,
+           nearest = (away * (1 - LANE_ROUNDING) - away_err) / S * (1 - LANE_ROUNDING), /* NaN if S is 0 */
+           least = greater_of(larger(nearest, tangent), 0), most = sqrt(square.hi + w * (2 * fabs(h.hi) + S2 * w));
+    v->all_rho = ends_of(least, most * (1 + LANE_ROUNDING) + 0x1p-500);
+    double q = (away * (1 + LANE_ROUNDING) + away_err) / least,
+           p = larger(away * (1 - LANE_ROUNDING) - away_err, 0) / v->all_rho.hi,
+           curled = q * q / least * (1 + 4 * LANE_ROUNDING);
+    v->curl = ends_of(p * p / v->all_rho.hi * (1 - 4 * LANE_ROUNDING), curled);
+    v->unknown = (least > 0x1p-200 ? 0 : (double)NAN) + ends_unknown(curled);
+    double turned = LANE_ROUNDING * fabs(slope) + 0x1p-80 * S, bound = S * (1 + LANE_ROUNDING);
+    double from = slope + curled * lo * (1 + LANE_ROUNDING) - turned + v->unknown,
+           to = slope + curled * hi * (1 + LANE_ROUNDING) + turned + v->unknown;
+    v->turn.lo = larger(from, -bound), v->turn.hi = lesser_of(to, bound);
+    double nl = r->n * lo, nh = r->n * hi, z = r->z.hi, rise = greater_of(nl, nh), fall = lesser_of(nl, nh),
+           z_off = LANE_ROUNDING * (fabs(z) + fabs(r->n) * w);
+    v->all_z = ends_of(z + fall - z_off, z + rise + z_off);
+    v->A = S2 + r->n * r->n, v->lo = lo, v->hi = hi, v->w = w;
+}
+
+/* Of G, or with -R of H: twice the slope by tau is told. */
+SGT_INLINE void lane_tube(const fine_tube *s, const lane_view *v, double R, lane_cell *e)
+{
+    /* by intervals */
+    two_ends off = ends_difference(v->all_rho, ends_of(R, R)),
+             g = ends_difference(ends_sum(ends_square(off), ends_square(v->all_z)), s->square),
+             b = ends_sum(ends_product(off, v->turn), ends_product(v->all_z, ends_of(v->n, v->n)));
+    /* about the middle */
+    twofold o = twofold_difference(v->rho, twofold_of(R)), z = v->z, turn = twofold_product(o, v->ratio);
+    twofold G = twofold_sum(twofold_product(o, o), twofold_difference(twofold_product(z, z), s->r2)),
+            B = twofold_sum(turn, v->zn);
+    double rho = v->rho.hi, size = fabs(R), far = fabs(o.hi), near = FINE_COEFFICIENT * (rho + size),
+           length = v->length / rho;
+    double g_err = 1.25 * ((2 * far + near) * near +
+                           FINE_COEFFICIENT * (far * far + z.hi * z.hi + s->r2.hi) + fabs(G.lo)) + LANE_LOST,
+           b_err = 1.25 * (near * length + FINE_COEFFICIENT * (2 * far * length + fabs(v->zn.hi)) + fabs(B.lo)) +
+                   LANE_LOST;
+    double curl = size * v->curl.hi, flat = size * v->curl.lo, loose = LANE_ROUNDING * (v->A + curl),
+           bend_lo = (R > 0 ? v->A - curl : v->A + flat) - loose,
+           bend_hi = (R > 0 ? v->A - flat : v->A + curl) + loose, bent = greater_of(fabs(bend_lo), fabs(bend_hi));
+    double w = v->w, mid = B.hi, swing = w * (LANE_ROUNDING * (2 * fabs(mid) + bent * w) + 2 * b_err) + g_err,
+           low = G.hi + lane_least(bend_lo, mid, v->lo, v->hi),
+           high = G.hi - lane_least(-bend_hi, -mid, v->lo, v->hi);
+    low -= swing + 4 * SGT_U * fabs(low), high += swing + 4 * SGT_U * fabs(high);
+    double b_off = LANE_ROUNDING * (fabs(mid) + bent * w) + b_err,
+           b_low = mid + lesser_of(0, lesser_of(bend_lo * v->hi, bend_hi * v->lo)) - b_off,
+           b_high = mid + greater_of(0, greater_of(bend_hi * v->hi, bend_lo * v->lo)) + b_off;
+    e->g.lo = larger(low + v->unknown, g.lo), e->g.hi = lesser_of(high + v->unknown, g.hi);
+    e->slope.lo = 2 * larger(b_low + v->unknown, b.lo), e->slope.hi = 2 * lesser_of(b_high + v->unknown, b.hi);
+}
+
+SGT_INLINE void torus_ring_cell(const fine_tube *s, const fine_ray *r, lane_cell *e)
+{
+    lane_view v;
+    lane_view_of(r, &v);
+    lane_tube(s, &v, s->R, e);
+}
+
+SGT_INLINE void torus_spindle_cell(const fine_tube *s, const fine_ray *r, lane_cell *e)
+{
+    lane_view v;
+    lane_cell g, h;
+    lane_view_of(r, &v);
+    lane_tube(s, &v, s->R, &g);
+    lane_tube(s, &v, -s->R, &h);
+    two_ends both = ends_product(g.g, h.g), slope = ends_two_products(g.slope, h.g, g.g, h.slope);
+    e->g.lo = both.lo, e->g.hi = both.hi, e->slope.lo = slope.lo, e->slope.hi = slope.hi;
+}
+
+LANE_CELLS(torus_ring, fine_tube, fine_tube_of, torus_ring_cell, s.half, s.known)
+LANE_CELLS(torus_spindle, fine_tube, fine_tube_of, torus_spindle_cell, s.k, s.known)
+
+static void torus_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
+                           sgt_enclosures out)
+{
+    const sgt_torus *s = self;
+    (s->minor > s->major ? torus_spindle_encloses : torus_ring_encloses)(self, n, rays, t_lo, t_hi, out);
+}
+
 /* ------------------------------------------------------------------ sensitivities */
 
 static void torus_second(const void *self, size_t n, sgt_points p, double *const out[6])
@@ -646,7 +783,8 @@ static sgt_objection torus_object(const void *self)
 }
 
 static const struct sgt_builtin_ops torus_builtin = {
-    .object = torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from};
+    .object = torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from,
+    .encloses = torus_encloses};
 
 const sgt_surface_ops sgt_torus_ops = {
     .name = "torus", .value = torus_value, .values = torus_values, .span = torus_span, .spans = torus_spans,
