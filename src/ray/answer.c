@@ -82,7 +82,7 @@ sgt_hit sgt_prove_within(sgt_surface s, const sgt_ray *ray, double rim2, const s
 
 /* Is the root that a quick proof proves the only one, or is there none?  Then it is added.  *spent is set to
  * the evaluations. */
-static bool only_root(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list, int *spent)
+static bool unique_root(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list, int *spent)
 {
     sgt_options first = *opt;
     sgt_hit hit;
@@ -99,7 +99,7 @@ static void prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
     sgt_span span;
     if (!sgt_proof_bounds(s, ray, &span)) return;
     int spent;
-    if (only_root(s, ray, opt, list, &spent)) return;
+    if (unique_root(s, ray, opt, list, &spent)) return;
     proof w = sgt_proof_of(s, ray, opt, &span, list, true);
     w.told.evals = w.told.root = spent;
     if (s.ops->enclose) {
@@ -150,7 +150,7 @@ SGT_INLINE sgt_hit by_operations(sgt_surface s, const sgt_ray *ray, const sgt_op
 
 /* Cells decide it, or a proof without enclosures, or what they leave has the evaluations that they left. */
 typedef bool quick_answer(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
-SGT_NOINLINE static sgt_hit quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
+SGT_NOINLINE static sgt_hit tried_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
                                     quick_answer *answer)
 {
     sgt_hit hit;
@@ -169,8 +169,8 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
     sgt_options own;
     opt = read_of(s, opt, &own);
     if (!rim_in_range(rim2_of_surface(s))) return hit_without(SGT_UNPROVEN, ray, 0);
-    if (sgt_cells_offered(s, opt)) return quickly(s, ray, opt, sgt_cells_first);
-    if (sgt_quick_proof_offered(s, opt)) return quickly(s, ray, opt, sgt_quick_proof_one);
+    if (sgt_cells_offered(s, opt)) return tried_first(s, ray, opt, sgt_cells_first);
+    if (sgt_quick_proof_offered(s, opt)) return tried_first(s, ray, opt, sgt_quick_proof_one);
     return by_operations(s, ray, opt);
 }
 

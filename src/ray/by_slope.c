@@ -4,8 +4,9 @@
  * least there, with tau in lengths of the scaled direction.  Then F at one point, in the aperture or next
  * to it, decides everything: the chord has one root, within |F| / least of that point.
  *
- * A HIT that nobody has proven is the point.  It is proven if the root is away from the rim, and from the ends
- * of the chord.  Apart from traces, which have no ends, it must also be certain to be accepted (near_an_end).
+ * A HIT that nobody has proven is the point.  It is proven if the root is away from the rim, and from the
+ * ends of the chord.  Apart from traces, which have no ends, it must also be certainly accepted
+ * (near_an_end).
  * A MISS is proven if the chord is empty, or lies beyond the ends of the ray.  Else F is looked at where the
  * chord begins, and ends, between the ends of the ray.  F rises along the chord where n > 0.  So no root is
  * behind a point at which F has the sign of n, or before one at which it has the other.
@@ -259,7 +260,7 @@ static bool is_proven(const quick_proof *w, size_t i, bool ends)
 }
 
 /* Makes the rays that are not proven SGT_HARD, and returns how many are. */
-static size_t prove_all(quick_proof *w)
+static size_t prove_tile(quick_proof *w)
 {
     const sgt_hits *h = &w->tile->hits;
     const slope_block *b = &w->b;
@@ -302,7 +303,7 @@ size_t sgt_quick_prove(sgt_surface s, const sgt_shared *shared, const sgt_tile *
 {
     quick_proof w;
     quick_proof_of(&w, s, shared, tile, opt);
-    return prove_all(&w);
+    return prove_tile(&w);
 }
 
 /* Proves *hit, an estimate.  false: it is not proven.  evals are counted on either way. */
@@ -318,7 +319,7 @@ SGT_NOINLINE static bool prove_one(sgt_surface s, const sgt_shared *shared, cons
                              .n = {&hit->n.x, &hit->n.y, &hit->n.z}, .p_err = &hit->p_err}};
     quick_proof_of(&w, s, shared, &one, opt);
     if (opt->watch) w.told = &told;
-    bool proven = prove_all(&w) == 0;
+    bool proven = prove_tile(&w) == 0;
     if (told.stopped) *hit = hit_without(SGT_STOPPED, ray, told.evals);
     if (proven && hit->status > 0) {
         sgt_interval about = sgt_about(hit->t, hit->t_err);

@@ -429,7 +429,8 @@ SGT_INLINE void meeting_ask(meetings *s, size_t k, size_t n, bool own)
     double t = (s->t0[k] + s->tau[k]) * s->scale[k], steep = fabs(s->steep[k]) * s->inverse[k];
     double noise = s->noise[k];
     if (own)
-        noise += 0x1p-50 * (fabs(s->px[k] * s->fx[k]) + fabs(s->py[k] * s->fy[k]) + fabs(s->pz[k] * s->fz[k]));
+        noise += 0x1p-50 * (fabs(s->px[k] * s->fx[k]) + fabs(s->py[k] * s->fy[k]) +
+                            fabs(s->pz[k] * s->fz[k]));
     double pad = 8 * noise / steep + 0x1p-49 * fabs(t) + 4 * s->last[k] * s->scale[k] * 0x1p-20;
     double whole = s->b[k] - s->a[k];
     pad = pad < whole ? pad : whole; /* NaN, too */
@@ -737,7 +738,8 @@ static size_t search(cell_search *j)
     slots s;
     meetings m;
     s.count = m.count = 0;
-    j->encloses = cells_of(j->s.ops, j->opt), j->own = j->s.ops->own_ && j->s.ops->own_->encloses, j->budget = budget_of(j->opt),
+    j->encloses = cells_of(j->s.ops, j->opt), j->own = j->s.ops->own_ && j->s.ops->own_->encloses;
+    j->budget = budget_of(j->opt),
     j->proof = j->opt->proof != SGT_ESTIMATE;
     j->queue = &q, j->slots = &s, j->meetings = &m;
     stream_rays(j);

@@ -3,11 +3,12 @@
 //
 //     build/tests/bench/bench_proof_catalogue [--runs N] [--only TEXT]
 //
-// The surfaces and 1000 rays of bench_subjects.h, and three more tori, of which one is a formula.  A run takes
-// each of the three in turns, by the time of the processor that this thread has had.  Printed are medians over
-// the runs (N: 15): nanoseconds a ray without proof, and how many times that the proofs take.  open: rays that
-// are UNPROVEN under first, in per cent.  Each answer under proof is compared with the estimate first: the
-// same status and the same t to within both bounds, or UNPROVEN; and the batch with the single ray, to the bit.
+// The surfaces and 1000 rays of bench_subjects.h, and three more tori, of which one is a formula.  A run
+// takes each of the three in turns, by the time of the processor that this thread has had.  Printed are
+// medians over the runs (N: 15): nanoseconds a ray without proof, and how many times that the proofs take.
+// open: rays that are UNPROVEN under first, in per cent.  Each answer under proof is compared with the
+// estimate first: the same status and the same t to within both bounds, or UNPROVEN; and the batch with the
+// single ray, to the bit.
 #include <sagitta/formula.h>
 
 #include <algorithm>
@@ -147,7 +148,8 @@ int main(int argc, char **argv)
     std::vector<Subject> all = subjects(kept);
     all.push_back({"torus, spindle", "torus", {&sgt_torus_ops, kept.keep(sgt_torus{1, 1.6})}, false});
     all.push_back({"torus, thin", "torus", {&sgt_torus_ops, kept.keep(sgt_torus{2, 0.1})}, false});
-    all.push_back({"torus, a formula", "formula", own_formula(kept, "hypot(hypot(x, y) - 2, z) - 1.5", 4), false});
+    all.push_back({"torus, a formula", "formula",
+                   own_formula(kept, "hypot(hypot(x, y) - 2, z) - 1.5", 4), false});
     std::printf("| | open, %% | batch, ns | root | first | single, ns | root | first |\n"
                 "|---|---|---|---|---|---|---|---|\n");
     for (const Subject &of : all) {

@@ -8,11 +8,17 @@
 // coefficients so unlike that no power of two makes them alike.  The points are the ends of the stretch,
 // some at random, and those to which a few steps uphill lead, of g and of g' to either side.
 //
+// The enclosures in lanes of quadric, ellipsoid and torus are asked about the same stretches, and judged at
+// the same points.  Their bits are those of a stretch by itself, among others that are no numbers, and in
+// each set of instructions.  How often they bound g', and how wide g is beside `enclose`, has limits.
+//
 // And what sgt_grid_measure says of P, its gradient and its second derivative, at points of grids whose
 // heights are as unlike in the two directions as can be, in cells far longer one way than the other: a
 // bound of one direction alone has nothing to hide behind.
+#include "body_cells.h"
 #include "judge.h"
 
+#include <cstring>
 #include <map>
 
 using namespace catalogue;
@@ -139,6 +145,34 @@ void measured_grid(generator &g, double nearest[3])
     }
 }
 
+// What the lanes say of the stretch; false: the surface has none.
+bool in_lanes(generator &g, const specimen &s, const sgt_ray &ray, sgt_interval t, sgt_interval said[2])
+{
+    enum { most = 11 };
+    double in[8][most], out[4][most], first[4];
+    const double own[8] = {ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z, t.lo, t.hi};
+    const sgt_rays rays = {{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, nullptr, nullptr};
+    const sgt_enclosures to = {out[0], out[1], out[2], out[3]};
+    for (int set = 0; set < body_sets(); set++)
+        for (int among = 0; among < 2; among++) {
+            const std::size_t n = among ? static_cast<std::size_t>(2 + g.below(most - 1)) : 1,
+                              at = static_cast<std::size_t>(g.below(static_cast<int>(n)));
+            for (int k = 0; k < 8; k++)
+                for (std::size_t i = 0; i < n; i++)
+                    in[k][i] = i == at ? own[k] : g.chance(0.5) ? own[k] * g.uniform(-2, 2) : NAN;
+            if (!body_cells(s.s, set, n, rays, in[6], in[7], to)) return false;
+            for (int k = 0; k < 4; k++) {
+                if (set == 0 && !among) first[k] = out[k][at];
+                if (std::memcmp(&first[k], &out[k][at], sizeof first[k]) &&
+                    failed[s.type + ": other bits"]++ < 1)
+                    std::printf("FAIL %s: set %d, stretch %d of %d: other bits\n", s.type.c_str(), set,
+                                static_cast<int>(at), static_cast<int>(n));
+            }
+        }
+    said[0] = {first[0], first[1]}, said[1] = {first[2], first[3]};
+    return true;
+}
+
 } // namespace
 
 int main(int argc, char **argv)
@@ -151,7 +185,7 @@ int main(int argc, char **argv)
         const std::string type = all_types[k];
         if (only && type != only) continue;
         generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40);
-        long asked = 0, bounded = 0, points = 0;
+        long asked = 0, bounded = 0, points = 0, lanes_bounded = 0, lanes_wider = 0, lanes_asked = 0;
         double nearest[2] = {0, 0}; // |x - middle| over half the width, of stretches that are not narrow
         for (long i = 0; i < r.count; i++) {
             specimen s = {};
@@ -177,9 +211,16 @@ int main(int argc, char **argv)
                              width = unit * (g.chance(0.1) ? 0 : g.log_uniform(1e-9, 4));
                 const sgt_interval t = {about - width * g.uniform(0, 1), about + width};
                 if (!(t.lo <= t.hi && std::isfinite(t.lo) && std::isfinite(t.hi))) continue;
-                sgt_interval said[2];
+                sgt_interval said[2], lanes[2];
                 said[0] = s.s.ops->enclose(s.s.self, &ray, t, &said[1]);
                 asked++, bounded += said[1].hi - said[1].lo < HUGE_VAL;
+                const bool has_lanes = in_lanes(g, s, ray, t, lanes);
+                if (has_lanes) {
+                    lanes_asked++, lanes_bounded += lanes[1].hi - lanes[1].lo < HUGE_VAL;
+                    lanes_wider += lanes[0].hi - lanes[0].lo < HUGE_VAL &&
+                                   lanes[0].hi - lanes[0].lo >
+                                   1.01 * (said[0].hi - said[0].lo) + 1e-25 * (std::fabs(said[0].hi) + unit);
+                }
                 const along on(s.s, ray);
                 const auto ask = [&](double at, quad x[2]) {
                     on.at(at, &x[0], &x[1]);
@@ -188,6 +229,8 @@ int main(int argc, char **argv)
                     if (said[0].lo > said[0].hi)
                         return print_stretch(s, ray, t, at, "undefined, but g is", x[0], said[0]);
                     for (int q = 0; q < 2; q++) {
+                        if (has_lanes && (x[q] < lanes[q].lo || x[q] > lanes[q].hi))
+                            print_stretch(s, ray, t, at, q ? "g' in lanes" : "g in lanes", x[q], lanes[q]);
                         if (x[q] < said[q].lo || x[q] > said[q].hi)
                             print_stretch(s, ray, t, at, q ? "g'" : "g", x[q], said[q]);
                         const double middle = 0.5 * said[q].lo + 0.5 * said[q].hi,
@@ -219,6 +262,10 @@ int main(int argc, char **argv)
                     type.c_str(), asked, bounded, points, nearest[0], nearest[1]);
         std::fflush(stdout);
         bad += bounded < asked / 4;
+        if (!lanes_asked) continue;
+        std::printf("%-14s in lanes: %6ld with a bound on g', %6ld are wider\n", type.c_str(), lanes_bounded,
+                    lanes_wider);
+        bad += lanes_bounded < lanes_asked / 3 || lanes_wider > lanes_bounded / 4;
     }
     if (!only || !std::strcmp(only, "grid")) {
         generator g(r.seed ^ 0x6772ULL << 40);

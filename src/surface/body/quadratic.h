@@ -485,10 +485,12 @@ SGT_INLINE twofold lane_along(double o, double l, double t)
 SGT_INLINE mask lane_way(double o, double l, double t)
 {
     double way = fabs(l * t);
-    return lane_fits(o) & lane_fits(l) & MASK(way < 0x1p300) & (MASK(way > 0x1p-300) | MASK(t == 0) | MASK(l == 0));
+    return lane_fits(o) & lane_fits(l) & MASK(way < 0x1p300) &
+           (MASK(way > 0x1p-300) | MASK(t == 0) | MASK(l == 0));
 }
 
-/* The ray about the middle of the cell, in units of the scaled direction.  Returns whether all is known. */
+/* The ray about the middle of the cell, in units of the scaled direction; tau has 0 in it.  Returns whether all
+ * is known. */
 SGT_INLINE mask lane_ray(fine_ray *r, sgt_vec3 o, sgt_vec3 d, double t_lo, double t_hi)
 {
     double scale = scale_of(d), inverse = inverse_of_scale(d), lo = t_lo * inverse, hi = t_hi * inverse,
@@ -497,9 +499,11 @@ SGT_INLINE mask lane_ray(fine_ray *r, sgt_vec3 o, sgt_vec3 d, double t_lo, doubl
     double l = d.x * scale, m = d.y * scale, n = d.z * scale;
     r->x = lane_along(o.x, l, mid), r->y = lane_along(o.y, m, mid), r->z = lane_along(o.z, n, mid);
     r->l = l, r->m = m, r->n = n, r->inverse = inverse;
-    r->tau.lo = (lo - mid) - fabs(lo - mid) * 0x1p-52, r->tau.hi = (hi - mid) + fabs(hi - mid) * 0x1p-52;
+    double from = (lo - mid) - fabs(lo - mid) * 0x1p-52, to = (hi - mid) + fabs(hi - mid) * 0x1p-52;
+    r->tau.lo = lesser_of(from, 0), r->tau.hi = greater_of(to, 0); /* of 2^-300 and less, mid is not inside */
     return MASK(scale > 0x1p-300) & MASK(scale < 0x1p300) & MASK(lo * scale == t_lo) &
            MASK(hi * scale == t_hi) & MASK(fabs(lo) < 0x1p300) & MASK(fabs(hi) < 0x1p300) &
+           MASK(l * inverse == d.x) & MASK(m * inverse == d.y) & MASK(n * inverse == d.z) &
            lane_way(o.x, l, mid) & lane_way(o.y, m, mid) & lane_way(o.z, n, mid);
 }
 
@@ -517,22 +521,23 @@ SGT_INLINE double lane_least(double a, double b, double lo, double hi)
     return lesser_of(lesser_of(p, q), v);
 }
 
-/* Of g, not yet times the inverse: its slope is by tau. */
+/* g and its slope by tau. */
 SGT_INLINE void lane_parabola(const fine_parabola *p, const fine_ray *r, lane_cell *e)
 {
     double lo = r->tau.lo, hi = r->tau.hi, w = greater_of(-lo, hi), a = p->A.hi, b = p->B.hi, c = p->C.hi;
     double a_err = fabs(p->A.lo) + FINE_COEFFICIENT * p->Aa, b_err = fabs(p->B.lo) + FINE_COEFFICIENT * p->Ba,
            c_err = fabs(p->C.lo) + FINE_COEFFICIENT * p->Ca;
-    double aw = fabs(a) * w, off = LANE_ROUNDING * (2 * fabs(b) + 2 * aw) + 2.5 * (b_err + a_err * w) + LANE_LOST,
-           rise = greater_of(a * lo, a * hi), fall = lesser_of(a * lo, a * hi);
-    double swing = w * (LANE_ROUNDING * (2 * fabs(b) + aw) + 2.5 * (b_err + a_err * w)) + 1.25 * c_err + LANE_LOST;
-    double least = c + lane_least(a, b, lo, hi), most = c - lane_least(-a, -b, lo, hi);
+    double aw = fabs(a) * w, left = 2.5 * (b_err + a_err * w),
+           off = LANE_ROUNDING * (2 * fabs(b) + 2 * aw) + left + LANE_LOST,
+           swing = w * (LANE_ROUNDING * (2 * fabs(b) + aw) + left) + 1.25 * c_err + LANE_LOST;
+    double rise = greater_of(a * lo, a * hi), fall = lesser_of(a * lo, a * hi),
+           least = c + lane_least(a, b, lo, hi), most = c - lane_least(-a, -b, lo, hi);
     e->slope.lo = 2 * (b + fall) - off, e->slope.hi = 2 * (b + rise) + off;
     e->g.lo = least - (swing + 4 * SGT_U * fabs(least)), e->g.hi = most + (swing + 4 * SGT_U * fabs(most));
 }
 
 /* What is told of an end: all numbers where it is not known. */
-SGT_INLINE double lane_told(double end, double by, double off, mask known, double all)
+SGT_INLINE double cell_end(double end, double by, double off, mask known, double all)
 {
     double x = end * by, out = x + copysign(fabs(x) * off + 2 * LANE_LEAST, all);
     return chosen(known & MASK(fabs(out) < HUGE_VAL), out, all);
@@ -553,10 +558,10 @@ SGT_INLINE double lane_told(double end, double by, double off, mask known, doubl
         mask known = lane_ray(&r, (sgt_vec3){ox, oy, oz}, (sgt_vec3){dx, dy, dz}, t_lo, t_hi) & (KNOWN);    \
         double by = (FACTOR) * r.inverse, off = LANE_OFF(8);                                                \
         CELL(&s, &r, &e);                                                                                   \
-        *lo = lane_told(e.g.lo, (FACTOR), off, known, -HUGE_VAL);                                           \
-        *hi = lane_told(e.g.hi, (FACTOR), off, known, HUGE_VAL);                                            \
-        *slope_lo = lane_told(e.slope.lo, by, off, known, -HUGE_VAL);                                       \
-        *slope_hi = lane_told(e.slope.hi, by, off, known, HUGE_VAL);                                        \
+        *lo = cell_end(e.g.lo, (FACTOR), off, known, -HUGE_VAL);                                           \
+        *hi = cell_end(e.g.hi, (FACTOR), off, known, HUGE_VAL);                                            \
+        *slope_lo = cell_end(e.slope.lo, by, off, known, -HUGE_VAL);                                       \
+        *slope_hi = cell_end(e.slope.hi, by, off, known, HUGE_VAL);                                        \
     }                                                                                                       \
     SGT_KERNEL                                                                                              \
     static void NAME##_cells(const SHARED *shared, size_t n, const sgt_rays *rays, const double *t_lo,      \

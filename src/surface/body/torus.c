@@ -596,27 +596,32 @@ static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_inte
  * middle rho, h, z, X, G and b are known in twice the precision, as above.  Let w be the greater |tau|, and S
  * the length of d in x and y.
  *
- * RHO is convex along the ray, and rho' = h / rho.  So over the cell
+ * RHO is convex along the ray, and rho' = h / rho.  So over the cell (tau has 0 in it)
  *     rho >= rho(m) + rho' tau at an end (the tangent),   rho >= X / S,
  *     rho <= sqrt(rho(m)^2 + w (2 |h| + S^2 w)),          |rho'| <= S.
- * rho'' = X^2 / rho^3 lies in [curl_lo, curl_hi], from these bounds: X / rho is taken before its square, which
- * cannot overflow, as it is at most S.  Where the least rho is not above 2^-200 nothing is known of rho''.
+ * rho'' = X^2 / rho^3 lies in [curl_lo, curl_hi], from these bounds.  (X / rho, which is at most S, is squared,
+ * and cannot overflow.)  Where the least rho is not above 2^-200 nothing is known of rho''.
  * Else rho' is in rho'(m) + curl_hi [tau_lo, tau_hi], and G'' / 2 in A - R [curl_lo, curl_hi].
  *
- * G AND b by that: b in b(m) + bend tau, and G is between the parabolas tau (2 b(m) + bend tau) with either end
- * of bend (lane_least).  Besides, G in (rho - R)^2 + z^2 - r^2 and b in (rho - R) rho' + z dz, by intervals.
+ * G AND b by that: b in b(m) + bend tau, and G - G(m) is between the parabolas tau (2 b(m) + bend tau) with
+ * either end of bend (lane_least).  Besides, G in (rho - R)^2 + z^2 - r^2 and b in (rho - R) rho' + z dz, by intervals.
  * H is G with -R for R, and A + R [curl] for its bend.
  *
  * ROUNDING.  rho(m), rho'(m) and S are right to 4 u of themselves, or rho'(m) to 2^-90 S.  The tangent is
  * lowered by 16 u (rho(m) + S w); the greatest rho and X / S are moved by 16 u of themselves, and curl by 64
  * u.  The other sums are treated as in lane_parabola. */
-typedef struct fine_tube { double R, r, half, inverse, k; twofold r2; two_ends square; mask spindle, known; } fine_tube;
+typedef struct fine_tube {
+    double R, half, k;
+    twofold r2;
+    two_ends square; /* r^2 */
+    mask known;
+} fine_tube;
 
 static fine_tube fine_tube_of(const sgt_torus *s)
 {
     torus_ring ring = ring_of(s);
-    return (fine_tube){s->major, s->minor, ring.half, ring.inverse, ring.k, two_product(s->minor, s->minor),
-                       ends_square(ends_of(s->minor, s->minor)), ring.spindle,
+    return (fine_tube){s->major, ring.half, ring.k, two_product(s->minor, s->minor),
+                       ends_square(ends_of(s->minor, s->minor)),
                        MASK(s->major > 0x1p-150) & MASK(s->major < 0x1p150) & MASK(s->minor > 0x1p-150) &
                            MASK(s->minor < 0x1p150)};
 }
@@ -642,15 +647,18 @@ SGT_INLINE void lane_view_of(const fine_ray *r, lane_view *v)
     twofold xl = twofold_scaled(r->x, r->l), ym = twofold_scaled(r->y, r->m), xm = twofold_scaled(r->x, r->m),
             yl = twofold_scaled(r->y, r->l), h = twofold_sum(xl, ym), X = twofold_difference(xm, yl),
             square = twofold_sum(twofold_product(r->x, r->x), twofold_product(r->y, r->y));
-    double lo = r->tau.lo, hi = r->tau.hi, w = greater_of(-lo, hi), S2 = r->l * r->l + r->m * r->m, S = sqrt(S2);
+    double lo = r->tau.lo, hi = r->tau.hi, w = greater_of(-lo, hi), S2 = r->l * r->l + r->m * r->m,
+           S = sqrt(S2);
     v->length = fabs(xl.hi) + fabs(ym.hi) + 0x1p-700;
     v->rho = lane_root(square), v->z = r->z, v->n = r->n, v->zn = twofold_scaled(r->z, r->n);
-    v->ratio = twofold_quotient(h, (twofold){larger(v->rho.hi, 0x1p-800), v->rho.lo}); /* 0 on the axis */
+    twofold rho_or_more = {larger(v->rho.hi, 0x1p-800), v->rho.lo};
+    v->ratio = twofold_quotient(h, rho_or_more); /* 0 on the axis */
     double rho = v->rho.hi, slope = v->ratio.hi, blur = LANE_ROUNDING * (rho + S * w),
            tangent = rho + lesser_of(slope * lo, slope * hi) - blur;
     double away = fabs(X.hi), away_err = FINE_COEFFICIENT * (fabs(xm.hi) + fabs(yl.hi)) + 0x1p-700,
            nearest = (away * (1 - LANE_ROUNDING) - away_err) / S * (1 - LANE_ROUNDING), /* NaN if S is 0 */
-           least = greater_of(larger(nearest, tangent), 0), most = sqrt(square.hi + w * (2 * fabs(h.hi) + S2 * w));
+           least = greater_of(larger(nearest, tangent), 0),
+           most = sqrt(square.hi + w * (2 * fabs(h.hi) + S2 * w));
     v->all_rho = ends_of(least, most * (1 + LANE_ROUNDING) + 0x1p-500);
     double q = (away * (1 + LANE_ROUNDING) + away_err) / least,
            p = larger(away * (1 - LANE_ROUNDING) - away_err, 0) / v->all_rho.hi,
@@ -661,8 +669,8 @@ SGT_INLINE void lane_view_of(const fine_ray *r, lane_view *v)
     double from = slope + curled * lo * (1 + LANE_ROUNDING) - turned + v->unknown,
            to = slope + curled * hi * (1 + LANE_ROUNDING) + turned + v->unknown;
     v->turn.lo = larger(from, -bound), v->turn.hi = lesser_of(to, bound);
-    double nl = r->n * lo, nh = r->n * hi, z = r->z.hi, rise = greater_of(nl, nh), fall = lesser_of(nl, nh),
-           z_off = LANE_ROUNDING * (fabs(z) + fabs(r->n) * w);
+    double nl = r->n * lo, nh = r->n * hi, z = r->z.hi, rise = greater_of(nl, nh),
+           fall = lesser_of(nl, nh), z_off = LANE_ROUNDING * (fabs(z) + fabs(r->n) * w);
     v->all_z = ends_of(z + fall - z_off, z + rise + z_off);
     v->A = S2 + r->n * r->n, v->lo = lo, v->hi = hi, v->w = w;
 }
@@ -682,11 +690,12 @@ SGT_INLINE void lane_tube(const fine_tube *s, const lane_view *v, double R, lane
            length = v->length / rho;
     double g_err = 1.25 * ((2 * far + near) * near +
                            FINE_COEFFICIENT * (far * far + z.hi * z.hi + s->r2.hi) + fabs(G.lo)) + LANE_LOST,
-           b_err = 1.25 * (near * length + FINE_COEFFICIENT * (2 * far * length + fabs(v->zn.hi)) + fabs(B.lo)) +
-                   LANE_LOST;
+           b_err = 1.25 * (near * length + FINE_COEFFICIENT * (2 * far * length + fabs(v->zn.hi)) +
+                           fabs(B.lo)) + LANE_LOST;
     double curl = size * v->curl.hi, flat = size * v->curl.lo, loose = LANE_ROUNDING * (v->A + curl),
            bend_lo = (R > 0 ? v->A - curl : v->A + flat) - loose,
-           bend_hi = (R > 0 ? v->A - flat : v->A + curl) + loose, bent = greater_of(fabs(bend_lo), fabs(bend_hi));
+           bend_hi = (R > 0 ? v->A - flat : v->A + curl) + loose,
+           bent = greater_of(fabs(bend_lo), fabs(bend_hi));
     double w = v->w, mid = B.hi, swing = w * (LANE_ROUNDING * (2 * fabs(mid) + bent * w) + 2 * b_err) + g_err,
            low = G.hi + lane_least(bend_lo, mid, v->lo, v->hi),
            high = G.hi - lane_least(-bend_hi, -mid, v->lo, v->hi);
@@ -695,7 +704,8 @@ SGT_INLINE void lane_tube(const fine_tube *s, const lane_view *v, double R, lane
            b_low = mid + lesser_of(0, lesser_of(bend_lo * v->hi, bend_hi * v->lo)) - b_off,
            b_high = mid + greater_of(0, greater_of(bend_hi * v->hi, bend_lo * v->lo)) + b_off;
     e->g.lo = larger(low + v->unknown, g.lo), e->g.hi = lesser_of(high + v->unknown, g.hi);
-    e->slope.lo = 2 * larger(b_low + v->unknown, b.lo), e->slope.hi = 2 * lesser_of(b_high + v->unknown, b.hi);
+    e->slope.lo = 2 * larger(b_low + v->unknown, b.lo);
+    e->slope.hi = 2 * lesser_of(b_high + v->unknown, b.hi);
 }
 
 SGT_INLINE void torus_ring_cell(const fine_tube *s, const fine_ray *r, lane_cell *e)
