@@ -489,8 +489,8 @@ SGT_INLINE mask lane_way(double o, double l, double t)
            (MASK(way > 0x1p-300) | MASK(t == 0) | MASK(l == 0));
 }
 
-/* The ray about the middle of the cell, in units of the scaled direction; tau has 0 in it.  Returns whether all
- * is known. */
+/* The ray about the middle of the cell, in units of the scaled direction; tau has 0 in it.  Returns whether
+ * all is known. */
 SGT_INLINE mask lane_ray(fine_ray *r, sgt_vec3 o, sgt_vec3 d, double t_lo, double t_hi)
 {
     double scale = scale_of(d), inverse = inverse_of_scale(d), lo = t_lo * inverse, hi = t_hi * inverse,

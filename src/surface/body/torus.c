@@ -599,13 +599,13 @@ static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_inte
  * RHO is convex along the ray, and rho' = h / rho.  So over the cell (tau has 0 in it)
  *     rho >= rho(m) + rho' tau at an end (the tangent),   rho >= X / S,
  *     rho <= sqrt(rho(m)^2 + w (2 |h| + S^2 w)),          |rho'| <= S.
- * rho'' = X^2 / rho^3 lies in [curl_lo, curl_hi], from these bounds.  (X / rho, which is at most S, is squared,
- * and cannot overflow.)  Where the least rho is not above 2^-200 nothing is known of rho''.
+ * rho'' = X^2 / rho^3 lies in [curl_lo, curl_hi], from these bounds.  (X / rho is at most S, so its square
+ * does not overflow.)  Where the least rho is not above 2^-200 nothing is known of rho''.
  * Else rho' is in rho'(m) + curl_hi [tau_lo, tau_hi], and G'' / 2 in A - R [curl_lo, curl_hi].
  *
  * G AND b by that: b in b(m) + bend tau, and G - G(m) is between the parabolas tau (2 b(m) + bend tau) with
- * either end of bend (lane_least).  Besides, G in (rho - R)^2 + z^2 - r^2 and b in (rho - R) rho' + z dz, by intervals.
- * H is G with -R for R, and A + R [curl] for its bend.
+ * either end of bend (lane_least).  Besides, G in (rho - R)^2 + z^2 - r^2 and b in (rho - R) rho' + z dz, by
+ * intervals.  H is G with -R for R, and A + R [curl] for its bend.
  *
  * ROUNDING.  rho(m), rho'(m) and S are right to 4 u of themselves, or rho'(m) to 2^-90 S.  The tangent is
  * lowered by 16 u (rho(m) + S w); the greatest rho and X / S are moved by 16 u of themselves, and curl by 64
