@@ -1,5 +1,7 @@
 /* answer.c - the answers about a surface that is met by its operations, with a proof or without.
  *
+ * First cells_batch.c is asked, and by_slope.c under a proof, where they are offered.  What they leave:
+ *
  *     proof          `enclose`  answer
  *     none           any        what general.c finds
  *     root or first  yes        if one root is wanted that need not be the first: general.c estimates it

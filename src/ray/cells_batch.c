@@ -1,4 +1,5 @@
-/* cells_batch.c - first roots by cells, many rays side by side: for surfaces that offer `encloses`.
+/* cells_batch.c - first roots by cells, many rays side by side: for surfaces that offer `encloses`, and for
+ * proofs of the bodies of the catalogue, which have one of their own (builtin.h).
  *
  * A SLOT holds one ray on its march.  In each round every slot asks about one cell, and one call of
  * `encloses` answers for all.  A ray that is decided leaves its slot, and the next one takes it.  So the
@@ -26,6 +27,14 @@
  * lies in [a, b], it is the root of the bracket.  So the hit is proven, whether a proof is asked for or not.
  * F as `value` has it must be 0 there within 2^10 roundings; if not, `encloses` and `value` are not about
  * one F, and nothing is said.
+ *
+ * A BODY (quadric, ellipsoid, torus) says by `firsts`, for most rays, that the ray has no root, or gives a
+ * stretch with one root at most.  If that is not accepted, no other is.  That is rigorous, by the analysis of
+ * errors in its head, as spans are.  So the stretch is a bracket.  Its root is refined from the seed and
+ * certified by the enclosures, as above.  (The sign before it is not known, but that of the slope is.)  A
+ * stretch whose seed is beyond the ends of the ray, and the span of other rays, are searched by cells.  The
+ * enclosures of a body know F at a point to far more than a double has.  So X is made wider by what rounding
+ * does to `value`, and t + t_lo is right to rounding of t_lo.
  *
  * THE START.  If 0 is in G at the start, the near end of a monotone cell, the sign there cannot be told.  It
  * need not be.  If the cell has a root, that is within |G| / |S| of the start, and there is no other.  It is
