@@ -472,6 +472,7 @@ int main(int argc, char **argv)
         ask_case(name, "a batch near the seed", batch, of, MANY, near);
         ask_case(name, "a batch of 5", batch, of, FEW, first);
         ask_case(name, "one ray proven", alone, of, ALONE, proven);
+        ask_case(name, "a batch proven", batch, of, MANY, proven);
         ask_case(name, "every root", every_root, of, ALONE, first);
         if (!of->surface.ops->second) continue;
         batch(of, MANY, &first);
@@ -486,6 +487,7 @@ int main(int argc, char **argv)
         ask_case(b->type, "one ray", alone, &of, ALONE, first);
         ask_case(b->type, "a batch", batch, &of, MANY, first);
         ask_case(b->type, "one ray proven", alone, &of, ALONE, proven);
+        ask_case(b->type, "a batch proven", batch, &of, MANY, proven);
     }
     /* cost.py sees that a tolerance costs nothing: what it ends has to end in the lanes. */
     const struct { const char *name; subject of; double t_tol[3]; } loose[] = {
