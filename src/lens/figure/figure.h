@@ -66,11 +66,28 @@ typedef struct motion {
     bool beams;         /* any number of a beam, or of the stop's size */
 } motion;
 
-/* (motion.c) By what stands at `path`, x now, of a copy of the lens that may be edited.  undo: what makes the
- * copy the lens again (NULL: nothing has to).  At return x has to be set at `path`, to undo this.  false:
- * `error` names the path. */
-bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *undo, const looking *how,
-                   const layout *at, const look_of_lens *now, motion *out, sgt_error *error);
+/* Numbers that a lens is made with: those at paths of its file, or others. */
+typedef struct lens_numbers {
+    size_t count;
+    const char *const *path; /* [count]: their paths, or what they are called in an error */
+    const double *step;      /* [count]: steps of differences; NULL: as the paths say */
+    const void *context;
+    /* Makes `lens`, that has the numbers `from`, one with the numbers `to`.  false: it is as it was */
+    bool (*put)(const void *context, sgt_lens *lens, const double from[], const double to[],
+                sgt_error *error);
+} lens_numbers;
+
+/* (figure.c) As sgt_figure_new, by other numbers than those at paths: x of `lens`.  Where there is no
+ * derivative it is 0, and figure_has_none tells so after an evaluation.  What `by` points to has to last. */
+sgt_figure *sgt_figure_by(const sgt_lens *lens, const sgt_study_options *study, const sgt_figure_options *opt,
+                          const lens_numbers *by, const double x[], sgt_error *error);
+bool sgt_figure_has_none(const sgt_figure *f, size_t m);
+
+/* (motion.c) By number m of those of the lens, `wanted`.  copy: a lens that may be edited; has: its numbers,
+ * which go on with it.  false: `error` names the path. */
+bool sgt_motion_of(const lens_numbers *of, size_t m, sgt_lens *copy, double has[], double wanted[],
+                   const looking *how, const layout *at, const look_of_lens *now, motion *out,
+                   sgt_error *error);
 
 /* (rays.c) Rays of one field and slot: launched, traced, and gone back. */
 enum { FLOCK = 64 };

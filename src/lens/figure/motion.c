@@ -77,28 +77,30 @@ static double scale_of(const sgt_lens *lens, const char *path, double x)
     return scale > 0 ? scale : 1;
 }
 
-/* What is asked: of a path, and the edit that undoes what was asked before it. */
+/* What is asked: by number m. */
 typedef struct asking {
+    const lens_numbers *of;
+    size_t m;
     sgt_lens *copy;
-    const char *path;
-    const sgt_edit *undo;
+    double *has, *wanted; /* [of->count]: the numbers that the copy has, and those of the lens */
     const looking *how;
     const layout *at;
     bool inverse;
 } asking;
 
-/* Looks at the lens with `to` at the path. */
+/* Looks at the lens with `to` in place of its number m. */
 static bool look_with(const asking *a, double to, look_of_lens *l, sgt_error *error)
 {
     layout same = *a->at;
-    sgt_edit edit[2] = {{.kind = SGT_EDIT_SET, .path = a->path, .number = to}};
-    if (a->undo) edit[1] = *a->undo;
+    const double x = a->wanted[a->m];
     *l = (look_of_lens){.study = NULL};
-    if (!sgt_lens_edit(a->copy, a->undo ? 2 : 1, edit, error) ||
-        !sgt_look_begin(l, a->copy, a->how, false, error))
-        return false;
+    a->wanted[a->m] = to;
+    const bool put = a->of->put(a->of->context, a->copy, a->has, a->wanted, error);
+    if (put) memcpy(a->has, a->wanted, a->of->count * sizeof *a->has);
+    a->wanted[a->m] = x;
+    if (!put || !sgt_look_begin(l, a->copy, a->how, false, error)) return false;
     return sgt_look_list(l, &same, false) ||
-           refuses(error, a->path, "it changes what there is, not how much");
+           refuses(error, a->of->path[a->m], "it changes what there is, not how much");
 }
 
 /* Does the focal length, or the size of a pupil, change too much over the stencil? */
@@ -152,6 +154,14 @@ static bool on_lines(const stencil *s, const looking *how, const layout *at, con
     return true;
 }
 
+/* Do first-order data end beside x?  Of a lens with coma on a surface, say: its vertex has a slope. */
+static bool is_lost(const stencil *s, const layout *at, const look_of_lens *now)
+{
+    for (size_t i = at->first; i < at->ideal; i++)
+        if (!isnan(now->number[i]) && isnan(listed_at(s, 1, i) + listed_at(s, -1, i))) return true;
+    return false;
+}
+
 /* The turn of each element about its own axes: of a rotation R, with the axes as columns, dR = R [w]. */
 static void find_turns(const sgt_lens *lens, const layout *at, const look_of_lens *now, motion *m)
 {
@@ -197,19 +207,22 @@ static void end_stencil(stencil *s)
     for (int k = 0; k < 2 * POINTS; k++) sgt_look_end(&s->at[k]);
 }
 
-bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *undo, const looking *how,
-                   const layout *at, const look_of_lens *now, motion *out, sgt_error *error)
+bool sgt_motion_of(const lens_numbers *of, size_t m, sgt_lens *copy, double has[], double wanted[],
+                   const looking *how, const layout *at, const look_of_lens *now, motion *out,
+                   sgt_error *error)
 {
-    const bool inverse = is_radius(path);
-    const asking a = {copy, path, undo, how, at, inverse};
+    const char *path = of->path[m];
+    const double x = wanted[m];
+    const bool inverse = !of->step && is_radius(path);
+    const asking a = {of, m, copy, has, wanted, how, at, inverse};
     stencil s = {.lines = false};
     sgt_error first = {.line = 0}, unread;
     if (!isfinite(x))
         return refuses(error, path,
-                      inverse ? "no derivative by an infinite radius; take its curvature"
-                              : "no derivative by an infinite number");
+                       inverse ? "no derivative by an infinite radius; take its curvature"
+                               : "no derivative by an infinite number");
     const double scale = inverse ? 1 / fabs(x) : scale_of(copy, path, x);
-    s.h = ldexp(1, ilogb(scale) - STEP);
+    s.h = of->step ? of->step[m] : ldexp(1, ilogb(scale) - STEP);
     bool fine = false;
     for (int i = 0; i < TRIES && !fine; i++) {
         sgt_error *told = i == 0 ? &first : &unread;
@@ -221,6 +234,7 @@ bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *u
         end_stencil(&s);
         s.h = ldexp(s.h, -SMALLER);
     }
+    const bool lost = fine && (how->path || how->first) && is_lost(&s, at, now);
     const double by_x = inverse ? -1 / (x * x) : 1;
     for (size_t i = 0; i < at->end && fine; i++) {
         differ(&s, i, &out->by[i], &out->error[i]);
@@ -233,6 +247,7 @@ bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *u
         snprintf(error->key, sizeof error->key, "%s", path);
         return false;
     }
+    if (lost) return refuses(error, path, "no derivative: there is no exit pupil or focal length beside it");
     find_turns(copy, at, now, out);
     /* where a wavefront begins is the same for all rays of a field: it may jump, and has no say */
     for (size_t i = at->beams + BEAM_WAVE; i < at->stop; i += BEAM_NUMBERS) out->by[i] = out->error[i] = 0;
