@@ -14,7 +14,7 @@ typedef struct look_of_lens {
 } look_of_lens;
 
 /* Where the numbers stand.  A slot is a wavelength of the study, or, the last, the primary one. */
-enum { BEAM_NUMBERS = 16, FIRST_NUMBERS = 2, AXES = 9 };
+enum { BEAM_NUMBERS = 16, FIRST_NUMBERS = 3, AXES = 9 };
 typedef struct place {
     size_t at, end;
     const sgt_param *of;
@@ -29,7 +29,7 @@ typedef struct layout {
     size_t axes;         /* [elements * 9] */
     size_t beams;        /* [fields * 16]: the members of sgt_field_beam in order, but `front` */
     size_t stop;         /* the height on the stop that the rim of the pupil is aimed at */
-    size_t first;        /* [slots * 2]: efl, exit_pupil */
+    size_t first;        /* [slots * 3]: efl, exit_pupil, 1 / exit_pupil */
     size_t ideal;        /* [fields * slots]: the height of an image without distortion */
     size_t fixed;        /* what must not move: lengths of phases, numbers that are no parameters */
     size_t weights;      /* of fields and wavelengths, and the wavelengths; the same */

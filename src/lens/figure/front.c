@@ -42,6 +42,34 @@ static opd_change opd_moved(const sgt_reference *of, const sgt_ray_change *end)
                         along3(along3(none, 2 * n * K, v), -n * back, d), along3(none, -n * back, v)};
 }
 
+/* How a number of the file moves the reference, and what may be off in radius and index.  (What is off in
+ * the chief ray is off alike in its neighbours: it is not counted twice.) */
+typedef struct reference_change {
+    sgt_vec3 centre;
+    double opl, radius, index, radius_off, index_off;
+} reference_change;
+
+/* from_pupil: from the exit pupil to the centre; exit and index: their places among the numbers.  Of a pupil
+ * that is far away the reciprocal is known better. */
+static reference_change reference_moved(const asked *a, size_t m, const sgt_reference *of,
+                                        sgt_vec3 from_pupil, size_t exit, size_t index)
+{
+    const double *c = a->chief + m;
+    const motion *by = &a->motion[m];
+    const size_t next = a->paths;
+    reference_change r = {.centre = {c[0], c[next], c[2 * next]},
+                          .opl = c[6 * next],
+                          .index = by->by[index],
+                          .index_off = by->error[index]};
+    if (of->kind == SGT_REFERENCE_INFINITE) return r;
+    const double z = a->at.number[exit], inverse_off = z * z * by->error[exit + 1];
+    const bool far = inverse_off < by->error[exit];
+    const sgt_vec3 moved = minus3(r.centre, (sgt_vec3){0, 0, far ? -z * z * by->by[exit + 1] : by->by[exit]});
+    r.radius = dot3(from_pupil, moved) / of->radius;
+    r.radius_off = far ? inverse_off : by->error[exit];
+    return r;
+}
+
 static bool front_of_cell(asked *a, size_t panel, const double share[], double own_error[], double weight[])
 {
     const sgt_asking *ask = &a->at.ask;
@@ -60,6 +88,7 @@ static bool front_of_cell(asked *a, size_t panel, const double share[], double o
         return false;
     const sgt_vec3 from_pupil = minus3(end.p, (sgt_vec3){0, 0, ask->primary.data.exit_pupil});
     const size_t exit = a->in.first + ask->bands * FIRST_NUMBERS + 1;
+    const size_t index = b * a->in.trace + image_index(f);
     for (size_t i = 0; i < points; i += f->count) {
         const size_t part = i % PUPIL_PART, whole = i - part;
         const size_t most = points - whole < PUPIL_PART ? points - whole : PUPIL_PART;
@@ -88,16 +117,15 @@ static bool front_of_cell(asked *a, size_t panel, const double share[], double o
         for (size_t k = 0; k < count; k++) {
             if (!(f->there[k] && f->fate[k] == SGT_PASSED)) continue;
             for (size_t m = 0; m < paths; m++) {
-                const double *c = a->chief + m;
-                const sgt_vec3 dc = {c[0], c[paths], c[2 * paths]};
-                const motion *by = &a->motion[m];
-                double dR = dot3(from_pupil, minus3(dc, (sgt_vec3){0, 0, by->by[exit]})) / reference.radius;
-                if (reference.kind == SGT_REFERENCE_INFINITE) dR = 0;
+                const reference_change r = reference_moved(a, m, &reference, from_pupil, exit, index);
+                const opd_change *o = &diff[k];
                 double *to = &a->jacobian[(g.first + i + k) * paths + m];
-                *to += -dot3(diff[k].p, dc) - c[6 * paths] + diff[k].by_radius * dR +
-                       diff[k].by_index * by->by[b * a->in.trace + image_index(f)];
+                *to += -dot3(o->p, r.centre) - r.opl + o->by_radius * r.radius + o->by_index * r.index;
                 *to *= waves;
-                if (own_error) own_error[(g.first + i + k) * paths + m] *= waves;
+                if (!own_error) continue;
+                to = &own_error[(g.first + i + k) * paths + m];
+                *to += fabs(o->by_radius) * r.radius_off + fabs(o->by_index) * r.index_off;
+                *to *= waves;
             }
         }
     }

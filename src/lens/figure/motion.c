@@ -13,7 +13,7 @@
  *
  * THE STEP is a power of two, some 2^-11 of x: x + k h is mostly exact, and so is all that is linear.
  * Lengths and angles that are small or 0 have the scale of the lens, or a radian.  Where focal length or
- * pupil change by more than 2^-7 from x - h to x + h, or the reader refuses a point, h is made less.  So D4
+ * pupil change by more than 2^-8 from x - h to x + h, or the reader refuses a point, h is made less.  So D4
  * is off by some 4 (2^-11)^4 = 2^-42, and by the rounding 2^-53 2^11 of a number that x sets alone.
  *
  * A RADIUS is taken by its reciprocal, in which nearly everything is linear: d/dR = -1/R^2 d/d(1/R).
@@ -27,7 +27,7 @@
 
 enum { POINTS = 2, TRIES = 5, SMALLER = 4, STEP = 11 };
 enum { BEAM_RADIUS = 7, BEAM_WAVE = 9 }; /* places of numbers in a beam's row */
-static const double ROUNDING = 0x1p-53, TOO_FAR = 0x1p-7, RADIAN = 57.29577951308232;
+static const double ROUNDING = 0x1p-53, TOO_FAR = 0x1p-8, RADIAN = 57.29577951308232;
 
 static bool refuses(sgt_error *error, const char *path, const char *why)
 {

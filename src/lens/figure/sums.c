@@ -49,7 +49,8 @@ void sgt_sum_up(asked *a, size_t value, ray_group g, const double weight[], doub
     for (size_t m = 0; m < paths; m++) {
         if (out->gradient) out->gradient[value * paths + m] = a->sum[m] / rms;
         if (out->gradient_err)
-            out->gradient_err[value * paths + m] = (about_mean ? 2 : 1) * a->sum_error[m] + a->moved[m] / rms;
+            out->gradient_err[value * paths + m] =
+                2 * ((about_mean ? 2 : 1) * a->sum_error[m] + a->moved[m] / rms);
     }
 }
 
