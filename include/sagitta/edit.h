@@ -108,7 +108,8 @@ typedef struct sgt_edit {
 } sgt_edit;
 
 /* Several edits, one after the other, and the lens made once, when all are done: so what
- * is between may be no lens.  All or none.  The fastest way to set many numbers. */
+ * is between may be no lens, but in front of SGT_EDIT_SCALE it has to be one.  All or
+ * none.  The fastest way to set many numbers. */
 SGT_API bool sgt_lens_edit(sgt_lens *lens, size_t count, const sgt_edit edit[],
                            sgt_error *error);
 

@@ -196,13 +196,29 @@ static bool edited(const sgt_lens *lens, size_t count, const sgt_edit edit[], wh
     return false;
 }
 
+/* A scale multiplies the numbers that the reader has read; so the lens is made before each. */
+static size_t end_of_making(size_t from, size_t count, const sgt_edit edit[])
+{
+    size_t end = from < count ? from + 1 : count;
+    while (end < count && edit[end].kind != SGT_EDIT_SCALE) end++;
+    return end;
+}
+
 bool sgt_lens_edit(sgt_lens *lens, size_t count, const sgt_edit edit[], sgt_error *error)
 {
-    whole_lens *w = (void *)lens, new;
+    whole_lens *w = (void *)lens, made, new;
     sgt_error unread;
-    if (!edited(lens, count, edit, &new, error ? error : &unread)) return false;
+    const sgt_lens *from = lens;
+    size_t done = 0;
+    do {
+        const size_t end = end_of_making(done, count, edit);
+        const bool fine = edited(from, end - done, edit + done, &new, error ? error : &unread);
+        if (from != lens) sgt_arena_free(&made.memory);
+        if (!fine) return false;
+        made = new, from = &made.lens, done = end;
+    } while (done < count);
     sgt_arena_free(&w->memory);
-    *w = new;
+    *w = made;
     return true;
 }
 
