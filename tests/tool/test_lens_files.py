@@ -563,7 +563,7 @@ def test_edit():
     for options, words, exit in ((('--remove', 'surfaces[9]'), 'there is no surface 9', BAD_INPUT),
                                  (('--scale', 0), 'factor must be positive', BAD_INPUT),
                                  (('--reverse', '6,1'), 'surfaces[6]', BAD_INPUT),
-                                 (('--insert', 'surfaces[2]={type: plane, colour: red}'), 'colour', BAD_INPUT),
+                                 (('--insert', 'surfaces[2]={type: plane, glass: air, colour: 1}'), 'colour', BAD_INPUT),
                                  (('--insert', 'surfaces'), 'PATH=VALUE', USAGE), (('--scale', 'x'), 'scale', USAGE)):
         said = run('edit', lens, *options, exit=exit).stderr
         assert words in said, (options, said)

@@ -565,7 +565,7 @@ bool sgt_ask_pupil(sgt_asking *a)
     if (!pick_points(a, pattern, n, &a->fine)) return false;
     if (a->fine.count == 0)
         return sgt_ask_refuse(a, "rays", "no ray of the pattern lies inside the pupil's circle");
-    return n / (area ? 4 : 2) == 0 || pick_points(a, pattern, n / (area ? 4 : 2), &a->coarse);
+    return a->study->rms_alone || n / (area ? 4 : 2) == 0 || pick_points(a, pattern, n / (area ? 4 : 2), &a->coarse);
 }
 
 /* ------------------------------------------------------------------- the study */
