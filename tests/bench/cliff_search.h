@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-// Prints the worst fifty cases that `seconds` of search find.  brief: only the row of docs/accuracy.md.
+// Prints the worst fifty cases that `seconds` of search find.  brief: only the row of docs/data/ordinary.md.
 int search_for_cliffs(double seconds, uint64_t seed, const std::string &only_type, bool brief);
 
 // Runs the one case that such a line tells again.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Each name in backticks on a page exists: a file as a path, a word in the sources.
 
-    python3 tests/build/names.py [TREE]       README.md, CONTRIBUTING.md, docs/*.md, src/**/README.md
+    python3 tests/build/names.py [TREE]       README.md, CONTRIBUTING.md, docs, docs/data, src/**/README.md
     python3 tests/build/names.py --planted    tries the test itself on trees with faults
 
 - A path is found from the page's folder, from the folder of the path (or the suite of tests) before it in
@@ -46,13 +46,13 @@ def text_of(path):
 
 def pages(tree):
     found = [tree / 'README.md', tree / 'CONTRIBUTING.md', *sorted((tree / 'docs').glob('*.md')),
-             *sorted((tree / 'src').rglob('README.md'))]
+             *sorted((tree / 'docs/data').glob('*.md')), *sorted((tree / 'src').rglob('README.md'))]
     return [p for p in found if p.is_file()]
 
 
 def is_at(name, folders):
     """The file, folder or program of that name, seen from the first of the folders that has it; else None."""
-    like = re.sub(r'[A-Z]{2,}(?=\.\w)', '*', name)
+    like = re.sub(r'[A-Z]{2,}(?=[._]\w)', '*', name)
     for folder in folders:
         for suffix in ('', '.c', '.cpp'):
             if (folder / (name + suffix)).exists():

@@ -383,7 +383,7 @@ inline double most(const table &t, int from, int to)
     return *std::max_element(t.found + from, t.found + to);
 }
 
-// A line: for climb_limits.h, for docs/accuracy.md, or to be read.
+// A line: for climb_limits.h, for docs/data/climb.md, or to be read.
 inline void print(const table &t, bool limits, bool markdown)
 {
     if (limits) {

@@ -3,7 +3,7 @@
 // ones do not come near.
 //
 //   --limits   prints climb_limits.h: the greatest quotients found, and a fifth more
-//   --table    prints the table of docs/accuracy.md
+//   --table    prints the table of docs/data/climb.md
 //
 // The limits hold for the seed and the scale that are the default; with others a quotient above 1 alone is
 // a fault.

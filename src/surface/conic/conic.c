@@ -53,7 +53,7 @@
  * (careful_proof; in the quick form 0.99 of half that).  The side of the rim has to be certain
  * (rim_hidden).
  *
- * Times, worst cases: docs/accuracy.md. */
+ * Times, worst cases: docs/data/one_ray.md, random.md. */
 #include "../../num/bits.h"
 #include "../../solve/ways.h"
 #include "side.h"
