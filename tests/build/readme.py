@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What README.md and the pages of docs/ show is what the command says, and what they link to is there.
+"""What README.md, tests/README.md and the pages of docs/ show is what the command says; their links lead somewhere.
 
     python3 readme.py README PROGRAM...
 
@@ -109,7 +109,7 @@ def main(readme, *programs):
     # What fontconfig keeps of a picture is no leak of the command (tests/tool/command.py).
     os.environ['LSAN_OPTIONS'] = f'suppressions={folder / "tests/tool/leaks.supp"}:print_suppressions=0'
     os.environ.setdefault('ASAN_OPTIONS', 'intercept_tls_get_addr=0')
-    pages = [*sorted(folder.glob('*.md')), *sorted((folder / 'docs').rglob('*.md'))]
+    pages = [*sorted(folder.glob('*.md')), folder / 'tests/README.md', *sorted((folder / 'docs').rglob('*.md'))]
     programs = {pathlib.Path(program).name: str(pathlib.Path(program).resolve()) for program in programs}
     with tempfile.TemporaryDirectory() as somewhere:
         found = {page: differing(page, programs, folder, pathlib.Path(somewhere)) for page in pages}
