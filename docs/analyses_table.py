@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The table of data/analyses.md: what analyses cost beside their rays (docs/tables.py has the convention).
 
     python3 docs/analyses_table.py build [--before BUILD] [--runs N]

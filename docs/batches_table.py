@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The tables of data/batches.md (docs/tables.py has the convention).
 
     python3 docs/batches_table.py build

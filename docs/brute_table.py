@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The table of data/brute.md: level sets against brute force (docs/tables.py has the convention).
 
     python3 docs/brute_table.py build [--rays WxH]   without --rays every ray, which takes hours

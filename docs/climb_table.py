@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The table of data/climb.md: the greatest errors over their bounds (docs/tables.py has the convention).
 
     python3 docs/climb_table.py build

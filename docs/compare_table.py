@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Published digits beside those of the command and of an oracle: the tables of compare.md.
 
     python3 docs/compare_table.py build/src/tool/sagitta            writes them between their marks

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The table of data/lenses.md: lenses against 50 digits (docs/tables.py has the convention).
 
     python3 docs/lenses_table.py build

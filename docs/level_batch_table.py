@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The tables of data/level_batch.md: batches of level sets (docs/tables.py has the convention).
 
     python3 docs/level_batch_table.py build

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The tables of data/level_sets.md, and docs/level_sets.svg (docs/tables.py has the convention).
 
     python3 docs/level_sets_table.py build

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The table of data/one_ray.md: one ray a call, beside others (docs/tables.py has the convention).
 
     python3 docs/one_ray_table.py build

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The tables of data/ordinary.md (docs/tables.py has the convention).
 
     python3 docs/ordinary_table.py build

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The tables of data/proof_price.md: what proofs cost (docs/tables.py has the convention).
 
     python3 docs/proof_price_table.py build

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The tables of data/proof.md: what is claimed, against Arb (docs/tables.py has the convention).
 
     python3 docs/proof_table.py build [--part N]    a part: rays by thousands (1000: all of them)

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The table of data/random.md: a million random rays (docs/tables.py has the convention).
 
     python3 docs/random_table.py build [--count N]

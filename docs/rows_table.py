@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What the rows of `sagitta trace` cost: the table of data/rows.md (docs/tables.py has the convention).
 
     python3 docs/rows_table.py build [--rays N] [--runs N] [--threads N] [--before SAGITTA]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The table of data/sensitivity.md: what derivatives cost (docs/tables.py has the convention).
 
     python3 docs/sensitivity_table.py build

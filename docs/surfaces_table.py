@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The table of data/surfaces.md, and that of the figures in surfaces.md (docs/tables.py has the convention).
 
     python3 docs/surfaces_table.py build

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The table of data/t_tol.md: an asphere at looser tolerances (docs/tables.py has the convention).
 
     python3 docs/t_tol_table.py build

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """How a measured table gets onto its page, and what guards it there.
 
     python3 docs/NAME_table.py BUILD    runs what measures, and writes the tables of docs/data/NAME.md

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The tables of data/trade.md (docs/tables.py has the convention).
 
     python3 docs/trade_table.py build

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim.h - how the end of a traced ray changes with the ray and with the lens, and the ray
  * that goes through a wanted point.
  *

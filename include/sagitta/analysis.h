@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* analysis.h - what a designer looks at: the rays of a field through a lens and where
  * they end, spots, wavefronts, and the curves of a field.  Part of sagitta_lens.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* edit.h - a lens that was read is a value that can be edited: copied, asked for any
  * number of its file, and changed.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* figure.h - figures of a lens, the residuals that they are made of, and their
  * derivatives by any numbers of its file: what an optimiser asks.  Part of sagitta_lens.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * formula.h - a surface from its formula as text: "x^4 + y^4 + z^4 = a".
  *

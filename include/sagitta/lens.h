@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lens.h - the glass that lenses are made of: catalogues of dispersion, and the index of
  * a glass at a wavelength.
  *

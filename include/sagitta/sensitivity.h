@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sensitivity.h - how a hit changes with the ray and with the surface: derivatives, for
  * an optimiser.
  *

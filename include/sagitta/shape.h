@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* shape.h - the shape of an element, for those who draw it: the sag of a surface, its
  * section by a plane, and the part of it that is in use.  Part of sagitta_lens.
  *

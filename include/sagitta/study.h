@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study.h - what a designer asks of a lens: spots, fans, path differences, field curves,
  * maps, sweeps, encircled energy, illumination.  Part of sagitta_lens.  The command,
  * Python and C ask here, and get the same bits.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* surfaces.h - the built-in surfaces: the sags of optics, quadrics and tori, and level
  * sets of quaternion orbits.
  *

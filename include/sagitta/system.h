@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* system.h - rays through a row of surfaces, in the order given: a lens.
  *
  * Every function may run in any number of threads on the same elements.  Nothing is

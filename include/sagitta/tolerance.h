@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tolerance.h - how badly a lens may be built: what each tolerance of its file does to a
  * figure, and what all of them do together, by many lenses built at random.  Part of
  * sagitta_lens.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* why.h - what became of a ray, in words and numbers: why a search is undecided, why a
  * ray misses, how near it comes, why it ended at an element.  Part of sagitta_lens.
  *

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The structs of _library.py against the compiler's: every member, its offset and its size."""
 import ctypes
 import re

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Does a program that was compiled against the saved interface still run?  abidiff against tests/abi/*.abi.
 
     python3 abi.py BUILD             compares this build with the saved interface.  Skipped (77) without abidiff,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Ordinary input: what a user gives who sets nothing, beside the same with a rim, or away from the case.
 //
 //     build/tests/bench/bench_ordinary [--quick] [--only TEXT] [--list]

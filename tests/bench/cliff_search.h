@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // cliff_search.h - the search for input that costs many times the usual (its head: cliff_search.cpp).
 #ifndef CLIFF_SEARCH_H
 #define CLIFF_SEARCH_H

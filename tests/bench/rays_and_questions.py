@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What is asked of the rays of a lens, beside the rays themselves: nanoseconds a ray.
 
     python3 tests/bench/rays_and_questions.py BUILD [--before BUILD] [--runs N] [--threads N] [--only WORDS]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The floors of src/: a file includes its own folder and those before it.
 
     python3 tests/build/floors.py [TREE]     prints each include that breaks the order

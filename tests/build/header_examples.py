@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The examples in the comments of the public headers compile and run, and each surface of theirs is met.
 
     python3 header_examples.py INCLUDE_FOLDER LIBRARY C_COMPILER [CPP_COMPILER]   (their words, by spaces)

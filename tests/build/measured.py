@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Measured figures in docs/ are those that a command has written.
 
     python3 tests/build/measured.py [TREE]

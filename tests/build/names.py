@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Each name in backticks on a page exists: a file as a path, a word in the sources.
 
     python3 tests/build/names.py [TREE]       README.md, CONTRIBUTING.md, docs, docs/data, tests, src

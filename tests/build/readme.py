@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What README.md, tests/README.md and the pages of docs/ show is what the command says; their links lead somewhere.
 
     python3 readme.py README PROGRAM...

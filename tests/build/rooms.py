@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The rooms of src/: what a reader may count on.
 
     python3 tests/build/rooms.py [TREE]            each file and folder

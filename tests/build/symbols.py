@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What the library is made of: only sgt_ names go out, only copies of memory
 and what the compiler itself asks for come in, and nothing in it can be written to but one number.
 

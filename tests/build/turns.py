@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """turns.py - turns of phrase that a reader stumbles over, in the public headers and in docs.
 
     python3 turns.py [TREE] [--list]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // climb.h - the greatest error for its bound that a climb finds.
 //
 // A bound of an error is told with every answer: t_err with t, p_err with p, `rounding` with F, the ends of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The greatest error for its bound that a climb finds, of each row of sgt_builtins: climb.h has what is
 // looked for and why.  And of some surfaces at which one part of a bound has to hold alone, that random
 // ones do not come near.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The extremes as a table: accuracy, claims and cost where one quantity at a time is
 // driven to the end of its range, all others being those of a lens.
 //

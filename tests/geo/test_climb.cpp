@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // test_climb.cpp - the greatest error for its bound that a climb finds, of the surfaces about the Earth:
 // tests/catalogue/climb.h.
 //

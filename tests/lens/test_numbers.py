@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Every number of info, trace, spot, fan, opd, field, map and sweep, against rays at 50 digits.
 
     python3 test_numbers.py SAGITTA [LENS ...]           status 77, skipped, without mpmath and PyYAML

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Bugs that others have published, as rows: what their programs said, and what this library has to say.
 // docs/notes/published_bugs.md has them as a table.  The right answers come from closed forms, in 113
 // bits where a difference of large numbers has to be taken.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conic.c - plane, sphere and conic, in closed form with a bound on the error.
  *
  * THE EQUATION.  The sag z = s(x, y) is s = c r^2 / (1 + phi), with phi = sqrt(1 - (1 + k) c^2 r^2).  It is

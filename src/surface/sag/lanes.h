@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sag/lanes.h - a tile of rays met quickly: what conic and asphere share.
  *
  * A tile is met in two loops.  The first goes from the ray to its root near the vertex plane.  The second

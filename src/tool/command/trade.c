@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trade.c - sagitta trade: what does accuracy cost, and what does speed cost? */
 #include "../trade/trade.h"
 
