@@ -68,6 +68,9 @@ def what_to_turn(command):
 
     def one_of(case, keys):
         return next(case[key] for key in keys if key in case)
+
+    def total(member):
+        return sum(int(case[key][member]) for case in of for _, *keys in settings for key in keys if key in case)
     settings = [('default', 'default'), ('t alone, or the last point', 'out=t', 'out=point'),
                 ('all there is', 'out=all'), ('one ray a call', 'single'), ('t_tol = 1e-12', 't_tol=1e-12'),
                 ('t_tol = 1e-6', 't_tol=1e-6'), ('proof = root', 'proof=root'), ('proof = first', 'proof=first')]
@@ -80,7 +83,8 @@ def what_to_turn(command):
                      rows(lambda case, keys: f'{float(one_of(case, keys)["ns"]) / float(case["default"]["ns"]):.3g}',
                           settings[1:])),
         tables.table(['error', *CASES.values()], rows(lambda case, keys: share(case[keys[0]][keys[1]]), errors)),
-        f'The worst path through the lens is off by {share(found["scan-lens"]["default"]["waves_worst"])} waves.'])
+        f'The worst path through the lens is off by {share(found["scan-lens"]["default"]["waves_worst"])} waves. '
+        f'Undecided rays: {total("undecided")}; wrong ones: {total("wrong")}.'])
 
 
 def each(command):
