@@ -371,7 +371,7 @@ int main()
     }
     generator g(from);
     if (!only) beside_edge(g, static_cast<int>(400 * (scale ? std::atof(scale) : 0.5)) + 50);
-    if (!only) grazing(g, static_cast<int>(1200 * (scale ? std::atof(scale) : 0.5)) + 60);
+    if (!only) grazing(g, static_cast<int>(400 * (scale ? std::atof(scale) : 0.5)) + 60);
     for (const auto &f : failed) std::printf("FAIL %6d  %s\n", f.second, f.first.c_str());
     return !failed.empty();
 }
