@@ -41,7 +41,7 @@ INLINE = {'float.h', 'math.h', 'string.h'}
 SOURCE = {'.c', '.h', '.inc', '.cc', '.cpp', '.hpp'}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include\b[ \t]*(.*)$', re.MULTILINE)
 NAMED = re.compile(r'([<"])([^>"]+)[>"]')
-COMMENT = re.compile(r'/\*.*?\*/', re.DOTALL)
+COMMENT = re.compile(r'/\*.*?\*/|//[^\n]*', re.DOTALL)
 
 
 def includes(path):
