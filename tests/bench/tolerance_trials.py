@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Lenses a second of a Monte Carlo: tolerances of the Cooke triplet in three ways.
 
     python3 tests/bench/tolerance_trials.py build [--trials N]

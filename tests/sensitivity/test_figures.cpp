@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // test_figures.cpp - derivatives of spots and wavefronts by numbers of lens files, against differences in 113
 // bits.
 //

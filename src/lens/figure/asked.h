@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* asked.h - a figure, and an evaluation of it: what figure.c has and the files of its kinds share. */
 #ifndef SGT_FIGURE_ASKED_H
 #define SGT_FIGURE_ASKED_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chief.c - figures of chief rays and of first-order data: chief, efl, distortion. */
 #include "asked.h"
 

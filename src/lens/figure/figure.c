@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* figure.c - figures of a lens, residuals and derivatives: how one begins, is evaluated, and ends. */
 #include "asked.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* front.c - the figure opd: path differences of wavefronts.
  *
  * A PATH DIFFERENCE (../study/wavefront.c) is, with v = p - c, b = v . d and h^2 = v^2 - b^2,

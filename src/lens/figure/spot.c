@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* spot.c - the figure spot: where rays meet the image, from the chief ray or the centroid. */
 #include "asked.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sums.c - sums of squares of residuals.
  *
  * A NORM.  The residual of a ray is its error times the root of its share: with the weight W of a field among

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* slope.c - derivatives of the figure by what is off.
  *
  * A figure F is the root of the sum of the squares of residuals r, whose derivatives J by the entries are

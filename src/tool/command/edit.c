@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* edit.c - sagitta edit: a lens with other surfaces, turned or larger, as a lens file. */
 #include "commands.h"
 
