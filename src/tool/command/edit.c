@@ -39,7 +39,7 @@ static void take_scale(void *into, const option_row *row, const char *value)
 
 static const option_row edit_rows[] = {
     {"insert", "PATH=VALUE",
-     "in front of what has the place: 'surfaces[3]={type: plane, thickness: 2, glass: N-BK7}'\n"
+     "in front of what has the place: 'surfaces[3]={type: plane, glass: air}'\n"
      "PATH is a place in a list; the place behind the last one is the end.  VALUE is YAML",
      OPTION_TAKE, .take = take_insert},
     {"remove", "PATH", "an entry of a list, or a key: surfaces[3], fields[2], surfaces[1].conic", OPTION_TAKE,
@@ -70,8 +70,8 @@ const command command_edit = {
     .what = "Changes a lens and writes it as a lens file (YAML, docs/lens_file.md).  LENS is a lens file or "
             "a .zmx file; it stays as it is.",
     .often = "set insert remove reverse scale output glass quiet",
-    .examples = "  sagitta edit lens.zmx --set surfaces[3].radius=-21 -o other.yaml\n"
-                "  sagitta edit lens.yaml --reverse 1,6 --scale 0.5\n",
+    .examples = "  sagitta edit triplet.zmx --set surfaces[3].radius=-21 -o other.yaml\n"
+                "  sagitta edit examples/lenses/cooke_triplet.yaml --reverse 1,6 --scale 0.5\n",
     .docs = "docs/lens_file.md#edits",
     .all = "Each edit counts surfaces as the one before it has left them.  Then the lens is read, so that\n"
            "all checks of the reader hold.\n",
