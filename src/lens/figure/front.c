@@ -108,7 +108,7 @@ static bool front_of_cell(asked *a, size_t panel, const double share[], double o
             weight[i + k] = sgt_sum_weight(a, f, k, at[part + k].weight, g.first + i + k, 1);
             w[0][k] = diff[k].p.x, w[1][k] = diff[k].p.y, w[2][k] = diff[k].p.z;
             w[3][k] = diff[k].d.x, w[4][k] = diff[k].d.y, w[5][k] = diff[k].d.z, w[6][k] = 1;
-            if (weight[i + k] > 0) off = fmax(off, 0x1p-50 * waves * (fabs(ray.opl) + fabs(reference.opl)));
+            if (weight[i + k] > 0) off = fmax(off, 0x1p-49 * waves * (fabs(ray.opl) + fabs(reference.opl)));
         }
         if (!paths) continue;
         const sgt_ray_changes all = {{w[0], w[1], w[2]}, {w[3], w[4], w[5]}, w[6], {0}};
