@@ -20,6 +20,7 @@
 
 #include <sagitta/figure.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -366,7 +367,7 @@ int main()
 {
     const char *text = std::getenv("SAGITTA_TEST_SCALE"), *seed = std::getenv("SAGITTA_TEST_SEED");
     generator g(seed ? std::strtoull(seed, nullptr, 10) : 391);
-    const int lenses = static_cast<int>(20 * (text ? std::atof(text) : 0.5));
+    const int lenses = std::max(1, static_cast<int>(14 * (text ? std::atof(text) : 0.5)));
     int tried = 0;
     for (int of = TILTED; of < KINDS; of++)
         for (int drawn = 0, own = 0; own < lenses && drawn < 20 * lenses; drawn++)
