@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The renderer from outside: its pictures against closed forms, its errors, its reproducibility.
 
     python3 test_render.py RENDER

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The library as ctypes sees it: the structs of the headers, and the functions.
 
 Each struct has the name and the members of its C struct; tests/test_layouts.py compares every offset with
@@ -648,6 +649,10 @@ class Sensitivity(Structure):
         ("worse", c_double),
         ("compensator_lower", c_double),
         ("compensator_upper", c_double),
+        ("derivative", c_double),
+        ("linear_lower", c_double),
+        ("linear_upper", c_double),
+        ("compensator_derivative", c_double),
         ("reserved_", Words * 4),
     ]
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Functions of Python as surfaces: they answer as the library's own types do, and what they raise is
 raised."""
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rounds of making and dropping: the memory of the process stays, and so does the number of objects.
 
 What leaks grows in every stretch of rounds, but for one in which malloc had room left over.  What does not leak

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* answer.c - the answers about a surface that is met by its operations, with a proof or without.
  *
  * First cells_batch.c is asked, and by_slope.c under a proof, where they are offered.  What they leave:

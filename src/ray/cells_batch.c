@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* cells_batch.c - first roots by cells, many rays side by side: for surfaces that offer `encloses`, and for
  * proofs of the bodies of the catalogue, which have one of their own (builtin.h).
  *

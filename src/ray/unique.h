@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* unique.h - is the root that was met the only one?
  *
  * Functions in unique.c, but for those named by_slope and quick, in by_slope.c. */

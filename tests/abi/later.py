@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Programs and libraries of two versions: each program with each library.
 
     python3 later.py BUILD

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The price of proof of each type of the catalogue: batches and single rays, proof root and first beside the
 // estimate, the first root wanted.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* body_cells.c - the enclosures in lanes of quadric, ellipsoid and torus, which no header shows: `encloses`
  * of sgt_builtin_ops, as each set of instructions has it. */
 #include "../../src/surface/builtin.h"

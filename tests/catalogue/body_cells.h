@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* body_cells.h - what body_cells.c shows. */
 #ifndef TESTS_CATALOGUE_BODY_CELLS_H
 #define TESTS_CATALOGUE_BODY_CELLS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The first root of sags without a rim.  Coming from afar the ray passes the wings, which a departure of
 // high powers makes as steep as can be, and a wing may be met before what is near the axis is.  Leaving
 // from beside the surface it may meet one, too, or none: with an end to the ray, or as far as the surface

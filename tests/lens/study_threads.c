@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study_threads.c - the bytes of every analysis for any number of threads: study_threads LENS...
  *
  * Each analysis of the library's own table is asked of each lens, with its default rays and with more, aimed

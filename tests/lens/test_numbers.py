@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Every number of info, trace, spot, fan, opd, field, map and sweep, against rays at 50 digits.
 
     python3 test_numbers.py SAGITTA [LENS ...]           status 77, skipped, without mpmath and PyYAML
@@ -48,7 +49,7 @@ def number(cell):
 
 
 def weight(rings, radius):
-    """Of a point of a hexapolar pattern (docs/lens_file.md)."""
+    """Of a point of a hexapolar pattern (docs/rays.md)."""
     ring = round(radius * rings)
     if ring == 0:
         return D(1) / (4 * rings ** 2)

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Zemax .zmx files: what the command reads, where its rays go, what it says of what it leaves out.
 
     python3 test_zmx.py SAGITTA

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """--columns, --last, arrays of NumPy out and in, --progress, and text that does not fit into memory.
 
 Arrays are read here by the words of the format (NEP 1); if NumPy is there it must read them alike.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sgt_intersect_all: every root in its place, what could not be decided in its place too, and no
  * more claimed than what the surface offers.  The truth is a closed form or dense samples, in
  * long double. */

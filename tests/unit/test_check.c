@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sgt_check finds each planted fault and no other: sound surfaces of every kind, steep ones and
  * edges among them, are SOUND on random rays. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* test_range.c - what an answer's numbers owe each other, whatever the exponents of a question are.
  *
  *   random      parameters, rays and options of any exponents, now and then zero, subnormal or the largest

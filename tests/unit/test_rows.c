@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* test_rows.c - one row for each fault that was mended, that random tests did not find or would seldom
  * find: what was wrong, and the input as it was. */
 #include "unit.h"

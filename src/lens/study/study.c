@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study.c - fields x wavelengths x points of the pupil, and their rays in blocks.
  *
  * WHAT A STUDY IS stands in one place, here: which fields, wavelengths and points there are if nothing is
@@ -565,6 +566,7 @@ bool sgt_ask_pupil(sgt_asking *a)
     if (!pick_points(a, pattern, n, &a->fine)) return false;
     if (a->fine.count == 0)
         return sgt_ask_refuse(a, "rays", "no ray of the pattern lies inside the pupil's circle");
+    if (a->study->rms_alone) return true;
     return n / (area ? 4 : 2) == 0 || pick_points(a, pattern, n / (area ? 4 : 2), &a->coarse);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study.h (of the room) - a study that is being asked: its fields, wavelengths and points, and their rays in
  * blocks. */
 #ifndef SGT_STUDY_STUDY_H
@@ -13,6 +14,7 @@ struct sgt_study {
     const sgt_lens *lens;
     sgt_launcher *from;
     double um;                  /* the unit of length in micrometres; NaN: not known */
+    bool rms_alone;             /* of a row rms and means alone are read: no errors, no coarse points */
 };
 
 /* The lens at a wavelength. */

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: MIT
 /* commands.h - the commands, each with its options and what runs it. */
 #ifndef TOOL_COMMANDS_H
 #define TOOL_COMMANDS_H
 #include "../job/parse.h"
 
 extern const command command_intersect, command_trace, command_diagnose, command_trade, command_info,
-    command_import, command_spot, command_fan, command_opd, command_field, command_map, command_sweep,
-    command_tolerance;
+    command_import, command_edit, command_spot, command_fan, command_opd, command_field, command_map,
+    command_sweep, command_tolerance;
 
 #endif
