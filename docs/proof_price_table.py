@@ -16,7 +16,7 @@ DECIDED = 93                                         # per cent, from which on L
 
 def catalogue(build):
     told = tables.run(f'{build}/tests/bench/bench_proof_catalogue', '--runs', 31)
-    tables.write('proof_price', build, told, block='proof_price, catalogue')
+    tables.write('proof_price', build, told, block='proof_price catalogue')
 
 
 def main(build, only=None):
