@@ -147,8 +147,10 @@ size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, boo
 bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit)
 {
     sgt_options plain = *opt;
-    plain.proof = SGT_ESTIMATE;
-    *hit = sgt_intersect(s, *ray, &plain);
+    plain.proof = SGT_ESTIMATE, plain.f_tol = 0;
+    hit->evals = 0;
+    if (!parameters_valid(s) || !ray_valid(ray) || !rim_in_range(rim2_of_surface(s))) return false;
+    *hit = sgt_search_first(s, ray, &plain);
     if (hit->status == SGT_STOPPED) return true;
     double r2 = hit->p.x * hit->p.x + hit->p.y * hit->p.y;
     if (hit->status != SGT_HIT || r2 > rim2) return false;

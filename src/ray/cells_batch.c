@@ -31,7 +31,9 @@
  *
  * A BODY (quadric, ellipsoid, torus) says by `firsts`, for most rays, that the ray has no root, or gives a
  * stretch with one root at most.  If that is not accepted, no other is.  That is rigorous, by the analysis of
- * errors in its head, as spans are.  So the stretch is a bracket.  Its root is refined from the seed and
+ * errors in its head, as spans are, but for roots that it takes for the start: near a line in which two
+ * planes meet the terms of the rule are nothing but rounding.  So a ray whose start is not away from the
+ * surface is left (are_away).  Else the stretch is a bracket.  Its root is refined from the seed and
  * certified by the enclosures, as above.  (The sign before it is not known, but that of the slope is.)  A
  * stretch whose seed is beyond the ends of the ray, and the span of other rays, are searched by cells.  The
  * enclosures of a body know F at a point to far more than a double has.  So X is made wider by what rounding
@@ -191,6 +193,49 @@ static void leave_hard(cell_search *j, size_t i, double evals)
     j->hard++;
 }
 
+static void values_of(const cell_search *j, size_t n, sgt_points p, sgt_values out)
+{
+    const sgt_surface_ops *ops = j->s.ops;
+    if (ops->values) {
+        ops->values(j->s.self, n, p, out);
+        return;
+    }
+    for (size_t k = 0; k < n; k++) {
+        sgt_vec3 grad = {0, 0, 0};
+        out.f[k] = ops->value(j->s.self, (sgt_vec3){p.p[0][k], p.p[1][k], p.p[2][k]}, &grad);
+        out.grad[0][k] = grad.x, out.grad[1][k] = grad.y, out.grad[2][k] = grad.z;
+    }
+}
+
+/* The rounding of F at n points of a body. */
+static void round_own(const cell_search *j, size_t n, sgt_points p, const double f[], double own[])
+{
+    const sgt_surface_ops *ops = j->s.ops;
+    if (ops->own_->roundings && ops->own_->roundings(j->s.self, NULL, n, p, f, own)) return;
+    for (size_t i = 0; i < n; i++)
+        own[i] = ops->rounding(j->s.self, (sgt_vec3){p.p[0][i], p.p[1][i], p.p[2][i]});
+}
+
+/* Of n rays from `from` on: is the start so far from the surface that it is no root, and none was taken for
+ * it?  One is if F there is within 2^-48 of the terms of its gradient, and a few roundings. */
+SGT_NOINLINE static void are_away(const cell_search *j, size_t from, size_t n, bool away[])
+{
+    double p[3][QUEUE], f[QUEUE], grad[3][QUEUE];
+    const sgt_rays *r = &j->tile->rays;
+    for (size_t i = 0; i < n; i++) {
+        double tmin = r->tmin[from + i], t = tmin > -HUGE_VAL ? tmin : 0;
+        for (int c = 0; c < 3; c++) p[c][i] = moved_along(r->o[c][from + i], t, r->d[c][from + i]);
+    }
+    values_of(j, n, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {grad[0], grad[1], grad[2]}});
+    double own[QUEUE];
+    round_own(j, n, (sgt_points){{p[0], p[1], p[2]}}, f, own);
+    for (size_t i = 0; i < n; i++) {
+        double terms = 0;
+        for (int c = 0; c < 3; c++) terms += fabs(p[c][i] * grad[c][i]);
+        away[i] = r->tmin[from + i] == -HUGE_VAL || fabs(f[i]) > 0x1p-40 * terms + 0x1p10 * own[i];
+    }
+}
+
 /* Prepares the next rays.  The surface is not given a ray that is not valid.  false: there are none. */
 static bool refill(cell_search *j)
 {
@@ -208,12 +253,13 @@ static bool refill(cell_search *j)
         q->next = q->count = 1;
         return true;
     }
-    bool single[QUEUE] = {false};
+    bool single[QUEUE] = {false}, away[QUEUE];
     sgt_rays rays = rays_from(&j->tile->rays, q->from);
     sgt_spans spans = {q->lo, q->hi, q->seed, single};
     if (j->own && ops->firsts) {
         rays.tmin = j->tile->rays.tmin + q->from, rays.tmax = j->tile->rays.tmax + q->from;
         ops->firsts(j->s.self, n, rays, spans);
+        are_away(j, q->from, n, away);
     } else if (ops->spans && ops->span) {
         ops->spans(j->s.self, n, rays, spans);
     }
@@ -227,6 +273,7 @@ static bool refill(cell_search *j)
     cells_cut(n, &j->tile->rays, q->from, q->lo, q->hi, q->state);
     for (size_t i = 0; i < n; i++) {
         if (single[i] && !j->proof && q->state[i] != SGT_MISS) q->state[i] = SGT_SINGLE;
+        if (j->own && !away[i]) q->state[i] = SGT_HARD;
         bool inside = q->seed[i] > q->lo[i] && q->seed[i] < q->hi[i];
         if (single[i] && j->own && inside && q->state[i] == READY) q->state[i] = AT_SEED;
     }
@@ -431,16 +478,19 @@ static double meetings_step(meetings *s, size_t n)
     return more;
 }
 
+/* The terms of the gradient that was asked for last. */
+SGT_INLINE double terms_of(const meetings *s, size_t k)
+{
+    return fabs(s->px[k] * s->fx[k]) + fabs(s->py[k] * s->fy[k]) + fabs(s->pz[k] * s->fz[k]);
+}
+
 /* The point t and the interval X about it, wider than what rounding of F leaves of the root.  The enclosures
  * of a built-in surface are sharper than `value`: own.  That rounds by a few ulps of the terms of its
  * gradient. */
 SGT_INLINE void meeting_ask(meetings *s, size_t k, size_t n, bool own)
 {
     double t = (s->t0[k] + s->tau[k]) * s->scale[k], steep = fabs(s->steep[k]) * s->inverse[k];
-    double noise = s->noise[k];
-    if (own)
-        noise += 0x1p-50 * (fabs(s->px[k] * s->fx[k]) + fabs(s->py[k] * s->fy[k]) +
-                            fabs(s->pz[k] * s->fz[k]));
+    double noise = own ? s->noise[k] + 0x1p-50 * terms_of(s, k) : s->noise[k];
     double pad = 8 * noise / steep + 0x1p-49 * fabs(t) + 4 * s->last[k] * s->scale[k] * 0x1p-20;
     double whole = s->b[k] - s->a[k];
     pad = pad < whole ? pad : whole; /* NaN, too */
@@ -513,20 +563,6 @@ SGT_INLINE void meeting_take(meetings *s, size_t k)
 SGT_KERNEL
 static void meetings_take(meetings *s, size_t n) { LANES for (size_t k = 0; k < n; k++) meeting_take(s, k); }
 
-static void values_of(const cell_search *j, size_t n, sgt_points p, sgt_values out)
-{
-    const sgt_surface_ops *ops = j->s.ops;
-    if (ops->values) {
-        ops->values(j->s.self, n, p, out);
-        return;
-    }
-    for (size_t k = 0; k < n; k++) {
-        sgt_vec3 grad = {0, 0, 0};
-        out.f[k] = ops->value(j->s.self, (sgt_vec3){p.p[0][k], p.p[1][k], p.p[2][k]}, &grad);
-        out.grad[0][k] = grad.x, out.grad[1][k] = grad.y, out.grad[2][k] = grad.z;
-    }
-}
-
 static void value_all(const cell_search *j, meetings *s, size_t n)
 {
     values_of(j, n, (sgt_points){{s->px, s->py, s->pz}}, (sgt_values){s->f, {s->fx, s->fy, s->fz}});
@@ -563,6 +599,11 @@ static void meet(cell_search *j)
                        s->slope_hi[i]);
     meetings_certify(s, n);
     value_all(j, s, n);
+    if (j->own) {
+        double own[MEETINGS];
+        round_own(j, n, (sgt_points){{s->px, s->py, s->pz}}, s->f, own);
+        for (size_t k = 0; k < n; k++) s->noise[k] += own[k];
+    }
     tell_value(j, s, SGT_PROBE);
     meetings_take(s, n);
     j->f = s->f[0];
@@ -664,7 +705,8 @@ static void settle_starts(cell_search *j)
     double p[3][SLOTS], f[SLOTS], grad[3][SLOTS];
     for (size_t k = 0; k < s->count; k++) {
         if (s->leave[k] != STARTED) continue;
-        s->leave[k] = s->g_lo[k] > 0 || s->g_hi[k] < 0 ? STAYS : GIVEN_UP;
+        s->leave[k] = !j->own && (s->g_lo[k] > 0 || s->g_hi[k] < 0) ? STAYS : GIVEN_UP;
+        if (j->own) continue;
         if (s->a[k] != j->tile->rays.tmin[(size_t)s->ray[k]]) continue; /* not the start,
             but that of a span */
         for (int c = 0; c < 3; c++) p[c][n] = moved_along(s->o[c][k], s->a[k], s->d[c][k]);
