@@ -15,7 +15,7 @@ DECIDED = 93                                         # per cent, from which on L
 
 
 def catalogue(build):
-    told = tables.run(f'{build}/tests/bench/bench_proof_catalogue', '--runs', 31)
+    told = tables.run(f'{build}/tests/bench/bench_proof_catalogue', '--runs', 21)
     tables.write('proof_price', build, told, block='proof_price catalogue')
 
 
