@@ -20,11 +20,9 @@ SGT_INLINE easy_answer beside_at(const wavy *s, sgt_vec3 o, sgt_vec3 d, double t
                                  const sgt_ray *ray)
 {
     const bool first = w->opt->pick != SGT_NEAR_SEED;
-    mask passes = MASK(true);
     convex b = convex_of(s);
     side_stretch r = side_stretch_of(&b, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
-    if (!r.away) sgt_asphere_pass(h, &(sgt_tile){.n = 1, .rays = rays_of(ray)}, PASS_CONES, &passes);
-    if (r.away | passes) return EASY_MISS;
+    if (r.away) return EASY_MISS;
     if (!r.chord) return EASY_NOT;
     side_way way = side_way_of(s, ALL_TERMS, &r.q, r.from, d.x, d.y, d.z);
     side_seed seed = side_seed_of(s, &b, ALL_TERMS, first, &r.q, &way, r.to, r.chord, d.x, d.y, d.z);
@@ -65,7 +63,7 @@ typedef struct beside_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], z[SGT_TILE], rho0[SGT_TILE], t0[SGT_TILE], from[SGT_TILE], to[SGT_TILE], r2[SGT_TILE],
         tau[SGT_TILE], tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
-    mask asked[SGT_TILE], over[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE],
+    mask asked[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE],
         again[SGT_TILE];
     int steps[SGT_TILE];
     bool afar;
@@ -73,8 +71,8 @@ typedef struct beside_room {
     lane_ends ends;
 } beside_room;
 
-/* The stretch of each ray that is asked about.  `over` is set for those that do not certainly miss by it.
- * Returns all bits set if there are such. */
+/* The stretch of each ray that is asked about: `asked` stays set where one is known.  Returns all bits set if
+ * there are such. */
 SGT_KERNEL
 static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, beside_room *r)
 {
@@ -88,8 +86,8 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, bes
         side_stretch one = side_stretch_of(b, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
         r->x[i] = one.q.x, r->y[i] = one.q.y, r->z[i] = one.q.z, r->rho0[i] = one.q.rho0, r->t0[i] = one.t0,
         r->from[i] = one.from, r->to[i] = one.to;
-        mask hard = r->asked[i], left = hard & ~one.away;
-        r->away[i] = hard & one.away, r->asked[i] = left & one.chord, r->over[i] = left;
+        mask hard = r->asked[i], left = hard & ~one.away & one.chord;
+        r->away[i] = hard & one.away, r->asked[i] = left;
         r->r2[i] = wavy_r2(one.q.x, one.q.y, one.from, l[i], m[i]), r->off[i] = 0;
         afar |= left & one.afar;
         any |= left;
@@ -114,18 +112,6 @@ SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, b
             r->from[i] = way.from, r->r2[i] = way.r2;
             r->off[i] |= MASK(way.from > from);
         }
-}
-
-/* Takes out the rays that the cone finds to miss.  Is something left to ask? */
-static bool beside_left(const shape *h, const sgt_tile *tile, beside_room *r)
-{
-    bool left = false;
-    sgt_asphere_pass(h, tile, PASS_CONES, r->over);
-    for (size_t i = 0; i < tile->n; i++) {
-        r->away[i] |= r->over[i], r->asked[i] &= ~r->over[i];
-        left = left || r->asked[i];
-    }
-    return left;
 }
 
 /* The seeds.  Returns all bits set if a root is looked for. */
@@ -247,7 +233,7 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
     }
     memset(r.ends.hit, 0, n * sizeof *r.ends.hit), memset(r.above, 0, n * sizeof *r.above);
     memset(r.below, 0, n * sizeof *r.below);
-    bool left = asphere_beside_stretch(&b, tile, &r) && beside_left(h, tile, &r);
+    bool left = asphere_beside_stretch(&b, tile, &r) != 0;
     if (left && r.afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, &r);
     if (left && first)
         left = (few ? asphere_beside_few_first : asphere_beside_first)(s, &b, tile, &r) != 0;

@@ -260,16 +260,15 @@ static void asphere_over(const slope_rings *g, const sgt_tile *tile, const cones
 
 /* If the ray starts in the vertex at t = 0 and has at most one root, that root is the start itself, and is
  * not accepted. */
-void sgt_asphere_pass(const shape *s, const sgt_tile *tile, pass_by how, mask passes[])
+void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
 {
     const sgt_rays *r = &tile->rays;
     slope_rings g;
     cones e;
     mask over[SGT_TILE];
     bool any = false, in_range = s->domain2 < 0x1p600 && s->domain2 > 0x1p-600;
-    memset(over, 0, tile->n * sizeof over[0]);
-    if (how != PASS_RINGS) memcpy(over, passes, tile->n * sizeof over[0]);
-    if (how != PASS_RINGS && in_range && cones_of(tile, over, &e) > 0) {
+    memcpy(over, passes, tile->n * sizeof over[0]);
+    if (in_range && cones_of(tile, over, &e) > 0) {
         asphere_rings(s, &g);
         any = true;
         asphere_over(&g, tile, &e, over);
@@ -281,7 +280,6 @@ void sgt_asphere_pass(const shape *s, const sgt_tile *tile, pass_by how, mask pa
         sgt_vec3 o = {r->o[0][i], r->o[1][i], r->o[2][i]}, d = {r->d[0][i], r->d[1][i], r->d[2][i]};
         double tmin = r->tmin[i], tmax = r->tmax[i];
         passes[i] = 0;
-        if (how == PASS_CONES) continue;
         line w = line_of(o, d, tmin, tmax);
         bool is_ray = tmin <= tmax && tmin < HUGE_VAL && tmax > -HUGE_VAL,
              vertex = at_vertex(o.x, o.y, o.z) && tmin == 0;
