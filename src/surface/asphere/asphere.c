@@ -381,14 +381,6 @@ SGT_INLINE bool single(const shape *s, const local *q)
                                   : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
 }
 
-/* Is the root the start itself, however it is computed (rule of sgt_ray)? */
-SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
-{
-    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z)),
-           width = START_ULPS * terms * scale / h->slope;
-    return h->t + h->t_err <= ray->tmin + (width < HUGE_VAL ? width : 0) * (1 - 0x1p-20);
-}
-
 /* Returns true for a hit.  If it returns false with *miss set, the ray misses: the start is the only root
  * within the rim. */
 SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, bool *miss,

@@ -289,7 +289,8 @@ bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo
         twofold next = two_sum(t0, t0_lo - at.g / at.slope);
         bool still = next.hi == t0 && next.lo == t0_lo;
         if (steady || still) {
-            if (out->t_err <= 4 * SGT_U * fabs(out->t) || (fine && (still || out->t_err > 0.5 * last)))
+            if (out->t_err <= 4 * SGT_U * fabs(out->t) || (fine && (still || out->t_err > 0.5 * last)) ||
+                is_start(out, ray, q.scale))
                 return true;
             fine = true;
         }
