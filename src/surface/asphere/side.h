@@ -23,6 +23,12 @@
  *     a root at which it falls, if sigma F > 0 at the beginning      is the only one,
  *     sigma F > 0 at the beginning and at the end                    is a miss.
  *
+ * FROM ON IT.  A ray may start on the surface, at o with tmin = 0.  If G there is within half of what the rule
+ * of the start allows, and G' keeps its sign within H = 4 (|G| + e) / |G'| (THE BOUND of easy.h), the root at
+ * the start is the only one within H, and is not accepted.  At H F has the sign of its slope.  So if sigma F
+ * rises at the start, it is > 0 at the beginning of what is left.  If it falls, it falls on: a ray that is
+ * within R all along misses.
+ *
  * PASSING BY.  The sag within the rim, or up to the equator, is between two heights (wavy_ahead of easy.h).
  * If the ray is above or below both of them along its whole stretch, or if the stretch is empty, it misses.
  *
@@ -52,7 +58,8 @@
 #include "../../num/bits.h"
 #include "easy.h"
 
-enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 3 }; /* evaluations: both ends, the steps, the bound */
+/* Evaluations: both ends, the start, the steps, the bound. */
+enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 4 };
 
 /* What all rays of a surface share.
  *
@@ -185,10 +192,11 @@ SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, int rou
     return at.known & bent_is_first(s, b, terms, &way, inverse, l, m, n);
 }
 
-/* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither. */
+/* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither.  close: it may
+ * be on the surface by the rule of the start (half of which is 16 u of the terms, and e is u of them at least). */
 typedef struct side_end {
     double r2;
-    mask above, below;
+    mask above, below, close;
 } side_end;
 
 /* The local origin, and what belongs to it. */
@@ -213,7 +221,8 @@ SGT_INLINE side_end side_end_at(const wavy *s, const convex *b, int terms, const
     double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), first = horner(s->size, terms, rho),
            e = sgt_fma(1.01 * SGT_U, side_noise(s, q, rho, z, first, g, w, ckw), 0x1p-1000), up = b->sign * g;
     mask known = MASK(fabs(ckw) < 1 - 0x1p-8) & MASK(b->ckc * rho < 1 - 0x1p-10) & MASK(e < s->most_e);
-    return (side_end){rho * (1 + 0x1p-10), known & MASK(up > e), known & MASK(up < -e)};
+    return (side_end){rho * (1 + 0x1p-10), known & MASK(up > e), known & MASK(up < -e),
+                      MASK(fabs(g) <= 64 * e)};
 }
 
 /* A step of Newton on G, and what the bound needs of it.  It is the last if it is short (side_ready). */
@@ -308,24 +317,54 @@ SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, d
     return comes_near(s, terms, way, 0, q->x, q->y, q->z, l, m, n);
 }
 
+/* Does sigma F rise or fall where a ray starts on the surface?  Neither: it is not known to start there. */
+typedef struct side_on {
+    mask rises, falls;
+} side_on;
+
+SGT_INLINE side_on side_on_of(const wavy *s, const convex *b, int terms, double ox, double oy, double oz,
+                              double l, double m, double n, double tmin)
+{
+    side_local q = {ox, oy, oz, ox * ox + oy * oy};
+    wavy_newton at = side_step(s, terms, &q, 0, l, m, n);
+    double a = l * l + m * m, rho = q.rho0, dp = horner(s->slope, terms, rho), w, ckw,
+           g = wavy_g(s, rho, oz, horner(s->a, terms, rho), &w, &ckw), ai = fabs(at.inverse), v = 1 - ckw;
+    double e = sgt_fma(1.01 * SGT_U,
+                       side_noise(s, &q, rho, oz, horner(s->size, terms, rho), g, w, ckw), 0x1p-1000),
+           near = (fabs(g) + e) * ai, H = 4 * near,
+           first = horner(s->size, terms, sgt_fma(17 * a, H * H, 1.0625 * rho));
+    double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at.slant), fabs(n)), W2 = s->bend * (a * first),
+           M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, fabs(w)), W2, W1 * W1), sgt_fma(s->abs_c, a, W2)),
+           width = 0.5 * START_ULPS * (v * sgt_fma(fabs(s->c / v + (dp + dp)), rho, fabs(oz))) * ai;
+    mask on = MASK(tmin == 0) & MASK(2 * near <= width) & MASK(sgt_fma(M * (H + H), ai, 0x1p-30) <= 0.125) &
+              MASK(sgt_fma(2, W1, s->abs_c * at.slant) * ai < 64) & MASK(fabs(ckw) < 1 - 0x1p-8) &
+              MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
+              MASK(rho < 0x1p400) & MASK(b->ckc * rho < 1 - 0x1p-10);
+    return (side_on){on & MASK(b->sign * at.inverse > 0), on & MASK(b->sign * at.inverse < 0)};
+}
+
 /* The ends of the stretch, and where Newton's steps begin.  above: sigma F > 0 at the beginning, so a root at
  * which it falls is wanted.  below: it is < 0 there, so one at which it rises is.  Neither: no root is looked
- * for.  Both are 0 for a ray that misses, as `away` tells.  Near the seed either of two roots may be the answer:
+ * for.  Both are 0 for a ray that misses, as `away` tells.  close: the ray may start on the surface, so that
+ * `on` has to be known.  Near the seed either of two roots may be the answer:
  * it is the one near the vertex plane, as of a conic (conic/side.h), of curvature c + 2 a[0]. */
 typedef struct side_seed {
     double tau;
-    mask above, below, away;
+    mask above, below, away, close;
 } side_seed;
 
 SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, bool first, const side_local *q,
-                                  const side_way *way, double to, mask chord, double l, double m, double n)
+                                  const side_way *way, double to, mask chord, side_on on, double l, double m,
+                                  double n)
 {
     double from = way->from;
     side_end begin = side_end_at(s, b, terms, q, from, l, m, n),
              end = side_end_at(s, b, terms, q, to, l, m, n);
     begin.above |= way->off & MASK(b->sign * n < 0), begin.below |= way->off & MASK(b->sign * n > 0);
+    begin.above = (begin.above & ~on.falls) | on.rises, begin.below &= ~(on.rises | on.falls);
     double both = larger(way->r2, end.r2), a = l * l + m * m, half = q->x * l + q->y * m;
-    mask bent = is_convex(b, terms, both), away = chord & begin.above & end.above & bent;
+    mask bent = is_convex(b, terms, both),
+         away = chord & ((begin.above & end.above) | on.falls) & bent;
     double A = sgt_fma(b->bowl, a, s->ck * (n * n)), B = n - sgt_fma(b->bowl, half, s->ck * q->z * n),
            C = sgt_fma(b->bowl, q->rho0, s->ck * q->z * q->z - 2 * q->z), D = sgt_fma(B, B, -A * C),
            sum = B + copysign(sqrt(larger(D, 0)), B);
@@ -340,7 +379,7 @@ SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, boo
     tau = chosen(MASK(A == 0) & ~one, chosen(below, from, to), tau); /* no matter which zero */
     tau = chosen(MASK(tau > from), tau, from), tau = chosen(MASK(tau < to), tau, to);
     chord &= ~away;
-    return (side_seed){tau, chord & above, chord & below, away};
+    return (side_seed){tau, chord & above, chord & below, away, chord & begin.close & ~way->off};
 }
 
 /* The root from side_bound.  rises: 1 / G' there, times sigma. */
