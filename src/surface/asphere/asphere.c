@@ -652,9 +652,19 @@ static bool asphere_unique(const void *self, const sgt_tile *tile, double rim2, 
     return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
+static bool asphere_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
+                                   size_t n, sgt_points p, sgt_values out, double own[])
+{
+    const sgt_even_asphere *s = self;
+    const shape h = shape_of(s, asphere_terms_of(s));
+    (void)shared, (void)rows;
+    sgt_sag_values_rounded(&h, n, p, out, own);
+    return true;
+}
+
 static const struct sgt_builtin_ops asphere_builtin = {
     .meet = asphere_meet, .all = asphere_all, .lanes = asphere_lanes, .unique = asphere_unique,
-    .departure = &sgt_asphere_departure};
+    .departure = &sgt_asphere_departure, .values_rounded = asphere_values_rounded};
 
 const sgt_surface_ops sgt_even_asphere_ops = {
     .name = "even_asphere", .value = asphere_value, .span = asphere_span, .rounding = asphere_rounding,

@@ -647,8 +647,19 @@ static bool conic_unique(const void *self, const sgt_tile *tile, double rim2, ma
     return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
+static bool conic_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
+                                 size_t n, sgt_points p, sgt_values out, double own[])
+{
+    const sgt_conic *s = self;
+    const shape h = {.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c};
+    (void)shared, (void)rows;
+    sgt_sag_values_rounded(&h, n, p, out, own);
+    return true;
+}
+
 static const struct sgt_builtin_ops conic_builtin = {
-    .meet = conic_meet, .all = conic_all, .lanes = conic_lanes, .unique = conic_unique};
+    .meet = conic_meet, .all = conic_all, .lanes = conic_lanes, .unique = conic_unique,
+    .values_rounded = conic_values_rounded};
 
 const sgt_surface_ops sgt_conic_ops = {
     .name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding,

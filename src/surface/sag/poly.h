@@ -113,6 +113,10 @@ int sgt_poly_side(const shape *s, const sample *at);
 bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol,
                       meeting *out, double *v_err, bool *steady);
 
+/* F, its gradient and a bound on its rounding at n points: the bits of `value` and `rounding` of a conic or an
+ * even asphere. */
+void sgt_sag_values_rounded(const shape *s, size_t n, sgt_points p, sgt_values out, double own[]);
+
 /* Is the root the start itself, however it is computed (rule of sgt_ray)? */
 SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
 {
