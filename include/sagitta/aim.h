@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim.h - how the end of a traced ray changes with the ray and with the lens, and the ray
  * that goes through a wanted point.
  *
@@ -106,7 +107,7 @@ SGT_API int sgt_trace_gradient(size_t elements, const sgt_element e[],
 
 /* ------------------------------------------------------------ the error of the end */
 
-/* How far rounding has put the end of a ray off. */
+/* How far rounding moves the end of a ray. */
 typedef struct sgt_end_error {
     double point; /* x and y of the last hit.p, in its frame, from the exact ray's */
     double path;  /* opl, without what `point` adds: the path to the foot of the
@@ -119,8 +120,14 @@ typedef struct sgt_end_error {
     unsigned long long reserved_[2];
 } sgt_end_error;
 
-/* Bounds on the errors of the end of a ray that sgt_trace took through all elements, or
- * up to the last and met it, against the exact ray from the launch ray as it stands.
+/* Bounds on the errors of the end of a ray: how far it is from the exact ray that begins
+ * as the launch ray stands.
+ *
+ *     elements, e, index_before   as they were given to sgt_trace
+ *     launch                      the launch ray as it was given to sgt_trace
+ *     passages                    as sgt_trace left them, for a ray that passed all
+ *                                 elements, or that met the last one
+ *     out                         written; lengths in the unit of the lens
  *
  * METHOD.  Each element adds p_err, t_err and the rounding of a direction.  For the point
  * they go through the derivatives of the rest of the lens, with a half added for the
@@ -149,7 +156,7 @@ SGT_API bool sgt_trace_error(size_t elements, const sgt_element e[], double inde
  *     passages  as sgt_trace_batch left them, one entry for each element.  hits.status
  *               (NULL: all were met), hits.t, hits.p, hits.n and direction are read
  *
- * Arrays have n numbers.  Outputs must not overlap inputs or each other, but where it is
+ * Arrays have n numbers.  Outputs must not overlap inputs or each other, unless it is
  * said.  A ray whose hit at an element is not positive is not shown to the surface there.
  *
  * Rays go through all elements 64 at a time, in loops over rays; ideal lenses go ray by
@@ -164,8 +171,11 @@ typedef struct sgt_ray_changes {
     unsigned long long reserved_[2]; /* leave it zero: else SGT_LACKS_MEMBER */
 } sgt_ray_changes;
 
-/* sgt_trace_sensitivity of n rays.  change[j] and out[j] are column j; they may be the
- * same arrays. */
+/* sgt_trace_sensitivity of n rays.
+ *
+ *     columns  how many changes
+ *     change   change[j]: column j of each ray
+ *     out      written: out[j], column j; they may be the arrays of change */
 SGT_API int sgt_trace_sensitivity_batch(size_t elements, const sgt_element e[],
                                         double index_before, size_t n, sgt_rays rays,
                                         const sgt_passages passages[], size_t columns,
@@ -192,8 +202,10 @@ typedef struct sgt_end_errors {
     unsigned long long reserved_[2]; /* leave it zero: else all is NaN */
 } sgt_end_errors;
 
-/* sgt_trace_error of n rays.  Of the passages hits.p_err is also read, and opl of the
- * last one if path is wanted.  Returns for how many rays all hits are positive. */
+/* sgt_trace_error of n rays.  Returns for how many rays all hits are positive.
+ *
+ *     passages  hits.p_err is also read, and opl of the last one if path is wanted
+ *     out       written; lengths in the unit of the lens */
 SGT_API size_t sgt_trace_error_batch(size_t elements, const sgt_element e[],
                                      double index_before, size_t n, sgt_rays rays,
                                      const sgt_passages passages[], sgt_end_errors out);
@@ -244,8 +256,9 @@ typedef struct sgt_attempt {
     sgt_vec2       from, to;  /* (u, v) at its start, and of the best ray */
     double         miss;      /* of the best ray, length; NaN: no ray has got there */
     sgt_aim_reason reason;
-    sgt_fate       fate;      /* of the last ray that did not get there, and at which */
-    size_t         element;   /* element; SGT_PASSED if all have */
+    sgt_fate       fate;      /* of the last ray that did not reach the stop; SGT_PASSED:
+                                 all reached it */
+    size_t         element;   /* where that ray ended, from 0 */
     int            traces;    /* spent */
     unsigned long long reserved_[2];
 } sgt_attempt;
@@ -254,9 +267,10 @@ typedef struct sgt_attempt {
 typedef struct sgt_aim_options {
     double tol;             /* a miss of that length is good enough; 0: as little as
                                rounding allows */
-    size_t starts;          /* where to begin, (u, v): such as the answers for          */
-    const sgt_vec2 *start;  /* neighbouring points.  Moved into the box if outside.  They
-                               are tried first, in order */
+    size_t starts;          /* how many points `start` has */
+    const sgt_vec2 *start;  /* (u, v) to begin at, such as the answers for neighbouring
+                               points.  They are tried first, in order.  One outside the
+                               box is moved into it */
     int max_traces;         /* of the search; 0: 400 */
     int max_boxes;          /* of the proof that there is no such ray; 0: 1500, some
                                milliseconds; below 0: no proof is tried */
@@ -283,11 +297,16 @@ typedef struct sgt_aiming {
 /* The launch ray of the beam that meets element `stop` where x and y of its frame are
  * those wanted, after e[0] ... e[stop - 1] in order.
  *
- *     passages  room for stop + 1: how the best ray of the last attempt went.  If it is
- *               met, that of the answer
- *     opt       NULL, or the options
+ *     stop          the element that is aimed at, from 0; e[0] ... e[stop] are read
+ *     index_before  in front of e[0]; 0: 1
+ *     beam          the family of launch rays, and the box that is searched
+ *     wanted        the point, by x and y of the frame of e[stop]; length
+ *     passages      room for stop + 1: how the best ray of the last attempt went.  If the
+ *                   point is met, that is the ray of the answer
+ *     opt           NULL, or the options
+ *     out           written; NULL: not wanted
  *
- * Returns the status, which is in *out too (NULL: not wanted).
+ * Returns the status, as in *out.
  *
  * WHAT IS A WAY.  The roots, the refraction and the mirrors are those of sgt_trace
  * without options.  Apertures are ignored: where a ray is clipped it goes on (`clipped`
@@ -352,8 +371,14 @@ SGT_API bool sgt_explain_aim(size_t stop, const sgt_element e[], double index_be
                              const sgt_beam *beam, sgt_vec2 wanted,
                              const sgt_aim_options *opt, sgt_error *error);
 
-/* Bounds on u and v of the rays that meet the point and that the rims in front let
- * through.  The box of the beam has no say in them.
+/* Bounds on u and v of the rays that meet a point of the stop and that the rims in front
+ * let through.
+ *
+ *     stop          the element of the point, from 0; e[0] ... e[stop] are read
+ *     index_before  in front of e[0]; 0: 1
+ *     beam          its box, u and v, is not read
+ *     wanted        the point, by x and y of the frame of e[stop]; length
+ *     u, v          written: the bounds
  *
  * Rims are semi_diameter, what `aperture` lets through, the semi_diameter of the surface,
  * and the edge of a conic with k > -1.  They count up to the first element that bends

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* diagnose.h - how did the solver converge, and why did it not?  Does a surface keep its
  * promises?
  *

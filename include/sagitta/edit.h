@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* edit.h - a lens that was read is a value that can be edited: copied, asked for any
  * number of its file, and changed.
  *
@@ -50,15 +51,19 @@ SGT_API sgt_lens *sgt_lens_copy(const sgt_lens *lens, sgt_error *error);
 SGT_API bool sgt_lens_get(const sgt_lens *lens, const char *path, double *x,
                           sgt_error *error);
 
-/* What stands at a path, as YAML in one line without a line's end.  Returns the length of
- * the text, and sets as much of it as has room, with a zero byte behind it (room 0:
- * nothing).  SIZE_MAX: there is nothing, or no memory. */
+/* What stands at a path, as YAML in one line.  Returns the length of the whole text,
+ * without its zero byte.
+ *
+ *     room  how many bytes `text` has, the zero byte included; 0: nothing is written
+ *     text  written: as much as fits, with a zero byte at its end
+ *
+ * SIZE_MAX: nothing stands there, or memory ran out. */
 SGT_API size_t sgt_lens_get_text(const sgt_lens *lens, const char *path, size_t room,
                                  char text[], sgt_error *error);
 
-/* Sets the number at a path.  A key that is not given is added to its map, and maps on
- * the way to it are, too.  A key that says the same in another way makes room for it:
- * radius and curvature, the sizes of the pupil, index and glass.  false: refused. */
+/* Sets the number at a path.  A key that is not given is added, with the maps on the way
+ * to it.  A key that says the same in another way is removed: of radius and curvature, of
+ * the sizes of the pupil, of index and glass there is one.  false: refused. */
 SGT_API bool sgt_lens_set(sgt_lens *lens, const char *path, double x, sgt_error *error);
 
 /* The same of a value in YAML: "12.5", "N-BK7", "true", "[0, 5, 7]",
@@ -72,21 +77,23 @@ SGT_API bool sgt_lens_set_text(sgt_lens *lens, const char *path, const char *yam
 SGT_API bool sgt_lens_insert(sgt_lens *lens, const char *path, const char *yaml,
                              sgt_error *error);
 
-/* Removes an entry of a list, or a key.  false, too: a pickup or a tolerance means it. */
+/* Removes an entry of a list, or a key.  It is refused as well (false) if a pickup or a
+ * tolerance refers to it. */
 SGT_API bool sgt_lens_remove(sgt_lens *lens, const char *path, sgt_error *error);
 
 /* Turns the surfaces `first` to `last` ("surfaces[2]", or by name) front to back: their
  * order, the thicknesses and media between them, their shapes, tilts and decentres.  It
  * mirrors the group in a plane z = const; for surfaces that are symmetric in x that is to
- * turn it.  What stands in front of it and behind it stays: the last thickness and medium
- * are those that were the last.  false, too: a break, a mirror or an origin among them, a
- * surface that is no sag, a sag from a file, one that a tolerance is of. */
+ * turn it.  What stands in front of the group and behind it stays, and so do the last
+ * thickness and the last medium.  It is refused as well (false) if the group has a break,
+ * a mirror, an `origin`, a surface that is not a sag, a sag from a file, or a surface
+ * that a tolerance refers to. */
 SGT_API bool sgt_lens_reverse(sgt_lens *lens, const char *first, const char *last,
                               sgt_error *error);
 
 /* Makes the whole lens larger by a positive factor: every length of it, and every number
- * whose unit has a power of length.  Wavelengths stay.  false, too: it has a formula, a
- * level set, or numbers in a file. */
+ * whose unit has a power of length.  Wavelengths stay.  It is refused as well (false) if
+ * the lens has a formula, a level set, or numbers in another file. */
 SGT_API bool sgt_lens_scale(sgt_lens *lens, double factor, sgt_error *error);
 
 typedef enum sgt_edit_kind {
@@ -107,8 +114,9 @@ typedef struct sgt_edit {
     unsigned long long reserved_[4]; /* leave it zero */
 } sgt_edit;
 
-/* Several edits, one after the other, and the lens made once, when all are done: so what
- * is between may be no lens.  All or none.  The fastest way to set many numbers. */
+/* Makes several edits one after the other, and then the lens once: between them the tree
+ * need not be that of a lens.  If one edit is refused, none is made.  The fastest way to
+ * set many numbers. */
 SGT_API bool sgt_lens_edit(sgt_lens *lens, size_t count, const sgt_edit edit[],
                            sgt_error *error);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fma.h - a * b + c, rounded once, on every system.
  *
  * Error terms and outward rounding rest on it, and the fma of some C libraries is not

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* geo.h - the Earth as surfaces: a height over the ellipsoid, a level of normal gravity,
  * a height over a geoid.
  *

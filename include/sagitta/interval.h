@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* interval.h - intervals of doubles, rounded outward: what is needed to write `enclose`.
  *
  * An interval is the set of the real numbers x with lo <= x <= hi.  An end at infinity

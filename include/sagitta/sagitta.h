@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * sagitta.h - where does a ray meet a surface, and how sure is the answer?
  *
@@ -88,8 +89,8 @@ typedef enum sgt_arithmetic_fault {
  * themselves.  It costs a few nanoseconds. */
 SGT_API int sgt_arithmetic(void);
 
-/* A few words that name the faults of `arithmetic`, what sgt_arithmetic has said; for 0
- * that there is none.  Constant, never NULL. */
+/* Names the faults in `arithmetic`, an answer of sgt_arithmetic, in a few words.  Of 0 it
+ * says that there is none.  Constant, never NULL. */
 SGT_API const char *sgt_arithmetic_text(int arithmetic);
 
 /* ---------------------------------------------------------------- errors */
@@ -98,11 +99,11 @@ SGT_API const char *sgt_arithmetic_text(int arithmetic);
  *
  * ONE WAY.  What became of a ray is a status, of each ray by itself.  All else that may
  * be wrong is reported as follows: the function returns false or NULL, and sets the
- * sgt_error that its last parameter points to (NULL: not wanted), which is read only then
- * and need not be set before the call.  SGT_INVALID is a status, as it is about a ray;
- * sgt_explain_intersect, sgt_explain_trace and sgt_explain_aim put it into words.
- * What you write and the library calls has it shorter: it returns a constant text, NULL
- * for nothing.
+ * sgt_error that its last parameter points to (NULL: not wanted).  You need not set it
+ * before the call, and may read it only after a failure.  SGT_INVALID is a status, as it
+ * is about a ray; sgt_explain_intersect, sgt_explain_trace and sgt_explain_aim put it
+ * into words.  A function that you write and the library calls returns a constant text,
+ * or NULL if nothing is wrong.
  *
  * Texts end with a zero.  One that is too long is cut; of a file the end is kept. */
 typedef struct sgt_error {
@@ -273,18 +274,23 @@ typedef struct sgt_surface_ops {
 
     /* From here on members are of version 0.3, and read only if `size` covers them.
      *
-     * What `enclose` says, of n cells at once: of cell i, which is [t_lo[i], t_hi[i]] of
-     * ray i, with t_lo[i] <= t_hi[i], both finite.  The cells of one ray may be many.
-     * Of `rays` only o and d are given.
+     * `enclose` for n cells at once.
+     *
+     *     n           how many cells
+     *     rays        the ray of each cell; one ray may have many.  Only o and d are
+     *                 given
+     *     t_lo, t_hi  cell i is [t_lo[i], t_hi[i]], both finite, in lengths of d
+     *     out         the intervals; slope_lo and slope_hi NULL: slopes are not wanted
+     *
      *   - The promises are those of `enclose`, which has to be offered as well.  The
      *     intervals may be other ones: wider, or narrower.
-     *   - What is said of a cell does not depend on its neighbours, nor on its place
+     *   - The answer for a cell does not depend on the other cells, nor on its place
      *     among them, to the last bit (of an interval that is not a NaN).
-     *   - out.slope_lo NULL: slopes are not wanted, and out.slope_hi is also NULL.
-     * First roots are searched for by it, of many rays side by side and of one, unless
-     * the surface has `first`, or the span is single and no proof is asked for.  Such a
-     * root is proven, whatever options.proof is, and as sharp as rounding allows (t_tol
-     * is not read).  Grazes and roots beside an end of the ray are left to `enclose`. */
+     * The solver searches for first roots by it, of one ray and of many side by side,
+     * unless the surface has `first`, or the span is single and no proof is asked for.
+     * Such a root is proven, whatever options.proof is, and as sharp as rounding allows
+     * (t_tol is not read).  Grazes and roots beside an end of the ray are left to
+     * `enclose`. */
     void (*encloses)(const void *self, size_t n, sgt_rays rays, const double *t_lo,
                      const double *t_hi, sgt_enclosures out);
 } sgt_surface_ops;
@@ -485,11 +491,12 @@ typedef struct sgt_options {
  * A march that sees no root is UNPROVEN if one of its steps was uncertain, else MISS.
  * Newton's step never lengthens a step of a march.
  *
- * ENDS AT INFINITY, of a user's surface without `enclose`.  Toward a far end at infinity
- * steps go as far as the ray is nearer to the origin of the surface's frame than its
- * start is.  From there on each is longer by half, 128 of them; so far off rounding of
- * the point may make F zero, and a graze of it.  With a near end at infinity there is no
- * first root to be found: it is UNPROVEN.  Give a span with two ends.
+ * ENDS AT INFINITY, of a user's surface without `enclose`.  If tmax is infinite, steps
+ * are as above while the ray is nearer to the origin of the surface's frame than its
+ * start.  Behind that come 128 more, each longer than the last by half.  So far out the
+ * rounding of the point may make F zero, and the answer is then a graze.  If tmin is
+ * -INFINITY, there is no first root to find: the answer is UNPROVEN.  Give a span with
+ * two ends.
  *
  * Iteration counts may change between versions.  What a status means may not. */
 SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt);
@@ -505,7 +512,12 @@ typedef struct sgt_hits {
     unsigned long long reserved_[2]; /* leave it zero: else every ray is SGT_INVALID */
 } sgt_hits;
 
-/* One hit for each of n rays.  opt may be NULL.  Returns the number of positive statuses.
+/* One hit for each of n rays.  Returns the number of positive statuses.
+ *
+ *     n     how many rays; each array of rays and hits has n numbers
+ *     rays  o is a length, tmin and tmax are in lengths of d
+ *     hits  written, in the units of sgt_hit
+ *     opt   NULL, or the options
  *
  * Each answer is the one that sgt_intersect would give, bit for bit (a NaN for a NaN),
  * whatever its neighbours are and whatever the processor.  No ray changes the
@@ -533,9 +545,12 @@ SGT_API bool sgt_explain_intersect(sgt_surface s, const sgt_ray *ray,
                                    const sgt_options *opt, const sgt_hits *hits,
                                    sgt_error *error);
 
-/* Every hit, in order of t.  opt may be NULL; its pick is not read.  Writes at most cap
- * entries to hits, which may be NULL if cap is 0.  Returns how many there are: 0 is a
- * miss.  Returns SGT_INVALID (negative) where sgt_intersect would say so.
+/* Every hit, in order of t.  Returns how many there are: 0 is a miss.  Returns
+ * SGT_INVALID (negative) where sgt_intersect would say so.
+ *
+ *     cap   how many entries `hits` has room for; no more are written
+ *     hits  written; may be NULL if cap is 0
+ *     opt   NULL, or the options; `pick` is not read
  *
  * An entry is one of these:
  *   - a root.  The ray enters if n . d < 0 (F falls) and leaves if n . d > 0;
@@ -598,8 +613,8 @@ typedef struct sgt_crossing {
  *
  * AT A TANGENT, where d lies in the tangent plane, the start may be one root or two.
  * Roots within the rule of sgt_ray are dropped together, and the side is that behind
- * them.  What may lie farther off, and cannot be told, is UNPROVEN, with hit.lo and
- * hit.hi. */
+ * them.  If a root may lie farther off, and that cannot be decided, the hit is
+ * UNPROVEN, with the stretch in hit.lo and hit.hi. */
 SGT_API sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from,
                                const sgt_options *opt);
 
@@ -613,11 +628,18 @@ typedef struct sgt_starts {
     unsigned long long reserved_[2]; /* leave it zero: else all are SGT_INVALID */
 } sgt_starts;
 
-/* sgt_leave of n starts, bit for bit.  t counts from o, which is not an output: p + t d
- * is off from the hit by up to p_err and 4 ulps.  Take the point from hits.p, or call
- * sgt_leave to get o.  side[i] (side may be NULL) is 1, -1 or 0.  Outputs must not
- * overlap the starts or each other.  Returns the number of positive statuses; all else is
- * as in sgt_intersect_batch, except the stack, which is below 150 KiB. */
+/* sgt_leave of n starts, bit for bit.  Returns the number of positive statuses.
+ *
+ *     n     how many starts; each array of from, hits and side has n numbers
+ *     from  p and p_err are lengths, tmax is in lengths of d
+ *     hits  written, in the units of sgt_hit
+ *     side  written: 1, -1 or 0 as in sgt_crossing; NULL: not wanted
+ *     opt   NULL, or the options; `pick` is not read
+ *
+ * t counts from o, which is not an output: p + t d is off from the hit by up to p_err and
+ * 4 ulps.  Take the point from hits.p, or call sgt_leave to get o.  Outputs must not
+ * overlap the starts or each other.  All else is as in sgt_intersect_batch, except the
+ * stack, which is below 150 KiB. */
 SGT_API size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits,
                                signed char *side, const sgt_options *opt);
 

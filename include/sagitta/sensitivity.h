@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sensitivity.h - how a hit changes with the ray and with the surface: derivatives, for
  * an optimiser.
  *
@@ -103,10 +104,15 @@ typedef struct sgt_jacobian {
     unsigned long long reserved_[4]; /* leave it zero: else SGT_LACKS_MEMBER */
 } sgt_jacobian;
 
-/* The Jacobian of n hits, as sgt_intersect_batch has left them.  Each number is the one
- * that sgt_differentiate gives, bit for bit.
+/* The Jacobian of n hits.  Each number is the one that sgt_differentiate gives, bit for
+ * bit.
  *
- * Of the rays d is read, of the hits p, n and, if it is given, status.  A ray whose
+ *     n     how many hits; each array has n numbers
+ *     rays  as they were given to sgt_intersect_batch; d is read
+ *     hits  as sgt_intersect_batch left them; p, n and, if it is given, status are read
+ *     out   written
+ *
+ * A ray whose
  * status is not positive, or whose n is NaN, has NaN everywhere and is not shown to the
  * surface.  Outputs must not overlap the inputs or each other.
  *

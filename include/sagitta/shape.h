@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* shape.h - the shape of an element, for those who draw it: the sag of a surface, its
  * section by a plane, and the part of it that is in use.  Part of sagitta_lens.
  *
@@ -28,10 +29,15 @@ SGT_API double sgt_whole_radius(sgt_surface s, double wanted);
 /* The most strokes that a section has. */
 enum { SGT_SECTION_MOST = 32768 };
 
-/* The section of an element's surface by the plane through its origin with the axes
- * `across` and `along` (of length 1, at right angles): short strokes from stroke[k][0] to
- * stroke[k][1], in no order.  Of any surface with a `value`; for those that are no sags:
- * spheres as bodies, tori, formulas.
+/* The section of an element's surface by a plane, as short strokes in no order.  Of any
+ * surface with a `value`; meant for those that are not sags: ellipsoids, tori, formulas.
+ *
+ *     reach          how far from the axis `along` the section is looked for; length
+ *     across, along  the axes of the plane through the element's origin; of length 1, at
+ *                    right angles
+ *     room           how many strokes `stroke` has room for
+ *     stroke         written: from stroke[k][0] to stroke[k][1], in the element's frame;
+ *                    length
  *
  * It is looked for within `reach` (finite, above 0) of the axis `along`, or within all of
  * the surface, if semi_diameter is 0 and the surface meets the axis `across` no farther

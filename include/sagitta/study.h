@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study.h - what a designer asks of a lens: spots, fans, path differences, field curves,
  * maps, sweeps, encircled energy, illumination.  Part of sagitta_lens.  The command,
  * Python and C ask here, and get the same bits.
@@ -201,9 +202,15 @@ SGT_API const sgt_column  *sgt_analysis_column(const sgt_analysis *analysis,
 SGT_API const sgt_setting *sgt_analysis_setting(const sgt_analysis *analysis,
                                                 size_t place);
 
-/* A column as this study fills it: its name and its unit ("mm", "mrad", "%"; "" where
- * there is none or the lens does not say), zero-ended.  options: of the analysis, or
- * NULL.  false: it is not there. */
+/* A column as this study fills it.
+ *
+ *     options  of the analysis, or NULL
+ *     column   its place, from 0
+ *     name     written, zero-ended
+ *     unit     written, zero-ended: "mm", "mrad", "%"; "" if it has none or the lens does
+ *              not say
+ *
+ * false: this study has no such column. */
 SGT_API bool sgt_study_column(const sgt_study *study, const sgt_analysis *analysis,
                               const void *options, size_t column, char name[32],
                               char unit[32]);
@@ -258,9 +265,14 @@ typedef struct sgt_sink {
     unsigned long long reserved_[4];
 } sgt_sink;
 
-/* Asks.  options: those of the analysis, or NULL.  false: `error` (may be NULL) says why;
- * rows may have come.  A wrong setting is reported with its name as the key, and line 0.
- * reserved_ of options and sink must be zero. */
+/* Computes an analysis of a study.
+ *
+ *     options  those of the analysis, or NULL; reserved_ must be zero
+ *     sink     where rows and remarks go; reserved_ must be zero
+ *     total    NULL, or written: what became of all rays
+ *
+ * false: `error` (may be NULL) says why; some rows may have been given out before.  A
+ * wrong setting is reported with its name as the key, and line 0. */
 SGT_API bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis,
                            const void *options, const sgt_sink *sink,
                            sgt_study_total *total, sgt_error *error);

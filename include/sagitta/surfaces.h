@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* surfaces.h - the built-in surfaces: the sags of optics, quadrics and tori, and level
  * sets of quaternion orbits.
  *
@@ -228,9 +229,10 @@ extern SGT_API const sgt_surface_ops sgt_odd_asphere_ops, sgt_polynomial_xy_ops,
  *     const double z[4] = {0, 0, 0, 0.001};
  *     const sgt_even_asphere asphere = {.a = {0, 1e-6}};
  *     const sgt_zernike figure = {.norm = 10, .order = SGT_NOLL, .a = {z, 1, 4}};
- *     const sgt_surface terms[] = {{&sgt_even_asphere_ops, &asphere}, {&sgt_zernike_ops,
- *     &figure}}; sgt_sum lens = {.c = 1 / 50.0, .semi_diameter = 8, .terms = terms,
- *     .count = 2}; sgt_surface s = {&sgt_sum_ops, &lens};
+ *     const sgt_surface terms[] = {{&sgt_even_asphere_ops, &asphere},
+ *                                  {&sgt_zernike_ops, &figure}};
+ *     sgt_sum lens = {.c = 1 / 50.0, .semi_diameter = 8, .terms = terms, .count = 2};
+ *     sgt_surface s = {&sgt_sum_ops, &lens};
  */
 typedef struct sgt_sum {
     double             c, k;           /* of the conic: see sgt_conic */

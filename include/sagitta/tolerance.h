@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tolerance.h - how badly a lens may be built: what each tolerance of its file does to a
  * figure, and what all of them do together, by many lenses built at random.  Part of
  * sagitta_lens.
@@ -156,8 +157,14 @@ typedef struct sgt_sensitivity_sum {
     unsigned long long reserved_[4];
 } sgt_sensitivity_sum;
 
-/* Sets row[0 ... n - 1], the worst first, a NaN before all, where n is the number of
- * entries that are no compensators, and *count to n.  row: room for all entries. */
+/* What each entry does by itself.
+ *
+ *     count  written: the number n of entries that are not compensators
+ *     row    room for all entries; row[0 ... n - 1] are written, the worst first, those
+ *            with a NaN before all
+ *     sum    written
+ *
+ * false: `error` (may be NULL) says why. */
 SGT_API bool sgt_tolerancing_sensitivity(const sgt_tolerancing *t, size_t *count,
                                          sgt_sensitivity row[],
                                          sgt_sensitivity_sum *sum, sgt_error *error);
@@ -178,8 +185,14 @@ typedef struct sgt_trial {
 SGT_API void sgt_tolerancing_draw(const sgt_tolerancing *t, uint64_t seed, uint64_t trial,
                                   double value[]);
 
-/* Calls take for each of the trials first ... first + count - 1, in their order, from the
- * thread that asks.  Bits do not depend on threads, nor on how trials are split. */
+/* Builds lenses at random, and calls `take` for each, in order.
+ *
+ *     seed          of all draws
+ *     first, count  the numbers of the trials: first ... first + count - 1
+ *     take          called from the thread that asks
+ *     context       its first argument
+ *
+ * Bits do not depend on threads, nor on how trials are split. */
 SGT_API bool sgt_tolerancing_trials(const sgt_tolerancing *t, uint64_t seed,
                                     uint64_t first, uint64_t count,
                                     void (*take)(void *context, const sgt_trial *trial),
@@ -187,9 +200,9 @@ SGT_API bool sgt_tolerancing_trials(const sgt_tolerancing *t, uint64_t seed,
 
 /* ------------------------------------------------------- quantiles, free of a model
  *
- * Of n values the k-th smallest is at or above the quantile p unless fewer than k of n
- * lie below it: a binomial number, whatever the distribution (David and Nagaraja 2003,
- * Order Statistics, 7.1). */
+ * The k-th smallest of n values is at or above the quantile p exactly if fewer than k of
+ * them lie below that quantile.  How many lie below it is a binomial number, whatever the
+ * distribution (David and Nagaraja 2003, Order Statistics, 7.1). */
 
 /* An estimate and its interval: that contains the true one in at least `confidence` of
  * all cases.  An end that n values cannot give is NaN (0 or 1 of a share). */
@@ -200,7 +213,8 @@ typedef struct sgt_confidence { double estimate, lower, upper; } sgt_confidence;
 SGT_API sgt_confidence sgt_quantile(size_t n, const double sorted[], double p,
                                      double confidence);
 
-/* The share of which k in n were seen (Clopper and Pearson 1934). */
+/* The share of a population in which k of n draws were seen to have a property (Clopper
+ * and Pearson 1934). */
 SGT_API sgt_confidence sgt_share(size_t k, size_t n, double confidence);
 
 #ifdef __cplusplus
