@@ -192,8 +192,8 @@ struct sgt_builtin_ops {
     /* `values`, with the gradient, and `roundings` of them at once: the same bits at less cost.  rows is not
      * NULL where the bound on what the departure adds is one of each point; then shared has none of its own,
      * and this is added to each bound (sgt_noise_at of rows[0][i], rows[1][i], rows[2][i]).  Returns false,
-     * and does nothing, as `roundings` does.  NULL: the two are asked.  Without `share` neither shared nor rows
-     * is read (ray/leave.c). */
+     * and does nothing, as `roundings` does.  NULL: the two are asked.  Without `share` neither shared nor
+     * rows is read (ray/leave.c). */
     bool (*values_rounded)(const void *self, const sgt_shared *shared, const double *const rows[3], size_t n,
                            sgt_points p, sgt_values out, double own[]);
     /* As `span` and `spans`, with one more output.  *least is a lower bound of |dF/dtau| along the whole

@@ -485,8 +485,8 @@ void bowls(int count)
     }
 }
 
-// Even aspheres, left from points on them into the whole sphere and along the surface: terms of both signs, with
-// and without a rim.  All roots of next.ray in 113 bits (quad.h) have to be as the answer says.
+// Even aspheres, left from points on them into the whole sphere and along the surface: terms of both signs,
+// with and without a rim.  All roots of next.ray in 113 bits (quad.h) have to be as the answer says.
 void aspheres(int count)
 {
     static const sgt_even_asphere kinds[] = {{0.1, -0.6, 4, {0, 1e-4, -2e-6, 1e-8}},

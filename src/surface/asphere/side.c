@@ -2,8 +2,8 @@
 /* asphere/side.c - rays from the side: the loops of asphere/side.h, and the single ray.
  *
  * WHY APART.  Without them each such ray of a batch is met by itself: 1,960 ns for a ray along the vertex
- * plane into a bowl, 300 for one that passes 40 beside a rim of 5 (even asphere c = 0.1, k = -0.6; 45 and
- * 30 with them). */
+ * plane into a bowl, 300 for one that passes 40 beside a rim of 5 (even asphere c = 0.1, k = -0.6; 48
+ * and 20 with them). */
 #include "side.h"
 
 #include "asphere.h"

@@ -12,10 +12,11 @@
  * That is c sigma at least, or, if (1 + k) c^2 < 0, what it is at R.  The terms add (2 i + 2) (2 i + 1) a[i]
  * r^(2 i); those of the sign of sigma are left out, but for a[0], which is constant.
  *
- * That is far from sharp where a term outgrows another.  So S'' is bounded ring by ring, too: in sixteen rings of
- * the same area up to the rim or the equator.  In each the terms of the sign of sigma are taken at the inner
- * edge, the others at the outer one.  The base is |c| (1 + 1.5 (1 + k) c^2 r^2) at least, the tangent at r = 0
- * of a convex function of r^2.  S is convex up to the first ring in which this does not show.
+ * That is far from sharp where a term outgrows another.  So S'' is bounded ring by ring, too: in sixteen
+ * rings of the same area up to the rim or the equator.  In each the terms of the sign of sigma are taken at
+ * the inner edge, the others at the outer one.  The base is |c| (1 + 1.5 (1 + k) c^2 r^2) at least, the
+ * tangent at r = 0 of a convex function of r^2.  S is convex up to the first ring in which this does not
+ * show.
  *
  * A concave function has two zeros at most: it rises at the first, and falls at the second.  Let the stretch
  * begin where the ray does, or where r comes below the rim, and end likewise.  Then
@@ -24,11 +25,11 @@
  *     a root at which it falls, if sigma F > 0 at the beginning      is the only one,
  *     sigma F > 0 at the beginning and at the end                    is a miss.
  *
- * FROM ON IT.  A ray may start on the surface, at o with tmin = 0.  If G there is within half of what the rule
- * of the start allows, and G' keeps its sign within H = 4 (|G| + e) / |G'| (THE BOUND of easy.h), the root at
- * the start is the only one within H, and is not accepted.  At H F has the sign of its slope.  So if sigma F
- * rises at the start, it is > 0 at the beginning of what is left.  If it falls, it falls on: a ray that is
- * within R all along misses.
+ * FROM ON IT.  A ray may start on the surface, at o with tmin = 0.  If G there is within half of what the
+ * rule of the start allows, and G' keeps its sign within H = 4 (|G| + e) / |G'| (THE BOUND of easy.h), the
+ * root at the start is the only one within H, and is not accepted.  At H F has the sign of its slope.  So
+ * if sigma F rises at the start, it is > 0 at the beginning of what is left.  If it falls, it falls on: a
+ * ray that is within R all along misses.
  *
  * PASSING BY.  The sag within the rim, or up to the equator, is between two heights (wavy_ahead of easy.h).
  * If the ray is above or below both of them along its whole stretch, or if the stretch is empty, it misses.
@@ -193,8 +194,9 @@ SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, int rou
     return at.known & bent_is_first(s, b, terms, &way, inverse, l, m, n);
 }
 
-/* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither.  close: it may
- * be on the surface by the rule of the start (half of which is 16 u of the terms, and e is u of them at least). */
+/* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither.  close:
+ * it may be on the surface by the rule of the start (half of which is 16 u of the terms, and e is u of them
+ * at least). */
 typedef struct side_end {
     double r2;
     mask above, below, close;

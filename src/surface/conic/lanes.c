@@ -152,9 +152,9 @@ typedef struct side_room {
 } side_room;
 
 /* Which rays does a single ray try from the vertex plane, before it is met from the side?  For the others
- * neither the easy form nor `nearby` has a root.  far_gone: whether another root does not matter, as it is gone,
- * or may be, or near the seed; else a root is tried only if no other comes before it.  Returns all bits set if
- * there are any. */
+ * neither the easy form nor `nearby` has a root.  far_gone: whether another root does not matter, as it is
+ * gone, or may be, or near the seed; else a root is tried only if no other comes before it.  Returns all
+ * bits set if there are any. */
 SGT_KERNEL
 static mask conic_lanes_tried(const bowl *self, const sgt_tile *tile, const mask *far_gone, mask *tried)
 {
@@ -313,8 +313,8 @@ static void conic_lanes_on(const bowl *self, const sgt_tile *tile, lane_to to, m
     }
 }
 
-/* Answers the rays of a tile from the side, and by met_from_on if `on`; no proof is asked for.  tried: those that
- * a single ray meets before that.  Returns how many are left. */
+/* Answers the rays of a tile from the side, and by met_from_on if `on`; no proof is asked for.  tried: those
+ * that a single ray meets before that.  Returns how many are left. */
 SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, bool on, const sgt_tile *tile,
                                               const mask *tried)
 {
@@ -452,8 +452,8 @@ SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_
     sgt_status *status = tile->hits.status;
     mask tried[SGT_TILE], away[SGT_TILE];
     size_t sooner = 0, n = tile->n;
-    const sgt_rays *of = &tile->rays;
-    if (easy_tries(s, MASK(true), of->o[0][0], of->o[1][0], of->o[2][0], of->d[0][0], of->d[1][0], of->d[2][0]))
+    const double *const *o = tile->rays.o, *const *d = tile->rays.d;
+    if (easy_tries(s, MASK(true), o[0][0], o[1][0], o[2][0], d[0][0], d[1][0], d[2][0]))
         return false; /* mostly they all do */
     memset(away, 0xff, n * sizeof *away);
     if (conic_lanes_tried(s, tile, away, tried))

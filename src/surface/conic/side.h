@@ -16,26 +16,26 @@
  * / 2 of itself: |A C| <= b^2.  So to first order
  *     |dtau| <= u ((2.5 Aa tau^2 + 7 Ba |tau| + 4 Ca) / S + 3 |tau|),    S = sqrt D.
  * Only rays with D > 2^-24 (Ba^2 + Aa Ca) and |A| > 2^-10 Aa are met: down to 0.01 degrees from the surface.
- * There D is off by 15 u (Ba^2 + Aa Ca), a part in 2^25 of itself.  |A tau| is at most twice the root of Ba^2 +
- * Aa Ca, so |A dtau| is below 2^-15 S.  A factor of 1.01 covers the higher orders, and the roots, 2 S / |A|
- * apart, are not confused.
+ * There D is off by 15 u (Ba^2 + Aa Ca), a part in 2^25 of itself.  |A tau| is at most twice the root of
+ * Ba^2 + Aa Ca, so |A dtau| is below 2^-15 S.  A factor of 1.01 covers the higher orders, and the roots, 2
+ * S / |A| apart, are not confused.
  *
  * WHICH ROOT.  The earlier root is the first one, unless it is certainly not accepted: off the sheet, beyond
  * the rim, or before or behind the ends, by a part in 2^20 and more than dtau (side_gone).  If neither is
  * accepted, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met
  * here, but by met_from_on.
  *
- * Near the seed a root that is gone leaves the other.  If none is, the root near the vertex plane is wanted, C /
- * b from there (conic.c).  It has A tau - B of the sign of -B, with B taken at that plane.  B falls by A tau
- * along the ray, so there it is B + A z / n.
+ * Near the seed a root that is gone leaves the other.  If none is, the root near the vertex plane is
+ * wanted, C / b from there (conic.c).  It has A tau - B of the sign of -B, with B taken at that plane.  B
+ * falls by A tau along the ray, so there it is B + A z / n.
  *
  * SHARP.  Where the ray runs along the surface S is small, and C is a difference: tau is off by thousands
- * of u.  Or the terms here are more than twice those at the root.  Then the root is solved for once more, from
- * the point at t0 + tau, which is a double.  Its coordinates are known to 4 u^2 of themselves, as X.hi + X.lo.
- * C is summed with the errors of its products and sums (Ogita, Rump, Oishi 2005, SIAM J. Sci. Comput. 26,
- * 1955): it is off by u |C| and by
- *     49 u^2 |c| (X^2 + Y^2 + |1 + k| Z^2): the coordinates 8, the parts of (1 + k) Z^2 19 at most, the sum of
- *         what is lost, 11 u in all, 22,
+ * of u.  Or the terms here are more than twice those at the root.  Then the root is solved for once more,
+ * from the point at t0 + tau, which is a double.  Its coordinates are known to 4 u^2 of themselves, as X.hi +
+ * X.lo.  C is summed with the errors of its products and sums (Ogita, Rump, Oishi 2005, SIAM J. Sci. Comput.
+ * 26, 1955): it is off by u |C| and by
+ *     49 u^2 |c| (X^2 + Y^2 + |1 + k| Z^2): the coordinates 8, the parts of (1 + k) Z^2 19 at most, the sum
+ *         of what is lost, 11 u in all, 22,
  *     9 u^2 of the same by the product with c, and 15 u^2 (|c| (...) + 2 |Z|) by the sums with -2 Z,
  * together by 75 u^2 Ca; 128 is taken.  With e = A C / B^2 the root is
  *     tau = B / A (1 - sqrt(1 - e)) = C / B (1/2 + e / 8 + e^2 / 16 + ...),
@@ -159,7 +159,7 @@ SGT_INLINE side_root side_root_of(const bowl *s, bool first, const side_origin *
 }
 
 /* Such a root at (x, y, z) + tau d, where |G'| is S.  width: of the rule of the start. */
-SGT_INLINE lane side_lane(const bowl *s, double x, double y, double z, double t0, double tau, double tau_err,
+SGT_INLINE lane side_hit(const bowl *s, double x, double y, double z, double t0, double tau, double tau_err,
                           double inverse, mask wanted, double l, double m, double n, double tmin, double tmax,
                           double t_tol)
 {
@@ -184,7 +184,7 @@ SGT_INLINE lane side_lane(const bowl *s, double x, double y, double z, double t0
 SGT_INLINE lane met_from_side(const bowl *s, const side_origin *q, const side_root *r, double l, double m,
                               double n, double tmin, double tmax, double t_tol)
 {
-    return side_lane(s, q->x, q->y, q->z, q->t0, r->tau, r->tau_err, 1 / r->S, r->plain, l, m, n, tmin, tmax,
+    return side_hit(s, q->x, q->y, q->z, q->t0, r->tau, r->tau_err, 1 / r->S, r->plain, l, m, n, tmin, tmax,
                      t_tol);
 }
 
@@ -202,8 +202,9 @@ SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt
                 sgt_fma(kz.hi, Z.lo, sgt_fma(kz_lo, Z.hi, kzz.lo)),
            C = rest.hi +
                ((rest.lo - 2 * Z.lo) + sgt_fma(s->c, (r2.lo + all.lo) + lo, bent.lo));
-    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a), Aa = sgt_fma(s->extra, n2, fabs(A)),
-           xl = X.hi * l, ym = Y.hi * m, kzn = kz.hi * n, B = sgt_fma(-s->c, xl + ym + kzn, n), by = 1 / B,
+    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a),
+           Aa = sgt_fma(s->extra, n2, fabs(A)), xl = X.hi * l, ym = Y.hi * m, kzn = kz.hi * n,
+           B = sgt_fma(-s->c, xl + ym + kzn, n), by = 1 / B,
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
            Ca = sgt_fma(s->abs_c, r2.hi + fabs(kzz.hi), 2 * fabs(Z.hi)), q = C * by, e = A * by * q,
            tau = q * sgt_fma(e, sgt_fma(0.0625, e, 0.125), 0.5), size = fabs(B),
@@ -213,7 +214,7 @@ SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt
                 MASK(fabs(e) <= 0x1p-13) & MASK(Ba <= 0x1p12 * size) & MASK(Ca > 0x1p-400) &
                 MASK(Ca < 0x1p400) & MASK(tau_err * (fabs(l) + fabs(m)) * 0x1p46 <= 64 * SGT_U * s->reach);
     if (s->proof) same &= MASK(2.1 * Aa * t_err < size);
-    return side_lane(s, X.hi, Y.hi, Z.hi, at, tau, tau_err, by, blunt & same, l, m, n, tmin, tmax, t_tol);
+    return side_hit(s, X.hi, Y.hi, Z.hi, at, tau, tau_err, by, blunt & same, l, m, n, tmin, tmax, t_tol);
 }
 
 /* FROM ON THE SURFACE.  About the start o itself C is nearly 0.  So the root t1 = C / 2 B there is known, and

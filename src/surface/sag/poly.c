@@ -316,13 +316,13 @@ bool sgt_poly_unique(const shape *s, const sgt_ray *ray, const meeting *at, tall
 enum { POINTS = 64 };
 
 /* What is known of the points before their terms are added. */
-typedef struct sag_points {
+typedef struct poly_points {
     double r2[POINTS], slope[POINTS], base[POINTS], phi[POINTS], h[POINTS], dh[POINTS], size[POINTS];
-} sag_points;
+} poly_points;
 
 /* Returns all bits set if phi of some is infinite: conic_sag has another formula there. */
 SGT_KERNEL
-static mask sag_bases(const shape *s, size_t n, const double *x, const double *y, sag_points *w)
+static mask poly_bases(const shape *s, size_t n, const double *x, const double *y, poly_points *w)
 {
     const double c = s->c, k = s->k;
     mask any = 0;
@@ -337,7 +337,7 @@ static mask sag_bases(const shape *s, size_t n, const double *x, const double *y
 
 /* `polynomial` and `magnitude`: h, dh and size. */
 SGT_KERNEL
-static void sag_terms(const shape *s, size_t n, sag_points *w)
+static void poly_terms(const shape *s, size_t n, poly_points *w)
 {
     const double last = s->a[s->terms - 1];
     for (size_t i = 0; i < n; i++) w->h[i] = last, w->dh[i] = 0, w->size[i] = s->terms * fabs(last);
@@ -353,8 +353,8 @@ static void sag_terms(const shape *s, size_t n, sag_points *w)
 }
 
 SGT_KERNEL
-static void sag_values(const shape *s, size_t n, const double *x, const double *y, const double *z,
-                       const sag_points *w, double *restrict f, double *restrict gx, double *restrict gy,
+static void poly_values(const shape *s, size_t n, const double *x, const double *y, const double *z,
+                       const poly_points *w, double *restrict f, double *restrict gx, double *restrict gy,
                        double *restrict gz, double *restrict own)
 {
     const double c = s->c, k = s->k;
@@ -373,16 +373,16 @@ static void sag_values(const shape *s, size_t n, const double *x, const double *
 
 void sgt_sag_values_rounded(const shape *s, size_t n, sgt_points p, sgt_values out, double own[])
 {
-    sag_points w;
+    poly_points w;
     for (size_t at = 0, few; at < n; at += few) {
         const double *x = p.p[0] + at, *y = p.p[1] + at, *z = p.p[2] + at;
         few = n - at < POINTS ? n - at : POINTS;
-        mask odd = sag_bases(s, few, x, y, &w);
+        mask odd = poly_bases(s, few, x, y, &w);
         for (size_t i = 0; odd && i < few; i++)
             if (w.phi[i] == HUGE_VAL) w.base[i] = conic_sag(s->c, s->k, w.r2[i], &w.phi[i], &w.slope[i]);
-        if (s->terms) sag_terms(s, few, &w);
+        if (s->terms) poly_terms(s, few, &w);
         else memset(w.h, 0, sizeof w.h), memset(w.dh, 0, sizeof w.dh), memset(w.size, 0, sizeof w.size);
-        sag_values(s, few, x, y, z, &w, out.f + at, out.grad[0] + at, out.grad[1] + at, out.grad[2] + at,
+        poly_values(s, few, x, y, z, &w, out.f + at, out.grad[0] + at, out.grad[1] + at, out.grad[2] + at,
                    own + at);
     }
 }
