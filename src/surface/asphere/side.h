@@ -25,11 +25,11 @@
  *     a root at which it falls, if sigma F > 0 at the beginning      is the only one,
  *     sigma F > 0 at the beginning and at the end                    is a miss.
  *
- * FROM ON IT.  A ray may start on the surface, at o with tmin = 0.  If G there is within half of what the
- * rule of the start allows, and G' keeps its sign within H = 4 (|G| + e) / |G'| (THE BOUND of easy.h), the
- * root at the start is the only one within H, and is not accepted.  At H F has the sign of its slope.  So
- * if sigma F rises at the start, it is > 0 at the beginning of what is left.  If it falls, it falls on: a
- * ray that is within R all along misses.
+ * FROM ON IT.  A ray may start on the surface, at o within the rim, with tmin = 0.  If G there is within
+ * half of what the rule of the start allows, and G' keeps its sign within H = 4 (|G| + e) / |G'| (THE BOUND
+ * of easy.h), the root at the start is the only one within H, and is not accepted.  At H F has the sign of
+ * its slope.  So if sigma F rises at the start, it is > 0 at the beginning of what is left.  If it falls,
+ * it falls on: a ray that is within R all along misses.
  *
  * PASSING BY.  The sag within the rim, or up to the equator, is between two heights (wavy_ahead of easy.h).
  * If the ray is above or below both of them along its whole stretch, or if the stretch is empty, it misses.
@@ -342,7 +342,7 @@ SGT_INLINE side_on side_on_of(const wavy *s, const convex *b, int terms, double 
     mask on = MASK(tmin == 0) & MASK(2 * near <= width) & MASK(sgt_fma(M * (H + H), ai, 0x1p-30) <= 0.125) &
               MASK(sgt_fma(2, W1, s->abs_c * at.slant) * ai < 64) & MASK(fabs(ckw) < 1 - 0x1p-8) &
               MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
-              MASK(rho < 0x1p400) & MASK(b->ckc * rho < 1 - 0x1p-10);
+              MASK(rho < 0x1p400) & MASK(b->ckc * rho < 1 - 0x1p-10) & MASK(rho <= s->domain2);
     return (side_on){on & MASK(b->sign * at.inverse > 0), on & MASK(b->sign * at.inverse < 0)};
 }
 

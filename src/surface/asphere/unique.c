@@ -259,14 +259,15 @@ static void asphere_over(const slope_rings *g, const sgt_tile *tile, const cones
     }
 }
 
-/* Does the ray start on the surface, so that the root nearest by is the start, and not accepted?  Then
- * *before is a t before that root. */
+/* Does the ray start on the surface, in its rings, so that the root nearest by is the start, and not
+ * accepted?  Then *before is a t before that root. */
 static bool starts_on_it(const shape *s, const sgt_ray *ray, double *before)
 {
     double rho = ray->o.x * ray->o.x + ray->o.y * ray->o.y, dp,
            w = ray->o.z - polynomial(s->terms, s->a, rho, &dp), g = w - 0.5 * (s->c * rho + s->ck * w * w),
            v_err;
-    if (ray->tmin != 0 || !(fabs(g) <= 0x1p-40 * (fabs(ray->o.z) + fabs(w)))) return false;
+    if (ray->tmin != 0 || !(fabs(g) <= 0x1p-40 * (fabs(ray->o.z) + fabs(w)) && rho <= s->domain2))
+        return false;
     local q = local_at(ray, 0, 0);
     sample at = sgt_poly_sample(s, &q, 0);
     meeting start;
