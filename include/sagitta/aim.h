@@ -19,8 +19,9 @@ extern "C" {
  *     p     hit.p of the last passage, IN THE FRAME OF THE LAST ELEMENT
  *     d     direction of the last passage, in that frame, of unit length
  *     opl   opl of the last passage
- * In that frame an image plane sees the spot where it sees it, however the lens moves.
- * Without elements it is the launch ray itself, with its direction made of unit length.
+ * So if the last element is an image plane, p is where the spot falls on it, even if the
+ * plane moves.  Without elements the end is the launch ray itself, with its direction
+ * made of unit length.
  *
  * METHOD.  The chain rule over the elements, with no ray traced again and no difference
  * taken.  At a surface it is the implicit function theorem (sensitivity.h).  Bending is
@@ -32,8 +33,9 @@ extern "C" {
  * Source for the chain of a lens: Feder 1968, J. Opt. Soc. Am. 58, 1494; for the reverse
  * sweep: Griewank and Walther 2008, Evaluating Derivatives, chapter 3.
  *
- * THE ROOT STAYS.  They are derivatives of the root that was met and of the fate that the
- * ray had.  No derivative tells of an edge, of another root, or of a ray that stops.
+ * THE ROOT STAYS.  They are the derivatives as long as the ray meets the same roots and
+ * has the same fate.  They do not show that it is about to meet an edge or another root,
+ * or to be stopped.
  *
  * ACCURACY.  A few roundings of the terms of each sum, and the errors of sensitivity.h at
  * each surface.  At grazing incidence, in front of a surface or behind it, all grows
@@ -85,9 +87,9 @@ SGT_API int sgt_trace_sensitivity(size_t elements, const sgt_element e[],
  *
  * The numbers of a phase are not among them.
  *
- * Returns how many they are of so many elements: 7 and m + 7 of each.  A thickness is not
- * one of them: it moves all elements behind it, so its derivative is the sum of
- * theirs by origin. */
+ * Returns how many there are: 7, and m + 7 for each element.  A thickness is not one of
+ * them.  It moves all elements behind it, so the derivative by it is the sum of their
+ * derivatives by origin. */
 SGT_API size_t sgt_trace_parameters(size_t elements, const sgt_element e[]);
 
 /* Reverse: the gradients of `rows` numbers by all parameters of the trace at once.
@@ -308,9 +310,10 @@ typedef struct sgt_aiming {
  *
  * Returns the status, as in *out.
  *
- * WHAT IS A WAY.  The roots, the refraction and the mirrors are those of sgt_trace
- * without options.  Apertures are ignored: where a ray is clipped it goes on (`clipped`
- * says so).  At the stop itself the ray has to be met, and need not go on.
+ * WHICH RAYS GET THERE.  The roots, the refraction and the mirrors are those of sgt_trace
+ * without options.  Apertures are ignored: a ray that is clipped goes on (`clipped` says
+ * which element clips it).  The ray must meet the surface of the stop, but need not go on
+ * behind it.
  *
  * METHOD.  Newton's for two equations, by the derivatives of sgt_trace_sensitivity.  A
  * step is taken only if it makes the miss less.  Else it is halved, as it is if its ray
@@ -356,11 +359,11 @@ SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_befor
  *               point, those of point i are attempt[i * room] and on
  *     out       n answers, or NULL
  *
- * Returns how many are met.  All points go together as long as Newton's steps from the
- * first start lead straight on.  A point where they do not is left to sgt_aim.  So good
- * starts are worth much: each round costs a trace and half of one.  The passages of a
- * point that is not met are those of a ray that met nothing.  The stack needed is below
- * 96 KiB. */
+ * Returns how many points are met.  The points go together, by full steps of Newton from
+ * the first start.  A point that needs anything else (a step that is halved or damped or
+ * ends at the edge of the box, another start, a proof) is left to sgt_aim.  So good
+ * starts save much: each round costs one and a half traces.  The passages of a point that
+ * is not met are those of a ray that met nothing.  The stack needed is below 96 KiB. */
 SGT_API size_t sgt_aim_batch(size_t stop, const sgt_element e[], double index_before,
                              const sgt_beam *beam, size_t n, const sgt_vec2 wanted[],
                              const sgt_passages passages[], sgt_passage room[],

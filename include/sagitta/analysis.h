@@ -57,12 +57,12 @@ typedef struct sgt_field_beam {
                                start on one plane wavefront, in front of all surfaces */
     sgt_vec3 object, direction;
     double   pupil, radius; /* z and semi-diameter of the entrance pupil */
-    /* of a telecentric object: the slope of its marginal rays; 0 */
-    double   cone;
-    /* that wavefront is direction . p = wave; z in front of all */
-    double   front, wave;
-    sgt_vec2 shift, scale;  /* of the pupil by vignetting, */
-    sgt_vec2 turn;          /* and the cosine and sine of its turn */
+    double   cone;          /* the slope of the marginal rays of a telecentric object;
+                               else 0 */
+    double   front, wave;   /* a z in front of the pupil and of all surfaces; the
+                               wavefront is the plane direction . p = wave */
+    sgt_vec2 shift, scale;  /* of the pupil, by vignetting */
+    sgt_vec2 turn;          /* the cosine and sine of its turn, by vignetting */
     unsigned long long reserved_[4];
 } sgt_field_beam;
 
@@ -93,9 +93,9 @@ typedef struct sgt_launched {
                          SGT_NO_SUCH_RAY: proven, there is none.  See WHAT IS PROVEN
                          SGT_AIMED_UNDECIDED: none was found, and it is not proven that
                          there is none */
-    bool      folded; /* near it the pupil is inside out, as neighbouring rays reach the
-                         stop in reversed order: the pupil folds back on itself, and
-                         another ray of the field may reach the same point */
+    bool      folded; /* neighbouring rays reach the stop in reversed order.  So the pupil
+                         folds back on itself here, and another ray of the field may
+                         reach the same point */
     sgt_vec2  wanted; /* if the lens is aimed at the stop: the point of the stop, in its
                          frame */
     /* Unless SGT_MET: */
@@ -151,8 +151,8 @@ typedef struct sgt_ray_end {
                             no ray was traced */
     size_t     element;  /* which, from 0; the last if it passed */
     bool       folded;
-    bool       proven;   /* passed, and a hit (no graze) at every element: with a proof
-                            asked for, it is one */
+    bool       proven;   /* passed, with a hit (not a graze) at every element.  If a proof
+                            was asked for, every one of these hits is proven */
     int        evals;
     double     t_err;    /* the largest of its elements */
     double     condition; /* the largest 1 / cos of its angles of incidence: a surface
@@ -214,7 +214,7 @@ typedef struct sgt_spot {
     sgt_vec2 reference;            /* distances are from here */
     double   rms, rms_x, rms_y;    /* root of the weighted mean of squares */
     double   geometric;            /* the largest distance */
-    double   error;                /* rounding puts rms off by no more */
+    double   error;                /* a bound on what rounding does to rms */
     unsigned long long reserved_[4];
 } sgt_spot;
 
@@ -277,7 +277,7 @@ typedef struct sgt_wavefront {
     size_t rays, passed;
     double mean, rms;        /* weighted; the root of the mean square about the mean */
     double least, most;      /* most - least: peak to valley */
-    double error;            /* rounding puts none of the numbers off by more */
+    double error;            /* a bound on what rounding does to each of the numbers */
     unsigned long long reserved_[4];
 } sgt_wavefront;
 
@@ -354,10 +354,11 @@ typedef enum sgt_distortion {
  *     out              written; lengths in the unit of the lens
  *
  * Foci are found by the derivatives of the trace.  If there is a plane of symmetry, they
- * are those of Coddington's equations.  If there is none, a focus is where the rays of a
- * section cross the chief ray as seen along that section.  A field on the axis has its
- * tangential plane along y.  Apertures and vignetting do not count: a chief ray may be
- * obscured.  false: `error` (may be NULL) says why. */
+ * are those of Coddington's equations.  If there is none, rays near the chief ray may
+ * pass it on one side; the focus is then where their distance from it, measured within
+ * the section, is zero.  The tangential plane of a field on the axis is along y.
+ * Apertures and vignetting have no effect, so the chief ray may be obscured.
+ * false: `error` (may be NULL) says why. */
 SGT_API bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
                              const sgt_first_order *data, sgt_distortion distortion,

@@ -10,8 +10,8 @@
  *     surfaces[4].apertures[1].radius        breaks[1].tilt[1]        fields[2][1]
  *
  * Surfaces are counted as everywhere, without breaks; breaks[1] is the first break.  A
- * surface can be told by its name, in "double" or 'single' quotes or in none.  A file of
- * one surface (sgt_lens_read_surface) has paths such as radius.
+ * surface can also be given by its name, in "double" or 'single' quotes or in none.  A
+ * file of one surface (sgt_lens_read_surface) has paths such as radius.
  *
  * AN EDIT changes the tree that the file was read into, and then makes the lens anew from
  * it, by the reader of files.  So every check of the reader holds.  The lens is that of
@@ -19,9 +19,9 @@
  * reader refuses the new tree, the lens stays as it was in every bit; error->key is then
  * the path, and error->words says what is wrong.
  *
- * What an edit reads with are the options of the reading: what they point to (types,
- * glasses, context) must last as long as the lens is edited.  A glass that the lens has
- * by its name is not looked up again while `makers` stay.
+ * An edit reads with the sgt_lens_options with which the lens was read.  So what these
+ * point to (types, glasses, context) must last as long as the lens is edited.  A glass
+ * that was found by its name is looked up again only if `makers` changes.
  *
  * POINTERS to what a lens has (elements, texts, sgt_lens_yaml) are good until an edit of
  * it succeeds; the lens itself stays where it is.
@@ -61,9 +61,10 @@ SGT_API bool sgt_lens_get(const sgt_lens *lens, const char *path, double *x,
 SGT_API size_t sgt_lens_get_text(const sgt_lens *lens, const char *path, size_t room,
                                  char text[], sgt_error *error);
 
-/* Sets the number at a path.  A key that is not given is added, with the maps on the way
- * to it.  A key that says the same in another way is removed: of radius and curvature, of
- * the sizes of the pupil, of index and glass there is one.  false: refused. */
+/* Sets the number at a path.  If the file does not have the key, it is added, with the
+ * maps on the way to it.  If another key says the same in another way, that key is
+ * removed: radius or curvature, index or glass, one of the sizes of the pupil.
+ * false: refused. */
 SGT_API bool sgt_lens_set(sgt_lens *lens, const char *path, double x, sgt_error *error);
 
 /* The same of a value in YAML: "12.5", "N-BK7", "true", "[0, 5, 7]",
@@ -71,9 +72,10 @@ SGT_API bool sgt_lens_set(sgt_lens *lens, const char *path, double x, sgt_error 
 SGT_API bool sgt_lens_set_text(sgt_lens *lens, const char *path, const char *yaml,
                                sgt_error *error);
 
-/* Inserts a value in YAML into a list, in front of what has the place; the place behind
- * the last one is the end.  Pickups and tolerances by number go on meaning the same
- * surfaces, as with the edits below; those of the new value mean the new numbers. */
+/* Inserts a value in YAML into a list, in front of the entry that is at the path.  To
+ * append it, give the place behind the last entry.  Pickups and tolerances that name
+ * surfaces by number are renumbered, so that they refer to the same surfaces as before;
+ * so they are by the edits below.  Those within the new value count the new surface. */
 SGT_API bool sgt_lens_insert(sgt_lens *lens, const char *path, const char *yaml,
                              sgt_error *error);
 

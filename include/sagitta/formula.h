@@ -19,18 +19,18 @@
  *     power     atom, or atom ^ factor: -x^2 is -(x^2), and 2^-x, x^y^z = x^(y^z)
  *     atom      a number, a name, (sum), or a function of sums with commas between
  *     names     x, y, z, r = sqrt(x^2 + y^2), pi, and those of the parameters: a letter,
- *               then letters, digits and _.  A sag has no z.  There is no sign for
- *               a product but *
+ *               then letters, digits and _.  A sag has no z.  A product needs the
+ *               sign *
  *     functions sqrt cbrt exp log sin cos tan asin acos atan sinh cosh tanh abs of one
  *               argument; atan2 (y, x), min, max, hypot of two
  *
  * A number is the double nearest to it.  pi is the number itself: an interval.  So is all
  * that is worked out of numbers and parameters alone.
  *
- * A POWER with a whole number is a product, or 1 by one, and u^0 is 1.  With any other
- * exponent it is exp(e log b), defined where b > 0 (and where b = 0, if e > 0).  A whole
- * exponent is one that numbers alone make exactly: 2, -(1 + 1), 4/2, up to 2^20.  A
- * parameter's value can change, so x^p is exp(p log x), also for p = 2.
+ * A POWER with a whole exponent is a product, or 1 over a product; u^0 is 1.  With any
+ * other exponent e it is exp(e log b), defined where b > 0 (and where b = 0, if e > 0).
+ * An exponent is whole if it is made of numbers alone, and exactly: 2, -(1 + 1), 4/2, up
+ * to 2^20.  A parameter's value can change, so x^p is exp(p log x), also for p = 2.
  *
  * UNDEFINED is a root of a negative number, a logarithm of 0 or less, an arc sine or
  * cosine beyond 1, a quotient by 0, atan2(0, 0), and all that is made of it.  F is NaN

@@ -29,8 +29,9 @@
 extern "C" {
 #endif
 
-/* Where memory comes from.  resize as realloc: block NULL is a new one, size 0 frees and
- * returns NULL, NULL for another size is a failure that leaves the block as it was. */
+/* Where memory comes from.  `resize` works as realloc.  If block is NULL, it returns a
+ * new block.  If size is 0, it frees the block and returns NULL.  If there is no memory,
+ * it returns NULL and leaves the block as it was. */
 typedef struct sgt_allocator {
     void *(*resize)(void *context, void *block, size_t size);
     void *context;
@@ -102,7 +103,7 @@ typedef struct sgt_glass {
 
 /* The index of refraction at a wavelength in um, also outside the range of the glass: ask
  * sgt_glass_covers.  NaN: the wavelength is not positive and finite, the formula is
- * unknown or lacks coefficients, or its answer is no positive number (n^2 < 0, a pole).
+ * unknown or lacks coefficients, or its value is not a positive number (n^2 < 0, a pole).
  * Rounding: observed below 1e-15 of n for all glasses that ship (docs/glass.md). */
 SGT_API double sgt_glass_index(const sgt_glass *glass, double um);
 
@@ -167,11 +168,12 @@ SGT_API bool   sgt_catalogue_glass(const sgt_catalogue *catalogue, size_t place,
  *     makers_count, makers  whose glass is wanted, best first; 0 and NULL: no wish
  *     glass                 written; glass->maker says whose it is
  *
- * If several makers have the name, the first of `makers` that has it is taken.  If none
- * of them has it, it is looked for in what the latest sgt_catalogue_add... with a glass
- * of that name has added: the first of SCHOTT, OHARA, HOYA, CDGM, HIKARI, SUMITA that has
- * it is taken, or else the first that was added.  false: none, and `error` (may be NULL)
- * names those whose names are nearest. */
+ * If several glasses have the name, these rules choose one, in this order:
+ *   - the maker that comes first in `makers`;
+ *   - the latest call of sgt_catalogue_add...;
+ *   - the maker that comes first in SCHOTT, OHARA, HOYA, CDGM, HIKARI, SUMITA;
+ *   - the glass that was added first.
+ * false: there is none, and `error` (may be NULL) lists the nearest names. */
 SGT_API bool sgt_catalogue_find(const sgt_catalogue *catalogue, const char *name,
                                 size_t makers_count, const char *const *makers,
                                 sgt_glass *glass, sgt_error *error);
@@ -313,12 +315,13 @@ typedef struct sgt_lens_options {
     const sgt_surface_ops *file_ops;
     const char *(*complete)(void *context, const sgt_builtin *type, void *self,
                             const char *path);
-    /* How a file is read: sets *text, which is then freed by `forget`, and *length;
-     * returns NULL, or why it cannot be read.  NULL: by fopen. */
+    /* Reads a file into memory: sets *text and *length.  The library calls `forget` when
+     * it no longer needs *text.  Returns NULL, or why the file cannot be read.  NULL: the
+     * library reads files by fopen. */
     const char *(*read)(void *context, const char *path, char **text, size_t *length);
     void (*forget)(void *context, char *text);
     void *context;
-    /* of a file with several, from 1; 0: the active one */
+    /* which configuration is read if the file has several, from 1; 0: the active one */
     int configuration;
     unsigned long long reserved_[4]; /* leave it zero, and that of the rows of `types` */
 } sgt_lens_options;
@@ -354,10 +357,10 @@ SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
  *                   wavelength they are those of the lens
  *     index_before  written: the index in front of the first
  *
- * An ideal lens for which the file gives no
- * object_distance has the paraxial one of that wavelength, or of the primary one if the
- * file does not list it.  false: some medium has no index there (a list of indices for
- * other wavelengths, a pole), and `error` says which. */
+ * If the file gives no object_distance for an ideal lens, the paraxial one at that
+ * wavelength is taken; at a wavelength that the file does not list, that at the primary
+ * one.  false: some medium has no index there (a list of indices for other wavelengths, a
+ * pole), and `error` says which. */
 SGT_API bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[],
                          double *index_before, sgt_error *error);
 
@@ -459,9 +462,9 @@ SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_ord
 typedef struct sgt_parabasal {
     double power[2][2];       /* -n' times the change of direction by a displacement */
     double efl[2];            /* 1 / power */
-    double focus[2];          /* to where rays meet that came parallel to it */
-    double image[2];          /* to where rays meet that came from its start */
-    double magnification[2];  /* there */
+    double focus[2];          /* to where rays that come in parallel to this ray meet */
+    double image[2];          /* to where rays that start where this ray does meet */
+    double magnification[2];  /* at the image */
     double power_xy;          /* the larger of |power[0][1]| and |power[1][0]|; 0 if it is
                                  no more than 1e-9 of the larger of the other two */
     unsigned long long reserved_[3];

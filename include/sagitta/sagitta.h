@@ -79,9 +79,9 @@ typedef enum sgt_arithmetic_fault {
 
 /* Every bound of this library takes each operation as rounded to nearest, and small
  * numbers as they are (IEEE 754-2019, sections 4.3.1 and 3.3: roundTiesToEven, gradual
- * underflow).  A processor can be told otherwise, for each thread: by fesetround, or by
- * -Ofast and -ffast-math when a program or a library is LINKED with them (gcc then sets
- * flush-to-zero as it is loaded).  Then no bound holds, and nothing is proven.
+ * underflow).  Two things change that for a thread: fesetround, and -Ofast or -ffast-math
+ * when a program or a library is LINKED with them (gcc then sets flush-to-zero as it is
+ * loaded).  Then no bound holds, and nothing is proven.
  *
  * The functions of this library do not look, and print nothing.  So ask once in each
  * thread that traces, after all libraries are loaded; threads begin with what the thread
@@ -135,11 +135,11 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * THE START.  The root at the start itself is not accepted: a finite tmin stands for
  * "leave the surface you may be on".  Precisely, a root t is not accepted if
  *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d| + 2^-50 |t|,
- * the products taken at the root.  Errors of 16 ulps in each coordinate of a point on the
- * surface put it at most that far from tmin.  A root within 2^-1000 (length) of the start
- * is also the start: all products may be 0 there.  Where the gradient nearly vanishes,
- * rounding hides how far that is.  A root that may be the one at the start is
- * then UNPROVEN and is never dropped.
+ * the products taken at the root.  If each coordinate of a point on the surface is off by
+ * up to 16 ulps, the root of a ray from there is at most that far from tmin.  A root
+ * within 2^-1000 (length) of the start is also the start: all products may be 0 there.
+ * Where the gradient nearly vanishes, rounding hides how large the bound is.  If a root
+ * may be the one at the start, it is then UNPROVEN; it is never dropped.
  * To get the root at the start, give tmin = -INFINITY or a tmin a little less than
  * zero. */
 typedef struct sgt_ray {
@@ -150,8 +150,8 @@ typedef struct sgt_ray {
 } sgt_ray;
 
 /* The points o + t d with tmin <= t <= tmax, whatever these are.  With tmin = tmax, such
- * as 0 and 0, there is no point but the start, and so no root that is accepted.  (It
- * stores a tmax of 0 as -0, which is the same number.) */
+ * as 0 and 0, the only point is the start, so that no root is accepted.  (It stores a
+ * tmax of 0 as -0, which is the same number.) */
 SGT_API sgt_ray sgt_ray_between(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax);
 
 /* The numbers from lo to hi; interval.h computes with them. */
@@ -250,7 +250,8 @@ typedef struct sgt_surface_ops {
      * and tmax here; tmax may be infinite.
      * If `single` is set, [lo, hi] contains at most one root, F changes sign there, and
      * if that root is not accepted then no root on the ray is.  If `single` is not set,
-     * nothing is said, and the solver uses `span`; so it does where `first` fails.
+     * the answer promises nothing, and the solver uses `span`.  It also uses `span` if
+     * it does not settle in the stretch that `first` gives.
      * It is called only if the first root is wanted.  It makes convex bodies as quick to
      * meet as sags. */
     sgt_span (*first)(const void *self, const sgt_ray *ray);
@@ -313,8 +314,8 @@ typedef enum SGT_ONE_BYTE sgt_status {
                             (Or it lies in the plane: then t is where it starts, or where
                             it enters the rim) */
     SGT_MISS      =  0,  /* F has no accepted root on the ray */
-    SGT_UNPROVEN  = -1,  /* no root was found and none was excluded; or one was found, and
-                            it cannot be told whether it is accepted */
+    SGT_UNPROVEN  = -1,  /* no root was found and none was excluded; or one was found, but
+                            it is uncertain whether it is accepted */
     SGT_UNDEFINED = -2,  /* the search ended in a region where F is NaN */
     SGT_EXHAUSTED = -3,  /* max_evals was spent, and no proof was asked for.  [lo, hi] is
                             what was left to search.  In sgt_root t is the best point
@@ -386,9 +387,9 @@ typedef enum sgt_step_kind {
  * ROUNDING OF t.  A search has an origin of its own on the ray: near the surface, at its
  * seed, or at an end of the ray.  So t, lo and hi are rounded by at most 2^-50 times the
  * largest of |t|, |lo|, |hi|, the distances to these places and that from o to the
- * frame's origin.  The last point of a hit is as the answer has it (hit.t, hit.f,
- * the slope by hit.n), with t -+ t_err as lo and hi: F and its slope are f and `slope`
- * somewhere between these.
+ * frame's origin.  The last point of a hit is that of the answer: t is hit.t, f is hit.f,
+ * `slope` is by hit.n, and lo and hi are t -+ t_err.  Somewhere between lo and hi F and
+ * its slope have exactly these values.
  *
  *     member            at a point                     over a cell
  *     t                 the point                      the middle of the cell
@@ -475,20 +476,21 @@ typedef struct sgt_options {
  *
  * BUILT-IN SURFACES.  Every status is certain, by running error analysis.  It is about
  * the surface whose parameters are exactly the stored doubles, and the ray whose doubles
- * are given.  What cannot be told is UNPROVEN.
+ * are given.  What cannot be decided is UNPROVEN.
  * The exception is a level set with dt_min > 0.  It is marched in steps of the larger of
  * `estimate` and dt_min.  A ray on which no change of sign is seen is UNPROVEN, unless it
  * misses the set's ball.
  * sgt_proof says what options.proof adds.
  *
- * A USER'S SURFACE.  That the first hit is the first, and that a miss is one:
- *   - is certain if the surface offers span.single or enclose;
- *   - by clearance it is certain, except in stretches below dt_min (0: 2^-20 of the
- *     stretch searched);
- *   - with neither, or with `estimate` and dt_min > 0, it is not certain.  The hit is
- *     then the first that a march can see.  Its steps are dt_min (0: 1/64 of the
- *     stretch), or the estimate if that is larger.
- * A march that sees no root is UNPROVEN if one of its steps was uncertain, else MISS.
+ * A USER'S SURFACE.  How certain is it that a hit is the first, and that a miss is one?
+ *   - If the surface offers span.single or enclose, it is certain.
+ *   - If it offers clearance, it is certain, except in stretches below dt_min (0: 2^-20
+ *     of the stretch searched).
+ *   - If it offers none of these, or with `estimate` and dt_min > 0, it is not certain.
+ *     The hit is then the first that a march can see.  Its steps are dt_min (0: 1/64 of
+ *     the stretch), or the estimate if that is larger.
+ * If a march sees no root, the answer is UNPROVEN if one of its steps was uncertain,
+ * else MISS.
  * Newton's step never lengthens a step of a march.
  *
  * ENDS AT INFINITY, of a user's surface without `enclose`.  If tmax is infinite, steps
@@ -593,10 +595,11 @@ typedef struct sgt_start {
 /* The next crossing. */
 typedef struct sgt_crossing {
     sgt_hit hit;   /* as sgt_intersect gives it of `ray` */
-    sgt_ray ray;   /* from o along d; hit.t counts from o.  tmin is 0, or somewhat more:
-                      then rounding hides the root at o, and none else is before tmin */
-    int     side;  /* the sign of F between the start and hit.t (a miss: right behind the
-                      start): 1, -1, or 0: it cannot be told, or the hit is undecided */
+    sgt_ray ray;   /* from o along d; hit.t counts from o.  tmin is 0.  If rounding hides
+                      the root at o, tmin is somewhat more; no other root is before it */
+    int     side;  /* 1 or -1: the sign of F between the start and hit.t; of a miss, right
+                      behind the start.  0: the sign is not certain, or the hit is
+                      undecided */
     unsigned long long reserved_[2];
 } sgt_crossing;
 
@@ -693,7 +696,7 @@ typedef struct sgt_root {
     double     t;       /* where to evaluate next; at the end the answer */
     double     lo, hi;  /* the bracket */
     double     t_err;   /* the error of t, as above */
-    int        evals;   /* evaluations told so far */
+    int        evals;   /* how many evaluations it has been given so far */
     sgt_move   move;    /* how t was chosen */
     sgt_status status;  /* at the end: how it ended */
     double     g_err;   /* how far g may be off; set by you before a step.  0: exact */

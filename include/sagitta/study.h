@@ -57,9 +57,14 @@ typedef struct sgt_study_options {
     bool                  every_wavelength;
 
     /* The points of the pupil.  NULL and zeros: the pattern of the analysis, with the
-     * rays that it names.  rays: the n of sgt_pupil_points, 0: as many as suit the
-     * pattern.  across: in its place, this many across the pupil (of random and sobol as
-     * many as a grid would have).  points: in place of a pattern, these points */
+     * rays that it names.
+     *
+     *     pattern        which pattern
+     *     rays           the n of sgt_pupil_points; 0: as many as suit the pattern
+     *     across         used if not 0, in place of `rays`: how many rays there are
+     *                    across the pupil (random, sobol: as many as a grid would have)
+     *     points, point  used if not 0, in place of a pattern: how many points, and these
+     */
     const sgt_pattern     *pattern;
     size_t                 rays, across;
     uint64_t               seed;      /* of a random pattern; 0: 1 */
@@ -96,7 +101,7 @@ SGT_API double sgt_lens_unit(const sgt_lens *lens);
 typedef enum sgt_column_kind {
     SGT_COLUMN_NUMBER,      /* double; NaN: there is none */
     SGT_COLUMN_EXACT,       /* double that was given, to be shown in full */
-    SGT_COLUMN_ERROR,       /* double: a bound, two digits tell enough */
+    SGT_COLUMN_ERROR,       /* double: a bound, to be shown with two digits */
     SGT_COLUMN_WAVELENGTH,  /* double, um; NaN: none; SGT_ALL_WAVELENGTHS */
     SGT_COLUMN_COUNT,       /* size_t */
     SGT_COLUMN_PLACE,       /* size_t, from 1; 0: there is none */
@@ -113,7 +118,7 @@ typedef enum sgt_column_kind {
 /* "passed", "clipped", "tir", "missed", "lost" or "none". */
 SGT_API const char *sgt_study_fate_text(int fate);
 
-/* What the unit of a column hangs on. */
+/* What the unit of a column depends on. */
 typedef enum sgt_dimension {
     SGT_UNIT_NONE,
     SGT_UNIT_MICROMETRE,
@@ -220,8 +225,10 @@ typedef struct sgt_fates {
     size_t rays, passed, missed, clipped, tir;
     size_t lost;                 /* could not be decided, or aiming found none */
     size_t none;                 /* proven: there is no such ray */
-    size_t unfound;              /* of those that are lost: aiming has not found them */
-    double within;               /* none of these is so near, in radii of the pupil */
+    size_t unfound;              /* how many of the lost rays aiming did not find */
+    double within;               /* proven: none of the unfound rays is nearer than this
+                                    to the centre of the pupil, in its radii; 0: not
+                                    proven */
     size_t folded;               /* on a fold of the pupil */
     size_t proven;               /* passed, and proven at each surface */
     unsigned long long reserved_[4];
@@ -435,8 +442,9 @@ typedef struct sgt_energy_row {
     size_t field;
     double wavelength, radius;
     double fraction;             /* of the light that passes: 0 to 1 */
-    double unsure;               /* the share of rays whose distance cannot be told from
-                                    the radius: fraction is off by no more */
+    double unsure;               /* the share of rays for which it is uncertain on which
+                                    side of the radius they lie: fraction is off by no
+                                    more */
     double sampling;             /* fraction, less that of half as many rays across */
     unsigned long long reserved_[2];
 } sgt_energy_row;

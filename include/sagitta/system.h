@@ -23,9 +23,9 @@ typedef struct sgt_pose {
  * in degrees, right-handed.  Multiples of 90 are exact. */
 SGT_API sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees);
 
-/* The cosines and sines of n angles, within 0.65 ulp and the same bits on every system: x
- * and y of the ex of sgt_pose_tilted that is turned about z, to the bit.  NaN of an angle
- * that is not finite.  The arrays do not overlap. */
+/* The cosines and sines of n angles, within 0.65 ulp and the same bits on every system.
+ * cosine[i] and sine[i] are, to the bit, ex.x and ex.y of sgt_pose_tilted by degrees[i]
+ * about z.  They are NaN if the angle is not finite.  The arrays must not overlap. */
 SGT_API void sgt_turns(size_t n, const double degrees[], double cosine[], double sine[]);
 
 /* ------------------------------------------------------------------- apertures */
@@ -117,8 +117,8 @@ typedef enum sgt_phase_kind {
  *
  * n1 and n2 are the indices in front and behind.  n keeps its sign.  So f > 0 focuses
  * parallel light, whichever way along z it goes.  From afar the focus is n2 f behind.
- * index SGT_MIRROR: the same with n2 = n1, and n changes its sign: l and m are those of
- * the lens that light goes through, unfolded.
+ * If index is SGT_MIRROR, n2 = n1, and n changes its sign.  l and m are those that the
+ * ray would have behind such a lens without the mirror.
  *
  * THE PATH.  opl is that of an ideal image.  Rays that come from one point of the object
  * plane have the same opl from there to its image, that of the ray through the vertex.
@@ -244,10 +244,11 @@ typedef struct sgt_passage {
  *     fate          NULL, or what became of the ray at last
  *     opt           NULL, or the options
  *
- * WHICH ROOT.  Of the roots on the line the one near the surface's own guess is meant
- * (options.pick decides otherwise).  The guess is span.seed.  A user's surface without
- * one is met nearest the point of the line that is nearest the origin of its frame.  If
- * that root lies outside the clear aperture and another lies inside, that one is meant.
+ * WHICH ROOT.  Of the roots on the line the one near the surface's own guess is taken,
+ * unless options.pick says otherwise.  The guess is span.seed.  If a user's surface gives
+ * none, the guess is the point of the line that is nearest the origin of the surface's
+ * frame.  If that root lies outside the clear aperture and another lies inside, the one
+ * inside is taken.
  *
  * A PROOF (options.proof) is asked for at each root.  With SGT_PROVE_FIRST the root has
  * to be the only accepted one within the clear aperture; without an aperture, on the

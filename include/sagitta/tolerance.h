@@ -12,8 +12,9 @@
  * A COMPENSATOR is an entry that is not off by chance: when the lens has been built it is
  * set within its box so that the figure, or the paraxial focus, is best.
  *
- * A FIGURE is one number that is to be small, of the whole lens: sgt_tolerancing_figure.
- * NaN: the lens cannot be judged, for example because a chief ray does not get through.
+ * A FIGURE (sgt_tolerancing_figure) is one number for the whole lens: the smaller, the
+ * better.  NaN: the lens cannot be judged, for example because a chief ray does not get
+ * through.
  *
  *     sgt_tolerancing *t = sgt_tolerancing_new(lens, NULL, &error);
  *     sgt_tolerancing_trials(t, 1, 0, 10000, take, NULL, &error);
@@ -97,12 +98,13 @@ SGT_API const char *sgt_tolerance_unit(const sgt_lens *lens, const sgt_tolerance
 /* Fields weigh as field_weights of the lens says; those of sgt_study_options.field_at
  * alike. */
 typedef enum sgt_tolerancing_figure {
-    SGT_TOLERANCING_SPOT, /* the root of the mean square of the spots' radii: of the
-                             fields' rms, all wavelengths together ("spot" of study.h) */
-    SGT_TOLERANCING_OPD,  /* the same of the rms of path differences, in waves, over
-                             fields and wavelengths ("wavefront") */
-    SGT_TOLERANCING_BORESIGHT /* the same of the way from where a chief ray is designed to
-                                 end to where it does, x and y of "spot"; 0 as designed */
+    /* The root of the weighted mean square of */
+    SGT_TOLERANCING_SPOT, /* the rms radius of each field's spot, all wavelengths together
+                             ("spot" of study.h) */
+    SGT_TOLERANCING_OPD,  /* the rms path difference of each field and wavelength, in
+                             waves ("wavefront") */
+    SGT_TOLERANCING_BORESIGHT /* how far each field's chief ray ends from where it ends in
+                                 the design (x and y of "spot"); 0 as designed */
 } sgt_tolerancing_figure;
 
 /* Zeros are the defaults. */
@@ -115,9 +117,10 @@ typedef struct sgt_tolerancing_options {
 
 typedef struct sgt_tolerancing sgt_tolerancing;
 
-/* The lens must last as long, and not be edited; so must what the options point to.
- * Pickups and solves of its file keep their values: a lens that is built has none.
- * NULL: `error` (may be NULL) says why; it names the tolerance that cannot be. */
+/* The lens, and what the options point to, must last as long as the sgt_tolerancing.  Do
+ * not edit the lens meanwhile.  Pickups and solves of its file keep their values: a lens
+ * that is built has none.  NULL: `error` (may be NULL) says why, and names the tolerance
+ * that is not possible. */
 SGT_API sgt_tolerancing *sgt_tolerancing_new(const sgt_lens *lens,
                                              const sgt_tolerancing_options *opt,
                                              sgt_error *error);
@@ -138,8 +141,8 @@ SGT_API sgt_lens *sgt_tolerancing_lens(const sgt_tolerancing *t, const double va
 
 /* ----------------------------------------------------------------- sensitivity */
 
-/* One entry at its ends, all others 0 but the compensators.  change: of the figure, from
- * that of the lens as designed with its compensators set. */
+/* One entry at its lower and its upper end, all others 0, with the compensators set.  A
+ * change is that of the figure, from the lens as designed with its compensators set. */
 typedef struct sgt_sensitivity {
     size_t entry;               /* from 0 */
     double figure_lower, figure_upper;
@@ -204,8 +207,9 @@ SGT_API bool sgt_tolerancing_trials(const sgt_tolerancing *t, uint64_t seed,
  * them lie below that quantile.  How many lie below it is a binomial number, whatever the
  * distribution (David and Nagaraja 2003, Order Statistics, 7.1). */
 
-/* An estimate and its interval: that contains the true one in at least `confidence` of
- * all cases.  An end that n values cannot give is NaN (0 or 1 of a share). */
+/* An estimate and an interval that contains the true value in at least the share
+ * `confidence` of all cases.  If n values are too few for an end, that end is NaN (of a
+ * share 0 or 1). */
 typedef struct sgt_confidence { double estimate, lower, upper; } sgt_confidence;
 
 /* The quantile p of n values that rise; a NaN counts as beyond all and stands last.  The
