@@ -71,8 +71,8 @@ typedef struct beside_room {
     double y[SGT_TILE], z[SGT_TILE], rho0[SGT_TILE], t0[SGT_TILE], from[SGT_TILE], to[SGT_TILE], r2[SGT_TILE],
         tau[SGT_TILE], tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
     mask asked[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE],
-        again[SGT_TILE], rises[SGT_TILE], falls[SGT_TILE], close[SGT_TILE],
-        on[SGT_TILE];
+        again[SGT_TILE], starts[2][SGT_TILE], close[SGT_TILE], on[SGT_TILE];
+    const mask *rises, *falls; /* as in a side_on: none, or `starts` */
     int steps[SGT_TILE];
     bool afar;
     double of[10][SGT_TILE];
@@ -130,12 +130,13 @@ SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bo
     const convex mine = *bent, *b = &mine;
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
+    const mask *rises = r->rises, *falls = r->falls;
     mask any = 0;
     _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
     {
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
         side_way way = {r->from[i], r->r2[i], r->off[i]};
-        side_on on = {r->rises[i], r->falls[i]};
+        side_on on = {rises[i], falls[i]};
         side_seed one =
             side_seed_of(s, b, terms, first, &q, &way, r->to[i], r->asked[i], on, l[i], m[i], n[i]);
         r->tau2[i] = one.tau, r->above[i] = one.above, r->below[i] = one.below;
@@ -161,7 +162,7 @@ static mask asphere_beside_on(const wavy *self, const convex *bent, const sgt_ti
     {
         side_on one = side_on_of(s, b, ALL_TERMS, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i]);
         mask asked = r->on[i];
-        r->rises[i] = asked & one.rises, r->falls[i] = asked & one.falls;
+        r->starts[0][i] = asked & one.rises, r->starts[1][i] = asked & one.falls;
         any |= asked & (one.rises | one.falls);
     }
     return any;
@@ -261,12 +262,14 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
         r.asked[i] = MASK(hits->status[i] == SGT_HARD) & usual_length(d2) & MASK(far < HUGE_VAL),
         r.steps[i] = 0;
     }
-    memset(r.rises, 0, n * sizeof *r.rises), memset(r.falls, 0, n * sizeof *r.falls);
-    memset(r.ends.hit, 0, n * sizeof *r.ends.hit), memset(r.above, 0, n * sizeof *r.above);
-    memset(r.below, 0, n * sizeof *r.below);
     bool left = asphere_beside_stretch(&b, tile, &r) != 0;
     if (left && r.afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, &r);
-    memset(r.on, 0, n * sizeof *r.on);
+    static const mask none[SGT_TILE];
+    r.rises = r.falls = none;
+    if (!left) {
+        memset(r.on, 0, n * sizeof *r.on), memset(r.above, 0, n * sizeof *r.above);
+        memset(r.below, 0, n * sizeof *r.below);
+    }
     for (int k = 0; k < 2 && left; k++) {
         mask some = few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, &b, tile, &r)
                         : (first ? asphere_beside_first : asphere_beside_near)(s, &b, tile, &r);
@@ -279,7 +282,9 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
             left = some != 0;
             break;
         }
+        r.rises = r.starts[0], r.falls = r.starts[1];
     }
+    if (!left) memset(r.ends.hit, 0, n * sizeof *r.ends.hit);
     if (left) {
         mask again = MASK(true);
         for (int k = 0; k < SIDE_STEPS && again; k++) {

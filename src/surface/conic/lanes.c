@@ -146,7 +146,8 @@ LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 /* What the loops of side.h leave for each other.  away: the ray certainly misses.  plain, blunt: as in a
  * side_root. */
 typedef struct side_room {
-    double x[SGT_TILE], y[SGT_TILE], z[SGT_TILE], t0[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE], S[SGT_TILE];
+    double x[SGT_TILE], y[SGT_TILE], z[SGT_TILE], t0[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
+        inverse[SGT_TILE];
     lane_ends ends;
     mask away[SGT_TILE], plain[SGT_TILE], blunt[SGT_TILE];
 } side_room;
@@ -231,7 +232,7 @@ SGT_INLINE side_kinds lane_side(const bowl *self, bool first, const sgt_tile *ti
         side_root a = side_root_of(s, first, &q, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
         double d2 = l[i] * l[i] + m[i] * m[i] + n[i] * n[i];
         mask usual = MASK(d2 > 0x1p-76) & MASK(d2 < 0x1p80); /* not all for which usual_direction is true */
-        r->tau[i] = a.tau, r->tau_err[i] = a.tau_err, r->S[i] = a.S;
+        r->tau[i] = a.tau, r->tau_err[i] = a.tau_err, r->inverse[i] = a.inverse;
         r->away[i] = a.away & usual, r->plain[i] = a.plain & usual, r->blunt[i] = a.blunt & usual;
         plain |= a.plain, blunt |= a.blunt;
     }
@@ -260,7 +261,8 @@ static void conic_lanes_plain(const bowl *self, const sgt_tile *tile, lane_to to
     LANES for (size_t i = 0; i < count; i++)
     {
         side_origin q = {r->x[i], r->y[i], r->z[i], r->t0[i]};
-        side_root a = {.tau = r->tau[i], .tau_err = r->tau_err[i], .S = r->S[i], .plain = r->plain[i]};
+        side_root a = {
+            .tau = r->tau[i], .tau_err = r->tau_err[i], .inverse = r->inverse[i], .plain = r->plain[i]};
         lane e = met_from_side(s, &q, &a, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
         LANE_STORE(to, i, e, LANE_RICH);
     }
@@ -328,11 +330,12 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, bool on
     if (alone | is.blunt) conic_lanes_sharp(s, tile, alone, to, &r);
     if (on) conic_lanes_on(s, tile, to, r.away);
     for (size_t i = 0; i < tile->n; i++) {
-        bool met = r.ends.hit[i] != 0, none = tried[i] || !(met || r.away[i]);
-        hard += none;
-        h->status[i] = none ? SGT_HARD : met ? SGT_HIT : SGT_MISS;
-        if (h->evals) h->evals[i] = met && !none;
+        mask met = r.ends.hit[i] & ~tried[i], gone = r.away[i] & ~(r.ends.hit[i] | tried[i]);
+        h->status[i] = (signed char)((int)(met & (SGT_HIT - SGT_HARD)) + (int)(gone & (SGT_MISS - SGT_HARD)) +
+                                     SGT_HARD);
+        hard += (met | gone) == 0;
     }
+    for (size_t i = 0; h->evals && i < tile->n; i++) h->evals[i] = h->status[i] == SGT_HIT;
     return hard;
 }
 

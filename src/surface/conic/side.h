@@ -90,13 +90,13 @@ SGT_INLINE double side_error(double Aa, double Ba, double Ca, double by, double 
     return sgt_fma(by, sgt_fma(sgt_fma(2.5 * Aa, size, 7 * Ba), size, 4 * Ca), 3.1 * SGT_U * size);
 }
 
-/* Which root is the answer: that at t0 + tau, off by tau_err, where |G'| is S.
+/* Which root is the answer: that at t0 + tau, off by tau_err; inverse: 1 / |G'| there.
  *
  *   away   the ray certainly misses
  *   plain  it is the answer, and t is sharp (met_from_side)
  *   blunt  it is the answer, and t is not sharp (sharp_from_side) */
 typedef struct side_root {
-    double tau, tau_err, S;
+    double tau, tau_err, inverse;
     mask away, plain, blunt;
 } side_root;
 
@@ -152,13 +152,13 @@ SGT_INLINE side_root side_root_of(const bowl *s, bool first, const side_origin *
     if (s->proof) plain &= MASK((Aa + Aa) * t_err < S);
     return (side_root){.tau = tau,
                        .tau_err = tau_err,
-                       .S = S,
+                       .inverse = by * (1 / (1.01 * SGT_U)),
                        .away = (usual & MASK(D < -0x1p-20 * size)) | (no_early & no_late),
                        .plain = known & plain,
                        .blunt = known & ~plain};
 }
 
-/* Such a root at (x, y, z) + tau d, where |G'| is S.  width: of the rule of the start. */
+/* Such a root at (x, y, z) + tau d, where |G'| is 1 / |inverse|. */
 SGT_INLINE lane side_hit(const bowl *s, double x, double y, double z, double t0, double tau, double tau_err,
                           double inverse, mask wanted, double l, double m, double n, double tmin, double tmax,
                           double t_tol)
@@ -184,7 +184,7 @@ SGT_INLINE lane side_hit(const bowl *s, double x, double y, double z, double t0,
 SGT_INLINE lane met_from_side(const bowl *s, const side_origin *q, const side_root *r, double l, double m,
                               double n, double tmin, double tmax, double t_tol)
 {
-    return side_hit(s, q->x, q->y, q->z, q->t0, r->tau, r->tau_err, 1 / r->S, r->plain, l, m, n, tmin, tmax,
+    return side_hit(s, q->x, q->y, q->z, q->t0, r->tau, r->tau_err, r->inverse, r->plain, l, m, n, tmin, tmax,
                      t_tol);
 }
 
