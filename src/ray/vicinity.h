@@ -39,16 +39,15 @@
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
 enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 32, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
-typedef struct ring { double radius, steep, bend, noise[2]; } ring;
+typedef struct ring { double radius, steep; sgt_interval bent; double noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
-typedef struct box {
-    double x, y;
-    sgt_extent extent;
-} box;
+typedef struct box { double x, y, steep; sgt_by_axis axis; double noise[2]; bool noisy; } box;
+/* Of sgt_extent, what the stretch is made of; low and high are its z. */
+typedef struct known_part { double radius2, steep, low, high, steep_x, steep_y; } known_part;
 typedef struct vicinities {
     box boxes[BOXES];
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
-    sgt_extent extent[VICINITIES];
+    known_part part[VICINITIES];
     rings rings;
     bool any_heights, any_boxes;
     sgt_heights heights; /* of the whole surface */

@@ -272,22 +272,26 @@ static double conic_slope(double c, double k1, double r)
     return phi2 == HUGE_VAL ? 1 / sqrt(-k1) : phi2 > 0x1p-30 ? w / sqrt(phi2) : HUGE_VAL;
 }
 
-/* A bound on the norm of the conic's second derivative within r.  It is c / phi^3 in the direction of r and
- * c / phi across it. */
-static double conic_bend(double c, double k1, double r)
+/* What the conic's second derivative lies in within r.  It is c / phi^3 in the direction of r and c / phi
+ * across it, and phi is monotone in r.  More is added of the end away from 0 than rounding takes, less of
+ * the other. */
+static sgt_interval conic_bent(double c, double k1, double r)
 {
-    double w = fabs(c) * r, phi2 = 1 - larger(k1 * w * w, 0);
-    return phi2 > 0x1p-30 ? fabs(c) / (phi2 * sqrt(phi2)) * (1 + 0x1p-18) : HUGE_VAL;
+    double w = fabs(c) * r, phi2 = 1 - k1 * w * w, cube = phi2 * sqrt(phi2), more = 1 + 0x1p-18;
+    if (!(phi2 > 0x1p-30)) return sgt_interval_all();
+    double least = fabs(c) / larger(cube, 1) * (1 - 0x1p-18), most = fabs(c) / (cube < 1 ? cube : 1) * more;
+    if (!(least >= 0)) least = 0; /* NaN: infinite by infinite */
+    return c < 0 ? sgt_interval_between(-most, -least) : sgt_interval_between(least, most);
 }
 
-/* No point of the surface within r is farther than this from the plane z = 0.  |P| is at most `size`.  The
- * sag of a conic grows with r. */
-static double size_within(const departure_sag *s, double r, double size)
+/* The heights of the surface within r, if those of P lie in p.  The sag of a conic grows with r. */
+static sgt_interval heights_within(const departure_sag *s, double r, sgt_interval p)
 {
-    double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2;
-    return r < 0x1p400 && phi2 < HUGE_VAL
-               ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + DEPARTURE_LOST
-               : HUGE_VAL;
+    double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2,
+           most = cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)), size = most + sgt_interval_greatest(p);
+    double off = 0x1p-20 * size + DEPARTURE_LOST;
+    if (!(r < 0x1p400 && phi2 < HUGE_VAL && size < HUGE_VAL)) return sgt_interval_all();
+    return sgt_interval_between(p.lo - (s->c < 0 ? most : 0) - off, p.hi + (s->c > 0 ? most : 0) + off);
 }
 
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2])
@@ -325,21 +329,32 @@ static double rim2_within_frame(const departure_sag *s)
     return s->of->framed && s->reach > 0 && !(rim2 < HUGE_VAL) ? s->reach * s->reach * (1 + 0x1p-40) : rim2;
 }
 
+static sgt_interval departure_within(double size)
+{
+    return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all();
+}
+
 static const sgt_extent UNKNOWN = SGT_NO_EXTENT;
 
 /* As `steep` and `bend` are made wider. */
+static sgt_interval sag_wider(sgt_interval x)
+{
+    double off = 0x1p-19 * sgt_interval_greatest(x) + DEPARTURE_LOST;
+    return off < HUGE_VAL ? sgt_interval_between(x.lo - off, x.hi + off) : sgt_interval_all();
+}
+
 static sgt_by_axis widened(sgt_by_axis b)
 {
     double more = (1 + 0x1p-20) * (1 + 0x1p-20), least = DEPARTURE_LOST;
-    return (sgt_by_axis){(b.x + least) * more, (b.y + least) * more, (b.xx + least) * more,
-                         (b.xy + least) * more, (b.yy + least) * more};
+    return (sgt_by_axis){(b.x + least) * more, (b.y + least) * more, (b.xy + least) * more, sag_wider(b.xx),
+                         sag_wider(b.yy)};
 }
 
 void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     sgt_extent e;
-    e.radius2 = domain2, e.steep = e.size = e.bend = HUGE_VAL;
+    e.radius2 = domain2, e.steep = HUGE_VAL, e.z = e.bent = sgt_interval_all();
     if (s->of->by_axis) e.axis = UNKNOWN.axis;
     bool whole = domain2 == rim2; /* if not, the equator of the base is inside, and its slope has no bound */
     if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
@@ -347,36 +362,47 @@ void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
                conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
         region where = {{-r, r}, {-r, r}, 0, r};
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+        sgt_interval heights;
         int defined = !(conic < HUGE_VAL || !whole) ? 0
-                      : s->of->by_axis              ? s->of->by_axis(s->self, &where, &b, &e.axis)
+                      : s->of->by_axis              ? s->of->by_axis(s->self, &where, &b, &e.axis, &heights)
                                                     : s->of->bounds(s->self, &where, &b);
         double steep = (conic + b.steep + DEPARTURE_LOST) * (1 + 0x1p-20);
         bool bounded = whole && (defined == 1 || s->of->framed) && steep < 0x1p500;
         if (bounded)
             e.steep = steep * (1 + 0x1p-20),
-            e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + DEPARTURE_LOST) * (1 + 0x1p-20);
+            e.bent = sag_wider(sgt_interval_sum(conic_bent(s->base ? s->c : 0, 1 + s->k, r),
+                                            departure_within(b.bend)));
         if (s->of->by_axis) e.axis = bounded ? widened(e.axis) : UNKNOWN.axis;
-        if (!(b.size < HUGE_VAL) && defined && s->of->range)
-            b.size = sgt_interval_greatest(s->of->range(s->self, &where));
-        if (defined) e.size = size_within(s, r, b.size);
+        if (!(s->of->by_axis && b.size < HUGE_VAL)) heights = departure_within(b.size);
+        if (!(b.size < HUGE_VAL) && defined && s->of->range) heights = s->of->range(s->self, &where);
+        if (defined) e.z = heights_within(s, r, heights);
     }
     if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2))
         e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
-    extent->radius2 = e.radius2, extent->steep = e.steep, extent->size = e.size, extent->bend = e.bend;
+    extent->radius2 = e.radius2, extent->steep = e.steep, extent->z = e.z, extent->bent = e.bent;
     if (s->of->by_axis) extent->axis = e.axis;
 }
 
-void sgt_departure_in_box(const departure_sag *s, double x, double y, sgt_extent *extent)
+void sgt_departure_in_box(const departure_sag *s, double x, double y, double *steep, sgt_by_axis *axis)
 {
-    *extent = UNKNOWN;
+    *steep = HUGE_VAL, *axis = UNKNOWN.axis;
     if (!s->of->by_axis || s->base || !(x < 0x1p400 && y < 0x1p400)) return;
     x *= 1 + 0x1p-19, y *= 1 + 0x1p-19;
     region where = {{-x, x}, {-y, y}, 0, sqrt(x * x + y * y) * (1 + 0x1p-40)};
     bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    sgt_by_axis axis = extent->axis;
-    if (s->of->by_axis(s->self, &where, &b, &axis) != 1 || !(b.steep < 0x1p500)) return;
-    extent->steep = b.steep * (1 + 0x1p-20) + DEPARTURE_LOST;
-    extent->bend = b.bend * (1 + 0x1p-20) + DEPARTURE_LOST, extent->axis = widened(axis);
+    sgt_interval heights;
+    if (s->of->by_axis(s->self, &where, &b, axis, &heights) != 1 || !(b.steep < 0x1p500)) {
+        *axis = UNKNOWN.axis;
+        return;
+    }
+    *steep = b.steep * (1 + 0x1p-20) + DEPARTURE_LOST, *axis = widened(*axis);
+}
+
+void sgt_departure_noise_in_box(const departure_sag *s, double x, double y, double e[2])
+{
+    e[0] = e[1] = (double)NAN;
+    if (s->of->noise_in_box) s->of->noise_in_box(s->self, x * (1 + 0x1p-19), y * (1 + 0x1p-19), e);
+    e[0] += NOISE_LOST;
 }
 
 /* The radius at which the surface ends, or HUGE_VAL.  P may end before the rim; `bounds` then says so.
@@ -435,7 +461,7 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
     sgt_extent e;
     sgt_departure_within(s, &e);
     shared->c = s->c, shared->k1 = 1 + s->k, shared->radius2 = e.radius2, shared->steep = e.steep;
-    shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bend = e.bend;
+    shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bent = e.bent;
     shared->by_axis = s->of->by_axis != NULL;
     if (shared->by_axis) shared->axis = e.axis, shared->lean = s->lean;
     shared->most2 = rim2_within_frame(s) * (1 + 0x1p-20);
@@ -566,11 +592,6 @@ static sgt_interval along(sgt_interval from, double d, sgt_interval t)
 }
 
 static bool departure_bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
-
-static sgt_interval departure_within(double size)
-{
-    return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all();
-}
 
 /* The double nearest the middle of `at`, moved into x. */
 static double inside(sgt_interval at, sgt_interval x)
