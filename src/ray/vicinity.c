@@ -11,29 +11,31 @@ static const double NO_BOUND = 0x1p-1000;
 
 /* ------------------------------------------------------------------------------- rungs */
 
-/* What is known of the surface within the radius `rung`. */
-static const known_part *vicinity_within(sgt_surface s, double rung, int digits, vicinities *kept)
+/* Works out what is known of the surface within the radius `rung`, at this place.  Nothing is if the rung is
+ * infinite or the ray is not asked. */
+SGT_NOINLINE
+static const known_part *vicinity_within(sgt_surface s, double rung, double asked, int place,
+                                         vicinities *kept)
 {
-    int i = place_of(rung, digits, VICINITIES / 2) + (digits == COARSE ? 0 : VICINITIES / 2);
-    if (kept->radius[i] != rung) {
-        sgt_extent e = SGT_NO_EXTENT;
-        s.ops->own_->extent_within(s.self, rung, &e);
-        kept->radius[i] = rung,
-        kept->part[i] = (known_part){e.radius2, e.steep, e.z.lo, e.z.hi, e.axis.x, e.axis.y};
-    }
-    return &kept->part[i];
+    static const known_part none = {0, HUGE_VAL, -HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    if (!(asked != 0 && rung < HUGE_VAL)) return &none;
+    sgt_extent e = SGT_NO_EXTENT;
+    s.ops->own_->extent_within(s.self, rung, &e);
+    kept->radius[place] = rung;
+    kept->part[place] = (known_part){e.radius2, e.steep, e.z.lo, e.z.hi, e.axis.x, e.axis.y};
+    return &kept->part[place];
 }
 
-/* The same for n rays.  Nothing is known if the rung is infinite or the ray is not asked.  axis: NULL, or to
- * be set too. */
+/* What is known within the rungs of n rays.  Of a ray that is not asked it is not read.  axis: NULL, or to be
+ * set too. */
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
                         vicinities *kept, double *radius2, double *steep, double *low, double *high,
                         double *const *axis)
 {
-    static const known_part none = {0, HUGE_VAL, -HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
     for (size_t i = 0; i < n; i++) {
-        bool is = asked[i] != 0 && rung[i] < HUGE_VAL;
-        const known_part *e = is ? vicinity_within(s, rung[i], digits, kept) : &none;
+        int place = place_of(rung[i], digits, VICINITIES / 2) + (digits == COARSE ? 0 : VICINITIES / 2);
+        const known_part *e = &kept->part[place];
+        if (kept->radius[place] != rung[i]) e = vicinity_within(s, rung[i], asked[i], place, kept);
         radius2[i] = e->radius2, steep[i] = e->steep, low[i] = e->low, high[i] = e->high;
         if (axis) axis[0][i] = e->steep_x, axis[1][i] = e->steep_y;
     }
@@ -192,15 +194,28 @@ static double shrink(size_t n, const double *restrict ox, const double *restrict
 
 /* ------------------------------------------------------------------------- the stretch */
 
-/* Accepts the chord if F is monotone on it, some of the ray is in it, and it begins before the search
- * does.  Not if the root may be the start itself, and there is a march: nothing would be known of what is
- * behind the chord, and the march knows how to leave.  That may be so if the ray starts between the heights
- * of this part, and is nearer to the seed than `started` times the chord.  Returns how many rays are left. */
+/* Takes the bound on the slope from rays whose root may be the start itself.  Nothing would be known of what
+ * is behind the chord, and a march knows how to leave.  These are the rays that start between the heights of
+ * this part, and nearer to the seed than a quarter of the chord. */
 SGT_KERNEL
-static double vicinity_judge(size_t n, double started, const double *restrict oz, const double *restrict dx,
-                             const double *restrict dy, const double *restrict dz,
-                             const double *restrict low, const double *restrict high,
-                             const double *restrict tmin,
+static void vicinity_leave(size_t n, const double *restrict oz, const double *restrict dz,
+                           const double *restrict low, const double *restrict high,
+                           const double *restrict tmin, const double *restrict seed,
+                           const double *restrict lo, const double *restrict hi, double *restrict least)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        double z = oz[i] + tmin[i] * dz[i];
+        mask starts = MASK(fabs(seed[i] - tmin[i]) < 0.25 * (hi[i] - lo[i])) & MASK(z >= low[i])
+                      & MASK(z <= high[i]);
+        least[i] = chosen(starts, 0, least[i]);
+    }
+}
+
+/* Accepts the chord if F is monotone on it, some of the ray is in it, and it begins before the search
+ * does.  Returns how many rays are left. */
+SGT_KERNEL
+static double vicinity_judge(size_t n, const double *restrict dx, const double *restrict dy,
+                             const double *restrict dz, const double *restrict tmin,
                              const double *restrict tmax, const double *restrict seed,
                              const double *restrict from, const double *restrict lo,
                              const double *restrict hi, const double *restrict slope, double *restrict asked,
@@ -212,10 +227,7 @@ static double vicinity_judge(size_t n, double started, const double *restrict oz
         double scale = scale_of((sgt_vec3){dx[i], dy[i], dz[i]}), steep = slope[i];
         mask here =
             MASK(lo[i] <= seed[i]) & MASK(seed[i] <= hi[i]) & MASK(lo[i] <= tmax[i]) & MASK(hi[i] >= tmin[i]);
-        double z = oz[i] + tmin[i] * dz[i];
-        mask starts = MASK(fabs(seed[i] - tmin[i]) < started * (hi[i] - lo[i])) & MASK(z >= low[i]) &
-                      MASK(z <= high[i]);
-        mask monotone = here & ~starts & MASK(steep > 0) & MASK(lo[i] <= from[i]) & MASK(asked[i] != 0);
+        mask monotone = here & MASK(steep > 0) & MASK(lo[i] <= from[i]) & MASK(asked[i] != 0);
         steep = chosen(MASK(steep < 0x1p-4 * fabs(dz[i] * scale)), NO_BOUND, steep);
         out_lo[i] = chosen(monotone, lo[i], out_lo[i]), out_hi[i] = chosen(monotone, hi[i], out_hi[i]);
         least[i] = chosen(monotone, steep, least[i]);
@@ -291,11 +303,25 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
     }
 }
 
+/* How many rays are still to be looked at. */
+static double asked_all(size_t n, const double *asked)
+{
+    double count = 0;
+    for (size_t i = 0; i < n; i++) count += larger(asked[i], 0);
+    return count;
+}
+
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
-    const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL);
+    const bool chords = !near && marches_chord(whole), rimmed = chords && builtin->rim(s.self) > 0;
+    if (rimmed) { /* what is left has no F on a part of its chord */
+        sgt_march_chord(s, n, r, whole, v, v->work);
+        if (asked_all(n, v->asked) == 0) return;
+    }
+    const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
+               boxes = marches && whole->by_axis;
     sgt_shared bare = bare_of(*whole);
     const bool behind = all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {
@@ -326,26 +352,24 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
                    radius, wide) == 0)
             break;
     }
-    const bool chords = !near && marches_chord(whole), boxes = marches && whole->by_axis && !chords,
-               leaves = chords || boxes;
     double *lo = at_seed, *hi = v->work[11], *least = about, left = 0;
     for (int k = 0; k < 2; k++) {
         builtin->chords(n, r, radius2, steep, axis ? read : NULL, lo, hi, least);
-        left = vicinity_judge(n, leaves ? 0.25 : 0, r.o[2], r.d[0], r.d[1], r.d[2], low, high, v->tmin,
-                              v->tmax, v->seed, from, lo, hi, least, v->asked, v->lo, v->hi, v->least);
+        if (boxes) vicinity_leave(n, r.o[2], r.d[2], low, high, v->tmin, v->seed, lo, hi, least);
+        left = vicinity_judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least,
+                              v->asked, v->lo, v->hi, v->least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
         for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
         extents(s, n, wide, FINE, v->asked, kept, radius2, steep, low, high, axis);
     }
     if (left != 0 && chords) {
-        sgt_march_chord(s, n, r, whole, v, v->work);
+        if (!rimmed) sgt_march_chord(s, n, r, whole, v, v->work);
         return;
     }
     const bool boxed = left != 0 && boxes;
     if (boxed) {
         sgt_march_box(s, n, r, from, &bare, kept, v, v->work);
-        left = 0;
-        for (size_t i = 0; i < n; i++) left += larger(v->asked[i], 0);
+        left = asked_all(n, v->asked);
     }
     if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
     if (!marches || !(left != 0 || behind || boxed)) return;

@@ -38,7 +38,8 @@
  *
  * BY AXIS.  Where the entries of the second derivative are known (departure.c), that along the ray lies also
  * in s_xx d_x^2 + s_yy d_y^2 +- 2 |s_xy d_x d_y|.  For a mirror that is bent across the rays and nearly flat
- * along them this is a small part of the norm.
+ * along them this is a small part of the norm.  Of a sag that is convex it is not negative, however much the
+ * entries may mix.
  *
  * WITHIN A RIM what is known holds for the whole chord, and so do the noise and the slope.  The march begins
  * where the chord does, or the ray, and ends behind the chord or the ray.  There it is a miss: a root is
@@ -155,62 +156,84 @@ SGT_INLINE bow bow_of(double sign, double lo, double hi)
     return (bow){larger(chosen(above, hi, -lo), 0), chosen(above, lo, -hi)};
 }
 
-/* The length of a step before which no point ahead has the other sign: as far as the bend allows, or to
- * somewhat beyond the seed.  ahead: how far that is. */
-SGT_INLINE double step_ahead(double a, bow F2, double by_bend, double most, double ahead)
+/* Steps beside a root are so near to it that F is monotone from there to as far on the other side. */
+SGT_INLINE double room_of(double slope, bow F2) { return fabs(slope) / (5 * larger(F2.most, -F2.least)); }
+
+/* The length of the next step, if no point ahead has the other sign: as far as the bend allows, or to
+ * somewhat beyond the seed, which is `ahead` of here. */
+SGT_INLINE double step_ahead(double a, double ahead, double most, double by_bend, bow F2)
 {
-    double middle = 0.5 * (F2.most + F2.least), slope = fabs(a / ahead - 0.5 * middle * ahead),
-           room = slope / (5 * larger(F2.most, -F2.least));
+    double room = room_of(a / ahead - 0.25 * (F2.most + F2.least) * ahead, F2);
     room = chosen(MASK(room < 0.25 * ahead), larger(room, 0x1p-8 * ahead), 0.25 * ahead);
     double beyond = ahead + room, length = chosen(MASK(by_bend < most), by_bend, most);
     mask leaps = MASK(ahead > 0) & (MASK(beyond < length) | (MASK(F2.least >= 0) & MASK(beyond < most)));
     return chosen(leaps, beyond, length);
 }
 
-/* The same where there is one, `width` away: to beside the root, on the side that is farther from it.  The
- * root is where the seed is, if that is between, or where a parabola of the mean F'' has it. */
-SGT_INLINE double step_between(double a, double b, double width, bow F2, double ahead)
+/* The same if one has, `width` away: to beside the root, on the side that is farther from it.  The root is
+ * where the seed is, if that is between, or where a parabola of the mean F'' has it: by one of Newton's steps
+ * from the secant. */
+SGT_INLINE double step_between(double a, double b, double width, double ahead, double by_bend, bow F2)
 {
-    double middle = 0.5 * (F2.most + F2.least), mean = (a + b) / width, at = width * (a / (a + b));
-    double drop = 0.5 * middle * at * (width - at), slant = mean + 0.5 * middle * (width - 2 * at),
-           better = at - drop / slant;
+    double middle = 0.5 * (F2.most + F2.least), mean = (a + b) / width, at = a / mean;
+    double drop = 0.5 * middle * at * (width - at),
+           better = at - drop / (mean + 0.5 * middle * (width - 2 * at));
     at = chosen(MASK(better > 0) & MASK(better < width), better, at);
     at = chosen(MASK(ahead > 0) & MASK(ahead < width), ahead, at);
-    slant = fabs(mean + 0.5 * middle * (width - 2 * at));
-    double room = slant / (5 * larger(F2.most, -F2.least)), behind = width - at;
+    double room = room_of(mean + 0.5 * middle * (width - 2 * at), F2), behind = width - at;
     mask left = MASK(at >= behind);
-    double side = 0.5 * chosen(left, at, behind), off = chosen(MASK(room < side), room, side);
-    return chosen(left, at - off, at + off);
+    double side = 0.5 * chosen(left, at, behind), off = chosen(MASK(room < side), room, side),
+           beside = chosen(left, at - off, at + off);
+    return chosen(MASK(F2.least < 0) & MASK(by_bend < beside), by_bend, beside);
 }
 
-/* The next point.  The length of the step is h if a step has been refused, else it is chosen here. */
-SGT_KERNEL
-static void wings_step(size_t n, bool in_rings, const double *restrict ox, const double *restrict oy,
-                       const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                       const double *restrict dz, const double *restrict at, double *restrict h,
-                       const double *restrict a, const double *restrict sign, const double *restrict past,
-                       const double *restrict b, const double *restrict ratio, const double *restrict radius,
-                       const double *restrict bent_lo, const double *restrict bent_hi,
-                       const double *restrict seed, const double *restrict end, double *restrict px,
-                       double *restrict py, double *restrict pz)
+/* The next point.  The length of the step is h if a step has been refused, else it is chosen here.  ahead: no
+ * row knows of a point ahead with the other sign. */
+SGT_INLINE void wings_steps(bool ahead, size_t n, bool in_rings, const double *restrict ox,
+                            const double *restrict oy, const double *restrict oz, const double *restrict dx,
+                            const double *restrict dy, const double *restrict dz, const double *restrict at,
+                            double *restrict h, const double *restrict a, const double *restrict sign,
+                            const double *restrict past, const double *restrict b,
+                            const double *restrict ratio, const double *restrict radius,
+                            const double *restrict bent_lo, const double *restrict bent_hi,
+                            const double *restrict seed, const double *restrict end, double *restrict px,
+                            double *restrict py, double *restrict pz)
 {
     const mask rung = MASK(in_rings);
     LANES for (size_t i = 0; i < n; i++) {
-        double l = dx[i], m = dy[i], t = at[i], x = ox[i] + t * l, y = oy[i] + t * m, along = l * l + m * m;
-        double nearest = -(x * l + y * m) / along, cross = (x * m - y * l), R = radius[i];
-        double leaves = nearest + sqrt(larger(R * R - cross * cross / along, 0) / along);
-        double most = chosen(rung, 0.98 * leaves, end[i] - t), ahead = seed[i] - t, width = past[i] - t;
+        double l = dx[i], m = dy[i], t = at[i], x = ox[i] + t * l, y = oy[i] + t * m,
+               over = 1 / (l * l + m * m);
+        double nearest = -(x * l + y * m) * over, cross = (x * m - y * l), R = radius[i];
+        double leaves = nearest + sqrt(larger(R * R - cross * cross * over, 0) * over);
+        double most = chosen(rung, 0.98 * leaves, end[i] - t), to_seed = seed[i] - t, width = past[i] - t;
         bow F2 = bow_of(sign[i], bent_lo[i], bent_hi[i]);
         double by_bend = 0.98 * sqrt(2 * a[i] / F2.most) * (1 + 0.8 * ratio[i]),
-               between = step_between(a[i], b[i], width, F2, ahead),
-               length = step_ahead(a[i], F2, by_bend, most, ahead);
-        between = chosen(MASK(F2.least < 0) & MASK(by_bend < between), by_bend, between);
-        length = chosen(MASK(width < HUGE_VAL), between, length);
+               length = step_ahead(a[i], to_seed, most, by_bend, F2);
+        if (!ahead) {
+            double between = step_between(a[i], b[i], width, to_seed, by_bend, F2);
+            length = chosen(MASK(width < HUGE_VAL), between, length);
+        }
         length = chosen(MASK(h[i] > 0), h[i], length);
         t = chosen(MASK(sign[i] != 0), t + length, t);
         h[i] = length;
         px[i] = ox[i] + t * l, py[i] = oy[i] + t * m, pz[i] = oz[i] + t * dz[i];
     }
+}
+
+SGT_KERNEL
+static void wings_step(rows a, size_t n, bool in_rings)
+{
+    wings_steps(false, n, in_rings, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN],
+                a[PAST], a[B], a[RATIO], a[RADIUS], a[BENT_LO], a[BENT_HI], a[SEED], a[END], a[PX], a[PY],
+                a[PZ]);
+}
+
+SGT_KERNEL
+static void wings_step_ahead(rows a, size_t n, bool in_rings)
+{
+    wings_steps(true, n, in_rings, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN],
+                a[PAST], a[B], a[RATIO], a[RADIUS], a[BENT_LO], a[BENT_HI], a[SEED], a[END], a[PX], a[PY],
+                a[PZ]);
 }
 
 /* Not below the distance of a point from the axis; tx, ty: its terms. */
@@ -225,9 +248,9 @@ SGT_INLINE mask is_monotone(double a, double b, double length, bow F2)
     return MASK(2 * (1 + 0x1p-20) * larger(F2.most, -F2.least) * length * length < a + b);
 }
 
-/* What F at the next point has shown. */
+/* What F at the next point has shown.  Returns how many rows know of a point ahead with the other sign. */
 SGT_KERNEL
-static void wings_judge(size_t n, bool in_rings, const double *restrict dx, const double *restrict dy,
+static double wings_judge(size_t n, bool in_rings, const double *restrict dx, const double *restrict dy,
                         const double *restrict dz, double *restrict at, double *restrict h,
                         double *restrict a, double *restrict sign, double *restrict past,
                         double *restrict beyond, double *restrict ratio, const double *restrict radius,
@@ -238,7 +261,9 @@ static void wings_judge(size_t n, bool in_rings, const double *restrict dx, cons
                         const double *restrict own, double *restrict verdict, double *restrict wanted)
 {
     const mask rung = MASK(in_rings);
-    LANES for (size_t i = 0; i < n; i++) {
+    double known = 0;
+#pragma omp simd reduction(+ : known)
+    for (size_t i = 0; i < n; i++) {
         double was = at[i], s = sign[i], before = a[i], x = px[i], y = py[i], z = pz[i], r2 = x * x + y * y,
                R = radius[i], ahead = past[i], behind = beyond[i], limit = chosen(rung, end[i], HUGE_VAL);
         mask first = MASK(s == 0);
@@ -251,12 +276,14 @@ static void wings_judge(size_t n, bool in_rings, const double *restrict dx, cons
         mask in = MASK(r <= R), certain = MASK(b > 0), like = certain & MASK(is == s),
              unlike = certain & MASK(is == -s) & in;
         double rest = ahead - t, px2 = x + rest * dx[i], py2 = y + rest * dy[i],
-               r_past = radius_by(px2, py2, fabs(ahead * dx[i]), fabs(ahead * dy[i]));
-        mask between = MASK(rest > 0) & MASK(ahead < HUGE_VAL) & MASK(r_past <= R) & in;
+               hidden = 0x1p-50 * (fabs(ahead) * (fabs(dx[i]) + fabs(dy[i])) + fabs(px2) + fabs(py2)),
+               inner = larger(R - hidden, 0);
+        mask between = in & MASK(rest > 0) & MASK(ahead < HUGE_VAL) &
+                       MASK(px2 * px2 + py2 * py2 < inner * inner);
         /* h sqrt(F2 / 2) < sqrt a + sqrt b, divided by sqrt a: so no root is taken of what has an odd power
          * of a length, and would be rounded otherwise in another unit.  2^-1000 is for underflow. */
-        double part = sqrt(larger(b, 0) / before),
-               curved = length * sqrt(0.5 * F2.most / before + 0x1p-1000) * (1 + 0x1p-20);
+        double over = 1 / before, part = sqrt(larger(b, 0) * over),
+               curved = length * sqrt(0.5 * F2.most * over + 0x1p-1000) * (1 + 0x1p-20);
         mask clear = MASK(curved < 1 + part) | (between & MASK(F2.least >= 0));
         mask moves = (first & certain & in) | (like & in & clear & MASK(t > was));
         mask found = unlike & in & is_monotone(before, b, length, F2),
@@ -271,10 +298,10 @@ static void wings_judge(size_t n, bool in_rings, const double *restrict dx, cons
         double shorter = chosen(certain, 0.5 * length, chosen(over_it, longer, 0.3 * length));
         shorter = chosen(like & in & MASK(safe < length), safe, shorter);
         double outward = x * dx[i] + y * dy[i];
-        mask over = (first & ~moves) | ~(first | MASK(length > 0)) | MASK(!(b == b)); /* NaN: no F there */
-        over |= moves & MASK(outward > 0) & MASK(r > limit);
+        mask ends = (first & ~moves) | ~(first | MASK(length > 0)) | MASK(!(b == b)); /* NaN: no F there */
+        ends |= moves & MASK(outward > 0) & MASK(r > limit);
         double v = chosen(moves, (double)MOVED, (double)GOES_ON);
-        v = chosen(over, (double)GIVEN_UP, v);
+        v = chosen(ends, (double)GIVEN_UP, v);
         v = chosen(first & MASK(fabs(f[i]) <= 32 * err), (double)HIDDEN, v);
         verdict[i] = chosen(found, (double)FOUND, v);
         h[i] = chosen(moves | unlike, 0, shorter);
@@ -287,11 +314,13 @@ static void wings_judge(size_t n, bool in_rings, const double *restrict dx, cons
         seed[i] = chosen(short_of, chosen(MASK(b < before), farther, -HUGE_VAL), seed[i]);
         at[i] = chosen(moves, t, was);
         past[i] = chosen(unlike, t, ahead);
+        known += chosen(unlike | MASK(ahead < HUGE_VAL), 1, 0);
         beyond[i] = chosen(unlike, b, behind);
         a[i] = chosen(moves, b, before);
         sign[i] = chosen(first & moves, is, s);
         wanted[i] = radius_wanted(r, outward * larger(length, 0x1p-1000));
     }
+    return known;
 }
 
 /* --------------------------------------------------------------------------- the lanes */
@@ -332,6 +361,7 @@ static void bend_along(rows a, size_t k, sgt_interval bent, const sgt_by_axis *b
                high = xx.hi * l2 + yy.hi * m2 + mixed;
         double rounded = off * (sgt_interval_greatest(xx) * l2 + sgt_interval_greatest(yy) * m2 + mixed);
         lo = larger(lo, low - rounded), hi = -larger(-hi, -(high + rounded));
+        lo = by_axis->turn > 0 ? larger(lo, 0) : lo, hi = by_axis->turn < 0 ? -larger(-hi, 0) : hi;
     }
     a[BENT_LO][k] = -hi, a[BENT_HI][k] = -lo;
 }
@@ -364,10 +394,17 @@ static void tell_root(rows a, size_t i, double scale, const vicinity *v)
         v->seed[k] = (lo + h * (before / (before + b))) * scale;
 }
 
+static const sgt_heights *heights_about(sgt_surface s, vicinities *kept)
+{
+    if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
+    kept->any_heights = true;
+    return &kept->heights;
+}
+
 /* The t at which the ray is inside the edge by a part in 256, if there is certainly no root before it.
  * (At its edge a base has a slope without bound.)  NaN: that is not known.  *evals grows by what it took. */
-static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, const vicinity *v,
-                          double *evals)
+static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, vicinities *kept,
+                          const vicinity *v, double *evals)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     double x = ray->o.x + from * ray->d.x, y = ray->o.y + from * ray->d.y;
@@ -379,6 +416,14 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     builtin->chords(1, one, &outer2, &steep, NULL, &begin, &hi, &least);
     begin = larger(begin, from);
     if (!(lo <= hi && begin < lo && fabs(lo) < HUGE_VAL)) return (double)NAN;
+    /* Most rays from afar are below or above all that there is next to the edge. */
+    const sgt_heights *h = heights_about(s, kept);
+    double near = ray->o.z + begin * ray->d.z, far = ray->o.z + lo * ray->d.z, last = SGT_RINGS - 1,
+           off = 0x1p-40 * (fabs(ray->o.z) + fabs(begin * ray->d.z) + fabs(lo * ray->d.z));
+    bool outer = h->width > 0 && h->width * last < edge * (1 - 0x1p-6);
+    if (outer && (larger(near, far) + off < h->low[SGT_RINGS - 1] ||
+                  -larger(-near, -far) - off > h->high[SGT_RINGS - 1]))
+        return lo;
     sgt_interval slope, t = {0, sgt_sum_above(lo, -begin)},
                         g = builtin->enclose(s.self, ray, begin, t, &slope);
     *evals += 1;
@@ -453,9 +498,7 @@ static bool is_past_all(sgt_surface s, const sgt_ray *ray, double t, vicinities 
 {
     double low = HUGE_VAL, high = -HUGE_VAL, z = ray->o.z + t * ray->d.z,
            off = 0x1p-40 * (fabs(ray->o.z) + fabs(t * ray->d.z));
-    if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
-    kept->any_heights = true;
-    const sgt_heights *g = &kept->heights;
+    const sgt_heights *g = heights_about(s, kept);
     for (int j = 0; j < SGT_RINGS; j++) low = -larger(-low, -g->low[j]), high = larger(high, g->high[j]);
     return g->width > 0 && ((ray->d.z < 0 && z + off < low) || (ray->d.z > 0 && z - off > high));
 }
@@ -494,7 +537,8 @@ static box *box_about(sgt_surface s, double x, double y, bool coarse, vicinities
     if (!kept->any_boxes)
         for (int i = 0; i < BOXES; i++) kept->boxes[i].x = kept->boxes[i].y = 0;
     kept->any_boxes = true;
-    int fine = place_of(x, FINE, BOXES / 2) ^ place_of(x, COARSE, BOXES / 2) ^ place_of(y, FINE, BOXES / 2);
+    int fine = place_of(x, FINER, BOXES / 2) ^ place_of(x, COARSE, BOXES / 2) ^ place_of(y, FINE, BOXES / 2) ^
+               place_of(y, FINER, BOXES / 2);
     box *b = &kept->boxes[coarse ? 4 * place_of(y, COARSE, 2) + place_of(x, COARSE, 4) : BOXES / 2 + fine];
     if (b->x != x || b->y != y) {
         b->x = x, b->y = y, b->noisy = false;
@@ -505,16 +549,16 @@ static box *box_about(sgt_surface s, double x, double y, bool coarse, vicinities
 
 /* Sets what F'' along row k lies in, within a box that holds |x| and |y| of these.  To work a box out costs
  * more than a root, so there are few: powers of two, not too narrow.  Where the surface ends before those, or
- * F'' may have either sign: along the rays an eighth of a power of two, or in both directions.  NULL: the
- * surface ends in each. */
+ * F'' may have either sign: along the rays an eighth of a power of two, or in both directions a
+ * thirty-second.  NULL: the surface ends in each. */
 static box *box_for(sgt_surface s, rows a, size_t k, double x, double y, vicinities *kept)
 {
     double wide = larger(x, y);
     box *found = NULL;
     for (int i = 0; i < 3; i++) {
         double least = wide * (i ? 0x1p-10 : 0x1p-6), X = larger(x, least), Y = larger(y, least);
-        X = rung_above(X, i == 2 || (i && x == wide) ? FINE : COARSE);
-        Y = rung_above(Y, i == 2 || (i && y == wide) ? FINE : COARSE);
+        X = rung_above(X, i == 2 ? FINER : i && x == wide ? FINE : COARSE);
+        Y = rung_above(Y, i == 2 ? FINER : i && y == wide ? FINE : COARSE);
         if (!(X < HUGE_VAL && Y < HUGE_VAL)) return NULL;
         box *b = box_about(s, X, Y, i == 0, kept);
         if (!(b->axis.xx.hi < HUGE_VAL && b->axis.yy.hi < HUGE_VAL)) continue;
@@ -594,7 +638,7 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         if (!(v->asked[i] > 0) || !(fabs(t) < HUGE_VAL)) continue;
         if (edge < HUGE_VAL && behind != (v->seed[i] < v->tmin[i])) continue;
         sgt_ray ray = row_ray(&r, v, i);
-        t = inside_edge(s, &ray, t, edge, v, &v->evals[i]);
+        t = inside_edge(s, &ray, t, edge, kept, v, &v->evals[i]);
         if (!(t <= ray.tmax) || (v->told && v->told->stopped)) continue; /* nor NaN */
         size_t k = left++;
         lay_row(a, k, &ray, i, t, v->seed[i]);
@@ -616,11 +660,11 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const bool in_rings = mode == IN_RINGS;
+    double known_past = 0;
     while (left > 0) {
         double grad[3], *g = v->told ? grad : NULL;
-        wings_step(left, in_rings, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN],
-                   a[PAST], a[B], a[RATIO], a[RADIUS], a[BENT_LO], a[BENT_HI], a[SEED], a[END], a[PX], a[PY],
-                   a[PZ]);
+        if (known_past == 0) wings_step_ahead(a, left, in_rings);
+        else wings_step(a, left, in_rings);
         sgt_points at = {{a[PX], a[PY], a[PZ]}};
         s.ops->values(s.self, left, at, (sgt_values){a[F], {g, g ? g + 1 : NULL, g ? g + 2 : NULL}});
         if (!builtin->roundings(s.self, known, left, at, a[F], a[OWN])) return;
@@ -630,9 +674,9 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                    next = (a[SIGN][0] != 0 ? a[T][0] + a[H][0] : a[T][0]) * scale;
             tell(v->told, SGT_MARCH, next, a[F][0], slope, a[T][0] * scale, next);
         }
-        wings_judge(left, in_rings, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[PAST], a[B], a[RATIO],
-                    a[RADIUS], a[STEEP], a[BENT_LO], a[BENT_HI], a[E0], a[E1], a[SEED], a[END], a[PX], a[PY],
-                    a[PZ], a[F], a[OWN], a[VERDICT], a[WANTED]);
+        known_past = wings_judge(left, in_rings, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[PAST],
+                                 a[B], a[RATIO], a[RADIUS], a[STEEP], a[BENT_LO], a[BENT_HI], a[E0], a[E1],
+                                 a[SEED], a[END], a[PX], a[PY], a[PZ], a[F], a[OWN], a[VERDICT], a[WANTED]);
         for (size_t i = left; i-- > 0;) {
             size_t k = (size_t)a[LANE][i];
             double verdict = a[VERDICT][i], evals = v->evals[k] += 1;

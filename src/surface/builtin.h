@@ -85,8 +85,8 @@ SGT_INLINE void put_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
 }
 
 /* A sag's derivatives, axis by axis: bounds on the magnitudes of s_x, s_y and s_xy, and what s_xx and s_yy
- * lie in.  Infinite: not known. */
-typedef struct sgt_by_axis { double x, y, xy; sgt_interval xx, yy; } sgt_by_axis;
+ * lie in.  Infinite: not known.  turn: 1 for a sag that is certainly convex, -1 for a concave one, else 0. */
+typedef struct sgt_by_axis { double x, y, xy, turn; sgt_interval xx, yy; } sgt_by_axis;
 
 /* What the rays and points of one surface have in common.  `share` works it out once for many of them.  How
  * the members are used is the surface's own affair. */
@@ -118,7 +118,7 @@ SGT_INLINE double sgt_noise_at(double e0, double e1, double most2, double r2)
  * Each bound is infinite if it is not known. */
 typedef struct sgt_extent { double radius2, steep; sgt_interval z, bent; sgt_by_axis axis; } sgt_extent;
 #define SGT_ANY_NUMBER {-HUGE_VAL, HUGE_VAL}
-#define SGT_NO_AXES {HUGE_VAL, HUGE_VAL, HUGE_VAL, SGT_ANY_NUMBER, SGT_ANY_NUMBER}
+#define SGT_NO_AXES {HUGE_VAL, HUGE_VAL, HUGE_VAL, 0, SGT_ANY_NUMBER, SGT_ANY_NUMBER}
 #define SGT_NO_EXTENT {0, HUGE_VAL, SGT_ANY_NUMBER, SGT_ANY_NUMBER, SGT_NO_AXES}
 
 /* What is known of a surface ring by ring.  Ring j reaches from j to j + 1 times `width` from the axis.  In

@@ -164,6 +164,7 @@ bool changes_within(const formula<quad> &f, const sgt_ray &r, double rim, double
     for (double t : at) {
         const quad g = along(f, r, t);
         const int is = g == g ? sign(g) : 0;
+        if (g != g) before = 0; // across a gap of the domain F may change its sign
         if (is && before && is != before) return true;
         if (is) before = is;
     }

@@ -147,6 +147,14 @@ static sgt_interval biconic_range(const void *self, const region *where)
     return biconic_over(self, &part, &phi, &s) ? s : sgt_interval_empty();
 }
 
+/* G + M x^2 where |x| is at most this. */
+static sgt_interval entry_of(sgt_interval G, sgt_interval M, double x)
+{
+    double x2 = x * x, lo = G.lo - larger(-M.lo, 0) * x2, hi = G.hi + larger(M.hi, 0) * x2,
+           off = 0x1p-40 * (larger(-G.lo, G.hi) + larger(-M.lo, M.hi) * x2);
+    return sgt_interval_between(lo - off, hi + off);
+}
+
 static int biconic_apart(const void *self, region *where, bounds *out, sgt_by_axis *axis,
                          sgt_interval *heights)
 {
@@ -183,10 +191,8 @@ static int biconic_apart(const void *self, region *where, bounds *out, sgt_by_ax
     sgt_interval steep2 = linear_over(&at, sgt_interval_square(sgt_interval_of(gx)),
                                       sgt_interval_square(sgt_interval_of(gy)));
     out->steep = sgt_square_root_above(steep2.hi);
-    *axis = (sgt_by_axis){
-        gx * x * more, gy * y * more, mxy * (x * y) * more,
-        sgt_interval_sum(Gx, sgt_interval_product(by_x, sgt_interval_square(where->x))),
-        sgt_interval_sum(Gy, sgt_interval_product(by_y, sgt_interval_square(where->y)))};
+    *axis = (sgt_by_axis){gx * x * more, gy * y * more, mxy * (x * y) * more, 0,
+                          entry_of(Gx, by_x, x), entry_of(Gy, by_y, y)};
     double by_entry = norm_of(gx + mx * (x * x), mxy * (x * y), gy + my * (y * y)) * more;
     double by_r = (larger(gx, gy) + larger(larger(mx, my), mxy) * (r * r)) * more;
     out->bend = by_r < by_entry ? by_r : by_entry;

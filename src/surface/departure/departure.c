@@ -272,16 +272,17 @@ static double conic_slope(double c, double k1, double r)
     return phi2 == HUGE_VAL ? 1 / sqrt(-k1) : phi2 > 0x1p-30 ? w / sqrt(phi2) : HUGE_VAL;
 }
 
-/* What the conic's second derivative lies in within r.  It is c / phi^3 in the direction of r and c / phi
- * across it, and phi is monotone in r.  More is added of the end away from 0 than rounding takes, less of
- * the other. */
-static sgt_interval conic_bent(double c, double k1, double r)
+/* What the second derivative of the sag lies in within r, if that of P is at most `bend`.  The conic has c /
+ * phi^3 in the direction of r and c / phi across it, and phi is monotone in r.  So it is between c and the c /
+ * phi^3 at r.  More than rounding is added at either end. */
+static sgt_interval bent_within(double c, double k1, double r, double bend)
 {
-    double w = fabs(c) * r, phi2 = 1 - k1 * w * w, cube = phi2 * sqrt(phi2), more = 1 + 0x1p-18;
-    if (!(phi2 > 0x1p-30)) return sgt_interval_all();
-    double least = fabs(c) / larger(cube, 1) * (1 - 0x1p-18), most = fabs(c) / (cube < 1 ? cube : 1) * more;
-    if (!(least >= 0)) least = 0; /* NaN: infinite by infinite */
-    return c < 0 ? sgt_interval_between(-most, -least) : sgt_interval_between(least, most);
+    double axis = fabs(c), w = axis * r, phi2 = 1 - k1 * w * w, rim = axis / (phi2 * sqrt(phi2));
+    double most = larger(rim, axis), least = rim < axis ? rim : axis,
+           off = bend + (most + bend + DEPARTURE_LOST) * 0x1p-17;
+    if (!(phi2 > 0x1p-30 && off < HUGE_VAL)) return sgt_interval_all();
+    return c < 0 ? sgt_interval_between(-most - off, off - least)
+                 : sgt_interval_between(least - off, most + off);
 }
 
 /* The heights of the surface within r, if those of P lie in p.  The sag of a conic grows with r. */
@@ -337,20 +338,21 @@ static sgt_interval departure_within(double size)
 static const sgt_extent UNKNOWN = SGT_NO_EXTENT;
 
 /* As `steep` and `bend` are made wider. */
-static sgt_interval sag_wider(sgt_interval x)
+SGT_INLINE sgt_interval sag_wider(sgt_interval x)
 {
-    double off = 0x1p-19 * sgt_interval_greatest(x) + DEPARTURE_LOST;
+    double off = 0x1p-19 * larger(-x.lo, x.hi) + DEPARTURE_LOST;
     return off < HUGE_VAL ? sgt_interval_between(x.lo - off, x.hi + off) : sgt_interval_all();
 }
 
 static sgt_by_axis widened(sgt_by_axis b)
 {
     double more = (1 + 0x1p-20) * (1 + 0x1p-20), least = DEPARTURE_LOST;
-    return (sgt_by_axis){(b.x + least) * more, (b.y + least) * more, (b.xy + least) * more, sag_wider(b.xx),
-                         sag_wider(b.yy)};
+    return (sgt_by_axis){(b.x + least) * more, (b.y + least) * more, (b.xy + least) * more, b.turn,
+                         sag_wider(b.xx), sag_wider(b.yy)};
 }
 
-void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
+/* The heights are worked out only if they are wanted. */
+static void extent_of(const departure_sag *s, bool wanted, sgt_extent *extent)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     sgt_extent e;
@@ -370,18 +372,20 @@ void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
         bool bounded = whole && (defined == 1 || s->of->framed) && steep < 0x1p500;
         if (bounded)
             e.steep = steep * (1 + 0x1p-20),
-            e.bent = sag_wider(sgt_interval_sum(conic_bent(s->base ? s->c : 0, 1 + s->k, r),
-                                            departure_within(b.bend)));
+            e.bent = bent_within(s->base ? s->c : 0, 1 + s->k, r, b.bend);
         if (s->of->by_axis) e.axis = bounded ? widened(e.axis) : UNKNOWN.axis;
         if (!(s->of->by_axis && b.size < HUGE_VAL)) heights = departure_within(b.size);
-        if (!(b.size < HUGE_VAL) && defined && s->of->range) heights = s->of->range(s->self, &where);
-        if (defined) e.z = heights_within(s, r, heights);
+        if (wanted && !(b.size < HUGE_VAL) && defined && s->of->range)
+            heights = s->of->range(s->self, &where);
+        if (wanted && defined) e.z = heights_within(s, r, heights);
     }
     if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2))
         e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
     extent->radius2 = e.radius2, extent->steep = e.steep, extent->z = e.z, extent->bent = e.bent;
     if (s->of->by_axis) extent->axis = e.axis;
 }
+
+void sgt_departure_within(const departure_sag *s, sgt_extent *extent) { extent_of(s, true, extent); }
 
 void sgt_departure_in_box(const departure_sag *s, double x, double y, double *steep, sgt_by_axis *axis)
 {
@@ -459,7 +463,7 @@ void sgt_departure_heights(const departure_sag *s, sgt_heights *out)
 void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
 {
     sgt_extent e;
-    sgt_departure_within(s, &e);
+    extent_of(s, false, &e);
     shared->c = s->c, shared->k1 = 1 + s->k, shared->radius2 = e.radius2, shared->steep = e.steep;
     shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bent = e.bent;
     shared->by_axis = s->of->by_axis != NULL;

@@ -216,7 +216,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  void NAME##_in_box(const void *self, double x, double y, double *steep,                     \
                                     sgt_by_axis *by_axis),                                                   \
                  sgt_departure_in_box(&v, x, y, steep, by_axis))                                             \
-    DEPARTURE_OF(NAME, void NAME##_noise_in_box_of(const void *self, double x, double y, double e[2]),       \
+    DEPARTURE_OF(NAME, void NAME##_box_noise(const void *self, double x, double y, double e[2]),             \
                  sgt_departure_noise_in_box(&v, x, y, e))                                                    \
     DEPARTURE_OF(NAME, void NAME##_heights(const void *self, sgt_heights *out),                              \
                  sgt_departure_heights(&v, out))                                                             \
@@ -261,7 +261,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static const struct sgt_builtin_ops NAME##_builtin = {                                                   \
         .object = NAME##_ops_object, .tile = SGT_MOST_TILE, .share = NAME##_share,                           \
         .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
-        .extent_in_box = NAME##_in_box, .noise_in_box = NAME##_noise_in_box_of,                              \
+        .extent_in_box = NAME##_in_box, .noise_in_box = NAME##_box_noise,                                    \
         .heights = NAME##_heights, .chords = sgt_departure_chords,                                           \
         .noise_within = NAME##_noise_within, .noises_within = NAME##_noises_within,                          \
         .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \

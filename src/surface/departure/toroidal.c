@@ -18,6 +18,10 @@
  * Since q + c_x z_p = 1,
  *     s_c_x = (x^2 + e (e + 2 z_p)) / (2 m),       its gradient (q x, z_p' t x) / m^3.
  *
+ * CONVEX.  Without powers z_p is convex for c > 0, whatever k is, and q is concave if c_x > 0, too.  The
+ * points (x, y, z) on and above the surface, up to z = 1 / c_x, are those with |(c_x x, 1 - c_x z)| <= q(y).
+ * A length is convex, so these are a convex set, and s is convex.  If both are negative, it is concave.
+ *
  * ROUNDING, with u = 2^-53.  The conic's part is as in biconic.c, with one term.  The term a y^(2i+2) is
  * rounded at most 3 i + 4 times, and those of P'(y^2) 4 i + 4 times.  Hence 4 u y^2 first and 4 u (first +
  * y^2 second), with the sums of poly.h.  q - |t| and q + |t| are off by the errors of q and t.  m is off
@@ -206,10 +210,17 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
     at->most.steep =
         sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(sx), sgt_interval_square(sy))).hi;
     sgt_by_axis *by = &at->axis;
-    *by = (sgt_by_axis){sgt_interval_greatest(sx), sgt_interval_greatest(sy), sgt_interval_greatest(xy), xx,
-                        yy};
+    *by = (sgt_by_axis){sgt_interval_greatest(sx), sgt_interval_greatest(sy), sgt_interval_greatest(xy), 0,
+                        xx, yy};
     at->most.bend = norm_of(sgt_interval_greatest(xx), by->xy, sgt_interval_greatest(yy));
     return 1;
+}
+
+/* See CONVEX. */
+static double toroidal_turn(const sgt_toroidal *a)
+{
+    if (toroidal_terms_of(a)) return 0;
+    return a->c >= 0 && a->c_x >= 0 ? 1 : a->c <= 0 && a->c_x <= 0 ? -1 : 0;
 }
 
 /* As `bounds`, over this many slices.  *where is not cut. */
@@ -220,7 +231,7 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
     double r2 = sgt_product_above(where->r_hi, where->r_hi);
     bool some = false, whole = true;
     *out = (bounds){0, 0, 0}, *range = sgt_interval_empty(), *q_most = 0,
-    *all = (sgt_by_axis){0, 0, 0, sgt_interval_empty(), sgt_interval_empty()},
+    *all = (sgt_by_axis){0, 0, 0, toroidal_turn(a), sgt_interval_empty(), sgt_interval_empty()},
     *m_least = HUGE_VAL;
     for (int i = 0; i < slices; i++) {
         double from = y.lo + (y.hi - y.lo) * i / slices,
@@ -239,7 +250,7 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
         out->size = larger(out->size, at.most.size), out->steep = larger(out->steep, at.most.steep),
         out->bend = larger(out->bend, at.most.bend);
         const sgt_by_axis e = at.axis;
-        *all = (sgt_by_axis){larger(all->x, e.x), larger(all->y, e.y), larger(all->xy, e.xy),
+        *all = (sgt_by_axis){larger(all->x, e.x), larger(all->y, e.y), larger(all->xy, e.xy), all->turn,
                              sgt_interval_hull(all->xx, e.xx), sgt_interval_hull(all->yy, e.yy)};
     }
     return !some ? 0 : whole ? 1 : -1;
