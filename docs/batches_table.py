@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""The tables of accuracy.md's section on batches, from what the benchmark prints.
+# SPDX-License-Identifier: MIT
+"""The tables of data/batches.md (docs/tables.py has the convention).
 
-    build/tests/bench/bench_batch > batches.txt
-    python3 docs/batches_table.py batches.txt
+    python3 docs/batches_table.py build
+    python3 docs/batches_table.py build --avx2    the figures to reach, of a build with -Dclones=x86-64-v3
 """
 import re
 import sys
+
+import tables
 
 KINDS = [  # of tables: the cases, how each ends, in the order of its columns
     (['plane', 'sphere', 'paraboloid', 'conic', 'asphere'], '1e3'),
@@ -15,14 +18,6 @@ KINDS = [  # of tables: the cases, how each ends, in the order of its columns
     (['scan-lens', 'lens-of-aspheres', 'aspheric-singlet', 'phone-lens'], '1e6'),
 ]
 PLACES = (28, 37, 46, 57, 68)                        # where the columns of the figures to reach end
-
-
-def row(cells):
-    return '| ' + ' | '.join(cells) + ' |'
-
-
-def table(head, rows):
-    return '\n'.join([row(head), '|' + '---|' * len(head), *map(row, rows)])
 
 
 def short(ns):
@@ -37,8 +32,8 @@ def reached(lines):
             yield cells[0], *[cell or '-' for cell in cells[1:]]
 
 
-def main(path):
-    lines = open(path).read().splitlines()
+def main(build, which=None):
+    lines = tables.run(f'{build}/tests/bench/bench_batch').splitlines()
     medians, order = {}, []
     for line in lines:
         if match := re.fullmatch(r'([\w-]+),([\w-]+),([\d.]+),[\d.e+-]+', line):
@@ -47,13 +42,17 @@ def main(path):
             if variant not in order:
                 order.append(variant)
     begin = next(i for i, line in enumerate(lines) if line.split()[:3] == ['ns', 'to', 'reach'])
-    print(table(['', 'ns', 'to reach', 'times its peer', 'to reach'], reached(lines[begin + 1:])), end='\n\n')
+    parts = [tables.table(['', 'ns', 'to reach', 'times its peer', 'to reach'], reached(lines[begin + 1:]))]
+    if which == '--avx2':
+        tables.write('batches', build, parts[0], 'batches avx2')
+        return
     for cases, size in KINDS:
         names = [f'{case}-{size}' for case in cases]
         rows = [[variant, *[short(medians[name, variant]) if (name, variant) in medians else '-'
                             for name in names]]
                 for variant in order if any((name, variant) in medians for name in names)]
-        print(table([size, *cases], rows), end='\n\n')
+        parts.append(tables.table([size, *cases], rows))
+    tables.write('batches', build, '\n\n'.join(parts))
 
 
 if __name__ == '__main__':

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Published digits beside those of the command and of an oracle: the tables of compare.md.
 
     python3 docs/compare_table.py build/src/tool/sagitta            writes them between their marks
@@ -452,7 +453,7 @@ def check_times(page, faults):
     """Each number in a table of the last section stands in the page that the row links to."""
     section, found = page.split('\n## In time', 1)[1].split('\n## ', 1)[0], 0
     for row in re.findall(r'^\|.*\]\(.*$', section, re.M):
-        where = re.search(r'\]\((\w+\.md)', row)[1]
+        where = re.search(r'\]\(([\w/]+\.md)', row)[1]
         for number in re.findall(r'(?<![\w.])\d[\d,.]*\d', re.sub(r'\]\(.*?\)', '', row)):
             found += 1
             if not re.search(rf'(?<![\d.,]){re.escape(number)}(?![\d.,]*\d)', (HERE / where).read_text()):

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The picture of concepts.md, its numbers from the command itself.
 
     python3 docs/concepts_figure.py build/src/tool/sagitta > docs/concepts_figure.svg

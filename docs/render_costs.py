@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What the scenes of the renderer cost: the table of render.md, and whether the page still tells it.
 
     python3 docs/render_costs.py build/examples/render/render          prints the table, timed

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What the rows of `sagitta trace` cost: the table of accuracy.md's section on rows.
+# SPDX-License-Identifier: MIT
+"""What the rows of `sagitta trace` cost: the table of data/rows.md (docs/tables.py has the convention).
 
     python3 docs/rows_table.py build [--rays N] [--runs N] [--threads N] [--before SAGITTA]
 
@@ -15,6 +16,8 @@ import statistics
 import subprocess
 import tempfile
 import time
+
+import tables
 
 HERE = pathlib.Path(__file__).resolve().parent
 LENS = HERE.parent / 'examples' / 'lenses' / 'double_gauss.yaml'
@@ -70,15 +73,16 @@ def main():
                         subprocess.run(['cat', copies[kind]], stdout=copy, check=True)
                     copied[kind].append(time.perf_counter() - begin)
     median = statistics.median
-    print(f'The trace alone: {median(alone):.2f} s.\n')
-    print('| output | seconds | of them, a copy of the file | most memory, MB |\n|---|---|---|---|')
+    rows = []
     for kind in kinds:
         copy = f'{median(copied[kind]):.2f}' if kind in copied else ''
-        print(f'| {kind} | {median(seconds[kind]):.2f} | {copy} | {memory[kind]:.0f} |')
+        rows.append([kind, f'{median(seconds[kind]):.2f}', copy, f'{memory[kind]:.0f}'])
+    parts = [f'The trace alone: {median(alone):.2f} s.',
+             tables.table(['output', 'seconds', 'a copy of the file, seconds', 'most memory, MB'], rows)]
     for kind in copies:
         most = 2 * median(alone) + median(copied[kind])
-        print(f'\n{kind}: {median(seconds[kind]) / most:.2f} of twice the trace and a copy', end='')
-    print()
+        parts.append(f'{kind}: {median(seconds[kind]) / most:.2f} of twice the trace and a copy.')
+    tables.write('rows', asked.build, '\n\n'.join(parts))
 
 
 main()

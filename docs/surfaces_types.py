@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The tables of the types in surfaces.md, from the list src/types.def; the specimens in it, for tests/tool.
 
     python3 docs/surfaces_types.py            writes them between their marks

@@ -1,18 +1,23 @@
 #!/usr/bin/env python3
-"""The tables of every type and every lens in accuracy.md, section "The trade".
+# SPDX-License-Identifier: MIT
+"""The tables of data/trade.md (docs/tables.py has the convention).
 
     python3 docs/trade_table.py build
 
-runs `sagitta trade` on one surface of each type and on the lenses of examples/lenses, and prints the tables.
+runs `sagitta trade` as it is, which draws docs/trade.svg as well; then on one surface of each type and on the
+lenses of examples/lenses.
 """
 import csv
 import io
 import pathlib
-import subprocess
 import sys
 
+import tables
+
 HERE = pathlib.Path(__file__).resolve().parent
-SECONDS = '3'
+SECONDS, SECONDS_OF_EACH = '30', '3'
+CASES = {'conic': 'conic', 'asphere': 'asphere', 'scan-lens': 'scan lens, 8 elements',
+         'julia': 'Julia, N = 7'}
 SURFACES = '''
 {type: plane}
 {type: sphere, radius: 10}
@@ -37,36 +42,70 @@ SURFACES = '''
 '''.split('\n')[1:-1]
 
 
-def trade(command, *arguments):
-    done = subprocess.run([command, 'trade', *arguments, '--seconds', SECONDS, '--format', 'csv'],
-                          capture_output=True, text=True, check=True)
-    table = list(csv.DictReader(io.StringIO(done.stdout)))
-    return table[0]['case'], {row['setting']: row for row in table if row['case'] == table[0]['case']}
+def trade(command, seconds, *arguments):
+    """{case: {setting: row}}"""
+    text = tables.run(command, 'trade', *arguments, '--seconds', seconds, '--format', 'csv')
+    found = {}
+    for row in csv.DictReader(io.StringIO(text)):
+        found.setdefault(row['case'], {})[row['setting']] = row
+    return found
 
 
 def ns(row):
-    return f'{float(row["ns"]):,.3g}' if float(row['ns']) < 1000 else f'{float(row["ns"]):,.0f}'
+    return tables.short(row['ns'])
 
 
-def line(cells):
-    print('| ' + ' | '.join(cells) + ' |')
+def share(x):
+    return f'{float(x):.1e}'
+
+
+def what_to_turn(command):
+    found = trade(command, SECONDS, '--picture', str(HERE / 'trade.svg'))
+    of = [found[case] for case in CASES]
+
+    def rows(cell, settings):
+        return [[name, *(cell(case, keys) for case in of)] for name, *keys in settings]
+
+    def one_of(case, keys):
+        return next(case[key] for key in keys if key in case)
+
+    def total(member):
+        return sum(int(case[key][member]) for case in of for _, *keys in settings for key in keys if key in case)
+    settings = [('default', 'default'), ('t alone, or the last point', 'out=t', 'out=point'),
+                ('all there is', 'out=all'), ('one ray a call', 'single'), ('t_tol = 1e-12', 't_tol=1e-12'),
+                ('t_tol = 1e-6', 't_tol=1e-6'), ('proof = root', 'proof=root'), ('proof = first', 'proof=first')]
+    errors = [(f'{name}: {of_rays}', key, member) for name, key in
+              (('default', 'default'), ('t_tol = 1e-12', 't_tol=1e-12'), ('t_tol = 1e-6', 't_tol=1e-6'))
+              for of_rays, member in (('99 %', 'err_99'), ('worst', 'err_worst'))]
+    return '\n\n'.join([
+        tables.table(['ns a ray', *CASES.values()], rows(lambda case, keys: ns(one_of(case, keys)), settings)),
+        tables.table(['times the default', *CASES.values()],
+                     rows(lambda case, keys: f'{float(one_of(case, keys)["ns"]) / float(case["default"]["ns"]):.3g}',
+                          settings[1:])),
+        tables.table(['error', *CASES.values()], rows(lambda case, keys: share(case[keys[0]][keys[1]]), errors)),
+        f'The worst path through the lens is off by {share(found["scan-lens"]["default"]["waves_worst"])} waves. '
+        f'Undecided rays: {total("undecided")}; wrong ones: {total("wrong")}.'])
+
+
+def each(command):
+    def block(settings, more, cases):
+        rows = []
+        for arguments in cases:
+            (name, table), = list(trade(command, SECONDS_OF_EACH, *arguments).items())[:1]
+            rows.append([name, *(ns(table[s]) if s in table else '-' for s in settings),
+                         *(share(table['default'][m]) for m in more)])
+        return tables.table(['', *settings, *more], rows)
+    types = block(['default', 'single', 't_tol=1e-6', 'proof=root', 'proof=first'], ['err_99', 'err_worst'],
+                  [('--surface', s) for s in SURFACES])
+    lenses = block(['default', 'out=point', 'single', 'pick=first', 'proof=root', 'proof=first'],
+                   ['err_99', 'waves_worst'],
+                   [(str(lens),) for lens in sorted((HERE.parent / 'examples/lenses').glob('*.yaml'))])
+    return f'### Every type\n\n{types}\n\n### Every lens\n\n{lenses}'
 
 
 def main(build):
-    command = str(pathlib.Path(build) / 'src/tool/sagitta')
-    def block(settings, more, cases):
-        line(['', *settings, *more])
-        line(['---'] * (1 + len(settings) + len(more)))
-        for arguments in cases:
-            name, table = trade(command, *arguments)
-            line([name, *(ns(table[s]) if s in table else '-' for s in settings),
-                  *(f'{float(table["default"][m]):.1e}' for m in more)])
-        print()
-    block(['default', 'single', 't_tol=1e-6', 'proof=root', 'proof=first'], ['err_99', 'err_worst'],
-          [('--surface', s) for s in SURFACES])
-    block(['default', 'out=point', 'single', 'pick=first', 'proof=root', 'proof=first'],
-          ['err_99', 'waves_worst'],
-          [(str(lens),) for lens in sorted((HERE.parent / 'examples/lenses').glob('*.yaml'))])
+    command = f'{build}/src/tool/sagitta'
+    tables.write('trade', build, f'{what_to_turn(command)}\n\n{each(command)}')
 
 
 if __name__ == '__main__':

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The tables of concepts.md that say which search the rays go through, as tests/ways/ways.c counts them.
 
     python3 docs/ways_table.py build/tests/ways/ways            writes them between their marks

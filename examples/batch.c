@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* batch.c - a thousand rays in one call: on a paraboloid, and from it to its focus.
  *
  * Rays come in as arrays, one for each number, and so do the answers; an array left NULL is not

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conic.c - where does a ray meet a sphere, and how sure is the answer? */
 #include <sagitta/surfaces.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // fit_conic.cpp - which conic is this mirror?  Its curvature and conic constant from where rays fall on a
 // screen.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* formula.c - a surface from its formula, and the same with another number in it. */
 #include <sagitta/formula.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* leave.c - transport of particles: a million crossings of a torus, and none is lost.
  *
  * Particles go through a thin torus.  At each crossing they go straight on; at every tenth they are

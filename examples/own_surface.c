@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* own_surface.c - a surface of one's own: a torus, in implicit form.
  *
  * One function is enough, F and its gradient; the rest of what a surface can answer makes the

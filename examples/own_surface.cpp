@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // own_surface.cpp - a surface of one's own from lambdas, by sagitta.hpp: a cube with holes.
 //
 //     F = x^4 - 5 x^2 + y^4 - 5 y^2 + z^4 - 5 z^2 + 11.8

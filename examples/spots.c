@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* spots.c - the spots of a lens file, by study.h: the numbers of `sagitta spot LENS`, to the last bit.
  *
  *     spots LENS */

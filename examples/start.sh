@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # sh examples/start.sh   from a bare Debian 12 to a scan lens traced, its picture
 # written and one difficult ray explained.  Can be run again at any time.
 set -eu

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* torus.c - every root on a ray, and what a surface's answers let the library claim and prove.
  *
  * A thin torus is asked three times: by its value alone, with a clearance (how far away is it

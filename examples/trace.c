@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trace.c - a lens of two surfaces: each ray of a fan through it, and where it crosses the axis.
  *
  * An element is a surface, a pose, the index behind it and a clear aperture; elements are met in

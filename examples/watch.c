@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* watch.c - seeing each evaluation, and asking what is wrong.
  *
  * The first surface of a scan lens, given by its value alone, and a ray that starts out where

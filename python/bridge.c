@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bridge.c - what Python cannot do by itself when it calls the library.
  *
  * ONE ARGUMENT A CALL.  ctypes spends its time on arguments.  So a call is a struct, a `sagitta_call`, that

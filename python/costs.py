@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What a call from Python costs, beside the same from C and beside numpy.
 
     SAGITTA_PYTHON_LIBRARY=BUILD/python/libsagitta_python.so python3 python/costs.py [--write]

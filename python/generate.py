@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Writes sagitta/surfaces.py: a class for each type of the library's own table, sgt_builtins; and
 sagitta/_analyses.pyi: what an editor and mypy know of each analysis, from the library's tables (study.h).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* layouts.h - the structs that sagitta/_library.py mirrors, member by member. */
 static const layout layouts[] = {
     WHOLE(sgt_ray),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ends.h - the tmax that a ray means, for arrays of a batch, whose ends are taken as they stand: infinity
  * where both ends are +0, the default of sgt_ray. */
 #ifndef TESTS_ENDS_H

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
 # bash tests/nightly.sh [STAGE...]   what takes too long for every change, or these of its stages; some ten hours
 # on an idle machine of two cores.
 #

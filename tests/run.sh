@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # sh tests/run.sh   from a bare Debian 12 to everything built and every test run.
 # Can be run again at any time; words after it go to `meson test`: with --list, everything is built and no test is run.
 # Nothing is left out in silence: with all features enabled a missing one ends the set-up, and a test that skips

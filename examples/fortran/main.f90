@@ -1,3 +1,4 @@
+! SPDX-License-Identifier: MIT
 ! Nine rays on a conic, and through a lens, by sagitta from Fortran:
 !
 !     gfortran -O2 sagitta.f90 main.f90 $(pkg-config --libs sagitta) -o main && ./main

@@ -1,3 +1,4 @@
+! SPDX-License-Identifier: MIT
 ! What main.f90 needs of sagitta.h, surfaces.h and system.h, by the names of C.
 !
 ! A declaration that differs from C is no error to the compiler, and reads other numbers than were meant.  So

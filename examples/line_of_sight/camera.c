@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* camera.c - the orbit, and the line of sight.
  *
  * The orbit is a circle about the centre of the Earth, run through at Kepler's rate n = sqrt(GM / r^3) and

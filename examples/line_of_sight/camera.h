@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* camera.h - a pushbroom camera on a circular orbit: where each pixel is, and where it looks. */
 #ifndef LINE_OF_SIGHT_CAMERA_H
 #define LINE_OF_SIGHT_CAMERA_H

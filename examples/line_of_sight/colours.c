@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* colours.c - viridis (S. van der Walt and N. Smith, 2015) grows evenly in lightness and can be read by the
  * colour-blind and in grey. */
 #include "colours.h"

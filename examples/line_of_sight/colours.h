@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* colours.h - numbers as colours, and what cairo wants said often. */
 #ifndef LINE_OF_SIGHT_COLOURS_H
 #define LINE_OF_SIGHT_COLOURS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fail.c - what is said of an error, and the status the program ends with. */
 #include "fail.h"
 

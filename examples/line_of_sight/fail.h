@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fail.h - errors end the program where they are found. */
 #ifndef LINE_OF_SIGHT_FAIL_H
 #define LINE_OF_SIGHT_FAIL_H

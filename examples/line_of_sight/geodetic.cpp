@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // geodetic.cpp - the two conversions of GeographicLib (Karney 2011) that are needed.
 #include "geodetic.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* geodetic.h - latitude, longitude and height of a point, by GeographicLib, for C. */
 #ifndef LINE_OF_SIGHT_GEODETIC_H
 #define LINE_OF_SIGHT_GEODETIC_H

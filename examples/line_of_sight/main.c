@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* main.c - line_of_sight: from the pixels of a camera in orbit to latitude, longitude and height.
  *
  * An example of a client: where a ray meets the Earth is asked of <sagitta/geo.h>, in one batch;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* map.c - Lambert's azimuthal equal-area projection (Snyder 1987, section 24), its graticule and a scale bar.
  *
  * With u the unit vector of a latitude and longitude, and up, east and north those of the map's middle,

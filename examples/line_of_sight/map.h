@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* map.h - a part of the Earth on paper, north up in its middle. */
 #ifndef LINE_OF_SIGHT_MAP_H
 #define LINE_OF_SIGHT_MAP_H

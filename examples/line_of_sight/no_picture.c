@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* no_picture.c - where there is no cairo. */
 #include "fail.h"
 #include "picture.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* picture.c - the page: to the left the swath on a map, to the right the camera's own image, painted with
  * what each ray cost.
  *

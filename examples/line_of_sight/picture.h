@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* picture.h - the swath on a map, and what each ray cost. */
 #ifndef LINE_OF_SIGHT_PICTURE_H
 #define LINE_OF_SIGHT_PICTURE_H

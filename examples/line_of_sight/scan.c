@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* scan.c - rays as arrays, one batch, and then each point to its latitude, longitude and height. */
 #include "scan.h"
 

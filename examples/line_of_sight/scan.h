@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* scan.h - all pixels of all lines: their rays, and what these met. */
 #ifndef LINE_OF_SIGHT_SCAN_H
 #define LINE_OF_SIGHT_SCAN_H

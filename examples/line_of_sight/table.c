@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* table.c - the rows. */
 #include "table.h"
 

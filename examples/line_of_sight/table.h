@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* table.h - a scan as rows, one for each pixel. */
 #ifndef LINE_OF_SIGHT_TABLE_H
 #define LINE_OF_SIGHT_TABLE_H

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The command from outside: what it prints, its picture, its errors and exit statuses.
 
     python3 test_command.py LINE_OF_SIGHT [--without-pictures]

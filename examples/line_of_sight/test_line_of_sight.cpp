@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // test_line_of_sight.cpp - the camera and its pixels, against GeographicLib and closed forms.
 //
 // On random orbits, and on some chosen ones, over each surface:

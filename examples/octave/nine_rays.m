@@ -1,3 +1,4 @@
+% SPDX-License-Identifier: MIT
 % Nine rays on a conic, and through a lens, by sagitta from Octave:
 %
 %     mkoctfile --mex sagitta_batch.c $(pkg-config --cflags --libs sagitta) && octave-cli nine_rays.m

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sagitta_batch.c - many rays on a conic or through a row of conics, for Octave and MATLAB: a MEX file.
  *
  *     mkoctfile --mex sagitta_batch.c $(pkg-config --cflags --libs sagitta)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // main.cpp - optimise LENS: a lens is brought back from poor starts, by Ceres.
 //
 // Radii and thicknesses of the lens file may vary within bounds; the glass stays.  What is made small are the

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """A day with a lens: read it, refocus it, optimise it, ask how badly it may be built, and draw it.
 
     python3 examples/python/designer.py [LENS [PICTURE]]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """How a design tool binds the library: a lens class of its own, with one call of the library for each trace.
 
     python3 examples/python/optic.py

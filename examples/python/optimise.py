@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Brings a double Gauss back from poor starts: scipy.optimize.least_squares, with the derivatives of the library.
 
     python3 examples/python/optimise.py [STARTS]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Designs a singlet: scipy.optimize.least_squares, with the derivatives of the trace.
 
     python3 examples/python/singlet.py

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* box.c - a surface of one's own with corners: a box.
  *
  *     F = max(|x| - a, |y| - b, |z| - c)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* camera.c - a pinhole on a Bezier path.
  *
  * The path is evaluated by de Casteljau's scheme: points between neighbours, at u of the way,

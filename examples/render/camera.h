@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* camera.h - from a point of the picture to a direction in the world. */
 #ifndef RENDER_CAMERA_H
 #define RENDER_CAMERA_H

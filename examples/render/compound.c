@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* compound.c - union, intersection and difference of objects, and clips.
  *
  * INSIDE.  A point is inside an object where F < 0, outside where F > 0.  Of a union, an intersection, a

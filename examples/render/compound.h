@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* compound.h - bodies of several objects, and bodies that are clipped. */
 #ifndef RENDER_COMPOUND_H
 #define RENDER_COMPOUND_H

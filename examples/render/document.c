@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* document.c - libyaml's document, and the values in it. */
 #include "document.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* document.h - a YAML file, read so that nothing in it is ignored in silence.
  *
  * A map is opened with the keys it may have; any other, or one given twice, is an error.

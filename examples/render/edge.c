@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* edge.c - a surface of one's own whose range along a ray is known: the edge of a lens.
  *
  *     F = (x^2 + y^2 - r^2) / 2r  for z from `from` to `to`, and undefined elsewhere.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fail.h - errors end the program where they are found. */
 #ifndef RENDER_FAIL_H
 #define RENDER_FAIL_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lot.c - from the world into an object's frame and back.
  *
  * An object's frame is placed by a similarity, p = origin + scale R q, so a ray's parameter is the

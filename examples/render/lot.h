@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lot.h - rays of the world meet one object, many at a time. */
 #ifndef RENDER_LOT_H
 #define RENDER_LOT_H

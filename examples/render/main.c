@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* main.c - render: pictures of surfaces, by the library's rays.
  *
  * An example of a client: everything about where a ray meets a surface is asked of <sagitta/...>,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* mandelbulb.c - a surface of one's own with an enclosure: first hits and misses are proven.
  *
  * The triplex power 8 of v (D. White and P. Nylander, 2009) multiplies by 8 the angle from the z axis and the

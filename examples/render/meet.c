@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* meet.c - the first of all bodies.
  *
  * Body after body is asked, a lot of rays at a time, no farther than what is met already.  An answer does not

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* meet.h - rays of the world meet the objects of a scene, many at a time. */
 #ifndef RENDER_MEET_H
 #define RENDER_MEET_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* model.h - numbers along a cell of a ray, as straight lines with a bound on the rest.
  *
  * A cell is t = m + h tau, tau from -1 to 1.  A model {c, s, e} stands for every function of tau that is

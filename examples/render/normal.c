@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* normal.c - three normals of a level set, to be compared.
  *
  * The gradient of F is exact, and on the level set of a long orbit it is as rough as the set.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* normal.h - which way a surface faces. */
 #ifndef RENDER_NORMAL_H
 #define RENDER_NORMAL_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* own.c - the table of this program's own surfaces. */
 #include "own.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* own.h - surfaces of this program's own: what the library does not have.
  *
  * Each is a struct of numbers and a table of operations, as the library's are, and has a row

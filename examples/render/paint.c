@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* paint.c - numbers as colours.
  *
  * Evaluations go through viridis (S. van der Walt and N. Smith, 2015), which grows evenly in lightness and

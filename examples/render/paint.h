@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* paint.h - pictures of convergence: what each ray of the camera cost, or came to. */
 #ifndef RENDER_PAINT_H
 #define RENDER_PAINT_H

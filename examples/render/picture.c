@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* picture.c - from linear light to eight bits, and to a file by cairo.
  *
  * Light up to 0.6 of white stays as it is; what is more comes ever nearer to white, by tanh, so that

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* picture.h - a picture in linear light, and its PNG. */
 #ifndef RENDER_PICTURE_H
 #define RENDER_PICTURE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* progress.c - how far it has come, and how long it will take at this pace. */
 #include "progress.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* progress.h - a bar on standard error, where that is a terminal. */
 #ifndef RENDER_PROGRESS_H
 #define RENDER_PROGRESS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* read.c - a scene file, key by key; docs/render.md has the list of them.
  *
  * A reader of a map opens it with the keys it knows and then asks for each; a key that is absent

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* read.h - a scene from its file. */
 #ifndef RENDER_READ_H
 #define RENDER_READ_H

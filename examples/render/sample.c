@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sample.c - Sobol' points, scrambled by a counter-based generator.
  *
  * A generator without a state, Philox 4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers, SC 2011),

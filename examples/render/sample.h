@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sample.h - points of the unit square that depend on the pixel and on nothing else. */
 #ifndef RENDER_SAMPLE_H
 #define RENDER_SAMPLE_H

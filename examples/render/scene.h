@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* scene.h - what there is to see: plain numbers, read from a scene file (read.c). */
 #ifndef RENDER_SCENE_H
 #define RENDER_SCENE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* shade.c - light, after B. T. Phong (1975) and T. Whitted (1980).
  *
  * What is opaque shows its colour in the light of the lamps, each seen through a shadow ray, and of the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* shade.h - the colours that rays of the camera see. */
 #ifndef RENDER_SHADE_H
 #define RENDER_SHADE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* shape.c - surfaces as lens files have them, read by the library's own reader (sagitta/lens.h).
  *
  * That reader takes one surface as text, `{type: sphere, radius: 20}`.  An object's map holds such a

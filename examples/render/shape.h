@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* shape.h - the surface of an object, from its map. */
 #ifndef RENDER_SHAPE_H
 #define RENDER_SHAPE_H

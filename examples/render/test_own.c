@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* test_own.c - do this program's own surfaces keep their word?
  *
  * The triplex power is worked out here by angles, in long double, which is not how the program does it.

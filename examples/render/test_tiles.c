@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* test_tiles.c - do threads and tiles leave a picture alone?
  *
  *     test_tiles SCENE.yaml ...

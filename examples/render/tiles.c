@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tiles.c - tiles in threads, by OpenMP.
  *
  * A pixel depends on the scene, its own place and the frame, and on no other pixel: which thread draws

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tiles.h - a picture of a scene, tile by tile. */
 #ifndef RENDER_TILES_H
 #define RENDER_TILES_H

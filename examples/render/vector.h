@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* vector.h - three numbers: a point, a direction, or a colour (linear light, 1 is white). */
 #ifndef RENDER_VECTOR_H
 #define RENDER_VECTOR_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 //! Nine rays on a conic, and through a lens, by sagitta from Rust:
 //!
 //!     rustc -O main.rs $(pkg-config --libs sagitta) -o main && ./main

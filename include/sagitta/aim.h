@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim.h - how the end of a traced ray changes with the ray and with the lens, and the ray
  * that goes through a wanted point.
  *
@@ -18,8 +19,9 @@ extern "C" {
  *     p     hit.p of the last passage, IN THE FRAME OF THE LAST ELEMENT
  *     d     direction of the last passage, in that frame, of unit length
  *     opl   opl of the last passage
- * In that frame an image plane sees the spot where it sees it, however the lens moves.
- * Without elements it is the launch ray itself, with its direction made of unit length.
+ * So if the last element is an image plane, p is where the spot falls on it, even if the
+ * plane moves.  Without elements the end is the launch ray itself, with its direction
+ * made of unit length.
  *
  * METHOD.  The chain rule over the elements, with no ray traced again and no difference
  * taken.  At a surface it is the implicit function theorem (sensitivity.h).  Bending is
@@ -31,8 +33,9 @@ extern "C" {
  * Source for the chain of a lens: Feder 1968, J. Opt. Soc. Am. 58, 1494; for the reverse
  * sweep: Griewank and Walther 2008, Evaluating Derivatives, chapter 3.
  *
- * THE ROOT STAYS.  They are derivatives of the root that was met and of the fate that the
- * ray had.  No derivative tells of an edge, of another root, or of a ray that stops.
+ * THE ROOT STAYS.  They are the derivatives as long as the ray meets the same roots and
+ * has the same fate.  They do not show that it is about to meet an edge or another root,
+ * or to be stopped.
  *
  * ACCURACY.  A few roundings of the terms of each sum, and the errors of sensitivity.h at
  * each surface.  At grazing incidence, in front of a surface or behind it, all grows
@@ -84,9 +87,9 @@ SGT_API int sgt_trace_sensitivity(size_t elements, const sgt_element e[],
  *
  * The numbers of a phase are not among them.
  *
- * Returns how many they are of so many elements: 7 and m + 7 of each.  A thickness is not
- * one of them: it moves all elements behind it, so its derivative is the sum of
- * theirs by origin. */
+ * Returns how many there are: 7, and m + 7 for each element.  A thickness is not one of
+ * them.  It moves all elements behind it, so the derivative by it is the sum of their
+ * derivatives by origin. */
 SGT_API size_t sgt_trace_parameters(size_t elements, const sgt_element e[]);
 
 /* Reverse: the gradients of `rows` numbers by all parameters of the trace at once.
@@ -106,7 +109,7 @@ SGT_API int sgt_trace_gradient(size_t elements, const sgt_element e[],
 
 /* ------------------------------------------------------------ the error of the end */
 
-/* How far rounding has put the end of a ray off. */
+/* How far rounding moves the end of a ray. */
 typedef struct sgt_end_error {
     double point; /* x and y of the last hit.p, in its frame, from the exact ray's */
     double path;  /* opl, without what `point` adds: the path to the foot of the
@@ -119,8 +122,14 @@ typedef struct sgt_end_error {
     unsigned long long reserved_[2];
 } sgt_end_error;
 
-/* Bounds on the errors of the end of a ray that sgt_trace took through all elements, or
- * up to the last and met it, against the exact ray from the launch ray as it stands.
+/* Bounds on the errors of the end of a ray: how far it is from the exact ray that begins
+ * as the launch ray stands.
+ *
+ *     elements, e, index_before   as they were given to sgt_trace
+ *     launch                      the launch ray as it was given to sgt_trace
+ *     passages                    as sgt_trace left them, for a ray that passed all
+ *                                 elements, or that met the last one
+ *     out                         written; lengths in the unit of the lens
  *
  * METHOD.  Each element adds p_err, t_err and the rounding of a direction.  For the point
  * they go through the derivatives of the rest of the lens, with a half added for the
@@ -149,7 +158,7 @@ SGT_API bool sgt_trace_error(size_t elements, const sgt_element e[], double inde
  *     passages  as sgt_trace_batch left them, one entry for each element.  hits.status
  *               (NULL: all were met), hits.t, hits.p, hits.n and direction are read
  *
- * Arrays have n numbers.  Outputs must not overlap inputs or each other, but where it is
+ * Arrays have n numbers.  Outputs must not overlap inputs or each other, unless it is
  * said.  A ray whose hit at an element is not positive is not shown to the surface there.
  *
  * Rays go through all elements 64 at a time, in loops over rays; ideal lenses go ray by
@@ -164,8 +173,11 @@ typedef struct sgt_ray_changes {
     unsigned long long reserved_[2]; /* leave it zero: else SGT_LACKS_MEMBER */
 } sgt_ray_changes;
 
-/* sgt_trace_sensitivity of n rays.  change[j] and out[j] are column j; they may be the
- * same arrays. */
+/* sgt_trace_sensitivity of n rays.
+ *
+ *     columns  how many changes
+ *     change   change[j]: column j of each ray
+ *     out      written: out[j], column j; they may be the arrays of change */
 SGT_API int sgt_trace_sensitivity_batch(size_t elements, const sgt_element e[],
                                         double index_before, size_t n, sgt_rays rays,
                                         const sgt_passages passages[], size_t columns,
@@ -192,8 +204,10 @@ typedef struct sgt_end_errors {
     unsigned long long reserved_[2]; /* leave it zero: else all is NaN */
 } sgt_end_errors;
 
-/* sgt_trace_error of n rays.  Of the passages hits.p_err is also read, and opl of the
- * last one if path is wanted.  Returns for how many rays all hits are positive. */
+/* sgt_trace_error of n rays.  Returns for how many rays all hits are positive.
+ *
+ *     passages  hits.p_err is also read, and opl of the last one if path is wanted
+ *     out       written; lengths in the unit of the lens */
 SGT_API size_t sgt_trace_error_batch(size_t elements, const sgt_element e[],
                                      double index_before, size_t n, sgt_rays rays,
                                      const sgt_passages passages[], sgt_end_errors out);
@@ -244,8 +258,9 @@ typedef struct sgt_attempt {
     sgt_vec2       from, to;  /* (u, v) at its start, and of the best ray */
     double         miss;      /* of the best ray, length; NaN: no ray has got there */
     sgt_aim_reason reason;
-    sgt_fate       fate;      /* of the last ray that did not get there, and at which */
-    size_t         element;   /* element; SGT_PASSED if all have */
+    sgt_fate       fate;      /* of the last ray that did not reach the stop; SGT_PASSED:
+                                 all reached it */
+    size_t         element;   /* where that ray ended, from 0 */
     int            traces;    /* spent */
     unsigned long long reserved_[2];
 } sgt_attempt;
@@ -254,9 +269,10 @@ typedef struct sgt_attempt {
 typedef struct sgt_aim_options {
     double tol;             /* a miss of that length is good enough; 0: as little as
                                rounding allows */
-    size_t starts;          /* where to begin, (u, v): such as the answers for          */
-    const sgt_vec2 *start;  /* neighbouring points.  Moved into the box if outside.  They
-                               are tried first, in order */
+    size_t starts;          /* how many points `start` has */
+    const sgt_vec2 *start;  /* (u, v) to begin at, such as the answers for neighbouring
+                               points.  They are tried first, in order.  One outside the
+                               box is moved into it */
     int max_traces;         /* of the search; 0: 400 */
     int max_boxes;          /* of the proof that there is no such ray; 0: 1500, some
                                milliseconds; below 0: no proof is tried */
@@ -283,15 +299,21 @@ typedef struct sgt_aiming {
 /* The launch ray of the beam that meets element `stop` where x and y of its frame are
  * those wanted, after e[0] ... e[stop - 1] in order.
  *
- *     passages  room for stop + 1: how the best ray of the last attempt went.  If it is
- *               met, that of the answer
- *     opt       NULL, or the options
+ *     stop          the element that is aimed at, from 0; e[0] ... e[stop] are read
+ *     index_before  in front of e[0]; 0: 1
+ *     beam          the family of launch rays, and the box that is searched
+ *     wanted        the point, by x and y of the frame of e[stop]; length
+ *     passages      room for stop + 1: how the best ray of the last attempt went.  If the
+ *                   point is met, that is the ray of the answer
+ *     opt           NULL, or the options
+ *     out           written; NULL: not wanted
  *
- * Returns the status, which is in *out too (NULL: not wanted).
+ * Returns the status, as in *out.
  *
- * WHAT IS A WAY.  The roots, the refraction and the mirrors are those of sgt_trace
- * without options.  Apertures are ignored: where a ray is clipped it goes on (`clipped`
- * says so).  At the stop itself the ray has to be met, and need not go on.
+ * WHICH RAYS GET THERE.  The roots, the refraction and the mirrors are those of sgt_trace
+ * without options.  Apertures are ignored: a ray that is clipped goes on (`clipped` says
+ * which element clips it).  The ray must meet the surface of the stop, but need not go on
+ * behind it.
  *
  * METHOD.  Newton's for two equations, by the derivatives of sgt_trace_sensitivity.  A
  * step is taken only if it makes the miss less.  Else it is halved, as it is if its ray
@@ -337,11 +359,11 @@ SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_befor
  *               point, those of point i are attempt[i * room] and on
  *     out       n answers, or NULL
  *
- * Returns how many are met.  All points go together as long as Newton's steps from the
- * first start lead straight on.  A point where they do not is left to sgt_aim.  So good
- * starts are worth much: each round costs a trace and half of one.  The passages of a
- * point that is not met are those of a ray that met nothing.  The stack needed is below
- * 96 KiB. */
+ * Returns how many points are met.  The points go together, by full steps of Newton from
+ * the first start.  A point that needs anything else (a step that is halved or damped or
+ * ends at the edge of the box, another start, a proof) is left to sgt_aim.  So good
+ * starts save much: each round costs one and a half traces.  The passages of a point that
+ * is not met are those of a ray that met nothing.  The stack needed is below 96 KiB. */
 SGT_API size_t sgt_aim_batch(size_t stop, const sgt_element e[], double index_before,
                              const sgt_beam *beam, size_t n, const sgt_vec2 wanted[],
                              const sgt_passages passages[], sgt_passage room[],
@@ -352,8 +374,14 @@ SGT_API bool sgt_explain_aim(size_t stop, const sgt_element e[], double index_be
                              const sgt_beam *beam, sgt_vec2 wanted,
                              const sgt_aim_options *opt, sgt_error *error);
 
-/* Bounds on u and v of the rays that meet the point and that the rims in front let
- * through.  The box of the beam has no say in them.
+/* Bounds on u and v of the rays that meet a point of the stop and that the rims in front
+ * let through.
+ *
+ *     stop          the element of the point, from 0; e[0] ... e[stop] are read
+ *     index_before  in front of e[0]; 0: 1
+ *     beam          its box, u and v, is not read
+ *     wanted        the point, by x and y of the frame of e[stop]; length
+ *     u, v          written: the bounds
  *
  * Rims are semi_diameter, what `aperture` lets through, the semi_diameter of the surface,
  * and the edge of a conic with k > -1.  They count up to the first element that bends

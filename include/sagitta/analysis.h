@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: MIT
 /* analysis.h - what a designer looks at: the rays of a field through a lens and where
  * they end, spots, wavefronts, and the curves of a field.  Part of sagitta_lens.
  *
  * Lengths are in the unit of the lens, angles in degrees, wavelengths in micrometres.
  *
  * THREADS AND PARTS.  Functions that take a const launcher may run in any number of
- * threads, if its allocator may.  What they tell of a ray depends on that ray alone, so
- * rays may be traced in parts; sums are taken in the order of the rays.  Bits do not
- * depend on threads or parts.
+ * threads, if its allocator may.  The answer for a ray depends on that ray alone, so rays
+ * may be traced in parts; sums are taken in the order of the rays.  Bits do not depend on
+ * threads or parts.
  *
  *     sgt_launcher *from = sgt_launcher_new(lens, NULL, &error);
  *     sgt_field_beam beam;
@@ -32,9 +33,8 @@ typedef struct sgt_launcher sgt_launcher;
 typedef struct sgt_launcher_options {
     const sgt_allocator *allocator; /* NULL: malloc.  It lasts as long as the launcher */
     const sgt_lens_aim  *aim;       /* NULL: as the lens says */
-    double wavelength;              /* um: pupil and fields are defined at the primary
-                                       wavelength of the lens; if it has none, there.
-                                       0: none */
+    double wavelength;              /* um, at which pupil and fields are defined if the
+                                       lens has no primary wavelength.  0: none */
     unsigned long long reserved_[4]; /* leave it zero */
 } sgt_launcher_options;
 
@@ -57,17 +57,22 @@ typedef struct sgt_field_beam {
                                start on one plane wavefront, in front of all surfaces */
     sgt_vec3 object, direction;
     double   pupil, radius; /* z and semi-diameter of the entrance pupil */
-    /* of a telecentric object: the slope of its marginal rays; 0 */
-    double   cone;
-    /* that wavefront is direction . p = wave; z in front of all */
-    double   front, wave;
-    sgt_vec2 shift, scale;  /* of the pupil by vignetting, */
-    sgt_vec2 turn;          /* and the cosine and sine of its turn */
+    double   cone;          /* the slope of the marginal rays of a telecentric object;
+                               else 0 */
+    double   front, wave;   /* a z in front of the pupil and of all surfaces; the
+                               wavefront is the plane direction . p = wave */
+    sgt_vec2 shift, scale;  /* of the pupil, by vignetting */
+    sgt_vec2 turn;          /* the cosine and sine of its turn, by vignetting */
     unsigned long long reserved_[4];
 } sgt_field_beam;
 
-/* Sets the beam of a field.  Before vignetting, chief rays go through the centre of the
- * pupil:
+/* Sets the beam of a field.
+ *
+ *     kind   what field->x and field->y are
+ *     field  degrees or lengths, as `kind` says, and the vignetting
+ *     beam   written
+ *
+ * Before vignetting, chief rays go through the centre of the pupil:
  *   angles a, b        slopes tan a in x, tan b in y: a positive field climbs
  *   object heights     from that point
  *   paraxial heights   the slope or the object that paraxial rays bring there
@@ -88,9 +93,9 @@ typedef struct sgt_launched {
                          SGT_NO_SUCH_RAY: proven, there is none.  See WHAT IS PROVEN
                          SGT_AIMED_UNDECIDED: none was found, and it is not proven that
                          there is none */
-    bool      folded; /* near it the pupil is inside out, as neighbouring rays reach the
-                         stop in reversed order: the pupil folds back on itself, and
-                         another ray of the field may reach the same point */
+    bool      folded; /* neighbouring rays reach the stop in reversed order.  So the pupil
+                         folds back on itself here, and another ray of the field may
+                         reach the same point */
     sgt_vec2  wanted; /* if the lens is aimed at the stop: the point of the stop, in its
                          frame */
     /* Unless SGT_MET: */
@@ -100,16 +105,22 @@ typedef struct sgt_launched {
     unsigned long long reserved_[4];
 } sgt_launched;
 
-/* The rays of a field through points of the unit circle of the pupil, after vignetting.
- * If the lens is aimed at the stop they meet e[stop] there (sgt_aim); e and index_before
- * are the lens at the wavelength of the rays.  A telecentric object has a cone in the
- * pupil's place: u, v are slopes, in units of its marginal ray's.
+/* The rays of a field through points of the pupil, after vignetting.
+ *
+ *     beam             of the field (sgt_launch_field)
+ *     e, index_before  the lens at the wavelength of the rays (sgt_lens_at)
+ *     count, at        the points, in the unit circle
+ *     out              written: `count` rays
+ *
+ * If the lens is aimed at the stop they meet e[stop] there (sgt_aim).  A telecentric
+ * object has a cone in the pupil's place: u, v are slopes, in units of its marginal
+ * ray's.
  *
  * WHAT IS PROVEN.  A ray that is found may be clipped: apertures do not count.  The rays
  * of a field have no bound, so the search has one: some hundred pupil radii.
- * SGT_NO_SUCH_RAY is about all rays of the field but those that a rim clips before they
- * are bent (sgt_beam_bounds).  The ray through the point 0, 0 is searched for even there:
- * it is a reference also where it is clipped.  If no rim bounds the rays,
+ * SGT_NO_SUCH_RAY covers all rays of the field except those that a rim clips before they
+ * are bent (sgt_beam_bounds).  The ray through the point 0, 0 is searched for among these
+ * as well: it is a reference even if it is clipped.  If no rim bounds the rays,
  * SGT_NO_SUCH_RAY is never the answer: the status is SGT_AIMED_UNDECIDED, and `within`
  * says which part holds no such ray.
  *
@@ -120,8 +131,12 @@ SGT_API bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *bea
                              sgt_error *error);
 
 /* The same rays by column, of a launcher that does not aim (SGT_LENS_AIM_PUPIL): all are
- * there, none is folded, and e does not matter.  Sets o[0 ... 2] and d[0 ... 2], each of
- * `count` numbers.  false: it aims, or as sgt_launch_rays; then nothing is set. */
+ * there, none is folded, and no element is needed.
+ *
+ *     count, at  the points, in the unit circle
+ *     o, d       written: three arrays each, of `count` numbers; o is a length
+ *
+ * false: the launcher aims, or as sgt_launch_rays; then nothing is set. */
 SGT_API bool sgt_launch_columns(const sgt_launcher *from, const sgt_field_beam *beam,
                                 size_t count, const sgt_pupil_point at[],
                                 double *const o[3], double *const d[3]);
@@ -136,8 +151,8 @@ typedef struct sgt_ray_end {
                             no ray was traced */
     size_t     element;  /* which, from 0; the last if it passed */
     bool       folded;
-    bool       proven;   /* passed, and a hit (no graze) at every element: with a proof
-                            asked for, it is one */
+    bool       proven;   /* passed, with a hit (not a graze) at every element.  If a proof
+                            was asked for, every one of these hits is proven */
     int        evals;
     double     t_err;    /* the largest of its elements */
     double     condition; /* the largest 1 / cos of its angles of incidence: a surface
@@ -158,15 +173,25 @@ typedef struct sgt_ray_end {
     unsigned long long reserved_[4];
 } sgt_ray_end;
 
-/* Traces the rays of a field through points of the pupil.  opt: NULL, or for sgt_trace.
+/* Traces the rays of a field through points of the pupil.
+ *
+ *     beam             of the field (sgt_launch_field)
+ *     e, index_before  the lens at the wavelength of the rays (sgt_lens_at)
+ *     count, at        the points, in the unit circle
+ *     opt              NULL, or for sgt_trace
+ *     out              written: `count` ends
+ *
  * false: `error` (may be NULL) says why. */
 SGT_API bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before, size_t count,
                              const sgt_pupil_point at[], const sgt_options *opt,
                              sgt_ray_end out[], sgt_error *error);
 
-/* The same of the chief ray, through the point 0, 0 of the pupil, whatever clips it: it
- * is a reference also where it is obscured. */
+/* sgt_trace_pupil of one ray, the chief ray: it goes through the point 0, 0 of the pupil,
+ * and nothing clips it, since it is a reference even if it is obscured.
+ *
+ *     out  written: one end
+ */
 SGT_API bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
                              sgt_ray_end *out, sgt_error *error);
@@ -189,7 +214,7 @@ typedef struct sgt_spot {
     sgt_vec2 reference;            /* distances are from here */
     double   rms, rms_x, rms_y;    /* root of the weighted mean of squares */
     double   geometric;            /* the largest distance */
-    double   error;                /* rounding puts rms off by no more */
+    double   error;                /* a bound on what rounding does to rms */
     unsigned long long reserved_[4];
 } sgt_spot;
 
@@ -229,8 +254,15 @@ typedef struct sgt_reference {
 
 /* The reference of a chief ray that passed.  The radius is the distance from the centre
  * to the axial point of the paraxial exit pupil (Welford 1986, 7.1), taken on the z axis
- * of the last element, which bends no light here.  data: of the primary wavelength.
- * afocal: take a plane instead.  false: the chief ray did not pass, as `error` says. */
+ * of the last element, which bends no light here.
+ *
+ *     data             first-order data at the primary wavelength
+ *     e, index_before  the lens at the wavelength of the ray (sgt_lens_at)
+ *     chief            as sgt_trace_chief left it
+ *     afocal           take a plane, not a sphere
+ *     out              written; lengths in the unit of the lens
+ *
+ * false: the chief ray did not pass, as `error` says. */
 SGT_API bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data,
                               const sgt_element e[], double index_before,
                               const sgt_ray_end *chief, bool afocal, sgt_reference *out,
@@ -245,7 +277,7 @@ typedef struct sgt_wavefront {
     size_t rays, passed;
     double mean, rms;        /* weighted; the root of the mean square about the mean */
     double least, most;      /* most - least: peak to valley */
-    double error;            /* rounding puts none of the numbers off by more */
+    double error;            /* a bound on what rounding does to each of the numbers */
     unsigned long long reserved_[4];
 } sgt_wavefront;
 
@@ -254,14 +286,19 @@ typedef struct sgt_wavefront {
 SGT_API sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[],
                                        const double opd[], const double error[]);
 
-/* The least-squares fit of the first `terms` Zernike polynomials to value[i] at x[i],
- * y[i] in the unit circle, with weights; points with a NaN do not count.
+/* The least-squares fit of the first `terms` Zernike polynomials.
  *
- *     order       SGT_NOLL, with the mean square of each over the circle 1; SGT_FRINGE,
- *                 with the value 1 at the edge (sgt_zernike of surfaces.h, `normalised` 1
+ *     order       SGT_NOLL: the mean square of each over the circle is 1.  SGT_FRINGE:
+ *                 its value at the edge is 1 (sgt_zernike of surfaces.h, `normalised` 1
  *                 and 0)
- *     coefficient [terms], in the unit of the values
- *     *residual   (may be NULL) the root of the weighted mean square that is left
+ *     terms       how many polynomials
+ *     count       how many points; a point with a NaN does not count
+ *     x, y        [count], in the unit circle
+ *     value       [count], in any unit
+ *     weight      [count]
+ *     coefficient [terms], written, in the unit of the values
+ *     residual    NULL, or written: the root of the weighted mean square that is left
+ *     allocator   NULL: malloc
  *
  * By Householder's reflections: a coefficient is good to some roundings times the
  * condition of the points.  false: no memory, or the points do not determine all
@@ -301,30 +338,41 @@ typedef enum sgt_distortion {
     SGT_DISTORTION_TAN,   /* efl tan(angle); of an object at a distance: magnification
                              times its height */
     SGT_DISTORTION_THETA, /* efl times the angle, in radians */
-    /* The same where the image surface stands, at the focus or not: times the height at
-     * which the paraxial chief ray meets its vertex plane, over that at the focus.  So
-     * the distortion of a field goes to 0 towards the axis.  Of an afocal lens, and where
-     * there is no focus, they are as the two above */
+    /* The same two for an image surface that need not stand at the focus: the ideal
+     * height is scaled by the height of the paraxial chief ray on its vertex plane, over
+     * that at the focus.  So the distortion of a field goes to 0 towards the axis.  If
+     * the lens is afocal or has no focus, they are the two above */
     SGT_DISTORTION_TAN_SURFACE,
     SGT_DISTORTION_THETA_SURFACE
 } sgt_distortion;
 
-/* Astigmatism along the real chief ray (by the derivatives of the trace, which is what
- * Coddington's equations say where there is a plane of symmetry; where there is none, a
- * focus is where rays of a section have no distance from it along the section), and
- * distortion.  data: first-order data at the wavelength of e.  A field on the axis has
- * its tangential plane along y.  Apertures and vignetting do not count: a chief ray may
- * be obscured.  false: `error` (may be NULL) says why. */
+/* Astigmatism along the real chief ray of a field, and distortion.
+ *
+ *     e, index_before  the lens at a wavelength (sgt_lens_at)
+ *     data             first-order data at that wavelength
+ *     distortion       by which definition
+ *     out              written; lengths in the unit of the lens
+ *
+ * Foci are found by the derivatives of the trace.  If there is a plane of symmetry, they
+ * are those of Coddington's equations.  If there is none, rays near the chief ray may
+ * pass it on one side; the focus is then where their distance from it, measured within
+ * the section, is zero.  The tangential plane of a field on the axis is along y.
+ * Apertures and vignetting have no effect, so the chief ray may be obscured.
+ * false: `error` (may be NULL) says why. */
 SGT_API bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
                              const sgt_first_order *data, sgt_distortion distortion,
                              sgt_field_point *out, sgt_error *error);
 
-/* First-order data along the real chief ray of a field (lens.h), at a wavelength in um
- * (NaN: the primary one; none if the lens gives none).  field: from 1.  The ray goes
- * through the centre of the stop, or of the paraxial pupil if the object is telecentric,
- * whatever clips it.  false: *out is NaN, and `error` (may be NULL) says why; no file is
- * named where the ray is to blame. */
+/* First-order data along the real chief ray of a field (lens.h).
+ *
+ *     um     the wavelength, um.  NaN: the primary one; none if the lens gives none
+ *     field  its number, from 1
+ *     out    written; lengths in the unit of the lens
+ *
+ * The ray goes through the centre of the stop, or of the paraxial pupil if the object is
+ * telecentric, whatever clips it.  false: *out is NaN, and `error` (may be NULL) says
+ * why.  If the ray is to blame, error->file is empty. */
 SGT_API bool sgt_field_parabasal(const sgt_lens *lens, double um, size_t field,
                                  sgt_parabasal *out, sgt_error *error);
 

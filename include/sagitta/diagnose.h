@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* diagnose.h - how did the solver converge, and why did it not?  Does a surface keep its
  * promises?
  *
@@ -47,9 +48,10 @@ typedef struct sgt_diagnosis {
                             NaN: too few */
     double condition;    /* |dt| / |dF| at the root, 1/|slope|: how grazing, how flat */
     int newton, bisect, march, retreat;  /* how many evaluations were chosen so */
-    int before;  /* how many evaluations of F, NaN or not, came before those whose steps
-                    shrink to the end, each to half of the one before or less.  The order
-                    is that of the latter.  Marches and probes are not counted */
+    int before;  /* At its end a search closes in: each step is at most half of the one
+                    before.  `order` is that of these steps.  `before` counts the
+                    evaluations of F, NaN or not, in front of them, without marches and
+                    probes */
     unsigned long long reserved_[4];
 } sgt_diagnosis;
 
@@ -104,8 +106,9 @@ typedef enum sgt_fault {
  * Not checked: estimate, second, parameters, by_parameter, and whether `rounding` is as
  * large as it has to be.
  *
- * Returns the first fault found.  If `where` is not NULL, *where is then a point that
- * shows it; of SGT_WRONG_SPANS it is the ray's origin; NaN if there is no fault. */
+ * Returns the first fault found.  If `where` is not NULL, *where is set to a point that
+ * shows the fault; for SGT_WRONG_SPANS to the origin of the ray; to NaN if none is
+ * found. */
 SGT_API sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[],
                             sgt_vec3 *where);
 

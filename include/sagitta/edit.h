@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* edit.h - a lens that was read is a value that can be edited: copied, asked for any
  * number of its file, and changed.
  *
@@ -9,8 +10,8 @@
  *     surfaces[4].apertures[1].radius        breaks[1].tilt[1]        fields[2][1]
  *
  * Surfaces are counted as everywhere, without breaks; breaks[1] is the first break.  A
- * surface can be told by its name, in "double" or 'single' quotes or in none.  A file of
- * one surface (sgt_lens_read_surface) has paths such as radius.
+ * surface can also be given by its name, in "double" or 'single' quotes or in none.  A
+ * file of one surface (sgt_lens_read_surface) has paths such as radius.
  *
  * AN EDIT changes the tree that the file was read into, and then makes the lens anew from
  * it, by the reader of files.  So every check of the reader holds.  The lens is that of
@@ -18,9 +19,9 @@
  * reader refuses the new tree, the lens stays as it was in every bit; error->key is then
  * the path, and error->words says what is wrong.
  *
- * What an edit reads with are the options of the reading: what they point to (types,
- * glasses, context) must last as long as the lens is edited.  A glass that the lens has
- * by its name is not looked up again while `makers` stay.
+ * An edit reads with the sgt_lens_options with which the lens was read.  So what these
+ * point to (types, glasses, context) must last as long as the lens is edited.  A glass
+ * that was found by its name is looked up again only if `makers` changes.
  *
  * POINTERS to what a lens has (elements, texts, sgt_lens_yaml) are good until an edit of
  * it succeeds; the lens itself stays where it is.
@@ -50,15 +51,20 @@ SGT_API sgt_lens *sgt_lens_copy(const sgt_lens *lens, sgt_error *error);
 SGT_API bool sgt_lens_get(const sgt_lens *lens, const char *path, double *x,
                           sgt_error *error);
 
-/* What stands at a path, as YAML in one line without a line's end.  Returns the length of
- * the text, and sets as much of it as has room, with a zero byte behind it (room 0:
- * nothing).  SIZE_MAX: there is nothing, or no memory. */
+/* What stands at a path, as YAML in one line.  Returns the length of the whole text,
+ * without its zero byte.
+ *
+ *     room  how many bytes `text` has, the zero byte included; 0: nothing is written
+ *     text  written: as much as fits, with a zero byte at its end
+ *
+ * SIZE_MAX: nothing stands there, or memory ran out. */
 SGT_API size_t sgt_lens_get_text(const sgt_lens *lens, const char *path, size_t room,
                                  char text[], sgt_error *error);
 
-/* Sets the number at a path.  A key that is not given is added to its map, and maps on
- * the way to it are, too.  A key that says the same in another way makes room for it:
- * radius and curvature, the sizes of the pupil, index and glass.  false: refused. */
+/* Sets the number at a path.  If the file does not have the key, it is added, with the
+ * maps on the way to it.  If another key says the same in another way, that key is
+ * removed: radius or curvature, index or glass, one of the sizes of the pupil.
+ * false: refused. */
 SGT_API bool sgt_lens_set(sgt_lens *lens, const char *path, double x, sgt_error *error);
 
 /* The same of a value in YAML: "12.5", "N-BK7", "true", "[0, 5, 7]",
@@ -66,27 +72,30 @@ SGT_API bool sgt_lens_set(sgt_lens *lens, const char *path, double x, sgt_error 
 SGT_API bool sgt_lens_set_text(sgt_lens *lens, const char *path, const char *yaml,
                                sgt_error *error);
 
-/* Inserts a value in YAML into a list, in front of what has the place; the place behind
- * the last one is the end.  Pickups and tolerances by number go on meaning the same
- * surfaces, as with the edits below; those of the new value mean the new numbers. */
+/* Inserts a value in YAML into a list, in front of the entry that is at the path.  To
+ * append it, give the place behind the last entry.  Pickups and tolerances that name
+ * surfaces by number are renumbered, so that they refer to the same surfaces as before;
+ * so they are by the edits below.  Those within the new value count the new surface. */
 SGT_API bool sgt_lens_insert(sgt_lens *lens, const char *path, const char *yaml,
                              sgt_error *error);
 
-/* Removes an entry of a list, or a key.  false, too: a pickup or a tolerance means it. */
+/* Removes an entry of a list, or a key.  It is refused as well (false) if a pickup or a
+ * tolerance refers to it. */
 SGT_API bool sgt_lens_remove(sgt_lens *lens, const char *path, sgt_error *error);
 
 /* Turns the surfaces `first` to `last` ("surfaces[2]", or by name) front to back: their
  * order, the thicknesses and media between them, their shapes, tilts and decentres.  It
  * mirrors the group in a plane z = const; for surfaces that are symmetric in x that is to
- * turn it.  What stands in front of it and behind it stays: the last thickness and medium
- * are those that were the last.  false, too: a break, a mirror or an origin among them, a
- * surface that is no sag, a sag from a file, one that a tolerance is of. */
+ * turn it.  What stands in front of the group and behind it stays, and so do the last
+ * thickness and the last medium.  It is refused as well (false) if the group has a break,
+ * a mirror, an `origin`, a surface that is not a sag, a sag from a file, or a surface
+ * that a tolerance refers to. */
 SGT_API bool sgt_lens_reverse(sgt_lens *lens, const char *first, const char *last,
                               sgt_error *error);
 
 /* Makes the whole lens larger by a positive factor: every length of it, and every number
- * whose unit has a power of length.  Wavelengths stay.  false, too: it has a formula, a
- * level set, or numbers in a file. */
+ * whose unit has a power of length.  Wavelengths stay.  It is refused as well (false) if
+ * the lens has a formula, a level set, or numbers in another file. */
 SGT_API bool sgt_lens_scale(sgt_lens *lens, double factor, sgt_error *error);
 
 typedef enum sgt_edit_kind {
@@ -107,8 +116,9 @@ typedef struct sgt_edit {
     unsigned long long reserved_[4]; /* leave it zero */
 } sgt_edit;
 
-/* Several edits, one after the other, and the lens made once, when all are done: so what
- * is between may be no lens.  All or none.  The fastest way to set many numbers. */
+/* Makes several edits one after the other, and then the lens once: between them the tree
+ * need not be that of a lens.  If one edit is refused, none is made.  The fastest way to
+ * set many numbers. */
 SGT_API bool sgt_lens_edit(sgt_lens *lens, size_t count, const sgt_edit edit[],
                            sgt_error *error);
 

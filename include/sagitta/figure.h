@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* figure.h - figures of a lens, the residuals that they are made of, and their
  * derivatives by any numbers of its file: what an optimiser asks.  Part of sagitta_lens.
  *
@@ -15,17 +16,18 @@
  * pupil, the fields and the aim are found anew.  A radius that changes the focal length
  * changes the pupil of an f-number; a ray that is aimed at the stop is aimed again.  The
  * points of the pupil and the weights are held fixed, and so are the fate and the root of
- * each ray: no derivative tells of an edge.  So the number of an edge alone, such as a
- * semi_diameter, has the derivative 0, unless it sets the size of the pupil.
+ * each ray.  So the derivative by a number that only moves an edge, such as a
+ * semi_diameter, is 0, unless that number sets the size of the pupil.
  *
- * METHOD.  Rays go through once, and once back (sgt_trace_gradient_batch): that gives
- * their ends by all numbers of all elements, and by the launch ray.  What is left is how
- * the file's number moves these.  No ray has a part in that: the lens is made anew at
- * x - h and x + h, and where its numbers do not lie on a line at x - 2h and x + 2h, for
- * differences of the fourth order (src/lens/figure/motion.c).  What depends on x linearly
- * (a thickness, a coefficient, a decentre; a radius is taken by its reciprocal) is exact
- * to rounding, the rest (angles, glass, pupils) to some 1e-11.  Aimed rays also
- * go back from the stop, where the point that they meet is held.
+ * METHOD.  Each ray is traced once forward and once backward (sgt_trace_gradient_batch).
+ * That gives the derivatives of its end by all numbers of all elements and of the launch
+ * ray.  How a number of the file moves these needs no ray: the lens is made anew at
+ * x - h and x + h.  Where its numbers do not lie on a line, it is also made at x - 2h
+ * and x + 2h, for differences of the fourth order (src/lens/figure/motion.c).  What
+ * depends on x linearly (a thickness, a coefficient, a decentre; a radius is taken by its
+ * reciprocal) is exact to rounding, the rest (angles, glass, pupils) to some 1e-11.
+ * Of an aimed ray the point at the stop is held fixed, so it is also traced backward from
+ * the stop.
  *
  * NOT DIFFERENTIATED.  An error names the path, and says why:
  *   - whole numbers and words; an infinite radius (vary `curvature` in its place)
@@ -78,12 +80,15 @@ typedef struct sgt_figure sgt_figure;
 
 /* A figure of a copy of the lens, by `paths` of its numbers (edit.h).
  *
- *     study   which fields, wavelengths and points of the pupil; NULL and zeros are the
- *             defaults of the analysis: "spot", "wavefront", of the others "field".  What
- *             it points to has to last.  `run` is not called
+ *     study  which fields, wavelengths and points of the pupil.  NULL and zeros are the
+ *            defaults of the analysis: "spot", "wavefront", of the others "field".  What
+ *            it points to has to last.  `run` is not called
+ *     opt    which figure
+ *     paths  how many paths there are
+ *     path   of the numbers that the figure is differentiated by, in their units
  *
- * NULL: `error` (may be NULL) says why: there is no number at a path, or one is twice
- * there. */
+ * NULL: `error` (may be NULL) says why: no number stands at a path, or two paths are of
+ * the same number. */
 SGT_API sgt_figure *sgt_figure_new(const sgt_lens *lens, const sgt_study_options *study,
                                    const sgt_figure_options *opt, size_t paths,
                                    const char *const path[], sgt_error *error);
@@ -114,9 +119,10 @@ typedef struct sgt_figure_out {
     unsigned long long reserved_[6]; /* leave it zero */
 } sgt_figure_out;
 
-/* Puts the numbers x[paths] into the figure's lens (NULL: they stay), and asks.  false:
- * `error` (may be NULL) says why.  Refused by the reader: the lens is as it was.  Of one
- * figure, one call at a time. */
+/* Puts the numbers x[paths] into the figure's lens, and computes what `out` asks for.
+ * x NULL: the numbers stay as they are.  false: `error` (may be NULL) says why; if the
+ * reader refuses the numbers, the lens stays as it was.  Make only one call at a time for
+ * one figure. */
 SGT_API bool sgt_figure_eval(sgt_figure *figure, const double x[], sgt_figure_out *out,
                              sgt_error *error);
 

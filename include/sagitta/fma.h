@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fma.h - a * b + c, rounded once, on every system.
  *
  * Error terms and outward rounding rest on it, and the fma of some C libraries is not
@@ -31,10 +32,9 @@
  *     Above: the upper half of a factor is at most 2^1022, a product of halves at most
  *     2^1021, a sum at most 2^1022.
  *     Below: |a b| > 2^-962, so its last bit is worth at least 2^-962 2^-106 > 2^-1074:
- *     every product and sum here, and c, is a multiple of 2^-1074.  For such numbers the
- *     smallest double is no limit: where a sum is subnormal, it is exact.  So the proof,
- *     which is for exponents without bounds, holds, for a result that cancels down to
- *     2^-1074 too.
+ *     every product and sum here, and c, is a multiple of 2^-1074.  A sum of such numbers
+ *     that is subnormal is exact.  So the proof, which takes exponents as unbounded, also
+ *     holds for a result that cancels down to 2^-1074.
  * Most calls ask what a rounded product has left out, c = -u: that is u'.
  *
  * Outside those ranges (sgt_fma_by_integers): zero, infinity and NaN are seen to one by
@@ -47,9 +47,9 @@
  *
  * CONTRACTION.  A compiler may fuse products and sums by itself only where the target has
  * the instruction.  Then gcc, which does so by default, defines __FP_FAST_FMA (__FMA__ on
- * x86), and sgt_fma is the instruction; clang is told not to.  sgt_fma_exactly is never
- * inlined, so that a caller compiled for another processor by an attribute does not
- * change it.
+ * x86), and sgt_fma is the instruction; for clang a pragma forbids it.  sgt_fma_exactly
+ * is never inlined, so that a caller compiled for another processor by an attribute does
+ * not change it.
  *
  * SPEED.  3 to 7 ns a call in the ranges above, 12 to 40 ns outside (x86-64, one core of
  * an EPYC; glibc's own, without the instruction: 97 to 130 ns).

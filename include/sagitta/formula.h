@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * formula.h - a surface from its formula as text: "x^4 + y^4 + z^4 = a".
  *
@@ -18,18 +19,18 @@
  *     power     atom, or atom ^ factor: -x^2 is -(x^2), and 2^-x, x^y^z = x^(y^z)
  *     atom      a number, a name, (sum), or a function of sums with commas between
  *     names     x, y, z, r = sqrt(x^2 + y^2), pi, and those of the parameters: a letter,
- *               then letters, digits and _.  A sag has no z.  There is no sign for
- *               a product but *
+ *               then letters, digits and _.  A sag has no z.  A product needs the
+ *               sign *
  *     functions sqrt cbrt exp log sin cos tan asin acos atan sinh cosh tanh abs of one
  *               argument; atan2 (y, x), min, max, hypot of two
  *
  * A number is the double nearest to it.  pi is the number itself: an interval.  So is all
  * that is worked out of numbers and parameters alone.
  *
- * A POWER with a whole number is a product, or 1 by one, and u^0 is 1.  With any other
- * exponent it is exp(e log b), defined where b > 0 (and where b = 0, if e > 0).  A whole
- * exponent is one that numbers alone make exactly: 2, -(1 + 1), 4/2, up to 2^20.  A
- * parameter's value can change, so x^p is exp(p log x), also for p = 2.
+ * A POWER with a whole exponent is a product, or 1 over a product; u^0 is 1.  With any
+ * other exponent e it is exp(e log b), defined where b > 0 (and where b = 0, if e > 0).
+ * An exponent is whole if it is made of numbers alone, and exactly: 2, -(1 + 1), 4/2, up
+ * to 2^20.  A parameter's value can change, so x^p is exp(p log x), also for p = 2.
  *
  * UNDEFINED is a root of a negative number, a logarithm of 0 or less, an arc sine or
  * cosine beyond 1, a quotient by 0, atan2(0, 0), and all that is made of it.  F is NaN
@@ -45,12 +46,12 @@
  * r^2*(1 + cos(2*atan2(y, x))).  A quotient takes nothing from r: r^2/r is not defined
  * at 0.
  *
- * THE SAME FUNCTION.  What is worked out has the value of the text at each point and, but
- * at such a vertex, is defined where the text is.  It may be rounded otherwise: equal
- * parts are worked out once, x*x is x^2, sqrt(u^2) is abs(u).
+ * THE SAME FUNCTION.  A tape has the value of the text at each point where the text is
+ * defined.  It is not defined elsewhere, except at such a vertex.  It may be rounded
+ * otherwise: equal parts are worked out once, x*x is x^2, sqrt(u^2) is abs(u).
  *
- * Nothing is allocated.  A tape is not changed but by sgt_formula_set.  So any number of
- * threads may use it, while none sets it.
+ * Nothing is allocated.  Only sgt_formula_set changes a tape.  So any number of threads
+ * may use it while none sets it.
  */
 #ifndef SAGITTA_FORMULA_H
 #define SAGITTA_FORMULA_H
@@ -86,12 +87,20 @@ enum {
  * n too large.  Less may do. */
 SGT_API size_t sgt_formula_room(const char *text, size_t n);
 
-/* Reads the text.  The tape is in `room`, `size` bytes that the caller provides, aligned
- * as for a double.  They must stay, and not move, as long as the tape is used.  The text
- * and the names need not stay.  NULL: *error (may be NULL) says what is wrong, "expected
- * a number, a name or (, not )", with the column; 0: a parameter or the room is to blame.
- * A parameter need not be used.  A formula of SGT_FORMULA_XYZ has one of x, y, z, r; a
- * sag may be a number. */
+/* Reads a text and returns its tape.
+ *
+ *     text        zero-ended; it need not stay
+ *     kind        which variables it may have.  With SGT_FORMULA_XYZ it must have one of
+ *                 x, y, z, r; a sag may be a number
+ *     n           how many parameters there are
+ *     parameters  their names, which need not stay, and their values.  A parameter need
+ *                 not be used
+ *     room        where the tape is kept, aligned as for a double.  It must stay, and not
+ *                 move, as long as the tape is used
+ *     size        of room, in bytes (sgt_formula_room)
+ *
+ * NULL: *error (may be NULL) says what is wrong, "expected a number, a name or (, not )",
+ * with the column.  Column 0: a parameter or the room is to blame. */
 SGT_API sgt_tape *sgt_formula_read(const char *text, sgt_formula_kind kind, size_t n,
                                    const sgt_named parameters[], void *room, size_t size,
                                    sgt_error *error);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* geo.h - the Earth as surfaces: a height over the ellipsoid, a level of normal gravity,
  * a height over a geoid.
  *
@@ -7,10 +8,10 @@
  * UNITS.  All lengths are metres, in the Earth-centred Earth-fixed frame: z through the
  * north pole, x through latitude and longitude 0.  F is positive outside.
  *
- * CERTAINTY.  Each surface offers span, first, rounding and enclose.  So a first hit is
- * the first and a miss is one, proofs included.  A proof rests on the error analysis in
- * src/geo, and on GeographicLib: its up vector has to be right to 1e-10, its normal
- * gravity to 8 units of 2^-53 (observed: 3e-16, and 4).
+ * CERTAINTY.  Each surface offers span, first, rounding and enclose.  So it is certain
+ * that the first hit is the first and that a miss is one, and both can be proven.  A
+ * proof rests on the error analysis in src/geo, and on GeographicLib: its up vector has
+ * to be right to 1e-10, its normal gravity to 8 units of 2^-53 (observed: 3e-16, and 4).
  *
  * INVALID parameters make F NaN, and the answer negative (SGT_UNDEFINED or SGT_UNPROVEN).
  * `object` of the row in sgt_geo_builtins says what is wrong with them. */
@@ -70,9 +71,9 @@ typedef struct sgt_geoid sgt_geoid;
  *
  * WHAT IS LEFT.  The curvature jumps at every line.  The surface has a real corner at
  * each pole, where the meridians' slopes meet; the gradient given there is up.  A ray
- * that touches the surface at the pole itself takes hundreds of evaluations, or more than
- * it has.  A 15' grid shows nothing below 30 km, whatever its interpolation: slopes of
- * the surface are those of the grid, not of the sea.
+ * that touches the surface at the pole itself takes hundreds of evaluations, or spends
+ * all of max_evals.  A 15' grid shows nothing below 30 km, whatever its interpolation:
+ * slopes of the surface are those of the grid, not of the sea.
  * Parameters for sensitivities: h. */
 typedef struct sgt_geoid_height {
     const sgt_geoid *geoid;

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 /* interval.h - intervals of doubles, rounded outward: what is needed to write `enclose`.
  *
- * An interval is the set of the real numbers x with lo <= x <= hi.  An end at infinity
- * says that there is no end.  Each operation returns an interval that contains every
- * value its operation has on members of its arguments, where it has one: the set-based
- * flavour of IEEE 1788-2015, without its decorations.
+ * An interval is the set of the real numbers x with lo <= x <= hi.  If an end is
+ * infinite, the set is unbounded on that side.  Each operation returns an interval that
+ * contains all values that it has for members of its arguments (the set-based flavour of
+ * IEEE 1788-2015, without its decorations).
  *   - Empty is lo > hi; operations return it as {INFINITY, -INFINITY}.  An operation on
  *     an empty interval is empty.  So is the square root of negative numbers, and a
  *     quotient by zero alone.
@@ -27,14 +28,15 @@
  * 2^-62 of it.  |lo| is at most half the gap between hi and the next double on its side,
  * and the bound is less than a 256th of a gap.  So an upper end is hi if lo and the bound
  * add up to 0 or less, and else the next double above hi: the value is not above either.
- *   - An end is the best one or the next double outward: that where the value is a
- *     double, and at less than one of a hundred others.  It may be one double more where
- *     it is of 1e-289 and less or 1e307 and more.
- *   - Sine, cosine and tangent tell nothing of arguments beyond 2^26: they are [-1, 1]
- *     and all numbers.  A tangent with a pole in x is also all numbers.
- *   - A function that is not defined on all of x is that of the part where it is: empty
- *     if there is none.  An `enclose` has to see to it that its slope is infinite there.
- *   - A sine and a cosine stay in [-1, 1], and a hyperbolic tangent does.
+ *   - An end is the best possible double, or the next one outward.  It is the next one if
+ *     the value itself is a double, and in less than one of a hundred other cases.  Ends
+ *     of 1e-289 and less or 1e307 and more may be one double farther out.
+ *   - Arguments beyond 2^26: a sine and a cosine are [-1, 1], a tangent is all numbers.
+ *     A tangent with a pole in x is also all numbers.
+ *   - If a function is defined on a part of x only, the result is that of this part; it
+ *     is empty if there is no such part.  An `enclose` has to return an infinite slope
+ *     there.
+ *   - A sine, a cosine and a hyperbolic tangent stay in [-1, 1].
  *
  * THE SAME BITS ON EVERY PROCESSOR.  The processor's rounding mode is left alone and has
  * to be to nearest, with subnormal numbers kept.  sgt_fma rounds once on every system

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lens.h - the glass that lenses are made of: catalogues of dispersion, and the index of
  * a glass at a wavelength.
  *
@@ -28,8 +29,9 @@
 extern "C" {
 #endif
 
-/* Where memory comes from.  resize as realloc: block NULL is a new one, size 0 frees and
- * returns NULL, NULL for another size is a failure that leaves the block as it was. */
+/* Where memory comes from.  `resize` works as realloc.  If block is NULL, it returns a
+ * new block.  If size is 0, it frees the block and returns NULL.  If there is no memory,
+ * it returns NULL and leaves the block as it was. */
 typedef struct sgt_allocator {
     void *(*resize)(void *context, void *block, size_t size);
     void *context;
@@ -101,7 +103,7 @@ typedef struct sgt_glass {
 
 /* The index of refraction at a wavelength in um, also outside the range of the glass: ask
  * sgt_glass_covers.  NaN: the wavelength is not positive and finite, the formula is
- * unknown or lacks coefficients, or its answer is no positive number (n^2 < 0, a pole).
+ * unknown or lacks coefficients, or its value is not a positive number (n^2 < 0, a pole).
  * Rounding: observed below 1e-15 of n for all glasses that ship (docs/glass.md). */
 SGT_API double sgt_glass_index(const sgt_glass *glass, double um);
 
@@ -144,7 +146,12 @@ SGT_API void           sgt_catalogue_free(sgt_catalogue *catalogue); /* NULL: no
 SGT_API bool sgt_catalogue_add(sgt_catalogue *catalogue, const char *path,
                                sgt_error *error);
 
-/* The same of text in memory; `name` is a file's name, and its ending gives the form. */
+/* The same of text in memory.
+ *
+ *     name    a file's name, for messages; its ending gives the form
+ *     text    need not end with a zero
+ *     length  of text, bytes
+ */
 SGT_API bool sgt_catalogue_add_text(sgt_catalogue *catalogue, const char *name,
                                     const char *text, size_t length,
                                     sgt_error *error);
@@ -155,11 +162,18 @@ SGT_API size_t sgt_catalogue_count(const sgt_catalogue *catalogue);
 SGT_API bool   sgt_catalogue_glass(const sgt_catalogue *catalogue, size_t place,
                                    sgt_glass *glass);
 
-/* Finds a glass by `NAME` or `MAKER NAME`, in either case of letters.  If several makers
- * have the name, the first in the list `makers` that has it is taken; else that of the
- * call that added last; of that call, of the first of SCHOTT, OHARA, HOYA, CDGM, HIKARI,
- * SUMITA that has it, else the first that was added.  glass->maker says which.
- * false: none, and `error` (may be NULL) names those whose names are nearest. */
+/* Finds a glass.
+ *
+ *     name                  `NAME` or `MAKER NAME`, in either case of letters
+ *     makers_count, makers  whose glass is wanted, best first; 0 and NULL: no wish
+ *     glass                 written; glass->maker says whose it is
+ *
+ * If several glasses have the name, these rules choose one, in this order:
+ *   - the maker that comes first in `makers`;
+ *   - the latest call of sgt_catalogue_add...;
+ *   - the maker that comes first in SCHOTT, OHARA, HOYA, CDGM, HIKARI, SUMITA;
+ *   - the glass that was added first.
+ * false: there is none, and `error` (may be NULL) lists the nearest names. */
 SGT_API bool sgt_catalogue_find(const sgt_catalogue *catalogue, const char *name,
                                 size_t makers_count, const char *const *makers,
                                 sgt_glass *glass, sgt_error *error);
@@ -301,12 +315,13 @@ typedef struct sgt_lens_options {
     const sgt_surface_ops *file_ops;
     const char *(*complete)(void *context, const sgt_builtin *type, void *self,
                             const char *path);
-    /* How a file is read: sets *text, which is then freed by `forget`, and *length;
-     * returns NULL, or why it cannot be read.  NULL: by fopen. */
+    /* Reads a file into memory: sets *text and *length.  The library calls `forget` when
+     * it no longer needs *text.  Returns NULL, or why the file cannot be read.  NULL: the
+     * library reads files by fopen. */
     const char *(*read)(void *context, const char *path, char **text, size_t *length);
     void (*forget)(void *context, char *text);
     void *context;
-    /* of a file with several, from 1; 0: the active one */
+    /* which configuration is read if the file has several, from 1; 0: the active one */
     int configuration;
     unsigned long long reserved_[4]; /* leave it zero, and that of the rows of `types` */
 } sgt_lens_options;
@@ -316,8 +331,14 @@ typedef struct sgt_lens_options {
 SGT_API sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt,
                                 sgt_error *error);
 
-/* The same of text in memory; `name` is a file's name, for messages, and its ending
- * gives the form.  Other files that the lens names are looked for in its folder. */
+/* The same of text in memory.
+ *
+ *     name    a file's name, for messages; its ending gives the form.  Other files that
+ *             the lens names are looked for in its folder
+ *     text    need not end with a zero
+ *     length  of text, bytes
+ *     opt     NULL, or how to read
+ */
 SGT_API sgt_lens *sgt_lens_read_text(const char *name, const char *text, size_t length,
                                      const sgt_lens_options *opt, sgt_error *error);
 
@@ -329,13 +350,17 @@ SGT_API sgt_lens *sgt_lens_read_surface(const char *name, const char *text,
 
 SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
 
-/* The elements at a wavelength in um: copies lens->element to `element`, room for
- * lens->count, with the indices of that wavelength, and sets *index_before.  element
- * NULL: not wanted; at the primary wavelength they are those of the lens.  um NaN: where
- * the file gives no wavelengths.  An ideal lens for which the file gives no
- * object_distance has the paraxial one of that wavelength, or of the primary one if the
- * file does not list it.  false: some medium has no index there (a list of indices for
- * other wavelengths, a pole), and `error` says which. */
+/* The elements at a wavelength, with their indices there.
+ *
+ *     um            the wavelength, um; NaN if the file gives no wavelengths
+ *     element       room for lens->count, written; NULL: not wanted.  At the primary
+ *                   wavelength they are those of the lens
+ *     index_before  written: the index in front of the first
+ *
+ * If the file gives no object_distance for an ideal lens, the paraxial one at that
+ * wavelength is taken; at a wavelength that the file does not list, that at the primary
+ * one.  false: some medium has no index there (a list of indices for other wavelengths, a
+ * pole), and `error` says which. */
 SGT_API bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[],
                          double *index_before, sgt_error *error);
 
@@ -344,9 +369,14 @@ SGT_API bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[],
 SGT_API bool sgt_lens_glass(const sgt_lens *lens, size_t place, sgt_glass *glass,
                             size_t *line);
 
-/* The text of a surface that is a formula (place 1 ... count), its parameters as the file
- * gives them, and how many there are.  They last as long as the lens.  false: it is of
- * another type. */
+/* A surface that is a formula.
+ *
+ *     place       the surface, 1 ... count
+ *     text        written: its text
+ *     parameters  written: its parameters as the file gives them
+ *     n           written: how many parameters there are
+ *
+ * They last as long as the lens.  false: the surface is of another type. */
 SGT_API bool sgt_lens_formula(const sgt_lens *lens, size_t place, const char **text,
                               const sgt_named **parameters, size_t *n);
 
@@ -369,12 +399,11 @@ SGT_API const char *sgt_lens_yaml(sgt_lens *lens, size_t *length);
  * NaN is "there is none": the focal length of an afocal system, a pupil at infinity. */
 typedef struct sgt_first_order {
     double wavelength;          /* um, or NaN */
-    double power;               /* P, 1/length; 0: afocal, to rounding: some ulps of each
-                                   radius, thickness and index, and of the trace,
-                                   explain it (src/lens/optics/first_order.c).
-                                   What would be divided by it is then NaN.
-                                   So are the others: 0 within their bounds, NaN
-                                   if divided by such a 0 */
+    double power;               /* P, 1/length.  0: afocal, that is, P is no more than
+                                   some ulps of each radius, thickness, index and of the
+                                   trace can make it (src/lens/optics/first_order.c).
+                                   The numbers below are treated alike: one that is 0
+                                   within its bound is 0, and a quotient by it is NaN */
     double efl;                 /* 1 / P: the focal length, in the medium 1 */
     double efl_image;           /* |n'| / P: in the image medium */
     double ffd;                 /* from the first vertex to the front focus */
@@ -414,9 +443,14 @@ typedef struct sgt_seidel {
     unsigned long long reserved_[2];
 } sgt_seidel;
 
-/* Sets *out for a wavelength in um (NaN: the primary one).  seidel: NULL, or room for
- * lens->count; where out->without_seidel says why there are none, all are NaN.  false:
- * some medium has no index there, or there is no memory. */
+/* First-order data, and Seidel sums.
+ *
+ *     um      the wavelength, um; NaN: the primary one
+ *     out     written; lengths in the unit of the lens
+ *     seidel  NULL, or room for lens->count; all are NaN if there are none, as
+ *             out->without_seidel says
+ *
+ * false: some medium has no index at that wavelength, or memory ran out. */
 SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out,
                                   sgt_seidel seidel[], sgt_error *error);
 
@@ -428,19 +462,26 @@ SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_ord
 typedef struct sgt_parabasal {
     double power[2][2];       /* -n' times the change of direction by a displacement */
     double efl[2];            /* 1 / power */
-    double focus[2];          /* to where rays meet that came parallel to it */
-    double image[2];          /* to where rays meet that came from its start */
-    double magnification[2];  /* there */
+    double focus[2];          /* to where rays that come in parallel to this ray meet */
+    double image[2];          /* to where rays that start where this ray does meet */
+    double magnification[2];  /* at the image */
     double power_xy;          /* the larger of |power[0][1]| and |power[1][0]|; 0 if it is
                                  no more than 1e-9 of the larger of the other two */
     unsigned long long reserved_[3];
 } sgt_parabasal;
 
-/* chief and passages: as given to sgt_trace, and as it left them, of all elements.
- * from_point: the chief ray starts at its object point; else from afar, and image is
- * focus.  false: all is NaN, and `error` (may be NULL) says why: it did not get through,
- * or a surface has no second derivatives.  sgt_field_parabasal (analysis.h) also finds
- * the chief ray of a field. */
+/* First-order data along a ray that was traced.
+ *
+ *     elements, e, index_before  as they were given to sgt_trace
+ *     from_point                 the ray starts at its object point; false: it comes from
+ *                                afar, and out->image is out->focus
+ *     chief                      the launch ray as it was given to sgt_trace
+ *     passages                   as sgt_trace left them, of all elements
+ *     out                        written; lengths in the unit of the lens
+ *
+ * false: all is NaN, and `error` (may be NULL) says why: the ray did not get through, or
+ * a surface has no second derivatives.  sgt_field_parabasal (analysis.h) also finds the
+ * chief ray of a field. */
 SGT_API bool sgt_lens_parabasal(size_t elements, const sgt_element e[],
                                 double index_before, bool from_point,
                                 const sgt_ray *chief, const sgt_passage passages[],
@@ -450,12 +491,12 @@ SGT_API bool sgt_lens_parabasal(size_t elements, const sgt_element e[],
 
 typedef enum sgt_pattern {
     SGT_PATTERN_FAN,       /* n points along y, from edge to edge; 1: the centre */
-    SGT_PATTERN_GRID,      /* of a square of n x n about the circle, those in it */
+    SGT_PATTERN_GRID,      /* the points of an n x n grid that lie inside the circle */
     SGT_PATTERN_HEXAPOLAR, /* the centre and n rings, the j-th of 6 j points */
     SGT_PATTERN_RANDOM,    /* n points, uniform over the area */
     SGT_PATTERN_SOBOL,     /* the first n of a sequence that fills the area evenly */
-    SGT_PATTERN_CELLS,     /* the centres of the cells of a square of n x n about the
-                              circle, those in it */
+    SGT_PATTERN_CELLS,     /* the centres of n x n square cells that lie inside the
+                              circle */
     SGT_PATTERN_CROSS      /* n points along y, then n along x; the centre once if n is
                               odd */
 } sgt_pattern;
@@ -464,15 +505,25 @@ typedef enum sgt_pattern {
  * (Of a fan they are equal: it has no area.) */
 typedef struct sgt_pupil_point { double x, y, weight; } sgt_pupil_point;
 
-/* Sets at[0 ... most - 1] to the first points of a pattern, and returns how many it has
- * (so most = 0 asks for the number).  seed: of a random one; its i-th point depends on
- * the seed and on i alone.  The bits are the same on every system.  Weights are those of
- * the points that were set. */
+/* Sets the first points of a pattern, and returns how many it has.
+ *
+ *     n     of the pattern (sgt_pattern)
+ *     seed  of a random pattern, whose i-th point depends on the seed and on i alone
+ *     most  how many points to set at most; 0 asks for the number
+ *     at    written: at[0 ... most - 1], with weights that add up to 1 over these
+ *
+ * The bits are the same on every system. */
 SGT_API size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t most,
                                 sgt_pupil_point at[]);
 
-/* Those with the numbers first ... first + count - 1, of n random ones.  So they can be
- * made when they are needed, in any thread. */
+/* Some of the points of a random pattern, so that they can be made when they are needed,
+ * in any thread.
+ *
+ *     n             how many points the whole pattern has
+ *     seed          of the pattern
+ *     first, count  the points from number first, counted from 0, to first + count - 1
+ *     at            written: `count` points, each with the weight 1 / n
+ */
 SGT_API void sgt_pupil_random(size_t n, uint64_t seed, size_t first, size_t count,
                               sgt_pupil_point at[]);
 

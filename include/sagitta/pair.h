@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* pair.h - elementary functions of doubles, as sums of two doubles, with proven bounds.
  *
  * interval.h rounds them outward.  The functions of a C library differ in their last bits

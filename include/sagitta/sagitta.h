@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * sagitta.h - where does a ray meet a surface, and how sure is the answer?
  *
@@ -78,9 +79,9 @@ typedef enum sgt_arithmetic_fault {
 
 /* Every bound of this library takes each operation as rounded to nearest, and small
  * numbers as they are (IEEE 754-2019, sections 4.3.1 and 3.3: roundTiesToEven, gradual
- * underflow).  A processor can be told otherwise, for each thread: by fesetround, or by
- * -Ofast and -ffast-math when a program or a library is LINKED with them (gcc then sets
- * flush-to-zero as it is loaded).  Then no bound holds, and nothing is proven.
+ * underflow).  Two things change that for a thread: fesetround, and -Ofast or -ffast-math
+ * when a program or a library is LINKED with them (gcc then sets flush-to-zero as it is
+ * loaded).  Then no bound holds, and nothing is proven.
  *
  * The functions of this library do not look, and print nothing.  So ask once in each
  * thread that traces, after all libraries are loaded; threads begin with what the thread
@@ -88,8 +89,8 @@ typedef enum sgt_arithmetic_fault {
  * themselves.  It costs a few nanoseconds. */
 SGT_API int sgt_arithmetic(void);
 
-/* A few words that name the faults of `arithmetic`, what sgt_arithmetic has said; for 0
- * that there is none.  Constant, never NULL. */
+/* Names the faults in `arithmetic`, an answer of sgt_arithmetic, in a few words.  Of 0 it
+ * says that there is none.  Constant, never NULL. */
 SGT_API const char *sgt_arithmetic_text(int arithmetic);
 
 /* ---------------------------------------------------------------- errors */
@@ -98,11 +99,11 @@ SGT_API const char *sgt_arithmetic_text(int arithmetic);
  *
  * ONE WAY.  What became of a ray is a status, of each ray by itself.  All else that may
  * be wrong is reported as follows: the function returns false or NULL, and sets the
- * sgt_error that its last parameter points to (NULL: not wanted), which is read only then
- * and need not be set before the call.  SGT_INVALID is a status, as it is about a ray;
- * sgt_explain_intersect, sgt_explain_trace and sgt_explain_aim put it into words.
- * What you write and the library calls has it shorter: it returns a constant text, NULL
- * for nothing.
+ * sgt_error that its last parameter points to (NULL: not wanted).  You need not set it
+ * before the call, and may read it only after a failure.  SGT_INVALID is a status, as it
+ * is about a ray; sgt_explain_intersect, sgt_explain_trace and sgt_explain_aim put it
+ * into words.  A function that you write and the library calls returns a constant text,
+ * or NULL if nothing is wrong.
  *
  * Texts end with a zero.  One that is too long is cut; of a file the end is kept. */
 typedef struct sgt_error {
@@ -134,11 +135,11 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * THE START.  The root at the start itself is not accepted: a finite tmin stands for
  * "leave the surface you may be on".  Precisely, a root t is not accepted if
  *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d| + 2^-50 |t|,
- * the products taken at the root.  Errors of 16 ulps in each coordinate of a point on the
- * surface put it at most that far from tmin.  A root within 2^-1000 (length) of the start
- * is also the start: all products may be 0 there.  Where the gradient nearly vanishes,
- * rounding hides how far that is.  A root that may be the one at the start is
- * then UNPROVEN and is never dropped.
+ * the products taken at the root.  If each coordinate of a point on the surface is off by
+ * up to 16 ulps, the root of a ray from there is at most that far from tmin.  A root
+ * within 2^-1000 (length) of the start is also the start: all products may be 0 there.
+ * Where the gradient nearly vanishes, rounding hides how large the bound is.  If a root
+ * may be the one at the start, it is then UNPROVEN; it is never dropped.
  * To get the root at the start, give tmin = -INFINITY or a tmin a little less than
  * zero. */
 typedef struct sgt_ray {
@@ -149,8 +150,8 @@ typedef struct sgt_ray {
 } sgt_ray;
 
 /* The points o + t d with tmin <= t <= tmax, whatever these are.  With tmin = tmax, such
- * as 0 and 0, there is no point but the start, and so no root that is accepted.  (It
- * stores a tmax of 0 as -0, which is the same number.) */
+ * as 0 and 0, the only point is the start, so that no root is accepted.  (It stores a
+ * tmax of 0 as -0, which is the same number.) */
 SGT_API sgt_ray sgt_ray_between(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax);
 
 /* The numbers from lo to hi; interval.h computes with them. */
@@ -249,7 +250,8 @@ typedef struct sgt_surface_ops {
      * and tmax here; tmax may be infinite.
      * If `single` is set, [lo, hi] contains at most one root, F changes sign there, and
      * if that root is not accepted then no root on the ray is.  If `single` is not set,
-     * nothing is said, and the solver uses `span`; so it does where `first` fails.
+     * the answer promises nothing, and the solver uses `span`.  It also uses `span` if
+     * it does not settle in the stretch that `first` gives.
      * It is called only if the first root is wanted.  It makes convex bodies as quick to
      * meet as sags. */
     sgt_span (*first)(const void *self, const sgt_ray *ray);
@@ -273,18 +275,23 @@ typedef struct sgt_surface_ops {
 
     /* From here on members are of version 0.3, and read only if `size` covers them.
      *
-     * What `enclose` says, of n cells at once: of cell i, which is [t_lo[i], t_hi[i]] of
-     * ray i, with t_lo[i] <= t_hi[i], both finite.  The cells of one ray may be many.
-     * Of `rays` only o and d are given.
+     * `enclose` for n cells at once.
+     *
+     *     n           how many cells
+     *     rays        the ray of each cell; one ray may have many.  Only o and d are
+     *                 given
+     *     t_lo, t_hi  cell i is [t_lo[i], t_hi[i]], both finite, in lengths of d
+     *     out         the intervals; slope_lo and slope_hi NULL: slopes are not wanted
+     *
      *   - The promises are those of `enclose`, which has to be offered as well.  The
      *     intervals may be other ones: wider, or narrower.
-     *   - What is said of a cell does not depend on its neighbours, nor on its place
+     *   - The answer for a cell does not depend on the other cells, nor on its place
      *     among them, to the last bit (of an interval that is not a NaN).
-     *   - out.slope_lo NULL: slopes are not wanted, and out.slope_hi is also NULL.
-     * First roots are searched for by it, of many rays side by side and of one, unless
-     * the surface has `first`, or the span is single and no proof is asked for.  Such a
-     * root is proven, whatever options.proof is, and as sharp as rounding allows (t_tol
-     * is not read).  Grazes and roots beside an end of the ray are left to `enclose`. */
+     * The solver searches for first roots by it, of one ray and of many side by side,
+     * unless the surface has `first`, or the span is single and no proof is asked for.
+     * Such a root is proven, whatever options.proof is, and as sharp as rounding allows
+     * (t_tol is not read).  Grazes and roots beside an end of the ray are left to
+     * `enclose`. */
     void (*encloses)(const void *self, size_t n, sgt_rays rays, const double *t_lo,
                      const double *t_hi, sgt_enclosures out);
 } sgt_surface_ops;
@@ -307,8 +314,8 @@ typedef enum SGT_ONE_BYTE sgt_status {
                             (Or it lies in the plane: then t is where it starts, or where
                             it enters the rim) */
     SGT_MISS      =  0,  /* F has no accepted root on the ray */
-    SGT_UNPROVEN  = -1,  /* no root was found and none was excluded; or one was found, and
-                            it cannot be told whether it is accepted */
+    SGT_UNPROVEN  = -1,  /* no root was found and none was excluded; or one was found, but
+                            it is uncertain whether it is accepted */
     SGT_UNDEFINED = -2,  /* the search ended in a region where F is NaN */
     SGT_EXHAUSTED = -3,  /* max_evals was spent, and no proof was asked for.  [lo, hi] is
                             what was left to search.  In sgt_root t is the best point
@@ -380,9 +387,9 @@ typedef enum sgt_step_kind {
  * ROUNDING OF t.  A search has an origin of its own on the ray: near the surface, at its
  * seed, or at an end of the ray.  So t, lo and hi are rounded by at most 2^-50 times the
  * largest of |t|, |lo|, |hi|, the distances to these places and that from o to the
- * frame's origin.  The last point of a hit is as the answer has it (hit.t, hit.f,
- * the slope by hit.n), with t -+ t_err as lo and hi: F and its slope are f and `slope`
- * somewhere between these.
+ * frame's origin.  The last point of a hit is that of the answer: t is hit.t, f is hit.f,
+ * `slope` is by hit.n, and lo and hi are t -+ t_err.  Somewhere between lo and hi F and
+ * its slope have exactly these values.
  *
  *     member            at a point                     over a cell
  *     t                 the point                      the middle of the cell
@@ -469,27 +476,29 @@ typedef struct sgt_options {
  *
  * BUILT-IN SURFACES.  Every status is certain, by running error analysis.  It is about
  * the surface whose parameters are exactly the stored doubles, and the ray whose doubles
- * are given.  What cannot be told is UNPROVEN.
+ * are given.  What cannot be decided is UNPROVEN.
  * The exception is a level set with dt_min > 0.  It is marched in steps of the larger of
  * `estimate` and dt_min.  A ray on which no change of sign is seen is UNPROVEN, unless it
  * misses the set's ball.
  * sgt_proof says what options.proof adds.
  *
- * A USER'S SURFACE.  That the first hit is the first, and that a miss is one:
- *   - is certain if the surface offers span.single or enclose;
- *   - by clearance it is certain, except in stretches below dt_min (0: 2^-20 of the
- *     stretch searched);
- *   - with neither, or with `estimate` and dt_min > 0, it is not certain.  The hit is
- *     then the first that a march can see.  Its steps are dt_min (0: 1/64 of the
- *     stretch), or the estimate if that is larger.
- * A march that sees no root is UNPROVEN if one of its steps was uncertain, else MISS.
+ * A USER'S SURFACE.  How certain is it that a hit is the first, and that a miss is one?
+ *   - If the surface offers span.single or enclose, it is certain.
+ *   - If it offers clearance, it is certain, except in stretches below dt_min (0: 2^-20
+ *     of the stretch searched).
+ *   - If it offers none of these, or with `estimate` and dt_min > 0, it is not certain.
+ *     The hit is then the first that a march can see.  Its steps are dt_min (0: 1/64 of
+ *     the stretch), or the estimate if that is larger.
+ * If a march sees no root, the answer is UNPROVEN if one of its steps was uncertain,
+ * else MISS.
  * Newton's step never lengthens a step of a march.
  *
- * ENDS AT INFINITY, of a user's surface without `enclose`.  Toward a far end at infinity
- * steps go as far as the ray is nearer to the origin of the surface's frame than its
- * start is.  From there on each is longer by half, 128 of them; so far off rounding of
- * the point may make F zero, and a graze of it.  With a near end at infinity there is no
- * first root to be found: it is UNPROVEN.  Give a span with two ends.
+ * ENDS AT INFINITY, of a user's surface without `enclose`.  If tmax is infinite, steps
+ * are as above while the ray is nearer to the origin of the surface's frame than its
+ * start.  Behind that come 128 more, each longer than the last by half.  So far out the
+ * rounding of the point may make F zero, and the answer is then a graze.  If tmin is
+ * -INFINITY, there is no first root to find: the answer is UNPROVEN.  Give a span with
+ * two ends.
  *
  * Iteration counts may change between versions.  What a status means may not. */
 SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt);
@@ -505,7 +514,12 @@ typedef struct sgt_hits {
     unsigned long long reserved_[2]; /* leave it zero: else every ray is SGT_INVALID */
 } sgt_hits;
 
-/* One hit for each of n rays.  opt may be NULL.  Returns the number of positive statuses.
+/* One hit for each of n rays.  Returns the number of positive statuses.
+ *
+ *     n     how many rays; each array of rays and hits has n numbers
+ *     rays  o is a length, tmin and tmax are in lengths of d
+ *     hits  written, in the units of sgt_hit
+ *     opt   NULL, or the options
  *
  * Each answer is the one that sgt_intersect would give, bit for bit (a NaN for a NaN),
  * whatever its neighbours are and whatever the processor.  No ray changes the
@@ -533,9 +547,12 @@ SGT_API bool sgt_explain_intersect(sgt_surface s, const sgt_ray *ray,
                                    const sgt_options *opt, const sgt_hits *hits,
                                    sgt_error *error);
 
-/* Every hit, in order of t.  opt may be NULL; its pick is not read.  Writes at most cap
- * entries to hits, which may be NULL if cap is 0.  Returns how many there are: 0 is a
- * miss.  Returns SGT_INVALID (negative) where sgt_intersect would say so.
+/* Every hit, in order of t.  Returns how many there are: 0 is a miss.  Returns
+ * SGT_INVALID (negative) where sgt_intersect would say so.
+ *
+ *     cap   how many entries `hits` has room for; no more are written
+ *     hits  written; may be NULL if cap is 0
+ *     opt   NULL, or the options; `pick` is not read
  *
  * An entry is one of these:
  *   - a root.  The ray enters if n . d < 0 (F falls) and leaves if n . d > 0;
@@ -578,10 +595,11 @@ typedef struct sgt_start {
 /* The next crossing. */
 typedef struct sgt_crossing {
     sgt_hit hit;   /* as sgt_intersect gives it of `ray` */
-    sgt_ray ray;   /* from o along d; hit.t counts from o.  tmin is 0, or somewhat more:
-                      then rounding hides the root at o, and none else is before tmin */
-    int     side;  /* the sign of F between the start and hit.t (a miss: right behind the
-                      start): 1, -1, or 0: it cannot be told, or the hit is undecided */
+    sgt_ray ray;   /* from o along d; hit.t counts from o.  tmin is 0.  If rounding hides
+                      the root at o, tmin is somewhat more; no other root is before it */
+    int     side;  /* 1 or -1: the sign of F between the start and hit.t; of a miss, right
+                      behind the start.  0: the sign is not certain, or the hit is
+                      undecided */
     unsigned long long reserved_[2];
 } sgt_crossing;
 
@@ -598,8 +616,8 @@ typedef struct sgt_crossing {
  *
  * AT A TANGENT, where d lies in the tangent plane, the start may be one root or two.
  * Roots within the rule of sgt_ray are dropped together, and the side is that behind
- * them.  What may lie farther off, and cannot be told, is UNPROVEN, with hit.lo and
- * hit.hi. */
+ * them.  If a root may lie farther off, and that cannot be decided, the hit is
+ * UNPROVEN, with the stretch in hit.lo and hit.hi. */
 SGT_API sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from,
                                const sgt_options *opt);
 
@@ -613,11 +631,18 @@ typedef struct sgt_starts {
     unsigned long long reserved_[2]; /* leave it zero: else all are SGT_INVALID */
 } sgt_starts;
 
-/* sgt_leave of n starts, bit for bit.  t counts from o, which is not an output: p + t d
- * is off from the hit by up to p_err and 4 ulps.  Take the point from hits.p, or call
- * sgt_leave to get o.  side[i] (side may be NULL) is 1, -1 or 0.  Outputs must not
- * overlap the starts or each other.  Returns the number of positive statuses; all else is
- * as in sgt_intersect_batch, except the stack, which is below 150 KiB. */
+/* sgt_leave of n starts, bit for bit.  Returns the number of positive statuses.
+ *
+ *     n     how many starts; each array of from, hits and side has n numbers
+ *     from  p and p_err are lengths, tmax is in lengths of d
+ *     hits  written, in the units of sgt_hit
+ *     side  written: 1, -1 or 0 as in sgt_crossing; NULL: not wanted
+ *     opt   NULL, or the options; `pick` is not read
+ *
+ * t counts from o, which is not an output: p + t d is off from the hit by up to p_err and
+ * 4 ulps.  Take the point from hits.p, or call sgt_leave to get o.  Outputs must not
+ * overlap the starts or each other.  All else is as in sgt_intersect_batch, except the
+ * stack, which is below 150 KiB. */
 SGT_API size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits,
                                signed char *side, const sgt_options *opt);
 
@@ -671,7 +696,7 @@ typedef struct sgt_root {
     double     t;       /* where to evaluate next; at the end the answer */
     double     lo, hi;  /* the bracket */
     double     t_err;   /* the error of t, as above */
-    int        evals;   /* evaluations told so far */
+    int        evals;   /* how many evaluations it has been given so far */
     sgt_move   move;    /* how t was chosen */
     sgt_status status;  /* at the end: how it ended */
     double     g_err;   /* how far g may be off; set by you before a step.  0: exact */

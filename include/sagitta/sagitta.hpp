@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sagitta.hpp - the library from C++17: surfaces from lambdas, arrays as views.
  *
  * It adds nothing to the C headers but the writing: each function here is one call of the

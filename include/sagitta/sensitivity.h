@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sensitivity.h - how a hit changes with the ray and with the surface: derivatives, for
  * an optimiser.
  *
@@ -103,12 +104,17 @@ typedef struct sgt_jacobian {
     unsigned long long reserved_[4]; /* leave it zero: else SGT_LACKS_MEMBER */
 } sgt_jacobian;
 
-/* The Jacobian of n hits, as sgt_intersect_batch has left them.  Each number is the one
- * that sgt_differentiate gives, bit for bit.
+/* The Jacobian of n hits.  Each number is the one that sgt_differentiate gives, bit for
+ * bit.
  *
- * Of the rays d is read, of the hits p, n and, if it is given, status.  A ray whose
- * status is not positive, or whose n is NaN, has NaN everywhere and is not shown to the
- * surface.  Outputs must not overlap the inputs or each other.
+ *     n     how many hits; each array has n numbers
+ *     rays  as they were given to sgt_intersect_batch; d is read
+ *     hits  as sgt_intersect_batch left them; p, n and, if it is given, status are read
+ *     out   written
+ *
+ * If the status of a ray is not positive, or its n is NaN, all outputs for it are NaN,
+ * and the operations of the surface do not get to see it.  Outputs must not overlap the
+ * inputs or each other.
  *
  * If a surface has many parameters, arrays that do not fit into the processor's cache
  * cost more than the arithmetic.  Take a thousand rays or so at a time, and use their
@@ -127,7 +133,7 @@ typedef struct sgt_changes {
  *     da      by how much the parameters change, the same for all rays.  NULL: no change.
  *             A parameter whose da is 0 is not asked for
  *     out     the changes of t, p and n
- * Of the hits t is read too, if directions change. */
+ * If directions change, t of the hits is also read. */
 SGT_API int sgt_differentiate_forward(sgt_surface s, size_t n, sgt_rays rays,
                                       sgt_hits hits, sgt_rays change, const double da[],
                                       sgt_changes out);

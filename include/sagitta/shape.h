@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* shape.h - the shape of an element, for those who draw it: the sag of a surface, its
  * section by a plane, and the part of it that is in use.  Part of sagitta_lens.
  *
@@ -28,18 +29,25 @@ SGT_API double sgt_whole_radius(sgt_surface s, double wanted);
 /* The most strokes that a section has. */
 enum { SGT_SECTION_MOST = 32768 };
 
-/* The section of an element's surface by the plane through its origin with the axes
- * `across` and `along` (of length 1, at right angles): short strokes from stroke[k][0] to
- * stroke[k][1], in no order.  Of any surface with a `value`; for those that are no sags:
- * spheres as bodies, tori, formulas.
+/* The section of an element's surface by a plane, as short strokes in no order.  Of any
+ * surface with a `value`; meant for those that are not sags: ellipsoids, tori, formulas.
  *
- * It is looked for within `reach` (finite, above 0) of the axis `along`, or within all of
- * the surface, if semi_diameter is 0 and the surface meets the axis `across` no farther
- * out than 4 reach.  The strokes are straight lines across the cells of a square net, of
- * 128 by 128, in which F changes its sign: ends are where F is 0 if F is linear between
- * the corners of a cell.  So where F is smooth, they are off the surface by a part of
- * the square of a cell's size.  A cell is 1/128 of the width and of the depth of the net;
- * parts smaller than a cell may be missing.  A level set has details finer than any net.
+ *     reach          how far from the axis `along` the section is looked for; length
+ *     across, along  the axes of the plane through the element's origin; of length 1, at
+ *                    right angles
+ *     room           how many strokes `stroke` has room for
+ *     stroke         written: from stroke[k][0] to stroke[k][1], in the element's frame;
+ *                    length
+ *
+ * The section is looked for within `reach` (finite, above 0) of the axis `along`.  If
+ * semi_diameter is 0, and the surface meets the axis `across` no farther out than 4
+ * reach, it is looked for on the whole surface.
+ *
+ * The plane is covered by a net of 128 by 128 cells.  In each cell in which F changes its
+ * sign, a stroke is a straight line between the points of the cell's sides where F, taken
+ * as linear between the corners, is 0.  So if F is smooth, strokes are off the surface by
+ * an amount proportional to the square of a cell's size.  Parts smaller than a cell may
+ * be missing.  A level set has details finer than any net.
  *
  * Writes as many strokes as there are, but no more than room, and returns how many there
  * are; stroke may be NULL if room is 0.  0: the plane does not meet the surface, or
@@ -66,11 +74,15 @@ typedef struct sgt_footprint {
     sgt_vec2 low, high;
 } sgt_footprint;
 
-/* Half the height of the rim of an element: its semi_diameter; else the farthest that
- * sides of its first aperture item that is an opening (does not obscure, no spider) are
- * from the axis; else given->size; else 1.1 met->radius; else `otherwise`.
- * given: as in sgt_lens, or NULL: nothing more is known of the element.  met: NULL is no
- * ray. */
+/* Half the height of the rim of an element.  It is the first of these that there is:
+ *   - its semi_diameter;
+ *   - how far from the axis its first aperture item that is an opening (not obscuring,
+ *     not a spider) reaches;
+ *   - given->size;
+ *   - 1.1 met->radius;
+ *   - `otherwise`.
+ * given: as in sgt_lens; NULL: nothing more is known of the element.  met: where rays met
+ * it; NULL: no ray did. */
 SGT_API double sgt_half_height(const sgt_element *e, const sgt_lens_surface *given,
                                const sgt_footprint *met, double otherwise);
 
@@ -78,8 +90,8 @@ SGT_API double sgt_half_height(const sgt_element *e, const sgt_lens_surface *giv
  *   - the first item of its aperture that is an opening, if that is beside the axis,
  *     given->mirror is set, or there is no semi_diameter; no side of it is farther out
  *     than sgt_half_height without met;
- *   - else, if only the rays tell its height, and they met a mirror clear of its axis: an
- *     ellipse about them, 1.1 times as wide as they are;
+ *   - else, if it is a mirror whose height is known from the rays alone, and they met it
+ *     clear of its axis: an ellipse about them, 1.1 times as wide as they are;
  *   - else the circle of sgt_half_height about the axis; it ends where the surface does:
  *     see sgt_whole_radius.
  * given, met and otherwise: as above. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study.h - what a designer asks of a lens: spots, fans, path differences, field curves,
  * maps, sweeps, encircled energy, illumination.  Part of sagitta_lens.  The command,
  * Python and C ask here, and get the same bits.
@@ -56,9 +57,14 @@ typedef struct sgt_study_options {
     bool                  every_wavelength;
 
     /* The points of the pupil.  NULL and zeros: the pattern of the analysis, with the
-     * rays that it names.  rays: the n of sgt_pupil_points, 0: as many as suit the
-     * pattern.  across: in its place, this many across the pupil (of random and sobol as
-     * many as a grid would have).  points: in place of a pattern, these points */
+     * rays that it names.
+     *
+     *     pattern        which pattern
+     *     rays           the n of sgt_pupil_points; 0: as many as suit the pattern
+     *     across         used if not 0, in place of `rays`: how many rays there are
+     *                    across the pupil (random, sobol: as many as a grid would have)
+     *     points, point  used if not 0, in place of a pattern: how many points, and these
+     */
     const sgt_pattern     *pattern;
     size_t                 rays, across;
     uint64_t               seed;      /* of a random pattern; 0: 1 */
@@ -95,7 +101,7 @@ SGT_API double sgt_lens_unit(const sgt_lens *lens);
 typedef enum sgt_column_kind {
     SGT_COLUMN_NUMBER,      /* double; NaN: there is none */
     SGT_COLUMN_EXACT,       /* double that was given, to be shown in full */
-    SGT_COLUMN_ERROR,       /* double: a bound, two digits tell enough */
+    SGT_COLUMN_ERROR,       /* double: a bound, to be shown with two digits */
     SGT_COLUMN_WAVELENGTH,  /* double, um; NaN: none; SGT_ALL_WAVELENGTHS */
     SGT_COLUMN_COUNT,       /* size_t */
     SGT_COLUMN_PLACE,       /* size_t, from 1; 0: there is none */
@@ -112,7 +118,7 @@ typedef enum sgt_column_kind {
 /* "passed", "clipped", "tir", "missed", "lost" or "none". */
 SGT_API const char *sgt_study_fate_text(int fate);
 
-/* What the unit of a column hangs on. */
+/* What the unit of a column depends on. */
 typedef enum sgt_dimension {
     SGT_UNIT_NONE,
     SGT_UNIT_MICROMETRE,
@@ -201,9 +207,15 @@ SGT_API const sgt_column  *sgt_analysis_column(const sgt_analysis *analysis,
 SGT_API const sgt_setting *sgt_analysis_setting(const sgt_analysis *analysis,
                                                 size_t place);
 
-/* A column as this study fills it: its name and its unit ("mm", "mrad", "%"; "" where
- * there is none or the lens does not say), zero-ended.  options: of the analysis, or
- * NULL.  false: it is not there. */
+/* A column as this study fills it.
+ *
+ *     options  of the analysis, or NULL
+ *     column   its place, from 0
+ *     name     written, zero-ended
+ *     unit     written, zero-ended: "mm", "mrad", "%"; "" if it has none or the lens does
+ *              not say
+ *
+ * false: this study has no such column. */
 SGT_API bool sgt_study_column(const sgt_study *study, const sgt_analysis *analysis,
                               const void *options, size_t column, char name[32],
                               char unit[32]);
@@ -213,8 +225,10 @@ typedef struct sgt_fates {
     size_t rays, passed, missed, clipped, tir;
     size_t lost;                 /* could not be decided, or aiming found none */
     size_t none;                 /* proven: there is no such ray */
-    size_t unfound;              /* of those that are lost: aiming has not found them */
-    double within;               /* none of these is so near, in radii of the pupil */
+    size_t unfound;              /* how many of the lost rays aiming did not find */
+    double within;               /* proven: none of the unfound rays is nearer than this
+                                    to the centre of the pupil, in its radii; 0: not
+                                    proven */
     size_t folded;               /* on a fold of the pupil */
     size_t proven;               /* passed, and proven at each surface */
     unsigned long long reserved_[4];
@@ -258,9 +272,14 @@ typedef struct sgt_sink {
     unsigned long long reserved_[4];
 } sgt_sink;
 
-/* Asks.  options: those of the analysis, or NULL.  false: `error` (may be NULL) says why;
- * rows may have come.  A wrong setting is reported with its name as the key, and line 0.
- * reserved_ of options and sink must be zero. */
+/* Computes an analysis of a study.
+ *
+ *     options  those of the analysis, or NULL; reserved_ must be zero
+ *     sink     where rows and remarks go; reserved_ must be zero
+ *     total    NULL, or written: what became of all rays
+ *
+ * false: `error` (may be NULL) says why; some rows may have been given out before.  A
+ * wrong setting is reported with its name as the key, and line 0. */
 SGT_API bool sgt_study_run(const sgt_study *study, const sgt_analysis *analysis,
                            const void *options, const sgt_sink *sink,
                            sgt_study_total *total, sgt_error *error);
@@ -423,8 +442,9 @@ typedef struct sgt_energy_row {
     size_t field;
     double wavelength, radius;
     double fraction;             /* of the light that passes: 0 to 1 */
-    double unsure;               /* the share of rays whose distance cannot be told from
-                                    the radius: fraction is off by no more */
+    double unsure;               /* the share of rays for which it is uncertain on which
+                                    side of the radius they lie: fraction is off by no
+                                    more */
     double sampling;             /* fraction, less that of half as many rays across */
     unsigned long long reserved_[2];
 } sgt_energy_row;

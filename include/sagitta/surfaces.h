@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* surfaces.h - the built-in surfaces: the sags of optics, quadrics and tori, and level
  * sets of quaternion orbits.
  *
@@ -228,9 +229,10 @@ extern SGT_API const sgt_surface_ops sgt_odd_asphere_ops, sgt_polynomial_xy_ops,
  *     const double z[4] = {0, 0, 0, 0.001};
  *     const sgt_even_asphere asphere = {.a = {0, 1e-6}};
  *     const sgt_zernike figure = {.norm = 10, .order = SGT_NOLL, .a = {z, 1, 4}};
- *     const sgt_surface terms[] = {{&sgt_even_asphere_ops, &asphere}, {&sgt_zernike_ops,
- *     &figure}}; sgt_sum lens = {.c = 1 / 50.0, .semi_diameter = 8, .terms = terms,
- *     .count = 2}; sgt_surface s = {&sgt_sum_ops, &lens};
+ *     const sgt_surface terms[] = {{&sgt_even_asphere_ops, &asphere},
+ *                                  {&sgt_zernike_ops, &figure}};
+ *     sgt_sum lens = {.c = 1 / 50.0, .semi_diameter = 8, .terms = terms, .count = 2};
+ *     sgt_surface s = {&sgt_sum_ops, &lens};
  */
 typedef struct sgt_sum {
     double             c, k;           /* of the conic: see sgt_conic */
@@ -326,9 +328,9 @@ extern SGT_API const sgt_surface_ops sgt_quadric_ops, sgt_ellipsoid_ops, sgt_tor
  * F = (u - 1) / (u + 1) with u = |Q_N|^2 / escape^2: -1 ... 0 inside, 0 ... 1 outside.
  * It cannot overflow.  There are no parameters for derivatives.
  *
- * SGT_INVALID, beyond the ranges below: axes that are not independent; so many iterations
- * that the derivative leaves the range of a double, that is (p R^(p-1))^N above 2^480,
- * where R is the safe escape (of a mandelbrot the escape).
+ * SGT_INVALID: a number outside of the ranges below; axes that are not independent; an N
+ * with which the derivative may leave the range of a double: (p R^(p-1))^N > 2^480, R
+ * being the safe escape (of a mandelbrot the escape).
  *
  * Sources: Norton 1982 (SIGGRAPH Computer Graphics 16, 197); Hart, Sandin, Kauffman 1989
  * (23, 289).  Example:
@@ -441,10 +443,10 @@ typedef struct sgt_builtin {
     const sgt_surface_ops *ops;
     size_t                 size;    /* of the struct, bytes */
     const sgt_param       *params;  /* ends with a row of zeros */
-    sgt_objection (*object)(const void *self);  /* what ranges cannot say; NULL: they say
-                                                   it all */
-    void (*prepare)(void *self);  /* works out what can be worked out once, of valid
-                                     parameters; NULL: nothing can */
+    sgt_objection (*object)(const void *self);  /* what is wrong beyond the ranges of
+                                                   params; NULL: the ranges suffice */
+    void (*prepare)(void *self);  /* computes, from valid parameters, the members that
+                                     need to be computed only once; NULL: none do */
     sgt_family  family;
     const void *specimen;  /* a usual surface of the type, of a few units of length, to
                               test and to try.  NULL: there is none */
@@ -464,9 +466,9 @@ SGT_API const sgt_builtin *sgt_builtins(void);
 /* The first row with the operations of s; of another surface the row of zeros. */
 SGT_API const sgt_builtin *sgt_builtin_of(sgt_surface s);
 
-/* A number of s by the key that a lens file has for it, such as "semi_diameter", in any
- * row with its operations: where it stands in s.self.  NULL: s has no such number, or is
- * of no built-in type. */
+/* Where the number that a lens file calls `key`, such as "semi_diameter", stands in
+ * s.self.  All rows with the operations of s are searched.  NULL: s has no such number,
+ * or is not of a built-in type. */
 SGT_API const double *sgt_number_of(sgt_surface s, const char *key);
 
 /* Is s a sag, F = z - s(x, y)?  If not (a body, a level set), it has no vertex and no

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* system.h - rays through a row of surfaces, in the order given: a lens.
  *
  * Every function may run in any number of threads on the same elements.  Nothing is
@@ -22,9 +23,9 @@ typedef struct sgt_pose {
  * in degrees, right-handed.  Multiples of 90 are exact. */
 SGT_API sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees);
 
-/* The cosines and sines of n angles, within 0.65 ulp and the same bits on every system: x
- * and y of the ex of sgt_pose_tilted that is turned about z, to the bit.  NaN of an angle
- * that is not finite.  The arrays do not overlap. */
+/* The cosines and sines of n angles, within 0.65 ulp and the same bits on every system.
+ * cosine[i] and sine[i] are, to the bit, ex.x and ex.y of sgt_pose_tilted by degrees[i]
+ * about z.  They are NaN if the angle is not finite.  The arrays must not overlap. */
 SGT_API void sgt_turns(size_t n, const double degrees[], double cosine[], double sine[]);
 
 /* ------------------------------------------------------------------- apertures */
@@ -116,16 +117,17 @@ typedef enum sgt_phase_kind {
  *
  * n1 and n2 are the indices in front and behind.  n keeps its sign.  So f > 0 focuses
  * parallel light, whichever way along z it goes.  From afar the focus is n2 f behind.
- * index SGT_MIRROR: the same with n2 = n1, and n changes its sign: l and m are those of
- * the lens that light goes through, unfolded.
+ * If index is SGT_MIRROR, n2 = n1, and n changes its sign.  l and m are those that the
+ * ray would have behind such a lens without the mirror.
  *
  * THE PATH.  opl is that of an ideal image.  Rays that come from one point of the object
  * plane have the same opl from there to its image, that of the ray through the vertex.
  * The object plane is at object_distance in front of the vertex, on the side the light
  * comes from; below 0 it is behind (the light converges to it).  From afar, an object
- * point is a direction, and opl is counted from a wavefront through the vertex.  So is it
- * behind the lens, if the image is at infinity.  For rays from other planes opl is only
- * what follows from this.  The ray's place and direction do not depend on it.
+ * point is a direction, and opl is counted from a wavefront through the vertex.  The same
+ * holds behind the lens if the image is at infinity.  For rays from other planes opl
+ * follows from this, and is not that of an image.  The ray's place and direction do not
+ * depend on it.
  *
  * The path is added at the point that is met.  With w = (u, v), w' that behind, the same
  * with 0 for the ray through the vertex, p = (x, y) and S(w) = sqrt(1 + w^2) it is
@@ -164,8 +166,8 @@ typedef struct sgt_phase {
  *     sgt_conic front = {.c = 1 / 22.0}, back = {.c = -1 / 435.0};
  *     sgt_element lens[] = {
  *         {.surface = {&sgt_conic_ops, &front}, .index = 1.62, .semi_diameter = 9.5},
- *         {.surface = {&sgt_conic_ops, &back}, .pose = {.origin = {0, 0, 3}}, .index =
- *         1},
+ *         {.surface = {&sgt_conic_ops, &back}, .pose = {.origin = {0, 0, 3}},
+ *          .index = 1},
  *     };
  */
 typedef struct sgt_element {
@@ -242,10 +244,11 @@ typedef struct sgt_passage {
  *     fate          NULL, or what became of the ray at last
  *     opt           NULL, or the options
  *
- * WHICH ROOT.  Of the roots on the line the one near the surface's own guess is meant
- * (options.pick decides otherwise).  The guess is span.seed.  A user's surface without
- * one is met nearest the point of the line that is nearest the origin of its frame.  If
- * that root lies outside the clear aperture and another lies inside, that one is meant.
+ * WHICH ROOT.  Of the roots on the line the one near the surface's own guess is taken,
+ * unless options.pick says otherwise.  The guess is span.seed.  If a user's surface gives
+ * none, the guess is the point of the line that is nearest the origin of the surface's
+ * frame.  If that root lies outside the clear aperture and another lies inside, the one
+ * inside is taken.
  *
  * A PROOF (options.proof) is asked for at each root.  With SGT_PROVE_FIRST the root has
  * to be the only accepted one within the clear aperture; without an aperture, on the
@@ -273,8 +276,9 @@ enum {
 
 typedef struct sgt_clipping {
     int    by;     /* the index of the first item that clips, or one of those above */
-    double size;   /* what was too large, or too small,                              */
-    double limit;  /* and beside what.  Both are 0 if nothing clips, NaN if unsound  */
+    double size;   /* the number that was judged (sgt_clipped_by); 0: nothing clips.
+                      NaN: unsound */
+    double limit;  /* the number that `size` is beyond; 0 and NaN as for `size` */
     unsigned long long reserved_[2];
 } sgt_clipping;
 
@@ -287,14 +291,16 @@ typedef struct sgt_clipping {
  *                     an obscuring one the nearer
  *     the others      size: how far the point is beyond the edge, above 0; limit: 0
  *
- * That distance beyond is, outside of the shape or inside:
+ * For those others, the distance is taken
  *
- *     rectangle   from the line of a side: outside the largest, inside the least
- *     ellipse     from the edge, to first order; from the middle of a side of the box
- *                 about it, if that is not defined
+ *     rectangle   from the line of a side: of a point outside the largest, of one inside
+ *                 (the item obscures) the least
+ *     ellipse     from the edge, to first order; if that is not defined, from the middle
+ *                 of a side of the box about it
  *     polygon     from the nearest side
- *     spider      as of a rectangle, from the nearest arm; inside from the sides and the
- *                 outer end of the arm that the point is deepest in */
+ *     spider      of a point outside: as for a rectangle, from the nearest arm.  Of one
+ *                 inside: from the sides and the outer end of the arm that the point is
+ *                 deepest in */
 SGT_API sgt_clipping sgt_clipped_by(const sgt_element *e, sgt_vec3 p);
 
 /* ------------------------------------------------------------------ many rays */
@@ -321,7 +327,16 @@ typedef struct sgt_passages {
 } sgt_passages;
 
 /* sgt_trace of n rays, each bit for bit the same (a NaN for a NaN).  Returns how many
- * rays passed all elements.  passages: NULL, or one entry for each element.
+ * rays passed all elements.
+ *
+ *     elements      how many there are in e
+ *     index_before  the refractive index in front of e[0]; 0: 1
+ *     n             how many rays; each array of rays, out and passages has n numbers
+ *     rays          the launch rays, global frame; o is a length, tmin and tmax are not
+ *                   read
+ *     out           written: what became of each ray
+ *     passages      NULL, or one entry for each element
+ *     opt           NULL, or the options
  *
  * Rays are taken through all elements some hundred at a time, in the processor's cache.
  * If options.watch is set, they run one by one, in order; sgt_step.ray is then the index

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tolerance.h - how badly a lens may be built: what each tolerance of its file does to a
  * figure, and what all of them do together, by many lenses built at random.  Part of
  * sagitta_lens.
@@ -11,8 +12,9 @@
  * A COMPENSATOR is an entry that is not off by chance: when the lens has been built it is
  * set within its box so that the figure, or the paraxial focus, is best.
  *
- * A FIGURE is one number that is to be small, of the whole lens: sgt_tolerancing_figure.
- * NaN: the lens cannot be judged, for example because a chief ray does not get through.
+ * A FIGURE (sgt_tolerancing_figure) is one number for the whole lens: the smaller, the
+ * better.  NaN: the lens cannot be judged, for example because a chief ray does not get
+ * through.
  *
  *     sgt_tolerancing *t = sgt_tolerancing_new(lens, NULL, &error);
  *     sgt_tolerancing_trials(t, 1, 0, 10000, take, NULL, &error);
@@ -96,12 +98,13 @@ SGT_API const char *sgt_tolerance_unit(const sgt_lens *lens, const sgt_tolerance
 /* Fields weigh as field_weights of the lens says; those of sgt_study_options.field_at
  * alike. */
 typedef enum sgt_tolerancing_figure {
-    SGT_TOLERANCING_SPOT, /* the root of the mean square of the spots' radii: of the
-                             fields' rms, all wavelengths together ("spot" of study.h) */
-    SGT_TOLERANCING_OPD,  /* the same of the rms of path differences, in waves, over
-                             fields and wavelengths ("wavefront") */
-    SGT_TOLERANCING_BORESIGHT /* the same of the way from where a chief ray is designed to
-                                 end to where it does, x and y of "spot"; 0 as designed */
+    /* The root of the weighted mean square of */
+    SGT_TOLERANCING_SPOT, /* the rms radius of each field's spot, all wavelengths together
+                             ("spot" of study.h) */
+    SGT_TOLERANCING_OPD,  /* the rms path difference of each field and wavelength, in
+                             waves ("wavefront") */
+    SGT_TOLERANCING_BORESIGHT /* how far each field's chief ray ends from where it ends in
+                                 the design (x and y of "spot"); 0 as designed */
 } sgt_tolerancing_figure;
 
 /* Zeros are the defaults. */
@@ -114,9 +117,10 @@ typedef struct sgt_tolerancing_options {
 
 typedef struct sgt_tolerancing sgt_tolerancing;
 
-/* The lens must last as long, and not be edited; so must what the options point to.
- * Pickups and solves of its file keep their values: a lens that is built has none.
- * NULL: `error` (may be NULL) says why; it names the tolerance that cannot be. */
+/* The lens, and what the options point to, must last as long as the sgt_tolerancing.  Do
+ * not edit the lens meanwhile.  Pickups and solves of its file keep their values: a lens
+ * that is built has none.  NULL: `error` (may be NULL) says why, and names the tolerance
+ * that is not possible. */
 SGT_API sgt_tolerancing *sgt_tolerancing_new(const sgt_lens *lens,
                                              const sgt_tolerancing_options *opt,
                                              sgt_error *error);
@@ -137,8 +141,8 @@ SGT_API sgt_lens *sgt_tolerancing_lens(const sgt_tolerancing *t, const double va
 
 /* ----------------------------------------------------------------- sensitivity */
 
-/* One entry at its ends, all others 0 but the compensators.  change: of the figure, from
- * that of the lens as designed with its compensators set. */
+/* One entry at its lower and its upper end, all others 0, with the compensators set.  A
+ * change is that of the figure, from the lens as designed with its compensators set. */
 typedef struct sgt_sensitivity {
     size_t entry;               /* from 0 */
     double figure_lower, figure_upper;
@@ -156,8 +160,14 @@ typedef struct sgt_sensitivity_sum {
     unsigned long long reserved_[4];
 } sgt_sensitivity_sum;
 
-/* Sets row[0 ... n - 1], the worst first, a NaN before all, where n is the number of
- * entries that are no compensators, and *count to n.  row: room for all entries. */
+/* What each entry does by itself.
+ *
+ *     count  written: the number n of entries that are not compensators
+ *     row    room for all entries; row[0 ... n - 1] are written, the worst first, those
+ *            with a NaN before all
+ *     sum    written
+ *
+ * false: `error` (may be NULL) says why. */
 SGT_API bool sgt_tolerancing_sensitivity(const sgt_tolerancing *t, size_t *count,
                                          sgt_sensitivity row[],
                                          sgt_sensitivity_sum *sum, sgt_error *error);
@@ -178,8 +188,14 @@ typedef struct sgt_trial {
 SGT_API void sgt_tolerancing_draw(const sgt_tolerancing *t, uint64_t seed, uint64_t trial,
                                   double value[]);
 
-/* Calls take for each of the trials first ... first + count - 1, in their order, from the
- * thread that asks.  Bits do not depend on threads, nor on how trials are split. */
+/* Builds lenses at random, and calls `take` for each, in order.
+ *
+ *     seed          of all draws
+ *     first, count  the numbers of the trials: first ... first + count - 1
+ *     take          called from the thread that asks
+ *     context       its first argument
+ *
+ * Bits do not depend on threads, nor on how trials are split. */
 SGT_API bool sgt_tolerancing_trials(const sgt_tolerancing *t, uint64_t seed,
                                     uint64_t first, uint64_t count,
                                     void (*take)(void *context, const sgt_trial *trial),
@@ -187,12 +203,13 @@ SGT_API bool sgt_tolerancing_trials(const sgt_tolerancing *t, uint64_t seed,
 
 /* ------------------------------------------------------- quantiles, free of a model
  *
- * Of n values the k-th smallest is at or above the quantile p unless fewer than k of n
- * lie below it: a binomial number, whatever the distribution (David and Nagaraja 2003,
- * Order Statistics, 7.1). */
+ * The k-th smallest of n values is at or above the quantile p exactly if fewer than k of
+ * them lie below that quantile.  How many lie below it is a binomial number, whatever the
+ * distribution (David and Nagaraja 2003, Order Statistics, 7.1). */
 
-/* An estimate and its interval: that contains the true one in at least `confidence` of
- * all cases.  An end that n values cannot give is NaN (0 or 1 of a share). */
+/* An estimate and an interval that contains the true value in at least the share
+ * `confidence` of all cases.  If n values are too few for an end, that end is NaN (of a
+ * share 0 or 1). */
 typedef struct sgt_confidence { double estimate, lower, upper; } sgt_confidence;
 
 /* The quantile p of n values that rise; a NaN counts as beyond all and stands last.  The
@@ -200,7 +217,8 @@ typedef struct sgt_confidence { double estimate, lower, upper; } sgt_confidence;
 SGT_API sgt_confidence sgt_quantile(size_t n, const double sorted[], double p,
                                      double confidence);
 
-/* The share of which k in n were seen (Clopper and Pearson 1934). */
+/* The share of a population in which k of n draws were seen to have a property (Clopper
+ * and Pearson 1934). */
 SGT_API sgt_confidence sgt_share(size_t k, size_t n, double confidence);
 
 #ifdef __cplusplus

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* why.h - what became of a ray, in words and numbers: why a search is undecided, why a
  * ray misses, how near it comes, why it ended at an element.  Part of sagitta_lens.
  *
@@ -78,7 +79,12 @@ SGT_API double sgt_critical_angle(const sgt_arrival *a);
 /* "clipped by its semi_diameter: r = 5.2 is beyond 5", "totally reflected: incidence 53.1
  * degrees, critical angle 41.2", "clipped by aperture 2 (rectangle): 0.3 beyond its
  * edge", "missed it: its line crosses the vertex plane 20 from the axis"; nothing for a
- * ray that passed or was lost. */
+ * ray that passed or was lost.
+ *
+ *     e           the element where the ray ended
+ *     fate        what became of it there
+ *     a           how it came, in the element's frame
+ *     size, text  as in TEXTS above */
 SGT_API size_t sgt_why_ended(const sgt_element *e, sgt_fate fate, const sgt_arrival *a,
                              size_t size, char text[]);
 

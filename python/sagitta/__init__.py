@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """sagitta - where does a ray meet a surface, and how sure is the answer?
 
     >>> import sagitta

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Arrays of numpy as the library wants them: three rows of doubles for vectors.
 
 A vector argument is one of these:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """One call of the library, in one thread or several, and what is raised afterwards."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The library as ctypes sees it: the structs of the headers, and the functions.
 
 Each struct has the name and the members of its C struct; tests/test_layouts.py compares every offset with

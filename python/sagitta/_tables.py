@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Results by names: as mappings, as tables of pandas and data sets of xarray.
 
 A result tells what it has once, in _table(): for each name its array and the names of its axes.  An axis of

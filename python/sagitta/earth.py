@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The surfaces about the Earth, where the library was built with GeographicLib (geo.h).
 
 All lengths are metres, in the Earth-centred Earth-fixed frame.  Where the library has none of them, each

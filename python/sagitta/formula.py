@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A surface from its formula as text (formula.h has the grammar)."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A function of Python as a surface."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rows of surfaces: lenses from files or from Python, and what a designer asks of them.
 
 Each lens is one of the library's own (lens.h).  One that is made in Python is written as a lens file and read

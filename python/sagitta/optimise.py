@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Figures of a lens as functions of numbers of its file, with their derivatives: what a solver asks (figure.h).
 
 There is no optimiser here: `residuals` and `jacobian` are what scipy.optimize.least_squares takes.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Pictures by matplotlib, which is needed for this module only: layouts and spots.
 
     import sagitta.plot

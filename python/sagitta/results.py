@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the library answers: arrays with one number for each ray."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a designer asks of a lens: the analyses of the library (study.h), each a method of Lens.
 
 The library has the analyses, their columns and their settings in tables; so each of them is a method here, also one

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What every surface can do: meet rays, be differentiated, be diagnosed and checked."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """How badly a lens may be built: tolerance.h, as `sagitta tolerance` has it, bit for bit."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The package of this tree, with the library that SAGITTA_PYTHON_LIBRARY names; or, if that is not set, as
 installed.  SAGITTA_TEST_SEED=N draws other random cases."""
 import os

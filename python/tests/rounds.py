@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rounds of making and dropping: of test_leaks.py and valgrind.py."""
 import pickle
 

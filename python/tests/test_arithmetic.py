@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A host that has changed the arithmetic is refused, in whichever thread."""
 import ctypes
 import platform

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Shapes, types and memory: what is taken, what is copied, what is refused and how that is said."""
 import math
 import pickle

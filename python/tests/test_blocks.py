@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Answers in blocks, passages by names, prepared calls: the same bits by every way, and what is refused.
 
 The other way is that of arrays of the caller (Hits(t=a, p=b)): each has a pointer of its own there.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """docs/python.md and the docstrings say what happens; the examples run."""
 import doctest
 import importlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The surfaces about the Earth: the bits of the command; and what is said where they are absent."""
 import csv
 import io

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Formulas as text."""
 import pickle
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The structs of _library.py against the compiler's: every member, its offset and its size."""
 import ctypes
 import re
@@ -54,7 +55,7 @@ def test_tables_of_numpy():
 def test_enumerations(tree):
     """Every word of the headers, with its number."""
     text = "".join(path.read_text() for path in sorted((tree / "include" / "sagitta").glob("*.h")))
-    text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+    text = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.DOTALL)
     for name in ("Status", "Fate", "Aimed", "Fault", "Verdict"):
         (body,) = re.findall(rf"typedef enum (?:SGT_ONE_BYTE )?sgt_{name.lower()} \{{(.*?)\}}", text, re.DOTALL)
         found, number = {}, -1

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Rounds of making and dropping: the memory of the process stays, and so does the number of objects.
 
 What leaks grows in every stretch of rounds, but for one in which malloc had room left over.  What does not leak
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 from rounds import ROUNDS, one_round
 
-STRETCH = 1000  # rounds
+STRETCH = 500  # rounds
 LEAST_LEAK = 40  # bytes a round: what malloc takes for 32
 
 
@@ -27,7 +28,7 @@ def resident():
 )
 @pytest.mark.parametrize("which", ROUNDS)
 def test_rounds(which):
-    for _ in range(500):  # what is kept once
+    for _ in range(250):  # what is kept once
         one_round(which)
     gc.collect()
     objects, still, grown = len(gc.get_objects()), 0, []

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Surface.leave(): rays that start at hits, against every root of their lines; shapes, threads, what is refused."""
 import pickle
 

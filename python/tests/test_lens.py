@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Lenses: as the command has them, bit for bit; and what a designer asks."""
 import dataclasses
 import json

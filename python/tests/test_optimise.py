@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Lens.variables: figures by numbers of the file, for a solver."""
 import math
 

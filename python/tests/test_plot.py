@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The pictures: drawn at all, and what is drawn is where the rays are."""
 import numpy as np
 import pytest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Results by names, by rays, in any shape; as tables of pandas and xarray; surfaces by value."""
 import importlib.util
 import inspect

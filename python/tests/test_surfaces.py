@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Every type of the catalogue: its class is the library's table, and its answers are the command's, bit for
 bit."""
 import csv

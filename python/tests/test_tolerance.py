@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Tolerances: the numbers of the command, bit for bit; points of the box; what is refused."""
 import csv
 import io

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """mypy --strict: the package, the examples, and what a program sees of the types (typed.py)."""
 import pathlib
 import re

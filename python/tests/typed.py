@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a program sees of the types: mypy --strict says at each line what stands behind its reveal_type.
 (test_types.py runs it.  `array[float64]` stands for an array of numpy of them.)"""
 import numpy as np

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Rounds of making and dropping under valgrind: no error in the library, and no block that it has lost.
 
     python3 python/tests/valgrind.py VALGRIND [ROUNDS]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """docs/python.md's installation as it is told there: a wheel by pip without the network, in an environment of
 its own.
 

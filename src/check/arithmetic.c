@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* arithmetic.c - is the arithmetic of this thread what the bounds were made for?  (sgt_arithmetic)
  *
  * Control words are different on each processor, so the arithmetic itself is asked, by operations whose exact

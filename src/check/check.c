@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* check.c - does a surface keep its promises?  (sgt_check)
  *
  * Each ray is walked in SAMPLES steps: in front of its span, in it, and behind it.  Each promise below is

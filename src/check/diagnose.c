@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* diagnose.c - how did the solver converge, and why did it not?
  *
  * THE IDEA.  Let e, e' be two successive errors.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim.c - derivatives of a trace, and rays through a wanted point: aim.h. */
 #include "dispatch.h"
 

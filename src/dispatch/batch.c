@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* batch.c - many rays: sagitta.h. */
 #include "dispatch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* builtins.c - the built-in surfaces as data: sgt_builtins(), made of the rows of types.def. */
 #include "dispatch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* check.c - what a user's surface promises: diagnose.h. */
 #include "dispatch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* choose.c - which set of instructions the processor has.
  *
  * As in the x86-64 psABI (1.0, table 3.1):

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* dispatch.h - the public functions: the library is compiled whole for each set of instructions, and a
  * call chooses the set by what the processor has.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* explain.c - why a call is SGT_INVALID, in words: sgt_explain_intersect, sgt_explain_leave (sagitta.h),
  * sgt_explain_trace (system.h), sgt_explain_aim (aim.h).
  *

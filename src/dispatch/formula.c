@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* The operations of formulas as a program sees them: operations.h. */
 #include "operations.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* grid_measure.c - the bounds of a grid: surfaces.h. */
 #include "dispatch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* intersect.c - one ray: sagitta.h. */
 #include "dispatch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* leave.c - rays that start on a surface: sagitta.h. */
 #include "dispatch.h"
 

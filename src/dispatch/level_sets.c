@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* level_sets.c - the potential about a level set: surfaces.h. */
 #include "dispatch.h"
 

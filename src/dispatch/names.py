@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Prints names.h: each name of the library that leaves its file, with the name of the set at its end.
 
     python3 src/dispatch/names.py SRC FILE...

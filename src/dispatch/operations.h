@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* operations.h - the operations of a built-in type as a program sees them: each jumps to that of a set.
  *
  * The library itself does not call them: a surface that comes in is given the operations of its set

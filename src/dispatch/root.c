@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* root.c - the solver as a program drives it, and words for what it says: sagitta.h. */
 #include "dispatch.h"
 

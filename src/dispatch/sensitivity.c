@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sensitivity.c - derivatives of a hit: sensitivity.h. */
 #include "dispatch.h"
 

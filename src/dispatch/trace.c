@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trace.c - one ray through a system: system.h. */
 #include "dispatch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trace_batch.c - many rays through a system: system.h. */
 #include "dispatch.h"
 

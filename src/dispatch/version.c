@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* version.c - which version of the library this is: sagitta.h. */
 #include <sagitta/sagitta.h>
 

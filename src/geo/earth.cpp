@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // earth.cpp - the height over an ellipsoid, and the two ellipsoids between which a ray's roots lie.
 #include "earth.hpp"
 

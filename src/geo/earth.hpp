@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // earth.hpp - shared by the surfaces about the Earth: the height over an ellipsoid and its error, the two
 // ellipsoids between which a ray's roots lie, and which root is the first.
 #ifndef SGT_GEO_EARTH_HPP

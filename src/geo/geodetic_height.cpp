@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // geodetic_height.cpp - the points at one height over an ellipsoid.  The height is a convex distance
 // (earth.hpp).  So
 //   - |F| minus its rounding is a clearance everywhere;

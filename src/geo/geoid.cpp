@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // geoid.cpp - the points at height h over a geoid.  A grid gives the geoid's heights N over WGS84.
 //
 // F = (geodetic height) - N(latitude, longitude) - h.  Between the nodes N is the bicubic convolution of Keys

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // level_gravity.cpp - a level surface of normal gravity about the Earth.
 //
 // F = G(p) - G of the level, with G = GM / U.  For a point mass at rest, G is the distance from it.  So G is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // table.cpp - the table of the surfaces about the Earth, like the library's sgt_builtins().
 #include "earth.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bits.h - powers of two, nearest integers and the larger of two numbers, without the C library.
  *
  * They do what C's frexp, ldexp, ilogb, rint, fmax and fmin do, exactly, on every system.  A finite double

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* decimal.h - the double nearest to a decimal number: the only reader of them, without the C library.
  *
  * A text says D 10^e, D a whole number.  Most texts take the quick way.  D < 2^62 is h + l, both doubles.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* elementary.h - logarithm, exponential, sine and cosine, and integer powers, without the C library.
  *
  * The functions of a C library differ in their last bits from one system to the next.  These use sums,

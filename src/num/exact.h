@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* exact.h - sums and products without loss, and numbers of twice the precision.
  *
  * ERROR-FREE SUMS AND PRODUCTS.  For doubles a, b and rounding to nearest, a + b and a * b differ from

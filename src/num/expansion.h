@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* expansion.h - numbers as unevaluated sums of PARTS doubles, each number with its own error bound.
  *
  * Sums and products of doubles are error-free as sums of doubles (exact.h).  The parts of a result are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* functions.h - elementary functions of doubles, for loops over lanes.
  *
  * There is no branch, no call but sqrt, no table and no fma.  So a loop over lanes (lanes.h) becomes vector

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* interval_lanes.h - intervals for loops over lanes.
  *
  * interval.h finds the nearest double outward; here an end is worked out to nearest and moved outward by a

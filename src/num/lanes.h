@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lanes.h - a formula for one ray, written so that a loop over rays becomes vector code.
  *
  * There is no branch, no call but sqrt and fma, and choices are made by masks as wide as a double: all

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* local.h - a ray made local: the origin moved near the surface, the direction scaled.
  *
  * THE DIRECTION is scaled by a power of two, so that its largest component lies in [1, 2).  t_ray = t *

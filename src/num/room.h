@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* room.h - what a public struct reserves for later versions (`reserved_`): is it zero?
  *
  * A program compiled for a later version may have set a member there that this library does not know.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* answer.c - the answers about a surface that is met by its operations, with a proof or without.
  *
  *     proof          `enclose`  answer

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* answer.h - the answers for one ray and a surface that is met by its operations, with a proof or without. */
 #ifndef SGT_RAY_ANSWER_H
 #define SGT_RAY_ANSWER_H

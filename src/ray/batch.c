@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* batch.c - many rays and one surface: tiles, and which function answers for them.
  *
  * QUICK, THEN CAREFUL.  A tile of rays is given to the surface's `lanes`, or to sgt_lanes_general.  That

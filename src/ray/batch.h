@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* batch.h - many rays and one surface, a tile at a time. */
 #ifndef SGT_RAY_BATCH_H
 #define SGT_RAY_BATCH_H

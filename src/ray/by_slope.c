@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* by_slope.c - a root proven by a lower bound on the slope.
  *
  * THE IDEA.  Take a sag made by departure/departure.c, within the aperture.  Along most rays |dF/dtau| >=

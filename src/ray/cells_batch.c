@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* cells_batch.c - first roots by cells, many rays side by side: for surfaces that offer `encloses`.
  *
  * A SLOT holds one ray on its march.  In each round every slot asks about one cell, and one call of

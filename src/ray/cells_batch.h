@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* cells_batch.h - the first root on rays, by the cells of a surface that offers `encloses`. */
 #ifndef SGT_RAY_CELLS_BATCH_H
 #define SGT_RAY_CELLS_BATCH_H

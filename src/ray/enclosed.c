@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* enclosed.c - every root of a user's surface that has `enclose`, in order, none missed: the march of
  * solve/cells.h.
  *

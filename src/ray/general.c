@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* general.c - the search for a root on a ray, for any surface, without a proof.  It uses nothing but what
  * the surface's operations answer.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* general.h - one ray, or a tile of rays, and a surface that is met by its operations (`value`,
  * `span`, `enclose` ...).
  *

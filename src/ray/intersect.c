@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* intersect.c - one ray meets one surface: sgt_intersect and sgt_intersect_all.  Here the arguments are
  * checked, and the surface's own `meet` or the general search is called. */
 #include "../solve/root.h"

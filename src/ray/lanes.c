@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ray/lanes.c - many rays and a surface that is met by its operations: the quick form of step.h with loops
  * around it.
  *

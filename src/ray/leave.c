@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* leave.c - rays that start where another has met the surface: sgt_leave and sgt_leave_batch.
  *
  * THE START.  sgt_intersect drops the root at the start of a ray by the rule of sgt_ray: one that 16 ulps in

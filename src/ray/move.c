@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* move.c - the origin of a ray moved along it, exactly.
  *
  * From afar an ulp of t is long.  So a search near the surface wants a ray that begins there (proof.c,

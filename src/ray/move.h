@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* move.h - the origin of a ray moved along it. */
 #ifndef SGT_RAY_MOVE_H
 #define SGT_RAY_MOVE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* proof.c - the search through a ray by a surface's enclosure: what is proven of a surface that is met by
  * its operations.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* proof.h - the search of proof.c: one ray and a surface that is met by its operations, proven by its
  * enclosure.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sensitivity.c - derivatives of a hit, by the implicit function theorem (sensitivity.h).
  *
  * Rays are taken BLOCK at a time.  Each number of theirs is a row, and each step is a loop over a row.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ray/unique.c - the root near the seed, proven to be the only one.
  *
  * AT ONCE.  Most often the surface knows (sgt_builtin_ops.unique: a loop over lanes; a single ray is a

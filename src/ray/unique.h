@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* unique.h - is the root that was met the only one?
  *
  * Functions in unique.c, but for sgt_meet_by_slope and sgt_unique_by_slope, in by_slope.c. */

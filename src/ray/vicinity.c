@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* vicinity.c - see vicinity.h.  A single ray is a row of one. */
 #include "wings.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* vicinity.h - the part of a sag that one ray needs: the stretch of the ray along which F is monotone,
  * whatever the surface does farther out.
  *

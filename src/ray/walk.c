@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* walk.c - evaluations along a ray of any surface, brackets, and the roots they hold.
  *
  * F is evaluated at the local point x + tau d.  Rounding of that point changes F by up to e_i |F_i| per

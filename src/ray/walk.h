@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* walk.h - one ray on its way along any surface: evaluations, brackets, and the roots they hold.
  *
  * All stretches and points (lo, hi, tau) are in the local measure: tau counts from the local origin, in

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* wings.c - the wings of a sag, however steep: finds the first root on the way in from afar, or proves
  * that there is none on the way out (vicinity.h).  The same along a chord within the rim, however near to the
  * surface the ray runs, and through a box about it.

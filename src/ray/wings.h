@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* wings.h - a march through the wings of a sag, or along its chord with the rim (wings.c), and the rungs of
  * radii. */
 #ifndef SGT_RAY_WINGS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* accept.h - which roots are accepted, and what is known of them.
  *
  * ACCEPTED is a root that passes these tests, in this order:

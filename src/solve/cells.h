@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* cells.h - the march by cells: every root of g on a stretch of a ray, in order, none missed.
  *
  * The stretch is covered by cells, nearest first.  The caller says what it can prove of g over the whole of

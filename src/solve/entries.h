@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* entries.h - the hits of one ray as a list in order of t, and the evaluations spent on them. */
 #ifndef SGT_SOLVE_ENTRIES_H
 #define SGT_SOLVE_ENTRIES_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* root.c - one equation in one unknown, g(t) = 0, by Newton's method with safeguards.
  *
  * The solver never calls its caller.  sgt_root_next is told g and g' at r.t, and answers with the next t.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* root.h - what other files may ask of the solver (root.c) beyond sagitta.h. */
 #ifndef SGT_SOLVE_ROOT_H
 #define SGT_SOLVE_ROOT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* step.h - the quick form of a search along a ray, for any surface: its single steps.
  *
  * QUICK, THEN CAREFUL.  From a good guess Newton's method needs three or four steps, and none of the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ways.h - which search a ray goes through.  In the library of tests/ways, compiled with SGT_COUNT_WAYS, each
  * way counts how often it is taken; elsewhere WENT is nothing. */
 #ifndef SGT_SOLVE_WAYS_H

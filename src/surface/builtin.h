@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* builtin.h - what a built-in surface can do that a user's surface cannot.
  *
  * There are two kinds of built-in surface:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim.c - the launch ray of a beam that meets a wanted point at the stop (aim.h).
  *
  * Two equations, x(u, v) = X and y(u, v) = Y, in a box.  x and y are smooth where the way of the ray stays

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim.h - what the search for a ray and the proof that there is none share.
  *
  * Functions in aim_bound.c, but for those whose comment names another file. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim_batch.c - rays of a beam through many wanted points (aim.h).
  *
  * NEWTON'S STEPS FROM THE FIRST START lead straight to most points.  So the rays of a tile take them

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim_bound.c - a ray that is traced whatever clips it, and a bound on the error of its end.  The formulas
  * are in end_error.h; error_batch.c has them in loops over rays.
  *

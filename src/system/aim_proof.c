@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim_proof.c - that no launch ray of a beam meets the point: branch and bound over the box of (u, v).
  *
  * A part of the box is traced as a whole (bundle.c).  That gives x and y at the stop as forms

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim_rims.c - bounds on the launch rays of a family that the rims in front let through (aim.h).
  *
  * A launch ray is straight up to the first element that bends it.  So each element up to that one tells

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aperture.c - which points the items of an aperture clip, and by how much.
  *
  * An item clips what is beyond its edge: outside of it, or inside if it is obscuring.  Its edge is soft: a

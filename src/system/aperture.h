@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aperture.h - the items of an element's aperture: sound or not, and what they clip. */
 #ifndef SGT_SYSTEM_APERTURE_H
 #define SGT_SYSTEM_APERTURE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bundle.c - a bundle of rays through a lens, by forms (form.h).
  *
  * All is exact arithmetic on the doubles of the lens, but for what forms add.  So what is said is said of the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bundle.h - all launch rays of a part of a beam at once, as far as a stop. */
 #ifndef SGT_SYSTEM_BUNDLE_H
 #define SGT_SYSTEM_BUNDLE_H

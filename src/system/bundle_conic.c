@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bundle_conic.c - a bundle of lines meets a conic.
  *
  * A CONIC.  A line crosses the vertex plane at (x, y, 0).  On it c (x^2 + y^2 + k1 z^2) - 2 z, k1 = 1 + k, is

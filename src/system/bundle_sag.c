@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bundle_sag.c - a bundle of lines meets an even asphere, or a departure from a conic.
  *
  * On a line (x, y, 0) + t d the root of F = z - S, S = s(r^2) + P(x, y) the sag of surfaces.h, is searched

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chain.h - the chain rule at one element: forward, and backward.
  *
  * All is in the element's frame.  o, d is the ray in front, t the length to the point p = o + t d that is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chain_batch.c - the links of a tile of rays at one element (chain_batch.h). */
 #include "chain_batch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chain_batch.h - the chain rule of chain.h at one element, for a tile of rays.
  *
  * chain_tile_at makes the link of each ray: what chain_at makes of one.  chain_link_of takes it out of the

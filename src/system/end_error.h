@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* end_error.h - what rounding at one element does to the end of a ray: the formulas of aim_bound.c, for one
  * ray (aim_bound.c) and in loops over rays (error_batch.c).
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* error_batch.c - the errors of the ends of many rays: aim_bound.c says what they are, end_error.h has the
  * formulas.
  *

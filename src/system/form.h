@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* form.h - numbers that depend on two parameters, linear but for a bound: Taylor models of the first order.
  *
  * A form is the set of functions x of (U, V) in [-1, 1]^2 with

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* gradient.c - derivatives of a whole trace: forward by the launch ray, backward by all parameters (aim.h).
  *
  * chain.h has the formulas of one element.  Between two the ray is turned from frame to frame.  With R the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* gradient_batch.c - derivatives of the traces of many rays: gradient.c has the formulas of frames, launch
  * and indices, chain.h those of an element.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* phase.h - what a phase does to light.  There is one kind, an ideal thin lens.
  *
  * WHAT A KIND HAS TO OFFER.  The rest of the library asks for these things, and knows nothing else of it:

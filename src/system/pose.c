@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* pose.c - the frame of an element: an origin, and axes turned by Rz Ry Rx.
  *
  * A point q of the local frame is p = origin + R q in the global one, with R = Rz Ry Rx.  The element is

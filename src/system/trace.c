@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trace.c - a ray through a row of surfaces: place, meet, clip, bend, and on.
  *
  * trace.h has the arithmetic of the launch and of one element, and says where the ray is kept between two.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trace.h - one ray at one element: the arithmetic that the single trace and the batch share.
  *
  * The inline functions have no branches but those that an element decides for all rays alike.  So a loop

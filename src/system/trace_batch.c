@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trace_batch.c - many rays through a row of surfaces.
  *
  * A TILE OF RAYS goes through all elements before the next tile starts.  So what it needs stays in the

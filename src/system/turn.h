@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* turn.h - an angle in degrees as a cosine and a sine, without the C library.
  *
  * Degrees are an exact unit.  Radians are not: pi/180 is no double.  So whole turns and quarters are taken

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* number.c - doubles as text, there and back.
  *
  * strtod and printf round correctly in the C library this is built with.  (What they take for the

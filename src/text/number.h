@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* number.h - doubles as text, there and back; the point is a point in any locale. */
 #ifndef SGT_TEXT_NUMBER_H
 #define SGT_TEXT_NUMBER_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* main.c - which subcommand? */
 #include "command/commands.h"
 #include "look/look.h"

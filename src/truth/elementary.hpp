@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // elementary.hpp - exp, log, sin and their kin in 113 bits, for any number with + - * / (a __float128 here).
 //
 // No library of such functions is needed.  Each function is reduced to a Taylor series of an argument that is

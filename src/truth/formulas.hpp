@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // formulas.hpp - F of each built-in surface by its definition in surfaces.h, for any type of number; a row
 // for each type.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* measure.c - how long a setting takes, and how large its errors are.
  *
  * ERRORS are measured for every ray against its truth.  The library's answer at full accuracy says which root

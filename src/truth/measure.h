@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* measure.h - how far off the settings of a call are, and how long they take (measure.c).
  *
  *     c.setting[i].truth = measure_truth(&c, &c.setting[i]);     every setting needs one

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // orbit.hpp - quaternions and the orbit Q -> Q^p + c by its definition, for any type of number.
 //
 // Shared by formulas.hpp and the oracles of tests/.

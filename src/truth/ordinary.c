@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ordinary.c - ordinary rays for a surface of any type, always the same.
  *
  * On a sag: origins uniform in a disk of radius r at z = -2 r, and l and m uniform in +-0.15.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ordinary.h - ordinary rays for a surface of any type, always the same; most of them meet it. */
 #ifndef TRUTH_ORDINARY_H
 #define TRUTH_ORDINARY_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* quad.c - Newton's method in 113 bits, on the formulas of formulas.hpp and text.hpp.
  *
  * For a sag on a conic base the function is the polynomial in z - P with the same zeros.  It has no square

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* quad.h - roots and traces in 113 bits, to measure the errors of doubles.
  *
  * The library's own certain answer says which root is meant, and which elements a ray passes.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // quad.hpp - numbers of 113 bits in C++: gcc's and clang's __float128, or a long double of that width.
 //
 // The arithmetic is in the compiler's own library.  The square root is here, so no other library is needed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // quad_formulas.cpp - makes formulas.hpp and text.hpp callable from C: F and its gradient in 113 bits.
 #include "text.hpp"
 

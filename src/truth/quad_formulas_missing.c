@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* quad_formulas_missing.c - replaces quad_formulas.cpp if there is no C++, or no number of 113 bits. */
 #include "quad.h"
 

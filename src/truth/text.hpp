@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // text.hpp - a formula as text (sagitta/formula.h), worked out for any type of number.
 //
 // The text is read anew for each point, by a function for each rule of the grammar (recursive descent), and

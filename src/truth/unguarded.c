@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* unguarded.c - Newton's method and bisection without any safeguard.
  *
  * Newton's step along a ray is t - F / (grad F . d).  Here there is no bracket, and where F

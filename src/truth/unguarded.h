@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* unguarded.h - methods by themselves, to compare with what the library does: Newton's and bisection without
  * safeguards, the march of old ray tracers, and the library's Newton in a bracket from a given start. */
 #ifndef TRUTH_UNGUARDED_H

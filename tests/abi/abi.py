@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Does a program that was compiled against the saved interface still run?  abidiff against tests/abi/*.abi.
 
     python3 abi.py BUILD             compares this build with the saved interface.  Skipped (77) without abidiff,
@@ -54,7 +55,7 @@ COMPARE = 'abidiff --harmless --no-corpus-path --no-show-locs'.split()
 def with_room(include):
     """The structs that have room to grow."""
     text = ''.join(header.read_text() for header in sorted((include / 'sagitta').glob('*.h')))
-    text = re.sub(r'/\*.*?\*/', '', text, flags=re.DOTALL)
+    text = re.sub(r'/\*.*?\*/|//[^\n]*', '', text, flags=re.DOTALL)
     return [name for name, body in re.findall(r'typedef struct (\w+) \{(.*?)\n\} \1;', text, re.DOTALL)
             if ROOM.search(body)]
 
@@ -105,7 +106,7 @@ def name_of(declaration):
 
 def statements(text):
     """The declarations at the floor of a header, one after the other."""
-    text = re.sub(r'/\*.*?\*/', '', text, flags=re.DOTALL)
+    text = re.sub(r'/\*.*?\*/|//[^\n]*', '', text, flags=re.DOTALL)
     text = re.sub(r'^ *#(?:[^\n]*\\\n)*[^\n]*', '', text, flags=re.MULTILINE)
     text = re.sub(r'extern "C" \{', '', text)
     depth, statement = 0, ''

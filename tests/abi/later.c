@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* later.c - a program that asks for a little of everything and prints the answers to the last bit.  later.py
  * runs it with this library and with one that has grown, compiled against the headers of either.
  *

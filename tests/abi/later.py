@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Programs and libraries of two versions: each program with each library.
 
     python3 later.py BUILD
 
 The later version is made here, from a copy of the headers and sources: every struct that has room has a
 member more in it (planted_), the library has a type more, and writes the new member of each hit.  It is
-compiled without optimisation and for one set of instructions, by the compile commands of BUILD.
+compiled without optimisation, without inlining, and for one set of instructions, by the compile commands of
+BUILD.
 
     program compiled against   with the library   has to
     the headers of this one    of this one        give answers
@@ -74,6 +76,7 @@ def grow(tree):
         sys.exit(f'{grown} structs have room')
     replaced(tree / 'src/solve/entries.h', '.f = f, .p = p, .n = n, .p_err = p_err, .reserved_ = {0, 0}};',
              '.f = f, .p = p, .n = n, .p_err = p_err, .planted_ = 7};')
+    replaced(tree / 'src/num/exact.h', 'always_inline, ', '')  # inlined code takes longer to compile
     types = tree / 'src/types.def'
     row = re.search(r'^TYPE\(CONIC, sphere,.*?\n(?=TYPE)', types.read_text(), re.MULTILINE | re.DOTALL)[0]
     types.write_text(types.read_text() + row.replace('sphere', 'planted', 1))

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* One number for all that the library answers: builds of it that are meant to agree to the last bit, for
  * other kinds of processors and by other compilers, are compared by it (clones.py).  A NaN counts as a NaN,
  * whichever.

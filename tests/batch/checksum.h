@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* checksum.h - one number for the answers about a surface: to the last bit, a NaN as a NaN, whichever. */
 #ifndef TESTS_BATCH_CHECKSUM_H
 #define TESTS_BATCH_CHECKSUM_H

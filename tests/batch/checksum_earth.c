@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* checksum.c for the surfaces about the Earth (geo.h): checksum_earth [PART].  The geoid is rough, and its
  * grid made here. */
 #define _POSIX_C_SOURCE 200809L /* mkstemp */

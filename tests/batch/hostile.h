@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* hostile.h - surfaces, rays and options made to break a batch; answers compared by their bits.
  *
  * A batch must give each ray the answer that sgt_intersect gives it alone, so what is wanted here is not

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The same bits from every set of instructions: base, v3 and v4 of src/dispatch/dispatch.h.
 
     python3 sets.py PROGRAM ...

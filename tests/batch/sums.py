@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The sums of checksum.c against those in checksum.txt: an answer that changed by one bit is seen.
 
     python3 tests/batch/sums.py COMMAND...           of a tenth of the rays; COMMAND is checksum, or

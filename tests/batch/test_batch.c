@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* A batch gives every ray the answer that it gets alone, bit for bit, and writes nothing else.
  *
  * For each type of sgt_builtins: surfaces, rays, options and ends as hostile.h has them; the rays in one

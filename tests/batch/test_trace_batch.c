@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sgt_trace_batch gives every ray what sgt_trace gives it alone, bit for bit, and writes nothing else.
  *
  * Lenses as they are built (rows of conics and aspheres with stops, lists of apertures, mirrors, dummy

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Surfaces of a user in batches: every ray gets the answer that it gets alone, bit for bit, evaluations
  * included.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // What derivatives of a trace cost beside the trace, and what it costs to aim.
 //
 //     build/tests/bench/bench_aim

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Many rays through sgt_intersect_batch and sgt_trace_batch, beside the single ray in a loop, what a
 // careful person would write over arrays (bench_peers.c), what one would take ray by ray (bench_shared.h),
 // and a plain copy that moves the same bytes: what memory allows.

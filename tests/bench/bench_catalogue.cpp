@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The surfaces beyond conics and even aspheres, through sgt_intersect_batch and the single ray, beside
 // their formula by itself and Boost's Newton on it.
 //

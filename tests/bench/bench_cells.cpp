@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // First hits on four implicit surfaces by cells in lanes, proven, in a picture of 640 x 480 rays.
 //
 //     build/tests/bench/bench_cells [--quick] [--only TEXT]

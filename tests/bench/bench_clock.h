@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // bench_clock.h - the clock of benchmarks on a busy machine.
 #ifndef BENCH_CLOCK_H
 #define BENCH_CLOCK_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* What an enclosure of a formula costs over one cell, value and slope along a ray, for four surfaces.
  *
  *     build/tests/bench/bench_formula_cells

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* A sag as a formula beside the built-in type, in batches from the cache.
  *
  *     build/tests/bench/bench_formula_sag

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // First hits on a quaternion Julia set, proven, with t and the gradient: one ray at a time, many at once,
 // and POV-Ray.
 //

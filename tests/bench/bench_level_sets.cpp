@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // First hits on quaternion Julia sets: what each rule of the march costs, and what it gets wrong.
 //
 //     build/tests/bench/bench_level_sets [--runs 5] [--width 640] [--rule WORD] > level_sets.csv

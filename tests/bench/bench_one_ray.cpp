@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // One ray at a time through sgt_intersect, beside what a person would otherwise
 // write or take: Newton by hand, the closed form by hand, Boost.Math's
 // newton_raphson_iterate, GSL's root_fdfsolver.  All do the same work on the same

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Ordinary input: what a user gives who sets nothing, beside the same with a rim, or away from the case.
 //
 //     build/tests/bench/bench_ordinary [--quick] [--only TEXT] [--list]
@@ -5,7 +6,7 @@
 //     build/tests/bench/bench_ordinary --search [--seconds N] [--seed S] [--type T] [--brief]
 //     build/tests/bench/bench_ordinary --case "type=... ..."
 //
-// The first prints the tables of docs/accuracy.md, as markdown (--only: the rows whose name contains TEXT;
+// The first prints the tables of docs/data/ordinary.md, as markdown (--only: the rows whose name has TEXT;
 // --list: and what becomes of the rays where the two sides differ in it).  The second draws fifty random
 // sags and compares each without a rim with itself with one (--list: tells all of them).
 // docs/ordinary_table.py puts both into the page.  The third and the fourth look for the worst that there is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bench_peers.c - see bench_peers.h. */
 #include "bench_peers.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bench_peers.h - what a careful person would write over arrays: no bounds, no choice of a root, nothing
  * checked.
  *

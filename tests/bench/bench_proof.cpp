@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The price of proof: batches and single rays, of surfaces and of the lenses in examples/lenses, with proof
 // root and first beside the estimate.
 //

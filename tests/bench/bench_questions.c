@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bench_questions.c - what is asked of many rays of a lens, beside their trace: one thread, in the cache.
  *
  *     build/tests/bench/bench_questions LENS [RUNS]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bench_rows.c - what `sagitta trace LENS --random N --field 0` does without its output: launches N rays
  * through the lens and traces them in batches, in threads.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // sgt_differentiate_batch beside sgt_intersect_batch on the same rays: what do the derivatives cost?
 //
 //     build/tests/bench/bench_sensitivity [--benchmark_... of Google Benchmark]

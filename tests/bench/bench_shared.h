@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // bench_shared.h - what the benchmarks of sags have in common: the surfaces, the peers that take one ray at
 // a time, the clock and its table.
 #ifndef BENCH_SHARED_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // bench_subjects.h - the rays of the benchmarks of sags, and a surface of each type beyond the conic.
 #ifndef BENCH_SUBJECTS_H
 #define BENCH_SUBJECTS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // cliff_search.cpp - looks for cliffs: ordinary input that costs many times what its type mostly costs.
 //
 //     bench_ordinary --search [--seconds N] [--seed S] [--type T]

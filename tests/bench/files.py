@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What rays cost that come from files and go to files, a ray; and the memory of one ray through many surfaces.
 
     python3 tests/bench/files.py build [--rays N] [--runs N] [--before SAGITTA] [--instructions]

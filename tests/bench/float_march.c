@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* float_march.c - see float_march.h.  A ray to a lane of vector registers; a lane whose ray has ended takes
  * the next.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* float_march.h - the rival in speed on a Julia set: a distance march in single precision. */
 #ifndef BENCH_FLOAT_MARCH_H
 #define BENCH_FLOAT_MARCH_H

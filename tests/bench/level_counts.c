@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* level_counts.c - src/surface/orbit/level_batch.c once more, counting: how many levels of the orbit its
  * lanes take, and in how many of them they are busy with a cell that is not decided yet.  The way back to
  * the gradient is not counted. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* level_counts.h - what a batch on a level set does, counted. */
 #ifndef BENCH_LEVEL_COUNTS_H
 #define BENCH_LEVEL_COUNTS_H

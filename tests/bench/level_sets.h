@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // level_sets.h - what the benchmarks of level sets share: the sets, the rays of a picture of 640 x 480, and
 // POV-Ray as a peer.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // march_rules.h - how to find the first root along a ray: the ways a person would write by hand, orbit and
 // all.
 //

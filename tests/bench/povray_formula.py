@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Formulas beside POV-Ray's isosurface, in one run: the table of docs/formula.md.
 
     python3 tests/bench/povray_formula.py build            (--quick: one turn, not five)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* proof_lenses.c - see proof_lenses.h. */
 #include "proof_lenses.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* proof_lenses.h - a lens file as the command reads it, with the rays of each of its fields. */
 #ifndef BENCH_PROOF_LENSES_H
 #define BENCH_PROOF_LENSES_H

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What a call from Python costs: arrays of one ray, of a hundred, of 10^5; passages; prepared calls.
 
     SAGITTA_PYTHON_LIBRARY=BUILD/python/libsagitta_python.so python3 tests/bench/python_costs.py

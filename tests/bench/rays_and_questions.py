@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What is asked of the rays of a lens, beside the rays themselves: nanoseconds a ray.
 
     python3 tests/bench/rays_and_questions.py BUILD [--before BUILD] [--runs N] [--threads N] [--only WORDS]
@@ -8,7 +9,7 @@ Each row is a question: an analysis by the command (BUILD/src/tool/sagitta), or 
 and one of few, so that starting it does not count; the coarse pattern that some analyses trace besides does.
 All rows are run in turn, in one thread and in several, with the other build between them if there is one;
 the table has medians.  "now" and "before" are processor time of one thread, which a busy machine hardly
-changes; "x" is how many times less time passes with several threads.  That needs an idle machine: the load
+changes; the last column is how many times less time passes with several threads.  That needs an idle machine: the load
 stands above the table.
 
 TABLES has the functions that give rows.  Another group of questions is another function there.
@@ -128,7 +129,7 @@ def main():
     def median(row, name, which):
         return statistics.median(pair[which] for pair in took[row.question, name])
     before = ['before'] if asked.before else []
-    head = ['ns a ray', *before, 'now', 'to reach', 'times its rays', 'x']
+    head = ['ns a ray', *before, 'now', 'to reach', 'times its rays', several]
     print_row(head)
     print('|' + '---|' * len(head))
     for row in rows:

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # sh tests/bench/rays_to_users.sh BUILD [BEFORE]
 #
 # What rays cost by the time their user has them, in one run: a surface of a lens, an analysis, a file, an array of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* An optical tool in small: a scan lens, its numbers in the program, traced with
  * nothing but the installed library.  Prints where the chief and the marginal
  * rays land; exits with the number of rays that are not where they should be.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The scan lens of consumer.c as a C++ program would trace it: nothing but the
 // installed library.  Prints the height on the image for each field; exits with
 // the number of rays that are not where a trace at 50 digits puts them.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Every constant and type of every public header, named in a C++ program.
 
 C++ scopes what stands inside a struct, and C does not.

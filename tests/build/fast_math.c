@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Prints what sgt_arithmetic says in this thread, as a number, and whether sgt_check then tries anything:
  * once as the program is started, once with rounding upward, and once to nearest again. */
 #include <sagitta/diagnose.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """fast_math.py ROOT LIBRARY COMMAND CC   arithmetic that no bound was made for is told, and not compiled.
 
 A program linked with -Ofast, rounding upward, a library linked with -Ofast and loaded before the command:

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """find_package(sagitta) from bare projects: every library, shared and static, and what has to be refused.
 
     python3 find_package.py BUILD C_COMPILER     skipped (77) without CMake

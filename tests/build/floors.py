@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The floors of src/: a file includes its own folder and those before it.
 
     python3 tests/build/floors.py [TREE]     prints each include that breaks the order
@@ -40,7 +41,7 @@ INLINE = {'float.h', 'math.h', 'string.h'}
 SOURCE = {'.c', '.h', '.inc', '.cc', '.cpp', '.hpp'}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include\b[ \t]*(.*)$', re.MULTILINE)
 NAMED = re.compile(r'([<"])([^>"]+)[>"]')
-COMMENT = re.compile(r'/\*.*?\*/', re.DOTALL)
+COMMENT = re.compile(r'/\*.*?\*/|//[^\n]*', re.DOTALL)
 
 
 def includes(path):

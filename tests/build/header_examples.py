@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The examples in the comments of the public headers compile and run, and each surface of theirs is met.
 
     python3 header_examples.py INCLUDE_FOLDER LIBRARY C_COMPILER [CPP_COMPILER]   (their words, by spaces)
@@ -95,7 +96,7 @@ def main(include, library, compiler, cpp_compiler=None):
     folder = pathlib.Path(include, 'sagitta')
     blocks, shown, faults = blocks_of(header for header in sorted(folder.glob('*.h'))
                                       if header.name != 'geo.h')  # which is in a library of its own
-    declared = re.sub(r'/\*.*?\*/', '', (folder / 'surfaces.h').read_text(), flags=re.DOTALL)
+    declared = re.sub(r'/\*.*?\*/|//[^\n]*', '', (folder / 'surfaces.h').read_text(), flags=re.DOTALL)
     types = set(re.findall(r'\bsgt_\w+_ops\b', declared)) - {'sgt_surface_ops'}
     for name in sorted(types - set(re.findall(r'\w+', shown))):
         print(f'{name}: surfaces.h has no example with it')

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Each public header compiles alone, as C11 and as C++11, with every warning.
 
 sagitta.hpp as C++17 and C++20, with and without exceptions; and it has every operation of sgt_surface_ops.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The library as a user has it: installed, found through pkg-config, linked.
 
 Installs the build into a temporary folder; a C and a C++ program and the one in

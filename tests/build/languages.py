@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The examples in other languages, from an installed prefix: they say what the command says, to the last bit.
 
     python3 languages.py rust|fortran|octave BUILD C_COMPILER     skipped (77) if its compiler is not there

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Builds a program that a plain build leaves out, and runs it or gives it to a script.
 
     python3 tests/build/made.py BUILD TARGET [ARGUMENT ...]

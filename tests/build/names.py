@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Each name in backticks on a page exists: a file as a path, a word in the sources.
 
-    python3 tests/build/names.py [TREE]       README.md, CONTRIBUTING.md, docs/*.md, src/**/README.md
+    python3 tests/build/names.py [TREE]       README.md, CONTRIBUTING.md, docs, docs/data, tests, src
     python3 tests/build/names.py --planted    tries the test itself on trees with faults
 
 - A path is found from the page's folder, from the folder of the path (or the suite of tests) before it in
@@ -26,7 +27,7 @@ FOLDERS = ('src', 'include', 'tests', 'examples', 'docs', 'python')
 # Names of other projects and of systems.
 FOREIGN = {'ldconfig', 'julia_fractal', 'dllimport'}
 # Words that stand for others.
-EXAMPLES = {'sgt_verb_object', 'sgt_saddle_object'}
+EXAMPLES = {'sgt_saddle_object'}
 SETS = re.compile(r'_(base|v3|v4)$')
 COMMENT = re.compile(r'/\*.*?\*/|//[^\n]*', re.DOTALL)
 FENCED = re.compile(r'^```.*?^```', re.DOTALL | re.MULTILINE)
@@ -45,14 +46,14 @@ def text_of(path):
 
 
 def pages(tree):
-    found = [tree / 'README.md', tree / 'CONTRIBUTING.md', *sorted((tree / 'docs').glob('*.md')),
-             *sorted((tree / 'src').rglob('README.md'))]
+    found = [tree / 'README.md', tree / 'CONTRIBUTING.md', tree / 'tests/README.md', *sorted((tree / 'docs').glob('*.md')),
+             *sorted((tree / 'docs/data').glob('*.md')), *sorted((tree / 'src').rglob('README.md'))]
     return [p for p in found if p.is_file()]
 
 
 def is_at(name, folders):
     """The file, folder or program of that name, seen from the first of the folders that has it; else None."""
-    like = re.sub(r'[A-Z]{2,}(?=\.\w)', '*', name)
+    like = re.sub(r'[A-Z]{2,}(?=[._]\w)', '*', name)
     for folder in folders:
         for suffix in ('', '.c', '.cpp'):
             if (folder / (name + suffix)).exists():

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* A program with one surface; one_surface.py looks at what it carries. */
 #include <stdio.h>
 #include <sagitta/surfaces.h>

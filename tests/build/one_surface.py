@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """A program that links one surface statically carries one surface.
 
     python3 one_surface.py PROGRAM ALONE

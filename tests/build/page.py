@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """A page of docs/ is followed to the letter, by someone who has nothing but the installed library.
 
     python3 page.py PAGE BUILD PROGRAM_NEEDED...     skipped (77) if one of the programs is not there

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A build, installed into a folder of its own, for the tests that look at it from outside."""
 import os
 import pathlib

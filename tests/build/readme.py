@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What README.md and the pages of docs/ show is what the command says, and what they link to is there.
+# SPDX-License-Identifier: MIT
+"""What README.md, tests/README.md and the pages of docs/ show is what the command says; their links lead somewhere.
 
     python3 readme.py README PROGRAM...
 
@@ -8,9 +9,6 @@ given, is run in the folder of the README and what follows is compared with what
 prints: word by word, numbers to 1e-9.  A line `...` stands for any number of lines.
 A block marked with a language and a name, `yaml lens.yaml`, is a file of that name,
 for the commands of its page.
-
-The first section of docs/accuracy.md repeats numbers of the sections below it.  Each
-number of a row has to stand in a section that the row links to.
 """
 import os
 import pathlib
@@ -63,22 +61,6 @@ def sections(page):
                                        for m in re.finditer(r'^(#+) (.*)$', text, re.MULTILINE))}
 
 
-def numbers(text):
-    return set(re.findall(r'\d+(?:\.\d+)?(?:e-?\d+)?', text.replace(',', '')))
-
-
-def unsourced(page):
-    """Numbers of the first section's rows that are in none of the sections that their row links to."""
-    parts = sections(page)
-    for row in re.findall(r'^\|.*\|$', parts['on-one-page'], re.MULTILINE):
-        links = re.findall(r'\]\(#(.*?)\)', row)
-        if links:
-            missing = numbers(re.sub(r'\(#.*?\)', '',
-                                     row)) - set().union(*(numbers(parts.get(link, '')) for link in links))
-            yield from (f'{page.name}, on one page: {number} is not in {", ".join(links)}'
-                        for number in sorted(missing))
-
-
 def dead_links(folder, pages):
     """Links of the pages to files, pictures and headings that are not there."""
     for page in pages:
@@ -128,17 +110,16 @@ def main(readme, *programs):
     # What fontconfig keeps of a picture is no leak of the command (tests/tool/command.py).
     os.environ['LSAN_OPTIONS'] = f'suppressions={folder / "tests/tool/leaks.supp"}:print_suppressions=0'
     os.environ.setdefault('ASAN_OPTIONS', 'intercept_tls_get_addr=0')
-    pages = [*sorted(folder.glob('*.md')), *sorted((folder / 'docs').rglob('*.md'))]
+    pages = [*sorted(folder.glob('*.md')), folder / 'tests/README.md', *sorted((folder / 'docs').rglob('*.md'))]
     programs = {pathlib.Path(program).name: str(pathlib.Path(program).resolve()) for program in programs}
     with tempfile.TemporaryDirectory() as somewhere:
         found = {page: differing(page, programs, folder, pathlib.Path(somewhere)) for page in pages}
     bad = sum(b for _, b in found.values())
-    dead = [*dead_links(folder, pages), *unsourced(folder / 'docs' / 'accuracy.md')]
+    dead = list(dead_links(folder, pages))
     for page, (compared, _) in found.items():
         if compared:
             print(f'{page.relative_to(folder)}: {compared} commands compared')
-    print(*dead, f'{len(pages)} pages, {bad} commands differ; {len(dead)} dead links and numbers without a '
-                 f'source', sep='\n')
+    print(*dead, f'{len(pages)} pages, {bad} commands differ; {len(dead)} dead links', sep='\n')
     return 1 if bad or dead or not found[folder / 'README.md'][0] else 0
 
 

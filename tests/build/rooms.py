@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The rooms of src/: what a reader may count on.
 
     python3 tests/build/rooms.py [TREE]            each file and folder
@@ -11,6 +12,8 @@
   of the library, nor in two of the command.
 - Lines have at most 110 columns, also those of tests and examples, and of meson; in public headers 90.
 - Each folder has a README.md of at most 40 lines; that of src/ray, which has the list of searches, 70.
+- Each source file names its licence in its first line (behind #!), unless a program has written it and it
+  says so ("Written by ...").  Data for tests need not.
 """
 import pathlib
 import re
@@ -20,6 +23,9 @@ import tempfile
 
 SOURCE = {'.c', '.h', '.cpp', '.hpp'}
 COLUMNS, COLUMNS_PUBLIC, README_LINES, README_LINES_OF = 110, 90, 40, {'ray': 70}
+LICENCE = 'SPDX-License-Identifier: MIT'
+LICENSED = SOURCE | {'.def', '.in', '.rs', '.py', '.sh', '.f90', '.m'}
+DATA = ('tests/data/', 'tests/fuzz/corpus/', 'tests/fuzz/past/')
 COMMENT = re.compile(r'/\*.*?\*/|//[^\n]*', re.DOTALL)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 # A definition begins in the first column.  SGT_INLINE and its kin are static (src/num/exact.h).
@@ -139,10 +145,24 @@ def negated_faults(tree):
     return found
 
 
+def licence_faults(tree):
+    found = []
+    for room in ('src', 'include', 'tests', 'examples', 'python', 'docs'):
+        for path in sorted((tree / room).rglob('*')):
+            name = path.relative_to(tree).as_posix()
+            if path.suffix not in LICENSED or name.startswith(DATA) or name.endswith('.def.in'):
+                continue
+            head = path.read_text().splitlines()[:3]
+            if not any(LICENCE in line for line in head[:2]) and 'Written by ' not in ' '.join(head):
+                found.append(f'{name}: its first line should be {LICENCE}')
+    return found
+
+
 def faults(tree, libraries=()):
     src, found = tree / 'src', []
     found += include_faults(src)
     found += negated_faults(tree)
+    found += licence_faults(tree)
     for library in libraries:
         found += symbol_faults(src, library)
     clients = [src / name for name in ('tool', 'geo', 'lens', 'truth')]
@@ -180,6 +200,7 @@ SOUND = {
     'include/sagitta/sagitta.h': '/* fine */\n',
 }
 
+BARE = '\0'                                          # in front of a file that shall not have the licence's line
 PLANTED = [
     {'src/num/a.h': '#include "e.h"\n', 'src/num/e.h': '#include "a.h"\n'},
     {'src/num/e.h': '#include "../ray/f.h"\n', 'src/ray/f.h': '\n'},
@@ -197,6 +218,8 @@ PLANTED = [
     {'src/sub/e.c': 'int e;\n'},
     {'src/num/b.c': 'double t = -dot(a, b) * c;\n'},
     {'src/ray/e.c': 'double t = f(a,\n             -sgt_fma(a, b, c));\n'},
+    {'src/ray/e.c': BARE + 'int e;\n'},
+    {'docs/e.py': BARE + '#!/usr/bin/env python3\nprint(1)\n'},
 ]
 
 
@@ -208,6 +231,8 @@ def planted():
             tree = pathlib.Path(name)
             for file, content in {**SOUND, **plant}.items():
                 (tree / file).parent.mkdir(parents=True, exist_ok=True)
+                if pathlib.PurePath(file).suffix in LICENSED:
+                    content = content[1:] if content.startswith(BARE) else f'// {LICENCE}\n{content}'
                 (tree / file).write_text(content)
             found = faults(tree)
         if len(found) != bool(plant):

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """A meson project that has sagitta as a subproject: as a folder, and by a wrap file.
 
     python3 subproject.py TREE      skipped (77) where Ninja is missing

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What the library is made of: only sgt_ names go out, only copies of memory
 and what the compiler itself asks for come in, and nothing in it can be written to but one number.
 
@@ -50,7 +51,7 @@ def declared(include, headers=None):
     for header in sorted(pathlib.Path(include, 'sagitta').glob('*.h')):
         if header.name not in headers if headers else any(header.name in others for others in OTHERS.values()):
             continue
-        text = re.sub(r'/\*.*?\*/', '', header.read_text(), flags=re.DOTALL)
+        text = re.sub(r'/\*.*?\*/|//[^\n]*', '', header.read_text(), flags=re.DOTALL)
         for statement in re.findall(r'\bSGT_API\b([^;{]*);', text):
             before = statement.split('(')[0]
             names.update(re.findall(r'\bsgt_\w+(?=\s*(?:\[\]|,|$))', before))

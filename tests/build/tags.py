@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Each function of the library is found by ctags, also those that macros make (.ctags.d/sagitta.ctags).
 
     python3 tests/build/tags.py TREE LIBRARY.a

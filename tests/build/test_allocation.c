@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* No allocation in the library: malloc and its kin are replaced by ones that
  * count (glibc's own are behind them), and the count must not move while rays of
  * every kind run. */

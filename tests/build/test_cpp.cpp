@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // sagitta.hpp is the functions of C and nothing else.  Lambdas give, bit by bit, the answers of the same
 // surface written in C.  Every operation arrives with its arguments.  Views of unequal length change nothing.
 // Not one byte is allocated.  Compiled without exceptions and without run-time types.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* A call of the library needs less than 80 KiB of stack, but for the two that headers name.  Each kind of
  * call runs on a stack of its own that has been painted before; what has lost its paint was used.  A call
  * runs twice, since the first may bind names. */

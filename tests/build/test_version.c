@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* The header, meson.build and the library are of one version. */
 #include <sagitta/sagitta.h>
 #include <stdio.h>

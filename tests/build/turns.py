@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """turns.py - turns of phrase that a reader stumbles over, in the public headers and in docs.
 
     python3 turns.py [TREE] [--list]
@@ -23,7 +24,7 @@ def main(arguments):
     paths = [a for a in arguments if a != '--list']
     tree = pathlib.Path(paths[0]) if paths else pathlib.Path(__file__).resolve().parents[2]
     groups = {'headers': sorted((tree / 'include' / 'sagitta').glob('*.h*')),
-              'docs': [*sorted((tree / 'docs').glob('*.md')), *(tree / f'{n}.md' for n in
+              'docs': [*sorted((tree / 'docs').rglob('*.md')), *(tree / f'{n}.md' for n in
                                                                 ('README', 'CONTRIBUTING', 'NEWS'))]}
     bad = 0
     for name, files in groups.items():

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Loops that are meant to become vector code have: the instructions of the library are counted.
 
 Meant are the kernels (SGT_KERNEL of src/num/exact.h): loops over rays or cells.  A loop that has become

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // agree.h - can two answers to one question both be right?
 //
 // A question asked twice (at another scale, of the same shape as another type) has one truth.  Each answer

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // climb.h - the greatest error for its bound that a climb finds.
 //
 // A bound of an error is told with every answer: t_err with t, p_err with p, `rounding` with F, the ends of
@@ -383,7 +384,7 @@ inline double most(const table &t, int from, int to)
     return *std::max_element(t.found + from, t.found + to);
 }
 
-// A line: for climb_limits.h, for docs/accuracy.md, or to be read.
+// A line: for climb_limits.h, for docs/data/climb.md, or to be read.
 inline void print(const table &t, bool limits, bool markdown)
 {
     if (limits) {

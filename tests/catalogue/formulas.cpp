@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The formulas of the catalogue for the usual types of number (formulas.h).
 #include "formulas.h"
 

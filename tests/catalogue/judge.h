@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // judge.h - the roots of a ray and a surface of the catalogue, and rays of many kinds.
 //
 // The ray is moved to where the surface is, in 113 bits, and cut to a window: of a sag the chord of a

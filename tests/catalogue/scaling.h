@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // scaling.h - random surfaces at another unit of length, and what their answers are then.
 #ifndef TESTS_CATALOGUE_SCALING_H
 #define TESTS_CATALOGUE_SCALING_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // specimens.h - random surfaces of the catalogue, points on them and rays at them.
 //
 // A part has an aperture h, log-uniform from 1e-3 to 1e3.  The base is one for which h is inside the domain

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // One conic as every type that can be shaped so, met from 1 to 1e12 lengths away by rays that pass close by
 // or just meet.
 //

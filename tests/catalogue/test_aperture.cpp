@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The clear aperture of an element is the rim of its surface in a proof.
 //
 // Each type without a semi_diameter, behind an aperture, against the same with the aperture for its

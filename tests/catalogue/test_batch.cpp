@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // A batch of rays on each surface of the catalogue is what each ray alone is, to the bit: hostile rays,
 // options and parameters beside ordinary ones, any number of rays, outputs left out, arrays that nobody may
 // write beyond.  And so with lenses of such surfaces: sgt_trace_batch is sgt_trace.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Every root on the surfaces of the catalogue once more by Ceres: its solver and its Jets on formulas.h.
 //
 // Ceres minimises F^2 / 2 along the ray.  From beside each hit of sgt_intersect_all it must come back to

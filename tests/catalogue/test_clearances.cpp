@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The `clearance` of every body of the catalogue that has one, against a dense sample of its surface.
 //
 // A clearance is a radius within which the surface is not.  So it is at most the distance of any point of

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 // The greatest error for its bound that a climb finds, of each row of sgt_builtins: climb.h has what is
 // looked for and why.  And of some surfaces at which one part of a bound has to hold alone, that random
 // ones do not come near.
 //
 //   --limits   prints climb_limits.h: the greatest quotients found, and a fifth more
-//   --table    prints the table of docs/accuracy.md
+//   --table    prints the table of docs/data/climb.md
 //
 // The limits hold for the seed and the scale that are the default; with others a quotient above 1 alone is
 // a fault.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Roots exactly on an edge of what counts, and 1 ... 20 steps beside: the rim, the start, the end of the
 // ray, the clear aperture of an element; of every surface of surfaces.h but the level sets.
 //

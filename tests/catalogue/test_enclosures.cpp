@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The `enclose` of every surface of the catalogue over stretches from one number to several apertures,
 // against 113 bits: g and g' at points of a stretch lie in what is said of it, and F is nowhere defined
 // where that is said.

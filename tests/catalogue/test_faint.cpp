@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Surfaces whose departure from a plane is far below what its square, or its product with a length, can be
 // told from 0; and ones that are as steep.  Proofs must not take a bound that underflows for none.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The oracle's check of itself, without the library: polynomials as they are printed in the sources, and
 // what each is defined by (orthogonal, of unit mean square, through the heights).  Coefficients are
 // integers and roots of integers.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // What surfaces of the catalogue owe whatever their numbers are.
 //
 //   sound        sgt_check finds no fault in random surfaces of each row;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The rim of every sag and the clear aperture of an element, where a chord or a square of it may go wrong:
 // a rim of the greatest numbers is none, one of the smallest is never a wrong answer, and a root exactly on
 // the rim, at either end of the ray's chord, is never a miss.

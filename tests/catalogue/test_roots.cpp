@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Where random rays meet random surfaces of the catalogue, against judge.h.
 //
 //   a hit        has a root of F, in 113 bits, within t_err of t; its point within p_err; it counts; it is

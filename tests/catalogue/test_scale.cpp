@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The unit of length and the length of a direction change nothing: of every row of sgt_builtins.
 //
 // A parameter's unit in that table is its power of length.  All parameters, the ray and its ends are

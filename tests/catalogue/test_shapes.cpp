@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // One shape, many types: what one says of a ray no other may contradict.
 //
 // A conic is also each departure type without a departure, a sum of nothing, a biconic of equal curvatures,

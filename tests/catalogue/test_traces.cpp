@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // What sgt_trace says of a ray at each element, against the ray that was given, in 113 bits.
 //
 //   roots   t, t_err, p and p_err of each row.  The ray is the launch ray as given, or the doubles of the

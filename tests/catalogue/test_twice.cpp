@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The same question asked twice, of every row of sgt_builtins and of users' surfaces made from some of
 // them.  No answer is compared with a truth, but all of them with each other:
 //

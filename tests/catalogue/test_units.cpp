@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The unit of length changes no bit: ordinary rays, all lengths times 2^k, every k from -40 to 40.
 //
 // Of each row of sgt_builtins, of the same surfaces given as a user's (their operations without what only a

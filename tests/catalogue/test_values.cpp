@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // F, its gradient, its second derivatives and its derivatives by the parameters, of each surface of the
 // catalogue, against formulas.h in 113 bits, whose derivatives are those of dual numbers.
 //

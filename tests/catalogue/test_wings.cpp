@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The first root of sags without a rim.  Coming from afar the ray passes the wings, which a departure of
 // high powers makes as steep as can be, and a wing may be met before what is near the axis is.  Leaving
 // from beside the surface it may meet one, too, or none: with an end to the ray, or as far as the surface
@@ -377,7 +378,7 @@ int main()
     }
     generator g(from);
     if (!only) beside_edge(g, static_cast<int>(400 * (scale ? std::atof(scale) : 0.5)) + 50);
-    if (!only) grazing(g, static_cast<int>(1200 * (scale ? std::atof(scale) : 0.5)) + 60);
+    if (!only) grazing(g, static_cast<int>(400 * (scale ? std::atof(scale) : 0.5)) + 60);
     for (const auto &f : failed) std::printf("FAIL %6d  %s\n", f.second, f.first.c_str());
     return !failed.empty();
 }

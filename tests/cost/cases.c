@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* The cases whose instructions cost.py counts: ordinary questions, in the ways a user asks them.
  *
  *     cases            asks every case: once not counted (the dynamic linker, the first touch), once in

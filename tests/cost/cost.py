@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What the library costs: the instructions of fixed cases (cases.c), counted by callgrind.
 
     python3 tests/cost/cost.py BUILD             compares with cost.csv: a fault where a case differs by more than 2 %

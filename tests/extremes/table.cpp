@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 // The extremes as a table: accuracy, claims and cost where one quantity at a time is
 // driven to the end of its range, all others being those of a lens.
 //
-//     table --count 2000              every table of docs/accuracy.md's section, as it stands there
-//     table docs/accuracy.md          the test: fewer rays, each row held to what the page says
+//     table --count 2000              the tables of docs/data/extremes.md (docs/extremes_table.py)
+//     table docs/data/extremes.md     the test: fewer rays, each row held to what the page says
 //     table --row "Scale: 1e150, conic" --count 500
 //                                     one row, and its rays that were undecided or lost, in hexadecimal
 //
@@ -810,8 +811,8 @@ std::map<std::string, promise> read_page(const char *path)
     std::string line, title;
     bool inside = false;
     while (std::getline(file, line)) {
-        if (line.find("<!-- extremes") == 0) inside = true;
-        if (line.find("<!-- end of extremes") == 0) inside = false;
+        if (line.find("<!-- table extremes") == 0) inside = true;
+        if (line.find("<!-- table extremes: to here") == 0) inside = false;
         if (!inside) continue;
         if (line.find("### ") == 0) title = line.substr(4);
         if (line.find("| ") != 0) continue;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // formulas.cpp - the table of the formulas (formulas.h), compiled once for all tests.
 //
 // A row is FORMULA(name, text, place, parameters, special points, expression): the expression in x, y, z of

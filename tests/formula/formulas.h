@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // formulas.h - the formulas of these tests: each as a text, as its user would write it, and once more as C++
 // that shares nothing with what reads texts.  Their table is in formulas.cpp.
 #ifndef FORMULA_FORMULAS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // grown.h - random formulas: a tree of operations, its text, and the same function of any type of number.
 //
 // All of the grammar is drawn: numbers, pi, parameters, x y z r, operators with as few parentheses as they

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // numbers.h - the operations of a formula, for four types of number, so that a formula is written once.
 //
 //   double   F as a machine works it out

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // oracle.h - every root of a written formula along a ray, by Arb's balls; and where F is no smooth function.
 //
 // Formula and ray are the stored doubles.  The ray is moved first, exactly, to where it is nearest to the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // rays.h - rays of every kind toward a written formula.  Nothing of the library is asked.
 #ifndef FORMULA_RAYS_H
 #define FORMULA_RAYS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // subject.h - a written formula as a surface: read from its text, or made by hand of the public headers.
 //
 // By hand: value and gradient by dual numbers of doubles, `enclose` by those of intervals (natural and mean

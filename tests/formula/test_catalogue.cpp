@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The surfaces of the catalogue that have a closed form, written as formulas: the same rays meet both at the
 // same places, within both t_err.
 //

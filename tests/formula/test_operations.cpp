@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // What a formula offers to a solver, operation by operation, against Arb: at random points of each formula of
 // formulas.h, at special ones and beside these.
 //

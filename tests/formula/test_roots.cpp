@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Formulas against Arb: what each status, t, t_err, p and p_err claim, for rays of every kind.
 //
 //     test_roots [--count N] [--seed S] [--only NAME] [--by-hand] [--examples N] [--list]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // A formula as the command's trade works it out in 113 bits (src/truth/text.hpp), against Arb: at random
 // points of each formula of formulas.h, at special ones and at the vertex, and at points of random formulas
 // (grown.h).  Values and gradients have to agree as far as balls of 96 bits can tell, at a point that is

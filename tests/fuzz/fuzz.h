@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz.h - what the fuzz targets share: invariants that stop the run, and numbers out of bytes.
  *
  * A target is the function LLVMFuzzerTestOneInput (libFuzzer's name): bytes in, and where an invariant does

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz_array.c - bytes as an array of rays, NAME.npy.
  *
  * The first byte says whether bad rows are skipped.  What is not refused must be as long as its header says:

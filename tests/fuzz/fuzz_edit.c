@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz_edit.c - bytes as edits of a lens.
  *
  * Each line is an edit: a letter for its kind, a path, and behind the first = what it needs: a value, or the

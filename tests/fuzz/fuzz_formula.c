@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz_formula.c - any bytes as a formula (sagitta/formula.h), in rooms of exact size and in shorter ones.
  *
  * The first bytes choose the kind, how many parameters there are, and how much shorter the other room is. The

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz_glass.c - bytes as a catalogue of glasses.
  *
  * The first byte says which form: .agf, .csv or .yml.  What is accepted is a catalogue of glasses without a

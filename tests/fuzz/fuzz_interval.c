@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz_interval.c - bytes as intervals, and the operations of sagitta/interval.h on them.
  *
  * A result contains what the operation makes of the ends of its arguments and of numbers between them, in

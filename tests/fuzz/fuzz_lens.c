@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz_lens.c - bytes as a lens file, and as one surface.
  *
  * What is accepted is finite and legal: a lens of it can be traced, and no surface of it is SGT_INVALID; it

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz_rays.c - bytes as a file of rays, and as the text of --ray.
  *
  * The first byte says how it is read: bit 0, --skip-bad; bit 1, as --ray.  rays.c is built to cut the text

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz_surface.c - bytes as a surface of any parameters, rays of any numbers, and options.
  *
  * The surface is a row of sgt_builtins with any doubles and ints in it; or the same seen as a user's

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fuzz_zmx.c - bytes as a .zmx file.
  *
  * What is accepted is a sound lens (lens.h), and is written as YAML, which reads back as the same elements.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lens.h - what the fuzz targets share that read lenses: memory that is counted, and what a lens that was
  * accepted is. */
 #ifndef TESTS_FUZZ_LENS_H

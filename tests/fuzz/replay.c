@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* replay.c - feeds files to a fuzz target: past findings and the corpus as a test, with any compiler.
  *
  * Each argument is a file or a folder.  The name of a file is printed before it is fed, to be read where it

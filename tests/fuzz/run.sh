@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: MIT
 # sh tests/fuzz/run.sh [SECONDS] [TARGET...]   fuzzes each target for SECONDS (40) with libFuzzer, one after the other: those
 # of fuzz_*.c, unless some are named.
 #

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tool.h - the readers of the command, run inside a fuzz target.
  *
  * They end the command where they find an error (fail.h), and take their text from a file.  Here an error

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // quad_earth.h - heights, levels of gravity and a geoid in quadruple precision: oracles that share neither
 // code nor method with the library.
 //

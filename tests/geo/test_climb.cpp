@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 // test_climb.cpp - the greatest error for its bound that a climb finds, of the surfaces about the Earth:
 // tests/catalogue/climb.h.
 //
 // The geoid is not climbed: its oracle is in double, and its bound that of the height but for a part in 10^3.
-// --limits prints the greatest quotients found and a fifth more, --table the rows of docs/accuracy.md.
+// --limits prints the greatest quotients found and a fifth more, --table the rows of docs/data/climb.md.
 #include "../catalogue/climb.h"
 #include "quad_earth.h"
 

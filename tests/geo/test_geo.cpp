@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // test_geo.cpp - the surfaces about the Earth as such: values and bounds against quadruple precision, what
 // they promise of themselves, parameters and files that are wrong.  SAGITTA_TEST_SEED, SAGITTA_TEST_SCALE
 // as everywhere.

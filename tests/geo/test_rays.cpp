@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // test_rays.cpp - look vectors from low, middle and geostationary orbits and at the limb, against quadruple
 // precision.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // test_rough.cpp - the surface over a geoid that is rough: grids made here, of heights that jump from node
 // to node, against another reader and dense samples.
 //

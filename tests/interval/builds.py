@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The same bits of interval.h from every build: checksum.c by gcc and by clang, as C and as C++,
 at each level of optimisation, without and with a fused multiply-add of the processor (without, the
 C library's own is taken away as well, where it heeds GLIBC_TUNABLES).  Each has the compiler's

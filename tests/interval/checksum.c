@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Of a million random operations of interval.h, a sum over the bits of what they give: for
  * builds.py, which builds this as C and as C++.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fma_instruction.c - the processor's own fma for test_fma.c; compiled for a processor that has it. */
 #include "fma_instruction.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fma_instruction.h - the processor's own fma, where it has one. */
 #ifndef TESTS_INTERVAL_FMA_INSTRUCTION_H
 #define TESTS_INTERVAL_FMA_INSTRUCTION_H

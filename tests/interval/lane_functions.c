@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lane_functions.c - see lane_functions.h.  SGT_SET is base, v3 or v4. */
 #include "lane_functions.h"
 #include "../../src/num/functions.h"

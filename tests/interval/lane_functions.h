@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lane_functions.h - the functions of src/num/functions.h as loops over lanes, compiled for each set of
  * instructions (lane_functions.c), and called one by one. */
 #ifndef LANE_FUNCTIONS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* random_bits.h - the random numbers of test_fma.c, test_elementary.c, test_pair.c and test_functions.c. */
 #ifndef RANDOM_BITS_H
 #define RANDOM_BITS_H

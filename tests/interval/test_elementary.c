@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* src/num/elementary.h against MPFR: each function is within the bound that its head proves.
  *
  *     test_elementary      SAGITTA_TEST_SCALE multiplies the random cases, SAGITTA_TEST_SEED

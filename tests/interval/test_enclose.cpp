@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The `enclose` of every built-in surface against MPFR: g(t) = F(o + t d) and g'(t) at random t of an
 // interval lie in what it says of that interval.
 //

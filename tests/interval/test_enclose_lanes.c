@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* src/surface/formula/enclose_lanes.c against interval.h, on random formulas, rays and cells.
  *
  *     test_enclose_lanes       SAGITTA_TEST_SCALE multiplies the random cases, SAGITTA_TEST_SEED

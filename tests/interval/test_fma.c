@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sgt_fma_exactly of fma.h against MPFR (mpfr_fma and mpfr_subnormalize) and against the processor's
  * instruction, whichever there are.
  *

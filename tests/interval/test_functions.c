@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* The elementary functions of interval.h against MPFR.
  *
  *     test_functions      SAGITTA_TEST_SCALE multiplies the random cases, SAGITTA_TEST_SEED

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // interval.h against MPFR: each operation on random operands of every kind, and on all pairs of
 // special ones.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* src/num/interval_lanes.h against MPFR, and beside interval.h.
  *
  *     test_interval_lanes      SAGITTA_TEST_SCALE multiplies the random cases, SAGITTA_TEST_SEED

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* src/num/functions.h against MPFR: each function is within the bound that its head argues, and NaN where it
  * says so.  A loop over lanes has the bits of the single calls, in each set of instructions, whatever stands
  * in the lanes beside.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* pair.h against MPFR: each operation and function is within the bound that its head proves.
  *
  *     test_pair      SAGITTA_TEST_SCALE multiplies the random cases, SAGITTA_TEST_SEED

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A lens and its rays at 60 digits, by mpmath: the ground of analysis_oracle.py.
 
 It shares nothing with the library.  Lenses come from two readers: YAML by PyYAML, for the keys that the

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Spots, wavefronts and curves of fields at 50 digits, by mpmath: writes ../data/analysis_*.csv.
 
     python3 analysis_oracle.py [LENS ...]            all, or the rows of some; needs mpmath and PyYAML

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Random rays of `sagitta opd` and `sagitta fan` against the oracle at 50 digits.
 
     python3 analysis_random.py SAGITTA [LENS ...]        status 77, skipped, without mpmath and PyYAML

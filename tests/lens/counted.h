@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* counted.h - an allocator that counts what is held, and fails when it is asked to. */
 #ifndef TESTS_LENS_COUNTED_H
 #define TESTS_LENS_COUNTED_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The dispersion formulas of lens.h, evaluated at 50 digits.
 
 By mpmath, or by the decimal module where that is not installed; both take the doubles as they are.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* doors.c - any analysis of a lens as a program of C asks for it, for test_doors.py: doors LENS.
  *
  * Each line of standard input is a question:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* edit.c - an edited lens is the lens of its written file: test_edit LENS...
  *
  *   - every number of every lens: asked, it is the number that is listed; set to itself it leaves every bit;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* figure.c - derivatives of figures against differences of whole figures: test_figure LENS...
  *
  *   - each figure of each lens, as the study tells it: rms of spots and wavefronts, chief rays, focal length,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* glass.c - what the library of glass answers, as text for test_glass.py.
  *
  *     glass list PATH UM...              each glass, and its indices in hexadecimal

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A lens and all that is told of it, at 50 digits: the oracle of test_numbers.py.
 
 It shares nothing with the library.  Sags, tilts and the reading of .zmx files are those of analysis_model.py.

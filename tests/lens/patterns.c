@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* patterns.c - points in a pupil.
  *
  * Philox against the published vectors (Salmon et al. 2011; Random123's known answers).  Each pattern: how

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Centred lenses of conics at 50 digits: the oracle of docs/compare_table.py.
 
 It shares nothing with the library, nor with the other oracles here but the dispersion of catalogued glass

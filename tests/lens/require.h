@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* require.h - what has to be so.  A test counts its faults, tells each, and goes on. */
 #ifndef TESTS_LENS_REQUIRE_H
 #define TESTS_LENS_REQUIRE_H

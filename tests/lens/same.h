@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* same.h - are two lenses the same in every bit that a ray or an analysis can see?  Lines of the file, by
  * which messages say where something stands, are not compared. */
 #ifndef TESTS_LENS_SAME_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* shape.c - sags, sections and parts in use.
  *
  * Sags are compared with closed forms in long double, and of every type with F = 0.  Sections of spheres,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study_aims.c - rays that a study aims by its fitted map, against those that are searched for:
  * study_aims LENS...
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study_zernike.c - Zernike polynomials that a study fits to many rays, against sgt_zernike_fit of its path
  * differences: study_zernike LENS...
  *

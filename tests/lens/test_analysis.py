@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Spots, wavefronts and curves of fields by the command, against rays at 50 digits.
 
     python3 test_analysis.py SAGITTA

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """One question, one answer, at every door: the command, Python and C.
 
     python3 test_doors.py SAGITTA LIBRARY_OF_PYTHON DOORS

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Glass: each formula and each glass that ships against 50 digits, makers' printed indices, bad input.
 
     python3 test_glass.py GLASS DATA      (the program glass.c, and the folder data/glass)

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The unit of length changes no bit of an analysis: lenses at every power of two.
 
     python3 tests/lens/test_units.py SAGITTA

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Zemax .zmx files: no field of a record is dropped without a word.
 
     python3 test_zmx_fields.py SAGITTA

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tolerance.c - draws, quantiles and shares of sagitta/tolerance.h: tolerance LENS
  *
  * Edits keep what the tolerances of a lens mean, or are refused.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* why.c - what became of a ray: each reason by a ray for which it is known by hand.
  *
  * Texts are cut as snprintf cuts them, whatever the room.  The nearest approach is compared with spheres,

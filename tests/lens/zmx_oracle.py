@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a .zmx file means, and where its rays go, at 50 digits: the oracle of test_zmx.py.
 
 It shares nothing with the library.  A file is read into a list of surfaces; a ray goes from one to the next.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """run.py - single edits of src, one at a time, and whether a test notices.
 
     python3 tests/mutants/run.py               every edit of *.txt here

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // brute.h - where a ray meets the level set |Q_N| = E of a quaternion orbit, by small steps.
 //
 // An oracle for tests: it shares neither code nor method with the library.

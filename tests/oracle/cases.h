@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // cases.h - random surfaces and rays, the same wherever a test wants some.
 //
 // A generator of its own (splitmix64), so that a seed means the same cases with

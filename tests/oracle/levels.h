@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // levels.h - level sets of quaternion orbits by the textbook, for any scalar.
 //
 // An oracle for tests: the orbit Q -> Q^p + c is followed as it is written down, with whole

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* phase.c - random ideal lenses met at a point, as text for test_phase.py.
  *
  *     phase COUNT SEED

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // quad.h - every meeting of a ray with a conic or even asphere, in quadruple precision.
 //
 // An oracle for tests.  It shares no code and no method with the library: the

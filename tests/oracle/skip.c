@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Stands for a test that cannot be built here, and says why. */
 #include <stdio.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // table.h - the data of the tests: csv files, and decimals of more digits than a double has.
 #ifndef ORACLE_TABLE_H
 #define ORACLE_TABLE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Every root of a conic or an even asphere, in order, against quadruple precision: the cases are
 // those of test_random.  Each root that counts is in an entry, each hit has a root of its own
 // within t_err that counts, and the ray enters or leaves there as the exact slope says.

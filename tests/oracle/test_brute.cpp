@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // First hits and all roots of quaternion level sets against brute force (brute.h): steps of 2e-5
 // along the ray, of 2e-6 on one ray in a hundred, each change of sign bisected.
 //

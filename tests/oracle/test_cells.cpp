@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // First roots by cells in lanes (src/ray/cells_batch.c) against roots in quadruple precision.
 //
 // The surface is a user's: a product of planes and spheres, so that the roots along a ray are those of its

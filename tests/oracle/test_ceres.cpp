@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Every root once more, by Ceres' own solvers and on a formula written for its scalars.
 //
 // The residual is F = z - s on the moved ray (o + t0 d is rounded once, by fma, so a far

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Quadrics that come apart: pairs of planes, double planes, cones through their apex, cylinders on two lines.
 //
 // Coefficients are small integers, so that a parabola along the ray is exact to 113 bits of its terms, and

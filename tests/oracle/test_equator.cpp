@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Conics, and even aspheres that are conics, where they are hardest to tell, against quad.h: on the
 // equator, where the sheet of the sag ends, and 1 ... 20 ulps beside; and rays that nearly touch, from
 // afar, which the careful path answers.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // One row for each extreme: what a random test never draws.  The right answers come
 // from quadruple precision, or, where even that cannot tell (a ray exactly tangent),
 // from the construction of the row.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Rays on which published programs have failed: the first root, or the miss, and then
 // each root in its turn, from the one before.  The roots have 30 digits, no more.
 #include "../ends.h"

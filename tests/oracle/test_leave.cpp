@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // sgt_leave and sgt_leave_batch: particles that go from crossing to crossing, against signs in 113 bits.
 //
 // A thousand particles at a time go through a world: a gyroid in a ball of ten cells, a thin torus (R = 139,

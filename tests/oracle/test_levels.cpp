@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The level sets against quadruple precision: each number for itself, then what answers claim.
 //
 // The oracle is levels.h: the orbit as it is written down, in 113 bits.  A bound of the library

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The only root, under proof: even aspheres, and rays at any tilt to 89.9 degrees from the axis, against
 // every root in quadruple precision (quad.h).
 //

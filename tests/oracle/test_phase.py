@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Ideal lenses against 50 digits, by the definitions of system.h.
 
     python3 test_phase.py PHASE      (the program phase.c)

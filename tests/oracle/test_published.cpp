@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: MIT
 // Bugs that others have published, as rows: what their programs said, and what this library has to say.
-// docs/accuracy.md (Published bugs) has them as a table.  The right answers come from closed forms, in 113
+// docs/notes/published_bugs.md has them as a table.  The right answers come from closed forms, in 113
 // bits where a difference of large numbers has to be taken.
 #include "../../src/truth/elementary.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The oracle's check of itself, without the library: the search must find on conics
 // what the closed form finds, and on aspheres every change of sign that a fine
 // walk sees; equations with known roots come out to 30 digits.

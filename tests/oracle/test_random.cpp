@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // A million random rays and surfaces against quadruple precision (the default run: a hundredth), and a
 // fifth as many that graze or meet a rim.  What each answer claims is checked for itself and counted by
 // kind; the first of each kind are printed in hexadecimal, to be seen again with

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // What must not depend on the unit of length, on the length of the direction, on the
 // side one looks from, or on being watched - to the last bit.
 //

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The library on other systems: the same bits, and how fast.
 
     python3 tests/platforms/run.py [NAME ...]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Nanoseconds a ray of batches of first roots, a line for each family: its name and the number.  run.py
  * runs it on one system after the other, again and again, and takes medians.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // ball.h - Arb's balls as numbers, and the search for every root in a stretch.
 //
 // A ball is a real number known to within a radius; every operation's ball contains its result, so a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // draw.h - random surfaces and rays, a tenth of them hard, each with the name of its kind.
 #ifndef PROOF_DRAW_H
 #define PROOF_DRAW_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // judge.h - is an answer of the library right?  The roots come from Arb; what the answer claims, from
 // sagitta.h.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // level_set.h - every root of |Q_N| = E along a ray, Q -> Q^p + c the quaternion orbit, by balls.
 //
 // A cell is s = m + H u, |u| <= 1/2, and an orbit on it a series Q = q0 + q1 u + q2 u^2 + the rest,

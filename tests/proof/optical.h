@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // optical.h - every root of a conic or an even asphere along a ray, by balls.
 //
 // Surface and ray are the stored doubles.  With rho = x^2 + y^2, w = z - P(rho), the terms P alone

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // quick_sign.h - the sign of F at a point of a ray, certain or not told, in 113 bits.
 //
 // Each number comes with a bound on its error, worked out in double beside it and widened at the end: a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The proofs against Arb: what a status, t_err, [lo, hi], p_err and n claim, for rays of every kind.
 //
 // Every root is computed by balls of at least 128 bits (optical.h, level_set.h), which share nothing with

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // slow_trace.h - a ray through a lens in 113 bits, written from the books and not from the library.
 //
 // Each element is a matrix and an origin.  Its axes are orthogonal and of unit length to some 1e-16 only: so

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // subjects.h - random surfaces for the tests of sensitivities, each with its formula once more, for numbers
 // of any kind.
 //

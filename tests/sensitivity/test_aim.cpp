@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Rays through a wanted point (sgt_aim), on the lenses of examples/lenses: fields, object points and points
 // of the stop are random.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The functions of aim.h for many rays, against those for one: each number to the last bit.
 //
 // Random trains of elements: every type of sgt_builtins, a user's surface without second derivatives, a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // What is said of rays that are not there: the bounds of sgt_beam_bounds, and the proofs of sgt_launch_rays.
 //
 //     test_bounds

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Every derivative against differences of sgt_intersect itself: each number of the ray and each parameter
 // is moved a little to either side, and the ray met again.  Less sharp than the Jets (test_jets.cpp), but
 // nothing is told the mathematics.

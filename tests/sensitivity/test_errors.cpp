@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The told errors of ends, by sgt_trace_error_batch, against traces in 113 bits (slow_trace.h).
 //
 // Random trains: conics, even aspheres, odd aspheres, toroids, Zernike sags and ideal lenses; mirrors, turned

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // test_figures.cpp - derivatives of spots by numbers of lens files, against differences in 113 bits.
 //
 // Random lenses are written as files: spheres, conics, aspheres and toroids, some tilted, behind a pupil that

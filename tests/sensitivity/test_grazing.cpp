@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // How good dt/do is where rays graze, against F of formulas.h in 113 bits: what sensitivity.h promises
 // ("HOW GOOD").
 //

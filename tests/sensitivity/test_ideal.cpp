@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Ideal lenses among spheres, conics and mirrors: derivatives, told errors and proofs, against 113 bits.
 //
 // Random rows of surfaces.  Half of the elements are ideal lenses: of either sign, mirrors too, with a change

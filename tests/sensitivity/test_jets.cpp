@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Every derivative against Ceres' Jets: Newton's method runs once more, in numbers that carry their
 // derivatives by the ray and by each parameter, on a formula that shares nothing with the library.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The derivatives of whole traces (aim.h) against differences of an independent tracer in 113 bits.
 //
 // The lens is made for this: a double Gauss of six elements, an even asphere and an odd one, in front of a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart_sheet.c - draws sheets of src/tool/draw/chart.h: ordinary ones as the analyses have, and hostile
  * ones.
  *

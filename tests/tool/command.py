@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the tests of the command share: run it, read what it says, count what fails.
 
 Each test is a script, `python3 test_NAME.py SAGITTA`, of functions whose names begin

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Rays aimed at the paraxial pupil and at the stop, and fields by real image heights.
 
     python3 test_aim.py SAGITTA

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Rays aimed at stops anywhere: beside the axis, behind cones, at ideal lenses; and what is said where there is none.
 
     python3 test_aim_family.py SAGITTA

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """sagitta intersect --all: every root of a ray, in order, and how its rows are numbered.
 
     python3 test_all.py SAGITTA

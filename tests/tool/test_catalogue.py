@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Every type of surface through its keys, against its formula in 60 digits, written here another way.
 
     python3 test_catalogue.py SAGITTA

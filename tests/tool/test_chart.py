@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Sheets of src/tool/draw/chart.h, ordinary and hostile: well-formed files in which no text covers another.
 
     python3 test_chart.py SAGITTA CHART_SHEET

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """sagitta diagnose: the published iterations, and what is said of them; why a ray ended in a lens.
 
     python3 test_diagnose.py SAGITTA [--without-cairo]

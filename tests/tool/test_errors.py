@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Bad input: the right exit status, and a message that names file, line and key.
 
     python3 test_errors.py SAGITTA

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Formulas through the command: hits in closed form, a sag beside the built-in one, what is said of bad texts.
 
     python3 test_formula.py SAGITTA

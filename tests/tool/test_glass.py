@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Glass in a lens file: names, models, formulas, pairs; wavelengths by number, micrometres and line; catalogues.
 
 The oracle is the same lens with the index as a number, worked out here by the formula as it is printed.

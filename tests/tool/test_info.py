@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """sagitta info: first-order data and Seidel sums.
 
     python3 test_info.py SAGITTA

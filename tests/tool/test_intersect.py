@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """sagitta intersect: columns, numbers that read back, statuses, options.
 
     python3 test_intersect.py SAGITTA

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """sagitta trace --picture: what is drawn where.  Expected places are computed here from the numbers of the lens.
 
     python3 test_layout.py SAGITTA

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Lens files: the running frame, pupils and fields, several wavelengths, and `sagitta import` of a lens file.
 
     python3 test_lens_files.py SAGITTA

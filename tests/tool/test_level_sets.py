@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Julia and Mandelbrot sets at the command: every key, all roots, the fast way, a lens.
 
     python3 test_level_sets.py SAGITTA

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """The analyses: spot, fan, opd, field, map, sweep, energy, illumination.
 
     python3 test_look.py SAGITTA [--without-cairo]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What is behind a surface that does not say it: `glass: air`, `glass: same`, what may be left out, what is refused.
 
     python3 test_media.py SAGITTA

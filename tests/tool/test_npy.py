@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """--columns, --last, arrays of NumPy out and in, --progress, and text that does not fit into memory.
 
 Arrays are read here by the words of the format (NEP 1); if NumPy is there it must read them alike.
@@ -12,6 +13,7 @@ import os
 import random
 import re
 import resource
+import shutil
 import signal
 import stat
 import struct
@@ -347,13 +349,14 @@ def test_a_file_that_changes():
     """Cut within its last page or far before, or written to, while it is read: an error that names the file.
 
     The command waits with its rows for who reads them, and the file is changed then."""
-    rows = [(0, 0, -5, 0, 0, 1)] * 100000
+    unchanged = written('').parent / 'unchanged'
+    unchanged.mkdir()
+    for name, x in zip(NAMES, (0, 0, -5, 0, 0, 1)):
+        array(unchanged / f'{name}.npy', [(x,)] * 100000, "'<f8'", '<d')
     for command, of in (('intersect', ('--surface', SPHERE)), ('trace', (TRIPLET,))):
         for change in ('cut a little', 'cut to half', 'written', 'longer', 'another'):
             folder = written('').parent / 'rays'
-            folder.mkdir()
-            for i, name in enumerate(NAMES):
-                array(folder / f'{name}.npy', [(r[i],) for r in rows], "'<f8'", '<d')
+            shutil.copytree(unchanged, folder)
             path = folder / 'oz.npy'
             time.sleep(0.02)  # so that the time of the change is another one
             running = subprocess.Popen([SAGITTA, command, *map(str, of), '--rays', folder, '--format', 'csv', '--threads', '2'],

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Numbers as text, both ways, against Python's own, which is correctly rounded.
 
 A ray parallel to the axis meets the plane z = 0 at its own x: so any double but -0 goes in as

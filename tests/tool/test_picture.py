@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """sagitta trace --picture: a picture is XML, of a sensible size, and shows what it should.
 
     python3 test_picture.py SAGITTA

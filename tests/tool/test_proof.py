@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """--proof: what is claimed is true, what is not proven says so and why, and the words fit.
 
     python3 test_proof.py SAGITTA

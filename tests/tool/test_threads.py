@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """--threads: the same bytes for any number of them, on however many rays, good rows or bad.
 
     python3 test_threads.py SAGITTA [--without-openmp]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """sagitta tolerance: each tolerance against a file that is written by hand, trials in any split and threads,
 quantiles against theory.
 

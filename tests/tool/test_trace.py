@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """sagitta trace: rays of a field, elements one after another, losses.
 
     python3 test_trace.py SAGITTA

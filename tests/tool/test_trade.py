@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """sagitta trade: what it prints agrees with itself, with arithmetic of 60 digits, and with its bounds.
 
     python3 test_trade.py SAGITTA

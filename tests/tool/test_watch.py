@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """--watch FILE of trace and intersect: the evaluations of the rays that were lost.
 
     python3 test_watch.py SAGITTA

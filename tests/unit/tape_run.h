@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tape_run.h - the tape of a formula looked at and run, step by step, for tests of the reader.
  *
  * It is the plain reading of src/surface/formula/tape.h, in long double, with the C library's functions. What

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sgt_intersect_all: every root in its place, what could not be decided in its place too, and no
  * more claimed than what the surface offers.  The truth is a closed form or dense samples, in
  * long double. */
@@ -741,7 +742,7 @@ static void test_without_an_end(void **state)
 {
     (void)state;
     generator g = seeded("without an end");
-    long n = scaled(20);
+    long n = scaled(8);
     const sgt_surface_ops ops = {
         .value = sheet_value, .rounding = sheet_rounding, .enclose = sheet_enclose};
     for (long i = 0; i < n; i++) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* The items of an aperture: each shape against one worked out in long double (turns by complex products,
  * polygons by the angle they wind), on its edges and next to them, in lists, and items that are not sound. */
 #include "unit.h"

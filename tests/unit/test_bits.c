@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* src/num/bits.h against the C library, whose frexp, ldexp, ilogb, nearbyint and nextafter are exact. */
 #include "unit.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Decimal numbers (src/num/decimal.h), as they are in formulas and in files, against strtod of the C library,
  * which rounds correctly: random digits, doubles printed with 1 to 800 digits, middles between two doubles
  * exactly and next to them, the ends of the range, and forms of every kind. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sgt_diagnose on sequences whose law is known, and on what the library does itself. */
 #include "unit.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* The arithmetic of src/num/exact.h and src/num/expansion.h, against sums of integers.
  *
  *   two_sum, two_product   hi + lo is a + b, or a b, to the last bit;

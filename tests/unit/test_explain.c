@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Why a call is SGT_INVALID: each argument that makes no sense is named, and nothing else is
  * (sgt_explain_intersect, sgt_explain_leave, sgt_explain_trace, sgt_explain_aim).  What they say is held to
  * what the functions answer. */

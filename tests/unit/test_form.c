@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* The forms of src/system/form.h contain what they say: random forms, random members of them, each operation
  * in long double.  A member of a form is c + a U + b V + s e at a random (U, V), with s in [-1, 1]; ends of
  * all are drawn often. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Texts of formulas and the tapes made of them (src/surface/formula).
  *
  * Random trees of operations are printed as text, with as few parentheses as the grammar needs, or more, and

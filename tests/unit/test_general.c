@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* What is no root, and what never ends: a user's surface with poles and jumps, one that answers at random,
  * and one whose enclosure decides little.  Poles and steep roots look alike to a search by signs; all ways
  * to a root are tried: the first and the one near the seed, single or not, with each thing that a surface

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sgt_intersect on a user's surface: what each answer of the surface buys, and what is
  * promised with no answer but `value`.  The truth is worked out in long double: by signs on
  * both sides of a hit, by dense samples where all roots are wanted. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Level sets of quaternion orbits: which parameters are none, what zeros stand for, and closed
  * forms.  With c = 0 the level set is the sphere |Q| = E^(1/p^N); a Mandelbrot's N = 1 is the ball
  * of radius E, its N = 2 cuts the real axis where x^2 + x = 2; and for c = -2 the real axis maps

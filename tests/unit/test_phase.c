@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Ideal lenses: slopes, mirrors, light both ways, paths from a point to its image, and phases that are not
  * sound. */
 #include "unit.h"

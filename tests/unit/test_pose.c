@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sgt_pose_tilted against a product of three matrices, worked out in long double. */
 #include "unit.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Proof, for surfaces of a user: what a proof says is true, of rays made to be difficult.
  *
  * A ray is made from a point `at`, a direction and a power of two, `away`, with few enough bits that the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* What one step of the quick form claims (src/solve/step.h), by itself: a root that is certified is inside
  * of the stretch for which the slope is bounded, and a root is told not to count only where no point within
  * its error does.  And what an entry of a list covers that takes in another one (src/solve/entries.h). */

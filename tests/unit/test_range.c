@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* test_range.c - what an answer's numbers owe each other, whatever the exponents of a question are.
  *
  *   random      parameters, rays and options of any exponents, now and then zero, subnormal or the largest
@@ -273,7 +274,7 @@ static void test_stretched(void **state)
     static const char *const kinds[] = {"even_asphere", "odd_asphere", "polynomial_xy", "chebyshev",
                                         "zernike", "q_con", "grid", "sum"};
     long hits = 0, open = 0;
-    for (long i = 0, n = scaled(250); i < n; i++)
+    for (long i = 0, n = scaled(100); i < n; i++)
         for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {
             bool wanted = false;
             for (size_t j = 0; j < COUNT_OF(kinds); j++) wanted = wanted || strcmp(b->type, kinds[j]) == 0;

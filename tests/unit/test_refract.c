@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Refraction and reflection, seen through sgt_trace at one element: the law in long double,
  * its limits, and normals of every size.  A plane of the user's own gives the normal. */
 #include "unit.h"

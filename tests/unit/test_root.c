@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* The solver alone: sgt_root_begin, sgt_root_next, fed equations whose roots are known in
  * closed form, with true slopes and with lies.  What must hold, whatever the slope says:
  *   - no t outside the span, never NaN; never more evaluations than the budget;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* What a watcher is told is so: at a point F and its slope, as `value` gives them there; over a cell bounds
  * that contain what samples of `value` show.  Every type of surface, formulas with what they offer taken away
  * one by one, each pick and proof, one ray and batches, the first root and all roots, and a trace. */

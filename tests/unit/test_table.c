@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* What every row of sgt_builtins owes, from the row alone: a new surface is tested here the day
  * it is in the table. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sgt_trace against a tracer of twenty lines in long double, and its promises one by one:
  * fates, apertures and what they have to say in the choice of a root, paths, far launches. */
 #include "unit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* unit.h - what the unit tests share: cmocka, a generator of random cases, long doubles.
  *
  * SAGITTA_TEST_SEED chooses other cases (a number; 1), SAGITTA_TEST_SCALE multiplies how

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* Which search a ray goes through: a line for each type of surface, with the share of rays that take each
  * way of src/solve/ways.h, as docs/ways_table.py wants it.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* arena.c - memory that is freed all at once.
  *
  * Small things are cut from blocks of 16 KiB, so that a lens of 10^5 surfaces is not millions of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* arena.h - memory that is freed all at once: blocks that stay where they are. */
 #ifndef SGT_LENS_ARENA_H
 #define SGT_LENS_ARENA_H

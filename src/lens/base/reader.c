@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* reader.c - memory, lines, words, numbers, errors. */
 #include "reader.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* reader.h - what the readers of catalogues share: memory, lines, words, numbers, errors. */
 #ifndef SGT_LENS_READER_H
 #define SGT_LENS_READER_H

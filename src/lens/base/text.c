@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* text.c - files as text: reading them whole, and their encodings.
  *
  * ENCODINGS.  A mark at the start tells UTF-8 and both UTF-16.  Without one, a zero in one of the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* vec3.h - sums and products of vectors, and frames. */
 #ifndef SGT_LENS_VEC3_H
 #define SGT_LENS_VEC3_H

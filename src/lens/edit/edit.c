@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* edit.c - a lens is copied, asked and changed by the paths of its file.
  *
  * ONE WAY TO A LENS.  An edit copies the tree into an arena of its own, changes the copy, and has the lens

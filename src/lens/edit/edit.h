@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* edit.h - what the files of this room share: changes of a tree that is to become another lens. */
 #ifndef SGT_LENS_EDIT_EDIT_H
 #define SGT_LENS_EDIT_EDIT_H

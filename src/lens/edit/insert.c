@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* insert.c - what stands in lists and maps comes and goes. */
 #include "edit.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* parts.c - what the changes of a tree share: what is refused, and the parts of it that they look at. */
 #include "edit.h"
 

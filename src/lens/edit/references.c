@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* references.c - pickups and tolerances go on meaning the same surface when others come, go or change places.
  *
  * They name a surface by its number.  Before the list changes the entry that is meant is noted, and

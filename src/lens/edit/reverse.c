@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* reverse.c - a group of surfaces turned front to back.
  *
  * The group is mirrored in a plane z = const: surface k of m becomes surface m + 1 - k, each sag its

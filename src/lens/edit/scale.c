@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* scale.c - a lens made larger or smaller: each number is multiplied by the factor to the power that its unit
  * has of length.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* figure.c - figures of a lens, residuals and derivatives.
  *
  * A NORM.  The residual of a ray is its error times the root of its share: with the weight W of a field among

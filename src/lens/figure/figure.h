@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* figure.h (of the room) - a lens as a row of numbers, and how a number of its file moves them. */
 #ifndef SGT_FIGURE_FIGURE_H
 #define SGT_FIGURE_FIGURE_H

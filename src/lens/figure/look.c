@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* look.c - a lens as a row of numbers: all that its rays hang on.
  *
  * A ray's end is a function of the numbers of a trace (sgt_trace_parameters) and of the launch ray.  The

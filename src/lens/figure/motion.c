@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* motion.c - how the numbers of a lens move with one number of its file.
  *
  * DIFFERENCES OF THE READER.  The lens is made anew, by the reader, at x - h and x + h, and its numbers v are

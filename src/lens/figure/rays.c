@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* rays.c - rays of a field through a lens, and back: how sums of their ends move with numbers of the file.
  *
  * THE CHAIN.  The gradient of a sum s of a ray's end has its derivatives by all numbers of the trace, the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* agf.c - glass catalogues in the form of OpticStudio (.agf).
  *
  * A line is a record: a key of two letters, then fields with blanks between.

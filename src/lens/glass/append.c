@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* append.c - a glass that was read, into its catalogue. */
 #include "forms.h"
 

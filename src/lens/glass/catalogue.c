@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* catalogue.c - catalogues of glasses: files and folders, looking up by name.
  *
  * NEAREST NAMES are those with the least edit distance (Levenshtein 1966): insertions, deletions

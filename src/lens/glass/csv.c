@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* csv.c - the table of glasses that ships.
  *
  *     maker,glass,formula,from_um,to_um,coefficients

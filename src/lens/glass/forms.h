@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* forms.h - what the readers of catalogues share, and the forms that they read. */
 #ifndef SGT_LENS_FORMS_H
 #define SGT_LENS_FORMS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* glass.c - the index of a glass by its dispersion formula.
  *
  * All formulas are sums of few kinds of terms (include/sagitta/lens.h lists them): powers of

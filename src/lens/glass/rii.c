@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* rii.c - one material in the form of the refractiveindex.info database (.yml).
  *
  *     REFERENCES: "..."

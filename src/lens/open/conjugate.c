@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conjugate.c - ideal lenses without an object_distance get the paraxial one.
  *
  * It is of each wavelength.  What is in front forms an image of the object, whose place depends on the

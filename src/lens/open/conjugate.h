@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conjugate.h - the conjugate planes of ideal lenses whose file gives none. */
 #ifndef SGT_LENS_CONJUGATE_H
 #define SGT_LENS_CONJUGATE_H

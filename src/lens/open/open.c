@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* open.c - from a file or text to a lens: which form it has, and one place where a reading ends.
  *
  * A fault anywhere jumps back to `read_by`, which frees what was read so far.  What a reading

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* open.h - a tree becomes a lens. */
 #ifndef SGT_LENS_OPEN_H
 #define SGT_LENS_OPEN_H

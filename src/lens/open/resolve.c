@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* resolve.c - pickups and solves: values of a lens file that follow from others.
  *
  *     {pickup: PATH, scale: s, offset: o}   s x + o, where x is the number at PATH; without scale and

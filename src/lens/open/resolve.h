@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* resolve.h - the values of pickups and solves. */
 #ifndef SGT_LENS_RESOLVE_H
 #define SGT_LENS_RESOLVE_H

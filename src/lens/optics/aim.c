@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aim.c - rays aimed at the stop, and fields aimed at the image.
  *
  * A RAY OF A BEAM is one of a family with two parameters, its coordinates u, v in the entrance

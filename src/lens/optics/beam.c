@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* beam.c - the rays of a field as a family: from an object point, or a wavefront, through the pupil.
  *
  * A FIELD of the angles a, b: its chief ray, through the pupil's centre, has the slopes tan a in x

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chief.c - first-order data along the real chief ray of a field.
  *
  * The chief ray goes through the centre of the stop, or of the paraxial pupil if the object is telecentric.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ends.c - where the rays of a field end, and how sure that is.
  *
  * THE LAUNCH RAY is itself rounded.  Each of its numbers is off by some ulps: for the point at the end

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* first_order.c - paraxial data of a lens, and its Seidel sums.
  *
  * A RAY is (y, w) with w = n u.  A surface of power F = C (n' - n) takes w to w - y F, a

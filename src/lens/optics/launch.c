@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* launch.c - a launcher: a lens and its pupil, and the rays of a field through it.
  *
  * THE PUPIL is that of the first-order data (sgt_lens_first_order): at the primary wavelength, the

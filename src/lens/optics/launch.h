@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* launch.h - a launcher from inside. */
 #ifndef SGT_OPTICS_LAUNCH_H
 #define SGT_OPTICS_LAUNCH_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* objects.h - what each surface of a lens has for an object; in first_order.c. */
 #ifndef SGT_OPTICS_OBJECTS_H
 #define SGT_OPTICS_OBJECTS_H

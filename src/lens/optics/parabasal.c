@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* parabasal.c - first-order data along a real chief ray.
  *
  * Rays near the chief ray differ from it by X, a displacement at right angles to it, and by U, the

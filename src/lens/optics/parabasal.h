@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* parabasal.h - the two sections of a chief ray, the first of them along any direction. */
 #ifndef SGT_LENS_PARABASAL_H
 #define SGT_LENS_PARABASAL_H

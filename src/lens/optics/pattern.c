@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* pattern.c - points in the unit circle of a pupil, the same bits on every system.
  *
  * What makes them is integers, sums, products and quotients; the cosines of a hexapolar pattern

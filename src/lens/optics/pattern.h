@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* pattern.h - a pattern of the pupil in parts. */
 #ifndef SGT_OPTICS_PATTERN_H
 #define SGT_OPTICS_PATTERN_H

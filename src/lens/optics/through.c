@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* through.c - a ray through a lens, whatever clips it; the last element as an image.
  *
  * THE LAST ELEMENT is where rays end.  An ideal lens there would add its own path to theirs, though the

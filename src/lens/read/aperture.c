@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aperture.c - the apertures of a surface from its list of maps. */
 #include "aperture.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* aperture.h - the apertures of a surface from its list of maps. */
 #ifndef SGT_LENS_APERTURE_H
 #define SGT_LENS_APERTURE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* formula.c - reads a surface that is a formula (sagitta/formula.h) from its YAML map.
  *
  *     {type: formula, f: "x^4 + y^4 + z^4 = a", a: 1, inside: {ball: 1.6}}

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* formula.h (of the room) - reads a surface that is a formula from its map. */
 #ifndef SGT_LENS_FORMULA_H
 #define SGT_LENS_FORMULA_H

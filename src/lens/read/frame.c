@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* frame.c - the running frame of a lens.
  *
  * A turn is a product of three turns about one axis each; multiples of 90 degrees are exact

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* frame.h - the running frame of a lens: where the next vertex stands. */
 #ifndef SGT_LENS_FRAME_H
 #define SGT_LENS_FRAME_H

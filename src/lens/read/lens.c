@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lens.c - makes a lens of the tree of its file.
  *
  * Vertices stand where the running frame is (frame.c): without breaks, on the axis at the running

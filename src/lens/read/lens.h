@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lens.h - a lens and what it is made of, beyond what users see. */
 #ifndef SGT_LENS_LENS_H
 #define SGT_LENS_LENS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* matrix.c - reads a table of numbers from a file.
  *
  * CSV: each line is a row of numbers with commas between them.  Allowed are blanks around a

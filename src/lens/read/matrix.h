@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* matrix.h - reads a table of numbers from a file: csv, or npy as NumPy writes it. */
 #ifndef SGT_LENS_MATRIX_H
 #define SGT_LENS_MATRIX_H

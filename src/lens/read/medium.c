@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* medium.c - a medium as a lens file names it, and its index at a wavelength.
  *
  * The table of glasses that ships is read when the first name is met, if the caller gave none.

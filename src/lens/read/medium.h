@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* medium.h - a medium as a lens file names it, and its index at a wavelength. */
 #ifndef SGT_LENS_MEDIUM_H
 #define SGT_LENS_MEDIUM_H

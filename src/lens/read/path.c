@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* path.c - paths, and the places in the tree that they mean.
  *
  *     path  = key { "." key | "[" place "]" | "[" name "]" }      place: digits, from 1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* path.h - paths: places in the tree of a lens as people say them (sagitta/edit.h). */
 #ifndef SGT_LENS_PATH_H
 #define SGT_LENS_PATH_H

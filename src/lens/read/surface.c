@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* surface.c - reads a surface from its YAML map, by the library's table.
  *
  * The keys are the names of the parameters in sgt_builtins, with their places and limits.  So a

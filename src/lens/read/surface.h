@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* surface.h - reads a surface from its map. */
 #ifndef SGT_LENS_SURFACE_H
 #define SGT_LENS_SURFACE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tolerance.c - reads `tolerances` of a lens file: what is off, of which surfaces, and by how much.
  *
  * An entry has one of the keys of `kinds`, which says what is off.  Its value is the box: d for -d to d, or

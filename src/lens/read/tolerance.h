@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tolerance.h - reads `tolerances` of a lens file. */
 #ifndef SGT_LENS_READ_TOLERANCE_H
 #define SGT_LENS_READ_TOLERANCE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tree.c - building the tree of a lens file, and reading the values in it. */
 #include "tree.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tree.h - the one form into which every reader of lens files turns its text: a tree of maps,
  * lists and words that know their lines.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* unit.c - the unit of length of a lens, of which its file has a label. */
 #include <sagitta/study.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* write.c - a tree as YAML that a person likes to read.
  *
  * A list or map is written in one line, in brackets, if it is marked so or fits the line; else

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* yaml.c - a lens file in YAML: libyaml's events become a tree.
  *
  * The tree is built as the events come, so too deep a nesting is refused at once: libyaml's own

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* yaml_missing.c - in place of yaml.c where the library is built without libyaml. */
 #include "tree.h"
 

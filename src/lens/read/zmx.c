@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* zmx.c - lenses as OpticStudio (Zemax) writes them, .zmx.
  *
  * THE TEXT.  A line is a record: a keyword, and fields with blanks between.  SURF n opens a surface, and the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* zmx.h - a .zmx file on its way into a tree: zmx.c tells the records apart, zmx_system.c and
  * zmx_surface.c read them by the fields of zmx_field.c, zmx_elements.c makes surfaces and breaks of them. */
 #ifndef SGT_LENS_ZMX_H

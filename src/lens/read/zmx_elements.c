@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* zmx_elements.c - the surfaces of a .zmx file become surfaces and breaks of the lens file.
  *
  * TYPES.  z is the sag, r^2 = x^2 + y^2, c = CURV, k = CONI, Pi = PARM i, Xi = XDAT i; conic(r) as always.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* zmx_field.c - the fields of a record of a .zmx file.  What is missing or wrong is told, with its number. */
 #include "zmx.h"
 

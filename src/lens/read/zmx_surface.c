@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* zmx_surface.c - the records of a surface in a .zmx file.
  *
  * What is kept of them is in zmx_surface (zmx.h), with the lines where it stands; zmx_elements.c says what

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* zmx_system.c - what a .zmx file says of the lens as a whole: pupil, fields, wavelengths.
  *
  * PUPIL.  ENPD d is the diameter of the entrance pupil, FNUM the f-number of the image space (focal length

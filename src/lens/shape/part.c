@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* part.c - the part of a sag that is in use: the edge of an aperture, or what rays show.  shape.h says
  * which. */
 #include <sagitta/shape.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* section.c - the sag of a surface, and its section by a plane, found by asking the library.
  *
  * The sag is where a line parallel to z meets the surface.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* analyses.c - which analyses there are, and their columns as a study fills them. */
 #include "analyses.h"
 #include "study.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* analyses.h - the analyses, each defined in a file of its own. */
 #ifndef SGT_STUDY_ANALYSES_H
 #define SGT_STUDY_ANALYSES_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* curves.c - where rays near a chief ray meet, and how far its image lies from where it should.
  *
  * THE TANGENTIAL PLANE holds the axis and the field: the object's direction, or its point.  The sections

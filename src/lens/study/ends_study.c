@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ends_study.c - the study itself: where each ray ends, and how sure that is. */
 #include "analyses.h"
 #include "study.h"

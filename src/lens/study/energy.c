@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* energy.c - encircled energy: how much of the light falls within a radius about a point of the image.
  *
  * It is geometrical: the share of the rays that pass, each with its weight, whose distance is at most the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fan.c - transverse errors along lines of the pupil: where rays end, from where the chief ray of the primary
  * wavelength does.  Both are off by their p_err at most. */
 #include "spot.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* field.c - field curvature, astigmatism and distortion along the chief rays of a study: curves.c for each
  * field and wavelength.  Apertures and vignetting do not count. */
 #include "analyses.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* illumination.c - vignetting and relative illumination.
  *
  * `fraction` is the share of the pupil whose rays reach the image: the weight of the rays that pass, over the

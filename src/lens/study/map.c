@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* map.c - what becomes of rays over the pupil or over the field, point by point. */
 #include "analyses.h"
 #include "study.h"

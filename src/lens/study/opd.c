@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* opd.c - optical path differences in waves: ray by ray, summed up, or fitted by polynomials.
  *
  * Each wavelength has its own chief ray and so its own reference; the exit pupil is that of the primary one.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* spot.c - the spot of rays at the last element.
  *
  * SUMS are made of a block of rays, and those of the blocks are added: about a point that is known, so that

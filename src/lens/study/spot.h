@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* spot.h - sums over the ends of rays, and the image surfaces of a study. */
 #ifndef SGT_STUDY_SPOT_H
 #define SGT_STUDY_SPOT_H

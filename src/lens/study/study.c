@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study.c - fields x wavelengths x points of the pupil, and their rays in blocks.
  *
  * WHAT A STUDY IS stands in one place, here: which fields, wavelengths and points there are if nothing is

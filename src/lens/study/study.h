@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* study.h (of the room) - a study that is being asked: its fields, wavelengths and points, and their rays in
  * blocks. */
 #ifndef SGT_STUDY_STUDY_H

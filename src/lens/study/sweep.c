@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sweep.c - how many rays meet which fate, against the field, in the y-z plane. */
 #include "analyses.h"
 #include "study.h"

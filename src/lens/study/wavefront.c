@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* wavefront.c - optical path differences, and Zernike polynomials fitted to them.
  *
  * THE PATH TO THE SPHERE.  A ray meets the last element at p, with the path L, and goes along d.  With

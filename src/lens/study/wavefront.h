@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* wavefront.h - sums over path differences. */
 #ifndef SGT_STUDY_WAVEFRONT_H
 #define SGT_STUDY_WAVEFRONT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* zernike_fit.c - least squares of Zernike polynomials over many points, of which none is kept.
  *
  * The rows of the matrix A are the polynomials at the points, each times the root of its weight; v are the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* zernike_fit.h - Zernike polynomials fitted to more points than are kept (zernike_fit.c). */
 #ifndef SGT_STUDY_ZERNIKE_FIT_H
 #define SGT_STUDY_ZERNIKE_FIT_H

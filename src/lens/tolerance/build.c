@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* build.c - the lens of a point of the box, by edits.
  *
  * All that the entries put off is written for every point, also what is 0 there.  So the lens of a point does

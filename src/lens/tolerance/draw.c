@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* draw.c - the values of a trial.
  *
  * A generator by counter (Philox4x32-10) turns (seed; trial, entry, block) into 128 random bits: two numbers

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* figure.c - the figure of a lens, and the compensators that make it best.
  *
  * A compensator is sought by parabolas through the square of the figure at three places: of the spot against

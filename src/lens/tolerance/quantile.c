@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* quantile.c - quantiles and shares with their intervals, whatever the distribution.
  *
  * Of n values let B be how many lie at or below the true quantile q of p: binomial of n and p.  The r-th

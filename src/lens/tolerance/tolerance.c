@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tolerance.c - what each tolerance does, and what all do together.
  *
  * Lenses are built and judged in tasks, each with a copy of the lens of its own; results have their place

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tolerance.h (of the room) - a lens whose tolerances are asked about. */
 #ifndef SGT_TOLERANCE_TOLERANCE_H
 #define SGT_TOLERANCE_TOLERANCE_H

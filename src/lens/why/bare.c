@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bare.c - a surface without its rim: a copy of its parameters with a semi_diameter of 0. */
 #include "bare.h"
 

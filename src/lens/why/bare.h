@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bare.h - a surface without its rim, if its type has one. */
 #ifndef SGT_LENS_BARE_H
 #define SGT_LENS_BARE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ended.c - why a ray ended at an element, in words of optics. */
 #include <sagitta/surfaces.h>
 #include <sagitta/why.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* missed.c - why a ray misses a surface, and why a place on which another method has settled is no root.
  *
  * A MISS is certain; its reason is looked for from the outside in.  Without the ends of the ray: is there a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* nearest.c - how near a line that misses a surface comes to it, found by asking the library.
  *
  * THE SHADOW.  Seen along the line, the surface is a shadow in the plane across.  The line is one point of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* say.c - a text that grows in the room of a caller. */
 #include "say.h"
 

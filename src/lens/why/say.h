@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* say.h - a text that grows in the room of a caller; short numbers. */
 #ifndef SGT_LENS_SAY_H
 #define SGT_LENS_SAY_H

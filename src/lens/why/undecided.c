@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* undecided.c - the stretch of a ray still in doubt, and the reason.
  *
  * The library gives the stretch [lo, hi].  To find the reason, the library is asked again for every root

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* asphere.c - a conic plus the sum P of a[i] r^(2i+2): Newton's method, certified.
  *
  * F = z - s(r^2) - P(r^2) is solved in the polynomial form G of poly.c.  G has the roots of F, and poly.c

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* asphere.h - what the files of the asphere share. */
 #ifndef SGT_SURFACE_ASPHERE_ASPHERE_H
 #define SGT_SURFACE_ASPHERE_ASPHERE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* classify.c - every root of an asphere on a stretch of a ray, in order, none missed.
  *
  * THE STRETCH is the chord of the rim.  Without a rim it is the chord of the nearer of two cylinders: the

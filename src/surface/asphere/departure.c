@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* asphere/departure.c - the terms of an even asphere by themselves, for a sum (departure/sum.c): P =
  * p(rho), with rho = r^2 and p the sum of a[i] rho^(i+1).
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* asphere/easy.h - an asphere met as in a lane: no branch, a fixed number of evaluations, a bound at the
  * end.
  *

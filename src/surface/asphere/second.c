@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* asphere/second.c - derivatives of the even asphere for sensitivities.
  *
  * The formulas of the conic are in sag/second.h.  With q = r^2 and P = sum of a[i] q^(i + 1), the departure

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* asphere/side.c - rays from the side: the loops of asphere/side.h, and the single ray.
  *
  * WHY APART.  Without them each such ray of a batch is met by itself: 1,960 ns for a ray along the vertex

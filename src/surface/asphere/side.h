@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* asphere/side.h - an even asphere met from the point of the ray nearest the vertex, without a branch: rays
  * that run along the surface, enter a bowl from the side, or pass by.  The loops are in asphere/side.c.
  *

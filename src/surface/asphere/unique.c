@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* asphere/unique.c - a root of an asphere was met near the vertex: is it the only one within the rim?  And
  * a ray that leaves the surface: does it meet nothing?
  *

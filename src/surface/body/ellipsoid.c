@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ellipsoid.c - the ellipsoid of revolution about z, oblate or prolate.
  *
  * With w = z / (1 - f) it is the sphere x^2 + y^2 + w^2 = a^2, and

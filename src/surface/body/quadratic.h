@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* quadratic.h - rays and surfaces of the second degree: the parabola, its roots, and what is certain of
  * them.
  *

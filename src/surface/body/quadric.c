@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* quadric.c - any surface of the second degree: both sheets of a hyperboloid, a pair of planes, a plane.
  *
  * The parameters are squares a, b, c; products d of xy, e of yz, f of xz; linear g, h, i.  The first row

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* torus.c - the torus about z, from a thin hoop to a spindle.
  *
  * With rho = sqrt(x^2 + y^2) the quartic is a product, (x^2 + y^2 + z^2 + R^2 - r^2)^2 - 4 R^2 rho^2 = G

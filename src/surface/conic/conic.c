@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conic.c - plane, sphere and conic, in closed form with a bound on the error.
  *
  * THE EQUATION.  The sag z = s(x, y) is s = c r^2 / (1 + phi), with phi = sqrt(1 - (1 + k) c^2 r^2).  It is
@@ -53,7 +54,7 @@
  * (careful_proof; in the quick form 0.99 of half that).  The side of the rim has to be certain
  * (rim_hidden).
  *
- * Times, worst cases: docs/accuracy.md. */
+ * Times, worst cases: docs/data/one_ray.md, random.md. */
 #include "../../num/bits.h"
 #include "../../solve/ways.h"
 #include "side.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conic.h - the conic by its parameters.  An asphere without terms calls it. */
 #ifndef SGT_SURFACE_CONIC_CONIC_H
 #define SGT_SURFACE_CONIC_CONIC_H

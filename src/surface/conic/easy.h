@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conic/easy.h - a conic or a plane met as in a lane: closed form from the vertex plane, without a branch.
  * The equation is in conic.c, with what happens to the rays that are not easy.  The loops are in
  * conic/lanes.c.

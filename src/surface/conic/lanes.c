@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conic/lanes.c - a tile of rays and a conic or a plane: loops over the lanes of conic/easy.h.
  *
  * WHY APART.  Without these loops (lanes = NULL) a batch costs 12 times the instructions; by the lanes of

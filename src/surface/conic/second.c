@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conic/second.c - derivatives of the conic for sensitivities.  The formulas are in sag/second.h. */
 #include "../sag/second.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* conic/side.h - a conic met in closed form from the point of the ray nearest the vertex, without a branch:
  * rays that run along the surface, or enter a bowl from the side; last, rays that start on it.  The loops
  * are in conic/lanes.c.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bend.h - the length of a gradient and the norm of a second derivative, from bounds on their entries. */
 #ifndef SGT_SURFACE_DEPARTURE_BEND_H
 #define SGT_SURFACE_DEPARTURE_BEND_H

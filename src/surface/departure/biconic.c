@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* biconic.c - two curvatures and two conic constants, under one root.
  *
  * THE SAG.  s = N / w with w = 1 + phi, N = c_x x^2 + c_y y^2, phi^2 = D = 1 - A x^2 - B y^2, A = (1 +

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chebyshev.c - a sum of products of Chebyshev polynomials of x and of y, on a conic.
  *
  * T_n and U_n-1 = T_n' / n are computed by the addition theorem of the angle.  With x = cos u and w = 1 -

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* departure/departure.c - a departure P(x, y) on a conic base: all that such a surface answers
  * (departure.h).
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* departure.h - sags that are a departure P(x, y) on a conic base: F = z - (conic(r^2) + P).
  *
  * A type of this kind writes P alone, as a `departure`.  departure/departure.c makes all operations of a

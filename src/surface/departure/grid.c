@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* grid.c - heights on a rectangular grid, and bicubic convolution between them.
  *
  * ONE DIRECTION (Keys 1981, a = -1/2).  Take v in [0, 1] in a cell between two heights.  Let D_0, D_1, D_2

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* odd_asphere.c - P = sum of a[i] r^(i+1): odd and even powers of the distance from the axis.
  *
  * a[0] r is a cone, and P is split at its tip.  With h(r) = sum over i > 0 of a[i] r^(i-1),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* polynomial_xy.c - P = sum of a[i][j] x^i y^j.
  *
  * Each row is summed by Horner's rule in y: w = sum of a[i][j] y^j, with dw/dy.  The rows are summed by

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* q.h - what Forbes' polynomials of a radius share: a sum of orthogonal polynomials in v = (r / norm)^2.
  *
  * p_0 = 1, p_1 = alpha_0 + beta_0 v, p_(m+1) = (alpha_m + beta_m v) p_m - gamma_m p_(m-1).  The sum S of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* q_bfs.c - Forbes' mild aspheres, on a sphere: P = v (1 - v) S(v) / sqrt(1 - c^2 r^2), v = (r / norm)^2,
  * S = sum of a[m] Qbfs_m(v).
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* q_con.c - Forbes' strong aspheres: P = v^2 S(v), v = (r / norm)^2, S = sum of a[m] Qcon_m(v), where
  * Qcon_m(v) = P_m^(0,4)(2 v - 1) of Jacobi.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sum.c - several departures on one conic base.
  *
  * P = P_1 + P_2 + ..., where each P_i is the departure of a surface.  They are summed in the order of the

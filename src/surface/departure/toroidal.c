@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* toroidal.c - a profile z_p(y), a conic and even powers, swept about an axis parallel to y.
  *
  * THE SAG.  Let t = c_x x and q = 1 - c_x z_p.  q is the profile's distance from the axis z = 1 / c_x,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* zernike.c - a sum of Zernike's circle polynomials on a conic.
  *
  * Let zeta = (x + i y) / norm and s = |zeta|^2.  The polynomials of one m and radial orders n = m + 2 k

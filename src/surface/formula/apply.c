@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* apply.c - the numbers that a tape's steps share.
  *
  * The uniforms of a tape are worked out here once for all points, each from earlier ones, and as intervals:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* enclose.c - a formula over intervals: F, derivatives in two directions, and the second derivative of both.
  *
  * Each register carries intervals of f, f_u, f_v and f_uv (values.c has the same in doubles).  With exact

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* enclose_lanes.c - F and its slope along the ray, on many cells at a time.
  *
  * A cell is an interval of t on a ray.  x, y, z are intervals there, and their slopes by t are the numbers d.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fault.c - the sentence that says what is wrong with a formula.
  *
  * The library prints nothing, so it has no printf.  The few sentences of a reader are appended part by part.

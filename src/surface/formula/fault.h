@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fault.h - the sentence that says what is wrong with a formula, put together without the C library. */
 #ifndef SGT_SURFACE_FORMULA_FAULT_H
 #define SGT_SURFACE_FORMULA_FAULT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* formula.h (of the room) - what is worked out from a tape.
  *
  *     values.c    F and its derivatives at many points, in doubles

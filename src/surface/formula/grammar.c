@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* grammar.c - a text as the nodes of a graph.
  *
  * The text is read once, from left to right, with one word of foresight: each rule of the grammar (formula.h)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* grammar.h - a text as the nodes of a graph. */
 #ifndef SGT_SURFACE_FORMULA_GRAMMAR_H
 #define SGT_SURFACE_FORMULA_GRAMMAR_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* graph.c - the graph of a formula: equal parts once, and what can be simpler is.
  *
  * EQUAL PARTS.  A node is looked for among those with the same hash before it is made (Ershov 1958, Comm. ACM

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* graph.h - a formula as a graph: each operation is a node, and equal operations are one node. */
 #ifndef SGT_SURFACE_FORMULA_GRAPH_H
 #define SGT_SURFACE_FORMULA_GRAPH_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* implicit.c - the surface F(x, y, z) = 0 of a formula, within a ball or a box.
  *
  * Each operation of a surface is worked out from the tape: F and its gradient by values.c, enclosures by

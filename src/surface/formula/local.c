@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* local.c - one operation of a formula on a row of points (local.h). */
 #include "local.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* local.h - one operation of a formula on a row of points: its result, and its own derivatives.
  *
  * With v = op(a, b) the rules are in terms of the partial derivatives by the operands, va, vb, vaa, vab, vbb.

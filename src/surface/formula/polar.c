@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* polar.c - r^n cos(n atan2(y, x)) and r^n sin(n atan2(y, x)) as polynomials.
  *
  * Lenses have terms like a r^4 cos(3 atan2(y, x)).  Worked out as it is written, that has no slope at the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* polar.h - products with their powers of r and their waves kept apart, until they are needed as one. */
 #ifndef SGT_SURFACE_FORMULA_POLAR_H
 #define SGT_SURFACE_FORMULA_POLAR_H

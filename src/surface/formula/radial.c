@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* radial.c - a sag that depends on s = x^2 + y^2 alone, and its derivative by s.
  *
  * Such a tape (tape.h) has one variable.  Each register is a row of numbers and a row of their derivatives by

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* read.c - a formula from its text: the room, and the tape in it.
  *
  * grammar.c makes a graph of the text.  schedule.c makes steps of the graph.

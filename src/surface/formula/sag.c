@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sag.c - the sag z = s(x, y) of a formula: a departure from a plane, whose bounds are made of intervals.
  *
  * departure/departure.c asks for P, its rounding, and bounds of P and its first two derivatives over a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* scan.c - the text of a formula as words.
  *
  * Blanks, tabs and ends of lines separate words and mean nothing.  Everything else is ASCII: whoever copies a

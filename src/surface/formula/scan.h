@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* scan.h - the text of a formula as words: numbers, names and signs. */
 #ifndef SGT_SURFACE_FORMULA_SCAN_H
 #define SGT_SURFACE_FORMULA_SCAN_H

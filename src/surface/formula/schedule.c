@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* schedule.c - in which order a formula's nodes are worked out, and in which registers.
  *
  * A node is worked out after its operands.  Its result stays in a register until the last node that needs it

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* schedule.h - the nodes of a graph that a formula needs, as the steps of a tape. */
 #ifndef SGT_SURFACE_FORMULA_SCHEDULE_H
 #define SGT_SURFACE_FORMULA_SCHEDULE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tape.h - a formula that has been read: steps over registers, and the numbers they share.
  *
  * A STEP does one operation on one or two operands and puts the result in a register.  Registers 0, 1, 2

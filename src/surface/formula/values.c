@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* values.c - a formula and its derivatives at many points, in doubles.
  *
  * GRADIENT.  Each register carries its number and its derivatives by x, y and z, forward, for a row of up to

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* cell.h - the formulas of a cell (orbit.h), for one lane or many.  For p = 2 the numbers may be doubles
  * or vectors of doubles.  The verdict at level N is for one cell of any power.
  *

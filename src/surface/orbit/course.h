@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* course.h - how a march over a level set goes on, for one ray and for many.
  *
  * The set lies in the ball |Q_0| <= E_0.  The ray is made local at its point nearest the centre of the

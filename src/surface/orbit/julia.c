@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* julia.c - level sets of Q^p + c as surfaces: the quaternion Julia and Mandelbrot sets.
  *
  * value.c has F at a point.  level.c and level_batch.c have the roots along a ray.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* level.c - every root of a level set |Q_N| = E along a ray, in order, none missed.
  *
  * THE CHORD.  The set lies in the ball |Q_0| <= E_0.  The ray is made local at its point nearest the

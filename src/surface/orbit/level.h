@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* level.h - the roots of a level set of an orbit along a ray. */
 #ifndef SGT_SURFACE_ORBIT_LEVEL_H
 #define SGT_SURFACE_ORBIT_LEVEL_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* level_batch.c - first hits of many rays on a level set with p = 2: the march of level.c, one ray in each
  * lane.
  *

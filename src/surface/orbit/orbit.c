@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* orbit.c - cells and values of an orbit along a ray.  The mathematics is in orbit.h. */
 #include "../../num/elementary.h"
 #include "cell.h"

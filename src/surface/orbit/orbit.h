@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* orbit.h - quaternion orbits Q_{j+1} = Q_j^p + c, their level sets |Q_N| = E, and what can be said of one
  * over a stretch of a ray.
  *

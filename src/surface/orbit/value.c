@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* value.c - F of a level set at a point: its value and gradient, its rounding, and the potential.
  *
  * F = (u - 1) / (u + 1) with u = |Q_N|^2 / E^2.  It has the roots of |Q_N|^2 - E^2, which overflows at N =

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chord.c - where on a ray a sag can be met.
  *
  * The domain of a sag is a cylinder about its axis, r <= rim or r <= the equator of the conic base.  A ray

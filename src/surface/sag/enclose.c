@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* enclose.c - g and g' of a sag over a stretch of a ray, by intervals.
  *
  * g(t) = z - s(rho) - P(rho), with rho = x^2 + y^2, s = c rho / (1 + phi), phi^2 = 1 - (1 + k) c^2 rho, and

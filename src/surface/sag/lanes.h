@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sag/lanes.h - a tile of rays met quickly: what conic and asphere share.
  *
  * A tile is met in two loops.  The first goes from the ray to its root near the vertex plane.  The second
@@ -6,7 +7,7 @@
  *
  * One loop would do.  But a square root, three quotients and what lies between them are a chain of more
  * than a hundred cycles.  That is as far as a processor can look ahead.  With two loops it works on the
- * chains of several rays at once (docs/accuracy.md, "Batches: speed"). */
+ * chains of several rays at once (docs/data/batches.md). */
 #ifndef SGT_SURFACE_SAG_LANES_H
 #define SGT_SURFACE_SAG_LANES_H
 

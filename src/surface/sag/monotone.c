@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* monotone.c - along which rays is a sag monotone, all over the chord of its domain?
  *
  * With a = l^2 + m^2 and L a bound on the slope of the sag, that is so where n^2 > L^2 a. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* piece.h - a ray cut into pieces by rings about the axis.
  *
  * A ring reaches from `in` to `out` of the axis.  It cuts two pieces from a ray, one before the point

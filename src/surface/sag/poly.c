@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* poly.c - a sag in polynomial form: what is known of it at a point, and near a root.
  *
  * THE EQUATION.  F = z - s(r^2) - P(r^2), where s is the conic of conic.c and P is the sum of a[i]

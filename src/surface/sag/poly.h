@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* poly.h - a sag in polynomial form, with bounds.  The equation and the bounds are derived in poly.c. */
 #ifndef SGT_SURFACE_SAG_POLY_H
 #define SGT_SURFACE_SAG_POLY_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sag.h - the conic base that every sag has: its formulas, its domain and its span. */
 #ifndef SGT_SURFACE_SAG_SAG_H
 #define SGT_SURFACE_SAG_SAG_H

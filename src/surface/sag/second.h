@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* second.h - derivatives of the conic's sag for sensitivities: by the point twice, and by c and k.
  *
  * Let q = r^2, e = (1 + k) c^2, phi = sqrt(1 - e q) and s = c q / (1 + phi).  Then ds/dq = c / (2 phi), and

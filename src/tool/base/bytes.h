@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* bytes.h - bytes that grow at their end. */
 #ifndef TOOL_BYTES_H
 #define TOOL_BYTES_H

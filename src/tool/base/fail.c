@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fail.c - an error ends the command where it is found.
  *
  * At exit all memory is freed (memory.c), but not while other threads may still use it.  An error in the

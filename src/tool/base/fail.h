@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fail.h - messages on standard error, and the exit status. */
 #ifndef TOOL_FAIL_H
 #define TOOL_FAIL_H

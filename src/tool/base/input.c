@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* input.c - reads a file or standard input whole, or maps it, and keeps output from overwriting an input. */
 #define _DEFAULT_SOURCE /* madvise */
 #include "input.h"

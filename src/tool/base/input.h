@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* input.h - a file, read whole or mapped. */
 #ifndef TOOL_INPUT_H
 #define TOOL_INPUT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* memory.c - a ring of blocks, each freed when the command ends.
  *
  * The command reads a file, answers and ends, so hardly anything is worth freeing before.  An error

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* memory.h - memory that lasts until the command ends, and is freed then. */
 #ifndef TOOL_MEMORY_H
 #define TOOL_MEMORY_H

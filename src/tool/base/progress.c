@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* progress.c - one line that is written over, with no colour and no sign but a return. */
 #include "progress.h"
 

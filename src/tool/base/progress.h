@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* progress.h - how far the command is, on standard error, once it has lasted two seconds. */
 #ifndef TOOL_PROGRESS_H
 #define TOOL_PROGRESS_H

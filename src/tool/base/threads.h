@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* threads.h - OpenMP, where the command is built with it. */
 #ifndef TOOL_THREADS_H
 #define TOOL_THREADS_H

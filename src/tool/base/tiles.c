@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tiles.c - rays in tiles, tiles in threads, results in order.
  *
  * A ray's answer depends on no other ray, and results are taken in the order of the tiles.  So it

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tiles.h - works through many rays in threads, some hundred rays at a time. */
 #ifndef TOOL_TILES_H
 #define TOOL_TILES_H

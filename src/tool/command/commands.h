@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* commands.h - the commands, each with its options and what runs it. */
 #ifndef TOOL_COMMANDS_H
 #define TOOL_COMMANDS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* contest.c - every search by every method: who settles, where, and after how many evaluations.
  *
  * The judge is the library's root of the same search.  A method agrees if it settles within the error of that

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* contest.h - one search by each method, side by side: as a table, and drawn. */
 #ifndef TOOL_CONTEST_H
 #define TOOL_CONTEST_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* course.c - the picture of one search, in four panels.
  *
  *     F along the ray  its curve, and each evaluation on it, with a mark for how its t was chosen.  Newton's

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* diagnose.c - sagitta diagnose: the solver watched, evaluation by evaluation.
  *
  * A function of x, or one surface and one ray, or one ray through a lens.  A function is the surface F = 0

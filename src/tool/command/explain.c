@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* explain.c - one line of verdict, and the numbers that support it. */
 #include "explain.h"
 

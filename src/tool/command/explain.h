@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* explain.h - what to conclude from the evaluations of a search. */
 #ifndef TOOL_EXPLAIN_H
 #define TOOL_EXPLAIN_H

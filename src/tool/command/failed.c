@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* failed.c - why a ray ended at an element of a lens, in the words of its designer.
  *
  * What became of the ray is compared with what would have let it through: the radius with the aperture's,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* failed.h - why a ray ended at an element of a lens: the first lines of a diagnosis. */
 #ifndef TOOL_FAILED_H
 #define TOOL_FAILED_H

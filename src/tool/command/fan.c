@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* fan.c - sagitta fan: the picture of transverse errors along two lines of the pupil. */
 #include "commands.h"
 #include "../look/lines.h"

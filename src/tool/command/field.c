@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* field.c - sagitta field: the picture of field curvature, astigmatism and distortion.
  *
  * A curve needs more points than a lens has fields: with --picture there are STEPS of them, from the axis to

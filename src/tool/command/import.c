@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* import.c - sagitta import: a lens of another format, or of several manners, as a lens file. */
 #include "commands.h"
 

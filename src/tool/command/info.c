@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* info.c - sagitta info: first-order data and Seidel sums of a lens, as text and csv; json is that of
  * info_json.c. */
 #include "commands.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* info.h - what info.c finds out, and info_json.c writes. */
 #ifndef TOOL_INFO_H
 #define TOOL_INFO_H

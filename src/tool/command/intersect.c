@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* intersect.c - sagitta intersect: one surface, many rays. */
 #include "commands.h"
 #include "explain.h"

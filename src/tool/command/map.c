@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* map.c - sagitta map: the picture, a map for each field and wavelength, or for each wavelength. */
 #include "commands.h"
 #include "../base/memory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* opd.c - sagitta opd: its views (--summary, --zernike N), and pictures of wavefronts: maps of an area, else
  * lines across the pupil. */
 #include "commands.h"

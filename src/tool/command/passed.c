@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* passed.c - a ray that passed a lens, in short: how near it came to being clipped or reflected, and how well
  * each root is known. */
 #include "passed.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* passed.h - a ray that passed a lens, in short: a row for each element. */
 #ifndef TOOL_PASSED_H
 #define TOOL_PASSED_H

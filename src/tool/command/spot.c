@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* spot.c - sagitta spot: the picture of the spots. */
 #include "commands.h"
 #include "../base/memory.h"

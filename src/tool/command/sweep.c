@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sweep.c - sagitta sweep: the picture, shares of fates against the field, a panel for each wavelength.
  *
  * With --over PATH the figures of an analysis against a number of the lens: each step is the lens with

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* tolerance.c - sagitta tolerance: what each tolerance of a lens does, and what all do together. */
 #include "commands.h"
 

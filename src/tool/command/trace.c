@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trace.c - sagitta trace: rays through a lens. */
 #include "commands.h"
 #include "watch.h"

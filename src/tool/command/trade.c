@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trade.c - sagitta trade: what does accuracy cost, and what does speed cost? */
 #include "../trade/trade.h"
 
@@ -140,7 +141,7 @@ const command command_trade = {
     .often = "surface rays ray t-tol max-evals proof seconds picture format output", .rays = "--grid 21",
     .examples = "  sagitta trade --surface '{type: conic, radius: 20, conic: -1}' --seconds 3\n"
                 "  sagitta trade examples/lenses/cooke_triplet.yaml --picture trade.svg\n",
-    .docs = "docs/accuracy.md (the trade)", .all = trade_all,
+    .docs = "docs/accuracy.md, docs/data/trade.md", .all = trade_all,
     .exits = "  0  measured, even if some ray is undecided\n"
              "  2  wrong arguments\n"
              "  3  bad input, or output that cannot be written\n",

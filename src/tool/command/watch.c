@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* watch.c - --watch FILE: every evaluation of those rays of a batch that were lost, or of one.
  *
  * A batch under a watcher would run ray by ray.  So the batch runs without one.  A ray that is to be watched

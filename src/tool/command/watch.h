@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* watch.h - --watch FILE: every evaluation of those rays of a batch that were lost, or of one ray, as csv.
  *
  * The columns are those of sagitta diagnose.  Those of a trace have the wavelength in micrometres before the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* watched.c - a ray through a lens, with every evaluation kept, element by element.
  *
  * A step does not say at which element it was made.  But sgt_trace stores the passage of an element before

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* watched.h - a ray through a lens, with every evaluation kept, element by element. */
 #ifndef TOOL_WATCHED_H
 #define TOOL_WATCHED_H

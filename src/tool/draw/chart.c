@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart.c - the sheet: a title block, a grid of panels, the legend; written as svg, png or pdf.
  *
  * The sheet has a fixed width and the height that its rows need.  All panels have plots of one size, aligned

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart.h - a sheet of panels with curves, points, maps and circles, as svg, png or pdf.
  *
  * Everything lasts until chart_write returns.  Texts are UTF-8.  A NULL or a zero means that there is none,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart_axis.c - ranges, ticks and their numbers.
  *
  * Ticks are 1, 2 or 5 times a power of ten apart.  All numbers of an axis have the same decimals.  If they

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart_draw.h - what the files of a chart share.  Lengths are points; y grows downward on the sheet. */
 #ifndef TOOL_CHART_DRAW_H
 #define TOOL_CHART_DRAW_H

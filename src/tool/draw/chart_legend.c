@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart_legend.c - what marks, lines and flat colours mean: entries from left to right, in as many rows as
  * they need.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart_map.c - values as colours, and the bar that tells them.
  *
  * The ramp goes from dark violet by blue and green to yellow.  Its 17 colours are equal steps of CIELAB's

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart_missing.c - replaces the files of a chart if there is no cairo. */
 #include "../base/fail.h"
 #include "chart.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart_panel.c - one panel: what it shows, its axes and their texts, and its contents from back to front.
  *
  * Around the plot, from inside out: ticks, their numbers, the label.  The numbers of the y axis are as wide

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart_series.c - lines, marks, circles and rules of a panel, and their samples in the legend.
  *
  * The axes take in every number that can be drawn (chart_place_of), so nothing has to be cut at the frame. */

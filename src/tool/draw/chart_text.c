@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* chart_text.c - text that fits: measured, cleaned, shortened, broken into lines.
  *
  * Cairo refuses all further drawing after one byte that is not UTF-8, and names of files may have any.  So

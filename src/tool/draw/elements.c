@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* elements.c - draws the elements of a scene.
  *
  * In a section, glass is the area between two faces, and its edges join their ends: flat rings where one face

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* elements.h - draws the elements of a scene. */
 #ifndef TOOL_ELEMENTS_H
 #define TOOL_ELEMENTS_H

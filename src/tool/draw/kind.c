@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* kind.c - the endings of the files of pictures, in capitals, too. */
 #include "kind.h"
 

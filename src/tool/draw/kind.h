@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* kind.h - the kinds of files that pictures are written as. */
 #ifndef TOOL_KIND_H
 #define TOOL_KIND_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* legend.c - entries from left to right, in as many rows as they need, and the scale bar at
  * the right end of the first row. */
 #include "legend.h"

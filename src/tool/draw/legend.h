@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* legend.h - the line under a picture: the meaning of colours and marks, and a scale bar. */
 #ifndef TOOL_LEGEND_H
 #define TOOL_LEGEND_H

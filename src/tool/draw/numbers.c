@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* numbers.c - places the numbers of the elements.
  *
  * A number stands beyond the upper end of its element.  If another number or an element is in the way it

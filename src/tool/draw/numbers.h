@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* numbers.h - the numbers of the elements, beside each of them. */
 #ifndef TOOL_NUMBERS_H
 #define TOOL_NUMBERS_H

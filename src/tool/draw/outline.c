@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* outline.c - finds the shape of an element, by asking the library for its sag and its apertures.
  *
  * A SECTION is a straight line in x, y through the middle of the part in use (sgt_part_in_use).  In a plane

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* outline.h - the shape of an element as a picture shows it: sections, rim, holes; in the global frame. */
 #ifndef TOOL_OUTLINE_H
 #define TOOL_OUTLINE_H

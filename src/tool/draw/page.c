@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* page.c - points of a lens on a page. */
 #include "page.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* page.h - a page on which a scene is drawn: points of the lens as points of the page (1/72 inch, y down). */
 #ifndef TOOL_PAGE_H
 #define TOOL_PAGE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* palette.c - seven colours that can be told apart on white, also by the colour-blind.
  *
  * The hues are those of Okabe & Ito (2008, jfly.uni-koeln.de/color) without yellow, which is too light for a

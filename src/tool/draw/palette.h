@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* palette.h - the colours and dashes of all pictures. */
 #ifndef TOOL_PALETTE_H
 #define TOOL_PALETTE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* picture.c - draws a scene on a page, with cairo.
  *
  * Both directions have the same scale.  The page has a fixed width, and the height that the lens needs.  From

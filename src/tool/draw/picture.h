@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* picture.h - writes a scene as a picture. */
 #ifndef TOOL_PICTURE_H
 #define TOOL_PICTURE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* picture_missing.c - replaces what draws pictures of a lens if there is no cairo. */
 #include "picture.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* pictures.c - the options of a picture. */
 #include "pictures.h"
 

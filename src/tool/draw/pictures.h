@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* pictures.h - the picture that sagitta trace is asked for: --picture and --plane. */
 #ifndef TOOL_PICTURES_H
 #define TOOL_PICTURES_H

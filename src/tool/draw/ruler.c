@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ruler.c - the axes of a picture.
  *
  * A section has rulers below and at its left, in the lens's unit of length, with ticks at round numbers; one

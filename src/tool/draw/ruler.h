@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ruler.h - the axes of a picture: rulers with the unit of length, or the directions of x, y and z. */
 #ifndef TOOL_RULER_H
 #define TOOL_RULER_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* scene.c - collects the outlines of the elements, and cuts the paths of the rays to what a page shows. */
 #include "scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* scene.h - what a picture of a lens shows, in the lens's unit of length; nothing is drawn here. */
 #ifndef TOOL_SCENE_H
 #define TOOL_SCENE_H

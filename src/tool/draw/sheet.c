@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sheet.c - the file of a picture.
  *
  * Fonts are not hinted: so texts have the same widths in a file of any kind, and where they are measured. */

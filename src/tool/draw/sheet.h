@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* sheet.h - the file of a picture: svg, png or pdf. */
 #ifndef TOOL_SHEET_H
 #define TOOL_SHEET_H

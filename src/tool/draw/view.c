@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* view.c - the axes of a picture.
  *
  * right, up and toward are right-handed, so no picture is a mirror image: y-z is seen from -x, x-z from +y.

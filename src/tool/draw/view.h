@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* view.h - from where a picture shows a lens: the plane it is drawn on. */
 #ifndef TOOL_VIEW_H
 #define TOOL_VIEW_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* job.c - a lens and the rays to send through it. */
 #include "job.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* job.h - a lens and the rays to send through it, as the arguments ask for them. */
 #ifndef TOOL_JOB_H
 #define TOOL_JOB_H

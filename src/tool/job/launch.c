@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* launch.c - the rays of the fields of a lens, by the library's launcher. */
 #include "launch.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* launch.h - the rays of the fields of a lens, by the library's launcher (analysis.h). */
 #ifndef TOOL_LAUNCH_H
 #define TOOL_LAUNCH_H

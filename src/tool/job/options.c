@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* options.c - the options that several commands share. */
 #include "options.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* options.h - the options that several commands share. */
 #ifndef TOOL_OPTIONS_H
 #define TOOL_OPTIONS_H

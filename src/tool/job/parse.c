@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* parse.c - the arguments of a command, and its help, of its table of options.
  *
  * HELP IN ONE SCREEN is what a newcomer needs: what the command is for, the options that are used most, and

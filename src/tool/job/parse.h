@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* parse.h - a command and its options as a table: getopt, --help and the list of commands have it from
  * here. */
 #ifndef TOOL_PARSE_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* curves.c - one column against another, as an analysis says: a panel for each field (one for all if
  * that is the field), a curve for each wavelength, in the order of the rows. */
 #include "look.h"

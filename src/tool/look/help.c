@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* help.c - the columns of an analysis for --help all, from the tables of the library. */
 #include "look.h"
 #include "../base/memory.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lines.c - a field has two panels: the line in y, and that in x. */
 #include "lines.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lines.h - pictures of a number along two lines of the pupil: in y (tangential) and in x (sagittal). */
 #ifndef TOOL_LINES_H
 #define TOOL_LINES_H

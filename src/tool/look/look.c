@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* look.c - options into a study, and its rows into a table. */
 #include "look.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* look.h - a subcommand that asks an analysis of sagitta_lens (study.h), and prints and draws the answer.
  *
  * Nothing is computed here: the library has the analyses, their columns and their settings, in tables. */

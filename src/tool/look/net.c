@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* net.c - a grid of n has n points from edge to edge, and cells of n have n middles of squares. */
 #include "net.h"
 

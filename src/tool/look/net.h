@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* net.h - numbers over the pupil or the field as maps of squares. */
 #ifndef TOOL_NET_H
 #define TOOL_NET_H

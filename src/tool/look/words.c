@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* words.c - names of fields and wavelengths, and what became of the rays, in words. */
 #include "look.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* array.c - reads the npy format, versions 1 to 3 (NEP 1).
  *
  * The header is a Python dictionary with three keys: descr, a type or a list of ('name', 'type');

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* array.h - an array of NumPy's npy format: its rows, as they stand in the file. */
 #ifndef TOOL_ARRAY_H
 #define TOOL_ARRAY_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* earth.c - the surfaces about the Earth.
  *
  * A geoid is a grid in the file that `file` names; the default is that of proj-data.  Opened geoids are

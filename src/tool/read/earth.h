@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* earth.h - the surface types of sagitta_geo, if the command is built with it. */
 #ifndef TOOL_EARTH_H
 #define TOOL_EARTH_H

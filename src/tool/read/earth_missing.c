@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* earth_missing.c - in place of earth.c where the command is built without GeographicLib. */
 #include "earth.h"
 

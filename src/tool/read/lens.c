@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lens.c - a lens as a command uses it.
  *
  * Reading is sagitta_lens's.  Here are the command's own manners: files are read by input.c, so

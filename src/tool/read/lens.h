@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* lens.h - a lens as a command uses it: that of a file, at one wavelength. */
 #ifndef TOOL_LENS_H
 #define TOOL_LENS_H

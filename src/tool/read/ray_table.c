@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ray_table.c - rays from arrays of NumPy: one structured array, or one of N x 6 numbers, or a folder with an
  * array for each column.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ray_table.h - rays from arrays of NumPy, and what they share with those from csv. */
 #ifndef TOOL_RAY_TABLE_H
 #define TOOL_RAY_TABLE_H

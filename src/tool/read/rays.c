@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* rays.c - reads rays from CSV.
  *
  * RFC 4180, and what spreadsheets write: CR LF or LF, blanks around a field, a field in

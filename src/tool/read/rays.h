@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* rays.h - the rays of a command: from a file, from --ray, or through a pupil. */
 #ifndef TOOL_RAYS_H
 #define TOOL_RAYS_H

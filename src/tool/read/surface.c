@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* surface.c - a surface from the text of an option. */
 #include "surface.h"
 

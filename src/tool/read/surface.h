@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* surface.h - a surface from the text of an option. */
 #ifndef TOOL_SURFACE_H
 #define TOOL_SURFACE_H

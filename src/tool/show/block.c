@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* block.c - a block of text, in columns as wide as their widest cell.
  *
  * A row is kept as a mark and its cells, each with a zero byte at its end; a gap is a mark.  The widths

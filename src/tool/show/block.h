@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* block.h - a block of text: rows under a header, in columns as wide as their widest cell. */
 #ifndef TOOL_BLOCK_H
 #define TOOL_BLOCK_H

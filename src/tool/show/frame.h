@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* frame.h - points and directions from an element's own frame to the global one (out) and back (in). */
 #ifndef TOOL_FRAME_H
 #define TOOL_FRAME_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* json.c - a text that grows; one level for each bracket that is open. */
 #include "json.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* json.h - values within objects and lists, as json; for what is no table.
  *
  * Each value has a key, or NULL in a list.  All is kept, and written at the end. */

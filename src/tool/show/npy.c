@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* npy.c - writes the npy format, version 1.0 (NEP 1): a header that is a Python literal, then the bytes.
  *
  * How many rows there are is known last.  So a header has room for the largest number, and is written twice:

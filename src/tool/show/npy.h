@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* npy.h - a table as NumPy reads it: one structured array, or a folder with an array for each column. */
 #ifndef TOOL_NPY_H
 #define TOOL_NPY_H

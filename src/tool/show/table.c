@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* table.c - text, csv, json and npy, from a stream of cells or from blocks of columns.
  *
  * The cells of a row are kept as values until the row is whole.  Then those that are wanted are printed, in

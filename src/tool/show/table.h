@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* table.h - the output of the command: one table, as text, csv, json or npy.
  *
  * Cells are given row by row, in the order of the columns, or many rows by column.  csv, json and npy are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* cases.c - surfaces, rays, and the settings to try on them.
  *
  * One knob is turned at a time.  All others keep their defaults: a batch; the outputs status, t, t_err, p, n

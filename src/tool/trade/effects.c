@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* effects.c - what a setting changes against the base, in words. */
 #include "trade.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* plot.c - draws error against time, with cairo: a panel for each case.
  *
  * Both axes are logarithmic.  A dot stands at the error that 99 % of the rays stay below; its stem ends at

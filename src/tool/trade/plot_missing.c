@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* plot_missing.c - replaces plot.c if there is no cairo. */
 #include "trade.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* trade.h - what sagitta trade tries, and who does what.
  *
  *     command/trade.c  the arguments, and the table

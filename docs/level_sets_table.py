@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""The picture and the table of accuracy.md's section on level sets, from the benchmark's csv.
+# SPDX-License-Identifier: MIT
+"""The tables of data/level_sets.md, and docs/level_sets.svg (docs/tables.py has the convention).
 
-    build/tests/bench/bench_level_sets > level_sets.csv
-    python3 docs/level_sets_plot.py level_sets.csv > docs/level_sets.svg
-    python3 docs/level_sets_plot.py --table level_sets.csv
+    python3 docs/level_sets_table.py build
 """
 import csv
 import math
 import sys
+
+import tables
 
 FAMILIES = [  # of variants: name, legend, colour, shape
     ('certified', 'certified: t_tol = 0, 1e-6, 1e-3', '#1f4e79', 'square'),
@@ -109,36 +110,40 @@ def picture(data):
         out.append(mark(shape, x, y, colour))
         out.append(f'<text x="{x + 14}" y="{y + 4}">{legend}</text>')
     out.append('</svg>')
-    print('\n'.join(out))
+    return '\n'.join(out) + '\n'
 
 
 def percent(part, row):
     return f'{100 * part / int(row["hits"]):.2g} %' if part else '0'
 
 
-def table(data):
+def made(data):
     """The first set in full; of the others what a ray costs and how many hits are wrong."""
-    cases = list(dict.fromkeys(row['case'] for row in data))
-    rows = {(row['case'], row['variant']): row for row in data}
-    print(f'| {cases[0]} | ns a ray | evaluations | missed | late | false | error: median | 99 % | worst |')
-    print('|---|---|---|---|---|---|---|---|---|')
-    for (case, variant), row in rows.items():
-        if case == cases[0]:
-            shares = [percent(int(row[name]), row) for name in ('missed', 'late', 'false')]
-            evals = '-' if row['evals'] == 'nan' else row['evals']
-            print('|', ' | '.join([variant, f'{float(row["ns"]):.0f}', evals, *shares,
-                                   *(row[name] for name in ('err_median', 'err_99', 'err_worst'))]), '|')
-    print('\n| |', ' | '.join(f'{case}: ns a ray | wrong | error: 99 %' for case in cases[1:]), '|')
-    print('|---|' + '---|---|---|' * len(cases[1:]))
-    for case, variant in rows:
-        if case == cases[0]:
-            others = [rows[other, variant] for other in cases[1:]]
-            print('|', ' | '.join([variant]
-                                  + [f'{float(row["ns"]):.0f} | '
-                                     f'{percent(wrong(row) * int(row["hits"]), row)} | {row["err_99"]}'
-                                               for row in others]), '|')
+    first, *others = list(dict.fromkeys(row['case'] for row in data))
+    of = {(row['case'], row['variant']): row for row in data}
+    variants = [variant for case, variant in of if case == first]
+    whole, rest = [], []
+    for variant in variants:
+        row = of[first, variant]
+        whole.append([variant, f'{float(row["ns"]):.0f}', '-' if row['evals'] == 'nan' else row['evals'],
+                      *(percent(int(row[name]), row) for name in ('missed', 'late', 'false')),
+                      *(row[name] for name in ('err_median', 'err_99', 'err_worst'))])
+        cells = [variant]
+        for row in (of[other, variant] for other in others):
+            cells += [f'{float(row["ns"]):.0f}', percent(wrong(row) * int(row['hits']), row), row['err_99']]
+        rest.append(cells)
+    return '\n\n'.join([
+        tables.table([first, 'ns a ray', 'evaluations', 'missed', 'late', 'false', 'error: median', '99 %', 'worst'],
+                     whole),
+        tables.table(['', *(head for other in others for head in (f'{other}: ns a ray', 'wrong', 'error: 99 %'))],
+                     rest)])
+
+
+def main(build, *words):
+    data = list(csv.DictReader(tables.run(f'{build}/tests/bench/bench_level_sets', *words).splitlines()))
+    (tables.DOCS / 'level_sets.svg').write_text(picture(data))
+    tables.write('level_sets', build, made(data))
 
 
 if __name__ == '__main__':
-    rows = list(csv.DictReader(open(sys.argv[-1])))
-    table(rows) if sys.argv[1] == '--table' else picture(rows)
+    main(*sys.argv[1:])
