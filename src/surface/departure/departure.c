@@ -274,8 +274,8 @@ static double conic_slope(double c, double k1, double r)
 }
 
 /* What the second derivative of the sag lies in within r, if that of P is at most `bend`.  The conic has
- * c / phi^3 in the direction of r and c / phi across it, and phi is monotone in r.  So it is between c and the
- * c / phi^3 at r.  More than rounding is added at either end. */
+ * c / phi^3 in the direction of r and c / phi across it, and phi is monotone in r.  So it is between c and
+ * the c / phi^3 at r.  More than rounding is added at either end. */
 static sgt_interval bent_within(double c, double k1, double r, double bend)
 {
     double axis = fabs(c), w = axis * r, phi2 = 1 - k1 * w * w, rim = axis / (phi2 * sqrt(phi2));
