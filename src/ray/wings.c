@@ -702,7 +702,12 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                     wings_leave(a, i, --left);
                 }
             } else {
-                if (verdict == FOUND && !spent) tell_root(a, i, scale, v);
+                double t = a[T][i] * scale;
+                if (verdict == FOUND && !spent) {
+                    /* the march has moved behind the end of the ray, and knows the root there at once */
+                    if (t > ray.tmax || (mode == IN_CHORD && t > v->hi[k])) is_miss(v, k);
+                    else tell_root(a, i, scale, v);
+                }
                 wings_leave(a, i, --left);
             }
         }
