@@ -338,16 +338,19 @@ static sgt_interval departure_within(double size)
 
 static const sgt_extent UNKNOWN = SGT_NO_EXTENT;
 
-/* As `steep` and `bend` are made wider. */
+/* As `steep` and `bend` are made wider.  Of a cylinder some are 0, and what is added is multiplied by parts of
+ * directions for each ray: it is so large that no product is subnormal, and far below all that counts. */
+static const double AXIS_LOST = 0x1p-900;
+
 SGT_INLINE sgt_interval sag_wider(sgt_interval x)
 {
-    double off = 0x1p-19 * larger(-x.lo, x.hi) + DEPARTURE_LOST;
+    double off = 0x1p-19 * larger(-x.lo, x.hi) + AXIS_LOST;
     return off < HUGE_VAL ? sgt_interval_between(x.lo - off, x.hi + off) : sgt_interval_all();
 }
 
 static sgt_by_axis widened(sgt_by_axis b)
 {
-    double more = (1 + 0x1p-20) * (1 + 0x1p-20), least = DEPARTURE_LOST;
+    double more = (1 + 0x1p-20) * (1 + 0x1p-20), least = AXIS_LOST;
     return (sgt_by_axis){(b.x + least) * more, (b.y + least) * more, (b.xy + least) * more, b.turn,
                          sag_wider(b.xx), sag_wider(b.yy)};
 }
