@@ -557,7 +557,7 @@ static box *box_for(sgt_surface s, rows a, size_t k, double x, double y, vicinit
     double wide = larger(x, y);
     box *found = NULL;
     for (int i = 0; i < 3; i++) {
-        double least = wide * (i ? 0x1p-10 : 0x1p-6), X = larger(x, least), Y = larger(y, least);
+        double least = wide * (i ? 0x1p-10 : 0x3p-7), X = larger(x, least), Y = larger(y, least);
         X = rung_above(X, i == 2 ? FINER : i && x == wide ? FINE : COARSE);
         Y = rung_above(Y, i == 2 ? FINER : i && y == wide ? FINE : COARSE);
         if (!(X < HUGE_VAL && Y < HUGE_VAL)) return NULL;
