@@ -172,6 +172,24 @@ bool changes_within(const formula<quad> &f, const sgt_ray &r, double rim, double
     return false;
 }
 
+// Does the ray, which starts next to the surface, meet it before `to`, but certainly farther on than the
+// rule of the start reaches (accept.h)?
+bool beyond_start(const formula<quad> &f, const specimen &s, const sgt_ray &r, double to)
+{
+    const int before = sign(along(f, r, 0));
+    if (!before || sign(along(f, r, to)) != -before) return false;
+    quad in = 0, out = to;
+    for (int i = 0; i < 120; i++) {
+        const quad middle = (in + out) / 2;
+        (sign(along(f, r, middle)) == before ? in : out) = middle;
+    }
+    sgt_vec3 n;
+    s.s.ops->value(s.s.self, r.o, &n);
+    const double terms = std::fabs(r.o.x * n.x) + std::fabs(r.o.y * n.y) + std::fabs(r.o.z * n.z),
+                 slope = std::fabs(n.x * r.d.x + n.y * r.d.y + n.z * r.d.z);
+    return in > quad(4 * (0x1p-48 * terms / slope));
+}
+
 void grazing(generator &g, int surfaces)
 {
     constexpr int RAYS = 20;
@@ -184,7 +202,8 @@ void grazing(generator &g, int surfaces)
                      rim = bare ? 0 : size * g.uniform(0.3, 1), c = g.sign() / narrow,
                      weak = g.sign() / (size * g.log_uniform(20, 1000)), k = g.uniform(-2, 1);
         std::vector<double> terms(11);
-        for (std::size_t j = 4; j < terms.size(); j++) terms[j] = g.uniform(-0.01, 0.01) * size;
+        const double strong = g.chance(0.7) ? 0.01 : 0.1; // strong ones have several roots close together
+        for (std::size_t j = 4; j < terms.size(); j++) terms[j] = g.uniform(-strong, strong) * size;
         const sgt_toroidal toroid = {weak, g.uniform(-1, 0), c, rim, {}};
         const sgt_biconic biconic = {c, k, weak, 0, rim};
         const sgt_biconic cylinder = {g.chance(0.5) ? c : 0, k, 0, 0, rim};
@@ -215,7 +234,10 @@ void grazing(generator &g, int surfaces)
                          z = -rough(x, y, 0.0),
                          tilt = level ? g.uniform(-0.02, 0.02) : (g.chance(0.5) ? 1 : -1) * angle;
             const sgt_vec3 d = {std::cos(tilt) * std::cos(to), std::cos(tilt) * std::sin(to), std::sin(tilt)};
-            const double past = leaves || g.chance(0.8) ? 0 : g.sign() * size * g.log_uniform(1e-4, 0.3);
+            const double ulps = g.chance(0.5) ? 0 : size * g.log_uniform(1e-17, 1e-13),
+                         past = leaves           ? g.sign() * ulps
+                                : g.chance(0.8) ? 0
+                                                : g.sign() * size * g.log_uniform(1e-4, 0.3);
             if (z == z) ray.push_back({{x - far * d.x, y - far * d.y, z - far * d.z + past}, d, 0, INFINITY});
         }
         const std::size_t count = ray.size();
@@ -248,6 +270,9 @@ void grazing(generator &g, int surfaces)
             const double inside = rim * (1 - 1e-9);
             if (h.status == SGT_MISS && changes_within(exact, ray[i], inside, begin, 4 * far + 4 * size))
                 fail("a miss that meets", s, ray[i], h);
+            if (leaves && h.status == SGT_MISS && !(rim > 0 && std::hypot(ray[i].o.x, ray[i].o.y) > inside) &&
+                beyond_start(exact, s, ray[i], begin))
+                fail("a miss that meets next to the start", s, ray[i], h);
             if (h.status != SGT_HIT) continue;
             if (!leaves) hits[bare]++, evals[bare] += h.evals;
             const quad at = quad(h.t) + quad(h.t_lo), off = quad(h.t_err) * (1 + quad(0x1p-20)),

@@ -338,8 +338,8 @@ static sgt_interval departure_within(double size)
 
 static const sgt_extent UNKNOWN = SGT_NO_EXTENT;
 
-/* As `steep` and `bend` are made wider.  Of a cylinder some are 0, and what is added is multiplied by parts of
- * directions for each ray: it is so large that no product is subnormal, and far below all that counts. */
+/* As `steep` and `bend` are made wider.  Of a cylinder some are 0, and what is added is multiplied by parts
+ * of directions for each ray: it is so large that no product is subnormal, and far below all that counts. */
 static const double AXIS_LOST = 0x1p-900;
 
 SGT_INLINE sgt_interval sag_wider(sgt_interval x)
