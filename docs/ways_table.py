@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The tables of concepts.md that say which search the rays go through, as tests/ways/ways.c counts them.
+"""The tables of notes/ways.md that say which search the rays go through, as tests/ways/ways.c counts them.
 
     python3 docs/ways_table.py build/tests/ways/ways            writes them between their marks
     python3 docs/ways_table.py build/tests/ways/ways --check    says whether they are as the library counts
@@ -10,7 +10,7 @@ import pathlib
 import subprocess
 import sys
 
-PAGE = pathlib.Path(__file__).with_name('concepts.md')
+PAGE = pathlib.Path(__file__).parent / 'notes/ways.md'
 BEGIN, END = '<!-- docs/ways_table.py, {} rays: from here -->\n', '<!-- to here -->\n'
 WAYS = {'closed': 'C', 'rounds': 'R', 'quick': '1q', 'careful': '1c',
         'cells': '3', 'steps': '4', 'parted': '7'}
@@ -52,7 +52,7 @@ def main(program, check=None):
     elif new != page:
         for old, now in zip(page.splitlines(), new.splitlines()):
             if old != now:
-                print(f'concepts.md has  {old}\nthe library says {now}')
+                print(f'notes/ways.md has {old}\nthe library says {now}')
         return 'docs/ways_table.py BUILD/tests/ways/ways writes them anew'
     print(f'{len(lines)} lines')
     return 0

@@ -209,7 +209,8 @@ int main(int count, char **argument)
     const double rms = spot.value(v.x.data()), f = focal.value(v.x.data());
     std::printf("%s: %zu variables, %zu residuals, rms spot %.5f, focal length %.2f\n\n", lens->name,
                 v.x.size(), spot.residuals() + 1, rms, f);
-    std::printf("start  derivatives      before     after  of it  focal length  traces      rays  seconds\n");
+    std::printf("start  derivatives      before     after  RMS / original  focal length  traces      rays"
+                "  seconds\n");
     bool well = true;
     for (int i = 1; i <= starts; i++)
         for (bool analytic : {true, false}) {
@@ -221,7 +222,7 @@ int main(int count, char **argument)
             const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begun;
             const double after = spot.value(x.data());
             well = well && after <= 1.05 * rms;
-            std::printf("%5d  %-12s %10.5f %9.5f %6.3f %13.3f %7zu %9zu %8.2f\n", i,
+            std::printf("%5d  %-12s %10.5f %9.5f %15.3f %13.3f %7zu %9zu %8.2f\n", i,
                         analytic ? "exact" : "differences", before, after, after / rms, focal.value(x.data()),
                         spot.traces, spot.rays, seconds.count());
         }

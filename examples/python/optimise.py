@@ -61,7 +61,7 @@ class Task:
 def main(starts: int = 5) -> bool:
     task = Task(sagitta.Lens.read(LENS))
     print(f"{len(task.x0)} variables, rms spot {task.rms:.5f}, focal length {task.wanted:.2f}\n")
-    print("start  derivatives      before     after  of it  focal length  traces      rays  seconds")
+    print("start  derivatives      before     after  RMS / original  focal length  traces      rays  seconds")
     well = True
     for number in range(1, starts + 1):
         for kind in ("exact", "differences"):
@@ -72,7 +72,7 @@ def main(starts: int = 5) -> bool:
             seconds, traces, rays = time.perf_counter() - begun, task.spot.evaluations - traces, task.spot.rays - rays
             after, f = task.rms_at(x), task.focal.values(x)[0]
             well = well and after <= 1.05 * task.rms
-            print(f"{number:5}  {kind:<12} {before:10.5f} {after:9.5f} {after / task.rms:6.3f} {f:13.3f} "
+            print(f"{number:5}  {kind:<12} {before:10.5f} {after:9.5f} {after / task.rms:15.3f} {f:13.3f} "
                   f"{traces:7} {rays:9} {seconds:8.2f}")
     print("\nall come back" if well else "\nnot all come back")
     return well

@@ -705,7 +705,7 @@ def test_numpy():
 
 
 def hexapolar_weight(rings, radius):
-    """As docs/lens_file.md has it, for a ray at this radius."""
+    """As docs/rays.md has it, for a ray at this radius."""
     ring = round(radius * rings)
     if ring == 0:
         return 1 / (4 * rings ** 2)

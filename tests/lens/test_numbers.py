@@ -49,7 +49,7 @@ def number(cell):
 
 
 def weight(rings, radius):
-    """Of a point of a hexapolar pattern (docs/lens_file.md)."""
+    """Of a point of a hexapolar pattern (docs/rays.md)."""
     ring = round(radius * rings)
     if ring == 0:
         return D(1) / (4 * rings ** 2)

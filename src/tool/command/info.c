@@ -122,7 +122,7 @@ const command command_info = {
     .often = "seidel parabasal wavelength glass strict format output hex",
     .examples = "  sagitta info examples/lenses/cooke_triplet.yaml\n"
                 "  sagitta info examples/lenses/cooke_triplet.yaml --seidel --format csv\n",
-    .docs = "docs/lens_file.md (what the numbers are)", .all = info_all, .exits = "  0  done\n"
+    .docs = "docs/rays.md (what the numbers are)", .all = info_all, .exits = "  0  done\n"
              "  2  wrong arguments\n"
              "  3  bad input, or output that cannot be written\n",
     .group = {&info_own, &job_wavelength_options, &job_glass_options, &options_output}, .run = info_run,

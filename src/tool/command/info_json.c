@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /* info_json.c - sagitta info as json: an object with all that is known of a lens.
  *
- * Its names are a contract (docs/lens_file.md).  A quantity that is not there is null; its key stays. */
+ * Its names are a contract (docs/rays.md).  A quantity that is not there is null; its key stays. */
 #include "info.h"
 
 #include "../base/memory.h"

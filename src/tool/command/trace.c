@@ -127,7 +127,7 @@ const command command_trace = {
     .often = "field fan grid rays wavelength picture last frame proof format output", .rays = "--fan 5",
     .examples = "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n"
                 "  sagitta trace examples/lenses/cooke_triplet.yaml --fan 7 --picture triplet.svg\n",
-    .docs = "docs/lens_file.md (every key of a lens file)", .all = trace_all,
+    .docs = "docs/lens_file.md (every key of a lens file), docs/rays.md", .all = trace_all,
     .group = {&trace_own, &trace_pictures, JOB_GROUPS,
               &trace_search, &options_solver, &options_in_threads, &options_rows},
     .run = trace_run,

@@ -38,7 +38,7 @@ static const option_row rows_rows[] = {
     {"format", "F",
      "text (for people, the default), csv, json or npy\n"
      "npy: with --output NAME.npy one array of rows for NumPy; with --output FOLDER an\n"
-     "array for each column.  docs/lens_file.md has types and codes",
+     "array for each column.  docs/rays.md has types and codes",
      OPTION_WORD, .to = offsetof(shared_options, target.format), .words = "text csv json npy"},
     OUTPUT_ROWS,
     {"columns", "A,B,...", "only these columns, in this order", OPTION_TEXT,
