@@ -289,11 +289,11 @@ static sgt_interval bent_within(double c, double k1, double r, double bend)
 /* The heights of the surface within r, if those of P lie in p.  The sag of a conic grows with r. */
 static sgt_interval heights_within(const departure_sag *s, double r, sgt_interval p)
 {
-    double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2,
-           most = cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)), size = most + sgt_interval_greatest(p);
-    double off = 0x1p-20 * size + DEPARTURE_LOST;
-    if (!(r < 0x1p400 && phi2 < HUGE_VAL && size < HUGE_VAL)) return sgt_interval_all();
-    return sgt_interval_between(p.lo - (s->c < 0 ? most : 0) - off, p.hi + (s->c > 0 ? most : 0) + off);
+    double c = s->base ? s->c : 0, cr2 = fabs(c) * r * r, phi2 = 1 - (1 + s->k) * fabs(c) * cr2,
+           most = cr2 / (1 + sqrt(larger(phi2, 0)));
+    double off = 0x1p-20 * (most + larger(-p.lo, p.hi)) + DEPARTURE_LOST;
+    if (!(r < 0x1p400 && phi2 < HUGE_VAL && off < HUGE_VAL && p.lo <= p.hi)) return sgt_interval_all();
+    return sgt_interval_between(p.lo - (c < 0 ? most : 0) - off, p.hi + (c > 0 ? most : 0) + off);
 }
 
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2])
