@@ -236,6 +236,8 @@ static const layout layouts[] = {
     MEMBER(sgt_sensitivity, figure_upper), MEMBER(sgt_sensitivity, change_lower),
     MEMBER(sgt_sensitivity, change_upper), MEMBER(sgt_sensitivity, worse),
     MEMBER(sgt_sensitivity, compensator_lower), MEMBER(sgt_sensitivity, compensator_upper),
+    MEMBER(sgt_sensitivity, derivative), MEMBER(sgt_sensitivity, linear_lower),
+    MEMBER(sgt_sensitivity, linear_upper), MEMBER(sgt_sensitivity, compensator_derivative),
     MEMBER(sgt_sensitivity, reserved_),
     WHOLE(sgt_sensitivity_sum),
     MEMBER(sgt_sensitivity_sum, nominal), MEMBER(sgt_sensitivity_sum, compensated),

@@ -117,8 +117,8 @@ typedef struct sgt_edit {
 } sgt_edit;
 
 /* Makes several edits one after the other, and then the lens once: between them the tree
- * need not be that of a lens.  If one edit is refused, none is made.  The fastest way to
- * set many numbers. */
+ * need not be that of a lens, but in front of SGT_EDIT_SCALE.  If one edit is refused,
+ * none is made.  The fastest way to set many numbers. */
 SGT_API bool sgt_lens_edit(sgt_lens *lens, size_t count, const sgt_edit edit[],
                            sgt_error *error);
 

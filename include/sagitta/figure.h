@@ -40,8 +40,8 @@
  *
  * ERRORS.  value_err of spots and chief rays follows from the bounds of their rays, as in
  * study.h; of the other figures it estimates the rounding.  gradient_err and what is said
- * of the differences above are estimates, which tests/lens/figure.c holds to differences
- * of whole figures. */
+ * of the differences above are estimates, which tests hold to differences of whole
+ * figures, in 113 bits as well (tests/sensitivity/test_figures.cpp). */
 #ifndef SAGITTA_FIGURE_H
 #define SAGITTA_FIGURE_H
 #include <sagitta/edit.h>

@@ -142,13 +142,23 @@ SGT_API sgt_lens *sgt_tolerancing_lens(const sgt_tolerancing *t, const double va
 /* ----------------------------------------------------------------- sensitivity */
 
 /* One entry at its lower and its upper end, all others 0, with the compensators set.  A
- * change is that of the figure, from the lens as designed with its compensators set. */
+ * change is that of the figure, from the lens as designed with its compensators set.
+ *
+ * derivative: of the figure there, by exact derivatives of all rays, compensators
+ * following; linear is it times each end.  So at an end of its box a compensator stays.
+ * A figure that is 0, such as a boresight, grows to both sides: the derivative is then by
+ * |value|.  It is 0 where the figure grows by the square alone, such as that of a
+ * symmetric lens of which a part is tilted.  NaN: there is none, as figure.h tells (NOT
+ * DIFFERENTIATED).  No derivative tells of rays that come to be clipped. */
 typedef struct sgt_sensitivity {
     size_t entry;               /* from 0 */
     double figure_lower, figure_upper;
     double change_lower, change_upper;
     double worse;               /* the greater change */
     double compensator_lower, compensator_upper; /* the first one's value; NaN: none */
+    double derivative;          /* of the figure, by the unit of lower and upper */
+    double linear_lower, linear_upper;
+    double compensator_derivative; /* of the first one; NaN: none */
     unsigned long long reserved_[4];
 } sgt_sensitivity;
 

@@ -649,6 +649,10 @@ class Sensitivity(Structure):
         ("worse", c_double),
         ("compensator_lower", c_double),
         ("compensator_upper", c_double),
+        ("derivative", c_double),
+        ("linear_lower", c_double),
+        ("linear_upper", c_double),
+        ("compensator_derivative", c_double),
         ("reserved_", Words * 4),
     ]
 

@@ -172,7 +172,11 @@ class Tolerancing:
 
     def sensitivity(self) -> tuple[NDArray[Any], float]:
         """A row for each entry that is no compensator, the worst first: `entry` is its place in `entries`; and the
-        estimate of the figure of all together, by the root of the sum of squares."""
+        estimate of the figure of all together, by the root of the sum of squares.
+
+        change      of the figure at lower and upper, by lenses built so
+        derivative  of the figure by the entry, exact, compensators following; linear: times lower and upper
+        """
         count, total, error = ctypes.c_size_t(), C.SensitivitySum(), C.Error()
         rows = (C.Sensitivity * (len(self.entries) + 1))()
         fine = C.library.sgt_tolerancing_sensitivity(

@@ -98,3 +98,22 @@ def test_a_solver_takes_it(triplet):
     best = triplet.variables(["surfaces[6].thickness"], rays=3)
     x = least_squares(best.residuals, best.x0 + 1, best.jacobian)
     assert np.linalg.norm(x.fun) <= np.linalg.norm(best.residuals(best.x0)) and abs(x.grad[0]) < 1e-6
+
+
+def test_pickups_among_the_paths():
+    """A pickup that varies is a number of its own; one that does not follows what varies."""
+    text = (
+        "{pupil: {semi_diameter: 5, distance: 0}, surfaces: [{type: sphere, radius: 50, thickness: 4, index: 1.5},"
+        "{type: sphere, radius: {pickup: 'surfaces[1].radius', scale: -1}, thickness: 45, index: 1}, {type: plane}]}"
+    )
+    lens, paths = sagitta.Lens.text(text), ["surfaces[1].radius", "surfaces[2].radius"]
+    plain = lens.set(paths[1], -50.0)
+    for order in (paths, paths[::-1]):
+        both, apart = lens.variables(order), plain.variables(order)
+        for x in (both.x0, both.x0 + [1, -0.5]):
+            assert np.array_equal(both.values(x), apart.values(x))
+            assert np.array_equal(both.jacobian(x), apart.jacobian(x))
+    follows, x = lens.variables(paths[:1]), np.array([51.0])
+    assert np.allclose(follows.values(x), plain.variables(paths).values([51, -51]), rtol=1e-12)
+    turned = plain.variables(paths).gradient([51, -51])[-1] @ [1, -1]
+    assert abs(follows.gradient(x)[-1][0] - turned) <= 1e-9 * abs(turned)

@@ -5,13 +5,17 @@
  *
  *     first_order WAVELENGTH                           micrometres, or nan: the primary one; also parabasal
  *     room ANALYSIS N                                  with each of the last N words of its options not zero
+ *     figure KIND RAYS PATH...                         residuals and values at the lens, and derivatives
+ *     tolerance FIGURE RAYS TRIALS                     sensitivity, then so many trials
  *     ANALYSIS FIELDS WAVELENGTHS RAYS [weights=equal] [SETTING=X,X...]...
  *
  * FIELDS and WAVELENGTHS are numbers with commas, or -: by default.  A wavelength that is not a whole number
  * is in micrometres; "all" are all.  A word is given as its place.  Columns and settings are those of the
  * library's tables, so an analysis that is added is asked like the rest.  Numbers come out as the 16 digits
  * of their bits. */
+#include <sagitta/figure.h>
 #include <sagitta/study.h>
+#include <sagitta/tolerance.h>
 
 #include <math.h>
 #include <stddef.h>
@@ -184,6 +188,73 @@ static void put_parabasal(const sgt_lens *lens, double um)
     }
 }
 
+static void put_numbers(const char *name, size_t count, const double x[])
+{
+    printf("%s", name);
+    for (size_t i = 0; i < count; i++) put_double(x[i]);
+    printf("\n");
+}
+
+static bool ask_figure(const sgt_lens *lens)
+{
+    const char *kind = strtok(NULL, " "), *rays = strtok(NULL, " "), *path[MOST], *word;
+    size_t paths = 0;
+    while (paths < MOST && (word = strtok(NULL, " "))) path[paths++] = word;
+    if (!paths) return false;
+    const sgt_figure_options opt = {.kind = (sgt_figure_kind)strtol(kind, NULL, 10)};
+    const sgt_study_options study = {.rays = (size_t)strtoul(rays, NULL, 10)};
+    sgt_error error = {.line = 0};
+    sgt_figure *f = sgt_figure_new(lens, &study, &opt, paths, path, &error);
+    if (!f) return put_fault(&error), true;
+    const sgt_figure_count n = sgt_figure_size(f);
+    double x[MOST], *room = calloc((n.residuals + 2 * n.values) * (paths + 1), sizeof *room);
+    if (!room) return false;
+    double *jacobian = room + n.residuals, *value = jacobian + n.residuals * paths;
+    double *gradient = value + n.values;
+    sgt_figure_out out = {.residual = room, .jacobian = jacobian, .value = value, .gradient = gradient};
+    sgt_figure_start(f, x);
+    if (sgt_figure_eval(f, x, &out, &error)) {
+        put_numbers("residual", n.residuals, room), put_numbers("jacobian", n.residuals * paths, jacobian);
+        put_numbers("value", n.values, value), put_numbers("gradient", n.values * paths, gradient);
+    } else put_fault(&error);
+    free(room);
+    sgt_figure_free(f);
+    return true;
+}
+
+static void put_trial(void *context, const sgt_trial *trial)
+{
+    put_numbers("trial", 1, &trial->figure);
+    put_numbers("drawn", *(const size_t *)context, trial->value);
+}
+
+static bool ask_tolerance(const sgt_lens *lens)
+{
+    const char *figure = strtok(NULL, " "), *rays = strtok(NULL, " "), *trials = strtok(NULL, " ");
+    if (!trials) return false;
+    const sgt_study_options study = {.rays = (size_t)strtoul(rays, NULL, 10)};
+    const sgt_tolerancing_options opt = {.figure = (sgt_tolerancing_figure)strtol(figure, NULL, 10),
+                                         .study = &study};
+    sgt_error error = {.line = 0};
+    sgt_sensitivity row[MOST * MOST];
+    sgt_sensitivity_sum sum;
+    size_t entries = sgt_lens_tolerances(lens, NULL), count = 0;
+    sgt_tolerancing *t = sgt_tolerancing_new(lens, &opt, &error);
+    bool fine = t && sgt_tolerancing_sensitivity(t, &count, row, &sum, &error);
+    for (size_t i = 0; i < count && fine; i++) {
+        const sgt_sensitivity *r = &row[i];
+        const double x[] = {r->figure_lower, r->figure_upper, r->change_lower, r->change_upper, r->worse,
+                            r->compensator_lower, r->compensator_upper, r->derivative, r->linear_lower,
+                            r->linear_upper, r->compensator_derivative};
+        printf("entry %zu\n", r->entry), put_numbers("sensitivity", sizeof x / sizeof *x, x);
+    }
+    if (fine) put_numbers("sum", 3, (const double[]){sum.nominal, sum.compensated, sum.estimate});
+    fine = fine && sgt_tolerancing_trials(t, 1, 0, strtoul(trials, NULL, 10), put_trial, &entries, &error);
+    if (!fine) put_fault(&error);
+    sgt_tolerancing_free(t);
+    return true;
+}
+
 /* The members in their order. */
 static bool ask_first_order(const sgt_lens *lens)
 {
@@ -238,6 +309,8 @@ int main(int argc, char *argv[])
         fine = of                                          ? ask_analysis(lens, of)
                : what && strcmp(what, "first_order") == 0 ? ask_first_order(lens)
                : what && strcmp(what, "room") == 0        ? ask_room(lens)
+               : what && strcmp(what, "figure") == 0      ? ask_figure(lens)
+               : what && strcmp(what, "tolerance") == 0   ? ask_tolerance(lens)
                                                           : false;
         if (!fine) fprintf(stderr, "doors: not a question: %s\n", what ? what : "");
         printf("end\n");

@@ -7,8 +7,9 @@
 Every analysis that the library lists, of every lens of tests/data/zmx and examples/lenses, and first-order data:
 as they come by default, for all wavelengths at the farthest field, and, for a share of them, with fields,
 wavelengths and settings that are drawn (SAGITTA_TEST_SEED).  Columns and settings are read from the library's
-tables.  The bits of C (doors.c) are compared with Python's, and the json of the command with Python's.  What is
-right is another matter: test_analysis.py and test_numbers.py have oracles.
+tables.  The bits of C (doors.c) are compared with Python's, and the json of the command with Python's.  So are
+figures with their derivatives, and tolerances: sensitivity and trials.  What is right is another matter:
+test_analysis.py and test_numbers.py have oracles.
 """
 import json
 import math
@@ -301,6 +302,79 @@ def test_first_order():
             answered += 1
     print(f'       {answered} times the same, {refused} times all refuse; {along} chief rays')
     assert answered > 20 and along > 60
+
+
+FIGURES = ('spot', 'opd', 'chief', 'efl', 'distortion')
+TOLERANCES = ('spot', 'opd', 'boresight')
+
+
+def numbers_of(said, name):
+    return [rest.split() for word, rest in said if word == name]
+
+
+def test_figures():
+    """Residuals, values and derivatives of C and Python; the command has the values, as its analyses tell them."""
+    draw = random.Random(SEED)
+    compared = refused = 0
+    for path in lenses():
+        lens = sagitta.Lens.read(path)
+        free = [p for p in lens.paths() if 'radius' in p or 'thickness' in p or 'coefficients' in p]
+        paths = [p for p in draw.sample(free, min(4, len(free))) if ' ' not in p]
+        if not paths:
+            continue
+        asked = [f'figure {kind} 2 {" ".join(paths)}' for kind in range(len(FIGURES))]
+        for figure, said in zip(FIGURES, ask_c(path, asked)):
+            what = (path.name, figure, paths)
+            try:
+                v = lens.variables(paths, figure, rays=2)
+                mine = {'residual': v.residuals(v.x0), 'jacobian': v.jacobian(v.x0), 'value': v.values(v.x0),
+                        'gradient': v.gradient(v.x0)}
+            except ValueError as error:                             # (a LensError is one)
+                words = dict(said).get('refused')
+                assert words and words in str(error) or 'do not get through' in str(error), (what, said, error)
+                refused += 1
+                continue
+            for name, numbers in mine.items():
+                equal(numbers_of(said, name), [[as_c(float(x)) for x in numbers.ravel()]], (*what, name))
+                compared += numbers.size
+            if figure == 'spot':
+                rays = (f'--{sagitta_pattern(figure)}', 2)
+                table = json.loads(told('spot', path, *rays, '--format', 'json', '--quiet').stdout)
+                for row, x in zip([r for r in table if r['wavelength'] == 'all'], mine['value']):
+                    close(row['rms'], x, 1e-12 * x, (*what, 'of the command'))
+    print(f'       {compared} numbers the same, {refused} times all refuse')
+    assert compared > 10000 and refused < 40, (compared, refused)
+
+
+def test_tolerances():
+    """Sensitivity and trials, by all three."""
+    path = TREE / 'examples/lenses/triplet_tolerances.yaml'
+    lens = sagitta.Lens.read(path)
+    for figure, said in zip(TOLERANCES, ask_c(path, [f'tolerance {i} 2 9' for i in range(len(TOLERANCES))])):
+        rays = {} if figure == 'boresight' else {'rays': 2}
+        t = lens.tolerance(figure, **rays)
+        table, estimate = t.sensitivity()
+        names = table.dtype.names[1:]
+        equal(numbers_of(said, 'entry'), [[str(row['entry'])] for row in table], figure)
+        equal(numbers_of(said, 'sensitivity'), [[as_c(float(row[n])) for n in names] for row in table], figure)
+        equal(numbers_of(said, 'sum')[0][2], as_c(estimate), figure)
+        trials = t.trials(9)
+        equal(numbers_of(said, 'trial'), [[as_c(float(x))] for x in trials.figure], figure)
+        equal(numbers_of(said, 'drawn'), [[as_c(float(x)) for x in row] for row in trials.value], figure)
+        own = {'spot': 'spot', 'opd': 'wavefront'}.get(figure)      # (the analysis whose pattern it takes)
+        pattern = [f'--{sagitta_pattern(own)}', 2] if own else []
+
+        def by_command(*more):
+            done = told('tolerance', path, '--figure', figure, *pattern, '--format', 'json', '--quiet', *more)
+            return json.loads(done.stdout, parse_int=float)
+        for row, mine in zip(by_command(), table, strict=True):
+            equal(row['tolerance'], t.entries[mine['entry']].text, figure)
+            for name in names:
+                if name != 'worse':
+                    same(row[name], float(mine[name]), (figure, row['tolerance'], name))
+        for row, value, drawn in zip(by_command('--trials', 9), trials.figure, trials.value, strict=True):
+            for cell, x in zip(list(row.values())[1:], [value, *drawn], strict=True):
+                same(cell, float(x), (figure, row['trial']))
 
 
 def test_patterns_in_blocks():

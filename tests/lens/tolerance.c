@@ -184,7 +184,7 @@ static void *give(void *context, void *block, size_t size)
 }
 
 /* Without memory, wherever it ends, there is an error that says so, and nothing is kept. */
-static void try_no_memory(const char *file)
+static void try_no_memory(const char *file, const char *compensator)
 {
     giver g = {.left = 1L << 40};
     const sgt_allocator a = {give, &g};
@@ -194,7 +194,7 @@ static void try_no_memory(const char *file)
     const sgt_tolerancing_options options = {.study = &study};
     sgt_error e;
     sgt_lens *lens = sgt_lens_read(file, &reading, &e);
-    if (!lens) exit(2);
+    if (!lens || !sgt_lens_set_text(lens, "tolerances[13].compensator", compensator, &e)) exit(2);
     const long with_lens = g.held;
     sgt_sensitivity row[16];
     size_t count, tries = 0;
@@ -224,7 +224,8 @@ int main(int argc, char *argv[])
     try_quantiles();
     try_lens(lens);
     try_edits(lens);
-    try_no_memory(argv[1]);
+    try_no_memory(argv[1], "paraxial");
+    try_no_memory(argv[1], "figure");
     sgt_lens_free(lens);
     return faults ? 1 : 0;
 }

@@ -536,4 +536,38 @@ def test_import_keeps_each_character():
         equal((len(got), wrong[:5]), (len(name), []), f'from {points[i]:X} on')
 
 
+def test_edit():
+    """Edits in the order in which they are given, as if each had been written and read."""
+    lens = LENSES / 'cooke_triplet.yaml'
+    def surfaces(*options, of=lens):
+        return [line for line in run('edit', of, *options).stdout.splitlines() if line.startswith('  - ')]
+    whole = surfaces()
+    equal(run('edit', lens).stdout, run('import', lens).stdout, 'nothing is edited')
+    equal(surfaces('--reverse', '1,6', '--reverse', '1,6'), whole, 'turned twice')
+    equal(surfaces('--scale', 2, '--scale', 0.5), whole, 'larger and smaller')
+    equal(surfaces('--insert', 'surfaces[3]={type: plane, thickness: 1}', '--remove', 'surfaces[3]'), whole)
+    window = 'surfaces[3]={type: plane, thickness: 0.5, glass: air, name: window}'
+    several = ('--remove', 'fields[2]', '--insert', window, '--reverse', 'window,5', '--scale', 3,
+               '--set', 'surfaces[5].thickness=7')
+    text, steps = run('edit', lens, *several).stdout, lens
+    for k in range(0, len(several), 2):
+        steps = written(run('edit', steps, *several[k:k + 2]).stdout)
+    equal(steps.read_text(), text, 'one by one')
+    assert 'fields: [0, 20]' in text and 'name: window' in text, text
+    # in air a lens has one focal length from either side
+    focus = [float(re.search(r'^efl +(\S+)', run('info', l).stdout, re.MULTILINE)[1])
+             for l in (lens, written(run('edit', lens, '--reverse', '1,6', '--scale', 2).stdout))]
+    close(focus[1], 2 * focus[0], 3e-7, 'the focal length of a lens that is turned')
+    out = written('')
+    run('edit', lens, '--scale', 2, '-o', out)
+    assert 'radius: 44.02718' in out.read_text()
+    for options, words, exit in ((('--remove', 'surfaces[9]'), 'there is no surface 9', BAD_INPUT),
+                                 (('--scale', 0), 'factor must be positive', BAD_INPUT),
+                                 (('--reverse', '6,1'), 'surfaces[6]', BAD_INPUT),
+                                 (('--insert', 'surfaces[2]={type: plane, glass: air, colour: 1}'), 'colour', BAD_INPUT),
+                                 (('--insert', 'surfaces'), 'PATH=VALUE', USAGE), (('--scale', 'x'), 'scale', USAGE)):
+        said = run('edit', lens, *options, exit=exit).stderr
+        assert words in said, (options, said)
+
+
 main(globals())

@@ -267,6 +267,67 @@ def test_sorted_and_estimated():
     equal([r['tolerance'] for r in by_json], [r['tolerance'] for r in table], 'json')
 
 
+# One of each kind, beside each other, and two that put several numbers off.
+KINDS = ('surface: 1, radius: 0.02', 'surface: 2, fringes: 4', 'surface: 3, thickness: [-0.02, 0.03]',
+         'surface: 3, decenter_x: 0.01', 'surfaces: [3, 4], decenter_y: 0.01', 'surface: 5, decenter_z: 0.02',
+         'surfaces: [3, 4], tilt_x: 0.02, pivot: 0.5', 'surface: 6, tilt_y: 0.02', 'surface: 5, tilt_z: 0.02',
+         'surface: 3, index: 5e-4', 'surface: 5, irregularity: 0.5, term: 5', 'surface: 6, irregularity: 0.5, term: 8')
+FOCUS = 'surface: 6, thickness: 0.5, compensator: '
+PLACE = re.compile(r'(radius|fringes|thickness|_[xyz]|index|irregularity): (\[.*?\]|[\d.e-]+)')
+
+
+def by_derivative(more, options, sharp, follows):
+    """The derivative of each entry against the ends of boxes that get smaller; of the compensator as well."""
+    lens = HEAD.replace('[0, 14]', '[3, 14]') + surfaces()
+    def table(part):
+        scaled = [PLACE.sub(lambda m: f'{m[1]}: {eval(m[2])[1] * part if "[" in m[2] else float(m[2]) * part!r}', kind)
+                  for kind in KINDS]
+        return {r['tolerance']: r for r in rows('tolerance', written(lens + tolerances(*scaled, *more)), *options)}
+    whole, wide, narrow = table(1), table(1 / 8), table(1 / 16)
+    for name, row in whole.items():
+        d = [(float(r['upper']) - float(r['lower'])) for r in (wide[name], narrow[name])]
+        for key, ends, far in (('derivative', 'figure', sharp), ('compensator_derivative', 'compensator', follows)):
+            if far is None or key not in row:
+                continue
+            slope = [(float(r[ends + '_upper']) - float(r[ends + '_lower'])) / w
+                     for r, w in zip((wide[name], narrow[name]), d)]
+            brute = (4 * slope[1] - slope[0]) / 3
+            if row[key] == '':
+                equal((name, '--figure' in options), ('surface 6 irregularity 8', True), 'there is no exit pupil')
+                continue
+            size = abs(brute) + abs(float(row[ends + '_upper']) - float(row[ends + '_lower'])) / 1000 + 1e-6
+            close(row[key], brute, far * size + (1e-6 if ends == 'compensator' else 0),
+                  f'{key} of {name}, {more} {options}')
+            alike = 1e-8 if key == 'derivative' else 1e-6  # (differences over the box)
+            close(narrow[name][key], float(row[key]), alike * size, f'{key} of {name}: by any box')
+        close(row['linear_upper'] or 0, float(row['derivative'] or 0) * float(row['upper']), 1e-15, name)
+
+
+def test_derivatives():
+    """Exact, compensators following: against lenses that are built with less and less off."""
+    for options in (RAYS, (*RAYS, '--reference', 'centroid'), (*RAYS, '--figure', 'opd'),
+                    (*RAYS, '--fields', '2', '--wavelength', '2')):
+        by_derivative((), options, 1e-5, None)
+        by_derivative((FOCUS + 'paraxial',), options, 1e-5, 1e-6)
+        by_derivative((FOCUS + 'figure',), options, 1e-3, 1e-3)
+    by_derivative((FOCUS + 'figure', 'surface: 4, thickness: 0.2, compensator: figure'), RAYS, 1e-2, None)  # (sought in turn)
+    # a compensator at the end of its range stays
+    lens = HEAD + surfaces()
+    entry = 'surface: 1, radius: 0.02'
+    tight, = sensitivity(lens, entry, 'surface: 6, thickness: [0, 1e-5], compensator: figure').values()
+    free, = sensitivity(lens, entry, FOCUS + 'figure').values()
+    equal((tight['compensator_lower'], tight['compensator_derivative']), ('0', '0'))
+    assert abs(float(free['compensator_derivative'])) > 1, free
+    # a boresight is 0 as designed, and grows to both sides
+    for more in ((), (FOCUS + 'paraxial',)):
+        scaled = [PLACE.sub(lambda m: f'{m[1]}: {1e-5 * (0.02 if "[" in m[2] else float(m[2]))!r}', kind)
+                  for kind in KINDS]
+        for row in rows('tolerance', written(lens + tolerances(*scaled, *more)), '--figure', 'boresight', '--quiet'):
+            worse = max(float(row['change_lower']), float(row['change_upper']))
+            close(row['linear_upper'], worse, 1e-4 * worse + 1e-13, row['tolerance'])
+            equal(row['linear_lower'], row['linear_upper'], row['tolerance'])
+
+
 def test_boresight():
     """Where chief rays end, against sagitta spot of files."""
     lens = HEAD + surfaces()
@@ -454,6 +515,9 @@ def test_errors():
     told = run('tolerance', written(lens + tolerances('surface: 1, radius: 1', 'surface: 1, index: 2')),
                exit=BAD_INPUT).stderr
     assert f':{line + 1}: tolerances[2]: surface 1 index at -2: ' in told, told
+    # with coma a surface has a slope at its vertex: in front of the stop no pupil can be found
+    told = run('tolerance', written(lens + tolerances('surface: 2, irregularity: 0.5, term: 8')), exit=BAD_INPUT).stderr
+    assert 'surface 2 irregularity 8 at -0.5: pupil.distance: needed' in told, told
     for options in (('--limit', 1), ('--worst', 'x'), ('--trials', 0), ('--confidence', 100),
                     ('--figure', 'opd', '--reference', 'chief', '--rays', 'x'), ('--figure', 'mtf')):
         run('tolerance', EXAMPLE, *options, exit=USAGE)

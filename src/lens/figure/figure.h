@@ -15,7 +15,7 @@ typedef struct look_of_lens {
 } look_of_lens;
 
 /* Where the numbers stand.  A slot is a wavelength of the study, or, the last, the primary one. */
-enum { BEAM_NUMBERS = 16, FIRST_NUMBERS = 2, AXES = 9 };
+enum { BEAM_NUMBERS = 16, FIRST_NUMBERS = 3, AXES = 9 };
 typedef struct place {
     size_t at, end;
     const sgt_param *of;
@@ -30,7 +30,7 @@ typedef struct layout {
     size_t axes;         /* [elements * 9] */
     size_t beams;        /* [fields * 16]: the members of sgt_field_beam in order, but `front` */
     size_t stop;         /* the height on the stop that the rim of the pupil is aimed at */
-    size_t first;        /* [slots * 2]: efl, exit_pupil */
+    size_t first;        /* [slots * 3]: efl, exit_pupil, 1 / exit_pupil */
     size_t ideal;        /* [fields * slots]: the height of an image without distortion */
     size_t fixed;        /* what must not move: lengths of phases, numbers that are no parameters */
     size_t weights;      /* of fields and wavelengths, and the wavelengths; the same */
@@ -67,11 +67,28 @@ typedef struct motion {
     bool beams;         /* any number of a beam, or of the stop's size */
 } motion;
 
-/* (motion.c) By what stands at `path`, x now, of a copy of the lens that may be edited.  undo: what makes the
- * copy the lens again (NULL: nothing has to).  At return x has to be set at `path`, to undo this.  false:
- * `error` names the path. */
-bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *undo, const looking *how,
-                   const layout *at, const look_of_lens *now, motion *out, sgt_error *error);
+/* Numbers that a lens is made with: those at paths of its file, or others. */
+typedef struct lens_numbers {
+    size_t count;
+    const char *const *path; /* [count]: their paths, or what they are called in an error */
+    const double *step;      /* [count]: steps of differences; NULL: as the paths say */
+    const void *context;
+    /* Makes `lens`, that has the numbers `from`, one with the numbers `to`.  false: it is as it was */
+    bool (*put)(const void *context, sgt_lens *lens, const double from[], const double to[],
+                sgt_error *error);
+} lens_numbers;
+
+/* (figure.c) As sgt_figure_new, by other numbers than those at paths: x of `lens`.  Where there is no
+ * derivative it is 0, and figure_has_none tells so after an evaluation.  What `by` points to has to last. */
+sgt_figure *sgt_figure_by(const sgt_lens *lens, const sgt_study_options *study, const sgt_figure_options *opt,
+                          const lens_numbers *by, const double x[], sgt_error *error);
+bool sgt_figure_has_none(const sgt_figure *f, size_t m);
+
+/* (motion.c) By number m of those of the lens, `wanted`.  copy: a lens that may be edited; has: its numbers,
+ * which go on with it.  false: `error` names the path. */
+bool sgt_motion_of(const lens_numbers *of, size_t m, sgt_lens *copy, double has[], double wanted[],
+                   const looking *how, const layout *at, const look_of_lens *now, motion *out,
+                   sgt_error *error);
 
 /* (rays.c) Rays of one field and slot: launched, traced, and gone back. */
 enum { FLOCK = 64 };

@@ -220,8 +220,10 @@ static void put_all(list *to, const look_of_lens *l, layout *out)
     out->stop = to->count;
     add_number(to, a->from->aim == SGT_LENS_AIM_PUPIL ? 0 : a->from->stop_radius);
     out->first = to->count;
-    for (size_t s = 0; s < out->slots; s++)
-        add_number(to, sgt_look_slot(l, s)->data.efl), add_number(to, sgt_look_slot(l, s)->data.exit_pupil);
+    for (size_t s = 0; s < out->slots; s++) {
+        const sgt_first_order *o = &sgt_look_slot(l, s)->data;
+        add_number(to, o->efl), add_number(to, o->exit_pupil), add_number(to, 1 / o->exit_pupil);
+    }
     out->ideal = to->count;
     for (size_t f = 0; f < a->fields; f++)
         for (size_t s = 0; s < out->slots; s++)

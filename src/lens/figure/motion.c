@@ -14,7 +14,7 @@
  *
  * THE STEP is a power of two, some 2^-11 of x: x + k h is mostly exact, and so is all that is linear.
  * Lengths and angles that are small or 0 have the scale of the lens, or a radian.  Where focal length or
- * pupil change by more than 2^-7 from x - h to x + h, or the reader refuses a point, h is made less.  So D4
+ * pupil change by more than 2^-8 from x - h to x + h, or the reader refuses a point, h is made less.  So D4
  * is off by some 4 (2^-11)^4 = 2^-42, and by the rounding 2^-53 2^11 of a number that x sets alone.
  *
  * A RADIUS is taken by its reciprocal, in which nearly everything is linear: d/dR = -1/R^2 d/d(1/R).
@@ -28,7 +28,7 @@
 
 enum { POINTS = 2, TRIES = 5, SMALLER = 4, STEP = 11 };
 enum { BEAM_RADIUS = 7, BEAM_WAVE = 9 }; /* places of numbers in a beam's row */
-static const double ROUNDING = 0x1p-53, TOO_FAR = 0x1p-7, RADIAN = 57.29577951308232;
+static const double ROUNDING = 0x1p-53, TOO_FAR = 0x1p-8, RADIAN = 57.29577951308232;
 
 static bool refuses(sgt_error *error, const char *path, const char *why)
 {
@@ -78,28 +78,30 @@ static double scale_of(const sgt_lens *lens, const char *path, double x)
     return scale > 0 ? scale : 1;
 }
 
-/* What is asked: of a path, and the edit that undoes what was asked before it. */
+/* What is asked: by number m. */
 typedef struct asking {
+    const lens_numbers *of;
+    size_t m;
     sgt_lens *copy;
-    const char *path;
-    const sgt_edit *undo;
+    double *has, *wanted; /* [of->count]: the numbers that the copy has, and those of the lens */
     const looking *how;
     const layout *at;
     bool inverse;
 } asking;
 
-/* Looks at the lens with `to` at the path. */
+/* Looks at the lens with `to` in place of its number m. */
 static bool look_with(const asking *a, double to, look_of_lens *l, sgt_error *error)
 {
     layout same = *a->at;
-    sgt_edit edit[2] = {{.kind = SGT_EDIT_SET, .path = a->path, .number = to}};
-    if (a->undo) edit[1] = *a->undo;
+    const double x = a->wanted[a->m];
     *l = (look_of_lens){.study = NULL};
-    if (!sgt_lens_edit(a->copy, a->undo ? 2 : 1, edit, error) ||
-        !sgt_look_begin(l, a->copy, a->how, false, error))
-        return false;
+    a->wanted[a->m] = to;
+    const bool put = a->of->put(a->of->context, a->copy, a->has, a->wanted, error);
+    if (put) memcpy(a->has, a->wanted, a->of->count * sizeof *a->has);
+    a->wanted[a->m] = x;
+    if (!put || !sgt_look_begin(l, a->copy, a->how, false, error)) return false;
     return sgt_look_list(l, &same, false) ||
-           refuses(error, a->path, "it changes what there is, not how much");
+           refuses(error, a->of->path[a->m], "it changes what there is, not how much");
 }
 
 /* Does the focal length, or the size of a pupil, change too much over the stencil? */
@@ -153,6 +155,14 @@ static bool on_lines(const stencil *s, const looking *how, const layout *at, con
     return true;
 }
 
+/* Do first-order data end beside x?  Of a lens with coma on a surface, say: its vertex has a slope. */
+static bool is_lost(const stencil *s, const layout *at, const look_of_lens *now)
+{
+    for (size_t i = at->first; i < at->ideal; i++)
+        if (!isnan(now->number[i]) && isnan(listed_at(s, 1, i) + listed_at(s, -1, i))) return true;
+    return false;
+}
+
 /* The turn of each element about its own axes: of a rotation R, with the axes as columns, dR = R [w]. */
 static void find_turns(const sgt_lens *lens, const layout *at, const look_of_lens *now, motion *m)
 {
@@ -198,19 +208,22 @@ static void end_stencil(stencil *s)
     for (int k = 0; k < 2 * POINTS; k++) sgt_look_end(&s->at[k]);
 }
 
-bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *undo, const looking *how,
-                   const layout *at, const look_of_lens *now, motion *out, sgt_error *error)
+bool sgt_motion_of(const lens_numbers *of, size_t m, sgt_lens *copy, double has[], double wanted[],
+                   const looking *how, const layout *at, const look_of_lens *now, motion *out,
+                   sgt_error *error)
 {
-    const bool inverse = is_radius(path);
-    const asking a = {copy, path, undo, how, at, inverse};
+    const char *path = of->path[m];
+    const double x = wanted[m];
+    const bool inverse = !of->step && is_radius(path);
+    const asking a = {of, m, copy, has, wanted, how, at, inverse};
     stencil s = {.lines = false};
     sgt_error first = {.line = 0}, unread;
     if (!isfinite(x))
         return refuses(error, path,
-                      inverse ? "no derivative by an infinite radius; take its curvature"
-                              : "no derivative by an infinite number");
+                       inverse ? "no derivative by an infinite radius; take its curvature"
+                               : "no derivative by an infinite number");
     const double scale = inverse ? 1 / fabs(x) : scale_of(copy, path, x);
-    s.h = ldexp(1, ilogb(scale) - STEP);
+    s.h = of->step ? of->step[m] : ldexp(1, ilogb(scale) - STEP);
     bool fine = false;
     for (int i = 0; i < TRIES && !fine; i++) {
         sgt_error *told = i == 0 ? &first : &unread;
@@ -222,6 +235,7 @@ bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *u
         end_stencil(&s);
         s.h = ldexp(s.h, -SMALLER);
     }
+    const bool lost = fine && (how->path || how->first) && is_lost(&s, at, now);
     const double by_x = inverse ? -1 / (x * x) : 1;
     for (size_t i = 0; i < at->end && fine; i++) {
         differ(&s, i, &out->by[i], &out->error[i]);
@@ -234,6 +248,7 @@ bool sgt_motion_of(sgt_lens *copy, const char *path, double x, const sgt_edit *u
         snprintf(error->key, sizeof error->key, "%s", path);
         return false;
     }
+    if (lost) return refuses(error, path, "no derivative: there is no exit pupil or focal length beside it");
     find_turns(copy, at, now, out);
     /* where a wavefront begins is the same for all rays of a field: it may jump, and has no say */
     for (size_t i = at->beams + BEAM_WAVE; i < at->stop; i += BEAM_NUMBERS) out->by[i] = out->error[i] = 0;

@@ -211,21 +211,17 @@ static void across(sgt_vec3 d, sgt_vec3 *u, sgt_vec3 *v)
     *u = unit3(cross3(d, away)), *v = unit3(cross3(d, *u));
 }
 
-/* What the stop decides: adds it to o or d. */
-static void meet_stop(const flock *f, const motion *m, const beam_change *c, double moved[2][FLOCK], size_t k,
-                      const sgt_ray *ray, sgt_vec3 *o, sgt_vec3 *d)
+/* What the stop decides: adds to o or d what moves the ray by `wanted` there, less what o and d do. */
+static void meet_stop(const flock *f, const double wanted[2], size_t k, const sgt_ray *ray, sgt_vec3 *o,
+                      sgt_vec3 *d)
 {
     static const sgt_vec3 none = {0, 0, 0};
-    const double height = f->at->number[f->in->stop], dh = m->by[f->in->stop];
-    const sgt_vec2 q = sgt_vignetted(&f->beam, f->point[k].x, f->point[k].y);
-    const sgt_vec2 dq = point_change(&f->beam, c, f->point[k]);
-    const double wanted[2] = {dh * q.x + height * dq.x, dh * q.y + height * dq.y};
     sgt_vec3 e[2];
     double s[2][2], left[2];
     across(ray->d, &e[0], &e[1]);
     for (size_t r = 0; r < 2; r++) {
         double *const *g = f->to_stop + r * f->stop_numbers;
-        left[r] = wanted[r] - by_launch(g, *o, *d, k) - moved[r][k];
+        left[r] = wanted[r] - by_launch(g, *o, *d, k);
         for (int i = 0; i < 2; i++)
             s[r][i] = f->beam.finite ? by_launch(g, none, e[i], k) : by_launch(g, e[i], none, k);
     }
@@ -236,21 +232,47 @@ static void meet_stop(const flock *f, const motion *m, const beam_change *c, dou
     *to = along3(along3(*to, a, e[0]), b, e[1]);
 }
 
+/* Of an aimed ray: how its point of the stop has to move, apart from what the numbers move it by; what may be
+ * off in that. */
+static void stop_change(const flock *f, const motion *m, const beam_change *c, size_t k, double moved[2],
+                        double off[2])
+{
+    const double height = f->at->number[f->in->stop], dh = m->by[f->in->stop], own = m->error[f->in->stop];
+    const sgt_vec2 q = sgt_vignetted(&f->beam, f->point[k].x, f->point[k].y);
+    const sgt_vec2 dq = point_change(&f->beam, c, f->point[k]);
+    moved[0] = dh * q.x + height * dq.x - moved[0], moved[1] = dh * q.y + height * dq.y - moved[1];
+    off[0] += own * fabs(q.x), off[1] += own * fabs(q.y);
+}
+
+/* What may be off in the part of the launch ray, of that part: LAUNCH, or as the numbers of the beam and of
+ * the stop are, the worst of them. */
+static double launch_error(const flock *f, const motion *m, size_t beam)
+{
+    double worst = LAUNCH;
+    for (size_t i = 0; i <= BEAM_NUMBERS; i++) {
+        const size_t at = i < BEAM_NUMBERS ? beam + i : f->in->stop;
+        if (m->by[at] != 0) worst = fmax(worst, m->error[at] / fabs(m->by[at]));
+    }
+    return worst;
+}
+
 void sgt_flock_move(const flock *f, const motion *m, size_t row, double out[], double error[])
 {
     const layout *in = f->in;
     const sgt_asking *a = &f->at->ask;
     const bool aims = a->from->aim != SGT_LENS_AIM_PUPIL;
-    const double *by = m->by + f->slot * in->trace, *off = m->error + f->slot * in->trace;
+    const double *by = m->by + f->slot * in->trace, *by_off = m->error + f->slot * in->trace;
     const size_t beam = in->beams + f->field * BEAM_NUMBERS;
     const beam_change c = change_of(m->by + beam, f->vignetted);
     double *const *g = f->gradient + row * in->trace;
-    double at_stop[2][FLOCK] = {{0}};
+    const double launch = launch_error(f, m, beam);
+    double at_stop[2][FLOCK] = {{0}}, off_stop[2][FLOCK] = {{0}};
     for (size_t k = 0; k < f->count; k++) out[k] = 0;
     for (size_t k = 0; error && k < f->count; k++) error[k] = 0;
-    by_numbers(g, in->trace, by, off, f->count, out, error);
+    by_numbers(g, in->trace, by, by_off, f->count, out, error);
     for (size_t r = 0; aims && r < 2; r++)
-        by_numbers(f->to_stop + r * f->stop_numbers, f->stop_numbers, by, off, f->count, at_stop[r], NULL);
+        by_numbers(f->to_stop + r * f->stop_numbers, f->stop_numbers, by, by_off, f->count, at_stop[r],
+                   error ? off_stop[r] : NULL);
     for (size_t k = 0; k < f->count; k++) {
         if (!f->there[k] || f->fate[k] != SGT_PASSED) {
             out[k] = 0;
@@ -262,9 +284,16 @@ void sgt_flock_move(const flock *f, const motion *m, size_t row, double out[], d
                              .d = {f->d[0][k], f->d[1][k], f->d[2][k]}};
         sgt_vec3 o, d;
         launch_change(&f->beam, &c, f->point[k], aims, &ray, &o, &d);
-        if (aims) meet_stop(f, m, &c, at_stop, k, &ray, &o, &d);
+        double moved[2] = {at_stop[0][k], at_stop[1][k]}, off[2] = {off_stop[0][k], off_stop[1][k]};
+        if (aims) {
+            sgt_vec3 off_o = {0, 0, 0}, off_d = {0, 0, 0};
+            stop_change(f, m, &c, k, moved, off);
+            meet_stop(f, moved, k, &ray, &o, &d);
+            if (error) meet_stop(f, off, k, &ray, &off_o, &off_d);
+            if (error) error[k] += fabs(by_launch(g, off_o, off_d, k));
+        }
         const double term = by_launch(g, o, d, k);
         out[k] += term;
-        if (error) error[k] += LAUNCH * fabs(term);
+        if (error) error[k] += launch * fabs(term);
     }
 }

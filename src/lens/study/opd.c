@@ -196,7 +196,7 @@ static bool front_sums(sgt_asking *a, opds *w, const sgt_pupil *points, bool cou
     w->sum = sgt_ask_room(a, w->cells, sizeof *w->sum);
     w->fates = sgt_ask_room(a, w->cells, sizeof *w->fates);
     a->counts = counts;
-    if (!counts) p.wanted = OPD_OF_END; /* coarse: for its rms alone */
+    if (!counts || a->study->rms_alone) p.wanted = OPD_OF_END; /* coarse: for its rms alone */
     p.take = front_take, p.end = front_end;
     return !a->failed && sgt_ask_pass(&p);
 }

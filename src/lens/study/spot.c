@@ -270,7 +270,7 @@ static spot_sums sums_of(const spots *w, const sgt_pupil *points, bool counts)
     pass p = {.ask = a, .points = points, .cells = w->cells, .wanted = END_POINT, .data = &s,
               .place = place_of_sums, .lost = lost_of_sums};
     if (a->failed) return s;
-    if (counts) p.wanted |= END_POINT_ERROR; /* coarse: for its rms alone */
+    if (counts && !a->study->rms_alone) p.wanted |= END_POINT_ERROR; /* coarse: for its rms alone */
     a->counts = false;
     p.size = sizeof(spot_middle), p.block = middle_block, p.take = middle_take;
     if (w->centroid && !sgt_ask_pass(&p)) return s;

@@ -566,6 +566,7 @@ bool sgt_ask_pupil(sgt_asking *a)
     if (!pick_points(a, pattern, n, &a->fine)) return false;
     if (a->fine.count == 0)
         return sgt_ask_refuse(a, "rays", "no ray of the pattern lies inside the pupil's circle");
+    if (a->study->rms_alone) return true;
     return n / (area ? 4 : 2) == 0 || pick_points(a, pattern, n / (area ? 4 : 2), &a->coarse);
 }
 

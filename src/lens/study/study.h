@@ -14,6 +14,7 @@ struct sgt_study {
     const sgt_lens *lens;
     sgt_launcher *from;
     double um;                  /* the unit of length in micrometres; NaN: not known */
+    bool rms_alone;             /* of a row rms and means alone are read: no errors, no coarse points */
 };
 
 /* The lens at a wavelength. */

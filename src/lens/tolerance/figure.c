@@ -6,6 +6,7 @@
  * apertures do not change; of anything else it nearly is one where the figure is smallest.  The search ends
  * when the parabola has foretold the new value within FORETOLD of it, so the figure is then within some
  * FORETOLD of the least one.  Several compensators are sought in turn until a round gains no more. */
+#include "../study/study.h"
 #include "tolerance.h"
 
 #include <math.h>
@@ -68,6 +69,7 @@ static bool run_figure(const sgt_tolerancing *t, squares *s, sgt_error *error)
     const sgt_spot_options of_spot = {.reference = t->opt.reference};
     const sgt_sink sink = {.context = s, .row = of[t->opt.figure].row};
     sgt_study *study = sgt_study_new(s->lens, &t->study, error);
+    if (study) study->rms_alone = true; /* a third of the time */
     const void *options = t->opt.figure == SGT_TOLERANCING_OPD ? NULL : &of_spot;
     const bool fine = study && sgt_study_run(study, sgt_analysis_named(of[t->opt.figure].analysis), options,
                                              &sink, NULL, error);

@@ -95,14 +95,28 @@ static bool plain_options(const sgt_tolerancing *t, const sgt_tolerancing_option
     return true;
 }
 
+/* Is there a pupil, to launch rays on the axis? */
+static bool can_launch(const sgt_tolerancing *t, const sgt_lens *lens, sgt_error *why)
+{
+    static const sgt_lens_field axis = {.weight = 1};
+    const sgt_launcher_options opt = {.allocator = t->study.allocator, .aim = t->study.aim};
+    sgt_launcher *from = sgt_launcher_new(lens, &opt, why);
+    sgt_field_beam beam;
+    const bool fine = from && sgt_launch_field(from, SGT_FIELD_ANGLE, &axis, &beam, why);
+    sgt_launcher_free(from);
+    return fine;
+}
+
 /* Tries each end of each entry, so that what cannot be is told with its name. */
 static bool try_ends(const sgt_tolerancing *t, sgt_lens *lens, double value[], sgt_error *error)
 {
+    sgt_error why;
+    const bool pupil = can_launch(t, t->base, &why);
     for (size_t i = 0; i < 2 * t->count; i++) {
         const sgt_tolerance *e = &t->entry[i / 2];
-        sgt_error why;
         value[i / 2] = i % 2 ? e->upper : e->lower;
-        if (!sgt_build_at(t, lens, value, &why)) {
+        /* (a lens without a pupil would only have no figure, and no word would tell why) */
+        if (!sgt_build_at(t, lens, value, &why) || (pupil && !can_launch(t, lens, &why))) {
             char about[SGT_TOLERANCE_SIZE];
             sgt_tolerance_text(e, about);
             *error = (sgt_error){.line = e->line};
@@ -250,7 +264,11 @@ bool sgt_tolerancing_sensitivity(const sgt_tolerancing *t, size_t *count, sgt_se
         else
             j.value[2 * i * t->count + i] = e->lower, j.value[(2 * i + 1) * t->count + i] = e->upper;
     }
-    const bool fine = do_jobs(&j, error);
+    slopes slope = {.figure = a.resize(a.context, NULL, (2 * t->count + 1) * sizeof *slope.figure)};
+    if (!slope.figure) refuse(t->of, error, "", "no memory");
+    if (slope.figure) slope.compensator = slope.figure + t->count;
+    const bool fine = slope.figure && do_jobs(&j, error) &&
+                      sgt_slopes_at(t, j.value + 2 * t->count * t->count, &slope, error);
     const double zero = j.figure[2 * t->count];
     double squares_of = 0;
     for (size_t i = 0; i < t->count && fine; i++) {
@@ -263,12 +281,16 @@ bool sgt_tolerancing_sensitivity(const sgt_tolerancing *t, size_t *count, sgt_se
         if (isnan(one.change_lower) || isnan(one.change_upper)) one.worse = (double)NAN;
         one.compensator_lower = first < t->count ? low[first] : (double)NAN;
         one.compensator_upper = first < t->count ? high[first] : (double)NAN;
+        one.derivative = slope.figure[i], one.compensator_derivative = slope.compensator[i];
+        one.linear_lower = one.derivative * (slope.even ? fabs(t->entry[i].lower) : t->entry[i].lower);
+        one.linear_upper = one.derivative * (slope.even ? fabs(t->entry[i].upper) : t->entry[i].upper);
         squares_of += (one.change_lower * one.change_lower + one.change_upper * one.change_upper) / 2;
         put_row(row, (*count)++, one);
     }
     if (fine && sum)
         *sum = (sgt_sensitivity_sum){
             .nominal = t->nominal, .compensated = zero, .estimate = zero + sqrt(squares_of)};
+    if (slope.figure) a.resize(a.context, slope.figure, 0);
     a.resize(a.context, room, 0);
     return fine;
 }

@@ -52,6 +52,16 @@ bool sgt_figure_of(const sgt_tolerancing *t, const sgt_lens *lens, double *figur
 /* (figure.c) What the figure needs of the lens as designed: sets t->nominal.  false: `error`. */
 bool sgt_figure_begin(sgt_tolerancing *t, sgt_error *error);
 
+/* Derivatives of the figure by each entry, and of the first compensator, which follows; [count] of both.
+ * NaN: there is none, as of the compensators.  even: the figure is 0 and grows to either side. */
+typedef struct slopes {
+    double *figure, *compensator;
+    bool even;
+} slopes;
+
+/* (slope.c) At a point with its compensators set.  false: no memory. */
+bool sgt_slopes_at(const sgt_tolerancing *t, const double value[], slopes *out, sgt_error *error);
+
 /* (figure.c) Of a point: seeks the compensators and sets them.  lens: a copy of the base. */
 bool sgt_figure_at(const sgt_tolerancing *t, sgt_lens *lens, double value[], double *figure,
                    sgt_error *error);

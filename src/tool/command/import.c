@@ -2,7 +2,6 @@
 /* import.c - sagitta import: a lens of another format, or of several manners, as a lens file. */
 #include "commands.h"
 
-#include "../base/input.h"
 #include "../job/job.h"
 #include "../read/lens.h"
 
@@ -53,10 +52,6 @@ static exit_status import_run(const command *c, int argc, char *argv[])
     shared_options shared = {.threads = 0};
     job_options asked = {.lens = NULL};
     command_read(c, NULL, &asked, &shared, argc, argv);
-    sgt_lens *l = lens_open(command_file(c, "file", argc, argv));
-    size_t length;
-    const char *text = sgt_lens_yaml(l, &length);
-    if (!text) fail_input("%s: could not be written as YAML", l->file);
-    output_write(shared.target.path, text, length);
+    lens_write(lens_open(command_file(c, "file", argc, argv)), shared.target.path);
     return EXIT_DECIDED;
 }

@@ -123,7 +123,7 @@ static void put_maybe(table *t, double x)
 
 static void print_sensitivity(tolerating *w)
 {
-    enum { COLUMNS = 10 };
+    enum { COLUMNS = 14 };
     const sgt_lens *l = w->lens;
     sgt_error e;
     sgt_sensitivity_sum sum;
@@ -143,10 +143,14 @@ static void print_sensitivity(tolerating *w)
     put_head(head, unit, &columns, "unit", COLUMN_WORD, "");
     put_head(head, unit, &columns, "change_lower", COLUMN_NUMBER, w->unit);
     put_head(head, unit, &columns, "change_upper", COLUMN_NUMBER, w->unit);
+    put_head(head, unit, &columns, "derivative", COLUMN_NUMBER, "");
+    if (!text) put_head(head, unit, &columns, "linear_lower", COLUMN_NUMBER, w->unit);
+    put_head(head, unit, &columns, "linear_upper", COLUMN_NUMBER, w->unit);
     if (!text) put_head(head, unit, &columns, "figure_lower", COLUMN_NUMBER, w->unit);
     if (!text) put_head(head, unit, &columns, "figure_upper", COLUMN_NUMBER, w->unit);
     if (compensated) put_head(head, unit, &columns, "compensator_lower", COLUMN_NUMBER, of);
     if (compensated) put_head(head, unit, &columns, "compensator_upper", COLUMN_NUMBER, of);
+    if (compensated && !text) put_head(head, unit, &columns, "compensator_derivative", COLUMN_NUMBER, "");
     table_target target = w->look.shared.target;
     target.unit = unit, target.word_size = SGT_TOLERANCE_SIZE;
     table *t = table_begin(&target, columns, head);
@@ -157,12 +161,17 @@ static void print_sensitivity(tolerating *w)
         table_number(t, a->lower), table_number(t, a->upper);
         table_word(t, sgt_tolerance_unit(l, a));
         put_maybe(t, r->change_lower), put_maybe(t, r->change_upper);
+        put_maybe(t, r->derivative);
+        if (!text) put_maybe(t, r->linear_lower);
+        put_maybe(t, r->linear_upper);
         if (!text) put_maybe(t, r->figure_lower), put_maybe(t, r->figure_upper);
         if (compensated) put_maybe(t, r->compensator_lower), put_maybe(t, r->compensator_upper);
+        if (compensated && !text) put_maybe(t, r->compensator_derivative);
     }
     const char *space = *w->unit ? " " : "";
-    table_line(t, "The worst first.  figure: %s.  change: from that as designed.",
-               figure_name(w));
+    table_line(t, "The worst first.  figure: %s.  change: from that as designed.", figure_name(w));
+    table_line(t, "derivative: of the figure, by the unit of the tolerance%s.  linear_upper: times upper.",
+               compensated ? ", compensators following" : "");
     table_line(t, "as designed: %.6g%s%s", sum.nominal, space, w->unit);
     if (compensated)
         table_line(t, "with its compensators set: %.6g%s%s.  compensator: %s", sum.compensated, space,
@@ -312,8 +321,11 @@ static void draw_yield(const tolerating *w)
                                .series = series,
                                .rules = w->own.limits + 1,
                                .rule = rule};
-    const char *line[] = {
-        memory_print("%zu trials, %zu tolerances, seed %d", w->done, w->count, w->own.seed)};
+    size_t set = 0; /* the compensators: they are not off */
+    for (size_t i = 0; i < w->count; i++) set += w->entry[i].compensator != SGT_NO_COMPENSATOR;
+    const char *and = set == 0 ? "" : memory_print(", %zu compensator%s", set, set == 1 ? "" : "s");
+    const char *line[] = {memory_print("%zu trials, %zu tolerance%s%s, seed %d", w->done, w->count - set,
+                                       w->count - set == 1 ? "" : "s", and, w->own.seed)};
     chart_write(
         w->look.picture,
         &(chart){

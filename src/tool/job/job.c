@@ -156,7 +156,7 @@ static void take_again(void *into, const option_row *row, const char *value)
     if (strcmp(row->name, "aim") == 0) o->aim_given = true, o->aimed = options_word(row, value);
     else if (strcmp(row->name, "glass") == 0) lens_glass_folder(value);
     else if (strcmp(row->name, "strict") == 0) lens_be_strict();
-    else if (strcmp(row->name, "set") == 0) lens_set(value);
+    else if (strcmp(row->name, "set") == 0) lens_edit_value(SGT_EDIT_SET_TEXT, row->name, value);
     else o->no_apertures = true;
 }
 

@@ -10,7 +10,6 @@
 #include "earth.h"
 
 #include <math.h>
-#include <sagitta/edit.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -138,14 +137,18 @@ static const char *end_of_path(const char *text)
     return *text ? text : NULL;
 }
 
-void lens_set(const char *text)
+void lens_edit(sgt_edit one)
+{
+    edit = memory_room(edit, edits, &edit_capacity, sizeof *edit);
+    edit[edits++] = one;
+}
+
+void lens_edit_value(sgt_edit_kind kind, const char *option, const char *text)
 {
     const char *end = end_of_path(text);
     if (!end || end == text)
-        fail_usage("--set must be PATH=VALUE, as surfaces[3].thickness=4.5, not \"%s\"", text);
-    edit = memory_room(edit, edits, &edit_capacity, sizeof *edit);
-    edit[edits++] = (sgt_edit){.kind = SGT_EDIT_SET_TEXT, .path = memory_text(text, (size_t)(end - text)),
-                               .text = end + 1};
+        fail_usage("--%s must be PATH=VALUE, as surfaces[3].thickness=4.5, not \"%s\"", option, text);
+    lens_edit((sgt_edit){.kind = kind, .path = memory_text(text, (size_t)(end - text)), .text = end + 1});
 }
 
 static bool strict;
@@ -242,6 +245,14 @@ sgt_lens *lens_open(const char *path)
     if (edits && !sgt_lens_edit(of, edits, edit, &e)) lens_refuse(&e);
     note_remarks(of);
     return of;
+}
+
+void lens_write(sgt_lens *of, const char *path)
+{
+    size_t length;
+    const char *text = sgt_lens_yaml(of, &length);
+    if (!text) fail_input("%s: could not be written as YAML", of->file);
+    output_write(path, text, length);
 }
 
 lens lens_of_text(const char *name, const char *text)

@@ -4,7 +4,7 @@
 #define TOOL_LENS_H
 #include "../base/fail.h"
 
-#include <sagitta/lens.h>
+#include <sagitta/edit.h>
 #include <stdbool.h>
 
 typedef struct lens {
@@ -31,8 +31,11 @@ void lens_configuration(int number);
 /* --strict: what a reader leaves out, and a wavelength outside the range of a glass, are errors. */
 void lens_be_strict(void);
 
-/* --set: PATH=VALUE, one after another; all are made together of each lens that is opened. */
-void lens_set(const char *text);
+/* Edits, one after another; all are made together of each lens that is opened. */
+void lens_edit(sgt_edit one);
+
+/* The same of PATH=VALUE, as --set and --insert have it. */
+void lens_edit_value(sgt_edit_kind kind, const char *option, const char *text);
 
 /* From now on what a reader remarks of a lens is not printed.  Errors, and what --strict refuses, are. */
 void lens_be_quiet(void);
@@ -45,6 +48,9 @@ sgt_lens *lens_open(const char *path);
 /* The lens at a wavelength.  Notes glasses that are used outside their ranges. */
 lens lens_at(sgt_lens *of, lens_wavelength at);
 void lens_note_no_ranges(void); /* from now on */
+
+/* Writes it as a lens file (NULL: to standard output). */
+void lens_write(sgt_lens *of, const char *path);
 
 /* The same of text; nothing is noted. */
 lens lens_of_text(const char *name, const char *text);
