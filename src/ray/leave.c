@@ -470,14 +470,26 @@ static double on_all(size_t n, const double *px, const double *py, const double 
     return count;
 }
 
-/* F and its gradient at n points. */
+/* F, its gradient and the bound on its rounding at n points.  false: not known of all at once. */
+static bool leave_rounded(sgt_surface s, size_t n, const double *const p[3], double *f, double *const grad[3],
+                          double *own)
+{
+    const struct sgt_builtin_ops *with = s.ops->own_;
+    return with && with->values_rounded && !with->share &&
+           with->values_rounded(s.self, NULL, NULL, n, (sgt_points){{p[0], p[1], p[2]}},
+                                (sgt_values){f, {grad[0], grad[1], grad[2]}}, own);
+}
+
+/* F and its gradient at n points, ASKS at most. */
 static void leave_values(sgt_surface s, size_t n, const double *const p[3], double *f, double *const grad[3])
 {
+    double own[ASKS];
     if (s.ops->values) {
         s.ops->values(s.self, n, (sgt_points){{p[0], p[1], p[2]}},
                       (sgt_values){f, {grad[0], grad[1], grad[2]}});
         return;
     }
+    if (leave_rounded(s, n, p, f, grad, own)) return;
     for (size_t k = 0; k < n; k++) {
         sgt_vec3 m = {0, 0, 0};
         f[k] = s.ops->value(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}, &m);
@@ -597,9 +609,10 @@ static void sides_of_misses(sgt_surface s, size_t n, const sgt_rays *rays, const
     double *const out[3] = {m[0], m[1], m[2]};
     bool body = is_body(s.ops);
     looks_at(n, rays, grad, state, p[0], p[1], p[2], asks);
-    leave_values(s, n, at, f, out);
-    if (body) s.ops->own_->roundings(s.self, NULL, n, (sgt_points){{p[0], p[1], p[2]}}, f, own);
-    for (size_t k = 0; k < n && !body; k++)
+    bool both = leave_rounded(s, n, at, f, out, own);
+    if (!both) leave_values(s, n, at, f, out);
+    if (!both && body) s.ops->own_->roundings(s.self, NULL, n, (sgt_points){{p[0], p[1], p[2]}}, f, own);
+    for (size_t k = 0; k < n && !both && !body; k++)
         own[k] = asks[k] > 0 ? s.ops->rounding(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}) : 0;
     sides_by_look(n, at, f, there, own, asks, rays->d, body ? 0 : 1, side);
 }

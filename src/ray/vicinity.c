@@ -12,26 +12,33 @@ static const double NO_BOUND = 0x1p-1000;
 
 /* ------------------------------------------------------------------------------- rungs */
 
-/* What is known of the surface within the radius `rung`. */
-static const sgt_extent *vicinity_within(sgt_surface s, double rung, int digits, vicinities *kept)
+/* Works out what is known of the surface within the radius `rung`, at this place.  Nothing is if the rung is
+ * infinite or the ray is not asked. */
+SGT_NOINLINE
+static const known_part *vicinity_within(sgt_surface s, double rung, double asked, int place,
+                                         vicinities *kept)
 {
-    int i = place_of(rung, digits, VICINITIES);
-    if (kept->radius[i] != rung)
-        kept->radius[i] = rung, s.ops->own_->extent_within(s.self, rung, &kept->extent[i]);
-    return &kept->extent[i];
+    static const known_part none = {0, HUGE_VAL, -HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    if (!(asked != 0 && rung < HUGE_VAL)) return &none;
+    sgt_extent e = SGT_NO_EXTENT;
+    s.ops->own_->extent_within(s.self, rung, &e);
+    kept->radius[place] = rung;
+    kept->part[place] = (known_part){e.radius2, e.steep, e.z.lo, e.z.hi, e.axis.x, e.axis.y};
+    return &kept->part[place];
 }
 
-/* The same for n rays.  Nothing is known if the rung is infinite or the ray is not asked.  axis: NULL, or to
- * be set too. */
+/* What is known within the rungs of n rays.  Of a ray that is not asked it is not read.  axis: NULL, or to be
+ * set too. */
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
-                        vicinities *kept, double *radius2, double *steep, double *size, double *const *axis)
+                        vicinities *kept, double *radius2, double *steep, double *low, double *high,
+                        double *const *axis)
 {
-    static const sgt_extent none = SGT_NO_EXTENT;
     for (size_t i = 0; i < n; i++) {
-        const sgt_extent *e = asked[i] != 0 && rung[i] < HUGE_VAL ? vicinity_within(s, rung[i], digits, kept)
-                                                                  : &none;
-        radius2[i] = e->radius2, steep[i] = e->steep, size[i] = e->size;
-        if (axis) axis[0][i] = e->axis.x, axis[1][i] = e->axis.y;
+        int place = place_of(rung[i], digits, VICINITIES / 2) + (digits == COARSE ? 0 : VICINITIES / 2);
+        const known_part *e = &kept->part[place];
+        if (kept->radius[place] != rung[i]) e = vicinity_within(s, rung[i], asked[i], place, kept);
+        radius2[i] = e->radius2, steep[i] = e->steep, low[i] = e->low, high[i] = e->high;
+        if (axis) axis[0][i] = e->steep_x, axis[1][i] = e->steep_y;
     }
 }
 
@@ -154,28 +161,30 @@ static void vicinity_begin_near(size_t n, const double *ox, const double *oy, co
     vicinity_begin_by(n, true, ox, oy, dx, dy, dz, NULL, t, at_seed, from, radius, wide, about);
 }
 
-/* Moves the beginning to where the ray enters |z| <= size, if a smaller radius is enough from there on.
- * size is first made larger by far more than rounding.  Not if the ray comes from so far that an ulp of t
+/* Moves the beginning to where the ray enters [low, high], if a smaller radius is enough from there on.
+ * Both ends are first moved out by far more than rounding.  Not if the ray comes from so far that an ulp of t
  * is too long for that.  The root is as far from the seed as a part of the way from the beginning, so less
  * room is needed about the seed, too.  Returns how many rays were moved. */
 SGT_KERNEL
 static double shrink(size_t n, const double *restrict ox, const double *restrict oy,
                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                     const double *restrict dz, const double *restrict size, const double *restrict seed,
+                     const double *restrict dz, const double *restrict low, const double *restrict high,
+                     const double *restrict seed,
                      const double *restrict at_seed, double *restrict from, double *restrict radius,
                      double *restrict wide)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
-        double t = from[i], s = size[i], r = radius[i], rung = wide[i], thick = s * (1 + 0x1p-10),
-               z = oz[i] + t * dz[i];
-        double to = (copysign(thick, z) - oz[i]) / dz[i], length = fabs(dx[i]) + fabs(dy[i]) + fabs(dz[i]),
+        double t = from[i], s = larger(-low[i], high[i]), r = radius[i], rung = wide[i],
+               floor = low[i] - 0x1p-10 * s, top = high[i] + 0x1p-10 * s, z = oz[i] + t * dz[i];
+        double to = (chosen(MASK(dz[i] < 0), top, floor) - oz[i]) / dz[i],
+               length = fabs(dx[i]) + fabs(dy[i]) + fabs(dz[i]),
                about = at_seed[i] + 0x1p-10 * (fabs(seed[i] - to) * length), /* as vicinity_begin has it */
             smaller = larger(about, radius_at(ox[i], oy[i], dx[i], dy[i], to)),
                narrow = rung_above(smaller, COARSE);
         mask sharp = MASK(fabs(oz[i]) + fabs(t * dz[i]) + fabs(to * dz[i]) < 0x1p36 * s),
-             inward = MASK(fabs(z) > thick) & MASK(z * dz[i] < 0);
+             inward = (MASK(z > top) & MASK(dz[i] < 0)) | (MASK(z < floor) & MASK(dz[i] > 0));
         mask goes = sharp & inward & MASK(to > t) & MASK(narrow < rung) & MASK(fabs(dx[i]) + fabs(dy[i]) > 0);
         from[i] = chosen(goes, to, t), radius[i] = chosen(goes, smaller, r),
         wide[i] = chosen(goes, narrow, rung);
@@ -186,8 +195,25 @@ static double shrink(size_t n, const double *restrict ox, const double *restrict
 
 /* ------------------------------------------------------------------------- the stretch */
 
+/* Takes the bound on the slope from rays whose root may be the start itself.  Nothing would be known of what
+ * is behind the chord, and a march knows how to leave.  These are the rays that start between the heights of
+ * this part, and nearer to the seed than a quarter of the chord. */
+SGT_KERNEL
+static void vicinity_leave(size_t n, const double *restrict oz, const double *restrict dz,
+                           const double *restrict low, const double *restrict high,
+                           const double *restrict tmin, const double *restrict seed,
+                           const double *restrict lo, const double *restrict hi, double *restrict least)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        double z = oz[i] + tmin[i] * dz[i];
+        mask starts = MASK(fabs(seed[i] - tmin[i]) < 0.25 * (hi[i] - lo[i])) & MASK(z >= low[i])
+                      & MASK(z <= high[i]);
+        least[i] = chosen(starts, 0, least[i]);
+    }
+}
+
 /* Accepts the chord if F is monotone on it, some of the ray is in it, and it begins before the search
- * does. Returns how many rays are left. */
+ * does.  Returns how many rays are left. */
 SGT_KERNEL
 static double vicinity_judge(size_t n, const double *restrict dx, const double *restrict dy,
                              const double *restrict dz, const double *restrict tmin,
@@ -278,20 +304,35 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
     }
 }
 
+/* How many rays are still to be looked at. */
+static double asked_all(size_t n, const double *asked)
+{
+    double count = 0;
+    for (size_t i = 0; i < n; i++) count += larger(asked[i], 0);
+    return count;
+}
+
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
-    const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL);
+    const bool chords = !near && marches_chord(whole), rimmed = chords && builtin->rim(s.self) > 0;
+    if (rimmed) { /* what is left has no F on a part of its chord */
+        sgt_march_chord(s, n, r, whole, v, v->work);
+        if (asked_all(n, v->asked) == 0) return;
+    }
+    const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
+               boxes = marches && whole->by_axis;
     sgt_shared bare = bare_of(*whole);
     const bool behind = all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {
         vicinity_without_passing(s, n, r, true, kept, v);
         if (marches && bare.radius2 < HUGE_VAL)
-            sgt_march_wings(s, n, r, v->tmin, true, &bare, &kept->rings, v, v->work);
+            sgt_march_wings(s, n, r, v->tmin, true, &bare, kept, v, v->work);
     }
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
-           *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7],
+           *low = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7],
+           *high = v->work[10],
            *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
     const double *const read[2] = {both[0], both[1]};
     if (near)
@@ -306,35 +347,35 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     const bool known = near && !axis;
     if (known) slopes_of(s, n, wide, v->asked, near, radius2, steep);
     for (int k = 0; !known; k++) {
-        extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size, axis);
+        extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, low, high, axis);
         if (near || k == SHRINKS ||
-            shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, v->seed, at_seed, from, radius,
-                   wide) == 0)
+            shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], low, high, v->seed, at_seed, from,
+                   radius, wide) == 0)
             break;
     }
-    double *lo = at_seed, *hi = size, *least = about, left = 0;
+    double *lo = at_seed, *hi = v->work[11], *least = about, left = 0;
     for (int k = 0; k < 2; k++) {
         builtin->chords(n, r, radius2, steep, axis ? read : NULL, lo, hi, least);
+        if (boxes) vicinity_leave(n, r.o[2], r.d[2], low, high, v->tmin, v->seed, lo, hi, least);
         left = vicinity_judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least,
                               v->asked, v->lo, v->hi, v->least);
-        if (left == 0 || k == 1) break;
+        if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
         for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
-        extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size, axis);
+        extents(s, n, wide, FINE, v->asked, kept, radius2, steep, low, high, axis);
     }
-    if (left != 0 && !near && marches_chord(whole)) {
-        sgt_march_chord(s, n, r, whole, v, v->work);
+    if (left != 0 && chords) {
+        if (!rimmed) sgt_march_chord(s, n, r, whole, v, v->work);
         return;
     }
-    const bool boxed = left != 0 && marches && whole->by_axis;
+    const bool boxed = left != 0 && boxes;
     if (boxed) {
-        sgt_march_box(s, n, r, &bare, kept, v, v->work);
-        left = 0;
-        for (size_t i = 0; i < n; i++) left += larger(v->asked[i], 0);
+        sgt_march_box(s, n, r, from, &bare, kept, v, v->work);
+        left = asked_all(n, v->asked);
     }
     if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
     if (!marches || !(left != 0 || behind || boxed)) return;
     /* the march through the box has used the rows of `from` */
-    if (left != 0) sgt_march_wings(s, n, r, boxed ? v->tmin : from, false, &bare, &kept->rings, v, v->work);
+    if (left != 0) sgt_march_wings(s, n, r, boxed ? v->tmin : from, false, &bare, kept, v, v->work);
     for (size_t i = 0; i < n; i++) {
         bool monotone = v->asked[i] < 0;
         if (monotone) v->asked[i] = 0;

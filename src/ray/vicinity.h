@@ -10,9 +10,9 @@
  * may be one farther out.  For the root near the seed there is no second point, and a root within the
  * chord is the answer.
  *
- * WHERE THE SEARCH BEGINS.  Within R the sag is at most S.  So no root is where |z| > S, and the search
- * may begin where the ray enters |z| <= S.  If that point is nearer to the axis, R is smaller, and so is
- * S: repeat.  For a ray from afar at a lens R soon becomes the radius of the lens.
+ * WHERE THE SEARCH BEGINS.  Within R the sag is between two heights.  No root is below or above both, and the
+ * search may begin where the ray comes between them.  If that point is nearer to the axis, R is smaller, and
+ * the heights are closer: repeat.  For a ray from afar at a lens R soon becomes the radius of the lens.
  *
  * A MISS.  If the surface ends, its rings have heights (builtin.h).  A ray that is above or below them on
  * every piece of it (piece.h) misses.  This decides rays that leave a surface without a rim.  If it says
@@ -21,11 +21,12 @@
  * FROM AFAR the surface may be so steep within R that the chord says nothing, and a root farther out may
  * be the first.  There F is looked at, point by point, on the way in (wings.c).
  *
- * WITHIN A RIM, where F is not monotone within R either, the ray is followed along its chord with the rim
- * (wings.c): a ray that grazes the surface, or enters a bowl from the side.
+ * WITHIN A RIM all this is known of the whole surface.  The ray is followed along its chord with the rim at
+ * once (wings.c): a ray that grazes the surface, or enters a bowl from the side.
  *
  * A MIRROR WITHOUT A RIM, in grazing incidence, has no circle in which it is gentle: the rays come from a
- * thousand lengths along it, and across them it ends after sixty.  So it is followed through a box (wings.c).
+ * thousand lengths along it, and across them it ends after sixty.  So it is followed through a box (wings.c),
+ * and also where it may begin on the mirror.
  *
  * RUNGS.  To know the surface within R costs more than a root.  So R is rounded up to a power of two or,
  * if that says too little, to an eighth of one; and many rays share it.  It depends on nothing but the ray
@@ -40,16 +41,15 @@
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
 enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 32, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
-typedef struct ring { double radius, steep, bend, noise[2]; } ring;
+typedef struct ring { double radius, steep; sgt_interval bent; double noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
-typedef struct box {
-    double x, y;
-    sgt_extent extent;
-} box;
+typedef struct box { double x, y, steep; sgt_by_axis axis; double noise[2]; bool noisy; } box;
+/* Of sgt_extent, what the stretch is made of; low and high are its z. */
+typedef struct known_part { double radius2, steep, low, high, steep_x, steep_y; } known_part;
 typedef struct vicinities {
     box boxes[BOXES];
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
-    sgt_extent extent[VICINITIES];
+    known_part part[VICINITIES];
     rings rings;
     bool any_heights, any_boxes;
     sgt_heights heights; /* of the whole surface */

@@ -1,44 +1,62 @@
 // SPDX-License-Identifier: MIT
 /* wings.c - the wings of a sag, however steep: finds the first root on the way in from afar, or proves
  * that there is none on the way out (vicinity.h).  The same along a chord within the rim, however near to the
- * surface the ray runs.
+ * surface the ray runs, and through a box about it.
  *
  * THE MARCH looks at F again and again, from where the search begins.  Take two points of the ray, h apart
- * in t, where F is certainly at least a and at least b on the same side of zero.  Let |F''| <= B all the
- * way between.  Then F is above the parabola through (0, a) and (h, b) of second derivative B,
+ * in t, where F is certainly at least a and at least b on the same side of zero.  F is z less the sag, so F''
+ * is minus the second derivative of the sag along (d_x, d_y).  Let F'' on that side of zero be at most B all
+ * the way between.  Then |F| is above the parabola through (0, a) and (h, b) of second derivative B,
  *
  *     a (1 - w) + b w - B h^2 w (1 - w) / 2,   0 <= w <= 1.
  *
  * That is > 0 everywhere if h sqrt(B / 2) < sqrt a + sqrt b (where the two are equal, its least value is
- * zero).  So no root is between the points, and the march moves to the second.
+ * zero).  So no root is between the points, and the march moves to the second.  B has a sign: where the
+ * surface bends toward the ray (B <= 0), |F| is above its chord, and any step will do.
  *
- * THE ROOT.  Now let the signs be unlike, with |F| at least a and b.  Somewhere F' is the mean slope, at
- * least (a + b) / h, and nowhere it is more than B h from that.  If (a + b) / h is above 3 B h, F is
- * monotone between the two, with (a + b) / h - B h as lower bound on |F'|, and Newton's steps will do.
- * Else a shorter step is tried.
+ * BENT AWAY.  If F'' on that side is certainly not negative, |F| is convex.  Then a point ahead where F has
+ * the other sign says as much: let |F| be a' > 0 at t, and F have the other sign at a later point.  Before
+ * t a convex function is above the line through these two, which falls.  So it was above a' all the way.
+ *
+ * THE ROOT.  Let F have unlike signs at two points h apart, with |F| at least a and b, and let |F''| <= B.
+ * The mean slope is at least (a + b) / h.  It is the mean of F' over the stretch, from which F' at one point
+ * differs by at most the mean of B times the distance: B h / 2 at the ends, and less between.  If (a + b) / h
+ * is above 2 B h, F is monotone between the two, and Newton's steps will do.  Else the march looks again, on
+ * the side of the root that is farther from it.
  *
  * When the ray is made local, the stretch is made longer by 2^-50 of t at either end (step.h).  That is
- * less than a sixteenth of h, which is why the bound uses 1.125 B h.  B holds on the longer stretch, too:
- * it is a bound for r <= radius (1 + 2^-19) (departure.c), and a root is taken as found only if the longer
- * stretch reaches less than 2^-20 radius farther out (wings_judge).
+ * less than a sixteenth of h, which is why the lower bound on |F'| is (a + b) / h - 0.5625 B h.  B holds on
+ * the longer stretch, too: it is a bound for r <= radius (1 + 2^-19) (departure.c), and a root is taken as
+ * found only if the longer stretch reaches less than 2^-20 radius farther out (wings_judge).
  *
- * B.  F is z less the sag.  So F'' is the second derivative of the sag along (d_x, d_y).  It is at most
- * its norm within a radius that holds both points, times d_x^2 + d_y^2.  As r^2 is convex, that radius
- * holds all points between.  It is an eighth of a power of two.  On the way in it becomes smaller with r,
- * and B with it.
+ * STEPS.  A step of 0.98 sqrt(2 a / B) is never refused while the sign stays.  Far out, F is a power of r,
+ * and the next b is to a as the last was; so the step may be longer.  If the bend allows, or |F| is convex,
+ * the first step goes beyond the seed, by so little that F is monotone there, and the next stops as little
+ * before it: the start and these two are all that is looked at, if the seed is good.
  *
- * BY AXIS.  Where bounds on the entries of the second derivative are known (departure.c), that along the ray
- * is also at most s_xx d_x^2 + 2 s_xy |d_x d_y| + s_yy d_y^2.  For a mirror that is bent across the rays and
- * nearly flat along them this is a small part of the norm.
+ * THE BEND within a radius that holds both points, which is an eighth of a power of two: as r^2 is convex,
+ * it holds all points between.  On the way in it becomes smaller with r.
  *
- * WITHIN A RIM one bound B holds for the whole chord, and so do the noise and the slope.  The march begins
+ * BY AXIS.  Where the entries of the second derivative are known (departure.c), that along the ray lies also
+ * in s_xx d_x^2 + s_yy d_y^2 +- 2 |s_xy d_x d_y|.  For a mirror that is bent across the rays and nearly flat
+ * along them this is a small part of the norm.  Of a sag that is convex it is not negative, however much the
+ * entries may mix.
+ *
+ * WITHIN A RIM what is known holds for the whole chord, and so do the noise and the slope.  The march begins
  * where the chord does, or the ray, and ends behind the chord or the ray.  There it is a miss: a root is
  * accepted within the rim only.
  *
- * IN A BOX |x| <= X, |y| <= Y, with X and Y the rungs next above what the stretch needs, the same is known
- * of a surface that is steeper along one axis.  The rounding is asked point by point, as what is known of
- * it is known within circles.  The march ends behind the seed, or behind the vertex plane, by a quarter of
- * the way to it.  There is none if F is monotone all along that stretch: then a root in it is the first.
+ * IN A BOX |x| <= X, |y| <= Y the same is known of a surface that is steeper along one axis.  The march ends
+ * behind the seed, or behind the vertex plane, by a quarter of the way to it.  There is none if F is monotone
+ * all along that stretch: then a root in it is the first.
+ *
+ * LEAVING.  A ray that starts on the surface begins with a root that does not count.  F is looked at a step
+ * h farther on, too.  If |F| is at most a at the start and at least b there, the mean slope is at least (b -
+ * a) / h.  If that is above B h / 2, F is monotone: the start's root is the only one, and within a / |F'| of
+ * the start.  It is not accepted if that is less than the reach of the rule of the start (accept.h),
+ * whose terms are known there.  Then the march goes on from h.  If |F| is convex, it rises from there on:
+ * nothing is met as far as what is known reaches.  That is a miss if the chord or the ray ends there, or the
+ * ray is then below or above all of the surface.
  *
  * THE ROUNDING of F is that of the surface at the computed point, plus the gradient within the radius
  * times the error of that point.
@@ -53,14 +71,12 @@
  *     a surface without an edge  a ray that leaves is followed to four times the radius where it began, or
  *                                that of the seed, if it is greater
  *
- * STEPS.  A step of 0.98 sqrt(2 a / B) is never refused while the sign stays.  Far out, F is a power of r,
- * and the next b is to a as the last was; so the step may be longer.
- *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
 #include "wings.h"
 
 #include "../num/bits.h"
+#include "../solve/step.h"
 
 #include <sagitta/interval.h>
 
@@ -69,14 +85,15 @@ enum { MOST_STEPS = 1024, EDGE_RUNGS = 9, LEAVING = 32 };
 /* The rows of a lane.
  *
  *     OX ... DZ          the ray; its direction is scaled to 1 ... 2 by a power of two, and t with it
- *     T, H, A, SIGN      where the march is; the next step (0: not yet chosen); a lower bound on |F| there;
- *                        its sign (0: not yet known)
+ *     T, A, SIGN         where the march is; a lower bound on |F| there; its sign (0: not yet known)
+ *     H                  the next step; 0: it is to be chosen
+ *     PAST, B            the nearest point ahead that has the other sign; a lower bound on |F| there
  *     RATIO              sqrt(b / a) of the last step, at most 1
- *     RADIUS ... E1      the radius, and what is known of the surface within it
- *     SEED, LIMIT        the seed; the r to which the ray is followed
- *     END                the t where a march along a chord ends; else infinite
- *     LANE, EVALS        its row in the caller's arrays; its evaluations
- *     NEXT ... OWN       the next point, F there and its rounding
+ *     RADIUS ... E1      the radius, and what is known within it; F'' is between BENT_LO and BENT_HI
+ *     SEED               where a root is thought to be
+ *     END                the t where a march along a chord ends; in rings the r to which a ray is followed
+ *     LANE               its row in the caller's arrays
+ *     PX ... OWN         the next point, F there and its rounding
  *     VERDICT, WANTED    what the step has shown; the radius wanted next */
 enum {
     OX,
@@ -89,18 +106,18 @@ enum {
     H,
     A,
     SIGN,
+    PAST,
+    B,
     RATIO,
     RADIUS,
     STEEP,
-    BEND,
+    BENT_LO,
+    BENT_HI,
     E0,
     E1,
     SEED,
-    LIMIT,
     END,
     LANE,
-    EVALS,
-    NEXT,
     PX,
     PY,
     PZ,
@@ -112,7 +129,7 @@ enum {
 };
 _Static_assert((int)ROWS == (int)WINGS_ROWS, "the rows of vicinity.h");
 
-enum { GOES_ON, MOVED, FOUND, GIVEN_UP };
+enum { GOES_ON, MOVED, FOUND, GIVEN_UP, HIDDEN, LEFT };
 
 typedef double *const *rows;
 
@@ -131,90 +148,186 @@ SGT_INLINE double radius_wanted(double r, double outward)
 
 /* ------------------------------------------------------------------------- a step */
 
-/* The next point.  The length of the step is h if a step has been refused, else it is chosen here. */
-SGT_KERNEL
-static void wings_step(size_t n, const double *restrict ox, const double *restrict oy,
-                       const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                       const double *restrict dz, const double *restrict at, const double *restrict h,
-                       const double *restrict a, const double *restrict sign, const double *restrict ratio,
-                       const double *restrict radius, const double *restrict bend,
-                       const double *restrict seed, const double *restrict end, double *restrict next,
-                       double *restrict px, double *restrict py, double *restrict pz)
+/* F'' of |F|: the greatest value, at least 0, and the least. */
+typedef struct bow { double most, least; } bow;
+
+SGT_INLINE bow bow_of(double sign, double lo, double hi)
 {
+    mask above = MASK(sign > 0);
+    return (bow){larger(chosen(above, hi, -lo), 0), chosen(above, lo, -hi)};
+}
+
+/* Steps beside a root are so near to it that F is monotone from there to as far on the other side. */
+SGT_INLINE double room_of(double slope, bow F2) { return fabs(slope) / (5 * larger(F2.most, -F2.least)); }
+
+/* The length of the next step, if no point ahead has the other sign: as far as the bend allows, or to
+ * somewhat beyond the seed, which is `ahead` of here. */
+SGT_INLINE double step_ahead(double a, double ahead, double most, double by_bend, bow F2)
+{
+    double room = room_of(a / ahead - 0.25 * (F2.most + F2.least) * ahead, F2);
+    room = chosen(MASK(room < 0.25 * ahead), larger(room, 0x1p-8 * ahead), 0.25 * ahead);
+    double beyond = ahead + room, length = chosen(MASK(by_bend < most), by_bend, most);
+    mask leaps = MASK(ahead > 0) & (MASK(beyond < length) | (MASK(F2.least >= 0) & MASK(beyond < most)));
+    return chosen(leaps, beyond, length);
+}
+
+/* The same if one has, `width` away: to beside the root, on the side that is farther from it.  The root is
+ * where the seed is, if that is between, or where a parabola of the mean F'' has it: by one of Newton's steps
+ * from the secant. */
+SGT_INLINE double step_between(double a, double b, double width, double ahead, double by_bend, bow F2)
+{
+    double middle = 0.5 * (F2.most + F2.least), mean = (a + b) / width, at = a / mean;
+    double drop = 0.5 * middle * at * (width - at),
+           better = at - drop / (mean + 0.5 * middle * (width - 2 * at));
+    at = chosen(MASK(better > 0) & MASK(better < width), better, at);
+    at = chosen(MASK(ahead > 0) & MASK(ahead < width), ahead, at);
+    double room = room_of(mean + 0.5 * middle * (width - 2 * at), F2), behind = width - at;
+    mask left = MASK(at >= behind);
+    double side = 0.5 * chosen(left, at, behind), off = chosen(MASK(room < side), room, side),
+           beside = chosen(left, at - off, at + off);
+    return chosen(MASK(F2.least < 0) & MASK(by_bend < beside), by_bend, beside);
+}
+
+/* The next point.  The length of the step is h if a step has been refused, else it is chosen here.  ahead: no
+ * row knows of a point ahead with the other sign. */
+SGT_INLINE void wings_steps(bool ahead, size_t n, bool in_rings, const double *restrict ox,
+                            const double *restrict oy, const double *restrict oz, const double *restrict dx,
+                            const double *restrict dy, const double *restrict dz, const double *restrict at,
+                            double *restrict h, const double *restrict a, const double *restrict sign,
+                            const double *restrict past, const double *restrict b,
+                            const double *restrict ratio, const double *restrict radius,
+                            const double *restrict bent_lo, const double *restrict bent_hi,
+                            const double *restrict seed, const double *restrict end, double *restrict px,
+                            double *restrict py, double *restrict pz)
+{
+    const mask rung = MASK(in_rings);
     LANES for (size_t i = 0; i < n; i++) {
-        double l = dx[i], m = dy[i], t = at[i], x = ox[i] + t * l, y = oy[i] + t * m, along = l * l + m * m;
-        double nearest = -(x * l + y * m) / along, cross = (x * m - y * l), R = radius[i];
-        double leaves = nearest + sqrt(larger(R * R - cross * cross / along, 0) / along);
-        double by_bend = 0.98 * sqrt(2 * a[i] / bend[i]) * (1 + 0.8 * ratio[i]), ahead = seed[i] - t,
-               past = 1.25 * ahead;
-        double most = chosen(MASK(end[i] < HUGE_VAL), end[i] - t, 0.98 * leaves),
-               length = chosen(MASK(by_bend < most), by_bend, most);
-        length = chosen(MASK(ahead > 0) & MASK(past < length), past, length);
+        double l = dx[i], m = dy[i], t = at[i], x = ox[i] + t * l, y = oy[i] + t * m,
+               over = 1 / (l * l + m * m);
+        double nearest = -(x * l + y * m) * over, cross = (x * m - y * l), R = radius[i];
+        double leaves = nearest + sqrt(larger(R * R - cross * cross * over, 0) * over);
+        double most = chosen(rung, 0.98 * leaves, end[i] - t), to_seed = seed[i] - t, width = past[i] - t;
+        bow F2 = bow_of(sign[i], bent_lo[i], bent_hi[i]);
+        double by_bend = 0.98 * sqrt(2 * a[i] / F2.most) * (1 + 0.8 * ratio[i]),
+               length = step_ahead(a[i], to_seed, most, by_bend, F2);
+        if (!ahead) {
+            double between = step_between(a[i], b[i], width, to_seed, by_bend, F2);
+            length = chosen(MASK(width < HUGE_VAL), between, length);
+        }
         length = chosen(MASK(h[i] > 0), h[i], length);
         t = chosen(MASK(sign[i] != 0), t + length, t);
-        next[i] = t;
+        h[i] = length;
         px[i] = ox[i] + t * l, py[i] = oy[i] + t * m, pz[i] = oz[i] + t * dz[i];
     }
 }
 
-/* What F at the next point has shown. */
 SGT_KERNEL
-static void wings_judge(size_t n, const double *restrict dx, const double *restrict dy,
-                        const double *restrict dz, double *restrict at, double *restrict h,
-                        double *restrict a, double *restrict sign, double *restrict ratio,
-                        const double *restrict radius, const double *restrict steep,
-                        const double *restrict bend, const double *restrict e0, const double *restrict e1,
-                        double *restrict limit, double *restrict evals, const double *restrict next,
-                        const double *restrict px, const double *restrict py, const double *restrict pz,
-                        const double *restrict f, const double *restrict own, double *restrict verdict,
-                        double *restrict wanted)
+static void wings_step(rows a, size_t n, bool in_rings)
 {
-    LANES for (size_t i = 0; i < n; i++) {
-        double t = next[i], was = at[i], s = sign[i], before = a[i], x = px[i], y = py[i], z = pz[i],
-               r2 = x * x + y * y, B = bend[i];
+    wings_steps(false, n, in_rings, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN],
+                a[PAST], a[B], a[RATIO], a[RADIUS], a[BENT_LO], a[BENT_HI], a[SEED], a[END], a[PX], a[PY],
+                a[PZ]);
+}
+
+SGT_KERNEL
+static void wings_step_ahead(rows a, size_t n, bool in_rings)
+{
+    wings_steps(true, n, in_rings, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN],
+                a[PAST], a[B], a[RATIO], a[RADIUS], a[BENT_LO], a[BENT_HI], a[SEED], a[END], a[PX], a[PY],
+                a[PZ]);
+}
+
+/* Not below the distance of a point from the axis; tx, ty: its terms. */
+SGT_INLINE double radius_by(double x, double y, double tx, double ty)
+{
+    return radius_of(x, y) + 0x1p-51 * (tx + ty + fabs(x) + fabs(y));
+}
+
+/* Is F monotone over this length, at the ends of which it is at least a and b away from zero? */
+SGT_INLINE mask is_monotone(double a, double b, double length, bow F2)
+{
+    return MASK(2 * (1 + 0x1p-20) * larger(F2.most, -F2.least) * length * length < a + b);
+}
+
+/* What F at the next point has shown.  Returns how many rows know of a point ahead with the other sign. */
+SGT_KERNEL
+static double wings_judge(size_t n, bool in_rings, const double *restrict dx, const double *restrict dy,
+                        const double *restrict dz, double *restrict at, double *restrict h,
+                        double *restrict a, double *restrict sign, double *restrict past,
+                        double *restrict beyond, double *restrict ratio, const double *restrict radius,
+                        const double *restrict steep, const double *restrict bent_lo,
+                        const double *restrict bent_hi, const double *restrict e0, const double *restrict e1,
+                        double *restrict seed, double *restrict end, const double *restrict px,
+                        const double *restrict py, const double *restrict pz, const double *restrict f,
+                        const double *restrict own, double *restrict verdict, double *restrict wanted)
+{
+    const mask rung = MASK(in_rings);
+    double known = 0;
+#pragma omp simd reduction(+ : known)
+    for (size_t i = 0; i < n; i++) {
+        double was = at[i], s = sign[i], before = a[i], x = px[i], y = py[i], z = pz[i], r2 = x * x + y * y,
+               R = radius[i], ahead = past[i], behind = beyond[i], limit = chosen(rung, end[i], HUGE_VAL);
+        mask first = MASK(s == 0);
+        double t = chosen(first, was, was + h[i]), length = t - was;
+        bow F2 = bow_of(s, bent_lo[i], bent_hi[i]);
         double tx = fabs(t * dx[i]), ty = fabs(t * dy[i]), tz = fabs(t * dz[i]),
                off = steep[i] * (tx + fabs(x) + ty + fabs(y)) + tz + fabs(z);
         double err = own[i] + 1.01 * (sgt_fma(e1[i], r2, e0[i]) + SGT_U * off + 0x1p-1000 * (1 + steep[i]));
-        double b = fabs(f[i]) - err, is = copysign(1, f[i]), length = t - was;
-        double r = sqrt(r2) + 0x1p-51 * (tx + ty + fabs(x) + fabs(y));
-        mask certain = MASK(b > 0), like = certain & MASK(is == s), unlike = certain & MASK(is == -s),
-             first = MASK(s == 0), in = MASK(r <= radius[i]);
-        /* h sqrt(B / 2) < sqrt a + sqrt b, divided by sqrt a: so no root is taken of what has an odd power
+        double b = fabs(f[i]) - err, is = copysign(1, f[i]), r = radius_by(x, y, tx, ty);
+        mask in = MASK(r <= R), certain = MASK(b > 0), like = certain & MASK(is == s),
+             unlike = certain & MASK(is == -s) & in;
+        double rest = ahead - t, px2 = x + rest * dx[i], py2 = y + rest * dy[i],
+               hidden = 0x1p-50 * (fabs(ahead) * (fabs(dx[i]) + fabs(dy[i])) + fabs(px2) + fabs(py2)),
+               inner = larger(R - hidden, 0);
+        mask between = in & MASK(rest > 0) & MASK(ahead < HUGE_VAL) &
+                       MASK(px2 * px2 + py2 * py2 < inner * inner);
+        /* h sqrt(F2 / 2) < sqrt a + sqrt b, divided by sqrt a: so no root is taken of what has an odd power
          * of a length, and would be rounded otherwise in another unit.  2^-1000 is for underflow. */
-        double part = sqrt(larger(b, 0) / before),
-               curved = length * sqrt(0.5 * B / before + 0x1p-1000) * (1 + 0x1p-20);
-        mask moves = (first & certain & in) | (like & in & MASK(curved < 1 + part) & MASK(t > was));
-        mask found = unlike & in & MASK(3 * (1 + 0x1p-20) * B * length * length < before + b);
-        found &= MASK(length >= 0x1p-44 * larger(fabs(t), fabs(was))) &
-                 MASK(0x1p-48 * (tx + ty) <= 0x1p-20 * radius[i]);
-        double safe = 0.98 * sqrt(2 * before / B),
+        double over = 1 / before, part = sqrt(larger(b, 0) * over),
+               curved = length * sqrt(0.5 * F2.most * over + 0x1p-1000) * (1 + 0x1p-20);
+        mask clear = MASK(curved < 1 + part) | (between & MASK(F2.least >= 0));
+        mask moves = (first & certain & in) | (like & in & clear & MASK(t > was));
+        mask found = unlike & in & is_monotone(before, b, length, F2),
+             closed = moves & like & between & is_monotone(b, behind, rest, F2);
+        double far = larger(fabs(t), larger(fabs(was), chosen(closed, fabs(ahead), 0)));
+        double width = chosen(closed, rest, length);
+        found = (found | closed) & MASK(width >= 0x1p-44 * far) &
+                MASK(0x1p-48 * (far * (fabs(dx[i]) + fabs(dy[i]))) <= 0x1p-20 * R);
+        double safe = 0.98 * sqrt(2 * before / F2.most),
                longer = 1.7 * length; /* over a root that rounding hides, if one step can */
-        double shorter = chosen(unlike | like, 0.5 * length,
-                                chosen(in & MASK(4 * B * longer * longer < before), longer, 0.3 * length));
+        mask over_it = in & MASK(4 * F2.most * longer * longer < before) & MASK(was + longer < ahead);
+        double shorter = chosen(certain, 0.5 * length, chosen(over_it, longer, 0.3 * length));
         shorter = chosen(like & in & MASK(safe < length), safe, shorter);
-        double k = evals[i] + 1, outward = x * dx[i] + y * dy[i];
-        mask over =
-            (first & ~moves) | ~(first | MASK(length > 0)) | (moves & MASK(outward > 0) & MASK(r > limit[i]));
-        over |= MASK(k >= MOST_STEPS) | MASK(!(b == b)); /* NaN: it leaves the domain */
-        double v = chosen(moves, (double)MOVED, chosen(found, (double)FOUND, (double)GOES_ON));
-        verdict[i] = chosen(over & ~found, (double)GIVEN_UP, v);
-        h[i] = chosen(moves, 0, chosen(found, length, shorter));
+        double outward = x * dx[i] + y * dy[i];
+        mask ends = (first & ~moves) | ~(first | MASK(length > 0)) | MASK(!(b == b)); /* NaN: no F there */
+        ends |= moves & MASK(outward > 0) & MASK(r > limit);
+        double v = chosen(moves, (double)MOVED, (double)GOES_ON);
+        v = chosen(ends, (double)GIVEN_UP, v);
+        v = chosen(first & MASK(fabs(f[i]) <= 32 * err), (double)HIDDEN, v);
+        verdict[i] = chosen(found, (double)FOUND, v);
+        h[i] = chosen(moves | unlike, 0, shorter);
+        h[i] = chosen(found, width, h[i]);
         ratio[i] = chosen(moves & ~first, part, ratio[i]);
         ratio[i] = chosen(MASK(ratio[i] < 1), ratio[i], 1);
+        /* a leap past the seed has met no other sign: farther on */
+        double farther = was + length * (before / (before - b));
+        mask short_of = like & ~moves & MASK(seed[i] < t) & MASK(F2.least >= 0);
+        seed[i] = chosen(short_of, chosen(MASK(b < before), farther, -HUGE_VAL), seed[i]);
         at[i] = chosen(moves, t, was);
-        a[i] = chosen(moves | found, b, before);
+        past[i] = chosen(unlike, t, ahead);
+        known += chosen(unlike | MASK(ahead < HUGE_VAL), 1, 0);
+        beyond[i] = chosen(unlike, b, behind);
+        a[i] = chosen(moves, b, before);
         sign[i] = chosen(first & moves, is, s);
-        evals[i] = k;
         wanted[i] = radius_wanted(r, outward * larger(length, 0x1p-1000));
-        /* the |F| before the root, in a row that is not needed any more */
-        limit[i] = chosen(found, before, limit[i]);
     }
+    return known;
 }
 
 /* --------------------------------------------------------------------------- the lanes */
 
-/* What is known within a radius: bounds on the gradient and on the norm of the second derivative of the
- * sag, infinite or NaN if unknown; and noise[0] + noise[1] r^2, which the departure adds to the rounding. */
+/* What is known within a radius: bounds on the gradient and on the second derivative of the sag, infinite or
+ * NaN if unknown; and noise[0] + noise[1] r^2, which the departure adds to the rounding. */
 static const ring *ring_about(sgt_surface s, double rung, rings *kept)
 {
     if (!kept->any)
@@ -223,14 +336,35 @@ static const ring *ring_about(sgt_surface s, double rung, rings *kept)
     /* The rungs of two octaves have a place each; so has every fourth rung of eight octaves. */
     ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
     if (e->radius == rung) return e;
-    *e = (ring){rung, HUGE_VAL, HUGE_VAL, {(double)NAN, (double)NAN}};
+    *e = (ring){rung, HUGE_VAL, SGT_ANY_NUMBER, {(double)NAN, (double)NAN}};
     double rim = s.ops->own_->rim(s.self);
     if (!(rung < HUGE_VAL) || (rim > 0 && !(rung <= rim))) return e;
     sgt_extent extent;
     s.ops->own_->extent_within(s.self, rung, &extent);
     s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e->noise);
-    e->steep = extent.steep, e->bend = extent.bend;
+    e->steep = extent.steep, e->bent = extent.bent;
     return e;
+}
+
+/* What F'' along row k lies in, from what is known of the second derivative.  by_axis: NULL if that is not
+ * known by axis. */
+static void bend_along(rows a, size_t k, sgt_interval bent, const sgt_by_axis *by_axis)
+{
+    double l = fabs(a[DX][k]), m = fabs(a[DY][k]), l2 = l * l, m2 = m * m, lo = -HUGE_VAL, hi = HUGE_VAL,
+           off = 0x1p-40;
+    if (bent.lo > -HUGE_VAL && bent.hi < HUGE_VAL) {
+        double all = l2 + m2, rounded = off * sgt_interval_greatest(bent) * all;
+        lo = bent.lo * all - rounded, hi = bent.hi * all + rounded;
+    }
+    if (by_axis && by_axis->xx.hi < HUGE_VAL && by_axis->yy.hi < HUGE_VAL && by_axis->xy < HUGE_VAL) {
+        sgt_interval xx = by_axis->xx, yy = by_axis->yy;
+        double mixed = 2 * by_axis->xy * (l * m), low = xx.lo * l2 + yy.lo * m2 - mixed,
+               high = xx.hi * l2 + yy.hi * m2 + mixed;
+        double rounded = off * (sgt_interval_greatest(xx) * l2 + sgt_interval_greatest(yy) * m2 + mixed);
+        lo = larger(lo, low - rounded), hi = -larger(-hi, -(high + rounded));
+        lo = by_axis->turn > 0 ? larger(lo, 0) : lo, hi = by_axis->turn < 0 ? -larger(-hi, 0) : hi;
+    }
+    a[BENT_LO][k] = -hi, a[BENT_HI][k] = -lo;
 }
 
 /* Sets the lane's radius to the one wanted, and what is known within it.  edge: of the domain, where the
@@ -246,24 +380,32 @@ static void enclose_in(sgt_surface s, double edge, rings *kept, rows a, size_t i
     a[RADIUS][i] = rung;
     const ring *e = ring_about(s, rung, kept);
     a[STEEP][i] = e->steep, a[E0][i] = e->noise[0], a[E1][i] = e->noise[1];
-    a[BEND][i] = e->bend * (a[DX][i] * a[DX][i] + a[DY][i] * a[DY][i]) * (1 + 0x1p-20);
+    bend_along(a, i, e->bent, NULL);
 }
 
 /* Reports the stretch that holds the root, and the seed of Newton's steps. */
 static void tell_root(rows a, size_t i, double scale, const vicinity *v)
 {
     size_t k = (size_t)a[LANE][i];
-    double lo = a[T][i], h = a[H][i], before = a[LIMIT][i], b = a[A][i];
-    v->lo[k] = lo * scale, v->hi[k] = a[NEXT][i] * scale, v->asked[k] = 0;
-    v->least[k] = ((before + b) / h - 1.125 * a[BEND][i] * h) * (1 - 0x1p-20);
+    double lo = a[T][i], h = a[H][i], before = a[A][i], b = a[B][i],
+           bend = larger(-a[BENT_LO][i], a[BENT_HI][i]);
+    v->lo[k] = lo * scale, v->hi[k] = (lo + h) * scale, v->asked[k] = 0;
+    v->least[k] = ((before + b) / h - 0.5625 * bend * h) * (1 - 0x1p-20);
     if (!(v->seed[k] > v->lo[k] && v->seed[k] < v->hi[k]))
         v->seed[k] = (lo + h * (before / (before + b))) * scale;
 }
 
+static const sgt_heights *heights_about(sgt_surface s, vicinities *kept)
+{
+    if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
+    kept->any_heights = true;
+    return &kept->heights;
+}
+
 /* The t at which the ray is inside the edge by a part in 256, if there is certainly no root before it.
  * (At its edge a base has a slope without bound.)  NaN: that is not known.  *evals grows by what it took. */
-static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, const vicinity *v,
-                          double *evals)
+static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, vicinities *kept,
+                          const vicinity *v, double *evals)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     double x = ray->o.x + from * ray->d.x, y = ray->o.y + from * ray->d.y;
@@ -275,6 +417,14 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     builtin->chords(1, one, &outer2, &steep, NULL, &begin, &hi, &least);
     begin = larger(begin, from);
     if (!(lo <= hi && begin < lo && fabs(lo) < HUGE_VAL)) return (double)NAN;
+    /* Most rays from afar are below or above all that there is next to the edge. */
+    const sgt_heights *h = heights_about(s, kept);
+    double near = ray->o.z + begin * ray->d.z, far = ray->o.z + lo * ray->d.z, last = SGT_RINGS - 1,
+           off = 0x1p-40 * (fabs(ray->o.z) + fabs(begin * ray->d.z) + fabs(lo * ray->d.z));
+    bool outer = h->width > 0 && h->width * last < edge * (1 - 0x1p-6);
+    if (outer && (larger(near, far) + off < h->low[SGT_RINGS - 1] ||
+                  -larger(-near, -far) - off > h->high[SGT_RINGS - 1]))
+        return lo;
     sgt_interval slope, t = {0, sgt_sum_above(lo, -begin)},
                         g = builtin->enclose(s.self, ray, begin, t, &slope);
     *evals += 1;
@@ -309,6 +459,51 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
     return !(from < end);
 }
 
+/* F at t of row k, the slope, and a bound on F's error from all that is rounded. */
+typedef struct looked { double f, slope, err, terms; } looked;
+
+static looked look_at(sgt_surface s, rows a, size_t k, double t, double scale, const vicinity *v)
+{
+    double ox = a[OX][k], oy = a[OY][k], oz = a[OZ][k], l = a[DX][k], m = a[DY][k], n = a[DZ][k];
+    sgt_vec3 p = {ox + t * l, oy + t * m, oz + t * n}, grad;
+    looked e = {.f = s.ops->value(s.self, p, &grad)};
+    around at = around_of(ox, oy, oz, l, m, n, t, p, grad, HUGE_VAL);
+    e.slope = at.slope, e.err = 1.01 * (at.place + s.ops->rounding(s.self, p));
+    e.terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z);
+    v->evals[(size_t)a[LANE][k]] += 1;
+    if (v->told) tell(v->told, SGT_MARCH, t * scale, e.f, e.slope / scale, a[T][k] * scale, t * scale);
+    return e;
+}
+
+/* The ray starts on the surface.  See LEAVING. */
+static double leave_start(sgt_surface s, rows a, size_t k, double tmin, double scale, const vicinity *v)
+{
+    double t = a[T][k], bend = larger(-a[BENT_LO][k], a[BENT_HI][k]), rest = a[END][k] - t,
+           otherwise = a[SIGN][k] != 0 ? MOVED : GIVEN_UP;
+    if (t * scale != tmin || !(bend < HUGE_VAL && rest < HUGE_VAL)) return otherwise;
+    looked start = look_at(s, a, k, t, scale, v);
+    double h = 0.2 * fabs(start.slope) / bend, off = fabs(start.f) + start.err;
+    h = h < 0.5 * rest ? h : 0.5 * rest;
+    if (!(h >= 0x1p-40 * fabs(t) && h > 0)) return otherwise;
+    looked next = look_at(s, a, k, t + h, scale, v);
+    double b = fabs(next.f) - next.err, sign = copysign(1, next.f), curve = 0.5625 * bend * h,
+           least = (b - off) / h - curve, most = (fabs(next.f) + next.err + off) / h + curve;
+    if (!(b > 0 && least > curve && off * most < 0.98 * START_ULPS * start.terms * least)) return otherwise;
+    bow F2 = bow_of(sign, a[BENT_LO][k], a[BENT_HI][k]);
+    a[T][k] = t + h, a[A][k] = b, a[SIGN][k] = sign, a[H][k] = 0;
+    return F2.least >= 0 ? LEFT : MOVED;
+}
+
+/* Is the ray at t, and from there on, above or below all of the surface? */
+static bool is_past_all(sgt_surface s, const sgt_ray *ray, double t, vicinities *kept)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL, z = ray->o.z + t * ray->d.z,
+           off = 0x1p-40 * (fabs(ray->o.z) + fabs(t * ray->d.z));
+    const sgt_heights *g = heights_about(s, kept);
+    for (int j = 0; j < SGT_RINGS; j++) low = -larger(-low, -g->low[j]), high = larger(high, g->high[j]);
+    return g->width > 0 && ((ray->d.z < 0 && z + off < low) || (ray->d.z > 0 && z - off > high));
+}
+
 static void is_miss(const vicinity *v, size_t k) { v->asked[k] = 0, v->lo[k] = 1, v->hi[k] = 0; }
 
 static void wings_leave(rows a, size_t i, size_t last)
@@ -323,8 +518,7 @@ static void lay_row(rows a, size_t k, const sgt_ray *ray, size_t i, double t, do
     a[OX][k] = ray->o.x, a[OY][k] = ray->o.y, a[OZ][k] = ray->o.z;
     a[DX][k] = ray->d.x * scale, a[DY][k] = ray->d.y * scale, a[DZ][k] = ray->d.z * scale;
     a[T][k] = t * inverse, a[H][k] = 0, a[A][k] = 0, a[SIGN][k] = 0, a[RATIO][k] = 0, a[RADIUS][k] = 0,
-    a[SEED][k] = seed * inverse, a[END][k] = a[LIMIT][k] = HUGE_VAL;
-    a[LANE][k] = (double)i, a[EVALS][k] = 0;
+    a[PAST][k] = HUGE_VAL, a[B][k] = 0, a[SEED][k] = seed * inverse, a[LANE][k] = (double)i;
 }
 
 static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
@@ -336,24 +530,44 @@ static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
 typedef enum march_mode { IN_RINGS, IN_CHORD, IN_BOX } march_mode;
 
 static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, const sgt_shared *known,
-                       double edge, rings *kept, const vicinity *v, rows a);
+                       double edge, vicinities *kept, const vicinity *v, rows a);
 
-/* A bound on |F''| in row k, from what is known of the second derivative. */
-static double bend_along(rows a, size_t k, double bend, bool by_axis, sgt_by_axis e)
-{
-    double l = fabs(a[DX][k]), m = fabs(a[DY][k]), all = bend * (l * l + m * m),
-           apart = e.xx * (l * l) + 2 * e.xy * (l * m) + e.yy * (m * m);
-    return (by_axis && apart < all ? apart : all) * (1 + 0x1p-20);
-}
-
-static const sgt_extent *box_about(sgt_surface s, double x, double y, vicinities *kept)
+/* Of powers of two at one of the first places, else at one of the others. */
+static box *box_about(sgt_surface s, double x, double y, bool coarse, vicinities *kept)
 {
     if (!kept->any_boxes)
         for (int i = 0; i < BOXES; i++) kept->boxes[i].x = kept->boxes[i].y = 0;
     kept->any_boxes = true;
-    box *b = &kept->boxes[4 * place_of(x, x < y ? COARSE : FINE, 4) + place_of(y, x < y ? FINE : COARSE, 4)];
-    if (b->x != x || b->y != y) b->x = x, b->y = y, s.ops->own_->extent_in_box(s.self, x, y, &b->extent);
-    return &b->extent;
+    int fine = place_of(x, FINER, BOXES / 2) ^ place_of(x, COARSE, BOXES / 2) ^ place_of(y, FINE, BOXES / 2) ^
+               place_of(y, FINER, BOXES / 2);
+    box *b = &kept->boxes[coarse ? 4 * place_of(y, COARSE, 2) + place_of(x, COARSE, 4) : BOXES / 2 + fine];
+    if (b->x != x || b->y != y) {
+        b->x = x, b->y = y, b->noisy = false;
+        s.ops->own_->extent_in_box(s.self, x, y, &b->steep, &b->axis);
+    }
+    return b;
+}
+
+/* Sets what F'' along row k lies in, within a box that holds |x| and |y| of these.  To work a box out costs
+ * more than a root, so there are few: powers of two, not too narrow.  Where the surface ends before those, or
+ * F'' may have either sign: along the rays an eighth of a power of two, or in both directions a
+ * thirty-second.  NULL: the surface ends in each. */
+static box *box_for(sgt_surface s, rows a, size_t k, double x, double y, vicinities *kept)
+{
+    double wide = larger(x, y);
+    box *found = NULL;
+    for (int i = 0; i < 3; i++) {
+        double least = wide * (i ? 0x1p-10 : 0x3p-7), X = larger(x, least), Y = larger(y, least);
+        X = rung_above(X, i == 2 ? FINER : i && x == wide ? FINE : COARSE);
+        Y = rung_above(Y, i == 2 ? FINER : i && y == wide ? FINE : COARSE);
+        if (!(X < HUGE_VAL && Y < HUGE_VAL)) return NULL;
+        box *b = box_about(s, X, Y, i == 0, kept);
+        if (!(b->axis.xx.hi < HUGE_VAL && b->axis.yy.hi < HUGE_VAL)) continue;
+        bend_along(a, k, (sgt_interval)SGT_ANY_NUMBER, &b->axis);
+        found = b;
+        if (a[BENT_LO][k] >= 0 || a[BENT_HI][k] <= 0) break;
+    }
+    return found;
 }
 
 /* A half-width that holds the coordinate from t to end. */
@@ -363,38 +577,36 @@ static double half_width(double o, double d, double t, double end)
     return 1.02 * larger(a, b) + 0x1p-40 * far;
 }
 
-void sgt_march_box(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *bare, vicinities *kept,
-                   const vicinity *v, double *const a[WINGS_ROWS])
+void sgt_march_box(sgt_surface s, size_t n, sgt_rays r, const double *begin, const sgt_shared *bare,
+                   vicinities *kept, const vicinity *v, double *const a[WINGS_ROWS])
 {
     size_t left = 0;
     for (size_t i = 0; i < n; i++) {
+        double from = begin[i]; /* perhaps one of the rows */
         if (v->asked[i] == 0) continue;
         sgt_ray ray = row_ray(&r, v, i);
-        double from = ray.tmin, flat = -ray.o.z / ray.d.z, aim = larger(v->seed[i], flat),
+        double flat = -ray.o.z / ray.d.z, ahead = v->seed[i] - from,
+               aim = ahead > 0.25 * (flat - from) && ahead > 0 ? v->seed[i] : flat,
                end = aim + 0.25 * (aim - from);
-        if (!(fabs(from) < HUGE_VAL && flat > from && end < ray.tmax && end < HUGE_VAL)) continue;
+        if (!(fabs(from) < HUGE_VAL && aim > from && end < ray.tmax && end < HUGE_VAL)) continue;
         double x = half_width(ray.o.x, ray.d.x, from, end), y = half_width(ray.o.y, ray.d.y, from, end);
-        /* Few boxes: along the rays an eighth of a power of two, across them a power of two, not much
-         * less. */
-        double wide = larger(x, y);
-        x = rung_above(larger(x, 0x1p-10 * wide), x < y ? COARSE : FINE);
-        y = rung_above(larger(y, 0x1p-10 * wide), y < wide ? COARSE : FINE);
-        const sgt_extent *e = x < HUGE_VAL && y < HUGE_VAL ? box_about(s, x, y, kept) : NULL;
-        if (!e || !(e->bend < HUGE_VAL)) continue;
         size_t k = left;
-        lay_row(a, k, &ray, i, from, flat);
+        lay_row(a, k, &ray, i, from, aim);
+        box *e = box_for(s, a, k, x, y, kept);
+        if (!e) continue;
         double least =
             fabs(a[DZ][k]) * (1 - 0x1p-40) - (e->axis.x * fabs(a[DX][k]) + e->axis.y * fabs(a[DY][k]));
-        if (v->seed[i] > from && v->seed[i] < end && least > 0x1p-4 * fabs(a[DZ][k])) {
+        if (aim == v->seed[i] && least > 0x1p-4 * fabs(a[DZ][k])) {
             v->lo[i] = from, v->hi[i] = end, v->least[i] = least, v->asked[i] = -1;
             continue;
         }
         left++;
+        if (!e->noisy) s.ops->own_->noise_in_box(s.self, e->x, e->y, e->noise);
+        e->noisy = true;
         a[END][k] = end * inverse_of_scale(ray.d);
-        a[BEND][k] = bend_along(a, k, e->bend, true, e->axis);
-        a[RADIUS][k] = DBL_MAX, a[STEEP][k] = e->steep, a[E0][k] = a[E1][k] = 0;
+        a[RADIUS][k] = DBL_MAX, a[STEEP][k] = e->steep, a[E0][k] = e->noise[0], a[E1][k] = e->noise[1];
     }
-    march_rows(s, left, r, IN_BOX, bare, HUGE_VAL, NULL, v, a);
+    march_rows(s, left, r, IN_BOX, bare, HUGE_VAL, kept, v, a);
 }
 
 void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, const vicinity *v,
@@ -411,14 +623,14 @@ void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whol
         lay_row(a, k, &ray, i, from, v->seed[i]);
         double end = to * inverse_of_scale(ray.d);
         a[END][k] = end + 0x1p-48 * (fabs(end) + fabs(a[T][k]));
-        a[BEND][k] = bend_along(a, k, whole->bend, whole->by_axis, whole->axis);
+        bend_along(a, k, whole->bent, whole->by_axis ? &whole->axis : NULL);
         a[RADIUS][k] = radius, a[STEEP][k] = whole->steep, a[E0][k] = a[E1][k] = 0;
     }
     march_rows(s, left, r, IN_CHORD, whole, HUGE_VAL, NULL, v, a);
 }
 
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
-                      const sgt_shared *bare, rings *kept, const vicinity *v, double *const a[WINGS_ROWS])
+                     const sgt_shared *bare, vicinities *kept, const vicinity *v, double *const a[WINGS_ROWS])
 {
     double edge = sqrt(bare->radius2);
     size_t left = 0;
@@ -427,64 +639,75 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         if (!(v->asked[i] > 0) || !(fabs(t) < HUGE_VAL)) continue;
         if (edge < HUGE_VAL && behind != (v->seed[i] < v->tmin[i])) continue;
         sgt_ray ray = row_ray(&r, v, i);
-        t = inside_edge(s, &ray, t, edge, v, &v->evals[i]);
+        t = inside_edge(s, &ray, t, edge, kept, v, &v->evals[i]);
         if (!(t <= ray.tmax) || (v->told && v->told->stopped)) continue; /* nor NaN */
         size_t k = left++;
         lay_row(a, k, &ray, i, t, v->seed[i]);
         double x = ray.o.x + t * ray.d.x, y = ray.o.y + t * ray.d.y;
         double outward = x * a[DX][k] + y * a[DY][k];
         double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
-        a[LIMIT][k] = 4 * larger(begins, radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, v->seed[i]));
-        if (edge < HUGE_VAL) a[LIMIT][k] = HUGE_VAL;
+        a[END][k] = 4 * larger(begins, radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, v->seed[i]));
+        if (edge < HUGE_VAL) a[END][k] = HUGE_VAL;
         a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as wings_judge has it */
-        enclose_in(s, edge, kept, a, k);
+        enclose_in(s, edge, &kept->rings, a, k);
     }
     march_rows(s, left, r, IN_RINGS, bare, edge, kept, v, a);
 }
 
-/* Marches along the first rows.  known: what `roundings` is given.  edge, kept: in rings only. */
+/* Marches along the first rows.  known: what `roundings` is given.  edge: in rings only; kept: not in a
+ * chord. */
 static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, const sgt_shared *known,
-                       double edge, rings *kept, const vicinity *v, rows a)
+                       double edge, vicinities *kept, const vicinity *v, rows a)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
+    const bool in_rings = mode == IN_RINGS;
+    double known_past = 0;
     while (left > 0) {
         double grad[3], *g = v->told ? grad : NULL;
-        wings_step(left, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO],
-                   a[RADIUS], a[BEND], a[SEED], a[END], a[NEXT], a[PX], a[PY], a[PZ]);
+        if (known_past == 0) wings_step_ahead(a, left, in_rings);
+        else wings_step(a, left, in_rings);
         sgt_points at = {{a[PX], a[PY], a[PZ]}};
         s.ops->values(s.self, left, at, (sgt_values){a[F], {g, g ? g + 1 : NULL, g ? g + 2 : NULL}});
-        if (mode == IN_BOX)
-            for (size_t i = 0; i < left; i++)
-                a[OWN][i] = s.ops->rounding(s.self, (sgt_vec3){a[PX][i], a[PY][i], a[PZ][i]});
-        else if (!builtin->roundings(s.self, known, left, at, a[F], a[OWN]))
-            return;
+        if (!builtin->roundings(s.self, known, left, at, a[F], a[OWN])) return;
         if (v->told) {
             double scale = scale_of((sgt_vec3){r.d[0][0], r.d[1][0], r.d[2][0]});
             double slope = grad[0] * r.d[0][0] + grad[1] * r.d[1][0] + grad[2] * r.d[2][0],
-                   next = a[NEXT][0] * scale;
+                   next = (a[SIGN][0] != 0 ? a[T][0] + a[H][0] : a[T][0]) * scale;
             tell(v->told, SGT_MARCH, next, a[F][0], slope, a[T][0] * scale, next);
         }
-        wings_judge(left, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS], a[STEEP],
-                    a[BEND], a[E0], a[E1], a[LIMIT], a[EVALS], a[NEXT], a[PX], a[PY], a[PZ], a[F], a[OWN],
-                    a[VERDICT], a[WANTED]);
+        known_past = wings_judge(left, in_rings, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[PAST],
+                                 a[B], a[RATIO], a[RADIUS], a[STEEP], a[BENT_LO], a[BENT_HI], a[E0], a[E1],
+                                 a[SEED], a[END], a[PX], a[PY], a[PZ], a[F], a[OWN], a[VERDICT], a[WANTED]);
         for (size_t i = left; i-- > 0;) {
             size_t k = (size_t)a[LANE][i];
-            v->evals[k] += 1;
-            double scale = scale_of((sgt_vec3){r.d[0][k], r.d[1][k], r.d[2][k]});
-            bool spent = v->evals[k] >= 0.5 * v->budget || (v->told && v->told->stopped);
-            if (a[VERDICT][i] == MOVED && !spent) {
-                sgt_ray ray = row_ray(&r, v, k);
+            double verdict = a[VERDICT][i], evals = v->evals[k] += 1;
+            bool spent = evals >= 0.5 * v->budget || evals >= MOST_STEPS || (v->told && v->told->stopped);
+            if (verdict == GOES_ON && !spent) continue;
+            sgt_ray ray = row_ray(&r, v, k);
+            double scale = scale_of(ray.d);
+            if (verdict == HIDDEN && in_rings) verdict = a[SIGN][i] != 0 ? MOVED : GIVEN_UP;
+            if (verdict == HIDDEN) verdict = leave_start(s, a, i, ray.tmin, scale, v);
+            if (verdict == LEFT) {
+                bool ends = a[END][i] * scale >= ray.tmax;
+                if (mode == IN_CHORD || ends || is_past_all(s, &ray, a[END][i] * scale, kept)) is_miss(v, k);
+                wings_leave(a, i, --left);
+            } else if (verdict == MOVED && !spent) {
                 double t = a[T][i] * scale;
-                if (mode == IN_RINGS) enclose_in(s, edge, kept, a, i);
+                if (in_rings) enclose_in(s, edge, &kept->rings, a, i);
                 if (mode == IN_BOX) {
                     if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);
-                } else if (t > ray.tmax || (mode == IN_RINGS ? leaves_by_edge(s, &ray, edge, a, i, scale, v)
-                                                             : t > v->hi[k])) {
+                } else if (t > ray.tmax
+                           || (in_rings ? leaves_by_edge(s, &ray, edge, a, i, scale, v) : t > v->hi[k])) {
                     is_miss(v, k);
                     wings_leave(a, i, --left);
                 }
-            } else if (a[VERDICT][i] != GOES_ON || spent) {
-                if (a[VERDICT][i] == FOUND && !spent) tell_root(a, i, scale, v);
+            } else {
+                double t = a[T][i] * scale;
+                if (verdict == FOUND && !spent) {
+                    /* the march has moved behind the end of the ray, and knows the root there at once */
+                    if (t > ray.tmax || (mode == IN_CHORD && t > v->hi[k])) is_miss(v, k);
+                    else tell_root(a, i, scale, v);
+                }
                 wings_leave(a, i, --left);
             }
         }

@@ -44,20 +44,21 @@ SGT_INLINE int place_of(double rung, int digits, int places)
  * those of `work`.  If the surface has an edge, only the rows that begin behind the seed are asked
  * (behind), or only the others.  Evaluations are counted in v, and told if v has a watcher. */
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays rays, const double *from, bool behind,
-                     const sgt_shared *bare, rings *kept, const vicinity *v, double *const work[WINGS_ROWS]);
+                     const sgt_shared *bare, vicinities *kept, const vicinity *v,
+                     double *const work[WINGS_ROWS]);
 
 /* Can the chord with the rim be marched along? */
 SGT_INLINE bool marches_chord(const sgt_shared *whole)
 {
-    return whole->radius2 < HUGE_VAL && whole->steep < HUGE_VAL && whole->bend < HUGE_VAL &&
+    return whole->radius2 < HUGE_VAL && whole->steep < HUGE_VAL && whole->bent.hi < HUGE_VAL &&
            whole->noise[0] + whole->noise[1] < HUGE_VAL;
 }
 
-/* Marches along each row that is asked, as far as somewhat beyond the seed or the vertex plane, within a box
- * about that stretch.  Answers in v, as above; without a root nothing is found.  asked is set to -1 where F
- * is monotone all along, and nothing was evaluated. */
-void sgt_march_box(sgt_surface s, size_t n, sgt_rays rays, const sgt_shared *bare, vicinities *kept,
-                   const vicinity *v, double *const work[WINGS_ROWS]);
+/* Marches along each row that is asked, from `from` on, as far as somewhat beyond the seed or the vertex
+ * plane, within a box about that stretch.  Answers in v, as above; without a root nothing is found.  asked is
+ * set to -1 where F is monotone all along, and nothing was evaluated. */
+void sgt_march_box(sgt_surface s, size_t n, sgt_rays rays, const double *from, const sgt_shared *bare,
+                   vicinities *kept, const vicinity *v, double *const work[WINGS_ROWS]);
 
 /* The seed, or the middle of the chord, or NaN if no part of the ray is in it. */
 SGT_INLINE double chord_seed(double seed, double lo, double hi, double tmin, double tmax)

@@ -85,15 +85,16 @@ SGT_INLINE void put_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
     if (out->p_err) out->p_err[i] = hit->p_err;
 }
 
-/* Bounds on the magnitudes of a sag's derivatives, axis by axis; infinite: not known. */
-typedef struct sgt_by_axis { double x, y, xx, xy, yy; } sgt_by_axis;
+/* A sag's derivatives, axis by axis: bounds on the magnitudes of s_x, s_y and s_xy, and what s_xx and s_yy
+ * lie in.  Infinite: not known.  turn: 1 for a sag that is certainly convex, -1 for a concave one, else 0. */
+typedef struct sgt_by_axis { double x, y, xy, turn; sgt_interval xx, yy; } sgt_by_axis;
 
 /* What the rays and points of one surface have in common.  `share` works it out once for many of them.  How
  * the members are used is the surface's own affair. */
 typedef struct sgt_shared {
     double c, k1, radius2, steep, base_c, base_k, most2, noise[2];
-    double bend;      /* as in sgt_extent */
-    sgt_by_axis axis; /* these two are read only if by_axis is set */
+    sgt_interval bent; /* as in sgt_extent */
+    sgt_by_axis axis;  /* these two are read only if by_axis is set */
     double lean;
     bool by_axis;
 } sgt_shared;
@@ -110,14 +111,16 @@ SGT_INLINE double sgt_noise_at(double e0, double e1, double most2, double r2)
  * surface.
  *
  *   radius2, steep  as in sgt_shared
- *   size            no point of this part is farther than this from the plane z = 0
- *   bend            the norm of the second derivative of the sag is nowhere above this
+ *   z               the heights of all points of this part
+ *   bent            the second derivative of the sag along (l, m) is l^2 + m^2 times a number in here
  *
- *   axis            steep and bend by axis; set only for a surface that is steeper along one of them
+ *   axis            steep and bent by axis; set only for a surface that is steeper along one of them
  *
  * Each bound is infinite if it is not known. */
-typedef struct sgt_extent { double radius2, steep, size, bend; sgt_by_axis axis; } sgt_extent;
-#define SGT_NO_EXTENT {0, HUGE_VAL, HUGE_VAL, HUGE_VAL, {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL}}
+typedef struct sgt_extent { double radius2, steep; sgt_interval z, bent; sgt_by_axis axis; } sgt_extent;
+#define SGT_ANY_NUMBER {-HUGE_VAL, HUGE_VAL}
+#define SGT_NO_AXES {HUGE_VAL, HUGE_VAL, HUGE_VAL, 0, SGT_ANY_NUMBER, SGT_ANY_NUMBER}
+#define SGT_NO_EXTENT {0, HUGE_VAL, SGT_ANY_NUMBER, SGT_ANY_NUMBER, SGT_NO_AXES}
 
 /* What is known of a surface ring by ring.  Ring j reaches from j to j + 1 times `width` from the axis.  In
  * it the sag lies in [low[j], high[j]].  If low[j] > high[j], no part of the surface lies in the ring.
@@ -178,9 +181,11 @@ struct sgt_builtin_ops {
     void (*chords)(size_t n, sgt_rays rays, const double *radius2, const double *steep,
                    const double *const axis[2], double *lo, double *hi, double *least);
     void (*heights)(const void *self, sgt_heights *out);
-    /* What is known where |x| and |y| are at most these.  radius2 and size are not set.  All is infinite
-     * for a surface that is not steeper along one axis than along the other. */
-    void (*extent_in_box)(const void *self, double x, double y, sgt_extent *extent);
+    /* The slope and the axes of sgt_extent where |x| and |y| are at most these, and noise as noise_within has
+     * it.  All is infinite, and noise NaN, for a surface that is not steeper along one axis than along the
+     * other. */
+    void (*extent_in_box)(const void *self, double x, double y, double *steep, sgt_by_axis *axis);
+    void (*noise_in_box)(const void *self, double x, double y, double e[2]);
     void (*noise_within)(const void *self, double radius, double e[2]);
     /* noise_within for n radii, to the bit.  NULL or false: ask one by one. */
     bool (*noises_within)(const void *self, size_t n, const double radius[], double e0[], double e1[]);
@@ -192,7 +197,8 @@ struct sgt_builtin_ops {
     /* `values`, with the gradient, and `roundings` of them at once: the same bits at less cost.  rows is not
      * NULL where the bound on what the departure adds is one of each point; then shared has none of its own,
      * and this is added to each bound (sgt_noise_at of rows[0][i], rows[1][i], rows[2][i]).  Returns false,
-     * and does nothing, as `roundings` does.  NULL: the two are asked. */
+     * and does nothing, as `roundings` does.  NULL: the two are asked.  Without `share` neither shared nor
+     * rows is read (ray/leave.c). */
     bool (*values_rounded)(const void *self, const sgt_shared *shared, const double *const rows[3], size_t n,
                            sgt_points p, sgt_values out, double own[]);
     /* As `span` and `spans`, with one more output.  *least is a lower bound of |dF/dtau| along the whole

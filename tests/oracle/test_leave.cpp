@@ -16,7 +16,7 @@
 // and the other sign right behind it.  A miss is looked at as far as the world reaches.  A crossing that was
 // lost, or met twice, shows as a wrong sign.  Undecided answers are printed, with the slope at the start.
 //
-// Conics with a rim are left against their equation in 113 bits.
+// Conics with a rim are left against their equation in 113 bits, even aspheres against their roots in quad.h.
 //
 // Rows by hand: starts within 1e-8 of a torus, exits along tangents, the vertex of a sag, starts on a
 // coordinate plane, what makes no sense.  A batch has the bits of single starts.
@@ -25,6 +25,7 @@
 //     test_leave --steps N     N crossings in each world, and times, against those of first hits
 //     test_leave --steps N WORLD     in those worlds whose names begin so
 #include "../../src/truth/elementary.hpp"
+#include "quad.h"
 
 #include <sagitta/formula.h>
 #include <sagitta/surfaces.h>
@@ -484,6 +485,65 @@ void bowls(int count)
     }
 }
 
+// Even aspheres, left from points on them into the whole sphere and along the surface: terms of both signs,
+// with and without a rim.  All roots of next.ray in 113 bits (quad.h) have to be as the answer says.
+void aspheres(int count)
+{
+    static const sgt_even_asphere kinds[] = {{0.1, -0.6, 4, {0, 1e-4, -2e-6, 1e-8}},
+                                             {0.1, -0.6, 0, {0, 1e-4, -2e-6, 1e-8}},
+                                             {-0.05, 0, 6, {0, -1e-4, 3e-6}},
+                                             {0, 0, 5, {0, 2e-4}},
+                                             {0.1, -1, 5, {-2e-3, 3e-4, 0, 0, 1e-9}},
+                                             {-0.2, 1, 0, {0, 1e-3}}};
+    for (const sgt_even_asphere &kind : kinds) {
+        const World w = {"asphere", {&sgt_even_asphere_ops, &kind}, 4, nullptr};
+        std::vector<sgt_start> starts;
+        int hits = 0, undecided = 0;
+        for (int i = 0; i < count; i++) {
+            const sgt_vec3 at = direction();
+            const bool outside = kind.semi_diameter > 0 && i % 4 == 0; // beyond the rim F goes on
+            const double r =
+                outside ? kind.semi_diameter * uniform(1, 1.4) : 3.5 * std::sqrt(uniform(0, 1));
+            const double by = r / std::hypot(at.x, at.y);
+            sgt_vec3 p = {by * at.x, by * at.y, 0}, n = {0, 0, 0}, d = direction();
+            if (outside) d = {-by * at.x + uniform(-3, 3), -by * at.y + uniform(-3, 3), uniform(-2, 2)};
+            p.z = -w.s.ops->value(w.s.self, p, &n);
+            if (!(std::fabs(p.z) < 1e6)) continue;
+            w.s.ops->value(w.s.self, p, &n);
+            if (i % 3 == 0) { // nearly along it
+                const double lift = std::pow(10, uniform(-6, 0)), part = dot(n, d) / dot(n, n);
+                d = {d.x + (lift - 1) * part * n.x, d.y + (lift - 1) * part * n.y,
+                     d.z + (lift - 1) * part * n.z};
+            }
+            const sgt_start a = {p, n, 4e-16 * w.reach, d, 0, {}};
+            starts.push_back(a);
+            const sgt_crossing next = sgt_leave(w.s, &a, nullptr);
+            undecided += next.hit.status < 0;
+            if (next.hit.status < 0) continue;
+            const oracle::answer known = oracle::all_roots(oracle::surface(kind), next.ray);
+            if (!known.doubtful.empty() || known.at_fault || known.gave_up) continue;
+            const bool met = next.hit.status > 0;
+            bool there = !met, before = false;
+            for (const oracle::meeting &m : known.roots) {
+                const oracle::counts is = oracle::counting(m, next.ray.tmin, HUGE_VAL);
+                const quad off = m.minus(next.hit.t);
+                const bool same = met && oracle::magnitude(off) <= quad(next.hit.t_err) + m.blur;
+                there = there || (same && is != oracle::no);
+                before = before || (is == oracle::yes && !same && (!met || off < 0));
+            }
+            hits += met;
+            if (!there || before) complain(w, "not the next root of the asphere", a, next.hit.t, next.side);
+            const double slope = dot(n, d) / (length(n) * length(d));
+            if (!outside && std::fabs(slope) > 1e-3 && next.side != (slope > 0 ? 1 : -1))
+                complain(w, "wrong side", a, next.hit.t, next.side);
+        }
+        batch_is_single(w, starts, nullptr);
+        std::printf("asphere, c %g, k %g, rim %g: %zu starts, %d met, %d undecided\n", kind.c, kind.k,
+                    kind.semi_diameter, starts.size(), hits, undecided);
+        require(undecided * 200 <= count, "asphere: undecided");
+    }
+}
+
 void rows_by_hand()
 {
     static const sgt_torus torus = {139, 1};
@@ -592,6 +652,7 @@ int main(int argc, char **argv)
     if (!timed)
         for (const World &w : worlds()) beside_and_along(w, static_cast<int>(2000 * by));
     if (!timed) bowls(static_cast<int>(4000 * by));
+    if (!timed) aspheres(static_cast<int>(4000 * by));
     rows_by_hand();
     return failures > 0;
 }

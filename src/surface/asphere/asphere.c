@@ -36,6 +36,17 @@
 
 /* ------------------------------------------------------------------- easy */
 
+/* Is the root at tau the first one by the bend of F (side.h)? */
+SGT_NOINLINE static bool is_first_bent(const wavy *s, double tmin, const wavy_start *r, double tau,
+                                       double inverse, sgt_vec3 d)
+{
+    convex b = convex_of(s);
+    bool is = false;
+    for (int rounds = 1; rounds <= 2 && !is; rounds++)
+        is = first_of_bent(s, &b, ALL_TERMS, rounds, tmin, r->t0, r->x, r->y, tau, inverse, d.x, d.y, d.z);
+    return is;
+}
+
 /* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer.  h, ray: for a
  * watcher. */
 SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin,
@@ -65,12 +76,8 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sg
                                                                                                  : EASY_NOT;
     bool is_first = !first || wavy_single(s, d.x, d.y, d.z);
     if (!is_first)
-        is_first = wavy_first_from(s, ALL_TERMS, o.x, o.y, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
-    convex b = {0};
-    if (!is_first) b = convex_of(s);
-    for (int afar = 0; afar < 2 && !is_first; afar++)
-        is_first = first_of_bent(s, &b, ALL_TERMS, afar != 0, tmin, r.t0, r.x, r.y, q.tau, half.inverse, d.x,
-                                 d.y, d.z);
+        is_first = wavy_first_from(s, ALL_TERMS, o.x, o.y, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z) ||
+                   is_first_bent(s, tmin, &r, q.tau, half.inverse, d);
     return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0) ? EASY_HIT
                                                                                              : EASY_NOT;
 }
@@ -144,21 +151,87 @@ SGT_INLINE bool all_first(const wavy *s, int terms, const sgt_tile *tile, wavy_r
     return every != 0;
 }
 
-/* The same for those that are left, by the bend of F (side.h). */
-SGT_INLINE bool all_bent(const wavy *s, int terms, bool from_afar, const sgt_tile *tile, wavy_room *room)
+/* The rays that all_first leaves, side by side: mostly they are few.  from, r2, off: as in a side_way. */
+typedef struct bent_rays {
+    const double *x, *y, *t0, *tau, *inverse, *l, *m, *n, *tmin;
+} bent_rays;
+typedef struct bent_room {
+    _Alignas(64) double of[9][SGT_TILE], from[SGT_TILE], r2[SGT_TILE];
+    mask known[SGT_TILE], off[SGT_TILE], is[SGT_TILE];
+    size_t number[SGT_TILE];
+} bent_room;
+
+/* first_of_bent of them, with `rounds` of comes_near.  (In a loop for each part: of all in one gcc 12 makes
+ * branches.) */
+SGT_INLINE mask bent_lanes(const wavy *self, int terms, int rounds, size_t count, const bent_rays *rays,
+                           bent_room *r)
 {
-    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    const wavy own = *self, *s = &own;
     const convex bent = convex_of(s), *b = &bent;
-    size_t count = tile->n;
+    const double *x = rays->x, *y = rays->y, *t0 = rays->t0, *tau = rays->tau, *inverse = rays->inverse,
+                 *l = rays->l, *m = rays->m, *n = rays->n, *tmin = rays->tmin;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        bent_start at = bent_start_of(b, tmin[i], t0[i], x[i], y[i], tau[i], l[i], m[i]);
+        r->from[i] = at.from, r->r2[i] = at.r2, r->known[i] = at.known, r->off[i] = 0;
+    }
+    for (int round = 0; round < rounds; round++)
+        LANES for (size_t i = 0; i < count; i++)
+        {
+            double from = r->from[i];
+            side_way way = {from, r->r2[i], 0};
+            way = comes_near(s, terms, way, wavy_r2(x[i], y[i], tau[i], l[i], m[i]), x[i], y[i], 0, l[i],
+                             m[i], n[i]);
+            r->from[i] = way.from, r->r2[i] = way.r2;
+            r->off[i] |= MASK(way.from > from);
+        }
     mask every = MASK(true);
-    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
-        mask is =
-            room->again[i] | first_of_bent(s, b, terms, from_afar, tmin[i], room->t0[i], room->x[i],
-                                           room->y[i], room->tau[i], room->inverse[i], l[i], m[i], n[i]);
-        room->again[i] = is;
+    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+    {
+        side_way way = {r->from[i], r->r2[i], r->off[i]};
+        mask is = r->known[i] & bent_is_first(s, b, terms, &way, inverse[i], l[i], m[i], n[i]);
+        r->is[i] = is;
         every &= is;
     }
-    return every != 0;
+    return every;
+}
+
+SGT_KERNEL
+static mask asphere_lanes_few_bent(const wavy *s, int rounds, size_t count, const bent_rays *rays,
+                                   bent_room *r)
+{
+    return bent_lanes(s, FEW_TERMS, rounds, count, rays, r);
+}
+SGT_KERNEL
+static mask asphere_lanes_all_bent(const wavy *s, int rounds, size_t count, const bent_rays *rays,
+                                   bent_room *r)
+{
+    return bent_lanes(s, ALL_TERMS, rounds, count, rays, r);
+}
+
+/* The same as all_first for those that are left, by the bend of F (side.h). */
+SGT_NOINLINE static bool all_bent(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    bent_room r;
+    const double *const *const d = tile->rays.d;
+    const bent_rays all = {room->x, room->y, room->t0, room->tau, room->inverse,
+                           d[0],    d[1],    d[2],     tile->rays.tmin},
+                    few = {r.of[0], r.of[1], r.of[2], r.of[3], r.of[4],
+                           r.of[5], r.of[6], r.of[7], r.of[8]};
+    const double *const from[9] = {all.x, all.y, all.t0, all.tau, all.inverse, all.l, all.m, all.n, all.tmin};
+    for (int rounds = 1; rounds <= 2; rounds++) {
+        size_t left = 0;
+        for (size_t i = 0; i < tile->n; i++)
+            if (!room->again[i]) r.number[left++] = i;
+        const bent_rays *rays = left == tile->n ? &all : &few;
+        for (int k = 0; k < 9 && rays == &few; k++)
+            for (size_t i = 0; i < left; i++) r.of[k][i] = from[k][r.number[i]];
+        bool every =
+            (terms > FEW_TERMS ? asphere_lanes_all_bent : asphere_lanes_few_bent)(s, rounds, left, rays, &r);
+        for (size_t i = 0; i < left; i++) room->again[r.number[i]] = r.is[i];
+        if (every) return true;
+    }
+    return false;
 }
 
 SGT_INLINE void lane_away(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
@@ -238,6 +311,13 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo,
         room->from[i] = r.tau;
     }
+    size_t begun = 0;
+    while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
+    if (begun == count) { /* no ray: they come from the side, say */
+        for (size_t i = 0; i < count; i++) room->tau[i] = (double)NAN, room->ends.hit[i] = 0;
+        lane_nothing(tile, &room->ends);
+        return lane_told(tile, &room->ends, 4, 0);
+    }
     int extra[SGT_TILE], rounds = 1;
     mask any = 0;
     for (;; rounds++) {
@@ -266,8 +346,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     mask all = lane_ending(s, terms, wish, false, tile, room), vertex = 0;
     for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
     if (vertex) all = lane_ending(s, terms, wish, true, tile, room);
-    if (first && !all_first(s, terms, tile, room) && !all_bent(s, terms, false, tile, room) &&
-        !all_bent(s, terms, true, tile, room)) {
+    if (first && !all_first(s, terms, tile, room) && !all_bent(self, terms, tile, room)) {
         all = 0;
         LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
     }
@@ -301,14 +380,6 @@ SGT_INLINE bool single(const shape *s, const local *q)
     double a = q->l * q->l + q->m * q->m;
     return q->l == 0 && q->m == 0 ? q->n != 0
                                   : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
-}
-
-/* Is the root the start itself, however it is computed (rule of sgt_ray)? */
-SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
-{
-    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z)),
-           width = START_ULPS * terms * scale / h->slope;
-    return h->t + h->t_err <= ray->tmin + (width < HUGE_VAL ? width : 0) * (1 - 0x1p-20);
 }
 
 /* Returns true for a hit.  If it returns false with *miss set, the ray misses: the start is the only root
@@ -395,11 +466,11 @@ static bool asphere_valid(const sgt_even_asphere *s)
     return sum == 0 && s->semi_diameter >= 0;
 }
 
-static bool passes_by(const shape *s, pass_by how, const sgt_ray *ray)
+static bool passes_by(const shape *s, const sgt_ray *ray)
 {
     mask passes = MASK(true);
     sgt_tile one = {.n = 1, .rays = rays_of(ray)};
-    sgt_asphere_pass(s, &one, how, &passes);
+    sgt_asphere_pass(s, &one, &passes);
     return passes != 0;
 }
 
@@ -430,7 +501,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
         return w.stopped ? hit_without(SGT_STOPPED, ray, w.evals) : hit_of_lane(&e, w.evals, f);
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
-    if (is == EASY_MISS || passes_by(&h, beside ? PASS_RINGS : PASS_BOTH, ray))
+    if (is == EASY_MISS || passes_by(&h, ray))
         return hit_without(SGT_MISS, ray, w.evals);
     bool miss = false;
     if (asphere_quick(&h, ray, &at, &seed, &miss, &w))
@@ -500,17 +571,20 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
 }
 
 /* Gives SGT_MISS to hard rays that pass the whole surface (asphere/unique.c), as for a single ray.  It asks
- * only for rays on which the easy form has tried the direction as given. */
-static size_t asphere_without_passing(const shape *s, pass_by how, const sgt_tile *tile,
+ * only for rays of which the evaluations are known, along the direction as given: those on which the rounds
+ * of the easy form ended, and all if the loops of side.c have asked them (beside). */
+static size_t asphere_without_passing(const shape *s, bool beside, const sgt_tile *tile,
                                       const easy_tried *tried, size_t hard)
 {
-    const double *const *d = tile->rays.d;
+    const double *const *o = tile->rays.o, *const *d = tile->rays.d;
     mask passes[SGT_TILE];
     for (size_t i = 0; i < tile->n; i++) {
-        double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i];
-        passes[i] = MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && tried->ended[i]);
+        double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i],
+               far = fabs(o[0][i]) + fabs(o[1][i]) + fabs(o[2][i]);
+        passes[i] = MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && far < HUGE_VAL &&
+                         (beside || tried->ended[i]));
     }
-    sgt_asphere_pass(s, tile, how, passes);
+    sgt_asphere_pass(s, tile, passes);
     for (size_t i = 0; i < tile->n; i++) {
         if (!passes[i]) continue;
         tile->hits.status[i] = SGT_MISS, hard--;
@@ -557,12 +631,11 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
             size_t hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
-            const bool beside = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
-            if (24 * hard > tile->n && beside)
-                hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, &tried);
-            return 8 * hard > tile->n
-                       ? asphere_without_passing(&h, beside ? PASS_RINGS : PASS_BOTH, tile, &tried, hard)
-                       : hard; /* a few go one by one */
+            const bool beside = 24 * hard > tile->n && !v.proof &&
+                                (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
+            if (beside) hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, &tried);
+            return 8 * hard > tile->n ? asphere_without_passing(&h, beside, tile, &tried, hard)
+                                      : hard; /* a few go one by one */
         }
     }
     memset(tile->hits.status, SGT_HARD, tile->n);
@@ -580,9 +653,19 @@ static bool asphere_unique(const void *self, const sgt_tile *tile, double rim2, 
     return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
+static bool asphere_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
+                                   size_t n, sgt_points p, sgt_values out, double own[])
+{
+    const sgt_even_asphere *s = self;
+    const shape h = shape_of(s, asphere_terms_of(s));
+    (void)shared, (void)rows;
+    sgt_sag_values_rounded(&h, n, p, out, own);
+    return true;
+}
+
 static const struct sgt_builtin_ops asphere_builtin = {
     .meet = asphere_meet, .all = asphere_all, .lanes = asphere_lanes, .unique = asphere_unique,
-    .departure = &sgt_asphere_departure};
+    .departure = &sgt_asphere_departure, .values_rounded = asphere_values_rounded};
 
 const sgt_surface_ops sgt_even_asphere_ops = {
     .name = "even_asphere", .value = asphere_value, .span = asphere_span, .rounding = asphere_rounding,

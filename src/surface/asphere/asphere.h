@@ -13,14 +13,11 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
  * as it does.  All rays are tried at once, then each by itself. */
 bool sgt_asphere_unique(const shape *s, const sgt_tile *tile, unsigned long long unique[]);
 
-/* What is asked: all rays at once, by the cone; or each by itself, ring by ring; or the one, then the
- * other. */
-typedef enum pass_by { PASS_CONES, PASS_RINGS, PASS_BOTH } pass_by;
-
-/* Which rays certainly meet nothing?  Asked for rays that begin behind the vertex plane or in the vertex,
- * and whose passes[i] is not 0.  passes[i] stays as it is if the ray certainly meets nothing.  Otherwise,
- * and for all other rays, it is set to 0.  hits and t_tol are not read. */
-void sgt_asphere_pass(const shape *s, const sgt_tile *tile, pass_by how, unsigned long long passes[]);
+/* Which rays certainly meet nothing?  By the cone, all at once; then ring by ring, each by itself.  Asked
+ * for rays that begin behind the vertex plane or in the vertex, and whose passes[i] is not 0.  passes[i]
+ * stays as it is if the ray certainly meets nothing.  Otherwise, and for all other rays, it is set to 0.
+ * hits and t_tol are not read. */
+void sgt_asphere_pass(const shape *s, const sgt_tile *tile, unsigned long long passes[]);
 
 /* The terms by themselves, for a sum. */
 extern const struct departure sgt_asphere_departure;

@@ -18,7 +18,8 @@
  * THE SEED.  The conic by itself has A tau^2 - 2 B tau + C = 0.  With e = A C / B^2 its root near the
  * vertex is tau = C / (2 B) (1 + e/4 + ...).  There G' = B sqrt(1 - e), so 1 / G' = (1 + e/2 + ...) / B.
  * No square root is needed: what the series omit is less than P.  If |e| >= 1, a ray is not easy.  One
- * step with that slope from G, P included, gives the start.
+ * step with that slope from G, P included, gives the start.  Nor is a ray easy if |B| > 8 |n|: it comes
+ * from the side, and meets the vertex plane too far from its root (rho0 > 4 rho, below).
  *
  * A ROUND is two steps.  The first is Newton's step from tau_1 to tau_2, with G and G'.  The second
  * evaluates G only and reuses the slope: tau_3 = tau_2 + step, step = -G(tau_2) / s, with s = G'(tau_1) as
@@ -153,7 +154,8 @@ SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy,
     double a = l * l + m * m, A = s->c * sgt_fma(s->k1, n * n, a), B = sgt_fma(-s->c, r.x * l + r.y * m, n),
            C = s->c * (r.x * r.x + r.y * r.y);
     double inverse = 1 / B, q = C * inverse, e = A * inverse * q,
-           tau = chosen(MASK(fabs(e) < 1), q * sgt_fma(0.125, e, 0.5), (double)NAN), w, ckw;
+           tau = q * sgt_fma(0.125, e, 0.5), w, ckw;
+    tau = chosen(MASK(fabs(e) < 1) & MASK(B * B <= 64 * (n * n)), tau, (double)NAN);
     double x = sgt_fma(tau, l, r.x), y = sgt_fma(tau, m, r.y), rho = x * x + y * y;
     *g = wavy_g(s, rho, tau * n, horner(s->a, terms, rho), &w, &ckw);
     *slope = B;

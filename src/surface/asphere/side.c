@@ -2,8 +2,8 @@
 /* asphere/side.c - rays from the side: the loops of asphere/side.h, and the single ray.
  *
  * WHY APART.  Without them each such ray of a batch is met by itself: 1,960 ns for a ray along the vertex
- * plane into a bowl, 300 for one that passes 40 beside a rim of 5 (even asphere c = 0.1, k = -0.6; 45 and
- * 30 with them). */
+ * plane into a bowl, 300 for one that passes 40 beside a rim of 5 (even asphere c = 0.1, k = -0.6; 48
+ * and 20 with them). */
 #include "side.h"
 
 #include "asphere.h"
@@ -21,17 +21,21 @@ SGT_INLINE easy_answer beside_at(const wavy *s, sgt_vec3 o, sgt_vec3 d, double t
                                  const sgt_ray *ray)
 {
     const bool first = w->opt->pick != SGT_NEAR_SEED;
-    mask passes = MASK(true);
     convex b = convex_of(s);
     side_stretch r = side_stretch_of(&b, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
-    if (!r.away) sgt_asphere_pass(h, &(sgt_tile){.n = 1, .rays = rays_of(ray)}, PASS_CONES, &passes);
-    if (r.away | passes) return EASY_MISS;
+    if (r.away) return EASY_MISS;
     if (!r.chord) return EASY_NOT;
     side_way way = side_way_of(s, ALL_TERMS, &r.q, r.from, d.x, d.y, d.z);
-    side_seed seed = side_seed_of(s, &b, ALL_TERMS, first, &r.q, &way, r.to, r.chord, d.x, d.y, d.z);
+    side_on on = {0, 0};
+    side_seed seed = side_seed_of(s, &b, ALL_TERMS, first, &r.q, &way, r.to, r.chord, on, d.x, d.y, d.z);
     local at = {.t0 = r.t0, .scale = scale};
     side_tell(h, ray, w, &at, way.from, SGT_PROBE);
     side_tell(h, ray, w, &at, r.to, SGT_PROBE);
+    if (seed.close && !seed.away && tmin == 0 && !w->stopped) {
+        on = side_on_of(s, &b, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, tmin);
+        seed = side_seed_of(s, &b, ALL_TERMS, first, &r.q, &way, r.to, r.chord, on, d.x, d.y, d.z);
+        side_tell(h, ray, w, &at, -r.t0, SGT_PROBE);
+    }
     if (w->stopped || !(seed.above | seed.below)) return seed.away && !w->stopped ? EASY_MISS : EASY_NOT;
     wavy_newton step = {.tau2 = seed.tau};
     for (int i = 0; i < SIDE_STEPS && (i == 0 || !side_ready(&step, seed.tau)); i++) {
@@ -66,16 +70,17 @@ typedef struct beside_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], z[SGT_TILE], rho0[SGT_TILE], t0[SGT_TILE], from[SGT_TILE], to[SGT_TILE], r2[SGT_TILE],
         tau[SGT_TILE], tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
-    mask asked[SGT_TILE], over[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE],
-        again[SGT_TILE];
+    mask asked[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE],
+        again[SGT_TILE], starts[2][SGT_TILE], close[SGT_TILE], on[SGT_TILE];
+    const mask *rises, *falls; /* as in a side_on: none, or `starts` */
     int steps[SGT_TILE];
     bool afar;
     double of[10][SGT_TILE];
     lane_ends ends;
 } beside_room;
 
-/* The stretch of each ray that is asked about.  `over` is set for those that do not certainly miss by it.
- * Returns all bits set if there are such. */
+/* The stretch of each ray that is asked about: `asked` stays set where one is known.  Returns all bits set if
+ * there are such. */
 SGT_KERNEL
 static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, beside_room *r)
 {
@@ -89,8 +94,8 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, bes
         side_stretch one = side_stretch_of(b, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
         r->x[i] = one.q.x, r->y[i] = one.q.y, r->z[i] = one.q.z, r->rho0[i] = one.q.rho0, r->t0[i] = one.t0,
         r->from[i] = one.from, r->to[i] = one.to;
-        mask hard = r->asked[i], left = hard & ~one.away;
-        r->away[i] = hard & one.away, r->asked[i] = left & one.chord, r->over[i] = left;
+        mask hard = r->asked[i], left = hard & ~one.away & one.chord;
+        r->away[i] = hard & one.away, r->asked[i] = left;
         r->r2[i] = wavy_r2(one.q.x, one.q.y, one.from, l[i], m[i]), r->off[i] = 0;
         afar |= left & one.afar;
         any |= left;
@@ -117,18 +122,6 @@ SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, b
         }
 }
 
-/* Takes out the rays that the cone finds to miss.  Is something left to ask? */
-static bool beside_left(const shape *h, const sgt_tile *tile, beside_room *r)
-{
-    bool left = false;
-    sgt_asphere_pass(h, tile, PASS_CONES, r->over);
-    for (size_t i = 0; i < tile->n; i++) {
-        r->away[i] |= r->over[i], r->asked[i] &= ~r->over[i];
-        left = left || r->asked[i];
-    }
-    return left;
-}
-
 /* The seeds.  Returns all bits set if a root is looked for. */
 SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bool first,
                              const sgt_tile *tile, beside_room *r)
@@ -137,17 +130,40 @@ SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bo
     const convex mine = *bent, *b = &mine;
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
+    const mask *rises = r->rises, *falls = r->falls;
     mask any = 0;
     _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
     {
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
         side_way way = {r->from[i], r->r2[i], r->off[i]};
-        side_seed one = side_seed_of(s, b, terms, first, &q, &way, r->to[i], r->asked[i], l[i], m[i], n[i]);
+        side_on on = {rises[i], falls[i]};
+        side_seed one =
+            side_seed_of(s, b, terms, first, &q, &way, r->to[i], r->asked[i], on, l[i], m[i], n[i]);
         r->tau2[i] = one.tau, r->above[i] = one.above, r->below[i] = one.below;
-        r->away[i] |= one.away;
+        r->away[i] |= one.away, r->close[i] = one.close & ~one.away;
         mask again = one.above | one.below;
         r->again[i] = again;
         any |= again;
+    }
+    return any;
+}
+
+/* Which of the rays that may start on the surface do?  Returns all bits set if some do. */
+SGT_KERNEL
+static mask asphere_beside_on(const wavy *self, const convex *bent, const sgt_tile *tile, beside_room *r)
+{
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        side_on one = side_on_of(s, b, ALL_TERMS, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i]);
+        mask asked = r->on[i];
+        r->starts[0][i] = asked & one.rises, r->starts[1][i] = asked & one.falls;
+        any |= asked & (one.rises | one.falls);
     }
     return any;
 }
@@ -246,14 +262,29 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
         r.asked[i] = MASK(hits->status[i] == SGT_HARD) & usual_length(d2) & MASK(far < HUGE_VAL),
         r.steps[i] = 0;
     }
-    memset(r.ends.hit, 0, n * sizeof *r.ends.hit), memset(r.above, 0, n * sizeof *r.above);
-    memset(r.below, 0, n * sizeof *r.below);
-    bool left = asphere_beside_stretch(&b, tile, &r) && beside_left(h, tile, &r);
+    bool left = asphere_beside_stretch(&b, tile, &r) != 0;
     if (left && r.afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, &r);
-    if (left && first)
-        left = (few ? asphere_beside_few_first : asphere_beside_first)(s, &b, tile, &r) != 0;
-    else if (left)
-        left = (few ? asphere_beside_few_near : asphere_beside_near)(s, &b, tile, &r) != 0;
+    static const mask none[SGT_TILE];
+    r.rises = r.falls = none;
+    if (!left) {
+        memset(r.on, 0, n * sizeof *r.on), memset(r.above, 0, n * sizeof *r.above);
+        memset(r.below, 0, n * sizeof *r.below);
+    }
+    for (int k = 0; k < 2 && left; k++) {
+        mask some = few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, &b, tile, &r)
+                        : (first ? asphere_beside_first : asphere_beside_near)(s, &b, tile, &r);
+        mask starts = 0;
+        for (size_t i = 0; i < n && k == 0; i++) {
+            mask is = r.close[i] & MASK(tile->rays.tmin[i] == 0);
+            r.on[i] = is, starts |= is;
+        }
+        if (!starts || !asphere_beside_on(s, &b, tile, &r)) {
+            left = some != 0;
+            break;
+        }
+        r.rises = r.starts[0], r.falls = r.starts[1];
+    }
+    if (!left) memset(r.ends.hit, 0, n * sizeof *r.ends.hit);
     if (left) {
         mask again = MASK(true);
         for (int k = 0; k < SIDE_STEPS && again; k++) {
@@ -271,7 +302,8 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
         hard += !(met || gone);
         int evals = 0;
         if (hits->evals) { /* of a hit and of a hard ray with that of F at the end */
-            evals = (tried->begun[i] ? hits->evals[i] : 2) + (r.asked[i] ? 2 : 0) - (gone ? 1 : 0);
+            evals = (tried->begun[i] ? hits->evals[i] : 2) + (r.asked[i] ? 2 : 0) + (r.on[i] ? 1 : 0) -
+                    (gone ? 1 : 0);
             if (r.above[i] | r.below[i]) evals += r.steps[i] + 1;
             hits->evals[i] = evals;
         }

@@ -12,12 +12,24 @@
  * That is c sigma at least, or, if (1 + k) c^2 < 0, what it is at R.  The terms add (2 i + 2) (2 i + 1) a[i]
  * r^(2 i); those of the sign of sigma are left out, but for a[0], which is constant.
  *
+ * That is far from sharp where a term outgrows another.  So S'' is bounded ring by ring, too: in sixteen
+ * rings of the same area up to the rim or the equator.  In each the terms of the sign of sigma are taken at
+ * the inner edge, the others at the outer one.  The base is |c| (1 + 1.5 (1 + k) c^2 r^2) at least, the
+ * tangent at r = 0 of a convex function of r^2.  S is convex up to the first ring in which this does not
+ * show.
+ *
  * A concave function has two zeros at most: it rises at the first, and falls at the second.  Let the stretch
  * begin where the ray does, or where r comes below the rim, and end likewise.  Then
  *     a root at which sigma F rises                                  is the first,
  *     the same, if sigma F > 0 at the end of the stretch             is the only one,
  *     a root at which it falls, if sigma F > 0 at the beginning      is the only one,
  *     sigma F > 0 at the beginning and at the end                    is a miss.
+ *
+ * FROM ON IT.  A ray may start on the surface, at o within the rim, with tmin = 0.  If G there is within
+ * half of what the rule of the start allows, and G' keeps its sign within H = 4 (|G| + e) / |G'| (THE BOUND
+ * of easy.h), the root at the start is the only one within H, and is not accepted.  At H F has the sign of
+ * its slope.  So if sigma F rises at the start, it is > 0 at the beginning of what is left.  If it falls,
+ * it falls on: a ray that is within R all along misses.
  *
  * PASSING BY.  The sag within the rim, or up to the equator, is between two heights (wavy_ahead of easy.h).
  * If the ray is above or below both of them along its whole stretch, or if the stretch is empty, it misses.
@@ -48,19 +60,41 @@
 #include "../../num/bits.h"
 #include "easy.h"
 
-enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 3 }; /* evaluations: both ends, the steps, the bound */
+/* Evaluations: both ends, the start, the steps, the bound. */
+enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 4 };
 
 /* What all rays of a surface share.
  *
  *   sign         sigma
  *   round, flat  S'' sigma is at least `round` of the base, at r = 0, less the sum of flat[i] r^(2 i)
+ *   bent2        sigma S'' >= 0 up to that r^2, by rings
  *   edge2        r^2 of the rim or the equator, made greater by 2^-20
  *   high, low    the sag within it is between -low and high
  *   bowl         c + 2 a[0] */
 typedef struct convex {
-    double sign, round, constant, flat[ALL_TERMS], ckc, edge2, edge, high, low, bowl;
+    double sign, round, constant, flat[ALL_TERMS], ckc, bent2, edge2, edge, high, low, bowl;
     bool everywhere; /* no term has the other sign */
 } convex;
+
+/* r^2 up to which sigma S'' >= 0, by rings; 0 if it is not known. */
+SGT_INLINE double bent_by_rings(const wavy *s, const convex *b)
+{
+    enum { RINGS_OF_BEND = 16 };
+    double least[RINGS_OF_BEND], own[ALL_TERMS] = {0}, width = b->edge2 * (1.0 / RINGS_OF_BEND);
+    int rings = 0;
+    for (int i = 1; i < ALL_TERMS; i++)
+        own[i] = larger(b->sign * s->a[i], 0) * ((2 * i + 2) * (2 * i + 1));
+    LANES for (int j = 0; j < RINGS_OF_BEND; j++)
+    {
+        double in = j * width, out = (j + 1) * width * (1 + 0x1p-40), phi2 = 1 - b->ckc * out,
+               base = b->round * chosen(MASK(b->ckc < 0), 1 / (phi2 * sqrt(phi2)), 1 + 1.5 * (b->ckc * in));
+        least[j] = (base + b->constant + horner(own, ALL_TERMS, in)) * (1 - 0x1p-20) -
+                   horner(b->flat, ALL_TERMS, out) * (1 + 0x1p-20) - 0x1p-900;
+    }
+    while (rings < RINGS_OF_BEND && least[rings] > 0) rings++;
+    double r2 = rings * width, most = b->ckc > 0 ? (1 - 0x1p-9) / b->ckc : HUGE_VAL;
+    return r2 < 0x1p400 ? (r2 < most ? r2 : most) : 0; /* a NaN, without an edge: 0 */
+}
 
 SGT_INLINE convex convex_of(const wavy *s)
 {
@@ -78,6 +112,7 @@ SGT_INLINE convex convex_of(const wavy *s)
     }
     b.constant = 2 * larger(b.sign * s->a[0], 0);
     b.edge = sqrt(b.edge2);
+    b.bent2 = bent_by_rings(s, &b);
     if (b.edge2 < HUGE_VAL) {
         b.high = wavy_ahead(s, ALL_TERMS, b.edge2, -1), b.low = wavy_ahead(s, ALL_TERMS, b.edge2, 1);
     } else {
@@ -92,9 +127,10 @@ SGT_INLINE convex convex_of(const wavy *s)
 SGT_INLINE mask is_convex(const convex *b, int terms, double r2)
 {
     double phi2 = 1 - b->ckc * r2, round = b->round / chosen(MASK(b->ckc < 0), phi2 * sqrt(phi2), 1);
-    return MASK(phi2 > 0x1p-10) & MASK(r2 < 0x1p400) &
-           (MASK(b->everywhere) | MASK((round + b->constant) * (1 - 0x1p-20) >
-                                       horner(b->flat, terms, r2) * (1 + 0x1p-20) + 0x1p-900));
+    return MASK(r2 <= b->bent2) |
+           (MASK(phi2 > 0x1p-10) & MASK(r2 < 0x1p400) &
+            (MASK(b->everywhere) | MASK((round + b->constant) * (1 - 0x1p-20) >
+                                        horner(b->flat, terms, r2) * (1 + 0x1p-20) + 0x1p-900)));
 }
 
 /* A stretch before a root, made shorter.  from: where it begins, at (x + from l, y + from m, z + from n).
@@ -117,32 +153,53 @@ SGT_INLINE side_way comes_near(const wavy *s, int terms, side_way way, double ro
     return (side_way){chosen(off, at, way.from), chosen(off, larger(r2, root2), way.r2), way.off | off};
 }
 
-/* Is a root that easy.h has met the first one, since F is monotone or bent in one way up to it?  (x0, y0):
- * on the vertex plane, as in easy.h.  inverse: 1 / G' at the root.  from_afar: the way is made shorter
- * twice. */
-SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, bool from_afar, double tmin,
-                              double t0, double x0, double y0, double tau, double inverse, double l, double m,
-                              double n)
+/* Where the stretch before a root begins that easy.h has met at tau.  (x0, y0): on the vertex plane, as
+ * there.  r2: of the larger r of its ends.  known: the stretch is. */
+typedef struct bent_start {
+    double from, r2;
+    mask known;
+} bent_start;
+
+SGT_INLINE bent_start bent_start_of(const convex *b, double tmin, double t0, double x0, double y0, double tau,
+                                    double l, double m)
 {
     double a = l * l + m * m, across = x0 * m - y0 * l, disc = a * b->edge2 - across * across, by = 1 / a,
            enters = -(x0 * l + y0 * m) * by - sqrt(larger(disc, 0)) * by, t = t0 + tau,
-           starts = tmin - t0 - 0x1p-50 * (fabs(tmin) + fabs(t0)), root2 = wavy_r2(x0, y0, tau, l, m);
-    double from = chosen(MASK(enters > starts), enters, starts);
-    side_way way = {from, larger(wavy_r2(x0, y0, from, l, m), root2), 0};
+           starts = tmin - t0 - 0x1p-50 * (fabs(tmin) + fabs(t0)),
+           from = chosen(MASK(enters > starts), enters, starts);
     mask known = MASK(disc > 0) & MASK(fabs(from) < HUGE_VAL) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
                  MASK(fabs(x0) + fabs(y0) <= 0x1p16 * b->edge) & MASK(from < tau);
-    way = comes_near(s, terms, way, root2, x0, y0, 0, l, m, n);
-    if (from_afar) way = comes_near(s, terms, way, root2, x0, y0, 0, l, m, n);
-    mask rises = MASK(b->sign * inverse > 0), falls = MASK(b->sign * inverse < 0),
-         above = way.off & MASK(b->sign * n < 0);
-    return known & (MASK(n * n > wavy_slope2(s, terms, way.r2) * a) |
-                    (is_convex(b, terms, way.r2) & (rises | (falls & above))));
+    return (bent_start){from, larger(wavy_r2(x0, y0, from, l, m), wavy_r2(x0, y0, tau, l, m)), known};
 }
 
-/* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither. */
+/* Is that root the first one of the stretch, since F is monotone or bent in one way up to it?  inverse: 1 /
+ * G' at the root. */
+SGT_INLINE mask bent_is_first(const wavy *s, const convex *b, int terms, const side_way *way, double inverse,
+                              double l, double m, double n)
+{
+    mask rises = MASK(b->sign * inverse > 0), falls = MASK(b->sign * inverse < 0),
+         above = way->off & MASK(b->sign * n < 0);
+    return MASK(n * n > wavy_slope2(s, terms, way->r2) * (l * l + m * m)) |
+           (is_convex(b, terms, way->r2) & (rises | (falls & above)));
+}
+
+/* Both, for a single ray.  The stretch is made shorter `rounds` times. */
+SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, int rounds, double tmin, double t0,
+                              double x0, double y0, double tau, double inverse, double l, double m, double n)
+{
+    bent_start at = bent_start_of(b, tmin, t0, x0, y0, tau, l, m);
+    side_way way = {at.from, at.r2, 0};
+    for (int i = 0; i < rounds; i++)
+        way = comes_near(s, terms, way, wavy_r2(x0, y0, tau, l, m), x0, y0, 0, l, m, n);
+    return at.known & bent_is_first(s, b, terms, &way, inverse, l, m, n);
+}
+
+/* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither.  close:
+ * it may be on the surface by the rule of the start (half of which is 16 u of the terms, and e is u of them
+ * at least). */
 typedef struct side_end {
     double r2;
-    mask above, below;
+    mask above, below, close;
 } side_end;
 
 /* The local origin, and what belongs to it. */
@@ -167,7 +224,8 @@ SGT_INLINE side_end side_end_at(const wavy *s, const convex *b, int terms, const
     double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), first = horner(s->size, terms, rho),
            e = sgt_fma(1.01 * SGT_U, side_noise(s, q, rho, z, first, g, w, ckw), 0x1p-1000), up = b->sign * g;
     mask known = MASK(fabs(ckw) < 1 - 0x1p-8) & MASK(b->ckc * rho < 1 - 0x1p-10) & MASK(e < s->most_e);
-    return (side_end){rho * (1 + 0x1p-10), known & MASK(up > e), known & MASK(up < -e)};
+    return (side_end){rho * (1 + 0x1p-10), known & MASK(up > e), known & MASK(up < -e),
+                      MASK(fabs(g) <= 64 * e)};
 }
 
 /* A step of Newton on G, and what the bound needs of it.  It is the last if it is short (side_ready). */
@@ -262,33 +320,69 @@ SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, d
     return comes_near(s, terms, way, 0, q->x, q->y, q->z, l, m, n);
 }
 
+/* Does sigma F rise or fall where a ray starts on the surface?  Neither: it is not known to start there. */
+typedef struct side_on {
+    mask rises, falls;
+} side_on;
+
+SGT_INLINE side_on side_on_of(const wavy *s, const convex *b, int terms, double ox, double oy, double oz,
+                              double l, double m, double n, double tmin)
+{
+    side_local q = {ox, oy, oz, ox * ox + oy * oy};
+    wavy_newton at = side_step(s, terms, &q, 0, l, m, n);
+    double a = l * l + m * m, rho = q.rho0, dp = horner(s->slope, terms, rho), w, ckw,
+           g = wavy_g(s, rho, oz, horner(s->a, terms, rho), &w, &ckw), ai = fabs(at.inverse), v = 1 - ckw;
+    double e = sgt_fma(1.01 * SGT_U,
+                       side_noise(s, &q, rho, oz, horner(s->size, terms, rho), g, w, ckw), 0x1p-1000),
+           near = (fabs(g) + e) * ai, H = 4 * near,
+           first = horner(s->size, terms, sgt_fma(17 * a, H * H, 1.0625 * rho));
+    double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at.slant), fabs(n)), W2 = s->bend * (a * first),
+           M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, fabs(w)), W2, W1 * W1), sgt_fma(s->abs_c, a, W2)),
+           width = 0.5 * START_ULPS * (v * sgt_fma(fabs(s->c / v + (dp + dp)), rho, fabs(oz))) * ai;
+    mask on = MASK(tmin == 0) & MASK(2 * near <= width) & MASK(sgt_fma(M * (H + H), ai, 0x1p-30) <= 0.125) &
+              MASK(sgt_fma(2, W1, s->abs_c * at.slant) * ai < 64) & MASK(fabs(ckw) < 1 - 0x1p-8) &
+              MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
+              MASK(rho < 0x1p400) & MASK(b->ckc * rho < 1 - 0x1p-10) & MASK(rho <= s->domain2);
+    return (side_on){on & MASK(b->sign * at.inverse > 0), on & MASK(b->sign * at.inverse < 0)};
+}
+
 /* The ends of the stretch, and where Newton's steps begin.  above: sigma F > 0 at the beginning, so a root at
  * which it falls is wanted.  below: it is < 0 there, so one at which it rises is.  Neither: no root is looked
- * for.  Both are 0 for a ray that misses, as `away` tells. */
+ * for.  Both are 0 for a ray that misses, as `away` tells.  close: the ray may start on the surface, so that
+ * `on` has to be known.  Near the seed either of two roots may be the answer:
+ * it is the one near the vertex plane, as of a conic (conic/side.h), of curvature c + 2 a[0]. */
 typedef struct side_seed {
     double tau;
-    mask above, below, away;
+    mask above, below, away, close;
 } side_seed;
 
 SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, bool first, const side_local *q,
-                                  const side_way *way, double to, mask chord, double l, double m, double n)
+                                  const side_way *way, double to, mask chord, side_on on, double l, double m,
+                                  double n)
 {
     double from = way->from;
     side_end begin = side_end_at(s, b, terms, q, from, l, m, n),
              end = side_end_at(s, b, terms, q, to, l, m, n);
     begin.above |= way->off & MASK(b->sign * n < 0), begin.below |= way->off & MASK(b->sign * n > 0);
+    begin.above = (begin.above & ~on.falls) | on.rises, begin.below &= ~(on.rises | on.falls);
     double both = larger(way->r2, end.r2), a = l * l + m * m, half = q->x * l + q->y * m;
-    mask bent = is_convex(b, terms, both), away = chord & begin.above & end.above & bent;
+    mask bent = is_convex(b, terms, both),
+         away = chord & ((begin.above & end.above) | on.falls) & bent;
     double A = sgt_fma(b->bowl, a, s->ck * (n * n)), B = n - sgt_fma(b->bowl, half, s->ck * q->z * n),
            C = sgt_fma(b->bowl, q->rho0, s->ck * q->z * q->z - 2 * q->z), D = sgt_fma(B, B, -A * C),
            sum = B + copysign(sqrt(larger(D, 0)), B);
-    mask sign = MASK(b->sign * B > 0), one = (sign & begin.below) | ~(sign | begin.below);
+    mask above = begin.above, below = begin.below;
+    if (!first) { /* is the later of two roots the one near the vertex plane? */
+        mask later = below & ~(end.above & bent) & MASK(A * sgt_fma(A, q->z / n, B) < 0);
+        above |= later, below &= ~later;
+        chord &= MASK(b->edge2 < HUGE_VAL);
+    }
+    mask sign = MASK(b->sign * B > 0), one = (sign & below) | ~(sign | below);
     double tau = chosen(one, C, sum) / chosen(one, sum, A);
-    tau = chosen(MASK(A == 0) & ~one, chosen(begin.below, from, to), tau); /* no matter which zero */
+    tau = chosen(MASK(A == 0) & ~one, chosen(below, from, to), tau); /* no matter which zero */
     tau = chosen(MASK(tau > from), tau, from), tau = chosen(MASK(tau < to), tau, to);
     chord &= ~away;
-    if (!first) chord &= MASK(b->edge2 < HUGE_VAL) & (begin.above | (end.above & bent));
-    return (side_seed){tau, chord & begin.above, chord & begin.below, away};
+    return (side_seed){tau, chord & above, chord & below, away, chord & begin.close & ~way->off};
 }
 
 /* The root from side_bound.  rises: 1 / G' there, times sigma. */

@@ -259,18 +259,36 @@ static void asphere_over(const slope_rings *g, const sgt_tile *tile, const cones
     }
 }
 
-/* If the ray starts in the vertex at t = 0 and has at most one root, that root is the start itself, and is
- * not accepted. */
-void sgt_asphere_pass(const shape *s, const sgt_tile *tile, pass_by how, mask passes[])
+/* Does the ray start on the surface, in its rings, so that the root nearest by is the start, and not
+ * accepted?  Then *before is a t before that root. */
+static bool starts_on_it(const shape *s, const sgt_ray *ray, double *before)
+{
+    double rho = ray->o.x * ray->o.x + ray->o.y * ray->o.y, dp,
+           w = ray->o.z - polynomial(s->terms, s->a, rho, &dp), g = w - 0.5 * (s->c * rho + s->ck * w * w),
+           v_err;
+    if (ray->tmin != 0 || !(fabs(g) <= 0x1p-40 * (fabs(ray->o.z) + fabs(w)) && rho <= s->domain2))
+        return false;
+    local q = local_at(ray, 0, 0);
+    sample at = sgt_poly_sample(s, &q, 0);
+    meeting start;
+    bool steady;
+    sgt_poly_bound(s, &q, 0, &at);
+    if (!sgt_poly_certify(s, &q, &at, 0, 0, &start, &v_err, &steady)) return false;
+    *before = start.t - 2 * start.t_err;
+    return start.v > 16 * v_err && is_start(&start, ray, q.scale);
+}
+
+/* If the ray starts in the vertex at t = 0, or on the surface, and has at most one root from there on, that
+ * root is the start itself, and is not accepted. */
+void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
 {
     const sgt_rays *r = &tile->rays;
     slope_rings g;
     cones e;
     mask over[SGT_TILE];
     bool any = false, in_range = s->domain2 < 0x1p600 && s->domain2 > 0x1p-600;
-    memset(over, 0, tile->n * sizeof over[0]);
-    if (how != PASS_RINGS) memcpy(over, passes, tile->n * sizeof over[0]);
-    if (how != PASS_RINGS && in_range && cones_of(tile, over, &e) > 0) {
+    memcpy(over, passes, tile->n * sizeof over[0]);
+    if (in_range && cones_of(tile, over, &e) > 0) {
         asphere_rings(s, &g);
         any = true;
         asphere_over(&g, tile, &e, over);
@@ -282,13 +300,14 @@ void sgt_asphere_pass(const shape *s, const sgt_tile *tile, pass_by how, mask pa
         sgt_vec3 o = {r->o[0][i], r->o[1][i], r->o[2][i]}, d = {r->d[0][i], r->d[1][i], r->d[2][i]};
         double tmin = r->tmin[i], tmax = r->tmax[i];
         passes[i] = 0;
-        if (how == PASS_CONES) continue;
-        line w = line_of(o, d, tmin, tmax);
+        double from = tmin;
         bool is_ray = tmin <= tmax && tmin < HUGE_VAL && tmax > -HUGE_VAL,
-             vertex = at_vertex(o.x, o.y, o.z) && tmin == 0;
-        if (!(in_range && is_ray && line_in_range(&w) && (vertex || w.from > 0))) continue;
+             vertex = at_vertex(o.x, o.y, o.z) && tmin == 0,
+             starts = vertex || (is_ray && starts_on_it(s, &(sgt_ray){o, d, tmin, tmax}, &from));
+        line w = line_of(o, d, from < tmin ? from : tmin, tmax);
+        if (!(in_range && is_ray && line_in_range(&w) && (starts || w.from > 0))) continue;
         if (!any) asphere_rings(s, &g);
         any = true;
-        passes[i] = vertex ? asphere_one_root(&g, &w) : asphere_passed_by(&g, &w);
+        passes[i] = starts ? asphere_one_root(&g, &w) : asphere_passed_by(&g, &w);
     }
 }

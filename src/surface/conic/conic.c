@@ -98,7 +98,7 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
     return EASY_NOT;
 }
 
-/* met_from_side, else met_from_on, along a direction scaled as above. */
+/* From the side, else from on it, along a direction scaled as above. */
 static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
     sgt_vec3 o = ray->o, d = ray->d;
@@ -106,14 +106,17 @@ static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_option
     bool usual = usual_direction(scale), first = opt->pick != SGT_NEAR_SEED;
     if (!usual && !ends_are_whole(ray, scale)) return EASY_NOT;
     if (usual) scale = 1;
-    side_answer side = met_from_side(s, first, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale,
-                                     ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale);
-    if (side.blunt)
-        side.e = sharp_from_side(s, side.at, side.off, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale,
-                                 ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale);
-    if (!(side.away | side.e.hit))
-        side = met_from_on(s, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale, ray->tmin / scale,
-                           ray->tmax / scale, opt->t_tol / scale);
+    sgt_vec3 u = {d.x * scale, d.y * scale, d.z * scale};
+    double tmin = ray->tmin / scale, tmax = ray->tmax / scale, t_tol = opt->t_tol / scale;
+    side_origin q = side_origin_of(o.x, o.y, o.z, u.x, u.y, u.z);
+    side_root r = side_root_of(s, first, &q, u.x, u.y, u.z, tmin, tmax, t_tol);
+    side_answer side = {.away = r.away};
+    if (r.blunt)
+        side.e = sharp_from_side(s, q.t0 + r.tau, r.tau_err, r.blunt, o.x, o.y, o.z, u.x, u.y, u.z, tmin,
+                                 tmax, t_tol);
+    else if (r.plain)
+        side.e = met_from_side(s, &q, &r, u.x, u.y, u.z, tmin, tmax, t_tol);
+    if (!(side.away | side.e.hit)) side = met_from_on(s, o.x, o.y, o.z, u.x, u.y, u.z, tmin, tmax, t_tol);
     *e = side.e;
     return side.away ? EASY_MISS : side.e.hit ? easy_unscaled(e, scale) : EASY_NOT;
 }
@@ -645,8 +648,19 @@ static bool conic_unique(const void *self, const sgt_tile *tile, double rim2, ma
     return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
+static bool conic_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
+                                 size_t n, sgt_points p, sgt_values out, double own[])
+{
+    const sgt_conic *s = self;
+    const shape h = {.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c};
+    (void)shared, (void)rows;
+    sgt_sag_values_rounded(&h, n, p, out, own);
+    return true;
+}
+
 static const struct sgt_builtin_ops conic_builtin = {
-    .meet = conic_meet, .all = conic_all, .lanes = conic_lanes, .unique = conic_unique};
+    .meet = conic_meet, .all = conic_all, .lanes = conic_lanes, .unique = conic_unique,
+    .values_rounded = conic_values_rounded};
 
 const sgt_surface_ops sgt_conic_ops = {
     .name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding,

@@ -110,6 +110,22 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, double ox
         .x = x, .y = y, .tau = tau, .t = t, .t_err = t_err, .tau_err = tau_err, .t0 = t0, .small = small};
 }
 
+/* May easy_start give a root near the vertex, which is the first one unless far_gone?  If not, its t_err is
+ * NaN. */
+SGT_INLINE mask easy_tries(const bowl *s, mask far_gone, double ox, double oy, double oz, double l, double m,
+                           double n)
+{
+    double t0, t0_lo, x, y;
+    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
+    double xl = x * l, ym = y * m, a = l * l + m * m, n2 = n * n, n4 = (n2 + n2) + (n2 + n2),
+           n16 = (n4 + n4) + (n4 + n4);
+    double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym, n), C = s->c * (x * x + y * y);
+    double Aa = sgt_fma(s->extra, n2, fabs(A)), Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
+    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), D4 = (D + D) + (D + D);
+    return MASK(D4 > size) & MASK(D <= n16) & MASK(n2 > 0x1p-200) &
+           (far_gone | MASK(copysign(1, B) * A > 0x1p-40 * Aa));
+}
+
 SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, double n, bool whole,
                          double tmin, double tmax, double t_tol)
 {

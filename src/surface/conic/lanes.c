@@ -143,26 +143,47 @@ LANES_NEARBY(conic_lanes_near_nearby_rich, false, false, LANE_RICH)
 LANES_NEARBY(conic_lanes_first_nearby, false, true, LANE_PLAIN)
 LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 
-/* met_from_side of all rays.  `sooner` are those that a single ray meets before it, by easy_at or
- * nearby_at. */
-typedef struct side_blunt {
-    mask is[SGT_TILE];
-    double at[SGT_TILE], off[SGT_TILE];
-} side_blunt;
+/* What the loops of side.h leave for each other.  away: the ray certainly misses.  plain, blunt: as in a
+ * side_root. */
 typedef struct side_room {
-    double of[10][SGT_TILE]; /* the rows of a lane_to, if some rays have an answer already */
+    double x[SGT_TILE], y[SGT_TILE], z[SGT_TILE], t0[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
+        inverse[SGT_TILE];
     lane_ends ends;
-    mask away[SGT_TILE], sooner[SGT_TILE];
-    side_blunt blunt;
+    mask away[SGT_TILE], plain[SGT_TILE], blunt[SGT_TILE];
 } side_room;
 
-SGT_INLINE void lane_sooner(const bowl *s, bool first, const sgt_tile *tile, const mask *far_gone, mask *no)
+/* Which rays does a single ray try from the vertex plane, before it is met from the side?  For the others
+ * neither the easy form nor `nearby` has a root.  far_gone: whether another root does not matter, as it is
+ * gone, or may be, or near the seed; else a root is tried only if no other comes before it.  Returns all
+ * bits set if there are any. */
+SGT_KERNEL
+static mask conic_lanes_tried(const bowl *self, const sgt_tile *tile, const mask *far_gone, mask *tried)
 {
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2];
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        mask is = easy_tries(s, far_gone[i], ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        tried[i] = is;
+        any |= is;
+    }
+    return any;
+}
+
+/* Which of these does a single ray meet there, by easy_at or nearby_at? */
+SGT_INLINE void lane_sooner(const bowl *self, bool first, const sgt_tile *tile, const mask *far_gone,
+                            mask *tried)
+{
+    const bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
                  *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
                  *t_tol = tile->t_tol;
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
+    LANES for (size_t i = 0; i < count; i++)
+    {
         near_root r = easy_start(s, false, false, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
         mask met = easy_end(s, &r, l[i], m[i], n[i], false, tmin[i], tmax[i], t_tol[i]).hit;
         r.t_err = easy_start(s, false, true, ox[i], oy[i], oz[i], l[i], m[i], n[i]).t_err;
@@ -171,61 +192,105 @@ SGT_INLINE void lane_sooner(const bowl *s, bool first, const sgt_tile *tile, con
             double begun = easy_start(s, true, false, ox[i], oy[i], oz[i], l[i], m[i], n[i]).t_err;
             met &= MASK(begun == begun) | far_gone[i];
         }
-        no[i] = met;
+        tried[i] &= met;
     }
 }
 
-SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, const mask *far_gone,
-                          lane_to to, side_blunt *blunt, mask *away, mask *no)
+SGT_KERNEL
+static void conic_lanes_sooner_first(const bowl *s, const sgt_tile *tile, const mask *far_gone, mask *tried)
 {
-    const bowl own = *self, *s = &own;
+    lane_sooner(s, true, tile, far_gone, tried);
+}
+SGT_KERNEL
+static void conic_lanes_sooner_near(const bowl *s, const sgt_tile *tile, const mask *far_gone, mask *tried)
+{
+    lane_sooner(s, false, tile, far_gone, tried);
+}
+
+/* What kinds of roots there are. */
+typedef struct side_kinds {
+    mask plain, blunt;
+} side_kinds;
+
+SGT_INLINE side_kinds lane_side(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
+{
+    bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
                  *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
                  *t_tol = tile->t_tol;
     size_t count = tile->n;
-    mask any = 0;
-    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
-    {
-        double t_err = easy_start(s, false, false, ox[i], oy[i], oz[i], l[i], m[i], n[i]).t_err;
-        any |= MASK(t_err == t_err); /* else neither the easy form nor `nearby` meets it */
-        no[i] = 0;
-    }
-    if (any) lane_sooner(s, first, tile, far_gone, no);
-    mask again = 0;
-    _Pragma("omp simd reduction(| : again)") for (size_t i = 0; i < count; i++)
-    {
-        side_answer a =
-            met_from_side(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
-        LANE_STORE(to, i, a.e, LANE_RICH);
-        away[i] = a.away, blunt->is[i] = a.blunt, blunt->at[i] = a.at, blunt->off[i] = a.off;
-        again |= a.blunt;
-    }
-    if (!again) return;
+    own.proof = false; /* as it is in these loops */
     LANES for (size_t i = 0; i < count; i++)
     {
-        lane e = sharp_from_side(s, blunt->at[i], blunt->off[i], ox[i], oy[i], oz[i], l[i], m[i], n[i],
-                                 tmin[i], tmax[i], t_tol[i]);
-        mask is = blunt->is[i];
+        side_origin q = side_origin_of(ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        r->x[i] = q.x, r->y[i] = q.y, r->z[i] = q.z, r->t0[i] = q.t0;
+    }
+    mask plain = 0, blunt = 0;
+    _Pragma("omp simd reduction(| : plain, blunt)") for (size_t i = 0; i < count; i++)
+    {
+        side_origin q = {r->x[i], r->y[i], r->z[i], r->t0[i]};
+        side_root a = side_root_of(s, first, &q, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        double d2 = l[i] * l[i] + m[i] * m[i] + n[i] * n[i];
+        mask usual = MASK(d2 > 0x1p-76) & MASK(d2 < 0x1p80); /* not all for which usual_direction is true */
+        r->tau[i] = a.tau, r->tau_err[i] = a.tau_err, r->inverse[i] = a.inverse;
+        r->away[i] = a.away & usual, r->plain[i] = a.plain & usual, r->blunt[i] = a.blunt & usual;
+        plain |= a.plain, blunt |= a.blunt;
+    }
+    return (side_kinds){plain, blunt};
+}
+
+SGT_KERNEL
+static side_kinds conic_lanes_side_first(const bowl *s, const sgt_tile *tile, side_room *r)
+{
+    return lane_side(s, true, tile, r);
+}
+SGT_KERNEL
+static side_kinds conic_lanes_side_near(const bowl *s, const sgt_tile *tile, side_room *r)
+{
+    return lane_side(s, false, tile, r);
+}
+
+/* met_from_side of all rays. */
+SGT_KERNEL
+static void conic_lanes_plain(const bowl *self, const sgt_tile *tile, lane_to to, side_room *r)
+{
+    const bowl own = *self, *s = &own;
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin,
+                 *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        side_origin q = {r->x[i], r->y[i], r->z[i], r->t0[i]};
+        side_root a = {
+            .tau = r->tau[i], .tau_err = r->tau_err[i], .inverse = r->inverse[i], .plain = r->plain[i]};
+        lane e = met_from_side(s, &q, &a, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        LANE_STORE(to, i, e, LANE_RICH);
+    }
+}
+
+/* sharp_from_side of the blunt rays; alone: the others have no answer. */
+SGT_KERNEL
+static void conic_lanes_sharp(const bowl *self, const sgt_tile *tile, mask alone, lane_to to, side_room *r)
+{
+    bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
+                 *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    own.proof = false;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        mask blunt = r->blunt[i], is = blunt | alone;
+        lane e = sharp_from_side(s, r->t0[i] + r->tau[i], r->tau_err[i], blunt, ox[i], oy[i], oz[i], l[i],
+                                 m[i], n[i], tmin[i], tmax[i], t_tol[i]);
         to.t[i] = chosen(is, e.t, to.t[i]), to.t_err[i] = chosen(is, e.t_err, to.t_err[i]),
         to.t_lo[i] = chosen(is, e.t_lo, to.t_lo[i]), to.px[i] = chosen(is, e.px, to.px[i]),
         to.py[i] = chosen(is, e.py, to.py[i]), to.pz[i] = chosen(is, e.pz, to.pz[i]),
         to.nx[i] = chosen(is, e.nx, to.nx[i]), to.ny[i] = chosen(is, e.ny, to.ny[i]),
-        to.nz[i] = chosen(is & e.hit, 1, to.nz[i]), to.p_err[i] = chosen(is, e.p_err, to.p_err[i]),
-        to.hit[i] |= is & e.hit;
+        to.nz[i] = chosen(is, chosen(e.hit, 1, (double)NAN), to.nz[i]),
+        to.p_err[i] = chosen(is, e.p_err, to.p_err[i]),
+        to.hit[i] = e.hit | (~is & to.hit[i]);
     }
-}
-
-SGT_KERNEL
-static void conic_lanes_side_first(const bowl *s, const sgt_tile *tile, const mask *far_gone, lane_to to,
-                                   side_blunt *blunt, mask *away, mask *sooner)
-{
-    lane_side(s, true, tile, far_gone, to, blunt, away, sooner);
-}
-SGT_KERNEL
-static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, const mask *far_gone, lane_to to,
-                                  side_blunt *blunt, mask *away, mask *sooner)
-{
-    lane_side(s, false, tile, far_gone, to, blunt, away, sooner);
 }
 
 /* met_from_on of the rays that have no answer yet. */
@@ -250,36 +315,74 @@ static void conic_lanes_on(const bowl *self, const sgt_tile *tile, lane_to to, m
     }
 }
 
-/* Answers the hard rays of a tile by met_from_side, and met_from_on if `on`; no proof is asked for.  before:
- * how many there are.  Returns how many are left. */
+/* Answers the rays of a tile from the side, and by met_from_on if `on`; no proof is asked for.  tried: those
+ * that a single ray meets before that.  Returns how many are left. */
 SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, bool on, const sgt_tile *tile,
-                                              const mask *far_gone, size_t before)
+                                              const mask *tried)
 {
     side_room r;
     const sgt_hits *h = &tile->hits;
     size_t hard = 0;
-    lane_to to = {r.of[0], r.of[1], r.of[2], r.of[3], r.of[4],   r.of[5],
-                  r.of[6], r.of[7], r.of[8], r.of[9], r.ends.hit};
-    if (before == tile->n) to = lane_to_of(tile, &r.ends);
-    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, far_gone, to, &r.blunt, r.away,
-                                                             r.sooner);
+    lane_to to = lane_to_of(tile, &r.ends);
+    side_kinds is = first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
+    const mask alone = is.plain ? 0 : MASK(true);
+    if (!alone) conic_lanes_plain(s, tile, to, &r);
+    if (alone | is.blunt) conic_lanes_sharp(s, tile, alone, to, &r);
     if (on) conic_lanes_on(s, tile, to, r.away);
     for (size_t i = 0; i < tile->n; i++) {
-        if (h->status[i] != SGT_HARD) continue;
-        double scale = scale_of((sgt_vec3){tile->rays.d[0][i], tile->rays.d[1][i], tile->rays.d[2][i]});
-        bool met = r.ends.hit[i] != 0, none = r.sooner[i] || !(met || r.away[i]) || !usual_direction(scale);
-        hard += none;
-        if (none) continue;
-        h->status[i] = met ? SGT_HIT : SGT_MISS;
-        if (!met) continue;
-        if (h->evals) h->evals[i] = 1;
-        if (before == tile->n) continue;
-        sgt_hit one = hit_of_lane(&(lane){to.t[i], to.t_err[i], to.t_lo[i], to.px[i], to.py[i], to.pz[i],
-                                          to.nx[i], to.ny[i], to.p_err[i], to.hit[i]},
-                                  1, 0);
-        put_hit(h, i, &one);
+        mask met = r.ends.hit[i] & ~tried[i], gone = r.away[i] & ~(r.ends.hit[i] | tried[i]);
+        h->status[i] = (signed char)((int)(met & (SGT_HIT - SGT_HARD)) + (int)(gone & (SGT_MISS - SGT_HARD)) +
+                                     SGT_HARD);
+        hard += (met | gone) == 0;
     }
+    for (size_t i = 0; h->evals && i < tile->n; i++) h->evals[i] = h->status[i] == SGT_HIT;
     return hard;
+}
+
+/* The same for the hard rays of a tile alone: they are put side by side.  far_gone: of all rays, as in
+ * verdicts.  out: rows that are free. */
+SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, bool on, const sgt_tile *tile,
+                                           const mask *far_gone, double out[][SGT_TILE])
+{
+    double ray[9][SGT_TILE];
+    mask tried[SGT_TILE], gone[SGT_TILE];
+    int evals[SGT_TILE];
+    sgt_status status[SGT_TILE];
+    unsigned char number[SGT_TILE];
+    size_t n = 0, left = 0;
+    const sgt_rays *of = &tile->rays;
+    const sgt_hits *h = &tile->hits;
+    const double *const from[9] = {of->o[0], of->o[1], of->o[2],  of->d[0],   of->d[1],
+                                   of->d[2], of->tmin, of->tmax, tile->t_tol};
+    for (size_t i = 0; i < tile->n; i++)
+        if (h->status[i] == SGT_HARD) number[n++] = (unsigned char)i;
+    for (int k = 0; k < 9; k++)
+        for (size_t j = 0; j < n; j++) ray[k][j] = from[k][number[j]];
+    for (size_t j = 0; j < n; j++) gone[j] = first ? far_gone[number[j]] : MASK(true);
+    sgt_tile few = {.n = n,
+                    .rays = {.o = {ray[0], ray[1], ray[2]},
+                             .d = {ray[3], ray[4], ray[5]},
+                             .tmin = ray[6],
+                             .tmax = ray[7]},
+                    .t_tol = ray[8],
+                    .hits = {.status = status,
+                             .evals = evals,
+                             .t = out[0],
+                             .t_err = out[1],
+                             .t_lo = out[2],
+                             .p = {out[3], out[4], out[5]},
+                             .n = {out[6], out[7], out[8]},
+                             .p_err = out[9]}};
+    if (conic_lanes_tried(s, &few, gone, tried))
+        (first ? conic_lanes_sooner_first : conic_lanes_sooner_near)(s, &few, gone, tried);
+    left = conic_lanes_beside(s, first, on, &few, tried);
+    double *const to[10] = {h->t,    h->t_err, h->t_lo, h->p[0], h->p[1],
+                            h->p[2], h->n[0],  h->n[1], h->n[2], h->p_err};
+    for (size_t j = 0; j < n; j++) h->status[number[j]] = status[j];
+    for (size_t j = 0; h->evals && j < n; j++) h->evals[number[j]] = evals[j];
+    for (int k = 0; k < 10; k++)
+        for (size_t j = 0; to[k] && j < n; j++) to[k][number[j]] = out[k][j];
+    return left;
 }
 
 /* Where the first ray of a tile starts.  It is a guess for all of them, and affects only the time:
@@ -338,12 +441,46 @@ static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_t
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
 }
 
+/* May the first ray run along the surface?  Then all are tried from the side at once. */
+SGT_INLINE bool runs_along(const sgt_tile *tile)
+{
+    double l = tile->rays.d[0][0], m = tile->rays.d[1][0], n = tile->rays.d[2][0];
+    return 8 * (n * n) < l * l + m * m;
+}
+
+/* A tile that runs along the surface: rays from the side first, then misses.  Returns false if a single ray
+ * would try more than an eighth of them from the vertex plane; then nothing is answered. */
+SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_tile *tile, size_t *hard)
+{
+    sgt_status *status = tile->hits.status;
+    mask tried[SGT_TILE], away[SGT_TILE];
+    size_t sooner = 0, n = tile->n;
+    const double *const *o = tile->rays.o, *const *d = tile->rays.d;
+    if (easy_tries(s, MASK(true), o[0][0], o[1][0], o[2][0], d[0][0], d[1][0], d[2][0]))
+        return false; /* mostly they all do */
+    memset(away, 0xff, n * sizeof *away);
+    if (conic_lanes_tried(s, tile, away, tried))
+        for (size_t i = 0; i < n; i++) sooner += tried[i] != 0;
+    if (8 * sooner > n) return false;
+    *hard = conic_lanes_beside(s, first, false, tile, tried);
+    if (8 * *hard <= n) return true;
+    conic_lanes_away(s, tile, away, tried);
+    for (size_t i = 0; i < n; i++) {
+        if (status[i] != SGT_HARD || !away[i]) continue;
+        status[i] = SGT_MISS, --*hard;
+    }
+    return true;
+}
+
 /* Finds first hits by the near root, as is usual if the surface bulges toward the ray.  If more than an
  * eighth of the tile is hard, it looks at the far roots, which come first, for those that are not accepted,
- * and for misses. */
+ * and for misses; then from the side, or from on the surface. */
 size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
 {
-    bowl_room room;
+    union {
+        bowl_room easy;
+        double rows[10][SGT_TILE];
+    } room;
     bowl s;
     sgt_status *status = tile->hits.status;
     mask away[SGT_TILE], far_gone[SGT_TILE];
@@ -360,12 +497,16 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     bool nearby = from == NEARBY,
          later = from == LEAVING || hollow; /* later: misses first, then hits */
     size_t hard = tile->n;
+    if (runs_along(tile) && c != 0 && !s.proof && from == AWAY && conic_lanes_along(&s, first, tile, &hard))
+        return hard;
     if (later) memset(status, SGT_HARD, tile->n);
     else
-        hard = first ? lane_first(&s, wish, nearby, tile, &room) : lane_near(&s, wish, nearby, tile, &room);
+        hard = first ? lane_first(&s, wish, nearby, tile, &room.easy)
+                     : lane_near(&s, wish, nearby, tile, &room.easy);
     if (from == AWAY && !later && 8 * hard > tile->n && begins_close(&s, tile)) {
         nearby = true;
-        hard = first ? lane_first(&s, wish, nearby, tile, &room) : lane_near(&s, wish, nearby, tile, &room);
+        hard = first ? lane_first(&s, wish, nearby, tile, &room.easy)
+                     : lane_near(&s, wish, nearby, tile, &room.easy);
     }
     if (8 * hard <= tile->n) return hard; /* one by one */
     if (c == 0) conic_lanes_plane_away(&s, tile, away);
@@ -376,8 +517,8 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         else nearest |= ~away[i] & (first ? far_gone[i] : MASK(later));
     }
     if (nearest)
-        lane_near(&s, wish, nearby, tile, &room); /* all rays: those found before get the same answer */
-    else if (later) lane_nothing(tile, &room.ends);
+        lane_near(&s, wish, nearby, tile, &room.easy); /* all: those found before get the same answer */
+    else if (later) lane_nothing(tile, &room.easy.ends);
     hard = 0;
     for (size_t i = 0; i < tile->n; i++) {
         bool met = status[i] == SGT_HIT && (!first || far_gone[i]);
@@ -386,7 +527,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         hard += status[i] == SGT_HARD;
     }
     if (c == 0 || s.proof || 8 * hard <= tile->n) return hard;
-    return conic_lanes_beside(&s, first, from == LEAVING, tile, far_gone, hard);
+    return conic_lanes_few(&s, first, from == LEAVING, tile, far_gone, room.rows);
 }
 
 /* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root

@@ -15,30 +15,39 @@
  * Rounding of D = B^2 - A C, by u (|A C| + D), moves the root as another u of Aa and of Ca would, and by u
  * / 2 of itself: |A C| <= b^2.  So to first order
  *     |dtau| <= u ((2.5 Aa tau^2 + 7 Ba |tau| + 4 Ca) / S + 3 |tau|),    S = sqrt D.
- * Only rays with D > 2^-6 (Ba^2 + Aa Ca) are met.  There the relative change of D is below 2^-42, and a
- * factor of 1.01 covers the higher orders.
+ * Only rays with D > 2^-24 (Ba^2 + Aa Ca) and |A| > 2^-10 Aa are met: down to 0.01 degrees from the surface.
+ * There D is off by 15 u (Ba^2 + Aa Ca), a part in 2^25 of itself.  |A tau| is at most twice the root of
+ * Ba^2 + Aa Ca, so |A dtau| is below 2^-15 S.  A factor of 1.01 covers the higher orders, and the roots, 2
+ * S / |A| apart, are not confused.
  *
- * WHICH ROOT.  Where |A| > 2^-10 Aa both roots are right to a part in 2^40.  The earlier one is the first
- * root, unless it is certainly not accepted: off the sheet, beyond the rim, or before or behind the ends,
- * by a part in 2^20 (AWAY in easy.h).  For the root near the seed one of the two has to be such.  If both
- * are, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met here,
- * but by met_from_on.
+ * WHICH ROOT.  The earlier root is the first one, unless it is certainly not accepted: off the sheet, beyond
+ * the rim, or before or behind the ends, by a part in 2^20 and more than dtau (side_gone).  If neither is
+ * accepted, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met
+ * here, but by met_from_on.
+ *
+ * Near the seed a root that is gone leaves the other.  If none is, the root near the vertex plane is
+ * wanted, C / b from there (conic.c).  It has A tau - B of the sign of -B, with B taken at that plane.  B
+ * falls by A tau along the ray, so there it is B + A z / n.
  *
  * SHARP.  Where the ray runs along the surface S is small, and C is a difference: tau is off by thousands
- * of u. So the root is solved for once more, from the point at t0 + tau, which is a double.  Its
- * coordinates are known to 4 u^2 of themselves, and C in twice the precision: each product adds 5 u^2 and
- * each sum 3 u^2, so C is off by at most 40 u^2 Ca, and what is left of tau by half of that over S.  The
- * quotient itself is off by a part of less than 2^14 u where Ba <= 2^8 S.  What is left has to be within
- * the first bound, or it is not this root.
- *
- * THE START, here the local origin, must not be too far away: its terms must be at most twice those at the
- * root.  Else little is known of the first bound.
+ * of u.  Or the terms here are more than twice those at the root.  Then the root is solved for once more,
+ * from the point at t0 + tau, which is a double.  Its coordinates are known to 4 u^2 of themselves, as X.hi +
+ * X.lo.  C is summed with the errors of its products and sums (Ogita, Rump, Oishi 2005, SIAM J. Sci. Comput.
+ * 26, 1955): it is off by u |C| and by
+ *     49 u^2 |c| (X^2 + Y^2 + |1 + k| Z^2): the coordinates 8, the parts of (1 + k) Z^2 19 at most, the sum
+ *         of what is lost, 11 u in all, 22,
+ *     9 u^2 of the same by the product with c, and 15 u^2 (|c| (...) + 2 |Z|) by the sums with -2 Z,
+ * together by 75 u^2 Ca; 128 is taken.  With e = A C / B^2 the root is
+ *     tau = B / A (1 - sqrt(1 - e)) = C / B (1/2 + e / 8 + e^2 / 16 + ...),
+ * and |e| <= 2^-13 leaves 2^-42 of it.  B is off by 7 u Ba.  So where Ba <= 2^12 |B| the quotient is right to
+ * 2^16 u, and tau is off by 64 u^2 Ca / |B| more.  What is left has to be within the first bound, and an ulp
+ * of t small beside the distance of the roots, or it may be the other root.
  *
  * THE POINT.  Rounding of x and y takes it off the surface by u of |x F_x| + |y F_y|.  Where that is more
  * than 4 |z| (a strongly oblate conic) the careful form computes z anew.
  *
  * THE RIM is stated in computed numbers.  The point is off by no more than 64 u rims by tau, and a few u r
- * by its own rounding; so its r^2 is within 140 u of the true one, less than what easy.h counts with
+ * by its own rounding.  So its r^2 is within 140 u of the true one, less than what easy.h counts with
  * (PROVEN).
  *
  * UNDERFLOW.  The direction is between 2^-41 and 2^42 long (usual_direction), Ca between 2^-400 and 2^400,
@@ -51,12 +60,10 @@
 
 SGT_INLINE bool usual_direction(double scale) { return scale > 0x1p-40 && scale < 0x1p40; }
 
-/* e: the ray met, where e.hit is set.  away: it certainly misses.  blunt: it would be met if t were sharp;
- * the root is at `at`, to within `off`. */
+/* e: the ray met, where e.hit is set.  away: it certainly misses. */
 typedef struct side_answer {
     lane e;
-    mask away, blunt;
-    double at, off;
+    mask away;
 } side_answer;
 
 /* One coordinate of o + t d, to 4 u^2 of itself. */
@@ -66,22 +73,48 @@ SGT_INLINE twofold place_of_root(double o, double t, double d)
     return two_sum(s.hi, s.lo + p.lo);
 }
 
-/* Is the root at t0 + tau certainly not accepted?  Its point is (x, y, z) + tau d. */
-SGT_INLINE mask side_gone(const bowl *s, double x, double y, double z, double t0, double tau, double l,
-                          double m, double n, double tmin, double tmax)
+/* Is the root at t0 + tau, off by `err` at most, certainly not accepted?  Its point is (x, y, z) + tau d. */
+SGT_INLINE mask side_gone(const bowl *s, double x, double y, double z, double t0, double tau, double err,
+                          double l, double m, double n, double tmin, double tmax)
 {
     double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = sgt_fma(tau, n, z), t = t0 + tau,
-           slack = 0x1p-20 * (fabs(t0) + fabs(tau));
+           slack = sgt_fma(0x1p-20, fabs(t0) + fabs(tau), err + err);
     return MASK(s->ck * pz > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)) |
            MASK(t - slack > tmax) | MASK(t + slack < tmin);
 }
 
-SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, double oy, double oz, double l,
-                                     double m, double n, double tmin, double tmax, double t_tol)
+/* The bound on dtau; by: 1.01 u / S. */
+SGT_INLINE double side_error(double Aa, double Ba, double Ca, double by, double tau)
 {
-    const double sure = s->proof;
-    double a = l * l + m * m, n2 = n * n, d2 = a + n2, t0 = -(ox * l + oy * m + oz * n) / d2;
-    double x = moved_along(ox, t0, l), y = moved_along(oy, t0, m), z = moved_along(oz, t0, n);
+    double size = fabs(tau);
+    return sgt_fma(by, sgt_fma(sgt_fma(2.5 * Aa, size, 7 * Ba), size, 4 * Ca), 3.1 * SGT_U * size);
+}
+
+/* Which root is the answer: that at t0 + tau, off by tau_err; inverse: 1 / |G'| there.
+ *
+ *   away   the ray certainly misses
+ *   plain  it is the answer, and t is sharp (met_from_side)
+ *   blunt  it is the answer, and t is not sharp (sharp_from_side) */
+typedef struct side_root {
+    double tau, tau_err, inverse;
+    mask away, plain, blunt;
+} side_root;
+
+/* The local origin (x, y, z), at t0. */
+typedef struct side_origin {
+    double x, y, z, t0;
+} side_origin;
+
+SGT_INLINE side_origin side_origin_of(double ox, double oy, double oz, double l, double m, double n)
+{
+    double t0 = -(ox * l + oy * m + oz * n) / (l * l + m * m + n * n);
+    return (side_origin){moved_along(ox, t0, l), moved_along(oy, t0, m), moved_along(oz, t0, n), t0};
+}
+
+SGT_INLINE side_root side_root_of(const bowl *s, bool first, const side_origin *q, double l, double m,
+                                  double n, double tmin, double tmax, double t_tol)
+{
+    double a = l * l + m * m, n2 = n * n, x = q->x, y = q->y, z = q->z, t0 = q->t0;
     double xl = x * l, ym = y * m, kz = s->k1 * z, kzn = kz * n, kzz = kz * z, r2 = x * x + y * y;
     double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym + kzn, n),
            C = sgt_fma(s->c, r2 + kzz, -2 * z);
@@ -89,22 +122,50 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
            Ca = sgt_fma(s->abs_c, r2 + fabs(kzz), 2 * fabs(z));
     double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * Ca), S = sqrt(larger(D, 0)),
-           b = B + copysign(S, B), one = C / b, other = b / A;
-    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(fabs(t0) < 0x1p300) & MASK(tmin <= tmax) &
-                 MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL),
-         two = usual & MASK(D > 0x1p-6 * size) & MASK(fabs(A) > 0x1p-10 * Aa);
+           b = B + copysign(S, B), one = C / b, other = b / A, by = 1.01 * SGT_U / S,
+           across = fabs(l) + fabs(m);
+    /* The last: NaN if both ends are the same infinity. */
+    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(fabs(t0) < 0x1p300) & MASK(tmax - tmin >= 0),
+         two = usual & MASK(D > 0x1p-24 * size) & MASK(fabs(A) > 0x1p-10 * Aa);
     mask swapped = MASK(other < one);
-    double early = chosen(swapped, other, one), late = chosen(swapped, one, other);
-    mask no_early = two & side_gone(s, x, y, z, t0, early, l, m, n, tmin, tmax),
-         no_late = two & side_gone(s, x, y, z, t0, late, l, m, n, tmin, tmax);
+    double early = chosen(swapped, other, one), late = chosen(swapped, one, other),
+           early_err = side_error(Aa, Ba, Ca, by, early), late_err = side_error(Aa, Ba, Ca, by, late),
+           coarse = larger(across * (0x1p69 / s->reach), fabs(s->ck * n) * 0x1p10);
+    mask no_early = two & MASK(early_err * coarse <= 1) &
+                    side_gone(s, x, y, z, t0, early, early_err, l, m, n, tmin, tmax),
+         no_late = two & MASK(late_err * coarse <= 1) &
+                   side_gone(s, x, y, z, t0, late, late_err, l, m, n, tmin, tmax);
+    mask second = no_early, known = two & ~(no_early & no_late);
+    if (!first) {
+        double at = z / n, slope = sgt_fma(A, at, B);
+        known &= no_early | no_late | MASK(fabs(slope) > 0x1p-20 * sgt_fma(Aa, fabs(at), Ba));
+        second |= MASK(A * slope < 0) & ~no_late;
+    }
+    double tau = chosen(second, late, early), size_tau = fabs(tau), t = t0 + tau,
+           tau_err = chosen(second, late_err, early_err), t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err);
+    double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = sgt_fma(tau, n, z), w = s->ck * pz,
+           cr2 = s->abs_c * (px * px + py * py), spread = Aa * (tau * tau) + 2 * (Ba * size_tau) + Ca,
+           terms = cr2 + fabs(pz) * (2 + fabs(w));
+    known &= MASK(fabs(w) < 1 - 0x1p-8) & MASK(cr2 <= 4 * fabs(pz) * (1 - w));
+    mask plain = MASK(spread <= 2 * terms) & MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach) &
+                 MASK(t_err <= larger(40 * SGT_U * fabs(t), t_tol));
+    if (s->proof) plain &= MASK((Aa + Aa) * t_err < S);
+    return (side_root){.tau = tau,
+                       .tau_err = tau_err,
+                       .inverse = by * (1 / (1.01 * SGT_U)),
+                       .away = (usual & MASK(D < -0x1p-20 * size)) | (no_early & no_late),
+                       .plain = known & plain,
+                       .blunt = known & ~plain};
+}
 
-    double tau = chosen(no_early, late, early), size_tau = fabs(tau), t = t0 + tau;
-    double tau_err =
-        1.01 * SGT_U * ((2.5 * Aa * (tau * tau) + 7 * Ba * size_tau + 4 * Ca) / S + 3 * size_tau);
-    double pz = sgt_fma(tau, n, z), w = s->ck * pz, px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y),
-           cr2 = s->abs_c * (px * px + py * py), width = sgt_fma(fabs(pz), 1 + fabs(w), cr2) / S,
-           spread = Aa * (tau * tau) + 2 * (Ba * size_tau) + Ca, terms = cr2 + fabs(pz) * (2 + fabs(w));
-
+/* Such a root at (x, y, z) + tau d, where |G'| is 1 / |inverse|. */
+SGT_INLINE lane side_hit(const bowl *s, double x, double y, double z, double t0, double tau, double tau_err,
+                          double inverse, mask wanted, double l, double m, double n, double tmin, double tmax,
+                          double t_tol)
+{
+    double t = t0 + tau, px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = sgt_fma(tau, n, z),
+           w = s->ck * pz,
+           width = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * (px * px + py * py)) * fabs(inverse);
     near_root r = {.x = x,
                    .y = y,
                    .tau = tau,
@@ -113,50 +174,47 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double ox, doubl
                    .tau_err = tau_err,
                    .t0 = t0,
                    .small = tau};
-    mask wanted = two & MASK(fabs(w) < 1 - 0x1p-8) & MASK(spread <= 2 * terms) &
-                  MASK(tau_err * (fabs(l) + fabs(m)) * 0x1p46 <= 64 * SGT_U * s->reach);
-    wanted &= MASK(cr2 <= 4 * fabs(pz) * (1 - w));
-    if (!first) wanted &= no_early | no_late;
-    wanted &= MASK(sure * (Aa + Aa) * r.t_err < S);
-    side_answer told = {.away = (usual & MASK(D < -0x1p-20 * size)) | (no_early & no_late)};
-    told.e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), width, s->rim2, MASK(false),
-                     wanted & ~told.away);
-    told.e.p_err += 2.1 * SGT_U * fabs(z);
-    told.at = t, told.off = tau_err;
-    told.blunt = wanted & ~told.away & ~told.e.hit & MASK(r.t_err > larger(40 * SGT_U * fabs(t), t_tol));
-    return told;
+    lane e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), width, s->rim2, MASK(false),
+                     wanted & MASK(fabs(w) < 1 - 0x1p-8));
+    e.p_err += 2.1 * SGT_U * fabs(z);
+    return e;
 }
 
-/* SHARP.  The root of such a ray, from the point at `at`, where it was found to within `off`. */
-SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, double ox, double oy, double oz,
-                                double l, double m, double n, double tmin, double tmax, double t_tol)
+/* The answer of a plain root. */
+SGT_INLINE lane met_from_side(const bowl *s, const side_origin *q, const side_root *r, double l, double m,
+                              double n, double tmin, double tmax, double t_tol)
 {
-    twofold X = place_of_root(ox, at, l), Y = place_of_root(oy, at, m), Z = place_of_root(oz, at, n);
-    twofold r2 = twofold_sum(twofold_product(X, X), twofold_product(Y, Y)),
-            kzz = twofold_product((twofold){s->k1, s->k1_lo}, twofold_product(Z, Z)),
-            C = twofold_difference(twofold_scaled(twofold_sum(r2, kzz), s->c), (twofold){2 * Z.hi, 2 * Z.lo});
-    double xl = X.hi * l, ym = Y.hi * m, kzn = s->k1 * Z.hi * n,
-           A = s->c * sgt_fma(s->k1, n * n, l * l + m * m), B = sgt_fma(-s->c, xl + ym + kzn, n),
+    return side_hit(s, q->x, q->y, q->z, q->t0, r->tau, r->tau_err, r->inverse, r->plain, l, m, n, tmin, tmax,
+                     t_tol);
+}
+
+/* SHARP.  The answer of a blunt root, from the point at `at`, where it was found to within `off`. */
+SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt, double ox, double oy,
+                                double oz, double l, double m, double n, double tmin, double tmax,
+                                double t_tol)
+{
+    twofold X = place_of_root(ox, at, l), Y = place_of_root(oy, at, m), Z = place_of_root(oz, at, n),
+            xx = two_product(X.hi, X.hi), yy = two_product(Y.hi, Y.hi), kz = two_product(s->k1, Z.hi),
+            kzz = two_product(kz.hi, Z.hi), r2 = two_sum(xx.hi, yy.hi), all = two_sum(r2.hi, kzz.hi),
+            bent = two_product(s->c, all.hi), rest = two_sum(bent.hi, -2 * Z.hi);
+    double kz_lo = sgt_fma(s->k1, Z.lo, sgt_fma(s->k1_lo, Z.hi, kz.lo)),
+           lo = (sgt_fma(2 * X.hi, X.lo, xx.lo) + sgt_fma(2 * Y.hi, Y.lo, yy.lo)) +
+                sgt_fma(kz.hi, Z.lo, sgt_fma(kz_lo, Z.hi, kzz.lo)),
+           C = rest.hi +
+               ((rest.lo - 2 * Z.lo) + sgt_fma(s->c, (r2.lo + all.lo) + lo, bent.lo));
+    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a),
+           Aa = sgt_fma(s->extra, n2, fabs(A)), xl = X.hi * l, ym = Y.hi * m, kzn = kz.hi * n,
+           B = sgt_fma(-s->c, xl + ym + kzn, n), by = 1 / B,
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
-           Ca = sgt_fma(s->abs_c, r2.hi + fabs(kzz.hi), 2 * fabs(Z.hi)),
-           S = sqrt(larger(sgt_fma(B, B, -A * C.hi), 0)), tau = C.hi / (B + copysign(S, B)), t = at + tau,
-           tau_err = 1.01 * SGT_U * (20 * SGT_U * (Ca / S) + 0x1p14 * fabs(tau));
-    mask same = MASK(fabs(tau) <= 2 * (off + SGT_U * fabs(at))) & MASK(Ba <= 0x1p8 * S) &
-                MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400);
-    double px = sgt_fma(tau, l, X.hi), py = sgt_fma(tau, m, Y.hi), pz = sgt_fma(tau, n, Z.hi), w = s->ck * pz,
-           near = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * (px * px + py * py)) / S;
-    near_root r = {.x = X.hi,
-                   .y = Y.hi,
-                   .tau = tau,
-                   .t = t,
-                   .t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err),
-                   .tau_err = tau_err,
-                   .t0 = at,
-                   .small = tau};
-    lane e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), near, s->rim2, MASK(false),
-                     same & MASK(fabs(w) < 1 - 0x1p-8));
-    e.p_err += 2.1 * SGT_U * fabs(Z.hi);
-    return e;
+           Ca = sgt_fma(s->abs_c, r2.hi + fabs(kzz.hi), 2 * fabs(Z.hi)), q = C * by, e = A * by * q,
+           tau = q * sgt_fma(e, sgt_fma(0.0625, e, 0.125), 0.5), size = fabs(B),
+           tau_err = 1.01 * SGT_U * sgt_fma(64 * SGT_U * Ca, fabs(by), 0x1p16 * fabs(tau)),
+           rounded = SGT_U * fabs(at), t_err = sgt_fma(1.01 * SGT_U, fabs(at + tau), tau_err);
+    mask same = MASK(fabs(tau) <= 2 * (off + rounded)) & MASK(rounded * fabs(A) <= 0x1p-10 * size) &
+                MASK(fabs(e) <= 0x1p-13) & MASK(Ba <= 0x1p12 * size) & MASK(Ca > 0x1p-400) &
+                MASK(Ca < 0x1p400) & MASK(tau_err * (fabs(l) + fabs(m)) * 0x1p46 <= 64 * SGT_U * s->reach);
+    if (s->proof) same &= MASK(2.1 * Aa * t_err < size);
+    return side_hit(s, X.hi, Y.hi, Z.hi, at, tau, tau_err, by, blunt & same, l, m, n, tmin, tmax, t_tol);
 }
 
 /* FROM ON THE SURFACE.  About the start o itself C is nearly 0.  So the root t1 = C / 2 B there is known, and
@@ -200,7 +258,7 @@ SGT_INLINE side_answer met_from_on(const bowl *s, double ox, double oy, double o
            width = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * (px * px + py * py)) / size;
     mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p30),
          near = MASK(at * across <= 0x1p20 * (fabs(px) + fabs(py))),
-         gone = known & side_gone(s, ox, oy, oz, 0, t, l, m, n, tmin, tmax) &
+         gone = known & side_gone(s, ox, oy, oz, 0, t, 0, l, m, n, tmin, tmax) &
                 (MASK(t < 0) | MASK(t > tmax) | (low & near));
     near_root r = {.x = ox, .y = oy, .tau = t, .t = t, .t_err = tau_err, .tau_err = tau_err, .small = t};
     mask wanted = known & low & MASK(fabs(w) < 1 - 0x1p-8) &

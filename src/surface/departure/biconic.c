@@ -148,7 +148,16 @@ static sgt_interval biconic_range(const void *self, const region *where)
     return biconic_over(self, &part, &phi, &s) ? s : sgt_interval_empty();
 }
 
-static int biconic_apart(const void *self, region *where, bounds *out, sgt_by_axis *axis)
+/* G + M x^2 where |x| is at most this. */
+static sgt_interval entry_of(sgt_interval G, sgt_interval M, double x)
+{
+    double x2 = x * x, lo = G.lo - larger(-M.lo, 0) * x2, hi = G.hi + larger(M.hi, 0) * x2,
+           off = 0x1p-40 * (larger(-G.lo, G.hi) + larger(-M.lo, M.hi) * x2);
+    return sgt_interval_between(lo - off, hi + off);
+}
+
+static int biconic_apart(const void *self, region *where, bounds *out, sgt_by_axis *axis,
+                         sgt_interval *heights)
 {
     const sgt_biconic *b = self;
     sgt_interval phi, s, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y),
@@ -159,6 +168,7 @@ static int biconic_apart(const void *self, region *where, bounds *out, sgt_by_ax
     sgt_interval w = sgt_interval_sum(sgt_interval_of(1), phi);
     /* Where it may be undefined, size is infinite: no graze is told by it. */
     *out = (bounds){defined == 1 ? sgt_interval_greatest(s) : HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    *heights = s;
     if (!(phi.lo > 0)) return defined;
 
     sgt_interval h = sgt_interval_quotient(s, phi), s2 = sgt_interval_quotient(h, phi),
@@ -176,14 +186,14 @@ static int biconic_apart(const void *self, region *where, bounds *out, sgt_by_ax
         sgt_interval_product(s2, sgt_interval_product(A, B)));
     double gx = sgt_interval_greatest(Gx), gy = sgt_interval_greatest(Gy),
            x = sgt_interval_greatest(where->x), y = sgt_interval_greatest(where->y);
-    double mx = sgt_interval_greatest(sgt_interval_quotient(xx, of)),
-           my = sgt_interval_greatest(sgt_interval_quotient(yy, of));
+    sgt_interval by_x = sgt_interval_quotient(xx, of), by_y = sgt_interval_quotient(yy, of);
+    double mx = sgt_interval_greatest(by_x), my = sgt_interval_greatest(by_y);
     double mxy = sgt_interval_greatest(sgt_interval_quotient(xy, of)), more = 1 + 0x1p-40, r = where->r_hi;
     sgt_interval steep2 = linear_over(&at, sgt_interval_square(sgt_interval_of(gx)),
                                       sgt_interval_square(sgt_interval_of(gy)));
     out->steep = sgt_square_root_above(steep2.hi);
-    *axis = (sgt_by_axis){gx * x * more, gy * y * more, (gx + mx * (x * x)) * more, mxy * (x * y) * more,
-                          (gy + my * (y * y)) * more};
+    *axis = (sgt_by_axis){gx * x * more, gy * y * more, mxy * (x * y) * more, 0,
+                          entry_of(Gx, by_x, x), entry_of(Gy, by_y, y)};
     double by_entry = norm_of(gx + mx * (x * x), mxy * (x * y), gy + my * (y * y)) * more;
     double by_r = (larger(gx, gy) + larger(larger(mx, my), mxy) * (r * r)) * more;
     out->bend = by_r < by_entry ? by_r : by_entry;
@@ -193,21 +203,35 @@ static int biconic_apart(const void *self, region *where, bounds *out, sgt_by_ax
 static int biconic_bounds(const void *self, region *where, bounds *out)
 {
     sgt_by_axis unused;
-    return biconic_apart(self, where, out, &unused);
+    sgt_interval heights;
+    return biconic_apart(self, where, out, &unused, &heights);
 }
 
-/* The lines of biconic_off at the radius, with c and (1 + k) c^2 of the worse axis in all directions.  All
- * grow with the radius. */
-static void biconic_noise(const void *self, double radius, double e[2])
+/* The lines of biconic_off, if the magnitudes of the two terms of D are at most t together, and their sum is
+ * at most `most`; c is the greater curvature. */
+static void biconic_noise_of(const sgt_biconic *b, double t, double most, double e[2])
 {
-    const sgt_biconic *b = self;
-    const double u = SGT_U, c = larger(fabs(b->c_x), fabs(b->c_y)), ax = (1 + b->k_x) * b->c_x * b->c_x,
-                 ay = (1 + b->k_y) * b->c_y * b->c_y;
-    double t = larger(fabs(ax), fabs(ay)) * (radius * radius),
-           phi2 = 1 - larger(larger(ax, ay), 0) * (radius * radius), phi = sqrt(phi2);
+    const double u = SGT_U, c = larger(fabs(b->c_x), fabs(b->c_y));
+    double phi2 = 1 - most, phi = sqrt(phi2);
     if (!(phi2 > 0x1p-20)) return;
     double w_err = u * (7 * t + 2) / (1.99 * phi * (1 + phi)) + 2 * u; /* over w */
     e[0] = 0x1p-1060, e[1] = c / (1 + phi) * (4 * u + w_err) * (1 + 0x1p-20);
+}
+
+/* With (1 + k) c^2 of the worse axis in all directions.  All grow with the radius. */
+static void biconic_noise(const void *self, double radius, double e[2])
+{
+    const sgt_biconic *b = self;
+    const double ax = (1 + b->k_x) * b->c_x * b->c_x, ay = (1 + b->k_y) * b->c_y * b->c_y;
+    biconic_noise_of(b, larger(fabs(ax), fabs(ay)) * (radius * radius),
+                     larger(larger(ax, ay), 0) * (radius * radius), e);
+}
+
+static void biconic_noise_in_box(const void *self, double x, double y, double e[2])
+{
+    const sgt_biconic *b = self;
+    const double u = b->c_x * x, v = b->c_y * y, tx = (1 + b->k_x) * (u * u), ty = (1 + b->k_y) * (v * v);
+    biconic_noise_of(b, fabs(tx) + fabs(ty), larger(tx, 0) + larger(ty, 0), e);
 }
 
 SGT_KERNEL
@@ -285,6 +309,7 @@ static const departure biconic_departure = {.at = biconic_at,
                                             .by_parameter = biconic_by_parameter_of,
                                             .object = biconic_objection,
                                             .noise = biconic_noise,
+                                            .noise_in_box = biconic_noise_in_box,
                                             .by_axis = biconic_apart};
 
 /* The seed: a conic with both curvatures, and the conic constant of the stronger axis. */

@@ -273,22 +273,27 @@ static double conic_slope(double c, double k1, double r)
     return phi2 == HUGE_VAL ? 1 / sqrt(-k1) : phi2 > 0x1p-30 ? w / sqrt(phi2) : HUGE_VAL;
 }
 
-/* A bound on the norm of the conic's second derivative within r.  It is c / phi^3 in the direction of r and
- * c / phi across it. */
-static double conic_bend(double c, double k1, double r)
+/* What the second derivative of the sag lies in within r, if that of P is at most `bend`.  The conic has
+ * c / phi^3 in the direction of r and c / phi across it, and phi is monotone in r.  So it is between c and
+ * the c / phi^3 at r.  More than rounding is added at either end. */
+static sgt_interval bent_within(double c, double k1, double r, double bend)
 {
-    double w = fabs(c) * r, phi2 = 1 - larger(k1 * w * w, 0);
-    return phi2 > 0x1p-30 ? fabs(c) / (phi2 * sqrt(phi2)) * (1 + 0x1p-18) : HUGE_VAL;
+    double axis = fabs(c), w = axis * r, phi2 = 1 - k1 * w * w, rim = axis / (phi2 * sqrt(phi2));
+    double most = larger(rim, axis), least = rim < axis ? rim : axis,
+           off = bend + (most + bend + DEPARTURE_LOST) * 0x1p-17;
+    if (!(phi2 > 0x1p-30 && off < HUGE_VAL)) return sgt_interval_all();
+    return c < 0 ? sgt_interval_between(-most - off, off - least)
+                 : sgt_interval_between(least - off, most + off);
 }
 
-/* No point of the surface within r is farther than this from the plane z = 0.  |P| is at most `size`.  The
- * sag of a conic grows with r. */
-static double size_within(const departure_sag *s, double r, double size)
+/* The heights of the surface within r, if those of P lie in p.  The sag of a conic grows with r. */
+static sgt_interval heights_within(const departure_sag *s, double r, sgt_interval p)
 {
-    double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2;
-    return r < 0x1p400 && phi2 < HUGE_VAL
-               ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + DEPARTURE_LOST
-               : HUGE_VAL;
+    double c = s->base ? s->c : 0, cr2 = fabs(c) * r * r, phi2 = 1 - (1 + s->k) * fabs(c) * cr2,
+           most = cr2 / (1 + sqrt(larger(phi2, 0)));
+    double off = 0x1p-20 * (most + larger(-p.lo, p.hi)) + DEPARTURE_LOST;
+    if (!(r < 0x1p400 && phi2 < HUGE_VAL && off < HUGE_VAL && p.lo <= p.hi)) return sgt_interval_all();
+    return sgt_interval_between(p.lo - (c < 0 ? most : 0) - off, p.hi + (c > 0 ? most : 0) + off);
 }
 
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2])
@@ -326,21 +331,36 @@ static double rim2_within_frame(const departure_sag *s)
     return s->of->framed && s->reach > 0 && !(rim2 < HUGE_VAL) ? s->reach * s->reach * (1 + 0x1p-40) : rim2;
 }
 
-static const sgt_extent UNKNOWN = SGT_NO_EXTENT;
-
-/* As `steep` and `bend` are made wider. */
-static sgt_by_axis widened(sgt_by_axis b)
+static sgt_interval departure_within(double size)
 {
-    double more = (1 + 0x1p-20) * (1 + 0x1p-20), least = DEPARTURE_LOST;
-    return (sgt_by_axis){(b.x + least) * more, (b.y + least) * more, (b.xx + least) * more,
-                         (b.xy + least) * more, (b.yy + least) * more};
+    return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all();
 }
 
-void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
+static const sgt_extent UNKNOWN = SGT_NO_EXTENT;
+
+/* As `steep` and `bend` are made wider.  Of a cylinder some are 0, and what is added is multiplied by parts
+ * of directions for each ray: it is so large that no product is subnormal, and far below all that counts. */
+static const double AXIS_LOST = 0x1p-900;
+
+SGT_INLINE sgt_interval sag_wider(sgt_interval x)
+{
+    double off = 0x1p-19 * larger(-x.lo, x.hi) + AXIS_LOST;
+    return off < HUGE_VAL ? sgt_interval_between(x.lo - off, x.hi + off) : sgt_interval_all();
+}
+
+static sgt_by_axis widened(sgt_by_axis b)
+{
+    double more = (1 + 0x1p-20) * (1 + 0x1p-20), least = AXIS_LOST;
+    return (sgt_by_axis){(b.x + least) * more, (b.y + least) * more, (b.xy + least) * more, b.turn,
+                         sag_wider(b.xx), sag_wider(b.yy)};
+}
+
+/* The heights are worked out only if they are wanted. */
+static void extent_of(const departure_sag *s, bool wanted, sgt_extent *extent)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     sgt_extent e;
-    e.radius2 = domain2, e.steep = e.size = e.bend = HUGE_VAL;
+    e.radius2 = domain2, e.steep = HUGE_VAL, e.z = e.bent = sgt_interval_all();
     if (s->of->by_axis) e.axis = UNKNOWN.axis;
     bool whole = domain2 == rim2; /* if not, the equator of the base is inside, and its slope has no bound */
     if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
@@ -348,36 +368,49 @@ void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
                conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
         region where = {{-r, r}, {-r, r}, 0, r};
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+        sgt_interval heights;
         int defined = !(conic < HUGE_VAL || !whole) ? 0
-                      : s->of->by_axis              ? s->of->by_axis(s->self, &where, &b, &e.axis)
+                      : s->of->by_axis              ? s->of->by_axis(s->self, &where, &b, &e.axis, &heights)
                                                     : s->of->bounds(s->self, &where, &b);
         double steep = (conic + b.steep + DEPARTURE_LOST) * (1 + 0x1p-20);
         bool bounded = whole && (defined == 1 || s->of->framed) && steep < 0x1p500;
         if (bounded)
             e.steep = steep * (1 + 0x1p-20),
-            e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + DEPARTURE_LOST) * (1 + 0x1p-20);
+            e.bent = bent_within(s->base ? s->c : 0, 1 + s->k, r, b.bend);
         if (s->of->by_axis) e.axis = bounded ? widened(e.axis) : UNKNOWN.axis;
-        if (!(b.size < HUGE_VAL) && defined && s->of->range)
-            b.size = sgt_interval_greatest(s->of->range(s->self, &where));
-        if (defined) e.size = size_within(s, r, b.size);
+        if (!(s->of->by_axis && b.size < HUGE_VAL)) heights = departure_within(b.size);
+        if (wanted && !(b.size < HUGE_VAL) && defined && s->of->range)
+            heights = s->of->range(s->self, &where);
+        if (wanted && defined) e.z = heights_within(s, r, heights);
     }
     if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2))
         e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
-    extent->radius2 = e.radius2, extent->steep = e.steep, extent->size = e.size, extent->bend = e.bend;
+    extent->radius2 = e.radius2, extent->steep = e.steep, extent->z = e.z, extent->bent = e.bent;
     if (s->of->by_axis) extent->axis = e.axis;
 }
 
-void sgt_departure_in_box(const departure_sag *s, double x, double y, sgt_extent *extent)
+void sgt_departure_within(const departure_sag *s, sgt_extent *extent) { extent_of(s, true, extent); }
+
+void sgt_departure_in_box(const departure_sag *s, double x, double y, double *steep, sgt_by_axis *axis)
 {
-    *extent = UNKNOWN;
+    *steep = HUGE_VAL, *axis = UNKNOWN.axis;
     if (!s->of->by_axis || s->base || !(x < 0x1p400 && y < 0x1p400)) return;
     x *= 1 + 0x1p-19, y *= 1 + 0x1p-19;
     region where = {{-x, x}, {-y, y}, 0, sqrt(x * x + y * y) * (1 + 0x1p-40)};
     bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    sgt_by_axis axis = extent->axis;
-    if (s->of->by_axis(s->self, &where, &b, &axis) != 1 || !(b.steep < 0x1p500)) return;
-    extent->steep = b.steep * (1 + 0x1p-20) + DEPARTURE_LOST;
-    extent->bend = b.bend * (1 + 0x1p-20) + DEPARTURE_LOST, extent->axis = widened(axis);
+    sgt_interval heights;
+    if (s->of->by_axis(s->self, &where, &b, axis, &heights) != 1 || !(b.steep < 0x1p500)) {
+        *axis = UNKNOWN.axis;
+        return;
+    }
+    *steep = b.steep * (1 + 0x1p-20) + DEPARTURE_LOST, *axis = widened(*axis);
+}
+
+void sgt_departure_noise_in_box(const departure_sag *s, double x, double y, double e[2])
+{
+    e[0] = e[1] = (double)NAN;
+    if (s->of->noise_in_box) s->of->noise_in_box(s->self, x * (1 + 0x1p-19), y * (1 + 0x1p-19), e);
+    e[0] += NOISE_LOST;
 }
 
 /* The radius at which the surface ends, or HUGE_VAL.  P may end before the rim; `bounds` then says so.
@@ -434,9 +467,9 @@ void sgt_departure_heights(const departure_sag *s, sgt_heights *out)
 void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
 {
     sgt_extent e;
-    sgt_departure_within(s, &e);
+    extent_of(s, false, &e);
     shared->c = s->c, shared->k1 = 1 + s->k, shared->radius2 = e.radius2, shared->steep = e.steep;
-    shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bend = e.bend;
+    shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bent = e.bent;
     shared->by_axis = s->of->by_axis != NULL;
     if (shared->by_axis) shared->axis = e.axis, shared->lean = s->lean;
     shared->most2 = rim2_within_frame(s) * (1 + 0x1p-20);
@@ -567,11 +600,6 @@ static sgt_interval along(sgt_interval from, double d, sgt_interval t)
 }
 
 static bool departure_bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
-
-static sgt_interval departure_within(double size)
-{
-    return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all();
-}
 
 /* The double nearest the middle of `at`, moved into x. */
 static double inside(sgt_interval at, sgt_interval x)

@@ -95,14 +95,17 @@ typedef struct departure {
     /* `noise` for n finite radii, to the bit.  NULL: one by one. */
     void (*noises)(const void *self, size_t n, const double *radius, double *e0, double *e1);
 
+    /* As `noise`, where |x| and |y| are at most these, and P has by_axis. */
+    void (*noise_in_box)(const void *self, double x, double y, double e[2]);
+
     /* Set if P is defined within a rectangle and nowhere else.  Then `bounds` holds where P is defined,
      * although P is not defined all over the region; departure.c relies on it there. */
     bool framed;
 
-    /* As `bounds`, and the same along x and y.  Given if P may be much steeper along one axis than along the
-     * other, and has no base.  Where P is not defined all over the region, *axis need not be set.  NULL: not
-     * known. */
-    int (*by_axis)(const void *self, region *where, bounds *out, sgt_by_axis *axis);
+    /* As `bounds`, and the same along x and y, and the range of P.  Given if P may be much steeper along one
+     * axis than along the other, and has no base.  Where P is not defined all over the region, *axis and
+     * *heights need not be set.  NULL: not known. */
+    int (*by_axis)(const void *self, region *where, bounds *out, sgt_by_axis *axis, sgt_interval *heights);
 
     /* May P jump where it is defined?  NULL: it does not. */
     bool (*jumps)(const void *self);
@@ -138,7 +141,8 @@ double sgt_departure_rounding(const departure_sag *s, sgt_vec3 p);
 void sgt_departure_share(const departure_sag *s, sgt_shared *shared);
 void sgt_departure_heights(const departure_sag *s, sgt_heights *out);
 void sgt_departure_within(const departure_sag *s, sgt_extent *extent);
-void sgt_departure_in_box(const departure_sag *s, double x, double y, sgt_extent *extent);
+void sgt_departure_in_box(const departure_sag *s, double x, double y, double *steep, sgt_by_axis *axis);
+void sgt_departure_noise_in_box(const departure_sag *s, double x, double y, double e[2]);
 void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep,
                           const double *const axis[2], double *lo, double *hi, double *least);
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
@@ -209,8 +213,12 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  v = sgt_departure_narrowed(v, most); sgt_departure_share(&v, shared))                       \
     DEPARTURE_OF(NAME, void NAME##_extent_within(const void *self, double most, sgt_extent *extent),         \
                  v = sgt_departure_narrowed(v, most); sgt_departure_within(&v, extent))                      \
-    DEPARTURE_OF(NAME, void NAME##_in_box(const void *self, double x, double y, sgt_extent *extent),         \
-                 sgt_departure_in_box(&v, x, y, extent))                                                     \
+    DEPARTURE_OF(NAME,                                                                                       \
+                 void NAME##_in_box(const void *self, double x, double y, double *steep,                     \
+                                    sgt_by_axis *by_axis),                                                   \
+                 sgt_departure_in_box(&v, x, y, steep, by_axis))                                             \
+    DEPARTURE_OF(NAME, void NAME##_box_noise(const void *self, double x, double y, double e[2]),             \
+                 sgt_departure_noise_in_box(&v, x, y, e))                                                    \
     DEPARTURE_OF(NAME, void NAME##_heights(const void *self, sgt_heights *out),                              \
                  sgt_departure_heights(&v, out))                                                             \
     DEPARTURE_OF(NAME, void NAME##_noise_within(const void *self, double radius, double e[2]),               \
@@ -254,7 +262,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static const struct sgt_builtin_ops NAME##_builtin = {                                                   \
         .object = NAME##_ops_object, .tile = SGT_MOST_TILE, .share = NAME##_share,                           \
         .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
-        .extent_in_box = NAME##_in_box, .heights = NAME##_heights, .chords = sgt_departure_chords,           \
+        .extent_in_box = NAME##_in_box, .noise_in_box = NAME##_box_noise,                                    \
+        .heights = NAME##_heights, .chords = sgt_departure_chords,                                           \
         .noise_within = NAME##_noise_within, .noises_within = NAME##_noises_within,                          \
         .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \

@@ -19,6 +19,10 @@
  * Since q + c_x z_p = 1,
  *     s_c_x = (x^2 + e (e + 2 z_p)) / (2 m),       its gradient (q x, z_p' t x) / m^3.
  *
+ * CONVEX.  Without powers z_p is convex for c > 0, whatever k is, and q is concave if c_x > 0, too.  The
+ * points (x, y, z) on and above the surface, up to z = 1 / c_x, are those with |(c_x x, 1 - c_x z)| <= q(y).
+ * A length is convex, so these are a convex set, and s is convex.  If both are negative, it is concave.
+ *
  * ROUNDING, with u = 2^-53.  The conic's part is as in biconic.c, with one term.  The term a y^(2i+2) is
  * rounded at most 3 i + 4 times, and those of P'(y^2) 4 i + 4 times.  Hence 4 u y^2 first and 4 u (first +
  * y^2 second), with the sums of poly.h.  q - |t| and q + |t| are off by the errors of q and t.  m is off
@@ -189,7 +193,7 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
     at->s = sgt_interval_sum(z, e), at->m_least = whole ? m.lo : 0;
     /* where it may be undefined, size is infinite: no graze is told by it */
     at->most = (bounds){whole ? sgt_interval_greatest(at->s) : HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    at->axis = (sgt_by_axis){HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    at->axis = (sgt_by_axis)SGT_NO_AXES;
     if (!(whole && phi.lo > 0 && m.lo > 0)) return whole ? 1 : -1;
 
     sgt_interval dz = sgt_interval_product(
@@ -207,10 +211,17 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
     at->most.steep =
         sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(sx), sgt_interval_square(sy))).hi;
     sgt_by_axis *by = &at->axis;
-    *by = (sgt_by_axis){sgt_interval_greatest(sx), sgt_interval_greatest(sy), sgt_interval_greatest(xx),
-                        sgt_interval_greatest(xy), sgt_interval_greatest(yy)};
-    at->most.bend = norm_of(by->xx, by->xy, by->yy);
+    *by = (sgt_by_axis){sgt_interval_greatest(sx), sgt_interval_greatest(sy), sgt_interval_greatest(xy), 0,
+                        xx, yy};
+    at->most.bend = norm_of(sgt_interval_greatest(xx), by->xy, sgt_interval_greatest(yy));
     return 1;
+}
+
+/* See CONVEX. */
+static double toroidal_turn(const sgt_toroidal *a)
+{
+    if (toroidal_terms_of(a)) return 0;
+    return a->c >= 0 && a->c_x >= 0 ? 1 : a->c <= 0 && a->c_x <= 0 ? -1 : 0;
 }
 
 /* As `bounds`, over this many slices.  *where is not cut. */
@@ -220,7 +231,8 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
     sgt_interval x = sgt_interval_absolute(where->x), y = sgt_interval_absolute(where->y);
     double r2 = sgt_product_above(where->r_hi, where->r_hi);
     bool some = false, whole = true;
-    *out = (bounds){0, 0, 0}, *all = (sgt_by_axis){0, 0, 0, 0, 0}, *range = sgt_interval_empty(), *q_most = 0,
+    *out = (bounds){0, 0, 0}, *range = sgt_interval_empty(), *q_most = 0,
+    *all = (sgt_by_axis){0, 0, 0, toroidal_turn(a), sgt_interval_empty(), sgt_interval_empty()},
     *m_least = HUGE_VAL;
     for (int i = 0; i < slices; i++) {
         double from = y.lo + (y.hi - y.lo) * i / slices,
@@ -239,8 +251,8 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
         out->size = larger(out->size, at.most.size), out->steep = larger(out->steep, at.most.steep),
         out->bend = larger(out->bend, at.most.bend);
         const sgt_by_axis e = at.axis;
-        *all = (sgt_by_axis){larger(all->x, e.x), larger(all->y, e.y), larger(all->xx, e.xx),
-                             larger(all->xy, e.xy), larger(all->yy, e.yy)};
+        *all = (sgt_by_axis){larger(all->x, e.x), larger(all->y, e.y), larger(all->xy, e.xy), all->turn,
+                             sgt_interval_hull(all->xx, e.xx), sgt_interval_hull(all->yy, e.yy)};
     }
     return !some ? 0 : whole ? 1 : -1;
 }
@@ -256,12 +268,12 @@ static int toroidal_over(const sgt_toroidal *a, const region *where, bounds *out
     return defined;
 }
 
-static int toroidal_apart(const void *self, region *where, bounds *out, sgt_by_axis *axis)
+static int toroidal_apart(const void *self, region *where, bounds *out, sgt_by_axis *axis,
+                          sgt_interval *heights)
 {
     const sgt_toroidal *a = self;
     double q_most, m_least;
-    sgt_interval range;
-    int defined = toroidal_over(a, where, out, axis, &range, &q_most, &m_least);
+    int defined = toroidal_over(a, where, out, axis, heights, &q_most, &m_least);
     if (defined != -1) return defined;
     sgt_interval one = {1, 1}, A = sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)),
                                                         sgt_interval_square(sgt_interval_of(a->c)));
@@ -277,11 +289,12 @@ static int toroidal_apart(const void *self, region *where, bounds *out, sgt_by_a
 static int toroidal_bounds(const void *self, region *where, bounds *out)
 {
     sgt_by_axis unused;
-    return toroidal_apart(self, where, out, &unused);
+    sgt_interval heights;
+    return toroidal_apart(self, where, out, &unused, &heights);
 }
 
-/* The profile within the radius: bent = (1 + k) c^2 r^2, phi of its conic, the conic's own term over y^2,
- * and the sum of the magnitudes of its powers over y^2. */
+/* The profile where |y| is at most r: bent = (1 + k) c^2 r^2, phi of its conic, the conic's own term over
+ * y^2, and the sum of the magnitudes of its powers over y^2. */
 typedef struct profile_size { double bent, phi, conic, first; } profile_size;
 
 static bool profile_within(const sgt_toroidal *a, double radius, profile_size *s)
@@ -294,12 +307,12 @@ static bool profile_within(const sgt_toroidal *a, double radius, profile_size *s
     return phi2 > 0x1p-20;
 }
 
-/* The lines of toroidal_off with the worst values within the radius, q at most and m at least those given.
+/* The lines of toroidal_off with the worst values where |y| <= most, q at most and m at least those given.
  * Each part of the sag is at most a number times x^2 or y^2. */
-static void noise_of(const sgt_toroidal *a, double radius, const profile_size *s, double q, double m,
+static void noise_of(const sgt_toroidal *a, double most, const profile_size *s, double q, double m,
                      double e[2])
 {
-    const double u = SGT_U, r2 = radius * radius, phi = s->phi, conic = s->conic, first = s->first,
+    const double u = SGT_U, r2 = most * most, phi = s->phi, conic = s->conic, first = s->first,
                  c_x = fabs(a->c_x);
     if (!(m > 0x1p-10 * q)) return;
     double w_err = u * (5 * fabs(s->bent) + 4 + 4 * fabs(s->bent)) / (1.99 * phi * (1 + phi)) + 3 * u;
@@ -312,29 +325,51 @@ static void noise_of(const sgt_toroidal *a, double radius, const profile_size *s
     e[0] = 0x1p-1060, e[1] = larger(z_err + u * z, lane_err + u * lanes) * (1 + 0x1p-16);
 }
 
-static void toroidal_noise(const void *self, double radius, double e[2])
+static void noise_over(const void *self, const region *where, double e[2])
 {
-    region where = {{-radius, radius}, {-radius, radius}, 0, radius};
     bounds most;
     profile_size s;
     sgt_by_axis axis;
     sgt_interval range;
-    double q, m;
-    if (profile_within(self, radius, &s) && toroidal_over(self, &where, &most, &axis, &range, &q, &m) == 1)
-        noise_of(self, radius, &s, q, m, e);
+    double q, m, y = where->y.hi;
+    if (profile_within(self, y, &s) && toroidal_over(self, where, &most, &axis, &range, &q, &m) == 1)
+        noise_of(self, y, &s, q, m, e);
+}
+
+static void toroidal_noise(const void *self, double radius, double e[2])
+{
+    noise_over(self, &(region){{-radius, radius}, {-radius, radius}, 0, radius}, e);
 }
 
 /* q and m without intervals.  With |z_p| <= Z y^2, q >= 1 - |c_x| Z y^2, and so
- *     m^2 >= 1 - 2 |c_x| Z y^2 - c_x^2 x^2 >= 1 - larger(2 |c_x| Z, c_x^2) r^2. */
+ *     m^2 >= 1 - 2 |c_x| Z y^2 - c_x^2 x^2, which within a circle is >= 1 - larger(2 |c_x| Z, c_x^2) r^2.
+ * Only where this says too little intervals are asked. */
+static bool noise_by_size(const sgt_toroidal *a, double y, const profile_size *s, double q, double m2,
+                          double e[2])
+{
+    if (m2 > 0.25) noise_of(a, y, s, q, sqrt(m2), e);
+    return m2 > 0.25;
+}
+
 static void toroidal_noise_about(const void *self, double radius, double e[2])
 {
     const sgt_toroidal *a = self;
     profile_size s;
     if (!profile_within(a, radius, &s)) return;
-    double c_x = fabs(a->c_x), r2 = radius * radius * (1 + 0x1p-20), z = c_x * (s.conic + s.first),
-           m2 = 1 - larger(2 * z, c_x * c_x) * r2;
-    if (m2 > 0.25) noise_of(a, radius, &s, 1 + z * r2, sqrt(m2), e);
-    else toroidal_noise(a, radius, e);
+    double c_x = fabs(a->c_x), r2 = radius * radius * (1 + 0x1p-20), z = c_x * (s.conic + s.first);
+    if (!noise_by_size(a, radius, &s, 1 + z * r2, 1 - larger(2 * z, c_x * c_x) * r2, e))
+        toroidal_noise(a, radius, e);
+}
+
+static void toroidal_noise_in_box(const void *self, double x, double y, double e[2])
+{
+    const sgt_toroidal *a = self;
+    profile_size s;
+    if (!profile_within(a, y, &s)) return;
+    double more = 1 + 0x1p-20, c_x = fabs(a->c_x), t = c_x * x * more,
+           z = c_x * (s.conic + s.first) * (y * y) * more;
+    region where = {{-x, x}, {-y, y}, 0, sqrt(x * x + y * y) * (1 + 0x1p-40)};
+    if (!noise_by_size(a, y, &s, 1 + z, 1 - 2 * z - t * t, e)) noise_over(a, &where, e);
 }
 
 static sgt_interval toroidal_range(const void *self, const region *where)
@@ -455,6 +490,7 @@ static const departure toroidal_departure = {.at = toroidal_at,
                                              .object = toroidal_objection,
                                              .noise = toroidal_noise,
                                              .noise_about = toroidal_noise_about,
+                                             .noise_in_box = toroidal_noise_in_box,
                                              .by_axis = toroidal_apart};
 
 /* The seed: a conic with both curvatures. */

@@ -34,6 +34,7 @@
  * Why not in solve/root.c: that works in doubles from one origin.  Without settling the cells have to be
  * met again in twice the precision: every root of an even asphere then costs 1.9 times the instructions
  * (rays of tests/cost/cases.c, by callgrind), with the same t_err. */
+#include "../../num/lanes.h"
 #include "poly.h"
 
 #include "../../num/expansion.h"
@@ -290,7 +291,8 @@ bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo
         twofold next = two_sum(t0, t0_lo - at.g / at.slope);
         bool still = next.hi == t0 && next.lo == t0_lo;
         if (steady || still) {
-            if (out->t_err <= 4 * SGT_U * fabs(out->t) || (fine && (still || out->t_err > 0.5 * last)))
+            if (out->t_err <= 4 * SGT_U * fabs(out->t) || (fine && (still || out->t_err > 0.5 * last)) ||
+                is_start(out, ray, q.scale))
                 return true;
             fine = true;
         }
@@ -307,4 +309,80 @@ bool sgt_poly_unique(const shape *s, const sgt_ray *ray, const meeting *at, tall
     sample e = sgt_poly_sample(s, &q, 0);
     observe(s, ray, w, &q, 0, SGT_PROBE, -h, h);
     return fabs(e.slope) - e.slope_err > sgt_poly_bend(s, &q, &e, h) * h; /* false for NaN */
+}
+
+/* ------------------------------------------------------------------------ many points */
+
+enum { POINTS = 64 };
+
+/* What is known of the points before their terms are added. */
+typedef struct poly_points {
+    double r2[POINTS], slope[POINTS], base[POINTS], phi[POINTS], h[POINTS], dh[POINTS], size[POINTS];
+} poly_points;
+
+/* Returns all bits set if phi of some is infinite: conic_sag has another formula there. */
+SGT_KERNEL
+static mask poly_bases(const shape *s, size_t n, const double *x, const double *y, poly_points *w)
+{
+    const double c = s->c, k = s->k;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < n; i++)
+    {
+        double r2 = x[i] * x[i] + y[i] * y[i], cr2 = c * r2, phi = sqrt(1 - (1 + k) * c * cr2);
+        w->r2[i] = r2, w->phi[i] = phi, w->slope[i] = c / (2 * phi), w->base[i] = cr2 / (1 + phi);
+        any |= MASK(phi == HUGE_VAL);
+    }
+    return any;
+}
+
+/* `polynomial` and `magnitude`: h, dh and size. */
+SGT_KERNEL
+static void poly_terms(const shape *s, size_t n, poly_points *w)
+{
+    const double last = s->a[s->terms - 1];
+    for (size_t i = 0; i < n; i++) w->h[i] = last, w->dh[i] = 0, w->size[i] = s->terms * fabs(last);
+    for (int j = s->terms - 2; j >= 0; j--) {
+        const double a = s->a[j], by = (j + 1) * fabs(a);
+        LANES for (size_t i = 0; i < n; i++)
+        {
+            double rho = w->r2[i];
+            w->dh[i] = w->dh[i] * rho + w->h[i], w->h[i] = w->h[i] * rho + a;
+            w->size[i] = w->size[i] * rho + by;
+        }
+    }
+}
+
+SGT_KERNEL
+static void poly_values(const shape *s, size_t n, const double *x, const double *y, const double *z,
+                       const poly_points *w, double *restrict f, double *restrict gx, double *restrict gy,
+                       double *restrict gz, double *restrict own)
+{
+    const double c = s->c, k = s->k;
+    const mask terms = MASK(s->terms > 0);
+    LANES for (size_t i = 0; i < n; i++)
+    {
+        double r2 = w->r2[i], base = w->base[i], all = base + r2 * w->h[i],
+               steep = w->slope[i] + (w->h[i] + r2 * w->dh[i]), sag = chosen(terms, all, base),
+               slope = chosen(terms, steep, w->slope[i]),
+               noise = chosen(terms, 4 * r2 * w->size[i] + fabs(all), 0);
+        f[i] = z[i] - sag, gx[i] = -2 * x[i] * slope, gy[i] = -2 * y[i] * slope, gz[i] = 1;
+        own[i] = 1.01 * SGT_U
+                 * (conic_sag_rounding(c, k, r2, base, w->phi[i]) + noise + fabs(z[i] - sag));
+    }
+}
+
+void sgt_sag_values_rounded(const shape *s, size_t n, sgt_points p, sgt_values out, double own[])
+{
+    poly_points w;
+    for (size_t at = 0, few; at < n; at += few) {
+        const double *x = p.p[0] + at, *y = p.p[1] + at, *z = p.p[2] + at;
+        few = n - at < POINTS ? n - at : POINTS;
+        mask odd = poly_bases(s, few, x, y, &w);
+        for (size_t i = 0; odd && i < few; i++)
+            if (w.phi[i] == HUGE_VAL) w.base[i] = conic_sag(s->c, s->k, w.r2[i], &w.phi[i], &w.slope[i]);
+        if (s->terms) poly_terms(s, few, &w);
+        else memset(w.h, 0, sizeof w.h), memset(w.dh, 0, sizeof w.dh), memset(w.size, 0, sizeof w.size);
+        poly_values(s, few, x, y, z, &w, out.f + at, out.grad[0] + at, out.grad[1] + at, out.grad[2] + at,
+                   own + at);
+    }
 }

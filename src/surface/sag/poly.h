@@ -114,8 +114,21 @@ int sgt_poly_side(const shape *s, const sample *at);
 bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol,
                       meeting *out, double *v_err, bool *steady);
 
-/* Settles the root near t0 + t0_lo (scaled), with the origin moved there.  Returns false if the root is too
- * flat to be certified, if the budget of evaluations is spent, or if the watcher stops. */
+/* F, its gradient and a bound on its rounding at n points: the bits of `value` and `rounding` of a conic or
+ * an even asphere. */
+void sgt_sag_values_rounded(const shape *s, size_t n, sgt_points p, sgt_values out, double own[]);
+
+/* Is the root the start itself, however it is computed (rule of sgt_ray)? */
+SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
+{
+    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z)),
+           width = START_ULPS * terms * scale / h->slope;
+    return h->t + h->t_err <= ray->tmin + (width < HUGE_VAL ? width : 0) * (1 - 0x1p-20);
+}
+
+/* Settles the root near t0 + t0_lo (scaled), with the origin moved there.  Of a root that is the start
+ * itself the last bits are not asked for.  Returns false if the root is too flat to be certified, if the
+ * budget of evaluations is spent, or if the watcher stops. */
 bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err,
                      tally *w);
 
