@@ -211,7 +211,7 @@ static sgt_interval left_of(const quick_proof *w, size_t i)
 }
 
 /* Looks at F: at the hits; of a miss where the chord begins, or ends. */
-static void look_at(quick_proof *w, bool ends)
+static void look_along(quick_proof *w, bool ends)
 {
     const sgt_hits *h = &w->tile->hits;
     const sgt_rays *r = &w->tile->rays;
@@ -280,7 +280,7 @@ static size_t prove_tile(quick_proof *w)
         if (!asks[i] && !passes) h->status[i] = SGT_HARD, hard++;
     }
     for (int ends = 0; ends < 2 && open > 0; ends++) {
-        look_at(w, ends);
+        look_along(w, ends);
         for (size_t i = 0; i < n; i++) {
             if (!asks[i]) continue;
             round_one(&w->b, w->s, i);
