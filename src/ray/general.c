@@ -216,7 +216,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     sgt_vicinity_of(w->s, 1, one, near ? &within : NULL, &w->shared, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (w->nearby) w->shared = bare_of(w->shared);
-    if (asked != 0) return false;
+    if (asked != 0 || w->told.stopped) return false;
     if (lo > hi) return true; /* the ray misses the whole surface */
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, seed,
                              ops->enclose ? 0x1p-50 : 0, true, true);
@@ -274,7 +274,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     }
 
     bool jumps = is_catalogue(s.ops) && s.ops->own_->jumps && s.ops->own_->jumps(s.self);
-    if ((span.single || near) && !jumps) {
+    if ((span.single || near) && !jumps && !w.told.stopped) {
         point at = {.tau = (double)NAN};
         w.hidden.t = (double)NAN;
         /* step 3 */

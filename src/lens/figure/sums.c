@@ -51,7 +51,7 @@ void sgt_sum_up(asked *a, size_t value, ray_group g, const double weight[], doub
         if (out->gradient) out->gradient[value * paths + m] = a->sum[m] / rms;
         if (out->gradient_err)
             out->gradient_err[value * paths + m] =
-                4 * ((about_mean ? 2 : 1) * a->sum_error[m] + a->moved[m] / rms);
+                16 * ((about_mean ? 2 : 1) * a->sum_error[m] + a->moved[m] / rms);
     }
 }
 
