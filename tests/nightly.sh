@@ -6,8 +6,9 @@
 #   scale      all random tests, oracles and proofs with twenty times the cases (SAGITTA_TEST_SCALE=10, 0.5 by day, or
 #              NIGHT_SCALE; SAGITTA_TEST_SEED chooses other cases: the day of the year, unless it is set)
 #   rest       what a plain `meson test` leaves out: the suite `nightly` (random lenses against mpmath, the ways of a
-#              search, the costs of a render, the library as a subproject, the wheel, Python under valgrind, interval.h
-#              by each compiler, breaks of the saved interface that are planted)
+#              search, the costs of a render, the library as a subproject and found by CMake, the wheel, Python under
+#              valgrind, interval.h by each compiler, flags of fast arithmetic, breaks of the saved interface that are
+#              planted, a later version of it)
 #   tapes      random formulas against Arb, their operations and rays to them, each for NIGHT_TAPE_SECONDS (600)
 #   cliffs     the search for ordinary input that costs many times the usual (bench/cliff_search.cpp), for
 #              NIGHT_CLIFF_SECONDS (7200); its log has the worst fifty, each a line for `bench_ordinary --case`

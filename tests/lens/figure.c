@@ -219,7 +219,7 @@ int main(int count, char **argument)
     static sgt_lens_path at[MOST];
     const char *scale = getenv("SAGITTA_TEST_SCALE"), *seed = getenv("SAGITTA_TEST_SEED");
     const double cases = scale ? atof(scale) : 0.5;
-    const size_t few = cases > 1 ? MOST : cases < 0.1 ? 3 : PATHS_OF_LENS;
+    const size_t few = cases > 1 ? MOST : cases < 0.1 ? 3 : cases < 1 ? PATHS_OF_LENS / 2 : PATHS_OF_LENS;
     for (int i = 1; i < count; i++) {
         sgt_error e = {0};
         sgt_lens *lens = sgt_lens_read(argument[i], NULL, &e);
