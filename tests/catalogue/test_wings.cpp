@@ -187,7 +187,7 @@ bool beyond_start(const formula<quad> &f, const specimen &s, const sgt_ray &r, d
     s.s.ops->value(s.s.self, r.o, &n);
     const double terms = std::fabs(r.o.x * n.x) + std::fabs(r.o.y * n.y) + std::fabs(r.o.z * n.z),
                  slope = std::fabs(n.x * r.d.x + n.y * r.d.y + n.z * r.d.z);
-    return in > quad(4 * (0x1p-48 * terms / slope));
+    return in > quad(16 * (0x1p-48 * terms / slope)); // the sag has terms of its own
 }
 
 void grazing(generator &g, int surfaces)

@@ -465,6 +465,8 @@ void bowls(int count)
             const quad q = B + (B < 0 ? -1 : 1) * oracle::square_root(D), t = q / A, z = o.z + t * d.z,
                        x = o.x + t * d.x, y = o.y + t * d.y, r2 = x * x + y * y, v = 1 - k1 * c * z;
             const quad narrow = 1e-12;
+            // along a tangent: between its roots the ray is no farther from the surface than the start may be
+            if (B * B < 8 * (A < 0 ? -A : A) * quad(a.p_err)) continue;
             if ((v < narrow && v > -narrow) || (r2 > rim2 * (1 - narrow) && r2 < rim2 * (1 + narrow)) ||
                 (t < 1e-9 && t > -1e-9))
                 continue;
