@@ -109,6 +109,7 @@ typedef struct meetings {
     double g_lo[2 * MEETINGS], g_hi[2 * MEETINGS], slope_lo[2 * MEETINGS], slope_hi[2 * MEETINGS];
     double a[MEETINGS], b[MEETINGS], tmin[MEETINGS], tmax[MEETINGS], evals[MEETINGS], ray[MEETINGS];
     double sign[MEETINGS], noise[MEETINGS]; /* noise: the width of G at a point */
+    double terms[MEETINGS];                 /* of the gradient that the last step took */
     double x[MEETINGS], y[MEETINGS], z[MEETINGS], l[MEETINGS], m[MEETINGS], n[MEETINGS], t0[MEETINGS],
         scale[MEETINGS], inverse[MEETINGS]; /* the ray made local */
     double tau[MEETINGS], lo[MEETINGS], hi[MEETINGS], last[MEETINGS], asks[MEETINGS], steep[MEETINGS];
@@ -444,6 +445,12 @@ static void meetings_begin(meetings *s, size_t n)
     LANES for (size_t k = 0; k < n; k++) meeting_begin(s, k);
 }
 
+/* The terms of the gradient at the point asked for. */
+SGT_INLINE double terms_of(const meetings *s, size_t k)
+{
+    return fabs(s->px[k] * s->fx[k]) + fabs(s->py[k] * s->fy[k]) + fabs(s->pz[k] * s->fz[k]);
+}
+
 /* One step of Newton's, in a bracket that shrinks.  It is the last one if the next is below the rounding of
  * t, as far as the last two tell. */
 SGT_INLINE double meeting_step(meetings *s, size_t k)
@@ -464,7 +471,9 @@ SGT_INLINE double meeting_step(meetings *s, size_t k)
     s->evals[k] += asks;
     s->asks[k] = on ? more : 0;
     s->tau[k] = tau, s->lo[k] = lo, s->hi[k] = hi, s->last[k] = on ? size : last;
-    s->steep[k] = on ? slope : s->steep[k]; /* one that waits for others is asked again, elsewhere */
+    /* one that waits for others is asked again, elsewhere */
+    s->steep[k] = on ? slope : s->steep[k];
+    s->terms[k] = on ? terms_of(s, k) : s->terms[k];
     s->px[k] = s->x[k] + tau * l, s->py[k] = s->y[k] + tau * m, s->pz[k] = s->z[k] + tau * n;
     return on ? more : 0;
 }
@@ -478,19 +487,13 @@ static double meetings_step(meetings *s, size_t n)
     return more;
 }
 
-/* The terms of the gradient that was asked for last. */
-SGT_INLINE double terms_of(const meetings *s, size_t k)
-{
-    return fabs(s->px[k] * s->fx[k]) + fabs(s->py[k] * s->fy[k]) + fabs(s->pz[k] * s->fz[k]);
-}
-
 /* The point t and the interval X about it, wider than what rounding of F leaves of the root.  The enclosures
  * of a built-in surface are sharper than `value`: own.  That rounds by a few ulps of the terms of its
  * gradient. */
 SGT_INLINE void meeting_ask(meetings *s, size_t k, size_t n, bool own)
 {
     double t = (s->t0[k] + s->tau[k]) * s->scale[k], steep = fabs(s->steep[k]) * s->inverse[k];
-    double noise = own ? s->noise[k] + 0x1p-50 * terms_of(s, k) : s->noise[k];
+    double noise = own ? s->noise[k] + 0x1p-50 * s->terms[k] : s->noise[k];
     double pad = 8 * noise / steep + 0x1p-49 * fabs(t) + 4 * s->last[k] * s->scale[k] * 0x1p-20;
     double whole = s->b[k] - s->a[k];
     pad = pad < whole ? pad : whole; /* NaN, too */

@@ -702,6 +702,41 @@ static void test_first_of_all_at_the_start(void **state)
             sgt_status_text(all.status));
 }
 
+/* A root that waited for its neighbours' steps was asked for its terms once more, so its bound under a proof
+ * had other last bits in a batch than alone. */
+static void test_proven_among_others(void **state)
+{
+    (void)state;
+    enum { N = 40 };
+    sgt_torus shape = {.major = 0x1.cbbca52214eccp+3, .minor = 0x1.7d784p+26};
+    sgt_surface s = {&sgt_torus_ops, &shape};
+    sgt_options opt = {.proof = SGT_PROVE_FIRST};
+    double o[3][N], d[3][N], t[N], t_err[N], t_lo[N];
+    sgt_status status[N];
+    generator g = seeded("proven among others");
+    int hits = 0;
+    for (int again = 0; again < 20; again++) {
+        for (int i = 0; i < N; i++) {
+            double f = uniform(&g, 0.85, 1.15);
+            o[0][i] = -0x1.a6a77ab180432p+21 * f, o[1][i] = -0x1.8721d95106e34p+24 * f;
+            o[2][i] = -0x1.707cd20840c79p+26;
+            d[0][i] = 0x1.db220439b3142p+8 * f, d[1][i] = -0x1.542c07b0359bbp+2;
+            d[2][i] = -0x1.12ca6624f5111p+8 * f;
+        }
+        sgt_intersect_batch(s, N, (sgt_rays){{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, NULL, NULL},
+                            (sgt_hits){.status = status, .t = t, .t_err = t_err, .t_lo = t_lo}, &opt);
+        for (int i = 0; i < N; i++) {
+            sgt_ray r = {{o[0][i], o[1][i], o[2][i]}, {d[0][i], d[1][i], d[2][i]}, 0, FAR};
+            sgt_hit h = sgt_intersect(s, r, &opt);
+            bool same = h.t == t[i] && h.t_lo == t_lo[i] && h.t_err == t_err[i];
+            REQUIRE(h.status == status[i] && (same || h.status != SGT_HIT),
+                    "ray %d: t_err %a alone, %a in a batch", i, h.t_err, t_err[i]);
+            hits += h.status == SGT_HIT;
+        }
+    }
+    REQUIRE(hits > 100, "%d hits", hits);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -737,6 +772,7 @@ int main(void)
         cmocka_unit_test(test_dark_from_the_start),
         cmocka_unit_test(test_other_at_the_end_of_the_chord),
         cmocka_unit_test(test_root_beside_the_aperture),
+        cmocka_unit_test(test_proven_among_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
