@@ -154,7 +154,7 @@ SGT_INLINE sgt_hit by_operations(sgt_surface s, const sgt_ray *ray, const sgt_op
 /* Cells decide it, or a proof without enclosures, or what they leave has the evaluations that they left. */
 typedef bool quick_answer(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
 SGT_NOINLINE static sgt_hit tried_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
-                                    quick_answer *answer)
+                                        quick_answer *answer)
 {
     sgt_hit hit;
     if (answer(s, ray, opt, &hit)) return hit;
@@ -162,6 +162,8 @@ SGT_NOINLINE static sgt_hit tried_first(sgt_surface s, const sgt_ray *ray, const
     counted told = {opt->watch, opt->watch_data, hit.evals};
     if (opt->watch) rest.watch = watch_counted, rest.watch_data = &told;
     rest.max_evals = (opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS) - hit.evals;
+    if (rest.max_evals <= 0) /* 0 would be the default */
+        return hit_without(opt->proof == SGT_ESTIMATE ? SGT_EXHAUSTED : SGT_UNPROVEN, ray, hit.evals);
     hit = by_operations(s, ray, &rest);
     hit.evals += told.before;
     return hit;

@@ -254,7 +254,7 @@ static bool refill(cell_search *j)
         q->next = q->count = 1;
         return true;
     }
-    bool single[QUEUE] = {false}, away[QUEUE];
+    bool single[QUEUE] = {false}, away[QUEUE] = {false};
     sgt_rays rays = rays_from(&j->tile->rays, q->from);
     sgt_spans spans = {q->lo, q->hi, q->seed, single};
     if (j->own && ops->firsts) {
@@ -274,9 +274,10 @@ static bool refill(cell_search *j)
     cells_cut(n, &j->tile->rays, q->from, q->lo, q->hi, q->state);
     for (size_t i = 0; i < n; i++) {
         if (single[i] && !j->proof && q->state[i] != SGT_MISS) q->state[i] = SGT_SINGLE;
-        if (j->own && !away[i]) q->state[i] = SGT_HARD;
-        bool inside = q->seed[i] > q->lo[i] && q->seed[i] < q->hi[i];
-        if (single[i] && j->own && inside && q->state[i] == READY) q->state[i] = AT_SEED;
+        if (!j->own) continue;
+        if (!away[i]) q->state[i] = SGT_HARD;
+        if (single[i] && q->state[i] == READY && q->seed[i] > q->lo[i] && q->seed[i] < q->hi[i])
+            q->state[i] = AT_SEED;
     }
     q->count = n;
     return true;

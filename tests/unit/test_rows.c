@@ -737,6 +737,32 @@ static void test_proven_among_others(void **state)
     REQUIRE(hits > 100, "%d hits", hits);
 }
 
+/* A quick proof that had spent max_evals left 0 evaluations to the search, which is the default of 2000. */
+static void test_budget_of_a_proof(void **state)
+{
+    (void)state;
+    generator g = seeded("budget of a proof");
+    for (const sgt_builtin *row = sgt_builtins(); row->type; row++) {
+        static double with[4096];
+        if (strcmp(row->type, "even_asphere") == 0) continue; /* its search for other roots has its own */
+        memcpy(with, row->specimen, row->size);
+        if (row->prepare) row->prepare(with);
+        for (int i = 0; i < 40; i++) {
+            sgt_ray r = {{uniform(&g, -1.5, 1.5), uniform(&g, -1.5, 1.5), -5},
+                         {uniform(&g, -0.1, 0.1), uniform(&g, -0.1, 0.1), 1}, 0, FAR};
+            for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++)
+                for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++)
+                    for (int most = 1; most < 8; most++) {
+                        sgt_options opt = {
+                            .proof = (sgt_proof)proof, .pick = (sgt_pick)pick, .max_evals = most};
+                        sgt_hit h = sgt_intersect((sgt_surface){row->ops, with}, r, &opt);
+                        REQUIRE(h.evals <= most + 2, "%s, proof %d, pick %d: %d evaluations, max_evals %d",
+                                row->type, proof, pick, h.evals, most);
+                    }
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -773,6 +799,7 @@ int main(void)
         cmocka_unit_test(test_other_at_the_end_of_the_chord),
         cmocka_unit_test(test_root_beside_the_aperture),
         cmocka_unit_test(test_proven_among_others),
+        cmocka_unit_test(test_budget_of_a_proof),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
