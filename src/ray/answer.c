@@ -91,7 +91,7 @@ static bool unique_root(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     sgt_hit hit;
     first.pick = SGT_FIRST, *spent = 0;
     if (!sgt_quick_proof_offered(s, &first)) return false;
-    bool proven = sgt_quick_proof_one(s, ray, &first, &hit);
+    bool proven = sgt_quick_proof_only(s, ray, &first, &hit);
     *spent = hit.evals;
     if (proven && hit.status != SGT_MISS) sgt_list_add(list, &hit);
     return proven;

@@ -13,6 +13,11 @@
  * behind a point at which F has the sign of n, or before one at which it has the other.
  * Other rays are left to proof.c.
  *
+ * A PART OF THE CHORD is enough where another argument says that the first root is in it, or that there is
+ * none: that of vicinity.h, which holds for a ray that starts before the part, or was followed to it, and for
+ * a root near the seed, which need not be the first.  So it is asked where the slope has no bound all along
+ * the chord: without a rim, and where rays graze.
+ *
  * THE BOUND.  The point is o + (t + t_lo) d.  Each coordinate is right to u of itself.  That moves F by no
  * more than the steepest gradient in the aperture times it; nothing is taken to first order.  Where F is
  * looked at apart from a trace, no product on the way to the point has underflown (fine).
@@ -27,6 +32,7 @@
 #include "../solve/step.h"
 
 #include "general.h"
+#include "wings.h"
 
 enum { BLOCK = SGT_QUICK };
 
@@ -68,16 +74,16 @@ static void points_of(slope_block *b, size_t n, const double *restrict ox, const
     }
 }
 
-/* Is the k-th hit proven?  If so, sets its t_err and p_err as sgt_unique_by_slope says. */
-static bool proven_by(const slope_block *b, size_t i, const sgt_shared *shared, const sgt_tile *tile,
-                      size_t k, double rim2)
+/* Is the k-th hit proven?  If so, sets its t_err and p_err as sgt_unique_by_slope says.  steep: as in
+ * sgt_shared, of a part of the surface that holds the point. */
+static bool proven_by(const slope_block *b, size_t i, double steep, const sgt_tile *tile, size_t k,
+                      double rim2)
 {
     const sgt_hits *h = &tile->hits;
     sgt_vec3 d = {tile->rays.d[0][k], tile->rays.d[1][k], tile->rays.d[2][k]};
     double scale = scale_of(d), x = b->x[i], y = b->y[i], z = b->z[i], far = fabs(x) + fabs(y) + fabs(z),
            t = h->t[k];
-    double moved = SGT_U * (shared->steep * (fabs(x) + fabs(y)) + fabs(z)) +
-                   0x1p-100 * (1 + shared->steep) * fabs(b->tau_lo[i]);
+    double moved = SGT_U * (steep * (fabs(x) + fabs(y)) + fabs(z)) + 0x1p-100 * (1 + steep) * fabs(b->tau_lo[i]);
     double e = (fabs(b->f[i]) + 1.01 * (b->own[i] + moved)) / b->least[i] * (1 + 8 * SGT_U);
     double t_err = larger(h->t_err[k], (fabs(h->t_lo[k]) + e * scale) * (1 + 8 * SGT_U));
     double px = h->p[0][k], py = h->p[1][k], pz = h->p[2][k];
@@ -95,12 +101,16 @@ static bool proven_by(const slope_block *b, size_t i, const sgt_shared *shared, 
     return true;
 }
 
-/* F at the points of the block, and its rounding. */
-static void look(slope_block *b, sgt_surface s, const sgt_shared *shared, size_t n)
+/* F at the points of the block, and its rounding.  noise: NULL, or rows as values_rounded of builtin.h has
+ * them. */
+static void look(slope_block *b, sgt_surface s, const sgt_shared *shared, const double *const noise[3], size_t n)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     sgt_points p = {{b->x, b->y, b->z}};
-    s.ops->values(s.self, n, p, (sgt_values){b->f, {b->gx, b->gy, b->gz}});
+    sgt_values at = {b->f, {b->gx, b->gy, b->gz}};
+    sgt_shared bare = bare_of(*shared);
+    if (noise && builtin->values_rounded && builtin->values_rounded(s.self, &bare, noise, n, p, at, b->own)) return;
+    s.ops->values(s.self, n, p, at);
     if (!builtin->roundings || !builtin->roundings(s.self, shared, n, p, b->f, b->own))
         for (size_t i = 0; i < n; i++) b->own[i] = (double)NAN;
 }
@@ -131,12 +141,12 @@ size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, boo
         builtin->spans(s.self, &shared, n, rays, (sgt_spans){b.lo, b.hi, b.seed, NULL}, b.least);
         points_of(&b, n, rays.o[0], rays.o[1], rays.o[2], rays.d[0], rays.d[1], rays.d[2],
                   tile->hits.t + from, tile->hits.t_lo + from);
-        look(&b, s, &shared, n);
+        look(&b, s, &shared, NULL, n);
         for (size_t i = 0; i < n; i++) {
             size_t k = from + i;
             if (tile->hits.status[k] != SGT_HIT || !(b.least[i] > 0)) continue;
             round_one(&b, s, i);
-            proven[k] = proven_by(&b, i, &shared, tile, k, own_rim2);
+            proven[k] = proven_by(&b, i, shared.steep, tile, k, own_rim2);
             count += proven[k];
             if (proven[k]) tile->hits.evals[k]++;
         }
@@ -172,7 +182,7 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
 /* -------------------------------------------------------------- one ray and batches */
 
 /* An estimate with more evaluations than QUICK is not proven here. */
-enum { QUICK = 24 };
+enum { QUICK = 64 };
 
 /* Rays that are to be proven: a tile of at most BLOCK, answered without a proof.  All arrays of its hits are
  * there. */
@@ -181,9 +191,15 @@ typedef struct quick_proof {
     const sgt_shared *shared;
     const sgt_tile *tile;
     double rim2, budget;
-    tally *told; /* of the only ray, if it has a watcher; else NULL */
+    tally *told;           /* of the only ray, if it has a watcher; else NULL */
+    vicinities *kept;      /* NULL: nothing but the whole chord is asked */
+    slopes_known *near;    /* NULL: the first root is wanted */
     slope_block b;
-    row t, rest; /* where F is looked at */
+    row t, rest;           /* where F is looked at */
+    row steep;             /* as in sgt_shared, of a part of the surface that holds that point */
+    row asked;             /* 1: the part of a chord that sgt_vicinity_of gives is taken, if it gives one */
+    row noise[3];          /* of these rays */
+    double work[VICINITY_ROWS][BLOCK];
 } quick_proof;
 
 bool sgt_quick_proof_offered(sgt_surface s, const sgt_options *opt)
@@ -222,14 +238,49 @@ static void look_along(quick_proof *w, bool ends)
         w->t[i] = met ? h->t[i] : ends ? left.hi : left.lo, w->rest[i] = met ? h->t_lo[i] : 0;
     }
     points_of(&w->b, n, r->o[0], r->o[1], r->o[2], r->d[0], r->d[1], r->d[2], w->t, w->rest);
-    look(&w->b, w->s, w->shared, n);
+    const double *rows[3] = {w->noise[0], w->noise[1], w->noise[2]};
+    look(&w->b, w->s, w->shared, w->shared->noise[0] < HUGE_VAL ? NULL : rows, n);
+}
+
+/* Takes a part of the chord for the rays that have no bound on the slope along the whole of it. */
+static void take_parts(quick_proof *w)
+{
+    slope_block *b = &w->b;
+    const sgt_rays *r = &w->tile->rays;
+    const sgt_hits *h = &w->tile->hits;
+    size_t n = w->tile->n;
+    double evals[BLOCK], some = 0;
+    bool chords = !w->near && marches_chord(w->shared);
+    for (size_t i = 0; i < n; i++) {
+        w->noise[0][i] = w->noise[1][i] = w->noise[2][i] = (double)NAN;
+        w->steep[i] = w->shared->steep, w->asked[i] = 0, evals[i] = h->evals[i];
+        if (!w->kept || b->least[i] > 0 || b->lo[i] > b->hi[i]) continue;
+        if (chords) b->seed[i] = chord_seed(b->seed[i], b->lo[i], b->hi[i], r->tmin[i], r->tmax[i]);
+        bool open = (h->status[i] == SGT_HIT || h->status[i] == SGT_MISS) && fabs(b->seed[i]) < HUGE_VAL;
+        w->asked[i] = open ? 1 : 0, some += w->asked[i];
+    }
+    if (some == 0) return;
+    row left;
+    memcpy(left, w->asked, sizeof left);
+    vicinity v = {.tmin = r->tmin, .tmax = r->tmax, .seed = b->seed, .asked = left, .lo = b->lo, .hi = b->hi,
+                  .least = b->least, .noise = {w->noise[0], w->noise[1], w->noise[2]}, .evals = evals,
+                  .budget = w->budget, .told = w->told};
+    for (int k = 0; k < VICINITY_ROWS; k++) v.work[k] = w->work[k];
+    sgt_vicinity_of(w->s, n, *r, w->near, w->shared, w->kept, &v);
+    for (size_t i = 0; i < n; i++) {
+        if (w->asked[i] == 0) continue;
+        h->evals[i] = (int)evals[i];
+        if (left[i] != 0) b->least[i] = 0, b->lo[i] = -HUGE_VAL, b->hi[i] = HUGE_VAL;
+        else if (b->lo[i] <= b->hi[i] && !(w->steep[i] < HUGE_VAL))
+            w->steep[i] = sgt_steep_about(w->s, h->p[0][i], h->p[1][i], w->kept);
+    }
 }
 
 /* The sign of F where it was looked at; 0 if that is not certain. */
 static double sign_there(const quick_proof *w, size_t i)
 {
     const slope_block *b = &w->b;
-    double x = fabs(b->x[i]), y = fabs(b->y[i]), z = fabs(b->z[i]), steep = w->shared->steep,
+    double x = fabs(b->x[i]), y = fabs(b->y[i]), z = fabs(b->z[i]), steep = w->steep[i],
            err = b->own[i] + SGT_U * (steep * (x + y) + z) + 0x1p-100 * (1 + steep) * fabs(b->tau_lo[i]);
     return b->fine[i] > 0 && err >= 0 ? sign_of(b->f[i], 1.01 * err) : 0;
 }
@@ -257,7 +308,7 @@ static bool is_proven(const quick_proof *w, size_t i, bool ends)
 {
     double n = w->tile->rays.d[2][i];
     if (w->tile->hits.status[i] > 0)
-        return w->b.fine[i] > 0 && proven_by(&w->b, i, w->shared, w->tile, i, w->rim2) &&
+        return w->b.fine[i] > 0 && proven_by(&w->b, i, w->steep[i], w->tile, i, w->rim2) &&
                certainly_accepted(w, i);
     return sign_there(w, i) * (ends ? -n : n) > 0;
 }
@@ -271,9 +322,10 @@ static size_t prove_tile(quick_proof *w)
     bool asks[BLOCK];
     w->s.ops->own_->spans(w->s.self, w->shared, n, w->tile->rays,
                           (sgt_spans){w->b.lo, w->b.hi, w->b.seed, NULL}, w->b.least);
+    take_parts(w);
     for (size_t i = 0; i < n; i++) {
         sgt_interval left = left_of(w, i);
-        bool one = b->least[i] > 0, missed = h->status[i] == SGT_MISS,
+        bool missed = h->status[i] == SGT_MISS, one = b->least[i] > 0 && !(missed && w->asked[i] != 0),
              passes = missed && (b->lo[i] > b->hi[i] || (one && left.lo > left.hi));
         asks[i] = one && !passes && (missed || h->status[i] == SGT_HIT) && h->evals[i] + 2 <= w->budget;
         open += asks[i];
@@ -295,23 +347,31 @@ static size_t prove_tile(quick_proof *w)
     return hard;
 }
 
+/* May a part of a chord prove what is asked?  It says nothing of the roots beyond. */
+static bool takes_parts(sgt_surface s, const sgt_options *opt)
+{
+    return !asks_unique(opt) && s.ops->own_->extent_within;
+}
+
 static void quick_proof_of(quick_proof *w, sgt_surface s, const sgt_shared *shared, const sgt_tile *tile,
-                           const sgt_options *opt)
+                           memo *known, const sgt_options *opt)
 {
     w->s = s, w->shared = shared, w->tile = tile, w->told = NULL, w->rim2 = rim2_of_surface(s);
+    w->kept = known ? &known->kept : NULL, w->near = known && opt->pick == SGT_NEAR_SEED ? &known->near : NULL;
     w->budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS;
 }
 
 size_t sgt_quick_prove(sgt_surface s, const sgt_shared *shared, const sgt_tile *tile, const sgt_options *opt)
 {
     quick_proof w;
-    quick_proof_of(&w, s, shared, tile, opt);
+    quick_proof_of(&w, s, shared, tile, takes_parts(s, opt) ? tile->memo : NULL, opt);
     return prove_tile(&w);
 }
 
-/* Proves *hit, an estimate.  false: it is not proven.  evals are counted on either way. */
+/* Proves *hit, an estimate.  false: it is not proven.  evals are counted on either way.  known: NULL if the
+ * whole chord is to be asked. */
 SGT_NOINLINE static bool prove_one(sgt_surface s, const sgt_shared *shared, const sgt_ray *ray,
-                                   const sgt_options *opt, sgt_hit *hit)
+                                   memo *known, const sgt_options *opt, sgt_hit *hit)
 {
     quick_proof w;
     sgt_status status = (sgt_status)hit->status;
@@ -320,7 +380,7 @@ SGT_NOINLINE static bool prove_one(sgt_surface s, const sgt_shared *shared, cons
                     .hits = {.status = &status, .evals = &hit->evals, .t = &hit->t, .t_err = &hit->t_err,
                              .t_lo = &hit->t_lo, .p = {&hit->p.x, &hit->p.y, &hit->p.z},
                              .n = {&hit->n.x, &hit->n.y, &hit->n.z}, .p_err = &hit->p_err}};
-    quick_proof_of(&w, s, shared, &one, opt);
+    quick_proof_of(&w, s, shared, &one, known, opt);
     if (opt->watch) w.told = &told;
     bool proven = prove_tile(&w) == 0;
     if (told.stopped) *hit = hit_without(SGT_STOPPED, ray, told.evals);
@@ -331,7 +391,7 @@ SGT_NOINLINE static bool prove_one(sgt_surface s, const sgt_shared *shared, cons
     return proven || told.stopped;
 }
 
-bool sgt_quick_proof_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
+static bool quick_proof_by(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool parts, sgt_hit *hit)
 {
     sgt_shared shared;
     sgt_options estimate = sgt_quick_estimate(opt);
@@ -339,7 +399,21 @@ bool sgt_quick_proof_one(sgt_surface s, const sgt_ray *ray, const sgt_options *o
     s.ops->own_->share(s.self, &shared);
     sgt_span span = s.ops->own_->span(s.self, &shared, ray, &least);
     hit->evals = 0;
-    if (!(least > 0 || span.lo > span.hi)) return false;
+    bool whole = least > 0 || span.lo > span.hi;
+    if (!(whole || parts)) return false;
     *hit = sgt_search_first(s, ray, &estimate);
-    return hit->status == SGT_STOPPED || prove_one(s, &shared, ray, opt, hit);
+    if (hit->status == SGT_STOPPED) return true;
+    memo known;
+    if (!whole) memo_begin(&known);
+    return prove_one(s, &shared, ray, whole ? NULL : &known, opt, hit);
+}
+
+bool sgt_quick_proof_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
+{
+    return quick_proof_by(s, ray, opt, takes_parts(s, opt), hit);
+}
+
+bool sgt_quick_proof_only(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
+{
+    return quick_proof_by(s, ray, opt, false, hit);
 }

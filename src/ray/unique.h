@@ -28,12 +28,13 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
 size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, bool proven[]);
 
 /* QUICK PROOFS, of sags made by departure/departure.c: an estimate, proven where a bound on the slope along
- * the whole chord says that it has one root at most.  Are they tried first? */
+ * the chord, or a part of it, says that it has one root at most.  Are they tried first? */
 bool sgt_quick_proof_offered(sgt_surface s, const sgt_options *opt);
 
-/* Of one ray.  true: *hit is the answer, or STOPPED; a hit is the only root on the ray.  false: the ray is
- * left to others, and hit->evals evaluations have been spent. */
+/* Of one ray.  true: *hit is the answer, or STOPPED.  false: the ray is left to others, and hit->evals
+ * evaluations have been spent.  only: a hit is also the only root on the ray. */
 bool sgt_quick_proof_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
+bool sgt_quick_proof_only(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
 
 /* Of a tile of at most SGT_QUICK valid rays, answered by sgt_lanes_general under the options of
  * sgt_quick_estimate; each array of its hits is there.  Rays that are not proven become SGT_HARD; returns how

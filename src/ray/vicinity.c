@@ -42,6 +42,14 @@ SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits,
     }
 }
 
+double sgt_steep_about(sgt_surface s, double x, double y, vicinities *kept)
+{
+    double rung = rung_above(1.02 * radius_at(x, y, 0, 0, 0), FINE), bound[4];
+    double asked = 1;
+    extents(s, 1, &rung, FINE, &asked, kept, &bound[0], &bound[1], &bound[2], &bound[3], NULL);
+    return bound[1];
+}
+
 /* How many rows that are asked have a rung that is not in the table.  (What a table has is fetched one by one
  * in this loop and the next.) */
 SGT_NOINLINE

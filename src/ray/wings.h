@@ -24,6 +24,17 @@ SGT_INLINE double rung_above(double r, int digits)
     return chosen(MASK(r < 0x1p400), above, HUGE_VAL);
 }
 
+/* The last rung that is not above r; 0 outside of that range. */
+SGT_INLINE double rung_below(double r, int digits)
+{
+    unsigned long long bits;
+    if (!(r >= 0x1p-400 && r < 0x1p400)) return 0;
+    memcpy(&bits, &r, sizeof bits);
+    bits &= ~((1ULL << digits) - 1);
+    memcpy(&r, &bits, sizeof r);
+    return r;
+}
+
 /* Not below the distance of the point at t from the axis.  If the ray comes from afar, x and y are known
  * to an ulp of their terms. */
 SGT_INLINE double radius_at(double ox, double oy, double dx, double dy, double t)

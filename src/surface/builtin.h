@@ -187,6 +187,9 @@ struct sgt_builtin_ops {
     void (*extent_in_box)(const void *self, double x, double y, double *steep, sgt_by_axis *axis);
     void (*noise_in_box)(const void *self, double x, double y, double e[2]);
     void (*noise_within)(const void *self, double radius, double e[2]);
+    /* At most the magnitude of the sag at r = radius (length), with its sign, if the sag has that sign for
+     * all r >= radius where it is defined, and is at least (r / radius)^2 times that.  0: not known. */
+    double (*tail)(const void *self, double radius);
     /* noise_within for n radii, to the bit.  NULL or false: ask one by one. */
     bool (*noises_within)(const void *self, size_t n, const double radius[], double e0[], double e1[]);
     /* Bounds like that of `rounding`, for n points at once.  F at the points is given in f.  out[i] is NaN

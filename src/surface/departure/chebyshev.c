@@ -376,8 +376,6 @@ static double in_disc(const double *h, const double *x_low, const double *y_low,
     return i < a || j < b ? 0 : larger(corner_of(h, i - a, j - b), larger(x_low[i - a], y_low[j - b]));
 }
 
-static const double FAR_OUT_OF_SQUARE = 4; /* in norms */
-
 static int chebyshev_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_chebyshev *s = self;
@@ -389,7 +387,7 @@ static int chebyshev_bounds(const void *self, region *where, bounds *out)
     chebyshev_sizes_of(across / s->norm_x * (1 + 0x1p-50), s->a.rows, &a);
     chebyshev_sizes_of(along / s->norm_y * (1 + 0x1p-50), s->a.columns, &b);
     double size = 0, px = 0, py = 0, xx = 0, xy = 0, yy = 0, u = across / s->norm_x, v = along / s->norm_y;
-    bool disc = is_disc(across, along, where->r_hi) && u > FAR_OUT_OF_SQUARE && v > FAR_OUT_OF_SQUARE;
+    bool disc = is_disc(across, along, where->r_hi) && u > 1 && v > 1;
     if (disc) {
         double h[2 * MOST], x_low[MOST], y_low[MOST];
         half_powers(s->a.rows + s->a.columns, h);

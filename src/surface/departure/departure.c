@@ -323,6 +323,15 @@ bool sgt_departure_noises(const departure_sag *s, size_t n, const double radius[
     return true;
 }
 
+/* The sag of the base is at most |c| r^2, with the sign of c: 1 + phi >= 1. */
+double sgt_departure_tail(const departure_sag *s, double radius)
+{
+    double tail = s->of->tail && radius < 0x1p400 ? s->of->tail(s->self, radius) : 0, c = s->base ? s->c : 0;
+    if (tail == 0 || c * tail >= 0) return tail;
+    double left = fabs(tail) - fabs(c) * radius * radius * (1 + 0x1p-40);
+    return left > 0 ? copysign(left, tail) : 0;
+}
+
 /* If a rectangle has no rim, the circle through its corners is taken.  That is safe because a ray is inside
  * a rectangle along one stretch at most. */
 static double rim2_within_frame(const departure_sag *s)

@@ -107,6 +107,10 @@ typedef struct departure {
      * *heights need not be set.  NULL: not known. */
     int (*by_axis)(const void *self, region *where, bounds *out, sgt_by_axis *axis, sgt_interval *heights);
 
+    /* At most |P| at r = radius (length), with the sign of P, if P keeps that sign from there on and is at
+     * least (r / radius)^2 times that at each r >= radius where it is defined.  0: not known.  NULL: never. */
+    double (*tail)(const void *self, double radius);
+
     /* May P jump where it is defined?  NULL: it does not. */
     bool (*jumps)(const void *self);
 
@@ -147,6 +151,7 @@ void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const 
                           const double *const axis[2], double *lo, double *hi, double *least);
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
 void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2]);
+double sgt_departure_tail(const departure_sag *s, double radius);
 bool sgt_departure_noises(const departure_sag *s, size_t n, const double radius[], double e0[], double e1[]);
 sgt_span sgt_departure_span(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
 void sgt_departure_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out,
@@ -223,6 +228,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  sgt_departure_heights(&v, out))                                                             \
     DEPARTURE_OF(NAME, void NAME##_noise_within(const void *self, double radius, double e[2]),               \
                  sgt_departure_noise_about(&v, radius, e))                                                   \
+    DEPARTURE_OF(NAME, double NAME##_ops_tail(const void *self, double radius),                              \
+                 return sgt_departure_tail(&v, radius))                                                      \
     DEPARTURE_OF(NAME,                                                                                       \
                  bool NAME##_noises_within(const void *self, size_t n, const double radius[], double e0[],   \
                                            double e1[]),                                                     \
@@ -268,7 +275,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \
-        .departure = &NAME##_departure};               \
+        .departure = &NAME##_departure, .tail = NAME##_ops_tail};                                            \
     const sgt_surface_ops sgt_##NAME##_ops = {                                                               \
         .name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding,  \
         .enclose = NAME##_ops_enclose, .values = NAME##_ops_values, .spans = NAME##_ops_spans,               \

@@ -16,7 +16,7 @@
  *
  * BOUNDS.  Each term is monotone in r >= 0.  So the rising terms at one end and the falling terms at the
  * other bound the sum. */
-#include "departure.h"
+#include "radial.h"
 
 enum { ODD_TERMS = 16 };
 
@@ -191,6 +191,15 @@ static int odd_bounds_over(const void *self, region *where, bounds *out)
     return 1;
 }
 
+static bounds odd_size(size_t m, double r) { return (bounds){integer_power(r, (unsigned)m + 1), 0, 0}; }
+
+/* Of a power that underflows, what is left out is below 2^-1000. */
+static double odd_tail(const void *self, double radius)
+{
+    const double *a = ((const sgt_odd_asphere *)self)->a;
+    return radius > 0x1p-60 ? radial_tail(odd_size, 1, (size_t)odd_terms_of(a), a, NULL, false, radius) : 0;
+}
+
 SGT_KERNEL
 static void odd_second(size_t n, int terms, const double *a, const double *restrict x,
                        const double *restrict y, double *restrict pxx, double *restrict pxy,
@@ -262,6 +271,6 @@ static sgt_objection odd_object(const void *self)
 static const departure odd_asphere_departure = {
     .at = odd_sag, .rounding = odd_rounding, .bounds = odd_bounds_over, .second = odd_bend,
     .parameters = odd_parameters, .by_parameter = odd_by_parameter, .object = odd_object, .noise = odd_noise,
-    .noises = odd_noises};
+    .noises = odd_noises, .tail = odd_tail};
 
 DEPARTURE_ON_CONIC(odd_asphere, sgt_odd_asphere)

@@ -104,9 +104,6 @@ SGT_INLINE q_rounded q_rounding(q_steps *step, q_weights *weigh, size_t terms, c
  * (Chebyshev): ln |T_n| grows as n times its logarithm. */
 SGT_INLINE double q_growth(double u) { return u > 1 ? u + sqrt(u * u - 1) : 1; }
 
-/* Its inverse, where that is worth while: a derivative has one degree less. */
-SGT_INLINE double q_less(double u) { return u > 1.0625 ? 1 / q_growth(u) * (1 + 0x1p-50) : 1; }
-
 /* w^n. */
 SGT_INLINE double q_power(double w, size_t n)
 {

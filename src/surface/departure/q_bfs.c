@@ -17,13 +17,14 @@
  *     T = u (1 - u^2) sin M t,    T' = (1 - 3 u^2) sin M t + M u cos t cos M t,
  *     T'' = -(M^2 + 6) u sin M t + M (2 - 5 u^2) cos M t / cos t,
  * where |sin M t| <= min(1, M t) and |cos M t / cos t| <= min(M, 1 / cos t).  A sum A sin + B cos is at
- * most the root of A^2 + B^2.  Beyond u = 1, sin M t is +-T_M(u) of Chebyshev.  Its derivatives are at
- * most M^2 and M^2 (M^2 - 1) / 3 times what a polynomial of one degree less may have grown to (q_growth).
+ * most the root of A^2 + B^2.  Beyond u = 1, sin M t is +-T_M(u) of Chebyshev.  T_M and its
+ * derivatives increase there, so their values at the far end are taken (chebyshev.c has the same steps).
  *
  * THE FACTOR.  With w = 1 - c^2 r^2, 1 / sqrt(w) has the derivatives c^2 r w^-3/2 and c^2 w^-3/2 + 3 c^4
  * r^2 w^-5/2 by r, and r^2 c w^-3/2 by c.  All grow with r.  w is off by 4 u c^2 r^2 + u w.  P is
  * undefined where w <= 0. */
 #include "q.h"
+#include "radial.h"
 
 static const double inverse_f[Q_TERMS] = {
     0.5, 0.45883146774112354, 0.3446012188022555, 0.28033098596050243,
@@ -84,17 +85,27 @@ static size_t basis(sgt_numbers a, double *b, double *b_err)
 
 /* ------------------------------------------------------------------------------------- bounds of one term */
 
+/* T_M and its two derivatives by u at u >= 1, where no term of a step is negative. */
+static bounds chebyshev_beyond(size_t M, double u)
+{
+    double t = 1, s = 0, ds = 0, w = (u - 1) * (u + 1), last = 1;
+    for (size_t i = 0; i < M; i++) {
+        double turned = u * t + w * s;
+        last = (double)i + 1, ds = u * ds + last * s, s = u * s + t, t = turned;
+    }
+    return (bounds){t, last * s, last * ds};
+}
+
 /* Bounds on T, T' and T'' over [0, u]. */
 static bounds bfs_term_bounds(size_t m, double u)
 {
     double M = 2 * (double)m + 1, v = u * u, beyond = v - 1;
     if (u > 1) {
-        double grown = q_power(q_growth(u), 2 * m + 1), less = q_less(u), first = M * M * (grown * less),
-               second = first * less * (M * M - 1) / 3;
-        return (bounds){larger(0.385, u * beyond * grown),
-                        larger(2 + 0.5 * M, (3 * v - 1) * grown + u * beyond * first),
+        bounds sine = chebyshev_beyond(2 * m + 1, u);
+        return (bounds){larger(0.385, u * beyond * sine.size),
+                        larger(2 + 0.5 * M, (3 * v - 1) * sine.size + u * beyond * sine.steep),
                         /* not below the bound within u <= 1 */
-                        6 * u * grown + 2 * (3 * v - 1) * first + u * beyond * second};
+                        6 * u * sine.size + 2 * (3 * v - 1) * sine.steep + u * beyond * sine.bend};
     }
     double cosine = sqrt(larger(1 - v, 0)), vm = v < 0.5 ? v : 0.5, us = u < 0.577 ? u * (1 - v) : 0.3850,
            sine = 1.5708 * M * u, B = M * sqrt(vm * (1 - vm));
@@ -105,13 +116,28 @@ static bounds bfs_term_bounds(size_t m, double u)
                     (M * M + 6) * u * steep_sine + M * larger(2, 5 * v - 2) * quotient};
 }
 
+/* u (u^2 - 1) T_M, which is |T|, beyond u = 1. */
+static bounds bfs_beyond_norm(size_t m, double u)
+{
+    return (bounds){u * ((u - 1) * (u + 1)) * chebyshev_beyond(2 * m + 1, u).size, 0, 0};
+}
+
+/* -T has the sign of (-1)^m there, T_(M+2) / T_M increases, and so does the factor, which is at least 1. */
+static double bfs_tail(const void *self, double radius)
+{
+    const sgt_q_bfs *s = self;
+    double b[Q_TERMS], b_err[Q_TERMS], u = radius / s->norm * (1 - 0x1p-50);
+    size_t terms = basis(s->a, b, b_err);
+    return u > 1 ? -radial_tail(bfs_beyond_norm, 0, terms, b, b_err, true, u) : 0;
+}
+
 /* With the factor u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */
 static q_weight bfs_weigh(size_t m, double v)
 {
     double u = sqrt(v), M = 2 * (double)m + 1;
     if (u > 1) {
-        double grown = q_power(q_growth(u), 2 * m + 1);
-        return (q_weight){grown, 0.5 * (M * M * u + 1) * grown};
+        bounds sine = chebyshev_beyond(2 * m + 1, u);
+        return (q_weight){sine.size * (1 + 0x1p-40), 0.5 * (u * sine.steep + sine.size) * (1 + 0x1p-40)};
     }
     double cosine = sqrt(larger(1 - v, 0)), sine = 1.5708 * M * u;
     if (!(sine < 1)) sine = 1;
@@ -346,7 +372,7 @@ static sgt_objection bfs_object(const void *self)
 static const departure q_bfs_departure = {
     .at = bfs_at, .rounding = bfs_rounding, .bounds = bfs_bounds_over, .range = bfs_range,
     .second = bfs_second, .parameters = bfs_parameters, .by_parameter = bfs_by_parameter,
-    .object = bfs_object, .noise = bfs_noise, .by_curvature = by_curvature};
+    .object = bfs_object, .noise = bfs_noise, .by_curvature = by_curvature, .tail = bfs_tail};
 
 static departure_sag on_sphere(const sgt_q_bfs *s)
 {

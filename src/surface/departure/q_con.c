@@ -14,12 +14,13 @@
  * Near the axis the maxima of the polynomials themselves are lower.  They are at v = 0 (Szego, Orthogonal
  * Polynomials, 7.32):
  *     |Q| <= B4,    |Q'| <= (m + 5) B5,    |Q''| <= (m + 5) (m + 6) B6,
- * where Bi is the binomial coefficient of m + 4 over i.  Beyond u = 1 all grow by q_growth, each
- * derivative as a polynomial of one degree less.
+ * where Bi is the binomial coefficient of m + 4 over i.  Beyond u = 1 all three
+ * increase, and are greatest at the far end (radial.h).
  *
  * The second derivative of P is P'' along the radius and P'/r across it.  Bounds on P'' are enough: P'/r
  * is a mean of P'' over [0, r]. */
 #include "q.h"
+#include "radial.h"
 
 static q_step con_step(size_t m)
 {
@@ -31,6 +32,7 @@ static q_step con_step(size_t m)
 /* Bounds on R, R' and R'' over [0, u]. */
 static bounds con_term_bounds(size_t m, double u)
 {
+    if (u > 1) return radial_beyond(m, 4, u);
     double k = (double)m, n = 2 * k + 4, N = 0.5 * (n * (n + 2) - 16), v = u * u, sine2 = 1 - v,
            sine = sqrt(larger(sine2, 0));
     double b4 = (k + 4) * (k + 3) * (k + 2) * (k + 1) / 24, q1 = (k + 5) * (b4 * k / 5),
@@ -40,13 +42,12 @@ static bounds con_term_bounds(size_t m, double u)
     double lost = u > 0 ? Q_LOST : 0;
     bounds axis = {v * v * b4 + lost, u * v * (4 * b4 + 2 * v * q1) + lost,
                    v * (12 * b4 + v * (18 * q1 + v * 4 * q2)) + lost};
-    if (u < 1 && bernstein.steep < e.steep) e.steep = bernstein.steep;
-    if (u < 1 && bernstein.bend < e.bend) e.bend = bernstein.bend;
+    if (bernstein.steep < e.steep) e.steep = bernstein.steep;
+    if (bernstein.bend < e.bend) e.bend = bernstein.bend;
     if (axis.size < e.size) e.size = axis.size;
     if (axis.steep < e.steep) e.steep = axis.steep;
     if (axis.bend < e.bend) e.bend = axis.bend;
-    double grown = u > 1 ? q_power(q_growth(u), 2 * m + 4) : 1, less = q_less(u);
-    return (bounds){e.size * grown, e.steep * (grown * less), e.bend * (grown * (less * less))};
+    return e;
 }
 
 /* With the factor v^2: v^2 Q = R, v^3 Q' = (u R' - 4 R) / 2. */
@@ -67,6 +68,16 @@ static bounds con_all_bounds(const sgt_q_con *s, double r)
         if (a > 0) sum.size += a * e.size, sum.steep += a * e.steep, sum.bend += a * e.bend;
     }
     return (bounds){q_bound(sum.size), q_bound(sum.steep / s->norm), q_bound(sum.bend / s->norm / s->norm)};
+}
+
+static bounds con_beyond_norm(size_t m, double u) { return radial_beyond(m, 4, u); }
+
+/* R_(m+1) / R_m increases where u >= 1, as all zeros are nearer and lie between each other. */
+static double con_tail(const void *self, double radius)
+{
+    const sgt_q_con *s = self;
+    double u = radius / s->norm * (1 - 0x1p-50);
+    return u >= 1 ? radial_tail(con_beyond_norm, 0, q_terms(s->a), s->a.x, NULL, false, u) : 0;
 }
 
 static int con_bounds_over(const void *self, region *where, bounds *out)
@@ -185,6 +196,7 @@ static sgt_objection con_object(const void *self)
 
 static const departure q_con_departure = {
     .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = con_second,
-    .parameters = con_parameters, .by_parameter = con_by_parameter, .object = con_object, .noise = con_noise};
+    .parameters = con_parameters, .by_parameter = con_by_parameter, .object = con_object, .noise = con_noise,
+    .tail = con_tail};
 
 DEPARTURE_ON_CONIC(q_con, sgt_q_con)

@@ -85,6 +85,20 @@ static sgt_interval sum_range(const void *self, const region *where)
     return sum;
 }
 
+/* Known if all have the same sign. */
+static double sum_tail(const void *self, double radius)
+{
+    const sgt_sum *s = self;
+    double sum = 0;
+    for (size_t k = 0; k < s->count; k++) {
+        const departure *term = of(&s->terms[k]);
+        double own = term->tail ? term->tail(s->terms[k].self, radius) : 0;
+        if (own == 0 || own * sum < 0) return 0;
+        sum += own * (1 - 0x1p-40);
+    }
+    return sum;
+}
+
 static void sum_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
                        double *pyy)
 {
@@ -132,6 +146,7 @@ static sgt_objection sum_object(const void *self)
 
 static const departure sum_departure = {
     .at = sum_at, .rounding = sum_rounding, .bounds = sum_bounds, .range = sum_range, .second = sum_second,
-    .parameters = sum_parameters, .by_parameter = sum_by_parameter, .object = sum_object, .noise = sum_noise};
+    .parameters = sum_parameters, .by_parameter = sum_by_parameter, .object = sum_object, .noise = sum_noise,
+    .tail = sum_tail};
 
 DEPARTURE_ON_CONIC(sum, sgt_sum)

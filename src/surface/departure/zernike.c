@@ -39,10 +39,11 @@
  *     |grad V| <= R'(1) = L / 2,    |second derivative| <= R''(1) = (L (L - 4) + 4 m^2) / 8.
  * Within u < 1 also |grad| <= n / sqrt(1 - u^2) (Bernstein's inequality for a ball: Sarantopoulos 1991,
  * Math. Proc. Camb. Phil. Soc. 110, 307).  Applied twice, by way of the circle of radius^2 (1 + u^2) / 2,
- * it gives |second derivative| <= 2 n (n - 1) / (1 - u^2).  Beyond the circle each derivative grows as a
- * polynomial of one degree less. */
+ * it gives |second derivative| <= 2 n (n - 1) / (1 - u^2).  Beyond the circle, by the same
+ * sums, every derivative is greatest at the far end of the real axis: the values are R, R' and R'' there
+ * (radial.h). */
 #include "bend.h"
-#include "departure.h"
+#include "radial.h"
 
 /* The orders of one m: k <= 71 (Fringe: (k + m + 1)^2 - 2 m <= 5151), rounded up to a multiple of four. */
 enum { MOST_TERMS = 5151, MOST_ORDERS = 72, MOST_DEGREE = 142 };
@@ -393,20 +394,19 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
            along = larger(fabs(where->y.lo), fabs(where->y.hi));
     double corner = length_of(across, along) * (1 + 0x1p-50), r = corner < where->r_hi ? corner : where->r_hi;
     double u = r / z->norm * (1 + 0x1p-50), inside = u < 1 ? (1 - u) * (1 + u) : 0, root = sqrt(inside),
-           w = growth(u), less = u > 1.0625 ? 1 / w : 1, grown = 1;
-    double size = 0, steep = 0, bend = 0;
-    for (size_t m = 0; zernike_place(z, m, 0) < terms; m++, grown *= w) {
-        double power = grown; /* w^n */
-        for (size_t k = 0, at; (at = zernike_place(z, m, k)) < terms; k++, power *= w * w) {
+           size = 0, steep = 0, bend = 0;
+    for (size_t m = 0; zernike_place(z, m, 0) < terms; m++) {
+        for (size_t k = 0, at; (at = zernike_place(z, m, k)) < terms; k++) {
             double a = fabs(z->a.x[at]), b = m > 0 && at + 1 < terms ? fabs(z->a.x[at + 1]) : 0;
             /* >= sqrt(a^2 + b^2) */
-            double both = ((a > b ? a : b) + 0.4142136 * (a > b ? b : a)) * unit(z, m, k) * power;
+            double both = ((a > b ? a : b) + 0.4142136 * (a > b ? b : a)) * unit(z, m, k);
+            if (both == 0) continue;
             double n = (double)(m + 2 * k), m2 = (double)(m * m), l = n * (n + 2) - m2, n2 = 2 * n * (n - 1);
             double first = 0.5 * l, second = 0.125 * (l * (l - 4) + 4 * m2);
-            size += both;
-            steep +=
-                both * less * (first * root > n ? n / root : first); /* each derivative has one degree less */
-            bend += both * (less * less) * (second * inside > n2 ? n2 / inside : second);
+            bounds e = u > 1 ? radial_beyond(k, m, u)
+                             : (bounds){1, first * root > n ? n / root : first,
+                                        second * inside > n2 ? n2 / inside : second};
+            size += both * e.size, steep += both * e.steep, bend += both * e.bend;
         }
     }
     double up = 1 + 0x1p-30;
