@@ -90,7 +90,7 @@
 
 #include <sagitta/interval.h>
 
-enum { MOST_STEPS = 1024, EDGE_RUNGS = 9, LEAVING = 32 };
+enum { MOST_STEPS = 256, EDGE_RUNGS = 9, LEAVING = 32 };
 
 /* The rows of a lane.
  *
@@ -383,9 +383,47 @@ static void bend_along(rows a, size_t k, sgt_interval bent, const sgt_by_axis *b
     a[BENT_LO][k] = -hi, a[BENT_HI][k] = -lo;
 }
 
+/* A ray about the point nearest the axis, by its scaled direction: t there; bounds on r^2; z, and what it
+ * may be off; n, and l^2 + m^2. */
+typedef struct outlook { double t, near2, far2, z, off, n, a; } outlook;
+
+static outlook outlook_of(rows row, size_t k)
+{
+    double l = row[DX][k], m = row[DY][k], ox = row[OX][k], oy = row[OY][k], oz = row[OZ][k],
+           a = l * l + m * m, first = -(ox * l + oy * m) / a, x = ox + first * l, y = oy + first * m,
+           t = first - (x * l + y * m) / a, n = row[DZ][k], cross = fabs(x * m - y * l),
+           lost = 0x1p-49 * (fabs(ox) + fabs(oy) + fabs(first) * (fabs(l) + fabs(m))),
+           near = larger(cross - lost, 0), far = cross + lost;
+    return (outlook){t, near * near / a * (1 - 0x1p-40), far * far / a * (1 + 0x1p-40), oz + t * n,
+                     0x1p-40 * (fabs(oz) + fabs(t * n)), n, a};
+}
+
+/* How far from that point the ray is at r; 0 if it is nowhere so near, or that is not known. */
+static double way_to(const outlook *e, double r2, double least2)
+{
+    double w2 = (r2 - least2) / e->a;
+    return w2 > 0 && w2 < HUGE_VAL ? sqrt(w2) : 0;
+}
+
+/* Sets what is known of the part of row k within R.  |x| and |y| are greatest where it leaves the circle, as
+ * r is.  false: the part is not narrower than the circle, or no more is known of it. */
+static bool enclose_part(sgt_surface s, double R, rows a, size_t k)
+{
+    outlook e = outlook_of(a, k);
+    double l = a[DX][k], m = a[DY][k], ox = a[OX][k], oy = a[OY][k], lost = 0x1p-46 * (fabs(ox) + fabs(oy)),
+           w = R < HUGE_VAL && e.a > 0x1p-80 ? way_to(&e, R * R, e.near2) : HUGE_VAL;
+    sgt_part part = {.radius = R, .l = l, .m = m};
+    part.x = (fabs(ox + e.t * l) + w * fabs(l) + lost) * (1 + 0x1p-20);
+    part.y = (fabs(oy + e.t * m) + w * fabs(m) + lost) * (1 + 0x1p-20);
+    if (!(part.x < R || part.y < R) || !s.ops->own_->extent_in_part(s.self, &part)) return false;
+    a[STEEP][k] = part.steep, a[BENT_LO][k] = -part.bent.hi, a[BENT_HI][k] = -part.bent.lo;
+    a[E0][k] = part.noise[0], a[E1][k] = part.noise[1];
+    return true;
+}
+
 /* Sets the lane's radius to the one wanted, and what is known within it.  edge: of the domain, where the
  * slope of the base has no bound. */
-static void enclose_in(sgt_surface s, double edge, rings *kept, rows a, size_t i)
+static void enclose_in(sgt_surface s, double edge, bool boxed, rings *kept, rows a, size_t i)
 {
     double rung = a[WANTED][i];
     for (int k = 1; k <= EDGE_RUNGS && rung > edge * (1 - 0x1p-10); k++) {
@@ -394,6 +432,7 @@ static void enclose_in(sgt_surface s, double edge, rings *kept, rows a, size_t i
     }
     if (rung == a[RADIUS][i]) return;
     a[RADIUS][i] = rung;
+    if (boxed && enclose_part(s, rung, a, i)) return;
     const ring *e = ring_about(s, rung, kept);
     a[STEEP][i] = e->steep, a[E0][i] = e->noise[0], a[E1][i] = e->noise[1];
     bend_along(a, i, e->bent, NULL);
@@ -424,31 +463,10 @@ static double tail_from(sgt_surface s, double radius, rings *kept)
 {
     if (!(radius > 0)) return 0;
     rings_begin(kept);
-    kept_tail *e = &kept->tails[place_of(radius, FINE, TAILS)];
+    /* powers of two have a place each, and so have the eighths of one */
+    kept_tail *e = &kept->tails[(place_of(radius, COARSE, TAILS) + 5 * place_of(radius, FINE, 8)) % TAILS];
     if (e->radius != radius) e->radius = radius, e->least = s.ops->own_->tail(s.self, radius);
     return e->least;
-}
-
-/* A ray about the point nearest the axis, by its scaled direction: t there; bounds on r^2; z, and what it
- * may be off; n, and l^2 + m^2. */
-typedef struct outlook { double t, near2, far2, z, off, n, a; } outlook;
-
-static outlook outlook_of(rows row, size_t k)
-{
-    double l = row[DX][k], m = row[DY][k], ox = row[OX][k], oy = row[OY][k], oz = row[OZ][k],
-           a = l * l + m * m, first = -(ox * l + oy * m) / a, x = ox + first * l, y = oy + first * m,
-           t = first - (x * l + y * m) / a, n = row[DZ][k], cross = fabs(x * m - y * l),
-           lost = 0x1p-49 * (fabs(ox) + fabs(oy) + fabs(first) * (fabs(l) + fabs(m))),
-           near = larger(cross - lost, 0), far = cross + lost;
-    return (outlook){t, near * near / a * (1 - 0x1p-40), far * far / a * (1 + 0x1p-40), oz + t * n,
-                     0x1p-40 * (fabs(oz) + fabs(t * n)), n, a};
-}
-
-/* How far from that point the ray is at r; 0 if it is nowhere so near, or that is not known. */
-static double way_to(const outlook *e, double r2, double least2)
-{
-    double w2 = (r2 - least2) / e->a;
-    return w2 > 0 && w2 < HUGE_VAL ? sqrt(w2) : 0;
 }
 
 /* Is nothing met at `radius` and beyond, on the way in (side -1), or out (1)?  See THE TAIL. */
@@ -728,7 +746,8 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         size_t k = left;
         lay_row(a, k, &ray, i, t, v->seed[i]);
         outlook out = outlook_of(a, k);
-        double clear = past_tail(s, &out, a[T][k], radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t), &kept->rings);
+        double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
+        double clear = past_tail(s, &out, a[T][k], smaller(begins, edge), &kept->rings);
         if (clear > a[T][k]) t = clear * scale_of(ray.d);
         t = inside_edge(s, &ray, t, edge, kept, v, &v->evals[i]);
         if (!(t <= ray.tmax) || (v->told && v->told->stopped)) continue; /* nor NaN */
@@ -736,11 +755,11 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         left++;
         double x = ray.o.x + t * ray.d.x, y = ray.o.y + t * ray.d.y;
         double outward = x * a[DX][k] + y * a[DY][k];
-        double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
+        begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
         a[END][k] = 4 * larger(begins, radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, v->seed[i]));
         if (edge < HUGE_VAL) a[END][k] = HUGE_VAL;
         a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as wings_judge has it */
-        enclose_in(s, edge, &kept->rings, a, k);
+        enclose_in(s, edge, bare->boxed, &kept->rings, a, k);
     }
     march_rows(s, left, r, IN_RINGS, bare, edge, kept, v, a);
 }
@@ -784,7 +803,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 wings_leave(a, i, --left);
             } else if (verdict == MOVED && !spent) {
                 double t = a[T][i] * scale;
-                if (in_rings) enclose_in(s, edge, &kept->rings, a, i);
+                if (in_rings) enclose_in(s, edge, known->boxed, &kept->rings, a, i);
                 if (mode == IN_BOX) {
                     if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);
                 } else if (t > ray.tmax

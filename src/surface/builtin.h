@@ -97,6 +97,7 @@ typedef struct sgt_shared {
     sgt_by_axis axis;  /* these two are read only if by_axis is set */
     double lean;
     bool by_axis;
+    bool boxed; /* extent_in_part says more than extent_within */
 } sgt_shared;
 
 /* What the departure adds to the rounding of F at a point of that r^2.  NaN beyond most2, and nearer to
@@ -121,6 +122,11 @@ typedef struct sgt_extent { double radius2, steep; sgt_interval z, bent; sgt_by_
 #define SGT_ANY_NUMBER {-HUGE_VAL, HUGE_VAL}
 #define SGT_NO_AXES {HUGE_VAL, HUGE_VAL, HUGE_VAL, 0, SGT_ANY_NUMBER, SGT_ANY_NUMBER}
 #define SGT_NO_EXTENT {0, HUGE_VAL, SGT_ANY_NUMBER, SGT_ANY_NUMBER, SGT_NO_AXES}
+
+/* The part of a surface within a radius where |x| and |y| are at most these, and what is known of it along
+ * (l, m): `steep` as in sgt_shared; what the second derivative of the sag along (l, m) lies in, as it is for
+ * that length; and noise as noise_within has it. */
+typedef struct sgt_part { double radius, x, y, l, m, steep; sgt_interval bent; double noise[2]; } sgt_part;
 
 /* What is known of a surface ring by ring.  Ring j reaches from j to j + 1 times `width` from the axis.  In
  * it the sag lies in [low[j], high[j]].  If low[j] > high[j], no part of the surface lies in the ring.
@@ -190,6 +196,8 @@ struct sgt_builtin_ops {
     /* At most the magnitude of the sag at r = radius (length), with its sign, if the sag has that sign for
      * all r >= radius where it is defined, and is at least (r / radius)^2 times that.  0: not known. */
     double (*tail)(const void *self, double radius);
+    /* Fills in what is known of a part.  false: no more is known than within the radius. */
+    bool (*extent_in_part)(const void *self, sgt_part *part);
     /* noise_within for n radii, to the bit.  NULL or false: ask one by one. */
     bool (*noises_within)(const void *self, size_t n, const double radius[], double e0[], double e1[]);
     /* Bounds like that of `rounding`, for n points at once.  F at the points is given in f.  out[i] is NaN

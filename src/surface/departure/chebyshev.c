@@ -349,12 +349,12 @@ static void chebyshev_rounding(const void *self, double x, double y, double *p_e
 }
 
 /* sigma <= 1, so k <= 5.4143.  |x T_n'| is greatest at the far end. */
-static void chebyshev_noise(const void *self, double radius, double e[2])
+static void chebyshev_noise_in_box(const void *self, double x, double y, double e[2])
 {
     const sgt_chebyshev *s = self;
     sizes a, b;
-    double x = radius / s->norm_x * (1 + 0x1p-50), y = radius / s->norm_y * (1 + 0x1p-50),
-           sums = chebyshev_sums_of(s), p = 0;
+    x = x / s->norm_x * (1 + 0x1p-50), y = y / s->norm_y * (1 + 0x1p-50);
+    double sums = chebyshev_sums_of(s), p = 0;
     chebyshev_sizes_of(x, s->a.rows, &a);
     chebyshev_sizes_of(y, s->a.columns, &b);
     for (size_t i = 0; i < s->a.rows; i++) {
@@ -368,6 +368,11 @@ static void chebyshev_noise(const void *self, double radius, double e[2])
     e[0] = chebyshev_known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
 }
 
+static void chebyshev_noise(const void *self, double radius, double e[2])
+{
+    chebyshev_noise_in_box(self, radius, radius, e);
+}
+
 /* The maximum, over a disc, of the factors of T_i and T_j derived a and b times, beside their values at
  * the far end (see the head of this file). */
 static double in_disc(const double *h, const double *x_low, const double *y_low, size_t i, size_t j, size_t a,
@@ -376,11 +381,13 @@ static double in_disc(const double *h, const double *x_low, const double *y_low,
     return i < a || j < b ? 0 : larger(corner_of(h, i - a, j - b), larger(x_low[i - a], y_low[j - b]));
 }
 
-static int chebyshev_bounds(const void *self, region *where, bounds *out)
+/* Bounds of |P| and its derivatives. */
+typedef struct entries { double size, px, py, xx, xy, yy; } entries;
+
+static entries chebyshev_entries(const sgt_chebyshev *s, const region *where)
 {
-    const sgt_chebyshev *s = self;
     sizes a, b;
-    double up = 1 + 0x1p-30, across = larger(fabs(where->x.lo), fabs(where->x.hi)),
+    double across = larger(fabs(where->x.lo), fabs(where->x.hi)),
            along = larger(fabs(where->y.lo), fabs(where->y.hi));
     if (across > where->r_hi) across = where->r_hi;
     if (along > where->r_hi) along = where->r_hi;
@@ -416,9 +423,27 @@ static int chebyshev_bounds(const void *self, region *where, bounds *out)
     }
     px /= s->norm_x, py /= s->norm_y, xx = xx / s->norm_x / s->norm_x, xy = xy / s->norm_x / s->norm_y,
                                       yy = yy / s->norm_y / s->norm_y;
-    *out = (bounds){chebyshev_known(size * up), chebyshev_known(length_of(px, py) * up),
-                    chebyshev_known(norm_of(xx, xy, yy) * up)};
+    return (entries){size, px, py, xx, xy, yy};
+}
+
+static int chebyshev_bounds_by(entries e, double bend, bounds *out)
+{
+    double up = 1 + 0x1p-30;
+    *out = (bounds){chebyshev_known(e.size * up), chebyshev_known(length_of(e.px, e.py) * up),
+                    chebyshev_known(bend * up)};
     return 1;
+}
+
+static int chebyshev_bounds(const void *self, region *where, bounds *out)
+{
+    entries e = chebyshev_entries(self, where);
+    return chebyshev_bounds_by(e, norm_of(e.xx, e.xy, e.yy), out);
+}
+
+static int chebyshev_bounds_along(const void *self, region *where, double l, double m, bounds *out)
+{
+    entries e = chebyshev_entries(self, where);
+    return chebyshev_bounds_by(e, e.xx * (l * l) + 2 * e.xy * fabs(l * m) + e.yy * (m * m), out);
 }
 
 static sgt_objection chebyshev_object(const void *self)
@@ -438,6 +463,7 @@ static sgt_objection chebyshev_object(const void *self)
 static const departure chebyshev_departure = {
     .at = chebyshev_at, .rounding = chebyshev_rounding, .bounds = chebyshev_bounds,
     .second = chebyshev_second, .parameters = chebyshev_parameters, .by_parameter = chebyshev_by_parameter,
-    .object = chebyshev_object, .noise = chebyshev_noise};
+    .object = chebyshev_object, .noise = chebyshev_noise,
+    .noise_in_box = chebyshev_noise_in_box, .bounds_along = chebyshev_bounds_along};
 
 DEPARTURE_ON_CONIC(chebyshev, sgt_chebyshev)

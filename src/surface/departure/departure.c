@@ -415,6 +415,23 @@ void sgt_departure_in_box(const departure_sag *s, double x, double y, double *st
     *steep = b.steep * (1 + 0x1p-20) + DEPARTURE_LOST, *axis = widened(*axis);
 }
 
+bool sgt_departure_in_part(const departure_sag *s, sgt_part *part)
+{
+    if (!s->of->bounds_along || !(part->radius < 0x1p400)) return false;
+    double wide = 1 + 0x1p-19, r = part->radius * wide, x = part->x * wide, y = part->y * wide, c = s->base ? s->c : 0,
+           steep = conic_slope(c, 1 + s->k, r), a = part->l * part->l + part->m * part->m;
+    region where = {{-x, x}, {-y, y}, 0, r};
+    bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    sgt_interval bent = bent_within(c, 1 + s->k, r, 0);
+    if (s->of->bounds_along(s->self, &where, part->l, part->m, &b) != 1) return false;
+    steep = (steep + b.steep + DEPARTURE_LOST) * wide, b.bend = b.bend * wide + AXIS_LOST;
+    if (!(steep < 0x1p500 && b.bend < HUGE_VAL && bent.hi < HUGE_VAL)) return false;
+    part->steep = steep;
+    part->bent = sag_wider(sgt_interval_between(bent.lo * a - b.bend, bent.hi * a + b.bend));
+    sgt_departure_noise_in_box(s, part->x, part->y, part->noise);
+    return true;
+}
+
 void sgt_departure_noise_in_box(const departure_sag *s, double x, double y, double e[2])
 {
     e[0] = e[1] = (double)NAN;
@@ -479,7 +496,7 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
     extent_of(s, false, &e);
     shared->c = s->c, shared->k1 = 1 + s->k, shared->radius2 = e.radius2, shared->steep = e.steep;
     shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bent = e.bent;
-    shared->by_axis = s->of->by_axis != NULL;
+    shared->by_axis = s->of->by_axis != NULL, shared->boxed = s->of->bounds_along != NULL;
     if (shared->by_axis) shared->axis = e.axis, shared->lean = s->lean;
     shared->most2 = rim2_within_frame(s) * (1 + 0x1p-20);
     sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);

@@ -66,6 +66,10 @@ typedef struct departure {
      *       defined.  The bounds hold where P is defined. */
     int (*bounds)(const void *self, region *where, bounds *out);
 
+    /* As `bounds`, with the bend along (l, m) for that length: >= |l^2 P_xx + 2 l m P_xy + m^2 P_yy|.  Given
+     * if that is much less in a narrow box than in a disc.  NULL: it is not. */
+    int (*bounds_along)(const void *self, region *where, double l, double m, bounds *out);
+
     /* The range of P over the region, where it is defined.  Asked near the edge of the domain, where the
      * gradient has no bound.  NULL: +- size is taken. */
     sgt_interval (*range)(const void *self, const region *where);
@@ -95,7 +99,7 @@ typedef struct departure {
     /* `noise` for n finite radii, to the bit.  NULL: one by one. */
     void (*noises)(const void *self, size_t n, const double *radius, double *e0, double *e1);
 
-    /* As `noise`, where |x| and |y| are at most these, and P has by_axis. */
+    /* As `noise`, where |x| and |y| are at most these, and P has by_axis or bounds_along. */
     void (*noise_in_box)(const void *self, double x, double y, double e[2]);
 
     /* Set if P is defined within a rectangle and nowhere else.  Then `bounds` holds where P is defined,
@@ -151,6 +155,7 @@ void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const 
                           const double *const axis[2], double *lo, double *hi, double *least);
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
 void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2]);
+bool sgt_departure_in_part(const departure_sag *s, sgt_part *part);
 double sgt_departure_tail(const departure_sag *s, double radius);
 bool sgt_departure_noises(const departure_sag *s, size_t n, const double radius[], double e0[], double e1[]);
 sgt_span sgt_departure_span(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
@@ -228,6 +233,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  sgt_departure_heights(&v, out))                                                             \
     DEPARTURE_OF(NAME, void NAME##_noise_within(const void *self, double radius, double e[2]),               \
                  sgt_departure_noise_about(&v, radius, e))                                                   \
+    DEPARTURE_OF(NAME, bool NAME##_in_part(const void *self, sgt_part *part),                                \
+                 return sgt_departure_in_part(&v, part))                                                     \
     DEPARTURE_OF(NAME, double NAME##_ops_tail(const void *self, double radius),                              \
                  return sgt_departure_tail(&v, radius))                                                      \
     DEPARTURE_OF(NAME,                                                                                       \
@@ -275,7 +282,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \
-        .departure = &NAME##_departure, .tail = NAME##_ops_tail};                                            \
+        .departure = &NAME##_departure, .tail = NAME##_ops_tail,                                             \
+        .extent_in_part = NAME##_in_part};                                                                   \
     const sgt_surface_ops sgt_##NAME##_ops = {                                                               \
         .name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding,  \
         .enclose = NAME##_ops_enclose, .values = NAME##_ops_values, .spans = NAME##_ops_spans,               \
