@@ -79,6 +79,8 @@
  * than what the rim is soft by. */
 #include "proof.h"
 
+#include "tail.h"
+
 #include "../num/bits.h"
 #include "../solve/root.h"
 #include "../solve/step.h"
@@ -678,6 +680,7 @@ bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
 {
     *span = (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL};
     if (s.ops->span) *span = s.ops->span(s.self, ray);
+    sgt_cut_tails(s, ray, span);
     bool by = span->lo > span->hi;
     /* a root at an end of the span is to be inside */
     double room = 0x1p-50 * ((fabs(span->lo) < HUGE_VAL ? fabs(span->lo) : 0) +

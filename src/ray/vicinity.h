@@ -37,13 +37,12 @@
 #ifndef SGT_RAY_VICINITY_H
 #define SGT_RAY_VICINITY_H
 
-#include "../surface/builtin.h"
+#include "tail.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 32, TAILS = 16, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
+enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 32, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
 typedef struct ring { double radius, steep; sgt_interval bent; double noise[2]; } ring;
-typedef struct kept_tail { double radius, least; } kept_tail;
-typedef struct rings { bool any; ring of[RINGS]; kept_tail tails[TAILS]; } rings; /* of wings.c */
+typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
 typedef struct box { double x, y, steep; sgt_by_axis axis; double noise[2]; bool noisy; } box;
 /* Of sgt_extent, what the stretch is made of; low and high are its z. */
 typedef struct known_part { double radius2, steep, low, high, steep_x, steep_y; } known_part;
@@ -52,6 +51,7 @@ typedef struct vicinities {
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
     known_part part[VICINITIES];
     rings rings;
+    sgt_tails tails;
     bool any_heights, any_boxes;
     sgt_heights heights; /* of the whole surface */
 } vicinities;
@@ -82,7 +82,7 @@ SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
-    v->rings.any = v->any_heights = v->any_boxes = false;
+    v->rings.any = v->tails.any = v->any_heights = v->any_boxes = false;
 }
 
 SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), vicinities_begin(&m->kept); }

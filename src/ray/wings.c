@@ -58,15 +58,8 @@
  * nothing is met as far as what is known reaches.  That is a miss if the chord or the ray ends there, or the
  * ray is then below or above all of the surface.
  *
- * THE TAIL.  Of many sags the last terms outgrow all others from some radius on (sgt_builtin_ops.tail): the sag
- * is s L (r / R)^2 or more beyond R, s = +-1, L > 0.  On the ray r^2 = r0^2 + a w^2, with w counted from the
- * point nearest the axis and z0 the height there, and z = z0 +- n w.  So on one side of that point nothing is
- * met beyond R if s z < L at R, and the sag grows faster than s z from there on:
- *
- *     2 a w L >= R^2 g at R, where g = +-s n is the slope of s z outward, or g <= 0.
- *
- * (The left side is the slope of L (r / R)^2, times R^2, and grows with w.)  Then the march begins at R on the
- * way in, with the least such R of a table, and on the way out the ray is a miss from R on.
+ * THE TAIL of the sag (tail.h): a ray from afar begins where nothing is certainly met before, and a ray that
+ * goes out is a miss from where nothing is met beyond.
  *
  * THE ROUNDING of F is that of the surface at the computed point, plus the gradient within the radius
  * times the error of that point.
@@ -84,6 +77,8 @@
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
 #include "wings.h"
+
+#include "tail.h"
 
 #include "../num/bits.h"
 #include "../solve/step.h"
@@ -336,19 +331,13 @@ static double wings_judge(size_t n, bool in_rings, const double *restrict dx, co
 
 /* --------------------------------------------------------------------------- the lanes */
 
-static void rings_begin(rings *kept)
-{
-    if (kept->any) return;
-    kept->any = true;
-    for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
-    for (int i = 0; i < TAILS; i++) kept->tails[i].radius = 0;
-}
-
 /* What is known within a radius: bounds on the gradient and on the second derivative of the sag, infinite or
  * NaN if unknown; and noise[0] + noise[1] r^2, which the departure adds to the rounding. */
 static const ring *ring_about(sgt_surface s, double rung, rings *kept)
 {
-    rings_begin(kept);
+    if (!kept->any)
+        for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
+    kept->any = true;
     /* The rungs of two octaves have a place each; so has every fourth rung of eight octaves. */
     ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
     if (e->radius == rung) return e;
@@ -383,35 +372,18 @@ static void bend_along(rows a, size_t k, sgt_interval bent, const sgt_by_axis *b
     a[BENT_LO][k] = -hi, a[BENT_HI][k] = -lo;
 }
 
-/* A ray about the point nearest the axis, by its scaled direction: t there; bounds on r^2; z, and what it
- * may be off; n, and l^2 + m^2. */
-typedef struct outlook { double t, near2, far2, z, off, n, a; } outlook;
-
-static outlook outlook_of(rows row, size_t k)
+static sgt_outlook outlook_of(rows a, size_t k)
 {
-    double l = row[DX][k], m = row[DY][k], ox = row[OX][k], oy = row[OY][k], oz = row[OZ][k],
-           a = l * l + m * m, first = -(ox * l + oy * m) / a, x = ox + first * l, y = oy + first * m,
-           t = first - (x * l + y * m) / a, n = row[DZ][k], cross = fabs(x * m - y * l),
-           lost = 0x1p-49 * (fabs(ox) + fabs(oy) + fabs(first) * (fabs(l) + fabs(m))),
-           near = larger(cross - lost, 0), far = cross + lost;
-    return (outlook){t, near * near / a * (1 - 0x1p-40), far * far / a * (1 + 0x1p-40), oz + t * n,
-                     0x1p-40 * (fabs(oz) + fabs(t * n)), n, a};
-}
-
-/* How far from that point the ray is at r; 0 if it is nowhere so near, or that is not known. */
-static double way_to(const outlook *e, double r2, double least2)
-{
-    double w2 = (r2 - least2) / e->a;
-    return w2 > 0 && w2 < HUGE_VAL ? sqrt(w2) : 0;
+    return sgt_outlook_of((sgt_vec3){a[OX][k], a[OY][k], a[OZ][k]}, (sgt_vec3){a[DX][k], a[DY][k], a[DZ][k]});
 }
 
 /* Sets what is known of the part of row k within R.  |x| and |y| are greatest where it leaves the circle, as
  * r is.  false: the part is not narrower than the circle, or no more is known of it. */
 static bool enclose_part(sgt_surface s, double R, rows a, size_t k)
 {
-    outlook e = outlook_of(a, k);
+    sgt_outlook e = outlook_of(a, k);
     double l = a[DX][k], m = a[DY][k], ox = a[OX][k], oy = a[OY][k], lost = 0x1p-46 * (fabs(ox) + fabs(oy)),
-           w = R < HUGE_VAL && e.a > 0x1p-80 ? way_to(&e, R * R, e.near2) : HUGE_VAL;
+           w = R < HUGE_VAL && e.a > 0x1p-80 ? sgt_way_to(&e, R * R, e.near2) : HUGE_VAL;
     sgt_part part = {.radius = R, .l = l, .m = m};
     part.x = (fabs(ox + e.t * l) + w * fabs(l) + lost) * (1 + 0x1p-20);
     part.y = (fabs(oy + e.t * m) + w * fabs(m) + lost) * (1 + 0x1p-20);
@@ -457,55 +429,6 @@ static const sgt_heights *heights_about(sgt_surface s, vicinities *kept)
     return &kept->heights;
 }
 
-/* ------------------------------------------------------------------------- the tail */
-
-static double tail_from(sgt_surface s, double radius, rings *kept)
-{
-    if (!(radius > 0)) return 0;
-    rings_begin(kept);
-    /* powers of two have a place each, and so have the eighths of one */
-    kept_tail *e = &kept->tails[(place_of(radius, COARSE, TAILS) + 5 * place_of(radius, FINE, 8)) % TAILS];
-    if (e->radius != radius) e->radius = radius, e->least = s.ops->own_->tail(s.self, radius);
-    return e->least;
-}
-
-/* Is nothing met at `radius` and beyond, on the way in (side -1), or out (1)?  See THE TAIL. */
-static bool is_clear(sgt_surface s, const outlook *e, double radius, double side, rings *kept)
-{
-    double tail = tail_from(s, radius, kept), r2 = radius * radius, sign = copysign(1, tail),
-           least = fabs(tail) * (1 - 0x1p-20), grows = sign * side * e->n, w = way_to(e, r2, e->far2),
-           most = way_to(e, r2, e->near2), off = e->off + 0x1p-30 * (fabs(e->n) * most + fabs(e->z));
-    if (!(w > 0 && least > 0)) return false;
-    return sign * e->z + grows * (grows > 0 ? most : w) + off < least && 2 * e->a * w * least >= r2 * grows;
-}
-
-/* On the way in: the last t up to which nothing is certainly met, or the one given. */
-static double past_tail(sgt_surface s, const outlook *e, double t, double r, rings *kept)
-{
-    double whole = rung_above(r, COARSE), least = 0;
-    if (!s.ops->own_->tail || !(t < e->t && whole < HUGE_VAL && e->a > 0x1p-80)) return t;
-    while ((whole *= 0.5) > 0x1p-400 && is_clear(s, e, whole, -1, kept)) least = whole;
-    /* eighths of a power of two: of 1 to 7 of them the least that is clear */
-    int low = 0, high = 8;
-    while (high - low > 1) {
-        int middle = (low + high) / 2;
-        bool clear = whole * (1 + 0.125 * middle) < r && is_clear(s, e, whole * (1 + 0.125 * middle), -1, kept);
-        if (clear) high = middle, least = whole * (1 + 0.125 * middle);
-        else low = middle;
-    }
-    double begin = least > 0 ? e->t - way_to(e, least * least, e->near2) * (1 + 0x1p-30) - 0x1p-44 * fabs(e->t) : t;
-    return larger(begin, t);
-}
-
-/* On the way out: is nothing met from t on? */
-static bool leaves_by_tail(sgt_surface s, rows a, size_t k, rings *kept)
-{
-    if (!s.ops->own_->tail) return false;
-    outlook e = outlook_of(a, k);
-    double t = a[T][k], w = (t - e.t) * (1 - 0x1p-30) - 0x1p-44 * (fabs(t) + fabs(e.t)), radius = w * sqrt(e.a);
-    return w > 0 && e.a > 0x1p-80 && is_clear(s, &e, rung_below(radius, FINE), 1, kept);
-}
-
 /* The t at which the ray is inside the edge by a part in 256, if there is certainly no root before it.
  * (At its edge a base has a slope without bound.)  NaN: that is not known.  *evals grows by what it took. */
 static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, vicinities *kept,
@@ -535,6 +458,12 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     if (v->told)
         tell_cell(v->told, SGT_MARCH, begin, lo, g, slope);
     return g.lo > 0 || g.hi < 0 ? lo : (double)NAN; /* also an empty one */
+}
+
+static bool leaves_by_tail(sgt_surface s, rows a, size_t i, sgt_tails *kept)
+{
+    sgt_outlook e = outlook_of(a, i);
+    return sgt_leaves_by_tail(s, &e, a[T][i], kept);
 }
 
 /* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  It is
@@ -745,9 +674,9 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         sgt_ray ray = row_ray(&r, v, i);
         size_t k = left;
         lay_row(a, k, &ray, i, t, v->seed[i]);
-        outlook out = outlook_of(a, k);
+        sgt_outlook out = outlook_of(a, k);
         double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
-        double clear = past_tail(s, &out, a[T][k], smaller(begins, edge), &kept->rings);
+        double clear = sgt_past_tail(s, &out, a[T][k], smaller(begins, edge), &kept->tails);
         if (clear > a[T][k]) t = clear * scale_of(ray.d);
         t = inside_edge(s, &ray, t, edge, kept, v, &v->evals[i]);
         if (!(t <= ray.tmax) || (v->told && v->told->stopped)) continue; /* nor NaN */
@@ -807,7 +736,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 if (mode == IN_BOX) {
                     if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);
                 } else if (t > ray.tmax
-                           || (in_rings ? leaves_by_tail(s, a, i, &kept->rings) ||
+                           || (in_rings ? leaves_by_tail(s, a, i, &kept->tails) ||
                                             leaves_by_edge(s, &ray, edge, a, i, scale, v)
                                       : t > v->hi[k])) {
                     is_miss(v, k);

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+/* tail.c - see tail.h. */
+#include "tail.h"
+
+#include "wings.h"
+
+static double tail_from(sgt_surface s, double radius, sgt_tails *kept)
+{
+    if (!(radius > 0)) return 0;
+    /* powers of two have a place each, and so have the eighths of one */
+    int k = (place_of(radius, COARSE, TAILS) + 5 * place_of(radius, FINE, 8)) % TAILS;
+    if (!kept->any)
+        for (int i = 0; i < TAILS; i++) kept->radius[i] = 0;
+    kept->any = true;
+    if (kept->radius[k] != radius)
+        kept->radius[k] = radius, kept->least[k] = s.ops->own_->tail(s.self, radius);
+    return kept->least[k];
+}
+
+sgt_outlook sgt_outlook_of(sgt_vec3 o, sgt_vec3 d)
+{
+    double a = d.x * d.x + d.y * d.y, first = -(o.x * d.x + o.y * d.y) / a, x = o.x + first * d.x,
+           y = o.y + first * d.y, t = first - (x * d.x + y * d.y) / a, cross = fabs(x * d.y - y * d.x),
+           lost = 0x1p-49 * (fabs(o.x) + fabs(o.y) + fabs(first) * (fabs(d.x) + fabs(d.y))),
+           near = larger(cross - lost, 0), far = cross + lost;
+    return (sgt_outlook){t, near * near / a * (1 - 0x1p-40), far * far / a * (1 + 0x1p-40), o.z + t * d.z,
+                         0x1p-40 * (fabs(o.z) + fabs(t * d.z)), d.z, a};
+}
+
+/* Is nothing met at `radius` and beyond, on the way in (side -1), or out (1)? */
+static bool is_clear(sgt_surface s, const sgt_outlook *e, double radius, double side, sgt_tails *kept)
+{
+    double tail = tail_from(s, radius, kept), r2 = radius * radius, sign = copysign(1, tail),
+           least = fabs(tail) * (1 - 0x1p-20), grows = sign * side * e->n, w = sgt_way_to(e, r2, e->far2),
+           most = sgt_way_to(e, r2, e->near2), off = e->off + 0x1p-30 * (fabs(e->n) * most + fabs(e->z));
+    if (!(w > 0 && least > 0)) return false;
+    return sign * e->z + grows * (grows > 0 ? most : w) + off < least && 2 * e->a * w * least >= r2 * grows;
+}
+
+/* Of the eighths between a power of two and the next, the least that is clear, and below r; else `least`. */
+static double least_eighth(sgt_surface s, const sgt_outlook *e, double whole, double r, double side,
+                           double least, sgt_tails *kept)
+{
+    int low = 0, high = 8;
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        double radius = whole * (1 + 0.125 * middle);
+        bool clear = radius < r && is_clear(s, e, radius, side, kept);
+        if (clear) high = middle, least = radius;
+        else low = middle;
+    }
+    return least;
+}
+
+/* How far from its point nearest the axis the ray is certainly not nearer than the radius. */
+static double way_beyond(const sgt_outlook *e, double radius)
+{
+    return sgt_way_to(e, radius * radius, e->near2) * (1 + 0x1p-30) + 0x1p-44 * fabs(e->t);
+}
+
+double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sgt_tails *kept)
+{
+    double whole = rung_above(r, COARSE), least = 0;
+    if (!s.ops->own_->tail || !(t < e->t && whole < HUGE_VAL && e->a > 0x1p-80)) return t;
+    while ((whole *= 0.5) > 0x1p-400 && is_clear(s, e, whole, -1, kept)) least = whole;
+    least = least_eighth(s, e, whole, r, -1, least, kept);
+    return least > 0 ? larger(e->t - way_beyond(e, least), t) : t;
+}
+
+bool sgt_leaves_by_tail(sgt_surface s, const sgt_outlook *e, double t, sgt_tails *kept)
+{
+    double w = (t - e->t) * (1 - 0x1p-30) - 0x1p-44 * (fabs(t) + fabs(e->t)), radius = w * sqrt(e->a);
+    return s.ops->own_->tail && w > 0 && e->a > 0x1p-80 && is_clear(s, e, rung_below(radius, FINE), 1, kept);
+}
+
+/* From the axis outward the first radius of the table that is clear; 0: none within 2^64 times as far. */
+static double first_clear(sgt_surface s, const sgt_outlook *e, double side, sgt_tails *kept)
+{
+    double whole = rung_above(larger(sqrt(e->far2), 0x1p-60), COARSE);
+    for (int i = 0; i < 64 && whole < HUGE_VAL; i++, whole *= 2)
+        if (is_clear(s, e, whole, side, kept))
+            return least_eighth(s, e, 0.5 * whole, whole, side, whole, kept);
+    return 0;
+}
+
+void sgt_cut_tails(sgt_surface s, const sgt_ray *ray, sgt_span *span)
+{
+    double scale = scale_of(ray->d);
+    sgt_vec3 d = {ray->d.x * scale, ray->d.y * scale, ray->d.z * scale};
+    sgt_outlook e = sgt_outlook_of(ray->o, d);
+    sgt_tails kept;
+    if (!is_catalogue(s.ops) || !s.ops->own_->tail || !(e.a > 0x1p-80 && fabs(e.t) < HUGE_VAL)) return;
+    kept.any = false;
+    double in = first_clear(s, &e, -1, &kept), out = first_clear(s, &e, 1, &kept);
+    double lo = in > 0 ? (e.t - way_beyond(&e, in)) * scale : -HUGE_VAL,
+           hi = out > 0 ? (e.t + way_beyond(&e, out)) * scale : HUGE_VAL;
+    if (lo > span->lo) span->lo = lo;
+    if (hi < span->hi) span->hi = hi;
+}
