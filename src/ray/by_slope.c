@@ -108,8 +108,10 @@ static void look(slope_block *b, sgt_surface s, const sgt_shared *shared, const 
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     sgt_points p = {{b->x, b->y, b->z}};
     sgt_values at = {b->f, {b->gx, b->gy, b->gz}};
-    sgt_shared bare = bare_of(*shared);
-    if (noise && builtin->values_rounded && builtin->values_rounded(s.self, &bare, noise, n, p, at, b->own)) return;
+    if (noise && builtin->values_rounded) {
+        sgt_shared bare = bare_of(*shared);
+        if (builtin->values_rounded(s.self, &bare, noise, n, p, at, b->own)) return;
+    }
     s.ops->values(s.self, n, p, at);
     if (!builtin->roundings || !builtin->roundings(s.self, shared, n, p, b->f, b->own))
         for (size_t i = 0; i < n; i++) b->own[i] = (double)NAN;
@@ -239,7 +241,7 @@ static void look_along(quick_proof *w, bool ends)
     }
     points_of(&w->b, n, r->o[0], r->o[1], r->o[2], r->d[0], r->d[1], r->d[2], w->t, w->rest);
     const double *rows[3] = {w->noise[0], w->noise[1], w->noise[2]};
-    look(&w->b, w->s, w->shared, w->shared->noise[0] < HUGE_VAL ? NULL : rows, n);
+    look(&w->b, w->s, w->shared, w->kept && !(w->shared->noise[0] < HUGE_VAL) ? rows : NULL, n);
 }
 
 /* Takes a part of the chord for the rays that have no bound on the slope along the whole of it. */
@@ -251,10 +253,11 @@ static void take_parts(quick_proof *w)
     size_t n = w->tile->n;
     double evals[BLOCK], some = 0;
     bool chords = !w->near && marches_chord(w->shared);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) w->steep[i] = w->shared->steep, w->asked[i] = 0;
+    for (size_t i = 0; i < n && w->kept; i++) {
         w->noise[0][i] = w->noise[1][i] = w->noise[2][i] = (double)NAN;
-        w->steep[i] = w->shared->steep, w->asked[i] = 0, evals[i] = h->evals[i];
-        if (!w->kept || b->least[i] > 0 || b->lo[i] > b->hi[i]) continue;
+        evals[i] = h->evals[i];
+        if (b->least[i] > 0 || b->lo[i] > b->hi[i]) continue;
         if (chords) b->seed[i] = chord_seed(b->seed[i], b->lo[i], b->hi[i], r->tmin[i], r->tmax[i]);
         bool open = (h->status[i] == SGT_HIT || h->status[i] == SGT_MISS) && fabs(b->seed[i]) < HUGE_VAL;
         w->asked[i] = open ? 1 : 0, some += w->asked[i];

@@ -58,12 +58,19 @@ static double way_beyond(const sgt_outlook *e, double radius)
     return sgt_way_to(e, radius * radius, e->near2) * (1 + 0x1p-30) + 0x1p-44 * fabs(e->t);
 }
 
-double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sgt_tails *kept)
+/* From r inward the least radius of the table from which on all is clear on the way in; 0: none. */
+static double last_clear(sgt_surface s, const sgt_outlook *e, double r, sgt_tails *kept)
 {
     double whole = rung_above(r, COARSE), least = 0;
-    if (!s.ops->own_->tail || !(t < e->t && whole < HUGE_VAL && e->a > 0x1p-80)) return t;
+    if (!(whole < HUGE_VAL)) return 0;
     while ((whole *= 0.5) > 0x1p-400 && is_clear(s, e, whole, -1, kept)) least = whole;
-    least = least_eighth(s, e, whole, r, -1, least, kept);
+    return least_eighth(s, e, whole, r, -1, least, kept);
+}
+
+double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sgt_tails *kept)
+{
+    if (!s.ops->own_->tail || !(t < e->t && e->a > 0x1p-80)) return t;
+    double least = last_clear(s, e, r, kept);
     return least > 0 ? larger(e->t - way_beyond(e, least), t) : t;
 }
 
@@ -73,25 +80,28 @@ bool sgt_leaves_by_tail(sgt_surface s, const sgt_outlook *e, double t, sgt_tails
     return s.ops->own_->tail && w > 0 && e->a > 0x1p-80 && is_clear(s, e, rung_below(radius, FINE), 1, kept);
 }
 
-/* From the axis outward the first radius of the table that is clear; 0: none within 2^64 times as far. */
-static double first_clear(sgt_surface s, const sgt_outlook *e, double side, sgt_tails *kept)
+/* From r outward the first radius of the table that is clear; 0: none within 2^64 times as far. */
+static double first_clear(sgt_surface s, const sgt_outlook *e, double r, double side, sgt_tails *kept)
 {
-    double whole = rung_above(larger(sqrt(e->far2), 0x1p-60), COARSE);
+    double whole = rung_above(larger(r, 0x1p-60), COARSE);
     for (int i = 0; i < 64 && whole < HUGE_VAL; i++, whole *= 2)
-        if (is_clear(s, e, whole, side, kept))
-            return least_eighth(s, e, 0.5 * whole, whole, side, whole, kept);
+        if (is_clear(s, e, whole, side, kept)) return least_eighth(s, e, 0.5 * whole, whole, side, whole, kept);
     return 0;
 }
 
 void sgt_cut_tails(sgt_surface s, const sgt_ray *ray, sgt_span *span)
 {
-    double scale = scale_of(ray->d);
+    double scale = scale_of(ray->d), from = ray->tmin * inverse_of_scale(ray->d);
     sgt_vec3 d = {ray->d.x * scale, ray->d.y * scale, ray->d.z * scale};
+    if (!is_catalogue(s.ops) || !s.ops->own_->tail) return;
     sgt_outlook e = sgt_outlook_of(ray->o, d);
     sgt_tails kept;
-    if (!is_catalogue(s.ops) || !s.ops->own_->tail || !(e.a > 0x1p-80 && fabs(e.t) < HUGE_VAL)) return;
     kept.any = false;
-    double in = first_clear(s, &e, -1, &kept), out = first_clear(s, &e, 1, &kept);
+    if (!(e.a > 0x1p-80 && fabs(e.t) < HUGE_VAL)) return;
+    double nearest = sqrt(e.far2), begins = radius_at(ray->o.x, ray->o.y, d.x, d.y, from), in = 0;
+    if (from == -HUGE_VAL) in = first_clear(s, &e, nearest, -1, &kept);
+    else if (from < e.t) in = last_clear(s, &e, begins, &kept);
+    double out = first_clear(s, &e, in > 0 ? in : begins < HUGE_VAL ? begins : nearest, 1, &kept);
     double lo = in > 0 ? (e.t - way_beyond(&e, in)) * scale : -HUGE_VAL,
            hi = out > 0 ? (e.t + way_beyond(&e, out)) * scale : HUGE_VAL;
     if (lo > span->lo) span->lo = lo;

@@ -140,7 +140,7 @@ static const sgt_extent *extent_about(sgt_surface s, double radius2, sgt_extents
     size_t k = (unsigned)power % SGT_EXTENTS;
     if (kept->radius2[k] == radius2) return &kept->of[k];
     kept->radius2[k] = radius2;
-    s.ops->own_->extent_within(s.self, sqrt(radius2), &kept->of[k]);
+    s.ops->own_->extent_within(s.self, sqrt(radius2), false, &kept->of[k]);
     return &kept->of[k];
 }
 

@@ -21,7 +21,7 @@ static const known_part *vicinity_within(sgt_surface s, double rung, double aske
     static const known_part none = {0, HUGE_VAL, -HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
     if (!(asked != 0 && rung < HUGE_VAL)) return &none;
     sgt_extent e = SGT_NO_EXTENT;
-    s.ops->own_->extent_within(s.self, rung, &e);
+    s.ops->own_->extent_within(s.self, rung, false, &e);
     kept->radius[place] = rung;
     kept->part[place] = (known_part){e.radius2, e.steep, e.z.lo, e.z.hi, e.axis.x, e.axis.y};
     return &kept->part[place];
@@ -42,12 +42,15 @@ SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits,
     }
 }
 
+/* A power of two, which most rays share, is as good where the sag is gentle. */
 double sgt_steep_about(sgt_surface s, double x, double y, vicinities *kept)
 {
-    double rung = rung_above(1.02 * radius_at(x, y, 0, 0, 0), FINE), bound[4];
-    double asked = 1;
-    extents(s, 1, &rung, FINE, &asked, kept, &bound[0], &bound[1], &bound[2], &bound[3], NULL);
-    return bound[1];
+    double r = 1.02 * radius_at(x, y, 0, 0, 0), asked = 1, steep = HUGE_VAL, unread[3];
+    for (int digits = COARSE; digits >= FINE && !(steep < 2); digits -= COARSE - FINE) {
+        double rung = rung_above(r, digits);
+        extents(s, 1, &rung, digits, &asked, kept, &unread[0], &steep, &unread[1], &unread[2], NULL);
+    }
+    return steep;
 }
 
 /* How many rows that are asked have a rung that is not in the table.  (What a table has is fetched one by one
@@ -90,7 +93,7 @@ static void slopes_of(sgt_surface s, size_t n, const double *rung, const double 
         int k = place_of(rung[i], COARSE, SLOPES);
         if (table->radius[k] != rung[i]) {
             sgt_extent e;
-            s.ops->own_->extent_within(s.self, rung[i], &e);
+            s.ops->own_->extent_within(s.self, rung[i], false, &e);
             table->radius[k] = rung[i], table->radius2[k] = e.radius2, table->steep[k] = e.steep;
         }
         radius2[i] = table->radius2[k], steep[i] = table->steep[k];
@@ -320,6 +323,23 @@ static double asked_all(size_t n, const double *asked)
     return count;
 }
 
+/* Few rays need these, and no others pay for `bare`. */
+SGT_NOINLINE
+static void march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
+                        const sgt_shared *whole, vicinities *kept, const vicinity *v)
+{
+    sgt_shared bare = bare_of(*whole);
+    sgt_march_wings(s, n, r, from, behind, &bare, kept, v, v->work);
+}
+
+SGT_NOINLINE
+static void march_box(sgt_surface s, size_t n, sgt_rays r, const double *from, const sgt_shared *whole,
+                      vicinities *kept, const vicinity *v)
+{
+    sgt_shared bare = bare_of(*whole);
+    sgt_march_box(s, n, r, from, &bare, kept, v, v->work);
+}
+
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v)
 {
@@ -331,12 +351,10 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     }
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
                boxes = marches && whole->by_axis;
-    sgt_shared bare = bare_of(*whole);
-    const bool behind = all_behind(n, v->asked, v->seed, v->tmin) > 0;
+    const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {
         vicinity_without_passing(s, n, r, true, kept, v);
-        if (marches && bare.radius2 < HUGE_VAL)
-            sgt_march_wings(s, n, r, v->tmin, true, &bare, kept, v, v->work);
+        if (marches && whole->radius2 < HUGE_VAL) march_wings(s, n, r, v->tmin, true, whole, kept, v);
     }
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
            *low = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7],
@@ -377,13 +395,13 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     }
     const bool boxed = left != 0 && boxes;
     if (boxed) {
-        sgt_march_box(s, n, r, from, &bare, kept, v, v->work);
+        march_box(s, n, r, from, whole, kept, v);
         left = asked_all(n, v->asked);
     }
     if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
     if (!marches || !(left != 0 || behind || boxed)) return;
     /* the march through the box has used the rows of `from` */
-    if (left != 0) sgt_march_wings(s, n, r, boxed ? v->tmin : from, false, &bare, kept, v, v->work);
+    if (left != 0) march_wings(s, n, r, boxed ? v->tmin : from, false, whole, kept, v);
     for (size_t i = 0; i < n; i++) {
         bool monotone = v->asked[i] < 0;
         if (monotone) v->asked[i] = 0;

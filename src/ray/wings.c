@@ -345,7 +345,7 @@ static const ring *ring_about(sgt_surface s, double rung, rings *kept)
     double rim = s.ops->own_->rim(s.self);
     if (!(rung < HUGE_VAL) || (rim > 0 && !(rung <= rim))) return e;
     sgt_extent extent;
-    s.ops->own_->extent_within(s.self, rung, &extent);
+    s.ops->own_->extent_within(s.self, rung, true, &extent);
     s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e->noise);
     e->steep = extent.steep, e->bent = extent.bent;
     return e;

@@ -177,13 +177,13 @@ struct sgt_builtin_ops {
     void (*share_within)(const void *self, double semi_diameter, sgt_shared *shared);
     /* The next four are for ray/vicinity.c, ray/wings.c and ray/unique.c: give all of them or none.
      *
-     * - extent_within: what is known of the surface within a radius (length).
+     * - extent_within: what is known of the surface within a radius (length); `bent` only if it is wanted.
      * - chords: for n rays, the lo, hi and least of `spans`.  Each ray has its own part of the surface,
      *   given by radius2[i] and steep[i], along x and y by axis[0][i] and axis[1][i] if axis is not NULL.
      * - heights: what is known of the whole surface, ring by ring.
      * - noise_within: how much the departure adds to the rounding of F within a radius of the axis: at most
      *   e[0] + e[1] r^2 (in the unit of F).  NaN: not known. */
-    void (*extent_within)(const void *self, double radius, sgt_extent *extent);
+    void (*extent_within)(const void *self, double radius, bool bent, sgt_extent *extent);
     void (*chords)(size_t n, sgt_rays rays, const double *radius2, const double *steep,
                    const double *const axis[2], double *lo, double *hi, double *least);
     void (*heights)(const void *self, sgt_heights *out);

@@ -394,7 +394,7 @@ static entries chebyshev_entries(const sgt_chebyshev *s, const region *where)
     chebyshev_sizes_of(across / s->norm_x * (1 + 0x1p-50), s->a.rows, &a);
     chebyshev_sizes_of(along / s->norm_y * (1 + 0x1p-50), s->a.columns, &b);
     double size = 0, px = 0, py = 0, xx = 0, xy = 0, yy = 0, u = across / s->norm_x, v = along / s->norm_y;
-    bool disc = is_disc(across, along, where->r_hi) && u > 1 && v > 1;
+    bool disc = is_disc(across, along, where->r_hi) && u > FAR_BEYOND && v > FAR_BEYOND;
     if (disc) {
         double h[2 * MOST], x_low[MOST], y_low[MOST];
         half_powers(s->a.rows + s->a.columns, h);

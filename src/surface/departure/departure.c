@@ -364,8 +364,8 @@ static sgt_by_axis widened(sgt_by_axis b)
                          sag_wider(b.xx), sag_wider(b.yy)};
 }
 
-/* The heights are worked out only if they are wanted. */
-static void extent_of(const departure_sag *s, bool wanted, sgt_extent *extent)
+/* The heights and the bend are worked out only if they are wanted. */
+static void extent_of(const departure_sag *s, bool wanted, bool bent, sgt_extent *extent)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     sgt_extent e;
@@ -383,9 +383,8 @@ static void extent_of(const departure_sag *s, bool wanted, sgt_extent *extent)
                                                     : s->of->bounds(s->self, &where, &b);
         double steep = (conic + b.steep + DEPARTURE_LOST) * (1 + 0x1p-20);
         bool bounded = whole && (defined == 1 || s->of->framed) && steep < 0x1p500;
-        if (bounded)
-            e.steep = steep * (1 + 0x1p-20),
-            e.bent = bent_within(s->base ? s->c : 0, 1 + s->k, r, b.bend);
+        if (bounded) e.steep = steep * (1 + 0x1p-20);
+        if (bounded && bent) e.bent = bent_within(s->base ? s->c : 0, 1 + s->k, r, b.bend);
         if (s->of->by_axis) e.axis = bounded ? widened(e.axis) : UNKNOWN.axis;
         if (!(s->of->by_axis && b.size < HUGE_VAL)) heights = departure_within(b.size);
         if (wanted && !(b.size < HUGE_VAL) && defined && s->of->range)
@@ -398,7 +397,10 @@ static void extent_of(const departure_sag *s, bool wanted, sgt_extent *extent)
     if (s->of->by_axis) extent->axis = e.axis;
 }
 
-void sgt_departure_within(const departure_sag *s, sgt_extent *extent) { extent_of(s, true, extent); }
+void sgt_departure_within(const departure_sag *s, bool bent, sgt_extent *extent)
+{
+    extent_of(s, true, bent, extent);
+}
 
 void sgt_departure_in_box(const departure_sag *s, double x, double y, double *steep, sgt_by_axis *axis)
 {
@@ -493,7 +495,7 @@ void sgt_departure_heights(const departure_sag *s, sgt_heights *out)
 void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
 {
     sgt_extent e;
-    extent_of(s, false, &e);
+    extent_of(s, false, true, &e);
     shared->c = s->c, shared->k1 = 1 + s->k, shared->radius2 = e.radius2, shared->steep = e.steep;
     shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bent = e.bent;
     shared->by_axis = s->of->by_axis != NULL, shared->boxed = s->of->bounds_along != NULL;

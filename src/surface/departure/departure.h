@@ -28,6 +28,10 @@
 
 enum { DEPARTURE_BLOCK = 64 };
 
+/* In norm radii: farther out the polynomials themselves are worked out for a bound.  A rim at the norm radius,
+ * made wider by rounding, is nearer, and what costs less is as good there. */
+static const double FAR_BEYOND = 1 + 0x1p-16;
+
 /* The points with x and y in these intervals and r = sqrt(x^2 + y^2) in [r_lo, r_hi]. */
 typedef struct region { sgt_interval x, y; double r_lo, r_hi; } region;
 
@@ -148,7 +152,7 @@ void sgt_departure_values(const departure_sag *s, size_t n, sgt_points p, sgt_va
 double sgt_departure_rounding(const departure_sag *s, sgt_vec3 p);
 void sgt_departure_share(const departure_sag *s, sgt_shared *shared);
 void sgt_departure_heights(const departure_sag *s, sgt_heights *out);
-void sgt_departure_within(const departure_sag *s, sgt_extent *extent);
+void sgt_departure_within(const departure_sag *s, bool bent, sgt_extent *extent);
 void sgt_departure_in_box(const departure_sag *s, double x, double y, double *steep, sgt_by_axis *axis);
 void sgt_departure_noise_in_box(const departure_sag *s, double x, double y, double e[2]);
 void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep,
@@ -221,8 +225,9 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  sgt_departure_share(&v, shared))                                                            \
     DEPARTURE_OF(NAME, void NAME##_share_within(const void *self, double most, sgt_shared *shared),          \
                  v = sgt_departure_narrowed(v, most); sgt_departure_share(&v, shared))                       \
-    DEPARTURE_OF(NAME, void NAME##_extent_within(const void *self, double most, sgt_extent *extent),         \
-                 v = sgt_departure_narrowed(v, most); sgt_departure_within(&v, extent))                      \
+    DEPARTURE_OF(NAME,                                                                                       \
+                 void NAME##_extent_within(const void *self, double most, bool bent, sgt_extent *extent),    \
+                 v = sgt_departure_narrowed(v, most); sgt_departure_within(&v, bent, extent))                \
     DEPARTURE_OF(NAME,                                                                                       \
                  void NAME##_in_box(const void *self, double x, double y, double *steep,                     \
                                     sgt_by_axis *by_axis),                                                   \

@@ -191,13 +191,15 @@ static int odd_bounds_over(const void *self, region *where, bounds *out)
     return 1;
 }
 
-static bounds odd_size(size_t m, double r) { return (bounds){integer_power(r, (unsigned)m + 1), 0, 0}; }
-
 /* Of a power that underflows, what is left out is below 2^-1000. */
 static double odd_tail(const void *self, double radius)
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;
-    return radius > 0x1p-60 ? radial_tail(odd_size, 1, (size_t)odd_terms_of(a), a, NULL, false, radius) : 0;
+    double power[ODD_TERMS], r = 1;
+    size_t terms = (size_t)odd_terms_of(a);
+    if (!(radius > 0x1p-60)) return 0;
+    for (size_t m = 0; m < terms; m++) power[m] = r *= radius;
+    return radial_tail(power, 1, terms, a, NULL, false);
 }
 
 SGT_KERNEL

@@ -85,27 +85,32 @@ static size_t basis(sgt_numbers a, double *b, double *b_err)
 
 /* ------------------------------------------------------------------------------------- bounds of one term */
 
-/* T_M and its two derivatives by u at u >= 1, where no term of a step is negative. */
-static bounds chebyshev_beyond(size_t M, double u)
+/* T_n and its two derivatives by u at u >= 1: t, n s and n ds.  No term of a step is negative. */
+typedef struct far_sine { double n, t, s, ds; } far_sine;
+
+SGT_INLINE far_sine far_sine_next(far_sine e, double u)
 {
-    double t = 1, s = 0, ds = 0, w = (u - 1) * (u + 1), last = 1;
-    for (size_t i = 0; i < M; i++) {
-        double turned = u * t + w * s;
-        last = (double)i + 1, ds = u * ds + last * s, s = u * s + t, t = turned;
-    }
-    return (bounds){t, last * s, last * ds};
+    double n = e.n + 1;
+    return (far_sine){n, u * e.t + (u - 1) * (u + 1) * e.s, u * e.s + e.t, u * e.ds + n * e.s};
 }
 
-/* Bounds on T, T' and T'' over [0, u]. */
-static bounds bfs_term_bounds(size_t m, double u)
+static far_sine far_sine_of(size_t M, double u)
+{
+    far_sine e = {0, 1, 0, 0};
+    for (size_t i = 0; i < M; i++) e = far_sine_next(e, u);
+    return e;
+}
+
+/* Bounds on T, T' and T'' over [0, u].  e: of M, where u > 1. */
+static bounds bfs_term_bounds(size_t m, double u, far_sine e)
 {
     double M = 2 * (double)m + 1, v = u * u, beyond = v - 1;
     if (u > 1) {
-        bounds sine = chebyshev_beyond(2 * m + 1, u);
-        return (bounds){larger(0.385, u * beyond * sine.size),
-                        larger(2 + 0.5 * M, (3 * v - 1) * sine.size + u * beyond * sine.steep),
+        double first = M * e.s;
+        return (bounds){larger(0.385, u * beyond * e.t),
+                        larger(2 + 0.5 * M, (3 * v - 1) * e.t + u * beyond * first),
                         /* not below the bound within u <= 1 */
-                        6 * u * sine.size + 2 * (3 * v - 1) * sine.steep + u * beyond * sine.bend};
+                        6 * u * e.t + 2 * (3 * v - 1) * first + u * beyond * (M * e.ds)};
     }
     double cosine = sqrt(larger(1 - v, 0)), vm = v < 0.5 ? v : 0.5, us = u < 0.577 ? u * (1 - v) : 0.3850,
            sine = 1.5708 * M * u, B = M * sqrt(vm * (1 - vm));
@@ -116,19 +121,18 @@ static bounds bfs_term_bounds(size_t m, double u)
                     (M * M + 6) * u * steep_sine + M * larger(2, 5 * v - 2) * quotient};
 }
 
-/* u (u^2 - 1) T_M, which is |T|, beyond u = 1. */
-static bounds bfs_beyond_norm(size_t m, double u)
-{
-    return (bounds){u * ((u - 1) * (u + 1)) * chebyshev_beyond(2 * m + 1, u).size, 0, 0};
-}
-
-/* -T has the sign of (-1)^m there, T_(M+2) / T_M increases, and so does the factor, which is at least 1. */
+/* Beyond u = 1, |T| is u (u^2 - 1) T_M, and -T has the sign of (-1)^m.  T_(M+2) / T_M increases, and so does
+ * the factor, which is at least 1. */
 static double bfs_tail(const void *self, double radius)
 {
     const sgt_q_bfs *s = self;
-    double b[Q_TERMS], b_err[Q_TERMS], u = radius / s->norm * (1 - 0x1p-50);
+    double b[Q_TERMS], b_err[Q_TERMS], size[Q_TERMS], u = radius / s->norm * (1 - 0x1p-50);
+    if (!(u > 1)) return 0;
     size_t terms = basis(s->a, b, b_err);
-    return u > 1 ? -radial_tail(bfs_beyond_norm, 0, terms, b, b_err, true, u) : 0;
+    far_sine sine = far_sine_of(1, u);
+    for (size_t m = 0; m < terms; m++, sine = far_sine_next(far_sine_next(sine, u), u))
+        size[m] = u * ((u - 1) * (u + 1)) * sine.t;
+    return -radial_tail(size, 0, terms, b, b_err, true);
 }
 
 /* With the factor u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */
@@ -136,8 +140,8 @@ static q_weight bfs_weigh(size_t m, double v)
 {
     double u = sqrt(v), M = 2 * (double)m + 1;
     if (u > 1) {
-        bounds sine = chebyshev_beyond(2 * m + 1, u);
-        return (q_weight){sine.size * (1 + 0x1p-40), 0.5 * (u * sine.steep + sine.size) * (1 + 0x1p-40)};
+        far_sine e = far_sine_of(2 * m + 1, u);
+        return (q_weight){e.t * (1 + 0x1p-40), 0.5 * (u * (M * e.s) + e.t) * (1 + 0x1p-40)};
     }
     double cosine = sqrt(larger(1 - v, 0)), sine = 1.5708 * M * u;
     if (!(sine < 1)) sine = 1;
@@ -148,8 +152,10 @@ static bounds bfs_all_bounds(const sgt_q_bfs *s, double r)
 {
     double b[Q_TERMS], b_err[Q_TERMS], u = r / s->norm * (1 + 0x1p-50), by_norm = 1 / s->norm;
     bounds T = {0, 0, 0};
+    far_sine sine = far_sine_of(u > 1 ? 1 : 0, u);
     for (size_t m = 0, terms = basis(s->a, b, b_err); m < terms; m++) {
-        bounds e = bfs_term_bounds(m, u);
+        bounds e = bfs_term_bounds(m, u, sine);
+        if (u > 1) sine = far_sine_next(far_sine_next(sine, u), u);
         double most = fabs(b[m]) + b_err[m];
         T.size += most * e.size, T.steep += most * e.steep, T.bend += most * e.bend;
     }

@@ -15,7 +15,8 @@
  * Polynomials, 7.32):
  *     |Q| <= B4,    |Q'| <= (m + 5) B5,    |Q''| <= (m + 5) (m + 6) B6,
  * where Bi is the binomial coefficient of m + 4 over i.  Beyond u = 1 all three
- * increase, and are greatest at the far end (radial.h).
+ * increase, and are greatest at the far end (radial.h).  Next to 1 they are at most q_growth(u)^n times as
+ * great.
  *
  * The second derivative of P is P'' along the radius and P'/r across it.  Bounds on P'' are enough: P'/r
  * is a mean of P'' over [0, r]. */
@@ -29,10 +30,13 @@ static q_step con_step(size_t m)
                     (k + 1) * (k + 4) * (k + 5) / ((k + 2) * (k + 3) * (k + 6))};
 }
 
+/* Apart, so that what is asked far more often is not longer. */
+SGT_NOINLINE static bounds con_beyond_norm(size_t m, double u) { return radial_beyond(m, 4, u); }
+
 /* Bounds on R, R' and R'' over [0, u]. */
 static bounds con_term_bounds(size_t m, double u)
 {
-    if (u > 1) return radial_beyond(m, 4, u);
+    if (u > FAR_BEYOND) return con_beyond_norm(m, u);
     double k = (double)m, n = 2 * k + 4, N = 0.5 * (n * (n + 2) - 16), v = u * u, sine2 = 1 - v,
            sine = sqrt(larger(sine2, 0));
     double b4 = (k + 4) * (k + 3) * (k + 2) * (k + 1) / 24, q1 = (k + 5) * (b4 * k / 5),
@@ -42,12 +46,13 @@ static bounds con_term_bounds(size_t m, double u)
     double lost = u > 0 ? Q_LOST : 0;
     bounds axis = {v * v * b4 + lost, u * v * (4 * b4 + 2 * v * q1) + lost,
                    v * (12 * b4 + v * (18 * q1 + v * 4 * q2)) + lost};
-    if (bernstein.steep < e.steep) e.steep = bernstein.steep;
-    if (bernstein.bend < e.bend) e.bend = bernstein.bend;
+    if (u < 1 && bernstein.steep < e.steep) e.steep = bernstein.steep;
+    if (u < 1 && bernstein.bend < e.bend) e.bend = bernstein.bend;
     if (axis.size < e.size) e.size = axis.size;
     if (axis.steep < e.steep) e.steep = axis.steep;
     if (axis.bend < e.bend) e.bend = axis.bend;
-    return e;
+    double grown = u > 1 ? q_power(q_growth(u), 2 * m + 4) : 1;
+    return (bounds){e.size * grown, e.steep * grown, e.bend * grown};
 }
 
 /* With the factor v^2: v^2 Q = R, v^3 Q' = (u R' - 4 R) / 2. */
@@ -70,14 +75,16 @@ static bounds con_all_bounds(const sgt_q_con *s, double r)
     return (bounds){q_bound(sum.size), q_bound(sum.steep / s->norm), q_bound(sum.bend / s->norm / s->norm)};
 }
 
-static bounds con_beyond_norm(size_t m, double u) { return radial_beyond(m, 4, u); }
-
 /* R_(m+1) / R_m increases where u >= 1, as all zeros are nearer and lie between each other. */
 static double con_tail(const void *self, double radius)
 {
     const sgt_q_con *s = self;
     double u = radius / s->norm * (1 - 0x1p-50);
-    return u >= 1 ? radial_tail(con_beyond_norm, 0, q_terms(s->a), s->a.x, NULL, false, u) : 0;
+    double size[Q_TERMS];
+    size_t terms = q_terms(s->a);
+    if (!(u >= 1)) return 0;
+    for (size_t m = 0; m < terms; m++) size[m] = con_beyond_norm(m, u).size;
+    return radial_tail(size, 0, terms, s->a.x, NULL, false);
 }
 
 static int con_bounds_over(const void *self, region *where, bounds *out)

@@ -36,23 +36,21 @@ SGT_INLINE bounds radial_beyond(size_t k, size_t m, double u)
                     power / v * (order * (order - 1) * q + v * ((4 * order + 2) * dq + 4 * v * ddq))};
 }
 
-/* The last terms of P = sum of a[m] p_m(u); p_m is sizes(m, u).size, with the sign -1 for an odd m if they
- * alternate.  a_err: as in q.h.  `from`: the first m that may count. */
-typedef bounds radial_sizes(size_t m, double u);
-
-SGT_INLINE double radial_tail(radial_sizes *sizes, size_t from, size_t terms, const double *a, const double *a_err,
-                              bool alternate, double u)
+/* The tail of P = sum of a[m] p_m; size[m] is p_m at R, with the sign -1 for an odd m if they alternate.
+ * a_err: as in q.h.  `from`: the first m that may count. */
+SGT_INLINE double radial_tail(const double *size, size_t from, size_t terms, const double *a, const double *a_err,
+                              bool alternate)
 {
     double sum = 0, all = 0, sign = 0;
     bool against = false;
     for (size_t m = terms; m-- > 0;) {
-        double term = alternate && m % 2 == 1 ? -a[m] : a[m], size = sizes(m, u).size;
+        double term = alternate && m % 2 == 1 ? -a[m] : a[m];
         if (sign == 0) sign = copysign(1, term);
         double least = sign * term - (a_err ? a_err[m] : 0);
         if (a[m] == 0 && !(least < 0)) continue;
-        all += (fabs(a[m]) + fabs(least)) * size;
+        all += (fabs(a[m]) + fabs(least)) * size[m];
         against = against || least < 0;
-        if (least < 0 || (!against && m >= from)) sum += least * size;
+        if (least < 0 || (!against && m >= from)) sum += least * size[m];
     }
     sum -= 0x1p-30 * all;
     return sum > 0 && sum < HUGE_VAL ? sign * sum : 0;

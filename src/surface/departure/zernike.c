@@ -386,6 +386,9 @@ static void zernike_noise(const void *self, double radius, double e[2])
     e[0] = zernike_known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
 }
 
+/* Apart, so that what is asked far more often is not longer. */
+SGT_NOINLINE static bounds zernike_beyond(size_t k, size_t m, double u) { return radial_beyond(k, m, u); }
+
 static int zernike_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_zernike *z = self;
@@ -395,17 +398,21 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
     double corner = length_of(across, along) * (1 + 0x1p-50), r = corner < where->r_hi ? corner : where->r_hi;
     double u = r / z->norm * (1 + 0x1p-50), inside = u < 1 ? (1 - u) * (1 + u) : 0, root = sqrt(inside),
            size = 0, steep = 0, bend = 0;
-    for (size_t m = 0; zernike_place(z, m, 0) < terms; m++) {
-        for (size_t k = 0, at; (at = zernike_place(z, m, k)) < terms; k++) {
+    const bool far = u > FAR_BEYOND; /* nearer, all is at most w^n times as great as at 1 */
+    const double w = far ? 1 : growth(u);
+    double grown = 1;
+    for (size_t m = 0; zernike_place(z, m, 0) < terms; m++, grown *= w) {
+        double power = grown; /* w^n */
+        for (size_t k = 0, at; (at = zernike_place(z, m, k)) < terms; k++, power *= w * w) {
             double a = fabs(z->a.x[at]), b = m > 0 && at + 1 < terms ? fabs(z->a.x[at + 1]) : 0;
             /* >= sqrt(a^2 + b^2) */
-            double both = ((a > b ? a : b) + 0.4142136 * (a > b ? b : a)) * unit(z, m, k);
-            if (both == 0) continue;
+            double both = ((a > b ? a : b) + 0.4142136 * (a > b ? b : a)) * unit(z, m, k) * power;
+            if (far && both == 0) continue;
             double n = (double)(m + 2 * k), m2 = (double)(m * m), l = n * (n + 2) - m2, n2 = 2 * n * (n - 1);
             double first = 0.5 * l, second = 0.125 * (l * (l - 4) + 4 * m2);
-            bounds e = u > 1 ? radial_beyond(k, m, u)
-                             : (bounds){1, first * root > n ? n / root : first,
-                                        second * inside > n2 ? n2 / inside : second};
+            bounds e = far ? zernike_beyond(k, m, u)
+                           : (bounds){1, first * root > n ? n / root : first,
+                                      second * inside > n2 ? n2 / inside : second};
             size += both * e.size, steep += both * e.steep, bend += both * e.bend;
         }
     }
