@@ -195,16 +195,13 @@ SGT_INLINE double step_between(double a, double b, double width, double ahead, d
 
 /* The next point.  The length of the step is h if a step has been refused, else it is chosen here.  ahead: no
  * row knows of a point ahead with the other sign. */
-SGT_INLINE void wings_steps(bool ahead, size_t n, bool in_rings, const double *restrict ox,
-                            const double *restrict oy, const double *restrict oz, const double *restrict dx,
-                            const double *restrict dy, const double *restrict dz, const double *restrict at,
-                            double *restrict h, const double *restrict a, const double *restrict sign,
-                            const double *restrict past, const double *restrict b,
-                            const double *restrict ratio, const double *restrict radius,
-                            const double *restrict bent_lo, const double *restrict bent_hi,
-                            const double *restrict seed, const double *restrict end, double *restrict px,
-                            double *restrict py, double *restrict pz)
+SGT_INLINE void wings_steps(bool ahead, rows a, size_t n, bool in_rings)
 {
+    const double *ox = a[OX], *oy = a[OY], *oz = a[OZ], *dx = a[DX], *dy = a[DY], *dz = a[DZ], *at = a[T],
+                 *room = a[A], *sign = a[SIGN], *past = a[PAST], *beyond = a[B], *ratio = a[RATIO],
+                 *radius = a[RADIUS], *bent_lo = a[BENT_LO], *bent_hi = a[BENT_HI], *seed = a[SEED],
+                 *end = a[END];
+    double *restrict h = a[H], *restrict px = a[PX], *restrict py = a[PY], *restrict pz = a[PZ];
     const mask rung = MASK(in_rings);
     LANES for (size_t i = 0; i < n; i++) {
         double l = dx[i], m = dy[i], t = at[i], x = ox[i] + t * l, y = oy[i] + t * m,
@@ -213,10 +210,10 @@ SGT_INLINE void wings_steps(bool ahead, size_t n, bool in_rings, const double *r
         double leaves = nearest + sqrt(larger(R * R - cross * cross * over, 0) * over);
         double most = chosen(rung, 0.98 * leaves, end[i] - t), to_seed = seed[i] - t, width = past[i] - t;
         bow F2 = bow_of(sign[i], bent_lo[i], bent_hi[i]);
-        double by_bend = 0.98 * sqrt(2 * a[i] / F2.most) * (1 + 0.8 * ratio[i]),
-               length = step_ahead(a[i], to_seed, most, by_bend, F2);
+        double by_bend = 0.98 * sqrt(2 * room[i] / F2.most) * (1 + 0.8 * ratio[i]),
+               length = step_ahead(room[i], to_seed, most, by_bend, F2);
         if (!ahead) {
-            double between = step_between(a[i], b[i], width, to_seed, by_bend, F2);
+            double between = step_between(room[i], beyond[i], width, to_seed, by_bend, F2);
             length = chosen(MASK(width < HUGE_VAL), between, length);
         }
         length = chosen(MASK(h[i] > 0), h[i], length);
@@ -227,20 +224,10 @@ SGT_INLINE void wings_steps(bool ahead, size_t n, bool in_rings, const double *r
 }
 
 SGT_KERNEL
-static void wings_step(rows a, size_t n, bool in_rings)
-{
-    wings_steps(false, n, in_rings, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN],
-                a[PAST], a[B], a[RATIO], a[RADIUS], a[BENT_LO], a[BENT_HI], a[SEED], a[END], a[PX], a[PY],
-                a[PZ]);
-}
+static void wings_step(rows a, size_t n, bool in_rings) { wings_steps(false, a, n, in_rings); }
 
 SGT_KERNEL
-static void wings_step_ahead(rows a, size_t n, bool in_rings)
-{
-    wings_steps(true, n, in_rings, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN],
-                a[PAST], a[B], a[RATIO], a[RADIUS], a[BENT_LO], a[BENT_HI], a[SEED], a[END], a[PX], a[PY],
-                a[PZ]);
-}
+static void wings_step_ahead(rows a, size_t n, bool in_rings) { wings_steps(true, a, n, in_rings); }
 
 /* Not below the distance of a point from the axis; tx, ty: its terms. */
 SGT_INLINE double radius_by(double x, double y, double tx, double ty)
@@ -256,16 +243,14 @@ SGT_INLINE mask is_monotone(double a, double b, double length, bow F2)
 
 /* What F at the next point has shown.  Returns how many rows know of a point ahead with the other sign. */
 SGT_KERNEL
-static double wings_judge(size_t n, bool in_rings, const double *restrict dx, const double *restrict dy,
-                        const double *restrict dz, double *restrict at, double *restrict h,
-                        double *restrict a, double *restrict sign, double *restrict past,
-                        double *restrict beyond, double *restrict ratio, const double *restrict radius,
-                        const double *restrict steep, const double *restrict bent_lo,
-                        const double *restrict bent_hi, const double *restrict e0, const double *restrict e1,
-                        double *restrict seed, double *restrict end, const double *restrict px,
-                        const double *restrict py, const double *restrict pz, const double *restrict f,
-                        const double *restrict own, double *restrict verdict, double *restrict wanted)
+static double wings_judge(rows w, size_t n, bool in_rings)
 {
+    const double *dx = w[DX], *dy = w[DY], *dz = w[DZ], *radius = w[RADIUS], *steep = w[STEEP],
+                 *bent_lo = w[BENT_LO], *bent_hi = w[BENT_HI], *e0 = w[E0], *e1 = w[E1], *end = w[END],
+                 *px = w[PX], *py = w[PY], *pz = w[PZ], *f = w[F], *own = w[OWN];
+    double *restrict at = w[T], *restrict h = w[H], *restrict a = w[A], *restrict sign = w[SIGN],
+           *restrict past = w[PAST], *restrict beyond = w[B], *restrict ratio = w[RATIO],
+           *restrict seed = w[SEED], *restrict verdict = w[VERDICT], *restrict wanted = w[WANTED];
     const mask rung = MASK(in_rings);
     double known = 0;
 #pragma omp simd reduction(+ : known)
@@ -714,9 +699,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                    next = (a[SIGN][0] != 0 ? a[T][0] + a[H][0] : a[T][0]) * scale;
             tell(v->told, SGT_MARCH, next, a[F][0], slope, a[T][0] * scale, next);
         }
-        known_past = wings_judge(left, in_rings, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[PAST],
-                                 a[B], a[RATIO], a[RADIUS], a[STEEP], a[BENT_LO], a[BENT_HI], a[E0], a[E1],
-                                 a[SEED], a[END], a[PX], a[PY], a[PZ], a[F], a[OWN], a[VERDICT], a[WANTED]);
+        known_past = wings_judge(a, left, in_rings);
         for (size_t i = left; i-- > 0;) {
             size_t k = (size_t)a[LANE][i];
             double verdict = a[VERDICT][i], evals = v->evals[k] += 1;
