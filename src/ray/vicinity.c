@@ -10,6 +10,13 @@ enum { SHRINKS = 12 };
  * by a look on either side. */
 static const double NO_BOUND = 0x1p-1000;
 
+/* What is worked out of some rays, a row each: where the search begins; a radius for that and the seed, and one
+ * for the seed alone; the rungs of the first, and of the root; and what is known within it.  axis: NULL, or two
+ * rows. */
+typedef struct region_rows {
+    double *from, *radius, *at_seed, *wide, *about, *radius2, *steep, *low, *high, *const *axis;
+} region_rows;
+
 /* ------------------------------------------------------------------------------- rungs */
 
 /* Works out what is known of the surface within the radius `rung`, at this place.  Nothing is if the rung is
@@ -27,18 +34,17 @@ static const known_part *vicinity_within(sgt_surface s, double rung, double aske
     return &kept->part[place];
 }
 
-/* What is known within the rungs of n rays.  Of a ray that is not asked it is not read.  axis: NULL, or to be
- * set too. */
+/* Sets radius2, steep, low, high and axis within the rungs of n rays.  Of a ray that is not asked they are not
+ * read. */
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
-                        vicinities *kept, double *radius2, double *steep, double *low, double *high,
-                        double *const *axis)
+                        vicinities *kept, const region_rows *w)
 {
     for (size_t i = 0; i < n; i++) {
         int place = place_of(rung[i], digits, VICINITIES / 2) + (digits == COARSE ? 0 : VICINITIES / 2);
         const known_part *e = &kept->part[place];
         if (kept->radius[place] != rung[i]) e = vicinity_within(s, rung[i], asked[i], place, kept);
-        radius2[i] = e->radius2, steep[i] = e->steep, low[i] = e->low, high[i] = e->high;
-        if (axis) axis[0][i] = e->steep_x, axis[1][i] = e->steep_y;
+        w->radius2[i] = e->radius2, w->steep[i] = e->steep, w->low[i] = e->low, w->high[i] = e->high;
+        if (w->axis) w->axis[0][i] = e->steep_x, w->axis[1][i] = e->steep_y;
     }
 }
 
@@ -46,9 +52,10 @@ SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits,
 double sgt_steep_about(sgt_surface s, double x, double y, vicinities *kept)
 {
     double r = 1.02 * radius_at(x, y, 0, 0, 0), asked = 1, steep = HUGE_VAL, unread[3];
+    region_rows w = {.radius2 = &unread[0], .steep = &steep, .low = &unread[1], .high = &unread[2]};
     for (int digits = COARSE; digits >= FINE && !(steep < 2); digits -= COARSE - FINE) {
         double rung = rung_above(r, digits);
-        extents(s, 1, &rung, digits, &asked, kept, &unread[0], &steep, &unread[1], &unread[2], NULL);
+        extents(s, 1, &rung, digits, &asked, kept, &w);
     }
     return steep;
 }
@@ -137,39 +144,35 @@ static void noises_about(sgt_surface s, size_t n, const double *rung, double *ra
 
 /* The radius of the seed, and somewhat more, the point from which the search begins, and the least radius for
  * both; the rungs of that radius and of the root. */
-SGT_INLINE void vicinity_begin_by(size_t n, bool near, const double *restrict ox, const double *restrict oy,
-                                  const double *restrict dx, const double *restrict dy,
-                                  const double *restrict dz, const double *restrict tmin,
-                                  const double *restrict t, double *restrict at_seed, double *restrict from,
-                                  double *restrict radius, double *restrict wide, double *restrict about)
+SGT_INLINE void vicinity_begin_by(size_t n, bool near, const sgt_rays *r, const vicinity *v, const region_rows *w)
 {
+    const double *ox = r->o[0], *oy = r->o[1], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2], *tmin = v->tmin,
+                 *t = v->seed;
+    double *restrict at_seed = w->at_seed, *restrict from = w->from, *restrict radius = w->radius,
+           *restrict wide = w->wide, *restrict about = w->about;
     LANES for (size_t i = 0; i < n; i++) {
         double seed = t[i], far = fabs(seed) * (fabs(dx[i]) + fabs(dy[i]) + fabs(dz[i])),
                axis = radius_at(ox[i], oy[i], dx[i], dy[i], seed);
         double most = 1.125 * axis + 0x1p-10 * far; /* a departure moves the root from the seed */
-        double first = near ? seed : tmin[i], r = most, fine = rung_above(1.02 * axis, FINE);
+        double first = near ? seed : tmin[i], all = most, fine = rung_above(1.02 * axis, FINE);
         if (!near)
-            r = chosen(MASK(fabs(dx[i]) + fabs(dy[i]) == 0), most,
-                       larger(most, radius_at(ox[i], oy[i], dx[i], dy[i], first)));
-        at_seed[i] = 1.125 * axis, from[i] = first, radius[i] = r, about[i] = fine;
-        wide[i] = chosen(MASK(fine < HUGE_VAL), rung_above(r, COARSE), HUGE_VAL);
+            all = chosen(MASK(fabs(dx[i]) + fabs(dy[i]) == 0), most,
+                         larger(most, radius_at(ox[i], oy[i], dx[i], dy[i], first)));
+        at_seed[i] = 1.125 * axis, from[i] = first, radius[i] = all, about[i] = fine;
+        wide[i] = chosen(MASK(fine < HUGE_VAL), rung_above(all, COARSE), HUGE_VAL);
     }
 }
 
 SGT_KERNEL
-static void vicinity_begin(size_t n, const double *ox, const double *oy, const double *dx, const double *dy,
-                           const double *dz, const double *tmin, const double *t, double *at_seed,
-                           double *from, double *radius, double *wide, double *about)
+static void vicinity_begin(size_t n, const sgt_rays *r, const vicinity *v, const region_rows *w)
 {
-    vicinity_begin_by(n, false, ox, oy, dx, dy, dz, tmin, t, at_seed, from, radius, wide, about);
+    vicinity_begin_by(n, false, r, v, w);
 }
 
 SGT_KERNEL
-static void vicinity_begin_near(size_t n, const double *ox, const double *oy, const double *dx,
-                                const double *dy, const double *dz, const double *t, double *at_seed,
-                                double *from, double *radius, double *wide, double *about)
+static void vicinity_begin_near(size_t n, const sgt_rays *r, const vicinity *v, const region_rows *w)
 {
-    vicinity_begin_by(n, true, ox, oy, dx, dy, dz, NULL, t, at_seed, from, radius, wide, about);
+    vicinity_begin_by(n, true, r, v, w);
 }
 
 /* Moves the beginning to where the ray enters [low, high], if a smaller radius is enough from there on.
@@ -177,13 +180,11 @@ static void vicinity_begin_near(size_t n, const double *ox, const double *oy, co
  * is too long for that.  The root is as far from the seed as a part of the way from the beginning, so less
  * room is needed about the seed, too.  Returns how many rays were moved. */
 SGT_KERNEL
-static double shrink(size_t n, const double *restrict ox, const double *restrict oy,
-                     const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                     const double *restrict dz, const double *restrict low, const double *restrict high,
-                     const double *restrict seed,
-                     const double *restrict at_seed, double *restrict from, double *restrict radius,
-                     double *restrict wide)
+static double shrink(size_t n, const sgt_rays *ray, const vicinity *v, const region_rows *w)
 {
+    const double *ox = ray->o[0], *oy = ray->o[1], *oz = ray->o[2], *dx = ray->d[0], *dy = ray->d[1],
+                 *dz = ray->d[2], *low = w->low, *high = w->high, *seed = v->seed, *at_seed = w->at_seed;
+    double *restrict from = w->from, *restrict radius = w->radius, *restrict wide = w->wide;
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
@@ -210,11 +211,10 @@ static double shrink(size_t n, const double *restrict ox, const double *restrict
  * is behind the chord, and a march knows how to leave.  These are the rays that start between the heights of
  * this part, and nearer to the seed than a quarter of the chord. */
 SGT_KERNEL
-static void vicinity_leave(size_t n, const double *restrict oz, const double *restrict dz,
-                           const double *restrict low, const double *restrict high,
-                           const double *restrict tmin, const double *restrict seed,
-                           const double *restrict lo, const double *restrict hi, double *restrict least)
+static void vicinity_leave(size_t n, const sgt_rays *r, const vicinity *v, const region_rows *w,
+                           const double *lo, const double *hi, double *restrict least)
 {
+    const double *oz = r->o[2], *dz = r->d[2], *low = w->low, *high = w->high, *tmin = v->tmin, *seed = v->seed;
     LANES for (size_t i = 0; i < n; i++) {
         double z = oz[i] + tmin[i] * dz[i];
         mask starts = MASK(fabs(seed[i] - tmin[i]) < 0.25 * (hi[i] - lo[i])) & MASK(z >= low[i])
@@ -226,13 +226,12 @@ static void vicinity_leave(size_t n, const double *restrict oz, const double *re
 /* Accepts the chord if F is monotone on it, some of the ray is in it, and it begins before the search
  * does.  Returns how many rays are left. */
 SGT_KERNEL
-static double vicinity_judge(size_t n, const double *restrict dx, const double *restrict dy,
-                             const double *restrict dz, const double *restrict tmin,
-                             const double *restrict tmax, const double *restrict seed,
-                             const double *restrict from, const double *restrict lo,
-                             const double *restrict hi, const double *restrict slope, double *restrict asked,
-                             double *restrict out_lo, double *restrict out_hi, double *restrict least)
+static double vicinity_judge(size_t n, const sgt_rays *r, const vicinity *v, const double *from,
+                             const double *lo, const double *hi, const double *slope)
 {
+    const double *dx = r->d[0], *dy = r->d[1], *dz = r->d[2], *tmin = v->tmin, *tmax = v->tmax, *seed = v->seed;
+    double *restrict asked = v->asked, *restrict out_lo = v->lo, *restrict out_hi = v->hi,
+           *restrict least = v->least;
     double left = 0;
 #pragma omp simd reduction(+ : left)
     for (size_t i = 0; i < n; i++) {
@@ -329,7 +328,7 @@ static void march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from,
                         const sgt_shared *whole, vicinities *kept, const vicinity *v)
 {
     sgt_shared bare = bare_of(*whole);
-    sgt_march_wings(s, n, r, from, behind, &bare, kept, v, v->work);
+    sgt_march_wings(s, n, r, from, behind, &bare, kept, v);
 }
 
 SGT_NOINLINE
@@ -337,7 +336,7 @@ static void march_box(sgt_surface s, size_t n, sgt_rays r, const double *from, c
                       vicinities *kept, const vicinity *v)
 {
     sgt_shared bare = bare_of(*whole);
-    sgt_march_box(s, n, r, from, &bare, kept, v, v->work);
+    sgt_march_box(s, n, r, from, &bare, kept, v);
 }
 
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
@@ -346,7 +345,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const bool chords = !near && marches_chord(whole), rimmed = chords && builtin->rim(s.self) > 0;
     if (rimmed) { /* what is left has no F on a part of its chord */
-        sgt_march_chord(s, n, r, whole, v, v->work);
+        sgt_march_chord(s, n, r, whole, v);
         if (asked_all(n, v->asked) == 0) return;
     }
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
@@ -356,52 +355,43 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         vicinity_without_passing(s, n, r, true, kept, v);
         if (marches && whole->radius2 < HUGE_VAL) march_wings(s, n, r, v->tmin, true, whole, kept, v);
     }
-    double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
-           *low = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7],
-           *high = v->work[10],
-           *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
+    double *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
+    const region_rows w = {.at_seed = v->work[0], .from = v->work[1], .radius = v->work[2], .wide = v->work[3],
+                           .low = v->work[4], .steep = v->work[5], .radius2 = v->work[6], .about = v->work[7],
+                           .high = v->work[10], .axis = axis};
     const double *const read[2] = {both[0], both[1]};
-    if (near)
-        vicinity_begin_near(n, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->seed, at_seed, from, radius, wide,
-                            about);
-    else
-        vicinity_begin(n, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius,
-                       wide, about);
-    if (!(whole->noise[0] < HUGE_VAL)) noises_about(s, n, about, v->work[8], kept, v);
+    (near ? vicinity_begin_near : vicinity_begin)(n, &r, v, &w);
+    if (!(whole->noise[0] < HUGE_VAL)) noises_about(s, n, w.about, v->work[8], kept, v);
     else /* the whole surface has one bound */
         for (size_t i = 0; i < n; i++) noise_about(s, HUGE_VAL, i, kept, v);
     const bool known = near && !axis;
-    if (known) slopes_of(s, n, wide, v->asked, near, radius2, steep);
+    if (known) slopes_of(s, n, w.wide, v->asked, near, w.radius2, w.steep);
     for (int k = 0; !known; k++) {
-        extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, low, high, axis);
-        if (near || k == SHRINKS ||
-            shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], low, high, v->seed, at_seed, from,
-                   radius, wide) == 0)
-            break;
+        extents(s, n, w.wide, COARSE, v->asked, kept, &w);
+        if (near || k == SHRINKS || shrink(n, &r, v, &w) == 0) break;
     }
-    double *lo = at_seed, *hi = v->work[11], *least = about, left = 0;
+    double *lo = w.at_seed, *hi = v->work[11], *least = w.about, left = 0;
     for (int k = 0; k < 2; k++) {
-        builtin->chords(n, r, radius2, steep, axis ? read : NULL, lo, hi, least);
-        if (boxes) vicinity_leave(n, r.o[2], r.d[2], low, high, v->tmin, v->seed, lo, hi, least);
-        left = vicinity_judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least,
-                              v->asked, v->lo, v->hi, v->least);
+        builtin->chords(n, r, w.radius2, w.steep, axis ? read : NULL, lo, hi, least);
+        if (boxes) vicinity_leave(n, &r, v, &w, lo, hi, least);
+        left = vicinity_judge(n, &r, v, w.from, lo, hi, least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
-        for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
-        extents(s, n, wide, FINE, v->asked, kept, radius2, steep, low, high, axis);
+        for (size_t i = 0; i < n; i++) w.wide[i] = rung_above(w.radius[i], FINE);
+        extents(s, n, w.wide, FINE, v->asked, kept, &w);
     }
     if (left != 0 && chords) {
-        if (!rimmed) sgt_march_chord(s, n, r, whole, v, v->work);
+        if (!rimmed) sgt_march_chord(s, n, r, whole, v);
         return;
     }
     const bool boxed = left != 0 && boxes;
     if (boxed) {
-        march_box(s, n, r, from, whole, kept, v);
+        march_box(s, n, r, w.from, whole, kept, v);
         left = asked_all(n, v->asked);
     }
     if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
     if (!marches || !(left != 0 || behind || boxed)) return;
     /* the march through the box has used the rows of `from` */
-    if (left != 0) march_wings(s, n, r, boxed ? v->tmin : from, false, whole, kept, v);
+    if (left != 0) march_wings(s, n, r, boxed ? v->tmin : w.from, false, whole, kept, v);
     for (size_t i = 0; i < n; i++) {
         bool monotone = v->asked[i] < 0;
         if (monotone) v->asked[i] = 0;

@@ -548,7 +548,7 @@ static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
 typedef enum march_mode { IN_RINGS, IN_CHORD, IN_BOX } march_mode;
 
 static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, const sgt_shared *known,
-                       double edge, vicinities *kept, const vicinity *v, rows a);
+                       double edge, vicinities *kept, const vicinity *v);
 
 /* Of powers of two at one of the first places, else at one of the others. */
 static box *box_about(sgt_surface s, double x, double y, bool coarse, vicinities *kept)
@@ -596,8 +596,9 @@ static double half_width(double o, double d, double t, double end)
 }
 
 void sgt_march_box(sgt_surface s, size_t n, sgt_rays r, const double *begin, const sgt_shared *bare,
-                   vicinities *kept, const vicinity *v, double *const a[WINGS_ROWS])
+                   vicinities *kept, const vicinity *v)
 {
+    rows a = v->work;
     size_t left = 0;
     for (size_t i = 0; i < n; i++) {
         double from = begin[i]; /* perhaps one of the rows */
@@ -624,12 +625,12 @@ void sgt_march_box(sgt_surface s, size_t n, sgt_rays r, const double *begin, con
         a[END][k] = end * inverse_of_scale(ray.d);
         a[RADIUS][k] = DBL_MAX, a[STEEP][k] = e->steep, a[E0][k] = e->noise[0], a[E1][k] = e->noise[1];
     }
-    march_rows(s, left, r, IN_BOX, bare, HUGE_VAL, kept, v, a);
+    march_rows(s, left, r, IN_BOX, bare, HUGE_VAL, kept, v);
 }
 
-void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, const vicinity *v,
-                     double *const a[WINGS_ROWS])
+void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, const vicinity *v)
 {
+    rows a = v->work;
     double radius = sqrt(whole->radius2) * (1 + 0x1p-21);
     size_t left = 0;
     for (size_t i = 0; i < n; i++) {
@@ -644,12 +645,13 @@ void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whol
         bend_along(a, k, whole->bent, whole->by_axis ? &whole->axis : NULL);
         a[RADIUS][k] = radius, a[STEEP][k] = whole->steep, a[E0][k] = a[E1][k] = 0;
     }
-    march_rows(s, left, r, IN_CHORD, whole, HUGE_VAL, NULL, v, a);
+    march_rows(s, left, r, IN_CHORD, whole, HUGE_VAL, NULL, v);
 }
 
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
-                     const sgt_shared *bare, vicinities *kept, const vicinity *v, double *const a[WINGS_ROWS])
+                     const sgt_shared *bare, vicinities *kept, const vicinity *v)
 {
+    rows a = v->work;
     double edge = sqrt(bare->radius2);
     size_t left = 0;
     for (size_t i = 0; i < n; i++) {
@@ -675,14 +677,15 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as wings_judge has it */
         enclose_in(s, edge, bare->boxed, &kept->rings, a, k);
     }
-    march_rows(s, left, r, IN_RINGS, bare, edge, kept, v, a);
+    march_rows(s, left, r, IN_RINGS, bare, edge, kept, v);
 }
 
 /* Marches along the first rows.  known: what `roundings` is given.  edge: in rings only; kept: not in a
  * chord. */
 static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, const sgt_shared *known,
-                       double edge, vicinities *kept, const vicinity *v, rows a)
+                       double edge, vicinities *kept, const vicinity *v)
 {
+    rows a = v->work;
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const bool in_rings = mode == IN_RINGS;
     double known_past = 0;

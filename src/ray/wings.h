@@ -52,11 +52,10 @@ SGT_INLINE int place_of(double rung, int digits, int places)
 }
 
 /* Marches along each row that is asked, from `from` on, and answers in v.  The rows of `from` may be among
- * those of `work`.  If the surface has an edge, only the rows that begin behind the seed are asked
+ * those of v->work.  If the surface has an edge, only the rows that begin behind the seed are asked
  * (behind), or only the others.  Evaluations are counted in v, and told if v has a watcher. */
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays rays, const double *from, bool behind,
-                     const sgt_shared *bare, vicinities *kept, const vicinity *v,
-                     double *const work[WINGS_ROWS]);
+                     const sgt_shared *bare, vicinities *kept, const vicinity *v);
 
 /* Can the chord with the rim be marched along? */
 SGT_INLINE bool marches_chord(const sgt_shared *whole)
@@ -69,7 +68,7 @@ SGT_INLINE bool marches_chord(const sgt_shared *whole)
  * plane, within a box about that stretch.  Answers in v, as above; without a root nothing is found.  asked is
  * set to -1 where F is monotone all along, and nothing was evaluated. */
 void sgt_march_box(sgt_surface s, size_t n, sgt_rays rays, const double *from, const sgt_shared *bare,
-                   vicinities *kept, const vicinity *v, double *const work[WINGS_ROWS]);
+                   vicinities *kept, const vicinity *v);
 
 /* The seed, or the middle of the chord, or NaN if no part of the ray is in it. */
 SGT_INLINE double chord_seed(double seed, double lo, double hi, double tmin, double tmax)
@@ -80,7 +79,6 @@ SGT_INLINE double chord_seed(double seed, double lo, double hi, double tmin, dou
 
 /* Marches along the chord of each row that is asked, within [v->lo, v->hi], and answers in v, as above.  A
  * ray without a root in it is a miss. */
-void sgt_march_chord(sgt_surface s, size_t n, sgt_rays rays, const sgt_shared *whole, const vicinity *v,
-                     double *const work[WINGS_ROWS]);
+void sgt_march_chord(sgt_surface s, size_t n, sgt_rays rays, const sgt_shared *whole, const vicinity *v);
 
 #endif
