@@ -51,10 +51,11 @@ SGT_INLINE mask is_whole_way(double t, double l)
 }
 
 SGT_KERNEL
-static void points_of(slope_block *b, size_t n, const double *restrict ox, const double *restrict oy,
-                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                      const double *restrict dz, const double *restrict t, const double *restrict t_lo)
+static void points_of(slope_block *b, size_t n, const sgt_rays *rays, const double *restrict t,
+                      const double *restrict t_lo)
 {
+    const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0], *dy = rays->d[1],
+                 *dz = rays->d[2];
     LANES for (size_t i = 0; i < n; i++) {
         sgt_vec3 d = {dx[i], dy[i], dz[i]};
         double scale = scale_of(d), inverse = inverse_of_scale(d), from = t[i] * inverse,
@@ -141,8 +142,7 @@ size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, boo
         n = tile->n - from < BLOCK ? tile->n - from : BLOCK;
         sgt_rays rays = rays_from(&tile->rays, from);
         builtin->spans(s.self, &shared, n, rays, (sgt_spans){b.lo, b.hi, b.seed, NULL}, b.least);
-        points_of(&b, n, rays.o[0], rays.o[1], rays.o[2], rays.d[0], rays.d[1], rays.d[2],
-                  tile->hits.t + from, tile->hits.t_lo + from);
+        points_of(&b, n, &rays, tile->hits.t + from, tile->hits.t_lo + from);
         look(&b, s, &shared, NULL, n);
         for (size_t i = 0; i < n; i++) {
             size_t k = from + i;
@@ -239,7 +239,7 @@ static void look_along(quick_proof *w, bool ends)
         bool met = h->status[i] > 0;
         w->t[i] = met ? h->t[i] : ends ? left.hi : left.lo, w->rest[i] = met ? h->t_lo[i] : 0;
     }
-    points_of(&w->b, n, r->o[0], r->o[1], r->o[2], r->d[0], r->d[1], r->d[2], w->t, w->rest);
+    points_of(&w->b, n, r, w->t, w->rest);
     const double *rows[3] = {w->noise[0], w->noise[1], w->noise[2]};
     look(&w->b, w->s, w->shared, w->kept && !(w->shared->noise[0] < HUGE_VAL) ? rows : NULL, n);
 }

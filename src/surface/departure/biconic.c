@@ -261,12 +261,13 @@ static void biconic_second(const void *self, size_t n, const double *x, const do
 
 static size_t biconic_parameter_count(const void *self) { (void)self; return 4; }
 
-/* By c or k of the x axis.  Those of y are the same with the axes exchanged. */
+/* By c or k of the x axis.  Those of y are the same with the axes exchanged, also in `out`. */
 SGT_KERNEL
-static void biconic_by_axis(double cx, double kx, double cy, double ky, bool by_c, size_t n,
-                            const double *restrict px, const double *restrict py, double *restrict p,
-                            double *restrict gx, double *restrict gy)
+static void biconic_by_axis(const sgt_biconic *b, bool by_c, size_t n, const double *restrict px,
+                            const double *restrict py, sag_values out)
 {
+    const double cx = b->c_x, kx = 1 + b->k_x, cy = b->c_y, ky = 1 + b->k_y;
+    double *restrict p = out.p, *restrict gx = out.px, *restrict gy = out.py;
     const double ax = kx * cx, ay = ky * cy, n_by = by_c ? 1 : 0, e_by = by_c ? ax : 0.5 * cx * cx;
     LANES for (size_t i = 0; i < n; i++) {
         double x = px[i], y = py[i], u = cx * x, v = cy * y, phi = sqrt((1 - kx * u * u) - ky * v * v),
@@ -284,10 +285,9 @@ static void biconic_by_axis(double cx, double kx, double cy, double ky, bool by_
 static void biconic_by_parameter_of(const void *self, size_t j, size_t n, const double *x, const double *y,
                                     sag_values out)
 {
-    const sgt_biconic *b = self;
-    if (j < 2)
-        biconic_by_axis(b->c_x, 1 + b->k_x, b->c_y, 1 + b->k_y, j == 0, n, x, y, out.p, out.px, out.py);
-    else biconic_by_axis(b->c_y, 1 + b->k_y, b->c_x, 1 + b->k_x, j == 2, n, y, x, out.p, out.py, out.px);
+    const sgt_biconic *b = self, turned = {.c_x = b->c_y, .k_x = b->k_y, .c_y = b->c_x, .k_y = b->k_x};
+    if (j < 2) biconic_by_axis(b, j == 0, n, x, y, out);
+    else biconic_by_axis(&turned, j == 2, n, y, x, (sag_values){out.p, out.py, out.px});
 }
 
 static sgt_objection biconic_objection(const void *self)

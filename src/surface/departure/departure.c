@@ -53,9 +53,10 @@ SGT_INLINE base base_at(double c, double k, double x, double y)
 
 /* In place: f, fx, fy hold P and its derivatives before, F and its gradient after. */
 SGT_KERNEL
-static void on_conic(size_t n, double c, double k, const double *restrict x, const double *restrict y,
+static void on_conic(const departure_sag *s, size_t n, const double *restrict x, const double *restrict y,
                      const double *restrict z, double *restrict f, double *restrict fx, double *restrict fy)
 {
+    const double c = s->c, k = s->k;
     LANES for (size_t i = 0; i < n; i++) {
         base e = base_at(c, k, x[i], y[i]);
         f[i] = z[i] - (e.sag + f[i]);
@@ -81,7 +82,7 @@ void sgt_departure_values(const departure_sag *s, size_t n, sgt_points at, sgt_v
         double *f = out.f + i, *fx = wanted ? out.grad[0] + i : unwanted[0],
                *fy = wanted ? out.grad[1] + i : unwanted[1];
         s->of->at(s->self, few, x, y, (sag_values){f, fx, fy});
-        if (s->base) on_conic(few, s->c, s->k, x, y, z, f, fx, fy);
+        if (s->base) on_conic(s, few, x, y, z, f, fx, fy);
         else on_plane(few, z, f, fx, fy);
         for (size_t m = 0; wanted && m < few; m++) out.grad[2][i + m] = 1;
     }
@@ -125,10 +126,11 @@ SGT_INLINE double rounding_within(double c, double k, double most2, double e0, d
 }
 
 SGT_KERNEL
-static void roundings_within(size_t n, double c, double k, double most2, double e0, double e1,
-                             const double *restrict x, const double *restrict y, const double *restrict z,
-                             const double *restrict f, double *restrict out)
+static void roundings_within(const sgt_shared *s, size_t n, sgt_points p, const double *restrict f,
+                             double *restrict out)
 {
+    const double c = s->base_c, k = s->base_k, most2 = s->most2, e0 = s->noise[0], e1 = s->noise[1],
+                 *restrict x = p.p[0], *restrict y = p.p[1], *restrict z = p.p[2];
     LANES for (size_t i = 0; i < n; i++)
         out[i] = rounding_within(c, k, most2, e0, e1, base_at(c, k, x[i], y[i]), z[i], f[i]);
 }
@@ -138,18 +140,17 @@ bool sgt_departure_roundings(const void *self, const sgt_shared *s, size_t n, sg
 {
     (void)self;
     if (!(s->noise[0] + s->noise[1] < HUGE_VAL)) return false;
-    roundings_within(n, s->base_c, s->base_k, s->most2, s->noise[0], s->noise[1], p.p[0], p.p[1], p.p[2], f,
-                     out);
+    roundings_within(s, n, p, f, out);
     return true;
 }
 
 /* on_conic, or on_plane, and roundings_within in one loop; noise: as rows of values_rounded (builtin.h), NULL
  * if there are none. */
 SGT_INLINE void rounded_by(bool conic, bool rows, const sgt_shared *shared, const double *const noise[3],
-                           size_t n, const double *restrict x, const double *restrict y,
-                           const double *restrict z, double *restrict f, double *restrict fx,
-                           double *restrict fy, double *restrict own)
+                           size_t n, sgt_points p, sag_values at, double *restrict own)
 {
+    const double *restrict x = p.p[0], *restrict y = p.p[1], *restrict z = p.p[2];
+    double *restrict f = at.p, *restrict fx = at.px, *restrict fy = at.py;
     const double c = shared->base_c, k = shared->base_k, most2 = shared->most2, e0 = shared->noise[0],
                  e1 = shared->noise[1], *restrict row0 = rows ? noise[0] : NULL,
                  *restrict row1 = rows ? noise[1] : NULL, *restrict row2 = rows ? noise[2] : NULL;
@@ -167,11 +168,10 @@ SGT_INLINE void rounded_by(bool conic, bool rows, const sgt_shared *shared, cons
 
 #define ROUNDED(NAME, CONIC, ROWS)                                                                           \
     SGT_KERNEL                                                                                               \
-    static void NAME(const sgt_shared *shared, const double *const noise[3], size_t n,                       \
-                     const double *restrict x, const double *restrict y, const double *restrict z,           \
-                     double *restrict f, double *restrict fx, double *restrict fy, double *restrict own)     \
+    static void NAME(const sgt_shared *shared, const double *const noise[3], size_t n, sgt_points p,         \
+                     sag_values at, double *own)                                                             \
     {                                                                                                        \
-        rounded_by(CONIC, ROWS, shared, noise, n, x, y, z, f, fx, fy, own);                                  \
+        rounded_by(CONIC, ROWS, shared, noise, n, p, at, own);                                               \
     }
 ROUNDED(on_conic_rounded, true, false)
 ROUNDED(on_conic_rounded_apart, true, true)
@@ -185,15 +185,15 @@ bool sgt_departure_values_rounded(const departure_sag *s, const sgt_shared *shar
     if (!(shared->noise[0] + shared->noise[1] < HUGE_VAL)) return false;
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
-        const double *x = at.p[0] + i, *y = at.p[1] + i, *z = at.p[2] + i;
-        double *f = out.f + i, *fx = out.grad[0] + i, *fy = out.grad[1] + i;
-        s->of->at(s->self, few, x, y, (sag_values){f, fx, fy});
+        sgt_points p = {{at.p[0] + i, at.p[1] + i, at.p[2] + i}};
+        sag_values f = {out.f + i, out.grad[0] + i, out.grad[1] + i};
+        s->of->at(s->self, few, p.p[0], p.p[1], f);
         const double *here[3] = {noise ? noise[0] + i : NULL, noise ? noise[1] + i : NULL,
                                  noise ? noise[2] + i : NULL};
-        if (s->base && noise) on_conic_rounded_apart(shared, here, few, x, y, z, f, fx, fy, own + i);
-        else if (s->base) on_conic_rounded(shared, here, few, x, y, z, f, fx, fy, own + i);
-        else if (noise) on_plane_rounded_apart(shared, here, few, x, y, z, f, fx, fy, own + i);
-        else on_plane_rounded(shared, here, few, x, y, z, f, fx, fy, own + i);
+        if (s->base && noise) on_conic_rounded_apart(shared, here, few, p, f, own + i);
+        else if (s->base) on_conic_rounded(shared, here, few, p, f, own + i);
+        else if (noise) on_plane_rounded_apart(shared, here, few, p, f, own + i);
+        else on_plane_rounded(shared, here, few, p, f, own + i);
         for (size_t m = 0; m < few; m++) out.grad[2][i + m] = 1;
     }
     return true;
@@ -504,43 +504,40 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
     sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
 
-SGT_KERNEL
-static void all_chords(size_t n, const double *restrict ox, const double *restrict oy,
-                       const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                       const double *restrict dz, const double *restrict radius2,
-                       const double *restrict steep, double *restrict lo, double *restrict hi,
-                       double *restrict least)
+SGT_INLINE void chords_of(size_t n, const sgt_rays *r, const double *restrict radius2, const double *restrict steep,
+                          const double *const axis[2], double *restrict lo, double *restrict hi,
+                          double *restrict least)
 {
+    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2],
+                 *steep_x = axis ? axis[0] : steep, *steep_y = axis ? axis[1] : steep;
+    const bool by_axis = axis != NULL;
     LANES for (size_t i = 0; i < n; i++) {
-        chord e = departure_chord_of(radius2[i], steep[i], false, 0, 0, (sgt_vec3){ox[i], oy[i], oz[i]},
-                                     (sgt_vec3){dx[i], dy[i], dz[i]});
-        lo[i] = e.lo, hi[i] = e.hi, least[i] = e.least;
-    }
-}
-
-SGT_KERNEL
-static void all_chords_by_axis(size_t n, const double *restrict ox, const double *restrict oy,
-                               const double *restrict oz, const double *restrict dx,
-                               const double *restrict dy, const double *restrict dz,
-                               const double *restrict radius2, const double *restrict steep,
-                               const double *restrict steep_x, const double *restrict steep_y,
-                               double *restrict lo, double *restrict hi, double *restrict least)
-{
-    LANES for (size_t i = 0; i < n; i++) {
-        chord e = departure_chord_of(radius2[i], steep[i], true, steep_x[i], steep_y[i],
+        chord e = departure_chord_of(radius2[i], steep[i], by_axis, steep_x[i], steep_y[i],
                                      (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
         lo[i] = e.lo, hi[i] = e.hi, least[i] = e.least;
     }
 }
 
+SGT_KERNEL
+static void all_chords(size_t n, const sgt_rays *r, const double *radius2, const double *steep, double *lo,
+                       double *hi, double *least)
+{
+    chords_of(n, r, radius2, steep, NULL, lo, hi, least);
+}
+
+SGT_KERNEL
+static void all_chords_by_axis(size_t n, const sgt_rays *r, const double *radius2, const double *steep,
+                               const double *const axis[2], double *lo, double *hi, double *least)
+{
+    const double *const both[2] = {axis[0], axis[1]};
+    chords_of(n, r, radius2, steep, both, lo, hi, least);
+}
+
 void sgt_departure_chords(size_t n, sgt_rays r, const double *radius2, const double *steep,
                           const double *const axis[2], double *lo, double *hi, double *least)
 {
-    if (axis)
-        all_chords_by_axis(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, axis[0],
-                           axis[1], lo, hi, least);
-    else
-        all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
+    if (axis) all_chords_by_axis(n, &r, radius2, steep, axis, lo, hi, least);
+    else all_chords(n, &r, radius2, steep, lo, hi, least);
 }
 
 #define SPANS(NAME, BY_AXIS)                                                                                 \
@@ -731,10 +728,12 @@ sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, d
 /* ----------------------------------------------------------------------------- sensitivities */
 
 SGT_KERNEL
-static void second_of(size_t n, double c, double k, const double *restrict x, const double *restrict y,
-                      const double *restrict pxx, const double *restrict pxy, const double *restrict pyy,
+static void second_of(const departure_sag *s, size_t n, const double *restrict x, const double *restrict y,
                       double *restrict xx, double *restrict xy, double *restrict yy)
 {
+    double pxx[DEPARTURE_BLOCK], pxy[DEPARTURE_BLOCK], pyy[DEPARTURE_BLOCK];
+    const double c = s->base ? s->c : 0, k = s->k;
+    s->of->second(s->self, n, x, y, pxx, pxy, pyy);
     LANES for (size_t i = 0; i < n; i++) {
         base e = base_at(c, k, x[i], y[i]);
         double bent = (1 + k) * (e.by_r * e.by_r) * e.by_r;
@@ -746,12 +745,10 @@ static void second_of(size_t n, double c, double k, const double *restrict x, co
 
 void sgt_departure_second(const departure_sag *s, size_t n, sgt_points at, double *const out[6])
 {
-    double pxx[DEPARTURE_BLOCK], pxy[DEPARTURE_BLOCK], pyy[DEPARTURE_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i;
-        s->of->second(s->self, few, x, y, pxx, pxy, pyy);
-        second_of(few, s->base ? s->c : 0, s->k, x, y, pxx, pxy, pyy, out[0] + i, out[1] + i, out[3] + i);
+        second_of(s, few, x, y, out[0] + i, out[1] + i, out[3] + i);
         for (size_t j = i; j < i + few; j++) out[2][j] = out[4][j] = out[5][j] = 0;
     }
 }
@@ -765,9 +762,11 @@ size_t sgt_departure_parameters(const departure_sag *s) { return of_base(s) + s-
  *
  * In place: f, fx, fy hold what P adds before. */
 SGT_KERNEL
-static void by_base(size_t n, bool by_c, double c, double k, const double *restrict x,
-                    const double *restrict y, double *restrict f, double *restrict fx, double *restrict fy)
+static void by_base(const departure_sag *s, size_t n, bool by_c, const double *restrict x,
+                    const double *restrict y, sag_values out)
 {
+    const double c = s->c, k = s->k;
+    double *restrict f = out.p, *restrict fx = out.px, *restrict fy = out.py;
     if (by_c) {
         LANES for (size_t i = 0; i < n; i++) {
             base e = base_at(c, k, x[i], y[i]);
@@ -798,7 +797,7 @@ void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_
         if (j < own) {
             if (j == 0 && s->of->by_curvature) s->of->by_curvature(s->self, few, x, y, to);
             else for (size_t m = 0; m < few; m++) to.p[m] = to.px[m] = to.py[m] = 0;
-            by_base(few, j == 0, s->c, s->k, x, y, to.p, to.px, to.py);
+            by_base(s, few, j == 0, x, y, to);
         } else {
             s->of->by_parameter(s->self, j - own, few, x, y, to);
             for (size_t m = 0; m < few; m++) to.p[m] = -to.p[m], to.px[m] = -to.px[m], to.py[m] = -to.py[m];

@@ -35,8 +35,9 @@ SGT_INLINE double by_radius(double a, double r) { return chosen(MASK(r > 0), a /
 
 /* MOST terms or fewer; a cone has a[0]. */
 SGT_INLINE void odd_of(size_t n, int most, bool cone, const double *given, const double *restrict x,
-                       const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+                       const double *restrict y, sag_values out)
 {
+    double *restrict p = out.p, *restrict px = out.px, *restrict py = out.py;
     double a[ODD_TERMS];
     for (int k = 0; k < ODD_TERMS; k++) a[k] = given[k];
     LANES for (size_t i = 0; i < n; i++) {
@@ -52,27 +53,25 @@ SGT_INLINE void odd_of(size_t n, int most, bool cone, const double *given, const
 
 /* Terms that are zero, and what a[0] = 0 divided by r is, are the same bits with more or fewer of them.  For
  * a single point the compiler removes the loop. */
-SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restrict x,
-                       const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *x, const double *y, sag_values out)
 {
-    if (a[0] != 0) odd_of(n, ODD_TERMS, true, a, x, y, p, px, py);
-    else if (terms <= 6) odd_of(n, 6, false, a, x, y, p, px, py);
-    else if (terms <= 10) odd_of(n, 10, false, a, x, y, p, px, py);
-    else odd_of(n, ODD_TERMS, false, a, x, y, p, px, py);
+    if (a[0] != 0) odd_of(n, ODD_TERMS, true, a, x, y, out);
+    else if (terms <= 6) odd_of(n, 6, false, a, x, y, out);
+    else if (terms <= 10) odd_of(n, 10, false, a, x, y, out);
+    else odd_of(n, ODD_TERMS, false, a, x, y, out);
 }
 
 SGT_KERNEL
-static void odd_at(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y,
-                   double *restrict p, double *restrict px, double *restrict py)
+static void odd_at(size_t n, int terms, const double *a, const double *x, const double *y, sag_values out)
 {
-    if (n == 1) odd_in(1, terms, a, x, y, p, px, py);
-    else odd_in(n, terms, a, x, y, p, px, py);
+    if (n == 1) odd_in(1, terms, a, x, y, out);
+    else odd_in(n, terms, a, x, y, out);
 }
 
 static void odd_sag(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     const sgt_odd_asphere *s = self;
-    odd_at(n, odd_terms_of(s->a), s->a, x, y, out.p, out.px, out.py);
+    odd_at(n, odd_terms_of(s->a), s->a, x, y, out);
 }
 
 SGT_INLINE double odd_rounded(double x) { return SGT_U * fabs(x) + 0x1p-1074; }

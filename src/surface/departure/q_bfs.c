@@ -195,9 +195,9 @@ SGT_INLINE double factor_at(double c, double r2)
 
 /* With U = v (1 - v): P = U S f, grad P = (x, y) (2 / norm^2 ((1 - 2 v) S + U S') f + U S c^2 f^3). */
 SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, double norm2,
-                         const double *restrict x, const double *restrict y, double *restrict p,
-                         double *restrict px, double *restrict py)
+                         const double *restrict x, const double *restrict y, sag_values out)
 {
+    double *restrict p = out.p, *restrict px = out.px, *restrict py = out.py;
     double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], scale = 2 / norm2, c2 = c * c;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_sum(bfs_step, terms, b, n, v, s, ds);
@@ -211,12 +211,11 @@ SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, doub
 
 /* For a single point the compiler removes the inner loops. */
 SGT_KERNEL
-static void q_bfs_at(size_t n, size_t terms, const double *b, double c, double norm2,
-                     const double *restrict x, const double *restrict y, double *restrict p,
-                     double *restrict px, double *restrict py)
+static void q_bfs_at(size_t n, size_t terms, const double *b, double c, double norm2, const double *x,
+                     const double *y, sag_values out)
 {
-    if (n == 1) q_bfs_in(1, terms, b, c, norm2, x, y, p, px, py);
-    else q_bfs_in(n, terms, b, c, norm2, x, y, p, px, py);
+    if (n == 1) q_bfs_in(1, terms, b, c, norm2, x, y, out);
+    else q_bfs_in(n, terms, b, c, norm2, x, y, out);
 }
 
 static void bfs_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
@@ -224,7 +223,7 @@ static void bfs_at(const void *self, size_t n, const double *x, const double *y,
     const sgt_q_bfs *s = self;
     double b[Q_TERMS];
     size_t terms = basis(s->a, b, NULL);
-    q_bfs_at(n, terms, b, s->c, s->norm * s->norm, x, y, out.p, out.px, out.py);
+    q_bfs_at(n, terms, b, s->c, s->norm * s->norm, x, y, out);
 }
 
 /* v is off by 4 u v, which is 2 u r in r.  That moves v (1 - v) S by its derivative times as much, and the
@@ -303,10 +302,13 @@ static void bfs_noise(const void *self, double radius, double e[2])
 /* By r^2, with primes by v and V = U S: P' = (V' / norm^2) f + V c^2 f^3 / 2, P'' = (V'' / norm^4) f + (V'
  * / norm^2) c^2 f^3 + V c^4 f^5 3 / 4. */
 SGT_KERNEL
-static void q_bfs_second(size_t n, size_t terms, const double *b, double c, double norm2,
-                         const double *restrict x, const double *restrict y, double *restrict pxx,
-                         double *restrict pxy, double *restrict pyy)
+static void bfs_second(const void *self, size_t n, const double *restrict x, const double *restrict y,
+                       double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
+    const sgt_q_bfs *bfs = self;
+    const double c = bfs->c, norm2 = bfs->norm * bfs->norm;
+    double b[Q_TERMS];
+    size_t terms = basis(bfs->a, b, NULL);
     double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], dds[DEPARTURE_BLOCK],
         scale = 1 / norm2, c2 = c * c;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
@@ -321,15 +323,6 @@ static void q_bfs_second(size_t n, size_t terms, const double *b, double c, doub
         pxy[i] = x[i] * y[i] * bent;
         pyy[i] = sgt_fma(y[i] * y[i], bent, G);
     }
-}
-
-static void bfs_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
-                       double *pyy)
-{
-    const sgt_q_bfs *s = self;
-    double b[Q_TERMS];
-    size_t terms = basis(s->a, b, NULL);
-    q_bfs_second(n, terms, b, s->c, s->norm * s->norm, x, y, pxx, pxy, pyy);
 }
 
 static size_t bfs_parameters(const void *self)

@@ -95,9 +95,9 @@ static int con_bounds_over(const void *self, region *where, bounds *out)
 
 /* P = v (v S), grad P = (x, y) v (2 S + v S') 2 / norm^2. */
 SGT_INLINE void q_con_in(size_t n, size_t terms, const double *a, double norm2, const double *restrict x,
-                         const double *restrict y, double *restrict p, double *restrict px,
-                         double *restrict py)
+                         const double *restrict y, sag_values out)
 {
+    double *restrict p = out.p, *restrict px = out.px, *restrict py = out.py;
     double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], scale = 2 / norm2;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_sum(con_step, terms, a, n, v, s, ds);
@@ -110,17 +110,17 @@ SGT_INLINE void q_con_in(size_t n, size_t terms, const double *a, double norm2, 
 
 /* For a single point the compiler removes the inner loops. */
 SGT_KERNEL
-static void q_con_at(size_t n, size_t terms, const double *a, double norm2, const double *restrict x,
-                     const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+static void q_con_at(size_t n, size_t terms, const double *a, double norm2, const double *x, const double *y,
+                     sag_values out)
 {
-    if (n == 1) q_con_in(1, terms, a, norm2, x, y, p, px, py);
-    else q_con_in(n, terms, a, norm2, x, y, p, px, py);
+    if (n == 1) q_con_in(1, terms, a, norm2, x, y, out);
+    else q_con_in(n, terms, a, norm2, x, y, out);
 }
 
 static void con_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     const sgt_q_con *s = self;
-    q_con_at(n, q_terms(s->a), s->a.x, s->norm * s->norm, x, y, out.p, out.px, out.py);
+    q_con_at(n, q_terms(s->a), s->a.x, s->norm * s->norm, x, y, out);
 }
 
 /* v is off by 4 u v, which is 2 u r in r.  That moves P by P' times as much.  It moves the gradient, r G,
@@ -155,14 +155,15 @@ static void con_noise(const void *self, double radius, double e[2])
 
 /* By v, P' = v (2 S + v S') and P'' = 2 S + v (4 S' + v S''). */
 SGT_KERNEL
-static void q_con_second(size_t n, size_t terms, const double *a, double norm2, const double *restrict x,
-                         const double *restrict y, double *restrict pxx, double *restrict pxy,
-                         double *restrict pyy)
+static void con_second(const void *self, size_t n, const double *restrict x, const double *restrict y,
+                       double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
+    const sgt_q_con *con = self;
+    const double norm2 = con->norm * con->norm;
     double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], dds[DEPARTURE_BLOCK],
         scale = 2 / norm2;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
-    q_second(con_step, terms, a, n, v, s, ds, dds);
+    q_second(con_step, q_terms(con->a), con->a.x, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {
         double G = v[i] * sgt_fma(v[i], ds[i], 2 * s[i]) * scale,
                bent = scale * scale * sgt_fma(v[i], sgt_fma(v[i], dds[i], 4 * ds[i]), 2 * s[i]);
@@ -170,13 +171,6 @@ static void q_con_second(size_t n, size_t terms, const double *a, double norm2, 
         pxy[i] = x[i] * y[i] * bent;
         pyy[i] = sgt_fma(y[i] * y[i], bent, G);
     }
-}
-
-static void con_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
-                       double *pyy)
-{
-    const sgt_q_con *s = self;
-    q_con_second(n, q_terms(s->a), s->a.x, s->norm * s->norm, x, y, pxx, pxy, pyy);
 }
 
 static size_t con_parameters(const void *self)
@@ -191,7 +185,7 @@ static void con_by_parameter(const void *self, size_t j, size_t n, const double 
     const sgt_q_con *s = self;
     double unit[Q_TERMS] = {0};
     unit[j] = 1;
-    q_con_at(n, j + 1, unit, s->norm * s->norm, x, y, out.p, out.px, out.py);
+    q_con_at(n, j + 1, unit, s->norm * s->norm, x, y, out);
 }
 
 static sgt_objection con_object(const void *self)
