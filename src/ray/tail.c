@@ -30,10 +30,12 @@ sgt_outlook sgt_outlook_of(sgt_vec3 o, sgt_vec3 d)
 /* Is nothing met at `radius` and beyond, on the way in (side -1), or out (1)? */
 static bool is_clear(sgt_surface s, const sgt_outlook *e, double radius, double side, sgt_tails *kept)
 {
-    double tail = tail_from(s, radius, kept), r2 = radius * radius, sign = copysign(1, tail),
+    double tail = tail_from(s, radius, kept);
+    if (tail == 0) return false;
+    double r2 = radius * radius, sign = copysign(1, tail),
            least = fabs(tail) * (1 - 0x1p-20), grows = sign * side * e->n, w = sgt_way_to(e, r2, e->far2),
            most = sgt_way_to(e, r2, e->near2), off = e->off + 0x1p-30 * (fabs(e->n) * most + fabs(e->z));
-    if (!(w > 0 && least > 0)) return false;
+    if (!(w > 0)) return false;
     return sign * e->z + grows * (grows > 0 ? most : w) + off < least && 2 * e->a * w * least >= r2 * grows;
 }
 
@@ -69,7 +71,7 @@ static double last_clear(sgt_surface s, const sgt_outlook *e, double r, sgt_tail
 
 double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sgt_tails *kept)
 {
-    if (!s.ops->own_->tail || !(t < e->t && e->a > 0x1p-80)) return t;
+    if (!(t < e->t && e->a > 0x1p-80)) return t;
     double least = last_clear(s, e, r, kept);
     return least > 0 ? larger(e->t - way_beyond(e, least), t) : t;
 }
@@ -77,14 +79,14 @@ double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sg
 bool sgt_leaves_by_tail(sgt_surface s, const sgt_outlook *e, double t, sgt_tails *kept)
 {
     double w = (t - e->t) * (1 - 0x1p-30) - 0x1p-44 * (fabs(t) + fabs(e->t)), radius = w * sqrt(e->a);
-    return s.ops->own_->tail && w > 0 && e->a > 0x1p-80 && is_clear(s, e, rung_below(radius, FINE), 1, kept);
+    return w > 0 && e->a > 0x1p-80 && is_clear(s, e, rung_below(radius, FINE), 1, kept);
 }
 
-/* From r outward the first radius of the table that is clear; 0: none within 2^64 times as far. */
+/* From r outward the first radius of the table that is clear; 0: none within 2^32 times as far. */
 static double first_clear(sgt_surface s, const sgt_outlook *e, double r, double side, sgt_tails *kept)
 {
     double whole = rung_above(larger(r, 0x1p-60), COARSE);
-    for (int i = 0; i < 64 && whole < HUGE_VAL; i++, whole *= 2)
+    for (int i = 0; i < 32 && whole < HUGE_VAL; i++, whole *= 2)
         if (is_clear(s, e, whole, side, kept)) return least_eighth(s, e, 0.5 * whole, whole, side, whole, kept);
     return 0;
 }

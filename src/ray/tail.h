@@ -34,7 +34,7 @@ SGT_INLINE double sgt_way_to(const sgt_outlook *e, double r2, double least2)
     return w2 > 0 && w2 < HUGE_VAL ? sqrt(w2) : 0;
 }
 
-/* On the way in from t, where the ray is at most r from the axis, or the surface ends at r: the last t before
+/* Of a surface that is `tailed` (sgt_shared).  On the way in from t, where the ray is at most r from the axis, or the surface ends at r: the last t before
  * which nothing is certainly met, or t itself. */
 double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sgt_tails *kept);
 

@@ -447,6 +447,7 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
 
 static bool leaves_by_tail(sgt_surface s, rows a, size_t i, sgt_tails *kept)
 {
+    if (!(a[PX][i] * a[DX][i] + a[PY][i] * a[DY][i] > 0)) return false;
     sgt_outlook e = outlook_of(a, i);
     return sgt_leaves_by_tail(s, &e, a[T][i], kept);
 }
@@ -661,10 +662,12 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         sgt_ray ray = row_ray(&r, v, i);
         size_t k = left;
         lay_row(a, k, &ray, i, t, v->seed[i]);
-        sgt_outlook out = outlook_of(a, k);
         double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
-        double clear = sgt_past_tail(s, &out, a[T][k], smaller(begins, edge), &kept->tails);
-        if (clear > a[T][k]) t = clear * scale_of(ray.d);
+        if (bare->tailed) {
+            sgt_outlook out = outlook_of(a, k);
+            double clear = sgt_past_tail(s, &out, a[T][k], smaller(begins, edge), &kept->tails);
+            if (clear > a[T][k]) t = clear * scale_of(ray.d);
+        }
         t = inside_edge(s, &ray, t, edge, kept, v, &v->evals[i]);
         if (!(t <= ray.tmax) || (v->told && v->told->stopped)) continue; /* nor NaN */
         lay_row(a, k, &ray, i, t, v->seed[i]);
@@ -722,7 +725,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 if (mode == IN_BOX) {
                     if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);
                 } else if (t > ray.tmax
-                           || (in_rings ? leaves_by_tail(s, a, i, &kept->tails) ||
+                           || (in_rings ? (known->tailed && leaves_by_tail(s, a, i, &kept->tails)) ||
                                             leaves_by_edge(s, &ray, edge, a, i, scale, v)
                                       : t > v->hi[k])) {
                     is_miss(v, k);

@@ -97,7 +97,8 @@ typedef struct sgt_shared {
     sgt_by_axis axis;  /* these two are read only if by_axis is set */
     double lean;
     bool by_axis;
-    bool boxed; /* extent_in_part says more than extent_within */
+    bool boxed;  /* extent_in_part says more than extent_within */
+    bool tailed; /* a tail may be known */
 } sgt_shared;
 
 /* What the departure adds to the rounding of F at a point of that r^2.  NaN beyond most2, and nearer to
