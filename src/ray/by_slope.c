@@ -84,7 +84,8 @@ static bool proven_by(const slope_block *b, size_t i, double steep, const sgt_ti
     sgt_vec3 d = {tile->rays.d[0][k], tile->rays.d[1][k], tile->rays.d[2][k]};
     double scale = scale_of(d), x = b->x[i], y = b->y[i], z = b->z[i], far = fabs(x) + fabs(y) + fabs(z),
            t = h->t[k];
-    double moved = SGT_U * (steep * (fabs(x) + fabs(y)) + fabs(z)) + 0x1p-100 * (1 + steep) * fabs(b->tau_lo[i]);
+    double moved = SGT_U * (steep * (fabs(x) + fabs(y)) + fabs(z)) +
+                   0x1p-100 * (1 + steep) * fabs(b->tau_lo[i]);
     double e = (fabs(b->f[i]) + 1.01 * (b->own[i] + moved)) / b->least[i] * (1 + 8 * SGT_U);
     double t_err = larger(h->t_err[k], (fabs(h->t_lo[k]) + e * scale) * (1 + 8 * SGT_U));
     double px = h->p[0][k], py = h->p[1][k], pz = h->p[2][k];
@@ -104,7 +105,8 @@ static bool proven_by(const slope_block *b, size_t i, double steep, const sgt_ti
 
 /* F at the points of the block, and its rounding.  noise: NULL, or rows as values_rounded of builtin.h has
  * them. */
-static void look(slope_block *b, sgt_surface s, const sgt_shared *shared, const double *const noise[3], size_t n)
+static void look(slope_block *b, sgt_surface s, const sgt_shared *shared, const double *const noise[3],
+                 size_t n)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     sgt_points p = {{b->x, b->y, b->z}};
@@ -360,7 +362,8 @@ static void quick_proof_of(quick_proof *w, sgt_surface s, const sgt_shared *shar
                            memo *known, const sgt_options *opt)
 {
     w->s = s, w->shared = shared, w->tile = tile, w->told = NULL, w->rim2 = rim2_of_surface(s);
-    w->kept = known ? &known->kept : NULL, w->near = known && opt->pick == SGT_NEAR_SEED ? &known->near : NULL;
+    w->kept = known ? &known->kept : NULL;
+    w->near = known && opt->pick == SGT_NEAR_SEED ? &known->near : NULL;
     w->budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS;
 }
 
@@ -394,7 +397,8 @@ SGT_NOINLINE static bool prove_one(sgt_surface s, const sgt_shared *shared, cons
     return proven || told.stopped;
 }
 
-static bool quick_proof_by(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool parts, sgt_hit *hit)
+static bool quick_proof_by(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool parts,
+                           sgt_hit *hit)
 {
     sgt_shared shared;
     sgt_options estimate = sgt_quick_estimate(opt);

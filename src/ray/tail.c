@@ -87,7 +87,8 @@ static double first_clear(sgt_surface s, const sgt_outlook *e, double r, double 
 {
     double whole = rung_above(larger(r, 0x1p-60), COARSE);
     for (int i = 0; i < 32 && whole < HUGE_VAL; i++, whole *= 2)
-        if (is_clear(s, e, whole, side, kept)) return least_eighth(s, e, 0.5 * whole, whole, side, whole, kept);
+        if (is_clear(s, e, whole, side, kept))
+            return least_eighth(s, e, 0.5 * whole, whole, side, whole, kept);
     return 0;
 }
 

@@ -2,9 +2,9 @@
 /* tail.h - the part of a ray far out at which nothing is met, known at once.
  *
  * Of many sags the last terms outgrow all others from some radius on (sgt_builtin_ops.tail): the sag is
- * s L (r / R)^2 or more beyond R, with s = +-1 and L > 0.  On the ray r^2 = r0^2 + a w^2, with w counted from the
- * point nearest the axis, z0 the height there, and z = z0 +- n w.  So on one side of that point nothing is
- * met at R and beyond if s z < L at R, and the sag grows faster than s z from there on:
+ * s L (r / R)^2 or more beyond R, with s = +-1 and L > 0.  On the ray r^2 = r0^2 + a w^2, with w counted from
+ * the point nearest the axis, z0 the height there, and z = z0 +- n w.  So on one side of that point nothing
+ * is met at R and beyond if s z < L at R, and the sag grows faster than s z from there on:
  *
  *     2 a w L >= R^2 g at R, where g = +-s n is the slope of s z outward, or g <= 0.
  *
@@ -34,8 +34,8 @@ SGT_INLINE double sgt_way_to(const sgt_outlook *e, double r2, double least2)
     return w2 > 0 && w2 < HUGE_VAL ? sqrt(w2) : 0;
 }
 
-/* Of a surface that is `tailed` (sgt_shared).  On the way in from t, where the ray is at most r from the axis, or the surface ends at r: the last t before
- * which nothing is certainly met, or t itself. */
+/* The next two are for a surface that is `tailed` (sgt_shared).  On the way in from t, where the ray is at
+ * most r from the axis, or the surface ends at r: the last t before which nothing is certainly met, or t. */
 double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sgt_tails *kept);
 
 /* Is nothing met from t on, on the way out? */

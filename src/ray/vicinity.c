@@ -10,9 +10,9 @@ enum { SHRINKS = 12 };
  * by a look on either side. */
 static const double NO_BOUND = 0x1p-1000;
 
-/* What is worked out of some rays, a row each: where the search begins; a radius for that and the seed, and one
- * for the seed alone; the rungs of the first, and of the root; and what is known within it.  axis: NULL, or two
- * rows. */
+/* What is worked out of some rays, a row each: where the search begins; a radius for that and the seed, and
+ * one for the seed alone; the rungs of the first, and of the root; and what is known within it.  axis: NULL,
+ * or two rows. */
 typedef struct region_rows {
     double *from, *radius, *at_seed, *wide, *about, *radius2, *steep, *low, *high, *const *axis;
 } region_rows;
@@ -34,8 +34,8 @@ static const known_part *vicinity_within(sgt_surface s, double rung, double aske
     return &kept->part[place];
 }
 
-/* Sets radius2, steep, low, high and axis within the rungs of n rays.  Of a ray that is not asked they are not
- * read. */
+/* Sets radius2, steep, low, high and axis within the rungs of n rays.  Of a ray that is not asked they are
+ * not read. */
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
                         vicinities *kept, const region_rows *w)
 {
@@ -144,7 +144,8 @@ static void noises_about(sgt_surface s, size_t n, const double *rung, double *ra
 
 /* The radius of the seed, and somewhat more, the point from which the search begins, and the least radius for
  * both; the rungs of that radius and of the root. */
-SGT_INLINE void vicinity_begin_by(size_t n, bool near, const sgt_rays *r, const vicinity *v, const region_rows *w)
+SGT_INLINE void vicinity_begin_by(size_t n, bool near, const sgt_rays *r, const vicinity *v,
+                                  const region_rows *w)
 {
     const double *ox = r->o[0], *oy = r->o[1], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2], *tmin = v->tmin,
                  *t = v->seed;
@@ -214,7 +215,8 @@ SGT_KERNEL
 static void vicinity_leave(size_t n, const sgt_rays *r, const vicinity *v, const region_rows *w,
                            const double *lo, const double *hi, double *restrict least)
 {
-    const double *oz = r->o[2], *dz = r->d[2], *low = w->low, *high = w->high, *tmin = v->tmin, *seed = v->seed;
+    const double *oz = r->o[2], *dz = r->d[2], *low = w->low, *high = w->high, *tmin = v->tmin,
+                 *seed = v->seed;
     LANES for (size_t i = 0; i < n; i++) {
         double z = oz[i] + tmin[i] * dz[i];
         mask starts = MASK(fabs(seed[i] - tmin[i]) < 0.25 * (hi[i] - lo[i])) & MASK(z >= low[i])
@@ -229,7 +231,8 @@ SGT_KERNEL
 static double vicinity_judge(size_t n, const sgt_rays *r, const vicinity *v, const double *from,
                              const double *lo, const double *hi, const double *slope)
 {
-    const double *dx = r->d[0], *dy = r->d[1], *dz = r->d[2], *tmin = v->tmin, *tmax = v->tmax, *seed = v->seed;
+    const double *dx = r->d[0], *dy = r->d[1], *dz = r->d[2], *tmin = v->tmin, *tmax = v->tmax,
+                 *seed = v->seed;
     double *restrict asked = v->asked, *restrict out_lo = v->lo, *restrict out_hi = v->hi,
            *restrict least = v->least;
     double left = 0;
@@ -356,9 +359,9 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         if (marches && whole->radius2 < HUGE_VAL) march_wings(s, n, r, v->tmin, true, whole, kept, v);
     }
     double *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
-    const region_rows w = {.at_seed = v->work[0], .from = v->work[1], .radius = v->work[2], .wide = v->work[3],
-                           .low = v->work[4], .steep = v->work[5], .radius2 = v->work[6], .about = v->work[7],
-                           .high = v->work[10], .axis = axis};
+    const region_rows w = {.at_seed = v->work[0], .from = v->work[1], .radius = v->work[2],
+                           .wide = v->work[3], .low = v->work[4], .steep = v->work[5], .radius2 = v->work[6],
+                           .about = v->work[7], .high = v->work[10], .axis = axis};
     const double *const read[2] = {both[0], both[1]};
     (near ? vicinity_begin_near : vicinity_begin)(n, &r, v, &w);
     if (!(whole->noise[0] < HUGE_VAL)) noises_about(s, n, w.about, v->work[8], kept, v);

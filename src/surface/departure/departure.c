@@ -420,8 +420,9 @@ void sgt_departure_in_box(const departure_sag *s, double x, double y, double *st
 bool sgt_departure_in_part(const departure_sag *s, sgt_part *part)
 {
     if (!s->of->bounds_along || !(part->radius < 0x1p400)) return false;
-    double wide = 1 + 0x1p-19, r = part->radius * wide, x = part->x * wide, y = part->y * wide, c = s->base ? s->c : 0,
-           steep = conic_slope(c, 1 + s->k, r), a = part->l * part->l + part->m * part->m;
+    double wide = 1 + 0x1p-19, r = part->radius * wide, x = part->x * wide, y = part->y * wide,
+           c = s->base ? s->c : 0, steep = conic_slope(c, 1 + s->k, r),
+           a = part->l * part->l + part->m * part->m;
     region where = {{-x, x}, {-y, y}, 0, r};
     bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     sgt_interval bent = bent_within(c, 1 + s->k, r, 0);
@@ -505,9 +506,9 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
     sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
 
-SGT_INLINE void chords_of(size_t n, const sgt_rays *r, const double *restrict radius2, const double *restrict steep,
-                          const double *const axis[2], double *restrict lo, double *restrict hi,
-                          double *restrict least)
+SGT_INLINE void chords_of(size_t n, const sgt_rays *r, const double *restrict radius2,
+                          const double *restrict steep, const double *const axis[2], double *restrict lo,
+                          double *restrict hi, double *restrict least)
 {
     const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2],
                  *steep_x = axis ? axis[0] : steep, *steep_y = axis ? axis[1] : steep;

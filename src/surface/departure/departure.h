@@ -28,8 +28,8 @@
 
 enum { DEPARTURE_BLOCK = 64 };
 
-/* In norm radii: farther out the polynomials themselves are worked out for a bound.  A rim at the norm radius,
- * made wider by rounding, is nearer, and what costs less is as good there. */
+/* In norm radii: farther out the polynomials themselves are worked out for a bound.  A rim at the norm
+ * radius, made wider by rounding, is nearer, and what costs less is as good there. */
 static const double FAR_BEYOND = 1 + 0x1p-16;
 
 /* The points with x and y in these intervals and r = sqrt(x^2 + y^2) in [r_lo, r_hi]. */
@@ -116,7 +116,8 @@ typedef struct departure {
     int (*by_axis)(const void *self, region *where, bounds *out, sgt_by_axis *axis, sgt_interval *heights);
 
     /* At most |P| at r = radius (length), with the sign of P, if P keeps that sign from there on and is at
-     * least (r / radius)^2 times that at each r >= radius where it is defined.  0: not known.  NULL: never. */
+     * least (r / radius)^2 times that at each r >= radius where it is defined.  0: not known.  NULL:
+     * never. */
     double (*tail)(const void *self, double radius);
 
     /* May P jump where it is defined?  NULL: it does not. */
