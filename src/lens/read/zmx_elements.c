@@ -9,10 +9,10 @@
  *                z = P1; P1 = 0 is a cylinder.  X1 counts Zernike terms on top, which are refused
  *     BICONICX   c and k in y; the radius P1 (0: flat) and the conic constant P2 in x
  *     XPOLYNOM   conic(r) + sum of X(2+i) (x/X2)^a (y/X2)^b, i = 1 ... X1, in the order x, y, x^2, xy ...
- *     TILTSURF   the plane z = P1 x + P2 y
+ *     TILTSURF   the plane z = P1 x + P2 y; as surface 0 an object whose points lie there
  *     PARAXIAL   a thin lens without aberrations, of the focal length P1
  *     COORDBRK   no surface: decenter P1, P2, then tilts P3, P4, P5 about x, y, z; P6 not 0: the tilts come
- *                first, and in the other order
+ *                first, and in the other order.  As the stop it is the plane z = 0 behind these
  *
  * (OpticStudio's help, Sequential Surfaces: Toroidal, Extended Polynomial and others.  It numbers extra data
  * on from the parameters: what it calls parameter 12 + i is XDAT i.)  Types that lack a published layout of
@@ -458,22 +458,37 @@ static node *append_break(zmx *z, node *list, const zmx_break *b, double thickne
     return map;
 }
 
+/* A stop has to be a surface: the plane z = 0 of the frame behind the break, in the medium that is there. */
+static void write_stop_of_break(zmx *z, node *list, zmx_surface *f)
+{
+    node *map = tree_node(z->s, NODE_MAP, f->line);
+    set_word(z, map, "type", f->line, "plane");
+    set_number(z, map, "thickness", f->thickness_line, f->thickness);
+    set_word(z, map, "glass", f->line, "same");
+    set_word(z, map, "stop", z->stop_line, "true");
+    if (f->size > 0) set_number(z, map, "draw_to", f->size_line, f->size);
+    map->inline_ = true;
+    tree_append(z->s, list, map);
+    f->step = map, f->step_path = tree_print(z->s, "surfaces[%zu]", ++z->surfaces);
+    tree_remark(z->s, SGT_REMARK_TURNED, z->stop_line, "STOP",
+                "a plane behind the break: surface %zu is a coordinate break", z->stop);
+}
+
 static void write_break(zmx *z, node *list, zmx_surface *f)
 {
     const double *p = f->parm;
+    const bool stop = number_of(z, f) == z->stop;
     zmx_break b = {f->line, p[6] != 0, {p[1], p[2]}, {p[3], p[4], p[5]}};
     if (number_of(z, f) == z->count - 1)
         tree_fail(z->s, f->line, "TYPE", "the last surface is a coordinate break, and no image");
-    if (number_of(z, f) == z->stop)
-        tree_fail(z->s, z->stop_line, "STOP", "surface %zu is a coordinate break, which cannot be the stop",
-                  z->stop);
     if (f->before || f->behind)
         tree_fail(z->s, (f->before ? f->before : f->behind)->line, "SCBD",
                   "surface %zu is a coordinate break itself", number_of(z, f));
-    f->map = f->step = append_break(z, list, &b, f->thickness, f->thickness_line, f->keeps_decenter,
-                                    f->keeps_tilt);
+    f->map = f->step = append_break(z, list, &b, stop ? 0 : f->thickness, f->thickness_line,
+                                    f->keeps_decenter, f->keeps_tilt);
     f->path = f->step_path = tree_print(z->s, "breaks[%zu]", z->breaks);
     sgt_zmx_tally(z, ZMX_BREAKS, f->line, "COORDBRK");
+    if (stop) write_stop_of_break(z, list, f);
     if (f->glass.medium != ZMX_AIR) sgt_zmx_tally(z, ZMX_BREAK_GLASS, f->glass.line, "GLAS");
     set_aperture(z, NULL, f);
     tally_unused(z, f);
@@ -523,13 +538,17 @@ static void write_object(zmx *z, node *root)
         double distance = f->thickness;
         for (size_t i = 1; i < z->count && !z->surface[i].type->write; i++)
             distance += z->surface[i].thickness;
-        if (!(distance > 0))
-            tree_fail(z->s, f->thickness_line, "DISZ",
-                      "the object does not stand in front of the first surface");
-        set_number(z, map, "distance", f->thickness_line, distance);
+        if (!(distance >= 0))
+            tree_fail(z->s, f->thickness_line, "DISZ", "the object stands behind the first surface");
+        set_number(z, map, "distance", f->thickness_line, distance + 0);
+        if (f->type->write == write_tilted && (f->parm[1] != 0 || f->parm[2] != 0))
+            tree_set(z->s, map, "slope", tree_numbers(z->s, f->parm_line, 2, &f->parm[1]));
         if (f->curvature != 0)
             tree_remark(z->s, SGT_REMARK_LEFT_OUT, f->curvature_line, "CURV",
                         "the curvature of the object; rays start from a plane");
+    } else if (f->parm[1] != 0 || f->parm[2] != 0) {
+        tree_remark(z->s, SGT_REMARK_LEFT_OUT, f->parm_line, "PARM",
+                    "the tilt of the object, which is at infinity");
     }
     set_medium(z, map, f);
     if (z->telecentric) tree_set(z->s, map, "telecentric", tree_word(z->s, z->ftyp_line, "true"));

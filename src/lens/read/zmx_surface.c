@@ -37,7 +37,7 @@ static void read_type(zmx *z)
     if (!current(z)->type)
         tree_fail(z->s, z->lines.line, "TYPE", "surface %zu is of the type %.*s, which is not read",
                   z->count - 1, sgt_reader_width(name), name.begin);
-    if (z->count == 1 && !sgt_reader_is(name, "STANDARD"))
+    if (z->count == 1 && !sgt_reader_is(name, "STANDARD") && !sgt_reader_is(name, "TILTSURF"))
         tree_fail(z->s, z->lines.line, "TYPE",
                   "surface 0, the object, is of the type %.*s, which is not read", sgt_reader_width(name),
                   name.begin);
