@@ -332,10 +332,25 @@ def of_type(kind, generator):
         return dict(parm=[sign(generator) * u(25, 60), 1])
     if kind == 'TILTSURF':
         return dict(parm=[u(-0.15, 0.15), u(-0.15, 0.15)])
+    if kind == 'IRREGULA':
+        moved = [u(-1, 1), u(-1, 1), u(-8, 8), u(-8, 8)] if generator.random() < 0.5 else [0.0] * 4
+        return dict(c=c, k=k, parm=[*moved, *(u(-0.05, 0.05) for _ in range(3)), generator.choice((0.0, u(-90, 90)))])
+    if kind in ('XASPHERE', 'XODDASPH'):
+        count = generator.randint(1, 8 if kind == 'XASPHERE' else 16)
+        return dict(c=c, k=k, xdat=[count, u(6, 12)] + [u(-0.05, 0.05) for _ in range(count)])
+    if kind == 'QED_TYPE':
+        which, count = generator.randint(0, 1), generator.randint(1, 8)
+        return dict(c=c, k=k if which else 0.0, xdat=[which, count, u(6, 9)] + [u(-0.05, 0.05) for _ in range(count)])
+    if kind in ('FZERNSAG', 'SZERNSAG'):
+        count = generator.randint(1, 37)
+        evens = [u(-1, 1) * 10.0 ** -(2 + 2 * i) for i in range(1, 9)] if generator.random() < 0.5 else []
+        return dict(c=c, k=k, parm={0: 1.0, **dict(enumerate(evens, 1))},
+                    xdat=[count, u(6, 9)] + [u(-0.01, 0.01) for _ in range(count)])
     raise ValueError(kind)
 
 
-TYPES = ('STANDARD', 'EVENASPH', 'ODDASPHE', 'TOROIDAL', 'BICONICX', 'XPOLYNOM', 'TILTSURF', 'PARAXIAL')
+TYPES = ('STANDARD', 'EVENASPH', 'ODDASPHE', 'TOROIDAL', 'BICONICX', 'XPOLYNOM', 'TILTSURF', 'PARAXIAL', 'IRREGULA',
+         'XASPHERE', 'XODDASPH', 'QED_TYPE', 'FZERNSAG', 'SZERNSAG')
 
 
 def lens_of(kind, generator):
@@ -361,6 +376,55 @@ def test_each_type():
         if not faults:
             passed(through, 0.8)
     assert not faults, '\n'.join(faults[:5])
+
+
+def test_terms_that_are_zero():
+    """Types without terms are what is left of them; terms beyond those counted, and zeros behind the last, go."""
+    generator = random.Random(f'{SEED} zero terms')
+    for kind, how in (('IRREGULA', dict(parm=[0.0] * 8)), ('XASPHERE', dict(xdat=[0, 0.0])),
+                      ('QED_TYPE', dict(xdat=[0, 0, 0.0], k=-0.5)), ('FZERNSAG', dict(xdat=[0, 0.0])),
+                      ('SZERNSAG', dict(xdat=[3, 5.0, 0.0, 0.0, 0.0])), ('XODDASPH', dict(xdat=[1, 5.0, 0.0, 7.0]))):
+        data = zmx(FAR, surf(t=2.0), surf(kind, c=0.02, t=4.0, glass=glas('N-BK7'), **how), IMAGE)
+        compare(kind, data, launches(generator, 5))
+        yaml = imported(written(data, 'lens.zmx'))[0].read_text()
+        assert re.search('type: (sphere|conic), radius: 50', yaml), yaml
+
+
+def test_grid():
+    """At its heights: of the grid, of the conic and the powers beside it, of the Zernike terms.  Rows run to -y."""
+    generator, faults = random.Random(f'{SEED} grid'), []
+    for trial in range(several(8)):
+        u = generator.uniform
+        nx, ny, dx, dy = generator.randint(5, 9), generator.randint(5, 9), u(0.5, 1.5), u(0.5, 1.5)
+        heights = [[u(-0.01, 0.01) for _ in range(nx)] for _ in range(ny)]  # the first row is that of the largest y
+        c, k, norm = u(-0.03, 0.03), u(-2, 0.5), u(8, 12)
+        evens = [u(-1e-4, 1e-4), u(-1e-6, 1e-6)] if trial % 2 else []
+        terms = [u(-0.01, 0.01) for _ in range(generator.choice((0, 3, 15)))]
+        flat = [z for row in heights for z in row]
+        more = [f'GDAT {nx} {ny} {dx!r} {dy!r} 0 0', *(f'GARR {i} {z!r} 0 0 0 0' for i, z in enumerate(flat))]
+        data = zmx(FAR, surf(t=5.0), surf('GRID_SAG', c=c, k=k, t=9.0, parm=evens, xdat=[len(terms), norm, *terms],
+                                          more=more), IMAGE)
+        points = [((j - (nx - 1) / 2) * dx, ((ny - 1) / 2 - i) * dy, z) for i, row in enumerate(heights)
+                  for j, z in enumerate(row)]
+        beam = written(rays(*((x, y, -1, 0, 0, 1) for x, y, _ in points)))
+        path = written(data, 'lens.zmx')
+        out = [row for row in csv.DictReader(run('trace', path, '--rays', beam, '--format', 'csv').stdout.splitlines())
+               if row['element'] == '2']
+        assert len(out) == len(points)
+        for row, (x, y, z) in zip(out, points):
+            r2 = x * x + y * y
+            wanted = z + zmx_oracle.conic(c, k, r2, math.sqrt)[0] + sum(a * r2 ** (i + 1) for i, a in enumerate(evens))
+            wanted += sum(a * zmx_oracle.zernike(j, False, x / norm, y / norm, 0.0)[0] for j, a in enumerate(terms, 1))
+            inside = abs(x) < (nx - 1) / 2 * dx and abs(y) < (ny - 1) / 2 * dy  # its edge may be missed
+            if row['fate'] != 'passed' and not inside:
+                continue
+            if row['fate'] != 'passed' or abs(float(row['z']) - wanted) > 1e-12:
+                faults.append(f'{trial}: {row} and not {wanted}')
+    assert not faults, '\n'.join(faults[:4])
+    short = data.replace(f'GARR {len(flat) - 1} ', 'COMM GARR ')
+    refused(short, 'GDAT', [line_of(short, 'GDAT')], f'{len(flat) - 1} of the {len(flat)}')
+    hole = data.replace('GARR 3 ', 'GARR 4 ')
+    refused(hole, 'GARR', [line_of(hole, 'GARR 4 ')], 'height 4 is where height 3 should be')
 
 
 def test_types_mixed():
@@ -974,8 +1038,20 @@ def test_what_is_refused():
     clean = zmx(FAR, surf('EVENASPH', t=2.0), glass, surf(c=-0.02, t=20.0), IMAGE)
     faults = []
     cases = [(clean.replace('EVENASPH', kind), 'TYPE', (kind,), line_of(clean, 'TYPE EVENASPH')) for kind in
-             ('DGRATING', 'HOLOGRM1', 'BINARY_2', 'GRINSUR5', 'BIRE__IN', 'USERSURF', 'FZERNSAG', 'GRID_SAG',
-              'IRREGULA', 'FRESNELS', 'JONESMAT', 'PARAX_XY', 'QED_TYPE', 'NONSEQCO', 'NOSUCH', 'standard2')]
+             ('DGRATING', 'HOLOGRM1', 'BINARY_2', 'GRINSUR5', 'BIRE__IN', 'USERSURF', 'FRESNELS', 'JONESMAT',
+              'PARAX_XY', 'CHEBYSHE', 'NONSEQCO', 'NOSUCH', 'standard2')]
+    def extended(kind, *xdat, **how):
+        return zmx(FAR, surf(kind, c=0.02, t=4.0, xdat=xdat, **how), IMAGE)
+    for kind, where in (('XASPHERE', 1), ('FZERNSAG', 1), ('QED_TYPE', 2)):
+        before = [1] * (where - 1)
+        cases += [(extended(kind, *before, 1, 0.0, 0.1), 'XDAT', (), None),       # a radius that is none
+                  (extended(kind, *before, 1.5, 5.0, 0.1), 'XDAT', (), None),     # a number of terms that is none
+                  (extended(kind, *before, 999, 5.0, 0.1), 'XDAT', (), None)]
+    cases += [(extended('QED_TYPE', 0, 1, 5.0, 0.1, k=-1.0), 'CONI', (), None),
+              (extended('QED_TYPE', 2, 1, 5.0, 0.1), 'XDAT', (), None),
+              (extended('SZERNSAG', 1, 5.0, 0.1, parm={9: 0.5}), 'PARM', (), None),
+              (extended('GRID_SAG', 0), 'GDAT', (), line_of(extended('GRID_SAG', 0), 'SURF 1')),
+              (zmx(FAR, surf('IRREGULA', parm=[0, 0, 0, 0, 0.1], diam='0 0'), IMAGE), 'DIAM', (), None)]
     cases += [
         (clean.replace('N-BK7', 'N-BK77'), 'GLAS', ('N-BK77',), None),
         (clean.replace('N-BK7 0', 'N-BK77 3'), 'GLAS', ('N-BK77',), None),
