@@ -308,13 +308,21 @@ static void tell_look(const quick_proof *w, size_t i)
          b->gx[i] * d.x + b->gy[i] * d.y + b->gz[i] * d.z, b->lo[i], b->hi[i]);
 }
 
+/* A part far out may be so steep, and F be known so little there, that enclosures know t far better: a bound
+ * on t_err beside t and the root's coordinates. */
+static const double TOO_WIDE = 0x1p-40;
+
 /* Does the look prove the answer? */
 static bool is_proven(const quick_proof *w, size_t i, bool ends)
 {
-    double n = w->tile->rays.d[2][i];
-    if (w->tile->hits.status[i] > 0)
-        return w->b.fine[i] > 0 && proven_by(&w->b, i, w->steep[i], w->tile, i, w->rim2) &&
-               certainly_accepted(w, i);
+    const sgt_hits *h = &w->tile->hits;
+    const slope_block *b = &w->b;
+    sgt_vec3 d = {w->tile->rays.d[0][i], w->tile->rays.d[1][i], w->tile->rays.d[2][i]};
+    double n = d.z, far = fabs(b->x[i]) + fabs(b->y[i]) + fabs(b->z[i]),
+           most = TOO_WIDE * (fabs(h->t[i]) + far * scale_of(d));
+    if (h->status[i] > 0)
+        return b->fine[i] > 0 && proven_by(b, i, w->steep[i], w->tile, i, w->rim2) &&
+               (w->asked[i] == 0 || h->t_err[i] <= most) && certainly_accepted(w, i);
     return sign_there(w, i) * (ends ? -n : n) > 0;
 }
 

@@ -317,7 +317,8 @@ void pairs(generator &g, const char *type, int surfaces)
                          before = g.chance(0.7) ? apart * g.log_uniform(1, 100) : s.h * g.log_uniform(1, 1e4);
             if (!(std::hypot(b.x, b.y) < s.h) || low != low || high != high) continue;
             const sgt_vec3 d = {(b.x - a.x) / apart, (b.y - a.y) / apart, (high - low) / apart};
-            const sgt_ray ray = {{a.x - before * d.x, a.y - before * d.y, low - before * d.z}, d, 0, INFINITY};
+            const sgt_ray ray = {
+                {a.x - before * d.x, a.y - before * d.y, low - before * d.z}, d, 0, INFINITY};
             const quad middle = before + 0.5 * apart, wide = 0.5 * g.uniform(0.6, 0.95) * apart;
             const int there = sign(along(exact, ray, middle));
             bool parted = false; // a root is between `middle - w` and the middle
