@@ -291,6 +291,7 @@ sgt_pupil sgt_pupil_of(sgt_pattern pattern, size_t n, uint64_t seed, size_t row[
     return p;
 }
 
+/* At most PUPIL_PART of them. */
 static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
 {
     size_t low = 0, high = p->n, row_first = 0, row_end = 0, begin = 0;
@@ -308,6 +309,8 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
         *(p->row[middle] <= first ? &low : &high) = middle;
     }
     uint32_t k = p->pattern == SGT_PATTERN_SOBOL ? (uint32_t)p->row[first / PUPIL_PART] : 0;
+    for (size_t i = first / PUPIL_PART * PUPIL_PART; i < first && p->pattern == SGT_PATTERN_SOBOL; i++)
+        k = sobol_next(k, at);
     if (p->pattern == SGT_PATTERN_HEXAPOLAR) {
         hexapolar_points(first, count, p->n, at);
         for (size_t i = 0; i < count; i++) at[i].weight /= p->sum;
@@ -333,6 +336,10 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
 
 void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
 {
-    part_of(p, first, count, at);
+    for (size_t done = 0, part; done < count; done += part) { /* up to where a part of Sobol's ends */
+        const size_t left = PUPIL_PART - (first + done) % PUPIL_PART;
+        part = count - done < left ? count - done : left;
+        part_of(p, first + done, part, at + done);
+    }
     for (size_t i = 0; i < count && p->equal; i++) at[i].weight = 1 / (double)p->count;
 }
