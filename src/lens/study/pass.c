@@ -145,6 +145,15 @@ static void count_fates(passing *now, size_t of, const sgt_fates *more, double x
     sgt_fates_add(&now->fates, more);
 }
 
+/* The bytes of a slot that a block uses. */
+static size_t used_of(const passing *now, size_t nth)
+{
+    const pass *p = now->p;
+    const size_t left = p->points->count - nth * PUPIL_PART;
+    if (!p->takes_ends) return now->slot;
+    return ends_at(p) + (left < PUPIL_PART ? left : PUPIL_PART) * sizeof(sgt_ray_end);
+}
+
 /* Does `take` get this block of a cell? */
 static bool is_taken(const pass *p, size_t nth) { return p->take && (!p->merge || nth < p->shown); }
 
@@ -180,7 +189,7 @@ static void take_block(void *data, size_t i, void *slot)
     if (nth == 0) now->fates = (sgt_fates){.rays = 0};
     count_fates(now, of, &b->fates, b->lost_x, b->lost_y);
     if (p->merge) sgt_tree_put(&now->tree, (sum_branch){0, nth}, (const char *)slot + sum_at());
-    if (now->writes && (!p->merge || is_taken(p, nth))) sgt_shard_put(a, now->slot, slot);
+    if (now->writes && (!p->merge || is_taken(p, nth))) sgt_shard_put(a, used_of(now, nth), slot);
     if (now->writes && p->merge && (last || i + 1 == now->end)) write_cell(now);
     if (now->tells) tell_block(now, i, slot);
     if (now->tells && last) tell_cell(now, of);
@@ -289,7 +298,7 @@ static bool join_pass(passing *now, char *slot)
             const size_t c = i / now->blocks, nth = i % now->blocks;
             const bool last = nth + 1 == now->blocks;
             if (!p->merge || is_taken(p, nth))
-                if (!sgt_shard_get(a, k, now->slot, slot)) return false;
+                if (!sgt_shard_get(a, k, used_of(now, nth), slot)) return false;
             if (!p->merge) take_block(now, i, slot);
             else if (is_taken(p, nth)) tell_block(now, i, slot);
             if (a->failed) return false;
