@@ -286,16 +286,20 @@ typedef struct sgt_wavefront {
 SGT_API sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[],
                                        const double opd[], const double error[]);
 
+/* Values at points of the unit circle: each array has `count` numbers, the values in any
+ * unit. */
+typedef struct sgt_pupil_values {
+    size_t count;
+    const double *x, *y, *value, *weight;
+} sgt_pupil_values;
+
 /* The least-squares fit of the first `terms` Zernike polynomials.
  *
  *     order       SGT_NOLL: the mean square of each over the circle is 1.  SGT_FRINGE:
  *                 its value at the edge is 1 (sgt_zernike of surfaces.h, `normalised` 1
  *                 and 0)
  *     terms       how many polynomials
- *     count       how many points; a point with a NaN does not count
- *     x, y        [count], in the unit circle
- *     value       [count], in any unit
- *     weight      [count]
+ *     at          the values; a point with a NaN does not count
  *     coefficient [terms], written, in the unit of the values
  *     residual    NULL, or written: the root of the weighted mean square that is left
  *     allocator   NULL: malloc
@@ -303,9 +307,8 @@ SGT_API sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[],
  * By Householder's reflections: a coefficient is good to some roundings times the
  * condition of the points.  false: no memory, or the points do not determine all
  * coefficients: `error` (may be NULL) says which. */
-SGT_API bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count,
-                             const double x[], const double y[], const double value[],
-                             const double weight[], double coefficient[],
+SGT_API bool sgt_zernike_fit(sgt_zernike_order order, size_t terms,
+                             const sgt_pupil_values *at, double coefficient[],
                              double *residual, const sgt_allocator *allocator,
                              sgt_error *error);
 

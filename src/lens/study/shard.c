@@ -61,6 +61,7 @@ static void write_slot(void *data, size_t i, void *slot)
 bool sgt_shard_rounds(sgt_asking *a, const rounds *r)
 {
     const sgt_shard *s = a->study->opt.shard;
+    if (!s) return sgt_ask_rounds(a, r);
     if (!sgt_shard_head(a, (sgt_shard_of_pass){r->tasks, 1, r->size})) return false;
     if (s->number) {
         shard_written w = {a, r};

@@ -185,7 +185,6 @@ bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
     const size_t round = !o->run ? 1 : fit < ROUND ? ROUND : fit < ROUND_MOST ? fit : ROUND_MOST;
     const size_t most = r->tasks < round ? r->tasks : round;
     two_rounds w = {.ask = a, .r = r, .step = step, .asker = &own_thread};
-    if (r->shared && a->study->opt.shard) return sgt_shard_rounds(a, r);
     if (r->tasks == 0 || a->failed) return !a->failed;
     char *slots = sgt_launch_take(a->from, 2 * most, w.step);
     if (!slots) return sgt_ask_fail(a, "", "no memory");

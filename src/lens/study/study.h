@@ -92,7 +92,6 @@ sgt_ray_end *sgt_ask_chiefs(sgt_asking *a, size_t surfaces, sgt_element *const e
  *                false: it failed, and has said so */
 typedef struct rounds {
     size_t first, tasks, size;  /* tasks first ... first + tasks - 1 */
-    bool shared;                /* each share works on some, and who joins has their slots from there */
     void *data;
     bool (*prepare)(void *data, size_t first, size_t tasks);
     bool (*work)(void *data, size_t i, void *slot);
@@ -110,7 +109,9 @@ size_t sgt_shard_begin(size_t tasks, size_t k, size_t of);
 bool   sgt_shard_put(sgt_asking *a, size_t size, const void *bytes);
 bool   sgt_shard_get(sgt_asking *a, size_t k, size_t size, void *bytes);
 bool   sgt_shard_wrong(sgt_asking *a, size_t k);
-bool   sgt_shard_rounds(sgt_asking *a, const rounds *r);
+
+/* (shard.c) sgt_ask_rounds, of which a shard works on some tasks; who joins has their slots from it. */
+bool sgt_shard_rounds(sgt_asking *a, const rounds *r);
 
 /* Is this one share of several?  Then nothing is told. */
 static inline bool sgt_ask_shards(const sgt_asking *a)

@@ -165,9 +165,8 @@ sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[], const doub
 
 /* ------------------------------------------------------------------------ the fit */
 
-bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count, const double x[], const double y[],
-                     const double value[], const double weight[], double coefficient[], double *residual,
-                     const sgt_allocator *allocator, sgt_error *error)
+bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, const sgt_pupil_values *at, double coefficient[],
+                     double *residual, const sgt_allocator *allocator, sgt_error *error)
 {
     sgt_launcher none = {.allocator = sgt_allocator_or(allocator)};
     double *room = NULL;
@@ -179,10 +178,10 @@ bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count, const 
         return sgt_launch_fail(&none, error, "", "%zu polynomials; 1 to %d", terms, (int)ZERNIKE_TERMS_MOST);
     zernike_block b = {.column = room};
     zernike_triangle t = sgt_zernike_triangle_in(terms, room + column);
-    for (size_t first = 0; first < count; first += PUPIL_PART) {
-        const size_t left = count - first;
-        sgt_zernike_block_of(order, terms, left < PUPIL_PART ? left : PUPIL_PART, x + first, y + first,
-                             value + first, weight + first, &b);
+    for (size_t first = 0; first < at->count; first += PUPIL_PART) {
+        const size_t left = at->count - first;
+        sgt_zernike_block_of(order, terms, left < PUPIL_PART ? left : PUPIL_PART, at->x + first,
+                             at->y + first, at->value + first, at->weight + first, &b);
         sgt_zernike_absorb(&t, &b);
     }
     const bool fine =
