@@ -2,8 +2,9 @@
 /* sums.c - exact sums of hostile summands, in any partition and order: sums SETS PARTITIONS
  *
  * A set has numbers, products w x and squares w x x, of exponents from -1074 to 1023, which cancel, repeat,
- * or are infinite or NaN.  It is summed up in random orders, divided among one to nine accumulators which are
- * merged in a random order; rays of one weight go by run.h or not.  All of that has to end in the same bits.
+ * lie in the middle between two doubles, or are infinite or NaN.  It is summed up in random orders, divided
+ * among one to nine accumulators which are merged in a random order; rays of one weight go by run.h or not.
+ * All of that has to end in the same bits.
  * They are printed, and test_sums.py compares them with mpmath.
  *
  * Then the same with rays of sgt_sums, whose bytes have to be the same; and bytes that are cut off or damaged
@@ -46,7 +47,7 @@ typedef struct summand { int factors; double w, x; } summand;
 
 static size_t make_set(summand s[MOST], size_t kind)
 {
-    const size_t count = 1 + below(MOST);
+    const size_t count = kind % 5 == 2 ? 2 : 1 + below(MOST);
     const int high = kind % 4 == 0 ? 1023 : kind % 4 == 1 ? 30 : 400, low = kind % 4 == 0 ? -1074 : -high;
     for (size_t i = 0; i < count; i++) {
         s[i] = (summand){1 + (int)below(3), number(low, high), number(low, high)};
@@ -55,6 +56,8 @@ static size_t make_set(summand s[MOST], size_t kind)
         if (i && s[i].factors == 1 && below(3) == 0) s[i].x = -s[i - 1].x;
         if (i && below(2)) s[i].w = s[i - 1].w;
         if (below(20) == 0) s[i].x = 0;
+        if (kind % 5 == 2) /* a number of 53 bits, and half its last one */
+            s[i] = (summand){1, 1, i ? 1 : (double)(UINT64_C(1) << 52 | draw() >> 12) * 2};
     }
     if (kind % 7 == 3) s[below(count)].x = HUGE_VAL;
     if (kind % 7 == 4) s[below(count)].x = below(2) ? -HUGE_VAL : HUGE_VAL, s[below(count)].w = HUGE_VAL;
