@@ -108,6 +108,7 @@ def test_only_its_rays():
     run(*arguments, '--shard', '1/3')
     done = run(*arguments, '--shard', '3/3', exit=BAD_INPUT)
     assert 'row 2900' in done.stderr, done.stderr
+    equal(os.listdir(part.parent), ['x.part'], 'of a shard that failed')
     same(3, 'intersect', '--surface', SPHERE, '--rays', npy, '--skip-bad', '--format', 'csv')
 
 

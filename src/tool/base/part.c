@@ -43,6 +43,12 @@ static void remove_unfinished(void)
     writing.file = NULL;
 }
 
+/* Other threads may be writing: the file stays open. */
+static void unlink_unfinished(void)
+{
+    if (writing.file) remove(writing.unfinished);
+}
+
 _Noreturn static void fail_writing(void)
 {
     const char *why = strerror(errno);
@@ -76,7 +82,7 @@ void part_begin(const char *path, const part_of_run *of)
     writing.file = fopen(writing.unfinished, "wb");
     if (!writing.file) fail_input("--output %s: %s", path, strerror(errno));
     setvbuf(writing.file, NULL, _IOFBF, 1 << 16);
-    atexit(remove_unfinished);
+    atexit(remove_unfinished), fail_first(unlink_unfinished);
     file_words(MARK, WORD), file_word(ORDER), file_word(of->number), file_word(of->of), file_word(of->digest);
     part_put(sgt_version(), strlen(sgt_version()) + 1), part_put(of->arguments, of->length);
     writing.records = 0;
