@@ -70,7 +70,7 @@ input input_map(const char *path, bool *mapped)
     return input_read(path);
 }
 
-void input_note(const void *bytes, size_t size) { (void)bytes, (void)size; }
+void input_note(const void *from, size_t size) { (void)from, (void)size; }
 
 void input_leave(const void *from, size_t length) { (void)from, (void)length; }
 

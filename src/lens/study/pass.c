@@ -30,7 +30,7 @@ typedef struct block {
     sgt_fates fates;
     double lost_x, lost_y;
     bool placed;
-    sgt_error fault;
+    sgt_error fault;            /* if it is not placed; of no use to who joins */
 } block_of_rays;
 
 /* maps: of the cells mapped ... mapped + maps - 1, if rays are aimed and a cell is worth it.  fresh: which of
@@ -145,13 +145,28 @@ static void count_fates(passing *now, size_t of, const sgt_fates *more, double x
     sgt_fates_add(&now->fates, more);
 }
 
-/* The bytes of a slot that a block uses. */
+/* The bytes of a slot behind sum_at() that a block uses. */
 static size_t used_of(const passing *now, size_t nth)
 {
     const pass *p = now->p;
     const size_t left = p->points->count - nth * PUPIL_PART;
-    if (!p->takes_ends) return now->slot;
-    return ends_at(p) + (left < PUPIL_PART ? left : PUPIL_PART) * sizeof(sgt_ray_end);
+    if (!p->takes_ends) return p->size;
+    return ends_at(p) - sum_at() + (left < PUPIL_PART ? left : PUPIL_PART) * sizeof(sgt_ray_end);
+}
+
+/* A slot, without what is of no use. */
+static void write_slot(const passing *now, size_t nth, const void *slot)
+{
+    sgt_asking *a = now->p->ask;
+    sgt_shard_put(a, offsetof(block_of_rays, fault), slot);
+    sgt_shard_put(a, used_of(now, nth), (const char *)slot + sum_at());
+}
+
+static bool read_slot(const passing *now, size_t k, size_t nth, void *slot)
+{
+    sgt_asking *a = now->p->ask;
+    return sgt_shard_get(a, k, offsetof(block_of_rays, fault), slot) &&
+           sgt_shard_get(a, k, used_of(now, nth), (char *)slot + sum_at());
 }
 
 /* Does `take` get this block of a cell? */
@@ -189,7 +204,7 @@ static void take_block(void *data, size_t i, void *slot)
     if (nth == 0) now->fates = (sgt_fates){.rays = 0};
     count_fates(now, of, &b->fates, b->lost_x, b->lost_y);
     if (p->merge) sgt_tree_put(&now->tree, (sum_branch){0, nth}, (const char *)slot + sum_at());
-    if (now->writes && (!p->merge || is_taken(p, nth))) sgt_shard_put(a, used_of(now, nth), slot);
+    if (now->writes && (!p->merge || is_taken(p, nth))) write_slot(now, nth, slot);
     if (now->writes && p->merge && (last || i + 1 == now->end)) write_cell(now);
     if (now->tells) tell_block(now, i, slot);
     if (now->tells && last) tell_cell(now, of);
@@ -298,7 +313,7 @@ static bool join_pass(passing *now, char *slot)
             const size_t c = i / now->blocks, nth = i % now->blocks;
             const bool last = nth + 1 == now->blocks;
             if (!p->merge || is_taken(p, nth))
-                if (!sgt_shard_get(a, k, used_of(now, nth), slot)) return false;
+                if (!read_slot(now, k, nth, slot)) return false;
             if (!p->merge) take_block(now, i, slot);
             else if (is_taken(p, nth)) tell_block(now, i, slot);
             if (a->failed) return false;

@@ -51,7 +51,7 @@ static bool work_shared(void *data, size_t i, void *slot)
     return w->of->work(w->of->data, i, slot);
 }
 
-static void write_slot(void *data, size_t i, void *slot)
+static void write_task(void *data, size_t i, void *slot)
 {
     const shard_written *w = data;
     (void)i;
@@ -67,7 +67,7 @@ bool sgt_shard_rounds(sgt_asking *a, const rounds *r)
         shard_written w = {a, r};
         const size_t first = sgt_shard_begin(r->tasks, s->number, s->of);
         const rounds own = {.first = first, .tasks = sgt_shard_begin(r->tasks, s->number + 1, s->of) - first,
-                            .size = r->size, .data = &w, .work = work_shared, .take = write_slot};
+                            .size = r->size, .data = &w, .work = work_shared, .take = write_task};
         return sgt_ask_rounds(a, &own);
     }
     void *slot = sgt_ask_room(a, 1, r->size);
