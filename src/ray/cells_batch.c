@@ -549,11 +549,12 @@ static void meetings_certify(meetings *s, size_t n)
  * computed.  Rounding moves them by a part of what it does to F, times the degree: 64 of that. */
 SGT_INLINE void meeting_take(meetings *s, size_t k)
 {
-    local q = {.l = s->l[k], .m = s->m[k], .n = s->n[k], .t0 = s->t0[k], .scale = s->scale[k]};
+    local q = {.x = s->x[k], .y = s->y[k], .z = s->z[k], .l = s->l[k], .m = s->m[k], .n = s->n[k],
+               .t0 = s->t0[k], .scale = s->scale[k]};
     sgt_vec3 p = {s->px[k], s->py[k], s->pz[k]}, grad = {s->fx[k], s->fy[k], s->fz[k]};
     double tau = s->tau[k], tau_err = s->tau_err[k], noise = s->noise[k], tmin = s->tmin[k];
-    around at = around_of(s->x[k], s->y[k], s->z[k], q.l, q.m, q.n, tau, p, grad, 0);
-    acceptance h = acceptance_of(&q, tau, tau_err, p, grad, at, tmin, s->tmax[k], HUGE_VAL, END_ERRORS);
+    around at = around_of(&q, tau, p, grad, 0);
+    acceptance h = acceptance_of(&q, tau, tau_err, at, (limits){tmin, s->tmax[k], HUGE_VAL, END_ERRORS});
     double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z) + 64 * noise,
            width = START_ULPS * terms / s->steep[k] * q.scale + 8 * SGT_U * fabs(h.t);
     bool away = (tmin == -HUGE_VAL) | (h.t - tmin > DOUBT * (width + h.t_err)),
@@ -813,7 +814,7 @@ bool sgt_cells_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, 
 {
     sgt_status status = SGT_HARD;
     int evals = 0;
-    sgt_hit a = {.status = SGT_HARD};
+    meeting a = {.t = (double)NAN};
     sgt_tile tile = {.n = 1,
                      .rays = rays_of(ray),
                      .hits = {.status = &status,
@@ -832,6 +833,6 @@ bool sgt_cells_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, 
         return true;
     }
     *hit = hit_without(SGT_MISS, ray, evals);
-    if (status == SGT_HIT) *hit = hit_found(SGT_HIT, evals, a.t, a.t_err, a.t_lo, j.f, a.p, a.n, a.p_err);
+    if (status == SGT_HIT) *hit = hit_found(SGT_HIT, evals, j.f, &a);
     return status == SGT_HIT || status == SGT_MISS;
 }

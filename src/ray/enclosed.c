@@ -115,8 +115,7 @@ static cells_kind enclosed_ends(enclosed *s, cells *c)
     if (s->signs == 0 && tau == s->lo && w->from_tmin && sign_at(r) == s->side) {
         double least = (s->slope.lo > 0 ? s->slope.lo : -s->slope.hi) * w->q.scale;
         s->signs = 1;
-        s->start = !acceptance_of(&w->q, tau, (fabs(l->g) + l->g_err) / least, l->p, l->n, l->at,
-                                  w->ray->tmin, w->ray->tmax, w->rim2, 0).off;
+        s->start = !acceptance_of(&w->q, tau, (fabs(l->g) + l->g_err) / least, l->at, walk_limits(w)).off;
     }
     /* Undecided, with g between its values at the ends.  Not if the slope of `value` is so large that its
      * rounding is beyond the enclosure of g. */

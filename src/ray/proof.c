@@ -202,19 +202,20 @@ static proof_place proof_place_of(proof *w, double t, double t_err, sgt_interval
     const sgt_ray *ray = w->ray;
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
     double from = w->t0 != 0 ? w->t0 : t, rest = w->t0 != 0 ? t : 0, tau = rest * inverse;
-    local q = {.scale = scale, .l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale,
-               .t0 = from * inverse};
+    local q = {.l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale,
+               .t0 = from * inverse, .scale = scale};
     proof_place at = {.p = point_at(ray, scale, q.t0, tau),
                       .exact = q.t0 * scale == from && tau * scale == rest};
     at.f = w->s.ops->value(w->s.self, at.p, &at.n);
-    around a = around_of(at.p.x, at.p.y, at.p.z, q.l, q.m, q.n, 0, at.p, at.n, 0);
+    q.x = at.p.x, q.y = at.p.y, q.z = at.p.z;
+    around a = around_of(&q, 0, at.p, at.n, 0);
     double least = least_of(slope) * scale, most = sgt_interval_greatest(slope) * scale,
            steep = fabs(a.slope);
     double terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z),
            err = terms_err(w, at.p), by = START_ULPS * scale;
     a.slope = steep < least ? least : steep > most ? most : steep;
     at.least = by * larger(terms - err, 0) / most, at.most = by * (terms + err) / least;
-    at.h = acceptance_of(&q, tau, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2, 0);
+    at.h = acceptance_of(&q, tau, t_err * inverse, a, (limits){ray->tmin, ray->tmax, w->rim2, 0});
     at.r2 = at.p.x * at.p.x + at.p.y * at.p.y;
     at.off = 1.01 * ((2 * (fabs(at.p.x) + fabs(at.p.y)) + at.h.p_err) * at.h.p_err + 4 * SGT_U * at.r2);
     at.h.t_err = larger(at.h.t_err, t_err);
@@ -241,8 +242,9 @@ void sgt_proof_stretch(proof *w, sgt_status status, double lo, double hi)
 /* about: [lo, hi] of the hit, in the ray's own t; x: the root's interval, counted from t0. */
 static void proof_add(proof *w, sgt_status status, const proof_place *at, sgt_interval x, sgt_interval about)
 {
-    sgt_hit hit = hit_found(status, w->told.evals - w->told.before, at->h.t, at->h.t_err, at->h.t_lo, at->f,
-                            at->p, at->n, at->h.p_err);
+    meeting h = {.t = at->h.t, .t_lo = at->h.t_lo, .t_err = at->h.t_err, .p_err = at->h.p_err, .p = at->p,
+                 .n = at->n};
+    sgt_hit hit = hit_found(status, w->told.evals - w->told.before, at->f, &h);
     hit.lo = about.lo, hit.hi = about.hi;
     w->told.before = w->told.evals;
     if (w->anew) next_root(&w->told);
@@ -423,6 +425,22 @@ static bool refuted(proof *w, sgt_interval only)
     return signs[0] * signs[1] > 0;
 }
 
+/* May the root be the start or not?  Decided in computed numbers while these tell how far the start reaches
+ * (steady).  Else by what is certain wherever the root is in its interval (THE START). */
+static bool start_hides(proof *w, const certain *c, const proof_place *at)
+{
+    sgt_interval root = c->root;
+    double t_err = at->h.t_err, t = w->t0 + sgt_interval_middle(root), steps = 8 * SGT_U * fabs(t),
+           most_p = larger(fabs(at->p.x), larger(fabs(at->p.y), fabs(at->p.z))),
+           gap = at->h.t - (w->ray->tmin + t_err + steps);
+    bool steady = at->most <= 4 * at->least && at->most <= 0x1p-36 * most_p * scale_of(w->ray->d);
+    if (w->ray->tmin == -HUGE_VAL || steady
+        || root.lo - w->tmin.hi > 2 * t_err + at->most + 2 * steps)
+        return steady && gap > at->least && gap <= at->most;
+    double reach = start_width(w, root, c->slope), sure = reach < at->least ? reach : at->least;
+    return !(root.hi - (w->tmin.lo + steps) <= sure + (t_err <= 16 * sure ? t_err : 0));
+}
+
 /* Adds the root if it is accepted, or an UNPROVEN stretch if that cannot be told.  false: the root cannot
  * be told from an earlier entry. */
 static bool proof_take(proof *w, const certain *c)
@@ -450,18 +468,8 @@ static bool proof_take(proof *w, const certain *c)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
-    /* Is the root the start?  Decided in computed numbers while these tell how far the start reaches
-     * (steady). Else by what is certain wherever the root is in its interval (THE START). */
-    double most_p = larger(fabs(at.p.x), larger(fabs(at.p.y), fabs(at.p.z))),
-           steps = 8 * SGT_U * fabs(w->t0 + t), gap = at.h.t - (w->ray->tmin + at.h.t_err + steps);
-    bool steady = at.most <= 4 * at.least && at.most <= 0x1p-36 * most_p * scale_of(w->ray->d),
-         hidden = steady && gap > at.least && gap <= at.most;
-    if (w->ray->tmin > -HUGE_VAL && !steady
-        && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 2 * steps)) {
-        double reach = start_width(w, root, c->slope), sure = reach < at.least ? reach : at.least;
-        hidden = !(root.hi - (w->tmin.lo + steps) <= sure + (at.h.t_err <= 16 * sure ? at.h.t_err : 0));
-        if (w->told.stopped) return true;
-    }
+    bool hidden = start_hides(w, c, &at);
+    if (w->told.stopped) return true;
     bool on_rim = w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off);
     /* Without a proof the rule of the rim decides.  It drops no root within the semi_diameter itself:
      * rounding moves r^2 by less than the rim is soft by. */
@@ -486,7 +494,7 @@ static double guess(proof *w, sgt_interval n)
         sgt_vec3 grad = {0, 0, 0}, p = point_at(ray, 1, w->t0, t);
         double f = w->s.ops->value(w->s.self, p, &grad),
                slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z;
-        newton s = newton_of(f, slope, 0, t, last, n.lo, n.hi, 0, 0);
+        newton s = newton_of(f, slope, 0, t, last, (searched){n.lo, n.hi, 0}, 0, 0);
         tell(&w->told, SGT_NEWTON, w->t0 + t, f, slope, w->t0 + n.lo, w->t0 + n.hi);
         if (!(s.go >= 0)) break;
         /* an estimate of the next step's length */
