@@ -200,6 +200,9 @@ int sgt_watch_numbered(void *data, const sgt_step *step)
     return n->watch(n->data, &own);
 }
 
+/* A register of lanes costs as much as some two single rays. */
+enum { FEW = 2 };
+
 static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sgt_hits *hits,
                          const sgt_options *opt)
 {
@@ -227,7 +230,7 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     s = in_set(s);
     if (!opt) opt = &none;
     if (!ROOM_IS_ZERO(&hits)) opt = &sgt_options_invalid;
-    if (opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
+    if (n <= FEW || opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
     sgt_status status[SGT_MOST_TILE];
     double tmin[SGT_MOST_TILE], tmax[SGT_MOST_TILE], t_tol[SGT_MOST_TILE];
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
