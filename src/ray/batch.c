@@ -200,8 +200,13 @@ int sgt_watch_numbered(void *data, const sgt_step *step)
     return n->watch(n->data, &own);
 }
 
-/* A register of lanes costs as much as some two single rays. */
-enum { FEW = 2 };
+static size_t one_alone(sgt_surface s, const sgt_rays *rays, const sgt_hits *hits, const sgt_options *opt)
+{
+    sgt_ray ray = ray_of(rays, 0);
+    sgt_hit hit = sgt_intersect_copy(s, &ray, opt);
+    put_hit(hits, 0, &hit);
+    return hit.status > 0;
+}
 
 static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sgt_hits *hits,
                          const sgt_options *opt)
@@ -224,13 +229,10 @@ static void given_ends(size_t n, const double given[], double tmax[])
     for (size_t i = 0; i < n; i++) tmax[i] = given_end(given[i]);
 }
 
-size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt)
+/* The large frame and the addresses of the arrays are not set up for a ray alone. */
+SGT_NOINLINE static size_t by_tiles(sgt_surface s, size_t n, const sgt_rays *rays, const sgt_hits *hits,
+                                    const sgt_options *opt)
 {
-    static const sgt_options none = {0};
-    s = in_set(s);
-    if (!opt) opt = &none;
-    if (!ROOM_IS_ZERO(&hits)) opt = &sgt_options_invalid;
-    if (n <= FEW || opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
     sgt_status status[SGT_MOST_TILE];
     double tmin[SGT_MOST_TILE], tmax[SGT_MOST_TILE], t_tol[SGT_MOST_TILE];
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
@@ -242,13 +244,24 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     known.begun = false;
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += most) {
-        sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),
-                         .rays = rays_from(&rays, i), .memo = &known};
-        tile.rays.tmin = rays.tmin ? rays.tmin + i : tmin, tile.rays.tmax = tmax;
-        if (rays.tmax) given_ends(tile.n, rays.tmax + i, tmax);
+        sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(hits, i),
+                         .rays = rays_from(rays, i), .memo = &known};
+        tile.rays.tmin = rays->tmin ? rays->tmin + i : tmin, tile.rays.tmax = tmax;
+        if (rays->tmax) given_ends(tile.n, rays->tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;
         met += proofs ? hard_met(s, &tile, opt, quick_proofs(s, &tile, opt))
                       : tile_met(s, &tile, opt);
     }
     return met;
+}
+
+size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt)
+{
+    static const sgt_options none = {0};
+    if (!opt) opt = &none;
+    if (!ROOM_IS_ZERO(&hits)) opt = &sgt_options_invalid;
+    if (n == 1) return one_alone(s, &rays, &hits, opt);
+    s = in_set(s);
+    if (opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
+    return by_tiles(s, n, &rays, &hits, opt);
 }
