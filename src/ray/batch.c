@@ -86,6 +86,15 @@ static sgt_hits hits_from(const sgt_hits *h, size_t i)
                       .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)}};
 }
 
+/* n rays of the tile, from the i-th on. */
+static sgt_tile tile_part(const sgt_tile *tile, size_t i, size_t n)
+{
+    sgt_tile part = *tile;
+    part.n = n, part.t_tol += i, part.hits = hits_from(&tile->hits, i), part.rays = rays_from(&tile->rays, i);
+    part.rays.tmin = tile->rays.tmin + i, part.rays.tmax = tile->rays.tmax + i;
+    return part;
+}
+
 /* Runs of rays with a single span go through the quick form in lanes.  Returns how many rays of the tile are
  * then hard. */
 static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options *opt, size_t hard)
@@ -94,13 +103,7 @@ static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options
         n = 1;
         if (tile->hits.status[i] != SGT_SINGLE) continue;
         while (i + n < tile->n && tile->hits.status[i + n] == SGT_SINGLE) n++;
-        sgt_tile run = {.n = n,
-                        .t_tol = tile->t_tol + i,
-                        .hits = hits_from(&tile->hits, i),
-                        .rays = rays_from(&tile->rays, i),
-                        .memo = tile->memo,
-                        .slopes = tile->slopes};
-        run.rays.tmin = tile->rays.tmin + i, run.rays.tmax = tile->rays.tmax + i;
+        sgt_tile run = tile_part(tile, i, n);
         hard -= n - sgt_lanes_general(s, &run, opt);
     }
     return hard;
@@ -111,17 +114,6 @@ static size_t by_cells_in_lanes(sgt_surface s, const sgt_tile *tile, const sgt_o
 {
     size_t hard = sgt_cells_tile(s, tile, opt);
     return hard ? single_runs(s, tile, opt, hard) : 0;
-}
-
-/* Writes what is known of n rays of a block. */
-static void put_hits(const sgt_hits *out, size_t from, size_t n, const sgt_hits *of)
-{
-    for (size_t i = 0; i < n; i++) {
-        sgt_hit hit = {.status = of->status[i], .evals = of->evals[i], .t = of->t[i], .t_err = of->t_err[i],
-                       .t_lo = of->t_lo[i], .p = {of->p[0][i], of->p[1][i], of->p[2][i]},
-                       .n = {of->n[0][i], of->n[1][i], of->n[2][i]}, .p_err = of->p_err[i]};
-        put_hit(out, from + i, &hit);
-    }
 }
 
 /* Estimates that are proven without enclosures.  Returns how many rays are left SGT_HARD. */
@@ -136,11 +128,9 @@ static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, const sgt_option
     s.ops->own_->share(s.self, &shared);
     for (size_t from = 0, n; from < tile->n; from += n) {
         size_t most = tile->n - from < SGT_QUICK ? tile->n - from : SGT_QUICK;
-        sgt_tile part = {.rays = rays_from(&tile->rays, from), .t_tol = tile->t_tol + from,
-                         .memo = tile->memo,
-                         .hits = {.status = status, .evals = evals, .t = x[0], .t_err = x[1], .t_lo = x[2],
-                                  .p = {x[3], x[4], x[5]}, .n = {x[6], x[7], x[8]}, .p_err = x[9]}};
-        part.rays.tmin = tile->rays.tmin + from, part.rays.tmax = tile->rays.tmax + from;
+        sgt_tile part = tile_part(tile, from, most);
+        part.hits = (sgt_hits){.status = status, .evals = evals, .t = x[0], .t_err = x[1], .t_lo = x[2],
+                               .p = {x[3], x[4], x[5]}, .n = {x[6], x[7], x[8]}, .p_err = x[9]};
         for (n = 0; n < most; n++) { /* the surface is not given a ray that is not valid */
             sgt_ray ray = ray_of(&part.rays, n);
             if (!ray_valid(&ray)) break;
@@ -148,7 +138,12 @@ static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, const sgt_option
         part.n = n;
         if (n > 0 && sgt_lanes_general(s, &part, &estimate) < n) {
             hard += sgt_quick_prove(s, &shared, &part, opt);
-            put_hits(&tile->hits, from, n, &part.hits);
+            for (size_t i = 0; i < n; i++) {
+                sgt_hit hit = {.status = status[i], .evals = evals[i], .t = x[0][i], .t_err = x[1][i],
+                               .t_lo = x[2][i], .p = {x[3][i], x[4][i], x[5][i]},
+                               .n = {x[6][i], x[7][i], x[8][i]}, .p_err = x[9][i]};
+                put_hit(&tile->hits, from + i, &hit);
+            }
             continue;
         }
         n = n > 0 ? n : 1;

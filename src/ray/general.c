@@ -303,12 +303,10 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     if ((span.single || near) && !jumps && !w.told.stopped && one_root(&w, &a, &span, near))
         return w.told.evals - w.told.before;
     /* steps 5, 6 and 7 */
+    bool own = !is_catalogue(s.ops), guesses = own && opt->dt_min > 0 && s.ops->estimate;
     if (over(&w)) sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
-    else if (s.ops->enclose && is_catalogue(s.ops)) sgt_prove_rest(s, ray, &w.told, all, near, list);
-    else if (s.ops->enclose && !(opt->dt_min > 0 && s.ops->estimate)) {
-        if (isfinite(lo) && isfinite(hi)) sgt_walk_enclosed(&w, lo, hi);
-        else sgt_prove_rest(s, ray, &w.told, all, near, list);
-    }
+    else if (s.ops->enclose && !guesses && own && isfinite(lo) && isfinite(hi)) sgt_walk_enclosed(&w, lo, hi);
+    else if (s.ops->enclose && !guesses) sgt_prove_rest(s, ray, &w.told, all, near, list);
     else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
     else sgt_walk_stretch(&w, SGT_UNPROVEN, lo, hi);
     return w.told.evals - w.told.before;

@@ -169,23 +169,8 @@ static double around_close(const lanes *a, size_t n, const double *tau, const sg
     return near;
 }
 
-/* F and its gradient at the points. */
-static void lanes_ask(lanes_job *w, size_t n, const sgt_values *out)
-{
-    const sgt_surface_ops *ops = w->s.ops;
-    const lanes *a = w->a;
-    if (ops->values) {
-        ops->values(w->s.self, n, w->points, *out);
-        return;
-    }
-    for (size_t i = 0; i < n; i++) {
-        sgt_vec3 grad;
-        out->f[i] = ops->value(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, &grad);
-        out->grad[0][i] = grad.x, out->grad[1][i] = grad.y, out->grad[2][i] = grad.z;
-    }
-}
-
-/* The same with the surface's own rounding, which is set as add_noise leaves it.  false: neither is. */
+/* F and its gradient at the points, and the surface's own rounding, which is set as add_noise leaves it.
+ * false: none of them is. */
 static bool ask_rounded(lanes_job *w, size_t n, const sgt_values *out, double *own)
 {
     const sgt_surface_ops *ops = w->s.ops;
@@ -283,13 +268,13 @@ static void single_all(lanes *a, size_t n)
     for (size_t i = 0; i < n; i++) a->single[i] = a->least[i] > 0 ? 1.0 : 0.0;
 }
 
-/* How many lanes have a bound on the slope. */
+/* How many numbers of a row are above 0. */
 SGT_KERNEL
-static double bounded_all(const lanes *a, size_t n)
+static double above_zero(size_t n, const double *of)
 {
     double count = 0;
 #pragma omp simd reduction(+ : count)
-    for (size_t i = 0; i < n; i++) count += a->least[i] > 0 ? 1.0 : 0.0;
+    for (size_t i = 0; i < n; i++) count += of[i] > 0 ? 1.0 : 0.0;
     return count;
 }
 
@@ -328,7 +313,7 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     w->rows = false;
     if (!w->s.ops->own_->extent_within) return;
     bool chords = w->near == 0 && marches_chord(&w->shared);
-    if (chords ? bounded_all(a, n) == (double)n || chords_asked(a, n, a->x) == 0
+    if (chords ? above_zero(n, a->least) == (double)n || chords_asked(a, n, a->x) == 0
                : nearby_asked(a, n, a->x) == 0)
         return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);
@@ -380,7 +365,7 @@ static bool spans_nearby(lanes_job *w, sgt_rays rays, size_t n)
     single_all(a, n); /* none is */
     for (size_t i = 0; i < n; i++) a->lo[i] = a->hi[i] = 0;
     lanes_nearby(w, rays, n);
-    if (bounded_all(a, n) == (double)n) return true;
+    if (above_zero(n, a->least) == (double)n) return true;
     double none[LANE_COUNT];
     builtin->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->f, a->fx, a->fy, NULL}, none);
     take_whole(a, n);
@@ -414,19 +399,8 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
         lanes_nearby(w, rays, n);
         return;
     }
-    if (ops->spans && ops->span) { /* without `span`, `spans` is not read, as in sgt_intersect */
-        ops->spans(w->s.self, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
-        lanes_widen(n, a->single, single);
-        return;
-    }
-    rays.tmin = a->tmin, rays.tmax = a->tmax;
-    for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = ray_of(&rays, i);
-        sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
-        if (ops->span) span = ops->span(w->s.self, &ray);
-        a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed,
-        a->single[i] = span.single ? 1.0 : 0.0;
-    }
+    spans_of(w->s, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
+    lanes_widen(n, a->single, single);
 }
 
 SGT_INLINE void make_local(const lanes_job *w, const sgt_tile *tile, size_t from, size_t n, bool everywhere)
@@ -637,7 +611,7 @@ static void lanes_march(lanes_job *w, size_t n)
         }
         double more;
         points(a, n, a->tau);
-        lanes_ask(w, n, &w->f);
+        values_of(w->s, n, w->points, w->f);
         if (w->s.ops->rounding) {
             bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, NULL);
             more = march_step_known(a, n, k);
@@ -739,7 +713,7 @@ static void solve(lanes_job *w, size_t n)
     for (int i = 1; n > 0; i++) {
         double more, bare;
         bool known = ask_rounded(w, n, &w->f, own);
-        if (!known) lanes_ask(w, n, &w->f);
+        if (!known) values_of(w->s, n, w->points, w->f);
         if (i == 1) newton_begin(a, n);
         if (known && known_all(n, own) == (double)n) {
             more = newton_step_rounded(a, n, i == QUICK_STEPS, f_tol, a->none, own, &bare);
@@ -758,29 +732,13 @@ static void solve(lanes_job *w, size_t n)
 
 /* ------------------------------------------------------------------- beside a root */
 
-SGT_KERNEL
-static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, double none)
-{
-#pragma omp simd
-    for (size_t i = 0; i < n; i++) {
-        local q = LOCAL_OF(a, i);
-        sgt_vec3 p = {a->px[i], a->py[i], a->pz[i]}, grad = {a->qx[i], a->qy[i], a->qz[i]};
-        around at = around_of(&q, tau[i], p, grad, none);
-        sign[i] = sign_of(a->qf[i], at.place);
-    }
-}
-
 /* The signs at `tau`, whose points are set. */
 static void signs(lanes_job *w, size_t n, const double *tau, double *sign)
 {
     lanes *a = w->a;
     double own[LANE_COUNT];
     bool known = ask_rounded(w, n, &w->q, own);
-    if (!known) lanes_ask(w, n, &w->q);
-    if (!w->s.ops->rounding) {
-        sign_all(a, n, tau, sign, a->none);
-        return;
-    }
+    if (!known) values_of(w->s, n, w->points, w->q);
     bound(w, n, tau, &w->q, a->qx, sign, NULL, known ? own : NULL);
     for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
 }
@@ -886,16 +844,6 @@ static double probe_end(lanes *a, size_t n, double doubtful)
     return more;
 }
 
-/* Has any lane a t_tol, so that its last step may be above the rounding? */
-SGT_KERNEL
-static bool loose(const lanes *a, size_t n)
-{
-    double some = 0;
-#pragma omp simd reduction(+ : some)
-    for (size_t i = 0; i < n; i++) some += a->t_tol[i] > 0 ? 1.0 : 0.0;
-    return some > 0;
-}
-
 /* Certifies the lanes whose slope along the span has a bound.  off: a bound on F's error.  Returns how
  * many still have to be asked beside the root. */
 SGT_KERNEL
@@ -952,8 +900,9 @@ static void probe(lanes_job *w, size_t n)
         n = front(w, n, READY);
     }
     if (w->slopes && n) {
-        /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding. */
-        bool again = !w->rounded && loose(a, n);
+        /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding.  With
+         * one the last step may be above the rounding. */
+        bool again = !w->rounded && above_zero(n, a->t_tol) > 0;
         if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL, NULL);
         n = lanes_certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
     }

@@ -323,8 +323,7 @@ static void flush(proof *w)
 {
     undecided *dark = &w->march.dark;
     if (!dark->any) return;
-    dark->any = false;
-    w->told_dark = dark->hi;
+    dark->any = false, w->told_dark = dark->hi;
     sgt_interval at = {dark->lo, dark->hi}, slope, steep;
     bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo,
          start = at.lo <= w->tmin.hi;
@@ -340,9 +339,8 @@ static void flush(proof *w)
     if (is_bounded(slope))
         g = sgt_interval_intersection(
             g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
-    if (start && !whole && is_bounded(slope) && !proof_over(w)) {
-        if (sgt_sum_above(at.hi, -w->tmin.lo) < (1 - 0x1p-20) * start_width(w, at, slope)) return;
-    }
+    if (start && !whole && is_bounded(slope) && !proof_over(w) &&
+        sgt_sum_above(at.hi, -w->tmin.lo) < (1 - 0x1p-20) * start_width(w, at, slope)) return;
     if (is_bounded(g) && is_bounded(middle) && is_bounded(steep) &&
         sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
         sgt_interval left = ask_at(w, at.lo, SGT_PROBE), right = ask_at(w, at.hi, SGT_PROBE);
@@ -486,7 +484,7 @@ static bool proof_take(proof *w, const certain *c)
 }
 
 /* How sharp a root in n has to be.  At an end of the search a tolerance would hide whether it is accepted. */
-static double tolerance(const proof *w, sgt_interval n)
+static double sharp_enough(const proof *w, sgt_interval n)
 {
     return n.lo > w->lo && n.hi < w->hi ? w->told.opt->t_tol : 0;
 }
@@ -495,7 +493,7 @@ static double tolerance(const proof *w, sgt_interval n)
 static double guess(proof *w, sgt_interval n)
 {
     const sgt_ray *ray = w->ray;
-    double t = sgt_interval_middle(n), last = n.hi - n.lo, t_tol = tolerance(w, n);
+    double t = sgt_interval_middle(n), last = n.hi - n.lo, t_tol = sharp_enough(w, n);
     for (int i = 0; i < GUESSES && !proof_over(w); i++) {
         sgt_vec3 grad = {0, 0, 0}, p = point_at(ray, 1, w->t0, t);
         double f = w->s.ops->value(w->s.self, p, &grad),
@@ -525,9 +523,9 @@ static sgt_interval between_signs(proof *w, sgt_interval n, double m, sgt_interv
 }
 
 /* Looks for the root of *x, where g is monotone with a bounded slope, by three steps: from m, where g is G;
- * from where `value` takes the root to be; from the middle of what is left.  CUT: *x is what is left then.  In
- * a part in 2^46 of *x the slope is known so much better that another step is as sharp as doubles are.  If the
- * last step does not shorten it, it is as short as they are. */
+ * from where `value` takes the root to be; from the middle of what is left.  CUT: *x is what is left then.
+ * In a part in 2^46 of *x the slope is known so much better that another step is as sharp as doubles are.
+ * If the last step does not shorten it, it is as short as they are. */
 static proof_verdict contract(proof *w, sgt_interval *x, sgt_interval slope, double m, sgt_interval G,
                               certain *c)
 {
@@ -537,7 +535,7 @@ static proof_verdict contract(proof *w, sgt_interval *x, sgt_interval slope, dou
         double before = sgt_interval_width(*x);
         *x = sgt_interval_intersection(*x, newton_set(m, G, slope));
         if (sgt_interval_is_empty(*x)) return NONE;
-        double left = sgt_interval_width(*x), enough = larger(0x1p-46 * whole, tolerance(w, *x));
+        double left = sgt_interval_width(*x), enough = larger(0x1p-46 * whole, sharp_enough(w, *x));
         if (has_zero(G) || left <= enough || (i == STEPS && !(left <= 0.75 * before)))
             return proof_certify(w, between_signs(w, *x, m, G, slope), m, G, c);
         if (i == STEPS) return CUT;
@@ -611,7 +609,7 @@ static cells_kind proof_classify(void *self, cells *c)
         }
         if (proof_over(w)) return CELLS_AGAIN;
         if (verdict == CUT) {
-            cells_keep(c, rest);
+            c->k.tau = rest.lo, cells_divide(c, rest.hi, HUGE_VAL);
             return CELLS_OPEN;
         }
     }

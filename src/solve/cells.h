@@ -134,13 +134,6 @@ SGT_INLINE void cells_divide(cells *c, double m, double past)
     c->k.tau = hi;
 }
 
-/* OPEN, and all of the cell but `rest` has no root. */
-SGT_INLINE void cells_keep(cells *c, sgt_interval rest)
-{
-    cells_push(c, rest.lo, rest.hi);
-    c->k.tau = c->k.hi;
-}
-
 SGT_INLINE bool cells_next(cells *c)
 {
     while (c->count > 0) {
