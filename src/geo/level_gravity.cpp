@@ -52,8 +52,8 @@ sgt_objection object(const sgt_level_gravity &s)
     return {nullptr, nullptr};
 }
 
-// The radius of the level U on the equator or the axis, to a tenth of what `prepare` adds to both: GM / U is
-// nearly r.
+// The radius of the level U on the equator or the axis, to a tenth of the 1e-9 that `prepare` adds to both.
+// GM / U is nearly r.
 double radius_of(double U, bool axis)
 {
     const NormalGravity &field = NormalGravity::WGS84();
