@@ -522,20 +522,20 @@ static sgt_interval between_signs(proof *w, sgt_interval n, double m, sgt_interv
     return unlike ? sgt_interval_between(m - by, m + by) : n;
 }
 
-/* Looks for the root of *x, where g is monotone with a bounded slope, by three steps: from m, where g is G;
- * from where `value` takes the root to be; from the middle of what is left.  CUT: *x is what is left then.
- * In a part in 2^46 of *x the slope is known so much better that another step is as sharp as doubles are.
- * If the last step does not shorten it, it is as short as they are. */
+/* Looks for the root of *x, where g is monotone with a bounded slope, by STEPS at most: from m, where g is G;
+ * from where `value` takes the root to be; then from the middle of what is left.  CUT: *x is what is left
+ * then.  What is shorter than 4 ulps of t is as short as it need be: the next step, that of the proof, is far
+ * sharper (G of a body excludes 0 at any double).  If the last step does not shorten *x, nothing will. */
 static proof_verdict contract(proof *w, sgt_interval *x, sgt_interval slope, double m, sgt_interval G,
                               certain *c)
 {
-    enum { STEPS = 3 };
-    double whole = sgt_interval_width(*x);
+    enum { STEPS = 4 };
     for (int i = 1; !(G.lo > G.hi); i++) {
         double before = sgt_interval_width(*x);
         *x = sgt_interval_intersection(*x, newton_set(m, G, slope));
         if (sgt_interval_is_empty(*x)) return NONE;
-        double left = sgt_interval_width(*x), enough = larger(0x1p-46 * whole, sharp_enough(w, *x));
+        double left = sgt_interval_width(*x),
+               enough = larger(0x1p-51 * sgt_interval_greatest(*x), sharp_enough(w, *x));
         if (has_zero(G) || left <= enough || (i == STEPS && !(left <= 0.75 * before)))
             return proof_certify(w, between_signs(w, *x, m, G, slope), m, G, c);
         if (i == STEPS) return CUT;
