@@ -52,20 +52,20 @@ sgt_objection object(const sgt_level_gravity &s)
     return {nullptr, nullptr};
 }
 
-// The radius of the level U on the equator or the axis, to a tenth of the 1e-9 that `prepare` adds to both.
-// GM / U is nearly r.
+// The radius of the level U on the equator or the axis, to rounding: GM / U is nearly r, and Newton's step from
+// where it is right to 1e-8 leaves 1e-16.
 double radius_of(double U, bool axis)
 {
     const NormalGravity &field = NormalGravity::WGS84();
     double G = field.MassConstant() / U, gx, gy, gz, here, slope;
     sgt_options near = {};
-    near.f_tol = 1e-10 * G;
+    near.f_tol = 1e-8 * G;
     sgt_root r = sgt_root_begin({0.5 * G, 2 * G, G, true}, &near);
     do {
         double own = axis ? field.U(0, 0, r.t, gx, gy, gz) : field.U(r.t, 0, 0, gx, gy, gz);
         here = field.MassConstant() / own, slope = -here / own * (axis ? gz : gx);
     } while (sgt_root_next(&r, here - G, slope));
-    return r.t;
+    return r.t - (here - G) / slope;
 }
 
 struct level {
