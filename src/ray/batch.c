@@ -7,7 +7,7 @@
  * - rays that the quick form cannot answer;
  * - rays that are not valid.
  *
- * Hard rays go one by one through sgt_intersect.
+ * Hard rays go one by one through sgt_intersect.  So does a ray alone, at once: lanes would cost more.
  *
  * Under SGT_PROVE_FIRST near the seed, a ray that was met may have another root (not_unique).  If it
  * certainly has, it is made UNPROVEN at once.  If it may have, it is hard. */
