@@ -52,8 +52,8 @@ sgt_objection object(const sgt_level_gravity &s)
     return {nullptr, nullptr};
 }
 
-// The radius of the level U on the equator or the axis, to rounding: GM / U is nearly r, and Newton's step from
-// where it is right to 1e-8 leaves 1e-16.
+// The radius of the level U on the equator or the axis, to rounding.  GM / U is nearly r, and Newton's step
+// from where it is right to 1e-8 leaves 1e-16.
 double radius_of(double U, bool axis)
 {
     const NormalGravity &field = NormalGravity::WGS84();
