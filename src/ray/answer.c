@@ -97,6 +97,16 @@ static bool unique_root(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     return proven;
 }
 
+/* Is the first root proven not to exist?  Enclosures may know less of a part of the ray far out. */
+static bool is_proven_miss(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+{
+    sgt_options first = *opt;
+    sgt_hit hit;
+    first.pick = SGT_FIRST, first.watch = NULL;
+    return sgt_quick_proof_offered(s, &first) && sgt_quick_proof_one(s, ray, &first, &hit) &&
+           hit.status == SGT_MISS;
+}
+
 static void prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
     sgt_span span;
@@ -107,6 +117,7 @@ static void prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
     w.told.evals = w.told.root = spent;
     if (s.ops->enclose) {
         sgt_proof_search(&w);
+        if (list->count > 0 && !list->decided && is_proven_miss(s, ray, opt)) list->count = 0;
         return;
     }
     sgt_options estimate = plain(opt);

@@ -273,7 +273,10 @@ static void take_parts(quick_proof *w)
     for (int k = 0; k < VICINITY_ROWS; k++) v.work[k] = w->work[k];
     sgt_vicinity_of(w->s, n, *r, w->near, w->shared, w->kept, &v);
     for (size_t i = 0; i < n; i++) {
-        if (w->asked[i] == 0) continue;
+        if (w->asked[i] == 0) { /* as if it had been by itself */
+            w->noise[0][i] = w->noise[1][i] = w->noise[2][i] = (double)NAN;
+            continue;
+        }
         h->evals[i] = (int)evals[i];
         if (left[i] != 0) b->least[i] = 0, b->lo[i] = -HUGE_VAL, b->hi[i] = HUGE_VAL;
         else if (b->lo[i] <= b->hi[i] && !(w->steep[i] < HUGE_VAL))

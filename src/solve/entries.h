@@ -14,14 +14,15 @@ static inline sgt_interval sgt_about(double t, double t_err)
 }
 
 /* The entries of sgt_intersect_all.  Entries beyond cap are counted and not kept; `last` is always the
- * last one.  evals: all evaluations, set by surfaces that answer by themselves. */
-typedef struct sgt_list { sgt_hit *hits; int cap, count, evals; sgt_hit last; } sgt_list;
+ * last one.  decided: how many are roots, or the end that a watcher asked for.  evals: all evaluations, set
+ * by surfaces that answer by themselves. */
+typedef struct sgt_list { sgt_hit *hits; int cap, count, decided, evals; sgt_hit last; } sgt_list;
 
 static inline void sgt_list_add(sgt_list *list, const sgt_hit *hit)
 {
     if (list->count < list->cap) list->hits[list->count] = *hit;
     list->last = *hit;
-    list->count++;
+    list->count++, list->decided += hit->status > 0 || hit->status == SGT_STOPPED;
 }
 
 /* Sets t and t_err of a stretch from its ends.  If one end is infinite, t is the other; if both are, 0. */
