@@ -201,6 +201,7 @@ typedef struct quick_proof {
     slope_block b;
     row t, rest;           /* where F is looked at */
     row steep;             /* as in sgt_shared, of a part of the surface that holds that point */
+    bool parts;            /* some are asked */
     row asked;             /* 1: the part of a chord that sgt_vicinity_of gives is taken, if it gives one */
     row noise[3];          /* of these rays */
     double work[VICINITY_ROWS][BLOCK];
@@ -243,7 +244,7 @@ static void look_along(quick_proof *w, bool ends)
     }
     points_of(&w->b, n, r, w->t, w->rest);
     const double *rows[3] = {w->noise[0], w->noise[1], w->noise[2]};
-    look(&w->b, w->s, w->shared, w->kept && !(w->shared->noise[0] < HUGE_VAL) ? rows : NULL, n);
+    look(&w->b, w->s, w->shared, w->parts && !(w->shared->noise[0] < HUGE_VAL) ? rows : NULL, n);
 }
 
 /* Takes a part of the chord for the rays that have no bound on the slope along the whole of it. */
@@ -257,15 +258,18 @@ static void take_parts(quick_proof *w)
     bool chords = !w->near && marches_chord(w->shared);
     for (size_t i = 0; i < n; i++) w->steep[i] = w->shared->steep, w->asked[i] = 0;
     for (size_t i = 0; i < n && w->kept; i++) {
-        w->noise[0][i] = w->noise[1][i] = w->noise[2][i] = (double)NAN;
-        evals[i] = h->evals[i];
         if (b->least[i] > 0 || b->lo[i] > b->hi[i]) continue;
         if (chords) b->seed[i] = chord_seed(b->seed[i], b->lo[i], b->hi[i], r->tmin[i], r->tmax[i]);
         bool open = (h->status[i] == SGT_HIT || h->status[i] == SGT_MISS) && fabs(b->seed[i]) < HUGE_VAL;
         w->asked[i] = open ? 1 : 0, some += w->asked[i];
     }
-    if (some == 0) return;
+    w->parts = some > 0;
+    if (!w->parts) return;
     row left;
+    for (size_t i = 0; i < n; i++) {
+        w->noise[0][i] = w->noise[1][i] = w->noise[2][i] = (double)NAN;
+        evals[i] = h->evals[i];
+    }
     memcpy(left, w->asked, sizeof left);
     vicinity v = {.tmin = r->tmin, .tmax = r->tmax, .seed = b->seed, .asked = left, .lo = b->lo, .hi = b->hi,
                   .least = b->least, .noise = {w->noise[0], w->noise[1], w->noise[2]}, .evals = evals,
