@@ -108,8 +108,8 @@ static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const 
     out->image = (sgt_vec2){last->hit.p.x, last->hit.p.y};
     out->error = off.point + 4 * off.grain;
     if (isnan(out->error)) out->error = HUGE_VAL;
-    const bool known = sgt_parabasal_about((sgt_vec3){way.h.y, -way.h.x, 0}, count, e, before, b->finite,
-                                           chief, passages, &near, &sections);
+    const bool known = sgt_parabasal_about(&(sgt_chief_ray){count, e, before, chief, passages, b->finite},
+                                           (sgt_vec3){way.h.y, -way.h.x, 0}, &near, &sections);
     if (!known) out->lacks = lacking(count, e, before, chief, passages);
     if (known) {
         out->sagittal = sections.focus[0] * last->direction.z;
