@@ -4,7 +4,9 @@
  * On a line (x, y, 0) + t d the root of F = z - S, S = s(r^2) + P(x, y) the sag of surfaces.h, is searched
  * for all lines at once, within r <= L.
  *
- *   1. z of a root is one of S, r <= L: so t is in a first interval T.
+ *   1. z of a root is one of S, r <= L: so t is in a first interval T.  (That S is kept for later boxes.)
+ *      Step 3 is tried with T.  Mostly that is enough; if the slope may be 0 somewhere in T, step 2 makes it
+ *      smaller.
  *   2. For t in T, x and y of all lines are in a box, S in an interval, and t in that over dz: the new T, and
  *      so on, while that makes it much smaller, up to ROUNDS times.  If the lines run farther along the
  *      surface in T than they are apart, T is cut into PIECES for that; else pieces would have nearly the
@@ -33,9 +35,10 @@
 enum { PIECES = 8, ROUNDS = 4, STEPS = 2, TERMS = 8 };
 static const double STILL = 0.7; /* of the length of T: what a round leaves that is the last */
 
-/* a: of the even polynomial, or NULL.  of: the departure, or NULL. */
+/* a: of the even polynomial, or NULL.  of: the departure, or NULL.  bend: (1 + k) c^2. */
 typedef struct sag_model {
     double c, k, rim;
+    sgt_interval bend;
     const double *a;
     const departure *of;
     const void *self;
@@ -121,18 +124,17 @@ static sag_round round_over(const sag_model *s, sgt_interval x, sgt_interval y, 
 {
     sgt_interval rho = sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y));
     rho = sgt_interval_intersection(rho, within);
-    sgt_interval c = sgt_interval_of(s->c), k1 = sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(s->k));
-    sgt_interval one = sgt_interval_of(1), bend = sgt_interval_product(sgt_interval_product(c, k1), c);
-    sgt_interval phi2 = sgt_interval_difference(one, sgt_interval_product(bend, rho));
+    sgt_interval one = sgt_interval_of(1);
+    sgt_interval phi2 = sgt_interval_difference(one, sgt_interval_product(s->bend, rho));
     sgt_interval phi = sgt_interval_square_root(phi2);
-    sgt_interval base = sgt_interval_quotient(sgt_interval_product(c, rho), sgt_interval_sum(one, phi));
+    sgt_interval base = sgt_interval_quotient(sgt_interval_scaled(rho, s->c), sgt_interval_sum(one, phi));
     sgt_interval sum = sgt_interval_of(0), slope = sum;
     for (int i = TERMS - 1; i >= 0 && s->a; i--) {
         sgt_interval a = sgt_interval_of(s->a[i]);
         slope = sgt_interval_sum(sgt_interval_product(slope, rho), sgt_interval_scaled(a, i + 1));
         sum = sgt_interval_product(sgt_interval_sum(sum, a), rho);
     }
-    sgt_interval steep = sgt_interval_quotient(sgt_interval_scaled(c, 0.5), phi);
+    sgt_interval steep = sgt_interval_quotient(sgt_interval_scaled(sgt_interval_of(s->c), 0.5), phi);
     return (sag_round){sgt_interval_sum(base, sum), sgt_interval_sum(steep, slope), phi2.lo > 0};
 }
 
@@ -149,8 +151,7 @@ typedef struct sag_linear { linear sag, slope; } sag_linear;
 static sag_linear round_form(const sag_model *s, linear x, linear y)
 {
     linear rho = form_sum(form_square(x), form_square(y));
-    linear k1 = form_plus(form_of(s->k), 1), bend = form_scaled(form_scaled(k1, s->c), s->c);
-    linear phi = form_root(form_plus(form_negative(form_product(bend, rho)), 1));
+    linear phi = form_root(form_plus(form_negative(form_product(form_between(s->bend), rho)), 1));
     linear base = form_quotient(form_scaled(rho, s->c), form_plus(phi, 1)), sum = form_of(0), slope = sum;
     for (int i = TERMS - 1; i >= 0 && s->a; i--) {
         if (s->a[i] == 0 && form_size(sum) == 0) continue;
@@ -160,23 +161,22 @@ static sag_linear round_form(const sag_model *s, linear x, linear y)
     return (sag_linear){form_sum(base, sum), form_sum(slope, form_quotient(form_of(0.5 * s->c), phi))};
 }
 
-/* P near the points of forms: its middle, and how far they are from that. */
-typedef struct sag_place { sag_middle m; linear vx, vy; double away; } sag_place;
+/* Points of forms as they are from a middle, and how far at most. */
+typedef struct sag_offset { linear x, y; double away; } sag_offset;
 
-static bool sag_place_of(const sag_model *s, linear x, linear y, sag_place *at)
+static sag_offset sag_offset_of(const sag_middle *m, linear x, linear y)
 {
-    at->vx = form_plus(x, -x.c), at->vy = form_plus(y, -y.c);
-    at->away = (sgt_interval_greatest(form_range(at->vx)) + sgt_interval_greatest(form_range(at->vy))) *
-               (1 + FORM_ROUND);
-    return sag_middle_of(s, x.c, y.c, &at->m);
+    const linear vx = form_plus(x, -m->x), vy = form_plus(y, -m->y);
+    const double away = sgt_interval_greatest(form_range(vx)) + sgt_interval_greatest(form_range(vy));
+    return (sag_offset){vx, vy, away * (1 + FORM_ROUND)};
 }
 
 /* P(m + v) is P(m) + grad P(m) . v +- bend |v|^2 / 2. */
-static linear sag_part_form(const sag_place *at, double bend)
+static linear sag_part_form(const sag_middle *m, linear x, linear y, double bend)
 {
-    const sag_middle *m = &at->m;
-    const linear run = form_sum(form_scaled(at->vx, m->px), form_scaled(at->vy, m->py));
-    const double rest = (m->p_err + m->grad_err * at->away + 0.5 * bend * at->away * at->away);
+    const sag_offset v = sag_offset_of(m, x, y);
+    const linear run = form_sum(form_scaled(v.x, m->px), form_scaled(v.y, m->py));
+    const double rest = m->p_err + m->grad_err * v.away + 0.5 * bend * v.away * v.away;
     return form_wider(form_plus(run, m->p), rest * (1 + FORM_ROUND));
 }
 
@@ -208,11 +208,17 @@ static bool sag_runs_far(const line_ranges *w, sgt_interval t)
     return sgt_interval_width(t) * run > larger(sgt_interval_width(w->x), sgt_interval_width(w->y));
 }
 
-/* Steps 1 and 2: all roots with r <= L are in the answer. */
-static sgt_interval sag_hull(const sag_model *s, const line_ranges *w, double L)
+/* Step 1: all roots with r <= L are in the answer. */
+static sgt_interval sag_first(const sag_model *s, const line_ranges *w, double L, sag_kept *kept)
 {
     const sgt_interval across = {-L, L};
-    sgt_interval t = sgt_interval_quotient(sag_over(s, across, across, L), w->dz);
+    if (!kept->known) *kept = (sag_kept){true, sag_over(s, across, across, L)};
+    return sgt_interval_quotient(kept->z, w->dz);
+}
+
+/* Step 2: all roots in t with r <= L are in the answer. */
+static sgt_interval sag_hull(const sag_model *s, const line_ranges *w, double L, sgt_interval t)
+{
     for (int round = 0; round < ROUNDS && t.lo <= t.hi && sgt_interval_width(t) < HUGE_VAL; round++) {
         const int pieces = sag_runs_far(w, t) ? PIECES : 1;
         const double whole = t.hi - t.lo, wide = whole / pieces;
@@ -228,61 +234,63 @@ static sgt_interval sag_hull(const sag_model *s, const line_ranges *w, double L)
     return t;
 }
 
-/* What step 3 knows of P, in a box that is convex. */
-typedef struct sag_bend { sgt_interval x, y; bounds b; } sag_bend;
+/* Where the lines meet the surface, as step 3 finds it.  exists: each line has a root.  m, b: of P, if there
+ * is one, in a box that has m and all roots. */
+typedef struct sag_root { linear t; double sign; bool exists; sag_middle m; bounds b; } sag_root;
 
-/* false: not known. */
-static bool sag_bend_over(const sag_model *s, sgt_interval x, sgt_interval y, sag_bend *out)
+/* What the slope of the lines is made of, for all t: x dx + y dy at t = 0, and dx^2 + dy^2. */
+typedef struct line_slopes { sgt_interval outward, flat; } line_slopes;
+
+static line_slopes line_slopes_of(const bundle_lines *w, const line_ranges *range)
 {
-    region where;
-    *out = (sag_bend){x, y, {0, 0, 0}};
-    return !s->of || (sag_bounds(s, x, y, HUGE_VAL, &where, &out->b) > 0 && out->b.bend < HUGE_VAL);
+    return (line_slopes){form_range(form_sum(form_product(w->x, w->d.x), form_product(w->y, w->d.y))),
+                         sgt_interval_sum(sgt_interval_square(range->dx), sgt_interval_square(range->dy))};
 }
 
-/* dF/dt of all lines over t; *defined: there is no doubt of that.  b: of P there; m: NULL, there is no P. */
-static sgt_interval sag_slope(const sag_model *s, const bundle_lines *w, const line_ranges *range,
-                              sgt_interval t, const bounds *b, const sag_middle *m, bool *defined)
+/* dF/dt of all lines over t; *defined: there is no doubt of that.  known: m and b are read. */
+static sgt_interval sag_slope(const sag_model *s, const line_ranges *range, const line_slopes *by,
+                              sgt_interval t, const sag_root *known, bool *defined)
 {
-    sgt_interval x = line_at(range->x, t, range->dx), y = line_at(range->y, t, range->dy);
+    const sgt_interval x = line_at(range->x, t, range->dx), y = line_at(range->y, t, range->dy);
     const sag_round all = round_over(s, x, y, (sgt_interval){0, HUGE_VAL});
-    sgt_interval flat = sgt_interval_sum(sgt_interval_square(range->dx), sgt_interval_square(range->dy));
-    sgt_interval outward = form_range(form_sum(form_product(w->x, w->d.x), form_product(w->y, w->d.y)));
-    sgt_interval half = sgt_interval_sum(outward, sgt_interval_product(t, flat));
-    sgt_interval by = sgt_interval_scaled(sgt_interval_product(half, all.slope), 2);
+    const sgt_interval half = sgt_interval_sum(by->outward, sgt_interval_product(t, by->flat));
+    sgt_interval sum = sgt_interval_scaled(sgt_interval_product(half, all.slope), 2);
     *defined = all.defined;
-    if (m) {
+    if (s->of) {
+        const sag_middle *m = &known->m;
         const double v = sag_away(m, x, y);
-        const sgt_interval px = sag_derivative(m->px, m, b, v), py = sag_derivative(m->py, m, b, v);
-        by = sgt_interval_sum(by, sgt_interval_sum(sgt_interval_product(px, range->dx),
-                                                   sgt_interval_product(py, range->dy)));
+        const sgt_interval px = sag_derivative(m->px, m, &known->b, v),
+                           py = sag_derivative(m->py, m, &known->b, v);
+        sum = sgt_interval_sum(sum, sgt_interval_sum(sgt_interval_product(px, range->dx),
+                                                     sgt_interval_product(py, range->dy)));
     }
-    return sgt_interval_difference(range->dz, by);
+    return sgt_interval_difference(range->dz, sum);
 }
-
-/* Where the lines meet the surface, as step 3 finds it.  exists: each line has a root. */
-typedef struct sag_root { linear t; double sign; bool exists; sag_bend near; } sag_root;
 
 /* Step 3.  GONE: no root in t.  THERE: root->t contains all. */
 static bundle_fate sag_newton(const sag_model *s, const bundle_lines *w, const line_ranges *range,
                               sgt_interval t, sag_root *root)
 {
     const double more = 0.5 * (t.hi - t.lo) + 0x1p-40 * (fabs(t.lo) + fabs(t.hi)) + FORM_LEAST;
+    const line_slopes by = line_slopes_of(w, range);
+    region where;
     /* else the step could not end inside of it, as T is all that is known before */
     t.lo -= more, t.hi += more;
     root->exists = false;
-    if (!sag_bend_over(s, line_at(range->x, t, range->dx), line_at(range->y, t, range->dy), &root->near))
+    if (s->of && !(sag_bounds(s, line_at(range->x, t, range->dx), line_at(range->y, t, range->dy), HUGE_VAL,
+                              &where, &root->b) > 0 &&
+                   root->b.bend < HUGE_VAL))
         return BUNDLE_UNKNOWN;
     for (int i = 0; i < STEPS; i++) {
         double m = sgt_interval_middle(t);
         bool defined;
         linear x = form_sum(w->x, form_scaled(w->d.x, m)), y = form_sum(w->y, form_scaled(w->d.y, m));
-        sag_place at;
-        if (s->of && !sag_place_of(s, x, y, &at)) return BUNDLE_UNKNOWN;
-        sgt_interval slope = sag_slope(s, w, range, t, &root->near.b, s->of ? &at.m : NULL, &defined);
+        if (s->of && !sag_middle_of(s, x.c, y.c, &root->m)) return BUNDLE_UNKNOWN;
+        sgt_interval slope = sag_slope(s, range, &by, t, root, &defined);
         bool up = sgt_interval_is_positive(slope), down = sgt_interval_is_negative(slope);
         if (!defined || !(up || down)) return BUNDLE_UNKNOWN;
         linear F = form_difference(form_scaled(w->d.z, m), round_form(s, x, y).sag);
-        if (s->of) F = form_difference(F, sag_part_form(&at, root->near.b.bend));
+        if (s->of) F = form_difference(F, sag_part_form(&root->m, x, y, root->b.bend));
         sgt_interval inverse = sgt_interval_quotient(sgt_interval_of(1), slope);
         root->t = form_sum(form_of(m), form_negative(form_product(F, form_between(inverse))));
         sgt_interval next = form_range(root->t);
@@ -295,8 +303,7 @@ static bundle_fate sag_newton(const sag_model *s, const bundle_lines *w, const l
     return BUNDLE_THERE;
 }
 
-/* false: the gradient is not known. */
-static bool sag_hit(const sag_model *s, const bundle_lines *w, const sag_root *root, bundle_hit *h)
+static void sag_hit(const sag_model *s, const bundle_lines *w, const sag_root *root, bundle_hit *h)
 {
     const linear t = root->t;
     linear x = form_sum(w->x, form_product(t, w->d.x)), y = form_sum(w->y, form_product(t, w->d.y));
@@ -304,22 +311,23 @@ static bool sag_hit(const sag_model *s, const bundle_lines *w, const sag_root *r
     h->p = (form3){x, y, form_product(t, w->d.z)};
     h->n = (form3){form_product(by, x), form_product(by, y), form_of(1)};
     if (s->of) {
-        sag_bend near = root->near;
-        sag_place at;
-        /* all roots are in that box, but the middle of a form may not be */
-        const bool within = x.c >= near.x.lo && x.c <= near.x.hi && y.c >= near.y.lo && y.c <= near.y.hi;
-        if (!within && !sag_bend_over(s, form_range(x), form_range(y), &near)) return false;
-        if (!sag_place_of(s, x, y, &at)) return false;
-        const double off = (at.m.grad_err + near.b.bend * at.away) * (1 + FORM_ROUND);
-        h->n.x = form_wider(form_plus(h->n.x, -at.m.px), off);
-        h->n.y = form_wider(form_plus(h->n.y, -at.m.py), off);
+        const sag_middle *m = &root->m;
+        const double off =
+            (m->grad_err + root->b.bend * sag_offset_of(m, x, y).away) * (1 + FORM_ROUND);
+        h->n.x = form_wider(form_plus(h->n.x, -m->px), off);
+        h->n.y = form_wider(form_plus(h->n.y, -m->py), off);
     }
     h->size2 = form_plus(form_sum(form_square(h->n.x), form_square(h->n.y)), 1);
     h->slope = form_dot(h->n, w->d), h->sign = root->sign;
-    return true;
 }
 
 /* ------------------------------------------------------------------------- the call */
+
+static sgt_interval bend_of(double c, double k)
+{
+    const sgt_interval k1 = sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(k));
+    return sgt_interval_scaled(sgt_interval_scaled(k1, c), c);
+}
 
 static sag_model model_of(sgt_surface surface)
 {
@@ -334,6 +342,7 @@ static sag_model model_of(sgt_surface surface)
         m.of = surface.ops->own_->departure, m.rim = surface.ops->own_->rim(surface.self);
     }
     if (is_open(m.rim)) m.rim = HUGE_VAL;
+    m.bend = bend_of(m.c, m.k);
     return m;
 }
 
@@ -350,19 +359,30 @@ bool sgt_bundle_has_sag(sgt_surface surface)
 }
 
 /* Steps 1 to 3 for roots with r <= L.  *exists: each line has one. */
-static bundle_fate sag_meet(const sag_model *s, const bundle_lines *w, double L, bundle_hit *h, bool *exists)
+static bundle_fate sag_meet(const sag_model *s, const bundle_lines *w, double L, sag_kept *kept,
+                            bundle_hit *h, bool *exists)
 {
     const line_ranges range = {form_range(w->x), form_range(w->y), form_range(w->d.x), form_range(w->d.y),
                                form_range(w->d.z)};
-    const sgt_interval hull = sag_hull(s, &range, L);
+    sgt_interval t = sag_first(s, &range, L, kept);
+    bundle_fate fate = BUNDLE_UNKNOWN;
     sag_root root;
-    if (sgt_interval_is_empty(hull)) return BUNDLE_GONE;
-    const bundle_fate fate = sag_newton(s, w, &range, hull, &root);
+    if (sgt_interval_is_empty(t)) return BUNDLE_GONE;
+    if (sgt_interval_width(t) < HUGE_VAL) fate = sag_newton(s, w, &range, t, &root);
+    if (fate == BUNDLE_UNKNOWN) {
+        t = sag_hull(s, &range, L, t);
+        if (sgt_interval_is_empty(t)) return BUNDLE_GONE;
+        fate = sag_newton(s, w, &range, t, &root);
+    }
     *exists = root.exists;
-    return fate == BUNDLE_THERE && !sag_hit(s, w, &root, h) ? BUNDLE_UNKNOWN : fate;
+    if (fate != BUNDLE_THERE) return fate;
+    sag_hit(s, w, &root, h);
+    const linear r2 = form_sum(form_square(h->p.x), form_square(h->p.y));
+    return form_above(r2, L * L) ? BUNDLE_GONE : BUNDLE_THERE;
 }
 
-bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_lines *w, bundle_hit *h)
+bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_lines *w, sag_kept kept[2],
+                           bundle_hit *h)
 {
     static const double MORE = 1 + 0x1p-40;
     const sag_model model = model_of(surface), *s = &model;
@@ -371,11 +391,11 @@ bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_li
     bool exists;
     if (!s->a && !s->of) return sgt_bundle_conic(s->c, s->k, s->rim, aperture, w, h);
     if (!(least < 0x1p400)) return BUNDLE_UNKNOWN;
-    if (least < most && sag_meet(s, w, least * MORE, h, &exists) == BUNDLE_THERE && exists) {
+    if (least < most && sag_meet(s, w, least * MORE, &kept[0], h, &exists) == BUNDLE_THERE && exists) {
         linear r2 = form_sum(form_square(h->p.x), form_square(h->p.y));
         if (form_range(r2).hi < least * least * (2 - MORE)) return BUNDLE_THERE;
     }
-    return most < 0x1p400 ? sag_meet(s, w, most * MORE, h, &exists) : BUNDLE_UNKNOWN;
+    return most < 0x1p400 ? sag_meet(s, w, most * MORE, &kept[1], h, &exists) : BUNDLE_UNKNOWN;
 }
 
 bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, sgt_interval *z)
@@ -383,7 +403,7 @@ bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, s
     sag_model model = {.rim = HUGE_VAL};
     if (surface.ops == &sgt_conic_ops) {
         const sgt_conic *q = surface.self;
-        model.c = q->c, model.k = q->k;
+        model.c = q->c, model.k = q->k, model.bend = bend_of(q->c, q->k);
         if (!is_open(q->semi_diameter)) model.rim = q->semi_diameter;
     } else {
         if (!surface.ops || !sgt_bundle_has_sag(surface)) return false;
