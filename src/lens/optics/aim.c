@@ -319,7 +319,7 @@ sgt_aim_room *sgt_aim_room_new(const sgt_launcher *from, size_t count)
     r->bare = sgt_launch_take(from, 3 * (stop + 1), sizeof *r->bare);
     r->many = aim_many_new(from, stop + 1, r->part);
     if (r->passages && r->bare && r->many) {
-        r->open = r->bare + stop + 1, r->own = r->open + stop + 1;
+        r->open = r->bare + stop + 1, r->clear = r->open + stop + 1;
         return r;
     }
     sgt_aim_room_free(from, r);
@@ -335,5 +335,5 @@ void sgt_aim_begin(sgt_aim_room *r, const sgt_colour_beam *of)
         r->open[i] = r->bare[i], r->open[i].semi_diameter = 0, r->open[i].aperture = NULL;
     r->of = *of, r->of.e = r->bare;
     r->f = sgt_aim_family(of->beam);
-    r->search = (aim_search){stop, r->bare, of->before, r->passages, .open = r->open, .own = r->own};
+    r->search = (aim_search){stop, r->bare, of->before, r->passages, .open = r->open, .own = r->clear};
 }

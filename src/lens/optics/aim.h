@@ -45,8 +45,9 @@ struct sgt_aim_room {
     sgt_beam f;                 /* its rays, as a family */
     aim_search search;
     sgt_passage *passages;
-    sgt_element *bare, *open, *own;
+    sgt_element *bare, *open, *clear; /* without a phase of the stop; without apertures; room for others */
     aim_many *many;
+    sgt_aim_map own;            /* if it comes without a map */
     size_t part;
 };
 

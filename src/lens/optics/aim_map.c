@@ -60,44 +60,44 @@ void sgt_aim_nodes_set(sgt_aim_nodes *out)
         }
 }
 
-/* Both polynomials at x, y of eight rays: as many sums as the registers hold, so that none waits for another.
- * Of a mirrored map the one for u is x times a polynomial of x^2, the one for v is one of x^2. */
-enum { AIM_FEW = 8, AIM_PAIRS = AIM_FEW / 2 };
-typedef double two_rays __attribute__((vector_size(2 * sizeof(double))));
-#define PAIRS for (int q = 0; q < AIM_PAIRS; q++)
+/* Both polynomials at some points, AIM_PARTS registers of each width (fitted.h): the same bits. */
+enum { AIM_PARTS = 4, AIM_FEW_MOST = 8 * AIM_PARTS };
+#if defined(__GNUC__) && !defined(__clang__)
+#define WRITTEN_OUT _Pragma("GCC unroll 16")
+#else
+#define WRITTEN_OUT
+#endif
+typedef void few_fitted(const sgt_aim_map *of, const double x[], const double y[], double u[], double v[]);
 
-static inline void few_fitted_by(bool mirrored, const sgt_aim_map *of, const double x[], const double y[],
-                                 double u[], double v[])
-{
-    const int by = mirrored ? 2 : 1;
-    two_rays at[AIM_PAIRS], up[AIM_PAIRS], to_u[AIM_PAIRS], to_v[AIM_PAIRS], a[AIM_PAIRS], b[AIM_PAIRS];
-    PAIRS
-    {
-        const two_rays own = {x[2 * q], x[2 * q + 1]}, none = {0};
-        at[q] = mirrored ? own * own : own, up[q] = (two_rays){y[2 * q], y[2 * q + 1]};
-        to_u[q] = to_v[q] = none;
-    }
-    for (int j = AIM_DEGREE, k = 0; j >= 0; k += AIM_DEGREE - j + 1, j--) {
-        const int most = AIM_DEGREE - j; /* the highest power of x; mirrored: odd ones for u, even for v */
-        const double *by_u = &of->fit[0][k], *by_v = &of->fit[1][k];
-        PAIRS a[q] = b[q] = (two_rays){0};
-        for (int i = mirrored && most % 2 == 0; i <= most; i += by) PAIRS a[q] = a[q] * at[q] + by_u[i];
-        for (int i = mirrored && most % 2 == 1; i <= most; i += by) PAIRS b[q] = b[q] * at[q] + by_v[i];
-        PAIRS to_u[q] = to_u[q] * up[q] + a[q], to_v[q] = to_v[q] * up[q] + b[q];
-    }
-    PAIRS
-    {
-        const two_rays own = {x[2 * q], x[2 * q + 1]};
-        if (mirrored) to_u[q] *= own;
-        u[2 * q] = to_u[q][0], u[2 * q + 1] = to_u[q][1], v[2 * q] = to_v[q][0], v[2 * q + 1] = to_v[q][1];
-    }
-}
+#define RAYS 2
+#define FITTED(name) name##_by_2
+#define WITH
+#include "fitted.h"
 
-static void few_fitted_at(const sgt_aim_map *of, const double x[], const double y[], double u[], double v[])
+#if defined(__x86_64__) && defined(__GNUC__)
+#define RAYS 4
+#define FITTED(name) name##_by_4
+#define WITH __attribute__((target("avx2")))
+#include "fitted.h"
+
+#define RAYS 8
+#define FITTED(name) name##_by_8
+#define WITH __attribute__((target("avx512f")))
+#include "fitted.h"
+
+static few_fitted *widest(size_t *count)
 {
-    if (of->mirrored) few_fitted_by(true, of, x, y, u, v);
-    else few_fitted_by(false, of, x, y, u, v);
+    const bool eight = __builtin_cpu_supports("avx512f"), four = __builtin_cpu_supports("avx2");
+    *count = AIM_PARTS * (eight ? 8 : four ? 4 : 2);
+    return eight ? few_by_8 : four ? few_by_4 : few_by_2;
 }
+#else
+static few_fitted *widest(size_t *count)
+{
+    *count = AIM_PARTS * 2;
+    return few_by_2;
+}
+#endif
 
 /* Is u odd in x, and v even?  So it is where the lens and the field have the plane x = 0 as a mirror.  What
  * rounding leaves of the other coefficients is then left out: that changes the way to a ray, not the ray. */
@@ -118,13 +118,15 @@ _Static_assert((int)AIM_NODES <= (int)AIM_PART && (int)AIM_TESTS <= (int)AIM_PAR
 static void fitted_at(const sgt_aim_map *of, size_t count, const double x[], const double y[], double u[],
                       double v[])
 {
-    const size_t whole = count - count % AIM_FEW;
-    double few[4][AIM_FEW] = {{0}};
-    for (size_t i = 0; i < whole; i += AIM_FEW) few_fitted_at(of, x + i, y + i, u + i, v + i);
+    size_t few;
+    few_fitted *const few_at = widest(&few);
+    const size_t whole = count - count % few;
+    double last[4][AIM_FEW_MOST] = {{0}};
+    for (size_t i = 0; i < whole; i += few) few_at(of, x + i, y + i, u + i, v + i);
     if (whole == count) return;
-    for (size_t i = whole; i < count; i++) few[0][i - whole] = x[i], few[1][i - whole] = y[i];
-    few_fitted_at(of, few[0], few[1], few[2], few[3]);
-    for (size_t i = whole; i < count; i++) u[i] = few[2][i - whole], v[i] = few[3][i - whole];
+    for (size_t i = whole; i < count; i++) last[0][i - whole] = x[i], last[1][i - whole] = y[i];
+    few_at(of, last[0], last[1], last[2], last[3]);
+    for (size_t i = whole; i < count; i++) u[i] = last[2][i - whole], v[i] = last[3][i - whole];
 }
 
 static const double NEAR_ENOUGH = 2, DISC = 1 + 0x1p-40;
@@ -339,9 +341,8 @@ static void aim_some(sgt_aim_room *r, size_t count, const sgt_pupil_point at[], 
 void sgt_aim_rays(const sgt_colour_beam *of, sgt_aim_room *r, size_t count, const sgt_pupil_point at[],
                   sgt_launched out[])
 {
-    sgt_aim_map own;
     sgt_aim_begin(r, of);
-    if (!of->map) own = sgt_aim_chief(r), r->of.map = &own;
+    if (!of->map) r->own = sgt_aim_chief(r), r->of.map = &r->own;
     for (size_t first = 0; first < count; first += r->part)
         aim_some(r, count - first < r->part ? count - first : r->part, at + first, out + first);
 }

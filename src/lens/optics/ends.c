@@ -145,7 +145,7 @@ typedef struct many {
     sgt_end_errors off;
     double *t_err, *condition;
     int *evals;
-    bool *met;           /* a hit at every element so far */
+    sgt_status *met;            /* 1: a hit at every element so far */
 } many;
 
 enum { END_ERRORS = END_POINT_ERROR | END_PATH_ERROR };
@@ -196,7 +196,7 @@ static many *many_new(const sgt_launcher *from, size_t rays, unsigned wanted)
         const bool aimed = aims && i == from->lens->stop;
         m->at[i] = passage_of(wanted, count - 1 - i, aimed, rays, number, whole, status);
     }
-    m->fate = (sgt_fate *)status, m->met = (bool *)(m->fate + rays);
+    m->fate = (sgt_fate *)status, m->met = (sgt_status *)(m->fate + rays);
     return m;
 }
 
@@ -251,14 +251,14 @@ static void trace_many(const sgt_colour_beam *of, many *m, size_t rays, const sg
     for (size_t i = 0; i < count; i++) {
         const sgt_hits *h = &m->at[i].hits;
         const sgt_status *status = h->status;
-        bool *met = m->met;
-        for (size_t k = 0; k < rays; k++) met[k] &= status[k] == SGT_HIT;
+        sgt_status *met = m->met;
+        SIDE_BY_SIDE for (size_t k = 0; k < rays; k++) met[k] = status[k] == SGT_HIT ? met[k] : 0;
         for (size_t k = 0; h->evals && k < rays; k++) m->evals[k] += h->evals[k];
         if (!(m->wanted & END_SLANT)) continue;
         directions_at(m, e, i, rays);
         slant_at(m, &m->at[i], rays);
     }
-    for (size_t k = 0; k < rays; k++) m->condition[k] = sqrt(m->condition[k]);
+    for (size_t k = 0; m->wanted & END_SLANT && k < rays; k++) m->condition[k] = sqrt(m->condition[k]);
     if (m->wanted & END_POINT) directions_at(m, e, count - 1, rays);
 }
 

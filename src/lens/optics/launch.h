@@ -22,7 +22,7 @@ struct sgt_launcher {
 
 /* What the search for all rays of a beam shares (aim_map.c): the chief ray, the linear map about it, and the
  * map that was fitted to some of them, polynomials of the point of the pupil. */
-enum { AIM_DEGREE = 9, AIM_TERMS = (AIM_DEGREE + 1) * (AIM_DEGREE + 2) / 2 };
+enum { AIM_DEGREE = 10, AIM_TERMS = (AIM_DEGREE + 1) * (AIM_DEGREE + 2) / 2 };
 typedef struct sgt_linear { double xu, xv, yu, yv, determinant; } sgt_linear;
 typedef struct sgt_aim_map {
     sgt_aiming chief;
