@@ -60,8 +60,8 @@ void sgt_aim_nodes_set(sgt_aim_nodes *out)
         }
 }
 
-/* Both polynomials at some points, AIM_PARTS registers of each width (fitted.h): the same bits. */
-enum { AIM_PARTS = 4, AIM_FEW_MOST = 8 * AIM_PARTS };
+/* Both polynomials at some points, PARTS registers of each width (fitted.h): the same bits. */
+enum { PARTS = 4, AIM_FEW_MOST = 8 * PARTS };
 #if defined(__GNUC__) && !defined(__clang__)
 #define WRITTEN_OUT _Pragma("GCC unroll 16")
 #else
@@ -88,13 +88,13 @@ typedef void few_fitted(const sgt_aim_map *of, const double x[], const double y[
 static few_fitted *widest(size_t *count)
 {
     const bool eight = __builtin_cpu_supports("avx512f"), four = __builtin_cpu_supports("avx2");
-    *count = AIM_PARTS * (eight ? 8 : four ? 4 : 2);
+    *count = PARTS * (eight ? 8 : four ? 4 : 2);
     return eight ? few_by_8 : four ? few_by_4 : few_by_2;
 }
 #else
 static few_fitted *widest(size_t *count)
 {
-    *count = AIM_PARTS * 2;
+    *count = PARTS * 2;
     return few_by_2;
 }
 #endif
