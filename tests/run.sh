@@ -19,7 +19,8 @@ sh .ci/install gcc g++ libc6-dev meson pkg-config python3 \
     python3-pytest python3-scipy python3-venv python3-xarray \
     libbenchmark-dev libboost-dev libgsl-dev \
     valgrind llvm python3-gmpy2 python3-mpmath python3-numpy python3-yaml \
-    cmake make abigail-tools gfortran rustc octave-dev poppler-utils
+    cmake make abigail-tools gfortran rustc octave-dev poppler-utils \
+    lowdown mandoc
 
 if [ -f $build/build.ninja ]; then
     # What was not found before may have been installed since.

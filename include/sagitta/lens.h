@@ -271,8 +271,10 @@ typedef struct sgt_lens {
     const double *wavelength_weight; /* 1 where not given */
     size_t        primary;     /* the place of the reference wavelength, from 0 */
 
-    /* from the object to the first vertex; infinite: from afar */
-    double object_distance;
+    double object_distance;  /* from the object to the first vertex, 0 or more; infinite:
+                                from afar */
+    sgt_vec2 object_slope;   /* of a tilted object at a distance: its point x, y lies
+                                slope.x x + slope.y y nearer to the first vertex */
     bool   telecentric;      /* chief rays are parallel to the axis in object space; the
                                 pupil is then a cone (object_na, object_angle) */
     bool   afocal;           /* light leaves as parallel rays: analyses answer in angles,

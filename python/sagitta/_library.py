@@ -349,6 +349,7 @@ class Lens(Structure):
         ("wavelength_weight", POINTER(c_double)),
         ("primary", c_size_t),
         ("object_distance", c_double),
+        ("object_slope", c_double * 2),
         ("telecentric", c_bool),
         ("afocal", c_bool),
         ("pupil", c_int),

@@ -36,12 +36,20 @@ static void print_main_help(FILE *to)
     fputs("sagitta: where does a ray meet a surface, and how sure is the answer?\n\n", to);
     for (size_t i = 0; command_at(i, &c); i++) fprintf(to, "  sagitta %-12s %s\n", c.name, c.brief);
     fputs("\n  sagitta COMMAND --help     a command in one screen; --help all: all of it\n"
+          "                             --help options: its options as a table, for programs\n"
           "  sagitta --version\n"
           "\n"
           "For example:\n"
           "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
           "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n"
           "  sagitta spot examples/lenses/cooke_triplet.yaml --picture spots.svg\n", to);
+}
+
+/* For programs, as parse.c prints the options of a command. */
+static void print_table_of_commands(void)
+{
+    command c;
+    for (size_t i = 0; command_at(i, &c); i++) printf("%s\t%s\n", c.name, c.brief);
 }
 
 /* If a standard file is closed at the start, the next file opened would take its number, and a message for
@@ -82,7 +90,8 @@ int main(int argc, char *argv[])
     }
     if (strcmp(name, "--version") == 0) command_version();
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
-        print_main_help(stdout);
+        if (argc > 2 && strcmp(argv[2], "options") == 0) print_table_of_commands();
+        else print_main_help(stdout);
         print_and_end("%s", "");
     }
     if (*name)

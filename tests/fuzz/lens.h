@@ -67,8 +67,10 @@ static void require_lens(const sgt_lens *l)
                 l->wavelength[i]);
         REQUIRE(l->wavelength_weight[i] >= 0, "%a", l->wavelength_weight[i]);
     }
-    REQUIRE(l->object_distance > 0 && !(l->index_before <= 0) && !isinf(l->index_before), "%a %a",
+    REQUIRE(l->object_distance >= 0 && !(l->index_before <= 0) && !isinf(l->index_before), "%a %a",
             l->object_distance, l->index_before);
+    REQUIRE(isfinite(l->object_slope.x) && isfinite(l->object_slope.y), "%a %a", l->object_slope.x,
+            l->object_slope.y);
     REQUIRE(isnan(l->pupil_size) || (l->pupil_size > 0 && isfinite(l->pupil_size)), "%a", l->pupil_size);
     REQUIRE(!isinf(l->pupil_distance), "%a", l->pupil_distance);
     for (size_t i = 0; i < l->fields; i++)

@@ -332,10 +332,25 @@ def of_type(kind, generator):
         return dict(parm=[sign(generator) * u(25, 60), 1])
     if kind == 'TILTSURF':
         return dict(parm=[u(-0.15, 0.15), u(-0.15, 0.15)])
+    if kind == 'IRREGULA':
+        moved = [u(-1, 1), u(-1, 1), u(-8, 8), u(-8, 8)] if generator.random() < 0.5 else [0.0] * 4
+        return dict(c=c, k=k, parm=[*moved, *(u(-0.05, 0.05) for _ in range(3)), generator.choice((0.0, u(-90, 90)))])
+    if kind in ('XASPHERE', 'XODDASPH'):
+        count = generator.randint(1, 8 if kind == 'XASPHERE' else 16)
+        return dict(c=c, k=k, xdat=[count, u(6, 12)] + [u(-0.05, 0.05) for _ in range(count)])
+    if kind == 'QED_TYPE':
+        which, count = generator.randint(0, 1), generator.randint(1, 8)
+        return dict(c=c, k=k if which else 0.0, xdat=[which, count, u(6, 9)] + [u(-0.05, 0.05) for _ in range(count)])
+    if kind in ('FZERNSAG', 'SZERNSAG'):
+        count = generator.randint(1, 37)
+        evens = [u(-1, 1) * 10.0 ** -(2 + 2 * i) for i in range(1, 9)] if generator.random() < 0.5 else []
+        return dict(c=c, k=k, parm={0: 1.0, **dict(enumerate(evens, 1))},
+                    xdat=[count, u(6, 9)] + [u(-0.01, 0.01) for _ in range(count)])
     raise ValueError(kind)
 
 
-TYPES = ('STANDARD', 'EVENASPH', 'ODDASPHE', 'TOROIDAL', 'BICONICX', 'XPOLYNOM', 'TILTSURF', 'PARAXIAL')
+TYPES = ('STANDARD', 'EVENASPH', 'ODDASPHE', 'TOROIDAL', 'BICONICX', 'XPOLYNOM', 'TILTSURF', 'PARAXIAL', 'IRREGULA',
+         'XASPHERE', 'XODDASPH', 'QED_TYPE', 'FZERNSAG', 'SZERNSAG')
 
 
 def lens_of(kind, generator):
@@ -361,6 +376,55 @@ def test_each_type():
         if not faults:
             passed(through, 0.8)
     assert not faults, '\n'.join(faults[:5])
+
+
+def test_terms_that_are_zero():
+    """Types without terms are what is left of them; terms beyond those counted, and zeros behind the last, go."""
+    generator = random.Random(f'{SEED} zero terms')
+    for kind, how in (('IRREGULA', dict(parm=[0.0] * 8)), ('XASPHERE', dict(xdat=[0, 0.0])),
+                      ('QED_TYPE', dict(xdat=[0, 0, 0.0], k=-0.5)), ('FZERNSAG', dict(xdat=[0, 0.0])),
+                      ('SZERNSAG', dict(xdat=[3, 5.0, 0.0, 0.0, 0.0])), ('XODDASPH', dict(xdat=[1, 5.0, 0.0, 7.0]))):
+        data = zmx(FAR, surf(t=2.0), surf(kind, c=0.02, t=4.0, glass=glas('N-BK7'), **how), IMAGE)
+        compare(kind, data, launches(generator, 5))
+        yaml = imported(written(data, 'lens.zmx'))[0].read_text()
+        assert re.search('type: (sphere|conic), radius: 50', yaml), yaml
+
+
+def test_grid():
+    """At its heights: of the grid, of the conic and the powers beside it, of the Zernike terms.  Rows run to -y."""
+    generator, faults = random.Random(f'{SEED} grid'), []
+    for trial in range(several(8)):
+        u = generator.uniform
+        nx, ny, dx, dy = generator.randint(5, 9), generator.randint(5, 9), u(0.5, 1.5), u(0.5, 1.5)
+        heights = [[u(-0.01, 0.01) for _ in range(nx)] for _ in range(ny)]  # the first row is that of the largest y
+        c, k, norm = u(-0.03, 0.03), u(-2, 0.5), u(8, 12)
+        evens = [u(-1e-4, 1e-4), u(-1e-6, 1e-6)] if trial % 2 else []
+        terms = [u(-0.01, 0.01) for _ in range(generator.choice((0, 3, 15)))]
+        flat = [z for row in heights for z in row]
+        more = [f'GDAT {nx} {ny} {dx!r} {dy!r} 0 0', *(f'GARR {i} {z!r} 0 0 0 0' for i, z in enumerate(flat))]
+        data = zmx(FAR, surf(t=5.0), surf('GRID_SAG', c=c, k=k, t=9.0, parm=evens, xdat=[len(terms), norm, *terms],
+                                          more=more), IMAGE)
+        points = [((j - (nx - 1) / 2) * dx, ((ny - 1) / 2 - i) * dy, z) for i, row in enumerate(heights)
+                  for j, z in enumerate(row)]
+        beam = written(rays(*((x, y, -1, 0, 0, 1) for x, y, _ in points)))
+        path = written(data, 'lens.zmx')
+        out = [row for row in csv.DictReader(run('trace', path, '--rays', beam, '--format', 'csv').stdout.splitlines())
+               if row['element'] == '2']
+        assert len(out) == len(points)
+        for row, (x, y, z) in zip(out, points):
+            r2 = x * x + y * y
+            wanted = z + zmx_oracle.conic(c, k, r2, math.sqrt)[0] + sum(a * r2 ** (i + 1) for i, a in enumerate(evens))
+            wanted += sum(a * zmx_oracle.zernike(j, False, x / norm, y / norm, 0.0)[0] for j, a in enumerate(terms, 1))
+            inside = abs(x) < (nx - 1) / 2 * dx and abs(y) < (ny - 1) / 2 * dy  # its edge may be missed
+            if row['fate'] != 'passed' and not inside:
+                continue
+            if row['fate'] != 'passed' or abs(float(row['z']) - wanted) > 1e-12:
+                faults.append(f'{trial}: {row} and not {wanted}')
+    assert not faults, '\n'.join(faults[:4])
+    short = data.replace(f'GARR {len(flat) - 1} ', 'COMM GARR ')
+    refused(short, 'GDAT', [line_of(short, 'GDAT')], f'{len(flat) - 1} of the {len(flat)}')
+    hole = data.replace('GARR 3 ', 'GARR 4 ')
+    refused(hole, 'GARR', [line_of(hole, 'GARR 4 ')], 'height 4 is where height 3 should be')
 
 
 def test_types_mixed():
@@ -725,6 +789,104 @@ def test_system_records():
     has('far', r'stop: true', r'front', r'\bSCHOTT\b')
 
 
+def test_fields_that_are_not_there():
+    """Fewer fields than FTYP says, and angles of 90 degrees and more: the others are read, and it is said."""
+    text = zmx(FAR, surf(t=2.0, more=['STOP']), surf(c=0.02, t=4.0, glass=glas('N-BK7')), surf(c=-0.02, t=20.0),
+               IMAGE)
+    def case(count, x, y, weights, *wanted, said, factors=None):
+        data = text.replace('FTYP 0 0 1', f'FTYP 0 0 {count}')
+        for key, values in (('XFLN', x), ('YFLN', y), ('FWGN', weights)):
+            data = re.sub(f'^{key} .*\n', f'{key} {values}\n' if values else '', data, flags=re.MULTILINE)
+        if factors:
+            data = data.replace('PWAV', f'VCYN {factors}\nPWAV')
+        lens, remarks_ = imported(written(data, 'lens.zmx'))
+        out = lens.read_text()
+        for words in wanted:
+            assert words in out, f'{count}, {x}, {y}: no {words} in\n{out}'
+        told = [f'{key}: {words}' for _, key, words in remarks_]
+        for words in said:
+            assert any(words in line for line in told), f'{count}, {x}, {y}: {words} is not in {told}'
+        run('spot', lens, '--hexapolar', 2)
+        if any('left out' in line for line in told):
+            run('import', written(data, 'lens.zmx'), '--strict', exit=BAD_INPUT)
+    case(3, '', '1 2', '1 1 1', 'fields: [1, 2]', said=['YFLN: left out: 1 of the 3 fields'])
+    case(14, ' '.join('0' * 12), ' '.join(map(str, range(12))), ' '.join('1' * 12),
+         'fields: [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]', said=['left out: 2 of the 14 fields'])
+    case(2, '3', '1 2', '', 'fields: [[3, 1], [0, 2]]', said=['XFLN: taken as 0 where it lacks a number'])
+    case(3, '', '1 2 3', '2', 'field_weights: [2, 1, 1]', said=['FWGN: taken as 1 where it lacks a number'])
+    case(2, '', '', '', said=['FTYP: left out: 2 of the 2 fields', 'FTYP: no field is left'])
+    case(3, '', '1 95 10', '1 2 3', 'fields: [1, 10]', 'field_weights: [1, 3]', 'cy: 0.2', factors='0 0.1 0.2',
+         said=['YFLN: left out: field 2, an angle of 95 degrees'])
+    case(2, '-90 0', '0 5', '1 1', 'fields: [5]', said=['XFLN: left out: field 1, an angle of -90 degrees'])
+    case(1, '', '90', '', said=['YFLN: left out: field 1', 'FTYP: no field is left'])
+
+
+def test_objects():
+    """A tilted object, and one that touches the first surface.  The stop is a plane in air and comes first, so
+    a ray goes straight from the object's point to that of the pupil."""
+    generator, radius, faults = random.Random(f'{SEED} objects'), 2.0, []
+    for distance, tilted in ((60.0, True), (60.0, False), (0.0, False)):
+        slope = [round(generator.uniform(-0.5, 0.5), 3) for _ in 'xy'] if tilted else [0.0, 0.0]
+        heights = [(round(generator.uniform(-4, 4), 2), round(generator.uniform(-4, 4), 2)) for _ in range(3)]
+        front = 12.5  # from the object, where that is at distance 0, to the stop
+        between = [] if distance else [surf(t=front)]
+        data = zmx(surf('TILTSURF' if tilted else 'STANDARD', t=distance, parm=slope if tilted else ()),
+                   *between, surf(t=2.0, more=['STOP']), surf(c=0.02, t=4.0, glass=glas('N-BK7')),
+                   surf(c=-0.02, t=20.0), IMAGE)
+        data = data.replace('FTYP 0 0 1', 'FTYP 1 0 3')
+        for key, k in (('XFLN', 0), ('YFLN', 1)):
+            data = re.sub(f'^{key} .*$', f'{key} ' + ' '.join(str(h[k]) for h in heights), data, flags=re.MULTILINE)
+        data = re.sub('^FWGN .*$', 'FWGN 1 1 1', data, flags=re.MULTILINE)
+        lens, _ = imported(written(data, 'lens.zmx'))
+        stop = 1 + len(between)
+        rows = [row for row in csv.DictReader(run('trace', lens, '--grid', 5, '--format', 'csv').stdout.splitlines())
+                if int(row['element']) == stop]
+        assert len(rows) >= 3 * 12, len(rows)
+        for row in rows:
+            x, y = heights[int(row['field']) - 1]
+            start = (x, y, -(distance or front) + slope[0] * x + slope[1] * y)
+            end = (radius * float(row['px']), radius * float(row['py']), 0.0)
+            way = [b - a for a, b in zip(start, end)]
+            length = math.sqrt(sum(w * w for w in way))
+            wanted = [*end[:2], *(w / length for w in way)]
+            got = [float(row[key]) for key in ('x', 'y', 'l', 'm', 'n')]
+            if max(abs(a - b) for a, b in zip(got, wanted)) > 1e-12:
+                faults.append(f'{distance}, {slope}: {got} and not {wanted}')
+        run('spot', lens)
+        real = re.sub('^FTYP 1', 'FTYP 3', data, flags=re.MULTILINE)
+        ends = csv.DictReader(run('trace', written(real, 'lens.zmx'), '--chief', '--format', 'csv').stdout.splitlines())
+        for row in ends:
+            if int(row['element']) == stop + 3:
+                wanted = heights[int(row['field']) - 1]
+                if math.dist((float(row['x']), float(row['y'])), wanted) > 1e-8:
+                    faults.append(f'{distance}, {slope}: the chief ray of {wanted} ends at {row}')
+    assert not faults, '\n'.join(faults[:5])
+    far = zmx(surf('TILTSURF', t=math.inf, parm=[0.1, 0.2]), surf(t=2.0, more=['STOP']), IMAGE)
+    _, said = imported(written(far, 'lens.zmx'))
+    assert any('the tilt of the object, which is at infinity' in words for _, _, words in said), said
+
+
+def test_a_break_as_stop():
+    """The plane behind it is the stop; rays go on as if there were none."""
+    generator = random.Random(f'{SEED} stop')
+    launch = written(rays(*launches(generator, 20)))
+    for order, glass in ((0, None), (1, None), (0, glas('N-SF6')), (1, MIRROR)):
+        turn = coordinate_break(generator, order=order)
+        def lens(stop):
+            return zmx(FAR, surf(t=2.0, glass=glass), [r for r in turn if not r.startswith('DIAM')] + (['STOP', 'DIAM 1.5'] if stop else []),
+                       surf(c=0.02, t=4.0, glass=glas('N-BK7'), more=[] if stop else ['STOP']),
+                       surf(c=-0.02, t=20.0), IMAGE)
+        rows = [run('trace', written(lens(stop), 'lens.zmx'), '--rays', launch, '--last', '--format', 'csv').stdout
+                for stop in (True, False)]
+        got, wanted = ([[float(x) for x in (row['x'], row['y'], row['l'], row['m'], row['opl'])]
+                        for row in csv.DictReader(text.splitlines())] for text in rows)
+        worst = max(abs(a - b) for g, w in zip(got, wanted) for a, b in zip(g, w))
+        assert len(got) == len(wanted) == 20 and worst < 1e-11, worst
+        yaml, said = imported(written(lens(True), 'lens.zmx'))
+        assert any(key == 'STOP' and 'a plane behind the break' in words for _, key, words in said), said
+        assert re.search('type: plane, thickness: .*, glass: same, stop: true, draw_to: 1.5', yaml.read_text()), yaml.read_text()
+
+
 # ------------------------------------------------------------------ what is left out, and bad files
 
 def line_of(text, record):
@@ -876,8 +1038,20 @@ def test_what_is_refused():
     clean = zmx(FAR, surf('EVENASPH', t=2.0), glass, surf(c=-0.02, t=20.0), IMAGE)
     faults = []
     cases = [(clean.replace('EVENASPH', kind), 'TYPE', (kind,), line_of(clean, 'TYPE EVENASPH')) for kind in
-             ('DGRATING', 'HOLOGRM1', 'BINARY_2', 'GRINSUR5', 'BIRE__IN', 'USERSURF', 'FZERNSAG', 'GRID_SAG',
-              'IRREGULA', 'FRESNELS', 'JONESMAT', 'PARAX_XY', 'QED_TYPE', 'NONSEQCO', 'NOSUCH', 'standard2')]
+             ('DGRATING', 'HOLOGRM1', 'BINARY_2', 'GRINSUR5', 'BIRE__IN', 'USERSURF', 'FRESNELS', 'JONESMAT',
+              'PARAX_XY', 'CHEBYSHE', 'NONSEQCO', 'NOSUCH', 'standard2')]
+    def extended(kind, *xdat, **how):
+        return zmx(FAR, surf(kind, c=0.02, t=4.0, xdat=xdat, **how), IMAGE)
+    for kind, where in (('XASPHERE', 1), ('FZERNSAG', 1), ('QED_TYPE', 2)):
+        before = [1] * (where - 1)
+        cases += [(extended(kind, *before, 1, 0.0, 0.1), 'XDAT', (), None),       # a radius that is none
+                  (extended(kind, *before, 1.5, 5.0, 0.1), 'XDAT', (), None),     # a number of terms that is none
+                  (extended(kind, *before, 999, 5.0, 0.1), 'XDAT', (), None)]
+    cases += [(extended('QED_TYPE', 0, 1, 5.0, 0.1, k=-1.0), 'CONI', (), None),
+              (extended('QED_TYPE', 2, 1, 5.0, 0.1), 'XDAT', (), None),
+              (extended('SZERNSAG', 1, 5.0, 0.1, parm={9: 0.5}), 'PARM', (), None),
+              (extended('GRID_SAG', 0), 'GDAT', (), line_of(extended('GRID_SAG', 0), 'SURF 1')),
+              (zmx(FAR, surf('IRREGULA', parm=[0, 0, 0, 0, 0.1], diam='0 0'), IMAGE), 'DIAM', (), None)]
     cases += [
         (clean.replace('N-BK7', 'N-BK77'), 'GLAS', ('N-BK77',), None),
         (clean.replace('N-BK7 0', 'N-BK77 3'), 'GLAS', ('N-BK77',), None),
@@ -921,6 +1095,16 @@ def test_files_that_are_none():
             assert len(last) < 2000 and last.isprintable(), f'{what}: {last[:300]!r}'
     done = run('import', '/nowhere/lens.zmx', exit=BAD_INPUT)
     assert '/nowhere/lens.zmx' in done.stderr, done.stderr
+
+
+def test_other_formats():
+    """Files of other programs are refused by name, and not as bad YAML."""
+    for name, words in (('lens.seq', 'a CODE V file (.seq)'), ('LENS.SEQ', 'a CODE V file (.seq)'),
+                        ('lens.len', 'an OSLO or CODE V file (.len)'), ('lens.zar', 'an OpticStudio archive'),
+                        ('lens.zos', 'an OpticStudio session')):
+        path = written('RDM;LEN\nTITLE "a lens"\nEPD 10\n', name)
+        done = run('import', path, exit=BAD_INPUT)
+        assert words in done.stderr and done.stderr.count('\n') == 1, done.stderr
 
 
 def test_usage():

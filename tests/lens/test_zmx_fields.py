@@ -9,7 +9,7 @@ imported lens differs, or a remark names the record, or the reading is refused b
 in the table "Fields without effect" of docs/lens_file.md.  The table is held to it, too: what stands there
 changes nothing and makes no remark.
 
-The files are those of tests/data/zmx, and some written here in which every field of every kind of record
+The files are those of tests/data/zmx, one with shapes that they lack, and some written here in which every field of every kind of record
 matters.  In these each field must show; in the others each record that the former lack.
 """
 import collections
@@ -139,6 +139,27 @@ SURF 11
   DISZ 0
 '''
 
+def terms(kind, first, count, more=()):
+    """A surface with XDAT `first` ...: as many terms, their radius, themselves."""
+    numbers = [count, 8, *(0.01 * (i + 1) for i in range(count))]
+    return [f'TYPE {kind}', 'CURV 0.01 0 0 0 0 ""', *more,
+            *(f'XDAT {first + i} {x!r} 0 0 1 0 0 ""' for i, x in enumerate(numbers)), 'DISZ 3']
+
+
+# Those whose shape is in XDAT or in records of its own.
+SHAPES = [
+    ['TYPE STANDARD', 'DISZ 100'],
+    terms('XASPHERE', 1, 2, ['STOP']),
+    terms('XODDASPH', 1, 3),
+    terms('QED_TYPE', 2, 2, ['CONI -0.5', 'XDAT 1 1 0 0 1 0 0 ""']),
+    terms('FZERNSAG', 1, 5, ['PARM 0 1', 'PARM 2 1e-5']),
+    terms('SZERNSAG', 1, 5, ['PARM 0 1']),
+    ['TYPE IRREGULA', 'CURV 0.01 0 0 0 0 ""', *(f'PARM {i} {0.1 * i!r}' for i in range(1, 9)), 'DIAM 5 0 0 0 1 ""',
+     'DISZ 3'],
+    terms('GRID_SAG', 1, 3, ['GDAT 4 4 3.5 3.5 0 0', *(f'GARR {i} {0.01 * i * i!r} 0.1 0.2 0.3 0' for i in range(16))]),
+    ['TYPE STANDARD', 'DISZ 0']]
+
+
 SYSTEM = '''VERS 140730 73 26155
 MODE SEQ
 NAME a name
@@ -215,6 +236,9 @@ def written_here():
 
 
 def files():
+    yield 'shapes', ('MODE SEQ\nUNIT MM\nENPD 4\nFTYP 1 0 1 1 0 0 0\nYFLN 1\nWAVM 1 0.55 1\n' +
+                     ''.join('\n  '.join([f'SURF {i}', *records]) + '\n' for i, records in enumerate(SHAPES)) +
+                     'MNUM 1 1\n')
     for path in sorted(DATA.glob('*.zmx')):
         data = path.read_bytes()
         utf16 = data[:2] in (b'\xff\xfe', b'\xfe\xff')

@@ -151,6 +151,83 @@ def polynomial(count):
     return out[:count]
 
 
+def zernike_index(j, fringe):
+    """n, m and whether it is the sine, of the j-th polynomial: by search over all in their order."""
+    if fringe:  # groups of n + m = 2 g; in a group m falls, the cosine before the sine
+        order = [(2 * g - m, m, sine) for g in range(40) for m in range(g, -1, -1)
+                 for sine in ((False, True) if m else (False,))]
+        return order[j - 1]
+    place = 0  # Noll 1976: by n, then m rises; even numbers are cosines
+    for n in range(60):
+        for m in range(n % 2, n + 1, 2):
+            for _ in range(2 if m else 1):
+                place += 1
+                if place == j:
+                    return n, m, bool(m) and j % 2 == 1
+    raise ValueError(j)
+
+
+def zernike(j, fringe, x, y, zero):
+    """Z_j and its slopes by x and y, from its factorials (Noll 1976, equation 2; Wyant and Creath 1992) and
+    the powers of x + i y; Noll's have the mean square 1."""
+    n, m, sine = zernike_index(j, fringe)
+    one, r2 = zero + 1, x * x + y * y
+    powers = [(one, zero)]  # of x + i y
+    for _ in range(m):
+        a, b = powers[-1]
+        powers.append((a * x - b * y, a * y + b * x))
+    part, d_part = zero, zero  # the rest is a polynomial in r^2
+    for s in range((n - m) // 2 + 1):
+        factor = (math.factorial(n - s) // math.factorial(s)) * one * (-1) ** s
+        factor /= math.factorial((n + m) // 2 - s) * math.factorial((n - m) // 2 - s)
+        e = (n - m) // 2 - s
+        power = one
+        for _ in range(e - 1):
+            power *= r2
+        part += factor * (power * r2 if e else one)
+        d_part += factor * e * (power if e else zero)
+    a, b = powers[m]
+    c, d = powers[m - 1] if m else (zero, zero)
+    turn, tx, ty = (b, m * d, m * c) if sine else (a, m * c, -m * d)
+    scale = one if fringe else (one * (n + 1) * (2 if m else 1)) ** (one / 2)
+    return (scale * part * turn, scale * (2 * x * d_part * turn + part * tx),
+            scale * (2 * y * d_part * turn + part * ty))
+
+
+def q_con(count, x, one):
+    """The Jacobi polynomials P_m^(0, 4)(2 x - 1) and their derivatives by x, from their sum of products of
+    binomial coefficients (Abramowitz and Stegun 22.3.1)."""
+    out = []
+    for m in range(count):
+        value, slope = 0 * one, 0 * one
+        for s in range(m + 1):
+            c = math.comb(m, s) * math.comb(m + 4, m - s) * one
+            up, down = x ** s if s else one, (x - 1) ** (m - s) if m - s else one
+            value += c * down * up
+            if s:
+                slope += c * s * down * (x ** (s - 1) if s > 1 else one)
+            if m - s:
+                slope += c * (m - s) * up * ((x - 1) ** (m - s - 1) if m - s > 1 else one)
+        out.append((value, slope))
+    return out
+
+
+def q_bfs(count, x, one):
+    """Forbes 2010, Opt. Express 18, 19700, equations 2.8 to 2.12: the polynomials and their derivatives by x."""
+    root = (lambda a: a.sqrt()) if isinstance(one, D) else math.sqrt
+    f, g, h = [2 * one, root(19 * one) / 2], [-one / 2], []
+    for m in range(2, count + 1):
+        h.append(-m * (m - 1) / (2 * f[m - 2]))
+        g.append(-(1 + g[m - 2] * h[m - 2]) / f[m - 1])
+        f.append(root(m * (m + 1) + 3 - g[m - 1] ** 2 - h[m - 2] ** 2))
+    p = [(2 * one, 0 * one), (6 - 8 * x, -8 * one)]
+    q = [(one, 0 * one), ((13 - 16 * x) / root(19 * one), -16 / root(19 * one))]
+    for m in range(2, count):
+        p.append(((2 - 4 * x) * p[-1][0] - p[-2][0], (2 - 4 * x) * p[-1][1] - 4 * p[-1][0] - p[-2][1]))
+        q.append(tuple((p[m][i] - g[m - 1] * q[m - 1][i] - h[m - 2] * q[m - 2][i]) / f[m] for i in (0, 1)))
+    return q[:count]
+
+
 class Shape:
     """A sag in floats or in decimals: value and slopes at (x, y)."""
 
@@ -161,6 +238,15 @@ class Shape:
         self.zero = number(0)
         if s.type == 'BICONICX':
             self.cx = 1 / self.p[1] if self.p[1] else self.zero
+        if s.type == 'IRREGULA':
+            self.norm = number(s.size)
+            c, sn = cos_sin(s.parm.get(8, 0.0))
+            self.turn = number(sn), number(c)
+        if s.type in ('XASPHERE', 'XODDASPH', 'FZERNSAG', 'SZERNSAG', 'QED_TYPE'):
+            first = 2 if s.type == 'QED_TYPE' else 1
+            count = int(s.xdat.get(first, 0))
+            self.norm, self.kind = number(s.xdat.get(first + 1, 0.0) or 1.0), s.xdat.get(1, 0)
+            self.a = [number(s.xdat.get(first + 2 + i, 0.0)) for i in range(count)]
         if s.type == 'XPOLYNOM':
             self.norm = number(s.xdat.get(2, 1.0))
             self.terms = [(a, b, number(s.xdat.get(3 + i, 0.0)))
@@ -172,14 +258,53 @@ class Shape:
         if self.type == 'STANDARD':
             s, d = conic(c, k, r2, root)
             return s, 2 * d * x, 2 * d * y
-        if self.type == 'EVENASPH':
+        if self.type in ('EVENASPH', 'FZERNSAG', 'SZERNSAG'):
             s, d = conic(c, k, r2, root)
             power = self.zero + 1
             for i in range(1, 9):
                 d += i * p[i] * power
                 power *= r2
                 s += p[i] * power
+            sx, sy = 2 * d * x, 2 * d * y
+            for j, a in enumerate(self.a if self.type != 'EVENASPH' else (), 1):
+                v, vx, vy = zernike(j, self.type[0] == 'F', x / self.norm, y / self.norm, self.zero)
+                s, sx, sy = s + a * v, sx + a * vx / self.norm, sy + a * vy / self.norm
+            return s, sx, sy
+        if self.type in ('XASPHERE', 'XODDASPH'):
+            s, d = conic(c, k, r2, root)
+            sx, sy, u = 2 * d * x, 2 * d * y, root(r2) / self.norm
+            for i, a in enumerate(self.a, 1):
+                e = 2 * i if self.type == 'XASPHERE' else i
+                low = u ** (e - 1) if e > 1 else self.zero + 1
+                s += a * low * u
+                if r2:
+                    over = a * e * low / (self.norm * root(r2))
+                    sx, sy = sx + over * x, sy + over * y
+            return s, sx, sy
+        if self.type == 'QED_TYPE':
+            s, d = conic(c, k, r2, root)
+            norm2 = self.norm * self.norm
+            u2 = r2 / norm2
+            if self.kind == 1:
+                q = q_con(len(self.a), u2, self.zero + 1)
+                front, d_front = u2 * u2, 2 * u2
+            else:
+                w = root(1 - c * c * r2)
+                q = q_bfs(len(self.a), u2, self.zero + 1)
+                front = u2 * (1 - u2) / w
+                d_front = (1 - 2 * u2) / w + u2 * (1 - u2) * c * c * norm2 / (2 * w * w * w)
+            total, slope = (sum((a * one[i] for a, one in zip(self.a, q)), self.zero) for i in (0, 1))
+            s += front * total
+            d += (d_front * total + front * slope) / norm2
             return s, 2 * d * x, 2 * d * y
+        if self.type == 'IRREGULA':
+            s, d = conic(c, k, r2, root)
+            sn, cs = self.turn
+            z4, a2, c3, n2 = p[5], p[6], p[7], self.norm * self.norm
+            q2, v = r2 / n2, (x * sn + y * cs) / self.norm
+            s += z4 * q2 * q2 + a2 * v * v + c3 * q2 * v
+            over, along = 2 * (2 * z4 * q2 + c3 * v) / n2, (2 * a2 * v + c3 * q2) / self.norm
+            return s, (2 * d + over) * x + along * sn, (2 * d + over) * y + along * cs
         if self.type == 'ODDASPHE':
             s, d = conic(c, k, r2, root)
             r = root(r2)
@@ -256,12 +381,15 @@ class Surface:
         self.type, self.c, self.t, self.k, self.glass, self.stop = 'STANDARD', 0.0, 0.0, 0.0, None, False
         self.parm, self.xdat, self.apertures, self.centre = {}, {}, [], (0.0, 0.0)
         self.before = self.after = None
+        self.size = 0.0
 
     def record(self, keyword, fields):
         if keyword == 'TYPE':
             self.type = fields[0]
         elif keyword in ('CURV', 'DISZ', 'CONI'):
             setattr(self, {'CURV': 'c', 'DISZ': 't', 'CONI': 'k'}[keyword], number(fields[0]))
+        elif keyword == 'DIAM':
+            self.size = number(fields[0])
         elif keyword == 'GLAS':
             self.glass = fields
         elif keyword == 'STOP':
@@ -345,7 +473,9 @@ class Lens:
             else:
                 if s.before:
                     frame = frame.broken(*s.before)
-                frames.append(frame)
+                p = [s.parm.get(i, 0.0) for i in range(5)]
+                alone = s.type == 'IRREGULA'  # decentred and tilted, and nothing behind it
+                frames.append(frame.broken(p[1], p[2], (p[3], p[4], 0.0), 0) if alone else frame)
                 if s.after:
                     frame = frame.broken(*s.after)
             if s is not self.surfaces[-1]:

@@ -215,7 +215,7 @@ LENSES_WRONG = [
     ('[0.5, 0.6]', '0.5', 3, 'wavelengths'),
     ('[0.5, 0.6]', '[]', 3, 'wavelengths'),
     ('[0.5, 0.6]', '[0.5, -0.6]', 3, 'wavelengths'),
-    ('distance: .inf', 'distance: 0', 4, 'object.distance'),
+    ('distance: .inf', 'distance: -1', 4, 'object.distance'),
     ('distance: .inf', 'distance: .nan', 4, 'object.distance'),
     ('distance: .inf', 'distanse: 1', 4, 'distanse'),
     ('index: 1}', 'index: 0}', 4, 'object.index'),

@@ -78,6 +78,15 @@ int sgt_reader_width(piece text)
 
 char sgt_lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c + ('a' - 'A')) : c; }
 
+bool sgt_reader_ends_in(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), own = strlen(ending);
+    if (length < own) return false;
+    const char *at = name + length - own;
+    while (*at && sgt_lower(*at) == *ending) at++, ending++;
+    return !*at;
+}
+
 size_t sgt_reader_distance(piece a, piece b)
 {
     size_t row[NAME_MOST + 1], m = (size_t)(a.end - a.begin), n = (size_t)(b.end - b.begin);

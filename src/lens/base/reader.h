@@ -55,6 +55,9 @@ bool sgt_reader_is(piece text, const char *word);
 /* A capital letter of ASCII as a small one. */
 char sgt_lower(char c);
 
+/* Whether the name of a file has that ending, in either case of letters. */
+bool sgt_reader_ends_in(const char *name, const char *ending);
+
 /* Levenshtein's distance of two names, whatever the case of letters; long ones are cut. */
 size_t sgt_reader_distance(piece a, piece b);
 

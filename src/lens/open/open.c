@@ -13,13 +13,16 @@
 #include <stdio.h>
 #include <string.h>
 
-static bool ends_in_zmx(const char *name)
+/* Other programs' files of lenses, which would be told what YAML they are not. */
+static void refuse_other_formats(source *s, const char *name)
 {
-    size_t length = strlen(name);
-    if (length < 4) return false;
-    const char *e = name + length - 4;
-    return e[0] == '.' && (e[1] == 'z' || e[1] == 'Z') && (e[2] == 'm' || e[2] == 'M') &&
-           (e[3] == 'x' || e[3] == 'X');
+    static const char *const others[][2] = {
+        {".seq", "a CODE V"}, {".len", "an OSLO or CODE V"}, {".zar", "an OpticStudio archive"},
+        {".zos", "an OpticStudio session"}, {".zprj", "an OpticStudio project"}};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (sgt_reader_ends_in(name, others[i][0]))
+            tree_fail(s, 0, NULL, "%s file (%s) is not read; a lens file in YAML and .zmx are", others[i][1],
+                      others[i][0]);
 }
 
 static void read_zmx(source *s, const char *text, size_t length)
@@ -65,7 +68,8 @@ static void read_into(lens_maker make, whole_lens *w, source *s, const char *nam
         text = s->borrowed;
     }
     s->text = text, s->length = length;
-    if (make == sgt_read_lens && ends_in_zmx(name)) read_zmx(s, text, length);
+    if (make == sgt_read_lens) refuse_other_formats(s, name);
+    if (make == sgt_read_lens && sgt_reader_ends_in(name, ".zmx")) read_zmx(s, text, length);
     else sgt_read_yaml(s);
     w->make = make;
     sgt_make_lens(w, s);

@@ -13,13 +13,18 @@ static const double SLOPES = 50; /* a direction of 88.9 degrees */
 static const double WIDER = 10;  /* times the paraxial height of the object */
 enum { STEPS = 12 };
 
-/* The chief rays through the centre of the paraxial pupil, by their slopes or by their object point. */
-static sgt_beam chiefs_of(const sgt_field_beam *b)
+/* The chief rays through the centre of the paraxial pupil, by their slopes or by their object point.
+ * b->object is the one on the axis. */
+static sgt_beam chiefs_of(const sgt_lens *l, const sgt_field_beam *b)
 {
     if (b->finite) {
-        sgt_beam f = {.o = {0, 0, b->object.z}, .ou = {1, 0, 0}, .ov = {0, 1, 0}, .d = {0, 0, 1}};
+        const sgt_vec2 tilt = l->object_slope;
+        sgt_beam f = {.o = {0, 0, b->object.z}, .ou = {1, 0, tilt.x}, .ov = {0, 1, tilt.y}, .d = {0, 0, 1}};
         const double ahead = b->cone > 0 ? 0 : copysign(1, b->pupil - b->object.z); /* 0: telecentric */
-        if (ahead != 0) f.d.z = fabs(b->pupil - b->object.z), f.du.x = f.dv.y = -ahead;
+        if (ahead != 0) {
+            f.d.z = fabs(b->pupil - b->object.z), f.du.x = f.dv.y = -ahead;
+            f.du.z = -ahead * tilt.x, f.dv.z = -ahead * tilt.y;
+        }
         return f;
     }
     double way = b->pupil - b->front;
@@ -65,7 +70,8 @@ static bool solve_field(const field_search *s, const sgt_field_beam *b, sgt_vec2
 {
     const sgt_lens *l = s->from->lens;
     /* of a telecentric object the pupil is at infinity */
-    const double size = b->cone > 0 ? fabs(l->object_distance) : fabs(b->object.z - b->pupil);
+    double size = b->cone > 0 ? fabs(l->object_distance) : fabs(b->object.z - b->pupil);
+    if (size == 0) size = hypot(wanted.x, wanted.y); /* such an object at the first vertex */
     const double scale = 1e-5 * (b->finite ? size : 1), radius = b->cone > 0 ? b->cone * size : b->radius;
     double least = HUGE_VAL;
     sgt_vec2 best = *at, pupil = {0, 0};
@@ -91,7 +97,7 @@ static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 
 {
     const sgt_lens *l = s->from->lens;
     if (l->aim != SGT_LENS_AIM_PUPIL) return solve_field(s, b, wanted, found);
-    sgt_beam f = chiefs_of(b);
+    sgt_beam f = chiefs_of(l, b);
     if (b->finite) {
         double reach =
             WIDER * (hypot(found->x, found->y) + (b->cone > 0 ? hypot(wanted.x, wanted.y) : b->radius));

@@ -4,7 +4,8 @@
  * A FIELD of the angles a, b: its chief ray, through the pupil's centre, has the slopes tan a in x
  * and tan b in y, so a positive field climbs.  An object at a finite distance D is then at height
  * -(D + p) tan.  A paraxial image height h: the slope is h P / n from afar (P the power, n the
- * index in front); else the object is at h / m, m the magnification.
+ * index in front); else the object is at h / m, m the magnification.  The points of a tilted object have
+ * these x and y, and so much of z as its slopes say.
  *
  * OBJECT AT INFINITY: the rays start on one wavefront, a plane at right angles to their
  * direction, so that their optical path lengths can be compared.  The plane lies in front of
@@ -165,7 +166,9 @@ static bool set_cone(const sgt_launcher *from, sgt_field_kind kind, const sgt_le
 void sgt_beam_point(const sgt_launcher *from, sgt_field_beam *b, double x, double y)
 {
     if (b->finite) {
-        b->object = (sgt_vec3){x, y, from->lens->surface[0].z - from->lens->object_distance};
+        const sgt_lens *l = from->lens;
+        const double tilt = l->object_slope.x * x + l->object_slope.y * y;
+        b->object = (sgt_vec3){x, y, l->surface[0].z - l->object_distance + tilt};
         return;
     }
     b->direction = direction_at(x, y);

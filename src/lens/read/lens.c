@@ -142,7 +142,17 @@ static void read_object(whole_lens *w, source *s)
     if (!map) return;
     tree_map(s, map, "object");
     const node *n = tree_take(map, "distance");
-    if (n) l->object_distance = positive_number(s, n, "object.distance", NUMBER_MAYBE_INFINITE);
+    if (n) l->object_distance = tree_read_number(s, n, "object.distance", NUMBER_MAYBE_INFINITE) + 0;
+    if (!(l->object_distance >= 0))
+        tree_fail(s, n->line, "object.distance", "must be 0 or more, not %g", l->object_distance);
+    const node *slope = tree_take(map, "slope");
+    double slopes[2] = {0, 0};
+    if (slope && (slope->kind != NODE_LIST || slope->count != 2))
+        tree_fail(s, slope->line, "object.slope", "must be two numbers, [along x, along y]");
+    if (slope) tree_read_numbers(s, slope, "object.slope", 2, slopes);
+    if (slope && !isfinite(l->object_distance))
+        tree_fail(s, slope->line, "object.slope", "the object must be at a distance");
+    l->object_slope = (sgt_vec2){slopes[0], slopes[1]};
     const node *telecentric = tree_take(map, "telecentric");
     l->telecentric = telecentric && tree_read_truth(s, telecentric, "object.telecentric");
     if (l->telecentric && !isfinite(l->object_distance))
@@ -151,7 +161,7 @@ static void read_object(whole_lens *w, source *s)
     if (w->medium[0].kind == MEDIUM_BEFORE)
         tree_fail(s, w->medium[0].line, w->medium[0].key,
                   "nothing is in front of the object to be the same as");
-    tree_finish(s, map, "distance, telecentric, index or glass");
+    tree_finish(s, map, "distance, slope, telecentric, index or glass");
 }
 
 static const struct { const char *key; sgt_pupil_kind kind; } pupil_keys[] = {

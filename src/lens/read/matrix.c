@@ -13,6 +13,7 @@
 #include "matrix.h"
 
 #include "../../text/number.h"
+#include "../base/reader.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -20,17 +21,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 typedef struct table_file { const char *name; char *text; size_t length; } table_file;
 
-static bool ends_in(const char *name, const char *end)
-{
-    size_t length = strlen(name), behind = strlen(end);
-    return length > behind && strcasecmp(name + length - behind, end) == 0;
-}
+static bool is_npy(const char *name) { return sgt_reader_ends_in(name, ".npy"); }
 
-bool sgt_matrix_is_file(const char *name) { return ends_in(name, ".csv") || ends_in(name, ".npy"); }
+bool sgt_matrix_is_file(const char *name) { return sgt_reader_ends_in(name, ".csv") || is_npy(name); }
 
 SGT_PRINTF(2, 3) static bool bad(char why[MATRIX_WHY_SIZE], const char *format, ...)
 {
@@ -199,5 +195,5 @@ bool sgt_matrix_read(source *of, sgt_numbers *to, const char *path, size_t most,
     table_file in = {.name = path};
     const char *fault = tree_file(of, path, &in.text, &in.length);
     if (fault) return bad(why, "%s: %s", path, fault);
-    return ends_in(path, ".npy") ? read_npy(of, to, &in, most, why) : read_csv(of, to, &in, most, why);
+    return is_npy(path) ? read_npy(of, to, &in, most, why) : read_csv(of, to, &in, most, why);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* zmx.h - a .zmx file on its way into a tree: zmx.c tells the records apart, zmx_system.c and
- * zmx_surface.c read them by the fields of zmx_field.c, zmx_elements.c makes surfaces and breaks of them. */
+/* zmx.h - a .zmx file on its way into a tree: zmx.c tells the records apart, zmx_system.c and zmx_surface.c
+ * read them by the fields of zmx_field.c, zmx_shape.c and zmx_elements.c make surfaces and breaks of them. */
 #ifndef SGT_LENS_ZMX_H
 #define SGT_LENS_ZMX_H
 #include "../base/reader.h"
@@ -44,6 +44,12 @@ typedef struct zmx_pick {
     const char *key;
 } zmx_pick;
 
+/* Heights on a grid, as GDAT and GARR give them; line 0: none. */
+typedef struct zmx_grid {
+    size_t line, columns, rows, count, room; /* count: of heights so far */
+    double step[2], *height;
+} zmx_grid;
+
 typedef struct zmx_type zmx_type;
 
 enum { ZMX_PARMS = 12 };
@@ -61,6 +67,7 @@ typedef struct zmx_surface {
     zmx_glass glass;
     zmx_break *before, *behind; /* NULL: none */
     zmx_aperture aperture;
+    zmx_grid grid;
     size_t focus_line;          /* of a solve for the paraxial focus; 0: none */
     zmx_pick *pick;
     size_t picks, pick_room;
@@ -164,8 +171,23 @@ char *sgt_zmx_text(zmx *z); /* to the end of the line; NULL: nothing */
 char *sgt_zmx_copy(zmx *z, piece text);
 void sgt_zmx_tally(zmx *z, zmx_tally which, size_t line, const char *key);
 
-/* zmx_elements.c: the type of that name; NULL: it is not read. */
+/* A type of surface, and what of its records means something. */
+struct zmx_type {
+    const char *name;
+    unsigned parms; /* PARM 1 ... parms do */
+    bool round;     /* CURV and CONI do */
+    bool extras;    /* XDAT does */
+    bool powers;    /* PARM i is the i-th of its coefficients in the lens file */
+    bool alone;     /* PARM 1 ... 4 decentre and tilt it, and nothing behind it */
+    bool aslant;    /* it is a plane with the slopes of PARM 1 and 2 */
+    void (*write)(zmx *z, const zmx_surface *f, node *map); /* NULL: a break */
+};
+
+/* zmx_shape.c: the type of that name; NULL: it is not read. */
 const zmx_type *sgt_zmx_type(piece name);
+size_t sgt_zmx_number_of(const zmx *z, const zmx_surface *f);
+void sgt_zmx_set_word(zmx *z, node *map, const char *key, size_t line, const char *text);
+void sgt_zmx_set_number(zmx *z, node *map, const char *key, size_t line, double x);
 
 /* zmx_system.c: behind the last NOTE. */
 void sgt_zmx_end_note(zmx *z);

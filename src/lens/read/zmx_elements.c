@@ -1,26 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* zmx_elements.c - the surfaces of a .zmx file become surfaces and breaks of the lens file.
- *
- * TYPES.  z is the sag, r^2 = x^2 + y^2, c = CURV, k = CONI, Pi = PARM i, Xi = XDAT i; conic(r) as always.
- *     STANDARD   conic(r)
- *     EVENASPH   conic(r) + P1 r^2 + P2 r^4 + ... + P8 r^16
- *     ODDASPHE   conic(r) + P1 r + P2 r^2 + ... + P8 r^8
- *     TOROIDAL   the curve conic(y) + P2 y^2 + P3 y^4 + ... + P8 y^14, turned about an axis parallel to y at
- *                z = P1; P1 = 0 is a cylinder.  X1 counts Zernike terms on top, which are refused
- *     BICONICX   c and k in y; the radius P1 (0: flat) and the conic constant P2 in x
- *     XPOLYNOM   conic(r) + sum of X(2+i) (x/X2)^a (y/X2)^b, i = 1 ... X1, in the order x, y, x^2, xy ...
- *     TILTSURF   the plane z = P1 x + P2 y
- *     PARAXIAL   a thin lens without aberrations, of the focal length P1
- *     COORDBRK   no surface: decenter P1, P2, then tilts P3, P4, P5 about x, y, z; P6 not 0: the tilts come
- *                first, and in the other order
- *
- * (OpticStudio's help, Sequential Surfaces: Toroidal, Extended Polynomial and others.  It numbers extra data
- * on from the parameters: what it calls parameter 12 + i is XDAT i.)  Types that lack a published layout of
- * their records are refused by name: a wrong shape is worse than none.
- *
- * THE TILTED PLANE.  Its normal is (-P1, -P2, 1).  The tilt Rz Ry Rx by (a, b, 0) takes (0, 0, 1) to
- * (cos a sin b, -sin a, cos a cos b), so tan b = -P1 and tan a = P2 cos b = P2 / hypot(1, P1).  Apertures are
- * in x and y before the tilt, and would be ellipses after it: they are left out.
+/* zmx_elements.c - the surfaces of a .zmx file become surfaces and breaks of the lens file; their shapes:
+ * zmx_shape.c.
  *
  * MEDIA.  A surface without GLAS is followed by air, whatever was before it.  MIRROR leaves the medium as it
  * was, and a break has none.  A pickup is the medium of another surface, which may be a pickup, too: each
@@ -30,189 +10,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-static const double DEGREE = 57.295779513082320877;
-
-struct zmx_type {
-    const char *name;
-    unsigned parms;                                         /* PARM 1 ... parms mean something */
-    bool round;                                             /* CURV and CONI do */
-    bool extras;                                            /* XDAT does */
-    void (*write)(zmx *z, const zmx_surface *f, node *map); /* NULL: a break */
-};
-
-static size_t number_of(const zmx *z, const zmx_surface *f) { return (size_t)(f - z->surface); }
-
-static void set_word(zmx *z, node *map, const char *key, size_t line, const char *text)
-{
-    tree_set(z->s, map, key, tree_word(z->s, line, text));
-}
-
-static void set_number(zmx *z, node *map, const char *key, size_t line, double x)
-{
-    tree_set(z->s, map, key, tree_number(z->s, line, x));
-}
-
-/* ------------------------------------------------------------------ shapes */
-
-/* The curvature as its radius, if that is the same number: 1/(1/c) is not always c.  The radius with the
- * fewest digits is taken: people type radii, and programs store their reciprocals. */
-static void set_curvature(zmx *z, node *map, const char *radius, const char *curvature, size_t line, double c)
-{
-    enum { FEWEST = 4, MOST = 17 };
-    if (c == 0) return;
-    for (int digits = FEWEST; digits <= MOST; digits++) {
-        char text[40];
-        double r;
-        snprintf(text, sizeof text, "%.*g", digits, 1 / c);
-        if (!sgt_reader_number((piece){text, text + strlen(text)}, &r) || 1 / r != c) continue;
-        set_number(z, map, radius, line, r);
-        return;
-    }
-    set_number(z, map, curvature, line, c);
-}
-
-static void write_base(zmx *z, const zmx_surface *f, node *map, const char *type)
-{
-    set_word(z, map, "type", f->line, type);
-    set_curvature(z, map, "radius", "curvature", f->curvature_line, f->curvature);
-    if (f->conic != 0 && f->curvature != 0) set_number(z, map, "conic", f->conic_line, f->conic);
-}
-
-static void write_standard(zmx *z, const zmx_surface *f, node *map)
-{
-    write_base(z, f, map, f->curvature == 0 ? "plane" : f->conic == 0 ? "sphere" : "conic");
-}
-
-/* PARM first ... last as coefficients, without the zeros at their end; false: there are none. */
-static size_t coefficients(const zmx_surface *f, size_t first, size_t last)
-{
-    while (last >= first && f->parm[last] == 0) last--;
-    return last + 1 - first;
-}
-
-static void set_coefficients(zmx *z, const zmx_surface *f, node *map, size_t first, size_t count)
-{
-    if (count) tree_set(z->s, map, "coefficients", tree_numbers(z->s, f->parm_line, count, f->parm + first));
-}
-
-static void write_asphere(zmx *z, const zmx_surface *f, node *map)
-{
-    size_t count = coefficients(f, 1, 8);
-    if (count == 0) {
-        write_standard(z, f, map);
-        return;
-    }
-    write_base(z, f, map, *f->type->name == 'E' ? "even_asphere" : "odd_asphere");
-    set_coefficients(z, f, map, 1, count);
-}
-
-static void write_toroidal(zmx *z, const zmx_surface *f, node *map)
-{
-    for (size_t i = 0; i < f->extras; i++)
-        if (f->extra[i].number == 1 && f->extra[i].value != 0)
-            tree_fail(z->s, f->extra[i].line, "XDAT", "surface %zu: Zernike terms on a TOROIDAL are not read",
-                      number_of(z, f));
-    write_base(z, f, map, "toroidal");
-    if (f->parm[1] != 0) set_number(z, map, "radius_x", f->parm_line, f->parm[1]);
-    set_coefficients(z, f, map, 2, coefficients(f, 2, 8));
-}
-
-static void write_biconic(zmx *z, const zmx_surface *f, node *map)
-{
-    set_word(z, map, "type", f->line, "biconic");
-    if (f->parm[1] != 0) set_number(z, map, "radius_x", f->parm_line, f->parm[1]);
-    if (f->parm[2] != 0) set_number(z, map, "conic_x", f->parm_line, f->parm[2]);
-    set_curvature(z, map, "radius_y", "curvature_y", f->curvature_line, f->curvature);
-    if (f->conic != 0) set_number(z, map, "conic_y", f->conic_line, f->conic);
-}
-
-/* Terms of order 1 ... 20: 230 of them, and two numbers in front. */
-enum { XY_ORDER = 20, XY_TERMS = 230 };
-
-/* XDAT by its numbers; returns XDAT 1, how many terms there are. */
-static size_t extra_numbers(zmx *z, const zmx_surface *f, double extra[XY_TERMS + 3], size_t *line)
-{
-    bool given[XY_TERMS + 3] = {false};
-    for (size_t i = 0; i < f->extras; i++) {
-        size_t n = f->extra[i].number;
-        *line = f->extra[i].line;
-        if (n >= XY_TERMS + 3) continue;
-        if (given[n]) tree_fail(z->s, *line, "XDAT", "a second XDAT %zu of surface %zu", n, number_of(z, f));
-        given[n] = true, extra[n] = f->extra[i].value;
-    }
-    if (!(extra[1] >= 0 && extra[1] <= XY_TERMS && extra[1] == floor(extra[1])))
-        tree_fail(z->s, *line, "XDAT", "surface %zu has %g terms (XDAT 1), which is no whole number up to %d",
-                  number_of(z, f), extra[1], XY_TERMS);
-    return (size_t)extra[1];
-}
-
-static void write_polynomial(zmx *z, const zmx_surface *f, node *map)
-{
-    double extra[XY_TERMS + 3] = {0}, table[XY_ORDER + 1][XY_ORDER + 1] = {{0}};
-    size_t line = f->line, width[XY_ORDER + 1] = {0}, rows = 0, terms = extra_numbers(z, f, extra, &line);
-    for (size_t term = 0, order = 1; term < terms; order++)
-        for (size_t j = 0; j <= order && term < terms; j++, term++) {
-            double a = extra[3 + term];
-            if (a == 0) continue;
-            double scaled = a / pow(extra[2], (double)order);
-            if (!(extra[2] > 0) || !isfinite(scaled))
-                tree_fail(z->s, line, "XDAT",
-                          "surface %zu: its terms cannot be scaled by the radius %g (XDAT 2)",
-                          number_of(z, f), extra[2]);
-            size_t i = order - j;
-            table[i][j] = scaled;
-            if (width[i] <= j) width[i] = j + 1;
-            if (rows <= i) rows = i + 1;
-        }
-    if (rows == 0) {
-        write_standard(z, f, map);
-        return;
-    }
-    write_base(z, f, map, "polynomial_xy");
-    node *list = tree_node(z->s, NODE_LIST, line);
-    for (size_t i = 0; i < rows; i++)
-        tree_append(z->s, list, tree_numbers(z->s, line, width[i] ? width[i] : 1, table[i]));
-    tree_set(z->s, map, "coefficients", list);
-}
-
-static void write_tilted(zmx *z, const zmx_surface *f, node *map)
-{
-    double slope_x = f->parm[1], slope_y = f->parm[2];
-    set_word(z, map, "type", f->line, "plane");
-    if (slope_x == 0 && slope_y == 0) return;
-    double tilt[] = {atan(slope_y / hypot(1, slope_x)) * DEGREE, 0 - atan(slope_x) * DEGREE, 0};
-    tree_set(z->s, map, "tilt", tree_numbers(z->s, f->parm_line, 3, tilt));
-    sgt_zmx_tally(z, ZMX_TILTED, f->line, "TILTSURF");
-}
-
-static void write_ideal(zmx *z, const zmx_surface *f, node *map)
-{
-    size_t line = f->parm_line ? f->parm_line : f->line;
-    if (f->parm[1] == 0)
-        tree_fail(z->s, line, "PARM", "surface %zu is PARAXIAL without a focal length", number_of(z, f));
-    set_word(z, map, "type", f->line, "ideal");
-    set_number(z, map, "focal_length", line, f->parm[1]);
-}
-
-static const zmx_type types[] = {
-    {"STANDARD", 0, true, false, write_standard},
-    {"EVENASPH", 8, true, false, write_asphere},
-    {"ODDASPHE", 8, true, false, write_asphere},
-    {"TOROIDAL", 8, true, true, write_toroidal},
-    {"BICONICX", 2, true, false, write_biconic},
-    {"XPOLYNOM", 0, true, true, write_polynomial},
-    {"TILTSURF", 2, false, false, write_tilted},
-    {"PARAXIAL", 2, false, false, write_ideal}, /* PARM 2: how paths are counted, not where rays go */
-    {"COORDBRK", 6, false, false, NULL},
-};
-
-const zmx_type *sgt_zmx_type(piece name)
-{
-    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
-        if (sgt_reader_is(name, types[i].name)) return &types[i];
-    return NULL;
-}
 
 /* Numbers that stand in the file though the type has no use for them. */
 static void tally_unused(zmx *z, const zmx_surface *f)
@@ -261,17 +58,18 @@ static void set_medium(zmx *z, node *map, const zmx_surface *f)
 {
     const zmx_glass *g = &f->glass;
     if (g->medium == ZMX_MIRROR) {
-        set_word(z, map, "mirror", g->line, "true");
+        sgt_zmx_set_word(z, map, "mirror", g->line, "true");
         return;
     }
-    if (g->medium == ZMX_AIR && number_of(z, f) > 0) set_word(z, map, "glass", f->line, "air");
-    if (g->medium == ZMX_GLASS) set_word(z, map, "glass", g->line, g->name);
-    if (g->medium == ZMX_MODEL && g->vd == 0) set_number(z, map, "index", g->line, g->nd);
+    const bool object = sgt_zmx_number_of(z, f) == 0;
+    if (g->medium == ZMX_AIR && !object) sgt_zmx_set_word(z, map, "glass", f->line, "air");
+    if (g->medium == ZMX_GLASS) sgt_zmx_set_word(z, map, "glass", g->line, g->name);
+    if (g->medium == ZMX_MODEL && g->vd == 0) sgt_zmx_set_number(z, map, "index", g->line, g->nd);
     if (g->medium == ZMX_MODEL && g->vd != 0) {
         node *model = tree_node(z->s, NODE_MAP, g->line);
-        set_number(z, model, "nd", g->line, g->nd);
-        set_number(z, model, "vd", g->line, g->vd);
-        if (g->dPgF != 0) set_number(z, model, "dPgF", g->line, g->dPgF);
+        sgt_zmx_set_number(z, model, "nd", g->line, g->nd);
+        sgt_zmx_set_number(z, model, "vd", g->line, g->vd);
+        if (g->dPgF != 0) sgt_zmx_set_number(z, model, "dPgF", g->line, g->dPgF);
         tree_set(z->s, map, "glass", model);
     }
 }
@@ -281,9 +79,9 @@ static void set_medium(zmx *z, node *map, const zmx_surface *f)
 static void set_halves(zmx *z, node *map, const zmx_aperture *a, const char *type, const char *first,
                        const char *second)
 {
-    set_word(z, map, "type", a->line, type);
-    set_number(z, map, first, a->line, a->a);
-    set_number(z, map, second, a->line, a->b);
+    sgt_zmx_set_word(z, map, "type", a->line, type);
+    sgt_zmx_set_number(z, map, first, a->line, a->a);
+    sgt_zmx_set_number(z, map, second, a->line, a->b);
 }
 
 static void set_round(zmx *z, node *map, const zmx_aperture *a)
@@ -292,8 +90,8 @@ static void set_round(zmx *z, node *map, const zmx_aperture *a)
         set_halves(z, map, a, "annulus", "inner", "outer");
         return;
     }
-    set_word(z, map, "type", a->line, "circle");
-    set_number(z, map, "radius", a->line, a->b);
+    sgt_zmx_set_word(z, map, "type", a->line, "circle");
+    sgt_zmx_set_number(z, map, "radius", a->line, a->b);
 }
 
 static void set_aperture(zmx *z, node *map, const zmx_surface *f)
@@ -310,7 +108,7 @@ static void set_aperture(zmx *z, node *map, const zmx_surface *f)
     if (floating) sgt_zmx_tally(z, ZMX_FLAP, a.line, a.key);
     bool centred = a.offset[0] == 0 && a.offset[1] == 0;
     if (round && *a.key != 'O' && a.a == 0 && centred) {
-        set_number(z, map, "semi_diameter", a.line, a.b);
+        sgt_zmx_set_number(z, map, "semi_diameter", a.line, a.b);
         return;
     }
     node *list = tree_node(z->s, NODE_LIST, a.line), *item = tree_node(z->s, NODE_MAP, a.line);
@@ -319,7 +117,7 @@ static void set_aperture(zmx *z, node *map, const zmx_surface *f)
     else
         set_halves(z, item, &a, *a.key == 'S' ? "rectangle" : "ellipse", "half_width", "half_height");
     if (!centred) tree_set(z->s, item, "offset", tree_numbers(z->s, a.line, 2, a.offset));
-    if (*a.key == 'O') set_word(z, item, "obscures", a.line, "true");
+    if (*a.key == 'O') sgt_zmx_set_word(z, item, "obscures", a.line, "true");
     tree_append(z->s, list, item);
     tree_set(z->s, map, "apertures", list);
 }
@@ -346,7 +144,7 @@ static const char *list_of_parm(const zmx_surface *f, size_t parm, size_t *i)
 {
     *i = is_coordinate_break(f) && parm > 2 ? parm - 2 : parm;
     if (is_coordinate_break(f)) return parm <= 2 ? "decenter" : parm <= 5 ? "tilt" : "";
-    return f->type->write == write_asphere ? "coefficients" : "";
+    return f->type->powers ? "coefficients" : "";
 }
 
 /* Breaks that pick each other up keep numbers that are 0. */
@@ -378,8 +176,8 @@ static node *pickup_of(zmx *z, size_t line, const char *path, double scale, doub
     node *map = tree_node(z->s, NODE_MAP, line), *word = tree_word(z->s, line, path);
     word->quoted = true;
     tree_set(z->s, map, "pickup", word);
-    if (scale != 1) set_number(z, map, "scale", line, scale);
-    if (offset != 0) set_number(z, map, "offset", line, offset);
+    if (scale != 1) sgt_zmx_set_number(z, map, "scale", line, scale);
+    if (offset != 0) sgt_zmx_set_number(z, map, "offset", line, offset);
     return map;
 }
 
@@ -427,7 +225,7 @@ static void write_expressions(zmx *z)
         node **step = f->focus_line && f->step ? key_place(f->step, "thickness") : NULL;
         if (step) {
             node *map = tree_node(z->s, NODE_MAP, f->focus_line);
-            set_word(z, map, "solve", f->focus_line, "paraxial_focus");
+            sgt_zmx_set_word(z, map, "solve", f->focus_line, "paraxial_focus");
             express(z, step, map, f->focus_line, "MAZH");
         } else if (f->focus_line) {
             sgt_zmx_tally(z, ZMX_SOLVES, f->focus_line, "MAZH");
@@ -446,53 +244,90 @@ static node *append_break(zmx *z, node *list, const zmx_break *b, double thickne
 {
     node *map = tree_node(z->s, NODE_MAP, b->line);
     z->breaks++;
-    set_word(z, map, "type", b->line, "break");
+    sgt_zmx_set_word(z, map, "type", b->line, "break");
     if (decenter || b->decenter[0] != 0 || b->decenter[1] != 0)
         tree_set(z->s, map, "decenter", tree_numbers(z->s, b->line, 2, b->decenter));
     if (tilt || b->tilt[0] != 0 || b->tilt[1] != 0 || b->tilt[2] != 0)
         tree_set(z->s, map, "tilt", tree_numbers(z->s, b->line, 3, b->tilt));
-    if (b->tilt_first) set_word(z, map, "order", b->line, "tilt_first");
-    set_number(z, map, "thickness", line, thickness);
+    if (b->tilt_first) sgt_zmx_set_word(z, map, "order", b->line, "tilt_first");
+    sgt_zmx_set_number(z, map, "thickness", line, thickness);
     map->inline_ = true;
     tree_append(z->s, list, map);
     return map;
 }
 
+/* A stop has to be a surface: the plane z = 0 of the frame behind the break, in the medium that is there. */
+static void write_stop_of_break(zmx *z, node *list, zmx_surface *f)
+{
+    node *map = tree_node(z->s, NODE_MAP, f->line);
+    sgt_zmx_set_word(z, map, "type", f->line, "plane");
+    sgt_zmx_set_number(z, map, "thickness", f->thickness_line, f->thickness);
+    sgt_zmx_set_word(z, map, "glass", f->line, "same");
+    sgt_zmx_set_word(z, map, "stop", z->stop_line, "true");
+    if (f->size > 0) sgt_zmx_set_number(z, map, "draw_to", f->size_line, f->size);
+    map->inline_ = true;
+    tree_append(z->s, list, map);
+    f->step = map, f->step_path = tree_print(z->s, "surfaces[%zu]", ++z->surfaces);
+    tree_remark(z->s, SGT_REMARK_TURNED, z->stop_line, "STOP",
+                "a plane behind the break: surface %zu is a coordinate break", z->stop);
+}
+
 static void write_break(zmx *z, node *list, zmx_surface *f)
 {
     const double *p = f->parm;
+    const bool stop = sgt_zmx_number_of(z, f) == z->stop;
     zmx_break b = {f->line, p[6] != 0, {p[1], p[2]}, {p[3], p[4], p[5]}};
-    if (number_of(z, f) == z->count - 1)
+    if (sgt_zmx_number_of(z, f) == z->count - 1)
         tree_fail(z->s, f->line, "TYPE", "the last surface is a coordinate break, and no image");
-    if (number_of(z, f) == z->stop)
-        tree_fail(z->s, z->stop_line, "STOP", "surface %zu is a coordinate break, which cannot be the stop",
-                  z->stop);
     if (f->before || f->behind)
         tree_fail(z->s, (f->before ? f->before : f->behind)->line, "SCBD",
-                  "surface %zu is a coordinate break itself", number_of(z, f));
-    f->map = f->step = append_break(z, list, &b, f->thickness, f->thickness_line, f->keeps_decenter,
-                                    f->keeps_tilt);
+                  "surface %zu is a coordinate break itself", sgt_zmx_number_of(z, f));
+    f->map = f->step = append_break(z, list, &b, stop ? 0 : f->thickness, f->thickness_line,
+                                    f->keeps_decenter, f->keeps_tilt);
     f->path = f->step_path = tree_print(z->s, "breaks[%zu]", z->breaks);
     sgt_zmx_tally(z, ZMX_BREAKS, f->line, "COORDBRK");
+    if (stop) write_stop_of_break(z, list, f);
     if (f->glass.medium != ZMX_AIR) sgt_zmx_tally(z, ZMX_BREAK_GLASS, f->glass.line, "GLAS");
     set_aperture(z, NULL, f);
     tally_unused(z, f);
 }
 
+static zmx_break *new_break(zmx *z, zmx_break b)
+{
+    zmx_break *room = tree_room(z->s, 1, sizeof *room);
+    *room = b;
+    return room;
+}
+
+/* A break in front of the surface, and behind it one that undoes it. */
+static void place_alone(zmx *z, zmx_surface *f)
+{
+    const double *p = f->parm;
+    const zmx_break there = {f->parm_line, false, {p[1], p[2]}, {p[3], p[4], 0}},
+                    back = {f->parm_line, true, {0 - p[1], 0 - p[2]}, {0 - p[3], 0 - p[4], 0}};
+    if (p[1] == 0 && p[2] == 0 && p[3] == 0 && p[4] == 0) return;
+    if (f->before || f->behind)
+        tree_fail(z->s, (f->before ? f->before : f->behind)->line, "SCBD",
+                  "surface %zu is moved by its parameters, too", sgt_zmx_number_of(z, f));
+    f->before = new_break(z, there), f->behind = new_break(z, back);
+    sgt_zmx_tally(z, ZMX_SCBD, f->parm_line, "PARM");
+}
+
 static void write_surface(zmx *z, node *list, zmx_surface *f)
 {
-    bool last = number_of(z, f) == z->count - 1, behind = f->behind && !last;
+    if (f->type->alone) place_alone(z, f);
+    bool last = sgt_zmx_number_of(z, f) == z->count - 1, behind = f->behind && !last;
     node *map = tree_node(z->s, NODE_MAP, f->line);
     if (f->before) append_break(z, list, f->before, 0, f->before->line, false, false);
     f->type->write(z, f, map);
-    if (!last) set_number(z, map, "thickness", f->thickness_line, behind ? 0 : f->thickness);
+    if (!last) sgt_zmx_set_number(z, map, "thickness", f->thickness_line, behind ? 0 : f->thickness);
     set_medium(z, map, f);
-    if (number_of(z, f) == z->stop) set_word(z, map, "stop", z->stop_line, "true");
-    bool tilted = f->type->write == write_tilted && (f->parm[1] != 0 || f->parm[2] != 0);
+    if (sgt_zmx_number_of(z, f) == z->stop) sgt_zmx_set_word(z, map, "stop", z->stop_line, "true");
+    bool tilted = f->type->aslant && (f->parm[1] != 0 || f->parm[2] != 0);
     set_aperture(z, tilted ? NULL : map, f);
     const node *rim = tree_take(map, "semi_diameter");
     double semi_diameter = rim ? tree_read_number(z->s, rim, "semi_diameter", NUMBER_FINITE) : 0;
-    if (f->size > 0 && f->size != semi_diameter) set_number(z, map, "draw_to", f->size_line, f->size);
+    if (f->size > 0 && f->size != semi_diameter) sgt_zmx_set_number(z, map, "draw_to", f->size_line, f->size);
     if (f->comment) {
         node *name = tree_word(z->s, f->comment_line, f->comment);
         name->quoted = true;
@@ -523,13 +358,17 @@ static void write_object(zmx *z, node *root)
         double distance = f->thickness;
         for (size_t i = 1; i < z->count && !z->surface[i].type->write; i++)
             distance += z->surface[i].thickness;
-        if (!(distance > 0))
-            tree_fail(z->s, f->thickness_line, "DISZ",
-                      "the object does not stand in front of the first surface");
-        set_number(z, map, "distance", f->thickness_line, distance);
+        if (!(distance >= 0))
+            tree_fail(z->s, f->thickness_line, "DISZ", "the object stands behind the first surface");
+        sgt_zmx_set_number(z, map, "distance", f->thickness_line, distance + 0);
+        if (f->type->aslant && (f->parm[1] != 0 || f->parm[2] != 0))
+            tree_set(z->s, map, "slope", tree_numbers(z->s, f->parm_line, 2, &f->parm[1]));
         if (f->curvature != 0)
             tree_remark(z->s, SGT_REMARK_LEFT_OUT, f->curvature_line, "CURV",
                         "the curvature of the object; rays start from a plane");
+    } else if (f->parm[1] != 0 || f->parm[2] != 0) {
+        tree_remark(z->s, SGT_REMARK_LEFT_OUT, f->parm_line, "PARM",
+                    "the tilt of the object, which is at infinity");
     }
     set_medium(z, map, f);
     if (z->telecentric) tree_set(z->s, map, "telecentric", tree_word(z->s, z->ftyp_line, "true"));

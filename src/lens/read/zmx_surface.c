@@ -37,7 +37,7 @@ static void read_type(zmx *z)
     if (!current(z)->type)
         tree_fail(z->s, z->lines.line, "TYPE", "surface %zu is of the type %.*s, which is not read",
                   z->count - 1, sgt_reader_width(name), name.begin);
-    if (z->count == 1 && !sgt_reader_is(name, "STANDARD"))
+    if (z->count == 1 && !sgt_reader_is(name, "STANDARD") && !sgt_reader_is(name, "TILTSURF"))
         tree_fail(z->s, z->lines.line, "TYPE",
                   "surface 0, the object, is of the type %.*s, which is not read", sgt_reader_width(name),
                   name.begin);
@@ -157,6 +157,40 @@ static void read_parm(zmx *z)
     f->parm[i] = x + 0, f->parm_line = z->lines.line; /* -0 becomes 0 */
 }
 
+/* GDAT columns rows step_x step_y x y: where the middle of the grid is. */
+static void read_grid(zmx *z)
+{
+    enum { FEWEST = 4, MOST = 4096 };
+    zmx_grid *g = &current(z)->grid;
+    g->line = z->lines.line;
+    g->columns = sgt_zmx_whole(z), g->rows = sgt_zmx_whole(z);
+    for (int i = 0; i < 2; i++) g->step[i] = sgt_zmx_number(z);
+    if (g->columns < FEWEST || g->columns > MOST || g->rows < FEWEST || g->rows > MOST)
+        tree_fail(z->s, g->line, "GDAT", "a grid of %zu x %zu is not between %d x %d and %d x %d", g->columns,
+                  g->rows, (int)FEWEST, (int)FEWEST, (int)MOST, (int)MOST);
+    if (!(g->step[0] > 0 && g->step[1] > 0))
+        tree_fail(z->s, g->line, "GDAT", "steps of %g and %g; both must be above 0", g->step[0], g->step[1]);
+    if (sgt_zmx_number_or(z, 0) != 0 || sgt_zmx_number_or(z, 0) != 0)
+        tree_fail(z->s, g->line, "GDAT", "surface %zu: a grid beside the vertex is not read", z->count - 1);
+}
+
+/* GARR i height slopes ... hole: in their order. */
+static void read_height(zmx *z)
+{
+    zmx_grid *g = &current(z)->grid;
+    const size_t i = sgt_zmx_whole(z);
+    const double height = sgt_zmx_number(z);
+    if (!g->line || i != g->count || i >= g->columns * g->rows)
+        tree_fail(z->s, z->lines.line, "GARR",
+                  "height %zu is where height %zu should be, of %zu x %zu (GDAT)", i, g->count, g->columns,
+                  g->rows);
+    for (int k = 0; k < 3; k++) sgt_zmx_number_or(z, 0);
+    if (sgt_zmx_number_or(z, 0) != 0)
+        tree_fail(z->s, z->lines.line, "GARR", "a grid with a hole (height %zu) is not read", i);
+    g->height = tree_grow(z->s, g->height, g->count, &g->room, sizeof *g->height);
+    g->height[g->count++] = height;
+}
+
 /* Where the name of a glass ends: before a status, 0 ... 9, and another number or the end of the line.  So
  * a name may have blanks in it. */
 static piece glass_name(zmx *z)
@@ -263,6 +297,8 @@ static const zmx_record surface_rows[] = {
     {"PARM", ZMX_MANY, read_parm, 0},
     {"GLAS", ZMX_ONCE, read_glass, 0},
     {"CONI", ZMX_ONCE, read_conic, 0},
+    {"GARR", ZMX_MANY, read_height, 0},
+    {"GDAT", ZMX_ONCE, read_grid, 0},
     {"XDAT", ZMX_MANY, read_extra, 0},
     {"COMM", ZMX_LOOSE, read_comment, 0},
     {"STOP", ZMX_ONCE, read_stop, 0},

@@ -6,8 +6,10 @@
  * marginal ray at the object, FLOA says that the stop's DIAM, a semi-diameter, defines the pupil.
  *
  * FIELDS.  FTYP says how many fields and wavelengths are in use: the lists behind their keywords are often
- * longer.  Angles are those whose tangents are the slopes of the chief ray.  (OpticStudio's help, System
- * Explorer: Aperture, Fields, Wavelengths.) */
+ * longer.  Where those of the fields are shorter, the fields that they have are read: some versions list no
+ * more than twelve.  Angles are those whose tangents are the slopes of the chief ray; of 90 degrees there is
+ * no tangent, and the others are read without that field.  (OpticStudio's help, System Explorer: Aperture,
+ * Fields, Wavelengths.) */
 #include "zmx.h"
 
 #include <math.h>
@@ -345,32 +347,69 @@ static void write_pupil(zmx *z, node *root)
 
 static double value_or_0(const zmx_list *list, size_t i) { return i < list->count ? list->value[i] : 0; }
 
-_Noreturn static void refuse_angle(zmx *z, const zmx_list *list, size_t field)
+/* The fields that are read, by their places in the lists. */
+typedef struct used_fields {
+    const zmx_list *x, *y;
+    size_t *place, count;
+} used_fields;
+
+/* How many of `wanted` fields the lists have.  A list that is there may lack some that the other has. */
+static size_t listed_fields(zmx *z, const used_fields *u, size_t wanted)
 {
-    tree_fail(z->s, list->line, key_of_list((size_t)(list - z->list)),
-              "field %zu is an angle of %g degrees; it must be less than 90", field + 1, list->value[field]);
+    const zmx_list *more = u->x->count > u->y->count ? u->x : u->y, *less = more == u->x ? u->y : u->x;
+    const size_t count = wanted < more->count ? wanted : more->count;
+    if (wanted != SIZE_MAX && count < wanted)
+        tree_remark(z->s, SGT_REMARK_LEFT_OUT, more->line ? more->line : z->ftyp_line,
+                    more->line ? key_of_list((size_t)(more - z->list)) : "FTYP",
+                    "%zu of the %zu fields in use: they are not in the file", wanted - count, wanted);
+    if (less->line && less->count < count)
+        tree_remark(z->s, SGT_REMARK_TURNED, less->line, key_of_list((size_t)(less - z->list)),
+                    "0 where it lacks a number: it has %zu for %zu fields", less->count, count);
+    return count;
+}
+
+static used_fields choose_fields(zmx *z)
+{
+    used_fields u = {.x = either(z, ZMX_XFLN, ZMX_XFLD), .y = either(z, ZMX_YFLN, ZMX_YFLD)};
+    const size_t listed = listed_fields(z, &u, z->fields);
+    u.place = tree_room(z->s, listed ? listed : 1, sizeof *u.place);
+    for (size_t i = 0; i < listed; i++) {
+        const double a = value_or_0(u.x, i), b = value_or_0(u.y, i);
+        const bool tall = fabs(a) < 90;
+        const zmx_list *list = tall ? u.y : u.x;
+        if (z->field_type != 0 || (tall && fabs(b) < 90)) u.place[u.count++] = i;
+        else
+            tree_remark(z->s, SGT_REMARK_LEFT_OUT, list->line, key_of_list((size_t)(list - z->list)),
+                        "field %zu, an angle of %g degrees: it must be less than 90", i + 1, tall ? b : a);
+    }
+    if (u.count == 0 && (listed || (z->fields != 0 && z->fields != SIZE_MAX)))
+        tree_remark(z->s, SGT_REMARK_NOTE, z->ftyp_line, "FTYP",
+                    "no field is left; one on the axis is taken");
+    return u;
 }
 
 /* Factors of VDXN and its kin, one map a field; those of other pupils (ZVDX ...) are left out. */
-static void write_vignetting(zmx *z, node *root, size_t fields)
+static void write_vignetting(zmx *z, node *root, const used_fields *u)
 {
     static const char *const keys[] = {"dx", "dy", "cx", "cy", "angle"};
     enum { KEYS = sizeof keys / sizeof keys[0] };
     size_t line = 0;
     for (size_t which = ZMX_VIGNETTING; which < ZMX_LISTS; which++)
-        for (size_t i = 0; i < fields && i < z->list[which].count; i++)
-            if (z->list[which].value[i] != 0 && which < ZMX_VIGNETTING + KEYS) line = z->list[which].line;
-            else if (z->list[which].value[i] != 0) {
+        for (size_t i = 0; i < u->count; i++) {
+            if (value_or_0(&z->list[which], u->place[i]) == 0) continue;
+            if (which < ZMX_VIGNETTING + KEYS) line = z->list[which].line;
+            else {
                 sgt_zmx_tally(z, ZMX_VIGNETTED, z->list[which].line, key_of_list(which));
                 break;
             }
+        }
     if (!line) return;
     node *list = tree_node(z->s, NODE_LIST, line);
-    for (size_t i = 0; i < fields; i++) {
+    for (size_t i = 0; i < u->count; i++) {
         node *map = tree_node(z->s, NODE_MAP, line);
         map->inline_ = true;
         for (size_t k = 0; k < KEYS; k++) {
-            double factor = value_or_0(&z->list[ZMX_VIGNETTING + k], i);
+            double factor = value_or_0(&z->list[ZMX_VIGNETTING + k], u->place[i]);
             if (factor != 0) tree_set(z->s, map, keys[k], tree_number(z->s, line, factor));
         }
         tree_append(z->s, list, map);
@@ -378,31 +417,38 @@ static void write_vignetting(zmx *z, node *root, size_t fields)
     tree_set(z->s, root, "vignetting", list);
 }
 
+/* A weight that is missing is 1. */
+static void write_field_weights(zmx *z, node *root, const used_fields *u)
+{
+    const zmx_list *weight = either(z, ZMX_FWGN, ZMX_FWGT);
+    double *own = tree_room(z->s, u->count, sizeof *own);
+    for (size_t i = 0; i < u->count; i++)
+        own[i] = u->place[i] < weight->count ? weight->value[u->place[i]] : 1;
+    if (weight->line && weight->count <= u->place[u->count - 1])
+        tree_remark(z->s, SGT_REMARK_TURNED, weight->line, key_of_list((size_t)(weight - z->list)),
+                    "1 where it lacks a number: it has %zu", weight->count);
+    write_weights(z, root, "field_weights", &(zmx_list){own, u->count, u->count, weight->line}, u->count);
+}
+
 static void write_fields(zmx *z, node *root)
 {
     static const char *const types[] = {NULL, "object_height", "paraxial_image_height", "real_image_height"};
-    const zmx_list *x = either(z, ZMX_XFLN, ZMX_XFLD), *y = either(z, ZMX_YFLN, ZMX_YFLD);
-    size_t count = z->fields, line = y->line ? y->line : x->line;
-    if (count == SIZE_MAX) count = x->count > y->count ? x->count : y->count;
+    const used_fields u = choose_fields(z);
+    const size_t line = u.y->line ? u.y->line : u.x->line;
     bool plane = true;
-    require_count(z, x, count), require_count(z, y, count);
-    if (count && !line)
-        tree_fail(z->s, z->ftyp_line, "FTYP", "%zu fields are in use, but there is none", count);
-    for (size_t i = 0; i < count; i++) {
-        double a = value_or_0(x, i), b = value_or_0(y, i);
-        plane = plane && a == 0;
-        if (z->field_type == 0 && !(fabs(a) < 90 && fabs(b) < 90)) refuse_angle(z, fabs(a) < 90 ? y : x, i);
-    }
+    for (size_t i = 0; i < u.count; i++) plane = plane && value_or_0(u.x, u.place[i]) == 0;
     if (z->field_type)
         tree_set(z->s, root, "field_type", tree_word(z->s, z->ftyp_line, types[z->field_type]));
-    if (!count) return;
-    node *list = plane && y->count >= count ? tree_numbers(z->s, line, count, y->value)
-                                            : tree_node(z->s, NODE_LIST, line);
-    for (size_t i = list->count; i < count; i++)
-        tree_append(z->s, list, tree_numbers(z->s, line, 2, (double[]){value_or_0(x, i), value_or_0(y, i)}));
+    if (!u.count) return;
+    node *list = tree_node(z->s, NODE_LIST, line);
+    list->inline_ = plane;
+    for (size_t i = 0; i < u.count; i++) {
+        const double at[2] = {value_or_0(u.x, u.place[i]), value_or_0(u.y, u.place[i])};
+        tree_append(z->s, list, plane ? tree_number(z->s, line, at[1]) : tree_numbers(z->s, line, 2, at));
+    }
     tree_set(z->s, root, "fields", list);
-    write_weights(z, root, "field_weights", either(z, ZMX_FWGN, ZMX_FWGT), count);
-    write_vignetting(z, root, count);
+    write_field_weights(z, root, &u);
+    write_vignetting(z, root, &u);
 }
 
 void sgt_zmx_write_system(zmx *z, node *root)

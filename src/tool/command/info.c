@@ -184,8 +184,12 @@ static void say_lens(table *t, const sgt_lens *l, const sgt_first_order *o)
                                         [SGT_FIELD_OBJECT_HEIGHT] = "by object height",
                                         [SGT_FIELD_PARAXIAL_IMAGE_HEIGHT] = "by paraxial image height",
                                         [SGT_FIELD_REAL_IMAGE_HEIGHT] = "by real image height"};
-    char object[60] = "infinity";
-    if (isfinite(l->object_distance))
+    char object[100] = "infinity";
+    const sgt_vec2 tilt = l->object_slope;
+    if (isfinite(l->object_distance) && (tilt.x != 0 || tilt.y != 0))
+        snprintf(object, sizeof object, "%.9g in front of the first surface, tilted by slopes %.6g, %.6g",
+                 l->object_distance, tilt.x, tilt.y);
+    else if (isfinite(l->object_distance))
         snprintf(object, sizeof object, "%.9g in front of the first surface", l->object_distance);
     table_line(t, "%s%s%zu surface%s, stop: surface %zu%s.  Unit of length: %.20s.", l->name,
                *l->name ? ": " : "", l->count, l->count == 1 ? "" : "s", l->stop + 1,

@@ -113,7 +113,7 @@ static const char trace_all[] =
     "\n"
     "A lens file is YAML.  docs/lens_file.md has every key, examples/lenses has complete files.\n"
     "  file:     name, units, wavelengths: [micrometres], makers: [of glasses],\n"
-    "            object: {distance, index or glass}, pupil: {semi_diameter, distance},\n"
+    "            object: {distance, slope, index or glass}, pupil: {semi_diameter, distance},\n"
     "            fields: [degrees], surfaces: [...]\n"
     "  surface:  type, radius or curvature, conic, coefficients, semi_diameter,\n"
     "            thickness (to the next vertex), index or glass (of the medium behind it),\n"

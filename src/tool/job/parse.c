@@ -31,7 +31,9 @@ static void take_version(void *into, const option_row *row, const char *value)
 static const option_row help_rows[] = {
     {"quiet", NULL, "print no remarks on a lens file, or how it was read; or -q", OPTION_TAKE,
      .take = take_quiet},
-    {"help", NULL, "the first things to know; or -h.  --help all: this text", .kind = OPTION_FLAG},
+    {"help", NULL,
+     "the first things to know; or -h.  --help all: this text\n"
+     "--help options: the options as a table, for programs", .kind = OPTION_FLAG},
     {"version", NULL, "the version of sagitta", OPTION_TAKE, .take = take_version},
     {0},
 };
@@ -91,7 +93,8 @@ static void print_option(const option_row *r, bool all)
     if (!all && first >= sizeof line)
         for (first = sizeof line - 5, dots = " ..."; first > 0 && r->help[first] != ' ';) first--;
     const int n = printf("  --%s%s%s", r->name, r->value ? " " : "", r->value ? r->value : "");
-    printf("%*s", n < INDENT ? INDENT - n : 1, "");
+    if (n >= INDENT) printf("\n%*s", INDENT, "");
+    else printf("%*s", INDENT - n, "");
     if (!all) {
         printf("%.*s%s\n", (int)first, r->help, dots);
         return;
@@ -130,12 +133,25 @@ static void print_all(const command *c)
                                                       "  3  bad input, or output that cannot be written\n");
 }
 
+/* For programs: name, value, its words, help, with tabs between; "-": none. */
+static void print_table(const command *c)
+{
+    for (size_t i = 0;; i++) {
+        const option_group *g = group_at(c, i);
+        for (const option_row *r = g->row; r->name && !g->hidden; r++)
+            if (r->kind != OPTION_REFUSED)
+                printf("--%s\t%s\t%s\t%.*s\n", r->name, r->value ? r->value : "-", r->words ? r->words : "-",
+                       (int)strcspn(r->help, "\n"), r->help);
+        if (g == &help_group) print_and_end("%s", "");
+    }
+}
+
 _Noreturn static void print_help(const command *c, bool all)
 {
     printf("sagitta %s %s\n\n", c->name, c->usage);
     command_print_words(c->what, 0);
     if (all) {
-        printf("\n%s", c->all ? c->all : "");
+        if (c->all || c->print_all) printf("\n%s", c->all ? c->all : "");
         if (c->print_all) c->print_all(c->context);
         print_all(c);
     } else {
@@ -247,7 +263,9 @@ unsigned command_read(const command *c, void *own, void *job, void *shared, int 
         take_row(row[i].row, into[row[i].of], optarg);
         given |= 1u << row[i].of;
     }
-    if (help) print_help(c, optind < argc && strcmp(argv[optind], "all") == 0);
+    const char *how = optind < argc ? argv[optind] : "";
+    if (help && strcmp(how, "options") == 0) print_table(c);
+    if (help) print_help(c, strcmp(how, "all") == 0);
     return given;
 }
 
