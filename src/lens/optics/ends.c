@@ -11,9 +11,9 @@
  * so the angle between both rays is at most the sum of both over L.  L is FAR times the lens, and the plane's
  * own rounding is of the order of u.
  *
- * AIMED RAYS by a fitted map (aim_map.c) are traced through the whole lens at once.  Their hits at the stop tell
- * which of them meet their points there; the others are aimed one by one, and traced again.  That is so where
- * the trace asks for the roots that aiming asks for: near the seed, to rounding, without proofs.
+ * AIMED RAYS by a fitted map (aim_map.c) are traced through the whole lens at once.  Their hits at the stop
+ * tell which of them meet their points there; the others are aimed one by one, and traced again.  That is so
+ * where the trace asks for the roots that aiming asks for: near the seed, to rounding, without proofs.
  *
  * MANY RAYS go side by side, some hundred at a time, through the loops of sgt_trace_batch and
  * sgt_trace_error_batch, whose numbers are those of one ray to the bit.  One by one is the chief ray alone,
