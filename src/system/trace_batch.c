@@ -834,8 +834,8 @@ static void tell_passed(const bundle_work *job, tile *w)
     if (job->path) tell_all(w, out->opl, w->now.path->hi);
     memset(w->status, SGT_PASSED, w->n);
     tell_statuses(w, out->fate, w->status);
-    for (size_t i = 0; out->passed && i < w->n; i++)
-        out->passed[w->first + (size_t)w->index[i]] = (int)job->elements;
+    for (size_t i = 0; out->passed && i < w->n; i++) w->evals[i] = (int)job->elements;
+    tell_counts(w, out->passed, w->evals);
 }
 
 /* Is nothing asked for that a later version may have? */
