@@ -21,6 +21,7 @@
  * determinants at the nodes are all within TAME times each other.  Nodes are a fifth of the radius apart; a
  * fold between them, with none at any of them, has not been seen, and is not ruled out. */
 #include "aim.h"
+#include "widths.h"
 
 static double power(double x, int n) { return n > 0 ? x * power(x, n - 1) : 1; }
 
@@ -59,45 +60,6 @@ void sgt_aim_nodes_set(sgt_aim_nodes *out)
             a[t][i] /= r[t][t];
         }
 }
-
-/* Both polynomials at some points, PARTS registers of each width (fitted.h): the same bits. */
-enum { PARTS = 4, AIM_FEW_MOST = 8 * PARTS };
-#if defined(__GNUC__) && !defined(__clang__)
-#define WRITTEN_OUT _Pragma("GCC unroll 16")
-#else
-#define WRITTEN_OUT
-#endif
-typedef void few_fitted(const sgt_aim_map *of, const double x[], const double y[], double u[], double v[]);
-
-#define RAYS 2
-#define FITTED(name) name##_by_2
-#define WITH
-#include "fitted.h"
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define RAYS 4
-#define FITTED(name) name##_by_4
-#define WITH __attribute__((target("avx2")))
-#include "fitted.h"
-
-#define RAYS 8
-#define FITTED(name) name##_by_8
-#define WITH __attribute__((target("avx512f")))
-#include "fitted.h"
-
-static few_fitted *widest(size_t *count)
-{
-    const bool eight = __builtin_cpu_supports("avx512f"), four = __builtin_cpu_supports("avx2");
-    *count = PARTS * (eight ? 8 : four ? 4 : 2);
-    return eight ? few_by_8 : four ? few_by_4 : few_by_2;
-}
-#else
-static few_fitted *widest(size_t *count)
-{
-    *count = PARTS * 2;
-    return few_by_2;
-}
-#endif
 
 /* Is u odd in x, and v even?  So it is where the lens and the field have the plane x = 0 as a mirror.  What
  * rounding leaves of the other coefficients is then left out: that changes the way to a ray, not the ray. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/* fitted.h - both polynomials of a fitted map at PARTS registers of points.  aim_map.c includes it for each
+/* fitted.h - both polynomials of a fitted map at PARTS registers of points.  widths.h includes it for each
  * width of register.
  *
  *     RAYS           points to a register
