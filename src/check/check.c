@@ -167,15 +167,16 @@ static double noise_at(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double 
     return own > floor ? own : floor;
 }
 
-/* dF/dx_i by differences, with steps from `longest` down.  *doubt is infinite if there is nothing to
- * compare with.  *kink: how far the one-sided differences disagree.  *bend: how the surface's own gradient
- * varies along i. */
-static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i, double longest,
-                         double *doubt, double *kink, sgt_vec3 *bend)
+/* dF/dx_i by differences.  doubt: infinite if there is nothing to compare with.  kink: how far the one-sided
+ * differences disagree.  bend: how the surface's own gradient varies along i. */
+typedef struct compared { double slope, doubt, kink; sgt_vec3 bend; } compared;
+
+/* With steps from `longest` down. */
+static compared difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i, double longest)
 {
-    double best = 0, before = (double)NAN, x = *component(&p, i), h = longest;
+    compared best = {.doubt = HUGE_VAL, .kink = HUGE_VAL};
+    double before = (double)NAN, x = *component(&p, i), h = longest;
     double big = check_greatest(p), noise = noise_at(c, p, f, n, longest), noise_before = (double)NAN;
-    *doubt = *kink = HUGE_VAL, *bend = (sgt_vec3){0};
     for (int level = 0; level < LEVELS && h > 0x1p-42 * maximum_number(big, longest); level++, h *= 0.125) {
         sgt_vec3 right = p, left = p, nr = {0}, nl = {0};
         *component(&right, i) = x + h, *component(&left, i) = x - h;
@@ -186,11 +187,11 @@ static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i
         double slope = (fr - fl) / width, own = maximum_number(noise, beside) * 2 / width;
         double now = fabs(slope - before) + own + noise_before;
         /* a finer structure than the steps before showed */
-        if (fabs(slope - best) > 4 * (*doubt + own)) *doubt = HUGE_VAL;
-        if (now < *doubt) { /* false for NaN */
-            best = slope, *doubt = now;
-            *kink = fabs((fr - f) / ahead - (f - fl) / behind);
-            *bend = (sgt_vec3){(nr.x - nl.x) / width, (nr.y - nl.y) / width, (nr.z - nl.z) / width};
+        if (fabs(slope - best.slope) > 4 * (best.doubt + own)) best.doubt = HUGE_VAL;
+        if (now < best.doubt) { /* false for NaN */
+            best.slope = slope, best.doubt = now;
+            best.kink = fabs((fr - f) / ahead - (f - fl) / behind);
+            best.bend = (sgt_vec3){(nr.x - nl.x) / width, (nr.y - nl.y) / width, (nr.z - nl.z) / width};
         }
         before = slope, noise_before = own;
     }
@@ -200,21 +201,21 @@ static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i
 /* Do steps from `longest` down show the gradient at p to be wrong? */
 static bool is_wrong(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double longest)
 {
-    double d[3], doubt[3], kink[3], size = 0;
-    sgt_vec3 bend[3];
+    compared d[3];
+    double size = 0;
     for (int i = 0; i < 3; i++) {
-        d[i] = difference(c, p, f, n, i, longest, &doubt[i], &kink[i], &bend[i]);
+        d[i] = difference(c, p, f, n, i, longest);
         double own = fabs(*component(&n, i));
-        if (doubt[i] < HUGE_VAL) size = maximum_number(size, fabs(d[i]));
+        if (d[i].doubt < HUGE_VAL) size = maximum_number(size, fabs(d[i].slope));
         if (own < HUGE_VAL) size = maximum_number(size, own);
     }
     for (int i = 0; i < 3; i++) {
         double own = *component(&n, i), slack = 0;
-        if (isnan(own) || !(doubt[i] <= 0x1p-16 * size) || !(kink[i] <= 0x1p-6 * size)) continue;
+        if (isnan(own) || !(d[i].doubt <= 0x1p-16 * size) || !(d[i].kink <= 0x1p-6 * size)) continue;
         if (isinf(own)) return true;
-        for (int j = 0; j < 3; j++) slack += 0x1p-49 * fabs(*component(&p, j) * *component(&bend[j], i));
+        for (int j = 0; j < 3; j++) slack += 0x1p-49 * fabs(*component(&p, j) * *component(&d[j].bend, i));
         if (isnan(slack)) continue;
-        if (!(fabs(own - d[i]) <= 8 * doubt[i] + 4 * slack + 0x1p-26 * size)) return true;
+        if (!(fabs(own - d[i].slope) <= 8 * d[i].doubt + 4 * slack + 0x1p-26 * size)) return true;
     }
     return false;
 }

@@ -130,29 +130,23 @@ template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, d
     if (ray.tmin > c.hi || tmax < c.lo) return none;
 
     double in = c.in, out = c.out, depth = c.depth, middle = c.middle;
-    if (!(in <= out && depth > 0)) { // look for the lowest point: Newton on the slope
-        double scale = 0.5 * (c.hi - c.lo), low = c.lo, high = c.hi;
-        bool inside = false;
-        for (int i = 0; i < 12 && !inside; i++) {
-            reading r = read(middle);
+    if (!(in <= out && depth > 0)) { // look for the lowest point, the root of the slope
+        double by = 0x1p-11 * (c.hi - c.lo);
+        sgt_options few = {};
+        few.max_evals = 12;
+        sgt_root low = sgt_root_begin({c.lo, c.hi, middle, true}, &few);
+        for (;;) {
+            reading r = read(low.t);
             if (!(r.g_err < infinity)) return span_of(c);
-            inside = r.g < -4 * r.g_err;
             depth = 0.5 * (-r.g - 4 * r.g_err);
-            if (inside) break;
-            double rest = std::fmax(middle - c.lo, c.hi - middle),
+            if (depth > 0) break;
+            double rest = std::fmax(low.t - c.lo, c.hi - low.t),
                    fall = std::fabs(r.slope) + r.slope_err; // g is above its tangent, less the bend
             if (r.g - r.g_err - fall * rest - 0.5 * bend * rest * rest > 0) return none;
-            if (r.slope > 0) high = middle;
-            else low = middle;
-            double least = std::fmax(scale * 0x1p-40, 0x1p-50 * std::fabs(middle)), next = 0.5 * (low + high);
-            reading beside = read(middle + scale * 0x1p-10);
-            double newton = middle - r.slope * scale * 0x1p-10 / (beside.slope - r.slope);
-            if (newton > low && newton < high) next = newton;
-            if (!(std::fabs(next - middle) > least)) break;
-            middle = next;
+            low.g_err = r.slope_err;
+            if (!sgt_root_next(&low, r.slope, (read(low.t + by).slope - r.slope) / by)) return span_of(c);
         }
-        if (!inside) return span_of(c);
-        in = out = middle;
+        in = out = middle = low.t;
     }
 
     double far = std::fabs(ray.o.x) + std::fabs(ray.o.y) + std::fabs(ray.o.z), along = length(ray.d);

@@ -52,21 +52,20 @@ sgt_objection object(const sgt_level_gravity &s)
     return {nullptr, nullptr};
 }
 
-// The radius of the level U on the equator or the axis, to rounding: Newton on GM / U in two to four steps.
-// There is nothing to guard: GM / U is nearly r.  sgt_root_next, which proves the root besides, needs 5.4
-// evaluations where this needs 2.5 (means of 2002 radii, -100 km to 10000 km).
+// The radius of the level U on the equator or the axis, to rounding.  GM / U is nearly r, and Newton's step
+// from where it is right to 1e-8 leaves 1e-16.
 double radius_of(double U, bool axis)
 {
     const NormalGravity &field = NormalGravity::WGS84();
-    double r = field.MassConstant() / U, gx, gy, gz;
-    for (int i = 0; i < 5; i++) {
-        double here = axis ? field.U(0, 0, r, gx, gy, gz) : field.U(r, 0, 0, gx, gy, gz),
-               slope = axis ? gz : gx;
-        double step = (1 - here / U) * here / slope;
-        r += step;
-        if (!(std::fabs(step) > 1e-7 * r)) break; // the next step would be 1e-14 of r
-    }
-    return r;
+    double G = field.MassConstant() / U, gx, gy, gz, here, slope;
+    sgt_options near = {};
+    near.f_tol = 1e-8 * G;
+    sgt_root r = sgt_root_begin({0.5 * G, 2 * G, G, true}, &near);
+    do {
+        double own = axis ? field.U(0, 0, r.t, gx, gy, gz) : field.U(r.t, 0, 0, gx, gy, gz);
+        here = field.MassConstant() / own, slope = -here / own * (axis ? gz : gx);
+    } while (sgt_root_next(&r, here - G, slope));
+    return r.t - (here - G) / slope;
 }
 
 struct level {

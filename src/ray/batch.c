@@ -7,7 +7,7 @@
  * - rays that the quick form cannot answer;
  * - rays that are not valid.
  *
- * Hard rays go one by one through sgt_intersect.
+ * Hard rays go one by one through sgt_intersect.  So does a ray alone, at once: lanes would cost more.
  *
  * Under SGT_PROVE_FIRST near the seed, a ray that was met may have another root (not_unique).  If it
  * certainly has, it is made UNPROVEN at once.  If it may have, it is hard. */
@@ -86,6 +86,15 @@ static sgt_hits hits_from(const sgt_hits *h, size_t i)
                       .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)}};
 }
 
+/* n rays of the tile, from the i-th on. */
+static sgt_tile tile_part(const sgt_tile *tile, size_t i, size_t n)
+{
+    sgt_tile part = *tile;
+    part.n = n, part.t_tol += i, part.hits = hits_from(&tile->hits, i), part.rays = rays_from(&tile->rays, i);
+    part.rays.tmin = tile->rays.tmin + i, part.rays.tmax = tile->rays.tmax + i;
+    return part;
+}
+
 /* Runs of rays with a single span go through the quick form in lanes.  Returns how many rays of the tile are
  * then hard. */
 static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options *opt, size_t hard)
@@ -94,13 +103,7 @@ static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options
         n = 1;
         if (tile->hits.status[i] != SGT_SINGLE) continue;
         while (i + n < tile->n && tile->hits.status[i + n] == SGT_SINGLE) n++;
-        sgt_tile run = {.n = n,
-                        .t_tol = tile->t_tol + i,
-                        .hits = hits_from(&tile->hits, i),
-                        .rays = rays_from(&tile->rays, i),
-                        .memo = tile->memo,
-                        .slopes = tile->slopes};
-        run.rays.tmin = tile->rays.tmin + i, run.rays.tmax = tile->rays.tmax + i;
+        sgt_tile run = tile_part(tile, i, n);
         hard -= n - sgt_lanes_general(s, &run, opt);
     }
     return hard;
@@ -111,17 +114,6 @@ static size_t by_cells_in_lanes(sgt_surface s, const sgt_tile *tile, const sgt_o
 {
     size_t hard = sgt_cells_tile(s, tile, opt);
     return hard ? single_runs(s, tile, opt, hard) : 0;
-}
-
-/* Writes what is known of n rays of a block. */
-static void put_hits(const sgt_hits *out, size_t from, size_t n, const sgt_hits *of)
-{
-    for (size_t i = 0; i < n; i++) {
-        sgt_hit hit = {.status = of->status[i], .evals = of->evals[i], .t = of->t[i], .t_err = of->t_err[i],
-                       .t_lo = of->t_lo[i], .p = {of->p[0][i], of->p[1][i], of->p[2][i]},
-                       .n = {of->n[0][i], of->n[1][i], of->n[2][i]}, .p_err = of->p_err[i]};
-        put_hit(out, from + i, &hit);
-    }
 }
 
 /* Estimates that are proven without enclosures.  Returns how many rays are left SGT_HARD. */
@@ -136,11 +128,9 @@ static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, const sgt_option
     s.ops->own_->share(s.self, &shared);
     for (size_t from = 0, n; from < tile->n; from += n) {
         size_t most = tile->n - from < SGT_QUICK ? tile->n - from : SGT_QUICK;
-        sgt_tile part = {.rays = rays_from(&tile->rays, from), .t_tol = tile->t_tol + from,
-                         .memo = tile->memo,
-                         .hits = {.status = status, .evals = evals, .t = x[0], .t_err = x[1], .t_lo = x[2],
-                                  .p = {x[3], x[4], x[5]}, .n = {x[6], x[7], x[8]}, .p_err = x[9]}};
-        part.rays.tmin = tile->rays.tmin + from, part.rays.tmax = tile->rays.tmax + from;
+        sgt_tile part = tile_part(tile, from, most);
+        part.hits = (sgt_hits){.status = status, .evals = evals, .t = x[0], .t_err = x[1], .t_lo = x[2],
+                               .p = {x[3], x[4], x[5]}, .n = {x[6], x[7], x[8]}, .p_err = x[9]};
         for (n = 0; n < most; n++) { /* the surface is not given a ray that is not valid */
             sgt_ray ray = ray_of(&part.rays, n);
             if (!ray_valid(&ray)) break;
@@ -148,7 +138,12 @@ static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, const sgt_option
         part.n = n;
         if (n > 0 && sgt_lanes_general(s, &part, &estimate) < n) {
             hard += sgt_quick_prove(s, &shared, &part, opt);
-            put_hits(&tile->hits, from, n, &part.hits);
+            for (size_t i = 0; i < n; i++) {
+                sgt_hit hit = {.status = status[i], .evals = evals[i], .t = x[0][i], .t_err = x[1][i],
+                               .t_lo = x[2][i], .p = {x[3][i], x[4][i], x[5][i]},
+                               .n = {x[6][i], x[7][i], x[8][i]}, .p_err = x[9][i]};
+                put_hit(&tile->hits, from + i, &hit);
+            }
             continue;
         }
         n = n > 0 ? n : 1;
@@ -200,6 +195,14 @@ int sgt_watch_numbered(void *data, const sgt_step *step)
     return n->watch(n->data, &own);
 }
 
+static size_t one_alone(sgt_surface s, const sgt_rays *rays, const sgt_hits *hits, const sgt_options *opt)
+{
+    sgt_ray ray = ray_of(rays, 0);
+    sgt_hit hit = sgt_intersect_copy(s, &ray, opt);
+    put_hit(hits, 0, &hit);
+    return hit.status > 0;
+}
+
 static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sgt_hits *hits,
                          const sgt_options *opt)
 {
@@ -221,13 +224,10 @@ static void given_ends(size_t n, const double given[], double tmax[])
     for (size_t i = 0; i < n; i++) tmax[i] = given_end(given[i]);
 }
 
-size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt)
+/* The large frame and the addresses of the arrays are not set up for a ray alone. */
+SGT_NOINLINE static size_t by_tiles(sgt_surface s, size_t n, const sgt_rays *rays, const sgt_hits *hits,
+                                    const sgt_options *opt)
 {
-    static const sgt_options none = {0};
-    s = in_set(s);
-    if (!opt) opt = &none;
-    if (!ROOM_IS_ZERO(&hits)) opt = &sgt_options_invalid;
-    if (opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
     sgt_status status[SGT_MOST_TILE];
     double tmin[SGT_MOST_TILE], tmax[SGT_MOST_TILE], t_tol[SGT_MOST_TILE];
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
@@ -239,13 +239,24 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     known.begun = false;
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += most) {
-        sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),
-                         .rays = rays_from(&rays, i), .memo = &known};
-        tile.rays.tmin = rays.tmin ? rays.tmin + i : tmin, tile.rays.tmax = tmax;
-        if (rays.tmax) given_ends(tile.n, rays.tmax + i, tmax);
+        sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(hits, i),
+                         .rays = rays_from(rays, i), .memo = &known};
+        tile.rays.tmin = rays->tmin ? rays->tmin + i : tmin, tile.rays.tmax = tmax;
+        if (rays->tmax) given_ends(tile.n, rays->tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;
         met += proofs ? hard_met(s, &tile, opt, quick_proofs(s, &tile, opt))
                       : tile_met(s, &tile, opt);
     }
     return met;
+}
+
+size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt)
+{
+    static const sgt_options none = {0};
+    if (!opt) opt = &none;
+    if (!ROOM_IS_ZERO(&hits)) opt = &sgt_options_invalid;
+    if (n == 1) return one_alone(s, &rays, &hits, opt);
+    s = in_set(s);
+    if (opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
+    return by_tiles(s, n, &rays, &hits, opt);
 }

@@ -194,20 +194,6 @@ static void leave_hard(cell_search *j, size_t i, double evals)
     j->hard++;
 }
 
-static void values_of(const cell_search *j, size_t n, sgt_points p, sgt_values out)
-{
-    const sgt_surface_ops *ops = j->s.ops;
-    if (ops->values) {
-        ops->values(j->s.self, n, p, out);
-        return;
-    }
-    for (size_t k = 0; k < n; k++) {
-        sgt_vec3 grad = {0, 0, 0};
-        out.f[k] = ops->value(j->s.self, (sgt_vec3){p.p[0][k], p.p[1][k], p.p[2][k]}, &grad);
-        out.grad[0][k] = grad.x, out.grad[1][k] = grad.y, out.grad[2][k] = grad.z;
-    }
-}
-
 /* The rounding of F at n points of a body. */
 static void round_own(const cell_search *j, size_t n, sgt_points p, const double f[], double own[])
 {
@@ -227,7 +213,8 @@ SGT_NOINLINE static void are_away(const cell_search *j, size_t from, size_t n, b
         double tmin = r->tmin[from + i], t = tmin > -HUGE_VAL ? tmin : 0;
         for (int c = 0; c < 3; c++) p[c][i] = moved_along(r->o[c][from + i], t, r->d[c][from + i]);
     }
-    values_of(j, n, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {grad[0], grad[1], grad[2]}});
+    j->s.ops->values(j->s.self, n, (sgt_points){{p[0], p[1], p[2]}},
+                     (sgt_values){f, {grad[0], grad[1], grad[2]}});
     double own[QUEUE];
     round_own(j, n, (sgt_points){{p[0], p[1], p[2]}}, f, own);
     for (size_t i = 0; i < n; i++) {
@@ -257,19 +244,18 @@ static bool refill(cell_search *j)
     bool single[QUEUE] = {false}, away[QUEUE] = {false};
     sgt_rays rays = rays_from(&j->tile->rays, q->from);
     sgt_spans spans = {q->lo, q->hi, q->seed, single};
-    if (j->own && ops->firsts) {
+    if (!j->own) {
+        spans_of(j->s, n, rays, spans);
+    } else {
         rays.tmin = j->tile->rays.tmin + q->from, rays.tmax = j->tile->rays.tmax + q->from;
         ops->firsts(j->s.self, n, rays, spans);
         are_away(j, q->from, n, away);
-    } else if (ops->spans && ops->span) {
-        ops->spans(j->s.self, n, rays, spans);
-    }
-    for (size_t i = 0; i < n; i++) {
-        if (j->own && ops->firsts ? single[i] : ops->spans && ops->span) continue;
-        sgt_ray ray = ray_of(&j->tile->rays, q->from + i);
-        sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL};
-        if (ops->span) span = ops->span(j->s.self, &ray);
-        q->lo[i] = span.lo, q->hi[i] = span.hi, single[i] = span.single && !j->own;
+        for (size_t i = 0; i < n; i++) {
+            if (single[i]) continue;
+            sgt_ray ray = ray_of(&rays, i);
+            sgt_span span = ops->span(j->s.self, &ray);
+            q->lo[i] = span.lo, q->hi[i] = span.hi;
+        }
     }
     cells_cut(n, &j->tile->rays, q->from, q->lo, q->hi, q->state);
     for (size_t i = 0; i < n; i++) {
@@ -549,11 +535,12 @@ static void meetings_certify(meetings *s, size_t n)
  * computed.  Rounding moves them by a part of what it does to F, times the degree: 64 of that. */
 SGT_INLINE void meeting_take(meetings *s, size_t k)
 {
-    local q = {.l = s->l[k], .m = s->m[k], .n = s->n[k], .t0 = s->t0[k], .scale = s->scale[k]};
+    local q = {.x = s->x[k], .y = s->y[k], .z = s->z[k], .l = s->l[k], .m = s->m[k], .n = s->n[k],
+               .t0 = s->t0[k], .scale = s->scale[k]};
     sgt_vec3 p = {s->px[k], s->py[k], s->pz[k]}, grad = {s->fx[k], s->fy[k], s->fz[k]};
     double tau = s->tau[k], tau_err = s->tau_err[k], noise = s->noise[k], tmin = s->tmin[k];
-    around at = around_of(s->x[k], s->y[k], s->z[k], q.l, q.m, q.n, tau, p, grad, 0);
-    acceptance h = acceptance_of(&q, tau, tau_err, p, grad, at, tmin, s->tmax[k], HUGE_VAL, END_ERRORS);
+    around at = around_of(&q, tau, p, grad, 0);
+    acceptance h = acceptance_of(&q, tau, tau_err, at, (limits){tmin, s->tmax[k], HUGE_VAL, END_ERRORS});
     double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z) + 64 * noise,
            width = START_ULPS * terms / s->steep[k] * q.scale + 8 * SGT_U * fabs(h.t);
     bool away = (tmin == -HUGE_VAL) | (h.t - tmin > DOUBT * (width + h.t_err)),
@@ -569,7 +556,7 @@ static void meetings_take(meetings *s, size_t n) { LANES for (size_t k = 0; k < 
 
 static void value_all(const cell_search *j, meetings *s, size_t n)
 {
-    values_of(j, n, (sgt_points){{s->px, s->py, s->pz}}, (sgt_values){s->f, {s->fx, s->fy, s->fz}});
+    values_of(j->s, n, (sgt_points){{s->px, s->py, s->pz}}, (sgt_values){s->f, {s->fx, s->fy, s->fz}});
 }
 
 /* The watcher of the only ray is told of F at the point asked for, t0 + tau. */
@@ -717,7 +704,7 @@ static void settle_starts(cell_search *j)
         at[n++] = k;
     }
     if (n > 0)
-        values_of(j, n, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {grad[0], grad[1], grad[2]}});
+        values_of(j->s, n, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {grad[0], grad[1], grad[2]}});
     for (size_t i = 0; i < n; i++) {
         sgt_vec3 d = {s->d[0][at[i]], s->d[1][at[i]], s->d[2][at[i]]}, n_i = {grad[0][i], grad[1][i],
                                                                               grad[2][i]};
@@ -813,7 +800,7 @@ bool sgt_cells_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, 
 {
     sgt_status status = SGT_HARD;
     int evals = 0;
-    sgt_hit a = {.status = SGT_HARD};
+    meeting a = {.t = (double)NAN};
     sgt_tile tile = {.n = 1,
                      .rays = rays_of(ray),
                      .hits = {.status = &status,
@@ -832,6 +819,6 @@ bool sgt_cells_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, 
         return true;
     }
     *hit = hit_without(SGT_MISS, ray, evals);
-    if (status == SGT_HIT) *hit = hit_found(SGT_HIT, evals, a.t, a.t_err, a.t_lo, j.f, a.p, a.n, a.p_err);
+    if (status == SGT_HIT) *hit = hit_found(SGT_HIT, evals, j.f, &a);
     return status == SGT_HIT || status == SGT_MISS;
 }

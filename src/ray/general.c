@@ -8,22 +8,22 @@
  *
  * THE ORDER OF TRIALS.  search_along goes down this list until one of them has the answer:
  *
- *     wanted                     tried, if                        how
- *     the first root             the surface has `first`          as one root within `first`, if that is
+ *     wanted                       tried, if                      how
+ *     1 the first root             the surface has `first`        as one root within `first`, if that is
  *                                                                 single; asked even if the span is single
- *     one root, span not single  a sag with extent_within and     as one root on the stretch where F is
- *                                a seed (built in)                monotone (vicinity.h)
- *     the root near the seed,    there is a seed, or the span     the quick form (step.h), from the seed or
- *     or span.single             is single and has two ends       from the middle of the span
- *                                always                           the solver of solve/root.c, in the span
- *     what is left               `enclose`, built in, or an end   proof.c, which needs no ends
- *                                at infinity
- *                                `enclose`, two finite ends       enclosed.c
- *                                (both: not dt_min > 0 and
- *                                `estimate`, of a user's surface)
- *                                a finite near end, or the root   a march, in steps
- *                                near the seed
- *                                else                             nothing: UNPROVEN
+ *     2 one root, span not single  a sag with extent_within and   as one root on the stretch where F is
+ *                                  a seed (built in)              monotone (vicinity.h)
+ *     3 the root near the seed,    there is a seed, or the span   the quick form (step.h), from the seed or
+ *       or span.single             is single and has two ends     from the middle of the span
+ *     4 the same                   always                         the solver of solve/root.c, in the span
+ *     5 what is left               `enclose`, built in, or an     proof.c, which needs no ends
+ *                                  end at infinity
+ *     6                            `enclose`, two finite ends     enclosed.c
+ *                                  (5 and 6: not dt_min > 0 and
+ *                                  `estimate`, of a user's)
+ *     7                            a finite near end, or the      a march, in steps
+ *                                  root near the seed
+ *                                  else                           nothing: UNPROVEN
  *
  * THE MARCH.  A step is as long as the longest of these:
  * - the clearance, if it is above dt_min: no root can be missed in it;
@@ -106,8 +106,8 @@ static bool search_march(walk *w, double lo, double hi, double dt, double growth
     point a = sgt_walk_glance(w, lo, SGT_MARCH, lo, hi, all), b;
     for (long long i = 1; !over(w) && next < hi; i++, dt *= growth) {
         *reached = a.tau;
-        double clear = ops->clearance ? ops->clearance(w->s.self, a.p) / length * (1 - 0x1p-40) : 0;
-        double away = guess ? ops->estimate(w->s.self, a.p) / length : 0;
+        double clear = ops->clearance ? ops->clearance(w->s.self, a.at.p) / length * (1 - 0x1p-40) : 0;
+        double away = guess ? ops->estimate(w->s.self, a.at.p) / length : 0;
         next = growth > 1 || ops->clearance || guess ? a.tau + dt : lo + (double)i * dt;
         w->uncertain = w->uncertain || !(a.tau + clear >= next);
         if (away > dt && away < HUGE_VAL) next = larger(next, a.tau + away);
@@ -162,16 +162,22 @@ static void steps(walk *w, double lo, double hi, double nearest)
     else if (w->list->count == before && w->uncertain) sgt_walk_stretch(w, SGT_UNPROVEN, from, hi);
 }
 
+/* The ray made local.  back: a root at the near end of the span is to be inside. */
+static approach approach_by(const sgt_ray *ray, const sgt_span *span, bool back, bool early)
+{
+    return approach_of(ray->o, ray->d, (sgt_interval){ray->tmin, ray->tmax},
+                       (sgt_interval){span->lo, span->hi}, span->seed, back ? 0x1p-50 : 0, true, early);
+}
+
 /* The quick form.  It is tried from the seed, or from the middle if the span is single and has two ends.
  * true: it has the answer, a hit that has been added, or a miss. */
 static bool quickly(walk *w, const approach *a, bool single)
 {
-    point at = {.tau = (double)NAN};
-    double tau_err, past;
+    walked root;
     if (!a->seeded && !(single && a->middle)) return false;
-    if (sgt_walk_quick(w, a->lo, a->hi, 0, DBL_MAX, -1, &at, &tau_err, &past))
-        return sgt_walk_take_quick(w, at, tau_err)
-               || (single && (w->off || (w->least > 0 && sgt_walk_sharpen(w, at, a->lo, a->hi))));
+    if (sgt_walk_quick(w, (sgt_interval){a->lo, a->hi}, 0, DBL_MAX, -1, &root))
+        return sgt_walk_take_quick(w, root.at, root.tau_err)
+               || (single && (w->off || (w->least > 0 && sgt_walk_sharpen(w, root.at, a->lo, a->hi))));
     return single && sgt_walk_quick_miss(w, a->lo, a->hi);
 }
 
@@ -181,8 +187,7 @@ static bool first_of_several(walk *w)
     const sgt_ray *ray = w->ray;
     sgt_span span = w->s.ops->first(w->s.self, ray);
     if (!span.single) return false;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed,
-                             w->s.ops->enclose || w->s.ops->clearance ? 0x1p-50 : 0, true, false);
+    approach a = approach_by(ray, &span, w->s.ops->enclose || w->s.ops->clearance, false);
     if (a.passes) return true;
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi;
@@ -218,8 +223,8 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     if (w->nearby) w->shared = bare_of(w->shared);
     if (asked != 0 || w->told.stopped) return false;
     if (lo > hi) return true; /* the ray misses the whole surface */
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, seed,
-                             ops->enclose ? 0x1p-50 : 0, true, true);
+    sgt_span part = {.lo = lo, .hi = hi, .seed = seed};
+    approach a = approach_by(ray, &part, ops->enclose, true);
     if (a.passes || !a.known || !a.seeded) return false;
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi, w->least = least;
@@ -244,8 +249,30 @@ static void cut_to_reach(const approach *a, const sgt_ray *ray, sgt_span *s)
     if (s->hi == HUGE_VAL && nearest + away > s->lo) s->hi = nearest + away;
 }
 
-/* Adds the entries there are.  Returns the evaluations spent since the last entry.  The steps are those of
- * the README of this folder. */
+/* Steps 3 and 4.  true: they have the answer. */
+static bool one_root(walk *w, const approach *a, const sgt_span *span, bool near)
+{
+    sgt_surface s = w->s;
+    w->hidden.t = (double)NAN;
+    if (quickly(w, a, span->single)) return true;
+    bool hidden = span->single && is_catalogue(s.ops) && s.ops->enclose && !isnan(w->hidden.t) && !over(w);
+    if (hidden && sgt_prove_found(s, w->ray, &w->told, w->hidden.t, w->hidden.t_lo, w->hidden.t_err, w->list))
+        return true;
+    if (over(w)) return false;
+    double seed = a->seeded ? span->seed / a->q.scale - a->q.t0 : near ? a->nearest - a->q.t0 : (double)NAN;
+    sgt_span cut = {.lo = a->lo, .hi = a->hi, .seed = seed, .single = span->single};
+    if (s.ops->enclose) cut_to_reach(a, w->ray, &cut);
+    bool whole = cut.lo == a->lo && cut.hi == a->hi;
+    point at = {.tau = (double)NAN};
+    sgt_root r = sgt_walk_begin(w, cut);
+    sgt_walk_solve(w, &r, &at);
+    /* proof.c knows over what length the ray touches */
+    if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN;
+    return sgt_walk_take(w, &r, at) ||
+           (span->single && ((whole && r.status == SGT_MISS) || (r.status > 0 && w->off)));
+}
+
+/* Adds the entries there are.  Returns the evaluations spent since the last entry. */
 static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
 {
     walk w = {.s = s, .ray = ray, .list = list, .all = all, .rim2 = rim2_of_surface(s),
@@ -259,8 +286,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     else if (s.ops->span) span = s.ops->span(s.self, ray);
     /* step 2 */
     if (!all && !span.single && root_nearby(&w, &span, near)) return w.told.evals - w.told.before;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed,
-                             s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true,
+    approach a = approach_by(ray, &span, s.ops->enclose || s.ops->clearance,
                              span.single && is_catalogue(s.ops) && s.ops->own_->spans);
     if (a.passes) return w.told.evals - w.told.before;
     double lo = a.lo, hi = a.hi;
@@ -274,35 +300,13 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     }
 
     bool jumps = is_catalogue(s.ops) && s.ops->own_->jumps && s.ops->own_->jumps(s.self);
-    if ((span.single || near) && !jumps && !w.told.stopped) {
-        point at = {.tau = (double)NAN};
-        w.hidden.t = (double)NAN;
-        /* step 3 */
-        if (quickly(&w, &a, span.single)) return w.told.evals - w.told.before;
-        bool hidden = span.single && is_catalogue(s.ops) && s.ops->enclose && !isnan(w.hidden.t) && !over(&w);
-        if (hidden && sgt_prove_found(s, ray, &w.told, w.hidden.t, w.hidden.t_lo, w.hidden.t_err, list))
-            return w.told.evals - w.told.before;
-        if (!over(&w)) { /* step 4 */
-            double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
-            sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};
-            if (s.ops->enclose) cut_to_reach(&a, ray, &cut);
-            bool whole = cut.lo == lo && cut.hi == hi;
-            sgt_root r = sgt_walk_begin(&w, cut);
-            sgt_walk_solve(&w, &r, &at);
-            /* proof.c knows over what length the ray touches */
-            if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN;
-            bool taken = sgt_walk_take(&w, &r, at);
-            if (taken || (span.single && ((whole && r.status == SGT_MISS) || (r.status > 0 && w.off))))
-                return w.told.evals - w.told.before;
-        }
-    }
+    if ((span.single || near) && !jumps && !w.told.stopped && one_root(&w, &a, &span, near))
+        return w.told.evals - w.told.before;
     /* steps 5, 6 and 7 */
+    bool own = !is_catalogue(s.ops), guesses = own && opt->dt_min > 0 && s.ops->estimate;
     if (over(&w)) sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
-    else if (s.ops->enclose && is_catalogue(s.ops)) sgt_prove_rest(s, ray, &w.told, all, near, list);
-    else if (s.ops->enclose && !(opt->dt_min > 0 && s.ops->estimate)) {
-        if (isfinite(lo) && isfinite(hi)) sgt_walk_enclosed(&w, lo, hi);
-        else sgt_prove_rest(s, ray, &w.told, all, near, list);
-    }
+    else if (s.ops->enclose && !guesses && own && isfinite(lo) && isfinite(hi)) sgt_walk_enclosed(&w, lo, hi);
+    else if (s.ops->enclose && !guesses) sgt_prove_rest(s, ray, &w.told, all, near, list);
     else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
     else sgt_walk_stretch(&w, SGT_UNPROVEN, lo, hi);
     return w.told.evals - w.told.before;

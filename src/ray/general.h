@@ -46,6 +46,34 @@ SGT_INLINE bool near_an_end(const sgt_ray *ray, const sgt_hit *hit)
     return fabs(hit->t - ray->tmax) <= room || !(hit->t - ray->tmin > room + 33 * width);
 }
 
+/* F and its gradient at n points. */
+static inline void values_of(sgt_surface s, size_t n, sgt_points p, sgt_values out)
+{
+    const sgt_surface_ops *ops = s.ops;
+    if (ops->values) {
+        ops->values(s.self, n, p, out);
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 grad;
+        out.f[i] = ops->value(s.self, (sgt_vec3){p.p[0][i], p.p[1][i], p.p[2][i]}, &grad);
+        out.grad[0][i] = grad.x, out.grad[1][i] = grad.y, out.grad[2][i] = grad.z;
+    }
+}
+
+/* The spans of n rays.  Without `span`, `spans` is not read, as in sgt_intersect. */
+static inline void spans_of(sgt_surface s, size_t n, sgt_rays rays, sgt_spans out)
+{
+    const sgt_surface_ops *ops = s.ops;
+    if (ops->spans && ops->span) ops->spans(s.self, n, rays, out), n = 0;
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = ray_of(&rays, i);
+        sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
+        if (ops->span) span = ops->span(s.self, &ray);
+        out.lo[i] = span.lo, out.hi[i] = span.hi, out.seed[i] = span.seed, out.single[i] = span.single;
+    }
+}
+
 /* sgt_intersect, with the ray by address: its tmax is made explicit (explicit_end).  In intersect.c. */
 sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt);
 

@@ -118,6 +118,9 @@ static size_t front(lanes_job *w, size_t n, double state)
     return count;
 }
 
+/* The ray of lane i.  Not a function: gcc 12 does not vectorise around the struct that one returns. */
+#define LOCAL_OF(a, i) {.x = a->x[i], .y = a->y[i], .z = a->z[i], .l = a->l[i], .m = a->m[i], .n = a->n[i]}
+
 /* -------------------------------------------------------------------- evaluations */
 
 SGT_KERNEL
@@ -133,14 +136,16 @@ static void points(lanes *a, size_t n, const double *tau)
 
 /* Sets the slope, and what rounding of the point does to F. */
 SGT_KERNEL
-static void around_all(const lanes *a, size_t n, const double *tau, const double *fx, const double *fy,
-                       const double *fz, double *slope, double *g_err, double none)
+static void around_all(const lanes *a, size_t n, const double *tau, const sgt_values *f, double *slope,
+                       double *g_err)
 {
+    const double *fx = f->grad[0], *fy = f->grad[1], *fz = f->grad[2];
+    double none = a->none;
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
-        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i],
-                              (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]},
-                              none);
+        local q = LOCAL_OF(a, i);
+        sgt_vec3 p = {a->px[i], a->py[i], a->pz[i]}, grad = {fx[i], fy[i], fz[i]};
+        around at = around_of(&q, tau[i], p, grad, none);
         slope[i] = at.slope, g_err[i] = at.place;
     }
 }
@@ -155,32 +160,17 @@ static double around_close(const lanes *a, size_t n, const double *tau, const sg
     double none = a->none, near = 0;
 #pragma omp simd reduction(+ : near)
     for (size_t i = 0; i < n; i++) {
-        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i],
-                              (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]},
-                              none);
+        local q = LOCAL_OF(a, i);
+        sgt_vec3 p = {a->px[i], a->py[i], a->pz[i]}, grad = {fx[i], fy[i], fz[i]};
+        around at = around_of(&q, tau[i], p, grad, none);
         near += close_of(g[i], at.slope, at.place, last[i], f_tol) ? 1.0 : 0.0;
         slope[i] = at.slope, g_err[i] = at.place;
     }
     return near;
 }
 
-/* F and its gradient at the points. */
-static void lanes_ask(lanes_job *w, size_t n, const sgt_values *out)
-{
-    const sgt_surface_ops *ops = w->s.ops;
-    const lanes *a = w->a;
-    if (ops->values) {
-        ops->values(w->s.self, n, w->points, *out);
-        return;
-    }
-    for (size_t i = 0; i < n; i++) {
-        sgt_vec3 grad;
-        out->f[i] = ops->value(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, &grad);
-        out->grad[0][i] = grad.x, out->grad[1][i] = grad.y, out->grad[2][i] = grad.z;
-    }
-}
-
-/* The same with the surface's own rounding, which is set as add_noise leaves it.  false: neither is. */
+/* F and its gradient at the points, and the surface's own rounding, which is set as add_noise leaves it.
+ * false: none of them is. */
 static bool ask_rounded(lanes_job *w, size_t n, const sgt_values *out, double *own)
 {
     const sgt_surface_ops *ops = w->s.ops;
@@ -234,7 +224,7 @@ static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
-    if (!last) around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
+    if (!last) around_all(a, n, tau, f, slope, g_err);
     else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
     if (!ops->rounding) return;
     double asked[LANE_COUNT], *own = known ? known : asked,
@@ -278,13 +268,13 @@ static void single_all(lanes *a, size_t n)
     for (size_t i = 0; i < n; i++) a->single[i] = a->least[i] > 0 ? 1.0 : 0.0;
 }
 
-/* How many lanes have a bound on the slope. */
+/* How many numbers of a row are above 0. */
 SGT_KERNEL
-static double bounded_all(const lanes *a, size_t n)
+static double above_zero(size_t n, const double *of)
 {
     double count = 0;
 #pragma omp simd reduction(+ : count)
-    for (size_t i = 0; i < n; i++) count += a->least[i] > 0 ? 1.0 : 0.0;
+    for (size_t i = 0; i < n; i++) count += of[i] > 0 ? 1.0 : 0.0;
     return count;
 }
 
@@ -323,7 +313,7 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     w->rows = false;
     if (!w->s.ops->own_->extent_within) return;
     bool chords = w->near == 0 && marches_chord(&w->shared);
-    if (chords ? bounded_all(a, n) == (double)n || chords_asked(a, n, a->x) == 0
+    if (chords ? above_zero(n, a->least) == (double)n || chords_asked(a, n, a->x) == 0
                : nearby_asked(a, n, a->x) == 0)
         return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);
@@ -375,7 +365,7 @@ static bool spans_nearby(lanes_job *w, sgt_rays rays, size_t n)
     single_all(a, n); /* none is */
     for (size_t i = 0; i < n; i++) a->lo[i] = a->hi[i] = 0;
     lanes_nearby(w, rays, n);
-    if (bounded_all(a, n) == (double)n) return true;
+    if (above_zero(n, a->least) == (double)n) return true;
     double none[LANE_COUNT];
     builtin->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->f, a->fx, a->fy, NULL}, none);
     take_whole(a, n);
@@ -409,19 +399,8 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
         lanes_nearby(w, rays, n);
         return;
     }
-    if (ops->spans && ops->span) { /* without `span`, `spans` is not read, as in sgt_intersect */
-        ops->spans(w->s.self, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
-        lanes_widen(n, a->single, single);
-        return;
-    }
-    rays.tmin = a->tmin, rays.tmax = a->tmax;
-    for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = ray_of(&rays, i);
-        sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
-        if (ops->span) span = ops->span(w->s.self, &ray);
-        a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed,
-        a->single[i] = span.single ? 1.0 : 0.0;
-    }
+    spans_of(w->s, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
+    lanes_widen(n, a->single, single);
 }
 
 SGT_INLINE void make_local(const lanes_job *w, const sgt_tile *tile, size_t from, size_t n, bool everywhere)
@@ -435,8 +414,9 @@ SGT_INLINE void make_local(const lanes_job *w, const sgt_tile *tile, size_t from
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]};
-        approach at = approach_of(o, d, a->tmin[i], a->tmax[i], a->lo[i], a->hi[i], a->seed[i], back,
-                                  everywhere, slopes & (a->least[i] > 0));
+        sgt_interval cut = {a->tmin[i], a->tmax[i]}, span = {a->lo[i], a->hi[i]};
+        approach at = approach_of(o, d, cut, span, a->seed[i], back, everywhere,
+                                  slopes & (a->least[i] > 0));
         a->f[i] = (at.seeded ? 1.0 : 0.0) + (at.middle ? 0.5 : 0.0),
         a->fx[i] = (at.passes ? 0.0 : 1.0) + (at.known ? 0.0 : 2.0);
         a->x[i] = at.q.x, a->y[i] = at.q.y, a->z[i] = at.q.z;
@@ -515,14 +495,14 @@ SGT_INLINE double march_steps(lanes *a, size_t n, double k, bool known, double n
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < filled(n); i++) {
-        double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
+        local q = LOCAL_OF(a, i);
         double f = a->f[i], tau = a->tau[i], end = a->end[i], defined = a->defined[i], phase = a->state[i],
                slope, g_err;
         if (known) {
             slope = a->qx[i], g_err = a->g_err[i];
         } else {
-            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]},
-                                  (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+            sgt_vec3 p = {a->px[i], a->py[i], a->pz[i]}, grad = {a->fx[i], a->fy[i], a->fz[i]};
+            around at = around_of(&q, tau, p, grad, none);
             slope = at.slope, g_err = at.place;
         }
         mark was = lanes_before(a, i);
@@ -631,7 +611,7 @@ static void lanes_march(lanes_job *w, size_t n)
         }
         double more;
         points(a, n, a->tau);
-        lanes_ask(w, n, &w->f);
+        values_of(w->s, n, w->points, w->f);
         if (w->s.ops->rounding) {
             bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, NULL);
             more = march_step_known(a, n, k);
@@ -671,20 +651,21 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
     size_t count = known == OWN_SET ? n : filled(n);
 #pragma omp simd reduction(+ : more, without)
     for (size_t i = 0; i < count; i++) {
-        double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
+        local q = LOCAL_OF(a, i);
         double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err, is = 0;
         if (known == BOUND_SET) {
             slope = a->qx[i], g_err = a->g_err[i];
         } else {
-            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]},
-                                  (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+            sgt_vec3 p = {a->px[i], a->py[i], a->pz[i]}, grad = {a->fx[i], a->fy[i], a->fz[i]};
+            around at = around_of(&q, tau, p, grad, none);
             slope = at.slope, g_err = at.place;
         }
         if (known == OWN_SET) {
             is = close_of(f, slope, g_err, last, f_tol) ? 1.0 : 0.0;
             g_err += is != 0 ? own[i] : 0;
         }
-        newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
+        searched in = {a->lo[i], a->hi[i], a->least[i]};
+        newton s = newton_of(f, slope, g_err, tau, last, in, a->t_tol[i], f_tol);
         double state = s.go >= 0 ? again : (double)FAILED;
         state = s.ready >= 0 ? (double)READY : state;
         state = phase == NEWTON ? state : phase;
@@ -695,7 +676,7 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
         if (known == OWN_SET) without += larger(1 - goes - is, 0);
         a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
         a->tau[i] = tau;
-        a->px[i] = x + tau * l, a->py[i] = y + tau * m, a->pz[i] = z + tau * dn;
+        a->px[i] = q.x + tau * q.l, a->py[i] = q.y + tau * q.m, a->pz[i] = q.z + tau * q.n;
         a->last[i] = size < last ? size : last;
         if (known != BOUND_SET) a->g_err[i] = g_err;
         a->state[i] = state;
@@ -732,7 +713,7 @@ static void solve(lanes_job *w, size_t n)
     for (int i = 1; n > 0; i++) {
         double more, bare;
         bool known = ask_rounded(w, n, &w->f, own);
-        if (!known) lanes_ask(w, n, &w->f);
+        if (!known) values_of(w->s, n, w->points, w->f);
         if (i == 1) newton_begin(a, n);
         if (known && known_all(n, own) == (double)n) {
             more = newton_step_rounded(a, n, i == QUICK_STEPS, f_tol, a->none, own, &bare);
@@ -751,29 +732,13 @@ static void solve(lanes_job *w, size_t n)
 
 /* ------------------------------------------------------------------- beside a root */
 
-SGT_KERNEL
-static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, double none)
-{
-#pragma omp simd
-    for (size_t i = 0; i < n; i++) {
-        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i],
-                              (sgt_vec3){a->px[i], a->py[i], a->pz[i]},
-                              (sgt_vec3){a->qx[i], a->qy[i], a->qz[i]}, none);
-        sign[i] = sign_of(a->qf[i], at.place);
-    }
-}
-
 /* The signs at `tau`, whose points are set. */
 static void signs(lanes_job *w, size_t n, const double *tau, double *sign)
 {
     lanes *a = w->a;
     double own[LANE_COUNT];
     bool known = ask_rounded(w, n, &w->q, own);
-    if (!known) lanes_ask(w, n, &w->q);
-    if (!w->s.ops->rounding) {
-        sign_all(a, n, tau, sign, a->none);
-        return;
-    }
+    if (!known) values_of(w->s, n, w->points, w->q);
     bound(w, n, tau, &w->q, a->qx, sign, NULL, known ? own : NULL);
     for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
 }
@@ -879,16 +844,6 @@ static double probe_end(lanes *a, size_t n, double doubtful)
     return more;
 }
 
-/* Has any lane a t_tol, so that its last step may be above the rounding? */
-SGT_KERNEL
-static bool loose(const lanes *a, size_t n)
-{
-    double some = 0;
-#pragma omp simd reduction(+ : some)
-    for (size_t i = 0; i < n; i++) some += a->t_tol[i] > 0 ? 1.0 : 0.0;
-    return some > 0;
-}
-
 /* Certifies the lanes whose slope along the span has a bound.  off: a bound on F's error.  Returns how
  * many still have to be asked beside the root. */
 SGT_KERNEL
@@ -897,7 +852,7 @@ static double lanes_certify(lanes *a, size_t n, const double *off)
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
-        certified c = certified_of(a->tau[i], a->f[i], off[i], a->least[i], a->lo[i], a->hi[i]);
+        certified c = certified_of(a->tau[i], a->f[i], off[i], (searched){a->lo[i], a->hi[i], a->least[i]});
         double before = a->tau_err[i], phase = a->state[i], root = c.inside ? (double)ROOT : (double)READY;
         double state = phase == READY ? root : phase;
         a->tau_err[i] = state == ROOT && phase == READY ? c.tau_err : before;
@@ -915,7 +870,8 @@ static double certify_ready(lanes *a, size_t n)
     double done = 0;
 #pragma omp simd reduction(+ : done)
     for (size_t i = 0; i < n; i++) {
-        certified c = certified_of(a->tau[i], a->f[i], a->g_err[i], a->least[i], a->lo[i], a->hi[i]);
+        searched in = {a->lo[i], a->hi[i], a->least[i]};
+        certified c = certified_of(a->tau[i], a->f[i], a->g_err[i], in);
         a->tau_err[i] = c.tau_err;
         double is = c.inside ? 1.0 : 0.0;
         is = a->state[i] == READY ? is : 0;
@@ -944,8 +900,9 @@ static void probe(lanes_job *w, size_t n)
         n = front(w, n, READY);
     }
     if (w->slopes && n) {
-        /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding. */
-        bool again = !w->rounded && loose(a, n);
+        /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding.  With
+         * one the last step may be above the rounding. */
+        bool again = !w->rounded && above_zero(n, a->t_tol) > 0;
         if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL, NULL);
         n = lanes_certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
     }
@@ -972,12 +929,13 @@ static double lanes_take(lanes *a, size_t n, double budget, double rim2, double 
 #pragma omp simd reduction(+ : hits)
     for (size_t i = 0; i < n; i++) {
         double tau = a->tau[i];
-        local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
-        sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]},
-                 p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
-        around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
+        local q = LOCAL_OF(a, i);
+        q.t0 = a->t0[i], q.scale = a->scale[i];
+        sgt_vec3 p = {q.x + tau * q.l, q.y + tau * q.m, q.z + tau * q.n};
+        around at = around_of(&q, tau, p, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, 0);
         double away = ((a->single[i] == 0) & (a->least[i] > 0)) ? END_ERRORS : margin; /* see vicinity.h */
-        acceptance h = acceptance_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, away);
+        acceptance h = acceptance_of(&q, tau, a->tau_err[i], at,
+                                     (limits){a->tmin[i], a->tmax[i], rim2, away});
         double doubt = a->least[i] > 0 ? (double)DOUBTED : (double)SGT_HARD;
         double off = h.off ? (double)SGT_MISS : doubt, state = a->single[i] != 0 ? off : (double)SGT_HARD;
         state = h.accepted ? (double)SGT_HIT : state;
@@ -1000,21 +958,22 @@ SGT_NOINLINE static void take_doubted(lanes_job *w, const sgt_tile *tile, size_t
     for (size_t i = 0; i < n; i++) {
         if (a->state[i] != DOUBTED) continue;
         size_t k = from + (size_t)a->slot[i];
-        local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
+        local q = LOCAL_OF(a, i);
+        q.t0 = a->t0[i], q.scale = a->scale[i];
         sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->px[i], a->py[i], a->pz[i]};
         sgt_vec3 o = {r->o[0][k], r->o[1][k], r->o[2][k]};
         double tau = a->tau[i], g = a->f[i], lo = a->lo[i], hi = a->hi[i];
-        around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
+        around at = around_of(&q, tau, p, grad, 0);
         a->state[i] = SGT_HARD;
         for (int j = 0; j < SHARPER && a->state[i] == (double)SGT_HARD && a->evals[i] + j <= w->budget; j++) {
             if (j) {
                 q = moved_onto(&q, o, tau - g / at.slope, &lo, &hi);
                 tau = 0, p = (sgt_vec3){q.x + tau * q.l, q.y + tau * q.m, q.z + tau * q.n};
                 g = w->s.ops->value(w->s.self, p, &grad);
-                at = around_of(q.x, q.y, q.z, q.l, q.m, q.n, tau, p, grad, 0);
+                at = around_of(&q, tau, p, grad, 0);
             }
-            sharpened s = sharpened_of(w->s, &q, tau, g, p, grad, at, a->least[i], lo, hi, a->tmin[i],
-                                       a->tmax[i], w->rim2, w->margin);
+            sharpened s = sharpened_of(w->s, &q, tau, g, at, (searched){lo, hi, a->least[i]},
+                                       (limits){a->tmin[i], a->tmax[i], w->rim2, w->margin});
             if (!s.known || !(s.h.accepted | s.h.off)) continue;
             a->state[i] = s.h.accepted ? (double)SGT_HIT : (double)SGT_MISS, a->evals[i] += j;
             a->last[i] = s.h.t, a->first[i] = s.h.t_err, a->dt[i] = s.h.t_lo, a->end[i] = s.h.p_err;

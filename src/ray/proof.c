@@ -12,8 +12,8 @@
  *
  *     0 is not in g     no root in X, or F is undefined all over it
  *     0 is not in S     g is monotone, and a root of X lies in m - G / S (Moore 1966).  If that is outside
- *                       of X, there is none.  Else m moves into it, by Newton's steps on `value`, until 0
- *                       is in G
+ *                       of X, there is none.  Else X is cut to that, and m moves into it by Newton's steps
+ *                       on `value`.  Where 0 is in G, the root is proven; else what is left of X is a piece
  *     else, 0 not in G  the mean value theorem keeps roots away from m: where G > 0, no root is in
  *                       (m - min G / max S, m + min G / -min S); for G < 0 the same with signs changed.
  *                       What is left on either side is a piece (Hansen and Walster 2004, chapter 9)
@@ -202,19 +202,20 @@ static proof_place proof_place_of(proof *w, double t, double t_err, sgt_interval
     const sgt_ray *ray = w->ray;
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
     double from = w->t0 != 0 ? w->t0 : t, rest = w->t0 != 0 ? t : 0, tau = rest * inverse;
-    local q = {.scale = scale, .l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale,
-               .t0 = from * inverse};
+    local q = {.l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale,
+               .t0 = from * inverse, .scale = scale};
     proof_place at = {.p = point_at(ray, scale, q.t0, tau),
                       .exact = q.t0 * scale == from && tau * scale == rest};
     at.f = w->s.ops->value(w->s.self, at.p, &at.n);
-    around a = around_of(at.p.x, at.p.y, at.p.z, q.l, q.m, q.n, 0, at.p, at.n, 0);
+    q.x = at.p.x, q.y = at.p.y, q.z = at.p.z;
+    around a = around_of(&q, 0, at.p, at.n, 0);
     double least = least_of(slope) * scale, most = sgt_interval_greatest(slope) * scale,
            steep = fabs(a.slope);
     double terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z),
            err = terms_err(w, at.p), by = START_ULPS * scale;
     a.slope = steep < least ? least : steep > most ? most : steep;
     at.least = by * larger(terms - err, 0) / most, at.most = by * (terms + err) / least;
-    at.h = acceptance_of(&q, tau, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2, 0);
+    at.h = acceptance_of(&q, tau, t_err * inverse, a, (limits){ray->tmin, ray->tmax, w->rim2, 0});
     at.r2 = at.p.x * at.p.x + at.p.y * at.p.y;
     at.off = 1.01 * ((2 * (fabs(at.p.x) + fabs(at.p.y)) + at.h.p_err) * at.h.p_err + 4 * SGT_U * at.r2);
     at.h.t_err = larger(at.h.t_err, t_err);
@@ -241,8 +242,9 @@ void sgt_proof_stretch(proof *w, sgt_status status, double lo, double hi)
 /* about: [lo, hi] of the hit, in the ray's own t; x: the root's interval, counted from t0. */
 static void proof_add(proof *w, sgt_status status, const proof_place *at, sgt_interval x, sgt_interval about)
 {
-    sgt_hit hit = hit_found(status, w->told.evals - w->told.before, at->h.t, at->h.t_err, at->h.t_lo, at->f,
-                            at->p, at->n, at->h.p_err);
+    meeting h = {.t = at->h.t, .t_lo = at->h.t_lo, .t_err = at->h.t_err, .p_err = at->h.p_err, .p = at->p,
+                 .n = at->n};
+    sgt_hit hit = hit_found(status, w->told.evals - w->told.before, at->f, &h);
     hit.lo = about.lo, hit.hi = about.hi;
     w->told.before = w->told.evals;
     if (w->anew) next_root(&w->told);
@@ -321,8 +323,7 @@ static void flush(proof *w)
 {
     undecided *dark = &w->march.dark;
     if (!dark->any) return;
-    dark->any = false;
-    w->told_dark = dark->hi;
+    dark->any = false, w->told_dark = dark->hi;
     sgt_interval at = {dark->lo, dark->hi}, slope, steep;
     bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo,
          start = at.lo <= w->tmin.hi;
@@ -338,9 +339,8 @@ static void flush(proof *w)
     if (is_bounded(slope))
         g = sgt_interval_intersection(
             g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
-    if (start && !whole && is_bounded(slope) && !proof_over(w)) {
-        if (sgt_sum_above(at.hi, -w->tmin.lo) < (1 - 0x1p-20) * start_width(w, at, slope)) return;
-    }
+    if (start && !whole && is_bounded(slope) && !proof_over(w) &&
+        sgt_sum_above(at.hi, -w->tmin.lo) < (1 - 0x1p-20) * start_width(w, at, slope)) return;
     if (is_bounded(g) && is_bounded(middle) && is_bounded(steep) &&
         sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
         sgt_interval left = ask_at(w, at.lo, SGT_PROBE), right = ask_at(w, at.hi, SGT_PROBE);
@@ -368,7 +368,7 @@ static void flush(proof *w)
 
 /* --------------------------------------------------------------------------- a root */
 
-typedef enum proof_verdict { NONE, ROOT, UNSURE } proof_verdict;
+typedef enum proof_verdict { NONE, ROOT, UNSURE, CUT } proof_verdict;
 
 /* The root's interval; the interval in which it is the only root; the slope over that. */
 typedef struct certain { sgt_interval root, only, slope; } certain;
@@ -423,6 +423,22 @@ static bool refuted(proof *w, sgt_interval only)
     return signs[0] * signs[1] > 0;
 }
 
+/* May the root be the start or not?  Decided in computed numbers while these tell how far the start reaches
+ * (steady).  Else by what is certain wherever the root is in its interval (THE START). */
+static bool start_hides(proof *w, const certain *c, const proof_place *at)
+{
+    sgt_interval root = c->root;
+    double t_err = at->h.t_err, t = w->t0 + sgt_interval_middle(root), steps = 8 * SGT_U * fabs(t),
+           most_p = larger(fabs(at->p.x), larger(fabs(at->p.y), fabs(at->p.z))),
+           gap = at->h.t - (w->ray->tmin + t_err + steps);
+    bool steady = at->most <= 4 * at->least && at->most <= 0x1p-36 * most_p * scale_of(w->ray->d);
+    if (w->ray->tmin == -HUGE_VAL || steady
+        || root.lo - w->tmin.hi > 2 * t_err + at->most + 2 * steps)
+        return steady && gap > at->least && gap <= at->most;
+    double reach = start_width(w, root, c->slope), sure = reach < at->least ? reach : at->least;
+    return !(root.hi - (w->tmin.lo + steps) <= sure + (t_err <= 16 * sure ? t_err : 0));
+}
+
 /* Adds the root if it is accepted, or an UNPROVEN stretch if that cannot be told.  false: the root cannot
  * be told from an earlier entry. */
 static bool proof_take(proof *w, const certain *c)
@@ -450,18 +466,8 @@ static bool proof_take(proof *w, const certain *c)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
-    /* Is the root the start?  Decided in computed numbers while these tell how far the start reaches
-     * (steady). Else by what is certain wherever the root is in its interval (THE START). */
-    double most_p = larger(fabs(at.p.x), larger(fabs(at.p.y), fabs(at.p.z))),
-           steps = 8 * SGT_U * fabs(w->t0 + t), gap = at.h.t - (w->ray->tmin + at.h.t_err + steps);
-    bool steady = at.most <= 4 * at.least && at.most <= 0x1p-36 * most_p * scale_of(w->ray->d),
-         hidden = steady && gap > at.least && gap <= at.most;
-    if (w->ray->tmin > -HUGE_VAL && !steady
-        && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 2 * steps)) {
-        double reach = start_width(w, root, c->slope), sure = reach < at.least ? reach : at.least;
-        hidden = !(root.hi - (w->tmin.lo + steps) <= sure + (at.h.t_err <= 16 * sure ? at.h.t_err : 0));
-        if (w->told.stopped) return true;
-    }
+    bool hidden = start_hides(w, c, &at);
+    if (w->told.stopped) return true;
     bool on_rim = w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off);
     /* Without a proof the rule of the rim decides.  It drops no root within the semi_diameter itself:
      * rounding moves r^2 by less than the rim is soft by. */
@@ -477,23 +483,28 @@ static bool proof_take(proof *w, const certain *c)
     return true;
 }
 
+/* How sharp a root in n has to be.  At an end of the search a tolerance would hide whether it is accepted. */
+static double sharp_enough(const proof *w, sgt_interval n)
+{
+    return n.lo > w->lo && n.hi < w->hi ? w->told.opt->t_tol : 0;
+}
+
 /* The t to which Newton's steps on `value` lead from the middle of n. */
 static double guess(proof *w, sgt_interval n)
 {
     const sgt_ray *ray = w->ray;
-    double t = sgt_interval_middle(n), last = n.hi - n.lo;
+    double t = sgt_interval_middle(n), last = n.hi - n.lo, t_tol = sharp_enough(w, n);
     for (int i = 0; i < GUESSES && !proof_over(w); i++) {
         sgt_vec3 grad = {0, 0, 0}, p = point_at(ray, 1, w->t0, t);
         double f = w->s.ops->value(w->s.self, p, &grad),
                slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z;
-        newton s = newton_of(f, slope, 0, t, last, n.lo, n.hi, 0, 0);
+        newton s = newton_of(f, slope, 0, t, last, (searched){n.lo, n.hi, 0}, 0, 0);
         tell(&w->told, SGT_NEWTON, w->t0 + t, f, slope, w->t0 + n.lo, w->t0 + n.hi);
         if (!(s.go >= 0)) break;
         /* an estimate of the next step's length */
         double shrinks = s.size / last, left = s.size * (shrinks * shrinks);
         last = s.size, t -= s.step;
-        if (left <= 0x1p-53 * larger(fabs(t), w->t0 != 0 ? w->foot : 0) || last < 0.25 * w->told.opt->t_tol)
-            break;
+        if (left <= 0x1p-53 * larger(fabs(t), w->t0 != 0 ? w->foot : 0) || last < 0.25 * t_tol) break;
     }
     return t;
 }
@@ -511,22 +522,25 @@ static sgt_interval between_signs(proof *w, sgt_interval n, double m, sgt_interv
     return unlike ? sgt_interval_between(m - by, m + by) : n;
 }
 
-/* Looks for the root of X, where g is monotone with a bounded slope.  G is g at m. */
-static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G,
+/* Looks for the root of *x, where g is monotone with a bounded slope, by STEPS at most: from m, where g is G;
+ * from where `value` takes the root to be; then from the middle of what is left.  CUT: *x is what is left
+ * then.  What is shorter than 4 ulps of t is as short as it need be: the next step, that of the proof, is far
+ * sharper (G of a body excludes 0 at any double).  If the last step does not shorten *x, nothing will. */
+static proof_verdict contract(proof *w, sgt_interval *x, sgt_interval slope, double m, sgt_interval G,
                               certain *c)
 {
-    sgt_interval n = x;
-    for (int slow = 0, i = 0; !(G.lo > G.hi); i++) {
-        sgt_interval next = sgt_interval_intersection(n, newton_set(m, G, slope));
-        if (sgt_interval_is_empty(next)) return NONE;
-        slow += !(sgt_interval_width(next) <= 0.75 * sgt_interval_width(n));
-        n = next;
-        /* at an end of the search a tolerance would hide whether the root is accepted */
-        bool inside = n.lo > w->lo && n.hi < w->hi;
-        if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= (inside ? w->told.opt->t_tol : 0))
-            return proof_certify(w, between_signs(w, n, m, G, slope), m, G, c);
-        m = i == 0 ? guess(w, n) : sgt_interval_middle(n);
-        G = ask_at(w, m, i == 0 ? SGT_NEWTON : SGT_BISECT);
+    enum { STEPS = 4 };
+    for (int i = 1; !(G.lo > G.hi); i++) {
+        double before = sgt_interval_width(*x);
+        *x = sgt_interval_intersection(*x, newton_set(m, G, slope));
+        if (sgt_interval_is_empty(*x)) return NONE;
+        double left = sgt_interval_width(*x),
+               enough = larger(0x1p-51 * sgt_interval_greatest(*x), sharp_enough(w, *x));
+        if (has_zero(G) || left <= enough || (i == STEPS && !(left <= 0.75 * before)))
+            return proof_certify(w, between_signs(w, *x, m, G, slope), m, G, c);
+        if (i == STEPS) return CUT;
+        m = i == 1 ? guess(w, *x) : sgt_interval_middle(*x);
+        G = ask_at(w, m, i == 1 ? SGT_NEWTON : SGT_BISECT);
         if (proof_over(w)) break;
     }
     return UNSURE;
@@ -586,15 +600,18 @@ static cells_kind proof_classify(void *self, cells *c)
     if (asked) G = ask_at(w, m, SGT_MARCH);
     if (proof_over(w)) return CELLS_AGAIN;
     if (smooth && !has_zero(slope)) {
-        switch (contract(w, x, slope, m, G, &root)) {
-        case NONE: return CELLS_EMPTY;
-        case ROOT:
-            if (!proof_take(w, &root)) break;
+        sgt_interval rest = x;
+        proof_verdict verdict = contract(w, &rest, slope, m, G, &root);
+        if (verdict == NONE) return CELLS_EMPTY;
+        if (verdict == ROOT && proof_take(w, &root)) {
             c->done = larger(x.hi, root.only.hi);
             return w->found || !proof_over(w) ? CELLS_EMPTY : CELLS_AGAIN;
-        case UNSURE: break;
         }
         if (proof_over(w)) return CELLS_AGAIN;
+        if (verdict == CUT) {
+            c->k.tau = rest.lo, cells_divide(c, rest.hi, HUGE_VAL);
+            return CELLS_OPEN;
+        }
     }
     bool noise = asked && has_zero(G) && (sgt_interval_width(g) <= 4 * sgt_interval_width(G)
                            || sgt_interval_greatest(slope) * (x.hi - x.lo) <= sgt_interval_width(G));

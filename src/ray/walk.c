@@ -48,23 +48,24 @@ static double own_rounding(const walk *w, sgt_vec3 p, double f)
 
 int sgt_walk_sign(const walk *w, const point *at)
 {
-    return (int)sign_of(at->g, at->g_err + (at->glanced ? own_rounding(w, at->p, at->g) : 0));
+    return (int)sign_of(at->g, at->g_err + (at->glanced ? own_rounding(w, at->at.p, at->g) : 0));
 }
 
 /* sgt_walk_glance, into *e. */
 SGT_INLINE void glance(walk *w, point *e, double tau, sgt_move move, double lo, double hi, double last)
 {
     const local *q = &w->q;
-    *e = (point){.tau = tau, .p = {q->x + tau * q->l, q->y + tau * q->m, q->z + tau * q->n}};
+    sgt_vec3 p = {q->x + tau * q->l, q->y + tau * q->m, q->z + tau * q->n}, grad;
+    *e = (point){.tau = tau, .at.p = p};
     if (over(w)) {
         e->g = e->at.slope = (double)NAN;
         return;
     }
-    e->g = w->s.ops->value(w->s.self, e->p, &e->n);
-    e->at = around_of(q->x, q->y, q->z, q->l, q->m, q->n, tau, e->p, e->n, 0);
+    e->g = w->s.ops->value(w->s.self, p, &grad);
+    e->at = around_of(q, tau, p, grad, 0);
     e->g_err = e->at.place;
     e->glanced = w->s.ops->rounding && !close_of(e->g, e->at.slope, e->at.place, last, w->told.opt->f_tol);
-    if (!e->glanced) e->g_err += own_rounding(w, e->p, e->g);
+    if (!e->glanced) e->g_err += own_rounding(w, p, e->g);
     w->defined = w->defined || !isnan(e->g);
     tell(&w->told, move, (q->t0 + tau) * q->scale, e->g, e->at.slope / q->scale, (q->t0 + lo) * q->scale,
          (q->t0 + hi) * q->scale);
@@ -82,26 +83,27 @@ point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi)
     return sgt_walk_glance(w, tau, move, lo, hi, (double)NAN);
 }
 
-bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at,
-                    double *tau_err, double *past)
+bool sgt_walk_quick(walk *w, sgt_interval in, double tau, double last, double first, walked *found)
 {
     WENT(WAY_QUICK);
-    sgt_root r = root_quickly(lo, hi, tau, last, first, w->least, w->t_tol, w->told.opt->f_tol);
+    point *at = &found->at;
+    sgt_root r = root_quickly((searched){in.lo, in.hi, w->least}, tau, last, first, w->t_tol,
+                              w->told.opt->f_tol);
     do {
-        glance(w, at, r.t, r.move, lo, hi, r.private_.step);
+        glance(w, at, r.t, r.move, in.lo, in.hi, r.private_.step);
         if (w->told.stopped) return false;
         r.g_err = at->g_err;
         newton s = root_newton(&r, at->g, at->at.slope);
-        if (s.ready >= 0 && at->glanced) r.private_.own = own_rounding(w, at->p, at->g);
+        if (s.ready >= 0 && at->glanced) r.private_.own = own_rounding(w, at->at.p, at->g);
         if (!root_quick_next(&r, s, at->g, at->at.slope)) break;
     } while (r.private_.quick == QUICK_NEWTON);
     while (!r.private_.done) {
-        point beside = sgt_walk_look(w, r.t, SGT_PROBE, lo, hi);
+        point beside = sgt_walk_look(w, r.t, SGT_PROBE, in.lo, in.hi);
         if (w->told.stopped) return false;
         r.g_err = beside.g_err;
         root_beside(&r, beside.g);
     }
-    *tau_err = r.t_err, *past = r.hi;
+    found->tau_err = r.t_err, found->past = r.hi;
     return r.status == SGT_HIT;
 }
 
@@ -177,12 +179,11 @@ static bool is_pole(walk *w, const point *at, double tau_err)
 static bool walk_take(walk *w, sgt_status status, point at, double tau_err)
 {
     if (!(at.g_err < HUGE_VAL && fabs(at.g) < HUGE_VAL)) return false; /* nothing is known there */
-    acceptance h = acceptance_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax,
-                                 w->rim2, w->margin);
+    acceptance h = acceptance_of(&w->q, at.tau, tau_err, at.at, walk_limits(w));
     w->off = h.off, w->hidden = h;
     if (!h.accepted) return false;
-    sgt_hit hit = hit_found(status, w->told.evals - w->told.before, h.t, h.t_err, h.t_lo, at.g, at.p, at.n,
-                            h.p_err);
+    meeting m = {.t = h.t, .t_lo = h.t_lo, .t_err = h.t_err, .p_err = h.p_err, .p = at.at.p, .n = at.at.n};
+    sgt_hit hit = hit_found(status, w->told.evals - w->told.before, at.g, &m);
     w->told.before = w->told.evals;
     next_root(&w->told);
     sgt_list_add(w->list, &hit);
@@ -205,8 +206,8 @@ bool sgt_walk_sharpen(walk *w, point at, double lo, double hi)
             w->q = moved_onto(&w->q, w->ray->o, at.tau - at.g / at.at.slope, &lo, &hi);
             at = sgt_walk_look(w, 0, SGT_PROBE, lo, hi);
         }
-        sharpened s = sharpened_of(w->s, &w->q, at.tau, at.g, at.p, at.n, at.at, w->least, lo, hi,
-                                   w->ray->tmin, w->ray->tmax, w->rim2, w->margin);
+        sharpened s = sharpened_of(w->s, &w->q, at.tau, at.g, at.at, (searched){lo, hi, w->least},
+                                   walk_limits(w));
         decided = s.known && (s.h.accepted ? walk_take(w, SGT_HIT, at, s.tau_err) : s.h.off);
     }
     w->q = before;
@@ -245,15 +246,17 @@ bool sgt_walk_take(walk *w, const sgt_root *r, point at)
 bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
 {
     double seed = secant_of(mark_of(a), mark_of(b)), ga = fabs(a->g) < HUGE_VAL ? fabs(a->g) : 0,
-           gb = fabs(b->g) < HUGE_VAL ? fabs(b->g) : 0, tau_err;
+           gb = fabs(b->g) < HUGE_VAL ? fabs(b->g) : 0;
+    sgt_interval in = {a->tau, b->tau};
+    walked found;
+    if (seed > in.lo && seed < in.hi && sgt_walk_quick(w, in, seed, in.hi - in.lo, larger(ga, gb), &found)) {
+        *past = found.past;
+        return sgt_walk_take_quick(w, found.at, found.tau_err);
+    }
     point at = *a;
-    if (seed > a->tau && seed < b->tau &&
-        sgt_walk_quick(w, a->tau, b->tau, seed, b->tau - a->tau, larger(ga, gb), &at, &tau_err, past))
-        return sgt_walk_take_quick(w, at, tau_err);
     *past = b->tau;
     if (over(w) || sgt_walk_sign(w, a) * sgt_walk_sign(w, b) >= 0) return false;
     sgt_root r = sgt_walk_begin(w, (sgt_span){.lo = a->tau, .hi = b->tau, .seed = seed});
-    at = *a;
     sgt_root_tell(&r, a->tau, a->g);
     sgt_root_tell(&r, b->tau, b->g);
     w->lowest = (ga < gb ? ga : gb) * (1 - 0x1p-52); /* a root has to be below both ends */

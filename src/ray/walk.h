@@ -11,10 +11,9 @@
 #include "../solve/step.h"
 #include "../surface/builtin.h"
 
-/* F at one point of the ray: g = F, off by at most g_err; p the local point, n the gradient. */
+/* F at one point of the ray: g = F, off by at most g_err. */
 typedef struct point {
     double tau, g, g_err;
-    sgt_vec3 p, n;
     around at;
     bool glanced; /* g_err leaves out the surface's own rounding */
 } point;
@@ -51,6 +50,11 @@ SGT_INLINE bool over(const walk *w) { return w->found || w->told.stopped || spen
 
 SGT_INLINE int sign_at(const point *e) { return (int)sign_of(e->g, e->g_err); }
 
+SGT_INLINE limits walk_limits(const walk *w)
+{
+    return (limits){w->ray->tmin, w->ray->tmax, w->rim2, w->margin};
+}
+
 SGT_INLINE mark mark_of(const point *e) { return (mark){e->tau, e->g, e->at.slope, sign_of(e->g, e->g_err)}; }
 
 /* F at tau.  If the search is over, g is NaN and no evaluation is spent.  lo, hi: for the watcher. */
@@ -71,10 +75,12 @@ void sgt_walk_solve(walk *w, sgt_root *r, point *at);
 /* Adds what the solver found.  false: it is not an accepted root. */
 bool sgt_walk_take(walk *w, const sgt_root *r, point at);
 
+/* A root of the quick form, within tau_err.  past: behind it. */
+typedef struct walked { point at; double tau_err, past; } walked;
+
 /* The quick form (solve/root.h), from tau, with `last` the size of the step before.  first: |g| where the
- * search began; if it is negative, |g| at tau.  true: *at is a root, within *tau_err; *past is behind it. */
-bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at,
-                    double *tau_err, double *past);
+ * search began; if it is negative, |g| at tau.  true: *found is a root. */
+bool sgt_walk_quick(walk *w, sgt_interval in, double tau, double last, double first, walked *found);
 bool sgt_walk_take_quick(walk *w, point at, double tau_err);
 
 /* Decides a root of which sgt_walk_take_quick could not tell whether it is accepted.  Uses the rounding of

@@ -465,9 +465,10 @@ typedef struct looked { double f, slope, err, terms; } looked;
 static looked look_at(sgt_surface s, rows a, size_t k, double t, double scale, const vicinity *v)
 {
     double ox = a[OX][k], oy = a[OY][k], oz = a[OZ][k], l = a[DX][k], m = a[DY][k], n = a[DZ][k];
+    local q = {.x = ox, .y = oy, .z = oz, .l = l, .m = m, .n = n};
     sgt_vec3 p = {ox + t * l, oy + t * m, oz + t * n}, grad;
     looked e = {.f = s.ops->value(s.self, p, &grad)};
-    around at = around_of(ox, oy, oz, l, m, n, t, p, grad, HUGE_VAL);
+    around at = around_of(&q, t, p, grad, HUGE_VAL);
     e.slope = at.slope, e.err = 1.01 * (at.place + s.ops->rounding(s.self, p));
     e.terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z);
     v->evals[(size_t)a[LANE][k]] += 1;

@@ -35,7 +35,7 @@
  *
  * Quick forms of single surfaces test a part of it with a margin, and leave the rest to the functions
  * above: starts_on (conic/easy.h), wavy_away (asphere/easy.h), side_on_of (asphere/side.h), is_start
- * (sag/poly.h), quadratic_first (body/quadratic.h), course_judge (body/torus.c).
+ * (sag/poly.h), quadratic_first (body/quadratic.h), parting_judge (body/torus.c).
  *
  * TMAX.  Each way to a root computes another t.  So the first root and the first of all roots might differ
  * next to tmax.  The ways that are there for speed leave a root within END_ERRORS times its t_err of tmax

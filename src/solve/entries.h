@@ -88,13 +88,13 @@ SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
                      .reserved_ = {0, 0}};
 }
 
-/* A hit or a graze, with lo and hi about t. */
-SGT_INLINE sgt_hit hit_found(sgt_status status, int evals, double t, double t_err, double t_lo, double f,
-                             sgt_vec3 p, sgt_vec3 n, double p_err)
+/* A hit or a graze, with lo and hi about t.  f: F there as computed.  Of h, what a hit reports is read. */
+SGT_INLINE sgt_hit hit_found(sgt_status status, int evals, double f, const meeting *h)
 {
-    sgt_interval about = sgt_about(t, t_err);
-    return (sgt_hit){.status = status, .evals = evals, .t = t, .t_err = t_err, .t_lo = t_lo, .lo = about.lo,
-                     .hi = about.hi, .f = f, .p = p, .n = n, .p_err = p_err, .reserved_ = {0, 0}};
+    sgt_interval about = sgt_about(h->t, h->t_err);
+    return (sgt_hit){.status = status, .evals = evals, .t = h->t, .t_err = h->t_err, .t_lo = h->t_lo,
+                     .lo = about.lo, .hi = about.hi, .f = f, .p = h->p, .n = h->n, .p_err = h->p_err,
+                     .reserved_ = {0, 0}};
 }
 
 /* An undecided answer about [lo, hi], cut to the ray's ends.  If nothing is left of it, it is about the
@@ -168,7 +168,7 @@ SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_mov
     if (w->stopped) return hit_without(SGT_STOPPED, ray, w->evals - w->before);
     if (!(h->t_err < HUGE_VAL && h->p_err < HUGE_VAL))
         return hit_without(SGT_UNPROVEN, ray, w->evals - w->before);
-    return hit_found(status, w->evals - w->before, h->t, h->t_err, h->t_lo, f, h->p, h->n, h->p_err);
+    return hit_found(status, w->evals - w->before, f, h);
 }
 
 /* The result of a search for the first entry: that entry, or a miss. */

@@ -275,7 +275,7 @@ static bool probe_next(sgt_root *r)
 static bool root_probe_begin(sgt_root *r, double g, double slope)
 {
     if (P(least) > 0) { /* a lower bound on |g'| makes a look beside the root needless */
-        certified known = certified_of(r->t, g, r->g_err, P(least), r->lo, r->hi);
+        certified known = certified_of(r->t, g, r->g_err, root_searched(r));
         r->t_err = known.tau_err;
         if (known.inside) return finish(r, SGT_HIT);
     }

@@ -12,22 +12,21 @@ enum { SGT_DEFAULT_EVALS = 2000 };
 /* Its stages (root.c).  QUICK_NONE: the solver goes through those of the careful search. */
 enum { QUICK_NONE, QUICK_NEWTON, QUICK_LEFT, QUICK_RIGHT };
 
-/* The quick form in [lo, hi], from tau.  It ends with SGT_HIT, or with SGT_UNPROVEN if it has no answer.
+/* The quick form, from tau.  It ends with SGT_HIT, or with SGT_UNPROVEN if it has no answer.
  *
  *     last     the size of the step before
  *     first    |g| where the search began; negative: |g| at tau
- *     least    a lower bound on |g'| all along [lo, hi]; 0: not known
  *
  * At the end r.hi is t + t_err; the look behind the root, if there was one; with f_tol, hi. */
-SGT_INLINE sgt_root root_quickly(double lo, double hi, double tau, double last, double first, double least,
-                                 double t_tol, double f_tol)
+SGT_INLINE sgt_root root_quickly(searched in, double tau, double last, double first, double t_tol,
+                                 double f_tol)
 {
     sgt_root r;
-    r.t = tau, r.lo = lo, r.hi = hi, r.t_err = HUGE_VAL, r.evals = 0;
+    r.t = tau, r.lo = in.lo, r.hi = in.hi, r.t_err = HUGE_VAL, r.evals = 0;
     r.move = SGT_SEED, r.status = SGT_UNPROVEN;
     struct sgt_root_private *p = &r.private_;
     p->quick = QUICK_NEWTON, p->probes = 0, p->done = false;
-    p->step = last, p->first = first, p->least = least, p->own = 0;
+    p->step = last, p->first = first, p->least = in.least, p->own = 0;
     p->t_tol = t_tol, p->f_tol = f_tol;
     return r;
 }
@@ -79,12 +78,15 @@ SGT_INLINE bool root_beside(sgt_root *r, double g)
     return quick_probe(r, QUICK_RIGHT);
 }
 
+/* Where the quick form searches. */
+SGT_INLINE searched root_searched(const sgt_root *r) { return (searched){r->lo, r->hi, r->private_.least}; }
+
 /* Newton's step from r->t.  If it is ready, all that rounds F has to be known: private_.own is to be set to
  * the part that r->g_err leaves out. */
 SGT_INLINE newton root_newton(const sgt_root *r, double g, double slope)
 {
     const struct sgt_root_private *p = &r->private_;
-    return newton_of(g, slope, r->g_err, r->t, p->step, r->lo, r->hi, p->t_tol, p->f_tol);
+    return newton_of(g, slope, r->g_err, r->t, p->step, root_searched(r), p->t_tol, p->f_tol);
 }
 
 /* Takes g and g' at r->t, with the step from there: makes it, or ends, or asks to look beside the root.
@@ -105,7 +107,7 @@ SGT_INLINE bool root_quick_next(sgt_root *r, newton s, double g, double slope)
         return quick_ends(r, r->t_err < HUGE_VAL ? SGT_HIT : SGT_UNPROVEN);
     }
     if (p->least > 0) {
-        certified c = certified_of(r->t, g, r->g_err + p->own, p->least, r->lo, r->hi);
+        certified c = certified_of(r->t, g, r->g_err + p->own, root_searched(r));
         if (c.inside) {
             r->t_err = c.tau_err, r->hi = r->t + c.tau_err;
             return quick_ends(r, SGT_HIT);

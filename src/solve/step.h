@@ -39,9 +39,8 @@ typedef struct approach {
     bool known;         /* the local origin is finite, and the direction was scaled exactly */
 } approach;
 
-/* Makes the ray local, and cuts the span to its ends.
+/* Makes the ray local, and cuts the span to its ends (cut: tmin and tmax).
  *
- *     from, to, seed    the span's
  *     back              a root at the near end of the span is to be inside: the end is moved back by so much
  *                       of where it is
  *     everywhere        a ray without a seed and without two ends is searched, too: `nearest` is set
@@ -50,10 +49,11 @@ typedef struct approach {
  *
  * With `early` the stretch begins earlier by a part (2^-4) of how far the ray is from the origin.  So
  * Newton's steps, which may pass the root, do not leave it. */
-SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double from, double to,
-                                double seed, double back, bool everywhere, bool early)
+SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, sgt_interval cut, sgt_interval span, double seed,
+                                double back, bool everywhere, bool early)
 {
     approach a;
+    double tmin = cut.lo, tmax = cut.hi, from = span.lo, to = span.hi;
     double scale = scale_of(d), inverse = inverse_of_scale(d);
     bool passes = from > to;
     double to_end = to, span_from = from;
@@ -98,18 +98,17 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
 
 /* ---------------------------------------------------------------- one evaluation */
 
-/* What is known at x + tau l, with the gradient there: the slope; place, a bound on what rounding of the
- * point does to F; ex, ey, ez, the sums of terms of the point's coordinates, each off by u of them. */
-typedef struct around { double slope, place, ex, ey, ez; } around;
+/* What is known at p = x + tau l, with the gradient n there: the slope; place, a bound on what rounding of
+ * the point does to F; ex, ey, ez, the sums of terms of the point's coordinates, each off by u of them. */
+typedef struct around { double slope, place, ex, ey, ez; sgt_vec3 p, n; } around;
 
 /* none: 0, which replaces a bound that is NaN.  (If gcc could see that it is 0, it would make two ways of
  * it, with a division on each.) */
-SGT_INLINE around around_of(double x, double y, double z, double l, double m, double n, double tau,
-                            sgt_vec3 p, sgt_vec3 grad, double none)
+SGT_INLINE around around_of(const local *q, double tau, sgt_vec3 p, sgt_vec3 grad, double none)
 {
-    around a = {.slope = grad.x * l + grad.y * m + grad.z * n};
-    a.ex = fabs(x) + fabs(tau * l) + fabs(p.x), a.ey = fabs(y) + fabs(tau * m) + fabs(p.y),
-    a.ez = fabs(z) + fabs(tau * n) + fabs(p.z);
+    around a = {.slope = grad.x * q->l + grad.y * q->m + grad.z * q->n, .p = p, .n = grad};
+    a.ex = fabs(q->x) + fabs(tau * q->l) + fabs(p.x), a.ey = fabs(q->y) + fabs(tau * q->m) + fabs(p.y),
+    a.ez = fabs(q->z) + fabs(tau * q->n) + fabs(p.z);
     double place = SGT_U * (a.ex * fabs(grad.x) + a.ey * fabs(grad.y) + a.ez * fabs(grad.z));
     a.place = place >= 0 ? place : none; /* NaN: the gradient says nothing */
     return a;
@@ -143,6 +142,9 @@ SGT_INLINE bool gone_by(double sign_first, double sign_last, double n, double le
 /* The step, to be taken from t: the root of g's tangent. */
 SGT_INLINE double step_of(double g, double slope) { return g / slope; }
 
+/* What is searched: [lo, hi], and a lower bound on |g'| all over it; 0: not known. */
+typedef struct searched { double lo, hi, least; } searched;
+
 /* ready, go: true if not negative.  They are the lesser or greater margin of two conditions, as gcc works
  * with masks one by one, which is as slow as whole rows. */
 typedef struct newton { double step, size, ready, go; } newton;
@@ -153,8 +155,8 @@ typedef struct newton { double step, size, ready, go; } newton;
  * - go: the next point is inside, and the step has shrunk.
  *
  * last is finite, so that an infinite step does not shrink. */
-SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, double last, double lo,
-                            double hi, double t_tol, double f_tol)
+SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, double last, searched in,
+                            double t_tol, double f_tol)
 {
     newton s = {.step = step_of(g, slope)};
     s.size = fabs(s.step);
@@ -162,7 +164,7 @@ SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, do
            next = tau - s.step;
     near = s.size <= most ? near : noisy;
     double by_size = near - fabs(g), by_width = t_tol * fabs(slope) - 2 * (fabs(g) + g_err),
-           behind = next - lo, before = hi - next;
+           behind = next - in.lo, before = in.hi - next;
     s.ready = larger(by_width, by_size); /* by_width may be NaN */
     double inside = behind < before ? behind : before, shrinks = most - s.size;
     s.go = inside < shrinks ? inside : shrinks; /* if one is NaN, so is shrinks */
@@ -182,10 +184,11 @@ SGT_INLINE double width_of(double g, double slope, double g_err, double tau, dou
  * no other, provided that this interval is inside the stretch. */
 typedef struct certified { double tau_err; bool inside; } certified;
 
-SGT_INLINE certified certified_of(double tau, double g, double g_err, double least, double lo, double hi)
+SGT_INLINE certified certified_of(double tau, double g, double g_err, searched in)
 {
-    double e = (fabs(g) + g_err) / least * (1 + 8 * SGT_U), left = tau - e, right = tau + e;
-    return (certified){larger(e, larger(tau - left, right - tau)), (left > lo) & (right < hi) & (least > 0)};
+    double e = (fabs(g) + g_err) / in.least * (1 + 8 * SGT_U), left = tau - e, right = tau + e;
+    return (certified){larger(e, larger(tau - left, right - tau)),
+                       (left > in.lo) & (right < in.hi) & (in.least > 0)};
 }
 
 /* -------------------------------------------------------------------- a root found */
@@ -196,13 +199,16 @@ typedef struct acceptance {
     bool off;     /* the root is certainly not accepted */
 } acceptance;
 
-/* Is the root at tau, known within tau_err, accepted?  (accept.h has the rules.)  p: its point, with the
- * gradient there.  rim2 is infinite without a rim.  If it is nearer to tmax, or to the end of the start's
- * reach, than `margin` times t_err, neither `accepted` nor `off` is set. */
-SGT_INLINE acceptance acceptance_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad,
-                                    around at, double tmin, double tmax, double rim2, double margin)
+/* Within what a root is accepted.  rim2 is infinite without a rim.  Of a root that is nearer to tmax, or to
+ * the end of the start's reach, than `margin` times its t_err, neither `accepted` nor `off` is set. */
+typedef struct limits { double tmin, tmax, rim2, margin; } limits;
+
+/* Is the root at tau, known within tau_err, accepted?  (accept.h has the rules.) */
+SGT_INLINE acceptance acceptance_of(const local *q, double tau, double tau_err, around at, limits in)
 {
     acceptance h;
+    sgt_vec3 p = at.p, grad = at.n;
+    double tmin = in.tmin, tmax = in.tmax, rim2 = in.rim2, margin = in.margin;
     twofold t = two_sum(q->t0, tau);
     double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z),
            width = START_ULPS * terms / fabs(at.slope);
@@ -239,20 +245,20 @@ SGT_INLINE acceptance acceptance_of(const local *q, double tau, double tau_err, 
  *   does to F (proof.c, terms_err), which here is at most half of them. */
 typedef struct sharpened { acceptance h; double tau_err; bool known; } sharpened;
 
-SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, double g, sgt_vec3 p,
-                                  sgt_vec3 grad, around at, double least, double lo, double hi, double tmin,
-                                  double tmax, double rim2, double margin)
+SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, double g, around at,
+                                  searched in, limits ends)
 {
+    sgt_vec3 p = at.p, grad = at.n;
     double own = s.ops->rounding ? s.ops->rounding(s.self, p) : HUGE_VAL;
-    certified c = certified_of(tau, g, at.place + (own >= 0 ? own : HUGE_VAL), least, lo, hi);
-    acceptance h = acceptance_of(q, tau, c.tau_err, p, grad, at, tmin, tmax, rim2, margin);
+    certified c = certified_of(tau, g, at.place + (own >= 0 ? own : HUGE_VAL), in);
+    acceptance h = acceptance_of(q, tau, c.tau_err, at, ends);
     double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z),
-           far = larger(fabs(p.x), larger(fabs(p.y), fabs(p.z))), slope = larger(fabs(at.slope), least),
+           far = larger(fabs(p.x), larger(fabs(p.y), fabs(p.z))), slope = larger(fabs(at.slope), in.least),
            width = START_ULPS * terms / slope * q->scale;
     double hides = own / slope * q->scale;
     bool steady = (own >= 0x1p-1000) & (64 * own <= terms) & (width <= 0x1p-38 * far * q->scale)
                   & (4 * (fabs(g) + at.place) <= own);
-    h.off |= steady & (h.t - hides <= tmin + width) & (hides <= 16 * width);
+    h.off |= steady & (h.t - hides <= ends.tmin + width) & (hides <= 16 * width);
     return (sharpened){h, c.tau_err, c.inside};
 }
 

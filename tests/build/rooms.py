@@ -11,7 +11,7 @@
 - A name that a file keeps to itself (static functions and tables, types, macros) stands in no other file
   of the library, nor in two of the command.
 - Lines have at most 110 columns, also those of tests and examples, and of meson; in public headers 90.
-- Each folder has a README.md of at most 40 lines; that of src/ray, which has the list of searches, 70.
+- Each folder has a README.md of at most 40 lines.
 - Each source file names its licence in its first line (behind #!), unless a program has written it and it
   says so ("Written by ...").  Data for tests need not.
 """
@@ -22,7 +22,7 @@ import sys
 import tempfile
 
 SOURCE = {'.c', '.h', '.cpp', '.hpp'}
-COLUMNS, COLUMNS_PUBLIC, README_LINES, README_LINES_OF = 110, 90, 40, {'ray': 70}
+COLUMNS, COLUMNS_PUBLIC, README_LINES = 110, 90, 40
 LICENCE = 'SPDX-License-Identifier: MIT'
 LICENSED = SOURCE | {'.def', '.in', '.rs', '.py', '.sh', '.f90', '.m'}
 DATA = ('tests/data/', 'tests/fuzz/corpus/', 'tests/fuzz/past/')
@@ -180,9 +180,8 @@ def faults(tree, libraries=()):
     for folder in sorted({p.parent for p in sources(src)}):
         readme = folder / 'README.md'
         lines = len(readme.read_text().splitlines()) if readme.is_file() else 0
-        most = README_LINES_OF.get(readme.parent.name, README_LINES)
-        if not 0 < lines <= most:
-            found.append(f'{readme.relative_to(tree)}: {lines} lines, 1 to {most} are wanted')
+        if not 0 < lines <= README_LINES:
+            found.append(f'{readme.relative_to(tree)}: {lines} lines, 1 to {README_LINES} are wanted')
     return found
 
 

@@ -309,6 +309,15 @@ static void batch(const subject *of, size_t n, const sgt_options *opt)
     sgt_intersect_batch(of->surface, n, arrays(), hits(), opt);
 }
 
+static void batches_of_one(const subject *of, size_t n, const sgt_options *opt)
+{
+    for (size_t i = 0; i < n; i++) {
+        sgt_rays one = arrays();
+        for (int j = 0; j < 3; j++) one.o[j] += i, one.d[j] += i;
+        sgt_intersect_batch(of->surface, 1, one, hits(), opt);
+    }
+}
+
 static void differentiate(const subject *of, size_t n, const sgt_options *opt)
 {
     (void)opt;
@@ -472,6 +481,7 @@ int main(int argc, char **argv)
         ask_case(name, "one ray near the seed", alone, of, ALONE, near);
         ask_case(name, "a batch near the seed", batch, of, MANY, near);
         ask_case(name, "a batch of 5", batch, of, FEW, first);
+        ask_case(name, "a batch of 1", batches_of_one, of, ALONE, first);
         ask_case(name, "one ray proven", alone, of, ALONE, proven);
         ask_case(name, "a batch proven", batch, of, MANY, proven);
         ask_case(name, "every root", every_root, of, ALONE, first);

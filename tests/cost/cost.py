@@ -9,7 +9,7 @@
 
 BUILD is a folder of meson (ninja -C BUILD tests/cost/cost_cases).  Whoever makes a case dearer or cheaper by more
 than 2 % writes the table anew and says why in the commit message.  A case with a t_tol that is dearer than the one without
-is a fault whatever the table says.
+is a fault whatever the table says; so is a batch of 1 that is dearer than the ray by itself and its arrays.
 
 Counted is what runs between the call of `measured` and its return, of the library, the program and libm; not of libc
 and the dynamic linker, which differ from machine to machine.  An instruction of a vector counts as one.  The counts are
@@ -29,6 +29,7 @@ import tempfile
 
 TABLE = pathlib.Path(__file__).with_name('cost.csv')
 LIMIT = 0.02
+ARRAYS = 180  # instructions that read a ray from arrays and write its hit to others
 SKIPPED = 77
 NOT_COUNTED = re.compile(r'/(libc|ld-linux)[-.\w]*$')
 PROCESSOR = 'skylake-avx512'
@@ -162,6 +163,18 @@ def dearer_with_tolerance(costs):
     return faults
 
 
+def dearer_alone(costs):
+    """Prints the cases where a batch of 1 costs more than a tenth more than the ray by itself, and more than what
+    reads and writes the arrays; their number."""
+    faults = 0
+    for case, cost in costs.items():
+        one = costs.get(case.replace(': a batch of 1', ': one ray')) if case.endswith(': a batch of 1') else None
+        if one is not None and cost > max(1.1 * one, one + ARRAYS):
+            print(f'{case}: {cost:.6g}, one ray {one:.6g}')
+            faults += 1
+    return faults
+
+
 def main(build, *words):
     build = pathlib.Path(build)
     if not shutil.which('valgrind'):
@@ -198,7 +211,7 @@ def main(build, *words):
             file.writelines(f'{case},{cost:.6g}\n' for case, cost in costs.items())
         print(f'{len(costs)} cases written')
         return 0
-    faults = compare(table, costs, '--all' in words) + dearer_with_tolerance(costs)
+    faults = compare(table, costs, '--all' in words) + dearer_with_tolerance(costs) + dearer_alone(costs)
     print(f'{len(costs)} cases, {faults} faults (more than {LIMIT:.0%} from {TABLE.name})')
     return 1 if faults else 0
 

@@ -19,7 +19,7 @@ static void test_certified(void **state)
         double lo = tau - off * log_uniform(&g, 1e-2, 1e2), hi = tau + off * log_uniform(&g, 1e-2, 1e2);
         if (chance(&g, 0.1)) lo = tau;
         if (chance(&g, 0.1)) hi = tau;
-        certified c = certified_of(tau, value, g_err, least, lo, hi);
+        certified c = certified_of(tau, value, g_err, (searched){lo, hi, least});
         if (!c.inside) continue;
         /* g - g_err and g + g_err have unlike signs at tau +- off; there `least` holds in the stretch alone
          */
@@ -55,9 +55,9 @@ static void test_certain_to_be_off(void **state)
                    .scale = scale};
         if (chance(&g, 0.3)) tmax = t0 * scale + uniform(&g, -4, 4) * tau_err * scale;
         sgt_vec3 grad = {uniform(&g, -0.3, 0.3), uniform(&g, -0.3, 0.3), 1};
-        around at = around_of(q.x, q.y, q.z, q.l, q.m, q.n, 0, p, grad, 0);
+        around at = around_of(&q, 0, p, grad, 0);
         double margin = chance(&g, 0.5) ? 0 : END_ERRORS;
-        acceptance h = acceptance_of(&q, 0, tau_err, p, grad, at, tmin, tmax, rim2, margin);
+        acceptance h = acceptance_of(&q, 0, tau_err, at, (limits){tmin, tmax, rim2, margin});
         REQUIRE(!(h.accepted && h.off), "case %ld: it counts, and certainly not", i);
         off += h.off, counted += h.accepted;
         if (h.off && !(tmax < FAR))

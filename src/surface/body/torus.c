@@ -208,14 +208,14 @@ typedef double row[BLOCK];
  *
  * When seek and left are 0, nothing changes any more.  So the result does not depend on how many rays go
  * together.  (Each has a row of its own: from conditions on one number gcc makes branches.) */
-typedef struct torus_course {
+typedef struct torus_parting {
     row x, y, z, l, m, n, t0, scale;
     row lo, hi, enter, leave;    /* no root is outside [lo, hi], nor between enter and leave */
     row kappa, inside;           /* bounds on G'' / 2: from below, and from above inside the tube */
     row start, at;               /* tmin; a margin about it for rounding, by its magnitude */
     row tau, side, from, to, seek, left, none, met;
     row g, b, bend, g_err, b_err, radius, one; /* of one step: at tau, with the signs of `side` */
-} torus_course;
+} torus_parting;
 
 typedef struct torus_look { tube at; double b, g_err, b_err, terms; } torus_look;
 
@@ -238,7 +238,7 @@ SGT_INLINE torus_look torus_look_of(const torus_ring *s, sgt_vec3 p, double l, d
     return e;
 }
 
-SGT_INLINE torus_look torus_look_at(const torus_ring *s, const torus_course *c, size_t i, double tau)
+SGT_INLINE torus_look torus_look_at(const torus_ring *s, const torus_parting *c, size_t i, double tau)
 {
     double l = c->l[i], m = c->m[i], n = c->n[i], x = c->x[i] + tau * l, y = c->y[i] + tau * m,
            z = c->z[i] + tau * n;
@@ -246,7 +246,7 @@ SGT_INLINE torus_look torus_look_at(const torus_ring *s, const torus_course *c, 
                          fabs(c->y[i]) + fabs(tau * m) + fabs(y), fabs(c->z[i]) + fabs(tau * n) + fabs(z));
 }
 
-SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt_vec3 o, sgt_vec3 d,
+SGT_INLINE void parting_begin(const torus_ring *s, torus_parting *c, size_t i, sgt_vec3 o, sgt_vec3 d,
                              double tmin)
 {
     near_ray r = near_ray_of(d);
@@ -321,7 +321,7 @@ SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt
 }
 
 /* Is there one root, and is it not the start? */
-SGT_INLINE void course_judge(const torus_ring *s, torus_course *c, size_t i)
+SGT_INLINE void parting_judge(const torus_ring *s, torus_parting *c, size_t i)
 {
     double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i], a = l * l + m * m;
     torus_look e = torus_look_at(s, c, i, tau);
@@ -353,7 +353,7 @@ SGT_INLINE void course_judge(const torus_ring *s, torus_course *c, size_t i)
 
 /* Moves to a point with no root before it.  If the root is found, moves to that of the parabola with g, its
  * slope and its bend at tau. */
-SGT_INLINE void course_move(torus_course *c, size_t i)
+SGT_INLINE void parting_move(torus_parting *c, size_t i)
 {
     double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i],
            A = (l * l + m * m) + n * n, g = c->g[i], b = c->b[i];
@@ -379,31 +379,31 @@ SGT_INLINE void course_move(torus_course *c, size_t i)
 }
 
 SGT_KERNEL
-static void torus_begin(const torus_ring *shared, torus_course *c, size_t n, const double *const o[3],
+static void torus_begin(const torus_ring *shared, torus_parting *c, size_t n, const double *const o[3],
                         const double *const d[3], const double *tmin)
 {
     const torus_ring s = *shared;
     const double *ox = o[0], *oy = o[1], *oz = o[2], *dx = d[0], *dy = d[1], *dz = d[2];
     LANES for (size_t i = 0; i < n; i++)
-        course_begin(&s, c, i, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, tmin[i]);
+        parting_begin(&s, c, i, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, tmin[i]);
 }
 
 SGT_KERNEL
-static void torus_judge(const torus_ring *shared, torus_course *c, size_t n)
+static void torus_judge(const torus_ring *shared, torus_parting *c, size_t n)
 {
     const torus_ring s = *shared;
-    LANES for (size_t i = 0; i < n; i++) course_judge(&s, c, i);
+    LANES for (size_t i = 0; i < n; i++) parting_judge(&s, c, i);
 }
 
 SGT_KERNEL
-static void move(torus_course *c, size_t n)
+static void move(torus_parting *c, size_t n)
 {
-    LANES for (size_t i = 0; i < n; i++) course_move(c, i);
+    LANES for (size_t i = 0; i < n; i++) parting_move(c, i);
 }
 
 /* 0 if all rays have finished. */
 SGT_KERNEL
-static double unfinished(const torus_course *c, size_t n)
+static double unfinished(const torus_parting *c, size_t n)
 {
     double more = 0;
     _Pragma("omp simd reduction(+ : more)") for (size_t i = 0; i < n; i++) more += c->seek[i] + c->left[i];
@@ -412,7 +412,7 @@ static double unfinished(const torus_course *c, size_t n)
 
 /* single: gives [from, to] where a root was found.  Otherwise the span, with its seed. */
 SGT_KERNEL
-static void end(const torus_course *c, size_t n, bool single, double *lo, double *hi, double *seed,
+static void end(const torus_parting *c, size_t n, bool single, double *lo, double *hi, double *seed,
                 bool *is_single)
 {
     LANES for (size_t i = 0; i < n; i++) {
@@ -428,7 +428,7 @@ static void end(const torus_course *c, size_t n, bool single, double *lo, double
 static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, sgt_spans out)
 {
     torus_ring s = ring_of(self);
-    torus_course c;
+    torus_parting c;
     row whole;
     WENT(WAY_PARTED);
     for (size_t i = 0; i < BLOCK; i++) whole[i] = -HUGE_VAL;

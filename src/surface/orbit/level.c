@@ -174,7 +174,7 @@ static bool add_root(level_walk *w, sgt_status status, double tau, double tau_er
             return true;
         }
     }
-    sgt_hit hit = hit_found(status, 0, h.t, h.t_err, h.t_lo, f, h.p, h.n, h.p_err);
+    sgt_hit hit = hit_found(status, 0, f, &h);
     level_add(w, &hit);
     return true;
 }

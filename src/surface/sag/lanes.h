@@ -93,8 +93,9 @@ SGT_INLINE easy_answer easy_unscaled(lane *e, double scale)
 /* The hit of a single ray, as in a tile. */
 SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
 {
-    return hit_found(SGT_HIT, evals, e->t, e->t_err, e->t_lo, f, (sgt_vec3){e->px, e->py, e->pz},
-                     (sgt_vec3){e->nx, e->ny, 1}, e->p_err);
+    meeting h = {.t = e->t, .t_lo = e->t_lo, .t_err = e->t_err, .p_err = e->p_err,
+                 .p = {e->px, e->py, e->pz}, .n = {e->nx, e->ny, 1}};
+    return hit_found(SGT_HIT, evals, f, &h);
 }
 
 /* Where the second loop writes.  Outputs that are not wanted go to one array in the first-level cache. */
