@@ -6,8 +6,8 @@
  *
  * THREADS AND PARTS.  Functions that take a const launcher may run in any number of
  * threads, if its allocator may.  The answer for a ray depends on that ray alone, so rays
- * may be traced in parts; sums are taken in the order of the rays.  Bits do not depend on
- * threads or parts.
+ * may be traced in parts; sums over rays are exact, and rounded once.  Bits do not depend
+ * on threads or parts.
  *
  *     sgt_launcher *from = sgt_launcher_new(lens, NULL, &error);
  *     sgt_field_beam beam;
@@ -286,16 +286,20 @@ typedef struct sgt_wavefront {
 SGT_API sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[],
                                        const double opd[], const double error[]);
 
+/* Values at points of the unit circle: each array has `count` numbers, the values in any
+ * unit. */
+typedef struct sgt_pupil_values {
+    size_t count;
+    const double *x, *y, *value, *weight;
+} sgt_pupil_values;
+
 /* The least-squares fit of the first `terms` Zernike polynomials.
  *
  *     order       SGT_NOLL: the mean square of each over the circle is 1.  SGT_FRINGE:
  *                 its value at the edge is 1 (sgt_zernike of surfaces.h, `normalised` 1
  *                 and 0)
  *     terms       how many polynomials
- *     count       how many points; a point with a NaN does not count
- *     x, y        [count], in the unit circle
- *     value       [count], in any unit
- *     weight      [count]
+ *     at          the values; a point with a NaN does not count
  *     coefficient [terms], written, in the unit of the values
  *     residual    NULL, or written: the root of the weighted mean square that is left
  *     allocator   NULL: malloc
@@ -303,11 +307,67 @@ SGT_API sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[],
  * By Householder's reflections: a coefficient is good to some roundings times the
  * condition of the points.  false: no memory, or the points do not determine all
  * coefficients: `error` (may be NULL) says which. */
-SGT_API bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count,
-                             const double x[], const double y[], const double value[],
-                             const double weight[], double coefficient[],
+SGT_API bool sgt_zernike_fit(sgt_zernike_order order, size_t terms,
+                             const sgt_pupil_values *at, double coefficient[],
                              double *residual, const sgt_allocator *allocator,
                              sgt_error *error);
+
+/* --------------------------------------------------------------- sums from many places
+ *
+ * The same for rays that come in parts, from threads or machines: parts of any size, in
+ * any order, added one by one or merged, make the same bits.
+ *
+ *     sgt_sums *a = sgt_sums_new(SGT_SUMS_SPOT, &about, NULL), *b = ...
+ *     sgt_sums_add(a, n, end, NULL, NULL);        in one place
+ *     size = sgt_sums_write(b, room, bytes);      in another, after the like
+ *     sgt_sums_merge(a, b);                       of what sgt_sums_read made of bytes
+ *     spot = sgt_sums_spot(a, false);
+ *
+ * Each sum is exact, whatever its summands, and rounded once.  Among infinities and NaN
+ * their set decides: a NaN, or infinities of both signs, make it NaN. */
+typedef struct sgt_sums sgt_sums;
+
+typedef enum sgt_sums_kind {
+    SGT_SUMS_SPOT = 1,       /* of points, about a given one */
+    SGT_SUMS_WAVEFRONT       /* of path differences */
+} sgt_sums_kind;
+
+/* Empty sums.
+ *
+ *     about      of a spot: the reference, taken as exact; NULL: 0, 0
+ *     allocator  NULL: malloc.  It lasts as long as the sums
+ *
+ * NULL: no memory. */
+SGT_API sgt_sums *sgt_sums_new(sgt_sums_kind kind, const sgt_vec2 *about,
+                               const sgt_allocator *allocator);
+SGT_API void      sgt_sums_free(sgt_sums *sums); /* NULL: nothing */
+
+/* Adds rays.  opd, error: of a wavefront, as for sgt_wavefront_of; else NULL. */
+SGT_API void sgt_sums_add(sgt_sums *sums, size_t count, const sgt_ray_end end[],
+                          const double opd[], const double error[]);
+
+/* Adds all that `more` has.  false: it is of another kind, or about another point, and
+ * nothing is added. */
+SGT_API bool sgt_sums_merge(sgt_sums *sums, const sgt_sums *more);
+
+/* What the rays so far make; sums can still be added to.
+ *
+ *     centroid  false: about the reference, as sgt_spot_of of one group.  true: about the
+ *               centroid; `geometric` is NaN, since it needs the rays once more
+ *
+ * Of sums of another kind all lengths are NaN, and counts 0. */
+SGT_API sgt_spot      sgt_sums_spot(const sgt_sums *sums, bool centroid);
+SGT_API sgt_wavefront sgt_sums_wavefront(const sgt_sums *sums);
+
+/* The sums as bytes, the same on every system: a head with a version, and a checksum.
+ * Returns how many bytes they take; they are written only if `room` suffices. */
+SGT_API size_t sgt_sums_write(const sgt_sums *sums, size_t room, unsigned char bytes[]);
+
+/* The sums of bytes.  NULL: `error` (may be NULL) says what is wrong with them, and has
+ * `name` as its file: not sums, of a later version, cut off or damaged; or no memory. */
+SGT_API sgt_sums *sgt_sums_read(const char *name, size_t size,
+                                const unsigned char bytes[],
+                                const sgt_allocator *allocator, sgt_error *error);
 
 /* ------------------------------------------------------------------ curves of a field */
 

@@ -518,6 +518,24 @@ typedef struct sgt_pupil_point { double x, y, weight; } sgt_pupil_point;
 SGT_API size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t most,
                                 sgt_pupil_point at[]);
 
+/* A pattern of which any points can be made when they are needed, in any thread.
+ *
+ *     pattern, n, seed  as for sgt_pupil_points
+ *     allocator         NULL: malloc
+ *
+ * NULL: no memory.  It takes 8 bytes for each of the n rows of a grid or of cells, and
+ * for each 64 points of Sobol's sequence. */
+typedef struct sgt_pupil sgt_pupil;
+SGT_API sgt_pupil *sgt_pupil_new(sgt_pattern pattern, size_t n, uint64_t seed,
+                                 const sgt_allocator *allocator);
+SGT_API void       sgt_pupil_free(sgt_pupil *pupil); /* NULL: nothing */
+SGT_API size_t     sgt_pupil_count(const sgt_pupil *pupil);
+
+/* Sets at[0 ... count - 1] to the points from number `first` on, counted from 0: the bits
+ * that sgt_pupil_points sets. */
+SGT_API void sgt_pupil_part(const sgt_pupil *pupil, size_t first, size_t count,
+                            sgt_pupil_point at[]);
+
 /* Some of the points of a random pattern, so that they can be made when they are needed,
  * in any thread.
  *

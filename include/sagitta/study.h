@@ -15,9 +15,10 @@
  * tables which columns its rows have and which settings it takes (sgt_column,
  * sgt_setting): so a program can ask for any by its name, and print what comes.
  *
- * NUMBERS.  Rays are traced in blocks of 128 points; sums add the rays of a block, then
- * the blocks, each in their order.  So bits do not depend on threads, and memory does not
- * grow with the number of rays.  Each number that comes from traced rays has a bound on
+ * NUMBERS.  Rays are traced in blocks of 128 points.  Sums over rays are exact, and
+ * rounded once, or those of blocks are added in a tree of the blocks' numbers.  So bits
+ * depend neither on threads nor on machines (sgt_shard), and memory does not grow with
+ * the number of rays.  Each number that comes from traced rays has a bound on
  * what rounding does to it, or its certain `digits`.
  *
  * AIMED RAYS.  If a field has 256 points or more at a wavelength, most of its aimed rays
@@ -35,6 +36,26 @@ extern "C" {
 
 /* A wavelength: that of the lens with this number, from 1; 0: `um` micrometres. */
 typedef struct sgt_wavelength { size_t number; double um; } sgt_wavelength;
+
+/* One of several shares of a study, for as many machines; or the study put together of
+ * them.  Which rays a share has depends on its number alone.
+ *
+ *     number  1 to `of`: this share is computed, and given to `write`.  Rows and remarks
+ *             are not told, and totals are those of the share.
+ *             0: what all `of` shares wrote is asked for by `read`, share by share from
+ *             its beginning on, and the answer is that of one run, to the bit
+ *     write, read  false: it failed, and so does the study
+ *
+ * Study, analysis and options have to be the same each time, and so have the members of
+ * the sink that are not NULL.  What is written is made for the same version of the
+ * library on a machine of the same kind; whoever keeps it has to guard it. */
+typedef struct sgt_shard {
+    size_t number, of;
+    void  *context;
+    bool (*write)(void *context, size_t size, const void *bytes);
+    bool (*read)(void *context, size_t number, size_t size, void *bytes);
+    unsigned long long reserved_[2];
+} sgt_shard;
 
 /* Zeros are the defaults. */
 typedef struct sgt_study_options {
@@ -80,7 +101,8 @@ typedef struct sgt_study_options {
     /* Each point of the pupil weighs alike.  false: by the area that it stands for, as
      * sgt_pupil_points has it; only points of a hexapolar pattern differ in that */
     bool equal_weights;
-    unsigned long long reserved_[3]; /* leave it zero */
+    const sgt_shard *shard;  /* NULL: all of it, here */
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_study_options;
 
 typedef struct sgt_study sgt_study;
@@ -269,7 +291,9 @@ typedef struct sgt_sink {
      * 0 among those of the study, `surface` among the image surfaces */
     void (*ends)(void *context, size_t field, size_t surface, size_t wavelength,
                  size_t count, const sgt_ray_end end[]);
-    unsigned long long reserved_[4];
+    size_t ends_most; /* 0: all of them; else the first so many of each spot, or some
+                         more: up to the end of their block */
+    unsigned long long reserved_[3];
 } sgt_sink;
 
 /* Computes an analysis of a study.

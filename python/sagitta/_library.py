@@ -521,7 +521,8 @@ class StudyOptions(Structure):
         ("run", c_void_p),
         ("context", c_void_p),
         ("equal_weights", c_bool),
-        ("reserved_", Words * 3),
+        ("shard", c_void_p),
+        ("reserved_", Words * 2),
     ]
 
 

@@ -12,7 +12,7 @@
 static const command *const commands[] = {
     &command_intersect, &command_trace, &command_diagnose, &command_info, &command_spot, &command_fan,
     &command_opd, &command_field, &command_map, &command_sweep, &command_tolerance,
-    &command_edit, &command_import, &command_trade,
+    &command_edit, &command_import, &command_trade, &command_join,
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -27,6 +27,13 @@ static bool command_at(size_t place, command *c)
         for (size_t k = 0; k < COMMANDS; k++) own = own || strcmp(a->name, commands[k]->name) == 0;
         if (!own && place-- == COMMANDS) return *c = look_command(a), true;
     }
+    return false;
+}
+
+bool command_named(const char *name, command *c)
+{
+    for (size_t i = 0; command_at(i, c); i++)
+        if (strcmp(name, c->name) == 0) return true;
     return false;
 }
 
@@ -80,8 +87,7 @@ int main(int argc, char *argv[])
     require_arithmetic();
     const char *name = argc > 1 ? argv[1] : "";
     command c;
-    for (size_t i = 0; command_at(i, &c); i++) {
-        if (strcmp(name, c.name) != 0) continue;
+    if (command_named(name, &c)) {
         char full[40]; /* in messages of getopt */
         snprintf(full, sizeof full, "sagitta %s", name);
         argv[1] = full;

@@ -70,6 +70,8 @@ input input_map(const char *path, bool *mapped)
     return input_read(path);
 }
 
+void input_note(const void *from, size_t size) { (void)from, (void)size; }
+
 void input_leave(const void *from, size_t length) { (void)from, (void)length; }
 
 const char *input_try(const char *path, input *in)

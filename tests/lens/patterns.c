@@ -112,6 +112,31 @@ static void test_random(void)
     REQUIRE(sizeof far < 8 || some[150].x != at[50].x, "numbers of 32 bits");
 }
 
+/* Any part of a pattern is that of the whole, to the bit. */
+static void test_parts(void)
+{
+    enum { MOST = 2000 };
+    static const struct { sgt_pattern pattern; size_t n; } each[] = {
+        {SGT_PATTERN_FAN, 301}, {SGT_PATTERN_GRID, 41}, {SGT_PATTERN_GRID, 2}, {SGT_PATTERN_HEXAPOLAR, 21},
+        {SGT_PATTERN_RANDOM, 1000}, {SGT_PATTERN_SOBOL, 1300}, {SGT_PATTERN_CELLS, 40},
+        {SGT_PATTERN_CROSS, 99}, {SGT_PATTERN_FAN, 1},
+    };
+    static sgt_pupil_point all[MOST], some[MOST];
+    for (size_t k = 0; k < sizeof each / sizeof *each; k++) {
+        sgt_pupil *p = sgt_pupil_new(each[k].pattern, each[k].n, 5, NULL);
+        const size_t count = sgt_pupil_points(each[k].pattern, each[k].n, 5, MOST, all);
+        REQUIRE(p && sgt_pupil_count(p) == count && count < MOST, "pattern %zu: %zu points", k, count);
+        for (size_t first = 0; first < count; first += 1 + first / 5)
+            for (size_t part = 1; first + part <= count; part += 1 + part / 2) {
+                sgt_pupil_part(p, first, part, some);
+                REQUIRE(memcmp(some, all + first, part * sizeof *some) == 0, "pattern %zu: %zu from %zu", k,
+                        part, first);
+            }
+        sgt_pupil_free(p);
+    }
+    sgt_pupil_free(NULL);
+}
+
 /* Rays by column are those one by one, to the bit. */
 static void test_columns(void)
 {
@@ -191,6 +216,7 @@ int main(void)
     test_pattern(SGT_PATTERN_RANDOM, 40000, 40000, 1e-2);
     test_alone();
     test_random();
+    test_parts();
     test_columns();
     test_exact();
     printf("seed 1\n%d faults\n", faults);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-/* study_threads.c - the bytes of every analysis for any number of threads: study_threads LENS...
+/* study_threads.c - the bytes of every analysis for any number of threads and shards: study_threads LENS...
  *
  * Each analysis of the library's own table is asked of each lens, with its default rays and with more, aimed
  * as the lens says and at the real stop.  It is asked without threads first.  Then tasks go backward, and
  * into 1 to 7 threads, of which the one that asks works, or only waits.  All that the sink is given has to be
  * the same bytes, and to come from the thread that asks.
+ *
+ * Each question is also asked in 1, 3 or 7 shards, whose bytes are kept in memory, and joined of these.
  *
  * Of the fourteen ways with threads every third is tried of a question, other ones of the next: each analysis
  * meets all of them.  With SAGITTA_TEST_SCALE=1 or more each question is asked in each way, below 0.1 in
@@ -128,6 +130,58 @@ static told ask(const sgt_lens *lens, const sgt_analysis *of, sgt_study_options 
     return t;
 }
 
+/* What shards have written, and how much of each was read. */
+enum { SHARDS = 7 };
+typedef struct kept_shards {
+    size_t now, size[SHARDS], room[SHARDS], read[SHARDS];
+    char *bytes[SHARDS];
+} kept_shards;
+
+static bool write_shard(void *context, size_t size, const void *bytes)
+{
+    kept_shards *k = context;
+    const size_t i = k->now;
+    if (k->size[i] + size > k->room[i]) {
+        k->room[i] = 2 * (k->size[i] + size);
+        k->bytes[i] = realloc(k->bytes[i], k->room[i]);
+        if (!k->bytes[i]) exit(2);
+    }
+    memcpy(k->bytes[i] + k->size[i], bytes, size);
+    k->size[i] += size;
+    return true;
+}
+
+static bool read_shard(void *context, size_t number, size_t size, void *bytes)
+{
+    kept_shards *k = context;
+    const size_t i = number - 1;
+    if (k->size[i] - k->read[i] < size) return false;
+    memcpy(bytes, k->bytes[i] + k->read[i], size);
+    k->read[i] += size;
+    return true;
+}
+
+/* The last shard first, each in another number of threads. */
+static told ask_in_shards(const sgt_lens *lens, const sgt_analysis *of, sgt_study_options how, size_t count)
+{
+    kept_shards kept = {.now = 0};
+    sgt_shard shard = {.of = count, .context = &kept, .write = write_shard, .read = read_shard};
+    how.shard = &shard;
+    for (shard.number = count; shard.number > 0; shard.number--) {
+        way w = {.threads = 1 + (int)shard.number % 3};
+        kept.now = shard.number - 1;
+        told t = ask(lens, of, how, &w);
+        if (t.rows) printf("%s: a shard tells rows\n", of->name), exit(1);
+        free(t.bytes);
+    }
+    told joined = ask(lens, of, how, NULL);
+    for (size_t i = 0; i < count; i++) {
+        if (kept.read[i] != kept.size[i]) printf("%s: not all of a shard is read\n", of->name), exit(1);
+        free(kept.bytes[i]);
+    }
+    return joined;
+}
+
 static size_t compare(const char *name, const sgt_lens *lens, const sgt_analysis *of,
                       const sgt_study_options *how, int nth)
 {
@@ -147,6 +201,11 @@ static size_t compare(const char *name, const sgt_lens *lens, const sgt_analysis
         }
         free(other.bytes);
     }
+    const size_t shards = (const size_t[]){1, 3, SHARDS}[nth % 3];
+    told joined = ask_in_shards(lens, of, *how, shards);
+    if (joined.size != first.size || memcmp(joined.bytes, first.bytes, first.size) != 0)
+        printf("%s %s: other bytes, %zu shards\n", name, of->name, shards), faults++;
+    free(joined.bytes);
     if (!first.rows && !how->across) printf("%s %s: no rows\n", name, of->name);
     free(first.bytes);
     return faults;

@@ -47,8 +47,8 @@ static double apart(const sgt_opd_row ray[], size_t rays, const sgt_zernike_row 
         number[3 * rays + i] = 1;
         if (!isnan(ray[i].opd)) size = fmax(size, fabs(ray[i].opd));
     }
-    const bool fits = sgt_zernike_fit(SGT_NOLL, TERMS, rays, number, number + rays, number + 2 * rays,
-                                      number + 3 * rays, coefficient, &residual, NULL, NULL);
+    const sgt_pupil_values at = {rays, number, number + rays, number + 2 * rays, number + 3 * rays};
+    const bool fits = sgt_zernike_fit(SGT_NOLL, TERMS, &at, coefficient, &residual, NULL, NULL);
     free(number);
     if (!fits || isnan(term[0].coefficient)) return fits == !isnan(term[0].coefficient) ? 0 : HUGE_VAL;
     for (int j = 0; j < TERMS; j++) off = fmax(off, fabs(term[j].coefficient - coefficient[j]));

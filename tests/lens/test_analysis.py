@@ -347,7 +347,10 @@ def test_turned_image():
         other = written(SINGLET.replace('{type: plane}', '{type: plane, ' + image + '}'))
         for command in (('field',), ('opd', '--summary')):
             for a, b in zip(rows(*command[:1], straight, *command[1:]), rows(*command[:1], other, *command[1:])):
-                equal({k: b[k] for k in b if k != 'fate'}, {k: a[k] for k in a if k != 'fate'}, image)
+                equal({k: b[k] for k in b if k not in ('fate', 'digits')},
+                      {k: a[k] for k in a if k not in ('fate', 'digits')}, image)
+                # (the bound of a mirror's direction is another one)
+                assert abs(int(a['digits']) - int(b['digits'])) <= 1, (a, b)
 
 
 STOP_BEHIND = """units: mm

@@ -45,12 +45,13 @@ static bool find_motions(asked *a)
     double *has = sgt_asked_room(a, a->paths);
     sgt_lens *copy = a->paths && has ? sgt_lens_copy(f->lens, a->error) : NULL;
     bool fine = copy || !a->paths;
+    const moved_lens moved = {&f->by, copy, has, f->x, &f->how, &a->in, &a->at};
     if (copy) memcpy(has, f->x, a->paths * sizeof *has);
     for (size_t m = 0; m < a->paths && fine; m++) {
         motion *to = &a->motion[m];
         to->by = sgt_asked_room(a, a->in.end), to->error = sgt_asked_room(a, a->in.end);
         if (sgt_asked_failed(a)) break;
-        fine = sgt_motion_of(&f->by, m, copy, has, f->x, &f->how, &a->in, &a->at, to, a->error);
+        fine = sgt_motion_of(&moved, m, to, a->error);
         if (fine || !f->none || strcmp(a->error->words, "no memory") == 0) continue;
         f->none[m] = fine = true, to->beams = false; /* it moves nothing */
         memset(to->by, 0, a->in.end * sizeof *to->by), memset(to->error, 0, a->in.end * sizeof *to->error);

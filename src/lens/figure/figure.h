@@ -84,11 +84,19 @@ sgt_figure *sgt_figure_by(const sgt_lens *lens, const sgt_study_options *study, 
                           const lens_numbers *by, const double x[], sgt_error *error);
 bool sgt_figure_has_none(const sgt_figure *f, size_t m);
 
-/* (motion.c) By number m of those of the lens, `wanted`.  copy: a lens that may be edited; has: its numbers,
- * which go on with it.  false: `error` names the path. */
-bool sgt_motion_of(const lens_numbers *of, size_t m, sgt_lens *copy, double has[], double wanted[],
-                   const looking *how, const layout *at, const look_of_lens *now, motion *out,
-                   sgt_error *error);
+/* (motion.c) A lens that is moved by its numbers: a copy that may be edited, with the numbers it has and
+ * those that are wanted; how its rays' numbers are looked at, where they stand, and what they are now. */
+typedef struct moved_lens {
+    const lens_numbers *of;
+    sgt_lens *copy;
+    double *has, *wanted;       /* [of->count] */
+    const looking *how;
+    const layout *at;
+    const look_of_lens *now;
+} moved_lens;
+
+/* By number m of those wanted.  false: `error` names the path. */
+bool sgt_motion_of(const moved_lens *l, size_t m, motion *out, sgt_error *error);
 
 /* (rays.c) Rays of one field and slot: launched, traced, and gone back. */
 enum { FLOCK = 64 };

@@ -79,29 +79,22 @@ static double scale_of(const sgt_lens *lens, const char *path, double x)
 }
 
 /* What is asked: by number m. */
-typedef struct asking {
-    const lens_numbers *of;
-    size_t m;
-    sgt_lens *copy;
-    double *has, *wanted; /* [of->count]: the numbers that the copy has, and those of the lens */
-    const looking *how;
-    const layout *at;
-    bool inverse;
-} asking;
+typedef struct asking { const moved_lens *lens; size_t m; bool inverse; } asking;
 
 /* Looks at the lens with `to` in place of its number m. */
 static bool look_with(const asking *a, double to, look_of_lens *l, sgt_error *error)
 {
-    layout same = *a->at;
-    const double x = a->wanted[a->m];
+    const moved_lens *of = a->lens;
+    layout same = *of->at;
+    const double x = of->wanted[a->m];
     *l = (look_of_lens){.study = NULL};
-    a->wanted[a->m] = to;
-    const bool put = a->of->put(a->of->context, a->copy, a->has, a->wanted, error);
-    if (put) memcpy(a->has, a->wanted, a->of->count * sizeof *a->has);
-    a->wanted[a->m] = x;
-    if (!put || !sgt_look_begin(l, a->copy, a->how, false, error)) return false;
+    of->wanted[a->m] = to;
+    const bool put = of->of->put(of->of->context, of->copy, of->has, of->wanted, error);
+    if (put) memcpy(of->has, of->wanted, of->of->count * sizeof *of->has);
+    of->wanted[a->m] = x;
+    if (!put || !sgt_look_begin(l, of->copy, of->how, false, error)) return false;
     return sgt_look_list(l, &same, false) ||
-           refuses(error, a->of->path[a->m], "it changes what there is, not how much");
+           refuses(error, of->of->path[a->m], "it changes what there is, not how much");
 }
 
 /* Does the focal length, or the size of a pupil, change too much over the stencil? */
@@ -208,21 +201,23 @@ static void end_stencil(stencil *s)
     for (int k = 0; k < 2 * POINTS; k++) sgt_look_end(&s->at[k]);
 }
 
-bool sgt_motion_of(const lens_numbers *of, size_t m, sgt_lens *copy, double has[], double wanted[],
-                   const looking *how, const layout *at, const look_of_lens *now, motion *out,
-                   sgt_error *error)
+bool sgt_motion_of(const moved_lens *l, size_t m, motion *out, sgt_error *error)
 {
+    const lens_numbers *of = l->of;
+    const looking *how = l->how;
+    const layout *at = l->at;
+    const look_of_lens *now = l->now;
     const char *path = of->path[m];
-    const double x = wanted[m];
+    const double x = l->wanted[m];
     const bool inverse = !of->step && is_radius(path);
-    const asking a = {of, m, copy, has, wanted, how, at, inverse};
+    const asking a = {l, m, inverse};
     stencil s = {.lines = false};
     sgt_error first = {.line = 0}, unread;
     if (!isfinite(x))
         return refuses(error, path,
                        inverse ? "no derivative by an infinite radius; take its curvature"
                                : "no derivative by an infinite number");
-    const double scale = inverse ? 1 / fabs(x) : scale_of(copy, path, x);
+    const double scale = inverse ? 1 / fabs(x) : scale_of(l->copy, path, x);
     s.h = of->step ? of->step[m] : ldexp(1, ilogb(scale) - STEP);
     bool fine = false;
     for (int i = 0; i < TRIES && !fine; i++) {
@@ -249,7 +244,7 @@ bool sgt_motion_of(const lens_numbers *of, size_t m, sgt_lens *copy, double has[
         return false;
     }
     if (lost) return refuses(error, path, "no derivative: there is no exit pupil or focal length beside it");
-    find_turns(copy, at, now, out);
+    find_turns(l->copy, at, now, out);
     /* where a wavefront begins is the same for all rays of a field: it may jump, and has no say */
     for (size_t i = at->beams + BEAM_WAVE; i < at->stop; i += BEAM_NUMBERS) out->by[i] = out->error[i] = 0;
     out->beams = !all_zero(out->by, at->beams, at->first);

@@ -18,7 +18,7 @@
  * for what is nearer to it than to the next.
  *
  * PARTS.  A point is made from its number, so that any part of a pattern can be made by itself.  Of a grid
- * that needs the number of each row's first point, of Sobol's sequence the place of every PUPIL_PART-th point
+ * that needs the number of each row's first point, of Sobol's sequence the place of every SOBOL_PART-th point
  * in it. In a row the points in the circle are neighbours, symmetric about the middle, and x^2 + y^2 as it is
  * rounded falls nowhere from the middle on: so bisection finds the last of them. */
 #include "pattern.h"
@@ -262,6 +262,8 @@ size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t mos
 
 /* ------------------------------------------------------------------ in parts */
 
+enum { SOBOL_PART = 64 };
+
 void sgt_pupil_random(size_t n, uint64_t seed, size_t first, size_t count, sgt_pupil_point at[])
 {
     random_points(seed, first, count, at, 1 / (double)n);
@@ -269,7 +271,7 @@ void sgt_pupil_random(size_t n, uint64_t seed, size_t first, size_t count, sgt_p
 
 size_t sgt_pupil_rows(sgt_pattern pattern, size_t n)
 {
-    return is_net(pattern) ? n + 1 : pattern == SGT_PATTERN_SOBOL ? n / PUPIL_PART + 1 : 0;
+    return is_net(pattern) ? n + 1 : pattern == SGT_PATTERN_SOBOL ? n / SOBOL_PART + 1 : 0;
 }
 
 sgt_pupil sgt_pupil_of(sgt_pattern pattern, size_t n, uint64_t seed, size_t row[])
@@ -284,13 +286,14 @@ sgt_pupil sgt_pupil_of(sgt_pattern pattern, size_t n, uint64_t seed, size_t row[
     }
     uint32_t k = 0;
     for (size_t i = 0; i < n && pattern == SGT_PATTERN_SOBOL; i++) {
-        if (i % PUPIL_PART == 0) row[i / PUPIL_PART] = k;
+        if (i % SOBOL_PART == 0) row[i / SOBOL_PART] = k;
         k = sobol_next(k, &unused);
     }
     p.sum = weight_of(pattern, n, p.count);
     return p;
 }
 
+/* At most PUPIL_PART of them. */
 static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
 {
     size_t low = 0, high = p->n, row_first = 0, row_end = 0, begin = 0;
@@ -307,7 +310,9 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
         const size_t middle = low + (high - low) / 2;
         *(p->row[middle] <= first ? &low : &high) = middle;
     }
-    uint32_t k = p->pattern == SGT_PATTERN_SOBOL ? (uint32_t)p->row[first / PUPIL_PART] : 0;
+    uint32_t k = p->pattern == SGT_PATTERN_SOBOL ? (uint32_t)p->row[first / SOBOL_PART] : 0;
+    for (size_t i = first / SOBOL_PART * SOBOL_PART; i < first && p->pattern == SGT_PATTERN_SOBOL; i++)
+        k = sobol_next(k, at);
     if (p->pattern == SGT_PATTERN_HEXAPOLAR) {
         hexapolar_points(first, count, p->n, at);
         for (size_t i = 0; i < count; i++) at[i].weight /= p->sum;
@@ -333,6 +338,10 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
 
 void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
 {
-    part_of(p, first, count, at);
+    for (size_t done = 0, part; done < count; done += part) { /* up to where a part of Sobol's ends */
+        const size_t left = PUPIL_PART - (first + done) % PUPIL_PART;
+        part = count - done < left ? count - done : left;
+        part_of(p, first + done, part, at + done);
+    }
     for (size_t i = 0; i < count && p->equal; i++) at[i].weight = 1 / (double)p->count;
 }

@@ -7,7 +7,7 @@
 
 enum { PUPIL_PART = 128 };
 
-typedef struct sgt_pupil {
+struct sgt_pupil {
     sgt_pattern pattern;
     size_t n, count;
     uint64_t seed;
@@ -15,16 +15,13 @@ typedef struct sgt_pupil {
     const size_t *row;
     const sgt_pupil_point *given; /* single points; NULL: the pattern */
     bool equal;                   /* each weighs 1 / count */
-} sgt_pupil;
+    sgt_allocator allocator;      /* of one that was made by sgt_pupil_new */
+};
 
 /* How many numbers `row` of sgt_pupil_of needs. */
 size_t sgt_pupil_rows(sgt_pattern pattern, size_t n);
 
 /* The pattern.  row lasts as long as it is used. */
 sgt_pupil sgt_pupil_of(sgt_pattern pattern, size_t n, uint64_t seed, size_t row[]);
-
-/* The points first ... first + count - 1 of sgt_pupil_points, to the bit.  first is a multiple of PUPIL_PART,
- * and count at most PUPIL_PART. */
-void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[]);
 
 #endif

@@ -54,27 +54,41 @@ static double ideal_here(const sgt_launcher *from, const sgt_field_beam *b, cons
     return there - slope * data->image;
 }
 
+/* A chief ray of a field, and how it went through a lens at its wavelength. */
+typedef struct chief_course {
+    const sgt_launcher *from;
+    const sgt_field_beam *beam;
+    const sgt_element *element;
+    double before;
+    const sgt_first_order *data;
+    const sgt_ray *launch;
+    const sgt_passage *passages;
+} chief_course;
+
+/* Where the rays near it meet; NULL: not known.  And the direction of the field on the image. */
+typedef struct near_rays { const sgt_sections *sections; sgt_vec3 along; } near_rays;
+
 /* The same of an afocal image space: angles in milliradians, and vergences. */
-static void tell_angles(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                        double before, const sgt_first_order *data, const field_way *way, sgt_vec3 along,
-                        const sgt_sections *sections, bool known, const sgt_ray *chief,
-                        const sgt_passage *last, sgt_field_point *out)
+static void tell_angles(const chief_course *c, const field_way *way, const near_rays *near,
+                        sgt_field_point *out)
 {
-    const double MILLI = 1e3;
-    const sgt_vec3 d = last->direction, axis = {0, 0, copysign(1, d.z)};
+    const double MILLI = 1e3, before = c->before;
+    const sgt_element *e = c->element;
+    const sgt_passage *last = &c->passages[c->from->lens->count - 1];
+    const sgt_vec3 d = last->direction, axis = {0, 0, copysign(1, d.z)}, along = near->along;
     double index = before == 0 ? 1 : before;
-    for (size_t i = 0; i + 1 < from->lens->count; i++)
+    for (size_t i = 0; i + 1 < c->from->lens->count; i++)
         if (e[i].index != SGT_MIRROR && e[i].index != 0) index = e[i].index;
-    if (known) {
-        const double s = sections->focus[0], t = sections->focus[1];
+    if (near->sections) {
+        const double s = near->sections->focus[0], t = near->sections->focus[1];
         out->sagittal = isnan(s) ? 0 : index / s, out->tangential = isnan(t) ? 0 : index / t;
     }
     sgt_ray_end end = {.p = last->hit.p, .d = d, .p_err = out->error}, angles;
-    end.d_err = sgt_direction_error(from, e, before, chief, &end);
+    end.d_err = sgt_direction_error(c->from, e, before, c->launch, &end);
     sgt_ends_as_angles(&axis, 1, &end, &angles);
     out->image = (sgt_vec2){angles.p.x, angles.p.y}, out->error = angles.p_err;
     const double slope = (d.x * along.x + d.y * along.y) / hypot(along.x, along.y) / d.z;
-    const double ideal = b->finite ? (double)NAN : data->angular_magnification * way->size;
+    const double ideal = c->beam->finite ? (double)NAN : c->data->angular_magnification * way->size;
     out->ideal = MILLI * atan(ideal);
     if (ideal != 0) out->distortion = (slope - ideal) / ideal;
 }
@@ -93,38 +107,39 @@ static size_t lacking(size_t elements, const sgt_element e[], double before, con
 }
 
 /* What the passages of a chief ray tell. */
-static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                       double before, const sgt_first_order *data, sgt_distortion distortion,
-                       const sgt_ray *chief, const sgt_passage passages[], sgt_field_point *out)
+static void tell_curve(const chief_course *c, sgt_distortion distortion, sgt_field_point *out)
 {
-    const size_t count = from->lens->count;
-    const field_way way = way_of(b, chief, distortion);
-    const sgt_passage *last = &passages[count - 1];
-    sgt_vec3 along = {way.h.x, way.h.y, 0};
+    const size_t count = c->from->lens->count;
+    const sgt_element *e = c->element;
+    const field_way way = way_of(c->beam, c->launch, distortion);
+    const sgt_passage *last = &c->passages[count - 1];
+    near_rays near = {.along = {way.h.x, way.h.y, 0}};
     sgt_end_error off;
-    sgt_parabasal near;
+    sgt_parabasal first_order;
     sgt_sections sections;
-    sgt_trace_error(count, e, before, chief, passages, &off);
+    sgt_trace_error(count, e, c->before, c->launch, c->passages, &off);
     out->image = (sgt_vec2){last->hit.p.x, last->hit.p.y};
     out->error = off.point + 4 * off.grain;
     if (isnan(out->error)) out->error = HUGE_VAL;
-    const bool known = sgt_parabasal_about(&(sgt_chief_ray){count, e, before, chief, passages, b->finite},
-                                           (sgt_vec3){way.h.y, -way.h.x, 0}, &near, &sections);
-    if (!known) out->lacks = lacking(count, e, before, chief, passages);
+    const sgt_chief_ray chief = {count, e, c->before, c->launch, c->passages, c->beam->finite};
+    const bool known =
+        sgt_parabasal_about(&chief, (sgt_vec3){way.h.y, -way.h.x, 0}, &first_order, &sections);
+    if (!known) out->lacks = lacking(count, e, c->before, c->launch, c->passages);
     if (known) {
         out->sagittal = sections.focus[0] * last->direction.z;
         out->tangential = sections.focus[1] * last->direction.z;
-        along = sections.along[1];
+        near = (near_rays){&sections, sections.along[1]};
     }
-    const double height =
-        (out->image.x * along.x + out->image.y * along.y) / hypot(along.x, along.y);
-    if (from->lens->afocal) {
-        tell_angles(from, b, e, before, data, &way, along, &sections, known, chief, last, out);
+    const double height = (out->image.x * near.along.x + out->image.y * near.along.y) /
+                          hypot(near.along.x, near.along.y);
+    if (c->from->lens->afocal) {
+        tell_angles(c, &way, &near, out);
         return;
     }
     const bool here =
         distortion == SGT_DISTORTION_TAN_SURFACE || distortion == SGT_DISTORTION_THETA_SURFACE;
-    out->ideal = (here ? ideal_here(from, b, data, before) : ideal_of(b, data, before)) * way.size;
+    out->ideal = (here ? ideal_here(c->from, c->beam, c->data, c->before)
+                       : ideal_of(c->beam, c->data, c->before)) * way.size;
     if (out->ideal != 0) out->distortion = (height - out->ideal) / out->ideal;
 }
 
@@ -151,8 +166,8 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
             passed = sgt_trace_through(count, own, index_before, &chief.ray, open, passages, &out->fate);
         out->aimed = chief.status, out->within = chief.within;
         out->element = passed < count ? passed : count - 1;
-        if (passed == count)
-            tell_curve(from, &b, open, index_before, data, distortion, &chief.ray, passages, out);
+        const chief_course c = {from, &b, open, index_before, data, &chief.ray, passages};
+        if (passed == count) tell_curve(&c, distortion, out);
     }
     sgt_launch_forget(from, own);
     sgt_launch_forget(from, passages);

@@ -40,14 +40,14 @@ static void middle_of_block(const pass *p, size_t i, size_t count, sgt_ray_end e
 {
     const energy *e = p->data;
     sgt_spots_angles(&e->of, i, count, end);
-    sgt_middle_add(sum, count, end);
+    sgt_middle_add(sum, (sgt_vec2){0, 0}, count, end);
 }
 
-static void keep_middle(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
+static void keep_middle(const pass *p, size_t i, const sgt_fates *fates, void *sum)
 {
     energy *e = p->data;
-    (void)count, (void)end;
-    sgt_middle_join(&e->middle[i], sum, 1);
+    (void)fates;
+    e->middle[i] = sgt_middle_rounded(sum);
 }
 
 static void energy_points(energy *e, bool centroid)
@@ -140,8 +140,11 @@ static bool count_all(energy *e, const sgt_pupil *points, bool centroid, bool co
     if (a->failed) return false;
     if (counts) p.wanted |= END_POINT_ERROR; /* coarse: for its fraction alone */
     a->counts = false;
-    p.size = sizeof(spot_middle), p.block = middle_of_block, p.take = keep_middle;
+    p.before = true; /* the point, and the radii */
+    p.size = sizeof(middle_sum), p.block = middle_of_block, p.merge = sgt_spots_merge_middles;
+    p.end = keep_middle;
     if (centroid && !sgt_ask_pass(&p)) return false;
+    p.merge = NULL, p.end = NULL;
     energy_points(e, centroid);
     p.size = sizeof(double), p.block = far_of_block, p.take = keep_far;
     if (!e->radius) {
@@ -154,6 +157,7 @@ static bool count_all(energy *e, const sgt_pupil *points, bool centroid, bool co
     e->beyond = sgt_ask_room(a, cells, sizeof *e->beyond);
     if (a->failed) return false;
     a->counts = counts;
+    p.before = false;
     p.size = (2 * e->steps + 1) * sizeof(double), p.block = count_block, p.take = keep_counts;
     return sgt_ask_pass(&p);
 }

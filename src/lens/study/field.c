@@ -93,7 +93,7 @@ static bool ask_field(sgt_asking *a)
                                        "dioptres");
     const rounds r = {.tasks = (c.steps ? c.steps : a->fields) * a->bands, .size = sizeof(curve_point),
                       .data = &c, .work = curve_work, .take = curve_take};
-    if (!sgt_ask_rounds(a, &r)) return false;
+    if (!sgt_shard_rounds(a, &r)) return false;
     if (afocal)
         sgt_ask_say(a, SGT_STUDY_LEGEND,
                     "Vergences at the last surface, in dioptres (1/m); angles of the chief "

@@ -48,8 +48,9 @@ static void share_take(const pass *p, size_t i, size_t count, const sgt_ray_end 
     w->of[i].all += more->all, w->of[i].passed += more->passed, w->of[i].lost += more->lost;
 }
 
-static void share_end(const pass *p, size_t i, const sgt_fates *fates)
+static void share_end(const pass *p, size_t i, const sgt_fates *fates, void *sum)
 {
+    (void)sum;
     const shares *w = p->data;
     w->fates[i] = *fates;
 }

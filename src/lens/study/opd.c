@@ -30,9 +30,11 @@ typedef struct opds {
 
 typedef struct differences {
     double waves[PUPIL_PART], error[PUPIL_PART];
-    sgt_wavefront_sum sum;
     size_t without;             /* rays that passed and have none */
 } differences;
+
+/* The same, summed up. */
+typedef struct summed { sgt_wavefront_sum sum; size_t without; } summed;
 
 static bool opd_chief(void *data, size_t i, void *slot)
 {
@@ -97,7 +99,6 @@ static void opd_block(const pass *p, size_t i, size_t count, sgt_ray_end end[], 
         d->error[k] *= scale;
     }
     for (size_t k = 0; k < count; k++) d->without += end[k].fate == SGT_PASSED && isnan(d->waves[k]);
-    sgt_wavefront_add(&d->sum, count, end, d->waves, d->error);
 }
 
 /* "field 2", and the wavelength where there are several. */
@@ -157,9 +158,9 @@ static void opd_take(const pass *p, size_t i, size_t count, const sgt_ray_end en
     }
 }
 
-static void opd_end(const pass *p, size_t i, const sgt_fates *fates)
+static void opd_end(const pass *p, size_t i, const sgt_fates *fates, void *sum)
 {
-    (void)fates;
+    (void)fates, (void)sum;
     opd_say_empty(p->data, i);
 }
 
@@ -175,19 +176,30 @@ static bool ask_opd(sgt_asking *a)
 
 /* ------------------------------------------------------------------- summed up */
 
-static void front_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
+static void front_block(const pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum)
 {
-    opds *w = p->data;
-    const differences *d = sum;
-    (void)count, (void)end;
-    w->without[i] += d->without;
-    sgt_wavefront_join(&w->sum[i], &d->sum);
+    differences d = {.without = 0};
+    summed *f = sum;
+    opd_block(p, i, count, end, &d);
+    f->without = d.without;
+    sgt_wavefront_add(&f->sum, count, end, d.waves, d.error);
 }
 
-static void front_end(const pass *p, size_t i, const sgt_fates *fates)
+static void front_merge(const void *p, void *into, const void *more)
+{
+    summed *f = into;
+    const summed *other = more;
+    (void)p;
+    f->without += other->without;
+    sgt_wavefront_merge(&f->sum, &other->sum);
+}
+
+static void front_end(const pass *p, size_t i, const sgt_fates *fates, void *sum)
 {
     opds *w = p->data;
-    w->fates[i] = *fates;
+    const summed *f = sum;
+    w->fates[i] = *fates, w->without[i] = f->without;
+    memcpy(&w->sum[i], &f->sum, sizeof f->sum);
 }
 
 static bool front_sums(sgt_asking *a, opds *w, const sgt_pupil *points, bool counts)
@@ -197,7 +209,7 @@ static bool front_sums(sgt_asking *a, opds *w, const sgt_pupil *points, bool cou
     w->fates = sgt_ask_room(a, w->cells, sizeof *w->fates);
     a->counts = counts;
     if (!counts || a->study->rms_alone) p.wanted = OPD_OF_END; /* coarse: for its rms alone */
-    p.take = front_take, p.end = front_end;
+    p.size = sizeof(summed), p.block = front_block, p.merge = front_merge, p.end = front_end;
     return !a->failed && sgt_ask_pass(&p);
 }
 
@@ -206,7 +218,6 @@ static bool ask_wavefront(sgt_asking *a)
     opds w;
     if (!opds_begin(a, &w) || !front_sums(a, &w, &a->coarse, false)) return false;
     const sgt_wavefront_sum *coarse = w.sum;
-    memset(w.without, 0, w.cells * sizeof *w.without);
     if (!front_sums(a, &w, &a->fine, true)) return false;
     for (size_t i = 0; i < w.cells; i++) {
         const sgt_wavefront front = sgt_wavefront_sum_of(&w.sum[i]), half = sgt_wavefront_sum_of(&coarse[i]);
@@ -266,7 +277,7 @@ typedef struct zernike_work {
     double *residual;           /* [cells] */
     double *coefficient;        /* [cells * terms] */
     zernike_triangle own, *about; /* of the cell that is fitted by blocks; [cells], of the sample */
-    double *own_room, *sums;    /* sums: [cells * room] */
+    double *own_room;
     zernike_block block;
 } zernike_work;
 
@@ -290,11 +301,11 @@ static void zernike_take(const pass *p, size_t i, size_t count, const sgt_ray_en
     sgt_zernike_absorb(&z->own, &z->block);
 }
 
-static void zernike_end(const pass *p, size_t i, const sgt_fates *fates)
+static void zernike_end(const pass *p, size_t i, const sgt_fates *fates, void *sum)
 {
     const opds *w = p->data;
     zernike_work *z = w->zernike;
-    (void)fates;
+    (void)fates, (void)sum;
     if (z->pending[i])
         z->fits[i] = sgt_zernike_solve(&z->own, z->coefficient + i * z->terms, &z->residual[i]);
     z->own = sgt_zernike_triangle_in(z->terms, z->own_room);
@@ -309,48 +320,47 @@ static void sample_take(const pass *p, size_t i, size_t count, const sgt_ray_end
     sgt_zernike_absorb(&z->about[i], &z->block);
 }
 
-static void sample_end(const pass *p, size_t i, const sgt_fates *fates)
+static void sample_end(const pass *p, size_t i, const sgt_fates *fates, void *sum)
 {
     const opds *w = p->data;
     zernike_work *z = w->zernike;
-    (void)fates;
+    (void)fates, (void)sum;
     z->pending[i] = !sgt_zernike_solve(&z->about[i], z->coefficient + i * z->terms, NULL);
 }
 
-/* Of a block: what other analyses have, then the sums, then room for the columns. */
-static double *sums_of_block(void *sum) { return (double *)((differences *)sum + 1); }
-
+/* The sums of a block: how many rays passed and have no difference, then those of zernike_fit.h. */
 static void sums_block(const pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum)
 {
     const opds *w = p->data;
     const zernike_work *z = w->zernike;
-    double *sums = sums_of_block(sum);
-    zernike_block b = {.column = sums + sgt_zernike_sums_room(z->terms)};
-    opd_block(p, i, count, end, sum);
+    double *without = sum;
+    zernike_block b = {.column = without + 1 + sgt_zernike_sums_room(z->terms)};
+    differences d = {.without = 0};
+    opd_block(p, i, count, end, &d);
+    *without = (double)d.without;
     if (z->pending[i]) return;
-    zernike_block_in(w, count, end, sum, &b);
-    sgt_zernike_sums(&z->about[i], z->coefficient + i * z->terms, &b, sums);
+    zernike_block_in(w, count, end, &d, &b);
+    sgt_zernike_sums(&z->about[i], z->coefficient + i * z->terms, &b, without + 1);
 }
 
-static void sums_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
+static void sums_merge(const void *of, void *into, const void *more)
+{
+    const pass *p = of;
+    double *to = into;
+    const double *other = more;
+    for (size_t k = 0; k < p->size / sizeof *to; k++) to[k] += other[k];
+}
+
+static void sums_end(const pass *p, size_t i, const sgt_fates *fates, void *sum)
 {
     opds *w = p->data;
-    const size_t room = sgt_zernike_sums_room(w->zernike->terms);
-    const double *more = (const double *)((const differences *)sum + 1);
-    double *to = w->zernike->sums + i * room;
-    (void)count, (void)end;
-    w->without[i] += ((const differences *)sum)->without;
-    for (size_t k = 0; k < room; k++) to[k] += more[k];
-}
-
-static void sums_end(const pass *p, size_t i, const sgt_fates *fates)
-{
-    const opds *w = p->data;
     zernike_work *z = w->zernike;
+    double *without = sum;
     (void)fates;
+    w->without[i] = (size_t)*without;
     if (z->pending[i]) return;
-    z->fits[i] = sgt_zernike_joined(&z->about[i], z->sums + i * sgt_zernike_sums_room(z->terms),
-                                    z->coefficient + i * z->terms, &z->residual[i]);
+    z->fits[i] = sgt_zernike_joined(&z->about[i], without + 1, z->coefficient + i * z->terms,
+                                    &z->residual[i]);
     z->pending[i] = !z->fits[i];
 }
 
@@ -376,34 +386,35 @@ static bool zernike_begin(opds *w, zernike_work *z)
 static bool zernike_by_sums(opds *w, zernike_work *z)
 {
     sgt_asking *a = w->ask;
-    const size_t triangle = sgt_zernike_triangle_room(z->terms), room = sgt_zernike_sums_room(z->terms);
+    const size_t triangle = sgt_zernike_triangle_room(z->terms);
     const size_t across = (size_t)ceil(sqrt(1.28 * SAMPLE * (double)z->terms)); /* 4 / pi: in the circle */
     size_t *row = sgt_ask_room(a, sgt_pupil_rows(SGT_PATTERN_CELLS, across) + 1, sizeof *row);
     double *rooms = sgt_ask_room(a, w->cells * triangle, sizeof *rooms);
     z->about = sgt_ask_room(a, w->cells, sizeof *z->about);
-    z->sums = sgt_ask_room(a, w->cells * room, sizeof *z->sums);
     if (a->failed) return false;
     for (size_t i = 0; i < w->cells; i++)
         z->about[i] = sgt_zernike_triangle_in(z->terms, rooms + i * triangle);
     const sgt_pupil sample = sgt_pupil_of(SGT_PATTERN_CELLS, across, 1, row);
     pass p = opd_pass(a, w, &sample);
-    p.wanted = OPD_OF_END, p.takes_ends = true, p.take = sample_take, p.end = sample_end;
+    p.wanted = OPD_OF_END, p.takes_ends = true, p.take = sample_take, p.end = sample_end, p.before = true;
     a->counts = false;
     if (!sgt_ask_pass(&p)) return false;
     a->counts = true;
     p = opd_pass(a, w, &a->fine);
     p.wanted = OPD_OF_END;
-    p.size = sizeof(differences) + (room + sgt_zernike_block_room(z->terms)) * sizeof(double);
-    p.block = sums_block, p.take = sums_take, p.end = sums_end;
+    p.size = (1 + sgt_zernike_sums_room(z->terms)) * sizeof(double);
+    p.spare = sgt_zernike_block_room(z->terms) * sizeof(double);
+    p.block = sums_block, p.merge = sums_merge, p.end = sums_end;
     if (!sgt_ask_pass(&p)) return false;
     a->counts = false;
     return true;
 }
 
-/* By blocks: the cells that are pending. */
-static bool zernike_by_blocks(opds *w)
+/* By blocks: the cells that are pending; `rest`: those that sums have left. */
+static bool zernike_by_blocks(opds *w, bool rest)
 {
     pass p = opd_pass(w->ask, w, &w->ask->fine);
+    p.alone = rest;
     p.wanted = OPD_OF_END, p.takes_ends = true, p.take = zernike_take, p.end = zernike_end;
     return sgt_ask_pass(&p);
 }
@@ -438,10 +449,11 @@ static bool ask_zernike(sgt_asking *a)
     if (!opds_begin(a, &w)) return false;
     zernike_work z;
     if (!zernike_begin(&w, &z)) return false;
-    if (z.terms <= SUMS_MOST && a->fine.count >= WORTH * z.terms && !zernike_by_sums(&w, &z)) return false;
+    const bool sums = z.terms <= SUMS_MOST && a->fine.count >= WORTH * z.terms;
+    if (sums && !zernike_by_sums(&w, &z)) return false;
     bool some = false;
     for (size_t i = 0; i < w.cells; i++) some = some || z.pending[i];
-    if (some && !zernike_by_blocks(&w)) return false;
+    if (some && !zernike_by_blocks(&w, sums)) return false;
     for (size_t i = 0; i < w.cells; i++) zernike_rows(&w, i);
     opd_say_legend(&w);
     sgt_ask_say(a, SGT_STUDY_LEGEND, "Zernike polynomials in %s over px, py.",

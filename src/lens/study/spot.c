@@ -1,29 +1,60 @@
 // SPDX-License-Identifier: MIT
 /* spot.c - the spot of rays at the last element.
  *
- * SUMS are made of a block of rays, and those of the blocks are added: about a point that is known, so that
- * nothing cancels.  About the centroid the rays are therefore traced twice.
+ * SUMS over rays are exact (exact.h): products with weights and squares of distances are not rounded, so
+ * neither blocks nor their order have a part in a bit.  About the centroid the rays are traced twice: the
+ * largest distance from a point needs the point.
  *
  * ERROR.  An rms is a norm of the distances, each weighted: if each point is off by p_err, it is off by
  * the same norm of the p_err at most (the triangle inequality).  So is the centroid, by their mean, and
- * hence the rms about it by no more.  Sums of n terms are off by n roundings.
+ * hence the rms about it by no more.  What is left is rounding, in units of 2^-53 of the rms: that of a
+ * distance counts once, that of the three sums half each, and of their sum, quotient and root half, half and
+ * one; for wavelengths together two for each.
  *
  * DIGITS is what rounding leaves certain of the rms; SAMPLING is another matter: how much the rms changes if
  * half as many rays across the pupil are taken. */
+#include "run.h"
 #include "spot.h"
 
 #include <string.h>
 
 /* ---------------------------------------------------------------------- sums */
 
-void sgt_middle_add(spot_middle *m, size_t count, const sgt_ray_end end[])
+/* Rays of one weight: their number, and what was not added yet. */
+typedef struct same_weight { double w; size_t rays; exact_run first, second, off; } same_weight;
+
+static void middle_end_of(same_weight *r, middle_sum *m)
 {
+    sgt_exact_run_end(&r->first, &m->x, r->w), sgt_exact_run_end(&r->second, &m->y, r->w);
+    sgt_exact_run_end(&r->off, &m->off, r->w), exact_add_product(&m->w, (double)r->rays, r->w);
+    r->rays = 0;
+}
+
+void sgt_middle_add(middle_sum *m, sgt_vec2 from, size_t count, const sgt_ray_end end[])
+{
+    same_weight r = {.first = RUN_OF_FIRST, .second = RUN_OF_FIRST, .off = RUN_OF_FIRST};
     for (size_t i = 0; i < count; i++) {
         const sgt_ray_end *e = &end[i];
         if (e->fate != SGT_PASSED) continue;
-        m->w += e->weight, m->x += e->weight * e->p.x, m->y += e->weight * e->p.y;
-        m->off += e->weight * e->p_err;
+        if (e->weight != r.w || r.rays == RUN_MOST) middle_end_of(&r, m), r.w = e->weight;
+        r.rays++;
+        exact_run_add(&r.first, &m->x, r.w, e->p.x - from.x);
+        exact_run_add(&r.second, &m->y, r.w, e->p.y - from.y);
+        exact_run_add(&r.off, &m->off, r.w, e->p_err);
     }
+    middle_end_of(&r, m);
+}
+
+void sgt_middle_merge(middle_sum *m, const middle_sum *more)
+{
+    sgt_exact_merge(&m->w, &more->w), sgt_exact_merge(&m->off, &more->off);
+    sgt_exact_merge(&m->x, &more->x), sgt_exact_merge(&m->y, &more->y);
+}
+
+spot_middle sgt_middle_rounded(const middle_sum *m)
+{
+    return (spot_middle){sgt_exact_value(&m->w, NULL), sgt_exact_value(&m->x, NULL),
+                         sgt_exact_value(&m->y, NULL), sgt_exact_value(&m->off, NULL)};
 }
 
 void sgt_middle_join(spot_middle *m, const spot_middle *more, double weight)
@@ -42,22 +73,47 @@ sgt_vec2 sgt_middle_of(const spot_middle *m)
 /* Of the square of the largest distance: below it a distance is less, however the squares are rounded. */
 static const double NEARER = 0.999;
 
-void sgt_spread_add(spot_spread *s, sgt_vec2 about, size_t count, const sgt_ray_end end[])
+static void spread_end_of(same_weight *r, spread_sum *s)
 {
+    sgt_exact_run_end(&r->first, &s->x2, r->w), sgt_exact_run_end(&r->second, &s->y2, r->w);
+    sgt_exact_run_end(&r->off, &s->off, r->w), exact_add_product(&s->w, (double)r->rays, r->w);
+    r->rays = 0;
+}
+
+void sgt_spread_add(spread_sum *s, sgt_vec2 about, size_t count, const sgt_ray_end end[])
+{
+    same_weight r = {.first = RUN_OF_SQUARE, .second = RUN_OF_SQUARE, .off = RUN_OF_SQUARE};
     s->rays += count;
     for (size_t i = 0; i < count; i++) {
         const sgt_ray_end *e = &end[i];
         if (e->fate != SGT_PASSED) continue;
-        const double w = e->weight, x = e->p.x - about.x, y = e->p.y - about.y;
-        s->passed++;
-        s->w += w, s->x2 += w * x * x, s->y2 += w * y * y, s->off += w * e->p_err * e->p_err;
+        const double x = e->p.x - about.x, y = e->p.y - about.y;
+        if (e->weight != r.w || r.rays == RUN_MOST) spread_end_of(&r, s), r.w = e->weight;
+        r.rays++, s->passed++;
+        exact_run_square(&r.first, &s->x2, r.w, x), exact_run_square(&r.second, &s->y2, r.w, y);
+        exact_run_square(&r.off, &s->off, r.w, e->p_err);
         if (!(x * x + y * y < NEARER * s->far * s->far)) s->far = fmax(s->far, hypot(x, y));
     }
+    spread_end_of(&r, s);
+}
+
+void sgt_spread_merge(spread_sum *s, const spread_sum *more)
+{
+    s->rays += more->rays, s->passed += more->passed, s->far = fmax(s->far, more->far);
+    sgt_exact_merge(&s->w, &more->w), sgt_exact_merge(&s->off, &more->off);
+    sgt_exact_merge(&s->x2, &more->x2), sgt_exact_merge(&s->y2, &more->y2);
+}
+
+spot_spread sgt_spread_rounded(const spread_sum *s)
+{
+    return (spot_spread){.rays = s->rays, .passed = s->passed, .far = s->far,
+                         .w = sgt_exact_value(&s->w, NULL), .x2 = sgt_exact_value(&s->x2, NULL),
+                         .y2 = sgt_exact_value(&s->y2, NULL), .off = sgt_exact_value(&s->off, NULL)};
 }
 
 void sgt_spread_join(spot_spread *s, const spot_spread *more, double weight)
 {
-    s->rays += more->rays, s->passed += more->passed, s->far = fmax(s->far, more->far);
+    s->rays += more->rays, s->passed += more->passed, s->far = fmax(s->far, more->far), s->joined++;
     if (weight == 0) return;
     s->w += weight * more->w, s->x2 += weight * more->x2, s->y2 += weight * more->y2;
     s->off += weight * more->off;
@@ -77,44 +133,26 @@ sgt_spot sgt_spread_of(const spot_spread *s, sgt_vec2 about)
     if (!(s->w > 0)) return out;
     out.reference = about, out.geometric = isnan(about.x + about.y) ? none : s->far;
     out.rms_x = sqrt(s->x2 / s->w), out.rms_y = sqrt(s->y2 / s->w), out.rms = sqrt((s->x2 + s->y2) / s->w);
-    out.error = sqrt(s->off / s->w) + (double)s->passed * 0x1p-52 * out.rms;
+    out.error = sqrt(s->off / s->w) + (double)(2 + s->joined) * 0x1p-51 * out.rms;
     return out;
-}
-
-/* A group in blocks, as a study has it. */
-static void middle_of_group(const sgt_ends *g, spot_middle *m)
-{
-    for (size_t first = 0, left; first < g->count; first += PUPIL_PART) {
-        spot_middle part = {.w = 0};
-        left = g->count - first;
-        sgt_middle_add(&part, left < PUPIL_PART ? left : PUPIL_PART, g->end + first);
-        sgt_middle_join(m, &part, 1);
-    }
-}
-
-static void spread_of_group(const sgt_ends *g, sgt_vec2 about, spot_spread *s)
-{
-    for (size_t first = 0, left; first < g->count; first += PUPIL_PART) {
-        spot_spread part = {.rays = 0};
-        left = g->count - first;
-        sgt_spread_add(&part, about, left < PUPIL_PART ? left : PUPIL_PART, g->end + first);
-        sgt_spread_join(s, &part, 1);
-    }
 }
 
 sgt_spot sgt_spot_of(size_t groups, const sgt_ends group[], const sgt_vec2 *reference)
 {
+    static const sgt_vec2 origin;
     spot_middle middle = {.w = 0};
     spot_spread all = {.rays = 0};
     for (size_t g = 0; g < groups && !reference; g++) {
-        spot_middle own = {.w = 0};
-        middle_of_group(&group[g], &own);
+        middle_sum of = {.w = {{0}, 0, 0}};
+        sgt_middle_add(&of, origin, group[g].count, group[g].end);
+        const spot_middle own = sgt_middle_rounded(&of);
         sgt_middle_join(&middle, &own, group[g].weight);
     }
     const sgt_vec2 about = reference ? *reference : sgt_middle_of(&middle);
     for (size_t g = 0; g < groups; g++) {
-        spot_spread own = {.rays = 0};
-        spread_of_group(&group[g], about, &own);
+        spread_sum of = {.rays = 0};
+        sgt_spread_add(&of, about, group[g].count, group[g].end);
+        const spot_spread own = sgt_spread_rounded(&of);
         sgt_spread_join(&all, &own, group[g].weight);
     }
     return sgt_spread_of(&all, about);
@@ -204,41 +242,60 @@ static void middle_block(const pass *p, size_t i, size_t count, sgt_ray_end end[
 {
     const spot_sums *s = p->data;
     sgt_spots_angles(s->of, i, count, end);
-    sgt_middle_add(sum, count, end);
+    sgt_middle_add(sum, (sgt_vec2){0, 0}, count, end);
 }
 
-static void middle_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
+void sgt_spots_merge_middles(const void *p, void *into, const void *more)
+{
+    (void)p;
+    sgt_middle_merge(into, more);
+}
+
+static void middle_end(const pass *p, size_t i, const sgt_fates *fates, void *sum)
 {
     const spot_sums *s = p->data;
-    (void)count, (void)end;
-    sgt_middle_join(&s->middle[i], sum, 1);
+    (void)fates;
+    s->middle[i] = sgt_middle_rounded(sum);
 }
+
+/* Are there sums about two centroids: that of the cell, and of all bands? */
+static bool about_two(const spots *w) { return w->centroid && w->ask->bands > 1; }
 
 static void spread_block(const pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum)
 {
     const spot_sums *s = p->data;
-    spot_spread *two = sum;
+    spread_sum *two = sum;
     sgt_spots_angles(s->of, i, count, end);
     sgt_spread_add(&two[0], about_own(s->of, s->middle, i), count, end);
-    if (s->of->centroid) sgt_spread_add(&two[1], about_all(s->of, s->middle, i), count, end);
+    if (about_two(s->of)) sgt_spread_add(&two[1], about_all(s->of, s->middle, i), count, end);
+}
+
+static void merge_spreads(const void *of, void *into, const void *more)
+{
+    const pass *p = of;
+    const spot_sums *s = p->data;
+    spread_sum *two = into;
+    const spread_sum *other = more;
+    sgt_spread_merge(&two[0], &other[0]);
+    if (about_two(s->of)) sgt_spread_merge(&two[1], &other[1]);
 }
 
 static void spread_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
 {
     const spot_sums *s = p->data;
     const sgt_asking *a = p->ask;
-    const spot_spread *two = sum;
     const size_t panel = i / a->bands;
-    sgt_spread_join(&s->own[i], &two[0], 1);
-    if (s->of->centroid) sgt_spread_join(&s->all[i], &two[1], 1);
-    if (s->fates && a->sink->ends)
-        a->sink->ends(a->sink->context, panel / s->of->surfaces, panel % s->of->surfaces, i % a->bands, count,
-                      end);
+    (void)sum;
+    a->sink->ends(a->sink->context, panel / s->of->surfaces, panel % s->of->surfaces, i % a->bands, count,
+                  end);
 }
 
-static void spread_end(const pass *p, size_t i, const sgt_fates *fates)
+static void spread_end(const pass *p, size_t i, const sgt_fates *fates, void *sum)
 {
     const spot_sums *s = p->data;
+    const spread_sum *two = sum;
+    s->own[i] = sgt_spread_rounded(&two[0]);
+    if (about_two(s->of)) s->all[i] = sgt_spread_rounded(&two[1]);
     if (s->fates) s->fates[i] = *fates;
 }
 
@@ -265,18 +322,25 @@ static spot_sums sums_of(const spots *w, const sgt_pupil *points, bool counts)
     spot_sums s = {.of = w};
     s.middle = sgt_ask_room(a, w->cells, sizeof *s.middle);
     s.own = s.all = sgt_ask_room(a, w->cells, sizeof *s.own);
-    if (w->centroid) s.all = sgt_ask_room(a, w->cells, sizeof *s.all);
+    if (about_two(w)) s.all = sgt_ask_room(a, w->cells, sizeof *s.all);
     if (counts) s.fates = sgt_ask_room(a, w->cells, sizeof *s.fates);
     pass p = {.ask = a, .points = points, .cells = w->cells, .wanted = END_POINT, .data = &s,
               .place = place_of_sums, .lost = lost_of_sums};
     if (a->failed) return s;
     if (counts && !a->study->rms_alone) p.wanted |= END_POINT_ERROR; /* coarse: for its rms alone */
     a->counts = false;
-    p.size = sizeof(spot_middle), p.block = middle_block, p.take = middle_take;
+    p.size = sizeof(middle_sum), p.block = middle_block, p.merge = sgt_spots_merge_middles;
+    p.end = middle_end, p.before = true;
     if (w->centroid && !sgt_ask_pass(&p)) return s;
+    p.before = false;
     a->counts = counts;
-    if (counts && a->sink->ends) p.wanted = END_ALL, p.takes_ends = true;
-    p.size = 2 * sizeof(spot_spread), p.block = spread_block, p.take = spread_take, p.end = spread_end;
+    if (counts && a->sink->ends) {
+        const size_t most = a->sink->ends_most;
+        p.wanted = END_ALL, p.takes_ends = true, p.take = spread_take;
+        p.shown = most ? (most + PUPIL_PART - 1) / PUPIL_PART : SIZE_MAX;
+    }
+    p.size = (about_two(w) ? 2 : 1) * sizeof(spread_sum), p.block = spread_block, p.merge = merge_spreads;
+    p.end = spread_end;
     sgt_ask_pass(&p);
     return s;
 }

@@ -1,31 +1,19 @@
 // SPDX-License-Identifier: MIT
-/* study.c - fields x wavelengths x points of the pupil, and their rays in blocks.
+/* study.c - fields x wavelengths x points of the pupil, and tasks in threads.
  *
  * WHAT A STUDY IS stands in one place, here: which fields, wavelengths and points there are if nothing is
  * said.  Pupil and fields are defined at the primary wavelength of the lens, so all wavelengths share a
  * launcher.
  *
- * BLOCKS.  What a ray does depends on that ray alone.  So blocks of PUPIL_PART points may be traced in any
- * thread; what is made of a block is made there, too, and then taken in order.  The size of a block has no
- * part in how many threads there are, so that neither have the sums.  Blocks go in rounds of ROUND at
- * least, and of as many as ROUND_BYTES hold: memory does not grow with the number of rays, and threads
- * rarely wait for each other.
- *
- * TAKING goes on beside the work: the thread that asks takes the blocks of a round while the others are at
- * the next.  So what comes in order, such as rows that are printed, does not keep them waiting.
- *
- * AIMED RAYS of a cell of 256 rays or more begin at a map of the pupil (optics/aim_map.c).  It is made before
- * the first round that has a block of the cell, and kept until the last.  That of a beam of the study is kept
- * longer, for later passes and for image surfaces that are moved: it hangs on the beam and on the elements up
- * to the stop, nothing else.  So neither blocks, nor threads, nor passes change a bit of it. */
+ * ROUNDS.  Tasks go in rounds of ROUND at least, and of as many as ROUND_BYTES hold: memory does not grow
+ * with their number, and threads rarely wait for each other.  TAKING goes on beside the work: the thread
+ * that asks takes the tasks of a round while the others are at the next.  So what comes in order, such as
+ * rows that are printed, does not keep them waiting. */
 #include "study.h"
 
 #include <stdarg.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
-
-enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 18, ROOMS = 16 };
 
 /* ---------------------------------------------------------------- small things */
 
@@ -65,14 +53,14 @@ bool sgt_ask_refuse(sgt_asking *a, const char *setting, const char *words, ...)
 
 void sgt_ask_row(const sgt_asking *a, const void *row)
 {
-    if (a->sink->row) a->sink->row(a->sink->context, row);
+    if (a->sink->row && !sgt_ask_shards(a)) a->sink->row(a->sink->context, row);
 }
 
 void sgt_ask_say(const sgt_asking *a, sgt_remark_of_study kind, const char *words, ...)
 {
     char text[1000];
     va_list more;
-    if (!a->sink->say) return;
+    if (!a->sink->say || sgt_ask_shards(a)) return;
     va_start(more, words);
     vsnprintf(text, sizeof text, words, more);
     va_end(more);
@@ -203,8 +191,8 @@ bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
     w.now.slots = slots, w.before.slots = slots + most * w.step;
     for (size_t first = 0; first < r->tasks && !a->failed; first += most) {
         const size_t left = r->tasks - first;
-        w.now.first = first, w.now.tasks = left < most ? left : most;
-        if (r->prepare && !r->prepare(r->data, first, w.now.tasks)) break;
+        w.now.first = r->first + first, w.now.tasks = left < most ? left : most;
+        if (r->prepare && !r->prepare(r->data, w.now.first, w.now.tasks)) break;
         if (o->run && w.now.tasks > 1) o->run(o->context, w.now.tasks, round_task, &w);
         else
             for (size_t i = 0; i < w.now.tasks; i++) round_task(&w, i);
@@ -217,200 +205,7 @@ bool sgt_ask_rounds(sgt_asking *a, const rounds *r)
     return !a->failed;
 }
 
-/* --------------------------------------------------------------------- passes */
-
-/* Of a block: its rays, their fates, and the first that is lost. */
-typedef struct block {
-    size_t count;
-    sgt_fates fates;
-    double lost_x, lost_y;
-    bool placed;
-    sgt_error fault;
-} block_of_rays;
-
-/* maps: of the cells mapped ... mapped + maps - 1, if rays are aimed and a cell is worth it.  fresh: which of
- * them are to be made. */
-typedef struct passing {
-    const pass *p;
-    size_t blocks;
-    sgt_fates fates;
-    sgt_aim_nodes *nodes;
-    sgt_aim_map *map;
-    size_t mapped, maps, *fresh;
-    _Atomic(sgt_ends_room *) room[ROOMS]; /* those that no block uses now */
-} passing;
-
-/* Room for a block: one that lies there, or a new one.  NULL: no memory. */
-static sgt_ends_room *room_taken(passing *now)
-{
-    for (size_t i = 0; i < ROOMS; i++) {
-        sgt_ends_room *room = atomic_exchange(&now->room[i], NULL);
-        if (room) return room;
-    }
-    return sgt_ends_room_new(now->p->ask->from, PUPIL_PART, now->p->wanted, PUPIL_PART);
-}
-
-static void room_given_back(passing *now, sgt_ends_room *room)
-{
-    for (size_t i = 0; i < ROOMS; i++) {
-        sgt_ends_room *none = NULL;
-        if (atomic_compare_exchange_strong(&now->room[i], &none, room)) return;
-    }
-    sgt_ends_room_free(now->p->ask->from, room);
-}
-
-/* Of a slot: where its sum begins, and the ends behind that, if they are taken. */
-static size_t sum_at(void) { return (sizeof(block_of_rays) + 63) / 64 * 64; }
-static size_t ends_at(const pass *p) { return sum_at() + (p->size + 63) / 64 * 64; }
-
-static bool work_block(void *data, size_t i, void *slot)
-{
-    passing *now = data;
-    const pass *p = now->p;
-    const size_t of = i / now->blocks, first = i % now->blocks * PUPIL_PART;
-    const size_t left = p->points->count - first;
-    block_of_rays *b = slot;
-    void *sum = (char *)slot + sum_at();
-    sgt_pupil_point at[PUPIL_PART];
-    cell c = {.beam = NULL};
-    b->count = left < PUPIL_PART ? left : PUPIL_PART;
-    b->fates = (sgt_fates){.rays = 0};
-    memset(sum, 0, p->size);
-    b->placed = p->place(p, of, &c, &b->fault);
-    if (!b->placed) return true;
-    sgt_pupil_part(p->points, first, b->count, at);
-    sgt_ends_room *room = room_taken(now);
-    if (!room) return false;
-    const sgt_aim_map *map = now->nodes ? &now->map[of - now->mapped] : NULL;
-    const sgt_colour_beam beam = {p->ask->from, c.beam, c.element, c.before, map};
-    sgt_ray_end *end = sgt_trace_ends(&beam, room, b->count, at, p->ask->study->opt.solver,
-                                      p->takes_ends ? (void *)((char *)slot + ends_at(p)) : NULL);
-    for (size_t k = 0; k < b->count; k++) {
-        const size_t lost = b->fates.lost;
-        sgt_fates_count(&b->fates, &end[k]);
-        if (b->fates.lost > lost && lost == 0) b->lost_x = end[k].px, b->lost_y = end[k].py;
-    }
-    if (p->block) p->block(p, of, b->count, end, sum);
-    room_given_back(now, room);
-    return true;
-}
-
-static void take_block(void *data, size_t i, void *slot)
-{
-    passing *now = data;
-    const pass *p = now->p;
-    sgt_asking *a = p->ask;
-    const size_t of = i / now->blocks;
-    const block_of_rays *b = slot;
-    if (!b->placed) {
-        a->failed = true;
-        if (a->error) *a->error = b->fault;
-        return;
-    }
-    if (i % now->blocks == 0) now->fates = (sgt_fates){.rays = 0};
-    if (a->counts && b->fates.lost && a->total.fates.lost == 0) {
-        p->lost(p, of, &a->total.lost);
-        a->total.lost.px = b->lost_x, a->total.lost.py = b->lost_y;
-    }
-    if (a->counts) sgt_fates_add(&a->total.fates, &b->fates);
-    sgt_fates_add(&now->fates, &b->fates);
-    const void *end = p->takes_ends ? (const char *)slot + ends_at(p) : NULL;
-    if (p->take) p->take(p, of, b->count, end, (const char *)slot + sum_at());
-    if (p->end && i % now->blocks + 1 == now->blocks) p->end(p, of, &now->fates);
-}
-
-/* A map that is kept, and what it is of. */
-struct kept_map { const sgt_field_beam *beam; const sgt_element *element; double before; sgt_aim_map of;
-};
-
-/* The map of a cell that is kept; NULL: there is none. */
-static const sgt_aim_map *kept_map_of(const sgt_asking *a, const cell *c)
-{
-    const size_t front = (a->lens->stop + 1) * sizeof *c->element;
-    for (size_t i = 0; i < a->kept_maps; i++) {
-        const kept_map *k = &a->kept_map[i];
-        if (k->beam == c->beam && k->before == c->before &&
-            (k->element == c->element || memcmp(k->element, c->element, front) == 0))
-            return &k->of;
-    }
-    return NULL;
-}
-
-/* Keeps the map of a cell of a beam that lasts, if there is room. */
-static void keep_map_of(sgt_asking *a, const cell *c, const sgt_aim_map *of)
-{
-    if (c->beam == &c->own || a->kept_maps == a->fields * a->bands) return;
-    if (!a->kept_map) a->kept_map = sgt_ask_room(a, a->fields * a->bands, sizeof *a->kept_map);
-    if (!a->failed) a->kept_map[a->kept_maps++] = (kept_map){c->beam, c->element, c->before, *of};
-}
-
-static bool map_cell(void *data, size_t i, void *slot)
-{
-    const passing *now = data;
-    const pass *p = now->p;
-    cell c = {.beam = NULL};
-    sgt_aim_map *out = slot;
-    sgt_error unsaid; /* its block will say so */
-    *out = (sgt_aim_map){.home = 0};
-    if (!p->place(p, now->fresh[i], &c, &unsaid)) return true;
-    const sgt_colour_beam beam = {p->ask->from, c.beam, c.element, c.before, NULL};
-    return sgt_aim_map_of(&beam, now->nodes, out);
-}
-
-static void take_map(void *data, size_t i, void *slot)
-{
-    passing *now = data;
-    memcpy(&now->map[now->fresh[i] - now->mapped], slot, sizeof *now->map);
-}
-
-/* Keeps the map of the cell that both rounds have a part of, takes those that are kept, makes the others. */
-static bool prepare_maps(void *data, size_t first, size_t tasks)
-{
-    passing *now = data;
-    sgt_asking *a = now->p->ask;
-    const size_t low = first / now->blocks, high = (first + tasks - 1) / now->blocks;
-    const bool again = now->maps && low < now->mapped + now->maps;
-    size_t fresh = 0;
-    sgt_error unsaid;
-    if (again && low > now->mapped) now->map[0] = now->map[low - now->mapped];
-    now->mapped = low, now->maps = high - low + 1;
-    for (size_t of = low + again; of <= high; of++) {
-        cell c = {.beam = NULL};
-        const bool lasts = now->p->place(now->p, of, &c, &unsaid) && c.beam != &c.own;
-        const sgt_aim_map *known = lasts ? kept_map_of(a, &c) : NULL;
-        if (known) now->map[of - low] = *known;
-        else now->fresh[fresh++] = of;
-    }
-    const rounds r = {.tasks = fresh, .size = sizeof *now->map, .data = now, .work = map_cell,
-                      .take = take_map};
-    if (!sgt_ask_rounds(a, &r)) return false;
-    for (size_t i = 0; i < fresh; i++) {
-        cell c = {.beam = NULL};
-        if (now->p->place(now->p, now->fresh[i], &c, &unsaid))
-            keep_map_of(a, &c, &now->map[now->fresh[i] - low]);
-    }
-    return !a->failed;
-}
-
-bool sgt_ask_pass(const pass *p)
-{
-    enum { WORTH = 256 }; /* rays of a cell: of fewer a fitted map saves less than it costs */
-    sgt_asking *a = p->ask;
-    passing now = {.p = p, .blocks = (p->points->count + PUPIL_PART - 1) / PUPIL_PART};
-    rounds r = {.tasks = p->cells * now.blocks, .data = &now, .work = work_block, .take = take_block,
-                .size = ends_at(p) + (p->takes_ends ? PUPIL_PART * sizeof(sgt_ray_end) : 0)};
-    if (a->from->aim != SGT_LENS_AIM_PUPIL && p->points->count >= WORTH) {
-        now.map = sgt_ask_room(a, ROUND_MOST / now.blocks + 2, sizeof *now.map);
-        now.nodes = sgt_ask_room(a, 1, sizeof *now.nodes);
-        now.fresh = sgt_ask_room(a, ROUND_MOST / now.blocks + 2, sizeof *now.fresh);
-        if (a->failed) return false;
-        sgt_aim_nodes_set(now.nodes);
-        r.prepare = prepare_maps;
-    }
-    const bool fine = sgt_ask_rounds(a, &r);
-    for (size_t i = 0; i < ROOMS; i++) sgt_ends_room_free(a->from, atomic_load(&now.room[i]));
-    return fine;
-}
+/* ------------------------------------------------------- fields and wavelengths */
 
 bool sgt_place_study(const pass *p, size_t i, cell *out, sgt_error *fault)
 {
@@ -586,7 +381,9 @@ sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt
     sgt_study *study = sgt_launch_take(from, 1, sizeof *study);
     if (study) *study = (sgt_study){.opt = *opt, .lens = lens, .from = from, .um = sgt_lens_unit(lens)};
     if (!study) sgt_launch_memory(from, error);
-    else if (PLAIN(from, opt, "sgt_study_options", error)) return study;
+    else if (PLAIN(from, opt, "sgt_study_options", error) &&
+             (!opt->shard || PLAIN(from, opt->shard, "sgt_shard", error)))
+        return study;
     sgt_launch_forget(from, study);
     sgt_launcher_free(from);
     return NULL;

@@ -25,7 +25,7 @@ typedef struct band {
     sgt_first_order data;
 } band;
 
-typedef struct kept_map kept_map; /* study.c */
+typedef struct kept_map kept_map; /* pass.c */
 
 /* What asking needs; an analysis reads all of it. */
 struct sgt_asking {
@@ -91,18 +91,40 @@ sgt_ray_end *sgt_ask_chiefs(sgt_asking *a, size_t surfaces, sgt_element *const e
  *     prepare    NULL, or called in the thread that asks, before tasks first, first + 1, ... are worked on;
  *                false: it failed, and has said so */
 typedef struct rounds {
-    size_t tasks, size;
+    size_t first, tasks, size;  /* tasks first ... first + tasks - 1 */
     void *data;
     bool (*prepare)(void *data, size_t first, size_t tasks);
     bool (*work)(void *data, size_t i, void *slot);
     void (*take)(void *data, size_t i, void *slot);
 } rounds;
 bool sgt_ask_rounds(sgt_asking *a, const rounds *r);
+enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 18 }; /* how many tasks go at once (study.c) */
+
+/* (shard.c) For a study of one share, or one that joins them.  What is said of pass after pass, so that who
+ * joins notices parts that are not of this study; the first task of a share; bytes that are written, or read
+ * of share k.  false: it failed, and has said so. */
+typedef struct sgt_shard_of_pass { uint64_t cells, blocks, size; } sgt_shard_of_pass;
+bool   sgt_shard_head(sgt_asking *a, sgt_shard_of_pass head);
+size_t sgt_shard_begin(size_t tasks, size_t k, size_t of);
+bool   sgt_shard_put(sgt_asking *a, size_t size, const void *bytes);
+bool   sgt_shard_get(sgt_asking *a, size_t k, size_t size, void *bytes);
+bool   sgt_shard_wrong(sgt_asking *a, size_t k);
+
+/* (shard.c) sgt_ask_rounds, of which a shard works on some tasks; who joins has their slots from it. */
+bool sgt_shard_rounds(sgt_asking *a, const rounds *r);
+
+/* Is this one share of several?  Then nothing is told. */
+static inline bool sgt_ask_shards(const sgt_asking *a)
+{
+    return a->study->opt.shard && a->study->opt.shard->number;
+}
 
 /* A pass: the rays of many cells, each a field at a wavelength, in blocks of PUPIL_PART points.
  *
  *     place   which beam and which elements: in any thread; false: failed, with a fault in *fault
  *     block   in any thread: what is made of the rays of a block, in `sum`, `size` bytes, zeroed
+ *     merge   NULL, or adds one such sum to another.  Then sums are merged in a tree of the blocks' numbers,
+ *             and `end` gets that of the cell; `take` gets the first `shown` blocks of each cell
  *     take    in order: of each block, with what `block` made
  *     end     in order: a cell is done, with the fates of its rays */
 typedef struct cell {
@@ -115,14 +137,18 @@ typedef struct cell {
 typedef struct pass {
     sgt_asking *ask;
     const sgt_pupil *points;
-    size_t cells, size;
+    size_t cells, size, spare;  /* spare: bytes behind the sum for `block`, which are not cleared */
     unsigned wanted;            /* of an end (launch.h): END_POINT, ...; the others are not worked out */
     bool takes_ends;            /* they are kept for `take`, which else gets NULL */
+    bool before;                /* later passes depend on it */
+    bool alone;                 /* only what came before tells whether it is needed: who joins traces it */
+    size_t shown;
     void *data;
     bool (*place)(const struct pass *p, size_t i, cell *out, sgt_error *fault);
     void (*block)(const struct pass *p, size_t i, size_t count, sgt_ray_end end[], void *sum);
     void (*take)(const struct pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum);
-    void (*end)(const struct pass *p, size_t i, const sgt_fates *fates);
+    void (*merge)(const void *p, void *into, const void *more);
+    void (*end)(const struct pass *p, size_t i, const sgt_fates *fates, void *sum);
     /* Of a cell whose ray was lost: what the study knows of it, to be filled in. */
     void (*lost)(const struct pass *p, size_t i, sgt_lost_ray *out);
 } pass;

@@ -3,10 +3,8 @@
 #include "analyses.h"
 #include "study.h"
 
-#include <string.h>
-
 /* Cells are band * steps + step. */
-typedef struct sweep { bool angle; double from, to, evals; size_t steps; } sweep;
+typedef struct sweep { bool angle; double from, to; size_t steps; } sweep;
 
 /* Twice the farthest field of the lens. */
 static double sweep_far(const sgt_asking *a, bool angle)
@@ -57,24 +55,22 @@ static void sweep_block(const pass *p, size_t i, size_t count, sgt_ray_end end[]
     for (size_t k = 0; k < count; k++) *evals += end[k].evals;
 }
 
-static void sweep_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
+static void sweep_merge(const void *p, void *into, const void *more)
 {
-    sweep *w = p->data;
-    double evals;
-    (void)i, (void)count, (void)end;
-    memcpy(&evals, sum, sizeof evals);
-    w->evals += evals;
+    double *evals = into;
+    (void)p;
+    *evals += *(const double *)more; /* whole numbers: exact below 2^53 */
 }
 
-static void sweep_end(const pass *p, size_t i, const sgt_fates *f)
+static void sweep_end(const pass *p, size_t i, const sgt_fates *f, void *sum)
 {
-    sweep *w = p->data;
+    const sweep *w = p->data;
+    const double *evals = sum;
     const sgt_sweep_row row = {
         .at = sweep_field(w, i % w->steps).y, .wavelength = p->ask->band[i / w->steps].at.um, .rays = f->rays,
         .passed = f->passed, .missed = f->missed, .clipped = f->clipped, .tir = f->tir, .lost = f->lost,
-        .none = f->none, .evals = w->evals / (double)f->rays, .proven = f->proven};
+        .none = f->none, .evals = *evals / (double)f->rays, .proven = f->proven};
     sgt_ask_row(p->ask, &row);
-    w->evals = 0;
 }
 
 static bool ask_sweep(sgt_asking *a)
@@ -100,7 +96,7 @@ static bool ask_sweep(sgt_asking *a)
                     .lost = sweep_lost,
                     .size = sizeof(double),
                     .block = sweep_block,
-                    .take = sweep_take,
+                    .merge = sweep_merge,
                     .end = sweep_end};
     return sgt_ask_pass(&p);
 }

@@ -18,22 +18,25 @@
  * changes L - n b by nothing.  Its direction is off by some u: 8 u |v|.  The point changes h^2 by
  * 2 h p_err, and with b and v . d0 that of the chief ray, c, counts by |d - d0|.
  *
- * SUMS.  A block of rays is summed about its own mean, and blocks are joined as Chan, Golub & LeVeque (1983,
- * The American Statistician 37, 242) have it: with weights w, means m and sums of squares q about them,
+ * SUMS of the differences v, with weights w, and of their squares are exact (exact.h).  The mean square about
+ * the mean is small beside them, so each is rounded to 106 bits:
  *
- *     q = q1 + q2 + (m2 - m1)^2 w1 w2 / (w1 + w2),
+ *     rms^2 = (S2 - S1^2 / S0) / S0,   S0 = sum w, S1 = sum w v, S2 = sum w v^2.
  *
- * in which nothing cancels.
+ * Of it less than 2^-99 M^2 is lost, M the largest |v|; so of the rms less than 2^-49 M.
  *
  * THE ERROR OF AN RMS about the mean.  It is a norm of the differences less their mean, which is a
  * projection: so it is off by the rms of their errors at most, and hence by the largest of them.  Peak to
  * valley may be off by twice that, which bounds all numbers of a wavefront. */
+#include "run.h"
 #include "wavefront.h"
 #include "zernike_fit.h"
 
 #include "../base/arena.h"
 #include "../optics/launch.h"
 #include "../optics/pattern.h"
+
+#include <sagitta/pair.h>
 
 static const double ROUND = 0x1p-52;
 
@@ -83,47 +86,59 @@ double sgt_opd(const sgt_reference *of, const sgt_ray_end *end, double *error)
     return opd;
 }
 
-/* A block: about its own mean, of which the second sum takes the rounding. */
+/* Differences of one weight, as they come one after another. */
+typedef struct one_weight { double w; size_t rays; exact_run first, square; } one_weight;
+
+static void front_end_of(one_weight *r, sgt_wavefront_sum *s)
+{
+    sgt_exact_run_end(&r->first, &s->first, r->w), sgt_exact_run_end(&r->square, &s->square, r->w);
+    exact_add_product(&s->w, (double)r->rays, r->w);
+    r->rays = 0;
+}
+
 void sgt_wavefront_add(sgt_wavefront_sum *s, size_t count, const sgt_ray_end end[], const double opd[],
                        const double error[])
 {
-    double first = 0;
-    s->rays += count, s->least = s->most = (double)NAN;
+    one_weight r = {.first = RUN_OF_FIRST, .square = RUN_OF_SQUARE};
+    s->rays += count;
     for (size_t i = 0; i < count; i++) {
-        if (isnan(opd[i])) continue;
-        s->passed++;
-        s->least = fmin(s->least, opd[i]), s->most = fmax(s->most, opd[i]); /* which ignore a NaN */
-        s->w += end[i].weight, first += end[i].weight * opd[i], s->off = fmax(s->off, error[i]);
+        const double v = opd[i];
+        if (isnan(v)) continue;
+        s->least = s->passed ? fmin(s->least, v) : v, s->most = s->passed ? fmax(s->most, v) : v;
+        s->passed++, s->off = fmax(s->off, error[i]);
+        if (end[i].weight != r.w || r.rays == RUN_MOST) front_end_of(&r, s), r.w = end[i].weight;
+        r.rays++;
+        exact_run_add(&r.first, &s->first, r.w, v), exact_run_square(&r.square, &s->square, r.w, v);
     }
-    if (!(s->w > 0)) return;
-    s->mean = first / s->w;
-    for (size_t i = 0; i < count; i++)
-        if (!isnan(opd[i])) s->square += end[i].weight * (opd[i] - s->mean) * (opd[i] - s->mean);
+    front_end_of(&r, s);
 }
 
-void sgt_wavefront_join(sgt_wavefront_sum *s, const sgt_wavefront_sum *more)
+void sgt_wavefront_merge(sgt_wavefront_sum *s, const sgt_wavefront_sum *more)
 {
-    const size_t rays = s->rays + more->rays;
-    if (more->passed && !s->passed) *s = *more;
-    else if (more->passed) {
-        const double w = s->w + more->w, apart = more->mean - s->mean;
-        s->passed += more->passed, s->off = fmax(s->off, more->off);
-        s->least = fmin(s->least, more->least), s->most = fmax(s->most, more->most);
-        if (w > 0) {
-            s->square += more->square + apart * apart * s->w * more->w / w;
-            s->mean += apart * more->w / w;
-        }
-        s->w = w;
+    if (more->passed) {
+        s->least = s->passed ? fmin(s->least, more->least) : more->least;
+        s->most = s->passed ? fmax(s->most, more->most) : more->most;
+        s->off = fmax(s->off, more->off);
     }
-    s->rays = rays;
+    s->rays += more->rays, s->passed += more->passed;
+    sgt_exact_merge(&s->w, &more->w), sgt_exact_merge(&s->first, &more->first);
+    sgt_exact_merge(&s->square, &more->square);
 }
 
+/* Of what is lost of an rms, and of the rounding of a mean. */
 static double rounding_of(const sgt_wavefront_sum *s)
 {
-    return (double)s->passed * ROUND * fmax(fabs(s->least), fabs(s->most));
+    return 8 * ROUND * fmax(fabs(s->least), fabs(s->most));
 }
 
 double sgt_wavefront_rms_error(const sgt_wavefront_sum *s) { return s->off + rounding_of(s); }
+
+static sgt_pair rounded_twice(const exact *s)
+{
+    sgt_pair p;
+    p.hi = sgt_exact_value(s, &p.lo);
+    return p;
+}
 
 sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s)
 {
@@ -131,8 +146,11 @@ sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s)
     sgt_wavefront w = {.rays = s->rays, .passed = s->passed, .mean = none, .rms = none, .least = none,
                        .most = none, .error = none};
     if (s->passed) w.least = s->least, w.most = s->most;
-    if (!(s->w > 0)) return w;
-    w.mean = s->mean, w.rms = sqrt(s->square / s->w);
+    const sgt_pair weight = rounded_twice(&s->w), first = rounded_twice(&s->first);
+    if (!(weight.hi > 0)) return w;
+    const sgt_pair mean = sgt_pair_quotient(first, weight);
+    const sgt_pair about = sgt_pair_difference(rounded_twice(&s->square), sgt_pair_product(mean, first));
+    w.mean = mean.hi, w.rms = sqrt(fmax(sgt_pair_quotient(about, weight).hi, 0));
     w.error = 2 * s->off + rounding_of(s);
     return w;
 }
@@ -141,21 +159,14 @@ sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[], const doub
                                const double error[])
 {
     sgt_wavefront_sum all = {.rays = 0};
-    for (size_t first = 0; first < count; first += PUPIL_PART) {
-        sgt_wavefront_sum part = {.rays = 0};
-        const size_t left = count - first;
-        sgt_wavefront_add(&part, left < PUPIL_PART ? left : PUPIL_PART, end + first, opd + first,
-                          error + first);
-        sgt_wavefront_join(&all, &part);
-    }
+    sgt_wavefront_add(&all, count, end, opd, error);
     return sgt_wavefront_sum_of(&all);
 }
 
 /* ------------------------------------------------------------------------ the fit */
 
-bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count, const double x[], const double y[],
-                     const double value[], const double weight[], double coefficient[], double *residual,
-                     const sgt_allocator *allocator, sgt_error *error)
+bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, const sgt_pupil_values *at, double coefficient[],
+                     double *residual, const sgt_allocator *allocator, sgt_error *error)
 {
     sgt_launcher none = {.allocator = sgt_allocator_or(allocator)};
     double *room = NULL;
@@ -167,10 +178,10 @@ bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count, const 
         return sgt_launch_fail(&none, error, "", "%zu polynomials; 1 to %d", terms, (int)ZERNIKE_TERMS_MOST);
     zernike_block b = {.column = room};
     zernike_triangle t = sgt_zernike_triangle_in(terms, room + column);
-    for (size_t first = 0; first < count; first += PUPIL_PART) {
-        const size_t left = count - first;
-        sgt_zernike_block_of(order, terms, left < PUPIL_PART ? left : PUPIL_PART, x + first, y + first,
-                             value + first, weight + first, &b);
+    for (size_t first = 0; first < at->count; first += PUPIL_PART) {
+        const size_t left = at->count - first;
+        sgt_zernike_block_of(order, terms, left < PUPIL_PART ? left : PUPIL_PART, at->x + first,
+                             at->y + first, at->value + first, at->weight + first, &b);
         sgt_zernike_absorb(&t, &b);
     }
     const bool fine =

@@ -2,15 +2,17 @@
 /* wavefront.h - sums over path differences. */
 #ifndef SGT_STUDY_WAVEFRONT_H
 #define SGT_STUDY_WAVEFRONT_H
+#include "exact.h"
+
 #include <sagitta/analysis.h>
 
-/* Of weight w about the mean; rays that have a difference. */
-typedef struct sgt_wavefront_sum { size_t rays, passed; double w, mean, square, least, most, off;
+/* Weighted sums of differences and of their squares; of rays that have one (`passed`). */
+typedef struct sgt_wavefront_sum { size_t rays, passed; double least, most, off; exact w, first, square;
 } sgt_wavefront_sum;
 
 void sgt_wavefront_add(sgt_wavefront_sum *s, size_t count, const sgt_ray_end end[], const double opd[],
-                       const double error[]); /* s is zero */
-void sgt_wavefront_join(sgt_wavefront_sum *s, const sgt_wavefront_sum *more);
+                       const double error[]);
+void sgt_wavefront_merge(sgt_wavefront_sum *s, const sgt_wavefront_sum *more);
 double sgt_wavefront_rms_error(const sgt_wavefront_sum *s);
 sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s);
 

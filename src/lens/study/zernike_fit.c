@@ -20,7 +20,7 @@
  * and the condition of Q counts twice, which is near 1.  It is looked at: with Q^T Q = L L^T, a diagonal of L
  * below LIKE times the largest means that the points are not alike, and the fit is made by blocks.
  * v' is about as small as what the fit leaves, so that little cancels in the last formula.
- * The sums of blocks are made in any thread, and added in order. */
+ * The sums of blocks are made in any thread, and added in a tree of their numbers (tree.h). */
 #include "zernike_fit.h"
 
 #include <math.h>

@@ -13,8 +13,11 @@
 
 static const char *running = "";
 static atomic_bool at_work; /* other threads */
+static void (*first)(void);
 
 void fail_in_threads(bool now) { at_work = now; }
+
+void fail_first(void (*tidy)(void)) { first = tidy; }
 
 void fail_name(const char *command) { running = command; }
 
@@ -51,6 +54,7 @@ void fail_input(const char *format, ...)
     va_start(values, format);
     say(format, values);
     va_end(values);
+    if (at_work && first) first();
     if (at_work) _Exit(EXIT_BAD_INPUT);
     exit(EXIT_BAD_INPUT);
 }

@@ -23,6 +23,10 @@ _Noreturn void fail_input(const char *format, ...) LIKE_PRINTF(1, 2);
 /* Set while several threads work: an error then ends the command without giving back what they use. */
 void fail_in_threads(bool now);
 
+/* What is to be done first where an error ends the command while other threads work: nothing is then given
+ * back by exit. */
+void fail_first(void (*tidy)(void));
+
 /* Prints only the hint, where --help is, and ends with EXIT_USAGE: getopt has printed the message. */
 _Noreturn void fail_hint(void);
 

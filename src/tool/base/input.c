@@ -3,6 +3,7 @@
 #define _DEFAULT_SOURCE /* madvise */
 #include "input.h"
 
+#include "digest.h"
 #include "fail.h"
 #include "memory.h"
 
@@ -71,6 +72,11 @@ void output_write(const char *path, const char *text, size_t length)
     output_fill("output", path, text, length);
 }
 
+static uint64_t all_read;
+
+void input_note(const void *bytes, size_t size) { all_read = digest_bytes(all_read, bytes, size); }
+uint64_t input_digest(void) { return all_read; }
+
 static const char *read_all(FILE *file, input *in)
 {
     size_t capacity = 0;
@@ -90,6 +96,7 @@ const char *input_try(const char *path, input *in)
     if (!file) return strerror(errno);
     remember(file, path);
     const char *fault = read_all(file, in);
+    input_note(in->text, in->length);
     fclose(file);
     return fault;
 }
@@ -161,6 +168,7 @@ input input_read(const char *path)
     bool standard = strcmp(path, "-") == 0;
     if (standard) remember(stdin, in.name);
     const char *fault = standard ? read_all(stdin, &in) : input_try(path, &in);
+    if (standard) input_note(in.text, in.length);
     if (fault) fail_input("%s: %s", in.name, fault);
     return in;
 }

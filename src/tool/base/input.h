@@ -4,6 +4,7 @@
 #define TOOL_INPUT_H
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct input {
     const char *name;   /* for messages */
@@ -24,6 +25,10 @@ input input_map(const char *path, bool *mapped);
 /* Ends the command if a mapped file was cut, or written to, since it was mapped.  To be asked when all is
  * read. */
 void input_check(void);
+
+/* A digest of all that was read whole, and of what was noted besides: of files that are mapped. */
+void     input_note(const void *bytes, size_t size);
+uint64_t input_digest(void);
 
 /* Gives memory of a mapped file back until it is read again; pages that are only in part here stay. */
 void input_leave(const void *from, size_t length);

@@ -35,7 +35,8 @@ static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 static size_t tile_rays(const tiling *of)
 {
     const size_t most = of->most ? of->most : TILE_RAYS;
-    const size_t few = of->threads > 1 ? of->rays / ((size_t)of->threads * TILES_A_THREAD) : most;
+    const bool divided = of->threads > 1 && !of->fixed;
+    const size_t few = divided ? of->rays / ((size_t)of->threads * TILES_A_THREAD) : most;
     return least(most, few > TILE_LEAST ? few : TILE_LEAST);
 }
 
@@ -63,7 +64,7 @@ typedef struct run {
 static tile tile_at(const run *r, size_t i)
 {
     const size_t first = i * tile_rays(r->of);
-    return (tile){i % r->places, first, least(r->of->rays - first, tile_rays(r->of))};
+    return (tile){i % r->places, r->of->skip + first, least(r->of->rays - first, tile_rays(r->of))};
 }
 
 /* Takes all that are done and whose turn it is. */

@@ -2,6 +2,7 @@
 /* tiles.h - works through many rays in threads, some hundred rays at a time. */
 #ifndef TOOL_TILES_H
 #define TOOL_TILES_H
+#include <stdbool.h>
 #include <stddef.h>
 
 enum { TILE_RAYS = 1024 };
@@ -16,7 +17,13 @@ typedef struct tile { size_t place, first, count; } tile;
 /* The work: `rays` rays in `threads` threads, each of which may be `share` tiles ahead of the one whose turn
  * it is (a larger share means less waiting and more room), with at most `most` rays in a tile (at most
  * TILE_RAYS; 0: TILE_RAYS). */
-typedef struct tiling { size_t rays; int threads; size_t share, most; } tiling;
+typedef struct tiling {
+    size_t rays;
+    int threads;
+    size_t share, most;
+    size_t skip;  /* the number of the first ray: a multiple of a tile */
+    bool fixed;   /* tiles have `most` rays, however few there are for each thread */
+} tiling;
 enum { SHARE_MOST = 8 };
 
 /* How many places are needed; it does not grow with the number of rays. */

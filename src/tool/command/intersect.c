@@ -2,6 +2,7 @@
 /* intersect.c - sagitta intersect: one surface, many rays. */
 #include "commands.h"
 #include "explain.h"
+#include "record.h"
 #include "watch.h"
 #include "../base/input.h"
 #include "../base/memory.h"
@@ -113,7 +114,8 @@ const command command_intersect = {
     .examples = "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
                 "  sagitta intersect --surface '{type: conic, radius: 20, conic: -1}' --rays FILE --all\n",
     .docs = "docs/tour.md, docs/lens_file.md (every type of surface)", .all = intersect_all,
-    .group = {&intersect_own, &intersect_search, &options_solver, &options_in_threads, &options_rows},
+    .group = {&intersect_own, &intersect_search, &options_solver, &options_in_threads, &options_shards,
+              &options_rows},
     .run = intersect_run,
 };
 
@@ -129,7 +131,9 @@ static intersect_arguments intersect_arguments_of(const command *c, int argc, ch
     if (!a.file == !a.rays.count)
         fail_usage(a.file ? "give --rays or --ray, not both"
                           : "no rays; give --rays FILE or --ray \"ox oy oz dx dy dz\"");
-    a.rays.threads = options_threads(&a.shared), a.rays.parts = true;
+    options_shard(&a.shared);
+    if (shard_is() && a.watched.path) fail_usage("--watch: not with --shard; it is of one run");
+    a.rays.threads = options_threads(&a.shared), a.rays.parts = true, a.rays.some = shard_is();
     if (a.file) rays_read(&a.rays, a.file, a.skip_bad);
     return a;
 }
@@ -158,6 +162,7 @@ typedef struct intersect_room {
     int *place;                                /* [capacity]: 0, 1, 2 ... */
     int capacity;
     table *rows;
+    bytes kept;                                /* of a shard: for who joins */
     findings found;
 } intersect_room;
 
@@ -169,6 +174,7 @@ typedef struct intersect_work {
     watch *watch;                              /* NULL: none */
     bool stretches;                            /* there are columns lo and hi */
     size_t rays;
+    tiling whole;                              /* of all shards together */
     findings found;
 } intersect_work;
 
@@ -201,8 +207,16 @@ static void put_answers(const intersect_work *w, intersect_room *r, size_t count
     table_block(r->rows, count, all);
 }
 
+/* What was found of the rays of a tile, one answer for each. */
+static void record_each(keeping *to, intersect_room *r)
+{
+    const size_t count = r->rays.count;
+    RECORD(to, r->status, count), RECORD(to, r->evals, count);
+    for (int k = 0; k < 8; k++) RECORD(to, r->number[k], count);
+}
+
 /* The answers of a batch; only an undecided one has lo and hi, which a batch does not give. */
-static void find_one_each(const intersect_work *w, intersect_room *r)
+static void find_one_each(const intersect_work *w, intersect_room *r, keeping *keep)
 {
     const ray_block *b = &r->rays;
     const sgt_options *opt = &w->asked->shared.solver;
@@ -210,7 +224,9 @@ static void find_one_each(const intersect_work *w, intersect_room *r)
     double(*n)[TILE_RAYS] = r->number;
     const sgt_hits hits = {.status = r->status, .evals = r->evals, .t = n[0], .t_err = n[1],
                            .p = {n[2], n[3], n[4]}, .n = {n[5], n[6], n[7]}};
-    sgt_intersect_batch(w->surface, b->count, rays_columns(b), hits, opt);
+    if (!shard_joins()) sgt_intersect_batch(w->surface, b->count, rays_columns(b), hits, opt);
+    if (shard_count()) record_each(keep, r);
+    if (shard_is()) return;
     for (size_t i = 0; i < b->count; i++) {
         const sgt_status status = r->status[i];
         note_status(&r->found, status, b, i);
@@ -234,32 +250,45 @@ static void find_one_each(const intersect_work *w, intersect_room *r)
     put_answers(w, r, b->count, rows, id, lo, hi);
 }
 
+static void room_for_hits(intersect_room *r, int count)
+{
+    const int had = r->capacity;
+    if (count <= had) return;
+    r->capacity = count;
+    r->hit = memory_grow(r->hit, (size_t)count, sizeof *r->hit);
+    r->place = memory_grow(r->place, (size_t)count, sizeof *r->place);
+    for (int i = had; i < count; i++) r->place[i] = i;
+}
+
 /* Every root of a ray; for a ray without one, its status and evaluations.  Returns how many. */
 static int find_roots(const intersect_work *w, intersect_room *r, const launch *l)
 {
     const sgt_options *opt = &w->asked->shared.solver;
-    int count, had = r->capacity;
-    while ((count = sgt_intersect_all(w->surface, l->ray, r->capacity, r->hit, opt)) > r->capacity ||
-           r->capacity == 0) {
-        r->capacity = count > 0 ? count : 1;
-        r->hit = memory_grow(r->hit, (size_t)r->capacity, sizeof *r->hit);
-        r->place = memory_grow(r->place, (size_t)r->capacity, sizeof *r->place);
-    }
-    for (int i = had; i < r->capacity; i++) r->place[i] = i;
+    int count;
+    room_for_hits(r, 1);
+    while ((count = sgt_intersect_all(w->surface, l->ray, r->capacity, r->hit, opt)) > r->capacity)
+        room_for_hits(r, count);
     if (count > 0) return count;
     *r->hit = sgt_intersect(w->surface, l->ray, opt);
     return 1;
 }
 
-static void find_all(const intersect_work *w, intersect_room *r)
+static void find_all(const intersect_work *w, intersect_room *r, keeping *keep)
 {
     const ray_block *b = &r->rays;
     const sgt_options *opt = &w->asked->shared.solver;
     for (size_t i = 0; i < b->count; i++) {
         const launch l = rays_launch(b, i);
         const long long number = b->ray[i];
-        const int count = find_roots(w, r, &l), none = -1;
+        const int none = -1;
+        int count = shard_joins() ? 0 : find_roots(w, r, &l);
         bool lost = false;
+        if (shard_count()) {
+            RECORD(keep, &count, 1);
+            room_for_hits(r, count);
+            RECORD(keep, r->hit, (size_t)count);
+        }
+        if (shard_is()) continue;
         for (int k = 0; k < count; k++) {
             sgt_hit *h = &r->hit[k];
             const double no = (double)NAN;
@@ -288,14 +317,25 @@ static void find(void *data, const tile *t)
 {
     const intersect_work *w = data;
     intersect_room *r = &w->room[t->place];
+    keeping keep = {.put = shard_is() ? &r->kept : NULL};
+    if (shard_joins()) {
+        size_t size;
+        keep.at = shard_tile(&w->whole, 0, t, &size), keep.end = keep.at + size;
+    }
     rays_part(&w->asked->rays, t->first, t->count, &r->rays);
-    (w->asked->all ? find_all : find_one_each)(w, r);
+    (w->asked->all ? find_all : find_one_each)(w, r, &keep);
 }
 
 static void intersect_take(void *data, const tile *t)
 {
     intersect_work *w = data;
     intersect_room *r = &w->room[t->place];
+    if (shard_is()) {
+        part_put(r->kept.at, r->kept.length);
+        r->kept.length = 0;
+        progress_add(t->count);
+        return;
+    }
     table_join(w->table, r->rows);
     watch_take(w->watch, t->place);
     w->rays += r->rays.count;
@@ -391,6 +431,8 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     a.shared.target.word_size = a.rays.longest_id;
     tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
     watch_tiling(&in, a.watched.path, &a.shared.solver);
+    w.whole = in, in = shard_tiling(in);
+    shard_begin();
     size_t places = tiles_places(&in), undecided = 0;
     w.watch = watch_begin(&a.watched, a.shared.target.hexadecimal, places, 0);
     w.table = table_begin(&a.shared.target, intersect_columns_of(&w, columns), columns);
@@ -400,6 +442,8 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     tiles_run(&in, &w, find, intersect_take);
     input_check();
     progress_end();
+    shard_end();
+    if (shard_is()) return EXIT_DECIDED;
     for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
     if (text) {
         if (w.rays) table_line(w.table, "%s", intersect_legend);

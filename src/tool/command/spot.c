@@ -80,10 +80,13 @@ static void draw_spots(const look *l)
     chart_panel *panel = memory_take(panels, sizeof *panel);
     for (size_t i = 0; i < panels; i++) panel[i] = spot_panel(l, i, half);
     const bool centroid = ((const sgt_spot_options *)l->options)->reference == 1;
+    bool more = false;
+    for (size_t i = 0; i < panels * l->bands; i++) more = more || l->ends[i].count == LOOK_ENDS;
     const char *line[] = {look_lens_line(l),
                           centroid ? "about the centroid" : "about the chief ray of the primary wavelength",
-                          look_fates_line(l, &l->total.fates)};
-    chart_write(l->picture, &(chart){.title = look_title(l, l->of->title), .line = line, .lines = 3,
+                          look_fates_line(l, &l->total.fates),
+                          memory_print("drawn: the first %d rays of a field and wavelength", LOOK_ENDS)};
+    chart_write(l->picture, &(chart){.title = look_title(l, l->of->title), .line = line, .lines = 3U + more,
                                      .columns = look_given(l, "defocus") ? l->surfaces : 0, .panels = panels,
                                      .panel = panel, .same_x = true, .same_y = true});
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /* trace.c - sagitta trace: rays through a lens. */
 #include "commands.h"
+#include "record.h"
 #include "watch.h"
 #include "watched.h"
 #include "../show/frame.h"
@@ -129,7 +130,7 @@ const command command_trace = {
                 "  sagitta trace examples/lenses/cooke_triplet.yaml --fan 7 --picture triplet.svg\n",
     .docs = "docs/lens_file.md (every key of a lens file), docs/rays.md", .all = trace_all,
     .group = {&trace_own, &trace_pictures, JOB_GROUPS,
-              &trace_search, &options_solver, &options_in_threads, &options_rows},
+              &trace_search, &options_solver, &options_in_threads, &options_shards, &options_rows},
     .run = trace_run,
 };
 
@@ -139,6 +140,8 @@ static trace_arguments trace_arguments_of(const command *c, int argc, char *argv
     command_read(c, &a, &a.job, &a.shared, argc, argv);
     a.job.lens = command_file(c, "lens file", argc, argv);
     pictures_check(&a.pictures);
+    options_shard(&a.shared);
+    if (shard_is() && a.watched.path) fail_usage("--watch: not with --shard; it is of one run");
     return a;
 }
 
@@ -184,6 +187,7 @@ typedef struct trace_room {
     sgt_passage *alone;            /* [elements], for a ray traced by itself to get lo and hi */
     element_rows rows;
     table *table;
+    bytes kept;                    /* of a shard: for who joins */
 } trace_room;
 
 typedef struct trace_work {
@@ -198,6 +202,7 @@ typedef struct trace_work {
     const job_lens *at;             /* the lens at the wavelength that is being traced */
     bool launches;                 /* there are the columns of launch_head */
     bool stretches;                /* there are columns lo and hi */
+    tiling whole;                  /* of all shards together */
     size_t rays, passed, proven, undecided; /* how many rays; proven: passed and grazed no element */
     struct { launch ray; const job_lens *at; } lost[UNDECIDED_SHOWN];
     int shown;
@@ -366,15 +371,62 @@ static void every_row(const trace_work *w, trace_room *r)
     }
 }
 
+/* The rays that were launched for a tile: aimed ones take as long as tracing. */
+static void record_rays(keeping *to, ray_block *b)
+{
+    RECORD(to, &b->count, 1), RECORD(to, &b->lost_count, 1), RECORD(to, &b->folded, 1);
+    for (int k = 0; k < 6; k++) RECORD(to, b->number[k], b->count);
+    RECORD(to, b->ray, b->count), RECORD(to, b->field, b->count);
+    RECORD(to, b->px, b->count), RECORD(to, b->py, b->count);
+    if (b->lost_room < b->lost_count)
+        b->lost_room = b->lost_count, b->lost = memory_grow(b->lost, b->lost_room, sizeof *b->lost);
+    RECORD(to, b->lost, b->lost_count);
+}
+
+static void record_passages(keeping *to, const sgt_passages *p, size_t count)
+{
+    const sgt_hits *h = &p->hits;
+    double *const number[] = {h->p[0], h->p[1], h->p[2], p->direction[0], p->direction[1], p->direction[2],
+                              h->t, h->t_err, p->opl};
+    RECORD(to, h->status, count), RECORD(to, h->evals, count);
+    for (int k = 0; k < 9; k++) RECORD(to, number[k], count);
+}
+
+/* What became of them. */
+static void record_traced(keeping *to, const trace_work *w, trace_room *r)
+{
+    const size_t count = r->rays.count, elements = w->job->lens.count;
+    RECORD(to, r->fate, count), RECORD(to, r->passed, count);
+    for (int k = 0; k < 6 && w->picture; k++) RECORD(to, r->end[k], count);
+    for (size_t i = w->every ? 0 : elements - 1; i < elements; i++)
+        record_passages(to, w->every ? &r->passages[i] : &r->last[i], count);
+}
+
+/* The rays of a tile, traced: here, or by a shard. */
+static void trace_tile(const trace_work *w, trace_room *r, const tile *t)
+{
+    keeping keep = {.put = shard_is() ? &r->kept : NULL};
+    const bool made = w->at->plan.fields;
+    if (shard_joins()) {
+        size_t size;
+        keep.at = shard_tile(&w->whole, (size_t)(w->at - w->job->at), t, &size), keep.end = keep.at + size;
+    }
+    if (!shard_joins() || !made) job_part(w->at, t->first, t->count, &r->rays);
+    if (shard_count() && made) record_rays(&keep, &r->rays);
+    sgt_traced out = {.fate = r->fate, .passed = r->passed};
+    for (int k = 0; k < 3 && w->picture; k++) out.o[k] = r->end[k], out.d[k] = r->end[3 + k];
+    if (w->every) need_passages(w, r);
+    if (!shard_joins())
+        trace_columns(w, r->rays.count, rays_columns(&r->rays), out, w->every ? r->passages : r->last);
+    if (shard_count()) record_traced(&keep, w, r);
+}
+
 static void send(void *data, const tile *t)
 {
     const trace_work *w = data;
     trace_room *r = &w->room[t->place];
-    job_part(w->at, t->first, t->count, &r->rays);
-    sgt_traced out = {.fate = r->fate, .passed = r->passed};
-    for (int k = 0; k < 3 && w->picture; k++) out.o[k] = r->end[k], out.d[k] = r->end[3 + k];
-    if (w->every) need_passages(w, r);
-    trace_columns(w, r->rays.count, rays_columns(&r->rays), out, w->every ? r->passages : r->last);
+    trace_tile(w, r, t);
+    if (shard_is()) return;
     (w->every ? every_row : last_rows)(w, r);
     put_rows(w, r);
     for (size_t i = 0; i < r->rays.count && w->watch; i++) {
@@ -382,6 +434,8 @@ static void send(void *data, const tile *t)
         watch_trace(w->watch, t->place, w->at, &l, &w->asked->shared.solver, r->fate[i] < 0);
     }
 }
+
+enum { DRAWN = 20000 }; /* so many rays of each wavelength are in the picture, the first */
 
 static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
 {
@@ -438,6 +492,12 @@ static void trace_take(void *data, const tile *t)
     trace_work *w = data;
     trace_room *r = &w->room[t->place];
     const ray_block *b = &r->rays;
+    if (shard_is()) {
+        part_put(r->kept.at, r->kept.length);
+        r->kept.length = 0;
+        progress_add(t->count);
+        return;
+    }
     if (!w->alone) table_join(w->table, r->table);
     watch_take(w->watch, t->place);
     if (w->job->how) launch_take(w->job->how, b);
@@ -454,7 +514,7 @@ static void trace_take(void *data, const tile *t)
         for (int k = 0; k < passed; k++) w->back[k] += r->passages[k].hits.t[i] < 0;
         if (r->fate[i] < 0 && r->passages[passed].hits.status[i] < 0 && w->shown < UNDECIDED_SHOWN)
             w->lost[w->shown].ray = *l, w->lost[w->shown++].at = w->at;
-        if (w->picture) draw(w, r, l, i);
+        if (w->picture && l->number < DRAWN) draw(w, r, l, i);
     }
 }
 
@@ -607,12 +667,15 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
                          : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
                                                             : TILE_RAYS};
     watch_tiling(&in, a.watched.path, &a.shared.solver);
+    const tiling whole = in;
+    in = shard_tiling(whole);
     const size_t places = tiles_places(&in);
-    pictures_reserve(&a.pictures, a.shared.target.path, &j);
+    if (!shard_is()) pictures_reserve(&a.pictures, a.shared.target.path, &j);
     scene picture = {.job = &j};
     if (a.pictures.file) picture = scene_begin(&j, pictures_plane(&a.pictures));
     trace_work w = {.asked = &a,
                     .job = &j,
+                    .whole = whole,
                     .room = memory_take(places, sizeof *w.room),
                     .watch = watch_begin(&a.watched, a.shared.target.hexadecimal, places, count),
                     .picture = a.pictures.file ? &picture : NULL,
@@ -629,14 +692,18 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     a.shared.target.word_size = j.rays.longest_id;
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) make_room(&w, &w.room[i], in.most);
-    progress_begin(j.wavelengths * job_count(j.at), !a.shared.target.path, a.shared.progress);
+    shard_begin();
+    progress_begin(j.wavelengths * in.rays, !a.shared.target.path, a.shared.progress);
     for (size_t k = 0; k < j.wavelengths; k++) {
         w.at = &j.at[k];
-        in.rays = job_count(w.at);
         tiles_run(&in, &w, send, trace_take);
     }
     input_check();
     progress_end();
+    shard_end();
+    if (shard_is()) return EXIT_DECIDED;
+    if (a.pictures.file && job_count(j.at) > DRAWN)
+        note("--picture: the first %d of %zu rays of each wavelength are drawn", DRAWN, job_count(j.at));
     job_end_parts(&j);
     if (text) {
         if (w.rays) write_legend(&w);

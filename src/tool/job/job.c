@@ -412,7 +412,7 @@ job job_read(const job_options *o)
     job j = {.wavelengths = 0};
     read_wavelengths(&j, o);
     if (o->rays) {
-        j.rays.threads = o->threads, j.rays.parts = o->parts;
+        j.rays.threads = o->threads, j.rays.parts = o->parts, j.rays.some = shard_is();
         rays_read(&j.rays, o->rays, o->skip_bad);
         if (j.rays.ended)
             note("%s: tmin, tmax: not used; through a lens the whole line of a ray is searched", o->rays);

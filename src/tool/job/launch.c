@@ -9,12 +9,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Memory that lasts until the command ends: a size of 0 gives a block back. */
+static void *resize_lasting(void *context, void *block, size_t size)
+{
+    (void)context;
+    if (size) return block ? memory_grow(block, size, 1) : memory_take(size, 1);
+    memory_drop(block);
+    return NULL;
+}
+
 launch_pattern launch_points(sgt_pattern pattern, size_t n, uint64_t seed)
 {
-    const size_t count = sgt_pupil_points(pattern, n, seed, 0, NULL);
-    sgt_pupil_point *at = pattern == SGT_PATTERN_RANDOM ? NULL : memory_take(count, sizeof *at);
-    if (at) sgt_pupil_points(pattern, n, seed, count, at);
-    return (launch_pattern){.count = count, .n = n, .at = at, .pattern = pattern, .seed = seed};
+    static const sgt_allocator lasting = {.resize = resize_lasting};
+    const sgt_pupil *pupil = sgt_pupil_new(pattern, n, seed, &lasting);
+    return (launch_pattern){.count = sgt_pupil_count(pupil), .pattern = pupil};
+}
+
+void launch_points_part(const launch_pattern *points, size_t first, size_t count, sgt_pupil_point at[])
+{
+    if (points->pattern) sgt_pupil_part(points->pattern, first, count, at);
+    else memcpy(at, points->at + first, count * sizeof *at);
 }
 
 /* Launchers are freed when the command ends. */
@@ -101,15 +115,14 @@ static void put_launched(ray_block *to, const sgt_launched *l, size_t number, si
 void launch_part(const launch_plan *plan, size_t first, size_t count, ray_block *to)
 {
     sgt_launched launched[LAUNCH_PART];
-    sgt_pupil_point made[LAUNCH_PART];
+    sgt_pupil_point p[LAUNCH_PART];
     to->count = to->lost_count = to->folded = 0;
     for (size_t done = 0, part; done < count; done += part) {
         const size_t number = first + done, field = number / plan->points->count;
         const size_t point = number % plan->points->count, left = plan->points->count - point;
-        const sgt_pupil_point *p = plan->points->at ? plan->points->at + point : made;
         part = count - done < left ? count - done : left;
         if (part > LAUNCH_PART) part = LAUNCH_PART;
-        if (p == made) sgt_pupil_random(plan->points->count, plan->points->seed, point, part, made);
+        launch_points_part(plan->points, point, part, p);
         double *n[6];
         for (int k = 0; k < 6; k++) n[k] = to->number[k] + to->count;
         if (sgt_launch_columns(plan->how->from, &plan->beam[field], part, p, n, n + 3)) {

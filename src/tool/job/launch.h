@@ -7,15 +7,16 @@
 
 #include <sagitta/analysis.h>
 
-/* Points in the unit circle of the pupil; they last until the command ends.  n: as sgt_pupil_points has it, 0
- * for single points. */
+/* Points in the unit circle of the pupil; they last until the command ends. */
 typedef struct launch_pattern {
-    size_t count, n;
-    const sgt_pupil_point *at; /* NULL: of a random one, made when they are needed */
-    sgt_pattern pattern;
-    uint64_t seed;
+    size_t count;
+    const sgt_pupil_point *at; /* single points; NULL: of the pattern, made when they are needed */
+    const sgt_pupil *pattern;
 } launch_pattern;
 launch_pattern launch_points(sgt_pattern pattern, size_t n, uint64_t seed);
+
+/* Some of them. */
+void launch_points_part(const launch_pattern *points, size_t first, size_t count, sgt_pupil_point at[]);
 
 /* What the launching of all fields shares. */
 typedef struct launch_how {

@@ -2,6 +2,7 @@
 /* options.c - the options that several commands share. */
 #include "options.h"
 
+#include "../base/memory.h"
 #include "../base/tiles.h"
 
 #include <limits.h>
@@ -58,6 +59,39 @@ static const option_row threads_rows[] = {
     {0},
 };
 const option_group options_in_threads = {OPTIONS_SHARED, NULL, .row = threads_rows};
+
+static void take_shard(void *into, const option_row *row, const char *value)
+{
+    enum { MOST = 1000000 };
+    shard_options *o = &((shared_options *)into)->shard;
+    char *text = memory_text(value, strlen(value)), *slash = strchr(text, '/');
+    if (!slash) fail_usage("--%s must be K/N: 3/7 is the third of seven, not \"%s\"", row->name, value);
+    *slash = 0;
+    o->of = (int)options_integer(row->name, slash + 1, 1, MOST);
+    o->number = (int)options_integer(row->name, text, 1, o->of);
+}
+
+static const option_row shard_rows[] = {
+    {"shard", "K/N",
+     "compute only the K-th of N shares of the rays, and write it to the file of --output\n"
+     "sagitta join makes of all N parts what one run writes.  docs/scale.md",
+     OPTION_TAKE, .take = take_shard},
+    {"resume", NULL, "with --shard: nothing is done if the part is there and whole", OPTION_FLAG,
+     .to = offsetof(shared_options, shard.resume)},
+    {0},
+};
+const option_group options_shards = {OPTIONS_SHARED, "For many machines", .row = shard_rows};
+
+void options_shard(shared_options *o)
+{
+    size_t length;
+    if (o->shard.resume && !o->shard.of) fail_usage("--resume goes with --shard K/N");
+    if (!o->shard.of) return;
+    const char *arguments = command_arguments(&length);
+    shard_be(&o->shard, o->target.path, memory_text(arguments, length), length);
+    o->target.path = "/dev/null"; /* what would be printed is of no use */
+    if (o->target.format == TABLE_NPY) o->target.format = TABLE_CSV;
+}
 
 void options_note_unread(const shared_options *o, size_t count, const sgt_element element[])
 {

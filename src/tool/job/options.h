@@ -3,6 +3,7 @@
 #ifndef TOOL_OPTIONS_H
 #define TOOL_OPTIONS_H
 #include "../read/surface.h"
+#include "../base/shard.h"
 #include "../show/table.h"
 #include "parse.h"
 
@@ -15,12 +16,17 @@ typedef struct shared_options {
     bool progress;
     const char *picture;  /* NULL: none */
     int weights;          /* 1: each ray counts alike */
+    shard_options shard;
 } shared_options;
 
 /* --format, --output, --hex; the same with --columns, --progress and npy for a row for each ray. */
 extern const option_group options_output, options_rows;
 extern const option_group options_solver;  /* --t-tol, --dt-min, --max-evals */
 extern const option_group options_in_threads;
+extern const option_group options_shards;  /* --shard, --resume */
+
+/* With --shard this run becomes that shard, and prints nothing. */
+void options_shard(shared_options *o);
 
 /* Rows of OPTIONS_SHARED, with what they mean to a command. */
 #define PICK_OPTION(help)                                                                              \

@@ -6,7 +6,7 @@
 #include "parse.h"
 
 #include "../../text/number.h"
-#include "../base/memory.h"
+#include "../base/bytes.h"
 #include "../read/lens.h"
 
 #include <math.h>
@@ -237,6 +237,20 @@ static void take_row(const option_row *r, void *into, const char *value)
     }
 }
 
+static bytes arguments;
+
+const char *command_arguments(size_t *length) { return *length = arguments.length, arguments.at; }
+
+static void keep_argument(const char *text) { bytes_put(&arguments, text, strlen(text) + 1); }
+
+static void keep_option(const option_row *r, const char *value)
+{
+    static const char *const others[] = {"output", "shard", "resume", "threads", "progress", "quiet"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(r->name, others[i]) == 0) return;
+    keep_argument(r->value ? memory_print("--%s=%s", r->name, value) : memory_print("--%s", r->name));
+}
+
 unsigned command_read(const command *c, void *own, void *job, void *shared, int argc, char *argv[])
 {
     void *const into[] = {own, job, job, shared};
@@ -247,6 +261,8 @@ unsigned command_read(const command *c, void *own, void *job, void *shared, int 
     unsigned given = 0;
     bool help = false;
     size_t output = rows, quiet = rows;
+    arguments.length = 0;
+    keep_argument(c->name);
     for (size_t i = 0; i < rows; i++) {
         const option_row *r = row[i].row;
         known[i] = (struct option){r->name, r->value ? required_argument : no_argument, NULL, CODE + (int)i};
@@ -260,9 +276,12 @@ unsigned command_read(const command *c, void *own, void *job, void *shared, int 
             help = true;
             continue;
         }
+        keep_option(row[i].row, optarg);
         take_row(row[i].row, into[row[i].of], optarg);
         given |= 1u << row[i].of;
     }
+    keep_argument("--");
+    for (int k = optind; k < argc; k++) keep_argument(argv[k]);
     const char *how = optind < argc ? argv[optind] : "";
     if (help && strcmp(how, "options") == 0) print_table(c);
     if (help) print_help(c, strcmp(how, "all") == 0);

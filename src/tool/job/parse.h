@@ -64,6 +64,10 @@ struct command {
  * usage error. */
 unsigned command_read(const command *c, void *own, void *job, void *shared, int argc, char *argv[]);
 
+/* The arguments of the last command_read that say what is computed, each with a zero byte behind it, the
+ * command first: all but where it goes, how it is divided and in how many threads. */
+const char *command_arguments(size_t *length);
+
 /* Print a line of help with its words, and words in lines of at most 100 columns (from the second on they
  * are indented). */
 void command_print_item(const char *name, const char *words);

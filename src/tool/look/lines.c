@@ -14,8 +14,11 @@ void look_lines_check(look *l)
     size_t count[2] = {0, 0};
     if (!l->picture || (fits && !asked.count)) return;
     const launch_pattern points = job_points(o, l->of->pattern, l->of->rays);
-    for (size_t i = 0; i < points.count && points.at; i++)
-        count[0] += points.at[i].x == 0, count[1] += points.at[i].y == 0;
+    for (size_t i = 0; i < points.count; i++) {
+        sgt_pupil_point at;
+        launch_points_part(&points, i, 1, &at);
+        count[0] += at.x == 0, count[1] += at.y == 0;
+    }
     if (count[0] < 2 && count[1] < 2)
         fail_usage("--picture: these rays are on no line across the pupil; give --cross N or --fan N");
 }

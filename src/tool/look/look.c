@@ -180,8 +180,12 @@ static void take_lens(look *l, const command *c, int argc, char *argv[])
         fail_usage("--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and sweep do",
                    c->name);
     if (!l->of->primary_alone && !o->wavelengths) o->all_wavelengths = true;
+    options_shard(&l->shared);
     l->picture = l->shared.picture;
-    if (!l->picture) return;
+    if (shard_is() && l->picture && l->of->part_of)
+        fail_usage("--picture: it shows rays, which --shard has in no part of a sum; draw it by sagitta %s",
+                   l->of->part_of);
+    if (!l->picture || shard_is()) return;
     if (l->shared.target.path) output_check("output", l->shared.target.path);
     output_reserve("picture", l->picture);
 }
@@ -202,7 +206,7 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
         &own, l->of->no_fields ? &job_no_fields : &job_fields_options,
         l->of->no_rays ? &job_no_pattern : &job_pattern_options, &job_no_file, &job_aim_options,
         &job_wavelength_options, &job_glass_options, &job_aperture_options, &look_group, &proof,
-        &options_solver, &options_in_threads, &options_rows,
+        &options_solver, &options_in_threads, &options_shards, &options_rows,
     };
     memcpy(all.group, groups, sizeof groups);
     command_read(&all, &a, &l->job, &l->shared, argc, argv);
@@ -259,6 +263,9 @@ _Noreturn static void refuse(const look *l, const sgt_error *e)
     lens_refuse(e);
 }
 
+/* One of several shards, or their join. */
+static sgt_shard shared_out = {.write = shard_write, .read = shard_read};
+
 sgt_study_options look_study(look *l, const job_points_asked *points, int *threads)
 {
     const job_options *o = &l->job;
@@ -275,6 +282,7 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
     for (size_t i = 0; i < l->bands; i++)
         wavelength[i] = (sgt_wavelength){l->band[i].chosen, l->band[i].wavelength};
     *threads = options_threads(&l->shared);
+    shared_out.number = shard_number(), shared_out.of = shard_count();
     /* (A picture may ask another analysis for the same points.) */
     const bool fixed = l->picture && l->of->part_of;
     return (sgt_study_options){
@@ -285,7 +293,8 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
         .pattern = points->rays || fixed ? &points->pattern : NULL,
         .rays = fixed && !points->rays ? l->of->rays : points->rays, .seed = points->seed,
         .points = points->count, .point = points->at, .equal_weights = l->shared.weights,
-        .run = *threads > 1 ? in_threads : NULL, .context = threads};
+        .run = *threads > 1 ? in_threads : NULL, .context = threads,
+        .shard = shard_count() ? &shared_out : NULL};
 }
 
 static void begin_study(look *l, const job_points_asked *points, int *threads)
@@ -521,6 +530,7 @@ static void keep_ends(void *context, size_t field, size_t surface, size_t wavele
     const printing *p = context;
     look *l = p->look;
     look_ends *e = &l->ends[(field * l->surfaces + surface) * l->bands + wavelength];
+    if (count > LOOK_ENDS - e->count) count = LOOK_ENDS - e->count;
     if (e->count + count > e->room) {
         e->room = 2 * e->room + count;
         e->end = memory_grow(e->end, e->room, sizeof *e->end);
@@ -550,7 +560,7 @@ static void run_over(look *l, const job_points_asked *points, printing *p, const
         if (!l->job.of || !sgt_lens_set(lens_keep(l->job.of), *over->path, l->at, &e)) lens_refuse(&e);
         free_study(), studies[0] = NULL;
         begin_study(l, points, threads);
-        if (i == 0) begin_table(p);
+        if (i == 0) shard_begin(), begin_table(p);
         l->step = (size_t)i;
         lens_note_no_ranges();
         if (!sgt_study_run(l->study, l->of, l->options, sink, &l->total, &e)) refuse(l, &e);
@@ -580,11 +590,14 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
                 (const void *)((const char *)l.options + offsetof(sgt_spot_options, defocus));
             l.surfaces = defocus->count ? defocus->count : 1;
             l.ends = memory_take(l.fields.count * l.surfaces * l.bands, sizeof *l.ends);
-            sink.ends = keep_ends;
+            sink.ends = keep_ends, sink.ends_most = LOOK_ENDS;
         }
+        shard_begin();
         begin_table(&p);
         if (!sgt_study_run(l.study, l.of, l.options, &sink, &l.total, &e)) refuse(&l, &e);
     }
+    shard_end();
+    if (shard_is()) return EXIT_DECIDED;
     for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
     look_verdict(&l);
     table_end(l.table);

@@ -10,7 +10,8 @@
 
 #include <sagitta/study.h>
 
-/* The rays of a spot, as they come before its rows. */
+/* The rays of a spot, as they come before its rows: the first so many at most. */
+enum { LOOK_ENDS = 20000 };
 typedef struct look_ends { size_t count, room; sgt_ray_end *end; } look_ends;
 
 /* What was asked and what came of it: all that a picture needs. */

@@ -145,6 +145,15 @@ static void check_length(const array *a, size_t have)
         fail_input("%s: %zu bytes behind the last row", a->path, have - a->rows * a->row_size);
 }
 
+/* Parts of a run are of the same rays: by the length of the file, and by what stands at both its ends. */
+static void note_ends(const input *in)
+{
+    enum { END = 1 << 12 };
+    const size_t some = in->length < END ? in->length : END;
+    input_note(&in->length, sizeof in->length);
+    input_note(in->text, some), input_note(in->text + in->length - some, some);
+}
+
 array array_open(const char *path)
 {
     enum { HEADER_MOST = 1 << 20, START = 10, START_LATER = 12 };
@@ -163,6 +172,7 @@ array array_open(const char *path)
     array a = {.path = path, .row = all + start + length, .mapped = mapped};
     read_dictionary(&a, memory_text(in.text + start, length));
     check_length(&a, in.length - start - length);
+    note_ends(&in);
     return a;
 }
 

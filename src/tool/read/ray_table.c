@@ -26,6 +26,7 @@ struct ray_table {
     const char *path;
     size_t rows, files, bad; /* bad: how many of the rows are */
     bool ended;              /* there is tmin or tmax */
+    bool share, skip_bad;    /* share: this run reads only some rows, and looks only at these */
     array file[RAY_COLUMNS];
     ray_column column[RAY_COLUMNS];
     char *id;          /* [rows], each of id_room bytes */
@@ -181,7 +182,9 @@ void ray_table_part(const ray_table *t, size_t first, size_t count, ray_block *t
     long long first_bad;
     char why[RAY_WHY];
     read_columns(t, first, count, to);
-    if (t->bad) leave_good(to, &first_bad, why);
+    if (!t->bad && !t->share) return;
+    if (leave_good(to, &first_bad, why) && !t->skip_bad)
+        fail_input("%s: row %lld, counted from 0: %s", t->path, first_bad, why);
 }
 
 /* Is there a bad one among these rows?  By the bits of the exponents: all set, a number is not finite; none
@@ -264,7 +267,8 @@ void ray_table_open(ray_list *list, const char *path, bool skip_bad)
                        ray_column_name[c]);
     if (!t->rows) fail_input("%s: no rays: the array is empty", path);
     t->ended = list->ended = t->column[RAY_TMIN].file || t->column[RAY_TMAX].file;
-    check_rows(t, skip_bad, list->threads);
-    if (t->column[RAY_ID].file) read_ids(t, list);
+    t->share = list->some, t->skip_bad = skip_bad;
+    if (!t->share) check_rows(t, skip_bad, list->threads);
+    if (t->column[RAY_ID].file && !t->share) read_ids(t, list);
     list->table = t, list->count = t->rows;
 }

@@ -50,6 +50,7 @@ typedef struct ray_list {
     size_t longest_id;  /* characters of the longest of them */
     int threads;        /* to read the file with; 0: one */
     bool parts;         /* set by a command that calls rays_part: arrays are then not read whole */
+    bool some;          /* set with `parts`, if only some rows are asked for: others are not looked at */
     const ray_table *table; /* arrays that are read in parts: `ray` is NULL, `count` with bad rows */
 } ray_list;
 
