@@ -37,6 +37,7 @@
  *                                                     rule, and farther off while rounding hides it.  By
  *                                                     `encloses`, where it is offered, else by `rounding`
  *     hidden all the way, from a point on it          that of grad F . d at the start, if it is not nearly 0
+ *     missed, and the surface knows it (`behind`)      that: of a conic the slope at the start
  *     undecided, or neither                           0
  *
  * A user's surface that is searched by steps may skip a root.  If its slope at the start and at the next
@@ -266,6 +267,12 @@ static void answer_sides(sgt_surface s, asked *a, signed char sign[])
     a->count = 0;
 }
 
+/* The sides right behind starts that are on the surface, as the surface itself knows them. */
+static bool sides_behind(sgt_surface s, size_t n, const sgt_rays *rays, double side[])
+{
+    return s.ops->own_ && s.ops->own_->behind && s.ops->own_->behind(s.self, n, rays, side);
+}
+
 /* The side as the hit alone tells it; else F is to be asked.  sharp: t_tol is 0. */
 static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray *ray, bool on, bool sharp,
                              const sgt_hit *hit, size_t i, asked *a)
@@ -273,8 +280,12 @@ static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray
     if (hit->status < 0) return 0;
     double by_hit = sharp && hit->status == SGT_HIT ? -slope_sign(hit->n, ray->d, 0x1p-30) : 0;
     if (by_hit != 0) return (signed char)by_hit;
+    const bool left = on && hit->status == SGT_MISS;
+    double behind[1] = {0};
+    const sgt_rays one = rays_of(ray);
+    if (left && sides_behind(s, 1, &one, behind) && behind[0] != 0) return (signed char)behind[0];
     sgt_vec3 n = gradient_at(s, from, ray->o);
-    signed char early = on && hit->status == SGT_MISS && looks_early(s.ops) ? early_side(s, ray, n) : 0;
+    signed char early = left && looks_early(s.ops) ? early_side(s, ray, n) : 0;
     if (early != 0) return early;
     double t = ask_side(s, a, i, ray, n, on, hit);
     if (t > 0) return 0;
@@ -385,10 +396,19 @@ static sgt_ray ray_from(const sgt_start *from, sgt_vec3 o)
     return (sgt_ray){o, from->d, 0, leave_end(from->tmax)};
 }
 
+/* Which points are on the surface, as the surface itself knows it?  1 or 0. */
+static bool known_on(sgt_surface s, size_t n, const double *const p[3], double on[])
+{
+    return s.ops->own_ && s.ops->own_->on && s.ops->own_->on(s.self, n, p, on);
+}
+
 static place place_to_leave(sgt_surface s, const sgt_start *from)
 {
     sgt_vec3 n = {0, 0, 0};
     if (!start_sound(from) || !asked_of(s)) return (place){from->p, false};
+    const double *const at[3] = {&from->p.x, &from->p.y, &from->p.z};
+    double own[1] = {0};
+    if (known_on(s, 1, at, own) && own[0] > 0) return (place){from->p, true};
     if (surely_on(from->p, from->n, from->p_err)) return (place){from->p, true};
     double f = s.ops->value(s.self, from->p, &n);
     return is_on(f, from->p, n) ? (place){from->p, true} : polished(s, from->p, f, n, from->p_err);
@@ -440,15 +460,17 @@ typedef struct leaving {
     bool on[SGT_MOST_TILE];
 } leaving;
 
-/* start_sound and surely_on of n starts: a row of 1 and 0.  Returns how many are both. */
+/* Sets a row of 1 and 0 to 1 where start_sound and surely_on say so of a start.  Returns how many are 1 then.
+ */
 SGT_KERNEL
-static double surely_all(size_t n, const double *px, const double *py, const double *pz, const double *nx,
-                         const double *ny, const double *nz, const double *p_err, double *restrict sure)
+static double surely_all(size_t n, const double *const at[3], const double *const grad_of[3],
+                         const double *p_err, double *restrict sure)
 {
+    const double *px = at[0], *py = at[1], *pz = at[2], *nx = grad_of[0], *ny = grad_of[1], *nz = grad_of[2];
     double count = 0;
     _Pragma("omp simd reduction(+ : count)") for (size_t i = 0; i < n; i++) {
         sgt_vec3 p = {px[i], py[i], pz[i]}, grad = {nx[i], ny[i], nz[i]};
-        double is = ((int)sound_at(p, p_err[i]) & (int)surely_on(p, grad, p_err[i])) ? 1.0 : 0.0;
+        double is = ((int)sound_at(p, p_err[i]) & (int)surely_on(p, grad, p_err[i])) ? 1.0 : sure[i];
         sure[i] = is, count += is;
     }
     return count;
@@ -456,10 +478,10 @@ static double surely_all(size_t n, const double *px, const double *py, const dou
 
 /* Sets a row of surely_all to 1 where is_on says so.  Returns how many are 1 then. */
 SGT_KERNEL
-static double on_all(size_t n, const double *px, const double *py, const double *pz, const double *p_err,
-                     const double *f, const double *nx, const double *ny, const double *nz,
-                     double *restrict sure)
+static double on_all(size_t n, const double *const at[3], const double *p_err, const double *f,
+                     const double *const grad_of[3], double *restrict sure)
 {
+    const double *px = at[0], *py = at[1], *pz = at[2], *nx = grad_of[0], *ny = grad_of[1], *nz = grad_of[2];
     double count = 0;
     _Pragma("omp simd reduction(+ : count)") for (size_t i = 0; i < n; i++) {
         sgt_vec3 p = {px[i], py[i], pz[i]};
@@ -512,13 +534,15 @@ static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, l
         if (sound_at((sgt_vec3){p[0][k], p[1][k], p[2][k]}, p_err[k])) continue;
         p[0][k] = p[1][k] = p[2][k] = 0, p_err[k] = (double)NAN;
     }
-    if (m[0] && many)
-        known = surely_all(n, p[0], p[1], p[2], m[0] + at + i, m[1] + at + i, m[2] + at + i, p_err, sure);
-    else
-        memset(sure, 0, sizeof sure);
+    memset(sure, 0, sizeof sure);
+    if (many && known_on(s, n, at_all, sure))
+        for (size_t k = 0; k < n; k++) known += sure[k];
+    if (known < (double)n && m[0] && many)
+        known = surely_all(n, at_all, (const double *const[3]){m[0] + at + i, m[1] + at + i, m[2] + at + i},
+                           p_err, sure);
     if (known < (double)n && many) {
         leave_values(s, n, at_all, f, there);
-        known = on_all(n, p[0], p[1], p[2], p_err, f, grad[0], grad[1], grad[2], sure);
+        known = on_all(n, at_all, p_err, f, (const double *const[3]){grad[0], grad[1], grad[2]}, sure);
     }
     memset(w->on + i, true, n * sizeof *w->on);
     for (size_t k = 0; k < n && known < (double)n; k++) {
@@ -582,13 +606,18 @@ static void looks_at(size_t n, const sgt_rays *rays, const double *const grad[3]
     }
 }
 
+/* What has been looked at: points, F there, its gradient, its own rounding, and whether it was asked for. */
+typedef struct looks {
+    double p[3][ASKS], f[ASKS], grad[3][ASKS], own[ASKS], asks[ASKS];
+} looks;
+
 SGT_KERNEL
-static void sides_by_look(size_t n, const double *const p[3], const double *f, const double *const grad[3],
-                          const double *own, const double *asks, const double *const way[3], double agree,
+static void sides_by_look(size_t n, const looks *at, const double *const way[3], double agree,
                           double *restrict side)
 {
-    const double *px = p[0], *py = p[1], *pz = p[2], *nx = grad[0], *ny = grad[1], *nz = grad[2],
-                 *dx = way[0], *dy = way[1], *dz = way[2];
+    const double *px = at->p[0], *py = at->p[1], *pz = at->p[2], *nx = at->grad[0], *ny = at->grad[1],
+                 *nz = at->grad[2], *dx = way[0], *dy = way[1], *dz = way[2], *f = at->f, *own = at->own,
+                 *asks = at->asks;
     LANES for (size_t i = 0; i < n; i++) {
         sgt_vec3 m = {nx[i], ny[i], nz[i]}, d = {dx[i], dy[i], dz[i]};
         double err = look_error(own[i], (sgt_vec3){px[i], py[i], pz[i]}, m),
@@ -604,17 +633,18 @@ static void sides_by_look(size_t n, const double *const p[3], const double *f, c
 static void sides_of_misses(sgt_surface s, size_t n, const sgt_rays *rays, const double *const grad[3],
                             const double *state, double *side)
 {
-    double p[3][ASKS], f[ASKS], m[3][ASKS], own[ASKS], asks[ASKS];
-    const double *const at[3] = {p[0], p[1], p[2]}, *const there[3] = {m[0], m[1], m[2]};
-    double *const out[3] = {m[0], m[1], m[2]};
+    looks w;
+    double(*p)[ASKS] = w.p, *own = w.own;
+    const double *const at[3] = {p[0], p[1], p[2]};
+    double *const out[3] = {w.grad[0], w.grad[1], w.grad[2]};
     bool body = is_body(s.ops);
-    looks_at(n, rays, grad, state, p[0], p[1], p[2], asks);
-    bool both = leave_rounded(s, n, at, f, out, own);
-    if (!both) leave_values(s, n, at, f, out);
-    if (!both && body) s.ops->own_->roundings(s.self, NULL, n, (sgt_points){{p[0], p[1], p[2]}}, f, own);
+    looks_at(n, rays, grad, state, p[0], p[1], p[2], w.asks);
+    bool both = leave_rounded(s, n, at, w.f, out, own);
+    if (!both) leave_values(s, n, at, w.f, out);
+    if (!both && body) s.ops->own_->roundings(s.self, NULL, n, (sgt_points){{p[0], p[1], p[2]}}, w.f, own);
     for (size_t k = 0; k < n && !both && !body; k++)
-        own[k] = asks[k] > 0 ? s.ops->rounding(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}) : 0;
-    sides_by_look(n, at, f, there, own, asks, rays->d, body ? 0 : 1, side);
+        own[k] = w.asks[k] > 0 ? s.ops->rounding(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}) : 0;
+    sides_by_look(n, &w, rays->d, body ? 0 : 1, side);
 }
 
 /* Are there enough of these to be looked at together? */
@@ -628,14 +658,31 @@ static bool looked_at(sgt_surface s, size_t n, const double *state, const bool *
     return 8 * misses > n;
 }
 
+/* A tile: its starts from number `at` of the batch on, and where its answers are. */
+typedef struct left_tile {
+    sgt_surface s;
+    const sgt_starts *from;
+    size_t at;
+    const sgt_rays *rays;
+    const sgt_hits *own;
+    leaving *w;
+    const sgt_options *opt;
+    bool sides;
+    asked *a;
+} left_tile;
+
 /* The ray of number i of a tile once more, where its hit alone does not tell all.  Returns by how much there
  * are more hits. */
-static int look_again(sgt_surface s, const sgt_starts *from, size_t at, const sgt_rays *rays, size_t i,
-                      const sgt_hits *own, leaving *w, const sgt_options *opt, bool sides, asked *a)
+static int look_again(const left_tile *j, size_t i)
 {
+    const sgt_surface s = j->s;
+    const sgt_hits *own = j->own;
+    const sgt_options *opt = j->opt;
     const bool sharp = !(opt->t_tol > 0);
-    sgt_start start = start_of(from, at + i);
-    sgt_ray ray = ray_of(rays, i);
+    leaving *w = j->w;
+    asked *a = j->a;
+    sgt_start start = start_of(j->from, j->at + i);
+    sgt_ray ray = ray_of(j->rays, i);
     sgt_hit hit = {.status = w->status[i],
                    .evals = own->evals ? own->evals[i] : 0,
                    .t = w->t[i],
@@ -646,7 +693,7 @@ static int look_again(sgt_surface s, const sgt_starts *from, size_t at, const sg
         hit = hit_without(SGT_UNPROVEN, &ray, hit.evals);
         put_hit(own, i, &hit);
     }
-    if (sides) w->side[i] = side_told(s, &start, &ray, w->on[i], sharp, &hit, i, a);
+    if (j->sides) w->side[i] = side_told(s, &start, &ray, w->on[i], sharp, &hit, i, a);
     if (a->count == ASKS) answer_sides(s, a, w->side);
     return (hit.status > 0) - was;
 }
@@ -674,9 +721,10 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
     size_t met = sgt_intersect_batch(s, n, rays, own, opt);
     /* where a march may have skipped roots, or a hit may lie beside its root, no hit tells all */
     const bool by_hit = !(opt->t_tol > 0) && s.ops && (s.ops->own_ || s.ops->enclose);
-    double state[ASKS], told[ASKS], none[ASKS] = {0};
+    double state[ASKS], told[ASKS], behind[ASKS], none[ASKS] = {0};
     asked a;
     a.count = 0;
+    const left_tile job = {s, from, at, &rays, &own, &w, opt, side != NULL, &a};
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < ASKS ? n - i : ASKS;
         const double *const p[3] = {from->p[0] + at + i, from->p[1] + at + i, from->p[2] + at + i},
@@ -685,17 +733,23 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
         if (by_hit) {
             states_of(few, w.status + i, state);
             sides_by_hit(few, p, grad, d, from->p_err ? from->p_err + at + i : none, w.t + i, state, told);
-            if (side && from->n[0] && looked_at(s, few, state, w.on + i)) {
+            sgt_rays part = rays_from(&rays, i);
+            part.tmax = w.tmax + i;
+            if (side && sides_behind(s, few, &part, behind)) {
+                for (size_t j = 0; j < few; j++)
+                    if (!w.on[i + j]) behind[j] = 0;
+                LANES for (size_t j = 0; j < few; j++) told[j] =
+                    chosen(MASK(state[j] == SGT_MISS) & MASK(behind[j] != 0), behind[j], told[j]);
+            } else if (side && from->n[0] && looked_at(s, few, state, w.on + i)) {
                 const double *const first[3] = {from->n[0] + at + i, from->n[1] + at + i,
                                                 from->n[2] + at + i};
-                sgt_rays part = rays_from(&rays, i);
-                part.tmax = w.tmax + i;
                 sides_of_misses(s, few, &part, first, state, told);
             }
         }
         for (size_t j = 0; j < few; j++) {
             if (by_hit && told[j] != OPEN) w.side[i + j] = (signed char)told[j];
-            else met += (size_t)look_again(s, from, at, &rays, i + j, &own, &w, opt, side != NULL, &a);
+            else
+                met += (size_t)look_again(&job, i + j);
         }
     }
     if (side) answer_sides(s, &a, w.side), memcpy(side + at, w.side, n);

@@ -164,6 +164,13 @@ struct sgt_builtin_ops {
      * ray/unique.c then asks for every root. */
     bool (*unique)(const void *self, const sgt_tile *tile, double rim2, unsigned long long unique[],
                    sgt_interval others[]);
+    /* on[i] is 1 for a point that is certainly on the surface by half of the rule of the start (sgt_ray),
+     * else 0.  Returns false, and does nothing, if none is known to be.  Called by ray/leave.c. */
+    bool (*on)(const void *self, size_t n, const double *const p[3], double on[]);
+    /* For n rays that start on the surface: side[i] is the sign of F right behind the start, up to the next
+     * root of any kind; 0 where it is not certain.  Returns false, and does nothing, if no side is known.
+     * Called by ray/leave.c. */
+    bool (*behind)(const void *self, size_t n, const sgt_rays *rays, double side[]);
     /* The largest number of rays in a tile, SGT_TILE to SGT_MOST_TILE.  0 means SGT_TILE.  Read with or
      * without `meet`. */
     size_t tile;

@@ -115,9 +115,13 @@ SGT_INLINE double aim_told_miss(double miss, double error) { return (miss + erro
  * is no such ray.  PROOF_OPEN: it cannot be told, or the budget is spent. */
 typedef enum aim_verdict { PROOF_DONE, PROOF_OPEN, PROOF_LOOK } aim_verdict;
 typedef struct aim_part { sgt_interval u, v; } aim_part;
-enum { AIM_DEEP = 100 };
+enum { AIM_DEEP = 100, AIM_KEPT = 16 };
+
+/* The z of a surface within a radius, if it is known. */
+typedef struct sag_kept { bool known; sgt_interval z; } sag_kept;
 typedef struct aim_proof {
     const aim_task *task;
+    sag_kept kept[AIM_KEPT][2]; /* of the first elements (bundle.h) */
     aim_part stack[AIM_DEEP];
     int height, boxes, most, looks;
     bool given_up; /* on a part */

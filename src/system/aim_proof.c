@@ -102,7 +102,7 @@ aim_verdict sgt_aim_proof_next(aim_proof *w)
         w->boxes++;
         aim_part part = w->stack[--w->height], before = part;
         linear x = {0, 0, 0, 0}, y = x;
-        bundle_fate fate = sgt_bundle_trace(w->task, part.u, part.v, &x, &y);
+        bundle_fate fate = sgt_bundle_trace(w->task, part.u, part.v, w->kept, &x, &y);
         if (fate == BUNDLE_GONE) continue;
         bool known = fate == BUNDLE_THERE && form_linear(x) + form_linear(y) < HUGE_VAL;
         if (known && !aim_cut_down(w->task, x, y, &part)) continue;

@@ -91,7 +91,7 @@ static form3 bundle_slack(form3 d)
                    form_wider(d.z, BUNDLE_SLACK)};
 }
 
-static bundle_fate bundle_meet(const sgt_element *e, const bundle_lines *w, bundle_hit *h)
+static bundle_fate bundle_meet(const sgt_element *e, const bundle_lines *w, sag_kept kept[2], bundle_hit *h)
 {
     const double aperture = is_open(e->semi_diameter) ? HUGE_VAL : e->semi_diameter;
     const sgt_surface s = in_set(e->surface);
@@ -100,10 +100,11 @@ static bundle_fate bundle_meet(const sgt_element *e, const bundle_lines *w, bund
         return sgt_bundle_conic(q->c, q->k, is_open(q->semi_diameter) ? HUGE_VAL : q->semi_diameter, aperture,
                                 w, h);
     }
-    return sgt_bundle_sag(s, aperture, w, h);
+    return sgt_bundle_sag(s, aperture, w, kept, h);
 }
 
-bundle_fate sgt_bundle_trace(const aim_task *task, sgt_interval u, sgt_interval v, linear *x, linear *y)
+bundle_fate sgt_bundle_trace(const aim_task *task, sgt_interval u, sgt_interval v, sag_kept (*kept)[2],
+                             linear *x, linear *y)
 {
     const sgt_beam *b = task->beam;
     form3 p = bundle_vector(b->o, b->ou, b->ov, u, v),
@@ -119,7 +120,8 @@ bundle_fate sgt_bundle_trace(const aim_task *task, sgt_interval u, sgt_interval 
         w.x = form_sum(o.x, form_product(t, d.x)), w.y = form_sum(o.y, form_product(t, d.y));
         if (!(w.x.e < HUGE_VAL && w.y.e < HUGE_VAL)) return BUNDLE_UNKNOWN;
         bundle_hit h;
-        bundle_fate fate = bundle_meet(e, &w, &h);
+        sag_kept own[2] = {{.known = false}, {.known = false}};
+        bundle_fate fate = bundle_meet(e, &w, i < AIM_KEPT ? kept[i] : own, &h);
         if (fate != BUNDLE_THERE) return fate;
         *x = h.p.x, *y = h.p.y;
         if (i == task->stop) return BUNDLE_THERE;

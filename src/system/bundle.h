@@ -18,8 +18,10 @@ typedef enum bundle_fate {
 bool sgt_bundle_offered(const aim_task *task);
 
 /* The rays of the beam with u and v in the box, which is mapped to U and V: where they meet the stop, in its
- * frame.  (bundle.c) */
-bundle_fate sgt_bundle_trace(const aim_task *task, sgt_interval u, sgt_interval v, linear *x, linear *y);
+ * frame.  kept: [AIM_KEPT][2], the same for all boxes of the beam; none is known before the first.
+ * (bundle.c) */
+bundle_fate sgt_bundle_trace(const aim_task *task, sgt_interval u, sgt_interval v, sag_kept (*kept)[2],
+                             linear *x, linear *y);
 
 /* The lines of a bundle at a surface: they cross its vertex plane at (x, y, 0), with the unit direction d. */
 typedef struct bundle_lines { linear x, y; form3 d; } bundle_lines;
@@ -29,10 +31,12 @@ typedef struct bundle_lines { linear x, y; form3 d; } bundle_lines;
 typedef struct bundle_hit { form3 p, n; linear size2, slope; double sign; } bundle_hit;
 
 /* Every root that sgt_trace may mean, of a conic, and of an even asphere or a departure.  aperture: of the
- * element; HUGE_VAL: none.  (bundle_conic.c, bundle_sag.c) */
+ * element; HUGE_VAL: none.  kept: of the surface with this aperture, and with its rim.  (bundle_conic.c,
+ * bundle_sag.c) */
 bundle_fate sgt_bundle_conic(double c, double k, double rim, double aperture, const bundle_lines *w,
                              bundle_hit *h);
-bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_lines *w, bundle_hit *h);
+bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_lines *w, sag_kept kept[2],
+                           bundle_hit *h);
 
 /* The points of a conic or one of these sags within r <= reach, its rim and its edge: x (and y), and z.
  * false: nothing bounds them.  (bundle_sag.c) */

@@ -4,17 +4,21 @@
  * On a line (x, y, 0) + t d the root of F = z - S, S = s(r^2) + P(x, y) the sag of surfaces.h, is searched
  * for all lines at once, within r <= L.
  *
- *   1. z of a root is one of S, r <= L: so t is in a first interval T.
- *   2. T is cut into PIECES.  On each, x and y of all lines are in a box, S in an interval, and t in that
- *      over dz.  What is left of the pieces is the new T; some ROUNDS of that.  If nothing is left, no line
- *      meets it.
+ *   1. z of a root is one of S, r <= L: so t is in a first interval T.  (That S is kept for later boxes.)
+ *      Step 3 is tried with T.  Mostly that is enough; if the slope may be 0 somewhere in T, step 2 makes it
+ *      smaller.
+ *   2. For t in T, x and y of all lines are in a box, S in an interval, and t in that over dz: the new T, and
+ *      so on, while that makes it much smaller, up to ROUNDS times.  If the lines run farther along the
+ *      surface in T than they are apart, T is cut into PIECES for that; else pieces would have nearly the
+ *      same box.  If nothing is left, no line meets it.
  *   3. T is made twice as long.  Newton's step for intervals (Moore 1966, Interval Analysis, chapter 7): if
  *      the slope dF/dt has one sign on T for all lines, with m in T, t = m - F(m) / slope.  F(m) is a form,
  *      and so then is t.  If its range is inside of T, each line has a root there, and only one.
  *
  * A departure gives P and its gradient at the middle of a box, with bounds on their errors, and one on its
  * second derivative in the box (departure.h).  So P is a form but for a bound of second order, and its
- * gradient a number but for one of first order: parts that departures bend have to be smaller.
+ * gradient a number but for one of first order: parts that departures bend have to be smaller.  Bounds are
+ * what costs most.  Step 3 asks for them once: all its points are in the box of its T.
  *
  * WHICH ROOT.  sgt_trace looks for the root near the seed.  If that is outside the aperture and another
  * inside, it takes the other; roots beyond the rim are none.  So:
@@ -28,22 +32,17 @@
 
 #include "../surface/departure/departure.h"
 
-enum { PIECES = 8, ROUNDS = 3, STEPS = 2, TERMS = 8 };
+enum { PIECES = 8, ROUNDS = 4, STEPS = 2, TERMS = 8 };
+static const double STILL = 0.7; /* of the length of T: what a round leaves that is the last */
 
-/* a: of the even polynomial, or NULL.  of: the departure, or NULL. */
+/* a: of the even polynomial, or NULL.  of: the departure, or NULL.  bend: (1 + k) c^2. */
 typedef struct sag_model {
     double c, k, rim;
+    sgt_interval bend;
     const double *a;
     const departure *of;
     const void *self;
 } sag_model;
-
-/* All over a box of x and y: S; dS/d(r^2) of the part that is of r^2 alone; the gradient of the rest.
- * defined: certainly, all over. */
-typedef struct sag_range {
-    sgt_interval sag, slope, px, py;
-    bool defined;
-} sag_range;
 
 /* ------------------------------------------------------------------ the departure */
 
@@ -52,7 +51,7 @@ static sgt_interval sag_within(double size)
     return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all();
 }
 
-/* P and its gradient at the middle of a box, and what they are off by as computed.  false: not known. */
+/* P and its gradient at a point, and what they are off by as computed.  false: not known. */
 typedef struct sag_middle {
     double x, y, p, px, py, p_err, grad_err;
 } sag_middle;
@@ -79,103 +78,106 @@ static int sag_bounds(const sag_model *s, sgt_interval x, sgt_interval y, double
     return defined;
 }
 
-/* Adds P to what is known of the rest. */
-static void departure_over_box(const sag_model *s, sgt_interval x, sgt_interval y, double most,
-                               sag_range *all)
+/* How far points of a box are from a middle, at most. */
+static double sag_away(const sag_middle *m, sgt_interval x, sgt_interval y)
 {
-    region where;
-    bounds b;
-    sag_middle m;
-    int defined = sag_bounds(s, x, y, most, &where, &b);
-    all->px = all->py = sag_within(b.steep);
-    if (defined == 0) all->sag = sgt_interval_empty();
-    if (defined <= 0) all->defined = false;
-    sgt_interval p = sag_within(b.size);
-    double mx = sgt_interval_middle(x), my = sgt_interval_middle(y);
-    sgt_interval vx = sgt_interval_difference(x, sgt_interval_of(mx)),
-                 vy = sgt_interval_difference(y, sgt_interval_of(my));
-    double v = sgt_sum_above(sgt_interval_greatest(vx), sgt_interval_greatest(vy));
-    bool whole = defined > 0 && where.r_hi < most; /* else the middle may be outside of the region */
-    if (whole && b.bend < HUGE_VAL && sag_middle_of(s, mx, my, &m)) {
-        double off = sgt_sum_above(m.grad_err, sgt_product_above(b.bend, v));
-        all->px = sgt_interval_intersection(all->px, sgt_interval_about(m.px, off));
-        all->py = sgt_interval_intersection(all->py, sgt_interval_about(m.py, off));
-        sgt_interval run =
-            sgt_interval_sum(sgt_interval_product(all->px, vx), sgt_interval_product(all->py, vy));
-        p = sgt_interval_intersection(p, sgt_interval_sum(sgt_interval_about(m.p, m.p_err), run));
-    }
-    all->sag = sgt_interval_sum(all->sag, p);
+    const sgt_interval vx = sgt_interval_difference(x, sgt_interval_of(m->x)),
+                       vy = sgt_interval_difference(y, sgt_interval_of(m->y));
+    return sgt_sum_above(sgt_interval_greatest(vx), sgt_interval_greatest(vy));
 }
 
-/* P as a form, and its gradient: P(m + v) is P(m) + grad P(m) . v +- bend |v|^2 / 2.  NaN: not known. */
-static linear departure_form(const sag_model *s, linear x, linear y, linear *px, linear *py)
+/* A derivative of P, `at` in the middle, within v of it; b: of all that. */
+static sgt_interval sag_derivative(double at, const sag_middle *m, const bounds *b, double v)
+{
+    const double off = sgt_sum_above(m->grad_err, sgt_product_above(b->bend, v));
+    return sgt_interval_intersection(sag_within(b->steep), sgt_interval_about(at, off));
+}
+
+/* P over a box, where it is defined; empty: nowhere. */
+static sgt_interval sag_part_over(const sag_model *s, sgt_interval x, sgt_interval y, double most)
 {
     region where;
     bounds b;
     sag_middle m;
-    const linear none = {(double)NAN, 0, 0, 0};
-    *px = *py = none;
-    if (sag_bounds(s, form_range(x), form_range(y), HUGE_VAL, &where, &b) <= 0 || !(b.bend < HUGE_VAL) ||
-        !sag_middle_of(s, x.c, y.c, &m))
-        return none;
-    linear vx = form_plus(x, -x.c), vy = form_plus(y, -y.c);
-    double v =
-        (sgt_interval_greatest(form_range(vx)) + sgt_interval_greatest(form_range(vy))) * (1 + FORM_ROUND);
-    double off = (m.grad_err + b.bend * v) * (1 + FORM_ROUND);
-    *px = form_wider(form_of(m.px), off), *py = form_wider(form_of(m.py), off);
-    linear run = form_sum(form_scaled(vx, m.px), form_scaled(vy, m.py));
-    double rest = (m.p_err + m.grad_err * v + 0.5 * b.bend * v * v) * (1 + FORM_ROUND);
-    return form_wider(form_plus(run, m.p), rest);
+    const int defined = sag_bounds(s, x, y, most, &where, &b);
+    const sgt_interval p = sag_within(b.size);
+    if (defined == 0) return sgt_interval_empty();
+    const bool whole = defined > 0 && where.r_hi < most; /* else the middle may be outside of the region */
+    if (!whole || !(b.bend < HUGE_VAL) ||
+        !sag_middle_of(s, sgt_interval_middle(x), sgt_interval_middle(y), &m))
+        return p;
+    const double v = sag_away(&m, x, y);
+    const sgt_interval px = sag_derivative(m.px, &m, &b, v), py = sag_derivative(m.py, &m, &b, v);
+    const sgt_interval run =
+        sgt_interval_sum(sgt_interval_product(px, sgt_interval_difference(x, sgt_interval_of(m.x))),
+                         sgt_interval_product(py, sgt_interval_difference(y, sgt_interval_of(m.y))));
+    return sgt_interval_intersection(p, sgt_interval_sum(sgt_interval_about(m.p, m.p_err), run));
 }
 
 /* ------------------------------------------------------------------------ the sag */
 
-/* within: r^2 of what is asked for. */
-static sag_range sag_over(const sag_model *s, sgt_interval x, sgt_interval y, sgt_interval within)
+/* Of the part of S that is of r^2 alone, over a box: its range, and that of its derivative by r^2.
+ * defined: certainly, all over.  within: r^2 of what is asked for. */
+typedef struct sag_round { sgt_interval sag, slope; bool defined; } sag_round;
+
+static sag_round round_over(const sag_model *s, sgt_interval x, sgt_interval y, sgt_interval within)
 {
     sgt_interval rho = sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y));
     rho = sgt_interval_intersection(rho, within);
-    sgt_interval c = sgt_interval_of(s->c), k1 = sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(s->k));
-    sgt_interval one = sgt_interval_of(1), bend = sgt_interval_product(sgt_interval_product(c, k1), c);
-    sgt_interval phi2 = sgt_interval_difference(one, sgt_interval_product(bend, rho));
+    sgt_interval one = sgt_interval_of(1);
+    sgt_interval phi2 = sgt_interval_difference(one, sgt_interval_product(s->bend, rho));
     sgt_interval phi = sgt_interval_square_root(phi2);
-    sgt_interval base = sgt_interval_quotient(sgt_interval_product(c, rho), sgt_interval_sum(one, phi));
+    sgt_interval base = sgt_interval_quotient(sgt_interval_scaled(rho, s->c), sgt_interval_sum(one, phi));
     sgt_interval sum = sgt_interval_of(0), slope = sum;
     for (int i = TERMS - 1; i >= 0 && s->a; i--) {
         sgt_interval a = sgt_interval_of(s->a[i]);
         slope = sgt_interval_sum(sgt_interval_product(slope, rho), sgt_interval_scaled(a, i + 1));
         sum = sgt_interval_product(sgt_interval_sum(sum, a), rho);
     }
-    sgt_interval steep = sgt_interval_quotient(sgt_interval_scaled(c, 0.5), phi);
-    sag_range all = {.sag = sgt_interval_sum(base, sum),
-                     .slope = sgt_interval_sum(steep, slope),
-                     .px = {0, 0},
-                     .py = {0, 0},
-                     .defined = phi2.lo > 0};
-    if (s->of) departure_over_box(s, x, y, sgt_interval_square_root(within).hi, &all);
-    return all;
+    sgt_interval steep = sgt_interval_quotient(sgt_interval_scaled(sgt_interval_of(s->c), 0.5), phi);
+    return (sag_round){sgt_interval_sum(base, sum), sgt_interval_sum(steep, slope), phi2.lo > 0};
 }
 
-/* S, dS/d(r^2) of the part of r^2 alone, and the gradient of the rest. */
-typedef struct sag_linear {
-    linear sag, slope, px, py;
-} sag_linear;
+/* S over a box, r at most L. */
+static sgt_interval sag_over(const sag_model *s, sgt_interval x, sgt_interval y, double L)
+{
+    const sgt_interval sag = round_over(s, x, y, (sgt_interval){0, L * L}).sag;
+    return s->of ? sgt_interval_sum(sag, sag_part_over(s, x, y, L)) : sag;
+}
 
-static sag_linear sag_form(const sag_model *s, linear x, linear y)
+/* S at the points of forms, and its derivative by r^2 of the part of r^2 alone, as forms. */
+typedef struct sag_linear { linear sag, slope; } sag_linear;
+
+static sag_linear round_form(const sag_model *s, linear x, linear y)
 {
     linear rho = form_sum(form_square(x), form_square(y));
-    linear k1 = form_plus(form_of(s->k), 1), bend = form_scaled(form_scaled(k1, s->c), s->c);
-    linear phi = form_root(form_plus(form_negative(form_product(bend, rho)), 1));
+    linear phi = form_root(form_plus(form_negative(form_product(form_between(s->bend), rho)), 1));
     linear base = form_quotient(form_scaled(rho, s->c), form_plus(phi, 1)), sum = form_of(0), slope = sum;
     for (int i = TERMS - 1; i >= 0 && s->a; i--) {
         if (s->a[i] == 0 && form_size(sum) == 0) continue;
         slope = form_sum(form_product(slope, rho), form_scaled(form_of(s->a[i]), i + 1));
         sum = form_product(form_plus(sum, s->a[i]), rho);
     }
-    slope = form_sum(slope, form_quotient(form_of(0.5 * s->c), phi));
-    sag_linear l = {form_sum(base, sum), slope, form_of(0), form_of(0)};
-    if (s->of) l.sag = form_sum(l.sag, departure_form(s, x, y, &l.px, &l.py));
-    return l;
+    return (sag_linear){form_sum(base, sum), form_sum(slope, form_quotient(form_of(0.5 * s->c), phi))};
+}
+
+/* Points of forms as they are from a middle, and how far at most. */
+typedef struct sag_offset { linear x, y; double away; } sag_offset;
+
+static sag_offset sag_offset_of(const sag_middle *m, linear x, linear y)
+{
+    const linear vx = form_plus(x, -m->x), vy = form_plus(y, -m->y);
+    const double away = sgt_interval_greatest(form_range(vx)) + sgt_interval_greatest(form_range(vy));
+    return (sag_offset){vx, vy, away * (1 + FORM_ROUND)};
+}
+
+/* P(m + v) is P(m) + grad P(m) . v +- bend |v|^2 / 2. */
+static linear sag_part_form(const sag_middle *m, linear x, linear y, double bend)
+{
+    const sag_offset v = sag_offset_of(m, x, y);
+    const linear run = form_sum(form_scaled(v.x, m->px), form_scaled(v.y, m->py));
+    const double rest = m->p_err + m->grad_err * v.away + 0.5 * bend * v.away * v.away;
+    return form_wider(form_plus(run, m->p), rest * (1 + FORM_ROUND));
 }
 
 /* ------------------------------------------------------------------------ the lines */
@@ -189,84 +191,143 @@ static sgt_interval line_at(sgt_interval from, sgt_interval t, sgt_interval way)
     return sgt_interval_sum(from, sgt_interval_product(t, way));
 }
 
-/* Steps 1 and 2: all roots with r <= L are in the answer. */
-static sgt_interval sag_hull(const sag_model *s, const line_ranges *w, double L)
+/* Those t of T that may be of roots, r <= L. */
+static sgt_interval sag_left(const sag_model *s, const line_ranges *w, double L, sgt_interval t)
 {
-    const sgt_interval within = {0, L * L}, across = {-L, L};
-    sgt_interval t = sgt_interval_quotient(sag_over(s, across, across, within).sag, w->dz);
+    const sgt_interval across = {-L, L};
+    const sgt_interval x = sgt_interval_intersection(line_at(w->x, t, w->dx), across),
+                       y = sgt_interval_intersection(line_at(w->y, t, w->dy), across);
+    if (sgt_interval_is_empty(x) || sgt_interval_is_empty(y)) return sgt_interval_empty();
+    return sgt_interval_intersection(t, sgt_interval_quotient(sag_over(s, x, y, L), w->dz));
+}
+
+/* Do the lines run farther along the surface in T than they are apart? */
+static bool sag_runs_far(const line_ranges *w, sgt_interval t)
+{
+    const double run = larger(sgt_interval_greatest(w->dx), sgt_interval_greatest(w->dy));
+    return sgt_interval_width(t) * run > larger(sgt_interval_width(w->x), sgt_interval_width(w->y));
+}
+
+/* Step 1: all roots with r <= L are in the answer. */
+static sgt_interval sag_first(const sag_model *s, const line_ranges *w, double L, sag_kept *kept)
+{
+    const sgt_interval across = {-L, L};
+    if (!kept->known) *kept = (sag_kept){true, sag_over(s, across, across, L)};
+    return sgt_interval_quotient(kept->z, w->dz);
+}
+
+/* Step 2: all roots in t with r <= L are in the answer. */
+static sgt_interval sag_hull(const sag_model *s, const line_ranges *w, double L, sgt_interval t)
+{
     for (int round = 0; round < ROUNDS && t.lo <= t.hi && sgt_interval_width(t) < HUGE_VAL; round++) {
+        const int pieces = sag_runs_far(w, t) ? PIECES : 1;
+        const double whole = t.hi - t.lo, wide = whole / pieces;
         sgt_interval left = sgt_interval_empty();
-        double wide = (t.hi - t.lo) / PIECES;
-        for (int i = 0; i < PIECES; i++) {
-            sgt_interval piece = {i == 0 ? t.lo : t.lo + i * wide,
-                                  i + 1 == PIECES ? t.hi : t.lo + (i + 1) * wide};
-            sgt_interval x = line_at(w->x, piece, w->dx), y = line_at(w->y, piece, w->dy);
-            x = sgt_interval_intersection(x, across), y = sgt_interval_intersection(y, across);
-            if (sgt_interval_is_empty(x) || sgt_interval_is_empty(y)) continue;
-            sgt_interval at = sgt_interval_quotient(sag_over(s, x, y, within).sag, w->dz);
-            left = sgt_interval_hull(left, sgt_interval_intersection(piece, at));
+        for (int i = 0; i < pieces; i++) {
+            const sgt_interval piece = {i == 0 ? t.lo : t.lo + i * wide,
+                                        i + 1 == pieces ? t.hi : t.lo + (i + 1) * wide};
+            left = sgt_interval_hull(left, sag_left(s, w, L, piece));
         }
         t = left;
+        if (!(t.hi - t.lo < STILL * whole)) break;
     }
     return t;
 }
 
-/* dF/dt of all lines over t; empty of doubt only if all->defined. */
-static sgt_interval sag_slope(const sag_model *s, const bundle_lines *w, const line_ranges *range,
-                              sgt_interval t, bool *defined)
+/* Where the lines meet the surface, as step 3 finds it.  exists: each line has a root.  m, b: of P, if there
+ * is one, in a box that has m and all roots. */
+typedef struct sag_root { linear t; double sign; bool exists; sag_middle m; bounds b; } sag_root;
+
+/* What the slope of the lines is made of, for all t: x dx + y dy at t = 0, and dx^2 + dy^2. */
+typedef struct line_slopes { sgt_interval outward, flat; } line_slopes;
+
+static line_slopes line_slopes_of(const bundle_lines *w, const line_ranges *range)
 {
-    sgt_interval x = line_at(range->x, t, range->dx), y = line_at(range->y, t, range->dy);
-    sag_range all = sag_over(s, x, y, (sgt_interval){0, HUGE_VAL});
-    sgt_interval flat = sgt_interval_sum(sgt_interval_square(range->dx), sgt_interval_square(range->dy));
-    sgt_interval outward = form_range(form_sum(form_product(w->x, w->d.x), form_product(w->y, w->d.y)));
-    sgt_interval half = sgt_interval_sum(outward, sgt_interval_product(t, flat));
-    sgt_interval by = sgt_interval_scaled(sgt_interval_product(half, all.slope), 2);
-    sgt_interval px = sgt_interval_product(all.px, range->dx), py = sgt_interval_product(all.py, range->dy);
-    *defined = all.defined;
-    return sgt_interval_difference(range->dz, sgt_interval_sum(by, sgt_interval_sum(px, py)));
+    return (line_slopes){form_range(form_sum(form_product(w->x, w->d.x), form_product(w->y, w->d.y))),
+                         sgt_interval_sum(sgt_interval_square(range->dx), sgt_interval_square(range->dy))};
 }
 
-/* Step 3.  GONE: no root in t.  THERE: *root contains all; *exists: each line has one. */
-static bundle_fate sag_newton(const sag_model *s, const bundle_lines *w, const line_ranges *range,
-                              sgt_interval t, linear *root, double *sign, bool *exists)
+/* dF/dt of all lines over t; *defined: there is no doubt of that.  known: m and b are read. */
+static sgt_interval sag_slope(const sag_model *s, const line_ranges *range, const line_slopes *by,
+                              sgt_interval t, const sag_root *known, bool *defined)
 {
-    double more = 0.5 * (t.hi - t.lo) + 0x1p-40 * (fabs(t.lo) + fabs(t.hi)) + FORM_LEAST;
-    *exists = false;
-    t.lo -= more,
-        t.hi += more; /* else the step could not end inside of it, as T is all that is known before */
+    const sgt_interval x = line_at(range->x, t, range->dx), y = line_at(range->y, t, range->dy);
+    const sag_round all = round_over(s, x, y, (sgt_interval){0, HUGE_VAL});
+    const sgt_interval half = sgt_interval_sum(by->outward, sgt_interval_product(t, by->flat));
+    sgt_interval sum = sgt_interval_scaled(sgt_interval_product(half, all.slope), 2);
+    *defined = all.defined;
+    if (s->of) {
+        const sag_middle *m = &known->m;
+        const double v = sag_away(m, x, y);
+        const sgt_interval px = sag_derivative(m->px, m, &known->b, v),
+                           py = sag_derivative(m->py, m, &known->b, v);
+        sum = sgt_interval_sum(sum, sgt_interval_sum(sgt_interval_product(px, range->dx),
+                                                     sgt_interval_product(py, range->dy)));
+    }
+    return sgt_interval_difference(range->dz, sum);
+}
+
+/* Step 3.  GONE: no root in t.  THERE: root->t contains all. */
+static bundle_fate sag_newton(const sag_model *s, const bundle_lines *w, const line_ranges *range,
+                              sgt_interval t, sag_root *root)
+{
+    const double more = 0.5 * (t.hi - t.lo) + 0x1p-40 * (fabs(t.lo) + fabs(t.hi)) + FORM_LEAST;
+    const line_slopes by = line_slopes_of(w, range);
+    region where;
+    /* else the step could not end inside of it, as T is all that is known before */
+    t.lo -= more, t.hi += more;
+    root->exists = false;
+    if (s->of && !(sag_bounds(s, line_at(range->x, t, range->dx), line_at(range->y, t, range->dy), HUGE_VAL,
+                              &where, &root->b) > 0 &&
+                   root->b.bend < HUGE_VAL))
+        return BUNDLE_UNKNOWN;
     for (int i = 0; i < STEPS; i++) {
         double m = sgt_interval_middle(t);
         bool defined;
-        sgt_interval slope = sag_slope(s, w, range, t, &defined);
+        linear x = form_sum(w->x, form_scaled(w->d.x, m)), y = form_sum(w->y, form_scaled(w->d.y, m));
+        if (s->of && !sag_middle_of(s, x.c, y.c, &root->m)) return BUNDLE_UNKNOWN;
+        sgt_interval slope = sag_slope(s, range, &by, t, root, &defined);
         bool up = sgt_interval_is_positive(slope), down = sgt_interval_is_negative(slope);
         if (!defined || !(up || down)) return BUNDLE_UNKNOWN;
-        linear x = form_sum(w->x, form_scaled(w->d.x, m)), y = form_sum(w->y, form_scaled(w->d.y, m));
-        linear F = form_difference(form_scaled(w->d.z, m), sag_form(s, x, y).sag);
+        linear F = form_difference(form_scaled(w->d.z, m), round_form(s, x, y).sag);
+        if (s->of) F = form_difference(F, sag_part_form(&root->m, x, y, root->b.bend));
         sgt_interval inverse = sgt_interval_quotient(sgt_interval_of(1), slope);
-        *root = form_sum(form_of(m), form_negative(form_product(F, form_between(inverse))));
-        sgt_interval next = form_range(*root);
+        root->t = form_sum(form_of(m), form_negative(form_product(F, form_between(inverse))));
+        sgt_interval next = form_range(root->t);
         if (!(next.hi - next.lo < HUGE_VAL)) return BUNDLE_UNKNOWN;
-        *exists = *exists || (next.lo > t.lo && next.hi < t.hi);
+        root->exists = root->exists || (next.lo > t.lo && next.hi < t.hi);
         t = sgt_interval_intersection(t, next);
         if (sgt_interval_is_empty(t)) return BUNDLE_GONE;
-        *sign = up ? 1 : -1;
+        root->sign = up ? 1 : -1;
     }
     return BUNDLE_THERE;
 }
 
-static void sag_hit(const sag_model *s, const bundle_lines *w, linear t, double sign, bundle_hit *h)
+static void sag_hit(const sag_model *s, const bundle_lines *w, const sag_root *root, bundle_hit *h)
 {
+    const linear t = root->t;
     linear x = form_sum(w->x, form_product(t, w->d.x)), y = form_sum(w->y, form_product(t, w->d.y));
-    sag_linear at = sag_form(s, x, y);
-    linear by = form_scaled(at.slope, -2);
+    linear by = form_scaled(round_form(s, x, y).slope, -2);
     h->p = (form3){x, y, form_product(t, w->d.z)};
-    h->n = (form3){form_difference(form_product(by, x), at.px), form_difference(form_product(by, y), at.py),
-                   form_of(1)};
+    h->n = (form3){form_product(by, x), form_product(by, y), form_of(1)};
+    if (s->of) {
+        const sag_middle *m = &root->m;
+        const double off =
+            (m->grad_err + root->b.bend * sag_offset_of(m, x, y).away) * (1 + FORM_ROUND);
+        h->n.x = form_wider(form_plus(h->n.x, -m->px), off);
+        h->n.y = form_wider(form_plus(h->n.y, -m->py), off);
+    }
     h->size2 = form_plus(form_sum(form_square(h->n.x), form_square(h->n.y)), 1);
-    h->slope = form_dot(h->n, w->d), h->sign = sign;
+    h->slope = form_dot(h->n, w->d), h->sign = root->sign;
 }
 
 /* ------------------------------------------------------------------------- the call */
+
+static sgt_interval bend_of(double c, double k)
+{
+    const sgt_interval k1 = sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(k));
+    return sgt_interval_scaled(sgt_interval_scaled(k1, c), c);
+}
 
 static sag_model model_of(sgt_surface surface)
 {
@@ -281,6 +342,7 @@ static sag_model model_of(sgt_surface surface)
         m.of = surface.ops->own_->departure, m.rim = surface.ops->own_->rim(surface.self);
     }
     if (is_open(m.rim)) m.rim = HUGE_VAL;
+    m.bend = bend_of(m.c, m.k);
     return m;
 }
 
@@ -296,32 +358,44 @@ bool sgt_bundle_has_sag(sgt_surface surface)
     return all;
 }
 
-bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_lines *w, bundle_hit *h)
+/* Steps 1 to 3 for roots with r <= L.  *exists: each line has one. */
+static bundle_fate sag_meet(const sag_model *s, const bundle_lines *w, double L, sag_kept *kept,
+                            bundle_hit *h, bool *exists)
+{
+    const line_ranges range = {form_range(w->x), form_range(w->y), form_range(w->d.x), form_range(w->d.y),
+                               form_range(w->d.z)};
+    sgt_interval t = sag_first(s, &range, L, kept);
+    bundle_fate fate = BUNDLE_UNKNOWN;
+    sag_root root;
+    if (sgt_interval_is_empty(t)) return BUNDLE_GONE;
+    if (sgt_interval_width(t) < HUGE_VAL) fate = sag_newton(s, w, &range, t, &root);
+    if (fate == BUNDLE_UNKNOWN) {
+        t = sag_hull(s, &range, L, t);
+        if (sgt_interval_is_empty(t)) return BUNDLE_GONE;
+        fate = sag_newton(s, w, &range, t, &root);
+    }
+    *exists = root.exists;
+    if (fate != BUNDLE_THERE) return fate;
+    sag_hit(s, w, &root, h);
+    const linear r2 = form_sum(form_square(h->p.x), form_square(h->p.y));
+    return form_above(r2, L * L) ? BUNDLE_GONE : BUNDLE_THERE;
+}
+
+bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_lines *w, sag_kept kept[2],
+                           bundle_hit *h)
 {
     static const double MORE = 1 + 0x1p-40;
     const sag_model model = model_of(surface), *s = &model;
     const double k1 = 1 + s->k, edge = k1 > 0 && s->c != 0 ? 1 / (fabs(s->c) * sqrt(k1)) : HUGE_VAL;
     const double most = s->rim < edge ? s->rim : edge, least = aperture < most ? aperture : most;
-    if (!s->a && !s->of) return sgt_bundle_conic(s->c, s->k, s->rim, aperture, w, h);
-    const line_ranges range = {form_range(w->x), form_range(w->y), form_range(w->d.x), form_range(w->d.y),
-                               form_range(w->d.z)};
-    linear t;
-    double sign;
     bool exists;
+    if (!s->a && !s->of) return sgt_bundle_conic(s->c, s->k, s->rim, aperture, w, h);
     if (!(least < 0x1p400)) return BUNDLE_UNKNOWN;
-    sgt_interval hull = least < most ? sag_hull(s, &range, least * MORE) : sgt_interval_empty();
-    if (!sgt_interval_is_empty(hull) && sag_newton(s, w, &range, hull, &t, &sign, &exists) == BUNDLE_THERE &&
-        exists) {
-        sag_hit(s, w, t, sign, h);
+    if (least < most && sag_meet(s, w, least * MORE, &kept[0], h, &exists) == BUNDLE_THERE && exists) {
         linear r2 = form_sum(form_square(h->p.x), form_square(h->p.y));
         if (form_range(r2).hi < least * least * (2 - MORE)) return BUNDLE_THERE;
     }
-    if (!(most < 0x1p400)) return BUNDLE_UNKNOWN;
-    hull = sag_hull(s, &range, most * MORE);
-    if (sgt_interval_is_empty(hull)) return BUNDLE_GONE;
-    bundle_fate fate = sag_newton(s, w, &range, hull, &t, &sign, &exists);
-    if (fate == BUNDLE_THERE) sag_hit(s, w, t, sign, h);
-    return fate;
+    return most < 0x1p400 ? sag_meet(s, w, most * MORE, &kept[1], h, &exists) : BUNDLE_UNKNOWN;
 }
 
 bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, sgt_interval *z)
@@ -329,7 +403,7 @@ bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, s
     sag_model model = {.rim = HUGE_VAL};
     if (surface.ops == &sgt_conic_ops) {
         const sgt_conic *q = surface.self;
-        model.c = q->c, model.k = q->k;
+        model.c = q->c, model.k = q->k, model.bend = bend_of(q->c, q->k);
         if (!is_open(q->semi_diameter)) model.rim = q->semi_diameter;
     } else {
         if (!surface.ops || !sgt_bundle_has_sag(surface)) return false;
@@ -341,6 +415,6 @@ bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, s
     if (!(reach < 0x1p400)) return false;
     reach *= 1 + 0x1p-40;
     *x = (sgt_interval){-reach, reach};
-    *z = sag_over(&model, *x, *x, (sgt_interval){0, reach * reach}).sag;
+    *z = sag_over(&model, *x, *x, reach);
     return isfinite(z->lo) && isfinite(z->hi);
 }

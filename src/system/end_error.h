@@ -52,23 +52,28 @@ SGT_INLINE double of_gradient(gradient_kind kind, const sgt_even_asphere *a, sgt
     return SGT_U * (8 * (1 + fabs(w) / (1 - w)) * fabs(a->c) * r / sqrt(1 - w) + 22 * terms * r);
 }
 
-/* How far the direction behind is off, for the gradient and the direction in front as they are. */
-SGT_INLINE double of_bending(chain_link c, double n, double by_n)
+/* How far the direction behind is off, for the gradient and the direction in front as they are.  With q the
+ * sum of both cosines, the sine is |d' x n| / n:
+ *
+ *     sine (|f| n (6 + (6 r + 2 + 6 n / |S|) / q) + n / |S|) = |d' x n| (|f| (6 + ...) + 1 / |S|).
+ *
+ * by_q: 1 / q. */
+SGT_INLINE double of_bending(chain_link c, double n, double by_q)
 {
-    const double fn = fabs(c.f) * n, tangent = n * fabs(c.by_S); /* 1 / c2 */
-    const double q = (c.r * fabs(dot(c.d, c.n)) + fabs(dot(c.after, c.n))) * by_n;
+    const double f = fabs(c.f), by_S = fabs(c.by_S), part = 6 + (6 * c.r + 2 + 6 * n * by_S) * by_q;
     const sgt_vec3 cross = cross_product(c.after, c.n);
-    const double sine = sqrt(dot(cross, cross)) * by_n, part = 6 + (6 * c.r + 2 + 6 * tangent) / q;
-    return SGT_U * (c.r + fn + 3 + sine * (fn * part + tangent));
+    return SGT_U * (c.r + f * n + 3 + size_of(cross) * (f * part + by_S));
 }
 
 /* Both, of an element that bends. */
 typedef struct bend_off { double bending, gradient; } bend_off;
 
+/* With Q = q n, one quotient gives 1 / n and 1 / q = n / Q. */
 SGT_INLINE bend_off bend_off_of(gradient_kind kind, const sgt_even_asphere *a, chain_link c)
 {
-    const double n2 = dot(c.n, c.n), n = sqrt(n2), by_n = 1 / n;
-    return (bend_off){of_bending(c, n, by_n), of_gradient(kind, a, c.p, c.n, n2, n, by_n)};
+    const double n2 = dot(c.n, c.n), n = sqrt(n2), Q = c.r * fabs(dot(c.d, c.n)) + fabs(dot(c.after, c.n));
+    const double by = 1 / (n * Q);
+    return (bend_off){of_bending(c, n, n2 * by), of_gradient(kind, a, c.p, c.n, n2, n, Q * by)};
 }
 
 /* The adjoints of one number at the end, of the direction behind an element, and the step to the front; or

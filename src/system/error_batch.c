@@ -63,45 +63,48 @@ static void link_off(chain_tile *b, double *bent_off, double *gradient)
 #define LANES_BY_GCC LANES
 #endif
 
-/* Rows x and y through the element, or if not `two`, x alone. */
-SGT_INLINE void error_back_by(bool two, bool bends, bool turns, bool turned, const error_tile *w,
-                              const double *p_err, error_row *x, error_row *y, double *error)
+/* What an element decides for all rays, constants where a loop is written: rows x and y go through it, or if
+ * not `two`, x alone; it bends; the direction behind has a say; its frame is turned. */
+typedef struct error_case { bool two, bends, turns, turned; } error_case;
+
+SGT_INLINE void error_back_by(error_case of, const error_tile *w, const double *p_err, error_row *x,
+                              error_row *y, double *error)
 {
     const chain_view v = w->link.view;
     const double opl = x->opl;
     const size_t n = w->link.n;
     LANES_BY_GCC for (size_t i = 0; i < n; i++)
     {
-        const chain_link c = chain_link_of(&v, bends, i);
+        const chain_link c = chain_link_of(&v, of.bends, i);
         const chain_back back = {chain_get(&x->p, i), chain_get(&x->d, i), opl, 0};
         const chain_back other = {chain_get(&y->p, i), chain_get(&y->d, i), 0, 0};
         error_steps s;
-        s.two = two, s.direction[0] = back.d, s.direction[1] = other.d;
-        s.by[0] = chain_backward_by(bends, false, c, turns, back);
-        s.by[1] = chain_backward_by(bends, false, c, turns, other);
-        const bend_off off = {bends ? w->bent_off[i] : 0, bends ? w->gradient[i] : 0};
-        error[i] += of_element(bends, false, c, turns, turned, p_err[i], off, s);
+        s.two = of.two, s.direction[0] = back.d, s.direction[1] = other.d;
+        s.by[0] = chain_backward_by(of.bends, false, c, of.turns, back);
+        s.by[1] = chain_backward_by(of.bends, false, c, of.turns, other);
+        const bend_off off = {of.bends ? w->bent_off[i] : 0, of.bends ? w->gradient[i] : 0};
+        error[i] += of_element(of.bends, false, c, of.turns, of.turned, p_err[i], off, s);
         chain_put(&x->p, i, s.by[0].x.p), chain_put(&x->d, i, s.by[0].x.d);
-        if (two) chain_put(&y->p, i, s.by[1].x.p), chain_put(&y->d, i, s.by[1].x.d);
+        if (of.two) chain_put(&y->p, i, s.by[1].x.p), chain_put(&y->d, i, s.by[1].x.d);
     }
 }
 
 SGT_INLINE void error_back_of(bool two, bool turns, const error_tile *w, const double *p_err, error_row *x,
                               error_row *y, double *error)
 {
-    const bool turned = w->link.turned;
+    const bool turned = w->link.turned, bends = w->link.bends;
     if (!turns && turned)
-        error_back_by(two, false, false, true, w, p_err, x, y, error);
+        error_back_by((error_case){two, false, false, true}, w, p_err, x, y, error);
     else if (!turns)
-        error_back_by(two, false, false, false, w, p_err, x, y, error);
-    else if (w->link.bends && turned)
-        error_back_by(two, true, true, true, w, p_err, x, y, error);
-    else if (w->link.bends)
-        error_back_by(two, true, true, false, w, p_err, x, y, error);
+        error_back_by((error_case){two, false, false, false}, w, p_err, x, y, error);
+    else if (bends && turned)
+        error_back_by((error_case){two, true, true, true}, w, p_err, x, y, error);
+    else if (bends)
+        error_back_by((error_case){two, true, true, false}, w, p_err, x, y, error);
     else if (turned)
-        error_back_by(two, false, true, true, w, p_err, x, y, error);
+        error_back_by((error_case){two, false, true, true}, w, p_err, x, y, error);
     else
-        error_back_by(two, false, true, false, w, p_err, x, y, error);
+        error_back_by((error_case){two, false, true, false}, w, p_err, x, y, error);
 }
 
 SGT_KERNEL
@@ -181,13 +184,15 @@ static void sweep_back(const chain_work *work, bool path, size_t first, size_t n
 }
 
 /* What an ulp of each number of the launch ray does to the numbers at the end of which x and y are rows; if
- * not `two`, y does not count. */
-SGT_INLINE void grains_by(bool two, size_t n, const error_row *x, const error_row *y, double index,
-                          const sgt_rays *rays, size_t first, const double *ok, double *out)
+ * not `two`, y does not count.  (w->link.n: as many as in the sweep.) */
+SGT_INLINE void grains_by(bool two, const chain_work *work, size_t first, const error_tile *w,
+                          const error_row *x, const error_row *y, double *out)
 {
-    const double opl = x->opl;
+    const sgt_rays *rays = work->rays;
+    const double opl = x->opl, index = work->index_before == 0 ? 1 : work->index_before, *ok = w->ok;
     const double *ox = rays->o[0] + first, *oy = rays->o[1] + first, *oz = rays->o[2] + first;
     const double *dx = rays->d[0] + first, *dy = rays->d[1] + first, *dz = rays->d[2] + first;
+    const size_t n = w->link.n;
     LANES for (size_t i = 0; i < n; i++)
     {
         const sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]};
@@ -201,17 +206,15 @@ SGT_INLINE void grains_by(bool two, size_t n, const error_row *x, const error_ro
 }
 
 SGT_KERNEL
-static void point_grains(size_t n, const error_row *x, const error_row *y, double index, const sgt_rays *rays,
-                         size_t first, const double *ok, double *out)
+static void point_grains(const chain_work *work, size_t first, const error_tile *w, double *out)
 {
-    grains_by(true, n, x, y, index, rays, first, ok, out);
+    grains_by(true, work, first, w, &w->row[0], &w->row[1], out);
 }
 
 SGT_KERNEL
-static void path_grains(size_t n, const error_row *x, double index, const sgt_rays *rays, size_t first,
-                        const double *ok, double *out)
+static void path_grains(const chain_work *work, size_t first, const error_tile *w, double *out)
 {
-    grains_by(false, n, x, x, index, rays, first, ok, out);
+    grains_by(false, work, first, w, &w->row[OF_PATH], &w->row[OF_PATH], out);
 }
 
 SGT_KERNEL
@@ -355,14 +358,11 @@ static void fill(size_t n, double value, double *out)
 static void errors_of_tile(const chain_work *work, bool phases, size_t first, size_t n,
                            const sgt_end_errors *out, error_tile *w)
 {
-    const sgt_rays *r = work->rays;
-    const double index = work->index_before == 0 ? 1 : work->index_before;
     const bool path = phases && (out->path || out->path_grain), point = out->point || out->grain;
     if (path || point) sweep_back(work, path, first, n, w);
     if (out->point) point_errors(n, w->point, w->ok, out->point + first);
-    if (out->grain) point_grains(n, &w->row[0], &w->row[1], index, r, first, w->ok, out->grain + first);
-    if (out->path_grain && phases)
-        path_grains(n, &w->row[OF_PATH], index, r, first, w->ok, out->path_grain + first);
+    if (out->grain) point_grains(work, first, w, out->grain + first);
+    if (out->path_grain && phases) path_grains(work, first, w, out->path_grain + first);
     for (size_t i = 0; out->path_grain && !phases && i < n; i++)
         out->path_grain[first + i] = w->ok[i] == 0 ? (double)NAN : 0;
     if (out->path) sweep_path(work, phases, first, n, w, out->path + first);

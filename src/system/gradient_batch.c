@@ -267,11 +267,15 @@ static void by_parameter_of(size_t n, bool turns, const weight_row *row, const d
     }
 }
 
-/* gradient: of the first parameter of the surface, and of the rows. */
-static void surface_back(weight_tile *w, size_t first, size_t m, size_t rows, size_t stride, bool turns,
-                         double *const gradient[])
+/* Rows that go through together: how many, how many numbers each has, and whether there are weights of
+ * directions at the end, in any array. */
+typedef struct gradient_rows { size_t count, stride; bool any; } gradient_rows;
+
+/* m: parameters of the surface; gradient: of the first of them, and of the rows. */
+static void surface_back(weight_tile *w, size_t m, gradient_rows of, bool turns, double *const gradient[])
 {
     const chain_tile *b = &w->link;
+    const size_t rows = of.count, stride = of.stride, first = b->first;
     for (size_t j = 0; j < m; j++) {
         bool wanted = false;
         for (size_t r = 0; r < rows; r++) wanted = wanted || gradient[r * stride + j];
@@ -287,31 +291,32 @@ static void surface_back(weight_tile *w, size_t first, size_t m, size_t rows, si
     }
 }
 
-/* Has a direction at the end a weight, for any ray of the tile?  any: are there arrays of them? */
-static bool any_turns(const weight_tile *w, size_t rows, size_t n, bool any)
+/* Has a direction at the end a weight, for any ray of the tile? */
+static bool any_turns(const weight_tile *w, gradient_rows of)
 {
     bool turns = false;
-    for (size_t r = 0; any && r < rows; r++)
-        for (size_t i = 0; i < n; i++) turns = turns || !is_zero(chain_get(&w->row[r].d, i));
+    for (size_t r = 0; of.any && r < of.count; r++)
+        for (size_t i = 0; i < w->link.n; i++) turns = turns || !is_zero(chain_get(&w->row[r].d, i));
     return turns;
 }
 
 /* One element; gradient: of its first number.  */
 static int element_back_tile(const chain_work *work, weight_tile *w, size_t i, size_t first, size_t n,
-                             size_t rows, size_t stride, bool any, double *const gradient[])
+                             gradient_rows of, double *const gradient[])
 {
     chain_tile *b = &w->link;
+    const size_t rows = of.count;
     const bool last = i + 1 == work->elements;
     sgt_chain_tile_at(work, i, first, n, b);
     const sgt_pose *pose = &b->e->pose;
     const size_t m = chain_parameters(b->s);
-    const bool turns = !last || any_turns(w, rows, n, any);
+    const bool turns = !last || any_turns(w, of);
     int lacks = b->s.ops->parameters && b->s.ops->by_parameter ? 0 : SGT_LACKS_PARAMETERS;
     if (b->bends && turns && !sgt_chain_tile_second(b)) lacks |= SGT_LACKS_SECOND;
     for (size_t r = 0; r < rows; r++) {
         weight_row *row = &w->row[r];
         element_row *out = &w->out;
-        double *const *to = gradient + r * stride + m;
+        double *const *to = gradient + r * of.stride + m;
         if (last)
             memset(&out->moved, 0, sizeof out->moved), memset(&out->turned, 0, sizeof out->turned);
         else {
@@ -328,7 +333,7 @@ static int element_back_tile(const chain_work *work, weight_tile *w, size_t i, s
         rows_given(to, first, n, &out->moved), rows_given(to + 3, first, n, &out->turned);
         row_given(to[6], first, n, out->index);
     }
-    surface_back(w, first, m, rows, stride, turns && b->bends, gradient);
+    surface_back(w, m, of, turns && b->bends, gradient);
     return lacks;
 }
 
@@ -338,19 +343,19 @@ static int backward_tile(const chain_work *work, size_t first, size_t n, size_t 
 {
     const double *const *d = work->rays->d;
     weight_tile w;
+    gradient_rows of = {rows, stride, false};
     size_t at = stride;
     int lacks = 0;
-    bool any = false;
     for (size_t r = 0; r < rows; r++) {
         weight_row *row = &w.row[r];
         rows_taken((const double *const *)weight[r].p, first, n, &row->p);
         rows_taken((const double *const *)weight[r].d, first, n, &row->d);
         row_taken(weight[r].opl, first, n, row->opl), row_taken(NULL, 0, n, row->index);
-        any = any || weight[r].d[0];
+        of.any = of.any || weight[r].d[0];
     }
     for (size_t i = work->elements; i-- > 0;) {
         at -= OF_ELEMENT + chain_parameters(chain_surface(work->e[i].surface));
-        lacks |= element_back_tile(work, &w, i, first, n, rows, stride, any, gradient + at);
+        lacks |= element_back_tile(work, &w, i, first, n, of, gradient + at);
     }
     for (size_t r = 0; r < rows; r++) {
         weight_row *row = &w.row[r];

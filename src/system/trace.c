@@ -76,18 +76,17 @@ static int watch_shifted(void *data, const sgt_step *step)
 SGT_INLINE void trace_widen(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned,
                             const sgt_ray *ray)
 {
-    sgt_vec3 base = at->base, origin = pose->origin, from = at->offset, o = ray->o, d = ray->d, n = hit->n;
-    bool before = at->turned;
+    const sgt_vec3 base = at->base, origin = pose->origin;
+    const met_ray met = {at->offset, ray->o, ray->d, hit->n, hit->t};
+    const bool before = at->turned;
     widening by;
-    if (at->first) {
-        aside a = aside_of(base, origin, turned, true, false);
-        by = widening_by(a, true, turned, was_moved(at->t0) ? 1 : 0, from, o, d, n, hit->t);
-    } else if (turned || before) {
-        by = widening_by(aside_of(base, origin, turned, false, before), false, true, 1, from, o, d, n,
-                         hit->t);
-    } else {
-        by = widening_by(aside_of(base, origin, false, false, false), false, false, 1, from, o, d, n, hit->t);
-    }
+    if (at->first)
+        by = widening_by(aside_of(base, origin, turned, true, false), true, turned, was_moved(at->t0) ? 1 : 0,
+                         met);
+    else if (turned || before)
+        by = widening_by(aside_of(base, origin, turned, false, before), false, true, 1, met);
+    else
+        by = widening_by(aside_of(base, origin, false, false, false), false, false, 1, met);
     hit->t_err += by.t, hit->p_err += by.p;
 }
 

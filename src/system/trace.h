@@ -220,18 +220,23 @@ SGT_INLINE bool was_moved(double t0) { return copysign(1, t0) > 0 || t0 < 0; }
 SGT_INLINE double absolute(sgt_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 SGT_INLINE double bounded(double a) { return a > 0x1p900 ? 0x1p900 : a < -0x1p900 ? -0x1p900 : a; }
 
-/* What is added to t_err and p_err because the ray was put aside.  o, d, n, t are in the element's frame.
- * turns: its frame or the one before is turned.  moved: 0 for a launch ray that stays, else 1. */
+/* A ray that an element has met: its offset in front (state), and in the element's frame o, d, the gradient
+ * and t. */
+typedef struct met_ray { sgt_vec3 offset, o, d, n; double t; } met_ray;
+
+/* What is added to t_err and p_err because the ray was put aside.  turns: the element's frame or the one
+ * before is turned.  moved: 0 for a launch ray that stays, else 1. */
 typedef struct widening { double t, p; } widening;
 
-SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, sgt_vec3 offset, sgt_vec3 o,
-                                sgt_vec3 d, sgt_vec3 n, double t)
+SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, met_ray ray)
 {
+    const sgt_vec3 o = ray.o, d = ray.d, n = ray.n;
+    const double t = ray.t;
     double own = a.own * moved, made = a.made * moved * fabs(t), anywhere = 0;
     sgt_vec3 e = {own * fabs(o.x), own * fabs(o.y), own * fabs(o.z)};
     if (first) e = plus(e, (sgt_vec3){made * fabs(d.x), made * fabs(d.y), made * fabs(d.z)});
     else e = plus(e, a.lost);
-    if (turns) anywhere = a.o * absolute(o) + a.way * fabs(t) + (first ? 0 : a.offset * absolute(offset));
+    if (turns) anywhere = a.o * absolute(o) + a.way * fabs(t) + (first ? 0 : a.offset * absolute(ray.offset));
     sgt_vec3 normal = {bounded(n.x), bounded(n.y), bounded(n.z)}; /* a component may be infinite */
     sgt_vec3 size = {fabs(normal.x), fabs(normal.y), fabs(normal.z)};
     double all = size.x + size.y + size.z, slope = larger(fabs(dot(normal, d)), 0x1p-22 * all);

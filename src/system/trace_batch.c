@@ -93,13 +93,17 @@ typedef struct bundle_work {
 
 /* -------------------------------------------------------------- the loops */
 
-/* Each returns how many rays it answered for. */
+/* Each returns how many rays it answered for.  Structs are given by pointer: a copy of one that was just set
+ * member by member would be read in wider pieces than it was written, and so wait for all that has been
+ * stored before. */
 
 /* The launch, where it takes a sum only. */
 SGT_KERNEL
-static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin,
-                          vectors *restrict offset, vectors *restrict out_d, double *restrict good)
+static double launch_near(tile *w, const sgt_rays *from, sgt_vec3 origin)
 {
+    const size_t n = w->n, first = w->first;
+    vectors *restrict offset = w->now.offset, *restrict out_d = w->now.d;
+    double *restrict good = w->good;
     const double *restrict ox = from->o[0] + first, *restrict oy = from->o[1] + first,
                            *restrict oz = from->o[2] + first;
     const double *restrict dx = from->d[0] + first, *restrict dy = from->d[1] + first,
@@ -117,10 +121,11 @@ static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3
 }
 
 SGT_KERNEL
-static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, bool turned,
-                         vectors *restrict offset, vectors *restrict out_d, double *restrict t0,
-                         double *restrict good)
+static double launch_all(tile *w, const sgt_rays *from, sgt_vec3 origin, bool turned)
 {
+    const size_t n = w->n, first = w->first;
+    vectors *restrict offset = w->now.offset, *restrict out_d = w->now.d;
+    double *restrict t0 = w->t0, *restrict good = w->good;
     const double *restrict ox = from->o[0] + first, *restrict oy = from->o[1] + first,
                            *restrict oz = from->o[2] + first;
     const double *restrict dx = from->d[0] + first, *restrict dy = from->d[1] + first,
@@ -141,10 +146,12 @@ static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 
     return count;
 }
 
-SGT_INLINE void place_by(bool open, size_t n, sgt_vec3 shift, double semi_diameter,
-                         const vectors *restrict offset, const vectors *restrict d, vectors *restrict out,
-                         double *restrict tol)
+SGT_INLINE void place_by(bool open, tile *w, sgt_vec3 shift, double semi_diameter)
 {
+    const size_t n = w->n;
+    const vectors *restrict offset = w->now.offset, *restrict d = w->now.d;
+    vectors *restrict out = w->o;
+    double *restrict tol = w->t_tol;
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         sgt_vec3 o = plus(shift, get(offset, i));
@@ -154,19 +161,20 @@ SGT_INLINE void place_by(bool open, size_t n, sgt_vec3 shift, double semi_diamet
 }
 
 SGT_KERNEL
-static void place_all(size_t n, sgt_vec3 shift, double semi_diameter, const vectors *offset, const vectors *d,
-                      vectors *out, double *tol)
+static void place_all(tile *w, const sgt_vec3 *shift, double semi_diameter)
 {
-    if (is_open(semi_diameter)) place_by(true, n, shift, semi_diameter, offset, d, out, tol);
-    else place_by(false, n, shift, semi_diameter, offset, d, out, tol);
+    if (is_open(semi_diameter)) place_by(true, w, *shift, semi_diameter);
+    else place_by(false, w, *shift, semi_diameter);
 }
 
 /* If a direction comes out far from unit length (the axes are not what they should be), it is set to NaN:
  * no surface is met. */
-SGT_INLINE void turn_by(bool open, size_t n, const sgt_pose *pose, sgt_vec3 shift, double semi_diameter,
-                        const vectors *restrict offset, const vectors *restrict d, vectors *restrict out_o,
-                        vectors *restrict out_d, double *restrict tol)
+SGT_INLINE void turn_by(bool open, tile *w, const sgt_pose *pose, sgt_vec3 shift, double semi_diameter)
 {
+    const size_t n = w->n;
+    const vectors *restrict offset = w->now.offset, *restrict d = w->now.d;
+    vectors *restrict out_o = w->o, *restrict out_d = w->d;
+    double *restrict tol = w->t_tol;
     sgt_pose p = *pose;
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
@@ -180,19 +188,19 @@ SGT_INLINE void turn_by(bool open, size_t n, const sgt_pose *pose, sgt_vec3 shif
     }
 }
 
-SGT_KERNEL static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift,
-                                           double semi_diameter, const vectors *offset, const vectors *d,
-                                           vectors *out_o, vectors *out_d, double *tol)
+SGT_KERNEL
+static void turn_all(tile *w, const sgt_pose *pose, const sgt_vec3 *shift, double semi_diameter)
 {
-    if (is_open(semi_diameter)) turn_by(true, n, pose, shift, semi_diameter, offset, d, out_o, out_d, tol);
-    else turn_by(false, n, pose, shift, semi_diameter, offset, d, out_o, out_d, tol);
+    if (is_open(semi_diameter)) turn_by(true, w, pose, *shift, semi_diameter);
+    else turn_by(false, w, pose, *shift, semi_diameter);
 }
 
-/* d and out may be the same. */
-SGT_INLINE double bend_by(bend_kind kind, size_t n, bending by, double aperture2, const vectors *restrict p,
-                          const vectors *d, const vectors *restrict normal, vectors *out,
-                          double *restrict good)
+SGT_INLINE double bend_by(bend_kind kind, tile *w, bending by, double aperture2)
 {
+    const size_t n = w->n;
+    const vectors *restrict p = w->p, *restrict normal = &w->n_, *d = w->d;
+    vectors *out = w->next.d; /* d and out may be the same */
+    double *restrict good = w->good;
     double count = 0;
 #pragma omp simd reduction(+ : count)
     for (size_t i = 0; i < n; i++) {
@@ -210,14 +218,13 @@ SGT_INLINE double bend_by(bend_kind kind, size_t n, bending by, double aperture2
 }
 
 SGT_KERNEL
-static double bend_all(size_t n, bending by, double aperture2, const vectors *p, const vectors *d,
-                       const vectors *normal, vectors *out, double *good)
+static double bend_all(tile *w, const bending *by, double aperture2)
 {
-    switch (by.kind) {
-    case STRAIGHT: return bend_by(STRAIGHT, n, by, aperture2, p, d, normal, out, good);
-    case BACK: return bend_by(BACK, n, by, aperture2, p, d, normal, out, good);
-    case ON: return bend_by(ON, n, by, aperture2, p, d, normal, out, good);
-    case ON_BY_SINE: return bend_by(ON_BY_SINE, n, by, aperture2, p, d, normal, out, good);
+    switch (by->kind) {
+    case STRAIGHT: return bend_by(STRAIGHT, w, *by, aperture2);
+    case BACK: return bend_by(BACK, w, *by, aperture2);
+    case ON: return bend_by(ON, w, *by, aperture2);
+    case ON_BY_SINE: return bend_by(ON_BY_SINE, w, *by, aperture2);
     case BY_PHASE: break; /* focus_all */
     }
     return 0;
@@ -278,34 +285,35 @@ static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vecto
     return count;
 }
 
-/* Makes the errors of the hits those of the rays as given, in place.  t0 NULL: no launch was moved.  One
- * of t_err and p_err may hold garbage, if it was not asked for. */
-SGT_INLINE void widen_by(size_t n, aside a, bool first, bool turns, const double *restrict t0,
-                         const vectors *restrict offset, const vectors *o, const vectors *d,
-                         const vectors *restrict normal, const double *restrict t, double *restrict t_err,
-                         double *restrict p_err)
+/* Makes the errors of the hits those of the rays as given, in place.  sent: some launch was moved.  t_too:
+ * not p_err alone, which may then hold garbage if it was not asked for. */
+SGT_INLINE void widen_by(tile *w, aside a, bool first, bool turns, bool sent, bool t_too)
 {
+    const size_t n = w->n;
+    const vectors *restrict offset = w->now.offset, *restrict normal = &w->n_, *o = w->o, *d = w->d;
+    const double *restrict t0 = w->t0, *restrict t = w->t;
+    double *restrict t_err = w->t_err, *restrict p_err = w->p_err;
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         double moved = first ? 0 : 1;
-        if (first && t0) moved = was_moved(t0[i]) ? 1 : 0;
-        sgt_vec3 from = get(offset, i), at = get(o, i), way = get(d, i), gradient = get(normal, i);
-        widening by = widening_by(a, first, turns, moved, from, at, way, gradient, t[i]);
-        t_err[i] += by.t;
+        if (sent) moved = was_moved(t0[i]) ? 1 : 0;
+        const met_ray met = {get(offset, i), get(o, i), get(d, i), get(normal, i), t[i]};
+        widening by = widening_by(a, first, turns, moved, met);
+        if (t_too) t_err[i] += by.t;
         p_err[i] += by.p;
     }
 }
 
 SGT_KERNEL
-static void widen_all(size_t n, aside a, bool first, bool turns, const double *t0, const vectors *offset,
-                      const vectors *o, const vectors *d, const vectors *normal, const double *t,
-                      double *t_err, double *p_err)
+static void widen_all(tile *w, const aside *a, bool first, bool turns, bool t_too)
 {
-    if (first && turns) widen_by(n, a, true, true, t0, offset, o, d, normal, t, t_err, p_err);
-    else if (first && t0) widen_by(n, a, true, false, t0, offset, o, d, normal, t, t_err, p_err);
-    else if (first) widen_by(n, a, true, false, NULL, offset, o, d, normal, t, t_err, p_err);
-    else if (turns) widen_by(n, a, false, true, NULL, offset, o, d, normal, t, t_err, p_err);
-    else widen_by(n, a, false, false, NULL, offset, o, d, normal, t, t_err, p_err);
+    if (first && turns && w->moved) widen_by(w, *a, true, true, true, true);
+    else if (first && turns) widen_by(w, *a, true, true, false, true);
+    else if (first && w->moved) widen_by(w, *a, true, false, true, true);
+    else if (first) widen_by(w, *a, true, false, false, true);
+    else if (turns) widen_by(w, *a, false, true, false, true);
+    else if (t_too) widen_by(w, *a, false, false, false, true);
+    else widen_by(w, *a, false, false, false, false);
 }
 
 /* Makes t of the hits count from the launch again, where that was moved. */
@@ -682,8 +690,9 @@ SGT_NOINLINE static void pass_rest(const bundle_work *job, tile *w, size_t j, bo
 /* --------------------------------------------------------------- an element */
 
 /* Takes the rays through element j by the loops, and returns for how many that was all.  n2: the index
- * behind; *asked: what the lanes were asked for. */
-static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, double n2, sgt_hits *asked)
+ * behind; *asked: what the lanes were asked for, if that was not all rays. */
+static double pass_most(const bundle_work *job, tile *w, size_t j, const bending *by, double n2,
+                        sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
     static const sgt_passages none = {0};
@@ -691,29 +700,29 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, d
     const sgt_hits *h = &told->hits;
     bool turned = is_turned(&e->pose);
     sgt_vec3 shift = minus(w->base, e->pose.origin);
-    if (turned)
-        turn_all(w->n, &e->pose, shift, e->semi_diameter, w->now.offset, w->now.d, w->o, w->d, w->t_tol);
-    else place_all(w->n, shift, e->semi_diameter, w->now.offset, w->now.d, w->o, w->t_tol);
+    if (turned) turn_all(w, &e->pose, &shift, e->semi_diameter);
+    else place_all(w, &shift, e->semi_diameter);
     for (size_t i = 0; job->opt.t_tol != 0 && i < w->n; i++) w->t_tol[i] = job->opt.t_tol;
 
-    *asked = (sgt_hits){.status = w->status, .p = {w->p->x, w->p->y, w->p->z}};
-    if ((by.kind != STRAIGHT && by.kind != BY_PHASE) || h->n[0])
-        asked->n[0] = w->n_.x, asked->n[1] = w->n_.y, asked->n[2] = w->n_.z;
-    bool shifted = j == 0 && w->moved && (job->path || h->t || h->t_lo || h->t_err);
-    bool widened = h->t_err || h->p_err;
-    if (job->path || h->t || shifted || widened) asked->t = w->t;
-    if (job->path || h->t_lo || shifted) asked->t_lo = w->t_lo;
-    if (h->t_err || shifted) asked->t_err = w->t_err;
-    if (h->p_err) asked->p_err = w->p_err;
-    if (widened) asked->n[0] = w->n_.x, asked->n[1] = w->n_.y, asked->n[2] = w->n_.z;
-    bool slopes = aperture2_of(e->semi_diameter) > 0 && proves_by_slope(in_set(e->surface), &job->opt);
-    if (h->evals || slopes) asked->evals = w->evals;
-    if (slopes) asked->t = w->t, asked->t_lo = w->t_lo, asked->t_err = w->t_err, asked->p_err = w->p_err;
-    sgt_tile rays = {.n = w->n, .t_tol = w->t_tol, .hits = *asked,
+    sgt_tile rays = {.n = w->n, .t_tol = w->t_tol,
+                     .hits = {.status = w->status, .p = {w->p->x, w->p->y, w->p->z}},
                      .whole = job->opt.t_tol < HUGE_VAL,
                      .slopes = j < KEPT && !job->path ? &w->kept[j] : NULL,
                      .rays = {.o = {w->o->x, w->o->y, w->o->z}, .d = {w->d->x, w->d->y, w->d->z},
                               .tmin = line_begins, .tmax = line_ends}};
+    sgt_hits *const ask = &rays.hits;
+    if ((by->kind != STRAIGHT && by->kind != BY_PHASE) || h->n[0])
+        ask->n[0] = w->n_.x, ask->n[1] = w->n_.y, ask->n[2] = w->n_.z;
+    bool shifted = j == 0 && w->moved && (job->path || h->t || h->t_lo || h->t_err);
+    bool widened = h->t_err || h->p_err;
+    if (job->path || h->t || shifted || widened) ask->t = w->t;
+    if (job->path || h->t_lo || shifted) ask->t_lo = w->t_lo;
+    if (h->t_err || shifted) ask->t_err = w->t_err;
+    if (h->p_err) ask->p_err = w->p_err;
+    if (widened) ask->n[0] = w->n_.x, ask->n[1] = w->n_.y, ask->n[2] = w->n_.z;
+    bool slopes = aperture2_of(e->semi_diameter) > 0 && proves_by_slope(in_set(e->surface), &job->opt);
+    if (h->evals || slopes) ask->evals = w->evals;
+    if (slopes) ask->t = w->t, ask->t_lo = w->t_lo, ask->t_err = w->t_err, ask->p_err = w->p_err;
     sgt_options opt = met_by(&job->opt);
     if (slopes) opt.proof = SGT_ESTIMATE;
     size_t met = sgt_intersect_tile(in_set(e->surface), &rays, &opt);
@@ -725,8 +734,7 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, d
     if (widened) {
         bool before = j > 0 && is_turned(&job->e[j - 1].pose);
         aside a = aside_of(w->base, e->pose.origin, turned, j == 0, before);
-        widen_all(w->n, a, j == 0, turned || before, w->moved ? w->t0 : NULL, w->now.offset, w->o, w->d,
-                  &w->n_, w->t, w->t_err, w->p_err);
+        widen_all(w, &a, j == 0, turned || before, h->t_err);
     }
     if (shifted) shift_all(w->n, w->t0, w->t, w->t_lo, w->t_err);
 
@@ -743,16 +751,17 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, d
         if (job->path) add_phase_all(w->n, &lens, w->p, w->d, w->next.path);
         good = focus_all(w->n, &lens, aperture2, w->p, w->d, w->next.d, w->good);
     } else {
-        good = bend_all(w->n, by, aperture2, w->p, w->d, &w->n_, w->next.d, w->good);
+        good = bend_all(w, by, aperture2);
     }
-    tell_vectors(w, told->direction, by.kind == STRAIGHT ? w->d : w->next.d);
+    tell_vectors(w, told->direction, by->kind == STRAIGHT ? w->d : w->next.d);
     tell_all(w, told->opl, w->next.path->hi);
     if (turned)
-        good = return_all(w->n, &e->pose, by.kind != STRAIGHT, w->p, w->next.offset, w->next.d, w->good);
+        good = return_all(w->n, &e->pose, by->kind != STRAIGHT, w->p, w->next.offset, w->next.d, w->good);
     if (e->aperture) {
         const double verdict = -(double)(STOPS + SGT_CLIPPED);
         good = (double)sgt_aperture_clips_tile(e->aperture, w->n, w->p->x, w->p->y, verdict, w->good);
     }
+    if (good < (double)w->n) *asked = rays.hits;
     return good;
 }
 
@@ -769,17 +778,19 @@ static void pass_all(const bundle_work *job, tile *w, size_t j)
     w->next.offset = turned ? w->o : w->p;
     w->next.d = by.kind == STRAIGHT ? w->now.d : other;
     sgt_hits asked;
-    if (loops) good = pass_most(job, w, j, by, n2, &asked);
+    if (loops) good = pass_most(job, w, j, &by, n2, &asked);
     else memset(w->good, 0, sizeof w->good);
     bool some = good < (double)w->n;
     if (some && loops) judge_rest(job, w, j, &by);
     if (some) pass_rest(job, w, j, sound, loops ? &asked : NULL);
 
-    bundle_place last = w->now;
-    w->now = w->next;
-    w->next.path = last.path;
-    if (turned) w->o = last.offset;
-    else w->p = last.offset;
+    /* one pointer at a time, as with the loops */
+    vectors *const free_offset = w->now.offset;
+    paths *const free_path = w->now.path;
+    w->now.offset = w->next.offset, w->now.d = w->next.d, w->now.path = w->next.path;
+    w->next.path = free_path;
+    if (turned) w->o = free_offset;
+    else w->p = free_offset;
     w->base = e->pose.origin, w->medium = n2;
 }
 
@@ -799,11 +810,10 @@ static void trace_tile(const bundle_work *job, tile *w)
     if (first) w->base = first->pose.origin;
     bool turned = first && is_turned(&first->pose), loops = first && !job->by_hand;
     if (loops && !turned)
-        good = launch_near(w->n, job->rays, w->first, w->base, w->now.offset, w->now.d, w->good);
+        good = launch_near(w, job->rays, w->base);
     w->moved = good < (double)w->n;
     if (w->moved && loops)
-        good = launch_all(w->n, job->rays, w->first, w->base, turned, w->now.offset, w->now.d, w->t0,
-                          w->good);
+        good = launch_all(w, job->rays, w->base, turned);
     if (!loops) memset(w->good, 0, sizeof w->good);
     if (good < (double)w->n) launch_rest(job, w);
     for (size_t j = 0; j < job->elements && w->n; j++) pass_all(job, w, j);
@@ -813,7 +823,8 @@ static void trace_tile(const bundle_work *job, tile *w)
 static void tell_passed(const bundle_work *job, tile *w)
 {
     const sgt_traced *out = job->out;
-    if (job->elements)
+    if (!out->o[0]) {
+    } else if (job->elements)
         for (size_t i = 0; i < w->n; i++) put(w->o, i, plus(w->base, get(w->now.offset, i)));
     else
         for (size_t i = 0; i < w->n; i++)
@@ -823,8 +834,8 @@ static void tell_passed(const bundle_work *job, tile *w)
     if (job->path) tell_all(w, out->opl, w->now.path->hi);
     memset(w->status, SGT_PASSED, w->n);
     tell_statuses(w, out->fate, w->status);
-    for (size_t i = 0; out->passed && i < w->n; i++)
-        out->passed[w->first + (size_t)w->index[i]] = (int)job->elements;
+    for (size_t i = 0; out->passed && i < w->n; i++) w->evals[i] = (int)job->elements;
+    tell_counts(w, out->passed, w->evals);
 }
 
 /* Is nothing asked for that a later version may have? */

@@ -11,9 +11,9 @@
  * so the angle between both rays is at most the sum of both over L.  L is FAR times the lens, and the plane's
  * own rounding is of the order of u.
  *
- * AIMED RAYS by a fitted map (aim.c) are traced through the whole lens at once.  Their hits at the stop tell
- * which of them meet their points there; the others are aimed one by one, and traced again.  That is so where
- * the trace asks for the roots that aiming asks for: near the seed, to rounding, without proofs.
+ * AIMED RAYS by a fitted map (aim_map.c) are traced through the whole lens at once.  Their hits at the stop
+ * tell which of them meet their points there; the others are aimed one by one, and traced again.  That is so
+ * where the trace asks for the roots that aiming asks for: near the seed, to rounding, without proofs.
  *
  * MANY RAYS go side by side, some hundred at a time, through the loops of sgt_trace_batch and
  * sgt_trace_error_batch, whose numbers are those of one ray to the bit.  One by one is the chief ray alone,
@@ -32,9 +32,11 @@ static double point_error(double point, double grain)
     return isnan(off) ? HUGE_VAL : off;
 }
 
-static double path_error(const sgt_field_beam *b, sgt_vec3 o, double before, double path, double grain)
+static double path_error(const sgt_colour_beam *of, sgt_vec3 o, double path, double grain)
 {
-    const double reach = length3(o) + fabs(b->wave) + fabs(b->pupil), index = before == 0 ? 1 : before;
+    const sgt_field_beam *b = of->beam;
+    const double reach = length3(o) + fabs(b->wave) + fabs(b->pupil);
+    const double index = of->before == 0 ? 1 : of->before;
     const double launch = b->finite ? 0 : LAUNCH * ULP * index * reach, off = path + GRAINS * grain + launch;
     return isnan(off) ? HUGE_VAL : off;
 }
@@ -77,12 +79,12 @@ static inline double slant_of(sgt_vec3 n, sgt_vec3 d)
     return dot3(n, n) * dot3(d, d) / (along * along);
 }
 
-static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
-                   const sgt_launched *l, const sgt_options *opt, sgt_passage passages[], sgt_ray_end *out)
+static void follow(const sgt_colour_beam *of, const sgt_launched *l, sgt_passage passages[], sgt_ray_end *out)
 {
-    const size_t count = from->lens->count;
+    const sgt_element *e = of->e;
+    const size_t count = of->from->lens->count;
     sgt_ray ray = l->ray;
-    size_t passed = sgt_trace(count, e, before, &ray, passages, &out->fate, opt);
+    size_t passed = sgt_trace(count, e, of->before, &ray, passages, &out->fate, NULL);
     out->element = passed < count ? passed : count - 1;
     const sgt_passage *last = &passages[out->element];
     double slant = 0;
@@ -101,11 +103,11 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     out->condition = sqrt(slant);
     if (passed < count) return;
     sgt_end_error off;
-    sgt_trace_error(count, e, before, &l->ray, passages, &off);
+    sgt_trace_error(count, e, of->before, &l->ray, passages, &off);
     out->p = last->hit.p, out->d = in, out->opl = last->opl;
     out->p_err = point_error(off.point, off.grain);
-    out->opl_err = path_error(b, l->ray.o, before, off.path, off.path_grain);
-    if (from->lens->afocal) out->d_err = sgt_direction_error(from, e, before, &l->ray, out);
+    out->opl_err = path_error(of, l->ray.o, off.path, off.path_grain);
+    if (of->from->lens->afocal) out->d_err = sgt_direction_error(of->from, e, of->before, &l->ray, out);
 }
 
 #define NOWHERE {(double)NAN, (double)NAN, (double)NAN}
@@ -143,7 +145,7 @@ typedef struct many {
     sgt_end_errors off;
     double *t_err, *condition;
     int *evals;
-    bool *met;           /* a hit at every element so far */
+    sgt_status *met;            /* 1: a hit at every element so far */
 } many;
 
 enum { END_ERRORS = END_POINT_ERROR | END_PATH_ERROR };
@@ -194,7 +196,7 @@ static many *many_new(const sgt_launcher *from, size_t rays, unsigned wanted)
         const bool aimed = aims && i == from->lens->stop;
         m->at[i] = passage_of(wanted, count - 1 - i, aimed, rays, number, whole, status);
     }
-    m->fate = (sgt_fate *)status, m->met = (bool *)(m->fate + rays);
+    m->fate = (sgt_fate *)status, m->met = (sgt_status *)(m->fate + rays);
     return m;
 }
 
@@ -236,10 +238,11 @@ static void slant_at(const many *m, const sgt_passages *p, size_t rays)
 }
 
 /* Traces the rays that are in m, and sets all else of it that is wanted. */
-static void trace_many(const sgt_launcher *from, const sgt_element e[], double before, many *m, size_t rays,
-                       const sgt_options *opt)
+static void trace_many(const sgt_colour_beam *of, many *m, size_t rays, const sgt_options *opt)
 {
-    const size_t count = from->lens->count;
+    const sgt_element *e = of->e;
+    const double before = of->before;
+    const size_t count = of->from->lens->count;
     const sgt_rays launch = {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}};
     sgt_trace_batch(count, e, before, rays, launch, (sgt_traced){.fate = m->fate, .passed = m->passed}, m->at,
                     opt);
@@ -248,22 +251,22 @@ static void trace_many(const sgt_launcher *from, const sgt_element e[], double b
     for (size_t i = 0; i < count; i++) {
         const sgt_hits *h = &m->at[i].hits;
         const sgt_status *status = h->status;
-        bool *met = m->met;
-        for (size_t k = 0; k < rays; k++) met[k] &= status[k] == SGT_HIT;
+        sgt_status *met = m->met;
+        SIDE_BY_SIDE for (size_t k = 0; k < rays; k++) met[k] = status[k] == SGT_HIT ? met[k] : 0;
         for (size_t k = 0; h->evals && k < rays; k++) m->evals[k] += h->evals[k];
         if (!(m->wanted & END_SLANT)) continue;
         directions_at(m, e, i, rays);
         slant_at(m, &m->at[i], rays);
     }
-    for (size_t k = 0; k < rays; k++) m->condition[k] = sqrt(m->condition[k]);
+    for (size_t k = 0; m->wanted & END_SLANT && k < rays; k++) m->condition[k] = sqrt(m->condition[k]);
     if (m->wanted & END_POINT) directions_at(m, e, count - 1, rays);
 }
 
 /* The end of ray k of m, as `follow` tells it. */
-static void tell_end(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
-                     const many *m, size_t k, sgt_ray_end *out)
+static void tell_end(const sgt_colour_beam *of, const many *m, size_t k, sgt_ray_end *out)
 {
-    const size_t count = from->lens->count, passed = (size_t)m->passed[k];
+    const sgt_lens *lens = of->from->lens;
+    const size_t count = lens->count, passed = (size_t)m->passed[k];
     const sgt_passages *last = &m->at[count - 1];
     const sgt_vec3 o = {m->o[0][k], m->o[1][k], m->o[2][k]};
     const unsigned wanted = m->wanted;
@@ -279,31 +282,29 @@ static void tell_end(const sgt_launcher *from, const sgt_field_beam *b, const sg
     if (wanted & END_POINT_ERROR) out->p_err = point_error(m->off.point[k], m->off.grain[k]);
     if (wanted & END_PATH) out->opl = last->opl[k];
     if (wanted & END_PATH_ERROR)
-        out->opl_err = path_error(b, o, before, m->off.path[k], m->off.path_grain[k]);
-    if (wanted & END_POINT_ERROR && from->lens->afocal) {
+        out->opl_err = path_error(of, o, m->off.path[k], m->off.path_grain[k]);
+    if (wanted & END_POINT_ERROR && lens->afocal) {
         const sgt_ray ray = {.o = o, .d = {m->d[0][k], m->d[1][k], m->d[2][k]}};
-        out->d_err = sgt_direction_error(from, e, before, &ray, out);
+        out->d_err = sgt_direction_error(of->from, of->e, of->before, &ray, out);
     }
 }
 
 /* Rays that were not aimed: all are there. */
-static void trace_unaimed(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                          double before, many *m, size_t count, const sgt_pupil_point at[],
+static void trace_unaimed(const sgt_colour_beam *of, many *m, size_t count, const sgt_pupil_point at[],
                           const sgt_options *opt, sgt_ray_end out[])
 {
     static const sgt_launched there = {.status = SGT_MET};
-    sgt_launch_unaimed(b, count, at, m->o, m->d);
-    trace_many(from, e, before, m, count, opt);
+    sgt_launch_unaimed(of->beam, count, at, m->o, m->d);
+    trace_many(of, m, count, opt);
     begin_ends(count, out);
     for (size_t i = 0; i < count; i++) {
         set_untraced(&at[i], &there, &out[i]);
-        tell_end(from, b, e, before, m, i, &out[i]);
+        tell_end(of, m, i, &out[i]);
     }
 }
 
 /* Those that are there are put side by side. */
-static void trace_aimed(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                        double before, many *m, size_t count, const sgt_launched launched[],
+static void trace_aimed(const sgt_colour_beam *of, many *m, size_t count, const sgt_launched launched[],
                         const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
 {
     size_t there = 0;
@@ -315,11 +316,11 @@ static void trace_aimed(const sgt_launcher *from, const sgt_field_beam *b, const
         m->o[0][there] = ray->o.x, m->o[1][there] = ray->o.y, m->o[2][there] = ray->o.z;
         m->d[0][there] = ray->d.x, m->d[1][there] = ray->d.y, m->d[2][there++] = ray->d.z;
     }
-    if (there) trace_many(from, e, before, m, there, opt);
+    if (there) trace_many(of, m, there, opt);
     for (size_t i = 0, k = 0; i < count; i++) {
         if (launched[i].status != SGT_MET) continue;
         out[i].folded = launched[i].folded;
-        tell_end(from, b, e, before, m, k++, &out[i]);
+        tell_end(of, m, k++, &out[i]);
     }
 }
 
@@ -371,18 +372,17 @@ static bool asks_as_aims(const sgt_options *opt)
 }
 
 /* By the fitted map; those that it leaves are aimed and traced again. */
-static void trace_guessed(const sgt_launcher *from, sgt_ends_room *r, const sgt_field_beam *b, double before,
-                          const sgt_aim_map *of, size_t count, const sgt_pupil_point at[],
-                          const sgt_options *opt, sgt_ray_end out[])
+static void trace_guessed(const sgt_colour_beam *of, sgt_ends_room *r, size_t count,
+                          const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
 {
     static const sgt_launched there = {.status = SGT_MET};
     many *m = r->m;
     size_t left[PART];
-    sgt_aim_guess(from, r->aims, b, r->own, before, of, count, at, m->o, m->d);
-    trace_many(from, r->own, before, m, count, opt);
+    sgt_aim_guess(of, r->aims, count, at, m->o, m->d);
+    trace_many(of, m, count, opt);
     const sgt_traced traced = {.fate = m->fate, .passed = m->passed};
     const size_t missed =
-        sgt_aim_missed(r->aims, count, at, m->o, m->d, traced, &m->at[from->lens->stop].hits, left);
+        sgt_aim_missed(r->aims, count, at, m->o, m->d, traced, &m->at[of->from->lens->stop].hits, left);
     begin_ends(count, out);
     for (size_t i = 0, k = 0; i < count; i++) {
         if (k < missed && left[k] == i) {
@@ -390,35 +390,35 @@ static void trace_guessed(const sgt_launcher *from, sgt_ends_room *r, const sgt_
             continue;
         }
         set_untraced(&at[i], &there, &out[i]);
-        tell_end(from, b, r->own, before, m, i, &out[i]);
+        tell_end(of, m, i, &out[i]);
     }
     if (missed == 0) return;
-    sgt_aim_map plain = *of;
-    plain.fitted = false;
-    sgt_aim_rays(from, r->aims, b, r->own, before, &plain, missed, r->other, r->launched);
-    trace_aimed(from, b, r->own, before, m, missed, r->launched, r->other, opt, r->other_end);
+    sgt_aim_map plain = *of->map;
+    sgt_colour_beam searched = *of;
+    plain.fitted = false, searched.map = &plain;
+    sgt_aim_rays(&searched, r->aims, missed, r->other, r->launched);
+    trace_aimed(of, m, missed, r->launched, r->other, opt, r->other_end);
     for (size_t k = 0; k < missed; k++) out[left[k]] = r->other_end[k];
 }
 
-sgt_ray_end *sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *r, const sgt_field_beam *b,
-                            const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
+sgt_ray_end *sgt_trace_ends(const sgt_colour_beam *of, sgt_ends_room *r, size_t count,
                             const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[])
 {
     sgt_ray_end *const all = out ? out : r->end;
-    out = all;
-    sgt_launch_ending(from->lens->count, e, r->own);
+    sgt_colour_beam own = *of;
+    const bool guessed = of->map && of->map->fitted && asks_as_aims(opt);
+    out = all, own.e = r->own;
+    sgt_launch_ending(of->from->lens->count, of->e, r->own);
     for (size_t first = 0; first < count; first += r->part, at += r->part, out += r->part) {
         const size_t rays = count - first < r->part ? count - first : r->part;
         if (!r->aims) {
-            trace_unaimed(from, b, r->own, index_before, r->m, rays, at, opt, out);
-            continue;
+            trace_unaimed(&own, r->m, rays, at, opt, out);
+        } else if (guessed) {
+            trace_guessed(&own, r, rays, at, opt, out);
+        } else {
+            sgt_aim_rays(&own, r->aims, rays, at, r->launched);
+            trace_aimed(&own, r->m, rays, r->launched, at, opt, out);
         }
-        if (of && of->fitted && asks_as_aims(opt)) {
-            trace_guessed(from, r, b, index_before, of, rays, at, opt, out);
-            continue;
-        }
-        sgt_aim_rays(from, r->aims, b, r->own, index_before, of, rays, at, r->launched);
-        trace_aimed(from, b, r->own, index_before, r->m, rays, r->launched, at, opt, out);
     }
     return all;
 }
@@ -430,7 +430,8 @@ bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sg
     if (!PLAIN(from, b, "sgt_field_beam", error)) return false;
     sgt_ends_room *room = sgt_ends_room_new(from, count, END_ALL, 0);
     if (!room) return sgt_launch_memory(from, error);
-    sgt_trace_ends(from, room, b, e, index_before, NULL, count, at, opt, out);
+    const sgt_colour_beam of = {from, b, e, index_before, NULL};
+    sgt_trace_ends(&of, room, count, at, opt, out);
     sgt_ends_room_free(from, room);
     return true;
 }
@@ -464,7 +465,7 @@ bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sg
         set_untraced(&centre, &launched, out);
         if (launched.status == SGT_MET) {
             sgt_trace_through(count, own, index_before, &launched.ray, open, passages, &out->fate);
-            follow(from, b, open, index_before, &launched, NULL, passages, out);
+            follow(&(sgt_colour_beam){from, b, open, index_before, NULL}, &launched, passages, out);
             if (out->fate == SGT_PASSED && !from->lens->afocal)
                 out->d_err = sgt_direction_error(from, open, index_before, &launched.ray, out);
         }

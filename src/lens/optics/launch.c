@@ -4,7 +4,8 @@
  * THE PUPIL is that of the first-order data (sgt_lens_first_order): at the primary wavelength, the
  * paraxial image of the stop in object space, of the size that the lens defines.
  *
- * AIMING at the stop, and fields by real image heights: aim.c.  All other fields: beam.c. */
+ * AIMING at the stop: aim.c, aim_map.c.  Fields by real image heights: aim_field.c.  All other fields:
+ * beam.c. */
 #include "launch.h"
 
 #include "../base/arena.h"
@@ -80,7 +81,7 @@ bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *b, const sg
     if (from->aim != SGT_LENS_AIM_PUPIL) {
         sgt_aim_room *room = sgt_aim_room_new(from, count);
         if (!room) return sgt_launch_memory(from, error);
-        sgt_aim_rays(from, room, b, e, index_before, NULL, count, at, out);
+        sgt_aim_rays(&(sgt_colour_beam){from, b, e, index_before, NULL}, room, count, at, out);
         sgt_aim_room_free(from, room);
         return true;
     }

@@ -20,9 +20,9 @@ struct sgt_launcher {
     bool            any_front;  /* where wavefronts begin does not matter: they begin at the pupil */
 };
 
-/* What the search for all rays of a beam shares (aim.c): the chief ray, the linear map about it, and the map
- * that was fitted to some of them, polynomials of the point of the pupil. */
-enum { AIM_DEGREE = 9, AIM_TERMS = (AIM_DEGREE + 1) * (AIM_DEGREE + 2) / 2 };
+/* What the search for all rays of a beam shares (aim_map.c): the chief ray, the linear map about it, and the
+ * map that was fitted to some of them, polynomials of the point of the pupil. */
+enum { AIM_DEGREE = 10, AIM_TERMS = (AIM_DEGREE + 1) * (AIM_DEGREE + 2) / 2 };
 typedef struct sgt_linear { double xu, xv, yu, yv, determinant; } sgt_linear;
 typedef struct sgt_aim_map {
     sgt_aiming chief;
@@ -41,6 +41,15 @@ typedef struct sgt_aim_nodes {
     sgt_pupil_point at[AIM_NODES], test[AIM_TESTS];
     double by[AIM_TERMS][AIM_NODES];
 } sgt_aim_nodes;
+
+/* A beam at one wavelength: what its rays are launched through. */
+typedef struct sgt_colour_beam {
+    const sgt_launcher *from;
+    const sgt_field_beam *beam;
+    const sgt_element *e;       /* of the lens, at that wavelength */
+    double before;              /* and the index in front of them */
+    const sgt_aim_map *map;     /* of this beam (sgt_aim_map_of); NULL: rays are searched for */
+} sgt_colour_beam;
 
 #ifdef __GNUC__
 #define SGT_LAUNCH_PRINTF(text, first) __attribute__((format(printf, text, first)))
@@ -93,10 +102,9 @@ typedef struct sgt_ends_room sgt_ends_room;
 sgt_ends_room *sgt_ends_room_new(const sgt_launcher *from, size_t count, unsigned wanted, size_t ends);
 void sgt_ends_room_free(const sgt_launcher *from, sgt_ends_room *room);
 
-/* (ends.c) sgt_trace_pupil for the numbers that are wanted.  of: as for sgt_aim_rays.  out: NULL, the ends of
- * the room.  Returns the ends. */
-sgt_ray_end *sgt_trace_ends(const sgt_launcher *from, sgt_ends_room *room, const sgt_field_beam *b,
-                            const sgt_element e[], double index_before, const sgt_aim_map *of, size_t count,
+/* (ends.c) sgt_trace_pupil for the numbers that are wanted.  out: NULL, the ends of the room.  Returns the
+ * ends. */
+sgt_ray_end *sgt_trace_ends(const sgt_colour_beam *of, sgt_ends_room *room, size_t count,
                             const sgt_pupil_point at[], const sgt_options *opt, sgt_ray_end out[]);
 
 /* (ends.c) A bound, in radians, on what is off in end->d; end->p and p_err are read, too.  Infinite: not
@@ -112,7 +120,7 @@ size_t sgt_trace_through(size_t elements, const sgt_element e[], double before, 
 /* (aim.c) Sets stop_radius and sense; false: told. */
 bool sgt_aim_at_stop(sgt_launcher *from, sgt_error *error);
 
-/* (aim.c) Sets the point or direction of the beam so that its chief ray meets the image at `at`; false:
+/* (aim_field.c) Sets the point or direction of the beam so that its chief ray meets the image at `at`; false:
  * told. */
 bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 at, sgt_error *error);
 
@@ -121,28 +129,26 @@ typedef struct sgt_aim_room sgt_aim_room;
 sgt_aim_room *sgt_aim_room_new(const sgt_launcher *from, size_t count);
 void sgt_aim_room_free(const sgt_launcher *from, sgt_aim_room *room);
 
-/* (aim.c) Aims rays at the points of the stop of e.  of: NULL, or that of these b, e and before. */
-void sgt_aim_rays(const sgt_launcher *from, sgt_aim_room *room, const sgt_field_beam *b,
-                  const sgt_element e[], double before, const sgt_aim_map *of, size_t count,
-                  const sgt_pupil_point at[], sgt_launched out[]);
+/* (aim_map.c) Aims rays at the points of the stop. */
+void sgt_aim_rays(const sgt_colour_beam *of, sgt_aim_room *room, size_t count, const sgt_pupil_point at[],
+                  sgt_launched out[]);
 
-/* (aim.c) By the fitted map `of`, which is that of these b, e and before: launch rays, [count] each, that
- * nearly all meet their points.  Those that do not are known when they have been traced, SGT_NEAR_SEED and to
- * rounding: sgt_aim_missed lists them in `left`, and returns how many there are.
+/* (aim_map.c) By the fitted map: launch rays, [count] each, that nearly all meet their points.  Those that do
+ * not are known when they have been traced, SGT_NEAR_SEED and to rounding: sgt_aim_missed lists them in
+ * `left`, and returns how many there are.
  *
  *     count     at most that of the room
  *     traced    fate and passed
  *     hits      at the stop: p and p_err */
-void   sgt_aim_guess(const sgt_launcher *from, sgt_aim_room *room, const sgt_field_beam *b,
-                     const sgt_element e[], double before, const sgt_aim_map *of, size_t count,
-                     const sgt_pupil_point at[], double *const o[3], double *const d[3]);
+void   sgt_aim_guess(const sgt_colour_beam *of, sgt_aim_room *room, size_t count, const sgt_pupil_point at[],
+                     double *const o[3], double *const d[3]);
 size_t sgt_aim_missed(const sgt_aim_room *room, size_t count, const sgt_pupil_point at[], double *const o[3],
                       double *const d[3], sgt_traced traced, const sgt_hits *hits, size_t left[]);
 
-/* (aim.c) Sets the nodes; and the map of a beam, fitted to them where that can be.  false: no memory. */
+/* (aim_map.c) Sets the nodes; and the map of a beam, fitted to them where that can be.  of->map is not read.
+ * false: no memory. */
 void sgt_aim_nodes_set(sgt_aim_nodes *out);
-bool sgt_aim_map_of(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
-                    const sgt_aim_nodes *nodes, sgt_aim_map *out);
+bool sgt_aim_map_of(const sgt_colour_beam *of, const sgt_aim_nodes *nodes, sgt_aim_map *out);
 
 /* A point of the unit circle after vignetting. */
 sgt_vec2 sgt_vignetted(const sgt_field_beam *b, double x, double y);

@@ -40,10 +40,13 @@ static sgt_vec3 carried(sgt_vec3 e, sgt_vec3 d, sgt_vec3 after, bool mirror)
     return along3(along3(e, 1, once), 1 / (1 + dot3(d, after)), twice);
 }
 
-bool sgt_parabasal_about(sgt_vec3 across, size_t elements, const sgt_element e[], double index_before,
-                         bool from_point, const sgt_ray *chief, const sgt_passage passages[],
-                         sgt_parabasal *out, sgt_sections *sections)
+bool sgt_parabasal_about(const sgt_chief_ray *chief, sgt_vec3 across, sgt_parabasal *out,
+                         sgt_sections *sections)
 {
+    const size_t elements = chief->elements;
+    const sgt_element *e = chief->e;
+    const sgt_passage *passages = chief->passages;
+    const bool from_point = chief->from_point;
     const double none = (double)NAN;
     if (sections) *sections = (sgt_sections){{none, none}, {{none, none, none}, {none, none, none}}};
     *out = (sgt_parabasal){.power = {{none, none}, {none, none}}, .power_xy = none};
@@ -51,7 +54,7 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t elements, const sgt_element e[]
     if (elements == 0) return false;
     for (size_t i = 0; i < elements; i++)
         if (!(passages[i].hit.status > 0)) return false;
-    sgt_ray ray = *chief;
+    sgt_ray ray = *chief->ray;
     ray.d = unit3(ray.d);
     const sgt_vec3 zero = {0, 0, 0};
     sgt_vec3 d = ray.d, base[2];
@@ -63,9 +66,10 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t elements, const sgt_element e[]
         change[k] = (sgt_ray_change){.p = base[k], .d = zero};
         change[k + 2] = (sgt_ray_change){.p = zero, .d = base[k]};
     }
-    if (sgt_trace_sensitivity(elements, e, index_before, &ray, passages, 4, change, change)) return false;
+    if (sgt_trace_sensitivity(elements, e, chief->index_before, &ray, passages, 4, change, change))
+        return false;
 
-    double index = index_before == 0 ? 1 : index_before;
+    double index = chief->index_before == 0 ? 1 : chief->index_before;
     for (size_t i = 0; i < elements; i++) {
         sgt_vec3 after = unit3(out_of3(&e[i].pose, passages[i].direction));
         for (int k = 0; k < 2; k++) base[k] = carried(base[k], d, after, e[i].index == SGT_MIRROR);
@@ -112,8 +116,8 @@ bool sgt_lens_parabasal(size_t elements, const sgt_element e[], double index_bef
 {
     const bool along_x = !(fabs(unit3(chief->d).x) < 0.99);
     const sgt_vec3 across = along_x ? (sgt_vec3){0, 1, 0} : (sgt_vec3){1, 0, 0};
-    if (sgt_parabasal_about(across, elements, e, index_before, from_point, chief, passages, out, NULL))
-        return true;
+    const sgt_chief_ray way = {elements, e, index_before, chief, passages, from_point};
+    if (sgt_parabasal_about(&way, across, out, NULL)) return true;
     if (!error) return false;
     *error = (sgt_error){.line = 0};
     size_t met = 0;

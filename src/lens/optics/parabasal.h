@@ -8,10 +8,19 @@
  * the chief ray along it.  NaN: there is none.  along: the sections at the last element, in its frame. */
 typedef struct sgt_sections { double focus[2]; sgt_vec3 along[2]; } sgt_sections;
 
+/* A chief ray and how it went through the elements, from a point or from afar. */
+typedef struct sgt_chief_ray {
+    size_t elements;
+    const sgt_element *e;
+    double index_before;
+    const sgt_ray *ray;
+    const sgt_passage *passages;
+    bool from_point;
+} sgt_chief_ray;
+
 /* sgt_lens_parabasal with [0] along `across`, global, as far as that is across the chief ray.  sections may
  * be NULL. */
-bool sgt_parabasal_about(sgt_vec3 across, size_t elements, const sgt_element e[], double index_before,
-                         bool from_point, const sgt_ray *chief, const sgt_passage passages[],
-                         sgt_parabasal *out, sgt_sections *sections);
+bool sgt_parabasal_about(const sgt_chief_ray *chief, sgt_vec3 across, sgt_parabasal *out,
+                         sgt_sections *sections);
 
 #endif

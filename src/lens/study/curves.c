@@ -121,8 +121,9 @@ static void tell_curve(const chief_course *c, sgt_distortion distortion, sgt_fie
     out->image = (sgt_vec2){last->hit.p.x, last->hit.p.y};
     out->error = off.point + 4 * off.grain;
     if (isnan(out->error)) out->error = HUGE_VAL;
-    const bool known = sgt_parabasal_about((sgt_vec3){way.h.y, -way.h.x, 0}, count, e, c->before,
-                                           c->beam->finite, c->launch, c->passages, &first_order, &sections);
+    const sgt_chief_ray chief = {count, e, c->before, c->launch, c->passages, c->beam->finite};
+    const bool known =
+        sgt_parabasal_about(&chief, (sgt_vec3){way.h.y, -way.h.x, 0}, &first_order, &sections);
     if (!known) out->lacks = lacking(count, e, c->before, c->launch, c->passages);
     if (known) {
         out->sagittal = sections.focus[0] * last->direction.z;

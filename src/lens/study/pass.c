@@ -12,8 +12,8 @@
  * these in place of tracing, in the same order; all that follows is what it is in one run.  What later passes
  * depend on (`before`) every share computes whole, and the first one writes it.
  *
- * AIMED RAYS of a cell of 256 rays or more begin at a map of the pupil (optics/aim.c).  It is made before the
- * first round that has a block of the cell, and kept until the last.  That of a beam of the study is kept
+ * AIMED RAYS of a cell of 256 rays or more begin at a map of the pupil (optics/aim_map.c).  It is made before
+ * the first round that has a block of the cell, and kept until the last.  That of a beam of the study is kept
  * longer, for later passes and for image surfaces that are moved: it hangs on the beam and on the elements up
  * to the stop, nothing else.  So neither blocks, nor threads, nor passes change a bit of it. */
 #include "study.h"
@@ -91,10 +91,10 @@ static bool work_block(void *data, size_t i, void *slot)
     sgt_pupil_part(p->points, first, b->count, at);
     sgt_ends_room *room = room_taken(now);
     if (!room) return false;
-    sgt_ray_end *end =
-        sgt_trace_ends(p->ask->from, room, c.beam, c.element, c.before,
-                       now->nodes ? &now->map[of - now->mapped] : NULL, b->count, at,
-                       p->ask->study->opt.solver, p->takes_ends ? (void *)((char *)slot + ends_at(p)) : NULL);
+    const sgt_aim_map *map = now->nodes ? &now->map[of - now->mapped] : NULL;
+    const sgt_colour_beam beam = {p->ask->from, c.beam, c.element, c.before, map};
+    sgt_ray_end *end = sgt_trace_ends(&beam, room, b->count, at, p->ask->study->opt.solver,
+                                      p->takes_ends ? (void *)((char *)slot + ends_at(p)) : NULL);
     for (size_t k = 0; k < b->count; k++) {
         const size_t lost = b->fates.lost;
         sgt_fates_count(&b->fates, &end[k]);
@@ -244,8 +244,9 @@ static bool map_cell(void *data, size_t i, void *slot)
     sgt_aim_map *out = slot;
     sgt_error unsaid; /* its block will say so */
     *out = (sgt_aim_map){.home = 0};
-    return !p->place(p, now->fresh[i], &c, &unsaid) ||
-           sgt_aim_map_of(p->ask->from, c.beam, c.element, c.before, now->nodes, out);
+    if (!p->place(p, now->fresh[i], &c, &unsaid)) return true;
+    const sgt_colour_beam beam = {p->ask->from, c.beam, c.element, c.before, NULL};
+    return sgt_aim_map_of(&beam, now->nodes, out);
 }
 
 static void take_map(void *data, size_t i, void *slot)

@@ -37,65 +37,59 @@
 /* ------------------------------------------------------------------- easy */
 
 /* Is the root at tau the first one by the bend of F (side.h)? */
-SGT_NOINLINE static bool is_first_bent(const wavy *s, double tmin, const wavy_start *r, double tau,
-                                       double inverse, sgt_vec3 d)
+SGT_NOINLINE static bool is_first_bent(const wavy *s, const bent_root *r, const sgt_ray *ray)
 {
     convex b = convex_of(s);
     bool is = false;
-    for (int rounds = 1; rounds <= 2 && !is; rounds++)
-        is = first_of_bent(s, &b, ALL_TERMS, rounds, tmin, r->t0, r->x, r->y, tau, inverse, d.x, d.y, d.z);
+    for (int rounds = 1; rounds <= 2 && !is; rounds++) is = first_of_bent(s, &b, ALL_TERMS, rounds, r, ray);
     return is;
 }
 
 /* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer.  h, ray: for a
  * watcher. */
-SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin,
-                                       double tmax, double t_tol, double scale, lane *e, tally *w,
-                                       const shape *h, const sgt_ray *ray)
+SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray, double scale, lane *e,
+                                       tally *w, const shape *h, const sgt_ray *from)
 {
+    const double t_tol = w->opt->t_tol / scale;
     double g, slope;
-    wavy_start r = wavy_begin(s, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, &g, &slope);
+    wavy_start r = wavy_begin(s, ALL_TERMS, ray, &g, &slope);
     wavy_round q = {.tau = r.tau, .again = MASK(true)};
     wavy_newton half = {.inverse = 0};
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
-    observe(h, ray, w, &at, r.tau + g / slope, SGT_SEED, -HUGE_VAL, HUGE_VAL);
-    if (first && wavy_hopeless(s, tmin, d.x, d.y, d.z)) return EASY_NOT;
+    observe(h, from, w, &at, r.tau + g / slope, SGT_SEED, -HUGE_VAL, HUGE_VAL);
+    if (first && wavy_hopeless(s, ray)) return EASY_NOT;
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
-        half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, d.x, d.y, d.z);
-        q = wavy_bound(s, ALL_TERMS, r.x, r.y, r.t0, &half, d.x, d.y, d.z, t_tol);
-        observe(h, ray, w, &at, tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
-        if (!w->stopped) observe(h, ray, w, &at, half.tau2, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+        half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
+        q = wavy_bound(s, ALL_TERMS, r.x, r.y, r.t0, &half, ray, t_tol);
+        observe(h, from, w, &at, tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+        if (!w->stopped) observe(h, from, w, &at, half.tau2, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
     if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
-    *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, at_vertex(r.x, r.y, o.z), d.x, d.y, d.z, false, tmin,
-                  tmax, t_tol);
-    if (!e->hit)
-        return wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, o.z, d.x, d.y, d.z, tmin, tmax) ? EASY_MISS
-                                                                                                 : EASY_NOT;
-    bool is_first = !first || wavy_single(s, d.x, d.y, d.z);
+    *e = wavy_end(s, ALL_TERMS, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false);
+    if (!e->hit) return wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, ray) ? EASY_MISS : EASY_NOT;
+    bool is_first = !first || wavy_single(s, ray->d.x, ray->d.y, ray->d.z);
     if (!is_first)
-        is_first = wavy_first_from(s, ALL_TERMS, o.x, o.y, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z) ||
-                   is_first_bent(s, tmin, &r, q.tau, half.inverse, d);
-    return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0) ? EASY_HIT
-                                                                                             : EASY_NOT;
+        is_first = wavy_first_from(s, ALL_TERMS, r.t0, r.x, r.y, q.tau, ray) ||
+                   is_first_bent(s, &(bent_root){r.t0, r.x, r.y, q.tau, half.inverse}, ray);
+    return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, ray->d.x, ray->d.y) != 0)
+               ? EASY_HIT
+               : EASY_NOT;
 }
 
 /* A direction of unusual length is scaled by a power of two.  For usual lengths that would change no bit. */
 SGT_INLINE easy_answer easy(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w)
 {
     const sgt_options *opt = w->opt;
-    sgt_vec3 d = ray->d;
+    const sgt_vec3 d = ray->d;
     bool first = opt->pick != SGT_NEAR_SEED;
     double scale = scale_of(d);
     if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z))
-        return asphere_easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w, h,
-                               ray);
+        return asphere_easy_at(s, first, ray, 1, e, w, h, ray);
     if (!ends_are_whole(ray, scale)) return EASY_NOT;
-    d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
-    easy_answer is = asphere_easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale,
-                                     opt->t_tol / scale, scale, e, w, h, ray);
+    const sgt_ray along = along_scaled(ray, scale);
+    easy_answer is = asphere_easy_at(s, first, &along, scale, e, w, h, ray);
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
@@ -129,13 +123,13 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
 /* Is the root of each hit the first one?  The answers are in room->again. */
 SGT_INLINE bool all_first(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
 {
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    const sgt_rays rows = tile->rays;
     size_t count = tile->n;
     mask every = MASK(true);
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
     {
-        mask is = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        mask is = wavy_single(s, ray.d.x, ray.d.y, ray.d.z) | ~room->ends.hit[i];
         room->again[i] = is;
         every &= is;
     }
@@ -143,8 +137,9 @@ SGT_INLINE bool all_first(const wavy *s, int terms, const sgt_tile *tile, wavy_r
     every = MASK(true);
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
     {
-        mask is = room->again[i] | wavy_first_from(s, terms, ox[i], oy[i], tmin[i], room->t0[i], room->x[i],
-                                                   room->y[i], room->tau[i], l[i], m[i], n[i]);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        mask is = room->again[i] |
+                  wavy_first_from(s, terms, room->t0[i], room->x[i], room->y[i], room->tau[i], &ray);
         room->again[i] = is;
         every &= is;
     }
@@ -172,24 +167,27 @@ SGT_INLINE mask bent_lanes(const wavy *self, int terms, int rounds, size_t count
                  *l = rays->l, *m = rays->m, *n = rays->n, *tmin = rays->tmin;
     LANES for (size_t i = 0; i < count; i++)
     {
-        bent_start at = bent_start_of(b, tmin[i], t0[i], x[i], y[i], tau[i], l[i], m[i]);
+        const sgt_ray ray = {.d = {l[i], m[i], n[i]}, .tmin = tmin[i]};
+        bent_start at = bent_start_of(b, &(bent_root){t0[i], x[i], y[i], tau[i], 0}, &ray);
         r->from[i] = at.from, r->r2[i] = at.r2, r->known[i] = at.known, r->off[i] = 0;
     }
     for (int round = 0; round < rounds; round++)
         LANES for (size_t i = 0; i < count; i++)
         {
+            const sgt_ray ray = {.d = {l[i], m[i], n[i]}};
             double from = r->from[i];
             side_way way = {from, r->r2[i], 0};
-            way = comes_near(s, terms, way, wavy_r2(x[i], y[i], tau[i], l[i], m[i]), x[i], y[i], 0, l[i],
-                             m[i], n[i]);
+            way = comes_near(s, terms, way, wavy_r2(x[i], y[i], tau[i], l[i], m[i]),
+                             &(side_local){x[i], y[i], 0, 0}, &ray);
             r->from[i] = way.from, r->r2[i] = way.r2;
             r->off[i] |= MASK(way.from > from);
         }
     mask every = MASK(true);
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
     {
+        const sgt_ray ray = {.d = {l[i], m[i], n[i]}};
         side_way way = {r->from[i], r->r2[i], r->off[i]};
-        mask is = r->known[i] & bent_is_first(s, b, terms, &way, inverse[i], l[i], m[i], n[i]);
+        mask is = r->known[i] & bent_is_first(s, b, terms, &way, inverse[i], &ray);
         r->is[i] = is;
         every &= is;
     }
@@ -236,15 +234,14 @@ SGT_NOINLINE static bool all_bent(const wavy *s, int terms, const sgt_tile *tile
 
 SGT_INLINE void lane_away(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
 {
+    const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
-    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
-                 *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
+        const sgt_ray ray = lane_ray_of(&rows, i);
         near_root r =
             wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
-        room->again[i] =
-            wavy_away(s, terms, &r, room->v[i], room->inverse[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+        room->again[i] = wavy_away(s, terms, &r, room->v[i], room->inverse[i], &ray);
     }
 }
 
@@ -278,19 +275,19 @@ static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wav
 SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool vertex, const sgt_tile *tile,
                              wavy_room *room)
 {
-    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
-                 *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     size_t count = tile->n;
     const bool whole = wish == LANE_BARE;
     lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        const sgt_ray ray = lane_ray_of(&rows, i);
         near_root r =
             wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
-        mask exact = vertex ? at_vertex(r.x, r.y, oz[i]) : 0;
-        double begin = whole ? -HUGE_VAL : tmin[i], end = whole ? HUGE_VAL : tmax[i];
-        lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], exact, l[i], m[i], n[i], whole, begin, end,
-                          t_tol[i]);
+        mask exact = vertex ? at_vertex(r.x, r.y, ray.o.z) : 0;
+        const wavy_round q = {.v = room->v[i], .near = room->near[i]};
+        lane e = wavy_end(s, terms, &r, &q, exact, &ray, t_tol[i], whole);
         LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
@@ -300,14 +297,15 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
 SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
                              wavy_room *room)
 {
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *t_tol = tile->t_tol;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
+        const sgt_ray ray = lane_ray_of(&rows, i);
         double g, slope;
-        wavy_start r = wavy_begin(s, terms, ox[i], oy[i], oz[i], l[i], m[i], n[i], &g, &slope);
-        if (first) r.tau = chosen(wavy_hopeless(s, tmin[i], l[i], m[i], n[i]), (double)NAN, r.tau);
+        wavy_start r = wavy_begin(s, terms, &ray, &g, &slope);
+        if (first) r.tau = chosen(wavy_hopeless(s, &ray), (double)NAN, r.tau);
         room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo,
         room->from[i] = r.tau;
     }
@@ -315,7 +313,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
     if (begun == count) { /* no ray: they come from the side, say */
         for (size_t i = 0; i < count; i++) room->tau[i] = (double)NAN, room->ends.hit[i] = 0;
-        lane_nothing(tile, &room->ends);
+        lane_nothing(tile);
         return lane_told(tile, &room->ends, 4, 0);
     }
     int extra[SGT_TILE], rounds = 1;
@@ -323,15 +321,16 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     for (;; rounds++) {
         any = 0;
         LANES for (size_t i = 0; i < count; i++) {
-            wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], room->from[i], l[i], m[i], n[i]);
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], room->from[i], &ray);
             room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse,
             room->dw[i] = h.dw, room->slant[i] = h.slant;
         }
         _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
+            const sgt_ray ray = lane_ray_of(&rows, i);
             wavy_newton h = {
                 room->tau2[i], room->step2[i], room->inverse[i], room->dw[i], room->slant[i], 0, 0};
-            wavy_round q = wavy_bound(s, terms, room->x[i], room->y[i], room->t0[i], &h, l[i], m[i], n[i],
-                                      t_tol[i]);
+            wavy_round q = wavy_bound(s, terms, room->x[i], room->y[i], room->t0[i], &h, &ray, t_tol[i]);
             room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near,
             room->again[i] = q.again;
             any |= q.again;
@@ -344,7 +343,8 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         }
     }
     mask all = lane_ending(s, terms, wish, false, tile, room), vertex = 0;
-    for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
+    for (size_t i = 0; !all && i < count; i++)
+        vertex |= at_vertex(room->x[i], room->y[i], tile->rays.o[2][i]);
     if (vertex) all = lane_ending(s, terms, wish, true, tile, room);
     if (first && !all_first(s, terms, tile, room) && !all_bent(self, terms, tile, room)) {
         all = 0;
@@ -653,6 +653,22 @@ static bool asphere_unique(const void *self, const sgt_tile *tile, double rim2, 
     return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
+static bool asphere_on(const void *self, size_t n, const double *const p[3], double on[])
+{
+    const sgt_even_asphere *s = self;
+    if (asphere_terms_of(s)) return false;
+    sgt_conic_on(s->c, s->k, n, p, on);
+    return true;
+}
+
+static bool asphere_behind(const void *self, size_t n, const sgt_rays *rays, double side[])
+{
+    const sgt_even_asphere *s = self;
+    if (asphere_terms_of(s)) return false;
+    sgt_conic_behind(s->c, s->k, n, rays, side);
+    return true;
+}
+
 static bool asphere_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
                                    size_t n, sgt_points p, sgt_values out, double own[])
 {
@@ -663,9 +679,14 @@ static bool asphere_values_rounded(const void *self, const sgt_shared *shared, c
     return true;
 }
 
-static const struct sgt_builtin_ops asphere_builtin = {
-    .meet = asphere_meet, .all = asphere_all, .lanes = asphere_lanes, .unique = asphere_unique,
-    .departure = &sgt_asphere_departure, .values_rounded = asphere_values_rounded};
+static const struct sgt_builtin_ops asphere_builtin = {.meet = asphere_meet,
+                                                       .all = asphere_all,
+                                                       .lanes = asphere_lanes,
+                                                       .unique = asphere_unique,
+                                                       .on = asphere_on,
+                                                       .behind = asphere_behind,
+                                                       .departure = &sgt_asphere_departure,
+                                                       .values_rounded = asphere_values_rounded};
 
 const sgt_surface_ops sgt_even_asphere_ops = {
     .name = "even_asphere", .value = asphere_value, .span = asphere_span, .rounding = asphere_rounding,

@@ -17,8 +17,9 @@
  *
  * THE SEED.  The conic by itself has A tau^2 - 2 B tau + C = 0.  With e = A C / B^2 its root near the
  * vertex is tau = C / (2 B) (1 + e/4 + ...).  There G' = B sqrt(1 - e), so 1 / G' = (1 + e/2 + ...) / B.
- * No square root is needed: what the series omit is less than P.  If |e| >= 1, a ray is not easy.  One
- * step with that slope from G, P included, gives the start.  Nor is a ray easy if |B| > 8 |n|: it comes
+ * No square root is needed: what the series omit is less than P.  If |e| >= 15/16, a ray is not easy: it
+ * grazes the conic, with a slope below a quarter of that at the vertex plane, and would take rounds in vain.
+ * One step with that slope from G, P included, gives the start.  Nor is a ray easy if |B| > 8 |n|: it comes
  * from the side, and meets the vertex plane too far from its root (rho0 > 4 rho, below).
  *
  * A ROUND is two steps.  The first is Newton's step from tau_1 to tau_2, with G and G'.  The second
@@ -74,7 +75,7 @@ enum { ROUNDS = 4, MOST_EASY = 2 * ROUNDS + 2, FEW_TERMS = 4, ALL_TERMS = 8 }; /
 
 /* What all rays of a surface share. */
 typedef struct wavy {
-    double c, abs_c, k1, ck, abs_ck;
+    double c, abs_c, k, k1, ck, abs_ck;
     double a[ALL_TERMS], slope[ALL_TERMS], size[ALL_TERMS];  /* a_i, (i+1) a_i, its magnitude */
     double bend;              /* 2 (2 T - 1) */
     double rim2, single;      /* n^2 > single a: at most one root within the rim */
@@ -91,6 +92,7 @@ SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
     double rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000;
     *v = (wavy){.c = s->c,
                 .abs_c = fabs(s->c),
+                .k = s->k,
                 .k1 = 1 + s->k,
                 .ck = s->ck,
                 .abs_ck = fabs(s->ck),
@@ -146,16 +148,17 @@ SGT_INLINE double wavy_g(const wavy *s, double rho, double z, double h, double *
     return sgt_fma(-0.5, sgt_fma(s->c, rho, *ckw * *w), *w);
 }
 
-SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy, double oz, double l,
-                                 double m, double n, double *g, double *slope)
+SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, const sgt_ray *ray, double *g, double *slope)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     wavy_start r;
-    to_vertex_plane(ox, oy, oz, l, m, n, &r.t0, &r.t0_lo, &r.x, &r.y);
+    const vertex_place at = to_vertex_plane(ray);
+    r.t0 = at.t0, r.t0_lo = at.t0_lo, r.x = at.x, r.y = at.y;
     double a = l * l + m * m, A = s->c * sgt_fma(s->k1, n * n, a), B = sgt_fma(-s->c, r.x * l + r.y * m, n),
            C = s->c * (r.x * r.x + r.y * r.y);
     double inverse = 1 / B, q = C * inverse, e = A * inverse * q,
            tau = q * sgt_fma(0.125, e, 0.5), w, ckw;
-    tau = chosen(MASK(fabs(e) < 1) & MASK(B * B <= 64 * (n * n)), tau, (double)NAN);
+    tau = chosen(MASK(fabs(e) < 0.9375) & MASK(B * B <= 64 * (n * n)), tau, (double)NAN);
     double x = sgt_fma(tau, l, r.x), y = sgt_fma(tau, m, r.y), rho = x * x + y * y;
     *g = wavy_g(s, rho, tau * n, horner(s->a, terms, rho), &w, &ckw);
     *slope = B;
@@ -167,9 +170,10 @@ SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy,
  * dw/dtau, and slant = |x l| + |y m|.  g and slope are for a watcher. */
 typedef struct wavy_newton { double tau2, step2, inverse, dw, slant, g, slope; } wavy_newton;
 
-SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0, double tau1, double l,
-                                 double m, double n)
+SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0, double tau1,
+                                 const sgt_ray *ray)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double x = sgt_fma(tau1, l, x0), y = sgt_fma(tau1, m, y0), rho = x * x + y * y, w, ckw, xl = x * l,
            ym = y * m, half = xl + ym;
     double dh, h = horner_slope(s->a, terms, rho, &dh), dp = sgt_fma(rho, dh, h);
@@ -184,8 +188,9 @@ SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0,
 typedef struct wavy_round { double tau, tau_err, v, near, g; mask again; } wavy_round;
 
 SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0, double t0,
-                                 const wavy_newton *at, double l, double m, double n, double t_tol)
+                                 const wavy_newton *at, const sgt_ray *ray, double t_tol)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double x = sgt_fma(at->tau2, l, x0), y = sgt_fma(at->tau2, m, y0), rho = x * x + y * y, z = at->tau2 * n,
            w, ckw;
     double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step),
@@ -237,8 +242,9 @@ SGT_INLINE mask wavy_single(const wavy *s, double l, double m, double n)
 
 /* True if the ray has no beginning, is not parallel to the axis, and wavy_single fails.  Then nothing can
  * tell that a root is the first. */
-SGT_INLINE mask wavy_hopeless(const wavy *s, double tmin, double l, double m, double n)
+SGT_INLINE mask wavy_hopeless(const wavy *s, const sgt_ray *ray)
 {
+    const double tmin = ray->tmin, l = ray->d.x, m = ray->d.y, n = ray->d.z;
     return MASK(tmin == -HUGE_VAL) & MASK(fabs(l) + fabs(m) > 0) & ~wavy_single(s, l, m, n);
 }
 
@@ -279,9 +285,10 @@ SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
  *
  * A start nearer to the root than 2^-20 |t| is left to other forms.  So tau_err, at most 40 u |t|, moves
  * r^2 by less than 2^-14 of itself. */
-SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double ox, double oy, double tmin, double t0,
-                                double x0, double y0, double tau, double l, double m, double n)
+SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double t0, double x0, double y0, double tau,
+                                const sgt_ray *ray)
 {
+    const double ox = ray->o.x, oy = ray->o.y, tmin = ray->tmin, l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double a = l * l + m * m, root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau,
            start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
     return MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
@@ -305,13 +312,14 @@ SGT_INLINE near_root wavy_exactly(const near_root *r, mask exact)
     return at;
 }
 
-SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v, double near, mask exact,
-                         double l, double m, double n, bool whole, double tmin, double tmax, double t_tol)
+SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, const wavy_round *q, mask exact,
+                         const sgt_ray *ray, double t_tol, bool whole)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double x = sgt_fma(r->tau, l, r->x), y = sgt_fma(r->tau, m, r->y), rho = x * x + y * y,
-           dp = horner(s->slope, terms, rho), g = -s->c / v - (dp + dp);
+           dp = horner(s->slope, terms, rho), g = -s->c / q->v - (dp + dp);
     near_root at = wavy_exactly(r, exact);
-    return lane_of(&at, l, m, n, whole, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact,
+    return lane_of(&at, ray, t_tol, whole, &(lane_end){r->tau * n, g, q->near}, s->rim2, exact,
                    MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
 }
 
@@ -324,8 +332,9 @@ SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v,
  *
  * root: from wavy_root. */
 SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *root, double v, double inverse,
-                          double oz, double l, double m, double n, double tmin, double tmax)
+                          const sgt_ray *ray)
 {
+    const double oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
     mask exact = at_vertex(root->x, root->y, oz);
     near_root own = wavy_exactly(root, exact);
     const near_root *r = &own;

@@ -16,37 +16,39 @@ static void side_tell(const shape *h, const sgt_ray *ray, tally *w, const local 
 }
 
 /* One ray with explicit ends, as asphere_easy_at. */
-SGT_INLINE easy_answer beside_at(const wavy *s, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
-                                 double t_tol, double scale, lane *e, tally *w, const shape *h,
-                                 const sgt_ray *ray)
+SGT_INLINE easy_answer beside_at(const wavy *s, const sgt_ray *ray, double scale, lane *e, tally *w,
+                                 const shape *h, const sgt_ray *from)
 {
+    const double t_tol = w->opt->t_tol / scale;
     const bool first = w->opt->pick != SGT_NEAR_SEED;
     convex b = convex_of(s);
-    side_stretch r = side_stretch_of(&b, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
+    side_stretch r = side_stretch_of(&b, ray);
     if (r.away) return EASY_MISS;
     if (!r.chord) return EASY_NOT;
-    side_way way = side_way_of(s, ALL_TERMS, &r.q, r.from, d.x, d.y, d.z);
-    side_on on = {0, 0};
-    side_seed seed = side_seed_of(s, &b, ALL_TERMS, first, &r.q, &way, r.to, r.chord, on, d.x, d.y, d.z);
+    side_question ask = {r.q, side_way_of(s, ALL_TERMS, &r.q, r.from, ray), r.to, r.chord, {0, 0}};
+    side_seed seed = side_seed_of(s, &b, ALL_TERMS, first, &ask, ray);
     local at = {.t0 = r.t0, .scale = scale};
-    side_tell(h, ray, w, &at, way.from, SGT_PROBE);
-    side_tell(h, ray, w, &at, r.to, SGT_PROBE);
-    if (seed.close && !seed.away && tmin == 0 && !w->stopped) {
-        on = side_on_of(s, &b, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, tmin);
-        seed = side_seed_of(s, &b, ALL_TERMS, first, &r.q, &way, r.to, r.chord, on, d.x, d.y, d.z);
-        side_tell(h, ray, w, &at, -r.t0, SGT_PROBE);
+    side_tell(h, from, w, &at, ask.way.from, SGT_PROBE);
+    side_tell(h, from, w, &at, r.to, SGT_PROBE);
+    if (seed.close && !seed.away && ray->tmin == 0 && !w->stopped) {
+        ask.on = side_on_of(s, &b, ALL_TERMS, ray);
+        seed = side_seed_of(s, &b, ALL_TERMS, first, &ask, ray);
+        side_tell(h, from, w, &at, -r.t0, SGT_PROBE);
     }
     if (w->stopped || !(seed.above | seed.below)) return seed.away && !w->stopped ? EASY_MISS : EASY_NOT;
     wavy_newton step = {.tau2 = seed.tau};
     for (int i = 0; i < SIDE_STEPS && (i == 0 || !side_ready(&step, seed.tau)); i++) {
         seed.tau = step.tau2;
-        step = side_step(s, ALL_TERMS, &r.q, seed.tau, d.x, d.y, d.z);
-        side_tell(h, ray, w, &at, seed.tau, i ? SGT_NEWTON : SGT_SEED);
+        step = side_step(s, ALL_TERMS, &r.q, seed.tau, ray);
+        if (i == 0) step = side_turned(&step, seed.tau, side_bend(s, &b, ray), seed.above ? -b.sign : b.sign);
+        side_tell(h, from, w, &at, seed.tau, i ? SGT_NEWTON : SGT_SEED);
     }
-    wavy_round end = side_bound(s, ALL_TERMS, &r.q, r.t0, &step, d.x, d.y, d.z, t_tol);
-    side_tell(h, ray, w, &at, step.tau2, SGT_NEWTON);
-    *e = side_lane(s, &b, ALL_TERMS, &r.q, r.t0, way.r2, seed.above, seed.below, &end, step.inverse, d.x, d.y,
-                   d.z, tmin, tmax, t_tol);
+    side_round end = side_bound(s, ALL_TERMS, &r.q, r.t0, &step, ray, t_tol);
+    side_tell(h, from, w, &at, step.tau2, SGT_NEWTON);
+    const side_found found = {r.t0, ask.way.r2, step.inverse, seed.above, seed.below};
+    if (end.blunt) side_tell(h, from, w, &at, end.at.tau, SGT_NEWTON);
+    *e = end.blunt ? side_sharp(s, &b, ALL_TERMS, &found, &end, ray, t_tol)
+                   : side_lane(s, &b, ALL_TERMS, &r.q, &found, &end.at, ray, t_tol);
     return e->hit && !w->stopped ? EASY_HIT : EASY_NOT;
 }
 
@@ -54,14 +56,12 @@ SGT_INLINE easy_answer beside_at(const wavy *s, sgt_vec3 o, sgt_vec3 d, double t
  * direction of unusual length is scaled as there. */
 easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w)
 {
-    sgt_vec3 d = ray->d;
+    const sgt_vec3 d = ray->d;
     double scale = scale_of(d);
-    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z))
-        return beside_at(s, ray->o, d, ray->tmin, ray->tmax, w->opt->t_tol, 1, e, w, h, ray);
+    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return beside_at(s, ray, 1, e, w, h, ray);
     if (!ends_are_whole(ray, scale)) return EASY_NOT;
-    d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
-    easy_answer is = beside_at(s, ray->o, d, ray->tmin / scale, ray->tmax / scale, w->opt->t_tol / scale,
-                               scale, e, w, h, ray);
+    const sgt_ray along = along_scaled(ray, scale);
+    easy_answer is = beside_at(s, &along, scale, e, w, h, ray);
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
@@ -84,19 +84,19 @@ typedef struct beside_room {
 SGT_KERNEL
 static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, beside_room *r)
 {
+    const sgt_rays rows = tile->rays;
     const convex mine = *bent, *b = &mine; /* a copy, so that no output can alias it */
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     mask any = 0, afar = 0;
     _Pragma("omp simd reduction(| : any, afar)") for (size_t i = 0; i < count; i++)
     {
-        side_stretch one = side_stretch_of(b, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        side_stretch one = side_stretch_of(b, &ray);
         r->x[i] = one.q.x, r->y[i] = one.q.y, r->z[i] = one.q.z, r->rho0[i] = one.q.rho0, r->t0[i] = one.t0,
         r->from[i] = one.from, r->to[i] = one.to;
         mask hard = r->asked[i], left = hard & ~one.away & one.chord;
         r->away[i] = hard & one.away, r->asked[i] = left;
-        r->r2[i] = wavy_r2(one.q.x, one.q.y, one.from, l[i], m[i]), r->off[i] = 0;
+        r->r2[i] = wavy_r2(one.q.x, one.q.y, one.from, ray.d.x, ray.d.y), r->off[i] = 0;
         afar |= left & one.afar;
         any |= left;
     }
@@ -108,15 +108,16 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, bes
  * round: of both in one gcc 12 makes branches.) */
 SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, beside_room *r)
 {
+    const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
-    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
     for (int round = 0; round < 2; round++)
         LANES for (size_t i = 0; i < count; i++)
         {
+            const sgt_ray ray = lane_ray_of(&rows, i);
             double from = r->from[i];
             side_way way = {from, r->r2[i], 0};
-            way = comes_near(s, terms, way, 0, r->x[i], r->y[i], r->z[i], l[i], m[i], n[i]);
+            way = comes_near(s, terms, way, 0, &(side_local){r->x[i], r->y[i], r->z[i], 0}, &ray);
             r->from[i] = way.from, r->r2[i] = way.r2;
             r->off[i] |= MASK(way.from > from);
         }
@@ -126,19 +127,21 @@ SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, b
 SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bool first,
                              const sgt_tile *tile, beside_room *r)
 {
+    const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
     const convex mine = *bent, *b = &mine;
-    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
     const mask *rises = r->rises, *falls = r->falls;
     mask any = 0;
     _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
     {
-        side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
-        side_way way = {r->from[i], r->r2[i], r->off[i]};
-        side_on on = {rises[i], falls[i]};
-        side_seed one =
-            side_seed_of(s, b, terms, first, &q, &way, r->to[i], r->asked[i], on, l[i], m[i], n[i]);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const side_question ask = {{r->x[i], r->y[i], r->z[i], r->rho0[i]},
+                                   {r->from[i], r->r2[i], r->off[i]},
+                                   r->to[i],
+                                   r->asked[i],
+                                   {rises[i], falls[i]}};
+        side_seed one = side_seed_of(s, b, terms, first, &ask, &ray);
         r->tau2[i] = one.tau, r->above[i] = one.above, r->below[i] = one.below;
         r->away[i] |= one.away, r->close[i] = one.close & ~one.away;
         mask again = one.above | one.below;
@@ -152,15 +155,15 @@ SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bo
 SGT_KERNEL
 static mask asphere_beside_on(const wavy *self, const convex *bent, const sgt_tile *tile, beside_room *r)
 {
+    const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
     const convex mine = *bent, *b = &mine;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin;
     size_t count = tile->n;
     mask any = 0;
     _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
     {
-        side_on one = side_on_of(s, b, ALL_TERMS, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i]);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        side_on one = side_on_of(s, b, ALL_TERMS, &ray);
         mask asked = r->on[i];
         r->starts[0][i] = asked & one.rises, r->starts[1][i] = asked & one.falls;
         any |= asked & (one.rises | one.falls);
@@ -168,21 +171,28 @@ static mask asphere_beside_on(const wavy *self, const convex *bent, const sgt_ti
     return any;
 }
 
-/* A step of Newton for the rays that need one.  Returns all bits set if some need another. */
-SGT_INLINE mask beside_step(const wavy *self, int terms, const sgt_tile *tile, beside_room *r)
+/* A step for the rays that need one, the first one turned.  Returns all bits set if some need another. */
+SGT_INLINE mask beside_step(const wavy *self, const convex *bent, int terms, bool turned,
+                            const sgt_tile *tile, beside_room *r)
 {
+    const convex mine = *bent, *b = &mine;
+    const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
-    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
     mask any = 0;
     _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
     {
+        const sgt_ray ray = lane_ray_of(&rows, i);
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
         mask again = r->again[i];
-        double tau = chosen(again, r->tau2[i], r->tau[i]); /* a ray that is done gets the same step again */
-        wavy_newton h = side_step(s, terms, &q, tau, l[i], m[i], n[i]);
-        r->tau[i] = tau, r->tau2[i] = h.tau2, r->step2[i] = h.step2, r->inverse[i] = h.inverse,
-        r->dw[i] = h.dw, r->slant[i] = h.slant;
+        double tau2 = r->tau2[i], step2 = r->step2[i], /* a ray that is done keeps its step */
+               tau = chosen(again, tau2, r->tau[i]);
+        double A = side_bend(s, b, &ray), wanted = chosen(r->above[i], -b->sign, b->sign);
+        wavy_newton h = side_step(s, terms, &q, tau, &ray);
+        if (turned) h = side_turned(&h, tau, A, wanted);
+        r->tau[i] = tau, r->tau2[i] = chosen(again, h.tau2, tau2),
+        r->step2[i] = chosen(again, h.step2, step2);
+        r->inverse[i] = h.inverse, r->dw[i] = h.dw, r->slant[i] = h.slant;
         again &= ~side_ready(&h, tau);
         r->again[i] = again;
         any |= again;
@@ -190,22 +200,49 @@ SGT_INLINE mask beside_step(const wavy *self, int terms, const sgt_tile *tile, b
     return any;
 }
 
-SGT_INLINE void beside_ends(const wavy *self, const convex *bent, int terms, const sgt_tile *tile, lane_to to,
-                            const beside_room *r)
+/* Plain roots.  Returns all bits set if some are blunt; they are in `again`, and what side_sharp needs of
+ * them in tau, step2 and dw. */
+SGT_INLINE mask beside_ends(const wavy *self, const convex *bent, int terms, const sgt_tile *tile, lane_to to,
+                            beside_room *r)
 {
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     const wavy own = *self, *s = &own;
     const convex mine = *bent, *b = &mine;
-    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin,
-                 *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
+        wavy_newton h = {r->tau2[i], r->step2[i], r->inverse[i], r->dw[i], r->slant[i], 0, 0};
+        side_round end = side_bound(s, terms, &q, r->t0[i], &h, &ray, t_tol[i]);
+        const side_found found = {r->t0[i], r->r2[i], h.inverse, r->above[i], r->below[i]};
+        lane e = side_lane(s, b, terms, &q, &found, &end.at, &ray, t_tol[i]);
+        mask blunt = end.blunt & (r->above[i] | r->below[i]);
+        LANE_STORE(to, i, e, LANE_RICH);
+        r->tau[i] = end.at.tau, r->step2[i] = end.rough, r->dw[i] = end.off, r->again[i] = blunt;
+        any |= blunt;
+    }
+    return any;
+}
+
+/* side_sharp of the blunt roots. */
+SGT_INLINE void beside_sharp(const wavy *self, const convex *bent, int terms, const sgt_tile *tile,
+                             lane_to to, const beside_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++)
     {
-        side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
-        wavy_newton h = {r->tau2[i], r->step2[i], r->inverse[i], r->dw[i], r->slant[i], 0, 0};
-        wavy_round at = side_bound(s, terms, &q, r->t0[i], &h, l[i], m[i], n[i], t_tol[i]);
-        lane e = side_lane(s, b, terms, &q, r->t0[i], r->r2[i], r->above[i], r->below[i], &at, h.inverse,
-                           l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
-        LANE_STORE(to, i, e, LANE_RICH);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const side_found found = {r->t0[i], r->r2[i], r->inverse[i], r->above[i], r->below[i]};
+        const side_round end = {{.tau = r->tau[i]}, r->step2[i], r->dw[i], r->again[i]};
+        lane e = side_sharp(s, b, terms, &found, &end, &ray, t_tol[i]);
+        LANE_STORE_IF(to, i, e, r->again[i]);
     }
 }
 
@@ -219,16 +256,22 @@ SGT_INLINE void beside_ends(const wavy *self, const convex *bent, int terms, con
     {                                                                                                 \
         return beside_seeds(s, b, terms, first, tile, r);                                             \
     }
-#define BESIDE_STEP(name, terms)                                                     \
-    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, beside_room *r) \
-    {                                                                                \
-        return beside_step(s, terms, tile, r);                                       \
+#define BESIDE_STEP(name, terms, turned)                                                              \
+    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r) \
+    {                                                                                                 \
+        return beside_step(s, b, terms, turned, tile, r);                                             \
     }
 #define BESIDE_ENDS(name, terms)                                                                  \
+    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, lane_to to, \
+                                beside_room *r)                                                   \
+    {                                                                                             \
+        return beside_ends(s, b, terms, tile, to, r);                                             \
+    }
+#define BESIDE_SHARP(name, terms)                                                                 \
     SGT_KERNEL static void name(const wavy *s, const convex *b, const sgt_tile *tile, lane_to to, \
                                 const beside_room *r)                                             \
     {                                                                                             \
-        beside_ends(s, b, terms, tile, to, r);                                                    \
+        beside_sharp(s, b, terms, tile, to, r);                                                   \
     }
 
 BESIDE_WAYS(asphere_beside_few_ways, FEW_TERMS)
@@ -237,10 +280,14 @@ BESIDE_SEEDS(asphere_beside_few_first, FEW_TERMS, true)
 BESIDE_SEEDS(asphere_beside_few_near, FEW_TERMS, false)
 BESIDE_SEEDS(asphere_beside_first, ALL_TERMS, true)
 BESIDE_SEEDS(asphere_beside_near, ALL_TERMS, false)
-BESIDE_STEP(asphere_beside_few_step, FEW_TERMS)
-BESIDE_STEP(asphere_beside_step, ALL_TERMS)
+BESIDE_STEP(asphere_beside_few_turned, FEW_TERMS, true)
+BESIDE_STEP(asphere_beside_turned, ALL_TERMS, true)
+BESIDE_STEP(asphere_beside_few_step, FEW_TERMS, false)
+BESIDE_STEP(asphere_beside_step, ALL_TERMS, false)
 BESIDE_ENDS(asphere_beside_few_ends, FEW_TERMS)
 BESIDE_ENDS(asphere_beside_ends, ALL_TERMS)
+BESIDE_SHARP(asphere_beside_few_sharp, FEW_TERMS)
+BESIDE_SHARP(asphere_beside_sharp, ALL_TERMS)
 
 /* Answers hard rays of a tile.  A ray without a start for the rounds of easy.h has taken one evaluation
  * there. */
@@ -289,12 +336,14 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const
         mask again = MASK(true);
         for (int k = 0; k < SIDE_STEPS && again; k++) {
             for (size_t i = 0; hits->evals && i < n; i++) r.steps[i] += r.again[i] != 0;
-            again = few ? asphere_beside_few_step(s, tile, &r) : asphere_beside_step(s, tile, &r);
+            if (k == 0)
+                again = (few ? asphere_beside_few_turned : asphere_beside_turned)(s, &b, tile, &r);
+            else
+                again = (few ? asphere_beside_few_step : asphere_beside_step)(s, &b, tile, &r);
         }
-        if (few)
-            asphere_beside_few_ends(s, &b, tile, to, &r);
-        else
-            asphere_beside_ends(s, &b, tile, to, &r);
+        mask blunt = (few ? asphere_beside_few_ends : asphere_beside_ends)(s, &b, tile, to, &r);
+        if (blunt) (few ? asphere_beside_few_sharp : asphere_beside_sharp)(s, &b, tile, to, &r);
+        for (size_t i = 0; blunt && hits->evals && i < n; i++) r.steps[i] += r.again[i] != 0;
     }
     for (size_t i = 0; i < n; i++) {
         if (hits->status[i] != SGT_HARD) continue;

@@ -46,8 +46,20 @@
  *     G by e = |v| (error of w) + |c| Q / 2 + 3 |(1 + k) c| w^2 + |G|.
  * (|c| rho / 2 of the second is the rounding of the inner fma.)  The slope is as good as that of easy.h.
  *
+ * SHARP.  Where the ray runs along the surface, or its local origin is far from the root, t is not sharp:
+ * known to some hundreds of u.  Then G is computed once more, from the point at T = t0 + tau, which is a
+ * double.  Its coordinates are known to 4 u^2 of themselves (place_of_root), and sums and products are taken
+ * with what they lose.  Of 8 terms Horner's rule is off by (16 u)^2 of its own, so G is off by u |G| and 2^9
+ * u^2 of the terms of e above; 2^12 is taken.  The root R is the only one within H of tau_2, and so is T:
+ * both are within 5/8 H of it. So by the mean value theorem, with the slope s of THE BOUND, R = T - G / s (1
+ * + epsilon),    |epsilon| <= 8/7 Delta / |s|.
+ *
  * THE POINT.  Rounding of x, y and z0 takes it off the surface by u of their parts of F.  So a ray is met
  * only if |x F_x| + |y F_y| <= 4 |z| and |z0| <= 2 |z| there.
+ *
+ * PAST THE HEIGHTS of the surface within the rim or the equator (wavy_ahead) there is no root, so a stretch
+ * ends where the ray comes there.  So a ray that leaves needs no F next to the equator, and less has to be
+ * convex.
  *
  * AN END of a stretch is moved outward: in r^2 by 2^-20, in t by 2^-50 of its terms.  So nothing rests on its
  * last digits, and F there is that of the point as it is, with the bound e.
@@ -60,8 +72,8 @@
 #include "../../num/bits.h"
 #include "easy.h"
 
-/* Evaluations: both ends, the start, the steps, the bound. */
-enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 4 };
+/* Evaluations: both ends, the start, the steps, the bound, and SHARP. */
+enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 5 };
 
 /* What all rays of a surface share.
  *
@@ -70,9 +82,10 @@ enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 4 };
  *   bent2        sigma S'' >= 0 up to that r^2, by rings
  *   edge2        r^2 of the rim or the equator, made greater by 2^-20
  *   high, low    the sag within it is between -low and high
- *   bowl         c + 2 a[0] */
+ *   bowl         c + 2 a[0]
+ *   ck_lo        what (1 + k) c is more than its double */
 typedef struct convex {
-    double sign, round, constant, flat[ALL_TERMS], ckc, bent2, edge2, edge, high, low, bowl;
+    double sign, round, constant, flat[ALL_TERMS], ckc, bent2, edge2, edge, high, low, bowl, ck_lo;
     bool everywhere; /* no term has the other sign */
 } convex;
 
@@ -103,6 +116,7 @@ SGT_INLINE convex convex_of(const wavy *s)
                 .ckc = s->ck * s->c,
                 .edge2 = s->domain2 * (1 + 0x1p-20),
                 .bowl = s->c + 2 * s->a[0],
+                .ck_lo = sgt_fma(s->k1, s->c, -s->ck) + two_sum(1, s->k).lo * s->c,
                 .everywhere = true};
     for (int i = 0; i < ALL_TERMS && b.sign == 0; i++)
         if (s->a[i] != 0) b.sign = copysign(1, s->a[i]);
@@ -133,6 +147,11 @@ SGT_INLINE mask is_convex(const convex *b, int terms, double r2)
                                         horner(b->flat, terms, r2) * (1 + 0x1p-20) + 0x1p-900)));
 }
 
+/* The local origin, and its r^2. */
+typedef struct side_local {
+    double x, y, z, rho0;
+} side_local;
+
 /* A stretch before a root, made shorter.  from: where it begins, at (x + from l, y + from m, z + from n).
  * r2: of the larger r of its ends.  off: there F has the sign of -n for certain, and so all the way before.
  * */
@@ -144,25 +163,32 @@ typedef struct side_way {
 /* Within r <= R the surface is ahead of the vertex plane by h = wavy_ahead(R^2) at most.  So a ray that
  * begins beyond that height meets nothing before it comes down to it.  There it is nearer to the axis,
  * mostly, and h is less: from afar a few rounds lead to where the surface is. */
-SGT_INLINE side_way comes_near(const wavy *s, int terms, side_way way, double root2, double x,
-                               double y, double z, double l, double m, double n)
+SGT_INLINE side_way comes_near(const wavy *s, int terms, side_way way, double root2, const side_local *q,
+                               const sgt_ray *ray)
 {
-    double side = copysign(1, n), h = wavy_ahead(s, terms, way.r2, side) * (1 + 0x1p-10) + 0x1p-30 * fabs(z),
-           at = (-h - side * z) / fabs(n), r2 = wavy_r2(x, y, at, l, m);
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    double side = copysign(1, n),
+           h = wavy_ahead(s, terms, way.r2, side) * (1 + 0x1p-10) + 0x1p-30 * fabs(q->z),
+           at = (-h - side * q->z) / fabs(n), r2 = wavy_r2(q->x, q->y, at, l, m);
     mask off = MASK(h < HUGE_VAL) & MASK(at > way.from) & MASK(r2 <= way.r2);
     return (side_way){chosen(off, at, way.from), chosen(off, larger(r2, root2), way.r2), way.off | off};
 }
 
-/* Where the stretch before a root begins that easy.h has met at tau.  (x0, y0): on the vertex plane, as
- * there.  r2: of the larger r of its ends.  known: the stretch is. */
+/* A root that easy.h has met at t0 + tau.  (x0, y0): on the vertex plane, as there.  inverse: 1 / G'. */
+typedef struct bent_root {
+    double t0, x0, y0, tau, inverse;
+} bent_root;
+
+/* Where the stretch before it begins.  r2: of the larger r of its ends.  known: the stretch is. */
 typedef struct bent_start {
     double from, r2;
     mask known;
 } bent_start;
 
-SGT_INLINE bent_start bent_start_of(const convex *b, double tmin, double t0, double x0, double y0, double tau,
-                                    double l, double m)
+SGT_INLINE bent_start bent_start_of(const convex *b, const bent_root *r, const sgt_ray *ray)
 {
+    const double t0 = r->t0, x0 = r->x0, y0 = r->y0, tau = r->tau;
+    const double tmin = ray->tmin, l = ray->d.x, m = ray->d.y;
     double a = l * l + m * m, across = x0 * m - y0 * l, disc = a * b->edge2 - across * across, by = 1 / a,
            enters = -(x0 * l + y0 * m) * by - sqrt(larger(disc, 0)) * by, t = t0 + tau,
            starts = tmin - t0 - 0x1p-50 * (fabs(tmin) + fabs(t0)),
@@ -175,8 +201,9 @@ SGT_INLINE bent_start bent_start_of(const convex *b, double tmin, double t0, dou
 /* Is that root the first one of the stretch, since F is monotone or bent in one way up to it?  inverse: 1 /
  * G' at the root. */
 SGT_INLINE mask bent_is_first(const wavy *s, const convex *b, int terms, const side_way *way, double inverse,
-                              double l, double m, double n)
+                              const sgt_ray *ray)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     mask rises = MASK(b->sign * inverse > 0), falls = MASK(b->sign * inverse < 0),
          above = way->off & MASK(b->sign * n < 0);
     return MASK(n * n > wavy_slope2(s, terms, way->r2) * (l * l + m * m)) |
@@ -184,14 +211,16 @@ SGT_INLINE mask bent_is_first(const wavy *s, const convex *b, int terms, const s
 }
 
 /* Both, for a single ray.  The stretch is made shorter `rounds` times. */
-SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, int rounds, double tmin, double t0,
-                              double x0, double y0, double tau, double inverse, double l, double m, double n)
+SGT_INLINE mask first_of_bent(const wavy *s, const convex *b, int terms, int rounds, const bent_root *r,
+                              const sgt_ray *ray)
 {
-    bent_start at = bent_start_of(b, tmin, t0, x0, y0, tau, l, m);
+    const side_local q = {r->x0, r->y0, 0, 0};
+    const double l = ray->d.x, m = ray->d.y;
+    bent_start at = bent_start_of(b, r, ray);
     side_way way = {at.from, at.r2, 0};
     for (int i = 0; i < rounds; i++)
-        way = comes_near(s, terms, way, wavy_r2(x0, y0, tau, l, m), x0, y0, 0, l, m, n);
-    return at.known & bent_is_first(s, b, terms, &way, inverse, l, m, n);
+        way = comes_near(s, terms, way, wavy_r2(r->x0, r->y0, r->tau, l, m), &q, ray);
+    return at.known & bent_is_first(s, b, terms, &way, r->inverse, ray);
 }
 
 /* The sign of sigma F at the end of a stretch: certainly positive, certainly negative, or neither.  close:
@@ -202,11 +231,6 @@ typedef struct side_end {
     mask above, below, close;
 } side_end;
 
-/* The local origin, and what belongs to it. */
-typedef struct side_local {
-    double x, y, z, rho0;
-} side_local;
-
 /* The error of G, over u. */
 SGT_INLINE double side_noise(const wavy *s, const side_local *q, double rho, double z, double first, double g,
                              double w, double ckw)
@@ -216,9 +240,18 @@ SGT_INLINE double side_noise(const wavy *s, const side_local *q, double rho, dou
                    sgt_fma(0.5 * s->abs_c, Q, sgt_fma(3 * aw, ackw, fabs(g))));
 }
 
-SGT_INLINE side_end side_end_at(const wavy *s, const convex *b, int terms, const side_local *q, double tau,
-                                double l, double m, double n)
+/* Is sigma F > 0 at tau, as all of the surface is on the other side of the ray there? */
+SGT_INLINE mask past_heights(const convex *b, const side_local *q, double tau, const sgt_ray *ray)
 {
+    double z = sgt_fma(tau, ray->d.z, q->z), unsure = 0x1p-30 * (fabs(q->z) + fabs(z));
+    return (MASK(b->sign > 0) & MASK(z - unsure > b->high)) |
+           (MASK(b->sign < 0) & MASK(z + unsure < -b->low));
+}
+
+SGT_INLINE side_end side_end_at(const wavy *s, const convex *b, int terms, const side_local *q, double tau,
+                                const sgt_ray *ray)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double x = sgt_fma(tau, l, q->x), y = sgt_fma(tau, m, q->y), z = sgt_fma(tau, n, q->z),
            rho = x * x + y * y, w, ckw;
     double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), first = horner(s->size, terms, rho),
@@ -229,9 +262,10 @@ SGT_INLINE side_end side_end_at(const wavy *s, const convex *b, int terms, const
 }
 
 /* A step of Newton on G, and what the bound needs of it.  It is the last if it is short (side_ready). */
-SGT_INLINE wavy_newton side_step(const wavy *s, int terms, const side_local *q, double tau, double l,
-                                 double m, double n)
+SGT_INLINE wavy_newton side_step(const wavy *s, int terms, const side_local *q, double tau,
+                                 const sgt_ray *ray)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double x = sgt_fma(tau, l, q->x), y = sgt_fma(tau, m, q->y), z = sgt_fma(tau, n, q->z),
            rho = x * x + y * y, w, ckw, xl = x * l, ym = y * m, half = xl + ym;
     double dh, h = horner_slope(s->a, terms, rho, &dh), dp = sgt_fma(rho, dh, h);
@@ -240,16 +274,46 @@ SGT_INLINE wavy_newton side_step(const wavy *s, int terms, const side_local *q, 
     return (wavy_newton){tau - step, step, inverse, dw, fabs(xl) + fabs(ym), g, slope};
 }
 
+/* The same step, toward the root at which the slope has the sign of `wanted`: with G'' of the conic, -A, a
+ * quadratic equation.  Newton's steps alone take ten where two roots are near each other, or end at the
+ * other. */
+SGT_INLINE wavy_newton side_turned(const wavy_newton *h, double tau, double A, double wanted)
+{
+    mask flat = MASK(A == 0), direct = MASK(h->slope * wanted > 0) | flat;
+    double root = chosen(flat, h->slope,
+                         copysign(sqrt(larger(sgt_fma(2 * A, h->g, h->slope * h->slope), 0)), wanted)),
+           step = chosen(direct, 2 * h->g, root - h->slope) / chosen(direct, h->slope + root, A);
+    return (wavy_newton){tau - step, step, h->inverse, h->dw, h->slant, h->g, h->slope};
+}
+
+/* G'' of the conic of curvature c + 2 a[0], over -1. */
+SGT_INLINE double side_bend(const wavy *s, const convex *b, const sgt_ray *ray)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    return sgt_fma(b->bowl, l * l + m * m, s->ck * (n * n));
+}
+
 /* The bound squares a step.  What is left after it is then below an ulp, unless the root is flat. */
 SGT_INLINE mask side_ready(const wavy_newton *step, double tau)
 {
     return ~MASK(fabs(step->step2) > 0x1p-22 * (fabs(tau) + fabs(step->tau2)));
 }
 
-/* As wavy_bound. */
-SGT_INLINE wavy_round side_bound(const wavy *s, int terms, const side_local *q, double t0,
-                                 const wavy_newton *at, double l, double m, double n, double t_tol)
+/* How far the slope 1 / ai may be off, over itself: 2^-37 of its terms (THE BOUND), twice. */
+SGT_INLINE double slope_off(double terms, double ai) { return larger(0x1p-30, 0x1p-36 * (terms * ai)); }
+
+/* As wavy_bound.  rough: the bound on tau where the root is certain, off as there.  blunt: the root is
+ * certain, but t is not sharp (SHARP). */
+typedef struct side_round {
+    wavy_round at;
+    double rough, off;
+    mask blunt;
+} side_round;
+
+SGT_INLINE side_round side_bound(const wavy *s, int terms, const side_local *q, double t0,
+                                 const wavy_newton *at, const sgt_ray *ray, double t_tol)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double x = sgt_fma(at->tau2, l, q->x), y = sgt_fma(at->tau2, m, q->y), z = sgt_fma(at->tau2, n, q->z),
            rho = x * x + y * y, w, ckw;
     double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step),
@@ -258,25 +322,27 @@ SGT_INLINE wavy_round side_bound(const wavy *s, int terms, const side_local *q, 
            wide = sgt_fma(17 * a, H * H, 1.0625 * rho), first = horner(s->size, terms, wide);
     double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
     double M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, aw), W2, W1 * W1), sgt_fma(s->abs_c, a, W2));
-    double off = sgt_fma(M * (H + H), ai, 0x1p-30); /* Delta / |s| */
+    double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant),
+           off = sgt_fma(M * (H + H), ai, slope_off(terms_of_slope, ai)); /* Delta / |s| */
     double e = 1.01 * SGT_U * side_noise(s, q, rho, z, first, g, w, ckw), noise = e * ai,
            tau = at->tau2 - step, t = fabs(t0 + tau);
     double tau_err =
-               sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai)),
-           terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
-    mask sure = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
-                MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) & MASK(fabs(ckw) < 1 - 0x1p-8) &
-                MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
-                MASK(rho < 0x1p400);
+        sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
+    mask known = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(fabs(ckw) < 1 - 0x1p-8) &
+                 MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
+                 MASK(rho < 0x1p400),
+         sure = known & MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) &
+                MASK(sgt_fma(1.01 * SGT_U, t, tau_err) <= larger(40 * SGT_U * t, t_tol));
     sure &= MASK(e <= 24 * SGT_U * (aw + az)) |
             (MASK(noise <= s->enough * t) & MASK(e * e <= 16 * SGT_U * SGT_U * rho));
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol);
-    return (wavy_round){.tau = tau,
-                        .tau_err = chosen(sure, tau_err, (double)NAN),
-                        .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
-                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
-                        .g = g,
-                        .again = MASK(false)};
+    wavy_round end = {.tau = tau,
+                      .tau_err = chosen(sure, tau_err, (double)NAN),
+                      .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
+                      .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
+                      .g = g,
+                      .again = MASK(false)};
+    return (side_round){end, tau_err, off, known & ~sure};
 }
 
 /* What is known of a ray before a root is looked for.  t0, q: the local origin.  from, to: the stretch.
@@ -287,9 +353,10 @@ typedef struct side_stretch {
     mask away, chord, afar;
 } side_stretch;
 
-SGT_INLINE side_stretch side_stretch_of(const convex *b, double ox, double oy, double oz, double l, double m,
-                                        double n, double tmin, double tmax)
+SGT_INLINE side_stretch side_stretch_of(const convex *b, const sgt_ray *ray)
 {
+    const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z,
+                 tmin = ray->tmin, tmax = ray->tmax;
     double a = l * l + m * m, d2 = a + n * n, t0 = -(ox * l + oy * m + oz * n) / d2, side = fabs(l) + fabs(m);
     side_local q = {moved_along(ox, t0, l), moved_along(oy, t0, m), moved_along(oz, t0, n), 0};
     q.rho0 = q.x * q.x + q.y * q.y;
@@ -299,7 +366,11 @@ SGT_INLINE side_stretch side_stretch_of(const convex *b, double ox, double oy, d
            ends = tmax - t0 + 0x1p-50 * (fabs(tmax) + fabs(t0)), enters = centre - half,
            leaves = centre + half;
     double from = chosen(MASK(enters > starts), enters, starts),
-           to = chosen(MASK(leaves < ends), leaves, ends), z1 = sgt_fma(from, n, q.z),
+           past = (chosen(MASK(n > 0), b->high, b->low) * (1 + 0x1p-20) + 0x1p-28 * fabs(q.z) + 0x1p-900 -
+                   copysign(1, n) * q.z) /
+                  fabs(n),
+           end = chosen(MASK(leaves < ends), leaves, ends),
+           to = chosen(MASK(past < end) & MASK(past > from), past, end), z1 = sgt_fma(from, n, q.z),
            z2 = sgt_fma(to, n, q.z),
            unsure = 0x1p-30 * (fabs(q.z) + smaller(fabs(z1), fabs(z2))); /* one end may be infinite */
     mask usual = MASK(a > 0x1p-60 * d2) & MASK(fabs(t0) < 0x1p300) & MASK(tmin <= tmax) &
@@ -312,12 +383,13 @@ SGT_INLINE side_stretch side_stretch_of(const convex *b, double ox, double oy, d
 }
 
 /* The stretch made shorter at its beginning.  It stays as it is where z n > 0 there. */
-SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, double from, double l,
-                                double m, double n)
+SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, double from,
+                                const sgt_ray *ray)
 {
+    const double l = ray->d.x, m = ray->d.y;
     side_way way = {from, wavy_r2(q->x, q->y, from, l, m), 0};
-    way = comes_near(s, terms, way, 0, q->x, q->y, q->z, l, m, n);
-    return comes_near(s, terms, way, 0, q->x, q->y, q->z, l, m, n);
+    way = comes_near(s, terms, way, 0, q, ray);
+    return comes_near(s, terms, way, 0, q, ray);
 }
 
 /* Does sigma F rise or fall where a ray starts on the surface?  Neither: it is not known to start there. */
@@ -325,11 +397,12 @@ typedef struct side_on {
     mask rises, falls;
 } side_on;
 
-SGT_INLINE side_on side_on_of(const wavy *s, const convex *b, int terms, double ox, double oy, double oz,
-                              double l, double m, double n, double tmin)
+SGT_INLINE side_on side_on_of(const wavy *s, const convex *b, int terms, const sgt_ray *ray)
 {
+    const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z,
+                 tmin = ray->tmin;
     side_local q = {ox, oy, oz, ox * ox + oy * oy};
-    wavy_newton at = side_step(s, terms, &q, 0, l, m, n);
+    wavy_newton at = side_step(s, terms, &q, 0, ray);
     double a = l * l + m * m, rho = q.rho0, dp = horner(s->slope, terms, rho), w, ckw,
            g = wavy_g(s, rho, oz, horner(s->a, terms, rho), &w, &ckw), ai = fabs(at.inverse), v = 1 - ckw;
     double e = sgt_fma(1.01 * SGT_U,
@@ -339,12 +412,23 @@ SGT_INLINE side_on side_on_of(const wavy *s, const convex *b, int terms, double 
     double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at.slant), fabs(n)), W2 = s->bend * (a * first),
            M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, fabs(w)), W2, W1 * W1), sgt_fma(s->abs_c, a, W2)),
            width = 0.5 * START_ULPS * (v * sgt_fma(fabs(s->c / v + (dp + dp)), rho, fabs(oz))) * ai;
-    mask on = MASK(tmin == 0) & MASK(2 * near <= width) & MASK(sgt_fma(M * (H + H), ai, 0x1p-30) <= 0.125) &
-              MASK(sgt_fma(2, W1, s->abs_c * at.slant) * ai < 64) & MASK(fabs(ckw) < 1 - 0x1p-8) &
-              MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
-              MASK(rho < 0x1p400) & MASK(b->ckc * rho < 1 - 0x1p-10) & MASK(rho <= s->domain2);
+    mask on = MASK(tmin == 0) & MASK(2 * near <= width) &
+              MASK(sgt_fma(M * (H + H), ai, slope_off(sgt_fma(2, W1, s->abs_c * at.slant), ai)) <= 0.125) &
+              MASK(fabs(ckw) < 1 - 0x1p-8) & MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) &
+              MASK(rho > 0x1p-400) & MASK(rho < 0x1p400) & MASK(b->ckc * rho < 1 - 0x1p-10) &
+              MASK(rho <= s->domain2);
     return (side_on){on & MASK(b->sign * at.inverse > 0), on & MASK(b->sign * at.inverse < 0)};
 }
+
+/* What is asked of a ray: the local origin, the stretch from `way` on to `to`, if it is known (chord), and
+ * what is known of its start. */
+typedef struct side_question {
+    side_local q;
+    side_way way;
+    double to;
+    mask chord;
+    side_on on;
+} side_question;
 
 /* The ends of the stretch, and where Newton's steps begin.  above: sigma F > 0 at the beginning, so a root at
  * which it falls is wanted.  below: it is < 0 there, so one at which it rises is.  Neither: no root is looked
@@ -356,59 +440,120 @@ typedef struct side_seed {
     mask above, below, away, close;
 } side_seed;
 
-SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, bool first, const side_local *q,
-                                  const side_way *way, double to, mask chord, side_on on, double l, double m,
-                                  double n)
+SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, bool first,
+                                  const side_question *ask, const sgt_ray *ray)
 {
-    double from = way->from;
-    side_end begin = side_end_at(s, b, terms, q, from, l, m, n),
-             end = side_end_at(s, b, terms, q, to, l, m, n);
-    begin.above |= way->off & MASK(b->sign * n < 0), begin.below |= way->off & MASK(b->sign * n > 0);
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    const side_local *q = &ask->q;
+    const side_on on = ask->on;
+    const double from = ask->way.from, to = ask->to;
+    mask chord = ask->chord;
+    side_end begin = side_end_at(s, b, terms, q, from, ray), end = side_end_at(s, b, terms, q, to, ray);
+    begin.above |= ask->way.off & MASK(b->sign * n < 0), begin.below |= ask->way.off & MASK(b->sign * n > 0);
+    end.above |= past_heights(b, q, to, ray);
     begin.above = (begin.above & ~on.falls) | on.rises, begin.below &= ~(on.rises | on.falls);
-    double both = larger(way->r2, end.r2), a = l * l + m * m, half = q->x * l + q->y * m;
+    double both = larger(ask->way.r2, end.r2), half = q->x * l + q->y * m;
     mask bent = is_convex(b, terms, both),
          away = chord & ((begin.above & end.above) | on.falls) & bent;
-    double A = sgt_fma(b->bowl, a, s->ck * (n * n)), B = n - sgt_fma(b->bowl, half, s->ck * q->z * n),
+    double A = side_bend(s, b, ray), B = n - sgt_fma(b->bowl, half, s->ck * q->z * n),
            C = sgt_fma(b->bowl, q->rho0, s->ck * q->z * q->z - 2 * q->z), D = sgt_fma(B, B, -A * C),
            sum = B + copysign(sqrt(larger(D, 0)), B);
     mask above = begin.above, below = begin.below;
     if (!first) { /* is the later of two roots the one near the vertex plane? */
-        mask later = below & ~(end.above & bent) & MASK(A * sgt_fma(A, q->z / n, B) < 0);
+        double at = q->z / n, slope = sgt_fma(A, at, B);
+        mask later = below & ~(end.above & bent) & MASK(A * slope < 0);
         above |= later, below &= ~later;
-        chord &= MASK(b->edge2 < HUGE_VAL);
+        chord &= MASK(b->edge2 < HUGE_VAL) & MASK(fabs(slope) > 0x1p-20 * (fabs(A * at) + fabs(B)));
     }
     mask sign = MASK(b->sign * B > 0), one = (sign & below) | ~(sign | below);
     double tau = chosen(one, C, sum) / chosen(one, sum, A);
     tau = chosen(MASK(A == 0) & ~one, chosen(below, from, to), tau); /* no matter which zero */
     tau = chosen(MASK(tau > from), tau, from), tau = chosen(MASK(tau < to), tau, to);
     chord &= ~away;
-    return (side_seed){tau, chord & above, chord & below, away, chord & begin.close & ~way->off};
+    return (side_seed){tau, chord & above, chord & below, away, chord & begin.close & ~ask->way.off};
 }
 
-/* The root from side_bound.  rises: 1 / G' there, times sigma. */
-SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q, double t0,
-                          double r2, mask above, mask below, const wavy_round *at, double inverse, double l,
-                          double m, double n, double tmin, double tmax, double t_tol)
+/* The root from side_bound.  t0: of the local origin; r2 of the way; above, below as in a side_seed; inverse:
+ * 1 / G' at the root. */
+typedef struct side_found {
+    double t0, r2, inverse;
+    mask above, below;
+} side_found;
+
+SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q,
+                          const side_found *found, const wavy_round *at, const sgt_ray *ray, double t_tol)
 {
-    double t = t0 + at->tau;
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    double t = found->t0 + at->tau;
     near_root r = {.x = q->x,
                    .y = q->y,
                    .tau = at->tau,
                    .t = t,
                    .t_err = sgt_fma(1.01 * SGT_U, fabs(t), at->tau_err),
                    .tau_err = at->tau_err,
-                   .t0 = t0,
+                   .t0 = found->t0,
                    .small = at->tau};
     double px = sgt_fma(at->tau, l, q->x), py = sgt_fma(at->tau, m, q->y), rho = px * px + py * py,
-           dp = horner(s->slope, terms, rho), g = -s->c / at->v - (dp + dp), rises = b->sign * inverse,
+           dp = horner(s->slope, terms, rho), g = -s->c / at->v - (dp + dp), rises = b->sign * found->inverse,
            pz = sgt_fma(at->tau, n, q->z);
-    mask known = ((below & MASK(rises > 0)) | (above & MASK(rises < 0))) &
-                 is_convex(b, terms, larger(r2, rho * (1 + 0x1p-10)));
-    lane e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, g, at->near, s->rim2, MASK(false),
+    mask known = ((found->below & MASK(rises > 0)) | (found->above & MASK(rises < 0))) &
+                 is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)));
+    lane e = lane_of(&r, ray, t_tol, false, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
                      known & MASK(fabs(t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2) &
                          MASK(fabs(g) * rho <= 4 * fabs(pz)));
     e.p_err += 2.1 * SGT_U * fabs(q->z);
     return e;
+}
+
+/* P / rho at rho by Horner's rule, with what its products and sums lose (Graillat, Langlois, Louvet 2009,
+ * Japan J. Indust. Appl. Math. 26, 191). */
+SGT_INLINE twofold horner_long(const double *a, int terms, double rho)
+{
+    twofold h = {a[terms - 1], 0};
+    UNROLLED
+    for (int i = terms - 2; i >= 0; i--) {
+        twofold p = two_product(h.hi, rho), s = two_sum(p.hi, a[i]);
+        h = (twofold){s.hi, sgt_fma(h.lo, rho, p.lo + s.lo)};
+    }
+    return h;
+}
+
+/* SHARP.  The answer of a blunt root: G once more, at the double nearest to the root as far as it is known.
+ */
+SGT_INLINE lane side_sharp(const wavy *s, const convex *b, int terms, const side_found *found,
+                           const side_round *end, const sgt_ray *ray, double t_tol)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, at = found->t0 + end->at.tau;
+    twofold X = place_of_root(ray->o.x, at, l), Y = place_of_root(ray->o.y, at, m),
+            Z = place_of_root(ray->o.z, at, n), xx = two_product(X.hi, X.hi), yy = two_product(Y.hi, Y.hi),
+            r2 = two_sum(xx.hi, yy.hi), h = horner_long(s->a, terms, r2.hi);
+    double rho = r2.hi, rho_lo = r2.lo + (sgt_fma(2 * X.hi, X.lo, xx.lo) + sgt_fma(2 * Y.hi, Y.lo, yy.lo)),
+           dp = horner(s->slope, terms, rho), first = horner(s->size, terms, rho);
+    twofold p = two_product(-rho, h.hi), w = two_sum(Z.hi, p.hi), round = two_product(s->c, rho),
+            ww = two_product(w.hi, w.hi), cww = two_product(s->ck, ww.hi), bent = two_sum(round.hi, cww.hi),
+            g2 = two_sum(w.hi, -0.5 * bent.hi);
+    double w_lo = w.lo + (Z.lo + sgt_fma(-dp, rho_lo, sgt_fma(-rho, h.lo, p.lo))),
+           lo = bent.lo + (sgt_fma(s->c, rho_lo, round.lo) +
+                           sgt_fma(s->ck, sgt_fma(2 * w.hi, w_lo, ww.lo), sgt_fma(b->ck_lo, ww.hi, cww.lo))),
+           g = g2.hi + (g2.lo + (w_lo - 0.5 * lo)), ckw = s->ck * w.hi, ai = fabs(found->inverse);
+    const side_local q = {X.hi, Y.hi, Z.hi, rho};
+    double noise = 0x1p-94 * side_noise(s, &q, rho, Z.hi, first, g, w.hi, ckw), tau = -g * found->inverse,
+           size = fabs(tau),
+           tau_err =
+               sgt_fma(1.16, sgt_fma(size, end->off, noise * ai), sgt_fma(4 * SGT_U, size, 0x1p-1000 * ai));
+    double x = sgt_fma(tau, l, X.hi), y = sgt_fma(tau, m, Y.hi), z = fabs(sgt_fma(tau, n, Z.hi)),
+           dw = sgt_fma(-(dp + dp), X.hi * l + Y.hi * m, n);
+    mask near = MASK(rho <= 4 * (x * x + y * y)) & MASK(fabs(Z.hi) <= 2 * z) &
+                (MASK(size * end->off <= 4 * SGT_U * ai * (fabs(w.hi) + z)) | MASK(tau_err <= 0.5 * t_tol)),
+         same = near & end->blunt & MASK(size <= 2 * (end->rough + SGT_U * fabs(at))) & MASK(rho > 0x1p-400) &
+                MASK(rho < 0x1p400);
+    const wavy_round root = {.tau = tau,
+                             .tau_err = chosen(same, tau_err, (double)NAN),
+                             .v = sgt_fma(-s->ck, tau * dw, 1 - ckw), /* at the root */
+                             .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), fabs(Z.hi)), size)};
+    side_found there = *found;
+    there.t0 = at;
+    return side_lane(s, b, terms, &q, &there, &root, ray, t_tol);
 }
 
 /* The single ray, and a tile (asphere/side.c); no proof is asked for. */

@@ -117,17 +117,17 @@ static double steepness(const slope_rings *g, ring_slopes way, bool rises)
 SGT_KERNEL
 static void asphere_courses(const sgt_tile *tile, double *q2, ring_slopes *way)
 {
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
-                 slack = 1 + 0x1p-20;
+    const sgt_rays rows = tile->rays;
+    const double slack = 1 + 0x1p-20;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
-        double t0, t0_lo, x, y, a = l[i] * l[i] + m[i] * m[i], n2 = n[i] * n[i];
-        to_vertex_plane(ox[i], oy[i], oz[i], l[i], m[i], n[i], &t0, &t0_lo, &x, &y);
-        double r0 = slack * sqrt(x * x + y * y), side = slack * sqrt(a), off = 0x1p-40 * fabs(t0);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const vertex_place at = to_vertex_plane(&ray);
+        double a = ray.d.x * ray.d.x + ray.d.y * ray.d.y, n2 = ray.d.z * ray.d.z, t0 = at.t0,
+               r0 = slack * sqrt(at.x * at.x + at.y * at.y), side = slack * sqrt(a), off = 0x1p-40 * fabs(t0);
         q2[i] = chosen(MASK(a > 0x1p-400) & MASK(n2 > 0x1p-200), n2 / a, (double)NAN);
-        way[i].r0 = r0, way[i].from = r0 + side * larger(t0 - tmin[i] + off, 0),
-        way[i].to = r0 + side * larger(tmax[i] - t0 + off, 0);
+        way[i].r0 = r0, way[i].from = r0 + side * larger(t0 - ray.tmin + off, 0),
+        way[i].to = r0 + side * larger(ray.tmax - t0 + off, 0);
     }
 }
 

@@ -75,48 +75,63 @@ static bool conic_before(const meeting *a, const meeting *b)
  * power of two.  For usual lengths that would change no bit. */
 static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
-    sgt_vec3 o = ray->o, d = ray->d;
-    double tmin = ray->tmin, tmax = ray->tmax, t_tol = opt->t_tol, scale = 1;
+    sgt_ray q = *ray;
+    double t_tol = opt->t_tol, scale = 1;
     for (int lengths = 0; lengths < 2; lengths++) {
         bool first = opt->pick != SGT_NEAR_SEED, far_gone = false;
         for (int picks = 0; picks <= far_gone; picks++, first = false) {
-            bool met = (lengths || picks) && easy_at(s, first, o, d, tmin, tmax, t_tol, e);
+            bool met = (lengths || picks) && easy_at(s, first, &q, t_tol, e);
             if (!met && !picks) {
                 verdicts v = {.away = 0};
-                if (s->c == 0) v.away = plane_away(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
-                else v = easy_away(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
+                if (s->c == 0)
+                    v.away = plane_away(s, &q);
+                else
+                    v = easy_away(s, &q);
                 if (v.away != 0) return EASY_MISS;
                 far_gone = first && v.far_gone != 0;
             }
-            if (!met && !nearby_at(s, first, o, d, tmin, tmax, t_tol, e)) continue;
+            if (!met && !nearby_at(s, first, &q, t_tol, e)) continue;
             return easy_unscaled(e, scale);
         }
-        scale = scale_of(d);
+        scale = scale_of(ray->d);
         if (lengths || usual_direction(scale) || !ends_are_whole(ray, scale)) break;
-        d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale}, tmin /= scale, tmax /= scale, t_tol /= scale;
+        q = along_scaled(&q, scale), t_tol /= scale;
     }
     return EASY_NOT;
+}
+
+/* The first root of a ray that starts on the surface, along a direction scaled as above. */
+static easy_answer on_first(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
+{
+    if (s->c == 0 || s->proof || opt->pick == SGT_NEAR_SEED || ray->tmin != 0) return EASY_NOT;
+    double scale = scale_of(ray->d);
+    const bool usual = usual_direction(scale);
+    if (!usual && !ends_are_whole(ray, scale)) return EASY_NOT;
+    if (usual) scale = 1;
+    const sgt_ray along = along_scaled(ray, scale);
+    if (!starts_on(s, &along)) return EASY_NOT;
+    side_answer on = met_from_on(s, &along, opt->t_tol / scale);
+    *e = on.e;
+    return on.away ? EASY_MISS : on.e.hit ? easy_unscaled(e, scale) : EASY_NOT;
 }
 
 /* From the side, else from on it, along a direction scaled as above. */
 static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
-    sgt_vec3 o = ray->o, d = ray->d;
-    double scale = scale_of(d);
+    double scale = scale_of(ray->d);
     bool usual = usual_direction(scale), first = opt->pick != SGT_NEAR_SEED;
     if (!usual && !ends_are_whole(ray, scale)) return EASY_NOT;
     if (usual) scale = 1;
-    sgt_vec3 u = {d.x * scale, d.y * scale, d.z * scale};
-    double tmin = ray->tmin / scale, tmax = ray->tmax / scale, t_tol = opt->t_tol / scale;
-    side_origin q = side_origin_of(o.x, o.y, o.z, u.x, u.y, u.z);
-    side_root r = side_root_of(s, first, &q, u.x, u.y, u.z, tmin, tmax, t_tol);
+    const sgt_ray along = along_scaled(ray, scale);
+    const double t_tol = opt->t_tol / scale;
+    side_origin q = side_origin_of(&along);
+    side_root r = side_root_of(s, first, &q, &along, t_tol);
     side_answer side = {.away = r.away};
     if (r.blunt)
-        side.e = sharp_from_side(s, q.t0 + r.tau, r.tau_err, r.blunt, o.x, o.y, o.z, u.x, u.y, u.z, tmin,
-                                 tmax, t_tol);
+        side.e = sharp_from_side(s, q.t0 + r.tau, r.tau_err, r.blunt, &along, t_tol);
     else if (r.plain)
-        side.e = met_from_side(s, &q, &r, u.x, u.y, u.z, tmin, tmax, t_tol);
-    if (!(side.away | side.e.hit)) side = met_from_on(s, o.x, o.y, o.z, u.x, u.y, u.z, tmin, tmax, t_tol);
+        side.e = met_from_side(s, &q, &r, &along, t_tol);
+    if (!(side.away | side.e.hit)) side = met_from_on(s, &along, t_tol);
     *e = side.e;
     return side.away ? EASY_MISS : side.e.hit ? easy_unscaled(e, scale) : EASY_NOT;
 }
@@ -500,11 +515,11 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     if (!conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
     if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
     bool usual = bowl_of(c, k, rim2, opt->proof != SGT_ESTIMATE, &b),
-         met = usual &&
-               easy_at(&b, opt->pick != SGT_NEAR_SEED, ray->o, ray->d, ray->tmin, ray->tmax, opt->t_tol, &e);
+         met = usual && easy_at(&b, opt->pick != SGT_NEAR_SEED, ray, opt->t_tol, &e);
     if (usual && !met) {
         lane other; /* not e, so that e stays in registers */
-        easy_answer answer = easy_else(&b, ray, opt, &other);
+        easy_answer answer = on_first(&b, ray, opt, &other);
+        if (answer == EASY_NOT) answer = easy_else(&b, ray, opt, &other);
         if (answer == EASY_MISS) return hit_without(SGT_MISS, ray, 0);
         met = answer == EASY_HIT;
         if (!met && c != 0) answer = side_else(&b, ray, opt, &other);
@@ -522,8 +537,7 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     if (c == 0) {
         status = plane(rim2, ray, opt->proof != SGT_ESTIMATE, &at);
     } else {
-        bool started = usual && starts_on(&b, ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z,
-                                          ray->tmin) != 0;
+        bool started = usual && starts_on(&b, ray) != 0;
         quick_answer answer = conic_quick(c, k, rim2, started, ray, opt, &at);
         status = answer == QUICK_HIT ? SGT_HIT : SGT_MISS;
         if (answer == QUICK_HARD) at.t_err = (double)NAN, status = careful(c, k, rim2, ray, &at, &w);
@@ -648,6 +662,20 @@ static bool conic_unique(const void *self, const sgt_tile *tile, double rim2, ma
     return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
+static bool conic_on(const void *self, size_t n, const double *const p[3], double on[])
+{
+    const sgt_conic *s = self;
+    sgt_conic_on(s->c, s->k, n, p, on);
+    return true;
+}
+
+static bool conic_behind(const void *self, size_t n, const sgt_rays *rays, double side[])
+{
+    const sgt_conic *s = self;
+    sgt_conic_behind(s->c, s->k, n, rays, side);
+    return true;
+}
+
 static bool conic_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
                                  size_t n, sgt_points p, sgt_values out, double own[])
 {
@@ -658,9 +686,13 @@ static bool conic_values_rounded(const void *self, const sgt_shared *shared, con
     return true;
 }
 
-static const struct sgt_builtin_ops conic_builtin = {
-    .meet = conic_meet, .all = conic_all, .lanes = conic_lanes, .unique = conic_unique,
-    .values_rounded = conic_values_rounded};
+static const struct sgt_builtin_ops conic_builtin = {.meet = conic_meet,
+                                                     .all = conic_all,
+                                                     .lanes = conic_lanes,
+                                                     .unique = conic_unique,
+                                                     .on = conic_on,
+                                                     .behind = conic_behind,
+                                                     .values_rounded = conic_values_rounded};
 
 const sgt_surface_ops sgt_conic_ops = {
     .name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding,

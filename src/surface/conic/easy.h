@@ -84,60 +84,71 @@ SGT_INLINE bool bowl_of(double c, double k, double rim2, bool proof, bowl *s)
     return (c == 0 || (fabs(c) > 0x1p-60 && fabs(c) < 0x1p60)) && fabs(k) < 0x1p60 && rim_in_range(rim2);
 }
 
-SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, double ox, double oy, double oz,
-                                double l, double m, double n)
+/* The equation from the vertex plane, and S^2 = D of it.  size: Ba^2 + Aa |C|. */
+typedef struct bowl_terms {
+    vertex_place at;
+    double a, n2, A, Aa, B, C, D, size;
+} bowl_terms;
+
+SGT_INLINE bowl_terms bowl_terms_of(const bowl *s, const sgt_ray *ray)
 {
-    double t0, t0_lo, x, y;
-    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
-    double xl = x * l, ym = y * m, a = l * l + m * m, n2 = n * n;
-    double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym, n), C = s->c * (x * x + y * y);
-    double Aa = sgt_fma(s->extra, n2, fabs(A)), Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
-    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), D4 = (D + D) + (D + D);
-    double S = sqrt(D), b = B + copysign(S, B), tau = C / b, small = t0_lo + tau, t = t0 + small,
-           reach = fabs(t) + fabs(small);
-    /* Sums, because products are the most frequent operation here. */
-    double n4 = (n2 + n2) + (n2 + n2), n16 = (n4 + n4) + (n4 + n4);
-    double tau_err = (D4 >= size + size + size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    bowl_terms g = {.at = to_vertex_plane(ray), .a = l * l + m * m, .n2 = n * n};
+    double x = g.at.x, y = g.at.y, xl = x * l, ym = y * m,
+           Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
+    g.A = s->c * sgt_fma(s->k1, g.n2, g.a), g.B = sgt_fma(-s->c, xl + ym, n), g.C = s->c * (x * x + y * y);
+    g.Aa = sgt_fma(s->extra, g.n2, fabs(g.A));
+    g.D = sgt_fma(g.B, g.B, -g.A * g.C), g.size = sgt_fma(Ba, Ba, g.Aa * fabs(g.C));
+    return g;
+}
+
+/* D4, n4, n16: sums, because products are the most frequent operation here. */
+SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt_ray *ray)
+{
+    const bowl_terms g = bowl_terms_of(s, ray);
+    double D4 = (g.D + g.D) + (g.D + g.D), n4 = (g.n2 + g.n2) + (g.n2 + g.n2), n16 = (n4 + n4) + (n4 + n4);
+    double S = sqrt(g.D), b = g.B + copysign(S, g.B), tau = g.C / b, small = g.at.t0_lo + tau,
+           t = g.at.t0 + small, reach = fabs(t) + fabs(small);
+    double tau_err = (D4 >= g.size + g.size + g.size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
     double none = (double)NAN,
            t_err = sgt_fma(1.01 * SGT_U, reach, tau_err); /* one choice after another: shorter than masks */
-    t_err = D4 > size ? t_err : none;
-    t_err = D <= n16 ? t_err : none;
-    t_err = n2 > 0x1p-200 ? t_err : none;
-    if (proof) t_err = (Aa + Aa) * t_err < S ? t_err : none;
-    if (proof) t_err = fabs(t0) * (fabs(l) + fabs(m)) <= s->reach ? t_err : none;
-    if (first) t_err = copysign(1, b) * A > 0x1p-40 * Aa ? t_err : none;
-    return (near_root){
-        .x = x, .y = y, .tau = tau, .t = t, .t_err = t_err, .tau_err = tau_err, .t0 = t0, .small = small};
+    t_err = D4 > g.size ? t_err : none;
+    t_err = g.D <= n16 ? t_err : none;
+    t_err = g.n2 > 0x1p-200 ? t_err : none;
+    if (proof) t_err = (g.Aa + g.Aa) * t_err < S ? t_err : none;
+    if (proof) t_err = fabs(g.at.t0) * (fabs(ray->d.x) + fabs(ray->d.y)) <= s->reach ? t_err : none;
+    if (first) t_err = copysign(1, b) * g.A > 0x1p-40 * g.Aa ? t_err : none;
+    return (near_root){.x = g.at.x,
+                       .y = g.at.y,
+                       .tau = tau,
+                       .t = t,
+                       .t_err = t_err,
+                       .tau_err = tau_err,
+                       .t0 = g.at.t0,
+                       .small = small};
 }
 
 /* May easy_start give a root near the vertex, which is the first one unless far_gone?  If not, its t_err is
  * NaN. */
-SGT_INLINE mask easy_tries(const bowl *s, mask far_gone, double ox, double oy, double oz, double l, double m,
-                           double n)
+SGT_INLINE mask easy_tries(const bowl *s, mask far_gone, const sgt_ray *ray)
 {
-    double t0, t0_lo, x, y;
-    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
-    double xl = x * l, ym = y * m, a = l * l + m * m, n2 = n * n, n4 = (n2 + n2) + (n2 + n2),
-           n16 = (n4 + n4) + (n4 + n4);
-    double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym, n), C = s->c * (x * x + y * y);
-    double Aa = sgt_fma(s->extra, n2, fabs(A)), Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
-    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), D4 = (D + D) + (D + D);
-    return MASK(D4 > size) & MASK(D <= n16) & MASK(n2 > 0x1p-200) &
-           (far_gone | MASK(copysign(1, B) * A > 0x1p-40 * Aa));
+    const bowl_terms g = bowl_terms_of(s, ray);
+    return MASK(4 * g.D > g.size) & MASK(g.D <= 16 * g.n2) & MASK(g.n2 > 0x1p-200) &
+           (far_gone | MASK(copysign(1, g.B) * g.A > 0x1p-40 * g.Aa));
 }
 
-SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, double n, bool whole,
-                         double tmin, double tmax, double t_tol)
+SGT_INLINE lane easy_end(const bowl *s, const near_root *r, const sgt_ray *ray, double t_tol, bool whole)
 {
+    const double n = ray->d.z;
     double pz = r->tau * n, w = s->ck * pz, g = -s->c / (1 - w);
-    return lane_of(r, l, m, n, whole, tmin, tmax, t_tol, pz, g, fabs(r->tau), s->rim2, MASK(false),
+    return lane_of(r, ray, t_tol, whole, &(lane_end){pz, g, fabs(r->tau)}, s->rim2, MASK(false),
                    MASK(fabs(w) < 1 - 0x1p-8));
 }
 
 /* True if t0 + tau is certainly not accepted.  Its point is (x, y, 0) + tau d. */
-SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, double l, double m, double n,
-                     double tmin, double tmax)
+SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, const sgt_ray *ray)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
     double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), t = t0 + tau,
            slack = 0x1p-20 * (fabs(t0) + fabs(tau));
     return MASK(s->ck * (tau * n) > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)) |
@@ -148,9 +159,10 @@ SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, d
  * (accept.h).  At the start G = z - c (r^2 + (1 + k) z^2) / 2 is off by 6 u of its terms.  So that root is
  * within (|G| + 6 u terms) / S of tmin.  As much again covers the curvature of G, where D is above 2^-10 of
  * its terms.  Half of what the rule allows is left. */
-SGT_INLINE mask starts_on(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
-                          double tmin)
+SGT_INLINE mask starts_on(const bowl *s, const sgt_ray *ray)
 {
+    const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z,
+                 tmin = ray->tmin;
     double x = sgt_fma(tmin, l, ox), y = sgt_fma(tmin, m, oy), z = sgt_fma(tmin, n, oz), r2 = x * x + y * y,
            w = s->ck * z;
     double G = z - 0.5 * sgt_fma(s->c, r2, w * z), terms = sgt_fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
@@ -159,13 +171,18 @@ SGT_INLINE mask starts_on(const bowl *s, double ox, double oy, double oz, double
 }
 
 /* away: neither root is accepted.  For the far root: far_gone: it is certainly not accepted; far_accepted:
- * it certainly is.  It lies in far +- slack. */
-typedef struct verdicts { mask away, far_gone, far_accepted; double far, slack; } verdicts;
+ * it certainly is.  It lies in far +- slack.  start:
+ * as starts_on. */
+typedef struct verdicts {
+    mask away, far_gone, far_accepted, start;
+    double far, slack;
+} verdicts;
 
 /* True if the root is certainly accepted, by the margins of `gone`.  |G'| there is S. */
-SGT_INLINE mask conic_stays(const bowl *s, double x, double y, double t0, double tau, double l, double m,
-                            double n, double tmin, double tmax, double S)
+SGT_INLINE mask conic_stays(const bowl *s, double x, double y, double t0, double tau, const sgt_ray *ray,
+                            double S)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
     double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = tau * n, w = s->ck * pz,
            r2 = px * px + py * py, t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
     return MASK(w < 1 - 0x1p-8) & MASK(r2 < s->rim2 * (1 - 0x1p-20)) & MASK(t + slack < tmax)
@@ -173,42 +190,37 @@ SGT_INLINE mask conic_stays(const bowl *s, double x, double y, double t0, double
            & MASK((t - tmin) * S > 0x1p-20 * sgt_fma(s->abs_c, r2, fabs(pz) * (1 + fabs(w))));
 }
 
-SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
-                              double tmin, double tmax)
+SGT_INLINE verdicts easy_away(const bowl *s, const sgt_ray *ray)
 {
-    double t0, t0_lo, x, y;
-    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
-    double xl = x * l, ym = y * m, a = l * l + m * m, n2 = n * n, r2 = x * x + y * y;
-    double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym, n), C = s->c * r2;
-    double Aa = sgt_fma(s->extra, n2, fabs(A)), Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
-    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), S = sqrt(larger(D, 0)),
-           b = B + copysign(S, B), near = C / b, far = b / A;
+    const double oz = ray->o.z, l = ray->d.x, m = ray->d.y, tmin = ray->tmin, tmax = ray->tmax;
+    const bowl_terms g = bowl_terms_of(s, ray);
+    const double x = g.at.x, y = g.at.y, t0 = g.at.t0;
+    double r2 = x * x + y * y, S = sqrt(larger(g.D, 0)), b = g.B + copysign(S, g.B), near = g.C / b,
+           far = b / g.A;
     double to_near = fabs((t0 - tmin) + near), to_far = fabs((t0 - tmin) + far);
     double reach = fabs(t0) * (fabs(l) + fabs(m)), off = 0x1p-98 * reach;
-    mask usual = MASK(off * off * (Aa * s->abs_c) <= 0x1p-60 * n2) & MASK(reach <= 0x1p14 * s->reach) &
-                 MASK(n2 > 0x1p-200) & MASK(a + n2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(size < 0x1p600) &
-                 MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
-    mask real = MASK(D > 0x1p-10 * size), start = starts_on(s, ox, oy, oz, l, m, n, tmin),
-         two = MASK(fabs(A) > 0x1p-10 * Aa);
-    mask far_gone =
-        two & (gone(s, x, y, t0, far, l, m, n, tmin, tmax) | (start & MASK(to_far < 0.25 * to_near)));
+    mask usual = MASK(off * off * (g.Aa * s->abs_c) <= 0x1p-60 * g.n2) & MASK(reach <= 0x1p14 * s->reach) &
+                 MASK(g.n2 > 0x1p-200) & MASK(g.a + g.n2 < 0x1p200) & MASK(r2 < 0x1p600) &
+                 MASK(g.size < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
+    mask real = MASK(g.D > 0x1p-10 * g.size), start = starts_on(s, ray),
+         two = MASK(fabs(g.A) > 0x1p-10 * g.Aa);
+    mask far_gone = two & (gone(s, x, y, t0, far, ray) | (start & MASK(to_far < 0.25 * to_near)));
     mask from_it = at_vertex(x, y, oz) & MASK(tmin >= 0); /* near is t = 0, the start itself */
-    mask near_gone = gone(s, x, y, t0, near, l, m, n, tmin, tmax)
-                     | (start & two & MASK(to_near < 0.25 * to_far)) | from_it;
+    mask near_gone = gone(s, x, y, t0, near, ray) | (start & two & MASK(to_near < 0.25 * to_far)) | from_it;
     far_gone &= usual & real;
     double slack = 0x1p-20 * (fabs(t0) + fabs(far));
-    mask far_accepted = usual & real & two & MASK(fabs(far - near) > 2 * slack) &
-                        conic_stays(s, x, y, t0, far, l, m, n, tmin, tmax, S);
-    return (verdicts){(usual & MASK(D < -0x1p-20 * size)) | (far_gone & near_gone), far_gone, far_accepted,
-                      t0 + far, slack};
+    mask far_accepted =
+        usual & real & two & MASK(fabs(far - near) > 2 * slack) & conic_stays(s, x, y, t0, far, ray, S);
+    mask missed = usual & MASK(g.D < -0x1p-20 * g.size);
+    return (verdicts){missed | (far_gone & near_gone), far_gone, far_accepted, start, t0 + far, slack};
 }
 
 /* A plane: the same with tau = 0. */
-SGT_INLINE near_root plane_start(const bowl *s, bool proof, double ox, double oy, double oz, double l,
-                                 double m, double n)
+SGT_INLINE near_root plane_start(const bowl *s, bool proof, const sgt_ray *ray)
 {
-    double t0, t0_lo, x, y;
-    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    const vertex_place at = to_vertex_plane(ray);
+    const double t0 = at.t0, t0_lo = at.t0_lo, x = at.x, y = at.y;
     double t = t0 + t0_lo, reach = fabs(t) + fabs(t0_lo);
     mask good = MASK(n * n > 0x1p-200);
     if (proof) good &= MASK(fabs(t0) * (fabs(l) + fabs(m)) <= s->reach);
@@ -216,40 +228,36 @@ SGT_INLINE near_root plane_start(const bowl *s, bool proof, double ox, double oy
                        .t0 = t0, .small = t0_lo};
 }
 
-SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m, double n, bool whole,
-                          double tmin, double tmax, double t_tol)
+SGT_INLINE lane plane_end(const bowl *s, const near_root *r, const sgt_ray *ray, double t_tol, bool whole)
 {
-    return lane_of(r, l, m, n, whole, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(false), MASK(true));
+    return lane_of(r, ray, t_tol, whole, &(lane_end){0, 0, 0}, s->rim2, MASK(false), MASK(true));
 }
 
 /* AWAY for a plane.  It has one root, which is the start itself if the ray begins on it. */
-SGT_INLINE mask plane_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
-                           double tmin, double tmax)
+SGT_INLINE mask plane_away(const bowl *s, const sgt_ray *ray)
 {
-    double t0, t0_lo, x, y;
-    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
+    const double oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
+    const vertex_place at = to_vertex_plane(ray);
+    const double t0 = at.t0, x = at.x, y = at.y;
     double d2 = (l * l + m * m) + n * n, r2 = x * x + y * y;
     mask usual = MASK(fabs(t0) * (fabs(l) + fabs(m)) <= 0x1p14 * s->reach) & MASK(n * n > 0x1p-200)
                  & MASK(d2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL)
                  & MASK(tmax > -HUGE_VAL);
-    return usual & (gone(s, x, y, t0, 0, l, m, n, tmin, tmax) | (MASK(oz == 0) & MASK(tmin >= 0)));
+    return usual & (gone(s, x, y, t0, 0, ray) | (MASK(oz == 0) & MASK(tmin >= 0)));
 }
 
 /* As `plane_start` and `plane_end`, also for rays that start on the plane: then all is 0, and t is exact. */
-SGT_INLINE lane plane_at_start(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
-                               double tmin, double tmax, double t_tol)
+SGT_INLINE lane plane_at_start(const bowl *s, const sgt_ray *ray, double t_tol)
 {
-    near_root r = plane_start(s, true, ox, oy, oz, l, m, n);
-    return lane_of(&r, l, m, n, false, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(oz == 0), MASK(true));
+    const double oz = ray->o.z;
+    near_root r = plane_start(s, true, ray);
+    return lane_of(&r, ray, t_tol, false, &(lane_end){0, 0, 0}, s->rim2, MASK(oz == 0), MASK(true));
 }
 
-SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
-                        double t_tol, lane *e)
+SGT_INLINE bool easy_at(const bowl *s, bool first, const sgt_ray *ray, double t_tol, lane *e)
 {
-    near_root r = s->c == 0 ? plane_start(s, s->proof, o.x, o.y, o.z, d.x, d.y, d.z)
-                            : easy_start(s, first, s->proof, o.x, o.y, o.z, d.x, d.y, d.z);
-    *e = s->c == 0 ? plane_end(s, &r, d.x, d.y, d.z, false, tmin, tmax, t_tol)
-                   : easy_end(s, &r, d.x, d.y, d.z, false, tmin, tmax, t_tol);
+    near_root r = s->c == 0 ? plane_start(s, s->proof, ray) : easy_start(s, first, s->proof, ray);
+    *e = s->c == 0 ? plane_end(s, &r, ray, t_tol, false) : easy_end(s, &r, ray, t_tol, false);
     return e->hit != 0;
 }
 
@@ -263,9 +271,9 @@ SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
  * It is the same root that EASY has met from the vertex plane, with no accepted root before it: the two
  * differ by less than their errors.  If the ray starts in the vertex, all is 0 and t is exact, as for a
  * plane.  Each coordinate of the point is rounded once. */
-SGT_INLINE lane nearby(const bowl *s, const near_root *at, double ox, double oy, double oz, double l,
-                       double m, double n, double tmin, double tmax, double t_tol)
+SGT_INLINE lane nearby(const bowl *s, const near_root *at, const sgt_ray *ray, double t_tol)
 {
+    const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
     twofold zz = two_product(oz, oz), k1zz = twofold_product((twofold){s->k1, s->k1_lo}, zz);
     twofold C2 = twofold_difference(
         twofold_scaled(twofold_sum(twofold_sum(two_product(ox, ox), two_product(oy, oy)), k1zz), s->c),
@@ -286,17 +294,15 @@ SGT_INLINE lane nearby(const bowl *s, const near_root *at, double ox, double oy,
          sharp = MASK(fabs(C) > 0x1p-47 * terms) & MASK(terms > 0x1p-400) & MASK(terms < 0x1p400);
     mask same = MASK(fabs(t - at->t) <= 4 * at->t_err) & MASK(4 * D >= 3 * size)
                 & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S);
-    return lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, g, around / fabs(n), s->rim2, exact,
+    return lane_of(&r, ray, t_tol, false, &(lane_end){pz, g, around / fabs(n)}, s->rim2, exact,
                    same & (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8));
 }
 
 /* easy_end if it has a hit, else nearby, in one lane. */
-SGT_INLINE lane easy_or_nearby(const bowl *s, bool first, double ox, double oy, double oz, double l, double m,
-                               double n, double tmin, double tmax, double t_tol)
+SGT_INLINE lane easy_or_nearby(const bowl *s, bool first, const sgt_ray *ray, double t_tol)
 {
-    near_root r = easy_start(s, first, true, ox, oy, oz, l, m, n);
-    lane a = easy_end(s, &r, l, m, n, false, tmin, tmax, t_tol),
-         b = nearby(s, &r, ox, oy, oz, l, m, n, tmin, tmax, t_tol);
+    near_root r = easy_start(s, first, true, ray);
+    lane a = easy_end(s, &r, ray, t_tol, false), b = nearby(s, &r, ray, t_tol);
     mask e = a.hit;
     return (lane){chosen(e, a.t, b.t),   chosen(e, a.t_err, b.t_err), chosen(e, a.t_lo, b.t_lo),
                   chosen(e, a.px, b.px), chosen(e, a.py, b.py),       chosen(e, a.pz, b.pz),
@@ -304,12 +310,10 @@ SGT_INLINE lane easy_or_nearby(const bowl *s, bool first, double ox, double oy, 
                   a.hit | b.hit};
 }
 
-SGT_INLINE bool nearby_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
-                          double t_tol, lane *e)
+SGT_INLINE bool nearby_at(const bowl *s, bool first, const sgt_ray *ray, double t_tol, lane *e)
 {
-    near_root at = easy_start(s, first, true, o.x, o.y, o.z, d.x, d.y, d.z);
-    *e = s->c == 0 ? plane_at_start(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax, t_tol)
-                   : nearby(s, &at, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax, t_tol);
+    near_root at = easy_start(s, first, true, ray);
+    *e = s->c == 0 ? plane_at_start(s, ray, t_tol) : nearby(s, &at, ray, t_tol);
     return e->hit != 0;
 }
 

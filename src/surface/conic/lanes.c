@@ -17,15 +17,14 @@ typedef struct bowl_room {
 SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof, lane_wish wish,
                             const sgt_tile *tile, bowl_room *room)
 {
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     const bowl own = *self, *s = &own; /* a copy, so that no output can alias it */
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
-                 *t_tol = tile->t_tol;
     size_t count = tile->n;
     const bool whole = wish == LANE_BARE;
     LANES for (size_t i = 0; i < count; i++) {
-        near_root r = plane ? plane_start(s, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i])
-                            : easy_start(s, first, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        near_root r = plane ? plane_start(s, proof, &ray) : easy_start(s, first, proof, &ray);
         room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
         if (wish >= LANE_FINE) room->t0[i] = r.t0, room->small[i] = r.small;
         if (wish == LANE_RICH) room->tau_err[i] = r.tau_err;
@@ -33,13 +32,12 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
     lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        const sgt_ray ray = lane_ray_of(&rows, i);
         near_root r = {
             .x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
         if (wish >= LANE_FINE) r.t0 = room->t0[i], r.small = room->small[i];
         if (wish == LANE_RICH) r.tau_err = room->tau_err[i];
-        double begin = whole ? -HUGE_VAL : tmin[i], end = whole ? HUGE_VAL : tmax[i];
-        lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], whole, begin, end, t_tol[i])
-                       : easy_end(s, &r, l[i], m[i], n[i], whole, begin, end, t_tol[i]);
+        lane e = plane ? plane_end(s, &r, &ray, t_tol[i], whole) : easy_end(s, &r, &ray, t_tol[i], whole);
         LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
@@ -48,28 +46,29 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
 
 /* easy_away of all rays. */
 SGT_KERNEL
-static void conic_lanes_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone)
+static void conic_lanes_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone, mask *start)
 {
+    const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
-        verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
-        away[i] = v.away, far_gone[i] = v.far_gone;
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        verdicts v = easy_away(s, &ray);
+        away[i] = v.away, far_gone[i] = v.far_gone, start[i] = v.start;
     }
 }
 
 SGT_KERNEL
 static void conic_lanes_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
 {
+    const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     LANES
-    for (size_t i = 0; i < count; i++)
-        away[i] = plane_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+    for (size_t i = 0; i < count; i++) {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        away[i] = plane_away(s, &ray);
+    }
 }
 
 /* What is known of the far roots of all rays. */
@@ -77,12 +76,12 @@ SGT_KERNEL
 static void conic_lanes_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *accepted, double *far,
                             double *slack)
 {
+    const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
-        verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        verdicts v = easy_away(s, &ray);
         gone[i] = v.far_gone, accepted[i] = v.far_accepted, far[i] = v.far, slack[i] = v.slack;
     }
 }
@@ -115,16 +114,14 @@ LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, LANE_RICH)
 SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, lane_wish wish, const sgt_tile *tile,
                               bowl_room *room)
 {
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
-                 *t_tol = tile->t_tol;
     lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < tile->n; i++) {
-        lane e = plane ? plane_at_start(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
-                       : easy_or_nearby(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i],
-                                        t_tol[i]);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        lane e = plane ? plane_at_start(s, &ray, t_tol[i]) : easy_or_nearby(s, first, &ray, t_tol[i]);
         LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
@@ -152,21 +149,21 @@ typedef struct side_room {
     mask away[SGT_TILE], plain[SGT_TILE], blunt[SGT_TILE];
 } side_room;
 
-/* Which rays does a single ray try from the vertex plane, before it is met from the side?  For the others
- * neither the easy form nor `nearby` has a root.  far_gone: whether another root does not matter, as it is
- * gone, or may be, or near the seed; else a root is tried only if no other comes before it.  Returns all
- * bits set if there are any. */
+/* Which rays does a single ray try from the vertex plane, or as one that starts on the surface, before it is
+ * met from the side?  For the others neither the easy form nor `nearby` has a root.  far_gone: whether
+ * another root does not matter, as it is gone, or may be, or near the seed; else a root is tried only if no
+ * other comes before it.  Returns all bits set if there are any. */
 SGT_KERNEL
 static mask conic_lanes_tried(const bowl *self, const sgt_tile *tile, const mask *far_gone, mask *tried)
 {
+    const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
     mask any = 0;
     _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
     {
-        mask is = easy_tries(s, far_gone[i], ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        mask is = easy_tries(s, far_gone[i], &ray) | starts_on(s, &ray);
         tried[i] = is;
         any |= is;
     }
@@ -177,19 +174,19 @@ static mask conic_lanes_tried(const bowl *self, const sgt_tile *tile, const mask
 SGT_INLINE void lane_sooner(const bowl *self, bool first, const sgt_tile *tile, const mask *far_gone,
                             mask *tried)
 {
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
-                 *t_tol = tile->t_tol;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++)
     {
-        near_root r = easy_start(s, false, false, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
-        mask met = easy_end(s, &r, l[i], m[i], n[i], false, tmin[i], tmax[i], t_tol[i]).hit;
-        r.t_err = easy_start(s, false, true, ox[i], oy[i], oz[i], l[i], m[i], n[i]).t_err;
-        met |= nearby(s, &r, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]).hit;
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        near_root r = easy_start(s, false, false, &ray);
+        mask met = easy_end(s, &r, &ray, t_tol[i], false).hit;
+        r.t_err = easy_start(s, false, true, &ray).t_err;
+        met |= nearby(s, &r, &ray, t_tol[i]).hit;
         if (first) {
-            double begun = easy_start(s, true, false, ox[i], oy[i], oz[i], l[i], m[i], n[i]).t_err;
+            double begun = easy_start(s, true, false, &ray).t_err;
             met &= MASK(begun == begun) | far_gone[i];
         }
         tried[i] &= met;
@@ -212,26 +209,33 @@ typedef struct side_kinds {
     mask plain, blunt;
 } side_kinds;
 
+/* Is a direction such that a single ray is not scaled?  (Not all for which usual_direction is true.) */
+SGT_INLINE mask side_usual(const sgt_ray *ray)
+{
+    double d2 = ray->d.x * ray->d.x + ray->d.y * ray->d.y + ray->d.z * ray->d.z;
+    return MASK(d2 > 0x1p-76) & MASK(d2 < 0x1p80);
+}
+
 SGT_INLINE side_kinds lane_side(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
 {
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
-                 *t_tol = tile->t_tol;
     size_t count = tile->n;
     own.proof = false; /* as it is in these loops */
     LANES for (size_t i = 0; i < count; i++)
     {
-        side_origin q = side_origin_of(ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        side_origin q = side_origin_of(&ray);
         r->x[i] = q.x, r->y[i] = q.y, r->z[i] = q.z, r->t0[i] = q.t0;
     }
     mask plain = 0, blunt = 0;
     _Pragma("omp simd reduction(| : plain, blunt)") for (size_t i = 0; i < count; i++)
     {
+        const sgt_ray ray = lane_ray_of(&rows, i);
         side_origin q = {r->x[i], r->y[i], r->z[i], r->t0[i]};
-        side_root a = side_root_of(s, first, &q, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
-        double d2 = l[i] * l[i] + m[i] * m[i] + n[i] * n[i];
-        mask usual = MASK(d2 > 0x1p-76) & MASK(d2 < 0x1p80); /* not all for which usual_direction is true */
+        side_root a = side_root_of(s, first, &q, &ray, t_tol[i]);
+        mask usual = side_usual(&ray);
         r->tau[i] = a.tau, r->tau_err[i] = a.tau_err, r->inverse[i] = a.inverse;
         r->away[i] = a.away & usual, r->plain[i] = a.plain & usual, r->blunt[i] = a.blunt & usual;
         plain |= a.plain, blunt |= a.blunt;
@@ -254,16 +258,17 @@ static side_kinds conic_lanes_side_near(const bowl *s, const sgt_tile *tile, sid
 SGT_KERNEL
 static void conic_lanes_plain(const bowl *self, const sgt_tile *tile, lane_to to, side_room *r)
 {
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     const bowl own = *self, *s = &own;
-    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin,
-                 *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++)
     {
+        const sgt_ray ray = lane_ray_of(&rows, i);
         side_origin q = {r->x[i], r->y[i], r->z[i], r->t0[i]};
         side_root a = {
             .tau = r->tau[i], .tau_err = r->tau_err[i], .inverse = r->inverse[i], .plain = r->plain[i]};
-        lane e = met_from_side(s, &q, &a, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        lane e = met_from_side(s, &q, &a, &ray, t_tol[i]);
         LANE_STORE(to, i, e, LANE_RICH);
     }
 }
@@ -272,65 +277,111 @@ static void conic_lanes_plain(const bowl *self, const sgt_tile *tile, lane_to to
 SGT_KERNEL
 static void conic_lanes_sharp(const bowl *self, const sgt_tile *tile, mask alone, lane_to to, side_room *r)
 {
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
-                 *t_tol = tile->t_tol;
     size_t count = tile->n;
     own.proof = false;
     LANES for (size_t i = 0; i < count; i++)
     {
+        const sgt_ray ray = lane_ray_of(&rows, i);
         mask blunt = r->blunt[i], is = blunt | alone;
-        lane e = sharp_from_side(s, r->t0[i] + r->tau[i], r->tau_err[i], blunt, ox[i], oy[i], oz[i], l[i],
-                                 m[i], n[i], tmin[i], tmax[i], t_tol[i]);
-        to.t[i] = chosen(is, e.t, to.t[i]), to.t_err[i] = chosen(is, e.t_err, to.t_err[i]),
-        to.t_lo[i] = chosen(is, e.t_lo, to.t_lo[i]), to.px[i] = chosen(is, e.px, to.px[i]),
-        to.py[i] = chosen(is, e.py, to.py[i]), to.pz[i] = chosen(is, e.pz, to.pz[i]),
-        to.nx[i] = chosen(is, e.nx, to.nx[i]), to.ny[i] = chosen(is, e.ny, to.ny[i]),
-        to.nz[i] = chosen(is, chosen(e.hit, 1, (double)NAN), to.nz[i]),
-        to.p_err[i] = chosen(is, e.p_err, to.p_err[i]),
-        to.hit[i] = e.hit | (~is & to.hit[i]);
+        lane e = sharp_from_side(s, r->t0[i] + r->tau[i], r->tau_err[i], blunt, &ray, t_tol[i]);
+        LANE_STORE_IF(to, i, e, is);
     }
 }
 
-/* met_from_on of the rays that have no answer yet. */
+/* met_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for); then
+ * nothing else is tried for them.  Of the others it answers those that have no answer yet. */
 SGT_KERNEL
-static void conic_lanes_on(const bowl *self, const sgt_tile *tile, lane_to to, mask *away)
+static void conic_lanes_on(const bowl *self, const sgt_tile *tile, const mask *start, lane_to to, mask *away,
+                           mask *tried)
 {
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
-                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
-                 *t_tol = tile->t_tol;
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
-        side_answer a = met_from_on(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
-        mask had = to.hit[i] | away[i];
-        lane e = {chosen(had, to.t[i], a.e.t),   chosen(had, to.t_err[i], a.e.t_err),
-                  chosen(had, to.t_lo[i], a.e.t_lo), chosen(had, to.px[i], a.e.px),
-                  chosen(had, to.py[i], a.e.py), chosen(had, to.pz[i], a.e.pz),
-                  chosen(had, to.nx[i], a.e.nx), chosen(had, to.ny[i], a.e.ny),
-                  chosen(had, to.p_err[i], a.e.p_err), to.hit[i] | (~had & a.e.hit)};
-        LANE_STORE(to, i, e, LANE_RICH);
-        away[i] |= ~had & a.away;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        side_answer a = met_from_on(s, &ray, t_tol[i]);
+        mask usual = side_usual(&ray), at_once = start[i] & usual & (a.e.hit | a.away),
+             had = (to.hit[i] | away[i] | ~usual) & ~at_once;
+        LANE_STORE_IF(to, i, a.e, ~had);
+        away[i] = (away[i] & had) | (~had & a.away);
+        tried[i] &= ~at_once;
     }
 }
 
-/* Answers the rays of a tile from the side, and by met_from_on if `on`; no proof is asked for.  tried: those
- * that a single ray meets before that.  Returns how many are left. */
-SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, bool on, const sgt_tile *tile,
-                                              const mask *tried)
+/* Which rays start on the surface, and which of them certainly miss? */
+SGT_KERNEL
+static void conic_lanes_leave(const bowl *self, const sgt_tile *tile, mask *start, mask *away)
 {
-    side_room r;
+    const bowl own = *self, *s = &own;
+    const sgt_rays rows = tile->rays;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        start[i] = starts_on(s, &ray), away[i] = leaves_from(s, &ray).away & side_usual(&ray);
+    }
+}
+
+/* Which points are on the surface, as a ray's start is?  1 or 0. */
+SGT_KERNEL
+static void conic_lanes_points(const bowl *self, size_t count, const double *const p[3], double *restrict on)
+{
+    const bowl own = *self, *s = &own;
+    const double *x = p[0], *y = p[1], *z = p[2];
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = {{x[i], y[i], z[i]}, {0, 0, 0}, 0, 0};
+        on[i] = chosen(starts_on(s, &ray) & MASK(fabs(s->ck * z[i]) < 1 - 0x1p-8), 1, 0);
+    }
+}
+
+/* The side behind starts on the surface, as leaves_from has it. */
+SGT_KERNEL
+static void conic_lanes_behind(const bowl *self, size_t count, const sgt_rays *from, double *restrict side)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = from->o[0], *oy = from->o[1], *oz = from->o[2], *l = from->d[0], *m = from->d[1],
+                 *n = from->d[2];
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = {{ox[i], oy[i], oz[i]}, {l[i], m[i], n[i]}, 0, HUGE_VAL};
+        side[i] = leaves_from(s, &ray).behind;
+    }
+}
+
+/* The first roots of rays that start on the surface, and of no others. */
+SGT_KERNEL
+static void conic_lanes_first_on(const bowl *self, const sgt_tile *tile, lane_to to, mask *away)
+{
+    const bowl own = *self, *s = &own;
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        side_answer a = met_from_on(s, &ray, t_tol[i]);
+        mask start = starts_on(s, &ray) & side_usual(&ray);
+        a.e.hit &= start;
+        LANE_STORE(to, i, a.e, LANE_RICH);
+        away[i] = start & a.away;
+    }
+}
+
+static const mask NONE[SGT_TILE];
+
+/* Writes the status and evals of n rays, from the rows `hit` and `away`.  Returns how many have no answer. */
+static size_t side_status(const sgt_tile *tile, const mask *hit, const mask *away, const mask *tried)
+{
     const sgt_hits *h = &tile->hits;
     size_t hard = 0;
-    lane_to to = lane_to_of(tile, &r.ends);
-    side_kinds is = first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
-    const mask alone = is.plain ? 0 : MASK(true);
-    if (!alone) conic_lanes_plain(s, tile, to, &r);
-    if (alone | is.blunt) conic_lanes_sharp(s, tile, alone, to, &r);
-    if (on) conic_lanes_on(s, tile, to, r.away);
     for (size_t i = 0; i < tile->n; i++) {
-        mask met = r.ends.hit[i] & ~tried[i], gone = r.away[i] & ~(r.ends.hit[i] | tried[i]);
+        mask met = hit[i] & ~tried[i], gone = away[i] & ~(hit[i] | tried[i]);
         h->status[i] = (signed char)((int)(met & (SGT_HIT - SGT_HARD)) + (int)(gone & (SGT_MISS - SGT_HARD)) +
                                      SGT_HARD);
         hard += (met | gone) == 0;
@@ -339,17 +390,41 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, bool on
     return hard;
 }
 
-/* The same for the hard rays of a tile alone: they are put side by side.  far_gone: of all rays, as in
- * verdicts.  out: rows that are free. */
-SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, bool on, const sgt_tile *tile,
-                                           const mask *far_gone, double out[][SGT_TILE])
+/* Answers the rays of a tile from the side, and by met_from_on if `start` is not NULL; no proof is asked for.
+ * tried: those that a single ray meets before that.  Returns how many are left. */
+SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const sgt_tile *tile,
+                                              const mask *start, mask *tried)
+{
+    side_room r;
+    lane_to to = lane_to_of(tile, &r.ends);
+    side_kinds is = first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
+    const mask alone = is.plain ? 0 : MASK(true);
+    if (!alone) conic_lanes_plain(s, tile, to, &r);
+    if (alone | is.blunt) conic_lanes_sharp(s, tile, alone, to, &r);
+    if (start) conic_lanes_on(s, tile, start, to, r.away, tried);
+    return side_status(tile, r.ends.hit, r.away, tried);
+}
+
+/* Answers the rays of a tile that start on the surface.  Returns how many are left.  away: a free row. */
+SGT_NOINLINE static size_t conic_lanes_on_first(const bowl *s, const sgt_tile *tile, mask *away)
+{
+    lane_ends ends;
+    conic_lanes_first_on(s, tile, lane_to_of(tile, &ends), away);
+    return side_status(tile, ends.hit, away, NONE);
+}
+
+/* The same for the hard rays of a tile alone: they are put side by side.  far_gone, start: of all rays, as in
+ * verdicts; they are put side by side as well.  out: rows that are free. */
+SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, const sgt_tile *tile,
+                                           mask *far_gone, mask *start,
+                                           double out[][SGT_TILE])
 {
     double ray[9][SGT_TILE];
-    mask tried[SGT_TILE], gone[SGT_TILE];
+    mask tried[SGT_TILE], any = 0;
     int evals[SGT_TILE];
     sgt_status status[SGT_TILE];
     unsigned char number[SGT_TILE];
-    size_t n = 0, left = 0;
+    size_t n = 0, left;
     const sgt_rays *of = &tile->rays;
     const sgt_hits *h = &tile->hits;
     const double *const from[9] = {of->o[0], of->o[1], of->o[2],  of->d[0],   of->d[1],
@@ -358,7 +433,12 @@ SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, bool on, c
         if (h->status[i] == SGT_HARD) number[n++] = (unsigned char)i;
     for (int k = 0; k < 9; k++)
         for (size_t j = 0; j < n; j++) ray[k][j] = from[k][number[j]];
-    for (size_t j = 0; j < n; j++) gone[j] = first ? far_gone[number[j]] : MASK(true);
+    for (size_t j = 0; j < n; j++) {
+        size_t i = number[j]; /* j at least */
+        far_gone[j] = first ? far_gone[i] | start[i] : MASK(true);
+        any |= start[i], start[j] = first ? start[i] : 0;
+    }
+    left = n;
     sgt_tile few = {.n = n,
                     .rays = {.o = {ray[0], ray[1], ray[2]},
                              .d = {ray[3], ray[4], ray[5]},
@@ -373,16 +453,33 @@ SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, bool on, c
                              .p = {out[3], out[4], out[5]},
                              .n = {out[6], out[7], out[8]},
                              .p_err = out[9]}};
-    if (conic_lanes_tried(s, &few, gone, tried))
-        (first ? conic_lanes_sooner_first : conic_lanes_sooner_near)(s, &few, gone, tried);
-    left = conic_lanes_beside(s, first, on, &few, tried);
-    double *const to[10] = {h->t,    h->t_err, h->t_lo, h->p[0], h->p[1],
-                            h->p[2], h->n[0],  h->n[1], h->n[2], h->p_err};
+    if (first && any) left = conic_lanes_on_first(s, &few, tried); /* mostly that is all */
+    if (8 * left > n && conic_lanes_tried(s, &few, far_gone, tried))
+        (first ? conic_lanes_sooner_first : conic_lanes_sooner_near)(s, &few, far_gone, tried);
+    if (8 * left > n) left = conic_lanes_beside(s, first, &few, any ? start : NULL, tried);
+    const lane_outputs to = lane_outputs_of(h);
     for (size_t j = 0; j < n; j++) h->status[number[j]] = status[j];
     for (size_t j = 0; h->evals && j < n; j++) h->evals[number[j]] = evals[j];
     for (int k = 0; k < 10; k++)
-        for (size_t j = 0; to[k] && j < n; j++) to[k][number[j]] = out[k][j];
+        for (size_t j = 0; to.of[k] && j < n; j++) to.of[k][number[j]] = out[k][j];
     return left;
+}
+
+/* The first roots of a tile whose rays start on the surface.  Returns false, and answers nothing, if most do
+ * not; else *hard is how many are left. */
+SGT_NOINLINE static bool conic_lanes_leaving(const bowl *s, const sgt_tile *tile, double out[][SGT_TILE],
+                                             size_t *hard)
+{
+    mask start[SGT_TILE], away[SGT_TILE], gone[SGT_TILE];
+    size_t n = tile->n, starts = 0;
+    conic_lanes_leave(s, tile, start, away);
+    for (size_t i = 0; i < n; i++) starts += start[i] != 0;
+    if (2 * starts < n) return false;
+    lane_nothing(tile);
+    memset(gone, 0xff, n * sizeof *gone);
+    *hard = side_status(tile, NONE, away, NONE);
+    if (*hard) *hard = conic_lanes_few(s, true, tile, gone, start, out);
+    return true;
 }
 
 /* Where the first ray of a tile starts.  It is a guess for all of them, and affects only the time:
@@ -405,10 +502,10 @@ static beginning beginning_of(const bowl *s, const sgt_tile *tile)
  * t_err, as from the side, `nearby` has no answer either. */
 static bool begins_close(const bowl *s, const sgt_tile *tile)
 {
-    double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0],
-           sag = 0.5 * s->c * (x * x + y * y + s->k1 * z * z);
-    double t_err =
-        easy_start(s, false, true, x, y, z, tile->rays.d[0][0], tile->rays.d[1][0], tile->rays.d[2][0]).t_err;
+    const sgt_rays rows = tile->rays;
+    const sgt_ray ray = lane_ray_of(&rows, 0);
+    double x = ray.o.x, y = ray.o.y, z = ray.o.z, sag = 0.5 * s->c * (x * x + y * y + s->k1 * z * z),
+           t_err = easy_start(s, false, true, &ray).t_err;
     return t_err == t_err && fabs(z - sag) <= 0.625 * fabs(sag);
 }
 
@@ -452,19 +549,19 @@ SGT_INLINE bool runs_along(const sgt_tile *tile)
  * would try more than an eighth of them from the vertex plane; then nothing is answered. */
 SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_tile *tile, size_t *hard)
 {
+    const sgt_rays rows = tile->rays;
     sgt_status *status = tile->hits.status;
-    mask tried[SGT_TILE], away[SGT_TILE];
+    mask tried[SGT_TILE], away[SGT_TILE], start[SGT_TILE];
     size_t sooner = 0, n = tile->n;
-    const double *const *o = tile->rays.o, *const *d = tile->rays.d;
-    if (easy_tries(s, MASK(true), o[0][0], o[1][0], o[2][0], d[0][0], d[1][0], d[2][0]))
-        return false; /* mostly they all do */
+    const sgt_ray ray = lane_ray_of(&rows, 0);
+    if (easy_tries(s, MASK(true), &ray)) return false; /* mostly they all do */
     memset(away, 0xff, n * sizeof *away);
     if (conic_lanes_tried(s, tile, away, tried))
         for (size_t i = 0; i < n; i++) sooner += tried[i] != 0;
     if (8 * sooner > n) return false;
-    *hard = conic_lanes_beside(s, first, false, tile, tried);
+    *hard = conic_lanes_beside(s, first, tile, NULL, tried);
     if (8 * *hard <= n) return true;
-    conic_lanes_away(s, tile, away, tried);
+    conic_lanes_away(s, tile, away, tried, start);
     for (size_t i = 0; i < n; i++) {
         if (status[i] != SGT_HARD || !away[i]) continue;
         status[i] = SGT_MISS, --*hard;
@@ -474,7 +571,8 @@ SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_
 
 /* Finds first hits by the near root, as is usual if the surface bulges toward the ray.  If more than an
  * eighth of the tile is hard, it looks at the far roots, which come first, for those that are not accepted,
- * and for misses; then from the side, or from on the surface. */
+ * and for misses; then from the side, or from on the surface.  Rays that leave the surface begin with that.
+ */
 size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
 {
     union {
@@ -483,7 +581,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     } room;
     bowl s;
     sgt_status *status = tile->hits.status;
-    mask away[SGT_TILE], far_gone[SGT_TILE];
+    mask away[SGT_TILE], far_gone[SGT_TILE], start[SGT_TILE];
     if (!conic_valid(c, k, semi_diameter) ||
         !bowl_of(c, k, rim2_of(semi_diameter), opt->proof != SGT_ESTIMATE, &s)) {
         memset(status, SGT_HARD, tile->n);
@@ -494,11 +592,15 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     beginning from = beginning_of(&s, tile);
     bool hollow =
         first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be first */
-    bool nearby = from == NEARBY,
-         later = from == LEAVING || hollow; /* later: misses first, then hits */
     size_t hard = tile->n;
     if (runs_along(tile) && c != 0 && !s.proof && from == AWAY && conic_lanes_along(&s, first, tile, &hard))
         return hard;
+    const bool at_once = first && !s.proof;
+    if (at_once && from == LEAVING) {
+        if (conic_lanes_leaving(&s, tile, room.rows, &hard)) return hard;
+        from = AWAY; /* the first ray is one of a few */
+    }
+    bool nearby = from == NEARBY, later = from == LEAVING || hollow; /* later: misses first, then hits */
     if (later) memset(status, SGT_HARD, tile->n);
     else
         hard = first ? lane_first(&s, wish, nearby, tile, &room.easy)
@@ -510,15 +612,18 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     }
     if (8 * hard <= tile->n) return hard; /* one by one */
     if (c == 0) conic_lanes_plane_away(&s, tile, away);
-    else conic_lanes_away(&s, tile, away, far_gone);
+    else
+        conic_lanes_away(&s, tile, away, far_gone, start);
     mask nearest = 0; /* rays whose near root may be accepted and was not computed */
     for (size_t i = 0; i < tile->n; i++) {
+        if (at_once) far_gone[i] &= ~start[i];
         if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
         else nearest |= ~away[i] & (first ? far_gone[i] : MASK(later));
     }
     if (nearest)
         lane_near(&s, wish, nearby, tile, &room.easy); /* all: those found before get the same answer */
-    else if (later) lane_nothing(tile, &room.easy.ends);
+    else if (later)
+        lane_nothing(tile);
     hard = 0;
     for (size_t i = 0; i < tile->n; i++) {
         bool met = status[i] == SGT_HIT && (!first || far_gone[i]);
@@ -527,7 +632,25 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         hard += status[i] == SGT_HARD;
     }
     if (c == 0 || s.proof || 8 * hard <= tile->n) return hard;
-    return conic_lanes_few(&s, first, from == LEAVING, tile, far_gone, room.rows);
+    return conic_lanes_few(&s, first, tile, far_gone, start, room.rows);
+}
+
+void sgt_conic_on(double c, double k, size_t n, const double *const p[3], double on[])
+{
+    bowl s;
+    if (conic_valid(c, k, 0) && bowl_of(c, k, HUGE_VAL, false, &s))
+        conic_lanes_points(&s, n, p, on);
+    else
+        memset(on, 0, n * sizeof *on);
+}
+
+void sgt_conic_behind(double c, double k, size_t n, const sgt_rays *rays, double side[])
+{
+    bowl s;
+    if (conic_valid(c, k, 0) && bowl_of(c, k, HUGE_VAL, false, &s))
+        conic_lanes_behind(&s, n, rays, side);
+    else
+        memset(side, 0, n * sizeof *side);
 }
 
 /* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root

@@ -6,9 +6,10 @@
 #include <string.h>
 
 SGT_KERNEL
-static void conic_second_lanes(double c, double k, size_t n, const double *x, const double *y, double *xx,
-                               double *xy, double *xz, double *yy, double *yz, double *zz)
+static void conic_second_lanes(double c, double k, size_t n, const double *x, const double *y,
+                               double *const out[6])
 {
+    double *xx = out[0], *xy = out[1], *xz = out[2], *yy = out[3], *yz = out[4], *zz = out[5];
     LANES for (size_t i = 0; i < n; i++) {
         curvatures s = conic_second(c, k, x[i], y[i]);
         xx[i] = -s.xx, xy[i] = -s.xy, yy[i] = -s.yy;
@@ -19,7 +20,7 @@ static void conic_second_lanes(double c, double k, size_t n, const double *x, co
 void sgt_conic_second(const void *self, size_t n, sgt_points p, double *const out[6])
 {
     const sgt_conic *s = self;
-    conic_second_lanes(s->c, s->k, n, p.p[0], p.p[1], out[0], out[1], out[2], out[3], out[4], out[5]);
+    conic_second_lanes(s->c, s->k, n, p.p[0], p.p[1], out);
 }
 
 size_t sgt_conic_parameters(const void *self)

@@ -66,19 +66,17 @@ typedef struct side_answer {
     mask away;
 } side_answer;
 
-/* One coordinate of o + t d, to 4 u^2 of itself. */
-SGT_INLINE twofold place_of_root(double o, double t, double d)
-{
-    twofold p = two_product(t, d), s = two_sum(o, p.hi);
-    return two_sum(s.hi, s.lo + p.lo);
-}
+/* The local origin (x, y, z), at t0. */
+typedef struct side_origin {
+    double x, y, z, t0;
+} side_origin;
 
 /* Is the root at t0 + tau, off by `err` at most, certainly not accepted?  Its point is (x, y, z) + tau d. */
-SGT_INLINE mask side_gone(const bowl *s, double x, double y, double z, double t0, double tau, double err,
-                          double l, double m, double n, double tmin, double tmax)
+SGT_INLINE mask side_gone(const bowl *s, const side_origin *q, double tau, double err, const sgt_ray *ray)
 {
-    double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = sgt_fma(tau, n, z), t = t0 + tau,
-           slack = sgt_fma(0x1p-20, fabs(t0) + fabs(tau), err + err);
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
+    double px = sgt_fma(tau, l, q->x), py = sgt_fma(tau, m, q->y), pz = sgt_fma(tau, n, q->z),
+           t = q->t0 + tau, slack = sgt_fma(0x1p-20, fabs(q->t0) + fabs(tau), err + err);
     return MASK(s->ck * pz > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)) |
            MASK(t - slack > tmax) | MASK(t + slack < tmin);
 }
@@ -100,20 +98,17 @@ typedef struct side_root {
     mask away, plain, blunt;
 } side_root;
 
-/* The local origin (x, y, z), at t0. */
-typedef struct side_origin {
-    double x, y, z, t0;
-} side_origin;
-
-SGT_INLINE side_origin side_origin_of(double ox, double oy, double oz, double l, double m, double n)
+SGT_INLINE side_origin side_origin_of(const sgt_ray *ray)
 {
+    const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double t0 = -(ox * l + oy * m + oz * n) / (l * l + m * m + n * n);
     return (side_origin){moved_along(ox, t0, l), moved_along(oy, t0, m), moved_along(oz, t0, n), t0};
 }
 
-SGT_INLINE side_root side_root_of(const bowl *s, bool first, const side_origin *q, double l, double m,
-                                  double n, double tmin, double tmax, double t_tol)
+SGT_INLINE side_root side_root_of(const bowl *s, bool first, const side_origin *q, const sgt_ray *ray,
+                                  double t_tol)
 {
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
     double a = l * l + m * m, n2 = n * n, x = q->x, y = q->y, z = q->z, t0 = q->t0;
     double xl = x * l, ym = y * m, kz = s->k1 * z, kzn = kz * n, kzz = kz * z, r2 = x * x + y * y;
     double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym + kzn, n),
@@ -131,10 +126,8 @@ SGT_INLINE side_root side_root_of(const bowl *s, bool first, const side_origin *
     double early = chosen(swapped, other, one), late = chosen(swapped, one, other),
            early_err = side_error(Aa, Ba, Ca, by, early), late_err = side_error(Aa, Ba, Ca, by, late),
            coarse = larger(across * (0x1p69 / s->reach), fabs(s->ck * n) * 0x1p10);
-    mask no_early = two & MASK(early_err * coarse <= 1) &
-                    side_gone(s, x, y, z, t0, early, early_err, l, m, n, tmin, tmax),
-         no_late = two & MASK(late_err * coarse <= 1) &
-                   side_gone(s, x, y, z, t0, late, late_err, l, m, n, tmin, tmax);
+    mask no_early = two & MASK(early_err * coarse <= 1) & side_gone(s, q, early, early_err, ray),
+         no_late = two & MASK(late_err * coarse <= 1) & side_gone(s, q, late, late_err, ray);
     mask second = no_early, known = two & ~(no_early & no_late);
     if (!first) {
         double at = z / n, slope = sgt_fma(A, at, B);
@@ -159,40 +152,39 @@ SGT_INLINE side_root side_root_of(const bowl *s, bool first, const side_origin *
 }
 
 /* Such a root at (x, y, z) + tau d, where |G'| is 1 / |inverse|. */
-SGT_INLINE lane side_hit(const bowl *s, double x, double y, double z, double t0, double tau, double tau_err,
-                          double inverse, mask wanted, double l, double m, double n, double tmin, double tmax,
-                          double t_tol)
+SGT_INLINE lane side_hit(const bowl *s, const side_origin *q, double tau, double tau_err, double inverse,
+                         mask wanted, const sgt_ray *ray, double t_tol)
 {
-    double t = t0 + tau, px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = sgt_fma(tau, n, z),
-           w = s->ck * pz,
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    double t = q->t0 + tau, px = sgt_fma(tau, l, q->x), py = sgt_fma(tau, m, q->y),
+           pz = sgt_fma(tau, n, q->z), w = s->ck * pz,
            width = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * (px * px + py * py)) * fabs(inverse);
-    near_root r = {.x = x,
-                   .y = y,
+    near_root r = {.x = q->x,
+                   .y = q->y,
                    .tau = tau,
                    .t = t,
                    .t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err),
                    .tau_err = tau_err,
-                   .t0 = t0,
+                   .t0 = q->t0,
                    .small = tau};
-    lane e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), width, s->rim2, MASK(false),
+    lane e = lane_of(&r, ray, t_tol, false, &(lane_end){pz, -s->c / (1 - w), width}, s->rim2, MASK(false),
                      wanted & MASK(fabs(w) < 1 - 0x1p-8));
-    e.p_err += 2.1 * SGT_U * fabs(z);
+    e.p_err += 2.1 * SGT_U * fabs(q->z);
     return e;
 }
 
 /* The answer of a plain root. */
-SGT_INLINE lane met_from_side(const bowl *s, const side_origin *q, const side_root *r, double l, double m,
-                              double n, double tmin, double tmax, double t_tol)
+SGT_INLINE lane met_from_side(const bowl *s, const side_origin *q, const side_root *r, const sgt_ray *ray,
+                              double t_tol)
 {
-    return side_hit(s, q->x, q->y, q->z, q->t0, r->tau, r->tau_err, r->inverse, r->plain, l, m, n, tmin, tmax,
-                     t_tol);
+    return side_hit(s, q, r->tau, r->tau_err, r->inverse, r->plain, ray, t_tol);
 }
 
 /* SHARP.  The answer of a blunt root, from the point at `at`, where it was found to within `off`. */
-SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt, double ox, double oy,
-                                double oz, double l, double m, double n, double tmin, double tmax,
+SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt, const sgt_ray *ray,
                                 double t_tol)
 {
+    const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
     twofold X = place_of_root(ox, at, l), Y = place_of_root(oy, at, m), Z = place_of_root(oz, at, n),
             xx = two_product(X.hi, X.hi), yy = two_product(Y.hi, Y.hi), kz = two_product(s->k1, Z.hi),
             kzz = two_product(kz.hi, Z.hi), r2 = two_sum(xx.hi, yy.hi), all = two_sum(r2.hi, kzz.hi),
@@ -214,61 +206,115 @@ SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt
                 MASK(fabs(e) <= 0x1p-13) & MASK(Ba <= 0x1p12 * size) & MASK(Ca > 0x1p-400) &
                 MASK(Ca < 0x1p400) & MASK(tau_err * (fabs(l) + fabs(m)) * 0x1p46 <= 64 * SGT_U * s->reach);
     if (s->proof) same &= MASK(2.1 * Aa * t_err < size);
-    return side_hit(s, X.hi, Y.hi, Z.hi, at, tau, tau_err, by, blunt & same, l, m, n, tmin, tmax, t_tol);
+    return side_hit(s, &(side_origin){X.hi, Y.hi, Z.hi, at}, tau, tau_err, by, blunt & same, ray, t_tol);
 }
 
 /* FROM ON THE SURFACE.  About the start o itself C is nearly 0.  So the root t1 = C / 2 B there is known, and
  * the other one is without a square root
  *     t = 2 B / A - t1.
- * All three are worked out in twice the precision: off by 27 u^2 of their terms (conic.c, CAREFUL).  So where
- * B^2 > 2^-60 Ba^2 and A > 2^-20 Aa, their doubles are right to 1.01 u, and 2 B / A to 3.1 u.  t1 is off by
+ * All three are sums of three products and one more term, summed with what products and sums lose: off by u
+ * of themselves and 64 u^2 of their terms (as C in SHARP).  So where B^2 > 2^-60 Ba^2 and A > 2^-20 Aa, they
+ * are right to 1.01 u, and 2 B / A to 3.1 u.  t1 is off by
  *     A t1^2 / 2 B, its second order: below u |t| if |t1| <= 2^-27 |t|,
- *     27 u^2 Ca / 2 B: below u |t| / 4 if Aa Ca <= 2^45 B^2,
+ *     32 u^2 Ca / B: below u |t| / 4 if Aa Ca <= 2^45 B^2,
  * and by 2 u of itself.  With the rounding of the difference t is off by less than 6 u of itself; 8 is taken.
  *
  * t1 is the start: |t1| S is at most 3/4 of what the rule allows (sagitta.h, sgt_ray), S = |B| to 2^-26, and
  * so are the terms at the root those at o.  It is not accepted, so t alone is asked for, whatever is picked.
+ * THE POINT at t is off along the ray by 6 u |t|, which may be much beside its own coordinates: a start may
+ * be farther from the vertex.  Then it is moved by G / B: G there is off by 6 u of its terms, its slope -B.
+ *
  * The ray misses if t is before the start, off the sheet or beyond the rim by the margins of side_gone;
- * rounding of the point is far below these (low, near). */
-SGT_INLINE side_answer met_from_on(const bowl *s, double ox, double oy, double oz, double l, double m,
-                                   double n, double tmin, double tmax, double t_tol)
+ * rounding of the point is far below these (low, near).
+ *
+ * A first root of a ray for which starts_on is true is asked for here at once (without a proof): neither
+ * easy_at nor a part of `away` can have another answer. */
+
+/* c (p + q + r). */
+SGT_INLINE twofold scaled_sum(double c, twofold p, twofold q, twofold r)
 {
-    const double sure = s->proof;
-    const twofold k1 = {s->k1, s->k1_lo};
-    twofold zz = twofold_product(k1, two_product(oz, oz)), zn = twofold_product(k1, two_product(oz, n)),
-            nn = twofold_product(k1, two_product(n, n)), xl = two_product(ox, l), ym = two_product(oy, m),
-            r2 = twofold_sum(two_product(ox, ox), two_product(oy, oy));
-    twofold A2 = twofold_scaled(twofold_sum(twofold_sum(two_product(l, l), two_product(m, m)), nn), s->c),
-            B2 = twofold_difference(twofold_of(n),
-                                    twofold_scaled(twofold_sum(twofold_sum(xl, ym), zn), s->c)),
-            C2 = twofold_difference(twofold_scaled(twofold_sum(r2, zz), s->c), twofold_of(2 * oz));
-    double A = A2.hi, B = B2.hi, C = C2.hi, size = fabs(B),
-           Aa = sgt_fma(s->extra, n * n, fabs(A)),
+    twofold s = two_sum(p.hi, q.hi), all = two_sum(s.hi, r.hi), scaled = two_product(c, all.hi);
+    return (twofold){scaled.hi, sgt_fma(c, (s.lo + all.lo) + ((p.lo + q.lo) + r.lo), scaled.lo)};
+}
+
+/* a b, with the low part of a. */
+SGT_INLINE twofold longer_product(twofold a, double b)
+{
+    twofold p = two_product(a.hi, b);
+    return (twofold){p.hi, sgt_fma(a.lo, b, p.lo)};
+}
+
+SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_tol)
+{
+    const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z,
+                 tmin = ray->tmin, tmax = ray->tmax, sure = s->proof;
+    const twofold k1 = {s->k1, s->k1_lo}, kz = longer_product(k1, oz), zn = longer_product(kz, n),
+                  zz = longer_product(kz, oz), xl = two_product(ox, l), ym = two_product(oy, m),
+                  xx = two_product(ox, ox), yy = two_product(oy, oy);
+    twofold A2 = scaled_sum(s->c, two_product(l, l), two_product(m, m),
+                            longer_product(longer_product(k1, n), n)),
+            bent = scaled_sum(s->c, xl, ym, zn), round = scaled_sum(s->c, xx, yy, zz),
+            B2 = two_sum(n, -bent.hi), C2 = two_sum(round.hi, -2 * oz);
+    double A = A2.hi + A2.lo, B = B2.hi + (B2.lo - bent.lo), C = C2.hi + (C2.lo + round.lo), size = fabs(B),
+           r2 = xx.hi + yy.hi, Aa = sgt_fma(s->extra, n * n, fabs(A)),
            Ba = sgt_fma(s->abs_c, fabs(xl.hi) + fabs(ym.hi) + fabs(zn.hi), fabs(n)),
-           Ca = sgt_fma(s->abs_c, r2.hi + fabs(zz.hi), 2 * fabs(oz));
-    double first = 0.5 * C / B, t = 2 * B / A - first, at = fabs(t), w0 = s->ck * oz,
-           rule = 0.75 * START_ULPS * sgt_fma(s->abs_c, r2.hi, fabs(oz * (1 - w0)));
+           Ca = sgt_fma(s->abs_c, r2 + fabs(zz.hi), 2 * fabs(oz));
+    double by = 1 / B, first = 0.5 * C * by, t = 2 * B / A - first, at = fabs(t), w0 = s->ck * oz,
+           rule = 0.75 * START_ULPS * sgt_fma(s->abs_c, r2, fabs(oz * (1 - w0)));
     mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(Ba > 0x1p-400) & MASK(Ba < 0x1p400) &
                  MASK(tmin == 0) & MASK(tmax > 0),
          known = usual & MASK(B * B > 0x1p-60 * (Ba * Ba)) & MASK(fabs(A) > 0x1p-20 * Aa) &
                  MASK(Aa * Ca <= 0x1p45 * (B * B)) & MASK(fabs(first) <= 0x1p-27 * at) &
                  MASK(fabs(first) * size <= rule);
     double tau_err = 8 * SGT_U * at, pz = sgt_fma(t, n, oz), w = s->ck * pz, px = sgt_fma(t, l, ox),
-           py = sgt_fma(t, m, oy), across = fabs(l) + fabs(m),
-           width = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * (px * px + py * py)) / size;
+           py = sgt_fma(t, m, oy), across = fabs(l) + fabs(m), r2_there = px * px + py * py,
+           terms = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * r2_there),
+           off = pz - 0.5 * sgt_fma(s->c, r2_there, w * pz), /* G, with the slope -B */
+           more = chosen(MASK(at * size > 2 * terms), off * by, 0);
     mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p30),
          near = MASK(at * across <= 0x1p20 * (fabs(px) + fabs(py))),
-         gone = known & side_gone(s, ox, oy, oz, 0, t, 0, l, m, n, tmin, tmax) &
+         gone = known & side_gone(s, &(side_origin){ox, oy, oz, 0}, t, 0, ray) &
                 (MASK(t < 0) | MASK(t > tmax) | (low & near));
-    near_root r = {.x = ox, .y = oy, .tau = t, .t = t, .t_err = tau_err, .tau_err = tau_err, .small = t};
     mask wanted = known & low & MASK(fabs(w) < 1 - 0x1p-8) &
                   MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach) &
                   MASK(sure * (Aa + Aa) * tau_err < size);
-    side_answer told = {.away = gone};
-    told.e = lane_of(&r, l, m, n, false, tmin, tmax, t_tol, pz, -s->c / (1 - w), width, s->rim2, MASK(false),
-                     wanted & ~gone);
-    told.e.p_err += 2.1 * SGT_U * fabs(oz);
-    return told;
+    return (side_answer){
+        side_hit(s, &(side_origin){px, py, pz, t}, more, tau_err, by, wanted & ~gone, ray, t_tol), gone};
+}
+
+/* For a ray that starts on the surface, in doubles: away: it certainly misses.  behind: the sign of F behind
+ * the start; 0: not known.
+ *
+ * With B^2 > 2^-40 (Ba^2 + Aa Ca) the slope at the start has the sign of B, and the other root, 2 |B / A|
+ * away, is 2^9 times as far as what the rule of the start drops: F has that sign between them.
+ *
+ * With |B| > 2^-16 Ba, |A| > 2^-16 Aa and Aa Ca <= 2^14 B^2 the other root is at 2 B / A to 2^-33 of it.
+ * So by low and near its point is known to 2^-24, and the margins of side_gone are 2^-20. */
+typedef struct side_start {
+    mask away;
+    double behind;
+} side_start;
+
+SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
+{
+    const double x = ray->o.x, y = ray->o.y, z = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    double kz = s->k1 * z, xl = x * l, ym = y * m, kzn = kz * n, r2 = x * x + y * y, n2 = n * n,
+           A = s->c * sgt_fma(s->k1, n2, l * l + m * m), B = sgt_fma(-s->c, xl + ym + kzn, n),
+           Aa = sgt_fma(s->extra, n2, fabs(A)),
+           Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
+           Ca = sgt_fma(s->abs_c, r2 + fabs(kz * z), 2 * fabs(z)), B2 = B * B, round = Aa * Ca;
+    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(Ba > 0x1p-400) & MASK(Ba < 0x1p400) &
+                 MASK(fabs(s->ck * z) < 1 - 0x1p-8),
+         known =
+             usual & MASK(fabs(B) > 0x1p-16 * Ba) & MASK(fabs(A) > 0x1p-16 * Aa) & MASK(round <= 0x1p14 * B2),
+         sloped = usual & MASK(B2 > 0x1p-40 * sgt_fma(Ba, Ba, round));
+    double t = 2 * B / A, across = fabs(l) + fabs(m), px = sgt_fma(t, l, x), py = sgt_fma(t, m, y);
+    mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p8),
+         near = MASK(fabs(t) * across <= 0x1p8 * (fabs(px) + fabs(py))),
+         gone = side_gone(s, &(side_origin){x, y, z, 0}, t, 0, ray) &
+                (MASK(t < 0) | MASK(t > ray->tmax) | (low & near));
+    return (side_start){known & gone & MASK(ray->tmin == 0) & MASK(ray->tmax > 0) & starts_on(s, ray),
+                        chosen(sloped, copysign(1, B), 0)};
 }
 
 #endif

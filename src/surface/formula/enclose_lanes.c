@@ -588,10 +588,10 @@ static void put_slope(const run *w, const row *s, size_t count, double *lo, doub
 }
 
 void sgt_formula_encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const double *t_lo,
-                          const double *t_hi, double *g_lo, double *g_hi, double *slope_lo, double *slope_hi)
+                          const double *t_hi, sgt_enclosures out)
 {
     run w; /* its registers are not cleared */
-    w.tape = tape, w.slopes = slope_lo != NULL;
+    w.tape = tape, w.slopes = out.slope_lo != NULL;
     int variables = tape->kind == SGT_FORMULA_XY ? 2 : 3;
     const cell_rows *last = &w.reg[tape->step[tape->steps - 1].out];
     for (size_t first = 0, count; first < n; first += count) {
@@ -607,7 +607,7 @@ void sgt_formula_encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const d
         w.kept.next = 0;
         for (int i = 0; i < INTERVAL_LANES; i++) w.none[i] = 0;
         for (int j = 0; j < tape->steps; j++) step(&w, &tape->step[j]);
-        put_value(&w, &last->v, count, g_lo + first, g_hi + first);
-        if (w.slopes) put_slope(&w, &last->s, count, slope_lo + first, slope_hi + first);
+        put_value(&w, &last->v, count, out.lo + first, out.hi + first);
+        if (w.slopes) put_slope(&w, &last->s, count, out.slope_lo + first, out.slope_hi + first);
     }
 }

@@ -44,9 +44,10 @@ formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_
 
 /* F and its slope over n cells, as `enclose` of sagitta.h promises: cell i is t_lo[i] <= t <= t_hi[i] on ray
  * i of `rays`, of which o and d are read.  The value is empty (lo > hi) where F is undefined all over the
- * cell. slope_lo, slope_hi NULL: not wanted.  A lane's bits do not depend on n, nor on its neighbours. */
+ * cell. out.slope_lo NULL: slopes are not wanted.  A lane's bits do not depend on n, nor on its neighbours.
+ */
 void sgt_formula_encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const double *t_lo,
-                          const double *t_hi, double *g_lo, double *g_hi, double *slope_lo, double *slope_hi);
+                          const double *t_hi, sgt_enclosures out);
 
 /* The same of a radial tape (tape.h), by s: F, F_s, F_s again, and F_ss. */
 formula_jet sgt_formula_radial_jet(const sgt_tape *tape, sgt_interval s, bool second);

@@ -100,10 +100,9 @@ static bool has_box(const sgt_formula *s)
 }
 
 SGT_KERNEL
-static void spans_in(size_t n, double radius, const double *restrict ox, const double *restrict oy,
-                     const double *restrict oz, const double *restrict dx, const double *restrict dy,
-                     const double *restrict dz, double *restrict lo, double *restrict hi)
+static void spans_in(size_t n, double radius, const sgt_rays *r, double *restrict lo, double *restrict hi)
 {
+    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2];
     LANES for (size_t i = 0; i < n; i++) {
         within c = chord_in_ball(radius, ox[i], oy[i], oz[i], dx[i], dy[i], dz[i]);
         lo[i] = c.lo, hi[i] = c.hi;
@@ -125,7 +124,7 @@ static void implicit_spans(const void *self, size_t n, sgt_rays r, sgt_spans out
     const sgt_formula *s = self;
     for (size_t i = 0; i < n; i++)
         out.lo[i] = -HUGE_VAL, out.hi[i] = HUGE_VAL, out.seed[i] = (double)NAN, out.single[i] = false;
-    if (s->ball > 0) spans_in(n, s->ball, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], out.lo, out.hi);
+    if (s->ball > 0) spans_in(n, s->ball, &r, out.lo, out.hi);
     if (!has_box(s)) return;
     cut_to_slab(n, s->lo.x, s->hi.x, r.o[0], r.d[0], out.lo, out.hi);
     cut_to_slab(n, s->lo.y, s->hi.y, r.o[1], r.d[1], out.lo, out.hi);
@@ -142,8 +141,7 @@ static sgt_span implicit_span(const void *self, const sgt_ray *ray)
 static void implicit_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo,
                               const double *t_hi, sgt_enclosures out)
 {
-    sgt_formula_encloses(((const sgt_formula *)self)->tape, n, rays, t_lo, t_hi, out.lo, out.hi, out.slope_lo,
-                         out.slope_hi);
+    sgt_formula_encloses(((const sgt_formula *)self)->tape, n, rays, t_lo, t_hi, out);
 }
 
 /* ---------------------------------------------------------------------- derivatives */

@@ -131,10 +131,16 @@ SGT_INLINE double judge(double E, double E_err, pair_norms at, double V, double 
 
 typedef struct orbit_bounds { double W, g_err; } orbit_bounds;
 
-/* W and g_err, from d and `center`, the bound on the error of Q at m. */
-SGT_INLINE orbit_bounds judge_slope(double E, double E_err, pair_norms at, double A, double V, double e,
-                                    double d, double center, double h)
+/* The errors of a cell at level N: e and d of orbit.h; center: the bound on the error of Q at m. */
+typedef struct orbit_errors {
+    double e, d, center;
+} orbit_errors;
+
+/* W and g_err. */
+SGT_INLINE orbit_bounds judge_slope(double E, double E_err, pair_norms at, double A, double V,
+                                    orbit_errors by, double h)
 {
+    const double e = by.e, d = by.d, center = by.center;
     double D = V * h + e, slack = 1 + 0x1p-38;
     return (orbit_bounds){(at.V2 * h + e * V + (A + D) * d) * slack + 16 * SGT_U * A * V,
                           ((2 * A + center) * center) * slack + 8 * SGT_U * at.A2 +

@@ -147,9 +147,15 @@ typedef enum turn { ON, ROOT, ACROSS, RARE } turn;
  *
  * The cells do not depend on t_tol until ROOT or ACROSS.  t_tol costs at most one look, and mostly saves
  * some. */
-static inline turn decide(course *k, const cell_place *at, const cell *e, const sighting *n, int levels,
-                          double E2, double t_tol, double least, bracket *p)
+typedef struct course_limits {
+    int levels;
+    double E2, t_tol, least;
+} course_limits;
+
+static inline turn decide(course *k, const cell_place *at, const cell *e, const sighting *n,
+                          const course_limits *to, bracket *p)
 {
+    const double least = to->least;
     double m = at->m, end = at->end, h = at->h;
     k->h = h;
     if (e->verdict == CELL_OUTSIDE || e->verdict == CELL_INSIDE) {
@@ -189,7 +195,7 @@ static inline turn decide(course *k, const cell_place *at, const cell *e, const 
     }
     bool hopeless = e->W < HUGE_VAL && (fabs(e->qv) + e->W) * h <= 4 * e->g_err;
     if (hopeless || h <= 2 * SGT_U * fabs(m)) return RARE;
-    if (h <= t_tol && k->side * seen_in_middle(e, levels, E2) < 0) return ACROSS;
+    if (h <= to->t_tol && k->side * seen_in_middle(e, to->levels, to->E2) < 0) return ACROSS;
     slower(k);
     return ON;
 }

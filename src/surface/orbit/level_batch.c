@@ -372,7 +372,7 @@ SGT_INLINE void judge_near(near *s, int l, double E, double E_err, double E2)
            out = s->out[l];
     pair_norms n = {s->A2[l], V2, s->qv[l]};
     double told = judge(E, E_err, n, V, e, h);
-    orbit_bounds b = judge_slope(E, E_err, n, A, V, e, s->slope[l], s->center[l], h);
+    orbit_bounds b = judge_slope(E, E_err, n, A, V, (orbit_errors){e, s->slope[l], s->center[l]}, h);
     double verdict = fabs(n.qv) > b.W ? CELL_MONOTONE : CELL_OPEN, W = told == 2 ? b.W : HUGE_VAL,
            g_err = told == 2 ? b.g_err : HUGE_VAL;
     verdict = told == 2 ? verdict : CELL_OPEN, verdict = told == 1 ? CELL_INSIDE : verdict;
@@ -719,7 +719,8 @@ static bool stream_settle(job *j, int l)
         on = narrow(p, &e, &n, w->path.iterations, E2, wanted, least);
     } else {
         course k = course_of(s, l);
-        turn what = decide(&k, &s->at[l], &e, &n, w->path.iterations, E2, t_tol, least, p);
+        const course_limits limits = {w->path.iterations, E2, t_tol, least};
+        turn what = decide(&k, &s->at[l], &e, &n, &limits, p);
         if (what == RARE) {
             give_up(j, i);
             return false;

@@ -181,7 +181,8 @@ SGT_INLINE bool at_the_end(const path *w, pair_norms n, double e, double h, cell
 
 SGT_INLINE void bound_slope(const path *w, double A, double V, double d, double center, double h, cell *r)
 {
-    orbit_bounds b = judge_slope(w->E, w->E_err, (pair_norms){r->A2, r->V2, r->qv}, A, V, r->e, d, center, h);
+    orbit_bounds b = judge_slope(w->E, w->E_err, (pair_norms){r->A2, r->V2, r->qv}, A, V,
+                                 (orbit_errors){r->e, d, center}, h);
     r->W = b.W, r->g_err = b.g_err;
     if (fabs(r->qv) > r->W && r->verdict == CELL_OPEN) r->verdict = CELL_MONOTONE;
 }
@@ -347,7 +348,8 @@ bool sgt_orbit_monotone(const path *w, double m, double h)
         orbit_step(&q, &v, c, w->along, w->power, w->mandelbrot);
     }
     pair_norms n = {quaternion_dot(q, q), quaternion_dot(v, v), quaternion_dot(q, v)};
-    return fabs(n.qv) > judge_slope(w->E, w->E_err, n, sqrt(n.A2), sqrt(n.V2), e, d, 0, h).W; /* NaN: no */
+    const orbit_errors by = {e, d, 0};
+    return fabs(n.qv) > judge_slope(w->E, w->E_err, n, sqrt(n.A2), sqrt(n.V2), by, h).W; /* NaN: no */
 }
 
 /* F at |Q| = A, for bounds: slightly lower for slip -1, higher for slip 1. */

@@ -14,6 +14,27 @@
 #include "../../num/lanes.h"
 #include "../builtin.h"
 
+/* Ray i of the rows of a tile.  (They are copied for the loop, so that no output can alias the pointers.) */
+SGT_INLINE sgt_ray lane_ray_of(const sgt_rays *r, size_t i)
+{
+    return (sgt_ray){
+        {r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, r->tmin[i], r->tmax[i]};
+}
+
+/* The same ray along a direction multiplied by `scale`. */
+SGT_INLINE sgt_ray along_scaled(const sgt_ray *ray, double scale)
+{
+    sgt_vec3 d = ray->d;
+    return (sgt_ray){ray->o, {d.x * scale, d.y * scale, d.z * scale}, ray->tmin / scale, ray->tmax / scale};
+}
+
+/* One coordinate of o + t d, to 4 u^2 of itself. */
+SGT_INLINE twofold place_of_root(double o, double t, double d)
+{
+    twofold p = two_product(t, d), s = two_sum(o, p.hi);
+    return two_sum(s.hi, s.lo + p.lo);
+}
+
 /* The ray at its root: t = t0 + small, at the point (x, y, 0) + tau d.  tau_err bounds the error of tau.
  * If the quick form gives no answer, t_err is NaN. */
 typedef struct near_root { double x, y, tau, t, t_err, tau_err, t0, small; } near_root;
@@ -25,14 +46,16 @@ typedef struct lane { double t, t_err, t_lo, px, py, pz, nx, ny, p_err; mask hit
  * twice, by at most u of itself and of t0_lo l.  t0 + t0_lo is off by 9 u^2 |t0|.  With S or the slope as
  * steep as the loops allow, either error moves a root by at most 64 times as much.  The term 1024 u^2 |t0|
  * in p_err covers both, and is negligible beside an ulp of t0. */
-SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, double m, double n, double *t0,
-                                double *t0_lo, double *x, double *y)
+typedef struct vertex_place {
+    double t0, t0_lo, x, y;
+} vertex_place;
+
+SGT_INLINE vertex_place to_vertex_plane(const sgt_ray *ray)
 {
-    double inverse = 1 / n;
-    *t0 = -oz * inverse;
-    *t0_lo = sgt_fma(-*t0, n, -oz) * inverse;
-    *x = sgt_fma(*t0_lo, l, sgt_fma(*t0, l, ox));
-    *y = sgt_fma(*t0_lo, m, sgt_fma(*t0, m, oy));
+    double inverse = 1 / ray->d.z, t0 = -ray->o.z * inverse,
+           t0_lo = sgt_fma(-t0, ray->d.z, -ray->o.z) * inverse;
+    return (vertex_place){t0, t0_lo, sgt_fma(t0_lo, ray->d.x, sgt_fma(t0, ray->d.x, ray->o.x)),
+                          sgt_fma(t0_lo, ray->d.y, sgt_fma(t0, ray->d.y, ray->o.y))};
 }
 
 /* A root nearer than this to the origin of t is left to the careful forms: there underflow is no longer
@@ -53,10 +76,15 @@ SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) 
  *
  * whole: the ends are -inf and inf, and are not read.  What is asked of them is true of a t below 2^1000, as
  * t_err is finite with it.  (A ray that is not met here is asked by itself.) */
-SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, bool whole, double tmin,
-                        double tmax, double t_tol, double pz, double g, double near, double rim2, mask exact,
-                        mask also)
+typedef struct lane_end {
+    double pz, g, near;
+} lane_end;
+
+SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, bool whole,
+                        const lane_end *there, double rim2, mask exact, mask also)
 {
+    const double pz = there->pz, g = there->g, near = there->near;
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
     double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t),
            r2 = px * px + py * py, none = (double)NAN;
     mask between = MASK(at + near < 0x1p1000), apart = exact;
@@ -130,6 +158,21 @@ typedef enum lane_wish { LANE_BARE, LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish
         if ((wish) == LANE_RICH) (to).p_err[i] = (e).p_err;                                     \
     } while (0)
 
+/* Stores all of a lane if `is`, and leaves what is there if not. */
+#define LANE_STORE_IF(to, i, e, is)                                                                 \
+    do {                                                                                            \
+        const mask now = is;                                                                        \
+        (to).t[i] = chosen(now, (e).t, (to).t[i]);                                                  \
+        (to).t_err[i] = chosen(now, (e).t_err, (to).t_err[i]);                                      \
+        (to).t_lo[i] = chosen(now, (e).t_lo, (to).t_lo[i]);                                         \
+        (to).px[i] = chosen(now, (e).px, (to).px[i]), (to).py[i] = chosen(now, (e).py, (to).py[i]); \
+        (to).pz[i] = chosen(now, (e).pz, (to).pz[i]), (to).nx[i] = chosen(now, (e).nx, (to).nx[i]); \
+        (to).ny[i] = chosen(now, (e).ny, (to).ny[i]);                                               \
+        (to).nz[i] = chosen(now, chosen((e).hit, 1, (double)NAN), (to).nz[i]);                      \
+        (to).p_err[i] = chosen(now, (e).p_err, (to).p_err[i]);                                      \
+        (to).hit[i] = ((e).hit & now) | ((to).hit[i] & ~now);                                       \
+    } while (0)
+
 SGT_INLINE lane_wish lane_wish_of(const sgt_tile *tile)
 {
     const sgt_hits *h = &tile->hits;
@@ -137,14 +180,22 @@ SGT_INLINE lane_wish lane_wish_of(const sgt_tile *tile)
     return tile->whole && !h->t && !h->t_err ? LANE_BARE : LANE_PLAIN;
 }
 
-/* Writes what LANE_STORE writes for rays that are not met. */
-SGT_INLINE void lane_nothing(const sgt_tile *tile, lane_ends *ends)
+/* The rows that are wanted of hits; NULL: not wanted. */
+typedef struct lane_outputs { double *of[10]; } lane_outputs;
+
+SGT_INLINE lane_outputs lane_outputs_of(const sgt_hits *h)
 {
-    lane_to to = lane_to_of(tile, ends);
-    double none = (double)NAN;
-    for (size_t i = 0; i < tile->n; i++)
-        to.t[i] = to.t_err[i] = to.t_lo[i] = to.px[i] = to.py[i] = to.pz[i] = to.nx[i] = to.ny[i] = to.nz[i] =
-            to.p_err[i] = none;
+    const bool p = h->p[0], n = h->n[0];
+    return (lane_outputs){{h->t, h->t_err, h->t_lo, h->p[0], p ? h->p[1] : NULL, p ? h->p[2] : NULL, h->n[0],
+                           n ? h->n[1] : NULL, n ? h->n[2] : NULL, h->p_err}};
+}
+
+/* Writes what LANE_STORE writes for rays that are not met. */
+SGT_INLINE void lane_nothing(const sgt_tile *tile)
+{
+    const lane_outputs to = lane_outputs_of(&tile->hits);
+    for (int k = 0; k < 10; k++)
+        for (size_t i = 0; to.of[k] && i < tile->n; i++) to.of[k][i] = (double)NAN;
 }
 
 /* Writes status and evals.  A ray without a hit gets SGT_HARD.  all: every ray has a hit.  Returns the

@@ -21,10 +21,11 @@ typedef struct line { double a, n, foot, nearest, from, to, off, aside; } line;
 
 SGT_INLINE line line_of(sgt_vec3 o, sgt_vec3 way, double tmin, double tmax)
 {
-    double t0, t0_lo, x, y, scale = scale_of(way), inverse = inverse_of_scale(way);
+    double scale = scale_of(way), inverse = inverse_of_scale(way);
     sgt_vec3 d = {way.x * scale, way.y * scale, way.z * scale};
     line w = {.a = d.x * d.x + d.y * d.y, .n = d.z};
-    to_vertex_plane(o.x, o.y, o.z, d.x, d.y, d.z, &t0, &t0_lo, &x, &y);
+    const vertex_place at = to_vertex_plane(&(sgt_ray){.o = o, .d = d});
+    const double t0 = at.t0, x = at.x, y = at.y;
     w.foot = -(x * d.x + y * d.y) / w.a, w.nearest = fabs(x * d.y - y * d.x) / sqrt(w.a);
     w.aside = 0x1p-40 * (fabs(x) + fabs(y)), w.off = 2 * w.aside / sqrt(w.a);
     w.from = tmin * inverse - t0 - 0x1p-40 * fabs(t0);

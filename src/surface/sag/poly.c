@@ -353,10 +353,12 @@ static void poly_terms(const shape *s, size_t n, poly_points *w)
 }
 
 SGT_KERNEL
-static void poly_values(const shape *s, size_t n, const double *x, const double *y, const double *z,
-                       const poly_points *w, double *restrict f, double *restrict gx, double *restrict gy,
-                       double *restrict gz, double *restrict own)
+static void poly_values(const shape *s, size_t n, const sgt_points *p, const poly_points *w,
+                        const sgt_values *out, double *restrict own)
 {
+    const double *x = p->p[0], *y = p->p[1], *z = p->p[2];
+    double *restrict f = out->f, *restrict gx = out->grad[0], *restrict gy = out->grad[1],
+                     *restrict gz = out->grad[2];
     const double c = s->c, k = s->k;
     const mask terms = MASK(s->terms > 0);
     LANES for (size_t i = 0; i < n; i++)
@@ -375,14 +377,14 @@ void sgt_sag_values_rounded(const shape *s, size_t n, sgt_points p, sgt_values o
 {
     poly_points w;
     for (size_t at = 0, few; at < n; at += few) {
-        const double *x = p.p[0] + at, *y = p.p[1] + at, *z = p.p[2] + at;
+        const sgt_points there = {{p.p[0] + at, p.p[1] + at, p.p[2] + at}};
+        const sgt_values to = {out.f + at, {out.grad[0] + at, out.grad[1] + at, out.grad[2] + at}};
         few = n - at < POINTS ? n - at : POINTS;
-        mask odd = poly_bases(s, few, x, y, &w);
+        mask odd = poly_bases(s, few, there.p[0], there.p[1], &w);
         for (size_t i = 0; odd && i < few; i++)
             if (w.phi[i] == HUGE_VAL) w.base[i] = conic_sag(s->c, s->k, w.r2[i], &w.phi[i], &w.slope[i]);
         if (s->terms) poly_terms(s, few, &w);
         else memset(w.h, 0, sizeof w.h), memset(w.dh, 0, sizeof w.dh), memset(w.size, 0, sizeof w.size);
-        poly_values(s, few, x, y, z, &w, out.f + at, out.grad[0] + at, out.grad[1] + at, out.grad[2] + at,
-                   own + at);
+        poly_values(s, few, &there, &w, &to, own + at);
     }
 }
