@@ -270,8 +270,8 @@ SGT_INLINE cells_kind level_turn(void *self, cells *c)
         s->ends = false, k->side = e->qv < 0 ? -1 : 1;
         return CELLS_MONOTONE;
     }
-    const course_limits limits = {w->path.iterations, E2, w->t_tol, w->least};
-    if (!(c->dark.any && s->about)) what = decide(k, &at, e, &s->n, &limits, &root);
+    const course_limits bounds = {w->path.iterations, E2, w->t_tol, w->least};
+    if (!(c->dark.any && s->about)) what = decide(k, &at, e, &s->n, &bounds, &root);
     switch (what) {
     case ON: return CELLS_AGAIN;
     case ROOT:

@@ -719,8 +719,8 @@ static bool stream_settle(job *j, int l)
         on = narrow(p, &e, &n, w->path.iterations, E2, wanted, least);
     } else {
         course k = course_of(s, l);
-        const course_limits limits = {w->path.iterations, E2, t_tol, least};
-        turn what = decide(&k, &s->at[l], &e, &n, &limits, p);
+        const course_limits bounds = {w->path.iterations, E2, t_tol, least};
+        turn what = decide(&k, &s->at[l], &e, &n, &bounds, p);
         if (what == RARE) {
             give_up(j, i);
             return false;
