@@ -269,7 +269,6 @@ static void single_all(lanes *a, size_t n)
 }
 
 /* How many numbers of a row are above 0. */
-SGT_KERNEL
 static double above_zero(size_t n, const double *of)
 {
     double count = 0;

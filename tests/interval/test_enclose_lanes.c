@@ -24,7 +24,7 @@
 
 /* The functions of the room, of each set. */
 typedef void encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
-                      double *g_lo, double *g_hi, double *slope_lo, double *slope_hi);
+                      sgt_enclosures out);
 extern encloses sgt_formula_encloses_base, sgt_formula_encloses_v3, sgt_formula_encloses_v4;
 typedef struct formula_jet { sgt_interval f, u, v, uv; bool whole; } formula_jet;
 formula_jet sgt_formula_jet_base(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r,
@@ -158,8 +158,8 @@ static void compare(const char *what, const answers *a, size_t i, const answers 
 static void ask(encloses *f, const sgt_tape *tape, const batch *b, size_t from, size_t n, bool slopes,
                 answers *y)
 {
-    f(tape, n, rays_of(b, from), b->lo + from, b->hi + from, y->g_lo, y->g_hi, slopes ? y->slope_lo : NULL,
-      slopes ? y->slope_hi : NULL);
+    f(tape, n, rays_of(b, from), b->lo + from, b->hi + from,
+      (sgt_enclosures){y->g_lo, y->g_hi, slopes ? y->slope_lo : NULL, slopes ? y->slope_hi : NULL});
 }
 
 /* ----------------------------------------------------------------------- interval.h */

@@ -356,7 +356,7 @@ static void conic_lanes_behind(const bowl *self, size_t count, const sgt_rays *f
 
 /* The first roots of rays that start on the surface, and of no others. */
 SGT_KERNEL
-static void conic_lanes_first_on(const bowl *self, const sgt_tile *tile, lane_to to, mask *away)
+static void conic_lanes_started(const bowl *self, const sgt_tile *tile, lane_to to, mask *away)
 {
     const bowl own = *self, *s = &own;
     const sgt_rays rows = tile->rays;
@@ -409,7 +409,7 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
 SGT_NOINLINE static size_t conic_lanes_on_first(const bowl *s, const sgt_tile *tile, mask *away)
 {
     lane_ends ends;
-    conic_lanes_first_on(s, tile, lane_to_of(tile, &ends), away);
+    conic_lanes_started(s, tile, lane_to_of(tile, &ends), away);
     return side_status(tile, ends.hit, away, NONE);
 }
 
