@@ -216,9 +216,38 @@ static void try_rays(sgt_sums_kind kind, size_t partitions)
     sgt_sums_free(s), sgt_sums_free(elsewhere);
 }
 
+/* Of path differences that are not finite, or whose squares are not, there is no rms: never 0.  Zeros of both
+ * signs make the same bits in either order. */
+static void try_odd(void)
+{
+    static const double odd[][2] = {{1, HUGE_VAL}, {-HUGE_VAL, HUGE_VAL}, {1e160, 3e160}, {1e300, -HUGE_VAL}};
+    static unsigned char bytes[BYTES], again[BYTES];
+    sgt_ray_end end[2] = {{.fate = SGT_PASSED, .weight = 1}, {.fate = SGT_PASSED, .weight = 1}};
+    const double error[2] = {0, 0};
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+        double two[2] = {odd[i][0], odd[i][1]};
+        sgt_sums *s = sums_of(SGT_SUMS_WAVEFRONT, 2, end, two, error);
+        if (sgt_sums_wavefront(s).rms == 0) fail("an rms of 0 of what has none");
+        sgt_sums_free(s);
+    }
+    for (size_t i = 0; i < 3; i++) {
+        sgt_ray_end far[2] = {end[0], end[1]};
+        far[0].p.x = 1, far[1].p.x = odd[i][1];
+        sgt_sums *s = sums_of(SGT_SUMS_SPOT, 2, far, (double[]){0, 0}, error);
+        if (sgt_sums_spot(s, true).rms_x == 0) fail("an rms_x of 0 of what has none");
+        sgt_sums_free(s);
+    }
+    sgt_sums *a = sums_of(SGT_SUMS_WAVEFRONT, 2, end, (double[]){0.0, -0.0}, error);
+    sgt_sums *b = sums_of(SGT_SUMS_WAVEFRONT, 2, end, (double[]){-0.0, 0.0}, error);
+    const size_t size = sgt_sums_write(a, BYTES, bytes);
+    if (sgt_sums_write(b, BYTES, again) != size || memcmp(bytes, again, size) != 0) fail("two zeros");
+    sgt_sums_free(a), sgt_sums_free(b);
+}
+
 int main(int count, char *argv[])
 {
     if (count != 3) return 2;
+    try_odd();
     const size_t sets = (size_t)atol(argv[1]), partitions = (size_t)atol(argv[2]);
     const char *seed = getenv("SAGITTA_TEST_SEED");
     if (seed) state = (uint64_t)atoll(seed);

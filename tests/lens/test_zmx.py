@@ -390,6 +390,17 @@ def test_terms_that_are_zero():
         assert re.search('type: (sphere|conic), radius: 50', yaml), yaml
 
 
+def test_numbers_that_a_type_has_no_use_for():
+    """They are told, each by its record."""
+    for kind, how, key in (('EVENASPH', dict(parm={0: 3.0}), 'PARM'), ('STANDARD', dict(parm={0: 1.0}), 'PARM'),
+                           ('XASPHERE', dict(xdat=[1, 5.0, 0.1, 0.2]), 'XDAT'), ('TOROIDAL', dict(xdat=[0, 5.0, 0.1]), 'XDAT'),
+                           ('QED_TYPE', dict(xdat=[1, 1, 5.0, 0.1, 0.2]), 'XDAT'),
+                           ('STANDARD', dict(more=['GDAT 4 4 1 1 0 0']), 'GDAT')):
+        data = zmx(FAR, surf(kind, c=0.02, t=4.0, **how), IMAGE)
+        _, said = imported(written(data, 'lens.zmx'))
+        assert [word for _, word, words in said if 'left out: a number' in words] == [key], (kind, key, said)
+
+
 def test_grid():
     """At its heights: of the grid, of the conic and the powers beside it, of the Zernike terms.  Rows run to -y."""
     generator, faults = random.Random(f'{SEED} grid'), []
@@ -861,6 +872,15 @@ def test_objects():
                 if math.dist((float(row['x']), float(row['y'])), wanted) > 1e-8:
                     faults.append(f'{distance}, {slope}: the chief ray of {wanted} ends at {row}')
     assert not faults, '\n'.join(faults[:5])
+    # A break in front of all that is the stop: the object is as far from the plane behind it as without the break.
+    turn = surf('COORDBRK', t=3.0, parm=[0, 0, 5.0])
+    data = zmx(surf(t=10.0), [r for r in turn if not r.startswith('DIAM')] + ['STOP'], surf(t=2.0), IMAGE)
+    assert 'object: {distance: 10}' in imported(written(data, 'lens.zmx'))[0].read_text()
+    # A point of a tilted object behind the first vertex has no rays.
+    behind = zmx(surf('TILTSURF', t=30.0, parm=[0.0, 5.0]), surf(t=2.0, more=['STOP']), surf(t=5.0), IMAGE)
+    behind = behind.replace('FTYP 0 0 1', 'FTYP 1 0 1').replace('YFLN 0 ', 'YFLN 10 ')
+    done = run('spot', written(behind, 'lens.zmx'), exit=BAD_INPUT)
+    assert 'lies behind the first vertex' in done.stderr, done.stderr
     far = zmx(surf('TILTSURF', t=math.inf, parm=[0.1, 0.2]), surf(t=2.0, more=['STOP']), IMAGE)
     _, said = imported(written(far, 'lens.zmx'))
     assert any('the tilt of the object, which is at infinity' in words for _, _, words in said), said

@@ -173,6 +173,10 @@ def test_foreign_parts():
     refused([GAUSS, 'not a part'], 'join', GAUSS)
     refused(['--shard'], *RANDOM, 9, '--shard', '4/3', '--output', a, exit=USAGE)
     refused(['--output'], *RANDOM, 9, '--shard', '1/3', exit=USAGE)
+    link = a.with_suffix('.link')  # as a device would be replaced
+    link.symlink_to(a)
+    for odd in (link, a.parent):
+        refused([odd, 'no plain file'], *RANDOM, 9, '--shard', '1/3', '--output', odd)
     refused(['--shard'], *RANDOM, 9, '--resume', exit=USAGE)
 
 

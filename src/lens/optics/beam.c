@@ -210,6 +210,9 @@ bool sgt_beam_of_field(const sgt_launcher *from, sgt_field_kind kind, const sgt_
         x = -(d + p) * tan(x * TO_RADIANS), y = -(d + p) * tan(y * TO_RADIANS);
     }
     sgt_beam_point(from, b, x, y);
+    if (b->finite && b->object.z > l->surface[0].z)
+        return sgt_launch_fail(from, error, "object.slope",
+                               "the point [%g, %g] of the object lies behind the first vertex", x, y);
     return true;
 }
 

@@ -175,8 +175,10 @@ void sgt_zmx_tally(zmx *z, zmx_tally which, size_t line, const char *key);
 struct zmx_type {
     const char *name;
     unsigned parms; /* PARM 1 ... parms do */
+    bool zeroth;    /* and PARM 0 */
     bool round;     /* CURV and CONI do */
     bool extras;    /* XDAT does */
+    bool heights;   /* GDAT and GARR do */
     bool powers;    /* PARM i is the i-th of its coefficients in the lens file */
     bool alone;     /* PARM 1 ... 4 decentre and tilt it, and nothing behind it */
     bool aslant;    /* it is a plane with the slopes of PARM 1 and 2 */

@@ -15,6 +15,8 @@
 static void tally_unused(zmx *z, const zmx_surface *f)
 {
     const zmx_type *t = f->type;
+    if (f->grid.line && !t->heights) sgt_zmx_tally(z, ZMX_UNUSED, f->grid.line, "GDAT");
+    if (f->parm[0] != 0 && !t->zeroth) sgt_zmx_tally(z, ZMX_UNUSED, f->parm_line, "PARM");
     for (size_t i = t->parms + 1; i <= ZMX_PARMS; i++)
         if (f->parm[i] != 0) sgt_zmx_tally(z, ZMX_UNUSED, f->parm_line, "PARM");
     for (size_t i = 0; i < f->extras && !t->extras; i++)
@@ -356,7 +358,7 @@ static void write_object(zmx *z, node *root)
                   "surface 0, the object, is tilted");
     if (isfinite(f->thickness)) {
         double distance = f->thickness;
-        for (size_t i = 1; i < z->count && !z->surface[i].type->write; i++)
+        for (size_t i = 1; i < z->count && !z->surface[i].type->write && i != z->stop; i++)
             distance += z->surface[i].thickness;
         if (!(distance >= 0))
             tree_fail(z->s, f->thickness_line, "DISZ", "the object stands behind the first surface");

@@ -112,6 +112,8 @@ static void write_toroidal(zmx *z, const zmx_surface *f, node *map)
         if (f->extra[i].number == 1 && f->extra[i].value != 0)
             tree_fail(z->s, f->extra[i].line, "XDAT", "surface %zu: Zernike terms on a TOROIDAL are not read",
                       sgt_zmx_number_of(z, f));
+        else if (f->extra[i].number > 2 && f->extra[i].value != 0) /* 2 is the radius of such terms */
+            sgt_zmx_tally(z, ZMX_UNUSED, f->extra[i].line, "XDAT");
     write_base(z, f, map, "toroidal");
     if (f->parm[1] != 0) sgt_zmx_set_number(z, map, "radius_x", f->parm_line, f->parm[1]);
     set_coefficients(z, f, map, 2, coefficients(f, 2, 8));
@@ -162,6 +164,9 @@ static zmx_terms extra_terms(zmx *z, const zmx_surface *f, size_t first, size_t 
                   "surface %zu has %g terms (XDAT %zu), which is no whole number up to %zu",
                   sgt_zmx_number_of(z, f), count, first, most);
     t.count = (size_t)count, t.norm = extra[first + 1];
+    for (size_t i = 0; i < f->extras; i++)
+        if (f->extra[i].number >= first + 2 + t.count && f->extra[i].value != 0)
+            sgt_zmx_tally(z, ZMX_UNUSED, f->extra[i].line, "XDAT"); /* beyond those that are counted */
     t.value = tree_room(z->s, t.count, sizeof *t.value);
     for (size_t i = 0; i < t.count; i++) t.value[i] = extra[first + 2 + i];
     while (t.count && t.value[t.count - 1] == 0) t.count--;
@@ -398,9 +403,10 @@ static const zmx_type types[] = {
     {"XPOLYNOM", .round = true, .extras = true, .write = write_polynomial},
     {"IRREGULA", .parms = 8, .round = true, .alone = true, .write = write_irregular},
     {"QED_TYPE", .round = true, .extras = true, .write = write_forbes},
-    {"FZERNSAG", .parms = 10, .round = true, .extras = true, .write = write_zernike},
-    {"SZERNSAG", .parms = 10, .round = true, .extras = true, .write = write_zernike},
-    {"GRID_SAG", .parms = 10, .round = true, .extras = true, .write = write_grid},
+    {"FZERNSAG", .parms = 10, .zeroth = true, .round = true, .extras = true, .write = write_zernike},
+    {"SZERNSAG", .parms = 10, .zeroth = true, .round = true, .extras = true, .write = write_zernike},
+    {"GRID_SAG", .parms = 10, .zeroth = true, .round = true, .extras = true, .heights = true,
+     .write = write_grid},
     {"TILTSURF", .parms = 2, .aslant = true, .write = write_tilted},
     {"PARAXIAL", .parms = 2, .write = write_ideal}, /* PARM 2: how paths are counted, not where rays go */
     {"COORDBRK", .parms = 6},

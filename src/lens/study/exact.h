@@ -140,4 +140,7 @@ static inline void exact_add_square(exact *s, double w, double x)
     exact_put(s, a.negative, q, 3, a.at + 2 * b.at - 3);
 }
 
+/* A mean square that rounding may have made negative.  A NaN stays: such sums have no answer. */
+static inline double sgt_not_below_0(double x) { return x < 0 ? 0 : x; }
+
 #endif

@@ -40,10 +40,12 @@ static inline void exact_run_put(uint64_t q[3], uint64_t low, uint64_t high, uns
 /* Can an x of this exponent be added?  It may end the run. */
 static inline bool exact_run_has(exact_run *r, exact *s, double w, unsigned at, uint64_t mantissa)
 {
+    enum { LARGEST = 2046 }; /* of a finite number */
     if (at - r->low <= RUN_ABOVE) return true;
     if (at < r->low || at == 2047 || !mantissa) return false;
     sgt_exact_run_end(r, s, w);
     r->low = at > RUN_BELOW ? at - RUN_BELOW : 1;
+    if (r->low > LARGEST - RUN_ABOVE) r->low = LARGEST - RUN_ABOVE; /* infinities and NaN are above a run */
     return true;
 }
 

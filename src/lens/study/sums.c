@@ -54,7 +54,7 @@ static double about_mean(const exact *weights, const exact *first, const exact *
     two.hi = sgt_exact_value(square, &two.lo);
     const sgt_pair m = sgt_pair_quotient(one, w);
     *mean = m.hi;
-    return fmax(sgt_pair_quotient(sgt_pair_difference(two, sgt_pair_product(m, one)), w).hi, 0);
+    return sgt_not_below_0(sgt_pair_quotient(sgt_pair_difference(two, sgt_pair_product(m, one)), w).hi);
 }
 
 sgt_spot sgt_sums_spot(const sgt_sums *s, bool centroid)

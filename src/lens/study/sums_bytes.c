@@ -73,7 +73,8 @@ static bool get_exact(octets *p, exact *s)
     s->odd = (uint32_t)odd, s->adds = 1;
     for (size_t i = 0; i < count; i++) s->word[low + i] = (int64_t)get_whole(p);
     for (size_t i = 0; i < count; i++) /* carries were taken */
-        if (low + i + 1 < EXACT_WORDS && s->word[low + i] >> 32) return false;
+        if (s->word[low + i] >> 32 && (low + i + 1 < EXACT_WORDS || s->word[low + i] >> 32 != -1))
+            return false;
     return true;
 }
 

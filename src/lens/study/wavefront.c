@@ -102,7 +102,7 @@ void sgt_wavefront_add(sgt_wavefront_sum *s, size_t count, const sgt_ray_end end
     one_weight r = {.first = RUN_OF_FIRST, .square = RUN_OF_SQUARE};
     s->rays += count;
     for (size_t i = 0; i < count; i++) {
-        const double v = opd[i];
+        const double v = opd[i] + 0; /* one zero: the least of both would depend on their order */
         if (isnan(v)) continue;
         s->least = s->passed ? fmin(s->least, v) : v, s->most = s->passed ? fmax(s->most, v) : v;
         s->passed++, s->off = fmax(s->off, error[i]);
@@ -150,7 +150,7 @@ sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s)
     if (!(weight.hi > 0)) return w;
     const sgt_pair mean = sgt_pair_quotient(first, weight);
     const sgt_pair about = sgt_pair_difference(rounded_twice(&s->square), sgt_pair_product(mean, first));
-    w.mean = mean.hi, w.rms = sqrt(fmax(sgt_pair_quotient(about, weight).hi, 0));
+    w.mean = mean.hi, w.rms = sqrt(sgt_not_below_0(sgt_pair_quotient(about, weight).hi));
     w.error = 2 * s->off + rounding_of(s);
     return w;
 }

@@ -19,6 +19,11 @@ void fail_in_threads(bool now) { at_work = now; }
 
 void fail_first(void (*tidy)(void)) { first = tidy; }
 
+void fail_tidy(void)
+{
+    if (first) first();
+}
+
 void fail_name(const char *command) { running = command; }
 
 LIKE_PRINTF(2, 0) static void say_after(const char *prefix, const char *format, va_list values)
@@ -54,7 +59,7 @@ void fail_input(const char *format, ...)
     va_start(values, format);
     say(format, values);
     va_end(values);
-    if (at_work && first) first();
+    if (at_work) fail_tidy();
     if (at_work) _Exit(EXIT_BAD_INPUT);
     exit(EXIT_BAD_INPUT);
 }

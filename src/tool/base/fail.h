@@ -26,6 +26,7 @@ void fail_in_threads(bool now);
 /* What is to be done first where an error ends the command while other threads work: nothing is then given
  * back by exit. */
 void fail_first(void (*tidy)(void));
+void fail_tidy(void); /* calls it, before an end that is no exit */
 
 /* Prints only the hint, where --help is, and ends with EXIT_USAGE: getopt has printed the message. */
 _Noreturn void fail_hint(void);

@@ -112,6 +112,7 @@ static void end_shorter(int number, siginfo_t *at, void *unused)
         const ssize_t told = write(STDERR_FILENO, u->shorter, strlen(u->shorter));
         (void)told;
     }
+    fail_tidy();
     _Exit(EXIT_BAD_INPUT);
 }
 

@@ -23,6 +23,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const char MARK[8] = "sagpart1";
@@ -75,8 +76,17 @@ void part_put(const void *bytes, size_t size)
     writing.records++;
 }
 
+/* A part is renamed to the path, and would take the place of a device, a link, a pipe. */
+static void require_plain(const char *path)
+{
+    struct stat is;
+    if (lstat(path, &is) == 0 && !S_ISREG(is.st_mode))
+        fail_input("--output %s: no plain file, and a part would take its place; give another name", path);
+}
+
 void part_begin(const char *path, const part_of_run *of)
 {
+    require_plain(path);
     writing.path = path, writing.unfinished = memory_print("%s.%ld.unfinished", path, (long)getpid());
     signal(SIGXFSZ, SIG_IGN); /* a limit of the size of files is then an error as a full disk is */
     writing.file = fopen(writing.unfinished, "wb");

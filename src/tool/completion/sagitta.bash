@@ -33,6 +33,9 @@ _sagitta()
     done < <("$program" "$command" --help options 2>/dev/null)
     if [[ $word == -* ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$names" -- "$word")
+    elif [[ $command == join ]]; then
+        compopt -o filenames
+        mapfile -t COMPREPLY < <(compgen -f -- "$word")
     else # a lens
         compopt -o filenames
         mapfile -t COMPREPLY < <(for name in yaml yml zmx ZMX; do compgen -f -X "!*.$name" -- "$word"; done

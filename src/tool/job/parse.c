@@ -245,7 +245,7 @@ static void keep_argument(const char *text) { bytes_put(&arguments, text, strlen
 
 static void keep_option(const option_row *r, const char *value)
 {
-    static const char *const others[] = {"output", "shard", "resume", "threads", "progress", "quiet"};
+    static const char *const others[] = {"output", "shard", "resume", "threads", "progress"};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         if (strcmp(r->name, others[i]) == 0) return;
     keep_argument(r->value ? memory_print("--%s=%s", r->name, value) : memory_print("--%s", r->name));

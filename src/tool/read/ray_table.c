@@ -16,6 +16,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -89,6 +90,8 @@ static void open_file(ray_table *t, const char *path)
 /* The arrays in a folder. */
 typedef struct array_names { size_t count, capacity; char **name; } array_names;
 
+static int by_name(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
+
 static array_names names_in(const char *path)
 {
     array_names all = {.count = 0};
@@ -100,6 +103,8 @@ static array_names names_in(const char *path)
         all.name[all.count++] = memory_text(e->d_name, strlen(e->d_name));
     }
     closedir(folder);
+    /* a folder has no order of its own */
+    if (all.count) qsort(all.name, all.count, sizeof *all.name, by_name);
     return all;
 }
 
