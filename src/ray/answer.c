@@ -97,14 +97,16 @@ static bool unique_root(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     return proven;
 }
 
-/* Is the first root proven not to exist?  Enclosures may know less of a part of the ray far out. */
-static bool is_proven_miss(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+/* Is the first root proven not to exist?  Enclosures may know less of a part of the ray far out.  spent: of
+ * max_evals. */
+static bool is_proven_miss(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, int spent)
 {
     sgt_options first = *opt;
     sgt_hit hit;
-    first.pick = SGT_FIRST, first.watch = NULL;
-    return sgt_quick_proof_offered(s, &first) && sgt_quick_proof_one(s, ray, &first, &hit) &&
-           hit.status == SGT_MISS;
+    first.pick = SGT_FIRST;
+    first.max_evals = (opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS) - spent;
+    return first.max_evals > 0 && sgt_quick_proof_offered(s, &first) &&
+           sgt_quick_proof_one(s, ray, &first, &hit) && hit.status == SGT_MISS;
 }
 
 static void prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
@@ -117,7 +119,7 @@ static void prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
     w.told.evals = w.told.root = spent;
     if (s.ops->enclose) {
         sgt_proof_search(&w);
-        if (list->count > 0 && !list->decided && is_proven_miss(s, ray, opt)) list->count = 0;
+        if (list->count > 0 && !list->decided && is_proven_miss(s, ray, opt, w.told.evals)) list->count = 0;
         return;
     }
     sgt_options estimate = plain(opt);

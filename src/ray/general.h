@@ -55,7 +55,7 @@ static inline void values_of(sgt_surface s, size_t n, sgt_points p, sgt_values o
         return;
     }
     for (size_t i = 0; i < n; i++) {
-        sgt_vec3 grad;
+        sgt_vec3 grad = {0, 0, 0}; /* a user's F that is NaN may leave it */
         out.f[i] = ops->value(s.self, (sgt_vec3){p.p[0][i], p.p[1][i], p.p[2][i]}, &grad);
         out.grad[0][i] = grad.x, out.grad[1][i] = grad.y, out.grad[2][i] = grad.z;
     }

@@ -460,8 +460,8 @@ typedef struct leaving {
     bool on[SGT_MOST_TILE];
 } leaving;
 
-/* Sets a row of 1 and 0 to 1 where start_sound and surely_on say so of a start.  Returns how many are 1 then.
- */
+/* Sets a row of 1 and 0 to 1 where start_sound and surely_on say so of a start; what is 1 stays 1.  Returns
+ * how many are 1 then. */
 SGT_KERNEL
 static double surely_all(size_t n, const double *const at[3], const double *const grad_of[3],
                          const double *p_err, double *restrict sure)

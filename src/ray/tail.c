@@ -36,7 +36,8 @@ static bool is_clear(sgt_surface s, const sgt_outlook *e, double radius, double 
            least = fabs(tail) * (1 - 0x1p-20), grows = sign * side * e->n, w = sgt_way_to(e, r2, e->far2),
            most = sgt_way_to(e, r2, e->near2), off = e->off + 0x1p-30 * (fabs(e->n) * most + fabs(e->z));
     if (!(w > 0)) return false;
-    return sign * e->z + grows * (grows > 0 ? most : w) + off < least && 2 * e->a * w * least >= r2 * grows;
+    bool shrinks = grows <= 0 || 2 * e->a * w * least >= larger(r2 * grows, 0x1p-1000);
+    return shrinks && sign * e->z + grows * (grows > 0 ? most : w) + off < least;
 }
 
 /* Of the eighths between a power of two and the next, the least that is clear, and below r; else `least`. */

@@ -55,7 +55,7 @@ int sgt_walk_sign(const walk *w, const point *at)
 SGT_INLINE void glance(walk *w, point *e, double tau, sgt_move move, double lo, double hi, double last)
 {
     const local *q = &w->q;
-    sgt_vec3 p = {q->x + tau * q->l, q->y + tau * q->m, q->z + tau * q->n}, grad;
+    sgt_vec3 p = {q->x + tau * q->l, q->y + tau * q->m, q->z + tau * q->n}, grad = {0, 0, 0};
     *e = (point){.tau = tau, .at.p = p};
     if (over(w)) {
         e->g = e->at.slope = (double)NAN;

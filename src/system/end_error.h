@@ -71,7 +71,8 @@ typedef struct bend_off { double bending, gradient; } bend_off;
 /* With Q = q n, one quotient gives 1 / n and 1 / q = n / Q. */
 SGT_INLINE bend_off bend_off_of(gradient_kind kind, const sgt_even_asphere *a, chain_link c)
 {
-    const double n2 = dot(c.n, c.n), n = sqrt(n2), Q = c.r * fabs(dot(c.d, c.n)) + fabs(dot(c.after, c.n));
+    const double n2 = dot(c.n, c.n), n = sqrt(n2);
+    const double Q = c.r * fabs(dot(c.d, c.n)) + fabs(dot(c.after, c.n)) + DBL_MIN; /* not 0: no 0 / 0 */
     const double by = 1 / (n * Q);
     return (bend_off){of_bending(c, n, n2 * by), of_gradient(kind, a, c.p, c.n, n2, n, Q * by)};
 }

@@ -763,9 +763,98 @@ static void test_budget_of_a_proof(void **state)
     }
 }
 
+/* What bounds the part far out was taken with the wrong sign where its product with the curvature, or with
+ * another term's, was too small for a double: roots were lost.  A term too small to matter changes no first
+ * root. */
+static void require_alike(sgt_surface with, sgt_surface without, sgt_ray ray, const char *what)
+{
+    for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+        sgt_options opt = {.proof = (sgt_proof)proof, .pick = SGT_FIRST};
+        sgt_hit a = sgt_intersect(with, ray, &opt), b = sgt_intersect(without, ray, &opt);
+        const bool differ = a.status >= 0 && b.status >= 0 && (a.status > 0) != (b.status > 0);
+        const bool apart = a.status > 0 && b.status > 0 && !(fabs(a.t - b.t) <= a.t_err + b.t_err);
+        REQUIRE(!differ && !apart, "%s, proof %d: %s, t = %g; without the term %s, t = %g", what, proof,
+                sgt_status_text(a.status), a.t, sgt_status_text(b.status), b.t);
+    }
+}
+
+static void test_terms_too_small_to_matter(void **state)
+{
+    (void)state;
+    generator g = seeded("terms too small to matter");
+    static const double sizes[] = {5e-324, 1e-320, 1e-310, 1e-300, 1e-250, 1e-200, 1e-170, 1e-100};
+    for (int i = 0; i < 4000; i++) {
+        const double c = i % 4 ? uniform(&g, -0.05, 0.05) : 0, k = uniform(&g, -2, 0.5);
+        const double tiny = sizes[i % 8] * (i & 8 ? 1 : -1), other = i & 16 ? -0.5 * tiny : 0;
+        const double own[2] = {tiny, other}, none[2] = {0, 0};
+        const double far = uniform(&g, 2, 20), down = i % 3 ? uniform(&g, -0.02, 0.02) : 0;
+        const double height = i % 5 && c != 0 ? c * far * far * uniform(&g, 0, 1) : 0.01;
+        const sgt_ray ray = {{-far, i % 7 ? uniform(&g, -1, 1) : 0, height}, {1, 0, down}, 0, 1e9};
+        sgt_q_con q = {.c = c, .k = k, .norm = 7, .a = {own, 1, 2}}, q0 = q;
+        sgt_q_bfs b = {.c = c, .norm = 7, .a = {own, 1, 2}}, b0 = b;
+        sgt_odd_asphere o = {.c = c, .k = k, .a = {0, 0, 0, tiny, other}}, o0 = o;
+        q0.a.x = b0.a.x = none, o0.a[3] = o0.a[4] = 0;
+        require_alike((sgt_surface){&sgt_q_con_ops, &q}, (sgt_surface){&sgt_q_con_ops, &q0}, ray, "q_con");
+        require_alike((sgt_surface){&sgt_q_bfs_ops, &b}, (sgt_surface){&sgt_q_bfs_ops, &b0}, ray, "q_bfs");
+        require_alike((sgt_surface){&sgt_odd_asphere_ops, &o}, (sgt_surface){&sgt_odd_asphere_ops, &o0}, ray,
+                      "odd_asphere");
+        sgt_q_con flat = {.norm = 7, .a = {own, 1, 1}};
+        sgt_odd_asphere against = {.a = {0, 0, 0, 0, 0, -tiny}};
+        sgt_surface term[2] = {{&sgt_q_con_ops, &flat}, {&sgt_odd_asphere_ops, &against}};
+        sgt_sum sum = {.c = c, .k = k, .terms = term, .count = 2};
+        sgt_conic bare = {.c = c, .k = k};
+        require_alike((sgt_surface){&sgt_sum_ops, &sum}, (sgt_surface){&sgt_conic_ops, &bare}, ray, "sum");
+    }
+}
+
+/* A flat sum of two terms of opposite sign, whose product is too small for a double: a root at 7.3 was a
+ * miss. */
+static void test_small_terms_against_each_other(void **state)
+{
+    (void)state;
+    const double size[1] = {5e-170};
+    sgt_q_con up = {.norm = 1, .a = {size, 1, 1}};
+    sgt_odd_asphere down = {.a = {0, 0, 0, 0, 0, -1e-170}};
+    sgt_surface term[2] = {{&sgt_q_con_ops, &up}, {&sgt_odd_asphere_ops, &down}};
+    sgt_sum sum = {.terms = term, .count = 2};
+    for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+        sgt_hit h = sgt_intersect((sgt_surface){&sgt_sum_ops, &sum},
+                                  (sgt_ray){{-10, 0, -1e-168}, {1, 0, 0}, 0, INFINITY},
+                                  &(sgt_options){.proof = (sgt_proof)proof});
+        REQUIRE(h.status < 0 || (h.status == SGT_HIT && fabs(h.t - 7.3491) < 1e-3), "%s, t = %g",
+                sgt_status_text(h.status), h.t);
+    }
+}
+
+/* The root is just before tmax, on a rim that is small beside how far off it is: a tile told of a miss. */
+static void test_leaving_up_to_a_small_rim(void **state)
+{
+    (void)state;
+    sgt_conic s = {.c = 0.55448471816054934, .k = -0.74244639851490679, .semi_diameter = 5.91983e-15};
+    enum { RAYS = 64 };
+    double o[3][RAYS], d[3][RAYS], tmin[RAYS], tmax[RAYS], t[RAYS];
+    sgt_status status[RAYS];
+    for (int i = 0; i < RAYS; i++) {
+        o[0][i] = -1.3916748573584625, o[1][i] = 0, o[2][i] = 0.559287173198319;
+        d[0][i] = 0.75404452864683069, d[1][i] = 0, d[2][i] = -0.3030358928040302;
+        tmin[i] = 0, tmax[i] = 1.8456136268979979;
+    }
+    sgt_intersect_batch((sgt_surface){&sgt_conic_ops, &s}, RAYS,
+                        (sgt_rays){{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, tmin, tmax},
+                        (sgt_hits){.status = status, .t = t}, NULL);
+    sgt_hit alone = conic(s, (sgt_ray){{o[0][0], 0, o[2][0]}, {d[0][0], 0, d[2][0]}, 0, tmax[0]},
+                          (sgt_options){.max_evals = 0});
+    for (int i = 0; i < RAYS; i++)
+        REQUIRE(status[i] == alone.status && status[i] != SGT_MISS && (alone.status < 0 || t[i] == alone.t),
+                "%s alone, %s in a batch", sgt_status_text(alone.status), sgt_status_text(status[i]));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_terms_too_small_to_matter),
+        cmocka_unit_test(test_small_terms_against_each_other),
+        cmocka_unit_test(test_leaving_up_to_a_small_rim),
         cmocka_unit_test(test_first_of_all_at_the_start),
         cmocka_unit_test(test_root_right_behind_a_start_far_from_the_middle),
         cmocka_unit_test(test_graze_that_reaches_inside_the_aperture),

@@ -382,8 +382,8 @@ sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt
     if (study) *study = (sgt_study){.opt = *opt, .lens = lens, .from = from, .um = sgt_lens_unit(lens)};
     const sgt_shard *shard = opt->shard;
     if (!study) sgt_launch_memory(from, error);
-    else if (shard && (shard->of < 1 || shard->number > shard->of || !(shard->number ? shard->write != NULL
-                                                                                       : shard->read != NULL)))
+    else if (shard && (shard->of < 1 || shard->number > shard->of ||
+                       !(shard->number ? shard->write != NULL : shard->read != NULL)))
         sgt_launch_fail(from, error, "", "sgt_shard: number %zu of %zu; 1 to `of` needs write, 0 needs read",
                         shard->number, shard->of);
     else if (PLAIN(from, opt, "sgt_study_options", error) &&

@@ -171,8 +171,7 @@ SGT_INLINE mask starts_on(const bowl *s, const sgt_ray *ray)
 }
 
 /* away: neither root is accepted.  For the far root: far_gone: it is certainly not accepted; far_accepted:
- * it certainly is.  It lies in far +- slack.  start:
- * as starts_on. */
+ * it certainly is.  It lies in far +- slack.  start: as starts_on. */
 typedef struct verdicts {
     mask away, far_gone, far_accepted, start;
     double far, slack;

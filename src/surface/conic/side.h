@@ -274,7 +274,7 @@ SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_t
     mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p30),
          near = MASK(at * across <= 0x1p20 * (fabs(px) + fabs(py))),
          gone = known & side_gone(s, &(side_origin){ox, oy, oz, 0}, t, 0, ray) &
-                (MASK(t < 0) | MASK(t > tmax) | (low & near));
+                (MASK(t < 0) | MASK(t > tmax * (1 + 32 * SGT_U)) | (low & near));
     mask wanted = known & low & MASK(fabs(w) < 1 - 0x1p-8) &
                   MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach) &
                   MASK(sure * (Aa + Aa) * tau_err < size);
@@ -289,7 +289,8 @@ SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_t
  * away, is 2^9 times as far as what the rule of the start drops: F has that sign between them.
  *
  * With |B| > 2^-16 Ba, |A| > 2^-16 Aa and Aa Ca <= 2^14 B^2 the other root is at 2 B / A to 2^-33 of it.
- * So by low and near its point is known to 2^-24, and the margins of side_gone are 2^-20. */
+ * So by low and near its point is known to 2^-24, and the margins of side_gone are 2^-20.  Its point need not
+ * be known where t is negative, or is beyond tmax by more than it is off. */
 typedef struct side_start {
     mask away;
     double behind;
@@ -312,7 +313,7 @@ SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
     mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p8),
          near = MASK(fabs(t) * across <= 0x1p8 * (fabs(px) + fabs(py))),
          gone = side_gone(s, &(side_origin){x, y, z, 0}, t, 0, ray) &
-                (MASK(t < 0) | MASK(t > ray->tmax) | (low & near));
+                (MASK(t < 0) | MASK(t > ray->tmax * (1 + 0x1p-32)) | (low & near));
     return (side_start){known & gone & MASK(ray->tmin == 0) & MASK(ray->tmax > 0) & starts_on(s, ray),
                         chosen(sloped, copysign(1, B), 0)};
 }

@@ -323,13 +323,15 @@ bool sgt_departure_noises(const departure_sag *s, size_t n, const double radius[
     return true;
 }
 
-/* The sag of the base is at most |c| r^2, with the sign of c: 1 + phi >= 1. */
+/* The sag of the base is at most |c| r^2, with the sign of c: 1 + phi >= 1.  A tail so small that its margins
+ * would be lost, or those of the terms that it is made of, is not known. */
 double sgt_departure_tail(const departure_sag *s, double radius)
 {
+    static const double LEAST = 0x1p-900;
     double tail = s->of->tail && radius < 0x1p400 ? s->of->tail(s->self, radius) : 0, c = s->base ? s->c : 0;
-    if (tail == 0 || c * tail >= 0) return tail;
-    double left = fabs(tail) - fabs(c) * radius * radius * (1 + 0x1p-40);
-    return left > 0 ? copysign(left, tail) : 0;
+    double against = c != 0 && signbit(c) != signbit(tail) ? fabs(c) * radius * radius * (1 + 0x1p-40) : 0;
+    double left = fabs(tail) - against;
+    return left > LEAST ? copysign(left, tail) : 0;
 }
 
 /* If a rectangle has no rim, the circle through its corners is taken.  That is safe because a ray is inside

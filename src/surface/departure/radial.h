@@ -37,7 +37,7 @@ SGT_INLINE bounds radial_beyond(size_t k, size_t m, double u)
 }
 
 /* The tail of P = sum of a[m] p_m; size[m] is p_m at R, with the sign -1 for an odd m if they alternate.
- * a_err: as in q.h.  `from`: the first m that may count. */
+ * a_err: as in q.h; NULL: they are exact.  `from`: the first m that may count. */
 SGT_INLINE double radial_tail(const double *size, size_t from, size_t terms, const double *a,
                               const double *a_err, bool alternate)
 {

@@ -93,7 +93,7 @@ static double sum_tail(const void *self, double radius)
     for (size_t k = 0; k < s->count; k++) {
         const departure *term = of(&s->terms[k]);
         double own = term->tail ? term->tail(s->terms[k].self, radius) : 0;
-        if (own == 0 || own * sum < 0) return 0;
+        if (own == 0 || (sum != 0 && signbit(own) != signbit(sum))) return 0; /* a product may be 0 */
         sum += own * (1 - 0x1p-40);
     }
     return sum;
