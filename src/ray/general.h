@@ -55,8 +55,9 @@ static inline void values_of(sgt_surface s, size_t n, sgt_points p, sgt_values o
         return;
     }
     for (size_t i = 0; i < n; i++) {
-        sgt_vec3 grad = {0, 0, 0}; /* a user's F that is NaN may leave it */
+        sgt_vec3 grad;
         out.f[i] = ops->value(s.self, (sgt_vec3){p.p[0][i], p.p[1][i], p.p[2][i]}, &grad);
+        if (isnan(out.f[i])) grad.x = grad.y = grad.z = 0; /* a user's F may leave it then */
         out.grad[0][i] = grad.x, out.grad[1][i] = grad.y, out.grad[2][i] = grad.z;
     }
 }
