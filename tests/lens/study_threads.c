@@ -9,8 +9,8 @@
  * Each question is also asked in 1, 3 or 7 shards, whose bytes are kept in memory, and joined of these.
  *
  * Of the fourteen ways with threads every third is tried of a question, other ones of the next: each analysis
- * meets all of them.  With SAGITTA_TEST_SCALE=1 or more each question is asked in each way, below 0.1 in
- * one. */
+ * meets all of them.  With SAGITTA_TEST_SCALE=1 or more each question is asked in each way, below 0.1 every
+ * second question in one. */
 #include <sagitta/study.h>
 
 #include <pthread.h>
@@ -215,6 +215,8 @@ int main(int argc, char *argv[])
 {
     const sgt_lens_aim stop = SGT_LENS_AIM_REAL_STOP;
     size_t faults = 0, asked = 0;
+    const char *scale = getenv("SAGITTA_TEST_SCALE");
+    const bool few = scale && atof(scale) < 0.1;
     for (int i = 1; i < argc; i++) {
         sgt_error error;
         sgt_lens *lens = sgt_lens_read(argv[i], NULL, &error);
@@ -228,6 +230,7 @@ int main(int argc, char *argv[])
                 sgt_study_options how = {.aim = more & 2 ? &stop : NULL,
                                          .across = more & 1 && !of->no_rays && !of->no_fields ? ACROSS : 0};
                 if (of->no_fields && more & 2) continue; /* far fields: minutes of proofs */
+                if (few && (k + (size_t)more) % 2) continue;
                 faults += compare(argv[i], lens, of, &how, (int)asked++);
             }
         sgt_lens_free(lens);

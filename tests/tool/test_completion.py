@@ -74,7 +74,7 @@ def completed(shell, line):
             terminal.write(command + '\n')
         terminal.read('ready:')
         terminal.write(f'{line}\t')
-        time.sleep(0.6)
+        time.sleep(0.35)
         # quotes at both ends of the line, by ^A and ^E, and echo in front: then it is only printed
         terminal.write("\x01echo '<<\x05>>'\n")
         out = terminal.read('\n<<.*>>')

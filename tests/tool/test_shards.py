@@ -66,6 +66,8 @@ def test_analyses():
              ('sweep', TRIPLET, '--over', 'surfaces[6].thickness', '--from', 42, '--to', 43, '--steps', 2),
              ('energy', TRIPLET), ('illumination', GAUSS), ('ends', GAUSS, '--hexapolar', 4)]
     for i, arguments in enumerate(asked):
+        if SCALE < 0.1 and i % 3 != SEED % 3:
+            continue
         for count in (1, 3, 7) if SCALE >= 1 else ((1, 3, 7)[i % 3],):
             same(count, *arguments, '--format', ('text', 'csv', 'json')[(i + count) % 3])
 
@@ -94,7 +96,8 @@ def test_rays_of_files():
              ('trace', LENSES / 'ftheta.yaml', '--rays', csv),
              ('trace', LENSES / 'ftheta.yaml', '--rays', npy, '--last', '--proof', 'first')]
     for i, arguments in enumerate(asked):
-        same((1, 3, 7)[i % 3], *arguments, '--format', ('csv', 'text', 'json')[i % 3])
+        if SCALE >= 0.1 or i % 2:
+            same((1, 3, 7)[i % 3], *arguments, '--format', ('csv', 'text', 'json')[i % 3])
     same(3, *asked[0], '--format', 'text'), same(3, *asked[4], '--format', 'csv')
 
 
@@ -228,7 +231,7 @@ def test_kills():
     started = time.monotonic()
     run(*arguments, '--shard', '1/2', '--output', parts[0])
     lasts = time.monotonic() - started
-    for kill in range(20 if SCALE >= 1 else 4):
+    for kill in range(20 if SCALE >= 1 else 4 if SCALE >= 0.1 else 1):
         for k, part in enumerate(parts):
             part.unlink(missing_ok=True)
             running = subprocess.Popen([SAGITTA, *map(str, arguments), '--shard', f'{k + 1}/2', '--output', str(part)],
