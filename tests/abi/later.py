@@ -74,8 +74,9 @@ def grow(tree):
         grown += count
     if grown < 30:
         sys.exit(f'{grown} structs have room')
-    replaced(tree / 'src/solve/entries.h', '.f = f, .p = p, .n = n, .p_err = p_err, .reserved_ = {0, 0}};',
-             '.f = f, .p = p, .n = n, .p_err = p_err, .planted_ = 7};')
+    last = '.p = h->p, .n = h->n, .p_err = h->p_err,'
+    replaced(tree / 'src/solve/entries.h', last + '\n                     .reserved_ = {0, 0}};',
+             last + ' .planted_ = 7};')
     replaced(tree / 'src/num/exact.h', 'always_inline, ', '')  # inlined code takes longer to compile
     types = tree / 'src/types.def'
     row = re.search(r'^TYPE\(CONIC, sphere,.*?\n(?=TYPE)', types.read_text(), re.MULTILINE | re.DOTALL)[0]

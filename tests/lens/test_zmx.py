@@ -47,6 +47,11 @@ def several(count):
     return max(1, round(count * SCALE))
 
 
+def some(cases):
+    """All, but for a sanitized command every third."""
+    return cases if SCALE >= 0.1 else cases[SEED % 3::3]
+
+
 # ------------------------------------------------------------------ lenses of our own
 
 def glas(name, code=0, pickup=0, nd=1.5, vd=40, more=0):
@@ -364,7 +369,7 @@ def lens_of(kind, generator):
 
 def test_each_type():
     faults = []
-    for kind in TYPES:
+    for kind in some(TYPES):
         generator = random.Random(f'{SEED} {kind}')
         through = []
         for trial in range(several(4)):
@@ -1090,7 +1095,7 @@ def test_what_is_refused():
     cycle = zmx(FAR, surf(t=1.0, glass=glas('___BLANK', 2, 2)), surf(t=1.0, glass=glas('___BLANK', 2, 1)),
                 IMAGE)
     cases.append((cycle, 'GLAS', (), None))
-    for data, keyword, words, line in cases:
+    for data, keyword, words, line in some(cases):
         lines = [line] if line else [i for i, row in enumerate(data.splitlines(), 1)
                                      if row.split()[0] == keyword and all(w in row for w in words)]
         try:
