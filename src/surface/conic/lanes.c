@@ -397,6 +397,8 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
 {
     side_room r;
     lane_to to = lane_to_of(tile, &r.ends);
+    memset(r.ends.hit, 0, tile->n * sizeof *r.ends.hit); /* rays that no loop below answers have none */
+    memset(r.away, 0, tile->n * sizeof *r.away);
     side_kinds is = first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
     const mask alone = is.plain ? 0 : MASK(true);
     if (!alone) conic_lanes_plain(s, tile, to, &r);
