@@ -345,7 +345,7 @@ def of_type(kind, generator):
         return dict(c=c, k=k, xdat=[count, u(6, 12)] + [u(-0.05, 0.05) for _ in range(count)])
     if kind == 'QED_TYPE':
         which, count = generator.randint(0, 1), generator.randint(1, 8)
-        return dict(c=c, k=k if which else 0.0, xdat=[which, count, u(6, 9)] + [u(-0.05, 0.05) for _ in range(count)])
+        return dict(c=c, k=k, xdat=[which, count, u(6, 9)] + [u(-0.05, 0.05) for _ in range(count)])
     if kind in ('FZERNSAG', 'SZERNSAG'):
         count = generator.randint(1, 37)
         evens = [u(-1, 1) * 10.0 ** -(2 + 2 * i) for i in range(1, 9)] if generator.random() < 0.5 else []
@@ -1072,7 +1072,7 @@ def test_what_is_refused():
         cases += [(extended(kind, *before, 1, 0.0, 0.1), 'XDAT', (), None),       # a radius that is none
                   (extended(kind, *before, 1.5, 5.0, 0.1), 'XDAT', (), None),     # a number of terms that is none
                   (extended(kind, *before, 999, 5.0, 0.1), 'XDAT', (), None)]
-    cases += [(extended('QED_TYPE', 0, 1, 5.0, 0.1, k=-1.0), 'CONI', (), None),
+    cases += [(extended('QED_TYPE', 0, 21, 5.0, *[0.1] * 21, k=-1.0), 'XDAT', (), None),
               (extended('QED_TYPE', 2, 1, 5.0, 0.1), 'XDAT', (), None),
               (extended('SZERNSAG', 1, 5.0, 0.1, parm={9: 0.5}), 'PARM', (), None),
               (extended('GRID_SAG', 0), 'GDAT', (), line_of(extended('GRID_SAG', 0), 'SURF 1')),

@@ -289,10 +289,12 @@ class Shape:
                 q = q_con(len(self.a), u2, self.zero + 1)
                 front, d_front = u2 * u2, 2 * u2
             else:
-                w = root(1 - c * c * r2)
+                # 1 over the cosine of the conic's normal, which is sqrt(w / (w + c^2 r^2)), and its slope by u^2
+                w = 1 - (1 + k) * c * c * r2
+                by = root(1 + c * c * r2 / w)
                 q = q_bfs(len(self.a), u2, self.zero + 1)
-                front = u2 * (1 - u2) / w
-                d_front = (1 - 2 * u2) / w + u2 * (1 - u2) * c * c * norm2 / (2 * w * w * w)
+                front = u2 * (1 - u2) * by
+                d_front = (1 - 2 * u2) * by + u2 * (1 - u2) * c * c * norm2 / (2 * by * w * w)
             total, slope = (sum((a * one[i] for a, one in zip(self.a, q)), self.zero) for i in (0, 1))
             s += front * total
             d += (d_front * total + front * slope) / norm2

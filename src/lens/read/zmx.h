@@ -187,6 +187,7 @@ struct zmx_type {
 
 /* zmx_shape.c: the type of that name; NULL: it is not read. */
 const zmx_type *sgt_zmx_type(piece name);
+const char *sgt_zmx_refused(piece name); /* why a type is not read, where that can be said; else NULL */
 size_t sgt_zmx_number_of(const zmx *z, const zmx_surface *f);
 void sgt_zmx_set_word(zmx *z, node *map, const char *key, size_t line, const char *text);
 void sgt_zmx_set_number(zmx *z, node *map, const char *key, size_t line, double x);

@@ -13,7 +13,7 @@
  *     XPOLYNOM   conic(r) + sum of a_i (x/R)^a (y/R)^b, in the order x, y, x^2, xy ...; N, R, a_i as XASPHERE
  *     IRREGULA   conic(r) + P5 q^4 + P6 v^2 + P7 q^2 v; q = r/R, v = (x sin P8 + y cos P8)/R, R = DIAM.  It
  *                alone is decentred by P1, P2, then tilted by P3 about x, P4 about y
- *     QED_TYPE   conic(r) + Forbes' Qbfs (X1 = 0) or Qcon (X1 = 1); N = X2, R = X3, a_0 = X4
+ *     QED_TYPE   conic(r) + Forbes' Qbfs (X1 = 0; see below) or Qcon (X1 = 1); N = X2, R = X3, a_0 = X4
  *     FZERNSAG   conic(r) + even(r) + Zernike's in the fringe order, 1 at r = R; N, R, a_i as XASPHERE
  *     SZERNSAG   the same in Noll's order, with the mean square 1
  *     GRID_SAG   the same as SZERNSAG, and the heights of GARR on a grid that GDAT describes
@@ -27,7 +27,14 @@
  * 12 + i is XDAT i.)  Types that lack a published layout of their records are refused by name: a wrong shape
  * is worse than none.
  *
- * QBFS ON A CONIC.  Forbes (2007) has a sphere under Qbfs; what OpticStudio does with k is not published.
+ * QBFS ON A CONIC.  Forbes (2007) divides the departure from a sphere by sqrt(1 - c^2 r^2), the cosine of the
+ * sphere's normal: it is measured along that normal.  Of a conic the cosine is
+ *     s = sqrt((1 - (1 + k) c^2 r^2) / (1 - k c^2 r^2)),    1 / s = sqrt(1 + c^2 r^2 / (1 - (1 + k) c^2 r^2)),
+ * the same for k = 0.  The designs of catalogue lenses with such a surface focus with this factor, and not
+ * with Forbes' own or with 1.  q_bfs has a sphere under it, so the surface becomes a formula.  Its polynomial
+ * is one of t = 1 - 2 u^2, u = r / R, in [-1, 1] over the aperture.  From the polynomials P_m of q_bfs.c, whose
+ * recurrence is P_m+1 = 2 t P_m - P_m-1 from -2 and 2 on, term m gets factors of some 2.4^m, which
+ * cancel: 20 terms lose 1e-9 of the largest coefficient at most.
  *
  * THE TILTED PLANE.  Its normal is (-P1, -P2, 1).  The tilt Rz Ry Rx by (a, b, 0) takes (0, 0, 1) to
  * (cos a sin b, -sin a, cos a cos b), so tan b = -P1 and tan a = P2 cos b = P2 / hypot(1, P1).  Apertures are
@@ -39,6 +46,7 @@
 #include <string.h>
 
 static const double DEGREE = 57.295779513082320877;
+enum { BFS_ON_CONIC = 20 }; /* terms */
 
 size_t sgt_zmx_number_of(const zmx *z, const zmx_surface *f) { return (size_t)(f - z->surface); }
 
@@ -262,6 +270,55 @@ static void write_extended(zmx *z, const zmx_surface *f, node *map)
     tree_set(z->s, map, "coefficients", tree_numbers(z->s, t.line, t.count, t.value));
 }
 
+/* The sum of a[m] Qbfs_m as one of b[m] t^m; b: zeros. */
+static void powers_of_bfs(const double a[], size_t count, double b[])
+{
+    double f[BFS_ON_CONIC] = {2, 0.5 * sqrt(19)}, g[BFS_ON_CONIC] = {-0.5}, h[BFS_ON_CONIC] = {0};
+    double by_p[BFS_ON_CONIC + 2] = {0}, before[BFS_ON_CONIC] = {-2}, p[BFS_ON_CONIC] = {2};
+    for (size_t m = 2; m < count; m++) {
+        const double n = (double)m;
+        h[m - 2] = -n * (n - 1) / (2 * f[m - 2]);
+        g[m - 1] = -(1 + g[m - 2] * h[m - 2]) / f[m - 1];
+        f[m] = sqrt(n * (n + 1) + 3 - g[m - 1] * g[m - 1] - h[m - 2] * h[m - 2]);
+    }
+    /* P_m = f_m Q_m + g_(m-1) Q_(m-1) + h_(m-2) Q_(m-2), so the sum of by_p[m] P_m is that of a[m] Q_m: */
+    for (size_t m = count; m-- > 0;)
+        by_p[m] = (a[m] - g[m] * by_p[m + 1] - h[m] * by_p[m + 2]) / f[m];
+    for (size_t m = 0; m < count; m++) {
+        double next[BFS_ON_CONIC] = {0};
+        for (size_t i = 0; i <= m; i++) {
+            b[i] += by_p[m] * p[i];
+            next[i] -= before[i];
+            if (i + 1 < count) next[i + 1] += 2 * p[i];
+        }
+        memcpy(before, p, sizeof p), memcpy(p, next, sizeof p);
+    }
+}
+
+static void write_bfs_on_conic(zmx *z, const zmx_surface *f, node *map, const zmx_terms *t)
+{
+    double b[BFS_ON_CONIC] = {0};
+    if (t->count > BFS_ON_CONIC)
+        tree_fail(z->s, t->line, "XDAT", "surface %zu: on a conic up to %d terms of Qbfs are read, not %zu",
+                  sgt_zmx_number_of(z, f), (int)BFS_ON_CONIC, t->count);
+    powers_of_bfs(t->value, t->count, b);
+    const char *sum = "0";
+    for (size_t m = t->count; m-- > 0;)
+        sum = m + 1 == t->count ? tree_print(z->s, "b%zu", m)
+                                : tree_print(z->s, "(b%zu + (1 - 2*r^2/norm^2)*%s)", m, sum);
+    node *text = tree_word(z->s, f->line, tree_print(z->s,
+        "c*r^2/(1 + sqrt(1 - (1 + k)*c^2*r^2)) + "
+        "sqrt(1 + c^2*r^2/(1 - (1 + k)*c^2*r^2))*r^2/norm^2*(1 - r^2/norm^2)*%s", sum));
+    text->quoted = true;
+    sgt_zmx_set_word(z, map, "type", f->line, "formula");
+    tree_set(z->s, map, "sag", text);
+    sgt_zmx_set_number(z, map, "c", f->curvature_line, f->curvature);
+    sgt_zmx_set_number(z, map, "k", f->conic_line, f->conic);
+    sgt_zmx_set_number(z, map, "norm", t->line, t->norm);
+    for (size_t m = 0; m < t->count; m++)
+        sgt_zmx_set_number(z, map, tree_print(z->s, "b%zu", m), t->line, b[m]);
+}
+
 /* XDAT 1 says which polynomials of Forbes there are. */
 static void write_forbes(zmx *z, const zmx_surface *f, node *map)
 {
@@ -277,9 +334,10 @@ static void write_forbes(zmx *z, const zmx_surface *f, node *map)
         write_standard(z, f, map);
         return;
     }
-    if (kind == 0 && f->conic != 0 && f->curvature != 0)
-        tree_fail(z->s, f->conic_line, "CONI", "surface %zu: Qbfs terms are read on a sphere, not on a conic",
-                  sgt_zmx_number_of(z, f));
+    if (kind == 0 && f->conic != 0 && f->curvature != 0) {
+        write_bfs_on_conic(z, f, map, &t);
+        return;
+    }
     write_base(z, f, map, kind == 0 ? "q_bfs" : "q_con");
     sgt_zmx_set_number(z, map, "norm", t.line, t.norm);
     tree_set(z->s, map, "coefficients", tree_numbers(z->s, t.line, t.count, t.value));
@@ -411,6 +469,27 @@ static const zmx_type types[] = {
     {"PARAXIAL", .parms = 2, .write = write_ideal}, /* PARM 2: how paths are counted, not where rays go */
     {"COORDBRK", .parms = 6},
 };
+
+/* Types that cannot be read, and those that begin so. */
+static const struct { const char *name, *why; } refused[] = {
+    {"CHEBYSHE", "the order in which its coefficients are stored is not published"},
+    {"FRESNELS", "its facets bend light by another slope than that of the surface it is met on"},
+    {"NONSEQCO", "light meets its objects in no order that the file says"},
+    {"JONESMAT", "polarisation is not traced"},
+    {"GRIN", "light goes in curves behind it (a gradient of the index)"},
+    {"BIRE", "the medium behind it has two indices"},
+    {"USERSURF", "its shape is in another file, a program"},
+};
+
+const char *sgt_zmx_refused(piece name)
+{
+    const size_t length = (size_t)(name.end - name.begin);
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        const size_t own = strlen(refused[i].name);
+        if (length >= own && memcmp(name.begin, refused[i].name, own) == 0) return refused[i].why;
+    }
+    return NULL;
+}
 
 const zmx_type *sgt_zmx_type(piece name)
 {
