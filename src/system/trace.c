@@ -362,6 +362,7 @@ const char *sgt_fate_text(sgt_fate fate)
     case SGT_PASSED: return "passed";
     case SGT_CLIPPED: return "clipped";
     case SGT_TIR: return "tir";
+    case SGT_EVANESCENT: return "evanescent";
     case SGT_MISSED: return "missed";
     case SGT_LOST: return "lost";
     }
