@@ -17,6 +17,7 @@
  *     FZERNSAG   conic(r) + even(r) + Zernike's in the fringe order, 1 at r = R; N, R, a_i as XASPHERE
  *     SZERNSAG   the same in Noll's order, with the mean square 1
  *     GRID_SAG   the same as SZERNSAG, and the heights of GARR on a grid that GDAT describes
+ *     DGRATING, BINARY_1, BINARY_2, BINARY_3, FZERNPHA, SZERNPHA, HOLOGRM1, HOLOGRM2: see zmx_phase.c
  *     TILTSURF   the plane z = P1 x + P2 y; as surface 0 an object whose points lie there
  *     PARAXIAL   a thin lens without aberrations, of the focal length P1
  *     COORDBRK   no surface: decenter P1, P2, then tilts P3, P4, P5 about x, y, z; P6 not 0: the tilts come
@@ -86,7 +87,7 @@ static void write_base(zmx *z, const zmx_surface *f, node *map, const char *type
     if (f->conic != 0 && f->curvature != 0) sgt_zmx_set_number(z, map, "conic", f->conic_line, f->conic);
 }
 
-static void write_standard(zmx *z, const zmx_surface *f, node *map)
+void sgt_zmx_write_standard(zmx *z, const zmx_surface *f, node *map)
 {
     write_base(z, f, map, f->curvature == 0 ? "plane" : f->conic == 0 ? "sphere" : "conic");
 }
@@ -103,14 +104,14 @@ static void set_coefficients(zmx *z, const zmx_surface *f, node *map, size_t fir
     if (count) tree_set(z->s, map, "coefficients", tree_numbers(z->s, f->parm_line, count, f->parm + first));
 }
 
-static void write_asphere(zmx *z, const zmx_surface *f, node *map)
+void sgt_zmx_write_asphere(zmx *z, const zmx_surface *f, node *map)
 {
     size_t count = coefficients(f, 1, 8);
     if (count == 0) {
-        write_standard(z, f, map);
+        sgt_zmx_write_standard(z, f, map);
         return;
     }
-    write_base(z, f, map, *f->type->name == 'E' ? "even_asphere" : "odd_asphere");
+    write_base(z, f, map, *f->type->name == 'O' ? "odd_asphere" : "even_asphere");
     set_coefficients(z, f, map, 1, count);
 }
 
@@ -139,7 +140,7 @@ static void write_biconic(zmx *z, const zmx_surface *f, node *map)
 /* --------------------------------------------------------- shapes with XDAT */
 
 /* XDAT 1 ... most, 0 where there is none; *line is that of the last one. */
-static double *extra_numbers(zmx *z, const zmx_surface *f, size_t most, size_t *line)
+double *sgt_zmx_extras(zmx *z, const zmx_surface *f, size_t most, size_t *line)
 {
     bool *given = tree_room(z->s, most + 1, sizeof *given);
     double *extra = tree_room(z->s, most + 1, sizeof *extra);
@@ -155,18 +156,11 @@ static double *extra_numbers(zmx *z, const zmx_surface *f, size_t most, size_t *
     return extra;
 }
 
-/* The terms of a surface: how many there are, where they begin, and the radius that they are scaled by. */
-typedef struct zmx_terms {
-    double *value; /* from 0 */
-    size_t count, line;
-    double norm;
-} zmx_terms;
-
 /* XDAT `first` counts them, the next is their radius, and behind that they stand. */
-static zmx_terms extra_terms(zmx *z, const zmx_surface *f, size_t first, size_t most)
+zmx_terms sgt_zmx_terms(zmx *z, const zmx_surface *f, size_t first, size_t most)
 {
     zmx_terms t;
-    const double *extra = extra_numbers(z, f, most + first + 1, &t.line), count = extra[first];
+    const double *extra = sgt_zmx_extras(z, f, most + first + 1, &t.line), count = extra[first];
     if (!(count >= 0 && count <= (double)most && count == floor(count)))
         tree_fail(z->s, t.line, "XDAT",
                   "surface %zu has %g terms (XDAT %zu), which is no whole number up to %zu",
@@ -185,7 +179,7 @@ static zmx_terms extra_terms(zmx *z, const zmx_surface *f, size_t first, size_t 
 }
 
 /* x / norm^power */
-static double by_norm(zmx *z, const zmx_surface *f, size_t line, double x, double norm, size_t power)
+double sgt_zmx_by_norm(zmx *z, const zmx_surface *f, size_t line, double x, double norm, size_t power)
 {
     const double y = x / pow(norm, (double)power);
     if (!(norm > 0) || !isfinite(y))
@@ -194,14 +188,7 @@ static double by_norm(zmx *z, const zmx_surface *f, size_t line, double x, doubl
     return y;
 }
 
-/* The factors of x^i y^j; rows and columns grow as they are set. */
-enum { XY_ORDER = 20, XY_TERMS = 230 }; /* terms of order 1 ... 20 */
-typedef struct zmx_xy {
-    double factor[XY_ORDER + 1][XY_ORDER + 1];
-    size_t width[XY_ORDER + 1], rows;
-} zmx_xy;
-
-static void add_xy(zmx_xy *t, size_t i, size_t j, double factor)
+void sgt_zmx_add_xy(zmx_xy *t, size_t i, size_t j, double factor)
 {
     if (factor == 0) return;
     t->factor[i][j] += factor;
@@ -209,28 +196,38 @@ static void add_xy(zmx_xy *t, size_t i, size_t j, double factor)
     if (t->rows <= i) t->rows = i + 1;
 }
 
-static void write_xy(zmx *z, const zmx_surface *f, node *map, size_t line, const zmx_xy *t)
+node *sgt_zmx_rows(zmx *z, size_t line, const zmx_xy *t)
 {
-    if (t->rows == 0) {
-        write_standard(z, f, map);
-        return;
-    }
-    write_base(z, f, map, "polynomial_xy");
     node *list = tree_node(z->s, NODE_LIST, line);
     for (size_t i = 0; i < t->rows; i++)
         tree_append(z->s, list, tree_numbers(z->s, line, t->width[i] ? t->width[i] : 1, t->factor[i]));
-    tree_set(z->s, map, "coefficients", list);
+    return list;
+}
+
+static void write_xy(zmx *z, const zmx_surface *f, node *map, size_t line, const zmx_xy *t)
+{
+    if (t->rows == 0) {
+        sgt_zmx_write_standard(z, f, map);
+        return;
+    }
+    write_base(z, f, map, "polynomial_xy");
+    tree_set(z->s, map, "coefficients", sgt_zmx_rows(z, line, t));
+}
+
+size_t sgt_zmx_polynomial(zmx *z, const zmx_surface *f, zmx_xy *xy)
+{
+    const zmx_terms t = sgt_zmx_terms(z, f, 1, XY_TERMS);
+    for (size_t term = 0, order = 1; term < t.count; order++)
+        for (size_t j = 0; j <= order && term < t.count; j++, term++)
+            if (t.value[term] != 0)
+                sgt_zmx_add_xy(xy, order - j, j, sgt_zmx_by_norm(z, f, t.line, t.value[term], t.norm, order));
+    return t.line;
 }
 
 static void write_polynomial(zmx *z, const zmx_surface *f, node *map)
 {
-    const zmx_terms t = extra_terms(z, f, 1, XY_TERMS);
     zmx_xy *xy = tree_room(z->s, 1, sizeof *xy);
-    for (size_t term = 0, order = 1; term < t.count; order++)
-        for (size_t j = 0; j <= order && term < t.count; j++, term++)
-            if (t.value[term] != 0)
-                add_xy(xy, order - j, j, by_norm(z, f, t.line, t.value[term], t.norm, order));
-    write_xy(z, f, map, t.line, xy);
+    write_xy(z, f, map, sgt_zmx_polynomial(z, f, xy), xy);
 }
 
 /* P1 ... P4, where it is, are breaks. */
@@ -245,12 +242,12 @@ static void write_irregular(zmx *z, const zmx_surface *f, node *map)
                   "surface %zu is IRREGULA, whose terms are scaled by a DIAM above 0",
                   sgt_zmx_number_of(z, f));
     if (size > 0) {
-        const double z4 = by_norm(z, f, line, spherical, size, 4);
-        const double a2 = by_norm(z, f, line, astigmatic, size, 2), c3 = by_norm(z, f, line, coma, size, 3);
-        add_xy(xy, 4, 0, z4), add_xy(xy, 2, 2, 2 * z4), add_xy(xy, 0, 4, z4);
-        add_xy(xy, 2, 0, a2 * s * s), add_xy(xy, 1, 1, 2 * a2 * s * c), add_xy(xy, 0, 2, a2 * c * c);
-        add_xy(xy, 3, 0, c3 * s), add_xy(xy, 1, 2, c3 * s);
-        add_xy(xy, 2, 1, c3 * c), add_xy(xy, 0, 3, c3 * c);
+        const double z4 = sgt_zmx_by_norm(z, f, line, spherical, size, 4);
+        const double a2 = sgt_zmx_by_norm(z, f, line, astigmatic, size, 2), c3 = sgt_zmx_by_norm(z, f, line, coma, size, 3);
+        sgt_zmx_add_xy(xy, 4, 0, z4), sgt_zmx_add_xy(xy, 2, 2, 2 * z4), sgt_zmx_add_xy(xy, 0, 4, z4);
+        sgt_zmx_add_xy(xy, 2, 0, a2 * s * s), sgt_zmx_add_xy(xy, 1, 1, 2 * a2 * s * c), sgt_zmx_add_xy(xy, 0, 2, a2 * c * c);
+        sgt_zmx_add_xy(xy, 3, 0, c3 * s), sgt_zmx_add_xy(xy, 1, 2, c3 * s);
+        sgt_zmx_add_xy(xy, 2, 1, c3 * c), sgt_zmx_add_xy(xy, 0, 3, c3 * c);
     }
     write_xy(z, f, map, line, xy);
 }
@@ -259,13 +256,13 @@ static void write_irregular(zmx *z, const zmx_surface *f, node *map)
 static void write_extended(zmx *z, const zmx_surface *f, node *map)
 {
     const bool even = f->type->name[1] == 'A';
-    const zmx_terms t = extra_terms(z, f, 1, even ? 8 : 16);
+    const zmx_terms t = sgt_zmx_terms(z, f, 1, even ? 8 : 16);
     if (t.count == 0) {
-        write_standard(z, f, map);
+        sgt_zmx_write_standard(z, f, map);
         return;
     }
     for (size_t i = 0; i < t.count; i++)
-        t.value[i] = by_norm(z, f, t.line, t.value[i], t.norm, even ? 2 * (i + 1) : i + 1);
+        t.value[i] = sgt_zmx_by_norm(z, f, t.line, t.value[i], t.norm, even ? 2 * (i + 1) : i + 1);
     write_base(z, f, map, even ? "even_asphere" : "odd_asphere");
     tree_set(z->s, map, "coefficients", tree_numbers(z->s, t.line, t.count, t.value));
 }
@@ -324,14 +321,14 @@ static void write_forbes(zmx *z, const zmx_surface *f, node *map)
 {
     enum { MOST = 64 };
     size_t line;
-    const double kind = extra_numbers(z, f, 1, &line)[1];
-    const zmx_terms t = extra_terms(z, f, 2, MOST);
+    const double kind = sgt_zmx_extras(z, f, 1, &line)[1];
+    const zmx_terms t = sgt_zmx_terms(z, f, 2, MOST);
     if (kind != 0 && kind != 1)
         tree_fail(z->s, line, "XDAT",
                   "surface %zu: %g is no kind of Q polynomials (XDAT 1): 0 is Qbfs, 1 Qcon",
                   sgt_zmx_number_of(z, f), kind);
     if (t.count == 0) {
-        write_standard(z, f, map);
+        sgt_zmx_write_standard(z, f, map);
         return;
     }
     if (kind == 0 && f->conic != 0 && f->curvature != 0) {
@@ -366,7 +363,7 @@ static void write_together(zmx *z, const zmx_surface *f, node *map, node *const 
     for (size_t i = 0; i < count; i++)
         if (terms[i]) tree_append(z->s, list, one = terms[i]);
     if (list->count == 0) {
-        write_standard(z, f, map);
+        sgt_zmx_write_standard(z, f, map);
         return;
     }
     write_base(z, f, map, list->count > 1 ? "sum" : tree_take(one, "type")->text);
@@ -377,10 +374,10 @@ static void write_together(zmx *z, const zmx_surface *f, node *map, node *const 
 }
 
 /* The Zernike terms of XDAT; NULL: none. */
-static node *zernike_of(zmx *z, const zmx_surface *f, bool fringe)
+node *sgt_zmx_zernike(zmx *z, const zmx_surface *f, bool fringe)
 {
     enum { FRINGE = 37, NOLL = 231 };
-    const zmx_terms t = extra_terms(z, f, 1, fringe ? FRINGE : NOLL);
+    const zmx_terms t = sgt_zmx_terms(z, f, 1, fringe ? FRINGE : NOLL);
     if (t.count == 0) return NULL;
     if (f->parm[9] != 0 || f->parm[10] != 0)
         tree_fail(z->s, f->parm_line, "PARM", "surface %zu: Zernike terms beside the vertex are not read",
@@ -396,7 +393,7 @@ static node *zernike_of(zmx *z, const zmx_surface *f, bool fringe)
 /* PARM 0: whether Zernike terms go on beyond their radius, as they do here. */
 static void write_zernike(zmx *z, const zmx_surface *f, node *map)
 {
-    node *const terms[] = {zernike_of(z, f, f->type->name[0] == 'F')};
+    node *const terms[] = {sgt_zmx_zernike(z, f, f->type->name[0] == 'F')};
     if (terms[0] && f->parm[0] == 0)
         tree_remark(z->s, SGT_REMARK_TURNED, f->line, f->type->name,
                     "Zernike terms that go on beyond their radius; in OpticStudio they end there");
@@ -424,7 +421,7 @@ static void write_grid(zmx *z, const zmx_surface *f, node *map)
     tree_set(z->s, grid, "sag", rows);
     tree_remark(z->s, SGT_REMARK_TURNED, g->line, "GDAT",
                 "a bicubic surface through its heights; the slopes that the file gives are not used");
-    node *const terms[] = {grid, zernike_of(z, f, false)};
+    node *const terms[] = {grid, sgt_zmx_zernike(z, f, false)};
     write_together(z, f, map, terms, 2);
 }
 
@@ -451,9 +448,9 @@ static void write_ideal(zmx *z, const zmx_surface *f, node *map)
 }
 
 static const zmx_type types[] = {
-    {"STANDARD", .round = true, .write = write_standard},
-    {"EVENASPH", .parms = 8, .round = true, .powers = true, .write = write_asphere},
-    {"ODDASPHE", .parms = 8, .round = true, .powers = true, .write = write_asphere},
+    {"STANDARD", .round = true, .write = sgt_zmx_write_standard},
+    {"EVENASPH", .parms = 8, .round = true, .powers = true, .write = sgt_zmx_write_asphere},
+    {"ODDASPHE", .parms = 8, .round = true, .powers = true, .write = sgt_zmx_write_asphere},
     {"XASPHERE", .round = true, .extras = true, .write = write_extended},
     {"XODDASPH", .round = true, .extras = true, .write = write_extended},
     {"TOROIDAL", .parms = 8, .round = true, .extras = true, .write = write_toroidal},
@@ -465,6 +462,16 @@ static const zmx_type types[] = {
     {"SZERNSAG", .parms = 10, .zeroth = true, .round = true, .extras = true, .write = write_zernike},
     {"GRID_SAG", .parms = 10, .zeroth = true, .round = true, .extras = true, .heights = true,
      .write = write_grid},
+    {"DGRATING", .parms = 2, .round = true, .write = sgt_zmx_write_grating},
+    {"BINARY_1", .parms = 8, .zeroth = true, .round = true, .extras = true, .write = sgt_zmx_write_binary},
+    {"BINARY_2", .parms = 8, .zeroth = true, .round = true, .extras = true, .write = sgt_zmx_write_binary},
+    {"BINARY_3", .parms = 8, .round = true, .extras = true, .write = sgt_zmx_write_zones},
+    {"FZERNPHA", .parms = 1, .zeroth = true, .round = true, .extras = true,
+     .write = sgt_zmx_write_zernike_phase},
+    {"SZERNPHA", .parms = 1, .zeroth = true, .round = true, .extras = true,
+     .write = sgt_zmx_write_zernike_phase},
+    {"HOLOGRM1", .parms = 8, .round = true, .write = sgt_zmx_write_hologram},
+    {"HOLOGRM2", .parms = 8, .round = true, .write = sgt_zmx_write_hologram},
     {"TILTSURF", .parms = 2, .aslant = true, .write = write_tilted},
     {"PARAXIAL", .parms = 2, .write = write_ideal}, /* PARM 2: how paths are counted, not where rays go */
     {"COORDBRK", .parms = 6},
