@@ -351,11 +351,35 @@ def of_type(kind, generator):
         evens = [u(-1, 1) * 10.0 ** -(2 + 2 * i) for i in range(1, 9)] if generator.random() < 0.5 else []
         return dict(c=c, k=k, parm={0: 1.0, **dict(enumerate(evens, 1))},
                     xdat=[count, u(6, 9)] + [u(-0.01, 0.01) for _ in range(count)])
+    if kind == 'DGRATING':
+        return dict(c=generator.choice((c, 0.0)), k=k, parm=[u(-0.3, 0.3), generator.choice((-2, -1, 0, 1, 2, 3))])
+    if kind in ('BINARY_1', 'BINARY_2'):
+        count = generator.choice((2, 5, 9)) if kind == 'BINARY_1' else generator.randint(1, 11)
+        evens = [u(-1, 1) * 10.0 ** -(2 + 2 * i) for i in range(1, 9)] if generator.random() < 0.5 else []
+        return dict(c=c, k=k, parm={0: generator.choice((1.0, -1.0, 2.0)), **dict(enumerate(evens, 1))},
+                    xdat=[count, u(6, 9)] + [u(-900, 900) for _ in range(count)])
+    if kind == 'BINARY_3':
+        count, same = generator.randint(0, 3), generator.random() < 0.3
+        inner = u(1.2, 2.5)
+        terms = [u(-1, 1) * (900 if i % 2 else 10.0 ** -(2 + 2 * (i // 4))) for i in range(4 * count)]
+        if same:
+            terms[2::4] = terms[0::4]
+        return dict(c=c, k=k, parm=[1 / c if same else sign(generator) * u(25, 60), k if same else u(-2, 0.5), inner,
+                                    u(4, 6), 1, 2], xdat=[count, *terms])
+    if kind in ('FZERNPHA', 'SZERNPHA'):
+        count = generator.randint(1, 37)
+        return dict(c=generator.choice((c, 0.0)), k=k, parm={0: 1.0, 1: 1.0},
+                    xdat=[count, u(6, 9)] + [u(-30, 30) for _ in range(count)])
+    if kind in ('HOLOGRM1', 'HOLOGRM2'):
+        far = generator.choice((1, 1, 1e7))
+        return dict(c=generator.choice((c, 0.0)), k=k,
+                    parm=[u(-9, 9) * far, u(-9, 9) * far, sign(generator) * u(30, 90) * far, u(-9, 9), u(-9, 9),
+                          sign(generator) * u(30, 90), u(0.4, 0.7), generator.choice((-1, 1, 1, 2))])
     raise ValueError(kind)
 
 
 TYPES = ('STANDARD', 'EVENASPH', 'ODDASPHE', 'TOROIDAL', 'BICONICX', 'XPOLYNOM', 'TILTSURF', 'PARAXIAL', 'IRREGULA',
-         'XASPHERE', 'XODDASPH', 'QED_TYPE', 'FZERNSAG', 'SZERNSAG')
+         'XASPHERE', 'XODDASPH', 'QED_TYPE', 'FZERNSAG', 'SZERNSAG', *zmx_oracle.PHASES)
 
 
 def lens_of(kind, generator):
@@ -1063,7 +1087,7 @@ def test_what_is_refused():
     clean = zmx(FAR, surf('EVENASPH', t=2.0), glass, surf(c=-0.02, t=20.0), IMAGE)
     faults = []
     cases = [(clean.replace('EVENASPH', kind), 'TYPE', (kind,), line_of(clean, 'TYPE EVENASPH')) for kind in
-             ('DGRATING', 'HOLOGRM1', 'BINARY_2', 'GRINSUR5', 'BIRE__IN', 'USERSURF', 'FRESNELS', 'JONESMAT',
+             ('GRINSUR5', 'BIRE__IN', 'USERSURF', 'FRESNELS', 'JONESMAT',
               'PARAX_XY', 'CHEBYSHE', 'NONSEQCO', 'NOSUCH', 'standard2')]
     def extended(kind, *xdat, **how):
         return zmx(FAR, surf(kind, c=0.02, t=4.0, xdat=xdat, **how), IMAGE)
