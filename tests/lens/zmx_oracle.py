@@ -694,8 +694,6 @@ class Lens:
                 unit = D(UNITS[self.unit])
                 waves, grad = phase(s, unit, *here)
                 length = D(um) / unit
-                opl = None if opl is None else opl + waves * length
-                step.opl = opl
                 t = [n * a + length * g for a, g in zip(there, grad)]
                 along = sum(a * b for a, b in zip(t, normal))
                 t = [a - along * b for a, b in zip(t, normal)]
@@ -703,6 +701,7 @@ class Lens:
                 if square < 0:
                     step.fate = 'evanescent'
                     return steps
+                opl = step.opl = None if opl is None else opl + waves * length
                 root = square.sqrt() * (-1 if (cosine < 0) != self.mirror(i) else 1)
                 there = [(a + root * b) / behind for a, b in zip(t, normal)]
             elif s.type == 'PARAXIAL':
