@@ -47,7 +47,7 @@ static void explain_evanescent(table *t, const failed *f)
     sgt_hit hit = {.p = f->come.p};
     e->surface.ops->value(e->surface.self, f->come.p, &hit.n);
     const sgt_phased p = sgt_phase_at(e, f->come.index, f->come.direction, &hit);
-    const double low = ceil(p.per_wave.lo / wave), high = floor(p.per_wave.hi / wave);
+    const double low = ceil(p.per_wave.lo / wave) + 0, high = floor(p.per_wave.hi / wave);
     if (low > high) table_line(t, "There is no order that passes.");
     else if (isfinite(low) && isfinite(high))
         table_line(t, "Of the orders, %g to %g pass; it is %g.", low, high, e->phase->per_wave / wave);
