@@ -37,7 +37,6 @@ class Fate(enum.IntEnum):
     PASSED = 1
     CLIPPED = 2
     TIR = 3
-    EVANESCENT = 4
     MISSED = 0
     LOST = -1
 

@@ -12,7 +12,7 @@
  * opaque: 1; less lets shine through what is behind. */
 void legend_ray(cairo_t *cr, const scene *s, const ray_path *ray, double opaque);
 
-/* Draws the mark of a ray's end: a cross (clipped), a ring (tir, evanescent), a triangle (missed), a full square (lost).
+/* Draws the mark of a ray's end: a cross (clipped), a ring (tir), a triangle (missed), a full square (lost).
  */
 void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y);
 

@@ -542,8 +542,7 @@ static void keep_ends(void *context, size_t field, size_t surface, size_t wavele
 static void add_fates(sgt_fates *sum, const sgt_fates *f)
 {
     sum->rays += f->rays, sum->passed += f->passed, sum->missed += f->missed, sum->clipped += f->clipped;
-    sum->tir += f->tir, sum->evanescent += f->evanescent, sum->lost += f->lost, sum->none += f->none;
-    sum->proven += f->proven;
+    sum->tir += f->tir, sum->lost += f->lost, sum->none += f->none, sum->proven += f->proven;
 }
 
 /* The study at each value of the number, each of a copy of the lens. */
