@@ -59,6 +59,8 @@ struct train {
     sgt_surface_ops user;
     double curvature, before;
     sgt_phase phase[8];
+    sgt_polynomial_xy waves[8];
+    double numbers[8][9];
     sgt_aperture_item item[8];
     sgt_aperture aperture[8];
 };
@@ -99,6 +101,19 @@ static sgt_surface random_surface(generator &g, train &r)
     return s.s;
 }
 
+// A phase in waves: a polynomial, a formula of x and y, or the user's function, which has no second derivatives.
+static void random_waves(generator &g, train &r, std::size_t i)
+{
+    static const sgt_formula_sag ripple = {ripples(), 0};
+    sgt_phase &p = r.phase[i] = {};
+    for (double &a : r.numbers[i]) a = g.uniform(-0.1, 0.1);
+    r.waves[i] = {}, r.waves[i].a = {r.numbers[i], 3, 3};
+    p.kind = SGT_PHASE_SAG, p.per_wave = g.sign() * g.uniform(0.1, 1);
+    p.waves = {&sgt_polynomial_xy_ops, &r.waves[i]};
+    if (g.chance(0.3)) p.waves = {&sgt_formula_sag_ops, &ripple};
+    if (g.chance(0.2)) p.waves = {&r.user, &r.curvature}, p.kind = g.chance(0.5) ? SGT_PHASE_SAG : SGT_PHASE_FUNCTION;
+}
+
 static void random_train(generator &g, train &r)
 {
     const std::size_t count = std::size_t(1 + g.below(6));
@@ -115,6 +130,7 @@ static void random_train(generator &g, train &r)
             r.phase[i] = {};
             r.phase[i].kind = SGT_IDEAL_LENS, r.phase[i].focal_length = g.sign() * g.log_uniform(10, 100);
             r.phase[i].object_distance = g.chance(0.5) ? 0 : g.sign() * g.log_uniform(10, 100);
+            if (g.chance(0.6)) random_waves(g, r, i);
             e.phase = &r.phase[i];
         }
         if (g.chance(0.2)) {
@@ -251,32 +267,32 @@ static void compare_derivatives(generator &g, const train &r, const batch &b,
     sgt_end_errors out = {};
     out.point = error[0].data(), out.path = error[1].data(), out.grain = error[2].data();
     out.path_grain = error[3].data();
-    std::size_t met = sgt_trace_error_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), out),
-                ok = 0;
+    const sgt_traces traces = {n, b.rays(), b.passages.data()};
+    std::size_t met = sgt_trace_error_batch(m, r.e.data(), r.before, &traces, out), ok = 0;
     numbers some(n, -7.0);
     sgt_end_errors few = {};
     const int which = g.below(4);
     (which == 0 ? few.point : which == 1 ? few.path : which == 2 ? few.grain : few.path_grain) = some.data();
-    sgt_trace_error_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), few);
+    sgt_trace_error_batch(m, r.e.data(), r.before, &traces, few);
 
     const std::size_t wide = std::size_t(1 + g.below(11)), high = std::size_t(1 + g.below(6));
     columns change(wide, n), to(wide, n), weight(high, n);
     change.draw(g), weight.draw(g);
     for (auto &a : to.given) a = {true, true, true};
     to.show();
-    int lacks = sgt_trace_sensitivity_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), wide,
-                                            change.shown.data(), to.shown.data()),
+    int lacks = sgt_trace_sensitivity_batch(m, r.e.data(), r.before, &traces, wide, change.shown.data(),
+                                            to.shown.data()),
         lack = 0;
     columns in_place = change;
     for (auto &a : in_place.given) a = {true, true, true};
     in_place.show();
-    sgt_trace_sensitivity_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), wide,
-                                in_place.shown.data(), in_place.shown.data());
+    sgt_trace_sensitivity_batch(m, r.e.data(), r.before, &traces, wide, in_place.shown.data(),
+                                in_place.shown.data());
     std::vector<numbers> gradient(high * count, numbers(n, -7.0));
     std::vector<double *> list;
     for (numbers &x : gradient) list.push_back(g.chance(0.1) ? nullptr : x.data());
-    int lacks_back = sgt_trace_gradient_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), high,
-                                              weight.shown.data(), list.data()),
+    int lacks_back = sgt_trace_gradient_batch(m, r.e.data(), r.before, &traces, high, weight.shown.data(),
+                                              list.data()),
         lack_back = 0;
     std::vector<double> one(high * count);
     for (std::size_t i = 0; i < n; i++) {
@@ -349,8 +365,8 @@ static void compare_aims(generator &g, const train &r)
     opt.attempt = tried.data();
     batch b(n, stop + 1);
     std::vector<sgt_aiming> out(n);
-    const std::size_t met = sgt_aim_batch(stop, r.e.data(), r.before, &beam, n, wanted.data(),
-                                          b.passages.data(), room.data(), &opt, out.data());
+    const sgt_aims together = {n, wanted.data(), out.data(), b.passages.data()};
+    const std::size_t met = sgt_aim_batch(stop, r.e.data(), r.before, &beam, &together, room.data(), &opt);
     std::size_t found = 0;
     for (std::size_t i = 0; i < n; i++) {
         sgt_aim_options own = opt;
