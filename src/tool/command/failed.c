@@ -12,6 +12,8 @@
 #include "../base/memory.h"
 #include "../show/frame.h"
 
+#include <sagitta/study.h>
+
 #include <math.h>
 
 /* "Element 2 (sphere, stop, rear of the field lens)" */
