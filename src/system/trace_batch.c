@@ -593,7 +593,13 @@ static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t 
     }
     if (status > 0 && is_inside(get(w->p, i), aperture2)) { /* it goes on, or is clipped or reflected */
         if (is_obstructed(e, get(w->p, i))) return STOPS + SGT_CLIPPED;
-        if (by->kind == STRAIGHT || e->phase) return ASK;
+        if (by->kind == BY_WAVES) {
+            const kick k = kick_of(e->phase, w->medium, index_behind(e, w->medium), e->index == SGT_MIRROR);
+            const waves_here here = sgt_waves_at(e->phase, get(w->p, i));
+            const kicked b = kick_by(k.back, k, here.g, ray->d, get(&w->n_, i));
+            return in_range(b.G) && b.q <= 0 ? STOPS + SGT_EVANESCENT : ASK;
+        }
+        if (by->kind == STRAIGHT || by->kind == BY_PHASE) return ASK;
         bent b = bent_by(by->kind, by->r, by->k, ray->d, get(&w->n_, i));
         return in_range(b.G) && b.D < 0 ? STOPS + SGT_TIR : ASK;
     }
