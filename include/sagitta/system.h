@@ -108,6 +108,20 @@ typedef enum sgt_phase_kind {
     SGT_PHASE_FUNCTION   /* W = F(x, y, z) of the surface `waves` */
 } sgt_phase_kind;
 
+/* Bounds of a user's W for proofs of sgt_aim; of the built-in sags and formulas they are
+ * known, of built-in bodies and level sets they are not.  Without bounds such proofs are
+ * undecided at the phase.
+ *
+ *     self      of `waves`
+ *     box       x, y and z
+ *     gradient  written: each derivative of W lies in it, all over the box, whatever
+ *               rounding does here
+ *     second    the same of the second derivatives: xx, xy, xz, yy, yz, zz
+ *
+ * Returns false if it does not know, or W may be undefined in the box. */
+typedef bool sgt_waves_bounds(const void *self, const sgt_interval box[3],
+                              sgt_interval gradient[3], sgt_interval second[6]);
+
 /* What an element does to light instead of, or besides, refraction by its surface.
  *
  * AN IDEAL LENS is thin and without aberration: PARAXIAL of OpticStudio.  Its surface is
@@ -190,7 +204,8 @@ typedef struct sgt_phase {
     sgt_surface waves;       /* of a phase in waves: W, as above.  It needs `value`; for
                                 derivatives `second`, for errors `rounding` */
     double per_wave;         /* of a phase in waves: length, finite.  0: no phase */
-    unsigned long long reserved_[3]; /* leave it zero */
+    sgt_waves_bounds *bounds; /* of waves that are a user's; NULL: none are known */
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_phase;
 
 /* The index of a mirror.  Indices stay positive behind it. */

@@ -31,8 +31,8 @@
  * rule over eight), the conic's by 8 u (1 + w / (1 - w)) with w = (1 + k) c^2 r^2.  Of others
  * 64 u |n| (1 + slope^2) is a guess.
  *
- * AN IDEAL LENS puts the direction off by 8 u in each component, and W by 64 u of its size (phase.h).  If |n| in
- * front is below 2^-50 n1 / n2, nothing is known of the direction.  A PHASE IN WAVES bends, too (waves.h).
+ * AN IDEAL LENS puts the direction off by 8 u in each component, and W by 64 u of its size (phase.h).  If
+ * |n| in front is below 2^-50 n1 / n2, nothing is known of the direction.  A PHASE IN WAVES: waves.h.
  *
  * tests/sensitivity/test_aim.cpp, test_ideal.cpp and tests/lens/test_analysis.py hold the sum against 113
  * bits and 50 digits.  A half is added for the second order.
@@ -44,13 +44,13 @@
  * Where frames are turned, their axes are orthogonal to some u only, and lengths are off by as much of a
  * point's distance from the origin.
  *
- * THE SAME WITH A PHASE.  Fermat's principle does not hold at an ideal lens: W has no eikonal (phase.h).  So the errors of all
- * elements go through the derivatives, as those of the point do.  The number at the end is L - n d . p: the
- * path to the foot of the perpendicular from a fixed point near the end.  It has the adjoints A_L = 1,
- * A_p = -n d.  A point that is off by dp makes the last side of the polygon longer by d . dp, so its error
- * counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a phase is W for p and
- * d as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d, as a launch point that
- * is moved along the ray makes the path longer by as much, and is no error of a direction; and by A_d. */
+ * THE SAME WITH A PHASE.  Fermat's principle does not hold at an ideal lens: W has no eikonal (phase.h).  So
+ * the errors of all elements go through the derivatives, as those of the point do.  The number at the end is
+ * L - n d . p: the path to the foot of the perpendicular from a fixed point near the end.  It has the adjoints
+ * A_L = 1, A_p = -n d.  A point that is off by dp makes the last side of the polygon longer by d . dp, so its
+ * error counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a phase is W for p
+ * and d as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d, as a launch point
+ * that is moved along the ray makes the path longer by as much, and is no error of a direction; and by A_d. */
 #include "aim.h"
 #include "end_error.h"
 

@@ -42,7 +42,8 @@ bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_li
  * false: nothing bounds them.  (bundle_sag.c) */
 bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, sgt_interval *z);
 
-/* The slopes of the sag of a conic or one of these at x, y.  false: nothing is known of them.  (bundle_sag.c) */
+/* The slopes of the sag of a conic or one of these at x, y.  false: nothing is known of them.
+ * (bundle_sag.c) */
 bool sgt_bundle_sag_slopes(sgt_surface surface, linear x, linear y, linear *by_x, linear *by_y);
 
 /* d behind an element whose phase is in waves, from that in front.  false: *fate says why there is none.

@@ -154,8 +154,8 @@ SGT_INLINE bending chain_set(const sgt_element *e, double n1, chain_link *c)
     return by;
 }
 
-/* What the quotients of a link are, for d in front, the gradient n, and the direction `after`.  f of a phase in
- * waves is set later (chain_waves). */
+/* What the quotients of a link are, for d in front, the gradient n, and the direction `after`.  f of a phase
+ * in waves is set later (chain_waves). */
 typedef struct chain_slope { double inverse, by_S, f, passed; } chain_slope;
 
 SGT_INLINE chain_slope chain_slope_of(bending by, sgt_vec3 d, sgt_vec3 n, sgt_vec3 after, double met)

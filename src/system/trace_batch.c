@@ -7,8 +7,8 @@
  *     1. the rays are placed in the element's frame; without turns that is a sum
  *     2. the surface's lanes meet them (ray/batch.c)
  *     3. they are bent, on to the next element; between equal indices nothing is bent.  Of an ideal lens
- *        that is a loop of its own, and one more if paths are wanted.  A phase in waves is first worked out for
- *        all of them, by the operations of its surface
+ *        that is a loop of its own, and one more if paths are wanted.  A phase in waves is first worked out
+ *        for all of them, by the operations of its surface
  *
  * The formulas are those of the single ray (trace.h), the same operations in the same order, and so the
  * same bits.
@@ -301,8 +301,8 @@ static void add_waves_all(size_t n, double per_wave, const double *restrict w, p
     }
 }
 
-/* Bends the rays by a phase in waves.  Where they started in the element's frame is of no use any more; so the
- * gradient of W is kept there, and W in good. */
+/* Bends the rays by a phase in waves.  Where they started in the element's frame is of no use any more.  So
+ * the gradient of W is kept there, and W in good. */
 SGT_NOINLINE static double kick_tile(const bundle_work *job, tile *w, const sgt_element *e, double n2)
 {
     vectors *g = w->o;
@@ -593,7 +593,13 @@ static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t 
     }
     if (status > 0 && is_inside(get(w->p, i), aperture2)) { /* it goes on, or is clipped or reflected */
         if (is_obstructed(e, get(w->p, i))) return STOPS + SGT_CLIPPED;
-        if (by->kind == STRAIGHT || e->phase) return ASK;
+        if (by->kind == BY_WAVES) {
+            const kick k = kick_of(e->phase, w->medium, index_behind(e, w->medium), e->index == SGT_MIRROR);
+            const waves_here here = sgt_waves_at(e->phase, get(w->p, i));
+            const kicked b = kick_by(k.back, k, here.g, ray->d, get(&w->n_, i));
+            return in_range(b.G) && b.q <= 0 ? STOPS + SGT_EVANESCENT : ASK;
+        }
+        if (by->kind == STRAIGHT || by->kind == BY_PHASE) return ASK;
         bent b = bent_by(by->kind, by->r, by->k, ray->d, get(&w->n_, i));
         return in_range(b.G) && b.D < 0 ? STOPS + SGT_TIR : ASK;
     }

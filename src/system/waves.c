@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 /* waves.c - phases in waves: their functions, errors and bounds, and which orders there are (waves.h).
  *
- * A FORM OF G.  Of a sag bundle_sag.c has the slopes.  Of a formula of x, y and z, with m the middle of the box
- * and the second derivatives H enclosed all over it, each component of the gradient is
+ * A FORM OF G.  Of a sag bundle_sag.c has the slopes.  Of a formula of x, y and z, with m the middle of the
+ * box and the second derivatives H enclosed all over it, each component of the gradient is
  *
  *     g_i(m + v) in g_i(m) + sum over j of H_ij v_j.
  *
- * Of a user's function nothing is known.
+ * So it is of a user's function with bounds.
  *
  * WHICH ORDERS.  t = p + a g, a = per_wave, p and g the parts of n1 d and of grad W along the surface.  So
  * |t| < n2 is g^2 a^2 + 2 p . g a + p^2 - n2^2 < 0: a is between the roots. */
@@ -94,8 +94,9 @@ bool sgt_waves_second(const sgt_phase *a, size_t n, sgt_points p, double *const 
     if (sag) p.p[2] = origin;
     if (has) s.ops->second(s.self, n, p, out);
     for (int k = 0; k < 6; k++) {
-        const bool flat = has && sag && (k == 2 || k > 3); /* by z */
-        for (size_t i = 0; i < n; i++) out[k][i] = !has ? (double)NAN : flat ? 0 : sag ? -out[k][i] : out[k][i];
+        const bool by_z = k == 2 || k > 3;
+        for (size_t i = 0; !has && i < n; i++) out[k][i] = (double)NAN;
+        for (size_t i = 0; has && sag && i < n; i++) out[k][i] = by_z ? 0 : -out[k][i];
     }
     return has;
 }
@@ -105,10 +106,12 @@ bool sgt_waves_second(const sgt_phase *a, size_t n, sgt_points p, double *const 
 static const sgt_interval BY[3][3] = {{{1, 1}, {0, 0}, {0, 0}}, {{0, 0}, {1, 1}, {0, 0}},
                                       {{0, 0}, {0, 0}, {1, 1}}};
 
-/* The gradient of a formula of x, y, z over a box, and its second derivatives, xx, xy, xz, yy, yz, zz. */
-static void formula_slopes(const sgt_tape *tape, const sgt_interval at[3], sgt_interval g[3],
+/* The gradient of a formula of x, y, z over a box, and its second derivatives, xx, xy, xz, yy, yz, zz, unless
+ * NULL. */
+static bool formula_slopes(const void *self, const sgt_interval at[3], sgt_interval g[3],
                            sgt_interval second[6])
 {
+    const sgt_tape *tape = ((const sgt_formula *)self)->tape;
     const sgt_interval r = sgt_interval_hypotenuse(at[0], at[1]);
     int k = 0;
     for (int i = 0; i < 3; i++)
@@ -117,6 +120,7 @@ static void formula_slopes(const sgt_tape *tape, const sgt_interval at[3], sgt_i
             if (second) second[k] = jet.uv;
             g[i] = jet.u, g[j] = jet.v;
         }
+    return true;
 }
 
 static double farthest_from(double x, sgt_interval in)
@@ -145,7 +149,7 @@ waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
     } else if (s.ops == &sgt_formula_ops) {
         const sgt_interval at[3] = {sgt_interval_of(p.x), sgt_interval_of(p.y), sgt_interval_of(p.z)};
         sgt_interval g[3];
-        formula_slopes(((const sgt_formula *)s.self)->tape, at, g, NULL);
+        formula_slopes(s.self, at, g, NULL);
         off.g = farthest_from(here.g.x, g[0]) + farthest_from(here.g.y, g[1]) + farthest_from(here.g.z, g[2]);
     } else if (own && own->departure) {
         sgt_even_asphere base = {.c = 0};
@@ -163,17 +167,17 @@ waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
 static bool waves_forms(const sgt_phase *a, form3 p, form3 *g)
 {
     const sgt_surface s = in_set(a->waves);
-    if (a->kind == SGT_PHASE_SAG) {
+    if (a->kind == SGT_PHASE_SAG && s.ops->own_) {
         g->z = form_of(0);
-        return s.ops->own_ && sgt_bundle_sag_slopes(s, p.x, p.y, &g->x, &g->y);
+        return sgt_bundle_sag_slopes(s, p.x, p.y, &g->x, &g->y);
     }
-    if (s.ops != &sgt_formula_ops) return false;
-    const sgt_tape *tape = ((const sgt_formula *)s.self)->tape;
+    sgt_waves_bounds *slopes = s.ops->own_ ? NULL : a->bounds;
+    if (s.ops == &sgt_formula_ops) slopes = formula_slopes;
+    if (!slopes) return false;
     const sgt_interval box[3] = {form_range(p.x), form_range(p.y), form_range(p.z)},
                        middle[3] = {sgt_interval_of(p.x.c), sgt_interval_of(p.y.c), sgt_interval_of(p.z.c)};
     sgt_interval at[3], unread[3], second[6];
-    formula_slopes(tape, middle, at, NULL);
-    formula_slopes(tape, box, unread, second);
+    if (!slopes(s.self, middle, at, second) || !slopes(s.self, box, unread, second)) return false;
     const linear v[3] = {form_plus(p.x, -p.x.c), form_plus(p.y, -p.y.c), form_plus(p.z, -p.z.c)};
     linear *const to[3] = {&g->x, &g->y, &g->z};
     static const int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
@@ -206,7 +210,8 @@ bool sgt_waves_bundle(const sgt_element *e, double n1, const bundle_hit *h, form
         return false;
     }
     const double sign = e->index == SGT_MIRROR ? -h->sign : h->sign, by = 1 / n2;
-    const linear along = form_scaled(form_root(form_product(q, inverse)), sign), over = {by, 0, 0, SGT_U * by};
+    const linear along = form_scaled(form_root(form_product(q, inverse)), sign);
+    const linear over = {by, 0, 0, SGT_U * by};
     d->x = form_product(form_sum(t.x, form_product(along, h->n.x)), over);
     d->y = form_product(form_sum(t.y, form_product(along, h->n.y)), over);
     d->z = form_product(form_sum(t.z, form_product(along, h->n.z)), over);

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: MIT
 /* waves.h - a phase in waves: gratings, diffractive lenses, holograms (system.h has what it is).
  *
- * THE RULE.  The eikonal jumps by S = per_wave W on the surface.  Its gradient along the surface is continuous
- * but for that of S (Welford 1975, Opt. Commun. 14, 322).  With u = n1 d + G, G = per_wave grad W, and N the
- * unit normal,
+ * THE RULE.  The eikonal jumps by S = per_wave W on the surface.  Its gradient along the surface is
+ * continuous but for that of S (Welford 1975, Opt. Commun. 14, 322).  With u = n1 d + G, G = per_wave grad W,
+ * and N the unit normal,
  *
  *     t = u - (u . N) N,    n2 d' = t + sigma sqrt(q) N,    q = n2^2 - |t|^2,
  *
- * sigma being the sign of d . N, and of -d . N for a mirror.  It is not that of u . N: on a steep surface G may
- * turn u over.  q <= 0 is the evanescent order.
+ * sigma being the sign of d . N, and of -d . N for a mirror.  It is not that of u . N: on a steep surface G
+ * may turn u over.  q <= 0 is the evanescent order.
  *
- * ROUNDING.  With v = 2^-53, u is off by v (n1 |d| + |u|).  t = fma(-k, N, u) rounds once more.  What k = u . N
- * is off by moves t along N, which does not change |t| to first order.  |t| itself takes 2.5 v of it.  Together
- * |t| is off by less than 8 v (n1 + |G|), for W as its surface gives it.  q is (n2 - |t|) (n2 + |t|), where the
- * difference is exact when it is small.  So the fate is right if |t| is farther than that from n2.  The part
- * that is left along N changes the length of n2 d', which one Newton step mends; if it is too large for that,
- * as G is along the normal and 2^25 n2 and more, the ray is lost.
+ * ROUNDING.  With v = 2^-53, u is off by v (n1 |d| + |u|).  t = fma(-k, N, u) rounds once more.  What
+ * k = u . N is off by moves t along N, which does not change |t| to first order.  |t| itself takes 2.5 v of
+ * it.  Together |t| is off by less than 8 v (n1 + |G|), for W as its surface gives it; 2.2 v is the most that
+ * tests have seen.  q is (n2 - |t|) (n2 + |t|), where the difference is exact when it is small.  So the fate
+ * is right if |t| is farther than that from n2.  The part that is left along N changes the length of n2 d',
+ * which one Newton step mends.  If it is too large for that, as G is along the normal and 2^25 n2 and more,
+ * the ray is lost.
  *
  * THE DERIVATIVES.  Let n be the gradient as it comes, and p' = n2 d' = u + f n2 n.  From |p'| = n2, and with
  * s = d' . n,
@@ -39,8 +40,9 @@
  *
  * BUNDLES.  G is a form: waves.c.
  *
- * Test: tests/unit/test_waves.c, tests/batch/test_trace_batch.c, tests/oracle/test_waves.py (50 digits);
- * derivatives, errors and bundles: tests/sensitivity/test_waves.cpp. */
+ * Test: tests/unit/test_waves.c, tests/batch/test_trace_batch.c, tests/oracle/test_waves.py (50 digits),
+ * tests/sensitivity/test_evanescent.cpp (the limit); derivatives, errors and bundles:
+ * tests/sensitivity/test_ideal.cpp. */
 #ifndef SGT_SYSTEM_WAVES_H
 #define SGT_SYSTEM_WAVES_H
 

@@ -6,6 +6,7 @@
 
 #include <sagitta/aim.h>
 #include <sagitta/formula.h>
+#include <sagitta/interval.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
@@ -160,7 +161,7 @@ static void test_perfect_focus(void **state)
     assert_true(fabs(-1e-4 * ray.d.z / ray.d.x - f / 2) < 1e-9);
 }
 
-static double room[6][512];
+static double room[5][512];
 
 static sgt_formula formula_of(int k, const char *text, size_t n, const sgt_named named[])
 {
@@ -302,6 +303,75 @@ static void test_user(void **state)
     assert_true(fate == SGT_LOST && is.hit.status == SGT_UNDEFINED);
 }
 
+static void wavy_second(const void *self, size_t n, sgt_points p, double *const out[6])
+{
+    (void)self;
+    for (int k = 0; k < 6; k++)
+        for (size_t i = 0; i < n; i++) out[k][i] = k == 3 ? -30 * sin(p.p[1][i]) : 0;
+}
+
+static bool wavy_bounds(const void *self, const sgt_interval box[3], sgt_interval gradient[3],
+                        sgt_interval second[6])
+{
+    (void)self;
+    if (!(box[0].hi < 3)) return false;
+    gradient[0] = sgt_interval_of(40), gradient[2] = sgt_interval_of(7);
+    gradient[1] = sgt_interval_scaled(sgt_interval_cosine(box[1]), 30);
+    for (int k = 0; k < 6; k++) second[k] = sgt_interval_of(0);
+    second[3] = sgt_interval_scaled(sgt_interval_sine(box[1]), -30);
+    return true;
+}
+
+/* What is said of a whole beam: that it meets a point, that none of it does, that all of it is evanescent. */
+static void test_proofs(void **state)
+{
+    (void)state;
+    const sgt_surface_ops ops = {.name = "wavy", .value = wavy, .second = wavy_second};
+    const sgt_named named[] = {{"L", 0.6328e-3}};
+    const sgt_formula hologram = formula_of(
+        4, "-(sqrt(x^2 + y^2 + (z + 200)^2) + sqrt(x^2 + y^2 + (z - 100)^2))/L", 1, named);
+    const double a[9] = {0, 0, 0.01, 0.02, -1};
+    const sgt_zernike zernike = {.norm = 4, .order = SGT_NOLL, .a = {a, 1, 5}};
+    const sgt_conic focus = {.c = -1 / 50.0, .k = -2}, bowl = {.c = 1 / 60.0};
+    grating g;
+    set_grating(&g, 300, 1, 0.5e-3);
+    const sgt_phase phase[] = {
+        g.phase,
+        {.kind = SGT_PHASE_FUNCTION, .waves = {&sgt_formula_ops, &hologram}, .per_wave = 0.6328e-3},
+        {.kind = SGT_PHASE_SAG, .waves = {&sgt_zernike_ops, &zernike}, .per_wave = 0.1},
+        {.kind = SGT_PHASE_SAG, .waves = {&sgt_conic_ops, &focus}, .per_wave = 1},
+        {.kind = SGT_PHASE_FUNCTION, .waves = {&ops, NULL}, .per_wave = 1e-3, .bounds = wavy_bounds},
+        {.kind = SGT_PHASE_FUNCTION, .waves = {&ops, NULL}, .per_wave = 1e-3},
+    };
+    const sgt_beam beam = {
+        .o = {0, 0, -9}, .ou = {1, 0, 0}, .ov = {0, 1, 0}, .d = {0, 0, 1}, .u = {-2, 2}, .v = {-2, 2}};
+    for (size_t i = 0; i < COUNT_OF(phase); i++)
+        for (int curved = 0; curved < 2; curved++) {
+            const sgt_element e[] = {
+                {.surface = {&sgt_conic_ops, curved ? &bowl : &flat}, .index = 1.5, .phase = &phase[i]},
+                {.surface = {&sgt_conic_ops, &flat}, .pose = {.origin = {0, 0, 30}}}};
+            sgt_passage is[2];
+            sgt_aiming found;
+            sgt_ray ray = sgt_beam_ray(&beam, 0.7, -1.1);
+            assert_int_equal(sgt_trace(2, e, 1, &ray, is, NULL, NULL), 2);
+            const sgt_vec2 there = {is[1].hit.p.x, is[1].hit.p.y}, beside = {there.x + 9, there.y};
+            REQUIRE(sgt_aim(1, e, 1, &beam, there, is, NULL, &found) == SGT_MET, "phase %zu", i);
+            const sgt_aimed far = sgt_aim(1, e, 1, &beam, beside, is, NULL, &found);
+            const bool known = i + 1 < COUNT_OF(phase);
+            REQUIRE(far == (known ? SGT_NO_SUCH_RAY : SGT_AIMED_UNDECIDED), "phase %zu: %s", i,
+                    sgt_aimed_text(far));
+        }
+    /* an order that does not exist, for any ray of the beam */
+    set_grating(&g, 300, 1, 8e-3);
+    const sgt_element e[] = {plane_with(&g.phase, 1.5),
+                             {.surface = {&sgt_conic_ops, &flat}, .pose = {.origin = {0, 0, 30}}}};
+    sgt_passage is[2];
+    sgt_aiming found;
+    assert_int_equal(sgt_aim(1, e, 1, &beam, (sgt_vec2){0, 0}, is, NULL, &found), SGT_NO_SUCH_RAY);
+    /* of the stop itself the phase has no say */
+    assert_int_equal(sgt_aim(0, e, 1, &beam, (sgt_vec2){0.5, 0.5}, is, NULL, &found), SGT_MET);
+}
+
 static void require_unsound(sgt_phase phase, const char *key)
 {
     const sgt_element e = plane_with(&phase, 0);
@@ -354,7 +424,7 @@ int main(void)
         cmocka_unit_test(test_perfect_focus), cmocka_unit_test(test_foci_on_curved_surfaces),
         cmocka_unit_test(test_hologram),      cmocka_unit_test(test_zernike),
         cmocka_unit_test(test_orders),        cmocka_unit_test(test_user),
-        cmocka_unit_test(test_unsound),
+        cmocka_unit_test(test_proofs),        cmocka_unit_test(test_unsound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
