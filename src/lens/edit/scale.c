@@ -57,23 +57,7 @@ static int param_power(const editing *e, const node *map, const way *p, size_t i
     return NO_POWER;
 }
 
-/* Of a key of a phase.  Wavelengths stay as they are, and with them the directions that light is sent to.  So the
- * waves of a phase become more as lengths do: as a sag they have its units.  Lines keep their distance. */
-static int phase_power(const editing *e, const node *map, const way *p, size_t i)
-{
-    static const char *const none[] = {"order", "lines", "turn", "wavelength", NULL};
-    const path_step *step = &p->step[i];
-    const way waves = {.count = 2, .step = {{.text = "phase", .length = 5}, {.text = "waves", .length = 5}}};
-    spot at;
-    char why[PATH_WHY];
-    if (i >= p->count || !step->text) return NO_POWER;
-    if (sgt_step_is(step, "points")) return 1;
-    if (is_key(step, none)) return 0;
-    if (!sgt_step_is(step, "waves") || i + 1 >= p->count ||
-        !sgt_path_find((node *)(uintptr_t)map, &waves, 2, &at, why) || !at.is)
-        return NO_POWER;
-    return param_power(e, at.is, p, i + 1);
-}
+static int phase_power(const editing *e, const node *map, const way *p, size_t i);
 
 /* Of a key of a surface or break, whose map is step i - 1; a term of a sum has a map of its own. */
 static int entry_power(const editing *e, const node *map, const way *p, size_t i)
@@ -99,6 +83,24 @@ static int entry_power(const editing *e, const node *map, const way *p, size_t i
         return i + 2 < p->count && is_key(&p->step[i + 2], of_aperture) ? 1 : 0;
     if (is_key(step, lengths)) return 1;
     return is_key(step, none) ? 0 : param_power(e, map, p, i);
+}
+
+/* Of a key of a phase.  Wavelengths stay as they are, and with them the directions that light is sent to.  So the
+ * waves of a phase become more as lengths do: as a sag they have its units.  Lines keep their distance. */
+static int phase_power(const editing *e, const node *map, const way *p, size_t i)
+{
+    static const char *const none[] = {"order", "lines", "turn", "wavelength", NULL};
+    const path_step *step = &p->step[i];
+    const way waves = {.count = 2, .step = {{.text = "phase", .length = 5}, {.text = "waves", .length = 5}}};
+    spot at;
+    char why[PATH_WHY];
+    if (i >= p->count || !step->text) return NO_POWER;
+    if (sgt_step_is(step, "points")) return 1;
+    if (is_key(step, none)) return 0;
+    if (!sgt_step_is(step, "waves") || i + 1 >= p->count ||
+        !sgt_path_find((node *)(uintptr_t)map, &waves, 2, &at, why) || !at.is)
+        return NO_POWER;
+    return entry_power(e, at.is, p, i + 1);
 }
 
 /* entry: of `surfaces` where the path leads, if it is known. */

@@ -26,7 +26,7 @@ static bool is_reserved(const char *name)
 {
     static const char *const keys[] = {"type", "f", "sag", "inside", "semi_diameter", "apertures", "draw_to",
                                        "name", "thickness", "index", "glass", "mirror", "stop", "decenter",
-                                       "tilt", "origin", "phase", "order", "waves"};
+                                       "tilt", "origin", "phase"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (strcmp(keys[i], name) == 0) return true;
     return false;
@@ -92,7 +92,7 @@ static size_t read_parameters(source *s, const node *map, const char *text, cons
     for (size_t i = 0; i < map->count; i++) {
         const char *key = map->key[i]->text;
         if (map->taken[i]) continue;
-        if (is_reserved(key))
+        if (known == KNOWN && is_reserved(key))
             tree_fail(s, map->key[i]->line, key, "is a key of lens files, and no parameter");
         if (!is_named(text, key))
             tree_fail(s, map->key[i]->line, key, "the formula does not name it; known here: %s", known);
