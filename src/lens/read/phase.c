@@ -146,6 +146,9 @@ void sgt_read_phase(whole_lens *w, source *s, const node *n, size_t i)
                   "must be mm, cm, m, um or in for a phase (of element %zu), which adds wavelengths to lengths",
                   i + 1);
     w->order[i] = order ? tree_read_number(s, order, "order", NUMBER_FINITE) : 1;
+    for (size_t k = 0; k < w->lens.wavelengths; k++)
+        if (!isfinite(w->order[i] * w->lens.wavelength[k] / unit))
+            tree_fail(s, order ? order->line : n->line, "order", "%g is too large", w->order[i]);
     if (lines) phase->waves = read_lines(s, lines, tree_take(map, "turn"));
     else if (waves) phase->waves = read_waves(s, map, waves);
     else
