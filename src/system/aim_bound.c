@@ -44,13 +44,14 @@
  * Where frames are turned, their axes are orthogonal to some u only, and lengths are off by as much of a
  * point's distance from the origin.
  *
- * THE SAME WITH A PHASE.  Fermat's principle does not hold at an ideal lens: W has no eikonal (phase.h).  So
- * the errors of all elements go through the derivatives, as those of the point do.  The number at the end is
- * L - n d . p: the path to the foot of the perpendicular from a fixed point near the end.  It has the adjoints
- * A_L = 1, A_p = -n d.  A point that is off by dp makes the last side of the polygon longer by d . dp, so its
- * error counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a phase is W for p
- * and d as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d, as a launch point
- * that is moved along the ray makes the path longer by as much, and is no error of a direction; and by A_d. */
+ * THE SAME WITH A PHASE.  Fermat's principle does not hold at an ideal lens: W has no eikonal (phase.h).
+ * So the errors of all elements go through the derivatives, as those of the point do.  The number at the end
+ * is L - n d . p: the path to the foot of the perpendicular from a fixed point near the end.  It has the
+ * adjoints A_L = 1, A_p = -n d.  A point that is off by dp makes the last side of the polygon longer by
+ * d . dp, so its error counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a
+ * phase is W for p and d as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d,
+ * as a launch point that is moved along the ray makes the path longer by as much, and is no error of a
+ * direction; and by A_d. */
 #include "aim.h"
 #include "end_error.h"
 

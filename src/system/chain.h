@@ -252,7 +252,8 @@ SGT_INLINE sgt_ray_change waves_forward(const chain_link *c, sgt_ray_change x)
     const double by = c->passed / c->n2;
     const sgt_vec3 du = times(by, plus_times(symmetric_product(s->h, at.p), c->n1, x.d));
     const sgt_vec3 dn = plus_times(du, c->f, chain_bend(*c, at.p));
-    return (sgt_ray_change){at.p, plus_times(dn, -dot(c->after, dn) * c->by_S, c->n),
+    const double df = dot(c->after, dn) * c->by_S;
+    return (sgt_ray_change){at.p, plus_times(dn, -df, c->n),
                             x.opl + dot(s->G, at.p) + c->n1 * at.t};
 }
 

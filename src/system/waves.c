@@ -37,7 +37,7 @@ bool sgt_waves_sound(const sgt_phase *a)
 }
 
 /* Of F and its gradient; where F is not finite the gradient is NaN. */
-SGT_INLINE waves_here waves_of(bool sag, double f, sgt_vec3 g)
+SGT_INLINE waves_here waves_made(bool sag, double f, sgt_vec3 g)
 {
     const double none = f - f;
     return sag ? (waves_here){-f, {none - g.x, none - g.y, none}}
@@ -51,14 +51,14 @@ waves_here sgt_waves_at(const sgt_phase *a, sgt_vec3 p)
     sgt_vec3 g = {0, 0, 0}; /* a value that is NaN need not set it */
     if (sag) p.z = 0;
     const double f = s.ops->value(s.self, p, &g);
-    return waves_of(sag, f, g);
+    return waves_made(sag, f, g);
 }
 
 SGT_INLINE void waves_all_of(bool sag, size_t n, double *w, double *gx, double *gy, double *gz)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
-        const waves_here h = waves_of(sag, w[i], (sgt_vec3){gx[i], gy[i], gz[i]});
+        const waves_here h = waves_made(sag, w[i], (sgt_vec3){gx[i], gy[i], gz[i]});
         w[i] = h.w, gx[i] = h.g.x, gy[i] = h.g.y, gz[i] = h.g.z;
     }
 }
@@ -103,7 +103,7 @@ bool sgt_waves_second(const sgt_phase *a, size_t n, sgt_points p, double *const 
 
 /* -------------------------------------------------------------------------- errors */
 
-static const sgt_interval BY[3][3] = {{{1, 1}, {0, 0}, {0, 0}}, {{0, 0}, {1, 1}, {0, 0}},
+static const sgt_interval AXES[3][3] = {{{1, 1}, {0, 0}, {0, 0}}, {{0, 0}, {1, 1}, {0, 0}},
                                       {{0, 0}, {0, 0}, {1, 1}}};
 
 /* The gradient of a formula of x, y, z over a box, and its second derivatives, xx, xy, xz, yy, yz, zz, unless
@@ -116,7 +116,7 @@ static bool formula_slopes(const void *self, const sgt_interval at[3], sgt_inter
     int k = 0;
     for (int i = 0; i < 3; i++)
         for (int j = i; j < 3; j++, k++) {
-            const formula_jet jet = sgt_formula_jet(tape, at, r, BY[i], BY[j], second != NULL);
+            const formula_jet jet = sgt_formula_jet(tape, at, r, AXES[i], AXES[j], second != NULL);
             if (second) second[k] = jet.uv;
             g[i] = jet.u, g[j] = jet.v;
         }

@@ -93,8 +93,8 @@ SGT_INLINE sgt_vec3 kick_momentum(kick by, sgt_vec3 g, sgt_vec3 d)
 SGT_INLINE kicked kick_by(bool back, kick by, sgt_vec3 g, sgt_vec3 d, sgt_vec3 n)
 {
     const sgt_vec3 u = kick_momentum(by, g, d);
-    const double G = dot(n, n), inverse = 1 / G, slope = dot(d, n), k = -dot(u, n) * inverse;
-    const sgt_vec3 t = {sgt_fma(k, n.x, u.x), sgt_fma(k, n.y, u.y), sgt_fma(k, n.z, u.z)};
+    const double G = dot(n, n), inverse = 1 / G, slope = dot(d, n), k = dot(u, n) * inverse;
+    const sgt_vec3 t = {sgt_fma(-k, n.x, u.x), sgt_fma(-k, n.y, u.y), sgt_fma(-k, n.z, u.z)};
     const double size = sqrt(dot(t, t)), q = (by.n2 - size) * (by.n2 + size);
     const double along = copysign(sqrt(q * inverse), back ? -slope : slope);
     kicked b = {.G = G, .q = q, .t = size};

@@ -134,8 +134,10 @@ static void give_waves(generator *g, lens *l, size_t i)
     for (int k = 0; k < 9; k++) a[k] = uniform(g, -by, by) / (1 + k / 3 + k % 3);
     l->waves[i] = (sgt_polynomial_xy){.a = {a, 3, 3}};
     if (chance(g, 0.4)) l->waves[i].a.columns = 2, l->waves[i].a.rows = 1;
-    l->quilted[i] = (quilt){.a = {uniform(g, -by, by), uniform(g, -by, by), 1}, .square = uniform(g, 0.05, 0.5)};
-    *p = (sgt_phase){.kind = SGT_PHASE_SAG, .per_wave = chance(g, 0.1) ? 0 : either_sign(g) * uniform(g, 0.1, 1)};
+    l->quilted[i] = (quilt){.a = {uniform(g, -by, by), uniform(g, -by, by), 1}};
+    l->quilted[i].square = uniform(g, 0.05, 0.5);
+    *p = (sgt_phase){.kind = SGT_PHASE_SAG};
+    if (chance(g, 0.9)) p->per_wave = either_sign(g) * uniform(g, 0.1, 1);
     p->waves = (sgt_surface){&sgt_polynomial_xy_ops, &l->waves[i]};
     if (chance(g, 0.2)) p->waves = (sgt_surface){&sgt_even_asphere_ops, &l->s[0].with};
     if (chance(g, 0.2)) {

@@ -3,9 +3,9 @@
  *
  *     waves COUNT SEED
  *
- * A line has, in hexadecimal: n1 n2 mirror  c k of the surface  per_wave  nine coefficients of x^i y^j in waves
- * x y z  l m n in front  fate  l m n behind  opl.  The ray starts at the point, so opl is S.  Orders are -3 to 3;
- * two of three are linear gratings, in conical incidence. */
+ * A line has, in hexadecimal: n1 n2 mirror  c k of the surface  per_wave  nine coefficients of x^i y^j in
+ * waves  x y z  l m n in front  fate  l m n behind  opl.  The ray starts at the point, so opl is S.  Orders
+ * are -3 to 3; two of three are linear gratings, in conical incidence. */
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
@@ -33,7 +33,8 @@ int main(int argc, char **argv)
         const double n1 = chance(0.5) ? 1 : uniform(1, 2), n2 = chance(0.3) ? n1 : uniform(1, 2);
         const bool mirror = chance(0.3), flat = chance(0.5);
         const sgt_conic s = {.c = flat ? 0 : uniform(-0.1, 0.1), .k = chance(0.5) ? 0 : uniform(-2, 1)};
-        const double order = floor(uniform(-3, 4)), wavelength = uniform(0.4e-3, 1e-3), lines = uniform(1, 1500);
+        const double order = floor(uniform(-3, 4)), wavelength = uniform(0.4e-3, 1e-3);
+        const double lines = uniform(1, 1500);
         double a[9] = {0}, turn = chance(0.3) ? 0 : uniform(-4, 4);
         a[3] = -lines * sin(turn), a[1] = lines * cos(turn);
         if (chance(0.33))

@@ -6,7 +6,8 @@
 // Conics are met by the quadratic formula, other surfaces by Newton on the definition of F
 // (catalogue/formulas.h), from the vertex plane.  Bending takes the unit normal and the cosines of both
 // angles (Glassner 1989, An Introduction to Ray Tracing, chapter 2).  Ideal lenses are as system.h defines
-// them, by slopes.  A phase in waves is n2 d' = n1 d + G + c N, with c from |d'| = 1.  Numbers of the lens are quads, so that they may be changed by less than an ulp.
+// them, by slopes.  A phase in waves is n2 d' = n1 d + G + c N, with c from |d'| = 1.  Numbers of the lens
+// are quads, so that they may be changed by less than an ulp.
 #ifndef SENSITIVITY_SLOW_TRACE_H
 #define SENSITIVITY_SLOW_TRACE_H
 #include "../catalogue/formulas.h"

@@ -101,7 +101,8 @@ static sgt_surface random_surface(generator &g, train &r)
     return s.s;
 }
 
-// A phase in waves: a polynomial, a formula of x and y, or the user's function, which has no second derivatives.
+// A phase in waves: a polynomial, a formula of x and y, or the user's function, which has no second
+// derivatives.
 static void random_waves(generator &g, train &r, std::size_t i)
 {
     static const sgt_formula_sag ripple = {ripples(), 0};
@@ -111,7 +112,9 @@ static void random_waves(generator &g, train &r, std::size_t i)
     p.kind = SGT_PHASE_SAG, p.per_wave = g.sign() * g.uniform(0.1, 1);
     p.waves = {&sgt_polynomial_xy_ops, &r.waves[i]};
     if (g.chance(0.3)) p.waves = {&sgt_formula_sag_ops, &ripple};
-    if (g.chance(0.2)) p.waves = {&r.user, &r.curvature}, p.kind = g.chance(0.5) ? SGT_PHASE_SAG : SGT_PHASE_FUNCTION;
+    if (!g.chance(0.2)) return;
+    p.waves = {&r.user, &r.curvature};
+    if (g.chance(0.5)) p.kind = SGT_PHASE_FUNCTION;
 }
 
 static void random_train(generator &g, train &r)

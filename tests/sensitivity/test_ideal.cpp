@@ -2,9 +2,9 @@
 // Phases among spheres, conics and mirrors: derivatives, told errors and proofs, against 113 bits.
 //
 // Random rows of surfaces.  Half of the elements have a phase: mirrors too, with a change of index or none,
-// tilted and decentred.  Every other phase is an ideal lens: of either sign, from afar or not, a few of them on
-// a sphere.  The others are in waves: conics, even aspheres, polynomials, Zernike's, and quadrics of x, y, z, on
-// any surface.  Of each ray
+// tilted and decentred.  Every other phase is an ideal lens: of either sign, from afar or not, a few of them
+// on a sphere.  The others are in waves: conics, even aspheres, polynomials, Zernike's, and quadrics of x, y
+// and z, on any surface.  Of each ray
 //
 //     sgt_trace_gradient and sgt_trace_sensitivity   agree with differences of slow_trace.h
 //     sgt_trace_error                                 is not less than the error, and not absurdly large
@@ -99,7 +99,8 @@ static row random_row(oracle::generator &random)
     row r;
     const std::size_t count = std::size_t(2 + random.below(5));
     const double size = r.size = random.log_uniform(1e-2, 1e3);
-    r.conic.resize(count), r.phase.resize(count), r.waves.resize(count), r.before = random.chance(0.5) ? 1 : random.uniform(1, 1.7);
+    r.conic.resize(count), r.phase.resize(count), r.waves.resize(count);
+    r.before = random.chance(0.5) ? 1 : random.uniform(1, 1.7);
     double z = 0, way = 1;
     bool any = false;
     for (std::size_t i = 0; i < count; i++) {
