@@ -299,6 +299,15 @@ def test_primary_wavelength():
         compare('0.6 um', data, launch, 0.6, ('--wavelength', '0.6'))
 
 
+def test_a_lens_of_powers():
+    """PARAX_XY of one power is PARAXIAL of its reciprocal; of none, a plane."""
+    launch = written(rays(*launches(random.Random(SEED), 5)))
+    for power, other in ((0.0125, surf('PARAXIAL', parm=[80.0, 1], t=4.0)), (0.0, surf(t=4.0))):
+        got = [run('trace', written(zmx(FAR, surf(t=1.0), s, IMAGE), 'lens.zmx'), '--rays', launch, '--format', 'csv').stdout
+               for s in (surf('PARAX_XY', parm=[power, power], t=4.0), other)]
+        equal(*got)
+
+
 def test_an_ideal_lens():
     """PARAXIAL is read as an ideal lens; traced it is compared above."""
     path = written((DATA / PARAXIAL).read_bytes(), PARAXIAL)
@@ -1088,7 +1097,7 @@ def test_what_is_refused():
     faults = []
     cases = [(clean.replace('EVENASPH', kind), 'TYPE', (kind,), line_of(clean, 'TYPE EVENASPH')) for kind in
              ('GRINSUR5', 'BIRE__IN', 'USERSURF', 'FRESNELS', 'JONESMAT',
-              'PARAX_XY', 'CHEBYSHE', 'NONSEQCO', 'NOSUCH', 'standard2')]
+              'CHEBYSHE', 'NONSEQCO', 'NOSUCH', 'standard2')]
     def extended(kind, *xdat, **how):
         return zmx(FAR, surf(kind, c=0.02, t=4.0, xdat=xdat, **how), IMAGE)
     for kind, where in (('XASPHERE', 1), ('FZERNSAG', 1), ('QED_TYPE', 2)):
@@ -1101,6 +1110,17 @@ def test_what_is_refused():
               (extended('SZERNSAG', 1, 5.0, 0.1, parm={9: 0.5}), 'PARM', (), None),
               (extended('GRID_SAG', 0), 'GDAT', (), line_of(extended('GRID_SAG', 0), 'SURF 1')),
               (zmx(FAR, surf('IRREGULA', parm=[0, 0, 0, 0, 0.1], diam='0 0'), IMAGE), 'DIAM', (), None)]
+    cases += [(extended('PARAX_XY', parm=[0.01, 0.02]), 'PARM', ('PARM 1',), None)]
+    zones = {1: 60.0, 3: 1.0, 4: 2.0, 5: 1, 6: 1}
+    cases += [(extended('BINARY_2', 1, 0.0, 0.1, parm={0: 1}), 'XDAT', (), None),
+              (extended('BINARY_2', 101, 1.0, 0.1, parm={0: 1}), 'XDAT', (), None),
+              (extended('BINARY_3', 0, parm={**zones, 4: 0.5}), 'PARM', (), None),   # zones that do not rise
+              (extended('BINARY_3', 0, parm={**zones, 7: 0.5}), 'PARM', (), None),
+              (extended('BINARY_3', 0, parm={**zones, 8: 1}), 'PARM', (), None),     # a step between them
+              (extended('BINARY_3', 41, parm=zones), 'XDAT', (), None),
+              (extended('FZERNPHA', 38, 5.0, 0.1, parm={0: 1}), 'XDAT', (), None),
+              (extended('HOLOGRM2', parm=[0, 0, 1, 0, 0, 2, -0.5, 1]), 'PARM', (), None),
+              (extended('HOLOGRM1', parm=[0, 0, 1, 0, 0, 2]), 'PARM', (), None)]
     cases += [
         (clean.replace('N-BK7', 'N-BK77'), 'GLAS', ('N-BK77',), None),
         (clean.replace('N-BK7 0', 'N-BK77 3'), 'GLAS', ('N-BK77',), None),
@@ -1248,6 +1268,11 @@ def test_noise():
         surf('BICONICX', c=0.02, parm=[40.0, -1.0], t=2.0, more=['SPID 0.1 3', 'STOP']),
         surf('ODDASPHE', parm=[0.01, 0.002], t=-2.0, glass=MIRROR, more=['ELAP 2 3']),
         surf('TILTSURF', parm=[0.1, 0.2], t=-2.0, glass=glas('___BLANK', 2, 2)),
+        surf('DGRATING', parm=[0.1, 1], t=1.0), surf('BINARY_1', parm={0: 1}, xdat=[5, 3.0, 1.0, 2.0, 3.0, 4.0, 5.0], t=1.0),
+        surf('BINARY_2', parm={0: 1, 2: 1e-5}, xdat=[2, 3.0, -50.0, 2.0], t=1.0),
+        surf('BINARY_3', c=0.01, parm=[70.0, -1.0, 1.0, 3.0, 1, 2], xdat=[1, 1e-3, 50.0, 2e-3, 60.0], t=1.0),
+        surf('FZERNPHA', parm={0: 1}, xdat=[4, 3.0, 1.0, 0.0, 0.0, -5.0], t=1.0),
+        surf('HOLOGRM2', parm=[0.0, 0.0, -50.0, 0.0, 3.0, 60.0, 0.5, 1], t=1.0),
         surf('PARAXIAL', parm=[100.0, 1]), IMAGE).splitlines()
     path = written(b'', 'noise.zmx')
     path.write_text('\n'.join(text) + '\n')
