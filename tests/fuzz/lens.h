@@ -151,8 +151,9 @@ static void require_again(sgt_lens *l, const char *name, const sgt_lens_options 
                 "element %zu\n%s", i, text);
         if (!p || p->kind == SGT_IDEAL_LENS) continue;
         const sgt_vec3 at = {0.3, -0.7, 0.1};
-        REQUIRE(same(p->waves.ops->value(p->waves.self, at, NULL), q->waves.ops->value(q->waves.self, at, NULL)),
-                "element %zu\n%s", i, text);
+        REQUIRE(
+            same(p->waves.ops->value(p->waves.self, at, NULL), q->waves.ops->value(q->waves.self, at, NULL)),
+            "element %zu\n%s", i, text);
     }
     sgt_lens_free(same_lens);
 }

@@ -1110,7 +1110,7 @@ def test_what_is_refused():
               (extended('SZERNSAG', 1, 5.0, 0.1, parm={9: 0.5}), 'PARM', (), None),
               (extended('GRID_SAG', 0), 'GDAT', (), line_of(extended('GRID_SAG', 0), 'SURF 1')),
               (zmx(FAR, surf('IRREGULA', parm=[0, 0, 0, 0, 0.1], diam='0 0'), IMAGE), 'DIAM', (), None)]
-    cases += [(extended('PARAX_XY', parm=[0.01, 0.02]), 'PARM', ('PARM 1',), None)]
+    cases += [(extended('PARAX_XY', parm=[0.01, 0.02]), 'PARM', (), None)]
     zones = {1: 60.0, 3: 1.0, 4: 2.0, 5: 1, 6: 1}
     cases += [(extended('BINARY_2', 1, 0.0, 0.1, parm={0: 1}), 'XDAT', (), None),
               (extended('BINARY_2', 101, 1.0, 0.1, parm={0: 1}), 'XDAT', (), None),

@@ -85,8 +85,9 @@ static int entry_power(const editing *e, const node *map, const way *p, size_t i
     return is_key(step, none) ? 0 : param_power(e, map, p, i);
 }
 
-/* Of a key of a phase.  Wavelengths stay as they are, and with them the directions that light is sent to.  So the
- * waves of a phase become more as lengths do: as a sag they have its units.  Lines keep their distance. */
+/* Of a key of a phase.  Wavelengths stay as they are, and with them the directions that light is sent to.  So
+ * the waves of a phase become more as lengths do: as a sag they have its units.  Lines keep their distance.
+ */
 static int phase_power(const editing *e, const node *map, const way *p, size_t i)
 {
     static const char *const none[] = {"order", "lines", "turn", "wavelength", NULL};
@@ -220,7 +221,8 @@ static const node *value_in(const node *map, const char *key)
 /* Has the surface a phase whose waves are a formula? */
 static bool has_formula(const node *map)
 {
-    const node *phase = value_in(map, "phase"), *waves = value_in(phase, "waves"), *type = value_in(waves, "type");
+    const node *phase = value_in(map, "phase"), *waves = value_in(phase, "waves"),
+               *type = value_in(waves, "type");
     if (phase && phase->kind == NODE_SCALAR) return true;
     return waves && (waves->kind == NODE_SCALAR || (type && type->kind == NODE_SCALAR &&
                                                     strcmp(type->text, "formula") == 0));

@@ -23,10 +23,10 @@
  * An ideal lens images every plane without aberration, and has none of these.  Its part of the colour
  * is what the media do: y (w' dn'/n' - w dn/n), and with ybar and wbar.
  *
- * A PHASE of W waves changes n u by S_y, S = per_wave W (system.h), in reflection as in transmission.  So it adds
- * -S_yy at the vertex to the power of its surface.  Its slope there, S_y, turns the light of a grating aside,
- * and with it the axis: as other programs do, the data are those along the straight axis, as if there were no
- * lines.  (sgt_field_parabasal has data along real rays.)
+ * A PHASE of W waves changes n u by S_y, S = per_wave W (system.h), in reflection as in transmission.  So it
+ * adds -S_yy at the vertex to the power of its surface.  Its slope there, S_y, turns the light of a grating
+ * aside, and with it the axis: as other programs do, the data are those along the straight axis, as if there
+ * were no lines.  (sgt_field_parabasal has data along real rays.)
  *
  * A surface z = C r^2/2 + (C^3/8 + g) r^4 + ... adds 8 g D(n) y^4 to S1, and to S2, S3, S5 the
  * same with one, two, three of the y replaced by ybar.  Colour: A y D(dn/n), Abar y D(dn/n).
@@ -102,8 +102,8 @@ static double vertex_curvature(sgt_surface s, double h)
     return fabs(c - vertex) <= SMOOTH * fabs(vertex) || fabs(c - vertex) * h < FLAT ? vertex : (double)NAN;
 }
 
-/* W_yy of a phase in waves at the vertex of a surface of the curvature c: with F(x, y, z) it is that along the
- * surface.  NaN: it has none. */
+/* W_yy of a phase in waves at the vertex of a surface of the curvature c: with F(x, y, z) it is that along
+ * the surface.  NaN: it has none. */
 static double vertex_bend(const sgt_phase *p, double c)
 {
     const sgt_surface waves = p->waves;
@@ -123,8 +123,8 @@ static bool is_in_waves(const sgt_phase *p) { return p && p->kind != SGT_IDEAL_L
 /* A surface as paraxial rays meet it. */
 typedef struct vertex {
     number z, n, power; /* n: behind it, with sign */
-    number bent;        /* what of the power bends the image: not that of a phase in waves, which is as if from
-                           an infinite index (Sweatt 1977) */
+    number bent;        /* what of the power bends the image: not that of a phase in waves, which is as if
+                           of an infinite index (Sweatt 1977) */
     double c;
 } vertex;
 

@@ -2,25 +2,25 @@
 /* phase.c - reads the phase of a surface: an ideal lens, or `phase`, which is one in waves (system.h).
  *
  *     phase: "600*y"                                          W as a formula, order 1
- *     phase: {waves: "a*r^2 + b*r^4", a: -50, b: 0.2, order: 2}      with parameters
+ *     phase: {waves: "a*r^2 + b*r^4", a: -50, b: 0.2, order: 2}
  *     phase: {waves: {type: zernike, norm: 4, order: fringe, coefficients: [0, 0, 0, -2]}}
  *     phase: {lines: 600, turn: 90}                           W = 600 y, turned from x toward y
  *     phase: {points: [[0, 0, -200], [0, 0, 100]], wavelength: 0.5145, converges: true}
  *
  * W is the sag of the surface `waves`, or a formula.  Lines are the polynomial T (y cos a - x sin a).
  *
- * A HOLOGRAM is what two beams of light of the wavelength L0 leave on the surface, from a point P1 and from P2,
- * or (`converges`) to P2.  At Q its phase is that of the beams' difference, in waves
+ * A HOLOGRAM is what two beams of light of the wavelength L0 leave on the surface, from a point P1 and from
+ * P2, or (`converges`) to P2.  At Q its phase is that of the beams' difference, in waves
  *
  *     (|Q - P1| - |Q - P2|) / L0,    or    -(|Q - P1| + |Q - P2|) / L0,
  *
- * up to a constant, so |Q - P| - |P| stands for each distance.  That is Q . (Q - 2 P) / (|Q - P| + |P|), which
- * loses no digits where P is far away.
+ * up to a constant, so |Q - P| - |P| stands for each distance.  That is Q . (Q - 2 P) / (|Q - P| + |P|),
+ * which loses no digits where P is far away.
  *
  * A WAVELENGTH L.  per_wave is order * L in the unit of the lens, so there is a phase for each wavelength.
- * Those of the file are made once.  At another wavelength an element has to point to a phase that lasts: these
- * are in a list, which only grows.  Several threads may ask at once, so a new entry is put at its head by an
- * exchange that fails if another thread was faster; two entries of one wavelength are alike. */
+ * Those of the file are made once.  At another wavelength an element has to point to a phase that lasts:
+ * these are in a list, which only grows.  Several threads may ask at once, so a new entry is put at its head
+ * by an exchange that fails if another thread was faster; two entries of one wavelength are alike. */
 #include "phase.h"
 
 #include "formula.h"
@@ -80,11 +80,10 @@ static sgt_surface read_lines(source *s, const node *n, const node *turn)
 static sgt_surface read_hologram(source *s, const node *points, const node *wavelength, const node *converges,
                                  double unit)
 {
-    static const char text[] =
-        "w*((x*(x - 2*x1) + y*(y - 2*y1) + z*(z - 2*z1))"
-        "/(sqrt((x - x1)^2 + (y - y1)^2 + (z - z1)^2) + sqrt(x1^2 + y1^2 + z1^2))"
-        " + u*(x*(x - 2*x2) + y*(y - 2*y2) + z*(z - 2*z2))"
-        "/(sqrt((x - x2)^2 + (y - y2)^2 + (z - z2)^2) + sqrt(x2^2 + y2^2 + z2^2)))";
+    static const char text[] = "w*((x*(x - 2*x1) + y*(y - 2*y1) + z*(z - 2*z1))"
+                               "/(sqrt((x - x1)^2 + (y - y1)^2 + (z - z1)^2) + sqrt(x1^2 + y1^2 + z1^2))"
+                               " + u*(x*(x - 2*x2) + y*(y - 2*y2) + z*(z - 2*z2))"
+                               "/(sqrt((x - x2)^2 + (y - y2)^2 + (z - z2)^2) + sqrt(x2^2 + y2^2 + z2^2)))";
     enum { NUMBERS = 8 };
     double p[2][3];
     const bool through = converges && tree_read_truth(s, converges, "converges");
@@ -101,13 +100,19 @@ static sgt_surface read_hologram(source *s, const node *points, const node *wave
     if (!wavelength) tree_fail(s, points->line, "wavelength", "missing: of the light of both beams");
     const double um = tree_read_number(s, wavelength, "wavelength", NUMBER_FINITE);
     if (!(um > 0)) tree_fail(s, wavelength->line, "wavelength", "must be positive, not %g", um);
-    const sgt_named number[NUMBERS] = {
-        {"x1", p[0][0]}, {"y1", p[0][1]}, {"z1", p[0][2]}, {"x2", p[1][0]}, {"y2", p[1][1]}, {"z2", p[1][2]},
-        {"w", through ? -unit / um : unit / um}, {"u", through ? 1 : -1}};
+    const sgt_named number[NUMBERS] = {{"x1", p[0][0]},
+                                       {"y1", p[0][1]},
+                                       {"z1", p[0][2]},
+                                       {"x2", p[1][0]},
+                                       {"y2", p[1][1]},
+                                       {"z2", p[1][2]},
+                                       {"w", through ? -unit / um : unit / um},
+                                       {"u", through ? 1 : -1}};
     const size_t size = sgt_formula_room(text, NUMBERS);
     sgt_formula *self = tree_room(s, 1, sizeof *self);
     sgt_error e = {0};
-    self->tape = sgt_formula_read(text, SGT_FORMULA_XYZ, NUMBERS, number, tree_room(s, size / 8 + 1, 8), size, &e);
+    self->tape =
+        sgt_formula_read(text, SGT_FORMULA_XYZ, NUMBERS, number, tree_room(s, size / 8 + 1, 8), size, &e);
     if (!self->tape) tree_fail(s, points->line, "points", "%s", e.words);
     return (sgt_surface){&sgt_formula_ops, self};
 }
@@ -118,8 +123,8 @@ static sgt_surface read_waves(source *s, const node *map, const node *n)
     const sgt_builtin *row;
     tree_map(s, n, "waves");
     const sgt_surface waves = sgt_read_surface(s, n, SURFACE_NO_RIM, "", &row);
-    if (waves.ops != &sgt_formula_ops && row->family != SGT_FAMILY_CONIC && row->family != SGT_FAMILY_ASPHERE &&
-        row->family != SGT_FAMILY_DEPARTURE)
+    if (waves.ops != &sgt_formula_ops && row->family != SGT_FAMILY_CONIC &&
+        row->family != SGT_FAMILY_ASPHERE && row->family != SGT_FAMILY_DEPARTURE)
         tree_fail(s, n->line, "waves", "a %s is no sag; a phase is a sag, in waves, or a formula", row->type);
     return waves;
 }
@@ -133,7 +138,8 @@ void sgt_read_phase(whole_lens *w, source *s, const node *n, size_t i)
     const node *map = n->kind == NODE_SCALAR ? tree_node(s, NODE_MAP, n->line) : n;
     tree_map(s, map, "phase");
     const node *order = tree_take(map, "order"), *lines = tree_take(map, "lines");
-    const node *waves = n->kind == NODE_SCALAR ? n : tree_take(map, "waves"), *points = tree_take(map, "points");
+    const node *waves = n->kind == NODE_SCALAR ? n : tree_take(map, "waves"),
+               *points = tree_take(map, "points");
     const double unit = sgt_lens_unit(&w->lens);
     sgt_phase *phase = tree_room(s, 1, sizeof *phase);
     if (!w->order) w->order = tree_room(s, w->lens.count, sizeof *w->order);
@@ -142,17 +148,21 @@ void sgt_read_phase(whole_lens *w, source *s, const node *n, size_t i)
     if (!w->lens.wavelength)
         tree_fail(s, n->line, "wavelengths", "missing, and a phase (of element %zu) is in waves", i + 1);
     if (isnan(unit))
-        tree_fail(s, n->line, "units",
-                  "must be mm, cm, m, um or in for a phase (of element %zu), which adds wavelengths to lengths",
-                  i + 1);
+        tree_fail(
+            s, n->line, "units",
+            "must be mm, cm, m, um or in for a phase (of element %zu), which adds wavelengths to lengths",
+            i + 1);
     w->order[i] = order ? tree_read_number(s, order, "order", NUMBER_FINITE) : 1;
     for (size_t k = 0; k < w->lens.wavelengths; k++)
         if (!isfinite(w->order[i] * w->lens.wavelength[k] / unit))
             tree_fail(s, order ? order->line : n->line, "order", "%g is too large", w->order[i]);
-    if (lines) phase->waves = read_lines(s, lines, tree_take(map, "turn"));
-    else if (waves) phase->waves = read_waves(s, map, waves);
+    if (lines)
+        phase->waves = read_lines(s, lines, tree_take(map, "turn"));
+    else if (waves)
+        phase->waves = read_waves(s, map, waves);
     else
-        phase->waves = read_hologram(s, points, tree_take(map, "wavelength"), tree_take(map, "converges"), unit);
+        phase->waves =
+            read_hologram(s, points, tree_take(map, "wavelength"), tree_take(map, "converges"), unit);
     tree_finish(s, map, PHASE_KEYS);
     phase->kind = phase->waves.ops == &sgt_formula_ops ? SGT_PHASE_FUNCTION : SGT_PHASE_SAG;
     w->element[i].phase = phase;
@@ -199,7 +209,8 @@ static const sgt_phase *at_other_wavelength(const whole_lens *w, double um)
     set_wavelength(w, um, own->phase);
     own->um = um, own->next = head;
     struct other_phases **at = &((whole_lens *)(uintptr_t)w)->other_phases;
-    while (!__atomic_compare_exchange_n(at, &own->next, own, false, __ATOMIC_RELEASE, __ATOMIC_RELAXED)) continue;
+    while (!__atomic_compare_exchange_n(at, &own->next, own, false, __ATOMIC_RELEASE, __ATOMIC_RELAXED))
+        continue;
     return own->phase;
 }
 
@@ -221,7 +232,8 @@ void sgt_make_phases(whole_lens *w, source *s)
     const sgt_lens *l = &w->lens;
     if (!w->order) return;
     w->phase_at = tree_room(s, l->wavelengths * l->count, sizeof *w->phase_at);
-    for (size_t k = 0; k < l->wavelengths; k++) set_wavelength(w, l->wavelength[k], w->phase_at + k * l->count);
+    for (size_t k = 0; k < l->wavelengths; k++)
+        set_wavelength(w, l->wavelength[k], w->phase_at + k * l->count);
     sgt_put_phases(w, l->wavelength[l->primary], w->element);
 }
 

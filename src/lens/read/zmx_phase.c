@@ -3,24 +3,24 @@
  *
  * With the letters of zmx_shape.c, and Phi a phase in radians:
  *     DGRATING   conic(r); lines at equal distances along y, P1 of them in a micrometre; the order is P2
- *     BINARY_1   conic(r) + even(r); Phi = sum of a_i (x/R)^a (y/R)^b, in the order x, y, x^2, xy ...; N = X1,
- *                R = X2, a_i = X(2+i); the order is P0, as in the next and of Zernike's
+ *     BINARY_1   conic(r) + even(r); Phi = sum of a_i (x/R)^a (y/R)^b, in the order x, y, x^2, xy ...; N =
+ *                X1, R = X2, a_i = X(2+i); the order is P0, as in the next and of Zernike's
  *     BINARY_2   the same with Phi = sum of a_i (r/R)^(2i)
- *     BINARY_3   two zones, inside and outside of the radius P3.  Inside conic(r); outside a conic of the radius P1
- *                (0: flat) and the constant P2, moved to meet it; P8 not 0: not moved.  N = X1, and then four
- *                numbers for each i: a power of r^(2i) and a phase (r/P3)^(2i) inside, a power and a phase
- *                (r/P4)^(2i) outside.  The orders are P5 and P6.  What P7 means is not published
+ *     BINARY_3   two zones, inside and outside of the radius P3.  Inside conic(r); outside a conic of the
+ *                radius P1 (0: flat) and the constant P2, moved to meet it; P8 not 0: not moved.  N = X1, and
+ *                then four numbers for each i: a power of r^(2i) and a phase (r/P3)^(2i) inside, a power and
+ *                a phase (r/P4)^(2i) outside.  The orders are P5 and P6.  P7 has no published meaning
  *     FZERNPHA   conic(r); Phi / 2 pi is the sum of a_i Z_i, in the fringe order; SZERNPHA in Noll's
- *     HOLOGRM1   conic(r); the phase of two beams of the wavelength P7 from the points P1 P2 P3 and P4 P5 P6; the
- *                order is P8.  HOLOGRM2: the second beam converges to its point
+ *     HOLOGRM1   conic(r); the phase of two beams of the wavelength P7 from the points P1 P2 P3 and P4 P5
+ *                P6; the order is P8.  HOLOGRM2: the second beam converges to its point
  *
- * A phase adds order * wavelength * Phi / 2 pi to the path, and its gradient to the direction, in reflection as
- * in transmission.  An order of 0 is no phase, and is not 1.  (OpticStudio's help, How diffractive surfaces are
- * modeled; Binary 3; Hologram 1.  Signs, units and orders of terms were found again in numbers that it left in
- * public files.)
+ * A phase adds order * wavelength * Phi / 2 pi to the path, and its gradient to the direction, in reflection
+ * as in transmission.  An order of 0 is no phase, and is not 1.  (OpticStudio's help, How diffractive
+ * surfaces are modeled; Binary 3; Hologram 1.  Signs, units and orders of terms were found again in numbers
+ * that it left in public files.)
  *
- * WHERE ZONES MEET, min(r, P3) and max(r, P3) make one formula of both: beyond the edge the inner one stays as it
- * is there, and the outer one has what it is there taken off.  So shape and path are continuous. */
+ * WHERE ZONES MEET, min(r, P3) and max(r, P3) make one formula of both: beyond the edge the inner one stays
+ * as it is there, and the outer one has what it is there taken off.  So shape and path are continuous. */
 #include "phase.h"
 #include "zmx.h"
 
@@ -86,7 +86,8 @@ static void set_radial(zmx *z, const zmx_surface *f, node *phase)
     enum { EVENS = 8, MOST = 100 };
     zmx_terms t = sgt_zmx_terms(z, f, 1, MOST);
     if (t.count > EVENS) {
-        set_text(z, phase, "waves", t.line, tree_print(z->s, "%s/(2*pi)", horner(z, "r^2/norm^2", "a", t.count)));
+        set_text(z, phase, "waves", t.line,
+                 tree_print(z->s, "%s/(2*pi)", horner(z, "r^2/norm^2", "a", t.count)));
         sgt_zmx_set_number(z, phase, "norm", t.line, t.norm);
         set_numbered(z, phase, "a", t.line, t.count, t.value, 1);
         return;
@@ -118,8 +119,10 @@ void sgt_zmx_write_binary(zmx *z, const zmx_surface *f, node *map)
 {
     node *phase = phase_of(z, parm_line(f), f->parm[0]);
     sgt_zmx_write_asphere(z, f, map);
-    if (f->type->name[7] == '1') set_polynomial(z, f, phase);
-    else set_radial(z, f, phase);
+    if (f->type->name[7] == '1')
+        set_polynomial(z, f, phase);
+    else
+        set_radial(z, f, phase);
     set_phase(z, map, phase);
 }
 
@@ -136,12 +139,12 @@ static bool differs(const zmx_surface *f, const double *x, size_t count)
     return other;
 }
 
-static void write_two_shapes(zmx *z, const zmx_surface *f, node *map, const double *x, size_t count, size_t line)
+static void write_two_shapes(zmx *z, const zmx_surface *f, node *map, const double *x, size_t count,
+                             size_t line)
 {
-    static const char conics[] =
-        "c*min(r^2, edge^2)/(1 + sqrt(1 - (1 + k)*c^2*min(r^2, edge^2)))"
-        " + d*max(r^2, edge^2)/(1 + sqrt(1 - (1 + q)*d^2*max(r^2, edge^2)))"
-        " - d*edge^2/(1 + sqrt(1 - (1 + q)*d^2*edge^2))";
+    static const char conics[] = "c*min(r^2, edge^2)/(1 + sqrt(1 - (1 + k)*c^2*min(r^2, edge^2)))"
+                                 " + d*max(r^2, edge^2)/(1 + sqrt(1 - (1 + q)*d^2*max(r^2, edge^2)))"
+                                 " - d*edge^2/(1 + sqrt(1 - (1 + q)*d^2*edge^2))";
     const char *powers = "";
     sgt_zmx_set_word(z, map, "type", f->line, "formula");
     if (count)
@@ -162,7 +165,8 @@ static void write_one_shape(zmx *z, const zmx_surface *f, node *map, const doubl
     enum { EVENS = 8 };
     zmx_surface as_asphere = *f;
     if (count > EVENS)
-        tree_fail(z->s, f->line, "XDAT", "surface %zu: more than %d powers of r", sgt_zmx_number_of(z, f), (int)EVENS);
+        tree_fail(z->s, f->line, "XDAT", "surface %zu: more than %d powers of r", sgt_zmx_number_of(z, f),
+                  (int)EVENS);
     for (size_t i = 1; i <= EVENS; i++) as_asphere.parm[i] = i <= count ? x[OF_TERM * (i - 1)] : 0;
     sgt_zmx_write_asphere(z, &as_asphere, map);
 }
@@ -172,13 +176,14 @@ void sgt_zmx_write_zones(zmx *z, const zmx_surface *f, node *map)
     size_t line, number = sgt_zmx_number_of(z, f);
     const double *extra = sgt_zmx_extras(z, f, 1 + OF_TERM * ZONE_TERMS, &line), *x = &extra[2], n = extra[1];
     if (!(n >= 0 && n <= (double)ZONE_TERMS && n == floor(n)))
-        tree_fail(z->s, line, "XDAT", "surface %zu has %g terms (XDAT 1), which is no whole number up to %d", number,
-                  n, (int)ZONE_TERMS);
+        tree_fail(z->s, line, "XDAT", "surface %zu has %g terms (XDAT 1), which is no whole number up to %d",
+                  number, n, (int)ZONE_TERMS);
     if (!(f->parm[3] > 0 && f->parm[4] > f->parm[3]))
-        tree_fail(z->s, parm_line(f), "PARM", "surface %zu: zones out to %g and %g (PARM 3, 4) do not rise", number,
-                  f->parm[3], f->parm[4]);
+        tree_fail(z->s, parm_line(f), "PARM", "surface %zu: zones out to %g and %g (PARM 3, 4) do not rise",
+                  number, f->parm[3], f->parm[4]);
     if (f->parm[7] != 0)
-        tree_fail(z->s, f->parm_line, "PARM", "surface %zu: what PARM 7 of BINARY_3 means is not published", number);
+        tree_fail(z->s, f->parm_line, "PARM", "surface %zu: what PARM 7 of BINARY_3 means is not published",
+                  number);
     size_t count = (size_t)n, used = 0;
     for (size_t i = 0; i < f->extras; i++)
         if (f->extra[i].number > 1 + OF_TERM * count && f->extra[i].value != 0)
@@ -188,14 +193,17 @@ void sgt_zmx_write_zones(zmx *z, const zmx_surface *f, node *map)
     count = used;
     const bool two = differs(f, x, count);
     if (two && f->parm[8] != 0)
-        tree_fail(z->s, f->parm_line, "PARM", "surface %zu: zones with a step between them (PARM 8) are not read",
-                  number);
-    if (two) write_two_shapes(z, f, map, x, count, line);
-    else write_one_shape(z, f, map, x, count);
+        tree_fail(z->s, f->parm_line, "PARM",
+                  "surface %zu: zones with a step between them (PARM 8) are not read", number);
+    if (two)
+        write_two_shapes(z, f, map, x, count, line);
+    else
+        write_one_shape(z, f, map, x, count);
     if (!count) return;
     node *phase = phase_of(z, line, 1);
     const char *inner = horner(z, "min(r^2, edge^2)/edge^2", "a", count);
-    const char *outer = horner(z, "max(r^2, edge^2)/rim^2", "b", count), *there = horner(z, "edge^2/rim^2", "b", count);
+    const char *outer = horner(z, "max(r^2, edge^2)/rim^2", "b", count),
+               *there = horner(z, "edge^2/rim^2", "b", count);
     set_text(z, phase, "waves", line, tree_print(z->s, "(m*%s + n*(%s - %s))/(2*pi)", inner, outer, there));
     sgt_zmx_set_number(z, phase, "m", f->parm_line, f->parm[5]);
     sgt_zmx_set_number(z, phase, "n", f->parm_line, f->parm[6]);
@@ -204,9 +212,10 @@ void sgt_zmx_write_zones(zmx *z, const zmx_surface *f, node *map)
     set_numbered(z, phase, "a", line, count, x + 1, OF_TERM);
     set_numbered(z, phase, "b", line, count, x + 3, OF_TERM);
     tree_set(z->s, map, "phase", phase);
-    tree_remark(z->s, SGT_REMARK_TURNED, f->line, f->type->name,
-                "a phase that is continuous where its zones meet; how OpticStudio counts the path there is not "
-                "published");
+    tree_remark(
+        z->s, SGT_REMARK_TURNED, f->line, f->type->name,
+        "a phase that is continuous where its zones meet; how OpticStudio counts the path there is not "
+        "published");
 }
 
 /* ------------------------------------------------------------ Zernike's, holograms */
@@ -214,7 +223,8 @@ void sgt_zmx_write_zones(zmx *z, const zmx_surface *f, node *map)
 /* PARM 1: whether the terms go on beyond their radius, as they do here. */
 void sgt_zmx_write_zernike_phase(zmx *z, const zmx_surface *f, node *map)
 {
-    node *phase = phase_of(z, parm_line(f), f->parm[0]), *waves = sgt_zmx_zernike(z, f, f->type->name[0] == 'F');
+    node *phase = phase_of(z, parm_line(f), f->parm[0]),
+         *waves = sgt_zmx_zernike(z, f, f->type->name[0] == 'F');
     sgt_zmx_write_standard(z, f, map);
     if (!waves) return;
     tree_set(z->s, phase, "waves", waves);

@@ -30,13 +30,13 @@
  * is worse than none.
  *
  * QBFS ON A CONIC.  Forbes (2007) divides the departure from a sphere by sqrt(1 - c^2 r^2), the cosine of the
- * sphere's normal: it is measured along that normal.  Of a conic the cosine is
- *     s = sqrt((1 - (1 + k) c^2 r^2) / (1 - k c^2 r^2)),    1 / s = sqrt(1 + c^2 r^2 / (1 - (1 + k) c^2 r^2)),
+ * sphere's normal: it is measured along that normal.  Of a conic the cosine is s, with
+ *     1 / s = sqrt((1 - k c^2 r^2) / w) = sqrt(1 + c^2 r^2 / w),    w = 1 - (1 + k) c^2 r^2,
  * the same for k = 0.  The designs of catalogue lenses with such a surface focus with this factor, and not
  * with Forbes' own or with 1.  q_bfs has a sphere under it, so the surface becomes a formula.  Its polynomial
- * is one of t = 1 - 2 u^2, u = r / R, in [-1, 1] over the aperture.  From the polynomials P_m of q_bfs.c, whose
- * recurrence is P_m+1 = 2 t P_m - P_m-1 from -2 and 2 on, term m gets factors of some 2.4^m, which
- * cancel: 20 terms lose 1e-9 of the largest coefficient at most.
+ * is one of t = 1 - 2 u^2, u = r / R, in [-1, 1] over the aperture.  It is made of the P_m of q_bfs.c, whose
+ * recurrence is P_m+1 = 2 t P_m - P_m-1 from -2 and 2 on.  Term m gets factors of some 2.4^m, which cancel:
+ * 20 terms lose 1e-9 of the largest coefficient at most.
  *
  * THE TILTED PLANE.  Its normal is (-P1, -P2, 1).  The tilt Rz Ry Rx by (a, b, 0) takes (0, 0, 1) to
  * (cos a sin b, -sin a, cos a cos b), so tan b = -P1 and tan a = P2 cos b = P2 / hypot(1, P1).  Apertures are
@@ -244,9 +244,11 @@ static void write_irregular(zmx *z, const zmx_surface *f, node *map)
                   sgt_zmx_number_of(z, f));
     if (size > 0) {
         const double z4 = sgt_zmx_by_norm(z, f, line, spherical, size, 4);
-        const double a2 = sgt_zmx_by_norm(z, f, line, astigmatic, size, 2), c3 = sgt_zmx_by_norm(z, f, line, coma, size, 3);
+        const double a2 = sgt_zmx_by_norm(z, f, line, astigmatic, size, 2),
+                     c3 = sgt_zmx_by_norm(z, f, line, coma, size, 3);
         sgt_zmx_add_xy(xy, 4, 0, z4), sgt_zmx_add_xy(xy, 2, 2, 2 * z4), sgt_zmx_add_xy(xy, 0, 4, z4);
-        sgt_zmx_add_xy(xy, 2, 0, a2 * s * s), sgt_zmx_add_xy(xy, 1, 1, 2 * a2 * s * c), sgt_zmx_add_xy(xy, 0, 2, a2 * c * c);
+        sgt_zmx_add_xy(xy, 2, 0, a2 * s * s), sgt_zmx_add_xy(xy, 1, 1, 2 * a2 * s * c),
+            sgt_zmx_add_xy(xy, 0, 2, a2 * c * c);
         sgt_zmx_add_xy(xy, 3, 0, c3 * s), sgt_zmx_add_xy(xy, 1, 2, c3 * s);
         sgt_zmx_add_xy(xy, 2, 1, c3 * c), sgt_zmx_add_xy(xy, 0, 3, c3 * c);
     }
@@ -453,9 +455,10 @@ static void write_two_powers(zmx *z, const zmx_surface *f, node *map)
 {
     const double power = f->parm[2];
     if (f->parm[1] != power)
-        tree_fail(z->s, f->parm_line, "PARM",
-                  "surface %zu: a PARAX_XY of two powers, %g in x and %g in y, is not read; with one power it is",
-                  sgt_zmx_number_of(z, f), f->parm[1], power);
+        tree_fail(
+            z->s, f->parm_line, "PARM",
+            "surface %zu: a PARAX_XY of two powers, %g in x and %g in y, is not read; with one power it is",
+            sgt_zmx_number_of(z, f), f->parm[1], power);
     if (power == 0) {
         sgt_zmx_set_word(z, map, "type", f->line, "plane");
         return;

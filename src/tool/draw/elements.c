@@ -12,7 +12,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double ARROW_LENGTH = 7, ARROW_WIDTH = 4, HATCH_STEP = 5, HATCH_LENGTH = 5, GROOVE_LENGTH = 3, STOP_TICK = 13;
+static const double ARROW_LENGTH = 7, ARROW_WIDTH = 4, HATCH_STEP = 5, HATCH_LENGTH = 5, GROOVE_LENGTH = 3,
+                    STOP_TICK = 13;
 static const double dashes[] = {3, 3};
 
 /* -------------------------------------------------------------------- glass */
@@ -133,7 +134,8 @@ void elements_fill(const page *p)
 /* ----------------------------------------------------------------- surfaces */
 
 /* Strokes along a piece of a section, each from it by `ahead` along z and by `back` along the section. */
-static void strokes_along(const page *p, const outline *o, const outline_piece *at, double ahead_by, double back_by)
+static void strokes_along(const page *p, const outline *o, const outline_piece *at, double ahead_by,
+                          double back_by)
 {
     const page_dot ahead = page_along(p, o->ahead);
     double rest = HATCH_STEP / 2;
