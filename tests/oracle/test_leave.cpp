@@ -25,6 +25,7 @@
 //     test_leave --steps N     N crossings in each world, and times, against those of first hits
 //     test_leave --steps N WORLD     in those worlds whose names begin so
 #include "../../src/truth/elementary.hpp"
+#include "../batch/soil.h"
 #include "quad.h"
 
 #include <sagitta/formula.h>
@@ -354,6 +355,7 @@ void batch_is_single(const World &w, const std::vector<sgt_start> &starts, const
                            {out[6].data(), out[7].data(), out[8].data()},
                            nullptr,
                            {}};
+    soil_stack(bits());
     const size_t met = sgt_leave_batch(w.s, n, from, hits, side.data(), opt);
     size_t count = 0;
     for (size_t i = 0; i < n; i++) {
