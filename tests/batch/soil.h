@@ -25,6 +25,7 @@ static void soil_stack(uint64_t random)
         random = random * 0xd1342543de82ef95u + 1;
         frame[i] = stain < 5 ? stains[stain] : random;
     }
+    (void)frame[0];
 }
 
 #endif
