@@ -87,6 +87,7 @@ typedef struct lens {
     sgt_vec2 corners[ELEMENTS][ITEMS][CORNERS];
     sgt_phase phases[ELEMENTS];
     sgt_polynomial_xy waves[ELEMENTS];
+    sgt_even_asphere rounds[ELEMENTS];
     double numbers[ELEMENTS][9];
     quilt quilted[ELEMENTS];
     double before;
@@ -141,6 +142,8 @@ static void give_waves(generator *g, lens *l, size_t i)
     if (chance(g, 0.9)) p->per_wave = either_sign(g) * uniform(g, 0.1, 1);
     p->waves = (sgt_surface){&sgt_polynomial_xy_ops, &l->waves[i]};
     if (chance(g, 0.2)) p->waves = (sgt_surface){&sgt_even_asphere_ops, &l->s[0].with};
+    l->rounds[i] = (sgt_even_asphere){.a = {a[0] / 4, a[1] / 16}};
+    if (chance(g, 0.2)) p->waves = (sgt_surface){&sgt_even_asphere_ops, &l->rounds[i]};
     if (chance(g, 0.2)) {
         p->waves = (sgt_surface){&quilt_ops[below(g, 3)], &l->quilted[i]};
         if (chance(g, 0.5)) p->kind = SGT_PHASE_FUNCTION;
