@@ -44,7 +44,7 @@ static const departure *polynomial_of(sgt_surface s, bool sag)
     return ((const sgt_even_asphere *)s.self)->c == 0 ? s.ops->own_->departure : NULL;
 }
 
-static void polynomial_at(sgt_surface s, const departure *of, size_t n, sgt_points p, double *w,
+static void terms_at(sgt_surface s, const departure *of, size_t n, sgt_points p, double *w,
                           double *const g[3])
 {
     for (size_t i = 0, few; i < n; i += few) {
@@ -70,7 +70,7 @@ waves_here sgt_waves_at(const sgt_phase *a, sgt_vec3 p)
     const departure *of = polynomial_of(s, sag);
     if (of) {
         double w;
-        polynomial_at(s, of, 1, (sgt_points){{&p.x, &p.y, NULL}}, &w, (double *const[3]){&g.x, &g.y, &g.z});
+        terms_at(s, of, 1, (sgt_points){{&p.x, &p.y, NULL}}, &w, (double *const[3]){&g.x, &g.y, &g.z});
         return waves_made(false, w, g);
     }
     if (sag) p.z = 0;
@@ -105,7 +105,7 @@ void sgt_waves_tile(const sgt_phase *a, size_t n, sgt_points p, double *w, doubl
     const departure *of = polynomial_of(s, sag);
     double x[WAVES_MOST];
     if (of) {
-        polynomial_at(s, of, n, p, w, g);
+        terms_at(s, of, n, p, w, g);
         waves_all(false, n, w, g[0], g[1], g[2]);
         return;
     }

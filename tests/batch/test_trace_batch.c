@@ -132,7 +132,7 @@ static void give_aperture(generator *g, lens *l, size_t i)
 static void give_waves(generator *g, lens *l, size_t i)
 {
     sgt_phase *p = &l->phases[i];
-    double *a = l->numbers[i], by = chance(g, 0.2) ? 2 : 0.3;
+    double *a = l->numbers[i], by = chance(g, 0.5) ? 3 : 0.3;
     for (int k = 0; k < 9; k++) a[k] = uniform(g, -by, by) / (1 + k / 3 + k % 3);
     l->waves[i] = (sgt_polynomial_xy){.a = {a, 3, 3}};
     if (chance(g, 0.4)) l->waves[i].a.columns = 2, l->waves[i].a.rows = 1;
