@@ -3,9 +3,10 @@
  *
  * A batch keeps its rows on the stack, and not all of them are set for all rays.  What such a row holds
  * was left there by the calls before, so a fault that reads one shows itself seldom.  soil_stack leaves
- * there what does harm: a mask of all bits, which is a NaN too; nothing; bytes and a number that look like an answer; an
- * infinity; any bits.  Two times of eight what the calls before have left stays.  Answers must not depend on
- * it: the batch that is asked next is compared with rays one by one. */
+ * there what does harm: a mask of all bits, which is a NaN too; nothing; bytes and a number that look like
+ * an answer; an infinity; any bits.  Two times of eight what the calls before have left stays.  Answers must
+ * not depend on it: the batch that is asked next is compared with rays one by one.
+ */
 #ifndef TESTS_BATCH_SOIL_H
 #define TESTS_BATCH_SOIL_H
 
