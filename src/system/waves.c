@@ -36,6 +36,24 @@ bool sgt_waves_sound(const sgt_phase *a)
     return own->object && !own->object(s.self).reason;
 }
 
+/* The polynomial of an even asphere without a conic has a loop over points (departure.h), which the surface
+ * has not.  NULL: it is not one. */
+static const departure *polynomial_of(sgt_surface s, bool sag)
+{
+    if (!sag || s.ops != &sgt_even_asphere_ops) return NULL;
+    return ((const sgt_even_asphere *)s.self)->c == 0 ? s.ops->own_->departure : NULL;
+}
+
+static void terms_at(sgt_surface s, const departure *of, size_t n, sgt_points p, double *w,
+                          double *const g[3])
+{
+    for (size_t i = 0, few; i < n; i += few) {
+        few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
+        of->at(s.self, few, p.p[0] + i, p.p[1] + i, (sag_values){w + i, g[0] + i, g[1] + i});
+        for (size_t k = i; k < i + few; k++) g[2][k] = 0;
+    }
+}
+
 /* Of F and its gradient; where F is not finite the gradient is NaN. */
 SGT_INLINE waves_here waves_made(bool sag, double f, sgt_vec3 g)
 {
@@ -49,6 +67,12 @@ waves_here sgt_waves_at(const sgt_phase *a, sgt_vec3 p)
     const sgt_surface s = in_set(a->waves);
     const bool sag = a->kind == SGT_PHASE_SAG;
     sgt_vec3 g = {0, 0, 0}; /* a value that is NaN need not set it */
+    const departure *of = polynomial_of(s, sag);
+    if (of) {
+        double w;
+        terms_at(s, of, 1, (sgt_points){{&p.x, &p.y, NULL}}, &w, (double *const[3]){&g.x, &g.y, &g.z});
+        return waves_made(false, w, g);
+    }
     if (sag) p.z = 0;
     const double f = s.ops->value(s.self, p, &g);
     return waves_made(sag, f, g);
@@ -78,7 +102,13 @@ void sgt_waves_tile(const sgt_phase *a, size_t n, sgt_points p, double *w, doubl
 {
     const sgt_surface s = in_set(a->waves);
     const bool sag = a->kind == SGT_PHASE_SAG;
+    const departure *of = polynomial_of(s, sag);
     double x[WAVES_MOST];
+    if (of) {
+        terms_at(s, of, n, p, w, g);
+        waves_all(false, n, w, g[0], g[1], g[2]);
+        return;
+    }
     bool all = true;
     for (size_t i = 0; i < n; i++) all = all && p.p[0][i] == p.p[0][i];
     for (size_t i = 0; !all && i < n; i++) x[i] = p.p[0][i] == p.p[0][i] ? p.p[0][i] : 0;
@@ -142,7 +172,11 @@ waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
     if (a->kind == SGT_PHASE_SAG) p.z = 0;
     waves_off off = {64 * SGT_U * fabs(here.w), 64 * SGT_U * size_of(here.g)};
     if (s.ops->rounding) off.w = s.ops->rounding(s.self, p);
-    if (s.ops == &sgt_conic_ops || s.ops == &sgt_even_asphere_ops) {
+    if (polynomial_of(s, a->kind == SGT_PHASE_SAG)) {
+        double each;
+        own->departure->rounding(s.self, p.x, p.y, &off.w, &each);
+        off.g = 1.5 * each;
+    } else if (s.ops == &sgt_conic_ops || s.ops == &sgt_even_asphere_ops) {
         const sgt_conic *q = s.self;
         const sgt_even_asphere base = {.c = q->c, .k = q->k};
         off.g = gradient_off(s.ops == &sgt_conic_ops ? &base : s.self, p);

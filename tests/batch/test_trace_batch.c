@@ -11,6 +11,7 @@
  *     test_trace_batch      SAGITTA_TEST_SCALE, SAGITTA_TEST_SEED
  * */
 #include "hostile.h"
+#include "soil.h"
 
 #include <sagitta/diagnose.h>
 #include <sagitta/system.h>
@@ -86,6 +87,7 @@ typedef struct lens {
     sgt_vec2 corners[ELEMENTS][ITEMS][CORNERS];
     sgt_phase phases[ELEMENTS];
     sgt_polynomial_xy waves[ELEMENTS];
+    sgt_even_asphere rounds[ELEMENTS];
     double numbers[ELEMENTS][9];
     quilt quilted[ELEMENTS];
     double before;
@@ -130,7 +132,7 @@ static void give_aperture(generator *g, lens *l, size_t i)
 static void give_waves(generator *g, lens *l, size_t i)
 {
     sgt_phase *p = &l->phases[i];
-    double *a = l->numbers[i], by = chance(g, 0.2) ? 2 : 0.3;
+    double *a = l->numbers[i], by = chance(g, 0.5) ? 3 : 0.3;
     for (int k = 0; k < 9; k++) a[k] = uniform(g, -by, by) / (1 + k / 3 + k % 3);
     l->waves[i] = (sgt_polynomial_xy){.a = {a, 3, 3}};
     if (chance(g, 0.4)) l->waves[i].a.columns = 2, l->waves[i].a.rows = 1;
@@ -140,6 +142,8 @@ static void give_waves(generator *g, lens *l, size_t i)
     if (chance(g, 0.9)) p->per_wave = either_sign(g) * uniform(g, 0.1, 1);
     p->waves = (sgt_surface){&sgt_polynomial_xy_ops, &l->waves[i]};
     if (chance(g, 0.2)) p->waves = (sgt_surface){&sgt_even_asphere_ops, &l->s[0].with};
+    l->rounds[i] = (sgt_even_asphere){.a = {a[0] / 4, a[1] / 16}};
+    if (chance(g, 0.2)) p->waves = (sgt_surface){&sgt_even_asphere_ops, &l->rounds[i]};
     if (chance(g, 0.2)) {
         p->waves = (sgt_surface){&quilt_ops[below(g, 3)], &l->quilted[i]};
         if (chance(g, 0.5)) p->kind = SGT_PHASE_FUNCTION;
@@ -473,6 +477,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
         for (int j = 0; j < 6; j++) in[j][i] = *component(&rays[i], j);
     sgt_rays from = {.o = {in[0], in[1], in[2]}, .d = {in[3], in[4], in[5]}};
 
+    soil_stack(random_bits(g));
     size_t through = sgt_trace_batch(l->n, l->e, l->before, n, from, traced, no_passages ? NULL : passages,
                                      opt),
            expected = 0;
