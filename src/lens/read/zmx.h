@@ -185,8 +185,10 @@ struct zmx_type {
     void (*write)(zmx *z, const zmx_surface *f, node *map); /* NULL: a break */
 };
 
-/* zmx_shape.c: the type of that name; NULL: it is not read. */
+/* The type of that name; NULL: it is not read.  zmx_phase.c: of all; zmx_shape.c: without a phase. */
 const zmx_type *sgt_zmx_type(piece name);
+const zmx_type *sgt_zmx_shape(piece name);
+/* zmx_shape.c */
 const char *sgt_zmx_refused(piece name); /* why a type is not read, where that can be said; else NULL */
 size_t sgt_zmx_number_of(const zmx *z, const zmx_surface *f);
 void sgt_zmx_set_word(zmx *z, node *map, const char *key, size_t line, const char *text);
@@ -223,13 +225,6 @@ node *sgt_zmx_rows(zmx *z, size_t line, const zmx_xy *t);
 size_t sgt_zmx_polynomial(zmx *z, const zmx_surface *f, zmx_xy *xy);
 /* The Zernike terms of XDAT as a surface; NULL: none. */
 node *sgt_zmx_zernike(zmx *z, const zmx_surface *f, bool fringe);
-
-/* zmx_phase.c: surfaces with a phase. */
-void sgt_zmx_write_grating(zmx *z, const zmx_surface *f, node *map);
-void sgt_zmx_write_binary(zmx *z, const zmx_surface *f, node *map);
-void sgt_zmx_write_zones(zmx *z, const zmx_surface *f, node *map);
-void sgt_zmx_write_zernike_phase(zmx *z, const zmx_surface *f, node *map);
-void sgt_zmx_write_hologram(zmx *z, const zmx_surface *f, node *map);
 
 /* zmx_system.c: behind the last NOTE. */
 void sgt_zmx_end_note(zmx *z);

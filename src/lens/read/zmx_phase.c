@@ -52,7 +52,7 @@ static void set_text(zmx *z, node *map, const char *key, size_t line, const char
 
 static size_t parm_line(const zmx_surface *f) { return f->parm_line ? f->parm_line : f->line; }
 
-void sgt_zmx_write_grating(zmx *z, const zmx_surface *f, node *map)
+static void write_grating(zmx *z, const zmx_surface *f, node *map)
 {
     const double um = sgt_unit_named(z->units ? z->units : "");
     node *phase = phase_of(z, parm_line(f), f->parm[2]);
@@ -115,7 +115,7 @@ static void set_phase(zmx *z, node *map, node *phase)
     if (tree_take(phase, "waves")) tree_set(z->s, map, "phase", phase);
 }
 
-void sgt_zmx_write_binary(zmx *z, const zmx_surface *f, node *map)
+static void write_binary(zmx *z, const zmx_surface *f, node *map)
 {
     node *phase = phase_of(z, parm_line(f), f->parm[0]);
     sgt_zmx_write_asphere(z, f, map);
@@ -171,7 +171,7 @@ static void write_one_shape(zmx *z, const zmx_surface *f, node *map, const doubl
     sgt_zmx_write_asphere(z, &as_asphere, map);
 }
 
-void sgt_zmx_write_zones(zmx *z, const zmx_surface *f, node *map)
+static void write_zones(zmx *z, const zmx_surface *f, node *map)
 {
     size_t line, number = sgt_zmx_number_of(z, f);
     const double *extra = sgt_zmx_extras(z, f, 1 + OF_TERM * ZONE_TERMS, &line), *x = &extra[2], n = extra[1];
@@ -221,7 +221,7 @@ void sgt_zmx_write_zones(zmx *z, const zmx_surface *f, node *map)
 /* ------------------------------------------------------------ Zernike's, holograms */
 
 /* PARM 1: whether the terms go on beyond their radius, as they do here. */
-void sgt_zmx_write_zernike_phase(zmx *z, const zmx_surface *f, node *map)
+static void write_zernike_phase(zmx *z, const zmx_surface *f, node *map)
 {
     node *phase = phase_of(z, parm_line(f), f->parm[0]),
          *waves = sgt_zmx_zernike(z, f, f->type->name[0] == 'F');
@@ -234,7 +234,7 @@ void sgt_zmx_write_zernike_phase(zmx *z, const zmx_surface *f, node *map)
                     "Zernike terms that go on beyond their radius; in OpticStudio they end there");
 }
 
-void sgt_zmx_write_hologram(zmx *z, const zmx_surface *f, node *map)
+static void write_hologram(zmx *z, const zmx_surface *f, node *map)
 {
     const size_t line = parm_line(f);
     node *phase = phase_of(z, line, f->parm[8]), *points = tree_node(z->s, NODE_LIST, line);
@@ -247,4 +247,22 @@ void sgt_zmx_write_hologram(zmx *z, const zmx_surface *f, node *map)
     sgt_zmx_set_number(z, phase, "wavelength", line, f->parm[7]);
     if (f->type->name[7] == '2') sgt_zmx_set_word(z, phase, "converges", line, "true");
     tree_set(z->s, map, "phase", phase);
+}
+
+static const zmx_type phases[] = {
+    {"DGRATING", .parms = 2, .round = true, .write = write_grating},
+    {"BINARY_1", .parms = 8, .zeroth = true, .round = true, .extras = true, .write = write_binary},
+    {"BINARY_2", .parms = 8, .zeroth = true, .round = true, .extras = true, .write = write_binary},
+    {"BINARY_3", .parms = 8, .round = true, .extras = true, .write = write_zones},
+    {"FZERNPHA", .parms = 1, .zeroth = true, .round = true, .extras = true, .write = write_zernike_phase},
+    {"SZERNPHA", .parms = 1, .zeroth = true, .round = true, .extras = true, .write = write_zernike_phase},
+    {"HOLOGRM1", .parms = 8, .round = true, .write = write_hologram},
+    {"HOLOGRM2", .parms = 8, .round = true, .write = write_hologram},
+};
+
+const zmx_type *sgt_zmx_type(piece name)
+{
+    for (size_t i = 0; i < sizeof phases / sizeof *phases; i++)
+        if (sgt_reader_is(name, phases[i].name)) return &phases[i];
+    return sgt_zmx_shape(name);
 }

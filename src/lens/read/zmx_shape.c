@@ -482,16 +482,6 @@ static const zmx_type types[] = {
     {"SZERNSAG", .parms = 10, .zeroth = true, .round = true, .extras = true, .write = write_zernike},
     {"GRID_SAG", .parms = 10, .zeroth = true, .round = true, .extras = true, .heights = true,
      .write = write_grid},
-    {"DGRATING", .parms = 2, .round = true, .write = sgt_zmx_write_grating},
-    {"BINARY_1", .parms = 8, .zeroth = true, .round = true, .extras = true, .write = sgt_zmx_write_binary},
-    {"BINARY_2", .parms = 8, .zeroth = true, .round = true, .extras = true, .write = sgt_zmx_write_binary},
-    {"BINARY_3", .parms = 8, .round = true, .extras = true, .write = sgt_zmx_write_zones},
-    {"FZERNPHA", .parms = 1, .zeroth = true, .round = true, .extras = true,
-     .write = sgt_zmx_write_zernike_phase},
-    {"SZERNPHA", .parms = 1, .zeroth = true, .round = true, .extras = true,
-     .write = sgt_zmx_write_zernike_phase},
-    {"HOLOGRM1", .parms = 8, .round = true, .write = sgt_zmx_write_hologram},
-    {"HOLOGRM2", .parms = 8, .round = true, .write = sgt_zmx_write_hologram},
     {"TILTSURF", .parms = 2, .aslant = true, .write = write_tilted},
     {"PARAXIAL", .parms = 2, .write = write_ideal}, /* PARM 2: how paths are counted, not where rays go */
     {"PARAX_XY", .parms = 2, .write = write_two_powers},
@@ -519,7 +509,7 @@ const char *sgt_zmx_refused(piece name)
     return NULL;
 }
 
-const zmx_type *sgt_zmx_type(piece name)
+const zmx_type *sgt_zmx_shape(piece name)
 {
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
         if (sgt_reader_is(name, types[i].name)) return &types[i];

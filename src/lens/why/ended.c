@@ -69,8 +69,8 @@ size_t sgt_why_ended(const sgt_element *e, sgt_fate fate, const sgt_arrival *a, 
                 sgt_written(sgt_incidence(e, a), 4).text, sgt_written(sgt_critical_angle(a), 4).text);
         break;
     case SGT_MISSED: say_missed(&to, e, a); break;
-    case SGT_PASSED:
     case SGT_EVANESCENT: say_evanescent(&to, e, a); break;
+    case SGT_PASSED:
     case SGT_LOST: break;
     }
     return to.length;
