@@ -328,6 +328,27 @@ static bool wavy_bounds(const void *self, const sgt_interval box[3], sgt_interva
     return true;
 }
 
+/* The proof alone, with boxes of all sizes, never says of a point that is met that it is not. */
+static void require_no_denial(const sgt_element e[2], const sgt_beam *beam, size_t which)
+{
+    generator g = {7 + which};
+    const sgt_vec2 nowhere = {1e9, 1e9};
+    const sgt_aim_options alone = {.max_traces = 1, .start = &nowhere, .starts = 1, .max_boxes = 200};
+    for (int k = 0; k < 100; k++) {
+        const double u = uniform(&g, -2, 2), v = uniform(&g, -2, 2), span = log_uniform(&g, 1e-4, 1);
+        sgt_beam part = *beam;
+        part.u = (sgt_interval){u - span * uniform(&g, 0, 1), u + span * uniform(&g, 0, 1)};
+        part.v = (sgt_interval){v - span * uniform(&g, 0, 1), v + span * uniform(&g, 0, 1)};
+        sgt_ray ray = sgt_beam_ray(beam, u, v);
+        sgt_passage is[2];
+        sgt_aiming found;
+        if (sgt_trace(2, e, 1, &ray, is, NULL, NULL) != 2) continue;
+        const sgt_vec2 there = {is[1].hit.p.x, is[1].hit.p.y};
+        REQUIRE(sgt_aim(1, e, 1, &part, there, is, &alone, &found) != SGT_NO_SUCH_RAY,
+                "phase %zu: the ray of %g, %g is denied", which, u, v);
+    }
+}
+
 /* What is said of a whole beam: that it meets a point, that none of it does, that all of it is evanescent. */
 static void test_proofs(void **state)
 {
@@ -341,8 +362,11 @@ static void test_proofs(void **state)
     const sgt_conic focus = {.c = -1 / 50.0, .k = -2}, bowl = {.c = 1 / 60.0};
     grating g;
     set_grating(&g, 300, 1, 0.5e-3);
+    sgt_phase steep = g.phase;
+    steep.per_wave = 4.8e-3; /* nearly evanescent */
     const sgt_phase phase[] = {
         g.phase,
+        steep,
         {.kind = SGT_PHASE_FUNCTION, .waves = {&sgt_formula_ops, &hologram}, .per_wave = 0.6328e-3},
         {.kind = SGT_PHASE_SAG, .waves = {&sgt_zernike_ops, &zernike}, .per_wave = 0.1},
         {.kind = SGT_PHASE_SAG, .waves = {&sgt_conic_ops, &focus}, .per_wave = 1},
@@ -363,6 +387,7 @@ static void test_proofs(void **state)
             const sgt_vec2 there = {is[1].hit.p.x, is[1].hit.p.y}, beside = {there.x + 9, there.y};
             REQUIRE(sgt_aim(1, e, 1, &beam, there, is, NULL, &found) == SGT_MET, "phase %zu", i);
             const sgt_aimed far = sgt_aim(1, e, 1, &beam, beside, is, NULL, &found);
+            require_no_denial(e, &beam, i);
             const bool known = i + 1 < COUNT_OF(phase);
             REQUIRE(far == (known ? SGT_NO_SUCH_RAY : SGT_AIMED_UNDECIDED), "phase %zu: %s", i,
                     sgt_aimed_text(far));
