@@ -108,6 +108,23 @@ def test_perfect_lenses():
         assert float(row['geometric']) < 1e-12, row
 
 
+def test_a_spectrometer():
+    """Behind a grating the axis is a break; each wavelength has its place, f tan of the angle to the primary's.  The
+    stop is behind the grating, and rays are aimed at it."""
+    first = math.asin(0.55e-3 * 600)
+    path = lens(plane(thickness=0, phase={'lines': 600}), {'type': 'break', 'tilt': [-math.degrees(first), 0, 0], 'thickness': 20},
+                {'type': 'ideal', 'focal_length': 100, 'thickness': 100, 'stop': True, 'semi_diameter': 8}, plane(),
+                waves=(0.55, 0.5, 0.6), aim='real_stop')
+    for row in rows('fan', path):
+        y = 100 * math.tan(first - math.asin(float(row['wavelength']) * 0.6))
+        equal(row['fate'], 'passed')
+        assert abs(-float(row['ey']) - y) < 1e-12 and abs(float(row['ex'])) < 1e-12, (row, y)
+    for row in rows('opd', path, '--summary'):
+        assert float(row['pv']) < 1e-8, row
+    row, = rows('info', path, '--parabasal')
+    close_to(row, ('efl_x', 'efl_y'), (100, 100 / math.cos(first)), 1e-12)
+
+
 def test_wavelengths():
     """The focal length is f L0 / L, at wavelengths of the file and at others; the power of a grating is 0."""
     path = lens(plane(thickness=40, phase={'waves': {'type': 'even_asphere', 'coefficients': [-20]}}), plane(), waves=(0.5, 0.6))
