@@ -240,6 +240,40 @@ static void test_zernike(void **state)
     assert_true(fabs(is[0].opl + 6 * 0.0625 * 0.55e-3) < 1e-18);
 }
 
+/* W = (y - 5)^8, multiplied out: near y = 5 its terms cancel to a part in 10^8 and less.  The told errors
+ * know of that. */
+static void test_cancelling(void **state)
+{
+    (void)state;
+    generator g = seeded("cancelling");
+    double a[9], binomial = 1, worst = 0;
+    for (int j = 8; j >= 0; j--) {
+        a[j] = binomial * pow(-5, 8 - j);
+        binomial *= j / (9.0 - j);
+    }
+    const sgt_polynomial_xy w = {.a = {a, 1, 9}};
+    const sgt_phase phase = {
+        .kind = SGT_PHASE_SAG, .waves = {&sgt_polynomial_xy_ops, &w}, .per_wave = 0x1p-10};
+    const sgt_element e[] = {plane_with(&phase, 0),
+                             {.surface = {&sgt_conic_ops, &flat}, .pose = {.origin = {0, 0, 100}}}};
+    for (int i = 0; i < 1000; i++) {
+        const double y = uniform(&g, 4.5, 5.5);
+        const sgt_ray launch = {.o = {0, y, 0}, .d = {0, 0, 1}};
+        sgt_ray ray = launch;
+        sgt_passage is[2];
+        sgt_end_error told;
+        assert_int_equal(sgt_trace(2, e, 1, &ray, is, NULL, NULL), 2);
+        assert_true(sgt_trace_error(2, e, 1, &launch, is, &told));
+        const long double by = y - 5.0L, G = 0x1p-10L * 8 * powl(by, 7), W = powl(by, 8);
+        const long double right = y + 100 * G / sqrtl(1 - G * G);
+        const double off = (double)fabsl(is[1].hit.p.y - right);
+        REQUIRE(off <= told.point, "y %.17g: off by %g, told %g", y, off, told.point);
+        REQUIRE(fabsl(is[0].opl - 0x1p-10L * W) <= told.path, "y %.17g: the path", y);
+        worst = fmax(worst, off / told.point);
+    }
+    REQUIRE(worst > 1e-3, "at most %g of what is told", worst);
+}
+
 /* ------------------------------------------------------------------------ the rest */
 
 /* Just inside of what sgt_phase_at tells a ray passes, and just outside it does not. */
@@ -454,6 +488,7 @@ int main(void)
         cmocka_unit_test(test_grating),       cmocka_unit_test(test_path_of_a_grating),
         cmocka_unit_test(test_perfect_focus), cmocka_unit_test(test_foci_on_curved_surfaces),
         cmocka_unit_test(test_hologram),      cmocka_unit_test(test_zernike),
+        cmocka_unit_test(test_cancelling),
         cmocka_unit_test(test_orders),        cmocka_unit_test(test_user),
         cmocka_unit_test(test_proofs),        cmocka_unit_test(test_unsound),
     };
