@@ -66,7 +66,7 @@ def test_the_readme(tree, monkeypatch):
     assert there["hits"].met.all() and (0 < there["spot"].rms).all() and (there["spot"].rms < 1).all()
 
 
-MODULES = ["__init__", "surface", "lens", "formula", "function", "optimise", "results", "study", "_arrays"]
+MODULES = ["__init__", "surface", "lens", "formula", "function", "optimise", "parts", "results", "study", "sums", "_arrays"]
 
 
 @pytest.mark.parametrize("name", MODULES)
