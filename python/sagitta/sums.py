@@ -7,6 +7,7 @@ once when the answer is asked for.  A pickle has the bytes of sgt_sums_write, so
 from __future__ import annotations
 
 import ctypes
+import struct
 from dataclasses import dataclass
 from typing import Any, Optional, TypeVar
 
@@ -77,6 +78,13 @@ class _Sums:
         if getattr(self, "_pointer", None):
             free(self._pointer)
 
+    def empty(self: Some) -> Some:
+        """Sums of the same kind, about the same point, with nothing in them."""
+        new = type(self).__new__(type(self))
+        about = struct.unpack_from("<2d", bytes(self), 24)  # the fourth number and the fifth (sums_bytes.c)
+        new._begin(C.library.sgt_sums_new(self._kind, C.Pair(*about), None))
+        return new
+
     def _add(self: Some, points: dict[str, ArrayLike], weight: Any, error: Any, passed: Any) -> Some:
         C.check_arithmetic()
         given = {name: doubles(x, name) for name, x in points.items()}
@@ -103,7 +111,7 @@ class _Sums:
         return self.merge(more)
 
     def __add__(self: Some, more: Some) -> Some:
-        return self.of_bytes(bytes(self)).merge(more)
+        return self.empty().merge(self).merge(more)
 
     def __bytes__(self) -> bytes:
         """As sgt_sums_write has them: the same on every system, with a version and a checksum."""
