@@ -734,7 +734,7 @@ typedef struct sagitta_part { const char *at; size_t size, taken; } sagitta_part
 /* The rows of an analysis, one behind another, and what was said: sentences, each with an 'n' (a note) or an
  * 'l' (a legend) in front and a zero byte at its end.
  *
- * shard.of is not 0: a share of the study, which is written behind `part`; or, shard.number 0, all of it, read
+ * of is not 0: share `number` of so many, which is written behind `part`; or, number 0, all of the study, read
  * from given[0 ... of - 1]. */
 typedef struct sagitta_answer {
     char *row;
@@ -744,7 +744,8 @@ typedef struct sagitta_answer {
     int threads;
     bool no_memory;
     sgt_fates fates;
-    sgt_shard shard;
+    size_t number, of;
+    sgt_shard *shard;
     char *part;
     size_t part_size, part_room;
     sagitta_part *given;
@@ -824,16 +825,19 @@ static void in_threads(void *context, size_t tasks, void (*one)(void *data, size
     for (size_t i = 0; i < others; i++) pthread_join(thread[i], NULL);
 }
 
-/* A study that works in answer->threads; the answer lasts as long as it. */
+/* A study that works in answer->threads; the answer lasts as long as it, and is forgotten after it. */
 SGT_API sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
                                  sgt_error *error);
 sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
                          sgt_error *error)
 {
     if (answer->threads > 1) opt->run = in_threads, opt->context = answer;
-    if (answer->shard.of) {
-        answer->shard.context = answer, answer->shard.write = write_part, answer->shard.read = read_part;
-        opt->shard = &answer->shard;
+    if (answer->of) {
+        opt->shard = answer->shard = malloc(sizeof *answer->shard);
+        answer->no_memory = !answer->shard;
+        if (!answer->shard) return NULL;
+        *answer->shard = (sgt_shard){.number = answer->number, .of = answer->of, .context = answer,
+                                     .write = write_part, .read = read_part};
     }
     return sgt_study_new(lens, opt, error);
 }
@@ -886,8 +890,8 @@ bool sagitta_trials(const sgt_tolerancing *t, size_t entries, uint64_t seed, uin
 SGT_API void sagitta_forget(sagitta_answer *answer);
 void sagitta_forget(sagitta_answer *answer)
 {
-    free(answer->row), free(answer->words), free(answer->part);
-    answer->row = answer->words = answer->part = NULL;
+    free(answer->row), free(answer->words), free(answer->part), free(answer->shard);
+    answer->row = answer->words = answer->part = NULL, answer->shard = NULL;
 }
 
 /* Adds rays to sums by columns: the points x, y (NULL: of a wavefront) and the bounds of their errors, or path

@@ -598,17 +598,6 @@ class Fates(Structure):
     ]
 
 
-class Shard(Structure):
-    _fields_ = [
-        ("number", c_size_t),
-        ("of", c_size_t),
-        ("context", c_void_p),
-        ("write", c_void_p),
-        ("read", c_void_p),
-        ("reserved_", Words * 2),
-    ]
-
-
 class Part(Structure):
     _fields_ = [("at", c_char_p), ("size", c_size_t), ("taken", c_size_t)]
 
@@ -664,7 +653,9 @@ class Answer(Structure):
         ("threads", c_int),
         ("no_memory", c_bool),
         ("fates", Fates),
-        ("shard", Shard),
+        ("number", c_size_t),
+        ("of", c_size_t),
+        ("shard", c_void_p),
         ("part", c_void_p),
         ("part_size", c_size_t),
         ("part_room", c_size_t),

@@ -203,6 +203,8 @@ class _Handle:
         self.pointer = C.library.sagitta_study(
             lens._handle.pointer, ctypes.byref(option), ctypes.byref(answer), ctypes.byref(error)
         )
+        if answer.no_memory:
+            raise MemoryError("sagitta: no memory")
         if not self.pointer:
             raise lens._fault(error)
 
@@ -387,7 +389,7 @@ class _Share:
         self._given = (C.Part * len(written))(*(C.Part(part, len(part)) for part in written))
 
     def set(self, answer: C.Answer) -> None:
-        answer.shard.number, answer.shard.of = self.number, self.of
+        answer.number, answer.of = self.number, self.of
         answer.given = ctypes.addressof(self._given)
 
     def check(self) -> None:
@@ -439,10 +441,10 @@ def _ask(
     answer = C.Answer(threads=threads)
     if _share is not None:
         _share.set(answer)
-    study = _Handle(lens, option, answer, keep)
-    dtype, units = _table_of(study, analysis, room)
-    error = C.Error()
     try:
+        study = _Handle(lens, option, answer, keep)
+        dtype, units = _table_of(study, analysis, room)
+        error = C.Error()
         fine = C.library.sagitta_ask(study.pointer, analysis, room, ctypes.byref(answer), ctypes.byref(error))
         if answer.no_memory:
             raise MemoryError("sagitta: no memory")

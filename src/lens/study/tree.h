@@ -4,7 +4,7 @@
  * Block i is a leaf.  Two neighbours 2 k, 2 k + 1 of a level make number k of the level above, wherever both
  * are.  So whoever has the blocks from first to last has some whole branches of the tree, log2 of the blocks
  * at most up and as many down; branches that are put together make the same tree, and sums that round come
- * out with the same bits.  What is left when all blocks are there (their number need not be a power of two)
+ * out with the same bits.  Sums that do not round need no tree: they are all one branch.  What is left when all blocks are there (their number need not be a power of two)
  * is merged from the last branch to the first. */
 #ifndef SGT_STUDY_TREE_H
 #define SGT_STUDY_TREE_H
@@ -17,6 +17,7 @@ typedef struct sum_branch { uint64_t level, number; } sum_branch;
 
 typedef struct sum_tree {
     size_t size, apart;         /* bytes of a sum, and from one to the next */
+    bool exact;                 /* the order of merges has no part in a bit */
     void (*merge)(const void *data, void *into, const void *more);
     const void *data;
     size_t branches, most;
