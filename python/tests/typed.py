@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sagitta
+import sagitta.dask
 
 ball, cone = sagitta.Sphere(50), sagitta.Conic(50, -1)
 o: NDArray[np.float64] = np.zeros((3, 4, 5))
@@ -102,6 +103,9 @@ reveal_type(sums + sums)  # SpotSums
 reveal_type(sums.merge(sums).spot().rms)  # float
 reveal_type(sagitta.WavefrontSums().add(x).wavefront().mean)  # float
 reveal_type(sagitta.SpotSums.of_bytes(bytes(sums)))  # SpotSums
+
+reveal_type(sagitta.dask.intersect(ball, o, along))  # Lazy
+reveal_type(sagitta.dask.trace(lens, o, along, passages="p").passages[0])  # Lazy
 
 # What is wrong, and that mypy says so.
 ball.intersect(o, along, pick="last")  # error

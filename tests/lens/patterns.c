@@ -5,7 +5,8 @@
  * many points there are, all in the circle, weights that add up to 1, and the moments of a uniform circle,
  * 1/4 of x^2 and of y^2, 1/8 of x^4, 0 of x, y and x y, within what the number of points allows.  A random
  * point depends on the seed and its number alone, and is that of Philox's words; the first points of a longer
- * Sobol pattern are the shorter one, and its points those of its definition.  The rays through points by column. */
+ * Sobol pattern are the shorter one, and its points those of its definition.  The rays through points by
+ * column. */
 #include "require.h"
 
 #include <sagitta/analysis.h>
@@ -137,9 +138,9 @@ static void test_parts(void)
     sgt_pupil_free(NULL);
 }
 
-/* Sobol's points by their definition, one after another: x is the number k with its bits reversed; bit r of y,
- * from the top, is the parity of binomial(j, r) over the bits j >= r of k, and that binomial is odd where r has
- * no bit that j lacks.  Parts far out are compared, and where a longer pattern is the same. */
+/* Sobol's points by their definition, one after another: x is the number k with its bits reversed; bit r of
+ * y, from the top, is the parity of binomial(j, r) over the bits j >= r of k, and that binomial is odd where
+ * r has no bit that j lacks.  Parts anywhere, of patterns of any length, have to be these. */
 static void test_sobol(void)
 {
     enum { COUNT = 400000, PART = 300 };

@@ -129,13 +129,13 @@ def test_rays_that_changed():
     run(*arguments, '--shard', '2/3', '--output', parts[1])
     done = joined(parts, exit=BAD_INPUT)
     assert b'of other rays' in done.stderr, done.stderr
-    count, row = 400000, struct.pack('<6d', 0, 0, -5, 0, 0, 1)  # 19 MB: of more than 16 pieces are compared
+    count, row = 40000, struct.pack('<6d', 0, 0, -5, 0, 0, 1)  # 2 MB: of more than 1 pieces are compared
     big, part = place('big.npy', 'big.part')
-    big.write_bytes(array([]).replace(b'(0, 6), }' + b' ' * 5, b'(%d, 6), }' % count) + row * count)
-    arguments = 'intersect', '--surface', SPHERE, '--rays', big, '--shard', '1/400', '--output', part, '--resume'
+    big.write_bytes(array([]).replace(b'(0, 6), }' + b' ' * 4, b'(%d, 6), }' % count) + row * count)
+    arguments = 'intersect', '--surface', SPHERE, '--rays', big, '--shard', '1/40', '--output', part, '--resume'
     run(*arguments)
     with open(big, 'r+b') as f:
-        for k in range(2000, 399000, 300):
+        for k in range(2000, 39000, 80):
             f.seek(128 + 48 * k), f.write(struct.pack('<d', 0.25))
     done = run(*arguments, exit=BAD_INPUT)
     assert 'of other rays' in done.stderr, done.stderr

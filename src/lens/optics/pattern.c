@@ -22,8 +22,9 @@
  *
  * PARTS.  A point is made from its number, so that any part of a pattern can be made by itself.  Of a grid
  * that needs the number of each row's first point, of Sobol's sequence how many points go before each run: to
- * count them takes some two nanoseconds a point.  In a row the points in the circle are neighbours, symmetric about the middle, and x^2 + y^2 as it is
- * rounded falls nowhere from the middle on: so bisection finds the last of them. */
+ * count them takes some two nanoseconds a point.  In a row the points in the circle are neighbours, symmetric
+ * about the middle, and x^2 + y^2 as it is rounded falls nowhere from the middle on: so bisection finds the
+ * last of them. */
 #include "pattern.h"
 
 #include <math.h>

@@ -124,7 +124,8 @@ static inline bool sgt_ask_shards(const sgt_asking *a)
  *     place   which beam and which elements: in any thread; false: failed, with a fault in *fault
  *     block   in any thread: what is made of the rays of a block, in `sum`, `size` bytes, zeroed
  *     merge   NULL, or adds one such sum to another.  Then sums are merged in a tree of the blocks' numbers
- *             (`exact`: in any order), and `end` gets that of the cell; `take` gets the first `shown` blocks of each cell
+ *             (`exact`: in any order), and `end` gets that of the cell; `take` gets the first `shown` blocks
+ *             of each cell
  *     take    in order: of each block, with what `block` made
  *     end     in order: a cell is done, with the fates of its rays */
 typedef struct cell {

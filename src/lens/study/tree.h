@@ -4,8 +4,10 @@
  * Block i is a leaf.  Two neighbours 2 k, 2 k + 1 of a level make number k of the level above, wherever both
  * are.  So whoever has the blocks from first to last has some whole branches of the tree, log2 of the blocks
  * at most up and as many down; branches that are put together make the same tree, and sums that round come
- * out with the same bits.  Sums that do not round need no tree: they are all one branch.  What is left when all blocks are there (their number need not be a power of two)
- * is merged from the last branch to the first. */
+ * out with the same bits.  What is left when all blocks are there (their number need not be a power of two)
+ * is merged from the last branch to the first.
+ *
+ * Sums that do not round (`exact`) need no tree: all that is there is one branch. */
 #ifndef SGT_STUDY_TREE_H
 #define SGT_STUDY_TREE_H
 #include <stdbool.h>

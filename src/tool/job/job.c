@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Of random rays: as many as a double counts (their weight is 1 / N).  Sobol's numbers have 32 bits, and begin
- * again after 3.37e9 points.  The others are rows of points or nets, which nobody wants longer. */
+/* Of random rays: as many as a double counts (their weight is 1 / N).  Sobol's numbers have 32 bits, and
+ * begin again after 3.37e9 points.  The others are rows of points or nets, which nobody wants longer. */
 #define RANDOM_MOST (long)(LONG_MAX < INT64_C(1000000000000000) ? LONG_MAX : INT64_C(1000000000000000))
 #define SOBOL_MOST (long)(LONG_MAX < INT64_C(3000000000) ? LONG_MAX : INT64_C(3000000000))
 enum { RAYS_MOST = 1000000000, SIDE_MOST = 30000, FAN_DEFAULT = 5 };

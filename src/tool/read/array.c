@@ -9,7 +9,6 @@
 #include "../base/fail.h"
 #include "../base/input.h"
 #include "../base/memory.h"
-#include "../base/shard.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -146,18 +145,17 @@ static void check_length(const array *a, size_t have)
         fail_input("%s: %zu bytes behind the last row", a->path, have - a->rows * a->row_size);
 }
 
-/* Parts of a run are of the same rays: by the length of the file and by its bytes, which takes 4 ms for WHOLE of
- * them.  Of a longer one by PIECES, evenly spread, with both its ends: a shard reads no more than its rows. */
+/* Parts of a run are of the same rays: by the length of the file, and by its bytes.  Of one that is longer
+ * than WHOLE, by SOME bytes in each of PLACES, evenly spread from its beginning to its end: a shard reads no
+ * more than its rows. */
 static void note_rays(const input *in)
 {
-    enum { WHOLE = 1 << 24, PIECES = 256, PIECE = 1 << 12 };
-    if (!shard_is() && !shard_joins()) return;
+    enum { WHOLE = 1 << 20, PLACES = 64, SOME = 1 << 12 };
     input_note(&in->length, sizeof in->length);
     if (in->length <= WHOLE) input_note(in->text, in->length);
     else
-        for (size_t i = 0; i < PIECES; i++)
-            input_note(in->text + (in->length - PIECE) / (PIECES - 1) * i +
-                           (in->length - PIECE) % (PIECES - 1) * i / (PIECES - 1), PIECE);
+        for (size_t i = 0, rest = in->length - SOME, last = PLACES - 1; i < PLACES; i++)
+            input_note(in->text + rest / last * i + rest % last * i / last, SOME);
 }
 
 array array_open(const char *path)
