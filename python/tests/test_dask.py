@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Arrays of dask: the same bits as arrays of numpy, for any chunks, in threads and on two workers, also if one of them
 is killed."""
-import functools
 import os
 import pickle
 import signal
@@ -17,6 +16,7 @@ dask = pytest.importorskip("dask", reason="dask is not installed (on Debian: apt
 da = pytest.importorskip("dask.array")
 import sagitta.dask as lazily  # noqa: E402
 
+SCALE = float(os.environ.get("SAGITTA_TEST_SCALE", "0.5"))
 THREADS = dict(scheduler="threads", num_workers=2)
 ASPHERE = sagitta.EvenAsphere(radius=20, conic=-0.5, coefficients=[0, 1e-5], semi_diameter=4)
 GYROID = sagitta.Function(lambda x, y, z: np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x), inside=4)
@@ -186,8 +186,15 @@ def test_on_workers(client, tree, rng):
     x, y, _ = (row for row in lens.trace(o, d).o)
     sums = lazily.sums(sagitta.SpotSums(), da.from_array(x, 300), da.from_array(y, 300), passed=~np.isnan(x))
     assert sums.compute() == sagitta.SpotSums().add(x, y, passed=~np.isnan(x))
-    spot = lazily.analysis(lens, "spot", 9, pattern="sobol", rays=20000).compute()
-    assert spot == lens.spot(pattern="sobol", rays=20000)
+    gauss = sagitta.Lens.read(tree / "examples" / "lenses" / "double_gauss.yaml")  # clips, at several wavelengths
+    for name, asked in (
+        ("spot", dict(pattern="sobol", rays=20000)),
+        ("spot", dict(wavelength="all", proof="first", reference="centroid")),
+        ("sweep", dict(to=40, steps=3, rays=3)),
+        ("ends", dict(wavelength="all", rays=4)),
+    ):
+        answer, whole = lazily.analysis(gauss, name, 9, **asked).compute(), getattr(gauss, name)(**asked)
+        assert answer.rows.tobytes() == whole.rows.tobytes() and (answer.fates, answer.notes) == (whole.fates, whole.notes)
 
 
 def slowly(lens, name, asked, number, of, *, real=lazily._share):
@@ -195,17 +202,19 @@ def slowly(lens, name, asked, number, of, *, real=lazily._share):
     return real(lens, name, asked, number, of)
 
 
-def test_a_worker_is_killed(client, tree, monkeypatch):
-    """In the middle: what it had or did is done again, with the same answer."""
+def test_a_worker_is_killed(client, tree, rng, monkeypatch):
+    """In the middle, at a random time: what it had or did is done again, with the same answer."""
     lens = triplet(tree)
-    asked = dict(pattern="random", rays=20000, seed=7)
-    monkeypatch.setattr(lazily, "_share", functools.partial(slowly))
-    job = client.compute(lazily.analysis(lens, "spot", 40, **asked))
-    victim = client.run(os.getpid)
-    time.sleep(0.4)
-    assert not job.done()
-    os.kill(next(iter(victim.values())), signal.SIGKILL)
-    assert job.result(timeout=60) == lens.spot(**asked)
+    monkeypatch.setattr(lazily, "_share", slowly)
+    for seed in range(max(1, round(20 * SCALE - 10))):
+        asked = dict(pattern="random", rays=20000, seed=seed + 1)
+        client.wait_for_workers(2, timeout=60)
+        victims = list(client.run(os.getpid).values())
+        job = client.compute(lazily.analysis(lens, "spot", 40, **asked))  # (a second)
+        time.sleep(rng.uniform(0, 0.9))
+        assert not job.done()
+        os.kill(rng.choice(victims), signal.SIGKILL)
+        assert job.result(timeout=60) == lens.spot(**asked)
 
 
 def deadly(x, y, z):
