@@ -165,13 +165,14 @@ def test_what_is_refused(tree, rng):
 
 
 @pytest.fixture(scope="module")
-def client():
+def client(tmp_path_factory):
     distributed = pytest.importorskip(
         "distributed", reason="distributed is not installed (on Debian: apt-get install python3-distributed)"
     )
     dask.config.set({"distributed.scheduler.allowed-failures": 1})
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None, silence_logs=50
+        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None, silence_logs=50,
+        local_directory=str(tmp_path_factory.mktemp("workers")),
     ) as cluster, distributed.Client(cluster) as client:
         yield client
 
@@ -208,13 +209,13 @@ def test_a_worker_is_killed(client, tree, rng, monkeypatch):
     monkeypatch.setattr(lazily, "_share", slowly)
     for seed in range(max(1, round(20 * SCALE - 10))):
         asked = dict(pattern="random", rays=20000, seed=seed + 1)
-        client.wait_for_workers(2, timeout=60)
+        client.wait_for_workers(2, timeout=150)
         victims = list(client.run(os.getpid).values())
         job = client.compute(lazily.analysis(lens, "spot", 40, **asked))  # (a second)
         time.sleep(rng.uniform(0, 0.9))
         assert not job.done()
         os.kill(rng.choice(victims), signal.SIGKILL)
-        assert job.result(timeout=60) == lens.spot(**asked)
+        assert job.result(timeout=150) == lens.spot(**asked)
 
 
 def deadly(x, y, z):
