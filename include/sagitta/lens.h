@@ -526,7 +526,7 @@ SGT_API size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, si
  *     allocator         NULL: malloc
  *
  * NULL: no memory.  It takes 8 bytes for each of the n rows of a grid or of cells, and
- * for each 64 points of Sobol's sequence. */
+ * for each 344 points of Sobol's sequence. */
 typedef struct sgt_pupil sgt_pupil;
 SGT_API sgt_pupil *sgt_pupil_new(sgt_pattern pattern, size_t n, uint64_t seed,
                                  const sgt_allocator *allocator);

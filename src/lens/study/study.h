@@ -123,8 +123,9 @@ static inline bool sgt_ask_shards(const sgt_asking *a)
  *
  *     place   which beam and which elements: in any thread; false: failed, with a fault in *fault
  *     block   in any thread: what is made of the rays of a block, in `sum`, `size` bytes, zeroed
- *     merge   NULL, or adds one such sum to another.  Then sums are merged in a tree of the blocks' numbers,
- *             and `end` gets that of the cell; `take` gets the first `shown` blocks of each cell
+ *     merge   NULL, or adds one such sum to another.  Then sums are merged in a tree of the blocks' numbers
+ *             (`exact`: in any order), and `end` gets that of the cell; `take` gets the first `shown` blocks
+ *             of each cell
  *     take    in order: of each block, with what `block` made
  *     end     in order: a cell is done, with the fates of its rays */
 typedef struct cell {
@@ -142,6 +143,7 @@ typedef struct pass {
     bool takes_ends;            /* they are kept for `take`, which else gets NULL */
     bool before;                /* later passes depend on it */
     bool alone;                 /* only what came before tells whether it is needed: who joins traces it */
+    bool exact;                 /* `merge` does not round */
     size_t shown;
     void *data;
     bool (*place)(const struct pass *p, size_t i, cell *out, sgt_error *fault);

@@ -98,6 +98,7 @@ static bool ask_sweep(sgt_asking *a)
                     .size = sizeof(double),
                     .block = sweep_block,
                     .merge = sweep_merge,
+                    .exact = true, /* whole numbers */
                     .end = sweep_end};
     return sgt_ask_pass(&p);
 }
