@@ -210,16 +210,16 @@ static double shrink(size_t n, const sgt_rays *ray, const vicinity *v, const reg
 
 /* Takes the bound on the slope from rays whose root may be the start itself.  Nothing would be known of what
  * is behind the chord, and a march knows how to leave.  These are the rays that start between the heights of
- * this part, and nearer to the seed than a quarter of the chord. */
+ * this part, and nearer to the seed than `part` of the chord. */
 SGT_KERNEL
-static void vicinity_leave(size_t n, const sgt_rays *r, const vicinity *v, const region_rows *w,
+static void vicinity_leave(size_t n, double part, const sgt_rays *r, const vicinity *v, const region_rows *w,
                            const double *lo, const double *hi, double *restrict least)
 {
     const double *oz = r->o[2], *dz = r->d[2], *low = w->low, *high = w->high, *tmin = v->tmin,
                  *seed = v->seed;
     LANES for (size_t i = 0; i < n; i++) {
         double z = oz[i] + tmin[i] * dz[i];
-        mask starts = MASK(fabs(seed[i] - tmin[i]) < 0.25 * (hi[i] - lo[i])) & MASK(z >= low[i])
+        mask starts = MASK(fabs(seed[i] - tmin[i]) < part * (hi[i] - lo[i])) & MASK(z >= low[i])
                       & MASK(z <= high[i]);
         least[i] = chosen(starts, 0, least[i]);
     }
@@ -298,6 +298,22 @@ static double all_behind(size_t n, const double *restrict asked, const double *r
     return count;
 }
 
+const sgt_heights *sgt_heights_about(sgt_surface s, vicinities *kept)
+{
+    if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
+    kept->any_heights = true;
+    return &kept->heights;
+}
+
+bool sgt_passes_by(sgt_surface s, const sgt_ray *ray, double from, vicinities *kept)
+{
+    const sgt_heights *g = sgt_heights_about(s, kept);
+    line w = line_of(ray->o, ray->d, from, ray->tmax);
+    int ended = g->endless ? SGT_RINGS - 1 : SGT_RINGS;
+    return g->width > 0 && line_in_range(&w) &&
+           (is_above(g, &w, 0) || (passed_by(g, &w, ended) && is_above(g, &w, ended)));
+}
+
 /* Marks as misses the rays that miss the whole surface.  behind: looks at the rays that begin behind the
  * seed, which may well leave the surface; else at the others. */
 static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vicinities *kept,
@@ -305,15 +321,9 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
 {
     for (size_t i = 0; i < n; i++) {
         if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i])) continue;
-        if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
-        kept->any_heights = true;
-        sgt_vec3 o = {r.o[0][i], r.o[1][i], r.o[2][i]}, d = {r.d[0][i], r.d[1][i], r.d[2][i]};
-        line w = line_of(o, d, v->tmin[i], v->tmax[i]);
-        const sgt_heights *g = &kept->heights;
-        int ended = g->endless ? SGT_RINGS - 1 : SGT_RINGS;
-        bool known = g->width > 0 && line_in_range(&w),
-             passes = known && (is_above(g, &w, 0) || (passed_by(g, &w, ended) && is_above(g, &w, ended)));
-        if (passes) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
+        sgt_ray ray = ray_of(&r, i);
+        ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
+        if (sgt_passes_by(s, &ray, v->tmin[i], kept)) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
     }
 }
 
@@ -376,7 +386,8 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     double *lo = w.at_seed, *hi = v->work[11], *least = w.about, left = 0;
     for (int k = 0; k < 2; k++) {
         builtin->chords(n, r, w.radius2, w.steep, axis ? read : NULL, lo, hi, least);
-        if (boxes) vicinity_leave(n, &r, v, &w, lo, hi, least);
+        /* without a box the march costs more than a chord: it is for rays that start on the surface */
+        if (marches) vicinity_leave(n, boxes ? 0.25 : 0x1p-5, &r, v, &w, lo, hi, least);
         left = vicinity_judge(n, &r, v, w.from, lo, hi, least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
         for (size_t i = 0; i < n; i++) w.wide[i] = rung_above(w.radius[i], FINE);

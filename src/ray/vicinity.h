@@ -117,6 +117,12 @@ SGT_INLINE sgt_shared bare_of(sgt_shared s)
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v);
 
+/* The heights of the whole surface. */
+const sgt_heights *sgt_heights_about(sgt_surface s, vicinities *kept);
+
+/* Is the ray, from t = `from` on, above or below every piece of the surface that it passes? */
+bool sgt_passes_by(sgt_surface s, const sgt_ray *ray, double from, vicinities *kept);
+
 /* At least the gradient of the sag at this point, and about it. */
 double sgt_steep_about(sgt_surface s, double x, double y, vicinities *kept);
 

@@ -58,6 +58,11 @@
  * nothing is met as far as what is known reaches.  That is a miss if the chord or the ray ends there, or the
  * ray is then below or above all of the surface.
  *
+ * Without a rim the same is done in the circle that is known about the start: r^2 is convex along the ray, so
+ * what is known there holds between two points that are both in it.  Then the ray is a miss if it is above or
+ * below all rings that are ahead of it (vicinity.h, A MISS).  At the start itself it never is, as the ring it
+ * starts in holds the start.
+ *
  * THE TAIL of the sag (tail.h): a ray from afar begins where nothing is certainly met before, and a ray that
  * goes out is a miss from where nothing is met beyond.
  *
@@ -407,13 +412,6 @@ static void tell_root(rows a, size_t i, double scale, const vicinity *v)
         v->seed[k] = (lo + h * (before / (before + b))) * scale;
 }
 
-static const sgt_heights *heights_about(sgt_surface s, vicinities *kept)
-{
-    if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
-    kept->any_heights = true;
-    return &kept->heights;
-}
-
 /* The t at which the ray is inside the edge by a part in 256, if there is certainly no root before it.
  * (At its edge a base has a slope without bound.)  NaN: that is not known.  *evals grows by what it took. */
 static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, vicinities *kept,
@@ -430,7 +428,7 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     begin = larger(begin, from);
     if (!(lo <= hi && begin < lo && fabs(lo) < HUGE_VAL)) return (double)NAN;
     /* Most rays from afar are below or above all that there is next to the edge. */
-    const sgt_heights *h = heights_about(s, kept);
+    const sgt_heights *h = sgt_heights_about(s, kept);
     double near = ray->o.z + begin * ray->d.z, far = ray->o.z + lo * ray->d.z, last = SGT_RINGS - 1,
            off = 0x1p-40 * (fabs(ray->o.z) + fabs(begin * ray->d.z) + fabs(lo * ray->d.z));
     bool outer = h->width > 0 && h->width * last < edge * (1 - 0x1p-6);
@@ -450,6 +448,16 @@ static bool leaves_by_tail(sgt_surface s, rows a, size_t i, sgt_tails *kept)
     if (!(a[PX][i] * a[DX][i] + a[PY][i] * a[DY][i] > 0)) return false;
     sgt_outlook e = outlook_of(a, i);
     return sgt_leaves_by_tail(s, &e, a[T][i], kept);
+}
+
+/* Is the ray above or below all that is ahead of it?  That costs more than a look: so it is asked of rays that
+ * have just left the surface, and of those on the way out after 4, 8, 16 looks. */
+static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t i, bool left_it, double t,
+                              double evals, vicinities *kept)
+{
+    bool now = left_it || (a[PX][i] * a[DX][i] + a[PY][i] * a[DY][i] > 0 &&
+                           (evals == 4 || evals == 8 || evals == 16 || evals == 32));
+    return now && sgt_passes_by(s, ray, t, kept);
 }
 
 /* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  It is
@@ -495,23 +503,33 @@ static looked look_at(sgt_surface s, rows a, size_t k, double t, double scale, c
     return e;
 }
 
-/* The ray starts on the surface.  See LEAVING. */
-static double leave_start(sgt_surface s, rows a, size_t k, double tmin, double scale, const vicinity *v)
+/* The ray starts on the surface.  See LEAVING.  in_rings: what is known of F'' holds within the row's radius;
+ * else up to its END. */
+static double leave_start(sgt_surface s, rows a, size_t k, bool in_rings, double tmin, double scale,
+                          const vicinity *v)
 {
-    double t = a[T][k], bend = larger(-a[BENT_LO][k], a[BENT_HI][k]), rest = a[END][k] - t,
-           otherwise = a[SIGN][k] != 0 ? MOVED : GIVEN_UP;
-    if (t * scale != tmin || !(bend < HUGE_VAL && rest < HUGE_VAL)) return otherwise;
+    double t = a[T][k], bend = larger(-a[BENT_LO][k], a[BENT_HI][k]), R = a[RADIUS][k],
+           rest = in_rings ? HUGE_VAL : a[END][k] - t, otherwise = a[SIGN][k] != 0 ? MOVED : GIVEN_UP;
+    if (t * scale != tmin || !(bend < HUGE_VAL)) return otherwise;
     looked start = look_at(s, a, k, t, scale, v);
     double h = 0.2 * fabs(start.slope) / bend, off = fabs(start.f) + start.err;
-    h = h < 0.5 * rest ? h : 0.5 * rest;
-    if (!(h >= 0x1p-40 * fabs(t) && h > 0)) return otherwise;
+    if (in_rings) {
+        double x = a[OX][k] + t * a[DX][k], y = a[OY][k] + t * a[DY][k],
+               ahead = (R - radius_of(x, y)) / radius_of(a[DX][k], a[DY][k]);
+        h = h < 0.98 * ahead ? h : 0.98 * ahead;
+        if (!(radius_at(a[OX][k], a[OY][k], a[DX][k], a[DY][k], t) <= R &&
+              radius_at(a[OX][k], a[OY][k], a[DX][k], a[DY][k], t + h) <= R))
+            return otherwise;
+    } else
+        h = h < 0.5 * rest ? h : 0.5 * rest;
+    if (!(h >= 0x1p-40 * fabs(t) && h > 0 && h < HUGE_VAL)) return otherwise;
     looked next = look_at(s, a, k, t + h, scale, v);
     double b = fabs(next.f) - next.err, sign = copysign(1, next.f), curve = 0.5625 * bend * h,
            least = (b - off) / h - curve, most = (fabs(next.f) + next.err + off) / h + curve;
     if (!(b > 0 && least > curve && off * most < 0.98 * START_ULPS * start.terms * least)) return otherwise;
     bow F2 = bow_of(sign, a[BENT_LO][k], a[BENT_HI][k]);
     a[T][k] = t + h, a[A][k] = b, a[SIGN][k] = sign, a[H][k] = 0;
-    return F2.least >= 0 ? LEFT : MOVED;
+    return F2.least >= 0 && !in_rings ? LEFT : MOVED;
 }
 
 /* Is the ray at t, and from there on, above or below all of the surface? */
@@ -519,7 +537,7 @@ static bool is_past_all(sgt_surface s, const sgt_ray *ray, double t, vicinities 
 {
     double low = HUGE_VAL, high = -HUGE_VAL, z = ray->o.z + t * ray->d.z,
            off = 0x1p-40 * (fabs(ray->o.z) + fabs(t * ray->d.z));
-    const sgt_heights *g = heights_about(s, kept);
+    const sgt_heights *g = sgt_heights_about(s, kept);
     for (int j = 0; j < SGT_RINGS; j++) low = -larger(-low, -g->low[j]), high = larger(high, g->high[j]);
     return g->width > 0 && ((ray->d.z < 0 && z + off < low) || (ray->d.z > 0 && z - off > high));
 }
@@ -714,8 +732,8 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
             if (verdict == GOES_ON && !spent) continue;
             sgt_ray ray = row_ray(&r, v, k);
             double scale = scale_of(ray.d);
-            if (verdict == HIDDEN && in_rings) verdict = a[SIGN][i] != 0 ? MOVED : GIVEN_UP;
-            if (verdict == HIDDEN) verdict = leave_start(s, a, i, ray.tmin, scale, v);
+            const bool left_it = verdict == HIDDEN; /* the surface */
+            if (left_it) verdict = leave_start(s, a, i, in_rings, ray.tmin, scale, v);
             if (verdict == LEFT) {
                 bool ends = a[END][i] * scale >= ray.tmax;
                 if (mode == IN_CHORD || ends || is_past_all(s, &ray, a[END][i] * scale, kept)) is_miss(v, k);
@@ -727,6 +745,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                     if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);
                 } else if (t > ray.tmax
                            || (in_rings ? (known->tailed && leaves_by_tail(s, a, i, &kept->tails)) ||
+                                            leaves_by_heights(s, &ray, a, i, left_it, t, evals, kept) ||
                                             leaves_by_edge(s, &ray, edge, a, i, scale, v)
                                       : t > v->hi[k])) {
                     is_miss(v, k);
