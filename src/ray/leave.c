@@ -536,7 +536,7 @@ static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, l
     }
     memset(sure, 0, sizeof sure);
     if (many && known_on(s, n, at_all, sure))
-        for (size_t k = 0; k < n; k++) known += sure[k];
+        for (size_t k = 0; k < n; k++) sure[k] = p_err[k] >= 0 ? sure[k] : 0, known += sure[k]; /* not NaN */
     if (known < (double)n && m[0] && many)
         known = surely_all(n, at_all, (const double *const[3]){m[0] + at + i, m[1] + at + i, m[2] + at + i},
                            p_err, sure);
