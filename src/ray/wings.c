@@ -450,8 +450,8 @@ static bool leaves_by_tail(sgt_surface s, rows a, size_t i, sgt_tails *kept)
     return sgt_leaves_by_tail(s, &e, a[T][i], kept);
 }
 
-/* Is the ray above or below all that is ahead of it?  That costs more than a look: so it is asked of rays that
- * have just left the surface, and of those on the way out after 4, 8, 16 looks. */
+/* Is the ray above or below all that is ahead of it?  That costs more than a look.  So it is asked of rays
+ * that have just left the surface, and of those on the way out after 4, 8, 16 and 32 looks. */
 static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t i, bool left_it, double t,
                               double evals, vicinities *kept)
 {

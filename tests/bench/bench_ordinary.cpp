@@ -210,8 +210,8 @@ struct Side {  // rays, and the surface or the lens that they meet
             std::copy(y, y + 6, x);
             return fate;
         }
-        const sgt_start from = leaves() ? sgt_start{ ray.o, { n[0][i], n[1][i], n[2][i] }, p_err[i], ray.d, 0, {} }
-                                        : sgt_start{};
+        sgt_start from = { ray.o, {}, 0, ray.d, 0, {} };
+        if (leaves()) from.n = { n[0][i], n[1][i], n[2][i] }, from.p_err = p_err[i];
         sgt_hit h = leaves() ? sgt_leave(surface, &from, &opt).hit : sgt_intersect(surface, ray, &opt);
         const double y[] = { h.t, h.t_err, h.p.x, h.p.y, h.p.z, h.n.x, h.n.y, h.n.z };
         std::copy(y, y + 8, x);
@@ -793,10 +793,10 @@ std::vector<sgt_ray> off_axis(double by)
 Table grazing()
 {
     Table table = { "Along the surface",
-                    "The first root, in a batch. Rays that meet the surface at 30, 10, 3, 1 and 0.3 degrees from its "
-                    "tangent plane, at a point that is 1 to 2.5 from the axis, from 5 before it; the neighbour comes "
-                    "along the axis, with the rim. *Mirrors*: R = 20000, 60 across (a biconic: k = -0.6), 20 to 40 from "
-                    "the axis, with a rim of 40, from 1000 before it.",
+                    "The first root, in a batch. Rays that meet the surface at 30, 10, 3, 1 and 0.3 degrees from "
+                    "its tangent plane, at a point that is 1 to 2.5 from the axis, from 5 before it; the "
+                    "neighbour comes nearly along the axis, with the rim. *Mirrors*: R = 20000, 60 across (a "
+                    "biconic: k = -0.6), 10 to 25 from the axis, with a rim of 40, from 1000 before it.",
                     "type",
                     { "30", "10", "3", "1", "0.3" },
                     { "neighbour", "asked", "ratio" },
@@ -809,8 +809,8 @@ Table grazing()
                                 }));
         table.rows.push_back({ name, {} });
         for (double degrees : { 30.0, 10.0, 3.0, 1.0, 0.3 })
-            table.rows.back().lines.emplace_back(hits, side(s, along(s, off_axis(by), degrees, before)), SGT_FIRST,
-                                                 false);
+            table.rows.back().lines.emplace_back(hits, side(s, along(s, off_axis(by), degrees, before)),
+                                                 SGT_FIRST, false);
     };
     std::vector<Subject> with = sags(RIM), without = sags(0);
     for (size_t i = 0; i < with.size(); i++) {
@@ -819,9 +819,9 @@ Table grazing()
         if (one.name != "plane") row(one.name, one.s, one.s, 1, 5);
         if (closed) row(one.name + ", no rim", one.s, without[i].s, 1, 5);
     }
-    const sgt_surface toroid = { &sgt_toroidal_ops, kept.keep(sgt_toroidal{ 1 / 60.0, 0, 1 / 20000.0, 40, {} }) },
-                      biconic = { &sgt_biconic_ops,
-                                  kept.keep(sgt_biconic{ 1 / 20000.0, K, 1 / 60.0, K, 40 }) };
+    const double R = 20000, across = 60;
+    const sgt_surface toroid = { &sgt_toroidal_ops, kept.keep(sgt_toroidal{ 1 / across, 0, 1 / R, 40, {} }) },
+                      biconic = { &sgt_biconic_ops, kept.keep(sgt_biconic{ 1 / R, K, 1 / across, K, 40 }) };
     row("toroidal mirror", toroid, toroid, 10, 1000);
     row("biconic mirror", biconic, biconic, 10, 1000);
     return table;
@@ -832,8 +832,8 @@ sgt_surface body(const char *text, double ball)
 {
     std::vector<double> room(sgt_formula_room(text, 0) / sizeof(double) + 1);
     std::vector<double> &own = *const_cast<std::vector<double> *>(kept.keep(room));
-    const sgt_tape *tape =
-        sgt_formula_read(text, SGT_FORMULA_XYZ, 0, nullptr, own.data(), own.size() * sizeof(double), nullptr);
+    const sgt_tape *tape = sgt_formula_read(text, SGT_FORMULA_XYZ, 0, nullptr, own.data(),
+                                            own.size() * sizeof(double), nullptr);
     return { &sgt_formula_ops, kept.keep(sgt_formula{ tape, ball, {}, {} }) };
 }
 
