@@ -51,6 +51,7 @@ SGT_NOINLINE static bool asphere_leaves_it(const wavy *s, const shape *h, const 
 {
     mask leaves = MASK(true);
     sgt_tile one = {.n = 1, .rays = rays_of(ray)};
+    if (!sgt_asphere_may_start(s, &one)) return false;
     sgt_asphere_leave(h, s, &one, &leaves);
     return leaves != 0;
 }
@@ -615,6 +616,7 @@ SGT_NOINLINE static size_t asphere_without_leaving(const shape *s, const wavy *v
                                                    const easy_tried *tried, size_t hard)
 {
     mask leaves[SGT_TILE];
+    if (!sgt_asphere_may_start(v, tile)) return hard;
     asphere_hard(false, tile, tried, leaves);
     sgt_asphere_leave(s, v, tile, leaves);
     return asphere_missed(tile, leaves, hard);

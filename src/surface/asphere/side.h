@@ -564,6 +564,9 @@ easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray
  * not read. */
 void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask leaves[]);
 
+/* false: none of the rays starts there. */
+bool sgt_asphere_may_start(const wavy *v, const sgt_tile *tile);
+
 /* What easy.h has done with each ray of a tile: its rounds had where to begin; they ended at a number. */
 typedef struct easy_tried {
     bool begun[SGT_TILE], ended[SGT_TILE];

@@ -267,7 +267,7 @@ static void asphere_over(const slope_rings *g, const sgt_tile *tile, const cones
  * the next one, and so on, also if it comes back to one: nothing is met.  The height of the cone may be
  * negative where the ray begins. */
 SGT_KERNEL
-static double leaving_of(const wavy *self, const sgt_tile *tile, mask asked[], cones *e)
+static double asphere_starts(const wavy *self, const sgt_tile *tile, mask asked[], cones *e)
 {
     const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
@@ -307,11 +307,31 @@ static void asphere_leaves(const slope_rings *g, const sgt_tile *tile, const con
     }
 }
 
+/* May a ray start on it?  At such a start |G| is at most START_ULPS of twice these terms. */
+SGT_KERNEL
+static mask asphere_may_start(const wavy *self, const sgt_tile *tile)
+{
+    const wavy own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2];
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        double x = ox[i], y = oy[i], z = oz[i], rho = x * x + y * y, w, ckw,
+               g = wavy_g(s, rho, z, horner(s->a, ALL_TERMS, rho), &w, &ckw),
+               terms = fabs(z) + rho * (s->abs_c + 2 * horner(s->size, ALL_TERMS, rho));
+        any |= MASK(fabs(g) <= 0x1p-40 * terms);
+    }
+    return any;
+}
+
+bool sgt_asphere_may_start(const wavy *v, const sgt_tile *tile) { return asphere_may_start(v, tile) != 0; }
+
 void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask leaves[])
 {
     slope_rings g;
     cones e;
-    if (s->domain2 < 0x1p600 && s->domain2 > 0x1p-600 && leaving_of(v, tile, leaves, &e) > 0) {
+    if (s->domain2 < 0x1p600 && s->domain2 > 0x1p-600 && asphere_starts(v, tile, leaves, &e) > 0) {
         asphere_rings(s, &g);
         asphere_leaves(&g, tile, &e, leaves);
     } else
