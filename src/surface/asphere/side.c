@@ -71,8 +71,9 @@ enum { SIDE_TILE = SGT_TILE / 2 };
 /* What the loops leave for each other.  of: the rows of a lane_to, if the rays have been put side by side. */
 typedef struct beside_room {
     _Alignas(64) double x[SIDE_TILE];
-    double y[SIDE_TILE], z[SIDE_TILE], rho0[SIDE_TILE], t0[SIDE_TILE], from[SIDE_TILE], to[SIDE_TILE], r2[SIDE_TILE],
-        tau[SIDE_TILE], tau2[SIDE_TILE], step2[SIDE_TILE], inverse[SIDE_TILE], dw[SIDE_TILE], slant[SIDE_TILE];
+    double y[SIDE_TILE], z[SIDE_TILE], rho0[SIDE_TILE], t0[SIDE_TILE], from[SIDE_TILE], to[SIDE_TILE],
+        r2[SIDE_TILE], tau[SIDE_TILE], tau2[SIDE_TILE], step2[SIDE_TILE], inverse[SIDE_TILE], dw[SIDE_TILE],
+        slant[SIDE_TILE];
     mask asked[SIDE_TILE], off[SIDE_TILE], away[SIDE_TILE], above[SIDE_TILE], below[SIDE_TILE],
         again[SIDE_TILE], starts[2][SIDE_TILE], close[SIDE_TILE], on[SIDE_TILE];
     const mask *rises, *falls; /* as in a side_on: none, or `starts` */
@@ -299,8 +300,8 @@ typedef struct beside {
     bool few, first; /* few terms; the first root */
 } beside;
 
-/* Answers a tile of which all rays are hard.  begun: as in an easy_tried; a ray without a start for the rounds
- * of easy.h has taken one evaluation there.  Returns how many are left. */
+/* Answers a tile of which all rays are hard.  begun: as in an easy_tried; a ray without a start for the
+ * rounds of easy.h has taken one evaluation there.  Returns how many are left. */
 SGT_NOINLINE static size_t beside_all(const beside *of, const sgt_tile *tile, const bool *begun,
                                       lane_to to, beside_room *r)
 {
