@@ -328,7 +328,7 @@ static const ring *ring_about(sgt_surface s, double rung, rings *kept)
     if (!kept->any)
         for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
     kept->any = true;
-    /* The rungs of two octaves have a place each; so has every fourth rung of eight octaves. */
+    /* The rungs of two octaves have a place each; so has every fourth rung of eight octaves, a FINE one. */
     ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
     if (e->radius == rung) return e;
     *e = (ring){rung, HUGE_VAL, SGT_ANY_NUMBER, {(double)NAN, (double)NAN}};
@@ -523,7 +523,7 @@ static bool look_at_starts(sgt_surface s, rows a, const sgt_rays *r, const sgt_s
     return true;
 }
 
-static looked looked_at(rows a, const starts *e, size_t j)
+static looked look_of(rows a, const starts *e, size_t j)
 {
     size_t k = e->of[j];
     local q = {.x = a[OX][k], .y = a[OY][k], .z = a[OZ][k], .l = a[DX][k], .m = a[DY][k], .n = a[DZ][k]};
@@ -586,7 +586,7 @@ static void leave_starts(sgt_surface s, rows a, size_t left, bool in_rings, cons
         for (size_t j = 0; j < e.n; j++) {
             size_t k = e.of[j];
             double bend = larger(-a[BENT_LO][k], a[BENT_HI][k]);
-            looked one = looked_at(a, &e, j);
+            looked one = look_of(a, &e, j);
             double off = bend < HUGE_VAL ? step_off(a, k, in_rings, bend, one.slope) : (double)NAN;
             if (off == off) start[kept] = one, h[kept] = off, e.of[kept] = k, e.t[kept++] = a[T][k] + off;
         }
@@ -594,7 +594,7 @@ static void leave_starts(sgt_surface s, rows a, size_t left, bool in_rings, cons
         if (e.n == 0 || !look_at_starts(s, a, r, known, v, &e)) continue;
         for (size_t j = 0; j < e.n; j++) {
             size_t k = e.of[j];
-            looked next = looked_at(a, &e, j);
+            looked next = look_of(a, &e, j);
             if (!leaves_start(a, k, &start[j], &next, h[j])) {
                 sharpen(s, a, k, a[T][k], &start[j]), sharpen(s, a, k, e.t[j], &next);
                 if (!leaves_start(a, k, &start[j], &next, h[j])) continue;

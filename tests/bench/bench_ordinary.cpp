@@ -794,9 +794,10 @@ Table grazing()
 {
     Table table = { "Along the surface",
                     "The first root, in a batch. Rays that meet the surface at 30, 10, 3, 1 and 0.3 degrees "
-                    "from its tangent plane, at a point that is 1 to 2.5 from the axis, from 5 before it; the "
-                    "neighbour comes nearly along the axis, with the rim. *Mirrors*: R = 20000, 60 across (a "
-                    "biconic: k = -0.6), 10 to 25 from the axis, with a rim of 40, from 1000 before it.",
+                    "from its tangent plane, at a point that is 1 to 2.5 from the axis, from 5 before it; "
+                    "the neighbour comes nearly along the axis, with the rim. *Mirrors*: R = 20000, 60 "
+                    "across (a biconic: k = -0.6), 10 to 25 from the axis, with a rim of 40, from 1000 "
+                    "before it.",
                     "type",
                     { "30", "10", "3", "1", "0.3" },
                     { "neighbour", "asked", "ratio" },
@@ -840,8 +841,8 @@ sgt_surface body(const char *text, double ball)
 Table leaving()
 {
     Table table = { "Leaving",
-                    "`sgt_leave_batch` from where rays have met the surface, beside the first hits. *Straight "
-                    "on*, *mirrored*, and *any way*: in directions of the whole sphere.",
+                    "`sgt_leave_batch` from where rays have met the surface, beside the first hits. "
+                    "*Straight on*, *mirrored*, and *any way*: in directions of the whole sphere.",
                     "type",
                     { "straight on", "mirrored", "any way" },
                     { "first hit", "leaving", "ratio" },
