@@ -392,7 +392,8 @@ static void errors(const subject *of, size_t n, const sgt_options *opt)
 {
     (void)opt;
     const sgt_end_errors told = {.point = out[0], .path = out[1], .grain = out[2]};
-    seen = (double)sgt_trace_error_batch(ELEMENTS, of->lens, 1, n, arrays(), passages, told);
+    const sgt_traces traces = {n, arrays(), passages};
+    seen = (double)sgt_trace_error_batch(ELEMENTS, of->lens, 1, &traces, told);
 }
 
 static void gradient(const subject *of, size_t n, const sgt_options *opt)
@@ -403,8 +404,9 @@ static void gradient(const subject *of, size_t n, const sgt_options *opt)
     for (size_t i = 0; i < COUNT_OF(list); i++) list[i] = numbers;
     for (size_t i = 0; i < n; i++) ones[i] = 1;
     const sgt_ray_changes weight = {.p = {ones, ones, ones}};
+    const sgt_traces traces = {n, arrays(), passages};
     if (count <= COUNT_OF(list))
-        sgt_trace_gradient_batch(ELEMENTS, of->lens, 1, n, arrays(), passages, 1, &weight, list);
+        sgt_trace_gradient_batch(ELEMENTS, of->lens, 1, &traces, 1, &weight, list);
 }
 
 /* cost.py counts from the call of this function to its return, and by its name: not inlined, not copied,
