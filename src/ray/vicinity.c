@@ -2,8 +2,6 @@
 /* vicinity.c - see vicinity.h.  A single ray is a row of one. */
 #include "wings.h"
 
-#include "../surface/sag/piece.h"
-
 enum { SHRINKS = 12 };
 
 /* Takes the place of a bound on the slope that is too small: with it a root would be known less well than
@@ -253,40 +251,6 @@ static double vicinity_judge(size_t n, const sgt_rays *r, const vicinity *v, con
 
 /* ------------------------------------------------------------------------------- misses */
 
-/* The cone of asphere/unique.c, from where the ray begins.  Beyond that point, at a radius r, the ray is
- * no lower than high + q max(r - r0, 0) on the side it goes to.  Is it above all rings from `first` on?
- * This is coarser than ring by ring, but takes a few operations, and is all that can be said if the last
- * ring is endless. */
-SGT_KERNEL
-static mask is_above(const sgt_heights *g, const line *w, int first)
-{
-    double along = fabs(w->from - w->foot) + w->off, z = w->n * w->from, less = 1 - 0x1p-40, left = 0;
-    double r0 = sqrt(w->nearest * w->nearest + w->a * (along * along)) * (1 + 0x1p-40) + w->aside,
-           q = fabs(w->n) / sqrt(w->a) * less, high = (w->n > 0 ? z : -z) - 0x1p-40 * fabs(z);
-    mask rises = MASK(w->n > 0);
-#pragma omp simd reduction(+ : left)
-    for (int j = first; j < SGT_RINGS; j++) {
-        double rise = q * larger((double)j * g->width * less - r0, 0),
-               least = (high - 0x1p-40 * fabs(high)) + rise * less;
-        left += chosen(rises, g->high[j], -g->low[j]) < least ? 0.0 : 1.0;
-    }
-    return MASK(left == 0);
-}
-
-SGT_KERNEL
-static mask passed_by(const sgt_heights *g, const line *w, int ended)
-{
-    double left = 0;
-#pragma omp simd reduction(+ : left)
-    for (int j = 0; j < ended; j++) {
-        piece p = piece_of(w, (double)j * g->width, (double)(j + 1) * g->width);
-        mask apart = is_apart(w, p.s_in, p.s_out, g->low[j], g->high[j])
-                     & is_apart(w, -p.s_out, -p.s_in, g->low[j], g->high[j]);
-        left += (p.passed_by | apart) != 0 ? 0.0 : 1.0;
-    }
-    return MASK(left == 0);
-}
-
 /* How many rays begin behind the seed.  (Too short a loop for tests/build/vectorised.py to judge.) */
 SGT_NOINLINE
 static double all_behind(size_t n, const double *restrict asked, const double *restrict seed,
@@ -298,22 +262,6 @@ static double all_behind(size_t n, const double *restrict asked, const double *r
     return count;
 }
 
-const sgt_heights *sgt_heights_about(sgt_surface s, vicinities *kept)
-{
-    if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
-    kept->any_heights = true;
-    return &kept->heights;
-}
-
-bool sgt_passes_by(sgt_surface s, const sgt_ray *ray, double from, vicinities *kept)
-{
-    const sgt_heights *g = sgt_heights_about(s, kept);
-    line w = line_of(ray->o, ray->d, from, ray->tmax);
-    int ended = g->endless ? SGT_RINGS - 1 : SGT_RINGS;
-    return g->width > 0 && line_in_range(&w) &&
-           (is_above(g, &w, 0) || (passed_by(g, &w, ended) && is_above(g, &w, ended)));
-}
-
 /* Marks as misses the rays that miss the whole surface.  behind: looks at the rays that begin behind the
  * seed, which may well leave the surface; else at the others. */
 static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vicinities *kept,
@@ -323,7 +271,8 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
         if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i])) continue;
         sgt_ray ray = ray_of(&r, i);
         ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
-        if (sgt_passes_by(s, &ray, v->tmin[i], kept)) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
+        if (sgt_passes_by(heights_about(s, kept), &ray, v->tmin[i]))
+            v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
     }
 }
 

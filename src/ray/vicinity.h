@@ -118,10 +118,12 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, slopes_known *near,
                      vicinities *kept, const vicinity *v);
 
 /* The heights of the whole surface. */
-const sgt_heights *sgt_heights_about(sgt_surface s, vicinities *kept);
-
-/* Is the ray, from t = `from` on, above or below every piece of the surface that it passes? */
-bool sgt_passes_by(sgt_surface s, const sgt_ray *ray, double from, vicinities *kept);
+SGT_INLINE const sgt_heights *heights_about(sgt_surface s, vicinities *kept)
+{
+    if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
+    kept->any_heights = true;
+    return &kept->heights;
+}
 
 /* At least the gradient of the sag at this point, and about it. */
 double sgt_steep_about(sgt_surface s, double x, double y, vicinities *kept);

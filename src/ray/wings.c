@@ -428,7 +428,7 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     begin = larger(begin, from);
     if (!(lo <= hi && begin < lo && fabs(lo) < HUGE_VAL)) return (double)NAN;
     /* Most rays from afar are below or above all that there is next to the edge. */
-    const sgt_heights *h = sgt_heights_about(s, kept);
+    const sgt_heights *h = heights_about(s, kept);
     double near = ray->o.z + begin * ray->d.z, far = ray->o.z + lo * ray->d.z, last = SGT_RINGS - 1,
            off = 0x1p-40 * (fabs(ray->o.z) + fabs(begin * ray->d.z) + fabs(lo * ray->d.z));
     bool outer = h->width > 0 && h->width * last < edge * (1 - 0x1p-6);
@@ -457,7 +457,7 @@ static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t 
 {
     bool now = off || (a[PX][i] * a[DX][i] + a[PY][i] * a[DY][i] > 0 &&
                            (evals == 4 || evals == 8 || evals == 16 || evals == 32));
-    return now && sgt_passes_by(s, ray, t, kept);
+    return now && sgt_passes_by(heights_about(s, kept), ray, t);
 }
 
 /* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  It is
@@ -610,7 +610,7 @@ static bool is_past_all(sgt_surface s, const sgt_ray *ray, double t, vicinities 
 {
     double low = HUGE_VAL, high = -HUGE_VAL, z = ray->o.z + t * ray->d.z,
            off = 0x1p-40 * (fabs(ray->o.z) + fabs(t * ray->d.z));
-    const sgt_heights *g = sgt_heights_about(s, kept);
+    const sgt_heights *g = heights_about(s, kept);
     for (int j = 0; j < SGT_RINGS; j++) low = -larger(-low, -g->low[j]), high = larger(high, g->high[j]);
     return g->width > 0 && ((ray->d.z < 0 && z + off < low) || (ray->d.z > 0 && z - off > high));
 }
