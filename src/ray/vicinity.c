@@ -223,6 +223,13 @@ static void vicinity_leave(size_t n, double part, const sgt_rays *r, const vicin
     }
 }
 
+/* Of one ray: may it be one of these? */
+SGT_INLINE bool starts_between(const sgt_rays *r, const vicinity *v, const region_rows *w)
+{
+    double z = r->o[2][0] + v->tmin[0] * r->d[2][0];
+    return z >= w->low[0] && z <= w->high[0];
+}
+
 /* Accepts the chord if F is monotone on it, some of the ray is in it, and it begins before the search
  * does.  Returns how many rays are left. */
 SGT_KERNEL
@@ -336,7 +343,8 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     for (int k = 0; k < 2; k++) {
         builtin->chords(n, r, w.radius2, w.steep, axis ? read : NULL, lo, hi, least);
         /* without a box the march costs more than a chord: it is for rays that start on the surface */
-        if (marches) vicinity_leave(n, boxes ? 0.25 : 0x1p-5, &r, v, &w, lo, hi, least);
+        if (marches && (n > 1 || starts_between(&r, v, &w)))
+            vicinity_leave(n, boxes ? 0.25 : 0x1p-5, &r, v, &w, lo, hi, least);
         left = vicinity_judge(n, &r, v, w.from, lo, hi, least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
         for (size_t i = 0; i < n; i++) w.wide[i] = rung_above(w.radius[i], FINE);
