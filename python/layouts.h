@@ -216,7 +216,7 @@ static const layout layouts[] = {
     MEMBER(sgt_fates, rays), MEMBER(sgt_fates, passed), MEMBER(sgt_fates, missed),
     MEMBER(sgt_fates, clipped), MEMBER(sgt_fates, tir), MEMBER(sgt_fates, lost), MEMBER(sgt_fates, none),
     MEMBER(sgt_fates, unfound), MEMBER(sgt_fates, within), MEMBER(sgt_fates, folded),
-    MEMBER(sgt_fates, proven), MEMBER(sgt_fates, reserved_),
+    MEMBER(sgt_fates, proven), MEMBER(sgt_fates, evanescent), MEMBER(sgt_fates, reserved_),
     WHOLE(sagitta_answer),
     MEMBER(sagitta_answer, row), MEMBER(sagitta_answer, rows), MEMBER(sagitta_answer, room),
     MEMBER(sagitta_answer, size), MEMBER(sagitta_answer, words), MEMBER(sagitta_answer, length),

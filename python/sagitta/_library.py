@@ -594,7 +594,8 @@ class Fates(Structure):
         ("within", c_double),
         ("folded", c_size_t),
         ("proven", c_size_t),
-        ("reserved_", Words * 4),
+        ("evanescent", c_size_t),
+        ("reserved_", Words * 3),
     ]
 
 

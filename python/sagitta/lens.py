@@ -136,6 +136,7 @@ class Element:
     origin          the vertex, global, instead of thickness and decenter: of all elements or of none
     apertures       a list of maps: {"type": "circle", "radius": 2, "obscures": True} ...
     focal_length, object_distance       of an ideal lens
+    phase           a formula in waves, "-0.4*r^2", or a map: {"lines": 600, "order": 1} ...
     draw_to, name   for pictures; a comment
     """
 
@@ -152,6 +153,7 @@ class Element:
     apertures: Optional[Sequence[dict[str, Any]]] = None
     focal_length: Optional[float] = None
     object_distance: Optional[float] = None
+    phase: Union[None, str, dict[str, Any]] = None
     draw_to: Optional[float] = None
     name: Optional[str] = None
 

@@ -84,6 +84,7 @@ class Fates:
     within: float
     folded: int
     proven: int
+    evanescent: int
 
 
 class Answer(Tabular):

@@ -178,7 +178,7 @@ int  sgt_fate_of(const sgt_ray_end *end);
     {.name = "py", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, 0, offsetof(row, y), 0, "in radii of it"}
 #define COLUMN_OF_FATE(row)                                                                                  \
     {.name = "fate", SGT_COLUMN_FATE, SGT_UNIT_NONE, 0, offsetof(row, fate), 0,                              \
-     "passed; missed, clipped, tir, lost; none: proven, no such ray"}
+     "passed; missed, clipped, tir, evanescent, lost; none: proven, no such ray"}
 #define COLUMN_FATES(row)                                                                                    \
     {.name = "missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.missed), 0,   \
      "what became of"},                                                                                      \
@@ -186,6 +186,8 @@ int  sgt_fate_of(const sgt_ray_end *end);
      "the other rays"},                                                                                      \
     {.name = "tir", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.tir), 0,         \
      "totally reflected"},                                                                                   \
+    {.name = "evanescent", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL,                               \
+     offsetof(row, fates.evanescent), 0, "the order of a phase does not exist for them"},                    \
     {.name = "lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.lost), 0,       \
      "it could not be decided"},                                                                             \
     {.name = "none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.none), 0,       \
