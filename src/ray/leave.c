@@ -40,6 +40,10 @@
  *     missed, and the surface knows it (`behind`)      that: of a conic the slope at the start
  *     undecided, or neither                           0
  *
+ * MANY AT ONCE.  A batch looks at F behind all starts together, with one bound on its rounding for the circle
+ * that holds the points, where a single ray has one for its point.  What such a look leaves open is asked as
+ * of a single ray.
+ *
  * A user's surface that is searched by steps may skip a root.  If its slope at the start and at the next
  * crossing say that F has unlike signs behind the one and before the other, one has been skipped: the answer
  * is UNPROVEN.
@@ -51,6 +55,7 @@
 #include "../surface/builtin.h"
 #include "general.h"
 #include "batch.h"
+#include "vicinity.h"
 
 enum { POLISHES = 4, LOOKS = 6, ASKS = 64 };
 
@@ -536,7 +541,7 @@ static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, l
     }
     memset(sure, 0, sizeof sure);
     if (many && known_on(s, n, at_all, sure))
-        for (size_t k = 0; k < n; k++) known += sure[k];
+        for (size_t k = 0; k < n; k++) sure[k] = p_err[k] >= 0 ? sure[k] : 0, known += sure[k]; /* not NaN */
     if (known < (double)n && m[0] && many)
         known = surely_all(n, at_all, (const double *const[3]){m[0] + at + i, m[1] + at + i, m[2] + at + i},
                            p_err, sure);
@@ -629,9 +634,32 @@ static void sides_by_look(size_t n, const looks *at, const double *const way[3],
     }
 }
 
+/* What a sag shares, once it has been asked for. */
+typedef struct leave_shared { bool known; sgt_shared of; } leave_shared;
+
+/* Bounds on the rounding of F at n points of a sag with a departure, by one bound on what the departure adds
+ * within the radius that holds them all.  They are made twice as wide: so a single ray, which asks at its own
+ * point, is not less certain.  false: not known. */
+static bool leave_roundings(sgt_surface s, size_t n, double *const p[3], const double *f, double *own,
+                            leave_shared *shared)
+{
+    const struct sgt_builtin_ops *with = s.ops->own_;
+    double r2 = 0, e[2];
+    if (n < 8 || !with->roundings || !with->share || !with->noise_within) return false;
+    for (size_t k = 0; k < n; k++) r2 = larger(r2, p[0][k] * p[0][k] + p[1][k] * p[1][k]);
+    if (!shared->known) with->share(s.self, &shared->of), shared->of = bare_of(shared->of);
+    shared->known = true;
+    with->noise_within(s.self, sqrt(r2) * (1 + 0x1p-20), e);
+    sgt_shared here = shared->of;
+    here.noise[0] = e[0], here.noise[1] = e[1];
+    if (!with->roundings(s.self, &here, n, (sgt_points){{p[0], p[1], p[2]}}, f, own)) return false;
+    for (size_t k = 0; k < n; k++) own[k] *= 2;
+    return true;
+}
+
 /* Sides of n starts that miss: as many of them as the first look tells. */
 static void sides_of_misses(sgt_surface s, size_t n, const sgt_rays *rays, const double *const grad[3],
-                            const double *state, double *side)
+                            const double *state, double *side, leave_shared *shared)
 {
     looks w;
     double(*p)[ASKS] = w.p, *own = w.own;
@@ -639,10 +667,14 @@ static void sides_of_misses(sgt_surface s, size_t n, const sgt_rays *rays, const
     double *const out[3] = {w.grad[0], w.grad[1], w.grad[2]};
     bool body = is_body(s.ops);
     looks_at(n, rays, grad, state, p[0], p[1], p[2], w.asks);
-    bool both = leave_rounded(s, n, at, w.f, out, own);
-    if (!both) leave_values(s, n, at, w.f, out);
-    if (!both && body) s.ops->own_->roundings(s.self, NULL, n, (sgt_points){{p[0], p[1], p[2]}}, w.f, own);
-    for (size_t k = 0; k < n && !both && !body; k++)
+    bool known = leave_rounded(s, n, at, w.f, out, own);
+    if (!known) leave_values(s, n, at, w.f, out);
+    if (!known && body) {
+        s.ops->own_->roundings(s.self, NULL, n, (sgt_points){{p[0], p[1], p[2]}}, w.f, own);
+        known = true;
+    }
+    known = known || leave_roundings(s, n, (double *const[3]){p[0], p[1], p[2]}, w.f, own, shared);
+    for (size_t k = 0; k < n && !known; k++)
         own[k] = w.asks[k] > 0 ? s.ops->rounding(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}) : 0;
     sides_by_look(n, &w, rays->d, body ? 0 : 1, side);
 }
@@ -723,6 +755,8 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
     const bool by_hit = !(opt->t_tol > 0) && s.ops && (s.ops->own_ || s.ops->enclose);
     double state[ASKS], told[ASKS], behind[ASKS], none[ASKS] = {0};
     asked a;
+    leave_shared shared;
+    shared.known = false;
     a.count = 0;
     const left_tile job = {s, from, at, &rays, &own, &w, opt, side != NULL, &a};
     for (size_t i = 0, few; i < n; i += few) {
@@ -743,7 +777,7 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
             } else if (side && from->n[0] && looked_at(s, few, state, w.on + i)) {
                 const double *const first[3] = {from->n[0] + at + i, from->n[1] + at + i,
                                                 from->n[2] + at + i};
-                sides_of_misses(s, few, &part, first, state, told);
+                sides_of_misses(s, few, &part, first, state, told, &shared);
             }
         }
         for (size_t j = 0; j < few; j++) {

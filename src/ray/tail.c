@@ -4,6 +4,8 @@
 
 #include "wings.h"
 
+#include "../surface/sag/piece.h"
+
 static double tail_from(sgt_surface s, double radius, sgt_tails *kept)
 {
     if (!(radius > 0)) return 0;
@@ -110,4 +112,48 @@ void sgt_cut_tails(sgt_surface s, const sgt_ray *ray, sgt_span *span)
            hi = out > 0 ? (e.t + way_beyond(&e, out)) * scale : HUGE_VAL;
     if (lo > span->lo) span->lo = lo;
     if (hi < span->hi) span->hi = hi;
+}
+
+/* ---------------------------------------------------------------------- the heights */
+
+/* The cone of asphere/unique.c, from where the ray begins.  Beyond that point, at a radius r, the ray is
+ * no lower than high + q max(r - r0, 0) on the side it goes to.  Is it above all rings from `first` on?
+ * This is coarser than ring by ring, but takes a few operations, and is all that can be said if the last
+ * ring is endless. */
+SGT_KERNEL
+static mask is_above(const sgt_heights *g, const line *w, int first)
+{
+    double along = fabs(w->from - w->foot) + w->off, z = w->n * w->from, less = 1 - 0x1p-40, left = 0;
+    double r0 = sqrt(w->nearest * w->nearest + w->a * (along * along)) * (1 + 0x1p-40) + w->aside,
+           q = fabs(w->n) / sqrt(w->a) * less, high = (w->n > 0 ? z : -z) - 0x1p-40 * fabs(z);
+    mask rises = MASK(w->n > 0);
+#pragma omp simd reduction(+ : left)
+    for (int j = first; j < SGT_RINGS; j++) {
+        double rise = q * larger((double)j * g->width * less - r0, 0),
+               least = (high - 0x1p-40 * fabs(high)) + rise * less;
+        left += chosen(rises, g->high[j], -g->low[j]) < least ? 0.0 : 1.0;
+    }
+    return MASK(left == 0);
+}
+
+SGT_KERNEL
+static mask passed_by(const sgt_heights *g, const line *w, int ended)
+{
+    double left = 0;
+#pragma omp simd reduction(+ : left)
+    for (int j = 0; j < ended; j++) {
+        piece p = piece_of(w, (double)j * g->width, (double)(j + 1) * g->width);
+        mask apart = is_apart(w, p.s_in, p.s_out, g->low[j], g->high[j])
+                     & is_apart(w, -p.s_out, -p.s_in, g->low[j], g->high[j]);
+        left += (p.passed_by | apart) != 0 ? 0.0 : 1.0;
+    }
+    return MASK(left == 0);
+}
+
+bool sgt_passes_by(const sgt_heights *g, const sgt_ray *ray, double from)
+{
+    line w = line_of(ray->o, ray->d, from, ray->tmax);
+    int ended = g->endless ? SGT_RINGS - 1 : SGT_RINGS;
+    return g->width > 0 && line_in_range(&w) &&
+           (is_above(g, &w, 0) || (passed_by(g, &w, ended) && is_above(g, &w, ended)));
 }

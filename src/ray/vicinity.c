@@ -2,8 +2,6 @@
 /* vicinity.c - see vicinity.h.  A single ray is a row of one. */
 #include "wings.h"
 
-#include "../surface/sag/piece.h"
-
 enum { SHRINKS = 12 };
 
 /* Takes the place of a bound on the slope that is too small: with it a root would be known less well than
@@ -210,19 +208,26 @@ static double shrink(size_t n, const sgt_rays *ray, const vicinity *v, const reg
 
 /* Takes the bound on the slope from rays whose root may be the start itself.  Nothing would be known of what
  * is behind the chord, and a march knows how to leave.  These are the rays that start between the heights of
- * this part, and nearer to the seed than a quarter of the chord. */
+ * this part, and nearer to the seed than `part` of the chord. */
 SGT_KERNEL
-static void vicinity_leave(size_t n, const sgt_rays *r, const vicinity *v, const region_rows *w,
+static void vicinity_leave(size_t n, double part, const sgt_rays *r, const vicinity *v, const region_rows *w,
                            const double *lo, const double *hi, double *restrict least)
 {
     const double *oz = r->o[2], *dz = r->d[2], *low = w->low, *high = w->high, *tmin = v->tmin,
                  *seed = v->seed;
     LANES for (size_t i = 0; i < n; i++) {
         double z = oz[i] + tmin[i] * dz[i];
-        mask starts = MASK(fabs(seed[i] - tmin[i]) < 0.25 * (hi[i] - lo[i])) & MASK(z >= low[i])
+        mask starts = MASK(fabs(seed[i] - tmin[i]) < part * (hi[i] - lo[i])) & MASK(z >= low[i])
                       & MASK(z <= high[i]);
         least[i] = chosen(starts, 0, least[i]);
     }
+}
+
+/* Of one ray: may it be one of these? */
+SGT_INLINE bool starts_between(const sgt_rays *r, const vicinity *v, const region_rows *w)
+{
+    double z = r->o[2][0] + v->tmin[0] * r->d[2][0];
+    return z >= w->low[0] && z <= w->high[0];
 }
 
 /* Accepts the chord if F is monotone on it, some of the ray is in it, and it begins before the search
@@ -253,40 +258,6 @@ static double vicinity_judge(size_t n, const sgt_rays *r, const vicinity *v, con
 
 /* ------------------------------------------------------------------------------- misses */
 
-/* The cone of asphere/unique.c, from where the ray begins.  Beyond that point, at a radius r, the ray is
- * no lower than high + q max(r - r0, 0) on the side it goes to.  Is it above all rings from `first` on?
- * This is coarser than ring by ring, but takes a few operations, and is all that can be said if the last
- * ring is endless. */
-SGT_KERNEL
-static mask is_above(const sgt_heights *g, const line *w, int first)
-{
-    double along = fabs(w->from - w->foot) + w->off, z = w->n * w->from, less = 1 - 0x1p-40, left = 0;
-    double r0 = sqrt(w->nearest * w->nearest + w->a * (along * along)) * (1 + 0x1p-40) + w->aside,
-           q = fabs(w->n) / sqrt(w->a) * less, high = (w->n > 0 ? z : -z) - 0x1p-40 * fabs(z);
-    mask rises = MASK(w->n > 0);
-#pragma omp simd reduction(+ : left)
-    for (int j = first; j < SGT_RINGS; j++) {
-        double rise = q * larger((double)j * g->width * less - r0, 0),
-               least = (high - 0x1p-40 * fabs(high)) + rise * less;
-        left += chosen(rises, g->high[j], -g->low[j]) < least ? 0.0 : 1.0;
-    }
-    return MASK(left == 0);
-}
-
-SGT_KERNEL
-static mask passed_by(const sgt_heights *g, const line *w, int ended)
-{
-    double left = 0;
-#pragma omp simd reduction(+ : left)
-    for (int j = 0; j < ended; j++) {
-        piece p = piece_of(w, (double)j * g->width, (double)(j + 1) * g->width);
-        mask apart = is_apart(w, p.s_in, p.s_out, g->low[j], g->high[j])
-                     & is_apart(w, -p.s_out, -p.s_in, g->low[j], g->high[j]);
-        left += (p.passed_by | apart) != 0 ? 0.0 : 1.0;
-    }
-    return MASK(left == 0);
-}
-
 /* How many rays begin behind the seed.  (Too short a loop for tests/build/vectorised.py to judge.) */
 SGT_NOINLINE
 static double all_behind(size_t n, const double *restrict asked, const double *restrict seed,
@@ -305,15 +276,10 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
 {
     for (size_t i = 0; i < n; i++) {
         if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i])) continue;
-        if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
-        kept->any_heights = true;
-        sgt_vec3 o = {r.o[0][i], r.o[1][i], r.o[2][i]}, d = {r.d[0][i], r.d[1][i], r.d[2][i]};
-        line w = line_of(o, d, v->tmin[i], v->tmax[i]);
-        const sgt_heights *g = &kept->heights;
-        int ended = g->endless ? SGT_RINGS - 1 : SGT_RINGS;
-        bool known = g->width > 0 && line_in_range(&w),
-             passes = known && (is_above(g, &w, 0) || (passed_by(g, &w, ended) && is_above(g, &w, ended)));
-        if (passes) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
+        sgt_ray ray = ray_of(&r, i);
+        ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
+        if (sgt_passes_by(heights_about(s, kept), &ray, v->tmin[i]))
+            v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
     }
 }
 
@@ -376,7 +342,9 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     double *lo = w.at_seed, *hi = v->work[11], *least = w.about, left = 0;
     for (int k = 0; k < 2; k++) {
         builtin->chords(n, r, w.radius2, w.steep, axis ? read : NULL, lo, hi, least);
-        if (boxes) vicinity_leave(n, &r, v, &w, lo, hi, least);
+        /* without a box the march costs more than a chord: it is for rays that start on the surface */
+        if (marches && (n > 1 || starts_between(&r, v, &w)))
+            vicinity_leave(n, boxes ? 0.25 : 0x1p-5, &r, v, &w, lo, hi, least);
         left = vicinity_judge(n, &r, v, w.from, lo, hi, least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
         for (size_t i = 0; i < n; i++) w.wide[i] = rung_above(w.radius[i], FINE);
@@ -401,5 +369,8 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         if (!((v->evals[i] > 0 || monotone) && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
         double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
         noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
+        /* far out a bound for the whole rung may be 10^7 times that at the root, which is asked for then */
+        if (v->noise[0][i] + v->noise[1][i] * (off * off) > 0x1p-36 * v->least[i] * fabs(v->seed[i]))
+            noise_about(s, HUGE_VAL, i, kept, v);
     }
 }

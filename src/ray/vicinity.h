@@ -40,7 +40,7 @@
 #include "tail.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 32, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
+enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
 typedef struct ring { double radius, steep; sgt_interval bent; double noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
 typedef struct box { double x, y, steep; sgt_by_axis axis; double noise[2]; bool noisy; } box;
@@ -116,6 +116,14 @@ SGT_INLINE sgt_shared bare_of(sgt_shared s)
  * the first root is wanted, and not that near the seed. */
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v);
+
+/* The heights of the whole surface. */
+SGT_INLINE const sgt_heights *heights_about(sgt_surface s, vicinities *kept)
+{
+    if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
+    kept->any_heights = true;
+    return &kept->heights;
+}
 
 /* At least the gradient of the sag at this point, and about it. */
 double sgt_steep_about(sgt_surface s, double x, double y, vicinities *kept);

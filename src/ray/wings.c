@@ -58,6 +58,11 @@
  * nothing is met as far as what is known reaches.  That is a miss if the chord or the ray ends there, or the
  * ray is then below or above all of the surface.
  *
+ * Without a rim the same is done in the circle that is known about the start: r^2 is convex along the ray, so
+ * what is known there holds between two points that are both in it.  Then the ray is a miss if it is above or
+ * below all rings that are ahead of it (vicinity.h, A MISS).  At the start itself it never is, as the ring it
+ * starts in holds the start.
+ *
  * THE TAIL of the sag (tail.h): a ray from afar begins where nothing is certainly met before, and a ray that
  * goes out is a miss from where nothing is met beyond.
  *
@@ -134,7 +139,7 @@ enum {
 };
 _Static_assert((int)ROWS == (int)WINGS_ROWS, "the rows of vicinity.h");
 
-enum { GOES_ON, MOVED, FOUND, GIVEN_UP, HIDDEN, LEFT };
+enum { GOES_ON, MOVED, FOUND, GIVEN_UP, HIDDEN, OFF, LEFT };
 
 typedef double *const *rows;
 
@@ -323,7 +328,7 @@ static const ring *ring_about(sgt_surface s, double rung, rings *kept)
     if (!kept->any)
         for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
     kept->any = true;
-    /* The rungs of two octaves have a place each; so has every fourth rung of eight octaves. */
+    /* The rungs of two octaves have a place each; so has every fourth rung of eight octaves, a FINE one. */
     ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
     if (e->radius == rung) return e;
     *e = (ring){rung, HUGE_VAL, SGT_ANY_NUMBER, {(double)NAN, (double)NAN}};
@@ -407,13 +412,6 @@ static void tell_root(rows a, size_t i, double scale, const vicinity *v)
         v->seed[k] = (lo + h * (before / (before + b))) * scale;
 }
 
-static const sgt_heights *heights_about(sgt_surface s, vicinities *kept)
-{
-    if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
-    kept->any_heights = true;
-    return &kept->heights;
-}
-
 /* The t at which the ray is inside the edge by a part in 256, if there is certainly no root before it.
  * (At its edge a base has a slope without bound.)  NaN: that is not known.  *evals grows by what it took. */
 static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, vicinities *kept,
@@ -452,6 +450,16 @@ static bool leaves_by_tail(sgt_surface s, rows a, size_t i, sgt_tails *kept)
     return sgt_leaves_by_tail(s, &e, a[T][i], kept);
 }
 
+/* Is the ray above or below all that is ahead of it?  That costs more than a look.  So it is asked of rays
+ * that have just left the surface, and of those on the way out after 4, 8, 16 and 32 looks. */
+static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t i, bool off, double t,
+                              double evals, vicinities *kept)
+{
+    bool now = off || (a[PX][i] * a[DX][i] + a[PY][i] * a[DY][i] > 0 &&
+                           (evals == 4 || evals == 8 || evals == 16 || evals == 32));
+    return now && sgt_passes_by(heights_about(s, kept), ray, t);
+}
+
 /* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  It is
  * asked in pieces if the enclosure knows too little of the whole. */
 static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows a, size_t i, double scale,
@@ -478,40 +486,123 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
     return !(from < end);
 }
 
-/* F at t of row k, the slope, and a bound on F's error from all that is rounded. */
-typedef struct looked { double f, slope, err, terms; } looked;
-
-static looked look_at(sgt_surface s, rows a, size_t k, double t, double scale, const vicinity *v)
+static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
 {
-    double ox = a[OX][k], oy = a[OY][k], oz = a[OZ][k], l = a[DX][k], m = a[DY][k], n = a[DZ][k];
-    local q = {.x = ox, .y = oy, .z = oz, .l = l, .m = m, .n = n};
-    sgt_vec3 p = {ox + t * l, oy + t * m, oz + t * n}, grad;
-    looked e = {.f = s.ops->value(s.self, p, &grad)};
-    around at = around_of(&q, t, p, grad, HUGE_VAL);
-    e.slope = at.slope, e.err = 1.01 * (at.place + s.ops->rounding(s.self, p));
-    e.terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z);
-    v->evals[(size_t)a[LANE][k]] += 1;
-    if (v->told) tell(v->told, SGT_MARCH, t * scale, e.f, e.slope / scale, a[T][k] * scale, t * scale);
-    return e;
+    return (sgt_ray){
+        {r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, v->tmin[i], v->tmax[i]};
 }
 
-/* The ray starts on the surface.  See LEAVING. */
-static double leave_start(sgt_surface s, rows a, size_t k, double tmin, double scale, const vicinity *v)
+/* Some rows that start on the surface: which, where F is asked, and what it is there. */
+enum { STARTS = 32 };
+typedef struct starts {
+    size_t n, of[STARTS];
+    double t[STARTS], p[3][STARTS], f[STARTS], grad[3][STARTS], own[STARTS];
+} starts;
+
+/* F at a point, the slope there, a bound on F's error from all that is rounded, its part that does not come
+ * from the surface, and the terms of the rule of the start. */
+typedef struct looked { double f, slope, err, place, terms; } looked;
+
+/* Asks for F at e->t of all of them.  false: its rounding is not known. */
+static bool look_at_starts(sgt_surface s, rows a, const sgt_rays *r, const sgt_shared *known,
+                           const vicinity *v, starts *e)
 {
-    double t = a[T][k], bend = larger(-a[BENT_LO][k], a[BENT_HI][k]), rest = a[END][k] - t,
-           otherwise = a[SIGN][k] != 0 ? MOVED : GIVEN_UP;
-    if (t * scale != tmin || !(bend < HUGE_VAL && rest < HUGE_VAL)) return otherwise;
-    looked start = look_at(s, a, k, t, scale, v);
-    double h = 0.2 * fabs(start.slope) / bend, off = fabs(start.f) + start.err;
-    h = h < 0.5 * rest ? h : 0.5 * rest;
-    if (!(h >= 0x1p-40 * fabs(t) && h > 0)) return otherwise;
-    looked next = look_at(s, a, k, t + h, scale, v);
-    double b = fabs(next.f) - next.err, sign = copysign(1, next.f), curve = 0.5625 * bend * h,
-           least = (b - off) / h - curve, most = (fabs(next.f) + next.err + off) / h + curve;
-    if (!(b > 0 && least > curve && off * most < 0.98 * START_ULPS * start.terms * least)) return otherwise;
-    bow F2 = bow_of(sign, a[BENT_LO][k], a[BENT_HI][k]);
-    a[T][k] = t + h, a[A][k] = b, a[SIGN][k] = sign, a[H][k] = 0;
-    return F2.least >= 0 ? LEFT : MOVED;
+    for (size_t j = 0; j < e->n; j++) {
+        size_t k = e->of[j];
+        for (int c = 0; c < 3; c++) e->p[c][j] = a[OX + c][k] + e->t[j] * a[DX + c][k];
+        v->evals[(size_t)a[LANE][k]] += 1;
+    }
+    sgt_points at = {{e->p[0], e->p[1], e->p[2]}};
+    s.ops->values(s.self, e->n, at, (sgt_values){e->f, {e->grad[0], e->grad[1], e->grad[2]}});
+    if (!s.ops->own_->roundings(s.self, known, e->n, at, e->f, e->own)) return false;
+    if (v->told && e->n > 0) { /* one ray, row 0 */
+        double scale = scale_of((sgt_vec3){r->d[0][0], r->d[1][0], r->d[2][0]}), t = e->t[0] * scale,
+               slope = e->grad[0][0] * r->d[0][0] + e->grad[1][0] * r->d[1][0] + e->grad[2][0] * r->d[2][0];
+        tell(v->told, SGT_MARCH, t, e->f[0], slope, a[T][0] * scale, t);
+    }
+    return true;
+}
+
+static looked look_of(rows a, const starts *e, size_t j)
+{
+    size_t k = e->of[j];
+    local q = {.x = a[OX][k], .y = a[OY][k], .z = a[OZ][k], .l = a[DX][k], .m = a[DY][k], .n = a[DZ][k]};
+    sgt_vec3 p = {e->p[0][j], e->p[1][j], e->p[2][j]}, grad = {e->grad[0][j], e->grad[1][j], e->grad[2][j]};
+    around at = around_of(&q, e->t[j], p, grad, HUGE_VAL);
+    double noise = sgt_fma(a[E1][k], p.x * p.x + p.y * p.y, a[E0][k]);
+    return (looked){e->f[j], at.slope, e->own[j] + 1.01 * (at.place + noise), at.place,
+                    fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z)};
+}
+
+/* How far from its start row k is looked at once more.  in_rings: what is known of F'' holds within the row's
+ * radius; else up to its END.  NaN: nowhere. */
+static double step_off(rows a, size_t k, bool in_rings, double bend, double slope)
+{
+    double t = a[T][k], ox = a[OX][k], oy = a[OY][k], l = a[DX][k], m = a[DY][k], R = a[RADIUS][k],
+           h = 0.2 * fabs(slope) / bend, most = 0.5 * (a[END][k] - t);
+    if (in_rings) most = 0.98 * (R - radius_of(ox + t * l, oy + t * m)) / radius_of(l, m);
+    h = h < most ? h : most;
+    if (!(h >= 0x1p-40 * fabs(t) && h > 0 && h < HUGE_VAL)) return (double)NAN;
+    if (in_rings && !(radius_at(ox, oy, l, m, t) <= R && radius_at(ox, oy, l, m, t + h) <= R))
+        return (double)NAN;
+    return h;
+}
+
+/* Has row k left the start, h on?  Then it moves there. */
+static bool leaves_start(rows a, size_t k, const looked *start, const looked *next, double h)
+{
+    double bend = larger(-a[BENT_LO][k], a[BENT_HI][k]), off = fabs(start->f) + start->err,
+           b = fabs(next->f) - next->err, curve = 0.5625 * bend * h, least = (b - off) / h - curve,
+           most = (fabs(next->f) + next->err + off) / h + curve;
+    if (!(b > 0 && least > curve && off * most < 0.98 * START_ULPS * start->terms * least)) return false;
+    a[T][k] += h, a[A][k] = b, a[SIGN][k] = copysign(1, next->f), a[H][k] = 0;
+    return true;
+}
+
+/* The bound for many points is a wide one where terms vanish on a line: that of the point itself. */
+static void sharpen(sgt_surface s, rows a, size_t k, double t, looked *e)
+{
+    sgt_vec3 p = {a[OX][k] + t * a[DX][k], a[OY][k] + t * a[DY][k], a[OZ][k] + t * a[DZ][k]};
+    e->err = 1.01 * (e->place + s.ops->rounding(s.self, p));
+}
+
+/* The rows that may start on the surface.  See LEAVING.  Their VERDICT is set: OFF: the march has left the
+ * start; LEFT: nothing is met as far as what is known reaches; else as if they did not. */
+static void leave_starts(sgt_surface s, rows a, size_t left, bool in_rings, const sgt_rays *r,
+                         const sgt_shared *known, const vicinity *v)
+{
+    starts e;
+    looked start[STARTS];
+    double h[STARTS];
+    for (size_t i = 0; i < left;) {
+        size_t kept = 0;
+        for (e.n = 0; i < left && e.n < STARTS; i++) {
+            if (a[VERDICT][i] != HIDDEN) continue;
+            a[VERDICT][i] = a[SIGN][i] != 0 ? MOVED : GIVEN_UP;
+            sgt_ray ray = row_ray(r, v, (size_t)a[LANE][i]);
+            if (a[T][i] * scale_of(ray.d) == ray.tmin) e.of[e.n] = i, e.t[e.n++] = a[T][i];
+        }
+        if (e.n == 0 || !look_at_starts(s, a, r, known, v, &e)) continue;
+        for (size_t j = 0; j < e.n; j++) {
+            size_t k = e.of[j];
+            double bend = larger(-a[BENT_LO][k], a[BENT_HI][k]);
+            looked one = look_of(a, &e, j);
+            double off = bend < HUGE_VAL ? step_off(a, k, in_rings, bend, one.slope) : (double)NAN;
+            if (off == off) start[kept] = one, h[kept] = off, e.of[kept] = k, e.t[kept++] = a[T][k] + off;
+        }
+        e.n = kept;
+        if (e.n == 0 || !look_at_starts(s, a, r, known, v, &e)) continue;
+        for (size_t j = 0; j < e.n; j++) {
+            size_t k = e.of[j];
+            looked next = look_of(a, &e, j);
+            if (!leaves_start(a, k, &start[j], &next, h[j])) {
+                sharpen(s, a, k, a[T][k], &start[j]), sharpen(s, a, k, e.t[j], &next);
+                if (!leaves_start(a, k, &start[j], &next, h[j])) continue;
+            }
+            bow F2 = bow_of(a[SIGN][k], a[BENT_LO][k], a[BENT_HI][k]);
+            a[VERDICT][k] = F2.least >= 0 && !in_rings ? LEFT : OFF;
+        }
+    }
 }
 
 /* Is the ray at t, and from there on, above or below all of the surface? */
@@ -539,12 +630,6 @@ static void lay_row(rows a, size_t k, const sgt_ray *ray, size_t i, double t, do
     a[DX][k] = ray->d.x * scale, a[DY][k] = ray->d.y * scale, a[DZ][k] = ray->d.z * scale;
     a[T][k] = t * inverse, a[H][k] = 0, a[A][k] = 0, a[SIGN][k] = 0, a[RATIO][k] = 0, a[RADIUS][k] = 0,
     a[PAST][k] = HUGE_VAL, a[B][k] = 0, a[SEED][k] = seed * inverse, a[LANE][k] = (double)i;
-}
-
-static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
-{
-    return (sgt_ray){
-        {r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, v->tmin[i], v->tmax[i]};
 }
 
 typedef enum march_mode { IN_RINGS, IN_CHORD, IN_BOX } march_mode;
@@ -707,6 +792,9 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
             tell(v->told, SGT_MARCH, next, a[F][0], slope, a[T][0] * scale, next);
         }
         known_past = wings_judge(a, left, in_rings);
+        size_t hidden = 0;
+        for (size_t i = 0; i < left; i++) hidden += a[VERDICT][i] == HIDDEN;
+        if (hidden) leave_starts(s, a, left, in_rings, &r, known, v);
         for (size_t i = left; i-- > 0;) {
             size_t k = (size_t)a[LANE][i];
             double verdict = a[VERDICT][i], evals = v->evals[k] += 1;
@@ -714,8 +802,8 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
             if (verdict == GOES_ON && !spent) continue;
             sgt_ray ray = row_ray(&r, v, k);
             double scale = scale_of(ray.d);
-            if (verdict == HIDDEN && in_rings) verdict = a[SIGN][i] != 0 ? MOVED : GIVEN_UP;
-            if (verdict == HIDDEN) verdict = leave_start(s, a, i, ray.tmin, scale, v);
+            const bool off = verdict == OFF;
+            if (off) verdict = MOVED;
             if (verdict == LEFT) {
                 bool ends = a[END][i] * scale >= ray.tmax;
                 if (mode == IN_CHORD || ends || is_past_all(s, &ray, a[END][i] * scale, kept)) is_miss(v, k);
@@ -727,6 +815,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                     if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);
                 } else if (t > ray.tmax
                            || (in_rings ? (known->tailed && leaves_by_tail(s, a, i, &kept->tails)) ||
+                                            leaves_by_heights(s, &ray, a, i, off, t, evals, kept) ||
                                             leaves_by_edge(s, &ray, edge, a, i, scale, v)
                                       : t > v->hi[k])) {
                     is_miss(v, k);

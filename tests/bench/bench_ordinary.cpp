@@ -31,6 +31,7 @@
 #include <string>
 #include <utility>
 #include <vector>
+#include <sagitta/formula.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 #include "bench_clock.h"
@@ -161,9 +162,23 @@ struct Side {  // rays, and the surface or the lens that they meet
     std::vector<sgt_element> lens;
     std::shared_ptr<Arrays> arrays;
     size_t at_once = 0;  // rays of a batch; 0: all
+    std::vector<double> n[3], p_err;  // not empty: each ray is a start on the surface, and leaves it
 
+    bool leaves() const { return !p_err.empty(); }
     void batch(const sgt_options &opt) const
     {
+        if (leaves()) {
+            const sgt_rays of = arrays->rays();
+            const sgt_starts from = { { of.o[0], of.o[1], of.o[2] },
+                                      { n[0].data(), n[1].data(), n[2].data() },
+                                      p_err.data(),
+                                      { of.d[0], of.d[1], of.d[2] },
+                                      nullptr,
+                                      {} };
+            std::vector<signed char> side(arrays->n);
+            sgt_leave_batch(surface, arrays->n, from, arrays->hits(), side.data(), &opt);
+            return;
+        }
         if (!lens.empty()) {
             sgt_trace_batch(lens.size(), lens.data(), 1, arrays->n, arrays->rays(), arrays->traced(), nullptr,
                             &opt);
@@ -195,7 +210,9 @@ struct Side {  // rays, and the surface or the lens that they meet
             std::copy(y, y + 6, x);
             return fate;
         }
-        sgt_hit h = sgt_intersect(surface, ray, &opt);
+        sgt_start from = { ray.o, {}, 0, ray.d, 0, {} };
+        if (leaves()) from.n = { n[0][i], n[1][i], n[2][i] }, from.p_err = p_err[i];
+        sgt_hit h = leaves() ? sgt_leave(surface, &from, &opt).hit : sgt_intersect(surface, ray, &opt);
         const double y[] = { h.t, h.t_err, h.p.x, h.p.y, h.p.z, h.n.x, h.n.y, h.n.z };
         std::copy(y, y + 8, x);
         return h.status;
@@ -748,6 +765,127 @@ Table from_the_side()
     return table;
 }
 
+// Points of the surface below those of `of`, each met at `degrees` from the tangent plane, from `before` it.
+std::vector<sgt_ray> along(sgt_surface s, const std::vector<sgt_ray> &of, double degrees, double before)
+{
+    Random dice(11);
+    const double rise = std::sin(degrees * M_PI / 180), run = std::cos(degrees * M_PI / 180);
+    return each(of, [&](sgt_ray ray) {
+        const sgt_hit at = sgt_intersect(s, { { ray.o.x, ray.o.y, -5 }, { 0, 0, 1 }, 0, 0 }, nullptr);
+        const double length = std::sqrt(at.n.x * at.n.x + at.n.y * at.n.y + 1), phi = 2 * M_PI * dice.unit(),
+                     l = std::cos(phi), m = std::sin(phi), n = -(at.n.x * l + at.n.y * m) / at.n.z,
+                     by = run / std::sqrt(1 + n * n), up = rise / length;
+        const sgt_vec3 d = { by * l + up * at.n.x, by * m + up * at.n.y, by * n + up * at.n.z };
+        return moved({ at.p, d, 0, 0 }, -before);
+    });
+}
+
+// At least 1 from the axis, where no symmetry helps.
+std::vector<sgt_ray> off_axis(double by)
+{
+    return each(bundle(N), [=](sgt_ray ray) {
+        const double r = std::hypot(ray.o.x, ray.o.y), out = by * (1 + 0.6 * r) / r;
+        ray.o.x *= out, ray.o.y *= out;
+        return ray;
+    });
+}
+
+Table grazing()
+{
+    Table table = { "Along the surface",
+                    "The first root, in a batch. Rays that meet the surface at 30, 10, 3, 1 and 0.3 degrees "
+                    "from its tangent plane, at a point that is 1 to 2.5 from the axis, from 5 before it; "
+                    "the neighbour comes nearly along the axis, with the rim. *Mirrors*: R = 20000, 60 "
+                    "across (a biconic: k = -0.6), 10 to 25 from the axis, with a rim of 40, from 1000 "
+                    "before it.",
+                    "type",
+                    { "30", "10", "3", "1", "0.3" },
+                    { "neighbour", "asked", "ratio" },
+                    {} };
+    auto row = [&](const std::string &name, sgt_surface with, sgt_surface s, double by, double before) {
+        if (!wanted(name)) return;
+        const Side *hits = side(with, each(bundle(N), [=](sgt_ray ray) {
+                                    ray.o.x *= by, ray.o.y *= by;
+                                    return ray;
+                                }));
+        table.rows.push_back({ name, {} });
+        for (double degrees : { 30.0, 10.0, 3.0, 1.0, 0.3 })
+            table.rows.back().lines.emplace_back(hits, side(s, along(s, off_axis(by), degrees, before)),
+                                                 SGT_FIRST, false);
+    };
+    std::vector<Subject> with = sags(RIM), without = sags(0);
+    for (size_t i = 0; i < with.size(); i++) {
+        const Subject &one = with[i];
+        bool closed = one.name == "sphere" || one.name == "conic" || one.name == "even_asphere";
+        if (one.name != "plane") row(one.name, one.s, one.s, 1, 5);
+        if (closed) row(one.name + ", no rim", one.s, without[i].s, 1, 5);
+    }
+    const double R = 20000, across = 60;
+    const sgt_surface toroid = { &sgt_toroidal_ops, kept.keep(sgt_toroidal{ 1 / across, 0, 1 / R, 40, {} }) },
+                      biconic = { &sgt_biconic_ops, kept.keep(sgt_biconic{ 1 / R, K, 1 / across, K, 40 }) };
+    row("toroidal mirror", toroid, toroid, 10, 1000);
+    row("biconic mirror", biconic, biconic, 10, 1000);
+    return table;
+}
+
+// F(x, y, z) = 0 within the ball.
+sgt_surface body(const char *text, double ball)
+{
+    std::vector<double> room(sgt_formula_room(text, 0) / sizeof(double) + 1);
+    std::vector<double> &own = *const_cast<std::vector<double> *>(kept.keep(room));
+    const sgt_tape *tape = sgt_formula_read(text, SGT_FORMULA_XYZ, 0, nullptr, own.data(),
+                                            own.size() * sizeof(double), nullptr);
+    return { &sgt_formula_ops, kept.keep(sgt_formula{ tape, ball, {}, {} }) };
+}
+
+Table leaving()
+{
+    Table table = { "Leaving",
+                    "`sgt_leave_batch` from where rays have met the surface, beside the first hits. "
+                    "*Straight on*, *mirrored*, and *any way*: in directions of the whole sphere.",
+                    "type",
+                    { "straight on", "mirrored", "any way" },
+                    { "first hit", "leaving", "ratio" },
+                    {} };
+    auto start = [&](sgt_surface s, const std::vector<sgt_ray> &of, int way) {
+        Random dice(13);
+        std::vector<sgt_ray> from;
+        Side made(s, {});
+        for (const sgt_ray &ray : of) {
+            const sgt_hit at = sgt_intersect(s, ray, nullptr);
+            if (at.status <= 0) continue;
+            const double d[] = { ray.d.x, ray.d.y, ray.d.z }, n[] = { at.n.x, at.n.y, at.n.z };
+            const double z = 2 * dice.unit() - 1, phi = 2 * M_PI * dice.unit(), r = std::sqrt(1 - z * z),
+                         by = 2 * (d[0] * n[0] + d[1] * n[1] + d[2] * n[2]) /
+                              (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+            sgt_ray next = { at.p, ray.d, 0, 0 };
+            if (way == 1) next.d = { d[0] - by * n[0], d[1] - by * n[1], d[2] - by * n[2] };
+            if (way == 2) next.d = { r * std::cos(phi), r * std::sin(phi), z };
+            from.push_back(next), made.p_err.push_back(at.p_err);
+            for (int k = 0; k < 3; k++) made.n[k].push_back(n[k]);
+        }
+        made.arrays = std::make_shared<Arrays>(from);
+        return &*sides.insert(sides.end(), made);
+    };
+    auto row = [&](const std::string &name, sgt_surface s) {
+        if (!wanted(name)) return;
+        const Side *hits = side(s, bundle(N));
+        table.rows.push_back({ name, {} });
+        for (int way = 0; way < 3; way++)
+            table.rows.back().lines.emplace_back(hits, start(s, bundle(N), way), SGT_FIRST, false);
+    };
+    for (double rim : { RIM, 0.0 })
+        for (const Subject &one : sags(rim))
+            if (one.name.find("20 x 20") == std::string::npos && one.name.find("231") == std::string::npos)
+                row(one.name + (rim > 0 ? "" : ", no rim"), one.s);
+    for (const Subject &one : subjects(kept))
+        if (!one.sag) row(one.name, one.s);
+    row("sphere as a formula", body("x^2 + y^2 + z^2 = 9", 4));
+    row("quartic as a formula", body("x^4 + y^4 + z^4 = 81", 6));
+    row("gyroid as a formula", body("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x) = 0", 6));
+    return table;
+}
+
 Table others()
 {
     Table table = { "Near by, and strong",
@@ -1144,6 +1282,8 @@ int ordinary()
     tables.push_back(at_zero());
     tables.push_back(misses());
     tables.push_back(from_the_side());
+    tables.push_back(grazing());
+    tables.push_back(leaving());
     tables.push_back(others());
     tables.push_back(hundreds());
     tables.push_back(traces());

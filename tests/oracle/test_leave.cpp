@@ -492,6 +492,34 @@ void bowls(int count)
     }
 }
 
+// Planes: a line leaves them for good, to the side to which it goes.  In some starts a number makes no sense.
+void planes(int count)
+{
+    for (double rim : {0.0, 5.0}) {
+        const sgt_conic flat = {0, 0, rim};
+        const World w = {"plane", {&sgt_conic_ops, &flat}, 4, nullptr};
+        std::vector<sgt_start> starts;
+        for (int i = 0; i < count; i++) {
+            sgt_start a = {{uniform(-3, 3), uniform(-3, 3), 0}, {0, 0, 1}, 1e-15, direction(), 0, {}};
+            if (i % 8 == 1) a.p.z = uniform(-1e-15, 1e-15);
+            if (i % 8 == 2) a.p.x = a.p.y = 0;
+            if (i % 16 == 3) a.d.z = 0;
+            const bool sound = i % 16 != 7;
+            if (!sound && i % 3 == 0) a.p.x = NAN;
+            if (!sound && i % 3 == 1) a.p_err = -1;
+            if (!sound && i % 3 == 2) a.d = {0, 0, 0};
+            starts.push_back(a);
+            if (sound && a.d.z == 0) continue; // all of the ray is on the plane
+            const sgt_crossing next = sgt_leave(w.s, &a, nullptr);
+            const sgt_status due = sound ? SGT_MISS : SGT_INVALID;
+            const int side = sound ? (a.d.z > 0) - (a.d.z < 0) : 0;
+            if (next.hit.status != due || next.side != side)
+                complain(w, "not the way off a plane", a, next.hit.t, next.side);
+        }
+        batch_is_single(w, starts, nullptr);
+    }
+}
+
 // Even aspheres, left from points on them into the whole sphere and along the surface: terms of both signs,
 // with and without a rim.  All roots of next.ray in 113 bits (quad.h) have to be as the answer says.
 void aspheres(int count)
@@ -659,6 +687,7 @@ int main(int argc, char **argv)
     if (!timed)
         for (const World &w : worlds()) beside_and_along(w, static_cast<int>(2000 * by));
     if (!timed) bowls(static_cast<int>(4000 * by));
+    if (!timed) planes(static_cast<int>(4000 * by));
     if (!timed) aspheres(static_cast<int>(4000 * by));
     rows_by_hand();
     return failures > 0;

@@ -5,7 +5,8 @@
  * has the certificate for a root of it.  The forms, in the order in which a ray meets them:
  *
  * EASY.  Four evaluations on lens surfaces, for the single ray and for lanes: asphere/easy.h.  It answers
- * first roots without a rim too.
+ * first roots without a rim too.  If it ends without a hit, the ray may start on the surface, and leave it
+ * (LEAVING in asphere/unique.c).
  *
  * FROM THE SIDE.  What is not easy, from the point of the ray nearest the vertex: asphere/side.h.  It answers
  * where the sag is bent in one way, and rays that pass by.  Not under proof.
@@ -45,6 +46,16 @@ SGT_NOINLINE static bool is_first_bent(const wavy *s, const bent_root *r, const 
     return is;
 }
 
+/* Does the ray start on the surface, and meet nothing else? */
+SGT_NOINLINE static bool asphere_leaves_it(const wavy *s, const shape *h, const sgt_ray *ray)
+{
+    mask leaves = MASK(true);
+    sgt_tile one = {.n = 1, .rays = rays_of(ray)};
+    if (!sgt_asphere_may_start(s, &one)) return false;
+    sgt_asphere_leave(h, s, &one, &leaves);
+    return leaves != 0;
+}
+
 /* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer.  h, ray: for a
  * watcher. */
 SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray, double scale, lane *e,
@@ -68,7 +79,11 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
     *e = wavy_end(s, ALL_TERMS, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false);
-    if (!e->hit) return wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, ray) ? EASY_MISS : EASY_NOT;
+    if (!e->hit) {
+        bool misses = wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, ray) ||
+                      (q.tau == q.tau && asphere_leaves_it(s, h, ray));
+        return misses ? EASY_MISS : EASY_NOT;
+    }
     bool is_first = !first || wavy_single(s, ray->d.x, ray->d.y, ray->d.z);
     if (!is_first)
         is_first = wavy_first_from(s, ALL_TERMS, r.t0, r.x, r.y, q.tau, ray) ||
@@ -570,27 +585,50 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
     return sgt_sag_enclose(&h, ray, 0, t, slope);
 }
 
-/* Gives SGT_MISS to hard rays that pass the whole surface (asphere/unique.c), as for a single ray.  It asks
- * only for rays of which the evaluations are known, along the direction as given: those on which the rounds
- * of the easy form ended, and all if the loops of side.c have asked them (beside). */
-static size_t asphere_without_passing(const shape *s, bool beside, const sgt_tile *tile,
-                                      const easy_tried *tried, size_t hard)
+/* Which rays of a tile are hard, and may be answered with the evaluations that are known of them?  Those on
+ * which the rounds of the easy form ended, along the direction as given; all if the loops of side.c have
+ * asked them (beside). */
+static void asphere_hard(bool beside, const sgt_tile *tile, const easy_tried *tried, mask hard[])
 {
     const double *const *o = tile->rays.o, *const *d = tile->rays.d;
-    mask passes[SGT_TILE];
     for (size_t i = 0; i < tile->n; i++) {
         double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i],
                far = fabs(o[0][i]) + fabs(o[1][i]) + fabs(o[2][i]);
-        passes[i] = MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && far < HUGE_VAL &&
-                         (beside || tried->ended[i]));
+        hard[i] = MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && far < HUGE_VAL &&
+                       (beside || tried->ended[i]));
     }
-    sgt_asphere_pass(s, tile, passes);
+}
+
+/* Gives SGT_MISS to these.  hard: how many were.  Returns how many are left. */
+static size_t asphere_missed(const sgt_tile *tile, const mask misses[], size_t hard)
+{
     for (size_t i = 0; i < tile->n; i++) {
-        if (!passes[i]) continue;
+        if (!misses[i]) continue;
         tile->hits.status[i] = SGT_MISS, hard--;
         if (tile->hits.evals) tile->hits.evals[i]--;
     }
     return hard;
+}
+
+/* Of hard rays those that leave the surface, and those that pass it (asphere/unique.c), as for a single ray.
+ */
+SGT_NOINLINE static size_t asphere_without_leaving(const shape *s, const wavy *v, const sgt_tile *tile,
+                                                   const easy_tried *tried, size_t hard)
+{
+    mask leaves[SGT_TILE];
+    if (!sgt_asphere_may_start(v, tile)) return hard;
+    asphere_hard(false, tile, tried, leaves);
+    sgt_asphere_leave(s, v, tile, leaves);
+    return asphere_missed(tile, leaves, hard);
+}
+
+SGT_NOINLINE static size_t asphere_without_passing(const shape *s, bool beside, const sgt_tile *tile,
+                                                   const easy_tried *tried, size_t hard)
+{
+    mask passes[SGT_TILE];
+    asphere_hard(beside, tile, tried, passes);
+    sgt_asphere_pass(s, tile, passes);
+    return asphere_missed(tile, passes, hard);
 }
 
 /* The loops of easy.h.  Apart, so that its room and that of the loops after it are not on the stack at
@@ -631,6 +669,7 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
             size_t hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
+            if (24 * hard > tile->n) hard = asphere_without_leaving(&h, &v, tile, &tried, hard);
             const bool beside = 24 * hard > tile->n && !v.proof &&
                                 (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
             if (beside) hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, &tried);

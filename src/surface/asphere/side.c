@@ -65,17 +65,21 @@ easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
-/* What the loops leave for each other.  of: the rows of a lane_to, if some rays have an answer already. */
+/* So many rays at a time: a stack holds a small room. */
+enum { SIDE_TILE = SGT_TILE / 2 };
+
+/* What the loops leave for each other.  of: the rows of a lane_to, if the rays have been put side by side. */
 typedef struct beside_room {
-    _Alignas(64) double x[SGT_TILE];
-    double y[SGT_TILE], z[SGT_TILE], rho0[SGT_TILE], t0[SGT_TILE], from[SGT_TILE], to[SGT_TILE], r2[SGT_TILE],
-        tau[SGT_TILE], tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
-    mask asked[SGT_TILE], off[SGT_TILE], away[SGT_TILE], above[SGT_TILE], below[SGT_TILE],
-        again[SGT_TILE], starts[2][SGT_TILE], close[SGT_TILE], on[SGT_TILE];
+    _Alignas(64) double x[SIDE_TILE];
+    double y[SIDE_TILE], z[SIDE_TILE], rho0[SIDE_TILE], t0[SIDE_TILE], from[SIDE_TILE], to[SIDE_TILE],
+        r2[SIDE_TILE], tau[SIDE_TILE], tau2[SIDE_TILE], step2[SIDE_TILE], inverse[SIDE_TILE], dw[SIDE_TILE],
+        slant[SIDE_TILE];
+    mask asked[SIDE_TILE], off[SIDE_TILE], away[SIDE_TILE], above[SIDE_TILE], below[SIDE_TILE],
+        again[SIDE_TILE], starts[2][SIDE_TILE], close[SIDE_TILE], on[SIDE_TILE];
     const mask *rises, *falls; /* as in a side_on: none, or `starts` */
-    int steps[SGT_TILE];
+    int steps[SIDE_TILE];
     bool afar;
-    double of[10][SGT_TILE];
+    double of[10][SIDE_TILE];
     lane_ends ends;
 } beside_room;
 
@@ -289,80 +293,138 @@ BESIDE_ENDS(asphere_beside_ends, ALL_TERMS)
 BESIDE_SHARP(asphere_beside_few_sharp, FEW_TERMS)
 BESIDE_SHARP(asphere_beside_sharp, ALL_TERMS)
 
-/* Answers hard rays of a tile.  A ray without a start for the rounds of easy.h has taken one evaluation
- * there. */
-size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
-                                size_t before, const easy_tried *tried)
+/* The surface, and what is asked for. */
+typedef struct beside {
+    const wavy *s;
+    const convex *b;
+    bool few, first; /* few terms; the first root */
+} beside;
+
+/* Answers a tile of which all rays are hard.  begun: as in an easy_tried; a ray without a start for the
+ * rounds of easy.h has taken one evaluation there.  Returns how many are left. */
+SGT_NOINLINE static size_t beside_all(const beside *of, const sgt_tile *tile, const bool *begun,
+                                      lane_to to, beside_room *r)
 {
-    beside_room r;
+    const wavy *s = of->s;
+    const convex *b = of->b;
+    const bool few = of->few, first = of->first;
     const sgt_hits *hits = &tile->hits;
-    const convex b = convex_of(s);
-    const bool few = h->terms <= FEW_TERMS, all = before == tile->n;
     size_t hard = 0, n = tile->n;
-    lane_to to = {r.of[0], r.of[1], r.of[2], r.of[3], r.of[4],   r.of[5],
-                  r.of[6], r.of[7], r.of[8], r.of[9], r.ends.hit};
-    if (all) to = lane_to_of(tile, &r.ends);
     for (size_t i = 0; i < n; i++) {
         const double *const *o = tile->rays.o, *const *d = tile->rays.d;
         double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i],
                far = fabs(o[0][i]) + fabs(o[1][i]) + fabs(o[2][i]); /* the rays have not been checked */
-        r.asked[i] = MASK(hits->status[i] == SGT_HARD) & usual_length(d2) & MASK(far < HUGE_VAL),
-        r.steps[i] = 0;
+        r->asked[i] = usual_length(d2) & MASK(far < HUGE_VAL), r->steps[i] = 0;
     }
-    bool left = asphere_beside_stretch(&b, tile, &r) != 0;
-    if (left && r.afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, &r);
-    static const mask none[SGT_TILE];
-    r.rises = r.falls = none;
+    bool left = asphere_beside_stretch(b, tile, r) != 0;
+    if (left && r->afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, r);
+    static const mask none[SIDE_TILE];
+    r->rises = r->falls = none;
     if (!left) {
-        memset(r.on, 0, n * sizeof *r.on), memset(r.above, 0, n * sizeof *r.above);
-        memset(r.below, 0, n * sizeof *r.below);
+        memset(r->on, 0, n * sizeof *r->on), memset(r->above, 0, n * sizeof *r->above);
+        memset(r->below, 0, n * sizeof *r->below);
     }
     for (int k = 0; k < 2 && left; k++) {
-        mask some = few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, &b, tile, &r)
-                        : (first ? asphere_beside_first : asphere_beside_near)(s, &b, tile, &r);
+        mask some = few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, b, tile, r)
+                        : (first ? asphere_beside_first : asphere_beside_near)(s, b, tile, r);
         mask starts = 0;
         for (size_t i = 0; i < n && k == 0; i++) {
-            mask is = r.close[i] & MASK(tile->rays.tmin[i] == 0);
-            r.on[i] = is, starts |= is;
+            mask is = r->close[i] & MASK(tile->rays.tmin[i] == 0);
+            r->on[i] = is, starts |= is;
         }
-        if (!starts || !asphere_beside_on(s, &b, tile, &r)) {
+        if (!starts || !asphere_beside_on(s, b, tile, r)) {
             left = some != 0;
             break;
         }
-        r.rises = r.starts[0], r.falls = r.starts[1];
+        r->rises = r->starts[0], r->falls = r->starts[1];
     }
-    if (!left) memset(r.ends.hit, 0, n * sizeof *r.ends.hit);
+    if (!left) memset(r->ends.hit, 0, n * sizeof *r->ends.hit);
     if (left) {
         mask again = MASK(true);
         for (int k = 0; k < SIDE_STEPS && again; k++) {
-            for (size_t i = 0; hits->evals && i < n; i++) r.steps[i] += r.again[i] != 0;
+            for (size_t i = 0; hits->evals && i < n; i++) r->steps[i] += r->again[i] != 0;
             if (k == 0)
-                again = (few ? asphere_beside_few_turned : asphere_beside_turned)(s, &b, tile, &r);
+                again = (few ? asphere_beside_few_turned : asphere_beside_turned)(s, b, tile, r);
             else
-                again = (few ? asphere_beside_few_step : asphere_beside_step)(s, &b, tile, &r);
+                again = (few ? asphere_beside_few_step : asphere_beside_step)(s, b, tile, r);
         }
-        mask blunt = (few ? asphere_beside_few_ends : asphere_beside_ends)(s, &b, tile, to, &r);
-        if (blunt) (few ? asphere_beside_few_sharp : asphere_beside_sharp)(s, &b, tile, to, &r);
-        for (size_t i = 0; blunt && hits->evals && i < n; i++) r.steps[i] += r.again[i] != 0;
+        mask blunt = (few ? asphere_beside_few_ends : asphere_beside_ends)(s, b, tile, to, r);
+        if (blunt) (few ? asphere_beside_few_sharp : asphere_beside_sharp)(s, b, tile, to, r);
+        for (size_t i = 0; blunt && hits->evals && i < n; i++) r->steps[i] += r->again[i] != 0;
     }
     for (size_t i = 0; i < n; i++) {
-        if (hits->status[i] != SGT_HARD) continue;
-        bool met = r.ends.hit[i] != 0, gone = r.away[i] != 0;
+        bool met = r->ends.hit[i] != 0, gone = r->away[i] != 0;
         hard += !(met || gone);
-        int evals = 0;
         if (hits->evals) { /* of a hit and of a hard ray with that of F at the end */
-            evals = (tried->begun[i] ? hits->evals[i] : 2) + (r.asked[i] ? 2 : 0) + (r.on[i] ? 1 : 0) -
-                    (gone ? 1 : 0);
-            if (r.above[i] | r.below[i]) evals += r.steps[i] + 1;
+            int evals = (begun[i] ? hits->evals[i] : 2) + (r->asked[i] ? 2 : 0) + (r->on[i] ? 1 : 0) -
+                        (gone ? 1 : 0);
+            if (r->above[i] | r->below[i]) evals += r->steps[i] + 1;
             hits->evals[i] = evals;
         }
-        if (!(met || gone)) continue;
-        hits->status[i] = met ? SGT_HIT : SGT_MISS;
-        if (!met || all) continue;
-        sgt_hit one = hit_of_lane(&(lane){to.t[i], to.t_err[i], to.t_lo[i], to.px[i], to.py[i], to.pz[i],
-                                          to.nx[i], to.ny[i], to.p_err[i], to.hit[i]},
-                                  evals, 0);
-        put_hit(hits, i, &one);
+        hits->status[i] = met ? SGT_HIT : gone ? SGT_MISS : SGT_HARD;
+    }
+    return hard;
+}
+
+/* The same for the hard rays of a tile alone: they are put side by side. */
+SGT_NOINLINE static size_t beside_few(const beside *of, const sgt_tile *tile, const bool *begun,
+                                      beside_room *r)
+{
+    double ray[9][SIDE_TILE], (*out)[SIDE_TILE] = r->of;
+    int evals[SIDE_TILE];
+    sgt_status status[SIDE_TILE];
+    bool own[SIDE_TILE];
+    unsigned char number[SIDE_TILE];
+    const sgt_rays *all = &tile->rays;
+    const sgt_hits *hits = &tile->hits;
+    const double *const from[9] = {all->o[0], all->o[1], all->o[2],  all->d[0],   all->d[1],
+                                   all->d[2], all->tmin, all->tmax, tile->t_tol};
+    const lane_to to = {out[0], out[1], out[2], out[3], out[4],     out[5],
+                        out[6], out[7], out[8], out[9], r->ends.hit};
+    size_t hard = 0;
+    for (size_t i = 0; i < tile->n;) {
+        size_t n = 0;
+        for (; i < tile->n && n < SIDE_TILE; i++)
+            if (hits->status[i] == SGT_HARD) number[n++] = (unsigned char)i;
+        for (int k = 0; k < 9; k++)
+            for (size_t j = 0; j < n; j++) ray[k][j] = from[k][number[j]];
+        for (size_t j = 0; j < n; j++) own[j] = begun[number[j]];
+        for (size_t j = 0; hits->evals && j < n; j++) evals[j] = hits->evals[number[j]];
+        const sgt_tile few = {.n = n,
+                              .rays = {.o = {ray[0], ray[1], ray[2]},
+                                       .d = {ray[3], ray[4], ray[5]},
+                                       .tmin = ray[6],
+                                       .tmax = ray[7]},
+                              .t_tol = ray[8],
+                              .hits = {.status = status, .evals = hits->evals ? evals : NULL}};
+        hard += beside_all(of, &few, own, to, r);
+        for (size_t j = 0; j < n; j++) {
+            size_t k = number[j];
+            hits->status[k] = status[j];
+            if (hits->evals) hits->evals[k] = evals[j];
+            if (status[j] != SGT_HIT) continue;
+            sgt_hit one = hit_of_lane(&(lane){to.t[j], to.t_err[j], to.t_lo[j], to.px[j], to.py[j], to.pz[j],
+                                              to.nx[j], to.ny[j], to.p_err[j], to.hit[j]},
+                                      hits->evals ? evals[j] : 0, 0);
+            put_hit(hits, k, &one);
+        }
+    }
+    return hard;
+}
+
+/* Answers hard rays of a tile. */
+size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
+                                size_t before, const easy_tried *tried)
+{
+    beside_room r;
+    const convex b = convex_of(s);
+    const beside of = {s, &b, h->terms <= FEW_TERMS, first};
+    size_t hard = 0;
+    if (before < tile->n) return beside_few(&of, tile, tried->begun, &r);
+    for (size_t i = 0, n; i < tile->n; i += n) {
+        n = tile->n - i < SIDE_TILE ? tile->n - i : SIDE_TILE;
+        const sgt_tile part = tile_part(tile, i, n);
+        hard += beside_all(&of, &part, tried->begun + i, lane_to_of(&part, &r.ends), &r);
     }
     return hard;
 }

@@ -559,6 +559,14 @@ SGT_INLINE lane side_sharp(const wavy *s, const convex *b, int terms, const side
 /* The single ray, and a tile (asphere/side.c); no proof is asked for. */
 easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w);
 
+/* Which rays start on the surface, or in the vertex, and certainly meet nothing else?  By the cone
+ * (asphere/unique.c).  leaves[i] stays as it is if that is so, otherwise it is set to 0.  hits and t_tol are
+ * not read. */
+void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask leaves[]);
+
+/* false: none of the rays starts there. */
+bool sgt_asphere_may_start(const wavy *v, const sgt_tile *tile);
+
 /* What easy.h has done with each ray of a tile: its rounds had where to begin; they ended at a number. */
 typedef struct easy_tried {
     bool begun[SGT_TILE], ended[SGT_TILE];

@@ -31,6 +31,7 @@
  * the outer edge of the ring.  s and ds/drho are monotone.  2^-40 of all terms is added for rounding. */
 #include "asphere.h"
 #include "../sag/piece.h"
+#include "side.h"
 
 enum { RINGS = 16 };
 
@@ -257,6 +258,84 @@ static void asphere_over(const slope_rings *g, const sgt_tile *tile, const cones
                 (MASK(slope < q) & MASK(out > 0)) | MASK(sag < (e->high[i] + q * larger(out, 0)) * less);
         }
     }
+}
+
+/* LEAVING.  Let a ray start on the surface, at a root that is the only one near it and is not accepted (FROM
+ * ON IT in side.h), or in the vertex.  In a ring with |dS/dr| < q, F n rises all the time.  In a ring of
+ * which the sag is below the cone, F n > 0.  Let each ring be of one of these kinds.  That of the start is of
+ * the first, as it holds the start.  So F n > 0 behind the start as long as the ray is in that ring, then in
+ * the next one, and so on, also if it comes back to one: nothing is met.  The height of the cone may be
+ * negative where the ray begins. */
+SGT_KERNEL
+static double asphere_starts(const wavy *self, const sgt_tile *tile, mask asked[], cones *e)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    const convex b = {.sign = 1, .ckc = s->ck * s->c}; /* all that side_on_of reads */
+    const double off = 0x1p-40;
+    size_t count = tile->n;
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < count; i++) {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double x = ray.o.x, y = ray.o.y, z = ray.o.z, n2 = ray.d.z * ray.d.z,
+                     a = ray.d.x * ray.d.x + ray.d.y * ray.d.y;
+        side_on at = side_on_of(s, &b, ALL_TERMS, &ray);
+        mask vertex = at_vertex(x, y, z) & MASK(ray.tmin == 0),
+             is = asked[i] & MASK(a > 0x1p-400) & MASK(n2 > 0x1p-200) & MASK(ray.tmin <= ray.tmax) &
+                  (vertex | at.rises | at.falls);
+        double high = copysign(1, ray.d.z) * z;
+        e->high[i] = high - off * fabs(z), e->q[i] = sqrt(n2 / a) * (1 - off),
+        e->r[i] = chosen(vertex, -0x1p-1000, sqrt(x * x + y * y) * (1 + off));
+        asked[i] = is, some += chosen(is, 1, 0);
+    }
+    return some;
+}
+
+SGT_KERNEL
+static void asphere_leaves(const slope_rings *g, const sgt_tile *tile, const cones *e, mask over[])
+{
+    const double *n = tile->rays.d[2], off = 0x1p-40;
+    for (int j = 0; j < RINGS; j++) {
+        const double in = g->inner[j] * (1 - off), slope = g->slope[j], above = g->above[j],
+                     below = g->below[j];
+        LANES for (size_t i = 0; i < tile->n; i++) {
+            double q = e->q[i], least = e->high[i] + q * larger(in - e->r[i], 0),
+                   sag = chosen(MASK(n[i] > 0), above, below);
+            over[i] &= MASK(slope < q) | MASK(sag < least - off * fabs(least));
+        }
+    }
+}
+
+/* May a ray start on it?  At such a start |G| is at most START_ULPS of twice these terms. */
+SGT_KERNEL
+static mask asphere_may_start(const wavy *self, const sgt_tile *tile)
+{
+    const wavy own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2];
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        double x = ox[i], y = oy[i], z = oz[i], rho = x * x + y * y, w, ckw,
+               g = wavy_g(s, rho, z, horner(s->a, ALL_TERMS, rho), &w, &ckw),
+               terms = fabs(z) + rho * (s->abs_c + 2 * horner(s->size, ALL_TERMS, rho));
+        any |= MASK(fabs(g) <= 0x1p-40 * terms);
+    }
+    return any;
+}
+
+bool sgt_asphere_may_start(const wavy *v, const sgt_tile *tile) { return asphere_may_start(v, tile) != 0; }
+
+void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask leaves[])
+{
+    slope_rings g;
+    cones e;
+    if (s->domain2 < 0x1p600 && s->domain2 > 0x1p-600 && asphere_starts(v, tile, leaves, &e) > 0) {
+        asphere_rings(s, &g);
+        asphere_leaves(&g, tile, &e, leaves);
+    } else
+        memset(leaves, 0, tile->n * sizeof *leaves);
 }
 
 /* Does the ray start on the surface, in its rings, so that the root nearest by is the start, and not

@@ -646,10 +646,25 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     return conic_lanes_few(&s, first, tile, far_gone, start, room.rows);
 }
 
+/* A point is on a plane if its z is 0; else it is nowhere near by the rule of the start. */
+static void plane_points(size_t n, const double *z, double on[])
+{
+    for (size_t i = 0; i < n; i++) on[i] = z[i] == 0 ? 1.0 : 0.0;
+}
+
+/* F is z, which rises with n from 0 on. */
+static void plane_behind(size_t count, const double *z, const double *n, double side[])
+{
+    for (size_t i = 0; i < count; i++)
+        side[i] = z[i] == 0 ? (n[i] > 0 ? 1.0 : 0.0) - (n[i] < 0 ? 1.0 : 0.0) : 0.0;
+}
+
 void sgt_conic_on(double c, double k, size_t n, const double *const p[3], double on[])
 {
     bowl s;
-    if (conic_valid(c, k, 0) && bowl_of(c, k, HUGE_VAL, false, &s))
+    if (conic_valid(c, k, 0) && c == 0)
+        plane_points(n, p[2], on);
+    else if (conic_valid(c, k, 0) && bowl_of(c, k, HUGE_VAL, false, &s))
         conic_lanes_points(&s, n, p, on);
     else
         memset(on, 0, n * sizeof *on);
@@ -658,7 +673,9 @@ void sgt_conic_on(double c, double k, size_t n, const double *const p[3], double
 void sgt_conic_behind(double c, double k, size_t n, const sgt_rays *rays, double side[])
 {
     bowl s;
-    if (conic_valid(c, k, 0) && bowl_of(c, k, HUGE_VAL, false, &s))
+    if (conic_valid(c, k, 0) && c == 0)
+        plane_behind(n, rays->o[2], rays->d[2], side);
+    else if (conic_valid(c, k, 0) && bowl_of(c, k, HUGE_VAL, false, &s))
         conic_lanes_behind(&s, n, rays, side);
     else
         memset(side, 0, n * sizeof *side);
