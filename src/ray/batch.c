@@ -71,30 +71,6 @@ static size_t not_unique(sgt_surface s, const sgt_tile *tile)
     return more;
 }
 
-/* The arrays from their i-th entry on. */
-static double *from(double *a, size_t i) { return a ? a + i : NULL; }
-
-static sgt_hits hits_from(const sgt_hits *h, size_t i)
-{
-    return (sgt_hits){.status = h->status ? h->status + i : NULL,
-                      .evals = h->evals ? h->evals + i : NULL,
-                      .t = from(h->t, i),
-                      .t_err = from(h->t_err, i),
-                      .t_lo = from(h->t_lo, i),
-                      .p_err = from(h->p_err, i),
-                      .p = {from(h->p[0], i), from(h->p[1], i), from(h->p[2], i)},
-                      .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)}};
-}
-
-/* n rays of the tile, from the i-th on. */
-static sgt_tile tile_part(const sgt_tile *tile, size_t i, size_t n)
-{
-    sgt_tile part = *tile;
-    part.n = n, part.t_tol += i, part.hits = hits_from(&tile->hits, i), part.rays = rays_from(&tile->rays, i);
-    part.rays.tmin = tile->rays.tmin + i, part.rays.tmax = tile->rays.tmax + i;
-    return part;
-}
-
 /* Runs of rays with a single span go through the quick form in lanes.  Returns how many rays of the tile are
  * then hard. */
 static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options *opt, size_t hard)
@@ -136,8 +112,13 @@ static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, const sgt_option
             if (!ray_valid(&ray)) break;
         }
         part.n = n;
-        if (n > 0 && sgt_lanes_general(s, &part, &estimate) < n) {
-            hard += sgt_quick_prove(s, &shared, &part, opt);
+        size_t left = n;
+        if (n > 0 && sgt_asks_quick_unique(s, &shared, &part, opt))
+            left = sgt_quick_unique(s, &shared, &part, opt);
+        else if (n > 0 && sgt_lanes_general(s, &part, &estimate) < n)
+            left = sgt_quick_prove(s, &shared, &part, opt);
+        if (left < n) {
+            hard += left;
             for (size_t i = 0; i < n; i++) {
                 sgt_hit hit = {.status = status[i], .evals = evals[i], .t = x[0][i], .t_err = x[1][i],
                                .t_lo = x[2][i], .p = {x[3][i], x[4][i], x[5][i]},

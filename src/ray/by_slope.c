@@ -18,6 +18,10 @@
  * a root near the seed, which need not be the first.  So it is asked where the slope has no bound all along
  * the chord: without a rim, and where rays graze.
  *
+ * THE ONLY ROOT, where parts of the chord are asked: it is the first root of the ray, and the first one of a
+ * ray that comes from beyond all roots (tail.h) the other way.  Those two are the same if the second is in the
+ * part of the first, in which there is one root at most.  If it is beyond that part, there are two.
+ *
  * THE BOUND.  The point is o + (t + t_lo) d.  Each coordinate is right to u of itself.  That moves F by no
  * more than the steepest gradient in the aperture times it; nothing is taken to first order.  Where F is
  * looked at apart from a trace, no product on the way to the point has underflown (fine).
@@ -32,6 +36,7 @@
 #include "../solve/step.h"
 
 #include "general.h"
+#include "only.h"
 #include "proof.h"
 #include "wings.h"
 
@@ -186,7 +191,7 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
 
 /* -------------------------------------------------------------- one ray and batches */
 
-/* An estimate with more evaluations than QUICK is not proven here. */
+/* An estimate with more evaluations than that is not proven here. */
 enum { QUICK = 64 };
 
 /* Rays that are to be proven: a tile of at most BLOCK, answered without a proof.  All arrays of its hits are
@@ -390,6 +395,15 @@ size_t sgt_quick_prove(sgt_surface s, const sgt_shared *shared, const sgt_tile *
     return prove_tile(&w);
 }
 
+void sgt_quick_prove_first(sgt_surface s, const sgt_shared *shared, const sgt_tile *tile,
+                           const sgt_options *first, sgt_interval part[])
+{
+    quick_proof w;
+    quick_proof_of(&w, s, shared, tile, tile->memo, first);
+    (void)prove_tile(&w);
+    for (size_t i = 0; i < tile->n; i++) part[i] = (sgt_interval){w.b.lo[i], w.b.hi[i]};
+}
+
 /* Proves *hit, an estimate.  false: it is not proven.  evals are counted on either way.  known: NULL if the
  * whole chord is to be asked.  part: the chord, or the part of it, in which there is one root at most. */
 SGT_NOINLINE static bool prove_one(sgt_surface s, const sgt_shared *shared, const sgt_ray *ray,
@@ -432,7 +446,7 @@ static bool quick_proof_by(sgt_surface s, const sgt_ray *ray, const sgt_options 
     return prove_one(s, &shared, ray, whole ? NULL : known, opt, hit, part);
 }
 
-/* A watcher of the ray that runs the other way, whose evaluations are counted on from `before`. */
+/* A watcher of the way back, whose evaluations are counted on from `before`. */
 typedef struct watching_back { const sgt_options *opt; int before; } watching_back;
 
 static int watch_back(void *data, const sgt_step *step)
@@ -444,31 +458,28 @@ static int watch_back(void *data, const sgt_step *step)
     return b->opt->watch(b->opt->watch_data, &own);
 }
 
-/* THE ONLY ROOT, where parts of the chord are asked: it is the first root of the ray, and the first one of a
- * ray that comes from `beyond` the other way.  Those two are the same if the second is in the part of the
- * first, in which there is one root at most.  If it is beyond that part, there are two.  The way back begins so
- * far beyond that no root is taken for its start.  true: *hit is the only root, UNPROVEN, or STOPPED. */
+/* true: *hit, the first root, is the only one, or UNPROVEN as there is another, or STOPPED. */
 static bool judge_last(sgt_surface s, const sgt_ray *ray, const sgt_options *first, memo *known,
                        double beyond, sgt_interval part, sgt_hit *hit)
 {
-    const double from = beyond + larger(beyond - hit->t, part.hi - part.lo);
-    const sgt_ray back = {ray->o, {-ray->d.x, -ray->d.y, -ray->d.z}, -from, HUGE_VAL};
+    const sgt_ray back = way_back(ray, beyond, hit->t, part);
     sgt_options own = *first;
     watching_back told = {first, hit->evals};
     sgt_hit last;
     sgt_interval other;
     if (first->watch) own.watch = watch_back, own.watch_data = &told;
-    own.max_evals = (first->max_evals ? first->max_evals : SGT_DEFAULT_EVALS) - hit->evals;
-    if (own.max_evals <= 0 || !(from > hit->hi && from < HUGE_VAL)) return false;
+    own.max_evals = FOR_BACK;
+    if (!leaves_enough(first, hit->evals) || isnan(back.tmin)) return false;
     const bool proven = quick_proof_by(s, &back, &own, known, &last, &other);
     hit->evals += last.evals;
-    const double lo = -last.hi, hi = -last.lo;
-    const bool stopped = last.status == SGT_STOPPED, met = proven && last.status > 0;
-    if (met && lo >= part.lo && hi <= part.hi) return true;
-    if (!stopped && !(met && lo > part.hi && hi < ray->tmax)) return false;
-    *hit = stopped ? hit_without(SGT_STOPPED, ray, hit->evals)
-                   : hit_undecided(SGT_UNPROVEN, ray, hit->evals, hit->lo, hi);
-    return true;
+    if (last.status == SGT_STOPPED) {
+        *hit = hit_without(SGT_STOPPED, ray, hit->evals);
+        return true;
+    }
+    if (!proven || last.status <= 0) return false;
+    const other_end end = other_end_of(part, (sgt_interval){last.lo, last.hi}, ray->tmax);
+    if (end == ANOTHER) *hit = hit_undecided(SGT_UNPROVEN, ray, hit->evals, hit->lo, -last.lo);
+    return end != NOT_KNOWN;
 }
 
 /* As sgt_quick_proof_one, of the only root, by parts. */

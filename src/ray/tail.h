@@ -42,6 +42,6 @@ double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sg
 bool sgt_leaves_by_tail(sgt_surface s, const sgt_outlook *e, double t, sgt_tails *kept);
 
 /* Cuts the span to where a root may be. */
-void sgt_cut_tails(sgt_surface s, const sgt_ray *ray, sgt_span *span);
+void sgt_cut_tails(sgt_surface s, const sgt_ray *ray, sgt_span *span, sgt_tails *kept);
 
 #endif
