@@ -48,18 +48,21 @@ static void unique_of_few(sgt_surface s, const sgt_shared *shared, const sgt_til
     find_firsts(s, shared, tile, &first, part);
     for (size_t i = 0; i < tile->n; i++) {
         sgt_span span;
-        sgt_hit hit = found_of(h, i);
         const sgt_ray ray = ray_of(&tile->rays, i);
         const bool there = sgt_proof_bounds_by(s, &ray, &tile->memo->kept.tails, &span);
-        if (!there) hit = hit_without(SGT_MISS, &ray, 0);
-        else if (!(span.hi < HUGE_VAL)) hit.status = SGT_HARD;
-        const sgt_ray way = way_back(&ray, span.hi, hit.t, part[i]);
-        back[i] = hit.status == SGT_HIT && leaves_enough(opt, hit.evals) && !isnan(way.tmin);
-        any = any || back[i];
-        if (hit.status == SGT_HIT && !back[i]) hit.status = SGT_HARD;
-        put_hit(h, i, &hit);
-        w.d[0][i] = way.d.x, w.d[1][i] = way.d.y, w.d[2][i] = way.d.z;
-        w.tmin[i] = back[i] ? way.tmin : 0, w.tmax[i] = back[i] ? HUGE_VAL : 0;
+        back[i] = false, w.tmin[i] = w.tmax[i] = 0;
+        w.d[0][i] = -ray.d.x, w.d[1][i] = -ray.d.y, w.d[2][i] = -ray.d.z;
+        if (!there) {
+            const sgt_hit none = hit_without(SGT_MISS, &ray, 0);
+            put_hit(h, i, &none);
+        } else if (!(span.hi < HUGE_VAL)) {
+            h->status[i] = SGT_HARD;
+        } else if (h->status[i] == SGT_HIT) {
+            const sgt_ray way = way_back(&ray, span.hi, h->t[i], part[i]);
+            back[i] = leaves_enough(opt, h->evals[i]) && !isnan(way.tmin);
+            if (back[i]) any = true, w.tmin[i] = way.tmin, w.tmax[i] = way.tmax;
+            else h->status[i] = SGT_HARD;
+        }
     }
     if (!any) return;
     const sgt_tile behind = {
