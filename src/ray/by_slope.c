@@ -18,9 +18,9 @@
  * a root near the seed, which need not be the first.  So it is asked where the slope has no bound all along
  * the chord: without a rim, and where rays graze.
  *
- * THE ONLY ROOT, where parts of the chord are asked: it is the first root of the ray, and the first one of a
- * ray that comes from beyond all roots (tail.h) the other way.  Those two are the same if the second is in the
- * part of the first, in which there is one root at most.  If it is beyond that part, there are two.
+ * THE ONLY ROOT, where parts of the chord are asked: it is the first root of the ray, and the first one of
+ * a ray that comes from beyond all roots (tail.h) the other way.  Those two are the same if the second is in
+ * the part of the first, in which there is one root at most.  If it is beyond that part, there are two.
  *
  * THE BOUND.  The point is o + (t + t_lo) d.  Each coordinate is right to u of itself.  That moves F by no
  * more than the steepest gradient in the aperture times it; nothing is taken to first order.  Where F is

@@ -14,8 +14,8 @@ SGT_INLINE other_end other_end_of(sgt_interval part, sgt_interval last, double t
     return lo >= part.lo && hi <= part.hi ? THE_SAME : lo > part.hi && hi < tmax ? ANOTHER : NOT_KNOWN;
 }
 
-/* The way back from beyond all roots that may follow on the one at t: so far that none is taken for the start.
- * tmin is NaN if that is not known. */
+/* The way back from beyond all roots that may follow on the one at t: so far that none is taken for the
+ * start.  tmin is NaN if that is not known. */
 SGT_INLINE sgt_ray way_back(const sgt_ray *ray, double beyond, double t, sgt_interval part)
 {
     const double from = beyond + larger(beyond - t, part.hi - part.lo);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/* only_batch.c - the only root near the seed, proven for a tile of rays that have no bound on the slope all along
- * their chords: THE ONLY ROOT of by_slope.c, in loops.  Each ray gets the answer that it gets alone, or is left
- * SGT_HARD. */
+/* only_batch.c - the only root near the seed, proven for a tile of rays that have no bound on the slope all
+ * along their chords: THE ONLY ROOT of by_slope.c, in loops.  Each ray gets the answer that it gets alone, or
+ * is left SGT_HARD. */
 #include "batch.h"
 #include "general.h"
 #include "only.h"
@@ -67,7 +67,8 @@ static void unique_of_few(sgt_surface s, const sgt_shared *shared, const sgt_til
     if (!any) return;
     const sgt_tile behind = {
         .n = tile->n, .t_tol = tile->t_tol, .memo = tile->memo,
-        .rays = {{tile->rays.o[0], tile->rays.o[1], tile->rays.o[2]}, {w.d[0], w.d[1], w.d[2]}, w.tmin, w.tmax},
+        .rays = {.d = {w.d[0], w.d[1], w.d[2]}, .tmin = w.tmin, .tmax = w.tmax,
+                 .o = {tile->rays.o[0], tile->rays.o[1], tile->rays.o[2]}},
         .hits = {.status = w.status, .evals = w.evals, .t = w.t, .t_err = w.t_err, .t_lo = w.t_lo,
                  .p = {w.p[0], w.p[1], w.p[2]}, .n = {w.n[0], w.n[1], w.n[2]}, .p_err = w.p_err}};
     first.max_evals = FOR_BACK;

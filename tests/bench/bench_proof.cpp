@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The price of proof: batches and single rays, of surfaces, of the lenses in examples/lenses and of the triplet
-// with departures, with proof root and first beside the estimate.
+// The price of proof: batches and single rays, of surfaces, of the lenses in examples/lenses and of the
+// triplet with departures, with proof root and first beside the estimate.
 //
 //     build/tests/bench/bench_proof [--runs N] [--only TEXT]
 //
