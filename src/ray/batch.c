@@ -112,8 +112,13 @@ static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, const sgt_option
             if (!ray_valid(&ray)) break;
         }
         part.n = n;
-        if (n > 0 && sgt_lanes_general(s, &part, &estimate) < n) {
-            hard += sgt_quick_prove(s, &shared, &part, opt);
+        size_t left = n;
+        if (n > 0 && sgt_asks_quick_unique(s, &shared, &part, opt))
+            left = sgt_quick_unique(s, &shared, &part, opt);
+        else if (n > 0 && sgt_lanes_general(s, &part, &estimate) < n)
+            left = sgt_quick_prove(s, &shared, &part, opt);
+        if (left < n) {
+            hard += left;
             for (size_t i = 0; i < n; i++) {
                 sgt_hit hit = {.status = status[i], .evals = evals[i], .t = x[0][i], .t_err = x[1][i],
                                .t_lo = x[2][i], .p = {x[3][i], x[4][i], x[5][i]},

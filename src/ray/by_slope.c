@@ -18,6 +18,10 @@
  * a root near the seed, which need not be the first.  So it is asked where the slope has no bound all along
  * the chord: without a rim, and where rays graze.
  *
+ * THE ONLY ROOT, where parts of the chord are asked: it is the first root of the ray, and the first one of
+ * a ray that comes from beyond all roots (tail.h) the other way.  Those two are the same if the second is in
+ * the part of the first, in which there is one root at most.  If it is beyond that part, there are two.
+ *
  * THE BOUND.  The point is o + (t + t_lo) d.  Each coordinate is right to u of itself.  That moves F by no
  * more than the steepest gradient in the aperture times it; nothing is taken to first order.  Where F is
  * looked at apart from a trace, no product on the way to the point has underflown (fine).
@@ -32,6 +36,8 @@
 #include "../solve/step.h"
 
 #include "general.h"
+#include "only.h"
+#include "proof.h"
 #include "wings.h"
 
 enum { BLOCK = SGT_QUICK };
@@ -185,7 +191,7 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
 
 /* -------------------------------------------------------------- one ray and batches */
 
-/* An estimate with more evaluations than QUICK is not proven here. */
+/* An estimate with more evaluations than that is not proven here. */
 enum { QUICK = 64 };
 
 /* Rays that are to be proven: a tile of at most BLOCK, answered without a proof.  All arrays of its hits are
@@ -389,10 +395,19 @@ size_t sgt_quick_prove(sgt_surface s, const sgt_shared *shared, const sgt_tile *
     return prove_tile(&w);
 }
 
+void sgt_quick_prove_first(sgt_surface s, const sgt_shared *shared, const sgt_tile *tile,
+                           const sgt_options *first, sgt_interval part[])
+{
+    quick_proof w;
+    quick_proof_of(&w, s, shared, tile, tile->memo, first);
+    (void)prove_tile(&w);
+    for (size_t i = 0; i < tile->n; i++) part[i] = (sgt_interval){w.b.lo[i], w.b.hi[i]};
+}
+
 /* Proves *hit, an estimate.  false: it is not proven.  evals are counted on either way.  known: NULL if the
- * whole chord is to be asked. */
+ * whole chord is to be asked.  part: the chord, or the part of it, in which there is one root at most. */
 SGT_NOINLINE static bool prove_one(sgt_surface s, const sgt_shared *shared, const sgt_ray *ray,
-                                   memo *known, const sgt_options *opt, sgt_hit *hit)
+                                   memo *known, const sgt_options *opt, sgt_hit *hit, sgt_interval *part)
 {
     quick_proof w;
     sgt_status status = (sgt_status)hit->status;
@@ -409,11 +424,13 @@ SGT_NOINLINE static bool prove_one(sgt_surface s, const sgt_shared *shared, cons
         sgt_interval about = sgt_about(hit->t, hit->t_err);
         hit->lo = about.lo, hit->hi = about.hi;
     }
+    *part = (sgt_interval){w.b.lo[0], w.b.hi[0]};
     return proven || told.stopped;
 }
 
-static bool quick_proof_by(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool parts,
-                           sgt_hit *hit)
+/* known: NULL, no part of the chord is taken; else it may have been begun.  part: as in prove_one. */
+static bool quick_proof_by(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, memo *known,
+                           sgt_hit *hit, sgt_interval *part)
 {
     sgt_shared shared;
     sgt_options estimate = sgt_quick_estimate(opt);
@@ -422,20 +439,78 @@ static bool quick_proof_by(sgt_surface s, const sgt_ray *ray, const sgt_options 
     sgt_span span = s.ops->own_->span(s.self, &shared, ray, &least);
     hit->evals = 0;
     bool whole = least > 0 || span.lo > span.hi;
-    if (!(whole || parts)) return false;
-    *hit = sgt_search_first(s, ray, &estimate);
+    if (!(whole || known)) return false;
+    *hit = sgt_search_quickly(s, ray, &estimate);
     if (hit->status == SGT_STOPPED) return true;
-    memo known;
-    if (!whole) memo_begin(&known);
-    return prove_one(s, &shared, ray, whole ? NULL : &known, opt, hit);
+    if (!whole && !known->begun) memo_begin(known);
+    return prove_one(s, &shared, ray, whole ? NULL : known, opt, hit, part);
+}
+
+/* A watcher of the way back, whose evaluations are counted on from `before`. */
+typedef struct watching_back { const sgt_options *opt; int before; } watching_back;
+
+static int watch_back(void *data, const sgt_step *step)
+{
+    const watching_back *b = data;
+    sgt_step own = *step;
+    own.eval += b->before, own.t = -step->t, own.lo = -step->hi, own.hi = -step->lo;
+    own.slope = -step->slope, own.slope_lo = -step->slope_hi, own.slope_hi = -step->slope_lo;
+    return b->opt->watch(b->opt->watch_data, &own);
+}
+
+/* true: *hit, the first root, is the only one, or UNPROVEN as there is another, or STOPPED. */
+static bool judge_last(sgt_surface s, const sgt_ray *ray, const sgt_options *first, memo *known,
+                       double beyond, sgt_interval part, sgt_hit *hit)
+{
+    const sgt_ray back = way_back(ray, beyond, hit->t, part);
+    sgt_options own = *first;
+    watching_back told = {first, hit->evals};
+    sgt_hit last;
+    sgt_interval other;
+    if (first->watch) own.watch = watch_back, own.watch_data = &told;
+    own.max_evals = FOR_BACK;
+    if (!leaves_enough(first, hit->evals) || isnan(back.tmin)) return false;
+    const bool proven = quick_proof_by(s, &back, &own, known, &last, &other);
+    hit->evals += last.evals;
+    if (last.status == SGT_STOPPED) {
+        *hit = hit_without(SGT_STOPPED, ray, hit->evals);
+        return true;
+    }
+    if (!proven || last.status <= 0) return false;
+    const other_end end = other_end_of(part, (sgt_interval){last.lo, last.hi}, ray->tmax);
+    if (end == ANOTHER) *hit = hit_undecided(SGT_UNPROVEN, ray, hit->evals, hit->lo, -last.lo);
+    return end != NOT_KNOWN;
+}
+
+/* As sgt_quick_proof_one, of the only root, by parts. */
+static bool quick_proof_unique(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, memo *known,
+                               sgt_hit *hit)
+{
+    sgt_options first = *opt;
+    sgt_interval part;
+    sgt_span span;
+    first.pick = SGT_FIRST;
+    hit->evals = 0;
+    if (!sgt_proof_bounds(s, ray, &span)) {
+        *hit = hit_without(SGT_MISS, ray, 0);
+        return true;
+    }
+    return span.hi < HUGE_VAL && quick_proof_by(s, ray, &first, known, hit, &part) &&
+           (hit->status <= 0 || judge_last(s, ray, &first, known, span.hi, part, hit));
 }
 
 bool sgt_quick_proof_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
 {
-    return quick_proof_by(s, ray, opt, takes_parts(s, opt), hit);
+    memo known;
+    sgt_interval part;
+    known.begun = false;
+    if (quick_proof_by(s, ray, opt, takes_parts(s, opt) ? &known : NULL, hit, &part)) return true;
+    return asks_unique(opt) && s.ops->own_->extent_within && hit->evals == 0 &&
+           quick_proof_unique(s, ray, opt, &known, hit);
 }
 
 bool sgt_quick_proof_only(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
 {
-    return quick_proof_by(s, ray, opt, false, hit);
+    sgt_interval part;
+    return quick_proof_by(s, ray, opt, NULL, hit, &part);
 }

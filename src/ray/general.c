@@ -273,8 +273,12 @@ static bool one_root(walk *w, const approach *a, const sgt_span *span, bool near
 }
 
 /* Adds the entries there are.  Returns the evaluations spent since the last entry. */
-static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
+typedef enum search_for { ONE_QUICKLY, ONE, EVERY } search_for;
+
+static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, search_for what,
+                        sgt_list *list)
 {
+    const bool all = what == EVERY;
     walk w = {.s = s, .ray = ray, .list = list, .all = all, .rim2 = rim2_of_surface(s),
               .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
     bool near = opt->pick == SGT_NEAR_SEED && !all;
@@ -304,7 +308,8 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
         return w.told.evals - w.told.before;
     /* steps 5, 6 and 7 */
     bool own = !is_catalogue(s.ops), guesses = own && opt->dt_min > 0 && s.ops->estimate;
-    if (over(&w)) sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
+    if (over(&w) || what == ONE_QUICKLY)
+        sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
     else if (s.ops->enclose && !guesses && own && isfinite(lo) && isfinite(hi)) sgt_walk_enclosed(&w, lo, hi);
     else if (s.ops->enclose && !guesses) sgt_prove_rest(s, ray, &w.told, all, near, list);
     else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
@@ -312,14 +317,24 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     return w.told.evals - w.told.before;
 }
 
-sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+static sgt_hit search_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, search_for what)
 {
     sgt_list list = {.cap = 0, .count = 0};
-    int evals = search_along(s, ray, opt, false, &list);
+    int evals = search_along(s, ray, opt, what, &list);
     return first_entry(&list, ray, evals);
+}
+
+sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+{
+    return search_one(s, ray, opt, ONE);
+}
+
+sgt_hit sgt_search_quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+{
+    return search_one(s, ray, opt, ONE_QUICKLY);
 }
 
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
-    search_along(s, ray, opt, true, list);
+    search_along(s, ray, opt, EVERY, list);
 }

@@ -81,6 +81,9 @@ sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt);
 /* As sgt_intersect_general and sgt_intersect_all_general of answer.h, without a proof: options.proof is not
  * read.  In general.c. */
 sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
+
+/* The same without steps 5 to 7: what they would be asked is EXHAUSTED. */
+sgt_hit sgt_search_quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 
 /* Answers a tile of rays as sgt_builtin_ops.lanes of builtin.h does.  Returns how many rays are left

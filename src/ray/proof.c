@@ -79,8 +79,6 @@
  * than what the rim is soft by. */
 #include "proof.h"
 
-#include "tail.h"
-
 #include "../num/bits.h"
 #include "../solve/root.h"
 #include "../solve/step.h"
@@ -693,11 +691,11 @@ void sgt_proof_search(proof *w)
 
 /* ----------------------------------------------------------- public in the library */
 
-bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
+bool sgt_proof_bounds_by(sgt_surface s, const sgt_ray *ray, sgt_tails *kept, sgt_span *span)
 {
     *span = (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL};
     if (s.ops->span) *span = s.ops->span(s.self, ray);
-    sgt_cut_tails(s, ray, span);
+    sgt_cut_tails(s, ray, span, kept);
     bool by = span->lo > span->hi;
     /* a root at an end of the span is to be inside */
     double room = 0x1p-50 * ((fabs(span->lo) < HUGE_VAL ? fabs(span->lo) : 0) +
@@ -706,6 +704,13 @@ bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
     if (!(span->lo >= ray->tmin)) span->lo = ray->tmin;
     if (!(span->hi <= ray->tmax)) span->hi = ray->tmax;
     return !by && span->lo <= span->hi;
+}
+
+bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
+{
+    sgt_tails none;
+    none.any = false;
+    return sgt_proof_bounds_by(s, ray, &none, span);
 }
 
 /* |v| within 3 ulps, also where its square would leave the range of a double. */

@@ -8,6 +8,7 @@
 
 #include "../solve/cells.h"
 #include "general.h"
+#include "tail.h"
 
 typedef struct proof {
     sgt_surface s;
@@ -38,6 +39,7 @@ typedef struct proof {
 /* Sets *span to the part of the ray in which a root can be, in the ray's own t.  false: the ray misses the
  * span. */
 bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span);
+bool sgt_proof_bounds_by(sgt_surface s, const sgt_ray *ray, sgt_tails *kept, sgt_span *span);
 
 /* Prepares a search for the first root or, if `all` is set, for every root.  The surface needs no
  * `enclose` for this. */

@@ -95,19 +95,17 @@ static double first_clear(sgt_surface s, const sgt_outlook *e, double r, double 
     return 0;
 }
 
-void sgt_cut_tails(sgt_surface s, const sgt_ray *ray, sgt_span *span)
+void sgt_cut_tails(sgt_surface s, const sgt_ray *ray, sgt_span *span, sgt_tails *kept)
 {
     double scale = scale_of(ray->d), from = ray->tmin * inverse_of_scale(ray->d);
     sgt_vec3 d = {ray->d.x * scale, ray->d.y * scale, ray->d.z * scale};
     if (!is_catalogue(s.ops) || !s.ops->own_->tail) return;
     sgt_outlook e = sgt_outlook_of(ray->o, d);
-    sgt_tails kept;
-    kept.any = false;
     if (!(e.a > 0x1p-80 && fabs(e.t) < HUGE_VAL)) return;
     double nearest = sqrt(e.far2), begins = radius_at(ray->o.x, ray->o.y, d.x, d.y, from), in = 0;
-    if (from == -HUGE_VAL) in = first_clear(s, &e, nearest, -1, &kept);
-    else if (from < e.t) in = last_clear(s, &e, begins, &kept);
-    double out = first_clear(s, &e, in > 0 ? in : begins < HUGE_VAL ? begins : nearest, 1, &kept);
+    if (from == -HUGE_VAL) in = first_clear(s, &e, nearest, -1, kept);
+    else if (from < e.t) in = last_clear(s, &e, begins, kept);
+    double out = first_clear(s, &e, in > 0 ? in : begins < HUGE_VAL ? begins : nearest, 1, kept);
     double lo = in > 0 ? (e.t - way_beyond(&e, in)) * scale : -HUGE_VAL,
            hi = out > 0 ? (e.t + way_beyond(&e, out)) * scale : HUGE_VAL;
     if (lo > span->lo) span->lo = lo;

@@ -45,6 +45,6 @@ bool sgt_leaves_by_tail(sgt_surface s, const sgt_outlook *e, double t, sgt_tails
 bool sgt_passes_by(const sgt_heights *g, const sgt_ray *ray, double from);
 
 /* Cuts the span to where a root may be. */
-void sgt_cut_tails(sgt_surface s, const sgt_ray *ray, sgt_span *span);
+void sgt_cut_tails(sgt_surface s, const sgt_ray *ray, sgt_span *span, sgt_tails *kept);
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /* unique.h - is the root that was met the only one?
  *
- * Functions in unique.c, but for those named by_slope and quick, in by_slope.c. */
+ * Functions in unique.c, but for those named by_slope and quick, in by_slope.c, or as it is said. */
 #ifndef SGT_RAY_UNIQUE_H
 #define SGT_RAY_UNIQUE_H
 #include "../surface/builtin.h"
@@ -41,7 +41,20 @@ bool sgt_quick_proof_only(sgt_surface s, const sgt_ray *ray, const sgt_options *
  * many.  shared: what `share` of the surface gives. */
 enum { SGT_QUICK = 64 };
 size_t sgt_quick_prove(sgt_surface s, const sgt_shared *shared, const sgt_tile *tile, const sgt_options *opt);
+
 sgt_options sgt_quick_estimate(const sgt_options *opt);
+
+/* The same for first roots.  part[i]: the part of the ray in which it is, and no other root. */
+void sgt_quick_prove_first(sgt_surface s, const sgt_shared *shared, const sgt_tile *tile,
+                           const sgt_options *first, sgt_interval part[]);
+
+/* Is the only root near the seed to be proven, and has no ray of the tile a bound all along its chord?  Then
+ * sgt_quick_unique answers it as sgt_quick_proof_one does, without an estimate before.  It returns how many
+ * rays are left SGT_HARD.  (only_batch.c) */
+bool sgt_asks_quick_unique(sgt_surface s, const sgt_shared *shared, const sgt_tile *tile,
+                           const sgt_options *opt);
+size_t sgt_quick_unique(sgt_surface s, const sgt_shared *shared, const sgt_tile *tile,
+                        const sgt_options *opt);
 
 /* For at most SGT_FEW rays that were met near the seed, at hits.p; nothing else of the hits is read.  Sets
  * none[i] to all bits set if certainly no other accepted root lies as near to the axis as that one, or

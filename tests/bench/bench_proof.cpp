@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The price of proof: batches and single rays, of surfaces and of the lenses in examples/lenses, with proof
-// root and first beside the estimate.
+// The price of proof: batches and single rays, of surfaces, of the lenses in examples/lenses and of the
+// triplet with departures, with proof root and first beside the estimate.
 //
 //     build/tests/bench/bench_proof [--runs N] [--only TEXT]
 //
@@ -384,6 +384,41 @@ void add_lens(std::vector<Row> &rows, const std::string &name, const proof_lens 
     rows.push_back(one);
 }
 
+// The same lens with a departure of some 1e-4 of the clear radius on each curved surface, which has no rim.
+template <class Surface>
+proof_lens departed(const proof_lens &lens, const sgt_surface_ops *ops, void (*depart)(Surface *, double))
+{
+    Surface *of = new Surface[lens.count]();
+    sgt_element *e = new sgt_element[lens.count];
+    proof_lens other = lens;
+    other.element = e;
+    for (size_t i = 0; i < lens.count; i++) {
+        e[i] = lens.element[i];
+        const sgt_conic *q = static_cast<const sgt_conic *>(e[i].surface.self);
+        if (e[i].surface.ops != &sgt_conic_ops || q->c == 0 || !(e[i].semi_diameter > 0))
+            continue;
+        of[i].c = q->c;
+        depart(&of[i], e[i].semi_diameter);
+        e[i].surface = { ops, &of[i] };
+    }
+    return other;
+}
+
+void as_odd_asphere(sgt_odd_asphere *s, double r)
+{
+    s->a[2] = 1e-4 / (r * r), s->a[3] = -2e-4 / (r * r * r), s->a[5] = 1e-4 / std::pow(r, 5);
+}
+
+void as_zernike(sgt_zernike *s, double r)
+{
+    static const double terms[16] = { 0, 1e-4, -2e-4, 1e-4, 2e-4, -1e-4, 5e-5, -5e-5,
+                                      1e-4, 5e-5, -5e-5, 2e-5, 2e-5, 1e-5, -1e-5, 1e-5 };
+    double *a = new double[16];
+    for (int i = 0; i < 16; i++)
+        a[i] = terms[i] * r;
+    s->norm = r, s->order = SGT_FRINGE, s->a = { a, 1, 16 };
+}
+
 // ---------------------------------------------------------------------- time
 
 void measure(Row &row, int runs)
@@ -463,6 +498,7 @@ int main(int argc, char **argv)
     } LENSES_OF[] = {
         {"singlet", "aspheric_singlet"}, {"Cassegrain", "cassegrain"}, {"triplet", "cooke_triplet"},
         {"f-theta", "ftheta"},           {"Newtonian", "newtonian"},
+        {"toroidal lens", "toroidal_lens"}, {"figured mirror", "figured_mirror"},
     };
     for (const auto &file : LENSES_OF) {
         proof_lens lens = proof_lens_read((std::string(LENSES "/") + file.file + ".yaml").c_str(), RAYS);
@@ -472,6 +508,14 @@ int main(int argc, char **argv)
             std::string name = std::string("lens ") + file.name + degrees;
             if (wanted(name))
                 add_lens(rows, name, lens, lens.field[i]);
+            if (std::strcmp(file.name, "triplet") != 0 || i != 1)
+                continue;
+            const proof_lens odd = departed(lens, &sgt_odd_asphere_ops, as_odd_asphere),
+                             zernike = departed(lens, &sgt_zernike_ops, as_zernike);
+            if (wanted(name + ", 6 odd aspheres"))
+                add_lens(rows, name + ", 6 odd aspheres", odd, lens.field[i]);
+            if (wanted(name + ", 6 Zernike sags"))
+                add_lens(rows, name + ", 6 Zernike sags", zernike, lens.field[i]);
         }
     }
     if (wanted("julia"))

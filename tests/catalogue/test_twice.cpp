@@ -5,6 +5,7 @@
 //   first      sgt_intersect tells the first entry of sgt_intersect_all: the status and the root, under
 //              each proof (of a
 //              root alone the first that is proven);
+//   only       the root near the seed, proven to be the only one, is the only one of all;
 //   proof      what is proven does not contradict what is told without a proof, nor what another proof
 //              proves;
 //   ends       a root that counts with one tmax counts with a greater one, and a root that counts with one
@@ -244,6 +245,20 @@ void ask_first(const question &q, const sgt_ray &ray, sgt_proof proof, const lis
     for (const sgt_hit &e : all.hits) print_hit("of all", e);
 }
 
+// The root near the seed, proven to be the only one, is not one of two; a stretch about all of them has each.
+void ask_only(const question &q, const sgt_ray &ray, const list &all)
+{
+    if (q.s.ops == &sgt_julia_ops || q.s.ops == &sgt_mandelbrot_ops) return; // their root is the first
+    const sgt_hit h = first_of(q, ray, SGT_PROVE_FIRST, SGT_NEAR_SEED);
+    counted[h.status == SGT_HIT ? "only" : h.status == SGT_UNPROVEN ? "only, or not" : "only: none"]++;
+    bool fine = true;
+    for (const sgt_hit &e : all.hits)
+        if (e.status == SGT_HIT) fine = fine && h.status != SGT_MISS && !(e.hi < h.lo || e.lo > h.hi);
+    if (fine || !fail("there are others than the only root", q, ray)) return;
+    print_hit("near the seed", h);
+    for (const sgt_hit &e : all.hits) print_hit("of all", e);
+}
+
 // A hit of one is told by the other, too.
 void ask_alike(const char *what, const question &q, const sgt_ray &ray, const list &a, const list &b)
 {
@@ -464,6 +479,7 @@ void ask(generator &g, const question &q)
     ask_alike("no proof and proof root", q, q.ray, of_proof[0], of_proof[1]);
     ask_alike("no proof and proof first", q, q.ray, of_proof[0], of_proof[2]);
     ask_alike("proof root and proof first", q, q.ray, of_proof[1], of_proof[2]);
+    ask_only(q, q.ray, of_proof[2]);
     if (!q.certain) return;
     ask_tolerance(g, q, of_proof[0]);
     if (q.type != offer_names[by_enclosure]) // its rim is in its span alone, which may be longer

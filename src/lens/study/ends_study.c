@@ -55,8 +55,7 @@ static const sgt_column ends_columns[] = {
 
 const sgt_analysis sgt_ends_analysis = {
     .name = "ends", .title = "ends of rays",
-    .help = "Where the rays of each field and wavelength end, and how sure that is: what all other analyses "
-            "are made of.",
+    .help = "Where the rays of each field and wavelength end, and how sure that is: what all other "
+            "analyses are made of.",
     .pattern = SGT_PATTERN_HEXAPOLAR, .rays = 10, .draw_x = "x", .draw_y = "y",
-    .row_size = sizeof(sgt_ends_row), .columns = sizeof ends_columns / sizeof *ends_columns,
-    .column = ends_columns, .ask = ask_ends};
+    ROWS_OF(sgt_ends_row, ends_columns), .ask = ask_ends};

@@ -253,27 +253,17 @@ static const sgt_column energy_columns[] = {
 static const sgt_setting energy_settings[] = {
     {.name = "reference", SGT_SETTING_WORD, offsetof(sgt_energy_options, reference), "centroid|chief", 0, 0,
      "centroid (the default): the mean of the rays of all wavelengths; chief: where the chief ray of the "
-     "primary "
-     "wavelength ends"},
+     "primary wavelength ends"},
     {.name = "radius", SGT_SETTING_NUMBERS, offsetof(sgt_energy_options, radius), NULL, 0, 0,
      "the radii, in the unit of the image"},
     {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_energy_options, steps), NULL, 1, RADII_MOST,
      "or so many, up to the largest distance in any field (default 20)"},
 };
 
-const sgt_analysis sgt_energy_analysis = {.name = "energy",
-                                          .title = "encircled energy",
-                                          .help = "Encircled energy: how much of the light of a field falls "
-                                                  "within a radius about a point of the image, "
-                                                  "as rays have it, without diffraction.",
-                                          .pattern = SGT_PATTERN_CELLS,
-                                          .rays = 64,
-                                          .draw_x = "radius",
-                                          .draw_y = "fraction",
-                                          .row_size = sizeof(sgt_energy_row),
-                                          .columns = sizeof energy_columns / sizeof *energy_columns,
-                                          .column = energy_columns,
-                                          OPTIONS_OF(sgt_energy_options),
-                                          .settings = sizeof energy_settings / sizeof *energy_settings,
-                                          .setting = energy_settings,
-                                          .ask = ask_energy};
+const sgt_analysis sgt_energy_analysis = {
+    .name = "energy", .title = "encircled energy",
+    .help = "Encircled energy: how much of the light of a field falls within a radius about a point of the "
+            "image, as rays have it, without diffraction.",
+    .pattern = SGT_PATTERN_CELLS, .rays = 64, .draw_x = "radius", .draw_y = "fraction",
+    ROWS_OF(sgt_energy_row, energy_columns), OPTIONS_OF(sgt_energy_options), SETTINGS_OF(energy_settings),
+    .ask = ask_energy};

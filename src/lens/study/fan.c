@@ -55,7 +55,7 @@ static const sgt_column fan_columns[] = {
 const sgt_analysis sgt_fan_analysis = {
     .name = "fan", .title = "ray fans",
     .help = "Transverse errors: where the rays of a field meet the image, from where the chief ray of the "
-            "primary wavelength does.  By default for two lines across the pupil, in y (tangential) and in x "
-            "(sagittal).",
-    .pattern = SGT_PATTERN_CROSS, .rays = 41, .draw_x = "py", .draw_y = "ey", .row_size = sizeof(sgt_fan_row),
-    .columns = sizeof fan_columns / sizeof *fan_columns, .column = fan_columns, .ask = ask_fan};
+            "primary wavelength does.  By default for two lines across the pupil, in y (tangential) and in "
+            "x (sagittal).",
+    .pattern = SGT_PATTERN_CROSS, .rays = 41, .draw_x = "py", .draw_y = "ey",
+    ROWS_OF(sgt_fan_row, fan_columns), .ask = ask_fan};

@@ -152,15 +152,8 @@ static const sgt_setting field_settings[] = {
 };
 
 const sgt_analysis sgt_field_analysis = {
-    .name = "field",
-    .title = "field curves",
-    .help =
-        "Field curvature, astigmatism and distortion: what rays near the real chief ray of each field do.",
-    .no_rays = true,
-    .row_size = sizeof(sgt_field_row),
-    .columns = sizeof field_columns / sizeof *field_columns,
-    .column = field_columns,
-    OPTIONS_OF(sgt_field_options),
-    .settings = sizeof field_settings / sizeof *field_settings,
-    .setting = field_settings,
-    .ask = ask_field};
+    .name = "field", .title = "field curves",
+    .help = "Field curvature, astigmatism and distortion: what rays near the real chief ray of each field "
+            "do.",
+    .no_rays = true, ROWS_OF(sgt_field_row, field_columns), OPTIONS_OF(sgt_field_options),
+    SETTINGS_OF(field_settings), .ask = ask_field};

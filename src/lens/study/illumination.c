@@ -143,6 +143,4 @@ const sgt_analysis sgt_illumination_analysis = {
     .help = "The fraction of the pupil whose rays reach the image, for each field and wavelength, and that "
             "fraction times cos^4 of the angle at which the chief ray arrives.",
     .pattern = SGT_PATTERN_CELLS, .rays = 64, .draw_x = "field", .draw_y = "illumination",
-    .row_size = sizeof(sgt_illumination_row),
-    .columns = sizeof illumination_columns / sizeof *illumination_columns, .column = illumination_columns,
-    .ask = ask_illumination};
+    ROWS_OF(sgt_illumination_row, illumination_columns), .ask = ask_illumination};

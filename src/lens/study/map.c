@@ -116,33 +116,21 @@ static const sgt_column map_columns[] = {
      "the largest bound on the error of a length between elements"},
     {.name = "condition", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, MAP_AT(condition), 0,
      "the largest 1 / cos of an angle of incidence: a surface that is off along its normal moves the hit by "
-     "so "
-     "many times as much"},
+     "so many times as much"},
 };
 
 static const sgt_setting map_settings[] = {
     {.name = "over", SGT_SETTING_WORD, offsetof(sgt_map_options, over), "pupil|field", 0, 0,
      "pupil (the default) or field: from minus to plus the field of the lens which is farthest from the "
-     "axis, in "
-     "x and y, by the chief ray or that of one point of the pupil"},
+     "axis, in x and y, by the chief ray or that of one point of the pupil"},
     {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_map_options, steps), NULL, 2, 10000,
      "N x N fields (default 21)"},
 };
 
 const sgt_analysis sgt_map_analysis = {
-    .name = "map",
-    .title = "map",
-    .help =
-        "What becomes of rays, and what they cost: over the pupil of each field (the default), or of one ray "
-        "of each field over a square of fields.  Where does this lens lose rays?  No number is of the image, "
-        "so an afocal lens has the same columns.",
-    .primary_alone = true,
-    .pattern = SGT_PATTERN_CELLS,
-    .rays = 41,
-    .row_size = sizeof(sgt_map_row),
-    .columns = sizeof map_columns / sizeof *map_columns,
-    .column = map_columns,
-    OPTIONS_OF(sgt_map_options),
-    .settings = sizeof map_settings / sizeof *map_settings,
-    .setting = map_settings,
-    .ask = ask_map};
+    .name = "map", .title = "map",
+    .help = "What becomes of rays, and what they cost: over the pupil of each field (the default), or of "
+            "one ray of each field over a square of fields.  Where does this lens lose rays?  No number is "
+            "of the image, so an afocal lens has the same columns.",
+    .primary_alone = true, .pattern = SGT_PATTERN_CELLS, .rays = 41, ROWS_OF(sgt_map_row, map_columns),
+    OPTIONS_OF(sgt_map_options), SETTINGS_OF(map_settings), .ask = ask_map};

@@ -519,8 +519,7 @@ static const sgt_setting zernike_settings[] = {
      "how many polynomials (default 37)"},
     {.name = "order", SGT_SETTING_WORD, offsetof(sgt_opd_options, order), "noll|fringe", 0, 0,
      "noll (the default; Noll 1976; each has the mean square 1), or fringe (Wyant and Creath 1992; each is 1 "
-     "at "
-     "the edge)"},
+     "at the edge)"},
 };
 
 #define OPD_HELP                                                                                            \
@@ -533,33 +532,20 @@ static const sgt_setting zernike_settings[] = {
     "at infinity, paths end at the foot of the perpendicular from the point on the ray."
 
 const sgt_analysis sgt_opd_analysis = {
-    .name = "opd",
-    .title = "optical path differences",
+    .name = "opd", .title = "optical path differences",
     .help = "Optical path differences of the rays of a field, in waves: " OPD_HELP,
-    .pattern = SGT_PATTERN_CROSS,
-    .rays = 41,
-    .draw_x = "py",
-    .draw_y = "opd",
-    .row_size = sizeof(sgt_opd_row),
-    .columns = sizeof opd_columns / sizeof *opd_columns,
-    .column = opd_columns,
-    OPTIONS_OF(sgt_opd_options),
-    .settings = sizeof opd_settings / sizeof *opd_settings,
-    .setting = opd_settings,
+    .pattern = SGT_PATTERN_CROSS, .rays = 41, .draw_x = "py", .draw_y = "opd",
+    ROWS_OF(sgt_opd_row, opd_columns), OPTIONS_OF(sgt_opd_options), SETTINGS_OF(opd_settings),
     .ask = ask_opd};
 
 const sgt_analysis sgt_wavefront_analysis = {
     .name = "wavefront", .title = "wavefronts", .part_of = "opd",
     .help = "Wavefronts, summed up over an area of the pupil, in waves: " OPD_HELP,
-    .pattern = SGT_PATTERN_CELLS, .rays = 32, .row_size = sizeof(sgt_wavefront_row),
-    .columns = sizeof wavefront_columns / sizeof *wavefront_columns, .column = wavefront_columns,
-    OPTIONS_OF(sgt_opd_options), .settings = sizeof opd_settings / sizeof *opd_settings,
-    .setting = opd_settings, .ask = ask_wavefront};
+    .pattern = SGT_PATTERN_CELLS, .rays = 32, ROWS_OF(sgt_wavefront_row, wavefront_columns),
+    OPTIONS_OF(sgt_opd_options), SETTINGS_OF(opd_settings), .ask = ask_wavefront};
 
 const sgt_analysis sgt_zernike_analysis = {
     .name = "zernike", .title = "Zernike polynomials", .part_of = "opd",
     .help = "Zernike polynomials, fitted to path differences over an area of the pupil, in waves: " OPD_HELP,
-    .pattern = SGT_PATTERN_CELLS, .rays = 32, .row_size = sizeof(sgt_zernike_row),
-    .columns = sizeof zernike_columns / sizeof *zernike_columns, .column = zernike_columns,
-    OPTIONS_OF(sgt_opd_options), .settings = sizeof zernike_settings / sizeof *zernike_settings,
-    .setting = zernike_settings, .ask = ask_zernike};
+    .pattern = SGT_PATTERN_CELLS, .rays = 32, ROWS_OF(sgt_zernike_row, zernike_columns),
+    OPTIONS_OF(sgt_opd_options), SETTINGS_OF(zernike_settings), .ask = ask_zernike};

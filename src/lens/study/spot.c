@@ -484,8 +484,7 @@ static const sgt_column spot_columns[] = {
      "so many decimal digits of rms are certain in spite of rounding"},
     {.name = "sampling", SGT_COLUMN_ERROR, SGT_UNIT_IMAGE, 0, SPOT_AT(sampling), 0,
      "rms, less that of half as many rays across the pupil: so much more or less depends on the rays that "
-     "are "
-     "taken"},
+     "are taken"},
     COLUMN_FATES(sgt_spot_row),
     {.name = "defocus", SGT_COLUMN_EXACT, SGT_UNIT_LENGTH, SGT_COLUMN_GROUPS | SGT_COLUMN_GIVEN,
      SPOT_AT(defocus), 0,
@@ -497,8 +496,7 @@ static const sgt_column spot_columns[] = {
 static const sgt_setting spot_settings[] = {
     {.name = "reference", SGT_SETTING_WORD, offsetof(sgt_spot_options, reference), "chief|centroid", 0, 0,
      "chief (the default): where the chief ray of the primary wavelength ends; centroid: the mean of the "
-     "rays "
-     "of the row"},
+     "rays of the row"},
     {.name = "defocus", SGT_SETTING_NUMBERS, offsetof(sgt_spot_options, defocus), NULL, 0, 0,
      "moves the image surface along its own z; several: one after another"},
 };
@@ -506,7 +504,5 @@ static const sgt_setting spot_settings[] = {
 const sgt_analysis sgt_spot_analysis = {
     .name = "spot", .title = "spots",
     .help = "The spots of a lens: how rays of each field and wavelength scatter about a point of the image.",
-    .pattern = SGT_PATTERN_HEXAPOLAR, .rays = 10, .row_size = sizeof(sgt_spot_row),
-    .columns = sizeof spot_columns / sizeof *spot_columns, .column = spot_columns,
-    OPTIONS_OF(sgt_spot_options), .settings = sizeof spot_settings / sizeof *spot_settings,
-    .setting = spot_settings, .ask = ask_spot};
+    .pattern = SGT_PATTERN_HEXAPOLAR, .rays = 10, ROWS_OF(sgt_spot_row, spot_columns),
+    OPTIONS_OF(sgt_spot_options), SETTINGS_OF(spot_settings), .ask = ask_spot};

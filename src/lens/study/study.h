@@ -165,10 +165,13 @@ void sgt_fates_add(sgt_fates *f, const sgt_fates *more);
 sgt_fate_counts sgt_fates_row(const sgt_fates *f);
 int  sgt_fate_of(const sgt_ray_end *end);
 
-/* The columns that several analyses have. */
-/* In an analysis: the struct of its options. */
+/* In an analysis: its rows and their columns, the struct of its options, and the settings. */
+#define ROWS_OF(type, table)                                                                \
+    .row_size = sizeof(type), .columns = sizeof(table) / sizeof *(table), .column = (table)
 #define OPTIONS_OF(type) .options_size = sizeof(type), .options_room = offsetof(type, reserved_)
+#define SETTINGS_OF(table) .settings = sizeof(table) / sizeof *(table), .setting = (table)
 
+/* The columns that several analyses have. */
 #define COLUMN_FIELD(row)                                                                                    \
     {.name = "field", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_GROUPS, offsetof(row, field), 0,           \
      "the field, counted from 1"}

@@ -118,8 +118,7 @@ static const sgt_column sweep_columns[] = {
     {.name = "lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(lost), 0, "it could not be decided"},
     {.name = "none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(none), 0,
      "proven: the rims in front of the stop let no such ray through.  A ray that aiming did not find, "
-     "without a "
-     "proof, is lost"},
+     "without a proof, is lost"},
     {.name = "evals", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, SWEEP_AT(evals), 0,
      "the mean number of evaluations of a ray, at all elements together"},
     {.name = "proven", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_PROVEN, SWEEP_AT(proven), 0,
@@ -131,26 +130,15 @@ static const sgt_setting sweep_settings[] = {
      "where the range begins,"},
     {.name = "to", SGT_SETTING_NUMBER, offsetof(sgt_sweep_options, to), NULL, 0, 0,
      "and where it ends.  By default from the axis to twice the field of the lens which is farthest from it, "
-     "or "
-     "to 89 degrees if it has none"},
+     "or to 89 degrees if it has none"},
     {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_sweep_options, steps), NULL, 2, 1000000,
      "how many fields (default 46)"},
 };
 
 const sgt_analysis sgt_sweep_analysis = {
-    .name = "sweep",
-    .title = "fates against the field",
-    .help =
-        "Counts what becomes of the rays of one field after another, in the y-z plane.  No number is of the "
-        "image, so an afocal lens has the same columns.",
-    .primary_alone = true,
-    .no_fields = true,
-    .pattern = SGT_PATTERN_HEXAPOLAR,
-    .rays = 10,
-    .row_size = sizeof(sgt_sweep_row),
-    .columns = sizeof sweep_columns / sizeof *sweep_columns,
-    .column = sweep_columns,
-    OPTIONS_OF(sgt_sweep_options),
-    .settings = sizeof sweep_settings / sizeof *sweep_settings,
-    .setting = sweep_settings,
+    .name = "sweep", .title = "fates against the field",
+    .help = "Counts what becomes of the rays of one field after another, in the y-z plane.  No number is "
+            "of the image, so an afocal lens has the same columns.",
+    .primary_alone = true, .no_fields = true, .pattern = SGT_PATTERN_HEXAPOLAR, .rays = 10,
+    ROWS_OF(sgt_sweep_row, sweep_columns), OPTIONS_OF(sgt_sweep_options), SETTINGS_OF(sweep_settings),
     .ask = ask_sweep};

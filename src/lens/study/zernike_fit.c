@@ -30,14 +30,14 @@ static const double ALIKE = 1e-12; /* of a column, what is left of it: else it i
 static const double LIKE = 0x1p-5;
 
 typedef double two_rows __attribute__((vector_size(2 * sizeof(double))));
-enum { LANES = 4 }; /* sums that do not wait for each other */
-_Static_assert((int)PUPIL_PART % (2 * (int)LANES) == 0, "whole groups");
+enum { SUMS_AT_ONCE = 4 }; /* sums that do not wait for each other */
+_Static_assert((int)PUPIL_PART % (2 * (int)SUMS_AT_ONCE) == 0, "whole groups");
 
 static double dot_of(const double a[], const double b[])
 {
-    two_rows sum[LANES] = {{0}};
-    for (size_t i = 0; i < PUPIL_PART; i += 2 * LANES)
-        for (size_t q = 0; q < LANES; q++) {
+    two_rows sum[SUMS_AT_ONCE] = {{0}};
+    for (size_t i = 0; i < PUPIL_PART; i += 2 * SUMS_AT_ONCE)
+        for (size_t q = 0; q < SUMS_AT_ONCE; q++) {
             const double *x = a + i + 2 * q, *y = b + i + 2 * q;
             sum[q] += (two_rows){x[0], x[1]} * (two_rows){y[0], y[1]};
         }

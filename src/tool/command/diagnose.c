@@ -150,9 +150,8 @@ const command command_diagnose = {
     .brief = "one ray, evaluation by evaluation",
     .what = "Shows how the root of one ray, or of a function, is found: a row for each evaluation of F (the "
             "surface is where F = 0), and then what to conclude.  Of a lens: why the ray ended, and the "
-            "search at "
-            "the element where it did. Of a ray that passed: a row for each element.  Of a ray that "
-            "aiming did not find: how near the search came, and what stopped the rays that would be "
+            "search at the element where it did. Of a ray that passed: a row for each element.  Of a ray "
+            "that aiming did not find: how near the search came, and what stopped the rays that would be "
             "nearer.",
     .often = "surface ray function start bracket element method compare picture field fan format",
     .rays = "--fan 5",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/* course.c - the picture of one search, in four panels.
+/* search_picture.c - the picture of one search, in four panels.
  *
  *     F along the ray  its curve, and each evaluation on it, with a mark for how its t was chosen.  Newton's
  *                      steps go along the tangent to its zero, and from there to the curve
@@ -21,14 +21,14 @@
 
 enum { SAMPLES = 401, MARKS = SGT_PROBE + 1, STEEPEST = 4, FARTHEST = 100 };
 
-typedef struct course {
+typedef struct search_picture {
     const contest *of;
     const record *seen;
     method shown;
     double low, high; /* the stretch that is shown */
     size_t outside;
     bool function;        /* of x; else of a ray */
-} course;
+} search_picture;
 
 /* Points to draw, one after another; NaN is a gap. */
 typedef struct points {
@@ -45,7 +45,7 @@ static void point_add(points *p, double x, double y)
 static void gap_add(points *p) { point_add(p, (double)NAN, (double)NAN); }
 
 /* (an end is rounded) */
-static bool inside(const course *c, double t)
+static bool inside(const search_picture *c, double t)
 {
     const double room = 1e-9 * (c->high - c->low);
     return t >= c->low - room && t <= c->high + room;
@@ -66,14 +66,15 @@ static chart_series series_of(const points *p, const char *name, size_t colour, 
 
 /* ----------------------------------------------------------- what is shown */
 
-static void take_in(course *c, double t)
+static void take_in(search_picture *c, double t)
 {
     if (isfinite(t)) c->low = fmin(c->low, t), c->high = fmax(c->high, t);
 }
 
-static course course_of(const contest *of, method shown)
+static search_picture search_picture_of(const contest *of, method shown)
 {
-    course c = {.of = of, .seen = &of->seen[shown], .shown = shown, .low = HUGE_VAL, .high = -HUGE_VAL};
+    search_picture c = {
+        .of = of, .seen = &of->seen[shown], .shown = shown, .low = HUGE_VAL, .high = -HUGE_VAL};
     const sgt_ray *ray = &of->s.ray;
     const double root = of->s.hit->status > 0 ? of->s.hit->t : (double)NAN;
     if (isfinite(ray->tmin) && isfinite(ray->tmax) && ray->tmin < ray->tmax) {
@@ -99,7 +100,7 @@ static course course_of(const contest *of, method shown)
 }
 
 /* F at t, and the gradient. */
-static double value_at(const course *c, double t, sgt_vec3 *grad)
+static double value_at(const search_picture *c, double t, sgt_vec3 *grad)
 {
     const sgt_search *s = &c->of->s;
     return s->surface.ops->value(s->surface.self, vector_along(s->ray.o, s->ray.d, t), grad);
@@ -121,7 +122,7 @@ static const struct {
 };
 
 /* Appends a series for each kind of move; y: F, or the number of the evaluation. */
-static size_t add_marks(const course *c, bool numbers, chart_series *to)
+static size_t add_marks(const search_picture *c, bool numbers, chart_series *to)
 {
     size_t n = 0;
     for (int move = 0; move < MARKS; move++) {
@@ -140,7 +141,7 @@ static size_t add_marks(const course *c, bool numbers, chart_series *to)
 /* --------------------------------------------------------------- the panels */
 
 /* From an evaluation along its tangent to the zero of that, as far as is shown. */
-static void add_tangents(const course *c, points *p)
+static void add_tangents(const search_picture *c, points *p)
 {
     for (size_t i = 0; i + 1 < c->seen->count; i++) {
         const sgt_step *s = &c->seen->step[i], *next = s + 1;
@@ -153,7 +154,7 @@ static void add_tangents(const course *c, points *p)
     }
 }
 
-static chart_panel panel_of_course(const course *c, const char *const *note)
+static chart_panel panel_of_values(const search_picture *c, const char *const *note)
 {
     points curve = {0}, tangents = {0};
     chart_series *s = memory_take(MARKS + 2, sizeof *s);
@@ -180,7 +181,7 @@ static chart_panel panel_of_course(const course *c, const char *const *note)
                          .series = s};
 }
 
-static chart_panel panel_of_brackets(const course *c)
+static chart_panel panel_of_brackets(const search_picture *c)
 {
     points bars = {0};
     chart_series *s = memory_take(MARKS + 1, sizeof *s);
@@ -204,7 +205,7 @@ static chart_panel panel_of_brackets(const course *c)
                          .series = s};
 }
 
-static chart_panel panel_of_slope(const course *c)
+static chart_panel panel_of_slope(const search_picture *c)
 {
     points slope = {0}, length = {0}, used = {0};
     double most = 0; /* the edge of a sag is steep without end: what is far beyond the slopes that were used
@@ -238,7 +239,7 @@ static chart_panel panel_of_slope(const course *c)
 
 /* An error of 0 is shown as half an ulp of the root; one of FARTHEST times the stretch that is shown is not,
  * since a method that flies off would leave the others no room. */
-static chart_panel panel_of_errors(const course *c)
+static chart_panel panel_of_errors(const search_picture *c)
 {
     const contest *of = c->of;
     const double root = of->s.hit->t, least = fmax(DBL_EPSILON / 4 * fabs(root), DBL_MIN);
@@ -266,13 +267,13 @@ static chart_panel panel_of_errors(const course *c)
 
 void contest_draw(const char *path, const char *title, const contest *of, method shown, bool function)
 {
-    course c = course_of(of, shown);
+    search_picture c = search_picture_of(of, shown);
     c.function = function;
     const char *note = memory_print("%zu of %zu evaluations lie outside", c.outside, c.seen->count);
     const char *line =
         memory_print("--method %s, %zu evaluation%s: %s", method_name[shown], c.seen->count,
                      c.seen->count == 1 ? "" : "s", c.seen->count ? explain_advice(shown, c.seen) : "");
-    chart_panel panel[4] = {panel_of_course(&c, &note), panel_of_brackets(&c), panel_of_slope(&c)};
+    chart_panel panel[4] = {panel_of_values(&c, &note), panel_of_brackets(&c), panel_of_slope(&c)};
     const bool known = of->s.hit->status > 0;
     if (known) panel[3] = panel_of_errors(&c);
     chart_write(
