@@ -131,7 +131,7 @@ static intersect_arguments intersect_arguments_of(const command *c, int argc, ch
     if (!a.file == !a.rays.count)
         fail_usage(a.file ? "give --rays or --ray, not both"
                           : "no rays; give --rays FILE or --ray \"ox oy oz dx dy dz\"");
-    options_shard(&a.shared);
+    options_shard(&a.shared, a.watched.path);
     if (shard_is() && a.watched.path) fail_usage("--watch: not with --shard; it is of one run");
     a.rays.threads = options_threads(&a.shared), a.rays.parts = true, a.rays.some = shard_is();
     if (a.file) rays_read(&a.rays, a.file, a.skip_bad);
@@ -431,7 +431,7 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     a.shared.target.word_size = a.rays.longest_id;
     tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
     watch_tiling(&in, a.watched.path, &a.shared.solver);
-    w.whole = in, in = shard_tiling(in);
+    w.whole = in, in = shard_tiling(w.whole);
     shard_begin();
     size_t places = tiles_places(&in), undecided = 0;
     w.watch = watch_begin(&a.watched, a.shared.target.hexadecimal, places, 0);
@@ -439,7 +439,7 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     w.room = memory_take(places, sizeof *w.room);
     for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
     progress_begin(in.rays, !a.shared.target.path, a.shared.progress);
-    tiles_run(&in, &w, find, intersect_take);
+    shard_run(&w.whole, &w, find, intersect_take);
     input_check();
     progress_end();
     shard_end();

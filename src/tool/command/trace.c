@@ -140,7 +140,7 @@ static trace_arguments trace_arguments_of(const command *c, int argc, char *argv
     command_read(c, &a, &a.job, &a.shared, argc, argv);
     a.job.lens = command_file(c, "lens file", argc, argv);
     pictures_check(&a.pictures);
-    options_shard(&a.shared);
+    options_shard(&a.shared, a.watched.path);
     if (shard_is() && a.watched.path) fail_usage("--watch: not with --shard; it is of one run");
     return a;
 }
@@ -696,7 +696,7 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     progress_begin(j.wavelengths * in.rays, !a.shared.target.path, a.shared.progress);
     for (size_t k = 0; k < j.wavelengths; k++) {
         w.at = &j.at[k];
-        tiles_run(&in, &w, send, trace_take);
+        shard_run(&whole, &w, send, trace_take);
     }
     input_check();
     progress_end();

@@ -25,8 +25,9 @@ extern const option_group options_solver;  /* --t-tol, --dt-min, --max-evals */
 extern const option_group options_in_threads;
 extern const option_group options_shards;  /* --shard, --resume */
 
-/* With --shard this run becomes that shard, and prints nothing. */
-void options_shard(shared_options *o);
+/* With --shard this run becomes that shard, and prints nothing; with several ranks it becomes one of them, and
+ * only rank 0 prints.  alone: what was asked for cannot be divided among ranks. */
+void options_shard(shared_options *o, bool alone);
 
 /* Rows of OPTIONS_SHARED, with what they mean to a command. */
 #define PICK_OPTION(help)                                                                              \

@@ -4,6 +4,7 @@
 
 #include "../base/input.h"
 #include "../base/memory.h"
+#include "../base/progress.h"
 #include "../base/threads.h"
 #include "../base/tiles.h"
 
@@ -180,7 +181,7 @@ static void take_lens(look *l, const command *c, int argc, char *argv[])
         fail_usage("--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and sweep do",
                    c->name);
     if (!l->of->primary_alone && !o->wavelengths) o->all_wavelengths = true;
-    options_shard(&l->shared);
+    options_shard(&l->shared, l->shared.picture && l->of->part_of);
     l->picture = l->shared.picture;
     if (shard_is() && l->picture && l->of->part_of)
         fail_usage("--picture: it shows rays, which --shard has in no part of a sum; draw it by sagitta %s",
@@ -283,6 +284,7 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
         wavelength[i] = (sgt_wavelength){l->band[i].chosen, l->band[i].wavelength};
     *threads = options_threads(&l->shared);
     shared_out.number = shard_number(), shared_out.of = shard_count();
+    shared_out.next = shard_ranks() ? shard_next : NULL;
     /* (A picture may ask another analysis for the same points.) */
     const bool fixed = l->picture && l->of->part_of;
     return (sgt_study_options){
@@ -581,6 +583,7 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     job_points_asked points = {.count = 0};
     if (!l.of->no_rays) points = job_points_of(&l.job, l.of->pattern);
     if (way->check) way->check(&l);
+    if (shard_ranks()) progress_begin(0, !l.shared.target.path, l.shared.progress);
     if (l.over) {
         run_over(&l, &points, &p, &sink, &threads);
     } else {
@@ -598,6 +601,7 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     }
     shard_end();
     if (shard_is()) return EXIT_DECIDED;
+    if (shard_ranks()) progress_rays(l.total.fates.rays), progress_end();
     for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
     look_verdict(&l);
     table_end(l.table);

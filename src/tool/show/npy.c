@@ -17,6 +17,7 @@
 
 typedef struct npy_file {
     char *path;
+    const char *name; /* while it is written */
     FILE *file;
     size_t row_size;
 } npy_file;
@@ -94,7 +95,8 @@ static void npy_open(npy_output *n, size_t place, char *path)
     output_check("output", path);
     if (stat(path, &is) == 0 && !S_ISREG(is.st_mode))
         fail_input("--output %s: not a file, and an npy file is written from its beginning again", path);
-    if (!(f->file = fopen(path, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
+    f->name = output_name(path);
+    if (!(f->file = fopen(f->name, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
     setvbuf(f->file, NULL, _IONBF, 0); /* what is written is long */
     npy_write_header(n, place);
 }
@@ -233,5 +235,6 @@ void npy_end(npy_output *n)
         if (!bad) npy_write_header(n, i);
         bad = bad || ferror(f->file);
         if (fclose(f->file) != 0 || bad) fail_input("--output %s: could not be written", f->path);
+        output_whole("output", f->name, f->path);
     }
 }

@@ -44,6 +44,7 @@ typedef struct printed {
 struct table {
     table_target to;
     FILE *file;                 /* NULL: a part of another table, or npy */
+    const char *name;           /* where it is while it is written */
     npy_output *npy;
     bytes *out;                 /* [npy_files()]: of npy, instead of `kept` */
     table_values *chosen_values; /* [chosen] */
@@ -123,7 +124,8 @@ table *table_begin(const table_target *target, size_t columns, const column *hea
     if (t->npy) return t;
     t->file = stdout;
     if (t->to.path) output_check("output", t->to.path);
-    if (t->to.path && !(t->file = fopen(t->to.path, "w")))
+    if (t->to.path) t->name = output_name(t->to.path);
+    if (t->to.path && !(t->file = fopen(t->name, "w")))
         fail_input("--output %s: %s", t->to.path, strerror(errno));
     if (t->to.format == TABLE_JSON) bytes_one(&t->kept, '[');
     for (size_t i = 0; i < t->chosen && t->to.format == TABLE_CSV; i++) {
@@ -514,4 +516,5 @@ void table_end(table *t)
     if (bad)
         fail_input("%s%s: could not be written", t->to.path ? "--output " : "",
                    t->to.path ? t->to.path : "standard output");
+    if (t->to.path) output_whole("output", t->name, t->to.path);
 }

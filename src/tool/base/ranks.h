@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+/* ranks.h - the programs that work on one run together: those of mpirun, counted from 0 (ranks_mpi.c); or this
+ * one alone (ranks_alone.c).
+ *
+ * All of them run the same command with the same arguments.  Each reads the input; shares of the work are
+ * handed out one by one (shard.h).  Rank 0 writes what the command writes. */
+#ifndef TOOL_RANKS_H
+#define TOOL_RANKS_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Begins, before anything is read or said. */
+void ranks_begin(int *argc, char **argv[]);
+
+bool ranks_are(void);  /* is this the command for ranks, even if there is one alone? */
+int  ranks_here(void); /* which one this is */
+int  ranks_all(void);
+
+/* What is asked for cannot be divided: the other ranks end here, and rank 0 goes on alone. */
+void ranks_alone(void);
+
+/* All are here, and have read the same bytes, whose digest this is.  If one has failed before, all end; if
+ * one has read other bytes, the run is ended with its name. */
+void ranks_meet(uint64_t digest);
+
+/* Bytes of rank 0, for all. */
+void ranks_tell(void *bytes, size_t size);
+
+/* A number that no other rank has got since ranks_wait: 0, 1, 2, ... */
+size_t ranks_next(void);
+
+/* Waits for all.  ranks_next then begins anew. */
+void ranks_wait(void);
+
+#endif

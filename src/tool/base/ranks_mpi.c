@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+/* ranks_mpi.c - the ranks of MPI, for `sagitta-mpi` (ranks.h).
+ *
+ * WHO GETS WHICH SHARE.  A counter lies in a window of rank 0, and a rank that is free adds one to it and has
+ * what stood there (MPI_Fetch_and_op).  The other way is a coordinator, who is asked by a message and has to
+ * look for it: rank 0 would look between two of its own tiles, or do nothing else.  In the memory of one
+ * machine the counter needs nobody (MEASURED).  Between machines whose network cannot add by itself, Open MPI
+ * serves the window when rank 0 calls MPI, which is no later than a coordinator would look.  So each rank asks for its next share before
+ * it works on the one it has, and reads the answer afterwards: nobody waits for rank 0 as long as shares are
+ * of like length.
+ *
+ * TWO COUNTERS take turns.  When all have met at the end of a pass (ranks_wait), rank 0 sets the one that is
+ * done to 0 while the other one is in use; it is not used again before the next meeting.
+ *
+ * WHO SPEAKS.  Until all have read the input (ranks_meet), what fails in one rank mostly fails in all: the
+ * lowest rank that fails says why, and all end in good order.  Notes are those of rank 0.  Later a rank that
+ * fails says so with its number, and ends the run by MPI_Abort.  What it was writing has no name yet
+ * (part.c, output_name). */
+#include "ranks.h"
+
+#include "fail.h"
+#include "memory.h"
+
+#include <getopt.h>
+#include <mpi.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static struct {
+    int here, all;
+    bool met, alone, ending; /* ending: all ranks end, in good order */
+    MPI_Win window;
+    uint64_t *counter;       /* [2], of rank 0 */
+    int turn;                /* which one is in use */
+    bool asked;              /* for the next share; the answer comes */
+    uint64_t answer;
+} ranks;
+
+static void end_ranks(void)
+{
+    MPI_Win_unlock_all(ranks.window);
+    MPI_Win_free(&ranks.window);
+    MPI_Finalize();
+}
+
+/* The lowest of the ranks that call with true; `all`: none did. */
+static int lowest_that(bool fails)
+{
+    const int mine = fails ? ranks.here : ranks.all;
+    int lowest = ranks.all;
+    MPI_Allreduce(&mine, &lowest, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    return lowest;
+}
+
+static bool may_fail(void)
+{
+    if (ranks.met || ranks.alone || ranks.ending) return true;
+    ranks.ending = true;
+    return lowest_that(true) == ranks.here;
+}
+
+static bool may_note(void) { return !ranks.here || ranks.met; }
+
+static void end_all(int status)
+{
+    if (!ranks.met || ranks.ending) return;
+    fail_tidy();
+    MPI_Abort(MPI_COMM_WORLD, status);
+}
+
+void ranks_begin(int *argc, char **argv[])
+{
+    int level;
+    MPI_Init_thread(argc, argv, MPI_THREAD_SERIALIZED, &level);
+    MPI_Comm_rank(MPI_COMM_WORLD, &ranks.here);
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks.all);
+    MPI_Win_allocate(ranks.here ? 0 : 2 * sizeof *ranks.counter, sizeof *ranks.counter, MPI_INFO_NULL,
+                     MPI_COMM_WORLD, &ranks.counter, &ranks.window);
+    if (!ranks.here) ranks.counter[0] = ranks.counter[1] = 0;
+    MPI_Win_lock_all(MPI_MODE_NOCHECK, ranks.window);
+    MPI_Win_sync(ranks.window);
+    MPI_Barrier(MPI_COMM_WORLD);
+    atexit(end_ranks);
+    const char *who = ranks.here ? memory_print("sagitta: rank %d: ", ranks.here) : "sagitta: ";
+    fail_as(&(fail_speaker){.who = who, .fails = may_fail, .notes = may_note, .end = end_all});
+    if (level < MPI_THREAD_SERIALIZED) fail_input("this MPI allows no threads (MPI_THREAD_SERIALIZED)");
+    if (!ranks.here) return;
+    opterr = 0; /* what is wrong with the arguments rank 0 says */
+    if (!freopen("/dev/null", "w", stdout)) fail_input("/dev/null: cannot be opened");
+}
+
+bool ranks_are(void) { return true; }
+int ranks_here(void) { return ranks.here; }
+int ranks_all(void) { return ranks.all; }
+
+void ranks_alone(void)
+{
+    if (ranks.here) exit(EXIT_DECIDED);
+    ranks.all = 1, ranks.alone = true;
+}
+
+void ranks_meet(uint64_t digest)
+{
+    uint64_t first = digest;
+    if (lowest_that(false) < ranks.all) {
+        ranks.ending = true;
+        exit(EXIT_BAD_INPUT);
+    }
+    ranks.met = true;
+    ranks_tell(&first, sizeof first);
+    if (first != digest) fail_input("the lens or the rays are not those that rank 0 has read");
+}
+
+void ranks_tell(void *bytes, size_t size) { MPI_Bcast(bytes, (int)size, MPI_BYTE, 0, MPI_COMM_WORLD); }
+
+static void ask_next(void)
+{
+    static const uint64_t one = 1;
+    MPI_Fetch_and_op(&one, &ranks.answer, MPI_UINT64_T, 0, ranks.turn, MPI_SUM, ranks.window);
+    ranks.asked = true;
+}
+
+size_t ranks_next(void)
+{
+    if (!ranks.asked) ask_next();
+    MPI_Win_flush(0, ranks.window);
+    const size_t next = (size_t)ranks.answer;
+    ask_next();
+    return next;
+}
+
+void ranks_wait(void)
+{
+    if (ranks.asked) MPI_Win_flush(0, ranks.window);
+    ranks.asked = false;
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (!ranks.here) {
+        const uint64_t none = 0;
+        uint64_t before;
+        MPI_Fetch_and_op(&none, &before, MPI_UINT64_T, 0, ranks.turn, MPI_REPLACE, ranks.window);
+        MPI_Win_flush(0, ranks.window);
+    }
+    ranks.turn = !ranks.turn;
+}
