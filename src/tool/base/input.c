@@ -66,11 +66,17 @@ static void remove_unfinished(void)
         if (unfinished[i]) remove(unfinished[i]);
 }
 
+void output_stays(const char *name)
+{
+    for (size_t i = 0; i < unfinished_count; i++)
+        if (unfinished[i] == name) unfinished[i] = NULL;
+}
+
 const char *output_name(const char *path)
 {
     struct stat is;
     if (!ranks_are() || (lstat(path, &is) == 0 && !S_ISREG(is.st_mode))) return path;
-    const char *name = memory_print("%s.%ld.unfinished", path, (long)getpid());
+    const char *name = memory_print("%s.unfinished", path);
     for (size_t i = 0; i < unfinished_count; i++)
         if (unfinished[i] && strcmp(unfinished[i], name) == 0) return unfinished[i];
     if (!unfinished_count) atexit(remove_unfinished), fail_first(remove_unfinished);
@@ -80,8 +86,7 @@ const char *output_name(const char *path)
 
 void output_whole(const char *option, const char *name, const char *path)
 {
-    for (size_t i = 0; i < unfinished_count; i++)
-        if (unfinished[i] == name) unfinished[i] = NULL;
+    output_stays(name);
     if (name == path || rename(name, path) == 0) return;
     const char *why = strerror(errno);
     remove(name);
@@ -215,6 +220,7 @@ input input_read(const char *path)
     bool standard = strcmp(path, "-") == 0;
     if (standard) remember(stdin, in.name);
     const char *fault = standard ? read_all(stdin, &in) : input_try(path, &in);
+    if (standard) ranks_tell_text(&in.text, &in.length);
     if (standard) input_note(in.text, in.length);
     if (fault) fail_input("%s: %s", in.name, fault);
     return in;

@@ -46,6 +46,7 @@ void output_reserve(const char *option, const char *path);
  * that output_whole changes, and that is gone if the command fails.  In other runs, and if something at the
  * path is no plain file, it is the path. */
 const char *output_name(const char *path);
+void output_stays(const char *name); /* even if the command fails: another run may go on with it */
 void output_whole(const char *option, const char *name, const char *path); /* a fault ends the command */
 
 /* Writes a text to the file of --output (NULL: standard output).  If it cannot be written the command

@@ -27,6 +27,16 @@ void ranks_meet(uint64_t digest);
 /* Bytes of rank 0, for all. */
 void ranks_tell(void *bytes, size_t size);
 
+/* Text of standard input, which rank 0 alone has, for all. */
+void ranks_tell_text(char **text, size_t *length);
+
+/* A file that all open, write to at places of their own, and close, together.  path: for messages, of --output;
+ * name: where it is.  A fault ends the command. */
+typedef struct ranks_file ranks_file;
+ranks_file *ranks_open(const char *path, const char *name);
+void ranks_write(ranks_file *f, size_t at, const void *bytes, size_t size); /* one thread at a time */
+void ranks_close(ranks_file *f);
+
 /* A number that no other rank has got since ranks_wait: 0, 1, 2, ... */
 size_t ranks_next(void);
 

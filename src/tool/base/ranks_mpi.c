@@ -113,6 +113,47 @@ void ranks_meet(uint64_t digest)
 
 void ranks_tell(void *bytes, size_t size) { MPI_Bcast(bytes, (int)size, MPI_BYTE, 0, MPI_COMM_WORLD); }
 
+void ranks_tell_text(char **text, size_t *length)
+{
+    enum { PIECE = 1 << 30 };
+    if (ranks.all == 1) return;
+    ranks_tell(length, sizeof *length);
+    if (ranks.here) *text = memory_grow(*text, *length + 1, 1), (*text)[*length] = 0;
+    for (size_t at = 0; at < *length; at += PIECE)
+        ranks_tell(*text + at, *length - at < PIECE ? *length - at : PIECE);
+}
+
+struct ranks_file { MPI_File file; const char *path; };
+
+static void require_written(const ranks_file *f, int error)
+{
+    char why[MPI_MAX_ERROR_STRING];
+    int length;
+    if (error == MPI_SUCCESS) return;
+    MPI_Error_string(error, why, &length);
+    fail_input("--output %s: could not be written: %s", f->path, why);
+}
+
+ranks_file *ranks_open(const char *path, const char *name)
+{
+    ranks_file *f = memory_take(1, sizeof *f);
+    f->path = path;
+    require_written(f, MPI_File_open(MPI_COMM_WORLD, name, MPI_MODE_WRONLY, MPI_INFO_NULL, &f->file));
+    return f;
+}
+
+void ranks_write(ranks_file *f, size_t at, const void *bytes, size_t size)
+{
+    MPI_Status status;
+    int count = 0;
+    if (!size) return;
+    require_written(f, MPI_File_write_at(f->file, (MPI_Offset)at, bytes, (int)size, MPI_BYTE, &status));
+    MPI_Get_count(&status, MPI_BYTE, &count);
+    if (count < 0 || (size_t)count != size) fail_input("--output %s: could not be written", f->path);
+}
+
+void ranks_close(ranks_file *f) { require_written(f, MPI_File_close(&f->file)); }
+
 static void ask_next(void)
 {
     static const uint64_t one = 1;

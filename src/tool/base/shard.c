@@ -128,6 +128,10 @@ void shard_clear(void)
     rmdir(shard.folder);
 }
 
+const char *shard_path(void) { return shard.path; }
+bool shard_keeps(void) { return shard.resume; }
+void shard_forget(void) { remove_parts(true); }
+
 static char *part_path(size_t pass, size_t k) { return memory_print("%s/%zu-%zu.part", shard.folder, pass, k); }
 
 size_t shard_next(void *context, size_t of)

@@ -28,6 +28,12 @@ void shard_join(int count, char *const path[]);
 bool shard_is(void);    /* one of several */
 bool shard_joins(void);
 
+/* Of ranks: the file of --output.  Rows of a table may be written where they belong, at once: the file then
+ * goes on with the parts.  shard_keeps: is a part to be gone on with, if there is one?  shard_forget: none is. */
+const char *shard_path(void);
+bool shard_keeps(void);
+void shard_forget(void);
+
 /* The arguments of the parts that are joined. */
 const part_of_run *shard_joined(void);
 

@@ -94,9 +94,17 @@ void options_shard(shared_options *o, bool alone)
     else if (ranks_all() > 1 || (ranks_are() && o->shard.resume))
         shard_be_rank(o->target.path, o->shard.resume, arguments, length);
     if (o->shard.of) shard_be(&o->shard, o->target.path, arguments, length);
-    if (!shard_is()) return;
-    o->target.path = "/dev/null"; /* what would be printed is of no use */
-    if (o->target.format == TABLE_NPY) o->target.format = TABLE_CSV;
+    o->target.nowhere = shard_is();
+}
+
+bool options_print(shared_options *o, bool same, bool known, size_t rows)
+{
+    struct { size_t placed; bool prints; } say = {.prints = same && o->target.format != TABLE_TEXT};
+    if (!shard_ranks()) return false;
+    if (say.prints && known && o->target.format == TABLE_NPY) say.placed = rows;
+    ranks_tell(&say, sizeof say);
+    o->target.placed = say.placed;
+    return say.prints;
 }
 
 void options_note_unread(const shared_options *o, size_t count, const sgt_element element[])

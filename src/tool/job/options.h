@@ -29,6 +29,11 @@ extern const option_group options_shards;  /* --shard, --resume */
  * only rank 0 prints.  alone: what was asked for cannot be divided among ranks. */
 void options_shard(shared_options *o, bool alone);
 
+/* With several ranks: does each print its own rows, as it can if all know the same columns?  Rank 0 says whether
+ * they do.  known: and how many rows there will be: then each writes its rows of npy where they belong, and the
+ * target has `placed`. */
+bool options_print(shared_options *o, bool same, bool known, size_t rows);
+
 /* Rows of OPTIONS_SHARED, with what they mean to a command. */
 #define PICK_OPTION(help)                                                                              \
     {"pick", "P", help, OPTION_WORD, .to = offsetof(shared_options, solver.pick), .least = SGT_FIRST, \

@@ -118,6 +118,7 @@ table *table_begin(const table_target *target, size_t columns, const column *hea
 {
     table blank = {.to = *target, .columns = columns, .column = head,
                    .plain = target->format == TABLE_CSV && !target->hexadecimal};
+    if (target->nowhere && target->format != TABLE_NPY) blank.to.path = "/dev/null";
     choose(&blank);
     if (target->format == TABLE_NPY) blank.npy = npy_begin(target, blank.chosen, blank.head);
     table *t = table_new(&blank);
@@ -500,6 +501,28 @@ void table_join(table *t, table *part)
     t->rows += part->rows;
     part->rows = 0;
     drop_kept(part);
+}
+
+size_t table_arrays(const table *t) { return t->npy ? npy_files(t->npy) : 1; }
+bytes *table_printed(table *part, size_t i) { return part->npy ? &part->out[i] : &part->kept; }
+size_t *table_rows(table *part) { return &part->rows; }
+
+void table_drop(table *part)
+{
+    for (size_t i = 0; i < table_arrays(part); i++) table_printed(part, i)->length = 0;
+    part->rows = 0;
+    drop_kept(part);
+}
+
+void table_place(table *t, table *part, size_t first)
+{
+    npy_place_rows(t->npy, first, part->out);
+    part->rows = 0;
+}
+
+void table_placed(table *t)
+{
+    if (t->to.placed) npy_placed(t->npy);
 }
 
 void table_end(table *t)
