@@ -149,14 +149,9 @@ SGT_API bool sgt_trace_error(size_t elements, const sgt_element e[], double inde
 
 /* ------------------------------------------------------------------- many rays at once
  *
- * The functions above, for n rays.  Each number is the one that the function for one ray
- * gives, bit for bit (a NaN for a NaN), whatever its neighbours are.  What they have in
- * common:
- *
- *     rays      the launch rays as they were given to sgt_trace_batch; o and d are read,
- *               in the global frame
- *     passages  as sgt_trace_batch left them, one entry for each element.  hits.status
- *               (NULL: all were met), hits.t, hits.p, hits.n and direction are read
+ * The functions above, for the rays of a batch that was traced.  Each number is the one
+ * that the function for one ray gives, bit for bit (a NaN for a NaN), whatever its
+ * neighbours are.
  *
  * Arrays have n numbers.  Outputs must not overlap inputs or each other, unless it is
  * said.  A ray whose hit at an element is not positive is not shown to the surface there.
@@ -165,6 +160,17 @@ SGT_API bool sgt_trace_error(size_t elements, const sgt_element e[], double inde
  * ray, and surfaces as fast as their `second` and `by_parameter` are.  12 numbers an
  * element are read of each ray.  So take some hundred rays at a time from sgt_trace_batch
  * to here: then they are still in the processor's cache. */
+
+/* A batch of rays and how it went through the lens. */
+typedef struct sgt_traces {
+    size_t   n;                   /* how many rays */
+    sgt_rays rays;                /* the launch rays as they were given to
+                                     sgt_trace_batch; o and d are read, in the global
+                                     frame */
+    const sgt_passages *passages; /* as sgt_trace_batch left them, one entry for each
+                                     element.  hits.status (NULL: all were met), hits.t,
+                                     hits.p, hits.n and direction are read */
+} sgt_traces;
 
 /* Changes of many rays, one array for each number of sgt_ray_change.  p and d: all three
  * arrays, or none.  NULL: of an input, no change; of an output, not wanted. */
@@ -179,8 +185,8 @@ typedef struct sgt_ray_changes {
  *     change   change[j]: column j of each ray
  *     out      written: out[j], column j; they may be the arrays of change */
 SGT_API int sgt_trace_sensitivity_batch(size_t elements, const sgt_element e[],
-                                        double index_before, size_t n, sgt_rays rays,
-                                        const sgt_passages passages[], size_t columns,
+                                        double index_before, const sgt_traces *traces,
+                                        size_t columns,
                                         const sgt_ray_changes change[],
                                         const sgt_ray_changes out[]);
 
@@ -191,9 +197,8 @@ SGT_API int sgt_trace_sensitivity_batch(size_t elements, const sgt_element e[],
  *               NULL is not wanted.  All parameters of a surface unwanted: it is not
  *               asked for them */
 SGT_API int sgt_trace_gradient_batch(size_t elements, const sgt_element e[],
-                                     double index_before, size_t n, sgt_rays rays,
-                                     const sgt_passages passages[], size_t rows,
-                                     const sgt_ray_changes weight[],
+                                     double index_before, const sgt_traces *traces,
+                                     size_t rows, const sgt_ray_changes weight[],
                                      double *const gradient[]);
 
 /* The numbers of sgt_end_error of many rays.  An array that is NULL is not wanted.  If
@@ -206,11 +211,12 @@ typedef struct sgt_end_errors {
 
 /* sgt_trace_error of n rays.  Returns for how many rays all hits are positive.
  *
- *     passages  hits.p_err is also read, and opl of the last one if path is wanted
- *     out       written; lengths in the unit of the lens */
+ *     traces  hits.p_err of the passages is also read, and opl of the last one if path
+ *             is wanted
+ *     out     written; lengths in the unit of the lens */
 SGT_API size_t sgt_trace_error_batch(size_t elements, const sgt_element e[],
-                                     double index_before, size_t n, sgt_rays rays,
-                                     const sgt_passages passages[], sgt_end_errors out);
+                                     double index_before, const sgt_traces *traces,
+                                     sgt_end_errors out);
 
 /* ------------------------------------------------------------------------- aiming */
 
@@ -347,17 +353,24 @@ SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_befor
                           const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
                           const sgt_aim_options *opt, sgt_aiming *out);
 
+/* Points that a beam is aimed at together, and the answers. */
+typedef struct sgt_aims {
+    size_t n;                     /* how many points */
+    const sgt_vec2 *wanted;       /* n points, by x and y of the stop's frame; length */
+    sgt_aiming *out;              /* n answers, or NULL */
+    const sgt_passages *passages; /* stop + 1 entries; each with the arrays hits.status,
+                                     t, p, n, p_err and direction, of n.  At return: those
+                                     of sgt_aim for each point, to the stop.  Other arrays
+                                     that are there are written as well */
+} sgt_aims;
+
 /* sgt_aim at n points: the same answers, bit for bit, counts included.
  *
- *     wanted    n points of the stop's frame
- *     passages  stop + 1 entries; each with the arrays hits.status, t, p, n, p_err and
- *               direction, of n.  At return: those of sgt_aim for each point, to the
- *               stop.  Other arrays that are there are written as well
- *     room      work space for stop + 1 passages
- *     opt       as for one point.  start: opt->starts of them for each point; those of
- *               point i are start[i * starts] and on.  attempt: room of them for each
- *               point, those of point i are attempt[i * room] and on
- *     out       n answers, or NULL
+ *     aims  the points and the answers
+ *     room  work space for stop + 1 passages
+ *     opt   as for one point.  start: opt->starts of them for each point; those of point
+ *           i are start[i * starts] and on.  attempt: room of them for each point, those
+ *           of point i are attempt[i * room] and on
  *
  * Returns how many points are met.  The points go together, by full steps of Newton from
  * the first start.  A point that needs anything else (a step that is halved or damped or
@@ -365,9 +378,8 @@ SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_befor
  * starts save much: each round costs one and a half traces.  The passages of a point that
  * is not met are those of a ray that met nothing.  The stack needed is below 96 KiB. */
 SGT_API size_t sgt_aim_batch(size_t stop, const sgt_element e[], double index_before,
-                             const sgt_beam *beam, size_t n, const sgt_vec2 wanted[],
-                             const sgt_passages passages[], sgt_passage room[],
-                             const sgt_aim_options *opt, sgt_aiming out[]);
+                             const sgt_beam *beam, const sgt_aims *aims,
+                             sgt_passage room[], const sgt_aim_options *opt);
 
 /* Why does sgt_aim answer SGT_AIMED_INVALID?  As sgt_explain_intersect. */
 SGT_API bool sgt_explain_aim(size_t stop, const sgt_element e[], double index_before,

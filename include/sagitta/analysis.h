@@ -12,8 +12,8 @@
  *     sgt_launcher *from = sgt_launcher_new(lens, NULL, &error);
  *     sgt_field_beam beam;
  *     sgt_launch_field(from, lens->field_kind, &lens->field[0], &beam, &error);
- *     sgt_trace_pupil(from, &beam, lens->element, lens->index_before, n, at, NULL, end,
- *                     &error);
+ *     sgt_trace_pupil(from, &beam, lens->element, lens->index_before,
+ *                     &(sgt_pupil_rays){n, at, end}, NULL, &error);
  *     sgt_spot spot = sgt_spot_of(1, &(sgt_ends){n, end, 1}, NULL);
  *     sgt_launcher_free(from); */
 #ifndef SAGITTA_ANALYSIS_H
@@ -173,19 +173,25 @@ typedef struct sgt_ray_end {
     unsigned long long reserved_[4];
 } sgt_ray_end;
 
+/* Points of the pupil, and the ends of the rays through them. */
+typedef struct sgt_pupil_rays {
+    size_t count;
+    const sgt_pupil_point *at; /* `count` points, in the unit circle */
+    sgt_ray_end *end;          /* written: `count` ends */
+} sgt_pupil_rays;
+
 /* Traces the rays of a field through points of the pupil.
  *
  *     beam             of the field (sgt_launch_field)
  *     e, index_before  the lens at the wavelength of the rays (sgt_lens_at)
- *     count, at        the points, in the unit circle
+ *     rays             the points and the ends
  *     opt              NULL, or for sgt_trace
- *     out              written: `count` ends
  *
  * false: `error` (may be NULL) says why. */
 SGT_API bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *beam,
-                             const sgt_element e[], double index_before, size_t count,
-                             const sgt_pupil_point at[], const sgt_options *opt,
-                             sgt_ray_end out[], sgt_error *error);
+                             const sgt_element e[], double index_before,
+                             const sgt_pupil_rays *rays, const sgt_options *opt,
+                             sgt_error *error);
 
 /* sgt_trace_pupil of one ray, the chief ray: it goes through the point 0, 0 of the pupil,
  * and nothing clips it, since it is a reference even if it is obscured.

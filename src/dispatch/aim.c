@@ -19,19 +19,17 @@ SGT_DISPATCH(bool, sgt_trace_error,
               const sgt_passage passages[], sgt_end_error *out),
              (elements, e, index_before, launch, passages, out))
 SGT_DISPATCH(int, sgt_trace_sensitivity_batch,
-             (size_t elements, const sgt_element e[], double index_before, size_t n, sgt_rays rays,
-              const sgt_passages passages[], size_t columns, const sgt_ray_changes change[],
-              const sgt_ray_changes out[]),
-             (elements, e, index_before, n, rays, passages, columns, change, out))
+             (size_t elements, const sgt_element e[], double index_before, const sgt_traces *traces,
+              size_t columns, const sgt_ray_changes change[], const sgt_ray_changes out[]),
+             (elements, e, index_before, traces, columns, change, out))
 SGT_DISPATCH(int, sgt_trace_gradient_batch,
-             (size_t elements, const sgt_element e[], double index_before, size_t n, sgt_rays rays,
-              const sgt_passages passages[], size_t rows, const sgt_ray_changes weight[],
-              double *const gradient[]),
-             (elements, e, index_before, n, rays, passages, rows, weight, gradient))
+             (size_t elements, const sgt_element e[], double index_before, const sgt_traces *traces,
+              size_t rows, const sgt_ray_changes weight[], double *const gradient[]),
+             (elements, e, index_before, traces, rows, weight, gradient))
 SGT_DISPATCH(size_t, sgt_trace_error_batch,
-             (size_t elements, const sgt_element e[], double index_before, size_t n, sgt_rays rays,
-              const sgt_passages passages[], sgt_end_errors out),
-             (elements, e, index_before, n, rays, passages, out))
+             (size_t elements, const sgt_element e[], double index_before, const sgt_traces *traces,
+              sgt_end_errors out),
+             (elements, e, index_before, traces, out))
 SGT_EXPORT(sgt_ray, sgt_beam_ray, (const sgt_beam *beam, double u, double v), (beam, u, v))
 SGT_EXPORT(bool, sgt_beam_bounds,
            (size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam, sgt_vec2 wanted,
@@ -43,7 +41,6 @@ SGT_DISPATCH(sgt_aimed, sgt_aim,
               sgt_passage passages[], const sgt_aim_options *opt, sgt_aiming *out),
              (stop, e, index_before, beam, wanted, passages, opt, out))
 SGT_DISPATCH(size_t, sgt_aim_batch,
-             (size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam, size_t n,
-              const sgt_vec2 wanted[], const sgt_passages passages[], sgt_passage room[],
-              const sgt_aim_options *opt, sgt_aiming out[]),
-             (stop, e, index_before, beam, n, wanted, passages, room, opt, out))
+             (size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam,
+              const sgt_aims *aims, sgt_passage room[], const sgt_aim_options *opt),
+             (stop, e, index_before, beam, aims, room, opt))

@@ -54,9 +54,9 @@ static sgt_ray tile_ray(const aim_tile *w, size_t k)
     return (sgt_ray){.o = {w->ox[k], w->oy[k], w->oz[k]}, .d = {w->dx[k], w->dy[k], w->dz[k]}};
 }
 
-static sgt_rays rays_in(const aim_tile *w)
+static sgt_traces traces_in(const aim_tile *w)
 {
-    return (sgt_rays){.o = {w->ox, w->oy, w->oz}, .d = {w->dx, w->dy, w->dz}};
+    return (sgt_traces){w->count, {.o = {w->ox, w->oy, w->oz}, .d = {w->dx, w->dy, w->dz}}, w->passages};
 }
 
 /* Adds the ray at (u, v), moved into the box, to those that are to be traced. */
@@ -79,7 +79,8 @@ static void trace_rays(aim_tile *w)
     const size_t all = task->stop + 1;
     const sgt_traced out = {.fate = w->fate};
     const sgt_options options = {.pick = SGT_NEAR_SEED};
-    sgt_trace_batch(all, task->e, task->index_before, w->count, rays_in(w), out, w->passages, &options);
+    const sgt_rays rays = traces_in(w).rays;
+    sgt_trace_batch(all, task->e, task->index_before, w->count, rays, out, w->passages, &options);
     for (size_t k = 0; k < w->count; k++) {
         w->clipped[k] = all;
         if (w->fate[k] == SGT_PASSED) continue;
@@ -139,8 +140,8 @@ SGT_NOINLINE static void differentiate(const aim_tile *w, aim_derivatives *out)
         for (int i = 0; i < 3; i++)
             change[j].p[i] = column[j][i], change[j].d[i] = column[j][3 + i], end[j].p[i] = out->p[j][i];
     }
-    sgt_trace_sensitivity_batch(w->task.stop + 1, w->task.e, w->task.index_before, w->count, rays_in(w),
-                                w->passages, 2, change, end);
+    const sgt_traces traces = traces_in(w);
+    sgt_trace_sensitivity_batch(w->task.stop + 1, w->task.e, w->task.index_before, &traces, 2, change, end);
 }
 
 /* Newton's step of ray k, which is the best one of its point. */
@@ -287,9 +288,8 @@ static size_t aim_together(aim_tile *w, size_t first, const sgt_aim_options *opt
     size_t met = 0;
     move_all(w, opt);
     trace_best(w);
-    if (w->count)
-        sgt_trace_error_batch(w->task.stop + 1, w->task.e, w->task.index_before, w->count, rays_in(w),
-                              w->passages, errors);
+    const sgt_traces traces = traces_in(w);
+    if (w->count) sgt_trace_error_batch(w->task.stop + 1, w->task.e, w->task.index_before, &traces, errors);
     for (size_t k = w->count; k-- > 0;) { /* from the last one on: a place is read before it is written */
         const size_t i = w->of[k];
         sgt_aiming own;
@@ -313,10 +313,12 @@ static size_t aim_together(aim_tile *w, size_t first, const sgt_aim_options *opt
     return met;
 }
 
-size_t sgt_aim_batch(size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam, size_t n,
-                     const sgt_vec2 wanted[], const sgt_passages passages[], sgt_passage room[],
-                     const sgt_aim_options *opt, sgt_aiming out[])
+size_t sgt_aim_batch(size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam,
+                     const sgt_aims *aims, sgt_passage room[], const sgt_aim_options *opt)
 {
+    const sgt_passages *passages = aims->passages;
+    sgt_aiming *const out = aims->out;
+    const size_t n = aims->n;
     sgt_aim_options given = opt ? *opt : (sgt_aim_options){0};
     aim_tile w = {.task = {stop, e, index_before, beam, {0, 0}, room},
                   .passages = passages,
@@ -334,7 +336,7 @@ size_t sgt_aim_batch(size_t stop, const sgt_element e[], double index_before, co
         sgt_aim_options own = given;
         if (own.starts) own.start += first * own.starts;
         if (own.attempt) own.attempt += first * own.room;
-        w.wanted = wanted + first, w.n = n - first < POINTS ? n - first : POINTS;
+        w.wanted = aims->wanted + first, w.n = n - first < POINTS ? n - first : POINTS;
         if (sgt_aim_sound(&w.task, &common) && !e[stop].phase) {
             met += aim_together(&w, first, &own, out ? out + first : NULL);
             continue;

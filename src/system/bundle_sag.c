@@ -13,12 +13,14 @@
  *      same box.  If nothing is left, no line meets it.
  *   3. T is made twice as long.  Newton's step for intervals (Moore 1966, Interval Analysis, chapter 7): if
  *      the slope dF/dt has one sign on T for all lines, with m in T, t = m - F(m) / slope.  F(m) is a form,
- *      and so then is t.  If its range is inside of T, each line has a root there, and only one.
+ *      and so then is t.  If its range is inside of T, each line has a root there, and only one.  The step
+ *      is taken twice, the second time with the slope over what is left of T.  m is about the root of the
+ *      line in the middle, so that F(m) is small, and is the same in both.
  *
- * A departure gives P and its gradient at the middle of a box, with bounds on their errors, and one on its
- * second derivative in the box (departure.h).  So P is a form but for a bound of second order, and its
- * gradient a number but for one of first order: parts that departures bend have to be smaller.  Bounds are
- * what costs most.  Step 3 asks for them once: all its points are in the box of its T.
+ * A departure gives P and its gradient at a point, with bounds on their errors, and one on its second
+ * derivative in a box (departure.h).  So P is a form but for a bound of second order, and its gradient a
+ * number but for one of first order: parts that departures bend have to be smaller.  Bounds and P are what
+ * costs most.  Step 3 asks for bounds once, as all its points are in the box of its T, and mostly for one P.
  *
  * WHICH ROOT.  sgt_trace looks for the root near the seed.  If that is outside the aperture and another
  * inside, it takes the other; roots beyond the rim are none.  So:
@@ -32,7 +34,7 @@
 
 #include "../surface/departure/departure.h"
 
-enum { PIECES = 8, ROUNDS = 4, STEPS = 2, TERMS = 8 };
+enum { PIECES = 8, ROUNDS = 4, GUESSES = 2, MIDDLES = 4, TERMS = 8 };
 static const double STILL = 0.7; /* of the length of T: what a round leaves that is the last */
 
 /* a: of the even polynomial, or NULL.  of: the departure, or NULL.  bend: (1 + k) c^2. */
@@ -116,49 +118,72 @@ static sgt_interval sag_part_over(const sag_model *s, sgt_interval x, sgt_interv
 
 /* ------------------------------------------------------------------------ the sag */
 
-/* Of the part of S that is of r^2 alone, over a box: its range, and that of its derivative by r^2.
- * defined: certainly, all over.  within: r^2 of what is asked for. */
-typedef struct sag_round { sgt_interval sag, slope; bool defined; } sag_round;
+/* The round part of S is that of r^2 = rho alone: c rho / (1 + phi) and the even terms, where phi is the root
+ * of 1 - (1 + k) c^2 rho.  Its slope is the derivative by rho: c / (2 phi), and that of the terms.  within:
+ * the rho that are asked for. */
+typedef struct round_place { sgt_interval rho, phi2, phi; } round_place;
 
-static sag_round round_over(const sag_model *s, sgt_interval x, sgt_interval y, sgt_interval within)
+static round_place round_over(const sag_model *s, sgt_interval x, sgt_interval y, sgt_interval within)
 {
     sgt_interval rho = sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y));
     rho = sgt_interval_intersection(rho, within);
-    sgt_interval one = sgt_interval_of(1);
-    sgt_interval phi2 = sgt_interval_difference(one, sgt_interval_product(s->bend, rho));
-    sgt_interval phi = sgt_interval_square_root(phi2);
-    sgt_interval base = sgt_interval_quotient(sgt_interval_scaled(rho, s->c), sgt_interval_sum(one, phi));
-    sgt_interval sum = sgt_interval_of(0), slope = sum;
-    for (int i = TERMS - 1; i >= 0 && s->a; i--) {
-        sgt_interval a = sgt_interval_of(s->a[i]);
-        slope = sgt_interval_sum(sgt_interval_product(slope, rho), sgt_interval_scaled(a, i + 1));
-        sum = sgt_interval_product(sgt_interval_sum(sum, a), rho);
-    }
-    sgt_interval steep = sgt_interval_quotient(sgt_interval_scaled(sgt_interval_of(s->c), 0.5), phi);
-    return (sag_round){sgt_interval_sum(base, sum), sgt_interval_sum(steep, slope), phi2.lo > 0};
+    const sgt_interval phi2 = sgt_interval_difference(sgt_interval_of(1), sgt_interval_product(s->bend, rho));
+    return (round_place){rho, phi2, sgt_interval_square_root(phi2)};
 }
 
 /* S over a box, r at most L. */
 static sgt_interval sag_over(const sag_model *s, sgt_interval x, sgt_interval y, double L)
 {
-    const sgt_interval sag = round_over(s, x, y, (sgt_interval){0, L * L}).sag;
-    return s->of ? sgt_interval_sum(sag, sag_part_over(s, x, y, L)) : sag;
+    const round_place at = round_over(s, x, y, (sgt_interval){0, L * L});
+    sgt_interval sum = sgt_interval_of(0);
+    for (int i = TERMS - 1; i >= 0 && s->a; i--)
+        sum = sgt_interval_product(sgt_interval_sum(sum, sgt_interval_of(s->a[i])), at.rho);
+    sum = sgt_interval_sum(sgt_interval_quotient(sgt_interval_scaled(at.rho, s->c),
+                                                 sgt_interval_sum(sgt_interval_of(1), at.phi)),
+                           sum);
+    return s->of ? sgt_interval_sum(sum, sag_part_over(s, x, y, L)) : sum;
 }
 
-/* S at the points of forms, and its derivative by r^2 of the part of r^2 alone, as forms. */
-typedef struct sag_linear { linear sag, slope; } sag_linear;
-
-static sag_linear round_form(const sag_model *s, linear x, linear y)
+/* The slope of the round part over a box; *defined: it certainly is, all over. */
+static sgt_interval round_slope(const sag_model *s, sgt_interval x, sgt_interval y, bool *defined)
 {
-    linear rho = form_sum(form_square(x), form_square(y));
-    linear phi = form_root(form_plus(form_negative(form_product(form_between(s->bend), rho)), 1));
-    linear base = form_quotient(form_scaled(rho, s->c), form_plus(phi, 1)), sum = form_of(0), slope = sum;
-    for (int i = TERMS - 1; i >= 0 && s->a; i--) {
-        if (s->a[i] == 0 && form_size(sum) == 0) continue;
-        slope = form_sum(form_product(slope, rho), form_scaled(form_of(s->a[i]), i + 1));
-        sum = form_product(form_plus(sum, s->a[i]), rho);
-    }
-    return (sag_linear){form_sum(base, sum), form_sum(slope, form_quotient(form_of(0.5 * s->c), phi))};
+    const round_place at = round_over(s, x, y, (sgt_interval){0, HUGE_VAL});
+    sgt_interval slope = sgt_interval_of(0);
+    for (int i = TERMS - 1; i >= 0 && s->a; i--)
+        slope = sgt_interval_sum(sgt_interval_product(slope, at.rho),
+                                 sgt_interval_scaled(sgt_interval_of(s->a[i]), i + 1));
+    *defined = at.phi2.lo > 0;
+    const sgt_interval half_c = sgt_interval_scaled(sgt_interval_of(s->c), 0.5);
+    return sgt_interval_sum(sgt_interval_quotient(half_c, at.phi), slope);
+}
+
+/* The same at the points of forms. */
+typedef struct round_forms { linear rho, phi; } round_forms;
+
+static round_forms round_forms_of(const sag_model *s, linear x, linear y)
+{
+    const linear rho = form_sum(form_square(x), form_square(y));
+    return (round_forms){
+        rho, form_root(form_plus(form_negative(form_product(form_between(s->bend), rho)), 1))};
+}
+
+static linear round_form(const sag_model *s, linear x, linear y)
+{
+    const round_forms at = round_forms_of(s, x, y);
+    linear sum = form_of(0);
+    for (int i = TERMS - 1; i >= 0 && s->a; i--)
+        if (s->a[i] != 0 || form_size(sum) != 0) sum = form_product(form_plus(sum, s->a[i]), at.rho);
+    return form_sum(form_quotient(form_scaled(at.rho, s->c), form_plus(at.phi, 1)), sum);
+}
+
+static linear round_slope_form(const sag_model *s, linear x, linear y)
+{
+    const round_forms at = round_forms_of(s, x, y);
+    linear slope = form_of(0);
+    for (int i = TERMS - 1; i >= 0 && s->a; i--)
+        if (s->a[i] != 0 || form_size(slope) != 0)
+            slope = form_sum(form_product(slope, at.rho), form_scaled(form_of(s->a[i]), i + 1));
+    return form_sum(slope, form_quotient(form_of(0.5 * s->c), at.phi));
 }
 
 /* Points of forms as they are from a middle, and how far at most. */
@@ -247,18 +272,24 @@ static line_slopes line_slopes_of(const bundle_lines *w, const line_ranges *rang
                          sgt_interval_sum(sgt_interval_square(range->dx), sgt_interval_square(range->dy))};
 }
 
+/* The places of all lines over t. */
+typedef struct line_box { sgt_interval x, y; } line_box;
+
+static line_box line_box_of(const line_ranges *range, sgt_interval t)
+{
+    return (line_box){line_at(range->x, t, range->dx), line_at(range->y, t, range->dy)};
+}
+
 /* dF/dt of all lines over t; *defined: there is no doubt of that.  known: m and b are read. */
 static sgt_interval sag_slope(const sag_model *s, const line_ranges *range, const line_slopes *by,
-                              sgt_interval t, const sag_root *known, bool *defined)
+                              sgt_interval t, const line_box *over, const sag_root *known, bool *defined)
 {
-    const sgt_interval x = line_at(range->x, t, range->dx), y = line_at(range->y, t, range->dy);
-    const sag_round all = round_over(s, x, y, (sgt_interval){0, HUGE_VAL});
-    const sgt_interval half = sgt_interval_sum(by->outward, sgt_interval_product(t, by->flat));
-    sgt_interval sum = sgt_interval_scaled(sgt_interval_product(half, all.slope), 2);
-    *defined = all.defined;
+    const sgt_interval half = sgt_interval_sum(by->outward, sgt_interval_product(t, by->flat)),
+                       slope = round_slope(s, over->x, over->y, defined);
+    sgt_interval sum = sgt_interval_scaled(sgt_interval_product(half, slope), 2);
     if (s->of) {
         const sag_middle *m = &known->m;
-        const double v = sag_away(m, x, y);
+        const double v = sag_away(m, over->x, over->y);
         const sgt_interval px = sag_derivative(m->px, m, &known->b, v),
                            py = sag_derivative(m->py, m, &known->b, v);
         sum = sgt_interval_sum(sum, sgt_interval_sum(sgt_interval_product(px, range->dx),
@@ -267,47 +298,95 @@ static sgt_interval sag_slope(const sag_model *s, const line_ranges *range, cons
     return sgt_interval_difference(range->dz, sum);
 }
 
+/* The line in the middle, by plain numbers: F at t less what P adds, and dF/dt. */
+typedef struct line_value { double x, y, f, slope; } line_value;
+
+static line_value line_value_at(const sag_model *s, const bundle_lines *w, double t)
+{
+    const double dx = w->d.x.c, dy = w->d.y.c, dz = w->d.z.c, x = w->x.c + t * dx, y = w->y.c + t * dy,
+                 rho = x * x + y * y, phi = sqrt(1 - s->bend.hi * rho);
+    double sum = 0, slope = 0;
+    for (int i = TERMS - 1; i >= 0 && s->a; i--)
+        slope = slope * rho + (i + 1) * s->a[i], sum = (sum + s->a[i]) * rho;
+    sum += s->c * rho / (1 + phi), slope += 0.5 * s->c / phi;
+    return (line_value){x, y, t * dz - sum, dz - 2 * (x * dx + y * dy) * slope};
+}
+
+static double in_interval(sgt_interval t, double m)
+{
+    return m >= t.lo && m <= t.hi ? m : sgt_interval_middle(t);
+}
+
+/* About the root of the line in the middle, in t; of a departure *m is P nearby.  Another P is worked out
+ * while that one is farther away than the lines are apart.  false: P is not known. */
+static bool sag_guess(const sag_model *s, const bundle_lines *w, sgt_interval t, double *guess, sag_middle *m)
+{
+    const double apart = form_linear(w->x) + form_linear(w->y), run = fabs(w->d.x.c) + fabs(w->d.y.c);
+    double at = sgt_interval_middle(t);
+    for (int i = 0; i < GUESSES; i++) {
+        const line_value v = line_value_at(s, w, at);
+        at = in_interval(t, at - v.f / v.slope);
+    }
+    for (int i = 0; i < MIDDLES && s->of; i++) {
+        const line_value v = line_value_at(s, w, at);
+        if (!sag_middle_of(s, v.x, v.y, m)) return false;
+        const double before = at, slope = v.slope - (m->px * w->d.x.c + m->py * w->d.y.c);
+        at = in_interval(t, at - (v.f - m->p) / slope);
+        if (fabs(at - before) * run <= apart) break;
+    }
+    *guess = at;
+    return true;
+}
+
+/* Newton's step from m in t for the forms F(m), *t cut down to what is left.  GONE: nothing is. */
+static bundle_fate sag_step(double m, linear F, sgt_interval slope, sgt_interval *t, sag_root *root)
+{
+    const bool up = sgt_interval_is_positive(slope), down = sgt_interval_is_negative(slope);
+    if (!(up || down)) return BUNDLE_UNKNOWN;
+    const sgt_interval inverse = sgt_interval_quotient(sgt_interval_of(1), slope);
+    root->t = form_sum(form_of(m), form_negative(form_product(F, form_between(inverse))));
+    const sgt_interval next = form_range(root->t);
+    if (!(next.hi - next.lo < HUGE_VAL)) return BUNDLE_UNKNOWN;
+    root->exists = root->exists || (next.lo > t->lo && next.hi < t->hi);
+    root->sign = up ? 1 : -1;
+    *t = sgt_interval_intersection(*t, next);
+    return sgt_interval_is_empty(*t) ? BUNDLE_GONE : BUNDLE_THERE;
+}
+
 /* Step 3.  GONE: no root in t.  THERE: root->t contains all. */
 static bundle_fate sag_newton(const sag_model *s, const bundle_lines *w, const line_ranges *range,
                               sgt_interval t, sag_root *root)
 {
     const double more = 0.5 * (t.hi - t.lo) + 0x1p-40 * (fabs(t.lo) + fabs(t.hi)) + FORM_LEAST;
     const line_slopes by = line_slopes_of(w, range);
+    double m;
+    bool defined;
     region where;
     /* else the step could not end inside of it, as T is all that is known before */
     t.lo -= more, t.hi += more;
     root->exists = false;
-    if (s->of && !(sag_bounds(s, line_at(range->x, t, range->dx), line_at(range->y, t, range->dy), HUGE_VAL,
-                              &where, &root->b) > 0 &&
-                   root->b.bend < HUGE_VAL))
+    line_box over = line_box_of(range, t);
+    if (s->of && !(sag_bounds(s, over.x, over.y, HUGE_VAL, &where, &root->b) > 0 && root->b.bend < HUGE_VAL))
         return BUNDLE_UNKNOWN;
-    for (int i = 0; i < STEPS; i++) {
-        double m = sgt_interval_middle(t);
-        bool defined;
-        linear x = form_sum(w->x, form_scaled(w->d.x, m)), y = form_sum(w->y, form_scaled(w->d.y, m));
-        if (s->of && !sag_middle_of(s, x.c, y.c, &root->m)) return BUNDLE_UNKNOWN;
-        sgt_interval slope = sag_slope(s, range, &by, t, root, &defined);
-        bool up = sgt_interval_is_positive(slope), down = sgt_interval_is_negative(slope);
-        if (!defined || !(up || down)) return BUNDLE_UNKNOWN;
-        linear F = form_difference(form_scaled(w->d.z, m), round_form(s, x, y).sag);
-        if (s->of) F = form_difference(F, sag_part_form(&root->m, x, y, root->b.bend));
-        sgt_interval inverse = sgt_interval_quotient(sgt_interval_of(1), slope);
-        root->t = form_sum(form_of(m), form_negative(form_product(F, form_between(inverse))));
-        sgt_interval next = form_range(root->t);
-        if (!(next.hi - next.lo < HUGE_VAL)) return BUNDLE_UNKNOWN;
-        root->exists = root->exists || (next.lo > t.lo && next.hi < t.hi);
-        t = sgt_interval_intersection(t, next);
-        if (sgt_interval_is_empty(t)) return BUNDLE_GONE;
-        root->sign = up ? 1 : -1;
-    }
-    return BUNDLE_THERE;
+    if (!sag_guess(s, w, t, &m, &root->m)) return BUNDLE_UNKNOWN;
+    sgt_interval slope = sag_slope(s, range, &by, t, &over, root, &defined);
+    if (!defined) return BUNDLE_UNKNOWN;
+    const linear x = form_sum(w->x, form_scaled(w->d.x, m)), y = form_sum(w->y, form_scaled(w->d.y, m));
+    linear F = form_difference(form_scaled(w->d.z, m), round_form(s, x, y));
+    if (s->of) F = form_difference(F, sag_part_form(&root->m, x, y, root->b.bend));
+    const bundle_fate fate = sag_step(m, F, slope, &t, root);
+    if (fate != BUNDLE_THERE) return fate;
+    t = sgt_interval_hull(t, sgt_interval_of(m)); /* the slope is needed from m to the root */
+    over = line_box_of(range, t);
+    slope = sag_slope(s, range, &by, t, &over, root, &defined);
+    return sag_step(m, F, slope, &t, root);
 }
 
 static void sag_hit(const sag_model *s, const bundle_lines *w, const sag_root *root, bundle_hit *h)
 {
     const linear t = root->t;
     linear x = form_sum(w->x, form_product(t, w->d.x)), y = form_sum(w->y, form_product(t, w->d.y));
-    linear by = form_scaled(round_form(s, x, y).slope, -2);
+    linear by = form_scaled(round_slope_form(s, x, y), -2);
     h->p = (form3){x, y, form_product(t, w->d.z)};
     h->n = (form3){form_product(by, x), form_product(by, y), form_of(1)};
     if (s->of) {

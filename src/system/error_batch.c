@@ -368,10 +368,11 @@ static void errors_of_tile(const chain_work *work, bool phases, size_t first, si
     if (out->path) sweep_path(work, phases, first, n, w, out->path + first);
 }
 
-size_t sgt_trace_error_batch(size_t elements, const sgt_element e[], double index_before, size_t n,
-                             sgt_rays rays, const sgt_passages passages[], sgt_end_errors out)
+size_t sgt_trace_error_batch(size_t elements, const sgt_element e[], double index_before,
+                             const sgt_traces *traces, sgt_end_errors out)
 {
-    const chain_work work = {elements, e, index_before, &rays, passages};
+    const chain_work work = {elements, e, index_before, &traces->rays, traces->passages};
+    const size_t n = traces->n;
     const bool phases = sgt_any_phase(elements, e);
     error_tile w;
     size_t all = 0;

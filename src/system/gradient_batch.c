@@ -136,11 +136,12 @@ static int lacks_member(size_t columns, const sgt_ray_changes of[])
     return 0;
 }
 
-int sgt_trace_sensitivity_batch(size_t elements, const sgt_element e[], double index_before, size_t n,
-                                sgt_rays rays, const sgt_passages passages[], size_t columns,
-                                const sgt_ray_changes change[], const sgt_ray_changes out[])
+int sgt_trace_sensitivity_batch(size_t elements, const sgt_element e[], double index_before,
+                                const sgt_traces *traces, size_t columns, const sgt_ray_changes change[],
+                                const sgt_ray_changes out[])
 {
-    const chain_work work = {elements, e, index_before, &rays, passages};
+    const chain_work work = {elements, e, index_before, &traces->rays, traces->passages};
+    const size_t n = traces->n;
     int lacks = lacks_member(columns, change) | lacks_member(columns, out);
     for (size_t first = 0; first < n; first += CHAIN_RAYS)
         for (size_t done = 0; done < columns; done += COLUMNS)
@@ -367,12 +368,12 @@ static int backward_tile(const chain_work *work, size_t first, size_t n, size_t 
     return lacks;
 }
 
-int sgt_trace_gradient_batch(size_t elements, const sgt_element e[], double index_before, size_t n,
-                             sgt_rays rays, const sgt_passages passages[], size_t rows,
-                             const sgt_ray_changes weight[], double *const gradient[])
+int sgt_trace_gradient_batch(size_t elements, const sgt_element e[], double index_before,
+                             const sgt_traces *traces, size_t rows, const sgt_ray_changes weight[],
+                             double *const gradient[])
 {
-    const chain_work work = {elements, e, index_before, &rays, passages};
-    const size_t count = sgt_trace_parameters(elements, e);
+    const chain_work work = {elements, e, index_before, &traces->rays, traces->passages};
+    const size_t n = traces->n, count = sgt_trace_parameters(elements, e);
     int lacks = lacks_member(rows, weight);
     for (size_t first = 0; first < n; first += CHAIN_RAYS)
         for (size_t done = 0; done < rows; done += ROWS)

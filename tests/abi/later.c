@@ -126,7 +126,8 @@ static void analyses(void)
     sgt_ray_end end[60], chief;
     size_t n = sgt_pupil_points(SGT_PATTERN_HEXAPOLAR, 3, 0, 60, at);
     if (from && sgt_launch_field(from, l->field_kind, &l->field[0], &beam, &error) &&
-        sgt_trace_pupil(from, &beam, l->element, l->index_before, n, at, NULL, end, &error) &&
+        sgt_trace_pupil(from, &beam, l->element, l->index_before, &(sgt_pupil_rays){n, at, end}, NULL,
+                        &error) &&
         sgt_trace_chief(from, &beam, l->element, l->index_before, &chief, &error)) {
         sgt_spot spot = sgt_spot_of(1, &(sgt_ends){n, end, 1}, NULL);
         put("spot", 4, &spot.rms);
@@ -209,10 +210,11 @@ static void asks(void)
                  .p_err = out[7]}, .direction = {out[8], out[9], out[10]}};
     const sgt_ray_changes change = {.planted_ = 1}, end = {.opl = out[11]};
     sgt_trace_batch(1, lens, 1, N, rays_of(), (sgt_traced){.fate = fate}, &all, NULL);
-    lacks = sgt_trace_sensitivity_batch(1, lens, 1, N, rays_of(), &all, 1, &change, &end);
+    const sgt_traces traces = {N, rays_of(), &all};
+    lacks = sgt_trace_sensitivity_batch(1, lens, 1, &traces, 1, &change, &end);
     printf("sgt_ray_changes: lacks %d\n", lacks);
     const sgt_end_errors off = {.point = out[11], .planted_ = 1};
-    const size_t known = sgt_trace_error_batch(1, lens, 1, N, rays_of(), &all, off);
+    const size_t known = sgt_trace_error_batch(1, lens, 1, &traces, off);
     printf("sgt_end_errors: %s\n", known && out[11][0] >= 0 ? "known" : "none");
 #ifdef WITH_LENS
     const sgt_lens_options how = {.planted_ = 1};

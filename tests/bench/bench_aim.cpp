@@ -246,20 +246,17 @@ void many(const Lens &lens)
     sgt_aim_options from = {}, first = {};
     from.starts = first.starts = 1, from.max_boxes = first.max_boxes = -1, from.start = start.data();
     const sgt_traced nothing = {};
+    const sgt_traces traces = {n, rays, room.passages.data()};
+    const sgt_aims aims = {n, wanted.data(), nullptr, aimed.passages.data()};
     std::vector<double> t = medians(
         {[&](size_t) { sgt_trace_batch(m, e, 1, n, rays, plain, nullptr, nullptr); },
          [&](size_t) { sgt_trace_batch(m, e, 1, n, rays, path, nullptr, nullptr); },
          [&](size_t) { sgt_trace_batch(m, e, 1, n, rays, nothing, room.passages.data(), nullptr); },
-         [&](size_t) { sgt_trace_error_batch(m, e, 1, n, rays, room.passages.data(), point); },
-         [&](size_t) { sgt_trace_error_batch(m, e, 1, n, rays, room.passages.data(), errors); },
-         [&](size_t) { sgt_trace_sensitivity_batch(m, e, 1, n, rays, room.passages.data(), 2, column, end); },
-         [&](size_t) {
-             sgt_trace_gradient_batch(m, e, 1, n, rays, room.passages.data(), 1, &weight, gradient.data());
-         },
-         [&](size_t) {
-             sgt_aim_batch(stop, e, 1, &beam, n, wanted.data(), aimed.passages.data(), work.data(), &from,
-                           nullptr);
-         }},
+         [&](size_t) { sgt_trace_error_batch(m, e, 1, &traces, point); },
+         [&](size_t) { sgt_trace_error_batch(m, e, 1, &traces, errors); },
+         [&](size_t) { sgt_trace_sensitivity_batch(m, e, 1, &traces, 2, column, end); },
+         [&](size_t) { sgt_trace_gradient_batch(m, e, 1, &traces, 1, &weight, gradient.data()); },
+         [&](size_t) { sgt_aim_batch(stop, e, 1, &beam, &aims, work.data(), &from); }},
         1);
     sgt_ray ray = all[0];
     sgt_trace(m, e, 1, &ray, single.data(), nullptr, nullptr);

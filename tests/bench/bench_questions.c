@@ -55,20 +55,17 @@ static void trace(const asked *a, const sgt_passages *p)
 static void ask(const asked *a, int question)
 {
     const sgt_lens *l = a->lens;
+    const sgt_traces traces = {RAYS, a->rays, a->all};
     switch (question) {
     case 0: trace(a, a->last); return;
     case 1: trace(a, a->path); return;
     case 2: trace(a, a->all); return;
-    case 3:
-        sgt_trace_error_batch(l->count, l->element, l->index_before, RAYS, a->rays, a->all, a->errors);
-        return;
+    case 3: sgt_trace_error_batch(l->count, l->element, l->index_before, &traces, a->errors); return;
     case 4:
-        sgt_trace_sensitivity_batch(l->count, l->element, l->index_before, RAYS, a->rays, a->all, 2,
-                                    a->change, a->end);
+        sgt_trace_sensitivity_batch(l->count, l->element, l->index_before, &traces, 2, a->change, a->end);
         return;
     default:
-        sgt_trace_gradient_batch(l->count, l->element, l->index_before, RAYS, a->rays, a->all, 1, &a->weight,
-                                 a->gradient);
+        sgt_trace_gradient_batch(l->count, l->element, l->index_before, &traces, 1, &a->weight, a->gradient);
     }
 }
 

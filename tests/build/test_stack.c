@@ -351,23 +351,25 @@ static void aim_many(void)
             some[e].direction[x] = array[k + 2];
     }
     for (int i = 0; i < MANY; i++) wanted[i] = (sgt_vec2){0.05 * (i - 20), 0.1};
+    const sgt_aims aims = {MANY, wanted, NULL, some};
     const sgt_aim_options quick = {.max_boxes = 20, .max_traces = 40};
-    met += 1 + sgt_aim_batch(2, elements, 1, &beam, MANY, wanted, some, room, &quick, NULL);
-    const sgt_rays launch = {.o = {array[45], array[46], array[47]}, .d = {to[3], to[4], to[5]}};
+    met += 1 + sgt_aim_batch(2, elements, 1, &beam, &aims, room, &quick);
+    const sgt_traces traces = {
+        MANY, {.o = {array[45], array[46], array[47]}, .d = {to[3], to[4], to[5]}}, some};
     for (int i = 0; i < MANY; i++) {
         const sgt_ray ray = sgt_beam_ray(&beam, 0.02 * i - 1, 0.5);
         array[45][i] = ray.o.x, array[46][i] = ray.o.y, array[47][i] = ray.o.z;
         to[3][i] = ray.d.x, to[4][i] = ray.d.y, to[5][i] = ray.d.z;
     }
-    sgt_trace_batch(ELEMENTS, elements, 1, MANY, launch, (sgt_traced){.fate = NULL}, some, NULL);
+    sgt_trace_batch(ELEMENTS, elements, 1, MANY, traces.rays, (sgt_traced){.fate = NULL}, some, NULL);
     const sgt_ray_changes change[2] = {{.p = {to[3], to[4], to[5]}}, {.d = {to[3], to[4], to[5]}}},
                           end[2] = {{.p = {to[0], to[1], to[2]}}, {.opl = to[0]}};
-    sgt_trace_sensitivity_batch(ELEMENTS, elements, 1, MANY, launch, some, 2, change, end);
+    sgt_trace_sensitivity_batch(ELEMENTS, elements, 1, &traces, 2, change, end);
     for (int i = 0; i < 2 * LIST; i++) gradient[i] = i % 40 ? NULL : to[0];
     if (sgt_trace_parameters(ELEMENTS, elements) <= LIST)
-        sgt_trace_gradient_batch(ELEMENTS, elements, 1, MANY, launch, some, 2, change, gradient);
+        sgt_trace_gradient_batch(ELEMENTS, elements, 1, &traces, 2, change, gradient);
     const sgt_end_errors errors = {.point = to[0], .path = to[1]};
-    met += sgt_trace_error_batch(ELEMENTS, elements, 1, MANY, launch, some, errors);
+    met += sgt_trace_error_batch(ELEMENTS, elements, 1, &traces, errors);
 }
 
 static void check(void)

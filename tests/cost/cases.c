@@ -63,6 +63,13 @@ static sgt_ray along_axis(void)
     return ray;
 }
 
+static sgt_ray from_vertex(void)
+{
+    sgt_ray ray = toward_lens();
+    ray.o = (sgt_vec3){0, 0, 0};
+    return ray;
+}
+
 static sgt_ray of_picture(void)  /* of the ball of radius 1.2 about the origin, from one eye */
 {
     sgt_ray ray = {.o = {1.2, 0.9, -3.2}};
@@ -309,6 +316,18 @@ static void batch(const subject *of, size_t n, const sgt_options *opt)
     sgt_intersect_batch(of->surface, n, arrays(), hits(), opt);
 }
 
+/* Straight on from where `batch` has met the surface. */
+static void leave_batch(const subject *of, size_t n, const sgt_options *opt)
+{
+    static double next[4][MANY];
+    static sgt_status met[MANY];
+    static signed char side[MANY];
+    const sgt_starts from = {.p = {out[2], out[3], out[4]}, .n = {out[5], out[6], out[7]},
+                             .d = {in[3], in[4], in[5]}};
+    const sgt_hits to = {.status = met, .t = next[0], .n = {next[1], next[2], next[3]}};
+    sgt_leave_batch(of->surface, n, from, to, side, opt);
+}
+
 static void batches_of_one(const subject *of, size_t n, const sgt_options *opt)
 {
     for (size_t i = 0; i < n; i++) {
@@ -373,7 +392,8 @@ static void errors(const subject *of, size_t n, const sgt_options *opt)
 {
     (void)opt;
     const sgt_end_errors told = {.point = out[0], .path = out[1], .grain = out[2]};
-    seen = (double)sgt_trace_error_batch(ELEMENTS, of->lens, 1, n, arrays(), passages, told);
+    const sgt_traces traces = {n, arrays(), passages};
+    seen = (double)sgt_trace_error_batch(ELEMENTS, of->lens, 1, &traces, told);
 }
 
 static void gradient(const subject *of, size_t n, const sgt_options *opt)
@@ -384,8 +404,9 @@ static void gradient(const subject *of, size_t n, const sgt_options *opt)
     for (size_t i = 0; i < COUNT_OF(list); i++) list[i] = numbers;
     for (size_t i = 0; i < n; i++) ones[i] = 1;
     const sgt_ray_changes weight = {.p = {ones, ones, ones}};
+    const sgt_traces traces = {n, arrays(), passages};
     if (count <= COUNT_OF(list))
-        sgt_trace_gradient_batch(ELEMENTS, of->lens, 1, n, arrays(), passages, 1, &weight, list);
+        sgt_trace_gradient_batch(ELEMENTS, of->lens, 1, &traces, 1, &weight, list);
 }
 
 /* cost.py counts from the call of this function to its return, and by its name: not inlined, not copied,
@@ -488,6 +509,15 @@ int main(int argc, char **argv)
         if (!of->surface.ops->second) continue;
         batch(of, MANY, &first);
         ask_case(name, "derivatives by the ray", differentiate, of, MANY, first);
+    }
+    for (size_t i = 0; i < COUNT_OF(surfaces); i++) { /* from on the surface */
+        const subject *of = &surfaces[i].of;
+        if (of->surface.ops != &sgt_conic_ops && of->surface.ops != &sgt_even_asphere_ops) continue;
+        draw(from_vertex);
+        ask_case(surfaces[i].name, "a batch from the vertex", batch, of, MANY, first);
+        draw(toward_lens);
+        batch(of, MANY, &first);
+        ask_case(surfaces[i].name, "a batch that leaves", leave_batch, of, MANY, first);
     }
     for (const sgt_builtin *b = sgt_builtins(); b->type; b++) { /* any other, by its specimen */
         bool named = false;

@@ -53,7 +53,7 @@ static size_t compare(const sgt_lens *lens, const sgt_launcher *from, const sgt_
         at[i] = (sgt_pupil_point){row[i].end.px, row[i].end.py, row[i].end.weight};
     if (!sgt_launch_field(from, lens->field_kind, &lens->field[row->field - 1], &beam, &error) ||
         !sgt_lens_at(lens, row->wavelength, e, &before, &error) ||
-        !sgt_trace_pupil(from, &beam, e, before, count, at, NULL, end, &error)) {
+        !sgt_trace_pupil(from, &beam, e, before, &(sgt_pupil_rays){count, at, end}, NULL, &error)) {
         printf("%s\n", error.words);
         exit(1);
     }

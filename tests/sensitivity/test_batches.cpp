@@ -251,32 +251,32 @@ static void compare_derivatives(generator &g, const train &r, const batch &b,
     sgt_end_errors out = {};
     out.point = error[0].data(), out.path = error[1].data(), out.grain = error[2].data();
     out.path_grain = error[3].data();
-    std::size_t met = sgt_trace_error_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), out),
-                ok = 0;
+    const sgt_traces traces = {n, b.rays(), b.passages.data()};
+    std::size_t met = sgt_trace_error_batch(m, r.e.data(), r.before, &traces, out), ok = 0;
     numbers some(n, -7.0);
     sgt_end_errors few = {};
     const int which = g.below(4);
     (which == 0 ? few.point : which == 1 ? few.path : which == 2 ? few.grain : few.path_grain) = some.data();
-    sgt_trace_error_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), few);
+    sgt_trace_error_batch(m, r.e.data(), r.before, &traces, few);
 
     const std::size_t wide = std::size_t(1 + g.below(11)), high = std::size_t(1 + g.below(6));
     columns change(wide, n), to(wide, n), weight(high, n);
     change.draw(g), weight.draw(g);
     for (auto &a : to.given) a = {true, true, true};
     to.show();
-    int lacks = sgt_trace_sensitivity_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), wide,
-                                            change.shown.data(), to.shown.data()),
+    int lacks = sgt_trace_sensitivity_batch(m, r.e.data(), r.before, &traces, wide, change.shown.data(),
+                                            to.shown.data()),
         lack = 0;
     columns in_place = change;
     for (auto &a : in_place.given) a = {true, true, true};
     in_place.show();
-    sgt_trace_sensitivity_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), wide,
-                                in_place.shown.data(), in_place.shown.data());
+    sgt_trace_sensitivity_batch(m, r.e.data(), r.before, &traces, wide, in_place.shown.data(),
+                                in_place.shown.data());
     std::vector<numbers> gradient(high * count, numbers(n, -7.0));
     std::vector<double *> list;
     for (numbers &x : gradient) list.push_back(g.chance(0.1) ? nullptr : x.data());
-    int lacks_back = sgt_trace_gradient_batch(m, r.e.data(), r.before, n, b.rays(), b.passages.data(), high,
-                                              weight.shown.data(), list.data()),
+    int lacks_back = sgt_trace_gradient_batch(m, r.e.data(), r.before, &traces, high, weight.shown.data(),
+                                              list.data()),
         lack_back = 0;
     std::vector<double> one(high * count);
     for (std::size_t i = 0; i < n; i++) {
@@ -349,8 +349,8 @@ static void compare_aims(generator &g, const train &r)
     opt.attempt = tried.data();
     batch b(n, stop + 1);
     std::vector<sgt_aiming> out(n);
-    const std::size_t met = sgt_aim_batch(stop, r.e.data(), r.before, &beam, n, wanted.data(),
-                                          b.passages.data(), room.data(), &opt, out.data());
+    const sgt_aims together = {n, wanted.data(), out.data(), b.passages.data()};
+    const std::size_t met = sgt_aim_batch(stop, r.e.data(), r.before, &beam, &together, room.data(), &opt);
     std::size_t found = 0;
     for (std::size_t i = 0; i < n; i++) {
         sgt_aim_options own = opt;

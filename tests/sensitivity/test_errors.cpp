@@ -160,7 +160,8 @@ static void try_train(oracle::generator &g)
     sgt_trace_batch(m, r.e.data(), r.before, RAYS, rays, out, passages.data(), nullptr);
     sgt_end_errors told = {};
     double *const point = told.point = next(), *const path = told.path = next();
-    sgt_trace_error_batch(m, r.e.data(), r.before, RAYS, rays, passages.data(), told);
+    const sgt_traces traces = {RAYS, rays, passages.data()};
+    sgt_trace_error_batch(m, r.e.data(), r.before, &traces, told);
 
     std::vector<element> e;
     for (const sgt_element &one : r.e) e.push_back(element_of(one));

@@ -52,12 +52,9 @@ static void tell_slope(asked *a, size_t i, size_t m, double x, double error)
 
 double sgt_chief_error(const asked *a)
 {
-    const flock *f = &a->rays;
-    const sgt_rays rays = {.o = {f->o[0], f->o[1], f->o[2]}, .d = {f->d[0], f->d[1], f->d[2]}};
-    double point, grain;
-    sgt_trace_error_batch(f->elements, f->own, f->before, 1, rays, f->passages,
-                          (sgt_end_errors){.point = &point, .grain = &grain});
-    return isnan(point + grain) ? HUGE_VAL : point + 4 * grain;
+    double error; /* of one ray */
+    sgt_flock_errors(&a->rays, &error);
+    return isnan(error) ? HUGE_VAL : error;
 }
 
 bool sgt_figure_chiefs(asked *a)

@@ -132,6 +132,9 @@ bool sgt_flock_trace(flock *f, size_t field, size_t slot, size_t count, const sg
 /* Where ray k is at the last element. */
 sgt_ray_change sgt_flock_end(const flock *f, size_t k);
 
+/* Bounds on the points where the rays are, one for each. */
+void sgt_flock_errors(const flock *f, double point[]);
+
 /* Takes `rows` weighted sums of the ends back (aim.h): before sgt_flock_move. */
 void sgt_flock_back(flock *f, size_t rows, const sgt_ray_changes weight[]);
 

@@ -69,6 +69,12 @@ bool sgt_flock_begin(flock *f, look_of_lens *at, const layout *in, size_t motion
     return !a->failed;
 }
 
+static sgt_traces traces_of(const flock *f)
+{
+    return (sgt_traces){
+        f->count, {.o = {f->o[0], f->o[1], f->o[2]}, .d = {f->d[0], f->d[1], f->d[2]}}, f->passages};
+}
+
 bool sgt_flock_trace(flock *f, size_t field, size_t slot, size_t count, const sgt_pupil_point point[],
                      bool chief, bool unbent, bool vignetted)
 {
@@ -95,9 +101,8 @@ bool sgt_flock_trace(flock *f, size_t field, size_t slot, size_t count, const sg
         sgt_trace_through(f->elements, f->own, f->before, &launched[0].ray, f->open, f->passage, f->fate);
         memcpy(f->own, f->open, f->elements * sizeof *f->own);
     }
-    const sgt_rays rays = {.o = {f->o[0], f->o[1], f->o[2]}, .d = {f->d[0], f->d[1], f->d[2]}};
-    sgt_trace_batch(f->elements, f->own, f->before, count, rays, (sgt_traced){.fate = f->fate}, f->passages,
-                    NULL);
+    sgt_trace_batch(f->elements, f->own, f->before, count, traces_of(f).rays, (sgt_traced){.fate = f->fate},
+                    f->passages, NULL);
     return true;
 }
 
@@ -109,18 +114,26 @@ sgt_ray_change sgt_flock_end(const flock *f, size_t k)
                             p->opl[k]};
 }
 
+void sgt_flock_errors(const flock *f, double point[])
+{
+    const sgt_traces traces = traces_of(f);
+    double grain[FLOCK];
+    sgt_trace_error_batch(f->elements, f->own, f->before, &traces,
+                          (sgt_end_errors){.point = point, .grain = grain});
+    for (size_t k = 0; k < f->count; k++) point[k] += 4 * grain[k];
+}
+
 void sgt_flock_back(flock *f, size_t rows, const sgt_ray_changes weight[])
 {
     double one[FLOCK], zero[FLOCK] = {0};
     const size_t stop = f->at->ask.lens->stop;
-    const sgt_rays rays = {.o = {f->o[0], f->o[1], f->o[2]}, .d = {f->d[0], f->d[1], f->d[2]}};
+    const sgt_traces traces = traces_of(f);
     f->rows = rows;
-    sgt_trace_gradient_batch(f->elements, f->own, f->before, f->count, rays, f->passages, rows, weight,
-                             f->gradient);
+    sgt_trace_gradient_batch(f->elements, f->own, f->before, &traces, rows, weight, f->gradient);
     if (f->at->ask.from->aim == SGT_LENS_AIM_PUPIL) return;
     for (size_t k = 0; k < FLOCK; k++) one[k] = 1;
     const sgt_ray_changes point[2] = {{.p = {one, zero, zero}}, {.p = {zero, one, zero}}};
-    sgt_trace_gradient_batch(stop + 1, f->own, f->before, f->count, rays, f->passages, 2, point, f->to_stop);
+    sgt_trace_gradient_batch(stop + 1, f->own, f->before, &traces, 2, point, f->to_stop);
 }
 
 /* ------------------------------------------------------------------------ the launch */

@@ -2,16 +2,6 @@
 /* spot.c - the figure spot: where rays meet the image, from the chief ray or the centroid. */
 #include "asked.h"
 
-/* Bounds on the points of rays that were traced. */
-static void point_errors(const flock *f, double point[FLOCK])
-{
-    const sgt_rays rays = {.o = {f->o[0], f->o[1], f->o[2]}, .d = {f->d[0], f->d[1], f->d[2]}};
-    double grain[FLOCK];
-    sgt_trace_error_batch(f->elements, f->own, f->before, f->count, rays, f->passages,
-                          (sgt_end_errors){.point = point, .grain = grain});
-    for (size_t k = 0; k < f->count; k++) point[k] += 4 * grain[k];
-}
-
 /* Of a field: all wavelengths are one group. */
 static bool spot_of_field(asked *a, size_t field, const double share[], double own_error[], double weight[])
 {
@@ -39,7 +29,7 @@ static bool spot_of_field(asked *a, size_t field, const double share[], double o
         a->out->rays += count;
         const double band_weight = ask->bands > 1 ? ask->band[b].weight : 1;
         double point[FLOCK];
-        if (a->bounds) point_errors(f, point);
+        if (a->bounds) sgt_flock_errors(f, point);
         for (size_t k = 0; k < count; k++) {
             const sgt_ray_change ray = sgt_flock_end(f, k);
             a->residual[row + each * k] = ray.p.x - end.p.x,

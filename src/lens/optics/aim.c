@@ -222,7 +222,8 @@ static void determinants(const sgt_aim_room *r, size_t count)
     const double by[12] = {f->ou.x, f->ou.y, f->ou.z, f->du.x, f->du.y, f->du.z,
                            f->ov.x, f->ov.y, f->ov.z, f->dv.x, f->dv.y, f->dv.z};
     sgt_ray_changes change[2] = {{.opl = NULL}, {.opl = NULL}};
-    const sgt_rays rays = {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}};
+    const sgt_traces traces = {
+        count, {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}}, m->at};
     for (int k = 0; k < 3; k++)
         for (int c = 0; c < 2; c++)
             change[c].p[k] = m->change[6 * c + k], change[c].d[k] = m->change[6 * c + 3 + k];
@@ -232,7 +233,7 @@ static void determinants(const sgt_aim_room *r, size_t count)
         m->d[0][i] = ray->d.x, m->d[1][i] = ray->d.y, m->d[2][i] = ray->d.z;
         for (int k = 0; k < 12; k++) m->change[k][i] = by[k];
     }
-    sgt_trace_sensitivity_batch(s->element + 1, s->e, s->before, count, rays, m->at, 2, change, change);
+    sgt_trace_sensitivity_batch(s->element + 1, s->e, s->before, &traces, 2, change, change);
     for (size_t i = 0; i < count; i++)
         m->change[0][i] = m->change[0][i] * m->change[7][i] - m->change[6][i] * m->change[1][i];
 }
@@ -286,8 +287,8 @@ void sgt_aim_search_for(sgt_aim_room *r, size_t count, const sgt_pupil_point at[
         m->start[2 * i].x = of->chief.u + (map->yv * x - map->xv * y) / map->determinant;
         m->start[2 * i].y = of->chief.v + (map->xu * y - map->yu * x) / map->determinant;
     }
-    sgt_aim_batch(s->element, s->e, s->before, &box, count, m->wanted, m->at, s->passages,
-                  &(sgt_aim_options){.starts = 2, .start = m->start, .max_boxes = -1}, m->found);
+    sgt_aim_batch(s->element, s->e, s->before, &box, &(sgt_aims){count, m->wanted, m->found, m->at},
+                  s->passages, &(sgt_aim_options){.starts = 2, .start = m->start, .max_boxes = -1});
     if (from->sense != 0) determinants(r, count);
     for (size_t i = 0; i < count; i++) {
         const sgt_aiming *a = &m->found[i];

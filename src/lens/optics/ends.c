@@ -246,7 +246,8 @@ static void trace_many(const sgt_colour_beam *of, many *m, size_t rays, const sg
     const sgt_rays launch = {.o = {m->o[0], m->o[1], m->o[2]}, .d = {m->d[0], m->d[1], m->d[2]}};
     sgt_trace_batch(count, e, before, rays, launch, (sgt_traced){.fate = m->fate, .passed = m->passed}, m->at,
                     opt);
-    if (m->wanted & END_ERRORS) sgt_trace_error_batch(count, e, before, rays, launch, m->at, m->off);
+    if (m->wanted & END_ERRORS)
+        sgt_trace_error_batch(count, e, before, &(sgt_traces){rays, launch, m->at}, m->off);
     for (size_t k = 0; k < rays; k++) m->t_err[k] = m->condition[k] = 0, m->evals[k] = 0, m->met[k] = 1;
     for (size_t i = 0; i < count; i++) {
         const sgt_hits *h = &m->at[i].hits;
@@ -424,14 +425,14 @@ sgt_ray_end *sgt_trace_ends(const sgt_colour_beam *of, sgt_ends_room *r, size_t 
 }
 
 bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
-                     double index_before, size_t count, const sgt_pupil_point at[], const sgt_options *opt,
-                     sgt_ray_end out[], sgt_error *error)
+                     double index_before, const sgt_pupil_rays *rays, const sgt_options *opt,
+                     sgt_error *error)
 {
     if (!PLAIN(from, b, "sgt_field_beam", error)) return false;
-    sgt_ends_room *room = sgt_ends_room_new(from, count, END_ALL, 0);
+    sgt_ends_room *room = sgt_ends_room_new(from, rays->count, END_ALL, 0);
     if (!room) return sgt_launch_memory(from, error);
     const sgt_colour_beam of = {from, b, e, index_before, NULL};
-    sgt_trace_ends(&of, room, count, at, opt, out);
+    sgt_trace_ends(&of, room, rays->count, rays->at, opt, rays->end);
     sgt_ends_room_free(from, room);
     return true;
 }

@@ -499,6 +499,15 @@ static beginning beginning_of(const bowl *s, const sgt_tile *tile)
     return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
 }
 
+/* Does the first ray start in the vertex?  There all terms are 0, and no rule tells that it is on the surface
+ * (starts_on).  `away` knows it, and mostly has answers for all of such a tile. */
+SGT_INLINE bool in_vertex(const sgt_tile *tile)
+{
+    const sgt_rays rows = tile->rays;
+    const sgt_ray ray = lane_ray_of(&rows, 0);
+    return at_vertex(ray.o.x, ray.o.y, ray.o.z) != 0;
+}
+
 /* Is that why the loop for AWAY leaves rays over?  The first ray's t is not sharp (lane_of) if t_err / u is
  * above 40 |t|.  That is 25 |tau| + |t|, about 25 times the sag and the distance g, above 40 g.  If it has no
  * t_err, as from the side, `nearby` has no answer either. */
@@ -598,7 +607,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     if (runs_along(tile) && c != 0 && !s.proof && from == AWAY && conic_lanes_along(&s, first, tile, &hard))
         return hard;
     const bool at_once = first && !s.proof;
-    if (at_once && from == LEAVING) {
+    if (at_once && from == LEAVING && !in_vertex(tile)) {
         if (conic_lanes_leaving(&s, tile, room.rows, &hard)) return hard;
         from = AWAY; /* the first ray is one of a few */
     }
