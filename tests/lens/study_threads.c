@@ -6,12 +6,14 @@
  * into 1 to 7 threads, of which the one that asks works, or only waits.  All that the sink is given has to be
  * the same bytes, and to come from the thread that asks.
  *
- * Each question is also asked in 1, 3 or 7 shards, whose bytes are kept in memory, and joined of these; and by
- * three programs, here threads, that take shares as they become free.
+ * Each question is also asked in 1, 3 or 7 shards, whose bytes are kept in memory, and joined of these; and
+ * by three programs, here threads, that take shares as they become free.
  *
  * Of the fourteen ways with threads every third is tried of a question, other ones of the next: each analysis
  * meets all of them.  With SAGITTA_TEST_SCALE=1 or more each question is asked in each way, below 0.1 every
  * second question in one. */
+#define _POSIX_C_SOURCE 200809L /* pthread_barrier_t */
+
 #include <sagitta/study.h>
 
 #include <pthread.h>
@@ -186,7 +188,7 @@ static told ask_in_shards(const sgt_lens *lens, const sgt_analysis *of, sgt_stud
 /* Several programs, here threads, which take shares of each pass as they become free (sgt_shard.next). */
 enum { PROGRAMS = 3, FREE_SHARES = 16, PASSES = 16 };
 typedef struct pool {
-    kept_shards pass[PASSES][FREE_SHARES / SHARES + 1];
+    kept_shards pass[PASSES][FREE_SHARES / SHARDS + 1];
     size_t given[PASSES];
     pthread_mutex_t lock;
     pthread_barrier_t all;
@@ -204,8 +206,8 @@ typedef struct program {
 /* What is kept of a share, from 1, of a pass. */
 static kept_shards *share_of(pool *p, size_t pass, size_t number)
 {
-    kept_shards *k = &p->pass[pass][(number - 1) / SHARES];
-    k->now = (number - 1) % SHARES;
+    kept_shards *k = &p->pass[pass][(number - 1) / SHARDS];
+    k->now = (number - 1) % SHARDS;
     return k;
 }
 
@@ -271,7 +273,7 @@ static told ask_programs(const sgt_lens *lens, const sgt_analysis *of, sgt_study
         free(one[i].told.bytes);
     }
     for (size_t pass = 0; pass < PASSES; pass++)
-        for (size_t k = 1; k <= FREE_SHARES; k++) free(share_of(&all, pass, k)->bytes[(k - 1) % SHARES]);
+        for (size_t k = 1; k <= FREE_SHARES; k++) free(share_of(&all, pass, k)->bytes[(k - 1) % SHARDS]);
     pthread_barrier_destroy(&all.all), pthread_mutex_destroy(&all.lock);
     return one[0].told;
 }

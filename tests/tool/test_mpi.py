@@ -279,8 +279,9 @@ def test_no_room():
     """Files that may not grow, as on a full disk: named, and nothing is left but parts."""
     for arguments in (LONG, ROWS) if NIGHT else (LONG,):
         output, = place('out.npy')
-        refused([f'{output}.parts/'], BAD_INPUT, 2, *arguments, '--output', output, cwd=output.parent,
-                env=SMALL_FILES, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000)))
+        said = mpi(2, *arguments, '--output', output, exit=BAD_INPUT, cwd=output.parent, env=SMALL_FILES,
+                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))).stderr.decode()
+        assert f'--output {output}' in said and 'could not be written' in said, said  # by one rank, or by each
         assert not output.exists()
         resumed(2, output, arguments, wanted_of(arguments))
 

@@ -10,8 +10,8 @@
  * SHARES (sgt_shard).  Of each pass a share works on a run of its tasks, and writes what `take` would get: of
  * a pass that merges only the branches of each cell, so that it does not grow with the rays.  Who joins reads
  * these in place of tracing, in the same order; all that follows is what it is in one run.  What later passes
- * depend on (`before`) every share computes whole, and the first one writes it.  Programs that take the shares
- * as they become free (`next`) divide that, too, and each of them joins it.
+ * depend on (`before`) every share computes whole, and the first one writes it.  Programs that take shares as
+ * they become free (`next`) divide that, too, and each of them joins it.
  *
  * AIMED RAYS of a cell of 256 rays or more begin at a map of the pupil (optics/aim_map.c).  It is made before
  * the first round that has a block of the cell, and kept until the last.  That of a beam of the study is kept

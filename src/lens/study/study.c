@@ -381,7 +381,8 @@ sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt
     sgt_study *study = sgt_launch_take(from, 1, sizeof *study);
     if (study) *study = (sgt_study){.opt = *opt, .lens = lens, .from = from, .um = sgt_lens_unit(lens)};
     const sgt_shard *shard = opt->shard;
-    const bool writes = shard && (shard->number || shard->next), reads = shard && (!shard->number || shard->next);
+    const bool writes = shard && (shard->number || shard->next);
+    const bool reads = shard && (!shard->number || shard->next);
     if (!study) sgt_launch_memory(from, error);
     else if (shard && (shard->of < 1 || shard->number > shard->of ||
                        (writes && !shard->write) || (reads && !shard->read)))

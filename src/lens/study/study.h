@@ -103,8 +103,7 @@ enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 18 }; /* how many tasks
 /* (shard.c) For a study of one share, or one that joins them.  How many shares a pass of so many tasks has,
  * and the first task of a share; what is said at the beginning of each share of a pass, so that who joins
  * notices parts that are not of this study: it is written (k of 0), or read of share k and compared; bytes
- * that are written, or read of share k; whether this study joins what is written of a pass.  false: it failed,
- * and has said so. */
+ * that are written, or read of share k.  false: it failed, and has said so. */
 typedef struct sgt_shard_of_pass { uint64_t cells, blocks, size; } sgt_shard_of_pass;
 size_t sgt_shard_shares(const sgt_asking *a, size_t tasks);
 size_t sgt_shard_begin(size_t tasks, size_t k, size_t of);

@@ -60,7 +60,7 @@ void output_reserve(const char *option, const char *path)
 static const char **unfinished;
 static size_t unfinished_count, unfinished_room;
 
-static void remove_unfinished(void)
+static void remove_outputs(void)
 {
     for (size_t i = 0; i < unfinished_count; i++)
         if (unfinished[i]) remove(unfinished[i]);
@@ -79,7 +79,7 @@ const char *output_name(const char *path)
     const char *name = memory_print("%s.unfinished", path);
     for (size_t i = 0; i < unfinished_count; i++)
         if (unfinished[i] && strcmp(unfinished[i], name) == 0) return unfinished[i];
-    if (!unfinished_count) atexit(remove_unfinished), fail_first(remove_unfinished);
+    if (!unfinished_count) atexit(remove_outputs), fail_first(remove_outputs);
     unfinished = memory_room(unfinished, unfinished_count, &unfinished_room, sizeof *unfinished);
     return unfinished[unfinished_count++] = name;
 }

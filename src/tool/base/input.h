@@ -42,9 +42,9 @@ void output_check(const char *option, const char *path);
 /* The same, and reserves it; an error if it cannot be opened.  Its content is kept until it is written. */
 void output_reserve(const char *option, const char *path);
 
-/* Where a file is written that is to be at the path when it is whole: in a run of ranks beside it, under a name
- * that output_whole changes, and that is gone if the command fails.  In other runs, and if something at the
- * path is no plain file, it is the path. */
+/* Where a file is written that is to be at the path when it is whole: in a run of ranks beside it, under a
+ * name that output_whole changes, and that is gone if the command fails.  In other runs, and if something at
+ * the path is no plain file, it is the path. */
 const char *output_name(const char *path);
 void output_stays(const char *name); /* even if the command fails: another run may go on with it */
 void output_whole(const char *option, const char *name, const char *path); /* a fault ends the command */

@@ -109,7 +109,8 @@ void part_end(void)
     file_word(LAST), file_word(writing.records);
     const uint64_t sum = writing.sum;
     if (fwrite(&sum, WORD, 1, writing.file) != 1 || fflush(writing.file) != 0) fail_writing();
-    if (!writing.brief && fsync(fileno(writing.file)) != 0 && errno != EINVAL && errno != ENOSYS) fail_writing();
+    const bool kept = writing.brief || fsync(fileno(writing.file)) == 0 || errno == EINVAL || errno == ENOSYS;
+    if (!kept) fail_writing();
     FILE *file = writing.file;
     writing.file = NULL;
     if (fclose(file) == 0 && rename(writing.unfinished, writing.path) == 0) return;

@@ -12,7 +12,7 @@ static const double SILENT = 2, EVERY = 0.5, EVERY_LINE = 5; /* s */
 
 static struct {
     size_t all, done;
-    size_t before, pass, share, shares; /* of ranks: the rays of the passes before; shares 0: there are none */
+    size_t before, pass, share, shares; /* of ranks; before: the rays of passes that are done */
     bool shown, forced, terminal;
     double start, last;
     int length;      /* of the line that is on the terminal */
@@ -51,7 +51,7 @@ static void show_line(double seconds)
     fflush(stderr);
 }
 
-static void show(void)
+static void show_at_times(void)
 {
     if (!progress.shown) return;
     const double now = progress_now();
@@ -64,7 +64,7 @@ void progress_add(size_t rays)
 {
     if (progress.shares) return;
     progress.done += rays;
-    show();
+    show_at_times();
 }
 
 void progress_share(size_t pass, size_t k, size_t of, size_t rays)
@@ -72,7 +72,7 @@ void progress_share(size_t pass, size_t k, size_t of, size_t rays)
     progress.pass = pass, progress.share = k, progress.shares = of;
     progress.done = progress.before + (k > of ? rays : (size_t)((double)rays * (double)(k - 1) / (double)of));
     if (k > of) progress.before += rays;
-    else show();
+    else show_at_times();
 }
 
 void progress_rays(size_t rays) { progress.done = rays; }

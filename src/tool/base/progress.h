@@ -5,8 +5,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Begins to count rays; 0: it is not known how many there are.  Nothing is shown unless standard error is a terminal, and the data do not go to one.
- * With `forced` it is always shown; in lines, if standard error is no terminal. */
+/* Begins to count rays; 0: it is not known how many there are.  Nothing is shown unless standard error is a
+ * terminal, and the data do not go to one.  With `forced` it is always shown; in
+ * lines, if standard error is no terminal. */
 void progress_begin(size_t rays, bool data_on_standard_output, bool forced);
 
 /* So many are done.  Not in two threads at once. */

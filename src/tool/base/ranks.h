@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* ranks.h - the programs that work on one run together: those of mpirun, counted from 0 (ranks_mpi.c); or this
- * one alone (ranks_alone.c).
+/* ranks.h - the programs that work on one run together: those of mpirun, counted from 0 (ranks_mpi.c); or
+ * this one alone (ranks_alone.c).
  *
  * All of them run the same command with the same arguments.  Each reads the input; shares of the work are
  * handed out one by one (shard.h).  Rank 0 writes what the command writes. */
@@ -30,8 +30,8 @@ void ranks_tell(void *bytes, size_t size);
 /* Text of standard input, which rank 0 alone has, for all. */
 void ranks_tell_text(char **text, size_t *length);
 
-/* A file that all open, write to at places of their own, and close, together.  path: for messages, of --output;
- * name: where it is.  A fault ends the command. */
+/* A file that all open together, write to at places of their own, and close together.  path: that of
+ * --output, for messages; name: where it is.  A fault ends the command. */
 typedef struct ranks_file ranks_file;
 ranks_file *ranks_open(const char *path, const char *name);
 void ranks_write(ranks_file *f, size_t at, const void *bytes, size_t size); /* one thread at a time */
@@ -39,6 +39,9 @@ void ranks_close(ranks_file *f);
 
 /* A number that no other rank has got since ranks_wait: 0, 1, 2, ... */
 size_t ranks_next(void);
+
+/* To be called now and then by rank 0, so that nobody waits for a number; one thread at a time. */
+void ranks_serve(void);
 
 /* Waits for all.  ranks_next then begins anew. */
 void ranks_wait(void);

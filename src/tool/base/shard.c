@@ -128,11 +128,13 @@ void shard_clear(void)
     rmdir(shard.folder);
 }
 
-const char *shard_path(void) { return shard.path; }
 bool shard_keeps(void) { return shard.resume; }
 void shard_forget(void) { remove_parts(true); }
 
-static char *part_path(size_t pass, size_t k) { return memory_print("%s/%zu-%zu.part", shard.folder, pass, k); }
+static char *part_path(size_t pass, size_t k)
+{
+    return memory_print("%s/%zu-%zu.part", shard.folder, pass, k);
+}
 
 size_t shard_next(void *context, size_t of)
 {
@@ -200,6 +202,7 @@ bool shard_write(void *context, size_t size, const void *bytes)
 {
     (void)context;
     part_put(bytes, size);
+    ranks_serve();
     return true;
 }
 
@@ -261,12 +264,16 @@ bool shard_read(void *context, size_t number, size_t size, void *bytes)
 static size_t first_at(size_t all, size_t k, size_t n) { return all / n * (k - 1) + all % n * (k - 1) / n; }
 
 static size_t tile_size(const tiling *of) { return of->most ? of->most : TILE_RAYS; }
-static size_t tiles_of(const tiling *of) { return of->rays / tile_size(of) + (of->rays % tile_size(of) != 0); }
+
+static size_t tile_count(const tiling *of)
+{
+    return of->rays / tile_size(of) + (of->rays % tile_size(of) != 0);
+}
 
 /* The tiles of share k of n. */
 static tiling tiling_of(tiling of, size_t k, size_t n)
 {
-    const size_t size = tile_size(&of), all = tiles_of(&of), end = first_at(all, k + 1, n) * size;
+    const size_t size = tile_size(&of), all = tile_count(&of), end = first_at(all, k + 1, n) * size;
     of.fixed = true, of.skip = first_at(all, k, n) * size;
     of.rays = end < of.rays ? end : of.rays;
     of.rays = of.rays > of.skip ? of.rays - of.skip : 0;
@@ -282,7 +289,7 @@ tiling shard_tiling(tiling of)
 void shard_run(const tiling *whole, void *data, void (*work)(void *data, const tile *),
                void (*take)(void *data, const tile *))
 {
-    const size_t all = tiles_of(whole), of = all < SHARES ? all : SHARES;
+    const size_t all = tile_count(whole), of = all < SHARES ? all : SHARES;
     tiling own = shard_tiling(*whole);
     if (!shard.folder) tiles_run(&own, data, work, take);
     if (!shard.folder) return;
@@ -297,7 +304,7 @@ void shard_run(const tiling *whole, void *data, void (*work)(void *data, const t
 
 const void *shard_tile(const tiling *of, size_t pass, const tile *t, size_t *size)
 {
-    const size_t all = tiles_of(of), i = t->first / tile_size(of);
+    const size_t all = tile_count(of), i = t->first / tile_size(of);
     const size_t n = shard.folder ? (size_t)shard.open.of.of : shard_count();
     size_t k = i * n / all + 1;
     while (first_at(all, k + 1, n) <= i) k++;

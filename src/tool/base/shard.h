@@ -15,10 +15,10 @@ typedef struct shard_options { int number, of; bool resume; } shard_options;
 /* This run is a shard; its part goes to `path`.  arguments: those that all shards share. */
 void shard_be(const shard_options *o, const char *path, const char *arguments, size_t length);
 
-/* This run is one of several ranks (ranks.h), who take small shares as they become free, and leave their parts
- * in a folder beside `path` (NULL: one that is gone in the end).  Rank 0 joins those of each pass when all are
- * there; the others are shards all the time.  shard_clear removes the folder, when what was asked for is
- * written. */
+/* This run is one of several ranks (ranks.h), who take small shares as they become free, and leave their
+ * parts in a folder beside `path` (NULL: one that is gone in the end).  Rank 0 joins those of each pass when
+ * all are there; the others are shards all the time.  shard_clear removes the folder, when what was asked for
+ * is written. */
 void shard_be_rank(const char *path, bool resume, const char *arguments, size_t length);
 void shard_clear(void);
 
@@ -28,23 +28,21 @@ void shard_join(int count, char *const path[]);
 bool shard_is(void);    /* one of several */
 bool shard_joins(void);
 
-/* Of ranks: the file of --output.  Rows of a table may be written where they belong, at once: the file then
- * goes on with the parts.  shard_keeps: is a part to be gone on with, if there is one?  shard_forget: none is. */
-const char *shard_path(void);
+/* Of ranks: is a part that is there kept?  shard_forget: none is, as what belongs to them is gone. */
 bool shard_keeps(void);
 void shard_forget(void);
 
 /* The arguments of the parts that are joined. */
 const part_of_run *shard_joined(void);
 
-/* Everything is read, and all ranks are here.  A shard begins to write; with --resume, if its part is whole, the command ends here.
- * Who joins compares the digest of what was read (input.h) with that of the parts. */
+/* Everything is read, and all ranks are here.  A shard begins to write; with --resume, if its part is whole,
+ * the command ends here.  Who joins compares the digest of what was read (input.h) with that of the parts. */
 void shard_begin(void);
 
 /* Ends a shard: its part is whole. */
 void shard_end(void);
 
-/* The most that shard_run works on at once: of a shard the same tiles, whatever the threads, but only some. */
+/* The most that shard_run works on at once: the same tiles, whatever the threads; of a shard only some. */
 tiling shard_tiling(tiling whole);
 
 /* tiles_run of what this run has of the whole: all of it, a share, share after share; or all that the shares
@@ -55,7 +53,7 @@ void shard_run(const tiling *whole, void *data, void (*work)(void *data, const t
 /* Of who joins: what was put for a tile in the pass-th run of tiles, each of which has `rays` rays. */
 const void *shard_tile(const tiling *of, size_t pass, const tile *t, size_t *size);
 
-/* Of a study: as sgt_shard (study.h) asks for it. */
+/* Of a study: as sgt_shard (study.h) asks for it.  shard_write is for tiles, too. */
 bool shard_write(void *context, size_t size, const void *bytes);
 bool shard_read(void *context, size_t number, size_t size, void *bytes);
 size_t shard_next(void *context, size_t of);

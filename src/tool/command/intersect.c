@@ -337,7 +337,7 @@ static void intersect_take(void *data, const tile *t)
     intersect_work *w = data;
     intersect_room *r = &w->room[t->place];
     if (shard_is()) {
-        part_put(r->kept.at, r->kept.length);
+        shard_write(NULL, r->kept.length, r->kept.at);
         if (w->asked->shared.target.placed) table_place(w->table, r->rows, t->first);
         r->kept.length = 0;
         r->found = (findings){.shown = 0};
@@ -441,7 +441,8 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     watch_tiling(&in, a.watched.path, &a.shared.solver);
     w.whole = in, in = shard_tiling(w.whole);
     shard_begin();
-    w.prints = options_print(&a.shared, !(a.rays.table && a.rays.named), !a.all && !(a.skip_bad && a.rays.table),
+    const bool array = a.rays.table != NULL;
+    w.prints = options_print(&a.shared, !array || !a.rays.named, !a.all && !(a.skip_bad && array),
                              a.rays.count);
     size_t places = tiles_places(&in), undecided = 0;
     w.watch = watch_begin(&a.watched, a.shared.target.hexadecimal, places, 0);

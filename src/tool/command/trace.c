@@ -511,7 +511,7 @@ static void trace_take(void *data, const tile *t)
     trace_room *r = &w->room[t->place];
     const ray_block *b = &r->rays;
     if (shard_is()) {
-        part_put(r->kept.at, r->kept.length);
+        shard_write(NULL, r->kept.length, r->kept.at);
         if (w->asked->shared.target.placed)
             table_place(w->table, r->table, (size_t)(w->at - w->job->at) * w->whole.rays + t->first);
         r->kept.length = 0;
@@ -719,8 +719,8 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     column columns[COLUMNS_MOST];
     a.shared.target.word_size = j.rays.longest_id;
     shard_begin();
-    w.prints = options_print(&a.shared, !w.picture && !(j.rays.table && j.rays.named), a.last && rows_known(&a, &j),
-                             j.wavelengths * whole.rays);
+    const bool same = !w.picture && !(j.rays.table && j.rays.named);
+    w.prints = options_print(&a.shared, same, a.last && rows_known(&a, &j), j.wavelengths * whole.rays);
     w.alone = w.alone && !w.prints;
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) make_room(&w, &w.room[i], in.most);

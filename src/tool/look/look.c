@@ -5,6 +5,7 @@
 #include "../base/input.h"
 #include "../base/memory.h"
 #include "../base/progress.h"
+#include "../base/ranks.h"
 #include "../base/threads.h"
 #include "../base/tiles.h"
 
@@ -240,6 +241,7 @@ static void in_threads(void *context, size_t tasks, void (*task)(void *data, siz
         if (!__atomic_load_n(&leaving, __ATOMIC_SEQ_CST)) task(data, i);
         __atomic_sub_fetch(&at_work, 1, __ATOMIC_SEQ_CST);
     }
+    ranks_serve();
 }
 
 /* At exit, before what they read is freed: the others are waited for.  Who leaves may be at work himself, as
@@ -295,7 +297,7 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
         .pattern = points->rays || fixed ? &points->pattern : NULL,
         .rays = fixed && !points->rays ? l->of->rays : points->rays, .seed = points->seed,
         .points = points->count, .point = points->at, .equal_weights = l->shared.weights,
-        .run = *threads > 1 ? in_threads : NULL, .context = threads,
+        .run = *threads > 1 || shard_ranks() ? in_threads : NULL, .context = threads,
         .shard = shard_count() ? &shared_out : NULL};
 }
 

@@ -5,7 +5,7 @@
  * first with no rows, so that a file of a command that was stopped is an empty array, and last with all.
  *
  * PLACED ROWS.  If it is known before, rank 0 makes the file as long as it will be, and all ranks write rows
- * where they belong, by MPI-IO.  A run that is gone on with takes the file as it is, if it has that length. */
+ * where they belong, by MPI-IO.  With --resume the file is taken as it is, if it has that length. */
 #include "npy.h"
 
 #include "../base/bytes.h"

@@ -17,7 +17,7 @@ typedef struct table_target {
     table_format format;
     const char *path;     /* NULL: standard output */
     bool nowhere;         /* what would be printed is of no use */
-    size_t placed;        /* of npy: so many rows there will be, which several ranks write by table_place; or 0 */
+    size_t placed;        /* 0; or how many rows of npy there will be, which ranks write by table_place */
     bool hexadecimal;     /* numbers as 0x1.8p+1; in json as strings, since json has no such numbers */
     const char *columns;  /* of --columns: names with commas, in the order they are wanted; NULL: all */
     size_t word_size;     /* of the longest word in a column of WORD, for npy */
@@ -75,8 +75,8 @@ void table_line(table *t, const char *format, ...) LIKE_PRINTF(2, 3);
 table *table_part(const table *t);
 void table_join(table *t, table *part);
 
-/* The rows of a part as they are printed, of another format than text: how many bytes arrays they are, and the
- * i-th, which may be set; how many rows, which may be set, too.  table_drop leaves the part empty. */
+/* The rows of a part as they are printed, of another format than text: how many arrays of bytes they are, and
+ * the i-th; how many rows.  Both may be set.  table_drop leaves the part empty. */
 size_t table_arrays(const table *t);
 struct bytes *table_printed(table *part, size_t i);
 size_t *table_rows(table *part);
