@@ -66,7 +66,8 @@ def mpi(ranks, *arguments, exit=DECIDED, stdin=b'', env=PLAIN, **how):
 def same(ranks, *arguments, stdin=b''):
     """One process and so many ranks print the same, say the same, and end alike."""
     whole = run(*arguments, exit=None, binary=True, stdin=stdin)
-    done = mpi(ranks, *arguments, '--threads', DRAW.choice(THREADS), exit=whole.returncode, stdin=stdin)
+    threads = ('--threads', DRAW.choice(THREADS)) if arguments[0] != 'info' else ()
+    done = mpi(ranks, *arguments, *threads, exit=whole.returncode, stdin=stdin)
     equal((done.stdout, done.stderr), (whole.stdout, whole.stderr), (ranks, arguments))
 
 
