@@ -9,6 +9,7 @@
 #include <sagitta/sagitta.h>
 
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -81,6 +82,14 @@ static void hold_standard_files(void)
 #endif
 }
 
+/* A limit of the size of files is an error, as a full disk is, and ends the command as that does. */
+static void outlive_limits(void)
+{
+#ifdef SIGXFSZ
+    signal(SIGXFSZ, SIG_IGN);
+#endif
+}
+
 /* A library that is loaded before the command may have been linked with -Ofast. */
 static void require_arithmetic(void)
 {
@@ -95,6 +104,7 @@ static void require_arithmetic(void)
 int main(int argc, char *argv[])
 {
     hold_standard_files();
+    outlive_limits();
     ranks_begin(&argc, &argv);
     require_arithmetic();
     const char *name = argc > 1 ? argv[1] : "";

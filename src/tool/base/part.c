@@ -19,7 +19,6 @@
 
 #include <errno.h>
 #include <sagitta/sagitta.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -93,7 +92,6 @@ void part_begin(const char *path, const part_of_run *of, bool brief)
     memory_drop(writing.unfinished);
     writing.path = path, writing.unfinished = memory_print("%s.%ld.unfinished", path, (long)getpid());
     writing.brief = brief, writing.sum = 0;
-    signal(SIGXFSZ, SIG_IGN); /* a limit of the size of files is then an error as a full disk is */
     writing.file = fopen(writing.unfinished, "wb");
     if (!writing.file) fail_input("--output %s: %s", path, strerror(errno));
     setvbuf(writing.file, NULL, _IOFBF, 1 << 16);
