@@ -12,6 +12,7 @@
  * */
 #include "../ends.h"
 #include "hostile.h"
+#include "soil.h"
 
 /* What is put to a batch, and the answers of each ray alone. */
 static sgt_ray rays[MOST];
@@ -76,6 +77,7 @@ static void ask(question *q, generator *g, const size_t order[])
     sgt_rays r = {
         {in[0], in[1], in[2]}, {in[3], in[4], in[5]}, q->no_tmin ? NULL : in[6], q->no_tmax ? NULL : in[7]};
 
+    soil_stack(random_bits(g));
     size_t met = sgt_intersect_batch(surface_of(q->s), n, r, h, q->opt);
 
     for (size_t k = 0; k < n; k++) {

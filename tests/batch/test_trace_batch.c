@@ -11,6 +11,7 @@
  *     test_trace_batch      SAGITTA_TEST_SCALE, SAGITTA_TEST_SEED
  * */
 #include "hostile.h"
+#include "soil.h"
 
 #include <sagitta/diagnose.h>
 #include <sagitta/system.h>
@@ -445,6 +446,7 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
         for (int j = 0; j < 6; j++) in[j][i] = *component(&rays[i], j);
     sgt_rays from = {.o = {in[0], in[1], in[2]}, .d = {in[3], in[4], in[5]}};
 
+    soil_stack(random_bits(g));
     size_t through = sgt_trace_batch(l->n, l->e, l->before, n, from, traced, no_passages ? NULL : passages,
                                      opt),
            expected = 0;

@@ -12,6 +12,7 @@
  * */
 #include "../ends.h"
 #include "hostile.h"
+#include "soil.h"
 
 #include <sagitta/interval.h>
 
@@ -322,6 +323,7 @@ static void ask(generator *g, const sgt_surface_ops *ops, const shape *s, const 
                   .p_err = to[3],
                   .p = {to[4], to[5], to[6]},
                   .n = {to[7], to[8], to[9]}};
+    soil_stack(random_bits(g));
     size_t met = sgt_intersect_batch((sgt_surface){ops, s}, n,
                                      (sgt_rays){{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]},
                                      h, opt),

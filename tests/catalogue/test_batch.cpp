@@ -2,6 +2,7 @@
 // A batch of rays on each surface of the catalogue is what each ray alone is, to the bit: hostile rays,
 // options and parameters beside ordinary ones, any number of rays, outputs left out, arrays that nobody may
 // write beyond.  And so with lenses of such surfaces: sgt_trace_batch is sgt_trace.
+#include "../batch/soil.h"
 #include "judge.h"
 
 #include <sagitta/system.h>
@@ -183,6 +184,7 @@ std::size_t one_batch(generator &g, const char *type)
                             {out[7].data(), out[8].data(), out[9].data()},
                             out[3].data(),
                             {}};
+        soil_stack(g.bits());
         const std::size_t met = sgt_intersect_batch(s.s, n, r, h, &options);
         std::size_t expected = 0;
         for (std::size_t k = 0; k < n; k++) {
@@ -263,6 +265,7 @@ std::size_t one_trace(generator &g)
                                {out[3].data(), out[4].data(), out[5].data()},
                                out[6].data(),
                                {}};
+    soil_stack(g.bits());
     sgt_trace_batch(elements, lens.data(), 1, n, rays, traced, passages.data(), &options);
     for (std::size_t i = 0; i < n; i++) {
         sgt_ray ray = {{in[0][i], in[1][i], in[2][i]}, {in[3][i], in[4][i], in[5][i]}, 0, 0};

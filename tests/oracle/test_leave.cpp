@@ -25,6 +25,7 @@
 //     test_leave --steps N     N crossings in each world, and times, against those of first hits
 //     test_leave --steps N WORLD     in those worlds whose names begin so
 #include "../../src/truth/elementary.hpp"
+#include "../batch/soil.h"
 #include "quad.h"
 
 #include <sagitta/formula.h>
@@ -202,7 +203,7 @@ void walk(const World &w, long steps, long checks, bool timed)
     std::vector<double>(&p)[3] = column[0], (&n)[3] = column[1], (&d)[3] = column[2];
     std::vector<double> &p_err = plain[0], &t = plain[1], new_p[3] = {plain[2], plain[3], plain[4]},
                         &new_err = plain[5];
-    std::vector<double> new_n[3] = {p_err, p_err, p_err};
+    std::vector<double> new_n[3] = {p_err, p_err, p_err}, t_err = p_err;
     std::vector<sgt_status> status(N);
     std::vector<int> evals(N);
     std::vector<signed char> side(N);
@@ -256,7 +257,7 @@ void walk(const World &w, long steps, long checks, bool timed)
                                  {}};
         sgt_hits hits = {};
         hits.status = status.data(), hits.t = t.data(), hits.p_err = new_err.data();
-        hits.evals = evals.data();
+        hits.evals = evals.data(), hits.t_err = t_err.data();
         for (int k = 0; k < 3; k++) hits.p[k] = new_p[k].data(), hits.n[k] = new_n[k].data();
         const double at = now();
         sgt_leave_batch(w.s, N, from, hits, side.data(), nullptr);
@@ -288,7 +289,9 @@ void walk(const World &w, long steps, long checks, bool timed)
                     right = complain(w, "the crossing is from the other side", a, t[i], side[i]);
                 if (check && side[i] != 0) {
                     const double skip =
-                        1e-12 * (w.reach + t[i] * (status[i] > 0)) / std::min(1.0, steep + 1e-4);
+                        status[i] > 0
+                            ? t_err[i] + 1e-12 * (w.reach + t[i]) / std::min(1.0, steep + 1e-4)
+                            : 1e-12 * w.reach / std::min(1.0, steep + 1e-4);
                     right = way_right(w, a, status[i], status[i] > 0 ? t[i] : 0, side[i], skip) && right;
                     c.checked++;
                 }
@@ -354,6 +357,7 @@ void batch_is_single(const World &w, const std::vector<sgt_start> &starts, const
                            {out[6].data(), out[7].data(), out[8].data()},
                            nullptr,
                            {}};
+    soil_stack(bits());
     const size_t met = sgt_leave_batch(w.s, n, from, hits, side.data(), opt);
     size_t count = 0;
     for (size_t i = 0; i < n; i++) {
@@ -418,7 +422,8 @@ void beside_and_along(const World &w, int count)
         if (c.side == 0) continue;
         a.p = c.ray.o;
         const double way_to = c.hit.status > 0 ? c.hit.t : 0,
-                     skip = 1e-12 * (w.reach + way_to) / (std::fabs(slope) + 1e-7);
+                     skip = 1e-12 * (w.reach + way_to) / (std::fabs(slope) + 1e-7) +
+                            (c.hit.status > 0 ? c.hit.t_err : 0);
         way_right(w, a, c.hit.status, c.hit.status > 0 ? c.hit.t : 0, c.side, skip);
     }
     batch_is_single(w, starts, nullptr);

@@ -15,6 +15,7 @@
 //                                   answers, the attempts, the counts, the passages
 //
 // SAGITTA_TEST_SCALE multiplies the trains; SAGITTA_TEST_SEED replaces the seed.
+#include "../batch/soil.h"
 #include "../catalogue/specimens.h"
 
 #include <sagitta/aim.h>
@@ -252,11 +253,13 @@ static void compare_derivatives(generator &g, const train &r, const batch &b,
     out.point = error[0].data(), out.path = error[1].data(), out.grain = error[2].data();
     out.path_grain = error[3].data();
     const sgt_traces traces = {n, b.rays(), b.passages.data()};
+    soil_stack(g.bits());
     std::size_t met = sgt_trace_error_batch(m, r.e.data(), r.before, &traces, out), ok = 0;
     numbers some(n, -7.0);
     sgt_end_errors few = {};
     const int which = g.below(4);
     (which == 0 ? few.point : which == 1 ? few.path : which == 2 ? few.grain : few.path_grain) = some.data();
+    soil_stack(g.bits());
     sgt_trace_error_batch(m, r.e.data(), r.before, &traces, few);
 
     const std::size_t wide = std::size_t(1 + g.below(11)), high = std::size_t(1 + g.below(6));
@@ -264,6 +267,7 @@ static void compare_derivatives(generator &g, const train &r, const batch &b,
     change.draw(g), weight.draw(g);
     for (auto &a : to.given) a = {true, true, true};
     to.show();
+    soil_stack(g.bits());
     int lacks = sgt_trace_sensitivity_batch(m, r.e.data(), r.before, &traces, wide, change.shown.data(),
                                             to.shown.data()),
         lack = 0;
@@ -275,6 +279,7 @@ static void compare_derivatives(generator &g, const train &r, const batch &b,
     std::vector<numbers> gradient(high * count, numbers(n, -7.0));
     std::vector<double *> list;
     for (numbers &x : gradient) list.push_back(g.chance(0.1) ? nullptr : x.data());
+    soil_stack(g.bits());
     int lacks_back = sgt_trace_gradient_batch(m, r.e.data(), r.before, &traces, high, weight.shown.data(),
                                               list.data()),
         lack_back = 0;
@@ -350,6 +355,7 @@ static void compare_aims(generator &g, const train &r)
     batch b(n, stop + 1);
     std::vector<sgt_aiming> out(n);
     const sgt_aims together = {n, wanted.data(), out.data(), b.passages.data()};
+    soil_stack(g.bits());
     const std::size_t met = sgt_aim_batch(stop, r.e.data(), r.before, &beam, &together, room.data(), &opt);
     std::size_t found = 0;
     for (std::size_t i = 0; i < n; i++) {
@@ -392,6 +398,7 @@ static void try_train(generator &g)
     std::vector<std::vector<sgt_passage>> alone(n, std::vector<sgt_passage>(m));
     for (std::size_t i = 0; i < n; i++) b.set(i, random_ray(g));
     sgt_traced none = {};
+    soil_stack(g.bits());
     sgt_trace_batch(m, r.e.data(), r.before, n, b.rays(), none, b.passages.data(), nullptr);
     for (std::size_t i = 0; i < n; i++)
         for (std::size_t j = 0; j < m; j++) {
