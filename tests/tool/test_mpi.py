@@ -175,6 +175,9 @@ def test_refused():
         refused(["--hexapolr'", 'Try: sagitta spot'], USAGE, 3, 'spot', GAUSS, '--hexapolr', 3)
         refused(['--shard'], USAGE, 2, 'spot', GAUSS, '--shard', '1/2', '--output', 'x')
         refused(['--output FILE'], USAGE, 2, 'spot', GAUSS, '--resume')
+        if CAIRO:
+            both = place() / 'x.svg'
+            refused(['would be written over'], USAGE, 2, 'spot', GAUSS, '--picture', both, '--output', both)
         refused(['row 4100'], BAD_INPUT, 2, 'intersect', '--surface', SPHERE, '--rays', some_rays(5000, bad=[4100])[1])
 
 

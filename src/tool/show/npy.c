@@ -122,7 +122,7 @@ static void npy_open(npy_output *n, size_t place, char *path)
     output_check("output", path);
     if (stat(path, &is) == 0 && !S_ISREG(is.st_mode))
         fail_input("--output %s: not a file, and an npy file is written from its beginning again", path);
-    f->name = output_name(path);
+    output_check("output", f->name = output_name(path));
     if (n->placed) {
         output_stays(f->name);
         if (ranks_here()) npy_write_header(n, place); /* how long it is */

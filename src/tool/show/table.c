@@ -125,7 +125,7 @@ table *table_begin(const table_target *target, size_t columns, const column *hea
     if (t->npy) return t;
     t->file = stdout;
     if (t->to.path) output_check("output", t->to.path);
-    if (t->to.path) t->name = output_name(t->to.path);
+    if (t->to.path) output_check("output", t->name = output_name(t->to.path));
     if (t->to.path && !(t->file = fopen(t->name, "w")))
         fail_input("--output %s: %s", t->to.path, strerror(errno));
     if (t->to.format == TABLE_JSON) bytes_one(&t->kept, '[');
