@@ -74,17 +74,30 @@ static void room_given_back(passing *now, sgt_ends_room *room)
 static size_t sum_at(void) { return (sizeof(block_of_rays) + 63) / 64 * 64; }
 static size_t ends_at(const pass *p) { return sum_at() + (p->size + p->spare + 63) / 64 * 64; }
 
+/* The bytes of a slot behind sum_at() that a block uses. */
+static size_t used_of(const passing *now, size_t nth)
+{
+    const pass *p = now->p;
+    const size_t left = p->points->count - nth * PUPIL_PART;
+    if (!p->takes_ends) return p->size;
+    return ends_at(p) - sum_at() + (left < PUPIL_PART ? left : PUPIL_PART) * sizeof(sgt_ray_end);
+}
+
+/* Does `take` get this block of a cell? */
+static bool is_taken(const pass *p, size_t nth) { return p->take && (!p->merge || nth < p->shown); }
+
 static bool work_block(void *data, size_t i, void *slot)
 {
     passing *now = data;
     const pass *p = now->p;
-    const size_t of = i / now->blocks, first = i % now->blocks * PUPIL_PART;
+    const size_t of = i / now->blocks, nth = i % now->blocks, first = nth * PUPIL_PART;
     const size_t left = p->points->count - first;
     block_of_rays *b = slot;
     void *sum = (char *)slot + sum_at();
     sgt_pupil_point at[PUPIL_PART];
     cell c = {.beam = NULL};
-    if (now->writes) memset(slot, 0, now->slot); /* what is written has no bytes that nothing set */
+    if (now->writes && (!p->merge || is_taken(p, nth)))
+        memset(slot, 0, sum_at() + used_of(now, nth)); /* what is written has no bytes that nothing set */
     b->count = left < PUPIL_PART ? left : PUPIL_PART;
     b->fates = (sgt_fates){.rays = 0};
     memset(sum, 0, p->size);
@@ -148,15 +161,6 @@ static void count_fates(passing *now, size_t of, const sgt_fates *more, double x
     sgt_fates_add(&now->fates, more);
 }
 
-/* The bytes of a slot behind sum_at() that a block uses. */
-static size_t used_of(const passing *now, size_t nth)
-{
-    const pass *p = now->p;
-    const size_t left = p->points->count - nth * PUPIL_PART;
-    if (!p->takes_ends) return p->size;
-    return ends_at(p) - sum_at() + (left < PUPIL_PART ? left : PUPIL_PART) * sizeof(sgt_ray_end);
-}
-
 /* A slot, without what is of no use. */
 static void write_slot(const passing *now, size_t nth, const void *slot)
 {
@@ -171,9 +175,6 @@ static bool read_slot(const passing *now, size_t k, size_t nth, void *slot)
     return sgt_shard_get(a, k, offsetof(block_of_rays, fault), slot) &&
            sgt_shard_get(a, k, used_of(now, nth), (char *)slot + sum_at());
 }
-
-/* Does `take` get this block of a cell? */
-static bool is_taken(const pass *p, size_t nth) { return p->take && (!p->merge || nth < p->shown); }
 
 static void tell_block(const passing *now, size_t i, const void *slot)
 {
