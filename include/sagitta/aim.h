@@ -29,7 +29,8 @@ extern "C" {
  * mirror).  With S = d' . n its derivative is
  *     df  = -(f / S) (d' . dn + r n . dd) - dr (d . d') / S,
  *     dd' = r dd + f dn + n df + dr d.
- * An ideal lens has closed forms of its own, of the direction and of the path.
+ * An ideal lens has closed forms of its own, of the direction and of the path.  A phase
+ * in waves bends as a surface does, with its gradient and second derivatives besides.
  * Source for the chain of a lens: Feder 1968, J. Opt. Soc. Am. 58, 1494; for the reverse
  * sweep: Griewank and Walther 2008, Evaluating Derivatives, chapter 3.
  *
@@ -43,10 +44,10 @@ extern "C" {
  * answers are infinite or NaN.
  *
  * WHAT IS MISSING.  Both functions return the sum of the SGT_LACKS_... of the elements.
- * Without second derivatives of a surface that bends, d behind it is NaN, and so is all
- * that depends on it.  (A surface with a phase does not bend by its normal, and needs
- * none.)  Where a hit is not positive, all is NaN.  If the ray passed all but the last
- * element, and met that one, p and opl are right and d is NaN. */
+ * Without second derivatives of a surface that bends, or of a phase in waves, d behind it
+ * is NaN, and so is all that depends on it.  (An ideal lens does not bend by its normal,
+ * and needs none.)  Where a hit is not positive, all is NaN.  If the ray passed all but
+ * the last element, and met that one, p and opl are right and d is NaN. */
 
 /* A change of a ray: of its point, its direction, and its path. */
 typedef struct sgt_ray_change {
@@ -138,8 +139,9 @@ typedef struct sgt_end_error {
  * stationary, so a point that is off the surface by p_err adds |n d - n' d'| p_err, and
  * directions nothing of first order.  How far opl is from the path through the points is
  * computed, in twice the precision.  That principle does not hold for ideal lenses.  If
- * there is one, the errors go through the derivatives of the path, as those of the point
- * do, and the bound of W of system.h is added.
+ * there is a phase, the errors go through the derivatives of the path, as those of the
+ * point do, and the bound of W of system.h is added.  How far the gradient of a user's
+ * phase is off is a guess, 2^-47 of it.
  *
  * point is NaN where a surface that bends has no second derivatives; so are path and
  * path_grain, if there is also a phase.  false: a hit is not positive; all is NaN. */
@@ -156,8 +158,8 @@ SGT_API bool sgt_trace_error(size_t elements, const sgt_element e[], double inde
  * Arrays have n numbers.  Outputs must not overlap inputs or each other, unless it is
  * said.  A ray whose hit at an element is not positive is not shown to the surface there.
  *
- * Rays go through all elements 64 at a time, in loops over rays; ideal lenses go ray by
- * ray, and surfaces as fast as their `second` and `by_parameter` are.  12 numbers an
+ * Rays go through all elements 64 at a time, in loops over rays; phases go ray by ray,
+ * and surfaces as fast as their `second` and `by_parameter` are.  12 numbers an
  * element are read of each ray.  So take some hundred rays at a time from sgt_trace_batch
  * to here: then they are still in the processor's cache. */
 

@@ -103,10 +103,26 @@ typedef struct sgt_aperture {
 /* ---------------------------------------------------------------------- phases */
 
 typedef enum sgt_phase_kind {
-    SGT_IDEAL_LENS = 1
+    SGT_IDEAL_LENS = 1,
+    SGT_PHASE_SAG,       /* W = s(x, y), the sag of the surface `waves` */
+    SGT_PHASE_FUNCTION   /* W = F(x, y, z) of the surface `waves` */
 } sgt_phase_kind;
 
-/* What an element does to light instead of refraction by its surface.
+/* Bounds of a user's W for proofs of sgt_aim; of the built-in sags and formulas they are
+ * known, of built-in bodies and level sets they are not.  Without bounds such proofs are
+ * undecided at the phase.
+ *
+ *     self      of `waves`
+ *     box       x, y and z
+ *     gradient  written: each derivative of W lies in it, all over the box, whatever
+ *               rounding does here
+ *     second    the same of the second derivatives: xx, xy, xz, yy, yz, zz
+ *
+ * Returns false if it does not know, or W may be undefined in the box. */
+typedef bool sgt_waves_bounds(const void *self, const sgt_interval box[3],
+                              sgt_interval gradient[3], sgt_interval second[6]);
+
+/* What an element does to light instead of, or besides, refraction by its surface.
  *
  * AN IDEAL LENS is thin and without aberration: PARAXIAL of OpticStudio.  Its surface is
  * meant to be a plane, sgt_conic {0}.  A ray is met there at (x, y), comes with the
@@ -148,13 +164,48 @@ typedef enum sgt_phase_kind {
  * finite.
  *
  * On a surface that is not a plane, (x, y) is that of the point, slopes are changed there
- * as above, and W is that of a plane: paths are not equal then. */
+ * as above, and W is that of a plane: paths are not equal then.
+ *
+ * A PHASE IN WAVES is what a grating, a diffractive lens or a hologram adds.  At a point
+ * of the surface it is W waves, a function of the point in the element's frame.  W is
+ * given as a surface: `waves` is not met, its function is read.
+ *
+ *     SGT_PHASE_SAG       W = s(x, y), of a sag F = z - s(x, y): those of surfaces.h, a
+ *                         sgt_formula_sag, or a user's.  z of the point has no say
+ *     SGT_PHASE_FUNCTION  W = F(x, y, z): a sgt_formula, or a user's surface
+ *
+ * So a grating of 600 lines per length across y is the sgt_polynomial_xy of 600 y, or the
+ * formula "600*y".  Terms of r^2 are a sgt_even_asphere, Zernike's a sgt_zernike, and a
+ * hologram of two points is a formula of two roots.  Coefficients are in waves.
+ * semi_diameter, a ball or a box of `waves` are not read.
+ *
+ * The eikonal jumps by S = per_wave W.  per_wave is the order times the vacuum
+ * wavelength, in the unit of the lens.  With N the unit normal, G = per_wave grad W, and
+ * (.)_t the part along the surface, a ray goes on along d':
+ *
+ *     t = n1 d_t + G_t,    n2 d' = t +- sqrt(n2^2 - |t|^2) N,    opl grows by S.
+ *
+ * The sign is the one that goes on through the surface (by d . N), or for SGT_MIRROR,
+ * with n2 = n1, the one that goes back.  S > 0 is more path.  S that falls outward
+ * converges.  (Welford 1975, Opt. Commun. 14, 322.)  If |t| > n2 there is no such ray:
+ * SGT_EVANESCENT; sgt_phase_at says for which per_wave there would be.
+ *
+ * ROUNDING.  G is off by what `value` of `waves` is off by, and two roundings.  t is off
+ * by at most 2^-50 (n1 + |G|) more, which moves d' by 1 / (n2 cosine) times that, the
+ * cosine that of the angle behind.  The fate is right, unless |t| is that near to n2.  S
+ * is off by per_wave times the rounding of F.
+ *
+ * SGT_LOST, SGT_UNDEFINED is a ray where W or its gradient is NaN. */
 typedef struct sgt_phase {
     sgt_phase_kind kind;
-    double focal_length;     /* length, 2^-500 to 2^500 in magnitude */
-    double object_distance;  /* length, as above.  0 or infinite: from afar.  Else 2^-500
-                                to 2^500 in magnitude */
-    unsigned long long reserved_[6]; /* leave it zero */
+    double focal_length;     /* of an ideal lens: length, 2^-500 to 2^500 in magnitude */
+    double object_distance;  /* of an ideal lens: length, as above.  0 or infinite: from
+                                afar.  Else 2^-500 to 2^500 in magnitude */
+    sgt_surface waves;       /* of a phase in waves: W, as above.  It needs `value`; for
+                                derivatives `second`, for errors `rounding` */
+    double per_wave;         /* of a phase in waves: length, finite.  0: no phase */
+    sgt_waves_bounds *bounds; /* of waves that are a user's; NULL: none are known */
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_phase;
 
 /* The index of a mirror.  Indices stay positive behind it. */
@@ -196,11 +247,13 @@ typedef enum SGT_ONE_BYTE sgt_fate {
                           a user's surface without `enclose`, and without a proof: no root
                           was found inside.  Or met where an item of `aperture` clips */
     SGT_TIR     =  3,  /* total internal reflection */
+    SGT_EVANESCENT = 4, /* a phase in waves asks for a direction that there is not: this
+                           order does not exist for the ray (sgt_phase_at) */
     SGT_MISSED  =  0,  /* the surface is certainly not on the ray's line */
     SGT_LOST    = -1   /* hit.status says why */
 } sgt_fate;
 
-/* "passed", "clipped", "tir", "missed" or "lost". */
+/* "passed", "clipped", "tir", "evanescent", "missed" or "lost". */
 SGT_API const char *sgt_fate_text(sgt_fate fate);
 
 /* ------------------------------------------------------------------- one ray */
@@ -258,8 +311,9 @@ typedef struct sgt_passage {
  * SGT_LOST with hit.status SGT_INVALID: a bad ray; an index that is negative (but
  * SGT_MIRROR) or not finite; an aperture with an item that is not as its shape needs it
  * (NaN, a negative size, inner > radius, fewer than 3 vertices, an unknown shape); a
- * phase of an unknown kind, or with a length out of range; a member for later versions
- * that is not zero.  sgt_explain_trace says which.
+ * phase of an unknown kind, with a length out of range, or with `waves` that has no
+ * `value`, is a built-in surface with an invalid parameter, or is no sag where it has to
+ * be; a member for later versions that is not zero.  sgt_explain_trace says which.
  *
  * SGT_LOST with SGT_UNDEFINED: no normal at the point, or no direction behind it, as the
  * indices are too unlike; at an ideal lens, a direction along its plane (n = 0). */
@@ -302,6 +356,26 @@ typedef struct sgt_clipping {
  *                 inside: from the sides and the outer end of the arm that the point is
  *                 deepest in */
 SGT_API sgt_clipping sgt_clipped_by(const sgt_element *e, sgt_vec3 p);
+
+/* A phase in waves as it acts on one ray. */
+typedef struct sgt_phased {
+    double   waves;          /* W */
+    sgt_vec3 gradient;       /* of W, 1/length */
+    double   along, limit;   /* |t| and n2: it passes if along is less */
+    sgt_interval per_wave;   /* the ray passes with the per_wave inside of this, to some
+                                roundings of its ends: an order with order * wavelength.
+                                lo > hi: with none */
+    unsigned long long reserved_[2];
+} sgt_phased;
+
+/* What the phase of e does to a ray that comes along d, of unit length and in the
+ * element's frame, and meets e as `hit` (p and n are read).
+ *
+ *     index_before  the refractive index in front of e; 0: 1
+ *
+ * All is NaN if e has no phase in waves, or it is not sound. */
+SGT_API sgt_phased sgt_phase_at(const sgt_element *e, double index_before, sgt_vec3 d,
+                                const sgt_hit *hit);
 
 /* ------------------------------------------------------------------ many rays */
 

@@ -193,11 +193,31 @@ static bool aperture_sound(const sgt_element *e, sgt_error *error)
     return blame(error, "aperture", NULL, "items that are NULL, or 2^31 and more");
 }
 
+/* Of a surface in a phase: "s.self.c" is "phase.waves.self.c". */
+static bool waves_sound(const sgt_phase *p, sgt_error *error)
+{
+    const sgt_surface s = p->waves;
+    if (!isfinite(p->per_wave)) return blame(error, "phase", "per_wave", "not finite");
+    if (!surface_sound(s, error)) {
+        if (!error) return false;
+        char was[sizeof error->key];
+        memcpy(was, error->key, sizeof was);
+        memcpy(error->key, "phase.waves", sizeof "phase.waves");
+        append(error->key, sizeof error->key, was + 1);
+        return false;
+    }
+    if (p->kind == SGT_PHASE_SAG && s.ops->own_ && !sgt_is_sag(s))
+        return blame(error, "phase", "waves", "no sag, as SGT_PHASE_SAG needs");
+    return true;
+}
+
 static bool phase_sound(const sgt_phase *p, sgt_error *error)
 {
     if (!p) return true;
-    if (p->kind != SGT_IDEAL_LENS) return blame(error, "phase", "kind", "no sgt_phase_kind");
+    if (p->kind != SGT_IDEAL_LENS && p->kind != SGT_PHASE_SAG && p->kind != SGT_PHASE_FUNCTION)
+        return blame(error, "phase", "kind", "no sgt_phase_kind");
     if (!PLAIN(p, "phase", error)) return false;
+    if (p->kind != SGT_IDEAL_LENS) return waves_sound(p, error);
     if (!is_length(p->focal_length)) return blame(error, "phase", "focal_length", "not 2^-500 to 2^500 long");
     double a = fabs(p->object_distance);
     return a == 0 || a == HUGE_VAL || is_length(a)

@@ -31,8 +31,8 @@
  * rule over eight), the conic's by 8 u (1 + w / (1 - w)) with w = (1 + k) c^2 r^2.  Of others
  * 64 u |n| (1 + slope^2) is a guess.
  *
- * A PHASE puts the direction off by 8 u in each component, and W by 64 u of its size (phase.h).  If |n| in
- * front is below 2^-50 n1 / n2, nothing is known of the direction.
+ * AN IDEAL LENS puts the direction off by 8 u in each component, and W by 64 u of its size (phase.h).  If
+ * |n| in front is below 2^-50 n1 / n2, nothing is known of the direction.  A PHASE IN WAVES: waves.h.
  *
  * tests/sensitivity/test_aim.cpp, test_ideal.cpp and tests/lens/test_analysis.py hold the sum against 113
  * bits and 50 digits.  A half is added for the second order.
@@ -44,13 +44,14 @@
  * Where frames are turned, their axes are orthogonal to some u only, and lengths are off by as much of a
  * point's distance from the origin.
  *
- * THE SAME WITH A PHASE.  Fermat's principle does not hold: W has no eikonal (phase.h).  So the errors of all
- * elements go through the derivatives, as those of the point do.  The number at the end is L - n d . p: the
- * path to the foot of the perpendicular from a fixed point near the end.  It has the adjoints A_L = 1,
- * A_p = -n d.  A point that is off by dp makes the last side of the polygon longer by d . dp, so its error
- * counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a phase is W for p and
- * d as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d, as a launch point that
- * is moved along the ray makes the path longer by as much, and is no error of a direction; and by A_d. */
+ * THE SAME WITH A PHASE.  Fermat's principle does not hold at an ideal lens: W has no eikonal (phase.h).
+ * So the errors of all elements go through the derivatives, as those of the point do.  The number at the end
+ * is L - n d . p: the path to the foot of the perpendicular from a fixed point near the end.  It has the
+ * adjoints A_L = 1, A_p = -n d.  A point that is off by dp makes the last side of the polygon longer by
+ * d . dp, so its error counts by A_p' + n d.  Without a phase that is n d - n' d' again.  What is added at a
+ * phase is W for p and d as they stand.  The numbers of the launch ray have a say in it, too: by A_o + n d,
+ * as a launch point that is moved along the ray makes the path longer by as much, and is no error of a
+ * direction; and by A_d. */
 #include "aim.h"
 #include "end_error.h"
 
@@ -85,7 +86,7 @@ bool sgt_aim_trace(const aim_task *task, const sgt_ray *launch, sgt_fate *fate, 
                 *fate = sgt_pass(&open, sound, &at, &options, &hit, passage);
             }
         }
-        if (i == stop && *fate == SGT_TIR) *fate = SGT_PASSED;
+        if (i == stop && (*fate == SGT_TIR || *fate == SGT_EVANESCENT)) *fate = SGT_PASSED;
         if (*fate != SGT_PASSED) return false;
     }
     return true;
@@ -117,7 +118,7 @@ static double error_through(const sgt_element *e, const chain_link *c, bool turn
         x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);
     }
     const double more = c->phased ? of_phase(e, c, turns, s) : 0;
-    return of_element(c->bends, c->phased, *c, turns, turned, p_err, off, s) + more;
+    return of_element(c->bends && !c->phased, c->phased, *c, turns, turned, p_err, off, s) + more;
 }
 
 /* The errors of the point and, if `path`, of the path; what an ulp of each number of the launch ray does. */
@@ -137,7 +138,7 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, boo
         link_at(task, launch, i, &c);
         if (c.bends && turns) {
             chain_second(s, &c);
-            off = bend_off_of(gradient_kind_of(s), s.self, c);
+            if (!c.phased) off = bend_off_of(gradient_kind_of(s), s.self, c);
         }
         if (i == task->stop) back[OF_PATH] = (chain_back){times(-c.n1, c.d), {0, 0, 0}, 1, 0};
         error[ERROR_OF_POINT] += error_through(e, &c, turns, p_err, off, true, back);
@@ -188,7 +189,9 @@ bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before
         const twofold by = length_between(from, to);
         out->path += of_sum(path, by, c.n1, to);
         path = path_with(path, by, c.n1, c.t);
-        if (c.phased && c.passed == 1) {
+        if (c.waves && c.passed == 1) {
+            path = kick_path(c.waves->per_wave, c.by_waves.at.w, path);
+        } else if (c.phased && c.passed == 1) {
             const thin_lens lens = thin_lens_of(e[i].phase, c.n1, c.n2, e[i].index == SGT_MIRROR);
             path = twofold_sum(path, twofold_of(phase_path(lens, c.p, c.d)));
         }

@@ -8,7 +8,7 @@
  * directions of unit length again behind them.  BUNDLE_SLACK is added to d at each element, far more than
  * both.
  *
- * A PHASE: phase_forms (phase.h), and the length.
+ * A PHASE: an ideal lens is phase_forms (phase.h), and the length; the others are waves.c.
  *
  * BENDING as in trace.h: f = (1 - r^2) / (r g + sign(g) sqrt(D)), with g = n . d of a known sign. */
 #include "bundle.h"
@@ -28,6 +28,7 @@ static bool bundle_bend(const sgt_element *e, double n1, const bundle_hit *h, fo
     double n2 = index_behind(e, n1), r = n1 / n2;
     bending by = bending_of(n1, n2, e->index == SGT_MIRROR);
     *fate = BUNDLE_UNKNOWN;
+    if (e->phase && is_in_waves(e->phase)) return sgt_waves_bundle(e, n1, h, d, fate);
     if (e->phase) {
         if (!phase_forms(e->phase, n1, n2, by.kind == BACK, h->p, d)) return false;
         *d = bundle_unit(*d);

@@ -42,6 +42,14 @@ bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_li
  * false: nothing bounds them.  (bundle_sag.c) */
 bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, sgt_interval *z);
 
+/* The slopes of the sag of a conic or one of these at x, y.  false: nothing is known of them.
+ * (bundle_sag.c) */
+bool sgt_bundle_sag_slopes(sgt_surface surface, linear x, linear y, linear *by_x, linear *by_y);
+
+/* d behind an element whose phase is in waves, from that in front.  false: *fate says why there is none.
+ * (waves.c) */
+bool sgt_waves_bundle(const sgt_element *e, double n1, const bundle_hit *h, form3 *d, bundle_fate *fate);
+
 /* Is it one of these, with valid parameters?  (bundle_sag.c) */
 bool sgt_bundle_has_sag(sgt_surface surface);
 

@@ -382,20 +382,26 @@ static bundle_fate sag_newton(const sag_model *s, const bundle_lines *w, const l
     return sag_step(m, F, slope, &t, root);
 }
 
+/* The slopes of S at x, y.  m, b: of P, as above. */
+static void sag_slopes(const sag_model *s, const sag_middle *m, const bounds *b, linear x, linear y,
+                       linear *by_x, linear *by_y)
+{
+    const linear by = form_scaled(round_slope_form(s, x, y), 2);
+    *by_x = form_product(by, x), *by_y = form_product(by, y);
+    if (!s->of) return;
+    const double off = (m->grad_err + b->bend * sag_offset_of(m, x, y).away) * (1 + FORM_ROUND);
+    *by_x = form_wider(form_plus(*by_x, m->px), off);
+    *by_y = form_wider(form_plus(*by_y, m->py), off);
+}
+
 static void sag_hit(const sag_model *s, const bundle_lines *w, const sag_root *root, bundle_hit *h)
 {
     const linear t = root->t;
     linear x = form_sum(w->x, form_product(t, w->d.x)), y = form_sum(w->y, form_product(t, w->d.y));
-    linear by = form_scaled(round_slope_form(s, x, y), -2);
+    linear by_x, by_y;
+    sag_slopes(s, &root->m, &root->b, x, y, &by_x, &by_y);
     h->p = (form3){x, y, form_product(t, w->d.z)};
-    h->n = (form3){form_product(by, x), form_product(by, y), form_of(1)};
-    if (s->of) {
-        const sag_middle *m = &root->m;
-        const double off =
-            (m->grad_err + root->b.bend * sag_offset_of(m, x, y).away) * (1 + FORM_ROUND);
-        h->n.x = form_wider(form_plus(h->n.x, -m->px), off);
-        h->n.y = form_wider(form_plus(h->n.y, -m->py), off);
-    }
+    h->n = (form3){form_negative(by_x), form_negative(by_y), form_of(1)};
     h->size2 = form_plus(form_sum(form_square(h->n.x), form_square(h->n.y)), 1);
     h->slope = form_dot(h->n, w->d), h->sign = root->sign;
 }
@@ -411,7 +417,10 @@ static sgt_interval bend_of(double c, double k)
 static sag_model model_of(sgt_surface surface)
 {
     sag_model m = {.self = surface.self};
-    if (surface.ops == &sgt_even_asphere_ops) {
+    if (surface.ops == &sgt_conic_ops) {
+        const sgt_conic *q = surface.self;
+        m.c = q->c, m.k = q->k, m.rim = q->semi_diameter;
+    } else if (surface.ops == &sgt_even_asphere_ops) {
         const sgt_even_asphere *s = surface.self;
         m.c = s->c, m.k = s->k, m.rim = s->semi_diameter;
         for (int i = 0; i < TERMS; i++)
@@ -477,17 +486,23 @@ bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_li
     return most < 0x1p400 ? sag_meet(s, w, most * MORE, &kept[1], h, &exists) : BUNDLE_UNKNOWN;
 }
 
+bool sgt_bundle_sag_slopes(sgt_surface surface, linear x, linear y, linear *by_x, linear *by_y)
+{
+    const sag_model s = model_of(surface);
+    sag_middle m = {.x = 0};
+    bounds b = {0, 0, 0};
+    region where;
+    if (s.of && !(sag_bounds(&s, form_range(x), form_range(y), HUGE_VAL, &where, &b) > 0 &&
+                  b.bend < HUGE_VAL && sag_middle_of(&s, x.c, y.c, &m)))
+        return false;
+    sag_slopes(&s, &m, &b, x, y, by_x, by_y);
+    return by_x->e < HUGE_VAL && by_y->e < HUGE_VAL;
+}
+
 bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, sgt_interval *z)
 {
-    sag_model model = {.rim = HUGE_VAL};
-    if (surface.ops == &sgt_conic_ops) {
-        const sgt_conic *q = surface.self;
-        model.c = q->c, model.k = q->k, model.bend = bend_of(q->c, q->k);
-        if (!is_open(q->semi_diameter)) model.rim = q->semi_diameter;
-    } else {
-        if (!surface.ops || !sgt_bundle_has_sag(surface)) return false;
-        model = model_of(surface);
-    }
+    if (!surface.ops || !(surface.ops == &sgt_conic_ops || sgt_bundle_has_sag(surface))) return false;
+    const sag_model model = model_of(surface);
     const double k1 = 1 + model.k, edge = k1 > 0 && model.c != 0 ? 1 / (fabs(model.c) * sqrt(k1)) : HUGE_VAL;
     if (!(reach < model.rim)) reach = model.rim;
     if (!(reach < edge)) reach = edge;

@@ -29,16 +29,22 @@
  *
  * Nothing but the ray itself is needed: no tape.
  *
- * A PHASE has d' and W with derivatives of its own (phase.h) by p, d and the indices, and n has no say:
+ * AN IDEAL LENS has d' and W with derivatives of its own (phase.h) by p, d and the indices, and n has no say:
  *
  *     dd' = D_p dp + D_d dd + D_n1 dn1 + D_n2 dn2,   and W the same, added to L.
  *
- * Transposed, A_L of W comes beside A_d' of d'.  If the ray has not passed, there is no W in its path. */
+ * Transposed, A_L of W comes beside A_d' of d'.  If the ray has not passed, there is no W in its path.
+ *
+ * A PHASE IN WAVES is like a surface that bends (waves.h), with G and its derivatives besides. */
 #ifndef SGT_SYSTEM_CHAIN_H
 #define SGT_SYSTEM_CHAIN_H
 #include "phase.h"
 
 #include <sagitta/aim.h>
+
+/* W of a phase in waves and its gradient, G = per_wave grad W, and the derivatives of G: xx, xy, xz, yy, yz,
+ * zz. */
+typedef struct waves_slopes { waves_here at; sgt_vec3 G; double h[6]; } waves_slopes;
 
 /* An element as a ray met it.  bends: n has a say in d'. */
 typedef struct chain_link {
@@ -48,8 +54,17 @@ typedef struct chain_link {
     double h[6];                           /* H: xx, xy, xz, yy, yz, zz */
     bool bends, own_index;                 /* own_index: behind it the index is its own */
     bool phased;                           /* it has a phase, whose derivatives are in by_phase */
-    phase_slopes by_phase;
+    const sgt_phase *waves;                /* or in by_waves; NULL: it is not in waves */
+    union {
+        phase_slopes by_phase;
+        waves_slopes by_waves;
+    };
 } chain_link;
+
+SGT_INLINE sgt_vec3 plus_times(sgt_vec3 a, double f, sgt_vec3 b)
+{
+    return (sgt_vec3){a.x + f * b.x, a.y + f * b.y, a.z + f * b.z};
+}
 
 /* The operations of the set; none if the table is not whole. */
 SGT_INLINE sgt_surface chain_surface(sgt_surface s)
@@ -100,10 +115,24 @@ SGT_INLINE sgt_vec3 chain_direction(const sgt_element e[], size_t i, const sgt_r
     return into(&e[i].pose, d);
 }
 
+/* Sets f of a phase in waves.  If the ray has not passed, there is no S. */
+SGT_INLINE void chain_waves(double per_wave, chain_link *c)
+{
+    waves_slopes *s = &c->by_waves;
+    s->G = c->passed == 1 ? times(per_wave, s->at.g) : (sgt_vec3){0, 0, 0};
+    const double by = dot(c->n, plus_times(s->G, c->n1, c->d)) / c->n2;
+    c->f = (dot(c->after, c->n) - by) / dot(c->n, c->n);
+}
+
 /* The derivatives of an element with a phase; NaN behind it and without W if the ray has not passed. */
 SGT_INLINE void chain_phase(const sgt_element *e, chain_link *c)
 {
     const double none = (double)NAN;
+    if (c->waves) {
+        if (c->passed == 1) c->by_waves.at = sgt_waves_at(e->phase, c->p);
+        chain_waves(e->phase->per_wave, c);
+        return;
+    }
     const sgt_vec3 nothing = {none, none, none};
     if (c->passed == 1) {
         phase_slopes_of(e->phase, c->n1, c->n2, c->p, c->d, c->after, &c->by_phase);
@@ -119,12 +148,14 @@ SGT_INLINE bending chain_set(const sgt_element *e, double n1, chain_link *c)
     bending by = bending_of(n1, index_behind(e, n1), e->index == SGT_MIRROR);
     c->n1 = n1, c->n2 = index_behind(e, n1), c->r = by.kind == BACK ? 1 : by.r;
     c->own_index = has_own_index(e), c->phased = e->phase != NULL;
-    c->bends = by.kind != STRAIGHT && !c->phased;
-    if (c->phased) by.kind = BY_PHASE;
+    c->waves = c->phased && is_in_waves(e->phase) ? e->phase : NULL;
+    c->bends = (by.kind != STRAIGHT && !c->phased) || c->waves;
+    if (c->phased) by.kind = c->waves ? BY_WAVES : BY_PHASE;
     return by;
 }
 
-/* What the quotients of a link are, for d in front, the gradient n, and the direction `after`. */
+/* What the quotients of a link are, for d in front, the gradient n, and the direction `after`.  f of a phase
+ * in waves is set later (chain_waves). */
 typedef struct chain_slope { double inverse, by_S, f, passed; } chain_slope;
 
 SGT_INLINE chain_slope chain_slope_of(bending by, sgt_vec3 d, sgt_vec3 n, sgt_vec3 after, double met)
@@ -133,7 +164,7 @@ SGT_INLINE chain_slope chain_slope_of(bending by, sgt_vec3 d, sgt_vec3 n, sgt_ve
     const bool straight = by.kind == STRAIGHT || by.kind == BY_PHASE;
     double S = straight ? g : dot(after, n), f = 0;
     if (by.kind == BACK) f = -2 * g / dot(n, n);
-    else if (!straight) f = by.k / (by.r * g + S);
+    else if (!straight && by.kind != BY_WAVES) f = by.k / (by.r * g + S);
     return (chain_slope){met / g, passed / S, f, passed};
 }
 
@@ -150,28 +181,30 @@ SGT_INLINE void chain_at(const sgt_element *e, sgt_vec3 d, double n1, const sgt_
     if (c->phased) chain_phase(e, c);
 }
 
-/* Sets H; NaN if the surface has none, and false. */
+/* Sets H, and that of a phase in waves; NaN if there is none, and false. */
 SGT_INLINE bool chain_second(sgt_surface s, chain_link *c)
 {
     double *const out[6] = {c->h, c->h + 1, c->h + 2, c->h + 3, c->h + 4, c->h + 5};
-    if (s.ops->second) {
-        s.ops->second(s.self, 1, (sgt_points){{&c->p.x, &c->p.y, &c->p.z}}, out);
-        return true;
+    const sgt_points p = {{&c->p.x, &c->p.y, &c->p.z}};
+    bool has = s.ops->second;
+    if (has) s.ops->second(s.self, 1, p, out);
+    for (int i = 0; !has && i < 6; i++) c->h[i] = (double)NAN;
+    if (c->waves) {
+        double *g = c->by_waves.h, *const second[6] = {g, g + 1, g + 2, g + 3, g + 4, g + 5};
+        has = sgt_waves_second(c->waves, 1, p, second) && has;
+        for (int i = 0; i < 6; i++) g[i] *= c->waves->per_wave;
     }
-    for (int i = 0; i < 6; i++) c->h[i] = (double)NAN;
-    return false;
+    return has;
 }
 
-SGT_INLINE sgt_vec3 chain_bend(chain_link c, sgt_vec3 a)
+/* The matrix of xx, xy, xz, yy, yz, zz times a. */
+SGT_INLINE sgt_vec3 symmetric_product(const double h[6], sgt_vec3 a)
 {
-    return (sgt_vec3){c.h[0] * a.x + c.h[1] * a.y + c.h[2] * a.z, c.h[1] * a.x + c.h[3] * a.y + c.h[4] * a.z,
-                      c.h[2] * a.x + c.h[4] * a.y + c.h[5] * a.z};
+    return (sgt_vec3){h[0] * a.x + h[1] * a.y + h[2] * a.z, h[1] * a.x + h[3] * a.y + h[4] * a.z,
+                      h[2] * a.x + h[4] * a.y + h[5] * a.z};
 }
 
-SGT_INLINE sgt_vec3 plus_times(sgt_vec3 a, double f, sgt_vec3 b)
-{
-    return (sgt_vec3){a.x + f * b.x, a.y + f * b.y, a.z + f * b.z};
-}
+SGT_INLINE sgt_vec3 chain_bend(chain_link c, sgt_vec3 a) { return symmetric_product(c.h, a); }
 
 /* What of a is across a direction of unit length. */
 SGT_INLINE sgt_vec3 across(sgt_vec3 a, sgt_vec3 unit)
@@ -211,9 +244,23 @@ SGT_INLINE sgt_ray_change chain_forward_by(bool bends, chain_link c, sgt_ray_cha
     return (sgt_ray_change){by.p, dd, x.opl + c.n1 * by.t};
 }
 
+/* The same of a phase in waves (waves.h). */
+SGT_INLINE sgt_ray_change waves_forward(const chain_link *c, sgt_ray_change x)
+{
+    const waves_slopes *s = &c->by_waves;
+    const chain_shift at = chain_point(*c, x);
+    const double by = c->passed / c->n2;
+    const sgt_vec3 du = times(by, plus_times(symmetric_product(s->h, at.p), c->n1, x.d));
+    const sgt_vec3 dn = plus_times(du, c->f, chain_bend(*c, at.p));
+    const double df = dot(c->after, dn) * c->by_S;
+    return (sgt_ray_change){at.p, plus_times(dn, -df, c->n),
+                            x.opl + dot(s->G, at.p) + c->n1 * at.t};
+}
+
 /* The same with a phase or without. */
 SGT_INLINE sgt_ray_change chain_forward(const chain_link *c, sgt_ray_change x)
 {
+    if (c->waves) return waves_forward(c, x);
     if (!c->phased) return chain_forward_by(c->bends, *c, x);
     const phase_slopes *s = &c->by_phase;
     const chain_shift at = chain_point(*c, x);
@@ -267,9 +314,26 @@ SGT_INLINE chain_step chain_backward_by(bool bends, bool own_index, chain_link c
     return chain_back_point(c, in, to_p, front, x);
 }
 
+/* The same of a phase in waves (waves.h). */
+SGT_INLINE chain_step waves_backward(const chain_link *c, bool turns, chain_back x)
+{
+    const waves_slopes *s = &c->by_waves;
+    chain_inside in = {.n = {0, 0, 0}};
+    sgt_vec3 to_p = plus_times(x.p, x.opl, s->G), front = {0, 0, 0};
+    if (turns) {
+        const double b = dot(x.d, c->n) * c->by_S;
+        const sgt_vec3 across_after = plus_times(x.d, -b, c->after), to_u = times(1 / c->n2, across_after);
+        in.n = times(c->f, across_after), front = times(c->n1, to_u);
+        to_p = plus(to_p, plus(symmetric_product(s->h, to_u), chain_bend(*c, in.n)));
+        in.n1 = dot(to_u, c->d), in.n2 = (b - dot(x.d, c->after)) / c->n2;
+    }
+    return chain_back_point(*c, in, to_p, front, x);
+}
+
 /* The same with a phase or without. */
 SGT_INLINE chain_step chain_backward(const chain_link *c, bool turns, chain_back x)
 {
+    if (c->waves) return waves_backward(c, turns, x);
     if (!c->phased) return chain_backward_by(c->bends, c->own_index, *c, turns, x);
     const phase_slopes *s = &c->by_phase;
     const double by[PHASE_ROWS] = {x.d.x, x.d.y, x.d.z, x.opl};

@@ -94,6 +94,9 @@ static void link_all(chain_tile *b)
     case STRAIGHT:
         link_by(STRAIGHT, b);
         break;
+    case BY_WAVES:
+        link_by(BY_WAVES, b);
+        break;
     case BACK:
         link_by(BACK, b);
         break;
@@ -140,11 +143,15 @@ void sgt_chain_tile_at(const chain_work *work, size_t i, size_t first, size_t n,
     else
         for (size_t j = 0; j < n; j++) b->met[j] = 1;
     link_all(b);
-    if (met == 0 || met == (int)n) return;
-    size_t some = 0;
-    while (b->met[some] == 0) some++;
-    for (size_t j = 0; j < n; j++) chain_put(&b->place, j, chain_from(v->p, b->met[j] != 0 ? j : some));
-    b->shown = (sgt_points){{b->place.x, b->place.y, b->place.z}};
+    if (met != 0 && met != (int)n) {
+        size_t some = 0;
+        while (b->met[some] == 0) some++;
+        for (size_t j = 0; j < n; j++) chain_put(&b->place, j, chain_from(v->p, b->met[j] != 0 ? j : some));
+        b->shown = (sgt_points){{b->place.x, b->place.y, b->place.z}};
+    }
+    if (b->phased && b->bends)
+        sgt_waves_tile(b->e->phase, n, b->shown, b->waves[0],
+                       (double *const[3]){b->waves[1], b->waves[2], b->waves[3]});
 }
 
 bool sgt_chain_tile_second(chain_tile *b)
@@ -155,5 +162,11 @@ bool sgt_chain_tile_second(chain_tile *b)
     else
         for (int k = 0; k < 6; k++)
             for (size_t i = 0; i < b->n; i++) b->h[k][i] = (double)NAN;
-    return b->s.ops->second != NULL;
+    if (!b->phased) return b->s.ops->second != NULL;
+    double *const by[6] = {b->by_waves[0], b->by_waves[1], b->by_waves[2],
+                           b->by_waves[3], b->by_waves[4], b->by_waves[5]};
+    const bool has = sgt_waves_second(b->e->phase, b->n, b->shown, by);
+    for (int k = 0; k < 6; k++)
+        for (size_t i = 0; i < b->n; i++) by[k][i] *= b->e->phase->per_wave;
+    return has && b->s.ops->second;
 }

@@ -40,7 +40,7 @@ typedef struct chain_tile {
     chain_view view;
     sgt_points shown; /* the points, for the surface */
     _Alignas(64) chain_row inverse, by_S, f, passed, met;
-    chain_row h[6];
+    chain_row h[6], waves[4], by_waves[6]; /* W, grad W, and its derivatives times per_wave */
     chain_vectors front, place; /* where view.d and `shown` may point to */
 } chain_tile;
 
@@ -92,7 +92,7 @@ SGT_INLINE chain_link chain_link_of(const chain_view *v, bool bends, size_t i)
     c.after = chain_from(v->after, i), c.t = v->t[i];
     c.inverse = v->inverse[i], c.by_S = v->by_S[i], c.f = v->f[i], c.passed = v->passed[i];
     c.r = v->r, c.n1 = v->n1, c.n2 = v->n2, c.own_index = v->own_index;
-    c.bends = bends, c.phased = false;
+    c.bends = bends, c.phased = false, c.waves = NULL;
     if (bends) {
         c.h[0] = v->xx[i], c.h[1] = v->xy[i], c.h[2] = v->xz[i];
         c.h[3] = v->yy[i], c.h[4] = v->yz[i], c.h[5] = v->zz[i];
@@ -103,9 +103,16 @@ SGT_INLINE chain_link chain_link_of(const chain_view *v, bool bends, size_t i)
 /* The same at a phase: in loops that are no vector code. */
 SGT_INLINE chain_link chain_phased_link(const chain_tile *b, size_t i)
 {
-    chain_link c = chain_link_of(&b->view, false, i);
+    chain_link c = chain_link_of(&b->view, b->bends, i);
     c.phased = true;
-    chain_phase(b->e, &c);
+    if (!b->bends) {
+        chain_phase(b->e, &c);
+        return c;
+    }
+    c.waves = b->e->phase;
+    c.by_waves.at = (waves_here){b->waves[0][i], {b->waves[1][i], b->waves[2][i], b->waves[3][i]}};
+    for (int k = 0; k < 6; k++) c.by_waves.h[k] = b->by_waves[k][i];
+    chain_waves(c.waves->per_wave, &c);
     return c;
 }
 

@@ -102,9 +102,29 @@ SGT_INLINE double of_element(bool bends, bool phased, chain_link c, bool turns, 
     return bends ? sum + size * off.bending + longest_of(s.two, x.in.n, y.in.n) * off.gradient : sum;
 }
 
+/* What a phase in waves adds to that (waves.h). */
+SGT_INLINE double of_waves(const sgt_element *e, const chain_link *c, bool turns, error_steps s)
+{
+    const waves_slopes *at = &c->by_waves;
+    if (c->passed != 1) return turns ? (double)NAN : 0;
+    const double per_wave = fabs(c->waves->per_wave);
+    const waves_off off = sgt_waves_off(c->waves, c->p, at->at);
+    const double path = fabs(s.by[0].x.opl) * per_wave * off.w;
+    if (!turns) return path;
+    const sgt_surface surface = chain_surface(e->surface);
+    const double n2 = dot(c->n, c->n), n = sqrt(n2);
+    const double u = per_wave * off.g + 8 * SGT_U * (c->n1 + size_of(at->G));
+    const double direction = u * n / (c->n2 * fabs(dot(c->after, c->n))) + 4 * SGT_U;
+    const double gradient =
+        of_gradient(gradient_kind_of(surface), surface.self, c->p, c->n, n2, n, 1 / n);
+    return path + longest_of(s.two, s.direction[0], s.direction[1]) * direction +
+           longest_of(s.two, s.by[0].in.n, s.by[1].in.n) * gradient;
+}
+
 /* What a phase adds to that. */
 SGT_INLINE double of_phase(const sgt_element *e, const chain_link *c, bool turns, error_steps s)
 {
+    if (c->waves) return of_waves(e, c, turns, s);
     const phase_off off = phase_off_of(e->phase, c->n1, c->n2, c->p, c->d);
     const double size = longest_of(s.two, s.direction[0], s.direction[1]);
     return (turns ? size * off.direction : 0) + (c->passed == 1 ? fabs(s.by[0].x.opl) * off.path : 0);
@@ -186,8 +206,8 @@ SGT_INLINE double of_sum(twofold path, twofold by, double n1, far_point to)
 /* |n d - n' d'| p_err; 0 if there is no direction behind. */
 SGT_INLINE double of_kick(double n1, double n2, sgt_vec3 d, sgt_vec3 after, double p_err)
 {
-    const double kick = size_of(plus_times(times(n1, d), -n2, after)) * p_err;
-    return is_zero(after) ? 0 : kick;
+    const double off = size_of(plus_times(times(n1, d), -n2, after)) * p_err;
+    return is_zero(after) ? 0 : off;
 }
 
 /* The told error of a path, with what the sum of its parts rounds (2^-53 at each element). */

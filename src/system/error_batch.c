@@ -162,7 +162,8 @@ static void sweep_back(const chain_work *work, bool path, size_t first, size_t n
         const bool turns = i + 1 < work->elements;
         chain_tile *b = &w->link;
         sgt_chain_tile_at(work, i, first, n, b);
-        if (b->bends && turns) sgt_chain_tile_second(b), link_off(b, w->bent_off, w->gradient);
+        if (b->bends && turns) sgt_chain_tile_second(b);
+        if (b->bends && turns && !b->phased) link_off(b, w->bent_off, w->gradient);
         for (int k = 0; k < rows; k++) {
             error_row *row = &w->row[k];
             if (!turns)
@@ -286,7 +287,21 @@ static void path_all(bool kicks, const chain_tile *b, const double *p_err, error
 
 /* With what a phase adds. */
 SGT_KERNEL
-static void path_phased(const chain_tile *b, error_path *w)
+static void path_in_waves(const chain_tile *b, error_path *w)
+{
+    const double per_wave = b->e->phase->per_wave, *more = b->waves[0];
+    const chain_view v = b->view;
+    const size_t n = b->n;
+    LANES for (size_t i = 0; i < n; i++)
+    {
+        const twofold before = {w->hi[i], w->lo[i]}, path = kick_path(per_wave, more[i], before);
+        const double passed = v.passed[i];
+        w->hi[i] = passed == 1 ? path.hi : before.hi, w->lo[i] = passed == 1 ? path.lo : before.lo;
+    }
+}
+
+SGT_KERNEL
+static void path_by_lens(const chain_tile *b, error_path *w)
 {
     const thin_lens by = thin_lens_of(b->e->phase, b->view.n1, b->view.n2, b->e->index == SGT_MIRROR);
     const chain_view v = b->view;
@@ -325,7 +340,8 @@ SGT_NOINLINE static void sweep_path(const chain_work *work, bool phases, size_t 
         if (work->e[i].phase) sgt_chain_tile_at(work, i, first, n, &w->link);
         else sgt_chain_tile_place(work, i, first, n, &w->link); /* no link has a say in the path */
         path_all(!phases, &w->link, work->passages[i].hits.p_err + first, &path);
-        if (w->link.phased) path_phased(&w->link, &path);
+        if (w->link.phased && w->link.bends) path_in_waves(&w->link, &path);
+        else if (w->link.phased) path_by_lens(&w->link, &path);
     }
     for (size_t i = 0; i < n; i++) more[i] = phases ? 1.5 * w->path[i] : 0;
     path_ends(n, work->passages[work->elements - 1].opl + first, &path, more, w->ok, out);

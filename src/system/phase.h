@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-/* phase.h - what a phase does to light.  There is one kind, an ideal thin lens.
+/* phase.h - what a phase does to light: an ideal thin lens here, a phase in waves in waves.h.
  *
  * WHAT A KIND HAS TO OFFER.  The rest of the library asks for these things, and knows nothing else of it:
  *
- *     is_phase_sound    are its numbers in range?
- *     focus_by          the direction behind it          (in the loops of a batch, too)
- *     phase_path        W, the path that it adds
- *     phase_slopes_of   the derivatives of both by the point, the direction and the indices: chain.h
- *     phase_off_of      how far rounding puts both off: aim_bound.c
- *     phase_forms       the directions behind of a bundle of rays: bundle.c
+ *                                               ideal lens         in waves
+ *     are its numbers in range?                 is_phase_sound     sgt_waves_sound
+ *     the direction behind it; in batches, too  focus_by           kick_by
+ *     W, the path that it adds                  phase_path         kick_path
+ *     the derivatives of both (chain.h)         phase_slopes_of    waves_forward, waves_backward
+ *     how far rounding puts both off            phase_off_of       sgt_waves_off       (aim_bound.c)
+ *     the directions behind of a bundle         phase_forms        sgt_waves_bundle    (bundle.c)
  *
  * So another kind is a case in each of these, and in no other place.
  *
@@ -89,8 +90,7 @@
 #ifndef SGT_SYSTEM_PHASE_H
 #define SGT_SYSTEM_PHASE_H
 
-#include "form.h"
-#include "trace.h"
+#include "waves.h"
 
 SGT_INLINE bool is_phase_length(double a) { return fabs(a) >= 0x1p-500 && fabs(a) <= 0x1p500; }
 
@@ -98,7 +98,8 @@ SGT_INLINE bool is_phase_sound(const sgt_element *e)
 {
     const sgt_phase *a = e->phase;
     if (!a) return true;
-    if (a->kind != SGT_IDEAL_LENS || !ROOM_IS_ZERO(a)) return false;
+    if (a->kind != SGT_IDEAL_LENS) return sgt_waves_sound(a);
+    if (!ROOM_IS_ZERO(a)) return false;
     double object = fabs(a->object_distance);
     return is_phase_length(a->focal_length) && (object == 0 || object == HUGE_VAL || is_phase_length(object));
 }

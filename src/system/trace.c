@@ -234,10 +234,27 @@ SGT_INLINE sgt_fate trace_bend(const bending *by, sgt_vec3 *d, sgt_vec3 n)
     return SGT_PASSED;
 }
 
-/* At p; sets *d, and makes *path longer if a caller wants it. */
-SGT_NOINLINE static sgt_fate bend_by_phase(const sgt_element *e, double n1, double n2, bool told, sgt_vec3 p,
-                                           sgt_vec3 *d, twofold *path)
+/* The same by a phase in waves at p, which makes *path longer. */
+static sgt_fate bend_by_waves(const sgt_element *e, double n1, double n2, sgt_vec3 p, sgt_vec3 n, sgt_vec3 *d,
+                              twofold *path)
 {
+    const kick by = kick_of(e->phase, n1, n2, e->index == SGT_MIRROR);
+    const waves_here here = sgt_waves_at(e->phase, p);
+    if (!in_range(dot(n, n)) && !along_normal(n, &n)) return SGT_LOST;
+    const kicked b = kick_by(by.back, by, here.g, *d, n);
+    if (b.q <= 0) return SGT_EVANESCENT;
+    if (where_kicked(b, 1) == 0) return SGT_LOST;
+    *path = kick_path(by.per_wave, here.w, *path);
+    *d = b.d;
+    return SGT_PASSED;
+}
+
+/* By a phase of either kind; sets *d, and makes *path longer if a caller wants it. */
+SGT_NOINLINE static sgt_fate bend_by_phase(const sgt_element *e, double n1, double n2, bool told,
+                                           const sgt_hit *hit, sgt_vec3 *d, twofold *path)
+{
+    const sgt_vec3 p = hit->p;
+    if (is_in_waves(e->phase)) return bend_by_waves(e, n1, n2, p, hit->n, d, path);
     thin_lens by = thin_lens_of(e->phase, n1, n2, e->index == SGT_MIRROR);
     focused b = focus_by(by, p, *d);
     if (where_focused(b, 1) == 0) return SGT_LOST;
@@ -303,7 +320,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, bool sound, state *at, const sgt_
     bending by = bending_of(n1, n2, mirror);
     sgt_vec3 d = ray.d;
     sgt_fate fate;
-    if (e->phase) by.kind = BY_PHASE, fate = bend_by_phase(e, n1, n2, told, hit.p, &d, &path);
+    if (e->phase) by.kind = BY_PHASE, fate = bend_by_phase(e, n1, n2, told, &hit, &d, &path);
     else fate = trace_bend(&by, &d, hit.n);
     if (fate == SGT_LOST) { /* no normal there, or no direction behind */
         *passage = sgt_not_met(SGT_UNDEFINED);
@@ -362,6 +379,7 @@ const char *sgt_fate_text(sgt_fate fate)
     case SGT_PASSED: return "passed";
     case SGT_CLIPPED: return "clipped";
     case SGT_TIR: return "tir";
+    case SGT_EVANESCENT: return "evanescent";
     case SGT_MISSED: return "missed";
     case SGT_LOST: return "lost";
     }

@@ -317,8 +317,8 @@ sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, con
 /* ------------------------------------------------------------------ bending */
 
 /* How an element bends all rays alike: not at all, back, or on, with D in one of its two forms; or by its
- * phase (phase.h). */
-typedef enum bend_kind { STRAIGHT, BACK, ON, ON_BY_SINE, BY_PHASE } bend_kind;
+ * phase, as an ideal lens (phase.h) or in waves (waves.h). */
+typedef enum bend_kind { STRAIGHT, BACK, ON, ON_BY_SINE, BY_PHASE, BY_WAVES } bend_kind;
 typedef struct bending { bend_kind kind; double r, k; } bending;
 
 SGT_INLINE bending bending_of(double n1, double n2, bool mirror)

@@ -7,7 +7,8 @@
  *     1. the rays are placed in the element's frame; without turns that is a sum
  *     2. the surface's lanes meet them (ray/batch.c)
  *     3. they are bent, on to the next element; between equal indices nothing is bent.  Of an ideal lens
- *        that is a loop of its own, and one more if paths are wanted
+ *        that is a loop of its own, and one more if paths are wanted.  A phase in waves is first worked out
+ *        for all of them, by the operations of its surface
  *
  * The formulas are those of the single ray (trace.h), the same operations in the same order, and so the
  * same bits.
@@ -225,7 +226,8 @@ static double bend_all(tile *w, const bending *by, double aperture2)
     case BACK: return bend_by(BACK, w, *by, aperture2);
     case ON: return bend_by(ON, w, *by, aperture2);
     case ON_BY_SINE: return bend_by(ON_BY_SINE, w, *by, aperture2);
-    case BY_PHASE: break; /* focus_all */
+    case BY_PHASE:
+    case BY_WAVES: break; /* focus_all, kick_all */
     }
     return 0;
 }
@@ -260,6 +262,55 @@ static void add_phase_all(size_t n, const thin_lens *by, const vectors *restrict
         twofold l = twofold_sum(before, twofold_of(phase_path(lens, get(p, i), get(d, i))));
         path->hi[i] = l.hi, path->lo[i] = l.lo;
     }
+}
+
+/* bend_all of a phase in waves; g: the gradient of W. */
+SGT_INLINE double kick_by_all(bool back, const tile *w, kick by, double aperture2, const vectors *restrict g,
+                              const vectors *d, vectors *out, double *restrict good)
+{
+    const size_t n = w->n;
+    const vectors *restrict p = w->p, *restrict normal = &w->n_;
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) {
+        double inside = p->x[i] * p->x[i] + p->y[i] * p->y[i] <= aperture2 ? 1 : 0;
+        kicked b = kick_by(back, by, get(g, i), get(d, i), get(normal, i));
+        put(out, i, b.d);
+        good[i] = where_kicked(b, inside);
+        count += good[i];
+    }
+    return count;
+}
+
+SGT_KERNEL
+static double kick_all(const tile *w, const kick *by, double aperture2, const vectors *g, const vectors *d,
+                       vectors *out, double *good)
+{
+    if (by->back) return kick_by_all(true, w, *by, aperture2, g, d, out, good);
+    return kick_by_all(false, w, *by, aperture2, g, d, out, good);
+}
+
+/* Adds S; w: W. */
+SGT_KERNEL
+static void add_waves_all(size_t n, double per_wave, const double *restrict w, paths *restrict path)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        twofold l = kick_path(per_wave, w[i], (twofold){path->hi[i], path->lo[i]});
+        path->hi[i] = l.hi, path->lo[i] = l.lo;
+    }
+}
+
+/* Bends the rays by a phase in waves.  Where they started in the element's frame is of no use any more.  So
+ * the gradient of W is kept there, and W in good. */
+SGT_NOINLINE static double kick_tile(const bundle_work *job, tile *w, const sgt_element *e, double n2)
+{
+    vectors *g = w->o;
+    const kick by = kick_of(e->phase, w->medium, n2, e->index == SGT_MIRROR);
+    sgt_waves_tile(e->phase, w->n, (sgt_points){{w->p->x, w->p->y, w->p->z}}, w->good,
+                   (double *const[3]){g->x, g->y, g->z});
+    if (job->path) add_waves_all(w->n, by.per_wave, w->good, w->next.path);
+    return kick_all(w, &by, aperture2_of(e->semi_diameter), g, w->d, w->next.d, w->good);
 }
 
 /* Back to global axes; also d, in place, if d_too. */
@@ -542,6 +593,12 @@ static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t 
     }
     if (status > 0 && is_inside(get(w->p, i), aperture2)) { /* it goes on, or is clipped or reflected */
         if (is_obstructed(e, get(w->p, i))) return STOPS + SGT_CLIPPED;
+        if (by->kind == BY_WAVES) {
+            const kick k = kick_of(e->phase, w->medium, index_behind(e, w->medium), e->index == SGT_MIRROR);
+            const waves_here here = sgt_waves_at(e->phase, get(w->p, i));
+            const kicked b = kick_by(k.back, k, here.g, ray->d, get(&w->n_, i));
+            return in_range(b.G) && b.q <= 0 ? STOPS + SGT_EVANESCENT : ASK;
+        }
         if (by->kind == STRAIGHT || by->kind == BY_PHASE) return ASK;
         bent b = bent_by(by->kind, by->r, by->k, ray->d, get(&w->n_, i));
         return in_range(b.G) && b.D < 0 ? STOPS + SGT_TIR : ASK;
@@ -746,7 +803,9 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, const bending
 
     if (job->path) lengthen_all(w->n, w->medium, w->t, w->t_lo, w->now.path, w->next.path);
     double aperture2 = aperture2_of(e->semi_diameter), good;
-    if (e->phase) {
+    if (by->kind == BY_WAVES) {
+        good = kick_tile(job, w, e, n2);
+    } else if (e->phase) {
         thin_lens lens = thin_lens_of(e->phase, w->medium, n2, e->index == SGT_MIRROR);
         if (job->path) add_phase_all(w->n, &lens, w->p, w->d, w->next.path);
         good = focus_all(w->n, &lens, aperture2, w->p, w->d, w->next.d, w->good);
@@ -772,7 +831,7 @@ static void pass_all(const bundle_work *job, tile *w, size_t j)
     bool loops = !job->by_hand && sound && is_sound(e, w->medium);
     double n2 = index_behind(e, w->medium), good = 0;
     bending by = bending_of(w->medium, n2, e->index == SGT_MIRROR);
-    if (e->phase) by.kind = BY_PHASE;
+    if (e->phase) by.kind = is_in_waves(e->phase) ? BY_WAVES : BY_PHASE;
     vectors *other = w->now.d == &w->ds[0] ? &w->ds[1] : &w->ds[0];
     w->d = turned ? other : w->now.d; /* bent in place, or left there */
     w->next.offset = turned ? w->o : w->p;

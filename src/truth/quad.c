@@ -9,6 +9,8 @@
  * cancel, 2^-72 after all steps will do: that still measures the errors of doubles.  At a double root this
  * fails, because each step is half the last.
  *
+ * A PHASE IN WAVES is a sag, found in the same way along z, or the value of a formula.
+ *
  * A TRACE makes the axes of a pose exactly orthogonal, as they are meant to be.  In doubles they are so only
  * to 2^-50. */
 #include "quad.h"
@@ -117,6 +119,33 @@ static quad3 focused(const sgt_element *e, quad n1, quad n2, quad3 p, quad3 d, q
     return unit((quad3){u2, v2, e->index == SGT_MIRROR ? -to : to});
 }
 
+/* The direction behind a phase in waves, as system.h defines it, and the path that it adds: p, d and the
+ * gradient n of the surface in its frame.  false: there is none, or no formula for W. */
+static bool kicked(const sgt_element *e, quad n1, quad n2, quad3 p, quad3 n, quad3 *d, quad *more)
+{
+    const sgt_phase *a = e->phase;
+    const quad_formula *f = quad_formula_of(a->waves);
+    const bool sag = a->kind == SGT_PHASE_SAG, back = e->index == SGT_MIRROR;
+    quad3 g = {0, 0, 0}, on_axis = {p.x, p.y, 0}, up_axis = {0, 0, 1};
+    quad w, scale = a->per_wave;
+    if (!f) return false;
+    if (sag) { /* the z where F = 0, and its slopes */
+        w = -a->waves.ops->value(a->waves.self, (sgt_vec3){(double)p.x, (double)p.y, 0}, NULL);
+        if (!meet(f, on_axis, up_axis, &w, &g)) return false;
+        g = (quad3){-g.x / g.z, -g.y / g.z, 0};
+    } else {
+        w = quad_value(f, p, &g);
+    }
+    n = unit(n);
+    quad3 u = along(times(n1, *d), scale, g), t = along(u, -quad_dot(u, n), n);
+    quad q = n2 * n2 - quad_dot(t, t);
+    if (!(q > 0)) return false;
+    bool up = (quad_dot(*d, n) > 0) != back;
+    *d = unit(along(t, up ? root(q) : -root(q), n));
+    *more = scale * w;
+    return true;
+}
+
 bool quad_trace(size_t passed, const sgt_element e[], double index_before, const sgt_ray *ray,
                 const sgt_passage seen[], quad3 *point, quad *path)
 {
@@ -132,7 +161,13 @@ bool quad_trace(size_t passed, const sgt_element e[], double index_before, const
         o = along(o, t, d);
         *path += index * t;
         quad3 n = unit(out_of(&f, grad));
-        if (e[i].phase) {
+        if (e[i].phase && e[i].phase->kind != SGT_IDEAL_LENS) {
+            quad behind = e[i].index == 0 || e[i].index == SGT_MIRROR ? index : (quad)e[i].index, more;
+            if (!kicked(&e[i], index, behind, along(q, t, v), grad, &v, &more)) return false;
+            d = out_of(&f, v);
+            *path += more;
+            index = behind;
+        } else if (e[i].phase) {
             quad behind = e[i].index == 0 || e[i].index == SGT_MIRROR ? index : (quad)e[i].index, more;
             d = out_of(&f, focused(&e[i], index, behind, along(q, t, v), v, &more));
             *path += more;

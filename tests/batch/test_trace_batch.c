@@ -17,7 +17,7 @@
 #include <sagitta/system.h>
 
 enum { ELEMENTS = 6, SHOWN = 10, LENGTH = 700, ITEMS = 4, CORNERS = 9 };
-static long failures, compared, with_fate[SGT_TIR + 2], not_moved, unequal_neighbours;
+static long failures, compared, with_fate[SGT_EVANESCENT + 2], not_moved, unequal_neighbours;
 static long clipped_by[SGT_SPIDER + 1]; /* how often, by semi_diameter and by each shape */
 
 /* ----------------------------------------------------------- a user's surface */
@@ -86,6 +86,10 @@ typedef struct lens {
     sgt_aperture_item items[ELEMENTS][ITEMS];
     sgt_vec2 corners[ELEMENTS][ITEMS][CORNERS];
     sgt_phase phases[ELEMENTS];
+    sgt_polynomial_xy waves[ELEMENTS];
+    sgt_even_asphere rounds[ELEMENTS];
+    double numbers[ELEMENTS][9];
+    quilt quilted[ELEMENTS];
     double before;
 } lens;
 
@@ -124,8 +128,35 @@ static void give_aperture(generator *g, lens *l, size_t i)
     l->e[i].aperture = a;
 }
 
+/* A grating or a polynomial, the sag of another element, or a user's function, of gentle slope or not. */
+static void give_waves(generator *g, lens *l, size_t i)
+{
+    sgt_phase *p = &l->phases[i];
+    double *a = l->numbers[i], by = chance(g, 0.5) ? 3 : 0.3;
+    for (int k = 0; k < 9; k++) a[k] = uniform(g, -by, by) / (1 + k / 3 + k % 3);
+    l->waves[i] = (sgt_polynomial_xy){.a = {a, 3, 3}};
+    if (chance(g, 0.4)) l->waves[i].a.columns = 2, l->waves[i].a.rows = 1;
+    l->quilted[i] = (quilt){.a = {uniform(g, -by, by), uniform(g, -by, by), 1}};
+    l->quilted[i].square = uniform(g, 0.05, 0.5);
+    *p = (sgt_phase){.kind = SGT_PHASE_SAG};
+    if (chance(g, 0.9)) p->per_wave = either_sign(g) * uniform(g, 0.1, 1);
+    p->waves = (sgt_surface){&sgt_polynomial_xy_ops, &l->waves[i]};
+    if (chance(g, 0.2)) p->waves = (sgt_surface){&sgt_even_asphere_ops, &l->s[0].with};
+    l->rounds[i] = (sgt_even_asphere){.a = {a[0] / 4, a[1] / 16}};
+    if (chance(g, 0.2)) p->waves = (sgt_surface){&sgt_even_asphere_ops, &l->rounds[i]};
+    if (chance(g, 0.2)) {
+        p->waves = (sgt_surface){&quilt_ops[below(g, 3)], &l->quilted[i]};
+        if (chance(g, 0.5)) p->kind = SGT_PHASE_FUNCTION;
+    }
+    l->e[i].phase = p;
+}
+
 static void give_phase(generator *g, lens *l, size_t i)
 {
+    if (chance(g, 0.5)) {
+        give_waves(g, l, i);
+        return;
+    }
     l->phases[i] = (sgt_phase){.kind = SGT_IDEAL_LENS, .focal_length = either_sign(g) * uniform(g, 0.5, 60)};
     if (chance(g, 0.6)) l->phases[i].object_distance = either_sign(g) * uniform(g, 0.5, 60);
     else if (chance(g, 0.3)) l->phases[i].object_distance = either_sign(g) * FAR;
@@ -195,8 +226,8 @@ static void spoil_element(generator *g, lens *l, size_t i)
         else if (chance(g, 0.2)) {
             give_phase(g, l, i);
             if (chance(g, 0.1)) l->phases[i].kind = (sgt_phase_kind)below(g, 3);
-            else if (chance(g, 0.1)) l->phases[i].reserved_[below(g, 6)] = 1;
-            else if (chance(g, 0.5)) l->phases[i].focal_length = hostile_number(g);
+            else if (chance(g, 0.1)) l->phases[i].reserved_[below(g, 2)] = 1;
+            else if (chance(g, 0.5)) l->phases[i].focal_length = l->phases[i].per_wave = hostile_number(g);
             else l->phases[i].object_distance = hostile_number(g);
         }
         else e->semi_diameter = apertures[below(g, COUNT_OF(apertures))];
@@ -566,7 +597,7 @@ int main(void)
     while (asked < wanted && failures < 1000) asked += (double)round_of(&g);
     printf("%.0f rays, %ld answers compared, %ld faults;", asked, compared, failures);
     bool each = (double)unequal_neighbours > asked / 50;
-    for (int i = SGT_LOST; i <= SGT_TIR; i++)
+    for (int i = SGT_LOST; i <= SGT_EVANESCENT; i++)
         printf(" %s %ld", sgt_fate_text((sgt_fate)i), with_fate[i - SGT_LOST]),
             each = each && (double)with_fate[i - SGT_LOST] > asked / 200;
     printf("; %ld passed nothing, %ld unlike their neighbour", not_moved, unequal_neighbours);

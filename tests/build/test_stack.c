@@ -444,6 +444,8 @@ int main(void)
                                         .semi_diameter = i ? 3 : 0};
         elements[1].pose = sgt_pose_tilted((sgt_vec3){0.1, 0, 2}, (sgt_vec3){2, 0, 0});
         elements[2].index = SGT_MIRROR;
+        const sgt_phase phase = {.kind = SGT_PHASE_FUNCTION, .waves = surface, .per_wave = 1e-3};
+        elements[1].phase = &phase;
         static void (*const calls[])(void) = {intersect_batch, intersect,     trace_batch, trace,
                                               check,           differentiate, aim,         aim_many,
                                               leave_batch};

@@ -980,7 +980,7 @@ static void check_trace(const subject *s, bytes *b, size_t n, const sgt_ray ray[
         size_t through = sgt_trace(elements, e, before, &r, one, &fate, opt);
         const sgt_hit *last = &one[through < elements ? through : elements - 1].hit;
         whole += through == elements;
-        HOLDS(through <= elements && fate >= SGT_LOST && fate <= SGT_TIR &&
+        HOLDS(through <= elements && fate >= SGT_LOST && fate <= SGT_EVANESCENT &&
                   (fate == SGT_PASSED) == (through == elements),
               last, "passed %zu of %zu, fate %d", through, elements, (int)fate);
         HOLDS(fate == (sgt_fate)fates[i] && (int)through == passed[i], last,

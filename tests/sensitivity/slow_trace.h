@@ -6,7 +6,8 @@
 // Conics are met by the quadratic formula, other surfaces by Newton on the definition of F
 // (catalogue/formulas.h), from the vertex plane.  Bending takes the unit normal and the cosines of both
 // angles (Glassner 1989, An Introduction to Ray Tracing, chapter 2).  Ideal lenses are as system.h defines
-// them, by slopes.  Numbers of the lens are quads, so that they may be changed by less than an ulp.
+// them, by slopes.  A phase in waves is n2 d' = n1 d + G + c N, with c from |d'| = 1.  Numbers of the lens
+// are quads, so that they may be changed by less than an ulp.
 #ifndef SENSITIVITY_SLOW_TRACE_H
 #define SENSITIVITY_SLOW_TRACE_H
 #include "../catalogue/formulas.h"
@@ -80,7 +81,7 @@ inline element element_of(const sgt_element &e)
 }
 
 // The end of a ray: in the frame of the last element, and how many it passed.  If it stops, `why` is 'm' (no
-// root) or 't' (total reflection), p is the last point.
+// root), 't' (total reflection) or 'e' (evanescent), p is the last point.
 struct end {
     vec p, d;
     quad opl;
@@ -158,6 +159,26 @@ inline vec focused(const sgt_phase &a, bool mirror, quad n1, quad n2, const vec 
     return quad(1) / length(behind) * behind;
 }
 
+// Behind a phase in waves, with the normal n; *more is what it adds to the path.  false: evanescent.
+inline bool kicked(const sgt_phase &a, bool mirror, quad n1, quad n2, vec p, const vec &n, vec *d, quad *more)
+{
+    typedef dual<quad, 3> D3;
+    const bool sag = a.kind == SGT_PHASE_SAG;
+    std::vector<D3> numbers;
+    for (double x : catalogue::parameters_of(a.waves)) numbers.push_back(quad(x));
+    if (sag) p.z = 0;
+    const D3 f = catalogue::level(a.waves, numbers.data(), D3::variable(p.x, 0), D3::variable(p.y, 1),
+                                  D3::variable(p.z, 2));
+    const quad scale = sag ? -quad(a.per_wave) : quad(a.per_wave);
+    const vec u = n1 * *d + scale * vec{f.v[0], f.v[1], sag ? quad(0) : f.v[2]};
+    const quad b = inner(u, n), square = b * b + n2 * n2 - inner(u, u);
+    if (!(square > 0)) return false;
+    const bool up = (inner(*d, n) > 0) != mirror;
+    *d = 1 / n2 * (u + ((up ? square_root(square) : -square_root(square)) - b) * n);
+    *more = scale * f.a;
+    return true;
+}
+
 // count: so many elements; the last is met and need not be passed, if `to_point` is set.
 inline end trace(const std::vector<element> &e, std::size_t count, quad index, vec o, vec d,
                  bool to_point = false)
@@ -174,6 +195,16 @@ inline end trace(const std::vector<element> &e, std::size_t count, quad index, v
         r.p = p + t * l, r.opl += index * t;
         l = unit(l);
         if (to_point && i + 1 == count) return r.d = l, r;
+        if (s.phase && s.phase->kind != SGT_IDEAL_LENS) {
+            const quad behind = s.index == 0 || s.index == -1 ? index : s.index;
+            quad more;
+            r.d = l;
+            if (!kicked(*s.phase, s.index == -1, index, behind, r.p, normal_at(s, r.p), &r.d, &more))
+                return r.why = 'e', r;
+            r.opl += more, index = behind, r.passed = i + 1;
+            at = s.origin + s.global(r.p), way = unit(s.global(r.d));
+            continue;
+        }
         if (s.phase) {
             const quad behind = s.index == 0 || s.index == -1 ? index : s.index;
             quad more;

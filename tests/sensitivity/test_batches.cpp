@@ -60,6 +60,8 @@ struct train {
     sgt_surface_ops user;
     double curvature, before;
     sgt_phase phase[8];
+    sgt_polynomial_xy waves[8];
+    double numbers[8][9];
     sgt_aperture_item item[8];
     sgt_aperture aperture[8];
 };
@@ -100,6 +102,22 @@ static sgt_surface random_surface(generator &g, train &r)
     return s.s;
 }
 
+// A phase in waves: a polynomial, a formula of x and y, or the user's function, which has no second
+// derivatives.
+static void random_waves(generator &g, train &r, std::size_t i)
+{
+    static const sgt_formula_sag ripple = {ripples(), 0};
+    sgt_phase &p = r.phase[i] = {};
+    for (double &a : r.numbers[i]) a = g.uniform(-0.1, 0.1);
+    r.waves[i] = {}, r.waves[i].a = {r.numbers[i], 3, 3};
+    p.kind = SGT_PHASE_SAG, p.per_wave = g.sign() * g.uniform(0.1, 1);
+    p.waves = {&sgt_polynomial_xy_ops, &r.waves[i]};
+    if (g.chance(0.3)) p.waves = {&sgt_formula_sag_ops, &ripple};
+    if (!g.chance(0.2)) return;
+    p.waves = {&r.user, &r.curvature};
+    if (g.chance(0.5)) p.kind = SGT_PHASE_FUNCTION;
+}
+
 static void random_train(generator &g, train &r)
 {
     const std::size_t count = std::size_t(1 + g.below(6));
@@ -116,6 +134,7 @@ static void random_train(generator &g, train &r)
             r.phase[i] = {};
             r.phase[i].kind = SGT_IDEAL_LENS, r.phase[i].focal_length = g.sign() * g.log_uniform(10, 100);
             r.phase[i].object_distance = g.chance(0.5) ? 0 : g.sign() * g.log_uniform(10, 100);
+            if (g.chance(0.6)) random_waves(g, r, i);
             e.phase = &r.phase[i];
         }
         if (g.chance(0.2)) {

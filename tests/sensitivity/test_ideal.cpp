@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Ideal lenses among spheres, conics and mirrors: derivatives, told errors and proofs, against 113 bits.
+// Phases among spheres, conics and mirrors: derivatives, told errors and proofs, against 113 bits.
 //
-// Random rows of surfaces.  Half of the elements are ideal lenses: of either sign, mirrors too, with a change
-// of index or none, tilted and decentred, from afar or not, a few of them on a sphere.  Of each ray
+// Random rows of surfaces.  Half of the elements have a phase: mirrors too, with a change of index or none,
+// tilted and decentred.  Every other phase is an ideal lens: of either sign, from afar or not, a few of them
+// on a sphere.  The others are in waves: conics, even aspheres, polynomials, Zernike's, and quadrics of x, y
+// and z, on any surface.  Of each ray
 //
 //     sgt_trace_gradient and sgt_trace_sensitivity   agree with differences of slow_trace.h
 //     sgt_trace_error                                 is not less than the error, and not absurdly large
@@ -33,24 +35,78 @@ static void fail(const char *what, double a, double b, double got, double wanted
 
 // ------------------------------------------------------------------ a system
 
+// What the functions of phases in waves are made of.
+struct function {
+    sgt_conic conic;
+    sgt_even_asphere asphere;
+    sgt_polynomial_xy polynomial;
+    sgt_zernike zernike;
+    sgt_quadric quadric;
+    double a[9];
+};
+
 struct row {
     std::vector<sgt_conic> conic;
     std::vector<sgt_phase> phase;
+    std::vector<function> waves;
     std::vector<sgt_element> e;
     double before, size;
 };
+
+// A phase whose G is some tenths at r = size / 2.
+static void random_waves(sgt_phase *p, function *f, double size, oracle::generator &random)
+{
+    *p = {}, *f = {};
+    p->kind = SGT_PHASE_SAG;
+    p->per_wave = random.sign() * size * random.log_uniform(1e-6, 1e-2);
+    const double by = random.uniform(-0.3, 0.3) / p->per_wave; // of the gradient at r = size
+    for (double &a : f->a) a = random.uniform(-0.3, 0.3) / p->per_wave;
+    switch (random.below(5)) {
+    case 0:
+        f->conic = {by / size, 1e-9, 0};
+        f->conic.k = -1 - random.uniform(0, 1) / (1 + std::fabs(by)); // defined everywhere
+        p->waves = {&sgt_conic_ops, &f->conic};
+        break;
+    case 1:
+        f->asphere.a[0] = by / size, f->asphere.a[1] = f->a[1] / std::pow(size, 3);
+        f->asphere.a[3] = f->a[2] / std::pow(size, 7);
+        p->waves = {&sgt_even_asphere_ops, &f->asphere};
+        break;
+    case 2:
+        for (int i = 0; i < 9; i++) f->a[i] /= std::pow(size, i / 3 + i % 3 - 1);
+        f->polynomial.a = {f->a, 3, 3};
+        if (random.chance(0.3)) f->polynomial.a.columns = 2, f->polynomial.a.rows = 1; // a grating
+        p->waves = {&sgt_polynomial_xy_ops, &f->polynomial};
+        break;
+    case 3:
+        for (double &a : f->a) a *= 0.2 * size;
+        f->zernike.norm = size, f->zernike.order = random.chance(0.5) ? SGT_NOLL : SGT_FRINGE;
+        f->zernike.a = {f->a, 1, 9};
+        p->waves = {&sgt_zernike_ops, &f->zernike};
+        break;
+    default:
+        p->kind = SGT_PHASE_FUNCTION;
+        for (int i = 0; i < 3; i++) {
+            f->quadric.squares[i] = f->a[i] / (3 * size), f->quadric.products[i] = f->a[3 + i] / (3 * size);
+            f->quadric.linear[i] = f->a[6 + i] / 3;
+        }
+        p->waves = {&sgt_quadric_ops, &f->quadric};
+    }
+}
 
 static row random_row(oracle::generator &random)
 {
     row r;
     const std::size_t count = std::size_t(2 + random.below(5));
     const double size = r.size = random.log_uniform(1e-2, 1e3);
-    r.conic.resize(count), r.phase.resize(count), r.before = random.chance(0.5) ? 1 : random.uniform(1, 1.7);
+    r.conic.resize(count), r.phase.resize(count), r.waves.resize(count);
+    r.before = random.chance(0.5) ? 1 : random.uniform(1, 1.7);
     double z = 0, way = 1;
     bool any = false;
     for (std::size_t i = 0; i < count; i++) {
         sgt_element e = {};
-        const bool last = i + 1 == count, ideal = !last && (random.chance(0.5) || (i + 2 == count && !any));
+        const bool last = i + 1 == count, phase = !last && (random.chance(0.5) || (i + 2 == count && !any));
+        const bool ideal = phase && random.chance(0.5);
         const bool flat = last ? random.chance(0.7) : ideal ? random.chance(0.9) : random.chance(0.1);
         r.conic[i] = {flat ? 0 : random.sign() / (size * random.uniform(3, 20)),
                       random.chance(0.5) ? 0 : random.uniform(-1.5, 0.5), 0};
@@ -62,6 +118,10 @@ static row random_row(oracle::generator &random)
             r.phase[i].focal_length = random.sign() * size * random.log_uniform(2, 100);
             if (random.chance(0.6))
                 r.phase[i].object_distance = random.sign() * size * random.log_uniform(1, 100);
+            e.phase = &r.phase[i], any = true;
+        }
+        if (phase && !ideal) {
+            random_waves(&r.phase[i], &r.waves[i], size, random);
             e.phase = &r.phase[i], any = true;
         }
         const double aside = random.chance(0.5) ? 0 : 0.1 * size, tilt = random.chance(0.5) ? 0 : 10;

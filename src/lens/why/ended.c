@@ -61,6 +61,7 @@ size_t sgt_why_ended(const sgt_element *e, sgt_fate fate, const sgt_arrival *a, 
         break;
     case SGT_MISSED: say_missed(&to, e, a); break;
     case SGT_PASSED:
+    case SGT_EVANESCENT:
     case SGT_LOST: break;
     }
     return to.length;
