@@ -728,8 +728,14 @@ int sagitta_nothing(const sgt_surface *surface, const sgt_ray *ray, const sgt_op
 
 /* --------------------------------------------------------------------- what a designer asks */
 
+/* What one share of a study has written, and how much of it was read. */
+typedef struct sagitta_part { const char *at; size_t size, taken; } sagitta_part;
+
 /* The rows of an analysis, one behind another, and what was said: sentences, each with an 'n' (a note) or an
- * 'l' (a legend) in front and a zero byte at its end. */
+ * 'l' (a legend) in front and a zero byte at its end.
+ *
+ * of is not 0: share `number` of so many, which is written behind `part`; or, number 0, all of the study, read
+ * from given[0 ... of - 1]. */
 typedef struct sagitta_answer {
     char *row;
     size_t rows, room, size;
@@ -738,6 +744,11 @@ typedef struct sagitta_answer {
     int threads;
     bool no_memory;
     sgt_fates fates;
+    size_t number, of;
+    sgt_shard *shard;
+    char *part;
+    size_t part_size, part_room;
+    sagitta_part *given;
 } sagitta_answer;
 
 /* Room for `more` bytes behind `used`; NULL: none, and *at is as before. */
@@ -769,6 +780,23 @@ static void keep_words(void *context, sgt_remark_of_study kind, const char *sent
     memcpy(to + 1, sentence, length - 1), a->length += length;
 }
 
+static bool write_part(void *context, size_t size, const void *bytes)
+{
+    sagitta_answer *a = context;
+    char *to = more_room(a, &a->part, a->part_size, &a->part_room, size);
+    if (to) memcpy(to, bytes, size), a->part_size += size;
+    return to;
+}
+
+static bool read_part(void *context, size_t number, size_t size, void *bytes)
+{
+    const sagitta_answer *a = context;
+    sagitta_part *p = &a->given[number - 1];
+    if (size > p->size - p->taken) return false;
+    memcpy(bytes, p->at + p->taken, size), p->taken += size;
+    return true;
+}
+
 /* Tasks in threads: each takes the next that is left. */
 typedef struct crew {
     void (*one)(void *data, size_t i);
@@ -797,13 +825,20 @@ static void in_threads(void *context, size_t tasks, void (*one)(void *data, size
     for (size_t i = 0; i < others; i++) pthread_join(thread[i], NULL);
 }
 
-/* A study that works in answer->threads; the answer lasts as long as it. */
+/* A study that works in answer->threads; the answer lasts as long as it, and is forgotten after it. */
 SGT_API sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
                                  sgt_error *error);
 sgt_study *sagitta_study(const sgt_lens *lens, sgt_study_options *opt, sagitta_answer *answer,
                          sgt_error *error)
 {
     if (answer->threads > 1) opt->run = in_threads, opt->context = answer;
+    if (answer->of) {
+        opt->shard = answer->shard = malloc(sizeof *answer->shard);
+        answer->no_memory = !answer->shard;
+        if (!answer->shard) return NULL;
+        *answer->shard = (sgt_shard){.number = answer->number, .of = answer->of, .context = answer,
+                                     .write = write_part, .read = read_part};
+    }
     return sgt_study_new(lens, opt, error);
 }
 
@@ -855,8 +890,32 @@ bool sagitta_trials(const sgt_tolerancing *t, size_t entries, uint64_t seed, uin
 SGT_API void sagitta_forget(sagitta_answer *answer);
 void sagitta_forget(sagitta_answer *answer)
 {
-    free(answer->row), free(answer->words);
-    answer->row = answer->words = NULL;
+    free(answer->row), free(answer->words), free(answer->part), free(answer->shard);
+    answer->row = answer->words = answer->part = NULL, answer->shard = NULL;
+}
+
+/* Adds rays to sums by columns: the points x, y (NULL: of a wavefront) and the bounds of their errors, or path
+ * differences and theirs; weights; which of the rays count as passed. */
+typedef struct sagitta_summands {
+    size_t n;
+    const double *x, *y, *opd, *error, *weight;
+    const bool *passed;
+} sagitta_summands;
+
+SGT_API void sagitta_sums_add(sgt_sums *sums, const sagitta_summands *of);
+void sagitta_sums_add(sgt_sums *sums, const sagitta_summands *of)
+{
+    sgt_ray_end end[BLOCK];
+    for (size_t first = 0, n; first < of->n; first += n) {
+        n = of->n - first < BLOCK ? of->n - first : BLOCK;
+        memset(end, 0, sizeof end);
+        for (size_t i = 0; i < n; i++) {
+            end[i].fate = of->passed[first + i] ? SGT_PASSED : SGT_MISSED;
+            end[i].weight = of->weight[first + i], end[i].p_err = of->error[first + i];
+            if (of->x) end[i].p.x = of->x[first + i], end[i].p.y = of->y[first + i];
+        }
+        sgt_sums_add(sums, n, end, of->opd ? of->opd + first : NULL, of->opd ? of->error + first : NULL);
+    }
 }
 
 /* ------------------------------------------------ what the structs of Python are held to */

@@ -246,10 +246,10 @@ typedef struct sgt_lens_surface {
     double      size;        /* the half height in use, or 0: for drawings, and for
                                 SGT_PUPIL_STOP_SIZE.  It clips nothing */
     double      focal_length; /* of the type "ideal", whose element is a plane with an
-                                sgt_phase; else 0.  If the file gives no object_distance,
-                                that of the phase is the distance of the paraxial image
-                                that the surfaces in front form of the object, at the
-                                wavelength of the elements */
+                                sgt_phase of that kind; else 0.  If the file gives no
+                                object_distance, that of the phase is the distance of the
+                                paraxial image that the surfaces in front form of the
+                                object, at the wavelength of the elements */
     unsigned long long reserved_[4];
 } sgt_lens_surface;
 
@@ -361,8 +361,10 @@ SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
  *
  * If the file gives no object_distance for an ideal lens, the paraxial one at that
  * wavelength is taken; at a wavelength that the file does not list, that at the primary
- * one.  false: some medium has no index there (a list of indices for other wavelengths, a
- * pole), and `error` says which. */
+ * one.  Phases in waves are those at that wavelength.  They last as long as the lens, or
+ * until it is edited: for each wavelength that the file does not list some memory is
+ * kept.  false: some medium has no index there (a list of indices for other wavelengths,
+ * a pole), or there is no memory, and `error` says which. */
 SGT_API bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[],
                          double *index_before, sgt_error *error);
 
@@ -524,7 +526,7 @@ SGT_API size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, si
  *     allocator         NULL: malloc
  *
  * NULL: no memory.  It takes 8 bytes for each of the n rows of a grid or of cells, and
- * for each 64 points of Sobol's sequence. */
+ * for each 344 points of Sobol's sequence. */
 typedef struct sgt_pupil sgt_pupil;
 SGT_API sgt_pupil *sgt_pupil_new(sgt_pattern pattern, size_t n, uint64_t seed,
                                  const sgt_allocator *allocator);

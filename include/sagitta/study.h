@@ -144,7 +144,7 @@ typedef enum sgt_column_kind {
 /* As a fate: it is proven that there is no such ray. */
 #define SGT_NO_RAY (-2)
 
-/* "passed", "clipped", "tir", "missed", "lost" or "none". */
+/* "passed", "clipped", "tir", "evanescent", "missed", "lost" or "none". */
 SGT_API const char *sgt_study_fate_text(int fate);
 
 /* What the unit of a column depends on. */
@@ -260,7 +260,8 @@ typedef struct sgt_fates {
                                     proven */
     size_t folded;               /* on a fold of the pupil */
     size_t proven;               /* passed, and proven at each surface */
-    unsigned long long reserved_[4];
+    size_t evanescent;           /* the order of a phase does not exist for them */
+    unsigned long long reserved_[3];
 } sgt_fates;
 
 /* A ray that was lost, and how to ask for it again. */
@@ -327,7 +328,7 @@ SGT_API size_t sgt_digits(double value, double error);
 
 /* What became of the rays of a row. */
 typedef struct sgt_fate_counts {
-    size_t missed, clipped, tir, lost, none, proven;
+    size_t missed, clipped, tir, lost, none, proven, evanescent;
 } sgt_fate_counts;
 
 /* "ends": where the rays end; the study itself. */
@@ -455,8 +456,8 @@ typedef struct sgt_sweep_row {
     double at, wavelength;
     size_t rays, passed, missed, clipped, tir, lost, none;
     double evals;
-    size_t proven;
-    unsigned long long reserved_[2];
+    size_t proven, evanescent;
+    unsigned long long reserved_[1];
 } sgt_sweep_row;
 
 /* "energy": how much of the light falls within a radius about the centroid or the chief

@@ -22,6 +22,8 @@ from .function import Function
 from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Parabasal, Rays, Remark, Seidel
 from .lens import Sensitivity
 from .optimise import Variables
+from .parts import Part, join
+from .sums import Spot, SpotSums, Wavefront, WavefrontSums
 from ._calls import Options
 from .results import Aimed, Crossing, Crossings, End, Fate, Hit, Hits, Passage, Passed, Status, Traced
 from .study import Answer, Fates
@@ -62,6 +64,7 @@ __all__ = [
     "LevelGravity",
     "Options",
     "Parabasal",
+    "Part",
     "Passage",
     "Passed",
     "Prepared",
@@ -70,6 +73,8 @@ __all__ = [
     "Sag",
     "Seidel",
     "Sensitivity",
+    "Spot",
+    "SpotSums",
     "Status",
     "Surface",
     "Tolerance",
@@ -78,6 +83,9 @@ __all__ = [
     "Trials",
     "Variables",
     "Verdict",
+    "Wavefront",
+    "WavefrontSums",
+    "join",
     "quantile",
     "share",
 ]

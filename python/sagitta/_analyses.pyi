@@ -19,8 +19,8 @@ Reals = Literal["wavelength", "x", "y", "rms", "rms_x", "rms_y", "geometric", "a
                 "condition", "at", "weight", "z", "l", "opl", "opl_err", "within", "radius", "fraction",
                 "unsure", "cos4", "illumination", "cos4_err", "illumination_err"]
 
-Counts = Literal["field", "rays", "passed", "digits", "missed", "clipped", "tir", "lost", "none", "proven",
-                 "term", "lacks", "element"]
+Counts = Literal["field", "rays", "passed", "digits", "missed", "clipped", "tir", "evanescent", "lost",
+                 "none", "proven", "term", "lacks", "element"]
 
 FatesOfRays = Literal["fate"]
 
@@ -42,6 +42,7 @@ class SpotAnswer(Answer):
     missed: NDArray[np.uintp]
     clipped: NDArray[np.uintp]
     tir: NDArray[np.uintp]
+    evanescent: NDArray[np.uintp]
     lost: NDArray[np.uintp]
     none: NDArray[np.uintp]
     proven: NDArray[np.uintp]
@@ -82,6 +83,7 @@ class WavefrontAnswer(Answer):
     missed: NDArray[np.uintp]
     clipped: NDArray[np.uintp]
     tir: NDArray[np.uintp]
+    evanescent: NDArray[np.uintp]
     lost: NDArray[np.uintp]
     none: NDArray[np.uintp]
     proven: NDArray[np.uintp]
@@ -136,6 +138,7 @@ class SweepAnswer(Answer):
     missed: NDArray[np.uintp]
     clipped: NDArray[np.uintp]
     tir: NDArray[np.uintp]
+    evanescent: NDArray[np.uintp]
     lost: NDArray[np.uintp]
     none: NDArray[np.uintp]
     evals: Floats
@@ -184,6 +187,7 @@ class IlluminationAnswer(Answer):
     missed: NDArray[np.uintp]
     clipped: NDArray[np.uintp]
     tir: NDArray[np.uintp]
+    evanescent: NDArray[np.uintp]
     lost: NDArray[np.uintp]
     none: NDArray[np.uintp]
     proven: NDArray[np.uintp]

@@ -594,6 +594,50 @@ class Fates(Structure):
         ("within", c_double),
         ("folded", c_size_t),
         ("proven", c_size_t),
+        ("evanescent", c_size_t),
+        ("reserved_", Words * 3),
+    ]
+
+
+class Part(Structure):
+    _fields_ = [("at", c_char_p), ("size", c_size_t), ("taken", c_size_t)]
+
+
+class Summands(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("x", Doubles),
+        ("y", Doubles),
+        ("opd", Doubles),
+        ("error", Doubles),
+        ("weight", Doubles),
+        ("passed", c_void_p),
+    ]
+
+
+class Spot(Structure):
+    _fields_ = [
+        ("rays", c_size_t),
+        ("passed", c_size_t),
+        ("reference", Pair),
+        ("rms", c_double),
+        ("rms_x", c_double),
+        ("rms_y", c_double),
+        ("geometric", c_double),
+        ("error", c_double),
+        ("reserved_", Words * 4),
+    ]
+
+
+class Wavefront(Structure):
+    _fields_ = [
+        ("rays", c_size_t),
+        ("passed", c_size_t),
+        ("mean", c_double),
+        ("rms", c_double),
+        ("least", c_double),
+        ("most", c_double),
+        ("error", c_double),
         ("reserved_", Words * 4),
     ]
 
@@ -610,6 +654,13 @@ class Answer(Structure):
         ("threads", c_int),
         ("no_memory", c_bool),
         ("fates", Fates),
+        ("number", c_size_t),
+        ("of", c_size_t),
+        ("shard", c_void_p),
+        ("part", c_void_p),
+        ("part_size", c_size_t),
+        ("part_room", c_size_t),
+        ("given", c_void_p),
     ]
 
 
@@ -864,6 +915,7 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sgt_spectral_line": (c_double, [c_char_p]),
     # study.h
     "sgt_analysis_at": (POINTER(Analysis), [c_size_t]),
+    "sgt_analysis_named": (POINTER(Analysis), [c_char_p]),
     "sgt_study_new": (c_void_p, [POINTER(Lens), POINTER(StudyOptions), POINTER(Error)]),
     "sgt_study_free": (None, [c_void_p]),
     "sgt_study_column": (c_bool, [c_void_p, POINTER(Analysis), c_void_p, c_size_t, c_char * 32, c_char * 32]),
@@ -877,6 +929,15 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
         [POINTER(Lens), POINTER(StudyOptions), POINTER(Answer), POINTER(Error)],
     ),
     "sagitta_forget": (None, [POINTER(Answer)]),
+    # analysis.h
+    "sgt_sums_new": (c_void_p, [c_int, Pair, c_void_p]),
+    "sgt_sums_free": (None, [c_void_p]),
+    "sagitta_sums_add": (None, [c_void_p, POINTER(Summands)]),
+    "sgt_sums_merge": (c_bool, [c_void_p, c_void_p]),
+    "sgt_sums_spot": (Spot, [c_void_p, c_bool]),
+    "sgt_sums_wavefront": (Wavefront, [c_void_p]),
+    "sgt_sums_write": (c_size_t, [c_void_p, c_size_t, c_char_p]),
+    "sgt_sums_read": (c_void_p, [c_char_p, c_size_t, c_char_p, c_void_p, POINTER(Error)]),
     # tolerance.h
     "sgt_lens_tolerances": (c_size_t, [POINTER(Lens), POINTER(POINTER(Tolerance))]),
     "sgt_tolerance_text": (None, [POINTER(Tolerance), c_char * 80]),

@@ -29,8 +29,9 @@ from ._tables import Dims, Floats, Named, Table, Tabular, ray_axes
 from .function import Function
 from .optimise import variables
 from .results import Aimed, Fate, Later, Passage, Room, Status, Traced
+from .parts import Part
 from .tolerance import Tolerancing
-from .study import PATTERNS, Answer, Wavelength, add_to, field_number, points_of, wavelength_of, whole
+from .study import PATTERNS, Answer, Wavelength, add_to, ask, field_number, points_of, wavelength_of, whole
 from .surface import BUILTINS, CLASSES, Surface
 from .surface import _read as _parameters_at
 
@@ -136,6 +137,7 @@ class Element:
     origin          the vertex, global, instead of thickness and decenter: of all elements or of none
     apertures       a list of maps: {"type": "circle", "radius": 2, "obscures": True} ...
     focal_length, object_distance       of an ideal lens
+    phase           a formula in waves, "-0.4*r^2", or a map: {"lines": 600, "order": 1} ...
     draw_to, name   for pictures; a comment
     """
 
@@ -152,6 +154,7 @@ class Element:
     apertures: Optional[Sequence[dict[str, Any]]] = None
     focal_length: Optional[float] = None
     object_distance: Optional[float] = None
+    phase: Union[None, str, dict[str, Any]] = None
     draw_to: Optional[float] = None
     name: Optional[str] = None
 
@@ -1115,6 +1118,21 @@ class Lens(Analyses):
     # -------------------------------------------------------- what a designer asks (study.py)
 
     _fault = staticmethod(_fault)
+
+    def part(
+        self, analysis: str, number: int, of: int, field: Any = None, wavelength: Any = None, *, threads: int = 1,
+        **asked: Any
+    ) -> Part:
+        """One of `of` shares of an analysis, number 1 to `of`, for sagitta.join(): part("spot", 3, 50, rays=100) is the
+        third of lens.spot(rays=100), and takes its arguments.  Which rays it has depends on its number alone.
+
+        spot, wavefront, sweep, zernike of many rays: a part has sums, and stays small however many rays there are.  Of
+        the others it grows with its rays."""
+        given = {"field": field, "wavelength": wavelength, **asked}
+        if isinstance(number, (int, np.integer)) and number < 1:
+            raise ValueError(f"part {number} of {of}: parts are numbered from 1 to {of}")
+        written = ask(self, analysis, {**given, "threads": threads}, number, of, ())
+        return Part(self, analysis, int(number), int(of), given, written)
 
     def tolerance(
         self,

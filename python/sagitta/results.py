@@ -37,6 +37,7 @@ class Fate(enum.IntEnum):
     PASSED = 1
     CLIPPED = 2
     TIR = 3
+    EVANESCENT = 4
     MISSED = 0
     LOST = -1
 

@@ -84,6 +84,7 @@ class Fates:
     within: float
     folded: int
     proven: int
+    evanescent: int
 
 
 class Answer(Tabular):
@@ -203,6 +204,8 @@ class _Handle:
         self.pointer = C.library.sagitta_study(
             lens._handle.pointer, ctypes.byref(option), ctypes.byref(answer), ctypes.byref(error)
         )
+        if answer.no_memory:
+            raise MemoryError("sagitta: no memory")
         if not self.pointer:
             raise lens._fault(error)
 
@@ -379,13 +382,43 @@ _DEFAULTS: dict[str, Any] = dict(
 )
 
 
+class _Share:
+    """One of several shares of a study (sgt_shard), or number 0: all of it, of what these have written."""
+
+    def __init__(self, number: int, of: int, written: Sequence[bytes]) -> None:
+        self.number, self.of, self.written = number, of, written
+        self._given = (C.Part * len(written))(*(C.Part(part, len(part)) for part in written))
+
+    def set(self, answer: C.Answer) -> None:
+        answer.number, answer.of = self.number, self.of
+        answer.given = ctypes.addressof(self._given)
+
+    def check(self) -> None:
+        """Was all of it read?"""
+        for k, part in enumerate(self._given, 1):
+            if part.taken != part.size:
+                raise ValueError(f"join: part {k} of {self.of} is longer than this study")
+
+
+def ask(lens: "Lens", analysis: str, given: dict[str, Any], number: int, of: int, written: Sequence[bytes]) -> Any:
+    """What a share writes; or, number 0, the Answer of all that were written."""
+    found = C.library.sgt_analysis_named(analysis.encode())
+    if not found:
+        raise ValueError(f"there is no analysis {analysis!r}; there are {', '.join(C.text(a.name) for a in analyses())}")
+    if not 1 <= whole(of, "of", 1) < 2**32 or not 0 <= whole(number, "number") <= of:
+        raise ValueError(f"part {number} of {of}: parts are numbered from 1 to {of}")
+    return _ask(found.contents, lens, _share=_Share(number, of, written), **given)
+
+
 def _ask(
     analysis: C.Analysis,
     lens: "Lens",
     field: Optional[Field] = None,
     wavelength: Union[Wavelength, Sequence[Wavelength]] = None,
+    *,
+    _share: Optional[_Share] = None,
     **given: Any,
-) -> Answer:
+) -> Any:
     asked = {**_DEFAULTS, **{name: x for name, x in given.items() if name in _DEFAULTS}}
     settings = {name: x for name, x in given.items() if name not in _DEFAULTS and x is not None}
     fields, pattern, rays, across, seed, weights, aim, apertures, *solver, threads = asked.values()
@@ -407,15 +440,21 @@ def _ask(
     )
     room, lists = _settings_of(analysis, settings)
     answer = C.Answer(threads=threads)
-    study = _Handle(lens, option, answer, keep)
-    dtype, units = _table_of(study, analysis, room)
-    error = C.Error()
+    if _share is not None:
+        _share.set(answer)
     try:
+        study = _Handle(lens, option, answer, keep)
+        dtype, units = _table_of(study, analysis, room)
+        error = C.Error()
         fine = C.library.sagitta_ask(study.pointer, analysis, room, ctypes.byref(answer), ctypes.byref(error))
         if answer.no_memory:
             raise MemoryError("sagitta: no memory")
         if not fine:
             raise lens._fault(error)
+        if _share is not None:
+            if _share.number:
+                return ctypes.string_at(answer.part, answer.part_size) if answer.part_size else b""
+            _share.check()
         held = ctypes.string_at(answer.row, answer.rows * analysis.row_size) if answer.rows else b""
         said = ctypes.string_at(answer.words, answer.length).decode().split("\0") if answer.length else []
     finally:
@@ -484,7 +523,8 @@ def add_to(lens: Any) -> None:
     for analysis in analyses():
 
         def method(self: "Lens", *given: Any, _analysis: Any = analysis, **named: Any) -> Answer:
-            return _ask(_analysis, self, *given, **named)
+            answer: Answer = _ask(_analysis, self, *given, **named)
+            return answer
 
         method.__name__ = C.text(analysis.name)
         method.__qualname__ = f"{lens.__name__}.{method.__name__}"

@@ -71,7 +71,19 @@ def pickles():
     pickle.loads(pickle.dumps(sagitta.Zernike(norm=4, order="noll", coefficients=[0.1, 0.2])))
 
 
-ROUNDS = {f.__name__: f for f in (surfaces, functions, raising, formulas, lenses, pickles)}
+def parts():
+    lens = Lens([Element(Sphere(radius=50), index=1.5, thickness=99), Element(Plane())], pupil={"semi_diameter": 4})
+    found = [lens.part("spot", k, 2, rays=3) for k in (2, 1)]
+    sagitta.join(found)
+    sums = sagitta.SpotSums().add(O[0], O[1])
+    (sums + pickle.loads(pickle.dumps(sums))).spot()
+    try:
+        sagitta.join(found[:1])
+    except ValueError:
+        pass
+
+
+ROUNDS = {f.__name__: f for f in (surfaces, functions, raising, formulas, lenses, pickles, parts)}
 
 
 def one_round(which):

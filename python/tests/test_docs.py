@@ -28,6 +28,19 @@ def test_the_page(tree, monkeypatch, name, least):
     assert not said, "".join(said)
 
 
+def test_dask(tree):
+    pytest.importorskip("dask", reason="dask is not installed (on Debian: apt-get install python3-dask)")
+    section = (tree / "docs" / "python.md").read_text().split("\n### Dask\n")[1].split("\n## ")[0]
+    lines = re.findall(r"^    (.*)$", section, re.MULTILINE)
+    assert len(lines) == 9
+    lens = sagitta.Lens.read(tree / "examples" / "lenses" / "cooke_triplet.yaml")
+    lines = [line.replace("10**9", "10**4").replace("10**7", "10**3").replace("10**6", "300") for line in lines]
+    there = {"lens": lens, "surface": lens.surface(0)}
+    exec("\n".join(lines), there)
+    assert there["spot"] == lens.spot(pattern="random", rays=10**4)
+    assert 0 < there["rms"] < 1 and 0 < there["mean"]
+
+
 def test_the_pictures(tree):
     pytest.importorskip("matplotlib").use("svg")
     section = (tree / "docs" / "python.md").read_text().split("\n## Pictures\n")[1].split("\n## ")[0]
@@ -66,11 +79,13 @@ def test_the_readme(tree, monkeypatch):
     assert there["hits"].met.all() and (0 < there["spot"].rms).all() and (there["spot"].rms < 1).all()
 
 
-MODULES = ["__init__", "surface", "lens", "formula", "function", "optimise", "results", "study", "_arrays"]
+MODULES = ["__init__", "dask", "surface", "lens", "formula", "function", "optimise", "parts", "results", "study", "sums", "_arrays"]
 
 
 @pytest.mark.parametrize("name", MODULES)
 def test_docstrings(name):
+    if name == "dask":
+        pytest.importorskip("dask", reason="dask is not installed (on Debian: apt-get install python3-dask)")
     module = importlib.import_module("sagitta" if name == "__init__" else f"sagitta.{name}")
     said = []
     for test in doctest.DocTestFinder().find(module):

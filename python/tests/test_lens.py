@@ -422,6 +422,23 @@ def test_formulas_in_a_lens():
     assert abs(a.first_order().efl - 100) < 1e-9 or math.isnan(a.first_order().efl)
 
 
+def test_phases():
+    """The grating equation, at wavelengths of the lens and others; the phase is read and set by its path."""
+    lens = Lens(
+        [Element(Plane(), thickness=5, phase={"lines": 300, "order": -1}), Element(Plane(), phase="-2*r^2")],
+        units="mm",
+        wavelengths=[0.55, 0.65],
+        primary=1,
+    )
+    for um in (0.55, 0.65, 0.4321):
+        traced = lens.trace((0, 0, -1), (0, 0, 1), wavelength=um, passages=True)
+        assert abs(traced.passages[0].direction[1, 0] + 300 * um * 1e-3) < 1e-14
+    assert lens.get("surfaces[1].phase.order") == -1 and lens.get("surfaces[2].phase") == "-2*r^2"
+    assert "surfaces[1].phase.lines" in lens.paths()
+    far = lens.set("surfaces[1].phase.order", 7).trace((0, 0, -1), (0, 0, 1))
+    assert far.fate[0] == Fate.EVANESCENT
+
+
 def test_a_million_rays_reuse_their_room(rng):
     lens = singlet()
     o, _ = rays(rng, 10**5, 4)

@@ -14,7 +14,7 @@ SHORT = (
     (ARRAY % r"signedinteger\[numpy\._typing\._(8|32)Bit\]", r"array[int\1]"),
     (ARRAY % r"unsignedinteger\[Any\]", "array[uint]"),
     (ARRAY % r"signedinteger\[Any\]", "array[intc]"),
-    (r"\b(builtins|sagitta|results|surface|surfaces|lens|study|_calls)\.", ""),
+    (r"\b(builtins|sagitta|results|surface|surfaces|lens|study|parts|sums|dask|_calls)\.", ""),
 )
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sagitta
+import sagitta.dask
 
 ball, cone = sagitta.Sphere(50), sagitta.Conic(50, -1)
 o: NDArray[np.float64] = np.zeros((3, 4, 5))
@@ -92,6 +93,20 @@ reveal_type(spot.units["rms"])  # str
 reveal_type(lens.zernike(terms=9).coefficient)  # array[float64]
 reveal_type(lens.ends().fate)  # array[intc]
 
+# Parts and sums.
+part = lens.part("spot", 1, 2, rays=9)
+reveal_type(part)  # Part
+reveal_type(sagitta.join([part]))  # Answer
+sums = sagitta.SpotSums((0, 1)).add(x, x, weight=1)
+reveal_type(sums)  # SpotSums
+reveal_type(sums + sums)  # SpotSums
+reveal_type(sums.merge(sums).spot().rms)  # float
+reveal_type(sagitta.WavefrontSums().add(x).wavefront().mean)  # float
+reveal_type(sagitta.SpotSums.of_bytes(bytes(sums)))  # SpotSums
+
+reveal_type(sagitta.dask.intersect(ball, o, along))  # Lazy
+reveal_type(sagitta.dask.trace(lens, o, along, passages="p").passages[0])  # Lazy
+
 # What is wrong, and that mypy says so.
 ball.intersect(o, along, pick="last")  # error
 ball.intersect(o, along, colour="red")  # error
@@ -102,4 +117,5 @@ sagitta.Zernike(norm=1, order="nol", coefficients=[1])  # error
 lens.spot(1, reference="cheif")  # error
 lens.spot(1, colour="red")  # error
 lens.spott()  # error
+sums.merge(sagitta.WavefrontSums())  # error
 spot.colour  # error

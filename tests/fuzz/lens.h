@@ -5,6 +5,7 @@
 #define TESTS_FUZZ_LENS_H
 #include "fuzz.h"
 
+#include <sagitta/formula.h>
 #include <sagitta/lens.h>
 
 static long blocks_held;
@@ -20,10 +21,23 @@ static void *counted_resize(void *context, void *block, size_t size)
 
 static const sgt_allocator counted = {counted_resize, NULL};
 
+/* It is met or not, and no fault of the call. */
+static void require_met(sgt_surface s, const char *type, double size)
+{
+    sgt_hit hit = sgt_intersect(s, (sgt_ray){{0, size, -1}, {0, 0.1, 1}, 0, 0},
+                                &(sgt_options){.max_evals = 50});
+    REQUIRE(hit.status != SGT_INVALID, "%s", type);
+}
+
 static void require_surface(sgt_surface s, const char *type, double size)
 {
     const sgt_builtin *b = sgt_builtins();
     while (b->type && strcmp(b->type, type) != 0) b++;
+    if (strcmp(type, "formula") == 0) {
+        REQUIRE(s.ops == &sgt_formula_ops || s.ops == &sgt_formula_sag_ops, "%s", type);
+        require_met(s, type, size);
+        return;
+    }
     REQUIRE(b->type && b->ops == s.ops, "%s", type);
     for (const sgt_param *p = b->params; p->name; p++) {
         const void *at = (const char *)s.self + p->offset;
@@ -52,9 +66,15 @@ static void require_surface(sgt_surface s, const char *type, double size)
     if (b->object)
         REQUIRE(!b->object(s.self).reason, "%s: %s: %s", type, b->object(s.self).param,
                 b->object(s.self).reason);
-    sgt_hit hit = sgt_intersect(s, (sgt_ray){{0, size, -1}, {0, 0.1, 1}, 0, 0},
-                                &(sgt_options){.max_evals = 50});
-    REQUIRE(hit.status != SGT_INVALID, "%s", type);
+    require_met(s, type, size);
+}
+
+/* NULL, or what an element may have beside an ideal lens. */
+static void require_phase(const sgt_phase *p)
+{
+    if (!p || p->kind == SGT_IDEAL_LENS) return;
+    REQUIRE(p->kind == SGT_PHASE_SAG || p->kind == SGT_PHASE_FUNCTION, "%d", (int)p->kind);
+    REQUIRE(p->waves.ops && p->waves.self && isfinite(p->per_wave), "%a", p->per_wave);
 }
 
 static void require_lens(const sgt_lens *l)
@@ -93,8 +113,10 @@ static void require_lens(const sgt_lens *l)
         REQUIRE(s->mirror ? e->index == SGT_MIRROR : !(e->index <= 0), "element %zu: index %a", i, e->index);
         bool ideal = strcmp(s->type, "ideal") == 0;
         require_surface(e->surface, ideal ? "plane" : s->type, e->semi_diameter);
-        REQUIRE(ideal == (e->phase != NULL) && s->focal_length == (ideal ? e->phase->focal_length : 0),
+        REQUIRE(ideal == (e->phase && e->phase->kind == SGT_IDEAL_LENS) &&
+                    s->focal_length == (ideal ? e->phase->focal_length : 0),
                 "element %zu: %a", i, s->focal_length);
+        require_phase(e->phase);
     }
     sgt_ray ray = {.d = {0, 0.01, 1}};
     sgt_passage met[4];
@@ -124,6 +146,14 @@ static void require_again(sgt_lens *l, const char *name, const sgt_lens_options 
                     memcmp(&a->pose, &b->pose, sizeof a->pose) == 0 && a->surface.ops == b->surface.ops &&
                     strcmp(l->surface[i].name, same_lens->surface[i].name) == 0,
                 "element %zu\n%s", i, text);
+        const sgt_phase *p = a->phase, *q = b->phase;
+        REQUIRE((p != NULL) == (q != NULL) && (!p || (p->kind == q->kind && same(p->per_wave, q->per_wave))),
+                "element %zu\n%s", i, text);
+        if (!p || p->kind == SGT_IDEAL_LENS) continue;
+        const sgt_vec3 at = {0.3, -0.7, 0.1};
+        REQUIRE(
+            same(p->waves.ops->value(p->waves.self, at, NULL), q->waves.ops->value(q->waves.self, at, NULL)),
+            "element %zu\n%s", i, text);
     }
     sgt_lens_free(same_lens);
 }

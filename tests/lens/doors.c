@@ -73,7 +73,7 @@ static void put_fates(const sgt_fates *f)
     printf("fates %zu %zu %zu %zu %zu %zu %zu %zu", f->rays, f->passed, f->missed, f->clipped, f->tir,
            f->lost, f->none, f->unfound);
     put_double(f->within);
-    printf(" %zu %zu\n", f->folded, f->proven);
+    printf(" %zu %zu %zu\n", f->folded, f->proven, f->evanescent);
 }
 
 static void put_fault(const sgt_error *e) { printf("refused %s: %s\n", e->key, e->words); }

@@ -5,7 +5,8 @@
  * many points there are, all in the circle, weights that add up to 1, and the moments of a uniform circle,
  * 1/4 of x^2 and of y^2, 1/8 of x^4, 0 of x, y and x y, within what the number of points allows.  A random
  * point depends on the seed and its number alone, and is that of Philox's words; the first points of a longer
- * Sobol pattern are the shorter one.  The rays through points by column. */
+ * Sobol pattern are the shorter one, and its points those of its definition.  The rays through points by
+ * column. */
 #include "require.h"
 
 #include <sagitta/analysis.h>
@@ -137,6 +138,38 @@ static void test_parts(void)
     sgt_pupil_free(NULL);
 }
 
+/* Sobol's points by their definition, one after another: x is the number k with its bits reversed; bit r of
+ * y, from the top, is the parity of binomial(j, r) over the bits j >= r of k, and that binomial is odd where
+ * r has no bit that j lacks.  Parts anywhere, of patterns of any length, have to be these. */
+static void test_sobol(void)
+{
+    enum { COUNT = 400000, PART = 300 };
+    static sgt_pupil_point some[PART], ring[COUNT];
+    size_t count = 0;
+    for (uint32_t k = 0; count < COUNT; k++) {
+        uint32_t x = 0, y = 0;
+        for (unsigned j = 0; j < 32; j++)
+            for (unsigned r = 0; r <= j && k >> j & 1; r++) {
+                x |= (uint32_t)(r == j) << (31 - r);
+                y ^= (uint32_t)((r & ~j) == 0) << (31 - r);
+            }
+        const double px = x * 0x1p-31 - 1, py = y * 0x1p-31 - 1;
+        if (px * px + py * py <= 1) ring[count++] = (sgt_pupil_point){px, py, 0};
+    }
+    for (size_t n = 1; n <= COUNT; n = n < COUNT ? (n * 9 < COUNT ? n * 9 : COUNT) : n + 1) {
+        sgt_pupil *p = sgt_pupil_new(SGT_PATTERN_SOBOL, n, 0, NULL);
+        for (size_t first = 0; p && first < n; first += 1 + first / 7) {
+            const size_t part = n - first < PART ? n - first : PART;
+            sgt_pupil_part(p, first, part, some);
+            for (size_t i = 0; i < part; i++)
+                REQUIRE(some[i].x == ring[first + i].x && some[i].y == ring[first + i].y &&
+                            some[i].weight == 1 / (double)n,
+                        "Sobol point %zu of %zu", first + i, n);
+        }
+        sgt_pupil_free(p);
+    }
+}
+
 /* Rays by column are those one by one, to the bit. */
 static void test_columns(void)
 {
@@ -216,6 +249,7 @@ int main(void)
     test_pattern(SGT_PATTERN_RANDOM, 40000, 40000, 1e-2);
     test_alone();
     test_random();
+    test_sobol();
     test_parts();
     test_columns();
     test_exact();

@@ -72,6 +72,22 @@ static bool same_aperture(const sgt_aperture *a, const sgt_aperture *b)
     return same;
 }
 
+/* The same phase, in waves by what it is at some points. */
+static bool same_phase(const sgt_phase *a, const sgt_phase *b)
+{
+    if (!a || !b) return a == b;
+    bool same = a->kind == b->kind && alike(a->focal_length, b->focal_length) &&
+                alike(a->object_distance, b->object_distance) && alike(a->per_wave, b->per_wave) &&
+                a->waves.ops == b->waves.ops;
+    for (int i = 0; same && a->waves.ops && i < 9; i++) {
+        const sgt_vec3 p = {0.7 * (i % 3), 1.3 * (i / 3) - 0.4, 0.1 * i};
+        sgt_vec3 g = {0, 0, 0}, h = {0, 0, 0};
+        same = alike(a->waves.ops->value(a->waves.self, p, &g), b->waves.ops->value(b->waves.self, p, &h)) &&
+               same_numbers(3, &g.x, &h.x);
+    }
+    return same;
+}
+
 static bool same_element(const sgt_lens *a, const sgt_lens *b, size_t i)
 {
     const sgt_element *e = &a->element[i], *f = &b->element[i];
@@ -89,10 +105,7 @@ static bool same_element(const sgt_lens *a, const sgt_lens *b, size_t i)
            alike(s->size, t->size) && alike(s->focal_length, t->focal_length) && alike(e->index, f->index) &&
            alike(e->semi_diameter, f->semi_diameter) &&
            same_numbers(12, &e->pose.origin.x, &f->pose.origin.x) &&
-           same_aperture(e->aperture, f->aperture) && !e->phase == !f->phase &&
-           (!e->phase ||
-            (e->phase->kind == f->phase->kind && alike(e->phase->focal_length, f->phase->focal_length) &&
-             alike(e->phase->object_distance, f->phase->object_distance))) &&
+           same_aperture(e->aperture, f->aperture) && same_phase(e->phase, f->phase) &&
            same_surface(e->surface, f->surface, s->type);
 }
 

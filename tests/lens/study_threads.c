@@ -127,7 +127,7 @@ static told ask(const sgt_lens *lens, const sgt_analysis *of, sgt_study_options 
         keep(&t, error.words, strlen(error.words));
     const sgt_fates *f = &total.fates;
     const size_t counts[] = {f->rays, f->passed, f->missed, f->clipped, f->tir, f->lost, f->none, f->unfound,
-                             f->folded, f->proven};
+                             f->folded, f->proven, f->evanescent};
     keep(&t, counts, sizeof counts), keep(&t, &total.lost.px, sizeof(double));
     sgt_study_free(study);
     return t;

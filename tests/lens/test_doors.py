@@ -41,7 +41,7 @@ SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 SHARE = 0.4 * SCALE            # of the analyses of a lens, with what is drawn
 FEW = {'field': {}, 'sweep': {'steps': 4, 'rays': 2}, 'map': {'rays': 5}, 'zernike': {'rays': 8, 'terms': 6}}
 PART = {'wavefront': ['opd', '--summary'], 'zernike': ['opd', '--zernike']}
-FATES = {'passed': 1, 'clipped': 2, 'tir': 3, 'missed': 0, 'lost': -1, 'none': -2}
+FATES = {'passed': 1, 'clipped': 2, 'tir': 3, 'evanescent': 4, 'missed': 0, 'lost': -1, 'none': -2}
 FLAG, COUNT, WORD, NUMBER, NUMBERS = range(5)
 SEIDEL = ('spherical', 'coma', 'astigmatism', 'petzval', 'distortion', 'axial', 'lateral')
 

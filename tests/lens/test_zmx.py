@@ -299,6 +299,15 @@ def test_primary_wavelength():
         compare('0.6 um', data, launch, 0.6, ('--wavelength', '0.6'))
 
 
+def test_a_lens_of_powers():
+    """PARAX_XY of one power is PARAXIAL of its reciprocal; of none, a plane."""
+    launch = written(rays(*launches(random.Random(SEED), 5)))
+    for power, other in ((0.0125, surf('PARAXIAL', parm=[80.0, 1], t=4.0)), (0.0, surf(t=4.0))):
+        got = [run('trace', written(zmx(FAR, surf(t=1.0), s, IMAGE), 'lens.zmx'), '--rays', launch, '--format', 'csv').stdout
+               for s in (surf('PARAX_XY', parm=[power, power], t=4.0), other)]
+        equal(*got)
+
+
 def test_an_ideal_lens():
     """PARAXIAL is read as an ideal lens; traced it is compared above."""
     path = written((DATA / PARAXIAL).read_bytes(), PARAXIAL)
@@ -345,17 +354,41 @@ def of_type(kind, generator):
         return dict(c=c, k=k, xdat=[count, u(6, 12)] + [u(-0.05, 0.05) for _ in range(count)])
     if kind == 'QED_TYPE':
         which, count = generator.randint(0, 1), generator.randint(1, 8)
-        return dict(c=c, k=k if which else 0.0, xdat=[which, count, u(6, 9)] + [u(-0.05, 0.05) for _ in range(count)])
+        return dict(c=c, k=k, xdat=[which, count, u(6, 9)] + [u(-0.05, 0.05) for _ in range(count)])
     if kind in ('FZERNSAG', 'SZERNSAG'):
         count = generator.randint(1, 37)
         evens = [u(-1, 1) * 10.0 ** -(2 + 2 * i) for i in range(1, 9)] if generator.random() < 0.5 else []
         return dict(c=c, k=k, parm={0: 1.0, **dict(enumerate(evens, 1))},
                     xdat=[count, u(6, 9)] + [u(-0.01, 0.01) for _ in range(count)])
+    if kind == 'DGRATING':
+        return dict(c=generator.choice((c, 0.0)), k=k, parm=[u(-0.3, 0.3), generator.choice((-2, -1, 0, 1, 2, 3))])
+    if kind in ('BINARY_1', 'BINARY_2'):
+        count = generator.choice((2, 5, 9)) if kind == 'BINARY_1' else generator.randint(1, 11)
+        evens = [u(-1, 1) * 10.0 ** -(2 + 2 * i) for i in range(1, 9)] if generator.random() < 0.5 else []
+        return dict(c=c, k=k, parm={0: generator.choice((1.0, -1.0, 2.0)), **dict(enumerate(evens, 1))},
+                    xdat=[count, u(6, 9)] + [u(-900, 900) for _ in range(count)])
+    if kind == 'BINARY_3':
+        count, same = generator.randint(0, 3), generator.random() < 0.3
+        inner = u(1.2, 2.5)
+        terms = [u(-1, 1) * (900 if i % 2 else 10.0 ** -(2 + 2 * (i // 4))) for i in range(4 * count)]
+        if same:
+            terms[2::4] = terms[0::4]
+        return dict(c=c, k=k, parm=[1 / c if same else sign(generator) * u(25, 60), k if same else u(-2, 0.5), inner,
+                                    u(4, 6), 1, 2], xdat=[count, *terms])
+    if kind in ('FZERNPHA', 'SZERNPHA'):
+        count = generator.randint(1, 37)
+        return dict(c=generator.choice((c, 0.0)), k=k, parm={0: 1.0, 1: 1.0},
+                    xdat=[count, u(6, 9)] + [u(-30, 30) for _ in range(count)])
+    if kind in ('HOLOGRM1', 'HOLOGRM2'):
+        far = generator.choice((1, 1, 1e7))
+        return dict(c=generator.choice((c, 0.0)), k=k,
+                    parm=[u(-9, 9) * far, u(-9, 9) * far, sign(generator) * u(30, 90) * far, u(-9, 9), u(-9, 9),
+                          sign(generator) * u(30, 90), u(0.4, 0.7), generator.choice((-1, 1, 1, 2))])
     raise ValueError(kind)
 
 
 TYPES = ('STANDARD', 'EVENASPH', 'ODDASPHE', 'TOROIDAL', 'BICONICX', 'XPOLYNOM', 'TILTSURF', 'PARAXIAL', 'IRREGULA',
-         'XASPHERE', 'XODDASPH', 'QED_TYPE', 'FZERNSAG', 'SZERNSAG')
+         'XASPHERE', 'XODDASPH', 'QED_TYPE', 'FZERNSAG', 'SZERNSAG', *zmx_oracle.PHASES)
 
 
 def lens_of(kind, generator):
@@ -1063,8 +1096,8 @@ def test_what_is_refused():
     clean = zmx(FAR, surf('EVENASPH', t=2.0), glass, surf(c=-0.02, t=20.0), IMAGE)
     faults = []
     cases = [(clean.replace('EVENASPH', kind), 'TYPE', (kind,), line_of(clean, 'TYPE EVENASPH')) for kind in
-             ('DGRATING', 'HOLOGRM1', 'BINARY_2', 'GRINSUR5', 'BIRE__IN', 'USERSURF', 'FRESNELS', 'JONESMAT',
-              'PARAX_XY', 'CHEBYSHE', 'NONSEQCO', 'NOSUCH', 'standard2')]
+             ('GRINSUR5', 'BIRE__IN', 'USERSURF', 'FRESNELS', 'JONESMAT',
+              'CHEBYSHE', 'NONSEQCO', 'NOSUCH', 'standard2')]
     def extended(kind, *xdat, **how):
         return zmx(FAR, surf(kind, c=0.02, t=4.0, xdat=xdat, **how), IMAGE)
     for kind, where in (('XASPHERE', 1), ('FZERNSAG', 1), ('QED_TYPE', 2)):
@@ -1072,11 +1105,22 @@ def test_what_is_refused():
         cases += [(extended(kind, *before, 1, 0.0, 0.1), 'XDAT', (), None),       # a radius that is none
                   (extended(kind, *before, 1.5, 5.0, 0.1), 'XDAT', (), None),     # a number of terms that is none
                   (extended(kind, *before, 999, 5.0, 0.1), 'XDAT', (), None)]
-    cases += [(extended('QED_TYPE', 0, 1, 5.0, 0.1, k=-1.0), 'CONI', (), None),
+    cases += [(extended('QED_TYPE', 0, 21, 5.0, *[0.1] * 21, k=-1.0), 'XDAT', (), None),
               (extended('QED_TYPE', 2, 1, 5.0, 0.1), 'XDAT', (), None),
               (extended('SZERNSAG', 1, 5.0, 0.1, parm={9: 0.5}), 'PARM', (), None),
               (extended('GRID_SAG', 0), 'GDAT', (), line_of(extended('GRID_SAG', 0), 'SURF 1')),
               (zmx(FAR, surf('IRREGULA', parm=[0, 0, 0, 0, 0.1], diam='0 0'), IMAGE), 'DIAM', (), None)]
+    cases += [(extended('PARAX_XY', parm=[0.01, 0.02]), 'PARM', (), None)]
+    zones = {1: 60.0, 3: 1.0, 4: 2.0, 5: 1, 6: 1}
+    cases += [(extended('BINARY_2', 1, 0.0, 0.1, parm={0: 1}), 'XDAT', (), None),
+              (extended('BINARY_2', 101, 1.0, 0.1, parm={0: 1}), 'XDAT', (), None),
+              (extended('BINARY_3', 0, parm={**zones, 4: 0.5}), 'PARM', (), None),   # zones that do not rise
+              (extended('BINARY_3', 0, parm={**zones, 7: 0.5}), 'PARM', (), None),
+              (extended('BINARY_3', 0, parm={**zones, 8: 1}), 'PARM', (), None),     # a step between them
+              (extended('BINARY_3', 41, parm=zones), 'XDAT', (), None),
+              (extended('FZERNPHA', 38, 5.0, 0.1, parm={0: 1}), 'XDAT', (), None),
+              (extended('HOLOGRM2', parm=[0, 0, 1, 0, 0, 2, -0.5, 1]), 'PARM', (), None),
+              (extended('HOLOGRM1', parm=[0, 0, 1, 0, 0, 2]), 'PARM', (), None)]
     cases += [
         (clean.replace('N-BK7', 'N-BK77'), 'GLAS', ('N-BK77',), None),
         (clean.replace('N-BK7 0', 'N-BK77 3'), 'GLAS', ('N-BK77',), None),
@@ -1224,6 +1268,11 @@ def test_noise():
         surf('BICONICX', c=0.02, parm=[40.0, -1.0], t=2.0, more=['SPID 0.1 3', 'STOP']),
         surf('ODDASPHE', parm=[0.01, 0.002], t=-2.0, glass=MIRROR, more=['ELAP 2 3']),
         surf('TILTSURF', parm=[0.1, 0.2], t=-2.0, glass=glas('___BLANK', 2, 2)),
+        surf('DGRATING', parm=[0.1, 1], t=1.0), surf('BINARY_1', parm={0: 1}, xdat=[5, 3.0, 1.0, 2.0, 3.0, 4.0, 5.0], t=1.0),
+        surf('BINARY_2', parm={0: 1, 2: 1e-5}, xdat=[2, 3.0, -50.0, 2.0], t=1.0),
+        surf('BINARY_3', c=0.01, parm=[70.0, -1.0, 1.0, 3.0, 1, 2], xdat=[1, 1e-3, 50.0, 2e-3, 60.0], t=1.0),
+        surf('FZERNPHA', parm={0: 1}, xdat=[4, 3.0, 1.0, 0.0, 0.0, -5.0], t=1.0),
+        surf('HOLOGRM2', parm=[0.0, 0.0, -50.0, 0.0, 3.0, 60.0, 0.5, 1], t=1.0),
         surf('PARAXIAL', parm=[100.0, 1]), IMAGE).splitlines()
     path = written(b'', 'noise.zmx')
     path.write_text('\n'.join(text) + '\n')

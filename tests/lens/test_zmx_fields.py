@@ -156,6 +156,18 @@ SHAPES = [
     terms('SZERNSAG', 1, 5, ['PARM 0 1']),
     ['TYPE IRREGULA', 'CURV 0.01 0 0 0 0 ""', *(f'PARM {i} {0.1 * i!r}' for i in range(1, 9)), 'DIAM 5 0 0 0 1 ""',
      'DISZ 3'],
+    ['TYPE QED_TYPE', 'CURV 0.01 0 0 0 0 ""', 'CONI -0.5', *(f'XDAT {i} {x} 0 0 1 0 0 ""' for i, x in
+     enumerate((0, 2, 8, 0.01, 0.02), 1)), 'DISZ 3'],
+    ['TYPE DGRATING', 'CURV 0.01 0 0 0 0 ""', 'CONI 0.5', 'PARM 1 0.1', 'PARM 2 1', 'DISZ 3'],
+    terms('BINARY_1', 1, 5, ['CONI 0.5', 'PARM 0 1', 'PARM 2 1e-5']),
+    terms('BINARY_2', 1, 3, ['PARM 0 1', 'PARM 2 1e-5']),
+    ['TYPE BINARY_3', 'CURV 0.01 0 0 0 0 ""', 'CONI 0.5', *(f'PARM {i} {x}' for i, x in
+     enumerate((50, -0.5, 2, 5, 1, 2, 0, 0), 1)), 'XDAT 1 1', *(f'XDAT {i} {x}' for i, x in
+     enumerate((0.001, 100, 0.002, 200), 2)), 'DISZ 3'],
+    terms('FZERNPHA', 1, 5, ['CONI 0.5', 'PARM 0 1', 'PARM 1 1']),
+    terms('SZERNPHA', 1, 5, ['PARM 0 1', 'PARM 1 1']),
+    *([f'TYPE HOLOGRM{kind}', 'CURV 0.01 0 0 0 0 ""', *(f'PARM {i} {x}' for i, x in
+       enumerate((1, 2, -50, 3, 4, 60, 0.55, 1), 1)), 'DISZ 3'] for kind in (1, 2)),
     terms('GRID_SAG', 1, 3, ['GDAT 4 4 3.5 3.5 0 0', *(f'GARR {i} {0.01 * i * i!r} 0.1 0.2 0.3 0' for i in range(16))]),
     ['TYPE STANDARD', 'DISZ 0']]
 

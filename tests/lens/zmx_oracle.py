@@ -24,6 +24,7 @@ PI = D('3.14159265358979323846264338327950288419716939937510582097494')
 GLASSES = pathlib.Path(__file__).resolve().parents[2] / 'data' / 'glass'
 APERTURES = ('CLAP', 'FLAP', 'OBSC', 'SQAP', 'SQOB', 'ELAP', 'ELOB', 'SPID')
 OF_SURFACES = set(APERTURES) | set('TYPE CURV DISZ CONI GLAS DIAM STOP PARM XDAT OBDC SCBD COMM UDAD'.split())
+UNITS = {'MM': 1000, 'CM': 10000, 'IN': 25400, 'METER': 1000000}  # in micrometres
 INFINITE = 1e10  # from here on a distance to the object is infinite
 
 
@@ -247,18 +248,38 @@ class Shape:
             count = int(s.xdat.get(first, 0))
             self.norm, self.kind = number(s.xdat.get(first + 1, 0.0) or 1.0), s.xdat.get(1, 0)
             self.a = [number(s.xdat.get(first + 2 + i, 0.0)) for i in range(count)]
+        if s.type == 'BINARY_3':
+            self.a = [number(s.xdat.get(2 + i, 0.0)) for i in range(4 * int(s.xdat.get(1, 0)))]
         if s.type == 'XPOLYNOM':
             self.norm = number(s.xdat.get(2, 1.0))
             self.terms = [(a, b, number(s.xdat.get(3 + i, 0.0)))
                           for i, (a, b) in enumerate(polynomial(int(s.xdat.get(1, 0))))]
 
+    def zone(self, c, k, a, r2):
+        """A conic and powers of r: the sag and its derivative by r^2."""
+        s, d = conic(c, k, r2, self.root)
+        power = self.zero + 1
+        for i, one in enumerate(a, 1):
+            d += i * one * power
+            power *= r2
+            s += one * power
+        return s, d
+
     def __call__(self, x, y):
         p, c, k, root = self.p, self.c, self.k, self.root
         r2 = x * x + y * y
-        if self.type == 'STANDARD':
+        if self.type == 'BINARY_3':
+            if r2 <= p[3] * p[3]:
+                s, d = self.zone(c, k, self.a[0::4], r2)
+                return s, 2 * d * x, 2 * d * y
+            outer = (1 / p[1] if p[1] else self.zero), p[2], self.a[2::4]
+            s, d = self.zone(*outer, r2)
+            s += self.zone(c, k, self.a[0::4], p[3] * p[3])[0] - self.zone(*outer, p[3] * p[3])[0]
+            return s, 2 * d * x, 2 * d * y
+        if self.type in ('STANDARD', 'DGRATING', 'FZERNPHA', 'SZERNPHA', 'HOLOGRM1', 'HOLOGRM2'):
             s, d = conic(c, k, r2, root)
             return s, 2 * d * x, 2 * d * y
-        if self.type in ('EVENASPH', 'FZERNSAG', 'SZERNSAG'):
+        if self.type in ('EVENASPH', 'FZERNSAG', 'SZERNSAG', 'BINARY_1', 'BINARY_2'):
             s, d = conic(c, k, r2, root)
             power = self.zero + 1
             for i in range(1, 9):
@@ -266,7 +287,7 @@ class Shape:
                 power *= r2
                 s += p[i] * power
             sx, sy = 2 * d * x, 2 * d * y
-            for j, a in enumerate(self.a if self.type != 'EVENASPH' else (), 1):
+            for j, a in enumerate(self.a if self.type[1:] == 'ZERNSAG' else (), 1):
                 v, vx, vy = zernike(j, self.type[0] == 'F', x / self.norm, y / self.norm, self.zero)
                 s, sx, sy = s + a * v, sx + a * vx / self.norm, sy + a * vy / self.norm
             return s, sx, sy
@@ -289,10 +310,12 @@ class Shape:
                 q = q_con(len(self.a), u2, self.zero + 1)
                 front, d_front = u2 * u2, 2 * u2
             else:
-                w = root(1 - c * c * r2)
+                # 1 over the cosine of the conic's normal, which is sqrt(w / (w + c^2 r^2)), and its slope by u^2
+                w = 1 - (1 + k) * c * c * r2
+                by = root(1 + c * c * r2 / w)
                 q = q_bfs(len(self.a), u2, self.zero + 1)
-                front = u2 * (1 - u2) / w
-                d_front = (1 - 2 * u2) / w + u2 * (1 - u2) * c * c * norm2 / (2 * w * w * w)
+                front = u2 * (1 - u2) * by
+                d_front = (1 - 2 * u2) * by + u2 * (1 - u2) * c * c * norm2 / (2 * by * w * w)
             total, slope = (sum((a * one[i] for a, one in zip(self.a, q)), self.zero) for i in (0, 1))
             s += front * total
             d += (d_front * total + front * slope) / norm2
@@ -352,6 +375,66 @@ class Shape:
         if self.type == 'PARAXIAL':
             return self.zero, self.zero, self.zero
         raise ValueError(f'{self.type} has no sag')
+
+
+# ------------------------------------------------------------------ phases
+
+PHASES = ('DGRATING', 'BINARY_1', 'BINARY_2', 'BINARY_3', 'FZERNPHA', 'SZERNPHA', 'HOLOGRM1', 'HOLOGRM2')
+
+
+def phase(s, unit, x, y, z):
+    """The phase of a surface at a point, in waves and times its order, and its gradient.  unit: micrometres."""
+    p, a = {i: D(v) for i, v in s.parm.items()}, {i: D(v) for i, v in s.xdat.items()}
+    order, zero, r2 = p.get(0, D(0)), D(0), x * x + y * y
+
+    def radial(terms, norm):
+        """A sum of a (r/norm)^(2i), i from 1, over a turn; its derivative by r^2."""
+        u = r2 / (norm * norm)
+        values = [(t * u ** i, i * t * (u ** (i - 1) if i > 1 else 1) / (norm * norm)) for i, t in enumerate(terms, 1)]
+        return [sum(column, zero) / (2 * PI) for column in zip(*values)] if values else [zero, zero]
+    if s.type == 'DGRATING':
+        lines = p.get(1, zero) * unit * p.get(2, zero)
+        return lines * y, (zero, lines, zero)
+    if s.type == 'BINARY_2':
+        w, d = radial([a.get(3 + i, zero) for i in range(int(a.get(1, 0)))], a.get(2))
+        return order * w, (2 * order * d * x, 2 * order * d * y, zero)
+    if s.type == 'BINARY_3':
+        terms = [a.get(2 + i, zero) for i in range(4 * int(a.get(1, 0)))]
+        edge = p[3] * p[3]
+        if r2 <= edge:
+            w, d = radial(terms[1::4], p[3])
+            return p.get(5, zero) * w, tuple(2 * p.get(5, zero) * d * b for b in (x, y)) + (zero,)
+        w, d = radial(terms[3::4], p[4])
+        kept, r2 = r2, edge  # the path is continuous there
+        step = p.get(5, zero) * radial(terms[1::4], p[3])[0] - p.get(6, zero) * radial(terms[3::4], p[4])[0]
+        return p.get(6, zero) * w + step, tuple(2 * p.get(6, zero) * d * b for b in (x, y)) + (zero,)
+    if s.type == 'BINARY_1':
+        w, wx, wy, n = zero, zero, zero, a.get(2)
+        for i, (e, f) in enumerate(polynomial(int(a.get(1, 0)))):
+            t = a.get(3 + i, zero) / (2 * PI)
+            u, v = (x / n) ** e if e else D(1), (y / n) ** f if f else D(1)
+            w += t * u * v
+            wx += t * e * ((x / n) ** (e - 1) if e > 1 else 1) * v / n
+            wy += t * f * ((y / n) ** (f - 1) if f > 1 else 1) * u / n
+        return order * w, (order * wx, order * wy, zero)
+    if s.type in ('FZERNPHA', 'SZERNPHA'):
+        w, wx, wy, n = zero, zero, zero, a.get(2)
+        for j in range(1, int(a.get(1, 0)) + 1):
+            t = a.get(2 + j, zero)
+            v, vx, vy = zernike(j, s.type[0] == 'F', x / n, y / n, zero)
+            w, wx, wy = w + t * v, wx + t * vx / n, wy + t * vy / n
+        return order * w, (order * wx, order * wy, zero)
+    q, order = (x, y, z), p.get(8, zero)  # of a hologram; the phase at the vertex is taken off
+    w, grad = zero, [zero] * 3
+    for first, sign in ((1, 1), (4, -1)):
+        point = [p.get(first + i, zero) for i in range(3)]
+        sign = -1 if s.type == 'HOLOGRM2' else sign
+        apart = [b - c for b, c in zip(q, point)]
+        size = sum(b * b for b in apart).sqrt()
+        w += sign * (size - sum(b * b for b in point).sqrt())
+        grad = [g + sign * b / size for g, b in zip(grad, apart)]
+    scale = order * unit / p[7]
+    return scale * w, tuple(scale * g for g in grad)
 
 
 # ------------------------------------------------------------------ apertures
@@ -607,7 +690,21 @@ class Lens:
             normal = [-sx / size, -sy / size, 1 / size]
             cosine = sum(a * b for a, b in zip(there, normal))
             behind = self.index(i, um)
-            if s.type == 'PARAXIAL':
+            if s.type in PHASES:
+                unit = D(UNITS[self.unit])
+                waves, grad = phase(s, unit, *here)
+                length = D(um) / unit
+                t = [n * a + length * g for a, g in zip(there, grad)]
+                along = sum(a * b for a, b in zip(t, normal))
+                t = [a - along * b for a, b in zip(t, normal)]
+                square = behind * behind - sum(a * a for a in t)
+                if square < 0:
+                    step.fate = 'evanescent'
+                    return steps
+                opl = step.opl = None if opl is None else opl + waves * length
+                root = square.sqrt() * (-1 if (cosine < 0) != self.mirror(i) else 1)
+                there = [(a + root * b) / behind for a, b in zip(t, normal)]
+            elif s.type == 'PARAXIAL':
                 there = ideal(D(s.parm[1]), n, behind, here[:2], there, self.mirror(i))
                 opl = step.opl = None
             elif self.mirror(i):

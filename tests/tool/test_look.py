@@ -402,7 +402,7 @@ def test_formats():
 
 def test_npy_and_columns():
     """The arrays have what csv has; the columns that are asked for come in that order."""
-    codes = {'passed': 1, 'clipped': 2, 'tir': 3, 'missed': 0, 'lost': -1, 'none': -2}
+    codes = {'passed': 1, 'clipped': 2, 'tir': 3, 'evanescent': 4, 'missed': 0, 'lost': -1, 'none': -2}
     for name in ANALYSES if numpy else ():
         path = written('', 'out.npy')
         run(name, TRIPLET, '--format', 'npy', '-o', path)

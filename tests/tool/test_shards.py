@@ -115,6 +115,32 @@ def test_only_its_rays():
     same(3, 'intersect', '--surface', SPHERE, '--rays', npy, '--skip-bad', '--format', 'csv')
 
 
+def test_rays_that_changed():
+    """A number in the middle of an array that is another one when the parts are joined, or the next is made."""
+    lines = [[0.1 * (i % 9), 0, -5, 0, 0, 1] for i in range(3000)]
+    npy = written(array(lines), 'changing.npy')
+    arguments = 'intersect', '--surface', SPHERE, '--rays', npy
+    parts = shards(3, *arguments)
+    joined(parts)
+    lines[1500][1] = 1e-9
+    npy.write_bytes(array(lines))
+    done = joined(parts, exit=BAD_INPUT)
+    assert b'of other rays' in done.stderr, done.stderr
+    run(*arguments, '--shard', '2/3', '--output', parts[1])
+    done = joined(parts, exit=BAD_INPUT)
+    assert b'of other rays' in done.stderr, done.stderr
+    count, row = 40000, struct.pack('<6d', 0, 0, -5, 0, 0, 1)  # 2 MB: of more than 1 pieces are compared
+    big, part = place('big.npy', 'big.part')
+    big.write_bytes(array([]).replace(b'(0, 6), }' + b' ' * 4, b'(%d, 6), }' % count) + row * count)
+    arguments = 'intersect', '--surface', SPHERE, '--rays', big, '--shard', '1/40', '--output', part, '--resume'
+    run(*arguments)
+    with open(big, 'r+b') as f:
+        for k in range(2000, 39000, 80):
+            f.seek(128 + 48 * k), f.write(struct.pack('<d', 0.25))
+    done = run(*arguments, exit=BAD_INPUT)
+    assert 'of other rays' in done.stderr, done.stderr
+
+
 def test_trace():
     same(3, 'trace', GAUSS, '--hexapolar', 9, '--wavelength', 'all', '--format', 'text')
     same(7, 'trace', GAUSS, '--grid', 30, '--aim', 'real', '--wavelength', 'all', '--last', '--format', 'csv')

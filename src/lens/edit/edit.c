@@ -240,6 +240,7 @@ bool sgt_lens_edit(sgt_lens *lens, size_t count, const sgt_edit edit[], sgt_erro
         if (!fine) return false;
         made = new, from = &made.lens, done = end;
     } while (done < count);
+    sgt_free_phases(w);
     sgt_arena_free(&w->memory);
     *w = made;
     return true;

@@ -95,6 +95,8 @@ static bool turns_path(const char *rest)
     const char *key = *rest == '.' ? rest + 1 : rest;
     if (strncmp(key, "tilt[", 5) == 0) return key[5] == '1' || key[5] == '2';
     if (strncmp(key, "decenter[", 9) == 0) return key[9] == '3';
+    if (strncmp(key, "phase.", 6) == 0)
+        return strncmp(key, "phase.points[", 13) == 0 && strcmp(key + strlen(key) - 3, "[3]") == 0;
     if (strncmp(key, "terms[", 6) == 0) return turns_path(strchr(key, '.') ? strchr(key, '.') : "");
     char word[40];
     snprintf(word, sizeof word, "%.*s", (int)strcspn(key, ".["), key);
@@ -119,9 +121,25 @@ static void turn_formula(const editing *e, node **text)
     *text = word;
 }
 
+/* Of the phase of a surface only what names z changes: light that goes through it the other way gets the same
+ * momentum along the surface. */
+static void turn_phase(const editing *e, node *phase)
+{
+    node **points = phase->kind == NODE_MAP ? slot(phase, "points") : NULL;
+    node **waves = phase->kind == NODE_MAP ? slot(phase, "waves") : &phase;
+    const bool text = waves && (*waves)->kind == NODE_SCALAR;
+    if ((text && strchr((*waves)->text, 'z')) || (waves && !text && slot(*waves, "f")))
+        sgt_edit_refuse(e, "a phase that is a formula of z cannot be reversed");
+    for (size_t i = 0; points && (*points)->kind == NODE_LIST && i < (*points)->count; i++) {
+        node *p = (*points)->item[i];
+        if (p->kind == NODE_LIST && p->count == 3) negate(e, &p->item[2]);
+    }
+}
+
 static void turn_shape(const editing *e, node *map)
 {
     const char *type = word_at(map, "type");
+    if (slot(map, "phase")) turn_phase(e, *slot(map, "phase"));
     if (strcmp(type, "ideal") == 0) {
         if (slot(map, "object_distance")) sgt_edit_refuse(e, "an ideal lens has an object_distance");
         return;

@@ -57,6 +57,8 @@ static int param_power(const editing *e, const node *map, const way *p, size_t i
     return NO_POWER;
 }
 
+static int phase_power(const editing *e, const node *map, const way *p, size_t i);
+
 /* Of a key of a surface or break, whose map is step i - 1; a term of a sum has a map of its own. */
 static int entry_power(const editing *e, const node *map, const way *p, size_t i)
 {
@@ -76,10 +78,30 @@ static int entry_power(const editing *e, const node *map, const way *p, size_t i
             return NO_POWER;
         return param_power(e, at.is, p, i + 2);
     }
+    if (sgt_step_is(step, "phase")) return phase_power(e, map, p, i + 1);
     if (sgt_step_is(step, "apertures"))
         return i + 2 < p->count && is_key(&p->step[i + 2], of_aperture) ? 1 : 0;
     if (is_key(step, lengths)) return 1;
     return is_key(step, none) ? 0 : param_power(e, map, p, i);
+}
+
+/* Of a key of a phase.  Wavelengths stay as they are, and with them the directions that light is sent to.  So
+ * the waves of a phase become more as lengths do: as a sag they have its units.  Lines keep their distance.
+ */
+static int phase_power(const editing *e, const node *map, const way *p, size_t i)
+{
+    static const char *const none[] = {"order", "lines", "turn", "wavelength", NULL};
+    const path_step *step = &p->step[i];
+    const way waves = {.count = 2, .step = {{.text = "phase", .length = 5}, {.text = "waves", .length = 5}}};
+    spot at;
+    char why[PATH_WHY];
+    if (i >= p->count || !step->text) return NO_POWER;
+    if (sgt_step_is(step, "points")) return 1;
+    if (is_key(step, none)) return 0;
+    if (!sgt_step_is(step, "waves") || i + 1 >= p->count ||
+        !sgt_path_find((node *)(uintptr_t)map, &waves, 2, &at, why) || !at.is)
+        return NO_POWER;
+    return entry_power(e, at.is, p, i + 1);
 }
 
 /* entry: of `surfaces` where the path leads, if it is known. */
@@ -189,12 +211,30 @@ static void scale_node(scaling *c, node **place, way *p)
     if (surfaces) c->entry = NULL;
 }
 
+static const node *value_in(const node *map, const char *key)
+{
+    for (size_t i = 0; map && map->kind == NODE_MAP && i < map->count; i++)
+        if (strcmp(map->key[i]->text, key) == 0) return map->item[i];
+    return NULL;
+}
+
+/* Has the surface a phase whose waves are a formula? */
+static bool has_formula(const node *map)
+{
+    const node *phase = value_in(map, "phase"), *waves = value_in(phase, "waves"),
+               *type = value_in(waves, "type");
+    if (phase && phase->kind == NODE_SCALAR) return true;
+    return waves && (waves->kind == NODE_SCALAR || (type && type->kind == NODE_SCALAR &&
+                                                    strcmp(type->text, "formula") == 0));
+}
+
 /* What cannot be scaled though its numbers may be. */
 static void refuse_types(const editing *e, const node *map)
 {
     const node *type = entry_type(map);
     const char *name = type && type->kind == NODE_SCALAR ? type->text : "";
     const sgt_builtin *row = sgt_edit_type(e, map);
+    if (has_formula(map)) sgt_edit_refuse(e, "a phase that is a formula cannot be scaled");
     if (strcmp(name, "formula") == 0 || (row && row->family == SGT_FAMILY_LEVEL_SET))
         sgt_edit_refuse(e, "a surface of the type %.40s cannot be scaled", name);
     for (size_t i = 0; map->kind == NODE_MAP && row && i < map->count; i++)

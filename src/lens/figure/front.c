@@ -138,7 +138,7 @@ bool sgt_figure_fronts(asked *a)
 {
     const sgt_asking *ask = &a->at.ask;
     for (size_t i = 0; i + 1 < ask->lens->count; i++)
-        if (ask->lens->element[i].phase && a->paths)
+        if (ask->lens->element[i].phase && ask->lens->element[i].phase->kind == SGT_IDEAL_LENS && a->paths)
             return sgt_ask_fail(&a->at.ask, "", "no derivatives of paths through an ideal lens (element %zu)",
                                 i + 1);
     if (isnan(a->at.study->um))

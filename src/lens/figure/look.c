@@ -172,7 +172,14 @@ static void put_fixed(list *to, const sgt_lens *lens, const layout *in, size_t i
 {
     const double away[][3] = {{0.11, 0.07, 0.05}, {-1.3, 0.8, 0.3}, {4.1, 5.3, -0.7}, {-9.7, 2.9, 1.1}};
     list none = {.count = 0};
-    add_number(to, e->phase ? e->phase->focal_length : 0);
+    const sgt_phase *phase = e->phase;
+    const bool waves = phase && phase->kind != SGT_IDEAL_LENS;
+    add_number(to, phase ? phase->focal_length : 0), add_number(to, phase ? phase->per_wave : 0);
+    for (size_t k = 0; waves && k < sizeof away / sizeof *away; k++) {
+        const sgt_vec3 p = {away[k][0], away[k][1], away[k][2]};
+        const double f = phase->waves.ops->value(phase->waves.self, p, NULL);
+        add_number(to, isfinite(f) ? f : 0);
+    }
     if (put_parameters(&none, lens, in, i, sgt_parameters(e->surface))) {
         put_surface(to, e->surface, &in->of[i], true);
         return;

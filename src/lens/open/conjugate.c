@@ -14,6 +14,9 @@
 
 #include <math.h>
 
+/* Is it an ideal lens whose object is not given? */
+static bool is_open(const sgt_phase *p) { return p && p->kind == SGT_IDEAL_LENS && p->object_distance == 0; }
+
 void sgt_find_conjugates(whole_lens *w, source *s)
 {
     const double LEAST = 0x1p-60, MOST = 0x1p500;
@@ -21,24 +24,23 @@ void sgt_find_conjugates(whole_lens *w, source *s)
     const sgt_lens_surface *unknown = NULL;
     bool any = false;
     for (size_t i = 0; i < l->count; i++)
-        any = any || (w->element[i].phase && w->element[i].phase->object_distance == 0);
+        any = any || is_open(w->element[i].phase);
     if (!any) return;
-    sgt_phase *conjugate = tree_room(s, l->wavelengths * l->count, sizeof *conjugate);
+    if (!w->phase_at) w->phase_at = tree_room(s, l->wavelengths * l->count, sizeof *w->phase_at);
     double *distance = tree_room(s, l->count, sizeof *distance);
     for (size_t k = 0; k < l->wavelengths; k++) {
         sgt_paraxial_objects(l, l->wavelength ? l->wavelength[k] : (double)NAN, s, distance);
         for (size_t i = 0; i < l->count; i++) {
             const sgt_phase *given = w->element[i].phase;
-            if (!given || given->object_distance != 0) continue;
+            if (!is_open(given)) continue;
             const double least = fmax(LEAST * fabs(given->focal_length), 1 / MOST), a = distance[i];
-            sgt_phase *own = &conjugate[k * l->count + i];
+            sgt_phase *own = &w->phase_at[k * l->count + i];
             *own = *given;
             own->object_distance = fabs(a) <= MOST ? copysign(fmax(fabs(a), least), a) : HUGE_VAL;
             if (isnan(a) && !unknown) unknown = &w->about[i];
         }
     }
-    w->conjugate = conjugate;
-    sgt_put_conjugates(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element);
+    sgt_put_phases(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element);
     if (unknown)
         tree_remark(s, SGT_REMARK_NOTE, unknown->line, "object_distance",
                     "not given, and there is no paraxial image of the object in front of this ideal lens (a "

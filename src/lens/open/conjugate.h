@@ -4,7 +4,7 @@
 #define SGT_LENS_CONJUGATE_H
 #include "../read/lens.h"
 
-/* Sets w->conjugate, once all else of the lens is read. */
+/* Puts them into w->phase_at, once all else of the lens is read. */
 void sgt_find_conjugates(whole_lens *w, source *s);
 
 #endif

@@ -175,6 +175,7 @@ void sgt_lens_free(sgt_lens *lens)
     if (!lens) return;
     whole_lens *w = (whole_lens *)(void *)lens;
     sgt_allocator a = w->memory.allocator;
+    sgt_free_phases(w);
     sgt_arena_free(&w->memory);
     a.resize(a.context, w, 0);
 }

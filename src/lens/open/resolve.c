@@ -168,7 +168,7 @@ static node *pick_up(source *s, const places *known, const expression *e, uint32
 /* A lens of the entries up to the solve's own. */
 static void read_front(whole_lens *front, whole_lens *w, source *s, const expression *e)
 {
-    static const char *const keys[] = {"wavelengths", "primary", "makers", "object"};
+    static const char *const keys[] = {"units", "wavelengths", "primary", "makers", "object"};
     const source kept = *s;
     node *list = tree_node(s, NODE_LIST, e->map->line), *image = tree_node(s, NODE_MAP, e->map->line);
     node *root = tree_node(s, NODE_MAP, kept.root->line), *all = NULL;

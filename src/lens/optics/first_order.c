@@ -23,6 +23,11 @@
  * An ideal lens images every plane without aberration, and has none of these.  Its part of the colour
  * is what the media do: y (w' dn'/n' - w dn/n), and with ybar and wbar.
  *
+ * A PHASE of W waves changes n u by S_y, S = per_wave W (system.h), in reflection as in transmission.  So it
+ * adds -S_yy at the vertex to the power of its surface.  Its slope there, S_y, turns the light of a grating
+ * aside, and with it the axis: as other programs do, the data are those along the straight axis, as if there
+ * were no lines.  (sgt_field_parabasal has data along real rays.)
+ *
  * A surface z = C r^2/2 + (C^3/8 + g) r^4 + ... adds 8 g D(n) y^4 to S1, and to S2, S3, S5 the
  * same with one, two, three of the y replaced by ybar.  Colour: A y D(dn/n), Abar y D(dn/n).
  *
@@ -97,8 +102,31 @@ static double vertex_curvature(sgt_surface s, double h)
     return fabs(c - vertex) <= SMOOTH * fabs(vertex) || fabs(c - vertex) * h < FLAT ? vertex : (double)NAN;
 }
 
+/* W_yy of a phase in waves at the vertex of a surface of the curvature c: with F(x, y, z) it is that along
+ * the surface.  NaN: it has none. */
+static double vertex_bend(const sgt_phase *p, double c)
+{
+    const sgt_surface waves = p->waves;
+    const bool sag = p->kind == SGT_PHASE_SAG;
+    const double zero = 0, sign = sag ? -1 : 1;
+    sgt_vec3 slope;
+    const double f = waves.ops->value(waves.self, (sgt_vec3){0, 0, 0}, &slope);
+    double second[6], *to[6];
+    if (!waves.ops->second || !isfinite(f) || !isfinite(slope.y)) return (double)NAN;
+    for (int i = 0; i < 6; i++) to[i] = &second[i];
+    waves.ops->second(waves.self, 1, (sgt_points){{&zero, &zero, &zero}}, to);
+    return sign * second[3] + (sag ? 0 : slope.z * c);
+}
+
+static bool is_in_waves(const sgt_phase *p) { return p && p->kind != SGT_IDEAL_LENS; }
+
 /* A surface as paraxial rays meet it. */
-typedef struct vertex { number z, n, power; double c; } vertex; /* n: behind it, with sign */
+typedef struct vertex {
+    number z, n, power; /* n: behind it, with sign */
+    number bent;        /* what of the power bends the image: not that of a phase in waves, which is as if
+                           of an infinite index (Sweatt 1977) */
+    double c;
+} vertex;
 
 typedef struct paraxial {
     const sgt_lens *lens;
@@ -296,7 +324,7 @@ static void set_field(const paraxial *p, const sgt_first_order *primary, sgt_fir
                                   : fabs(chief.w.x * o->efl);
     o->lagrange = marginal.w.x * chief.y.x - chief.w.x * marginal.y.x;
     for (size_t i = 0; i < p->last; i++) {
-        curvature = sum(curvature, quotient(p->at[i].power, product(n, p->at[i].n)));
+        curvature = sum(curvature, quotient(p->at[i].bent, product(n, p->at[i].n)));
         n = p->at[i].n;
     }
     o->petzval_radius = -ratio(exactly(1), product(n, curvature)).x;
@@ -343,6 +371,8 @@ static const char *set_seidel(const paraxial *p, const sgt_first_order *primary,
     if (lacks) return lacks;
     if (o->without_vertex) return "a surface has no vertex curvature";
     if (isnan(o->lagrange)) return "the pupil or the fields are not known";
+    for (size_t i = 0; i < p->last; i++)
+        if (is_in_waves(l->element[i].phase)) return "a surface has a phase";
     beam_ray ray = marginal_ray(p, o), chief = chief_ray(p, primary ? primary : o);
     for (size_t i = 0; i <= p->last; i++) {
         const vertex *v = &p->at[i];
@@ -423,8 +453,13 @@ static bool set_vertices(paraxial *p, sgt_element room[], double um, size_t *wit
         v->power = focal_length != 0    ? within(1 / focal_length, 2)
                    : v->n.x == n.x      ? exactly(0 * v->c) /* one medium */
                                         : product(within(v->c, 4), difference(v->n, n));
-        if (l->surface[i].off_axis) v->power = no_number;
-        if (isnan(v->c) && i < p->last && !*without_vertex) *without_vertex = i + 1;
+        v->bent = v->power;
+        if (is_in_waves(e[i].phase)) {
+            const double bend = e[i].phase->per_wave * vertex_bend(e[i].phase, v->c);
+            v->power = difference(v->power, isfinite(bend) ? within(bend, 8) : no_number);
+        }
+        if (l->surface[i].off_axis) v->power = v->bent = no_number;
+        if ((isnan(v->c) || isnan(v->power.x)) && i < p->last && !*without_vertex) *without_vertex = i + 1;
         n = v->n;
     }
     return true;

@@ -12,15 +12,19 @@
  *
  * SOBOL.  The first two dimensions of Sobol's sequence (1967): the digits of the number reversed,
  * and that with the direction numbers of the polynomial x + 1, v_i = v_{i-1} xor v_{i-1} / 2.
- * The points of the square that lie in the circle are taken in their order.
+ * The points of the square that lie in the circle are taken in their order.  They are made in runs of 512
+ * numbers that begin at a multiple of it: the point of number 512 r + i is that of 512 r with the bits of i's
+ * point turned over.  A run has one point in each cell of 1/32 x 1/16 of the square (a net, Sobol 1967), and
+ * 344 of these cells lie in the circle.  The numbers have 32 bits, so after 3.37e9 points they begin again.
  *
  * HEXAPOLAR.  Ring j of n has the radius j / n and 6 j points.  Weights are areas: a ring stands
  * for what is nearer to it than to the next.
  *
  * PARTS.  A point is made from its number, so that any part of a pattern can be made by itself.  Of a grid
- * that needs the number of each row's first point, of Sobol's sequence the place of every SOBOL_PART-th point
- * in it. In a row the points in the circle are neighbours, symmetric about the middle, and x^2 + y^2 as it is
- * rounded falls nowhere from the middle on: so bisection finds the last of them. */
+ * that needs the number of each row's first point, of Sobol's sequence how many points go before each run: to
+ * count them takes some two nanoseconds a point.  In a row the points in the circle are neighbours, symmetric
+ * about the middle, and x^2 + y^2 as it is rounded falls nowhere from the middle on: so bisection finds the
+ * last of them. */
 #include "pattern.h"
 
 #include <math.h>
@@ -98,13 +102,45 @@ static void random_points(uint64_t seed, uint64_t first, size_t count, sgt_pupil
     }
 }
 
-/* The k-th of the square, k < 2^32. */
-static sgt_pupil_point sobol_point(uint32_t k)
+enum { SOBOL_RUN = 512, SOBOL_LEAST = 344, SOBOL_RUNS = 1 << 23 };
+typedef struct sobol_run { double x[SOBOL_RUN], y[SOBOL_RUN]; } sobol_run;
+
+/* All points of a run, in the circle or not.  A word w is w 2^-31 - 1, exactly. */
+static void sobol_run_of(size_t run, sobol_run *out)
 {
-    uint32_t x = 0, y = 0, one = 1u << 31, two = 1u << 31;
-    for (; k; k >>= 1, one >>= 1, two ^= two >> 1)
-        if (k & 1) x ^= one, y ^= two;
-    return (sgt_pupil_point){x * 0x1p-31 - 1, y * 0x1p-31 - 1, 0};
+    uint32_t x[SOBOL_RUN] = {0}, y[SOBOL_RUN] = {0}, one = 1u << 31, two = 1u << 31;
+    for (size_t have = 1; have < SOBOL_RUN; have *= 2, one >>= 1, two ^= two >> 1)
+        for (size_t i = 0; i < have; i++) x[have + i] = x[i] ^ one, y[have + i] = y[i] ^ two;
+    uint32_t high_x = 0x80000000u, high_y = 0x80000000u;
+    for (uint32_t k = run % SOBOL_RUNS; k; k >>= 1, one >>= 1, two ^= two >> 1)
+        if (k & 1) high_x ^= one, high_y ^= two;
+    for (size_t i = 0; i < SOBOL_RUN; i++) {
+        out->x[i] = (double)(int32_t)(x[i] ^ high_x) * 0x1p-31;
+        out->y[i] = (double)(int32_t)(y[i] ^ high_y) * 0x1p-31;
+    }
+}
+
+static size_t sobol_inside(size_t run)
+{
+    sobol_run p;
+    size_t inside = 0;
+    sobol_run_of(run, &p);
+    for (size_t i = 0; i < SOBOL_RUN; i++) inside += in_circle(p.x[i], p.y[i]);
+    return inside;
+}
+
+/* `count` points of that weight: those of the circle from a run on, without the first `skip`. */
+static void sobol_points(size_t run, size_t skip, size_t count, sgt_pupil_point at[], double weight)
+{
+    for (size_t done = 0; done < count; run++) {
+        sobol_run p;
+        sobol_run_of(run, &p);
+        for (size_t i = 0; i < SOBOL_RUN && done < count; i++) {
+            if (!in_circle(p.x[i], p.y[i])) continue;
+            if (skip) skip--;
+            else at[done++] = (sgt_pupil_point){p.x[i], p.y[i], weight};
+        }
+    }
 }
 
 /* ---------------------------------------------------------------- patterns */
@@ -216,14 +252,6 @@ static double weight_of(sgt_pattern pattern, size_t n, size_t count)
     return sum;
 }
 
-/* The next number of Sobol's sequence after k whose point lies in the circle; sets the point. */
-static uint32_t sobol_next(uint32_t k, sgt_pupil_point *at)
-{
-    do *at = sobol_point(++k);
-    while (!in_circle(at->x, at->y) && k < UINT32_MAX);
-    return k;
-}
-
 /* The i-th point of a pattern of which any point is as easy as any other, but for random ones. */
 static sgt_pupil_point point_of(sgt_pattern pattern, size_t i, size_t n)
 {
@@ -236,7 +264,6 @@ static sgt_pupil_point point_of(sgt_pattern pattern, size_t i, size_t n)
 size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t most, sgt_pupil_point at[])
 {
     size_t count = 0;
-    uint32_t k = 0;
     for (size_t i = 0; i < n && is_net(pattern); i++) {
         const double x = net_place(pattern, i, n);
         size_t first, many = net_row(pattern, x, n, &first);
@@ -247,12 +274,13 @@ size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t mos
     if (!is_net(pattern)) count = count_of(pattern, n);
     const size_t kept = count < most ? count : most;
     const bool random = pattern == SGT_PATTERN_RANDOM, hexapolar = pattern == SGT_PATTERN_HEXAPOLAR;
+    const bool sobol = pattern == SGT_PATTERN_SOBOL;
     if (random) random_points(seed, 0, kept, at, 1 / (double)kept);
     for (size_t i = 0; i < kept && hexapolar; i += PUPIL_PART)
         hexapolar_points(i, kept - i < PUPIL_PART ? kept - i : PUPIL_PART, n, at + i);
-    for (size_t i = 0; i < kept && !is_net(pattern) && !random && !hexapolar; i++) {
-        if (pattern == SGT_PATTERN_SOBOL) k = sobol_next(k, &at[i]);
-        else at[i] = point_of(pattern, i, n);
+    if (sobol) sobol_points(0, 0, kept, at, 1);
+    for (size_t i = 0; i < kept && !is_net(pattern) && !random && !hexapolar && !sobol; i++) {
+        at[i] = point_of(pattern, i, n);
         at[i].weight = 1;
     }
     const double sum = weight_of(pattern, n, kept);
@@ -262,8 +290,6 @@ size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t mos
 
 /* ------------------------------------------------------------------ in parts */
 
-enum { SOBOL_PART = 64 };
-
 void sgt_pupil_random(size_t n, uint64_t seed, size_t first, size_t count, sgt_pupil_point at[])
 {
     random_points(seed, first, count, at, 1 / (double)n);
@@ -271,32 +297,31 @@ void sgt_pupil_random(size_t n, uint64_t seed, size_t first, size_t count, sgt_p
 
 size_t sgt_pupil_rows(sgt_pattern pattern, size_t n)
 {
-    return is_net(pattern) ? n + 1 : pattern == SGT_PATTERN_SOBOL ? n / SOBOL_PART + 1 : 0;
+    return is_net(pattern) ? n + 1 : pattern == SGT_PATTERN_SOBOL ? n / SOBOL_LEAST + 2 : 0;
 }
 
 sgt_pupil sgt_pupil_of(sgt_pattern pattern, size_t n, uint64_t seed, size_t row[])
 {
     sgt_pupil p = {.pattern = pattern, .n = n, .seed = seed, .count = count_of(pattern, n), .row = row};
-    sgt_pupil_point unused;
+    const size_t rows = sgt_pupil_rows(pattern, n);
     if (is_net(pattern)) {
         p.count = 0;
         for (size_t i = 0, first; i < n; i++)
             row[i] = p.count, p.count += net_row(pattern, net_place(pattern, i, n), n, &first);
         row[n] = p.count;
     }
-    uint32_t k = 0;
-    for (size_t i = 0; i < n && pattern == SGT_PATTERN_SOBOL; i++) {
-        if (i % SOBOL_PART == 0) row[i / SOBOL_PART] = k;
-        k = sobol_next(k, &unused);
+    for (size_t i = 0, before = 0; i < rows && pattern == SGT_PATTERN_SOBOL; i++) {
+        row[i] = before;
+        if (before < n) before += sobol_inside(i);
     }
     p.sum = weight_of(pattern, n, p.count);
     return p;
 }
 
-/* At most PUPIL_PART of them. */
+/* At most PUPIL_PART of them (of the random ones and Sobol's any number). */
 static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
 {
-    size_t low = 0, high = p->n, row_first = 0, row_end = 0, begin = 0;
+    size_t low = 0, high = sgt_pupil_rows(p->pattern, p->n), row_first = 0, row_end = 0, begin = 0;
     double x = 0;
     if (p->given) {
         for (size_t i = 0; i < count; i++) at[i] = p->given[first + i];
@@ -306,13 +331,15 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
         random_points(p->seed, first, count, at, 1 / p->sum);
         return;
     }
-    while (is_net(p->pattern) && high - low > 1) { /* row[low] <= first < row[high] */
+    if (high) high--;
+    while (high - low > 1) { /* row[low] <= first < row[high] */
         const size_t middle = low + (high - low) / 2;
         *(p->row[middle] <= first ? &low : &high) = middle;
     }
-    uint32_t k = p->pattern == SGT_PATTERN_SOBOL ? (uint32_t)p->row[first / SOBOL_PART] : 0;
-    for (size_t i = first / SOBOL_PART * SOBOL_PART; i < first && p->pattern == SGT_PATTERN_SOBOL; i++)
-        k = sobol_next(k, at);
+    if (p->pattern == SGT_PATTERN_SOBOL) {
+        sobol_points(low, first - p->row[low], count, at, 1 / p->sum);
+        return;
+    }
     if (p->pattern == SGT_PATTERN_HEXAPOLAR) {
         hexapolar_points(first, count, p->n, at);
         for (size_t i = 0; i < count; i++) at[i].weight /= p->sum;
@@ -327,8 +354,6 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
                 net_row(p->pattern, x, p->n, &begin);
             }
             *to = (sgt_pupil_point){x, net_place(p->pattern, begin + (i - row_first), p->n), 1};
-        } else if (p->pattern == SGT_PATTERN_SOBOL) {
-            k = sobol_next(k, to);
         } else {
             *to = point_of(p->pattern, i, p->n);
         }
@@ -338,7 +363,7 @@ static void part_of(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_po
 
 void sgt_pupil_part(const sgt_pupil *p, size_t first, size_t count, sgt_pupil_point at[])
 {
-    for (size_t done = 0, part; done < count; done += part) { /* up to where a part of Sobol's ends */
+    for (size_t done = 0, part; done < count; done += part) {
         const size_t left = PUPIL_PART - (first + done) % PUPIL_PART;
         part = count - done < left ? count - done : left;
         part_of(p, first + done, part, at + done);

@@ -5,7 +5,8 @@
  *     {type: formula, sag: "c*r^2/(1 + sqrt(1 - c^2*r^2))", c: 0.02, semi_diameter: 10}
  *
  * Every key that is not one of these is a parameter.  So a key that is misspelled would be taken for one: a
- * parameter that the formula does not name is refused, and so are the names of keys of lens files. */
+ * parameter that the formula does not name is refused, and so are the names of keys of lens files.  The same
+ * holds of a function that is no surface, the `waves` of a phase. */
 #include "formula.h"
 
 #include "../base/reader.h"
@@ -18,13 +19,14 @@
 #include <string.h>
 
 static const char KNOWN[] =
-    "type, f or sag, inside, semi_diameter, and the parameters that the formula names";
+    "type, f or sag, inside, semi_diameter, and the parameters that the formula names",
+    KNOWN_OF_WAVES[] = "order, waves, and the parameters that the formula names";
 
 static bool is_reserved(const char *name)
 {
     static const char *const keys[] = {"type", "f", "sag", "inside", "semi_diameter", "apertures", "draw_to",
                                        "name", "thickness", "index", "glass", "mirror", "stop", "decenter",
-                                       "tilt", "origin"};
+                                       "tilt", "origin", "phase"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (strcmp(keys[i], name) == 0) return true;
     return false;
@@ -82,17 +84,18 @@ static void read_inside(source *s, const node *n, sgt_formula *of)
 }
 
 /* All keys that are left. */
-static size_t read_parameters(source *s, const node *map, const char *text, sgt_named **out)
+static size_t read_parameters(source *s, const node *map, const char *text, const char *known,
+                              sgt_named **out)
 {
     size_t n = 0;
     sgt_named *named = tree_room(s, map->count + 1, sizeof *named);
     for (size_t i = 0; i < map->count; i++) {
         const char *key = map->key[i]->text;
         if (map->taken[i]) continue;
-        if (is_reserved(key))
+        if (known == KNOWN && is_reserved(key))
             tree_fail(s, map->key[i]->line, key, "is a key of lens files, and no parameter");
         if (!is_named(text, key))
-            tree_fail(s, map->key[i]->line, key, "the formula does not name it; known here: %s", KNOWN);
+            tree_fail(s, map->key[i]->line, key, "the formula does not name it; known here: %s", known);
         map->taken[i] = true;
         named[n++] = (sgt_named){key, tree_read_number(s, map->item[i], key, NUMBER_FINITE)};
     }
@@ -102,11 +105,11 @@ static size_t read_parameters(source *s, const node *map, const char *text, sgt_
 
 /* self: of the surface.  The text and the parameters are kept beside it, since a tape cannot be read. */
 static const sgt_tape *read_text(source *s, const node *map, const node *n, const char *key,
-                                 sgt_formula_kind kind, const void *self)
+                                 sgt_formula_kind kind, const char *known, const void *self)
 {
     const char *text = tree_read_text(s, n, key);
     sgt_named *named;
-    size_t count = read_parameters(s, map, text, &named), size = sgt_formula_room(text, count);
+    size_t count = read_parameters(s, map, text, known, &named), size = sgt_formula_room(text, count);
     void *room = tree_room(s, (size + 7) / 8 + 1, 8);
     sgt_error e = {0};
     const sgt_tape *tape = sgt_formula_read(text, kind, count, named, room, size, &e);
@@ -120,6 +123,18 @@ static const sgt_tape *read_text(source *s, const node *map, const node *n, cons
     if (hint) tree_fail(s, n->line, key, "column %zu: %s%s%s, as in a: 1", e.column, e.words, hint, key);
     if (e.column) tree_fail(s, n->line, key, "column %zu: %s", e.column, e.words);
     tree_fail(s, n->line, key, "%s", e.words);
+}
+
+sgt_surface sgt_read_function(source *s, const node *map, const node *n, const char *key)
+{
+    if (is_named(tree_read_text(s, n, key), "z")) {
+        sgt_formula *self = tree_room(s, 1, sizeof *self);
+        self->tape = read_text(s, map, n, key, SGT_FORMULA_XYZ, KNOWN_OF_WAVES, self);
+        return (sgt_surface){&sgt_formula_ops, self};
+    }
+    sgt_formula_sag *self = tree_room(s, 1, sizeof *self);
+    self->tape = read_text(s, map, n, key, SGT_FORMULA_XY, KNOWN_OF_WAVES, self);
+    return (sgt_surface){&sgt_formula_sag_ops, self};
 }
 
 sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const sgt_builtin **type)
@@ -139,7 +154,7 @@ sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const 
     if (f) {
         sgt_formula *self = tree_room(s, 1, sizeof *self);
         if (inside) read_inside(s, inside, self);
-        self->tape = read_text(s, map, f, "f", SGT_FORMULA_XYZ, self);
+        self->tape = read_text(s, map, f, "f", SGT_FORMULA_XYZ, KNOWN, self);
         *type = &implicit;
         return (sgt_surface){&sgt_formula_ops, self};
     }
@@ -147,7 +162,7 @@ sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const 
     if (semi) self->semi_diameter = tree_read_number(s, semi, "semi_diameter", NUMBER_FINITE);
     if (!(self->semi_diameter >= 0))
         tree_fail(s, semi->line, "semi_diameter", "must be 0 or more, not %.60s", semi->text);
-    self->tape = read_text(s, map, of_sag, "sag", SGT_FORMULA_XY, self);
+    self->tape = read_text(s, map, of_sag, "sag", SGT_FORMULA_XY, KNOWN, self);
     *type = &sag;
     return (sgt_surface){&sgt_formula_sag_ops, self};
 }

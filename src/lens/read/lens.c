@@ -13,6 +13,7 @@
 #include "aperture.h"
 #include "frame.h"
 #include "../base/reader.h"
+#include "phase.h"
 #include "surface.h"
 #include "tolerance.h"
 
@@ -407,42 +408,13 @@ static void read_medium(whole_lens *w, source *s, const node *map, size_t i, con
 
 static const char OTHER_KEYS[] =
     "; semi_diameter, apertures, draw_to, name, thickness, index, glass, mirror, stop, "
-    "decenter, tilt, origin";
-
-/* A length of a phase, finite: not zero, and not beyond what sgt_phase takes. */
-static double phase_length(source *s, const node *n, const char *key, double x)
-{
-    if (x == 0) tree_fail(s, n->line, key, "must not be zero");
-    if (!(fabs(x) >= 0x1p-500 && fabs(x) <= 0x1p500))
-        tree_fail(s, n->line, key, "must be from 4e-151 to 3e150 in magnitude, not %g", x);
-    return x;
-}
-
-/* An ideal lens: a plane with a phase. */
-static void read_ideal(source *s, const node *map, sgt_element *e)
-{
-    const node *f = tree_take(map, "focal_length"), *from = tree_take(map, "object_distance");
-    sgt_phase *phase = tree_room(s, 1, sizeof *phase);
-    if (!f) tree_fail(s, map->line, "focal_length", "missing; an ideal lens has one");
-    phase->kind = SGT_IDEAL_LENS;
-    phase->focal_length =
-        phase_length(s, f, "focal_length", tree_read_number(s, f, "focal_length", NUMBER_FINITE));
-    /* 0: not given, see ../open/conjugate.c */
-    if (from) phase->object_distance = tree_read_number(s, from, "object_distance", NUMBER_MAYBE_INFINITE);
-    if (from && isfinite(phase->object_distance))
-        phase_length(s, from, "object_distance", phase->object_distance);
-    char known[200];
-    snprintf(known, sizeof known, "type, focal_length, object_distance%s", OTHER_KEYS);
-    tree_finish(s, map, known);
-    e->surface = (sgt_surface){&sgt_conic_ops, tree_room(s, 1, sizeof(sgt_conic))};
-    e->phase = phase;
-}
+    "decenter, tilt, origin, phase";
 
 static void read_shape(source *s, const node *map, sgt_element *e, sgt_lens_surface *about)
 {
     const node *type = tree_take(map, "type");
     if (type && type->kind == NODE_SCALAR && strcmp(type->text, "ideal") == 0) {
-        read_ideal(s, map, e);
+        sgt_read_ideal(s, map, OTHER_KEYS, e);
         about->type = "ideal", about->focal_length = e->phase->focal_length;
         return;
     }
@@ -462,13 +434,14 @@ static void read_surface(whole_lens *w, source *s, const node *map, size_t i, bo
     read_medium(w, s, map, i, now);
     const node *stop = tree_take(map, "stop"), *rim = tree_take(map, "semi_diameter");
     const node *name = tree_take(map, "name"), *size = tree_take(map, "draw_to");
-    const node *apertures = tree_take(map, "apertures");
+    const node *apertures = tree_take(map, "apertures"), *phase = tree_take(map, "phase");
     if (apertures) e->aperture = sgt_read_apertures(s, apertures);
     about->name = name ? tree_read_text(s, name, "name") : "";
     if (stop && tree_read_truth(s, stop, "stop")) {
         if (l->stop_marked) tree_fail(s, stop->line, "stop", "a second stop; a lens has one");
         l->stop_marked = true, l->stop = i;
     }
+    if (phase) sgt_read_phase(w, s, phase, i);
     if (rim) e->semi_diameter = tree_read_number(s, rim, "semi_diameter", NUMBER_FINITE);
     if (!(e->semi_diameter >= 0)) tree_fail(s, rim->line, "semi_diameter", "must not be negative");
     about->size = size ? positive_number(s, size, "draw_to", NUMBER_FINITE) : e->semi_diameter;
@@ -529,37 +502,19 @@ static const medium *fill_indices(const whole_lens *w, double um, sgt_element el
     return none;
 }
 
-/* ---------------------------------------------------------- ideal lenses */
-
-/* Which of the wavelengths of the file it is; the primary one if it is none of them. */
-static size_t wavelength_place(const sgt_lens *l, double um)
-{
-    for (size_t k = 0; l->wavelength && k < l->wavelengths; k++)
-        if (l->wavelength[k] == um) return k;
-    return l->primary;
-}
-
-void sgt_put_conjugates(const whole_lens *w, double um, sgt_element element[])
-{
-    if (!w->conjugate) return;
-    const sgt_phase *phase = w->conjugate + wavelength_place(&w->lens, um) * w->lens.count;
-    for (size_t i = 0; i < w->lens.count; i++)
-        if (phase[i].kind) element[i].phase = &phase[i];
-}
-
 bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[], double *index_before,
                  sgt_error *error)
 {
     const whole_lens *w = (const void *)lens;
     char why[WHY_SIZE];
+    sgt_error unread;
+    reader r = {.file = lens->file, .error = error ? error : &unread};
     if (element) {
         memcpy(element, lens->element, lens->count * sizeof *element);
-        sgt_put_conjugates(w, um, element);
+        if (!sgt_put_phases(w, um, element)) return sgt_reader_fail(&r, 0, "", "no memory");
     }
     const medium *none = fill_indices(w, um, element, index_before, why);
     if (!none) return true;
-    sgt_error unread;
-    reader r = {.file = lens->file, .error = error ? error : &unread};
     return sgt_reader_fail(&r, none->line, none->key, "%s", why);
 }
 
@@ -604,6 +559,7 @@ void sgt_read_lens(whole_lens *w, source *s)
     read_pupil(l, s);
     read_fields(l, s);
     read_surfaces(w, s, list);
+    sgt_make_phases(w, s);
     sgt_read_tolerances(w, s, tree_take(s->root, "tolerances"));
     tree_finish(s, s->root,
                 "name, units, wavelengths, wavelength_weights, primary, makers, object, pupil, aim, afocal, "

@@ -15,9 +15,11 @@ typedef struct whole_lens {
     sgt_element *element;
     sgt_lens_surface *about;
     medium *medium;          /* [count + 1]: in front of the first surface, behind each */
-    sgt_phase *conjugate;    /* [wavelengths * count]: of the ideal lenses whose file gives no
-                                object_distance, at each wavelength; kind 0: of no such one.  NULL: there
-                                is none */
+    double *order;           /* [count]: of phases in waves; NULL: there is none */
+    sgt_phase *phase_at;     /* [wavelengths * count]: at each wavelength phases in waves, and the ideal
+                                lenses whose file gives no object_distance; kind 0: of no such one.  NULL:
+                                there is none */
+    struct other_phases *other_phases; /* those at wavelengths that the file has not */
     formula_text *formula;   /* of the surfaces that are formulas, in any order */
     sgt_tolerance *tolerance; /* [tolerances] */
     size_t tolerances;
@@ -34,7 +36,8 @@ typedef struct whole_lens {
 void sgt_read_lens(whole_lens *w, source *s);
 void sgt_read_one_surface(whole_lens *w, source *s);
 
-/* Puts those of a wavelength, where they have been found, into elements of the lens. */
-void sgt_put_conjugates(const whole_lens *w, double um, sgt_element element[]);
+/* (phase.c) Puts the phases of a wavelength into elements of the lens.  false: no memory. */
+bool sgt_put_phases(const whole_lens *w, double um, sgt_element element[]);
+void sgt_free_phases(whole_lens *w);
 
 #endif

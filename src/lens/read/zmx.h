@@ -185,11 +185,46 @@ struct zmx_type {
     void (*write)(zmx *z, const zmx_surface *f, node *map); /* NULL: a break */
 };
 
-/* zmx_shape.c: the type of that name; NULL: it is not read. */
+/* The type of that name; NULL: it is not read.  zmx_phase.c: of all; zmx_shape.c: without a phase. */
 const zmx_type *sgt_zmx_type(piece name);
+const zmx_type *sgt_zmx_shape(piece name);
+/* zmx_shape.c */
+const char *sgt_zmx_refused(piece name); /* why a type is not read, where that can be said; else NULL */
 size_t sgt_zmx_number_of(const zmx *z, const zmx_surface *f);
 void sgt_zmx_set_word(zmx *z, node *map, const char *key, size_t line, const char *text);
 void sgt_zmx_set_number(zmx *z, node *map, const char *key, size_t line, double x);
+
+/* A plane, sphere or conic; with PARM 1 ... 8 as powers. */
+void sgt_zmx_write_standard(zmx *z, const zmx_surface *f, node *map);
+void sgt_zmx_write_asphere(zmx *z, const zmx_surface *f, node *map);
+/* XDAT 1 ... most, 0 where there is none; *line is that of the last one. */
+double *sgt_zmx_extras(zmx *z, const zmx_surface *f, size_t most, size_t *line);
+
+/* The terms of a surface: how many there are, where they begin, and the radius that they are scaled by. */
+typedef struct zmx_terms {
+    double *value; /* from 0 */
+    size_t count, line;
+    double norm;
+} zmx_terms;
+
+/* XDAT `first` counts them, the next is their radius, and behind that they stand. */
+zmx_terms sgt_zmx_terms(zmx *z, const zmx_surface *f, size_t first, size_t most);
+/* x / norm^power */
+double sgt_zmx_by_norm(zmx *z, const zmx_surface *f, size_t line, double x, double norm, size_t power);
+
+/* The factors of x^i y^j; rows and columns grow as they are set. */
+enum { XY_ORDER = 20, XY_TERMS = 230 }; /* terms of order 1 ... 20 */
+typedef struct zmx_xy {
+    double factor[XY_ORDER + 1][XY_ORDER + 1];
+    size_t width[XY_ORDER + 1], rows;
+} zmx_xy;
+
+void sgt_zmx_add_xy(zmx_xy *t, size_t i, size_t j, double factor);
+node *sgt_zmx_rows(zmx *z, size_t line, const zmx_xy *t);
+/* Adds the terms x, y, x^2, xy ... of XDAT; the line of the last one. */
+size_t sgt_zmx_polynomial(zmx *z, const zmx_surface *f, zmx_xy *xy);
+/* The Zernike terms of XDAT as a surface; NULL: none. */
+node *sgt_zmx_zernike(zmx *z, const zmx_surface *f, bool fringe);
 
 /* zmx_system.c: behind the last NOTE. */
 void sgt_zmx_end_note(zmx *z);

@@ -335,7 +335,8 @@ static void write_surface(zmx *z, node *list, zmx_surface *f)
         name->quoted = true;
         tree_set(z->s, map, "name", name);
     }
-    map->inline_ = !tree_take(map, "coefficients"); /* such a list needs lines of its own */
+    /* such a list needs lines of its own */
+    map->inline_ = !tree_take(map, "coefficients") && !tree_take(map, "phase");
     tree_append(z->s, list, map);
     f->map = f->step = map;
     f->path = f->step_path = tree_print(z->s, "surfaces[%zu]", ++z->surfaces);

@@ -13,12 +13,14 @@
  *     XPOLYNOM   conic(r) + sum of a_i (x/R)^a (y/R)^b, in the order x, y, x^2, xy ...; N, R, a_i as XASPHERE
  *     IRREGULA   conic(r) + P5 q^4 + P6 v^2 + P7 q^2 v; q = r/R, v = (x sin P8 + y cos P8)/R, R = DIAM.  It
  *                alone is decentred by P1, P2, then tilted by P3 about x, P4 about y
- *     QED_TYPE   conic(r) + Forbes' Qbfs (X1 = 0) or Qcon (X1 = 1); N = X2, R = X3, a_0 = X4
+ *     QED_TYPE   conic(r) + Forbes' Qbfs (X1 = 0; see below) or Qcon (X1 = 1); N = X2, R = X3, a_0 = X4
  *     FZERNSAG   conic(r) + even(r) + Zernike's in the fringe order, 1 at r = R; N, R, a_i as XASPHERE
  *     SZERNSAG   the same in Noll's order, with the mean square 1
  *     GRID_SAG   the same as SZERNSAG, and the heights of GARR on a grid that GDAT describes
+ *     DGRATING, BINARY_1, BINARY_2, BINARY_3, FZERNPHA, SZERNPHA, HOLOGRM1, HOLOGRM2: see zmx_phase.c
  *     TILTSURF   the plane z = P1 x + P2 y; as surface 0 an object whose points lie there
  *     PARAXIAL   a thin lens without aberrations, of the focal length P1
+ *     PARAX_XY   the same with the powers P1 in x and P2 in y, if both are the same
  *     COORDBRK   no surface: decenter P1, P2, then tilts P3, P4, P5 about x, y, z; P6 not 0: the tilts come
  *                first, and in the other order.  As the stop it is the plane z = 0 behind these
  *
@@ -27,7 +29,14 @@
  * 12 + i is XDAT i.)  Types that lack a published layout of their records are refused by name: a wrong shape
  * is worse than none.
  *
- * QBFS ON A CONIC.  Forbes (2007) has a sphere under Qbfs; what OpticStudio does with k is not published.
+ * QBFS ON A CONIC.  Forbes (2007) divides the departure from a sphere by sqrt(1 - c^2 r^2), the cosine of the
+ * sphere's normal: it is measured along that normal.  Of a conic the cosine is s, with
+ *     1 / s = sqrt((1 - k c^2 r^2) / w) = sqrt(1 + c^2 r^2 / w),    w = 1 - (1 + k) c^2 r^2,
+ * the same for k = 0.  The designs of catalogue lenses with such a surface focus with this factor, and not
+ * with Forbes' own or with 1.  q_bfs has a sphere under it, so the surface becomes a formula.  Its polynomial
+ * is one of t = 1 - 2 u^2, u = r / R, in [-1, 1] over the aperture.  It is made of the P_m of q_bfs.c, whose
+ * recurrence is P_m+1 = 2 t P_m - P_m-1 from -2 and 2 on.  Term m gets factors of some 2.4^m, which cancel:
+ * 20 terms lose 1e-9 of the largest coefficient at most.
  *
  * THE TILTED PLANE.  Its normal is (-P1, -P2, 1).  The tilt Rz Ry Rx by (a, b, 0) takes (0, 0, 1) to
  * (cos a sin b, -sin a, cos a cos b), so tan b = -P1 and tan a = P2 cos b = P2 / hypot(1, P1).  Apertures are
@@ -39,6 +48,7 @@
 #include <string.h>
 
 static const double DEGREE = 57.295779513082320877;
+enum { BFS_ON_CONIC = 20 }; /* terms */
 
 size_t sgt_zmx_number_of(const zmx *z, const zmx_surface *f) { return (size_t)(f - z->surface); }
 
@@ -78,7 +88,7 @@ static void write_base(zmx *z, const zmx_surface *f, node *map, const char *type
     if (f->conic != 0 && f->curvature != 0) sgt_zmx_set_number(z, map, "conic", f->conic_line, f->conic);
 }
 
-static void write_standard(zmx *z, const zmx_surface *f, node *map)
+void sgt_zmx_write_standard(zmx *z, const zmx_surface *f, node *map)
 {
     write_base(z, f, map, f->curvature == 0 ? "plane" : f->conic == 0 ? "sphere" : "conic");
 }
@@ -95,14 +105,14 @@ static void set_coefficients(zmx *z, const zmx_surface *f, node *map, size_t fir
     if (count) tree_set(z->s, map, "coefficients", tree_numbers(z->s, f->parm_line, count, f->parm + first));
 }
 
-static void write_asphere(zmx *z, const zmx_surface *f, node *map)
+void sgt_zmx_write_asphere(zmx *z, const zmx_surface *f, node *map)
 {
     size_t count = coefficients(f, 1, 8);
     if (count == 0) {
-        write_standard(z, f, map);
+        sgt_zmx_write_standard(z, f, map);
         return;
     }
-    write_base(z, f, map, *f->type->name == 'E' ? "even_asphere" : "odd_asphere");
+    write_base(z, f, map, *f->type->name == 'O' ? "odd_asphere" : "even_asphere");
     set_coefficients(z, f, map, 1, count);
 }
 
@@ -131,7 +141,7 @@ static void write_biconic(zmx *z, const zmx_surface *f, node *map)
 /* --------------------------------------------------------- shapes with XDAT */
 
 /* XDAT 1 ... most, 0 where there is none; *line is that of the last one. */
-static double *extra_numbers(zmx *z, const zmx_surface *f, size_t most, size_t *line)
+double *sgt_zmx_extras(zmx *z, const zmx_surface *f, size_t most, size_t *line)
 {
     bool *given = tree_room(z->s, most + 1, sizeof *given);
     double *extra = tree_room(z->s, most + 1, sizeof *extra);
@@ -147,18 +157,11 @@ static double *extra_numbers(zmx *z, const zmx_surface *f, size_t most, size_t *
     return extra;
 }
 
-/* The terms of a surface: how many there are, where they begin, and the radius that they are scaled by. */
-typedef struct zmx_terms {
-    double *value; /* from 0 */
-    size_t count, line;
-    double norm;
-} zmx_terms;
-
 /* XDAT `first` counts them, the next is their radius, and behind that they stand. */
-static zmx_terms extra_terms(zmx *z, const zmx_surface *f, size_t first, size_t most)
+zmx_terms sgt_zmx_terms(zmx *z, const zmx_surface *f, size_t first, size_t most)
 {
     zmx_terms t;
-    const double *extra = extra_numbers(z, f, most + first + 1, &t.line), count = extra[first];
+    const double *extra = sgt_zmx_extras(z, f, most + first + 1, &t.line), count = extra[first];
     if (!(count >= 0 && count <= (double)most && count == floor(count)))
         tree_fail(z->s, t.line, "XDAT",
                   "surface %zu has %g terms (XDAT %zu), which is no whole number up to %zu",
@@ -177,7 +180,7 @@ static zmx_terms extra_terms(zmx *z, const zmx_surface *f, size_t first, size_t 
 }
 
 /* x / norm^power */
-static double by_norm(zmx *z, const zmx_surface *f, size_t line, double x, double norm, size_t power)
+double sgt_zmx_by_norm(zmx *z, const zmx_surface *f, size_t line, double x, double norm, size_t power)
 {
     const double y = x / pow(norm, (double)power);
     if (!(norm > 0) || !isfinite(y))
@@ -186,14 +189,7 @@ static double by_norm(zmx *z, const zmx_surface *f, size_t line, double x, doubl
     return y;
 }
 
-/* The factors of x^i y^j; rows and columns grow as they are set. */
-enum { XY_ORDER = 20, XY_TERMS = 230 }; /* terms of order 1 ... 20 */
-typedef struct zmx_xy {
-    double factor[XY_ORDER + 1][XY_ORDER + 1];
-    size_t width[XY_ORDER + 1], rows;
-} zmx_xy;
-
-static void add_xy(zmx_xy *t, size_t i, size_t j, double factor)
+void sgt_zmx_add_xy(zmx_xy *t, size_t i, size_t j, double factor)
 {
     if (factor == 0) return;
     t->factor[i][j] += factor;
@@ -201,28 +197,38 @@ static void add_xy(zmx_xy *t, size_t i, size_t j, double factor)
     if (t->rows <= i) t->rows = i + 1;
 }
 
-static void write_xy(zmx *z, const zmx_surface *f, node *map, size_t line, const zmx_xy *t)
+node *sgt_zmx_rows(zmx *z, size_t line, const zmx_xy *t)
 {
-    if (t->rows == 0) {
-        write_standard(z, f, map);
-        return;
-    }
-    write_base(z, f, map, "polynomial_xy");
     node *list = tree_node(z->s, NODE_LIST, line);
     for (size_t i = 0; i < t->rows; i++)
         tree_append(z->s, list, tree_numbers(z->s, line, t->width[i] ? t->width[i] : 1, t->factor[i]));
-    tree_set(z->s, map, "coefficients", list);
+    return list;
+}
+
+static void write_xy(zmx *z, const zmx_surface *f, node *map, size_t line, const zmx_xy *t)
+{
+    if (t->rows == 0) {
+        sgt_zmx_write_standard(z, f, map);
+        return;
+    }
+    write_base(z, f, map, "polynomial_xy");
+    tree_set(z->s, map, "coefficients", sgt_zmx_rows(z, line, t));
+}
+
+size_t sgt_zmx_polynomial(zmx *z, const zmx_surface *f, zmx_xy *xy)
+{
+    const zmx_terms t = sgt_zmx_terms(z, f, 1, XY_TERMS);
+    for (size_t term = 0, order = 1; term < t.count; order++)
+        for (size_t j = 0; j <= order && term < t.count; j++, term++)
+            if (t.value[term] != 0)
+                sgt_zmx_add_xy(xy, order - j, j, sgt_zmx_by_norm(z, f, t.line, t.value[term], t.norm, order));
+    return t.line;
 }
 
 static void write_polynomial(zmx *z, const zmx_surface *f, node *map)
 {
-    const zmx_terms t = extra_terms(z, f, 1, XY_TERMS);
     zmx_xy *xy = tree_room(z->s, 1, sizeof *xy);
-    for (size_t term = 0, order = 1; term < t.count; order++)
-        for (size_t j = 0; j <= order && term < t.count; j++, term++)
-            if (t.value[term] != 0)
-                add_xy(xy, order - j, j, by_norm(z, f, t.line, t.value[term], t.norm, order));
-    write_xy(z, f, map, t.line, xy);
+    write_xy(z, f, map, sgt_zmx_polynomial(z, f, xy), xy);
 }
 
 /* P1 ... P4, where it is, are breaks. */
@@ -237,12 +243,14 @@ static void write_irregular(zmx *z, const zmx_surface *f, node *map)
                   "surface %zu is IRREGULA, whose terms are scaled by a DIAM above 0",
                   sgt_zmx_number_of(z, f));
     if (size > 0) {
-        const double z4 = by_norm(z, f, line, spherical, size, 4);
-        const double a2 = by_norm(z, f, line, astigmatic, size, 2), c3 = by_norm(z, f, line, coma, size, 3);
-        add_xy(xy, 4, 0, z4), add_xy(xy, 2, 2, 2 * z4), add_xy(xy, 0, 4, z4);
-        add_xy(xy, 2, 0, a2 * s * s), add_xy(xy, 1, 1, 2 * a2 * s * c), add_xy(xy, 0, 2, a2 * c * c);
-        add_xy(xy, 3, 0, c3 * s), add_xy(xy, 1, 2, c3 * s);
-        add_xy(xy, 2, 1, c3 * c), add_xy(xy, 0, 3, c3 * c);
+        const double z4 = sgt_zmx_by_norm(z, f, line, spherical, size, 4);
+        const double a2 = sgt_zmx_by_norm(z, f, line, astigmatic, size, 2),
+                     c3 = sgt_zmx_by_norm(z, f, line, coma, size, 3);
+        sgt_zmx_add_xy(xy, 4, 0, z4), sgt_zmx_add_xy(xy, 2, 2, 2 * z4), sgt_zmx_add_xy(xy, 0, 4, z4);
+        sgt_zmx_add_xy(xy, 2, 0, a2 * s * s), sgt_zmx_add_xy(xy, 1, 1, 2 * a2 * s * c),
+            sgt_zmx_add_xy(xy, 0, 2, a2 * c * c);
+        sgt_zmx_add_xy(xy, 3, 0, c3 * s), sgt_zmx_add_xy(xy, 1, 2, c3 * s);
+        sgt_zmx_add_xy(xy, 2, 1, c3 * c), sgt_zmx_add_xy(xy, 0, 3, c3 * c);
     }
     write_xy(z, f, map, line, xy);
 }
@@ -251,15 +259,64 @@ static void write_irregular(zmx *z, const zmx_surface *f, node *map)
 static void write_extended(zmx *z, const zmx_surface *f, node *map)
 {
     const bool even = f->type->name[1] == 'A';
-    const zmx_terms t = extra_terms(z, f, 1, even ? 8 : 16);
+    const zmx_terms t = sgt_zmx_terms(z, f, 1, even ? 8 : 16);
     if (t.count == 0) {
-        write_standard(z, f, map);
+        sgt_zmx_write_standard(z, f, map);
         return;
     }
     for (size_t i = 0; i < t.count; i++)
-        t.value[i] = by_norm(z, f, t.line, t.value[i], t.norm, even ? 2 * (i + 1) : i + 1);
+        t.value[i] = sgt_zmx_by_norm(z, f, t.line, t.value[i], t.norm, even ? 2 * (i + 1) : i + 1);
     write_base(z, f, map, even ? "even_asphere" : "odd_asphere");
     tree_set(z->s, map, "coefficients", tree_numbers(z->s, t.line, t.count, t.value));
+}
+
+/* The sum of a[m] Qbfs_m as one of b[m] t^m; b: zeros. */
+static void powers_of_bfs(const double a[], size_t count, double b[])
+{
+    double f[BFS_ON_CONIC] = {2, 0.5 * sqrt(19)}, g[BFS_ON_CONIC] = {-0.5}, h[BFS_ON_CONIC] = {0};
+    double by_p[BFS_ON_CONIC + 2] = {0}, before[BFS_ON_CONIC] = {-2}, p[BFS_ON_CONIC] = {2};
+    for (size_t m = 2; m < count; m++) {
+        const double n = (double)m;
+        h[m - 2] = -n * (n - 1) / (2 * f[m - 2]);
+        g[m - 1] = -(1 + g[m - 2] * h[m - 2]) / f[m - 1];
+        f[m] = sqrt(n * (n + 1) + 3 - g[m - 1] * g[m - 1] - h[m - 2] * h[m - 2]);
+    }
+    /* P_m = f_m Q_m + g_(m-1) Q_(m-1) + h_(m-2) Q_(m-2), so the sum of by_p[m] P_m is that of a[m] Q_m: */
+    for (size_t m = count; m-- > 0;)
+        by_p[m] = (a[m] - g[m] * by_p[m + 1] - h[m] * by_p[m + 2]) / f[m];
+    for (size_t m = 0; m < count; m++) {
+        double next[BFS_ON_CONIC] = {0};
+        for (size_t i = 0; i <= m; i++) {
+            b[i] += by_p[m] * p[i];
+            next[i] -= before[i];
+            if (i + 1 < count) next[i + 1] += 2 * p[i];
+        }
+        memcpy(before, p, sizeof p), memcpy(p, next, sizeof p);
+    }
+}
+
+static void write_bfs_on_conic(zmx *z, const zmx_surface *f, node *map, const zmx_terms *t)
+{
+    double b[BFS_ON_CONIC] = {0};
+    if (t->count > BFS_ON_CONIC)
+        tree_fail(z->s, t->line, "XDAT", "surface %zu: on a conic up to %d terms of Qbfs are read, not %zu",
+                  sgt_zmx_number_of(z, f), (int)BFS_ON_CONIC, t->count);
+    powers_of_bfs(t->value, t->count, b);
+    const char *sum = "0";
+    for (size_t m = t->count; m-- > 0;)
+        sum = m + 1 == t->count ? tree_print(z->s, "b%zu", m)
+                                : tree_print(z->s, "(b%zu + (1 - 2*r^2/norm^2)*%s)", m, sum);
+    node *text = tree_word(z->s, f->line, tree_print(z->s,
+        "c*r^2/(1 + sqrt(1 - (1 + k)*c^2*r^2)) + "
+        "sqrt(1 + c^2*r^2/(1 - (1 + k)*c^2*r^2))*r^2/norm^2*(1 - r^2/norm^2)*%s", sum));
+    text->quoted = true;
+    sgt_zmx_set_word(z, map, "type", f->line, "formula");
+    tree_set(z->s, map, "sag", text);
+    sgt_zmx_set_number(z, map, "c", f->curvature_line, f->curvature);
+    sgt_zmx_set_number(z, map, "k", f->conic_line, f->conic);
+    sgt_zmx_set_number(z, map, "norm", t->line, t->norm);
+    for (size_t m = 0; m < t->count; m++)
+        sgt_zmx_set_number(z, map, tree_print(z->s, "b%zu", m), t->line, b[m]);
 }
 
 /* XDAT 1 says which polynomials of Forbes there are. */
@@ -267,19 +324,20 @@ static void write_forbes(zmx *z, const zmx_surface *f, node *map)
 {
     enum { MOST = 64 };
     size_t line;
-    const double kind = extra_numbers(z, f, 1, &line)[1];
-    const zmx_terms t = extra_terms(z, f, 2, MOST);
+    const double kind = sgt_zmx_extras(z, f, 1, &line)[1];
+    const zmx_terms t = sgt_zmx_terms(z, f, 2, MOST);
     if (kind != 0 && kind != 1)
         tree_fail(z->s, line, "XDAT",
                   "surface %zu: %g is no kind of Q polynomials (XDAT 1): 0 is Qbfs, 1 Qcon",
                   sgt_zmx_number_of(z, f), kind);
     if (t.count == 0) {
-        write_standard(z, f, map);
+        sgt_zmx_write_standard(z, f, map);
         return;
     }
-    if (kind == 0 && f->conic != 0 && f->curvature != 0)
-        tree_fail(z->s, f->conic_line, "CONI", "surface %zu: Qbfs terms are read on a sphere, not on a conic",
-                  sgt_zmx_number_of(z, f));
+    if (kind == 0 && f->conic != 0 && f->curvature != 0) {
+        write_bfs_on_conic(z, f, map, &t);
+        return;
+    }
     write_base(z, f, map, kind == 0 ? "q_bfs" : "q_con");
     sgt_zmx_set_number(z, map, "norm", t.line, t.norm);
     tree_set(z->s, map, "coefficients", tree_numbers(z->s, t.line, t.count, t.value));
@@ -308,7 +366,7 @@ static void write_together(zmx *z, const zmx_surface *f, node *map, node *const 
     for (size_t i = 0; i < count; i++)
         if (terms[i]) tree_append(z->s, list, one = terms[i]);
     if (list->count == 0) {
-        write_standard(z, f, map);
+        sgt_zmx_write_standard(z, f, map);
         return;
     }
     write_base(z, f, map, list->count > 1 ? "sum" : tree_take(one, "type")->text);
@@ -319,10 +377,10 @@ static void write_together(zmx *z, const zmx_surface *f, node *map, node *const 
 }
 
 /* The Zernike terms of XDAT; NULL: none. */
-static node *zernike_of(zmx *z, const zmx_surface *f, bool fringe)
+node *sgt_zmx_zernike(zmx *z, const zmx_surface *f, bool fringe)
 {
     enum { FRINGE = 37, NOLL = 231 };
-    const zmx_terms t = extra_terms(z, f, 1, fringe ? FRINGE : NOLL);
+    const zmx_terms t = sgt_zmx_terms(z, f, 1, fringe ? FRINGE : NOLL);
     if (t.count == 0) return NULL;
     if (f->parm[9] != 0 || f->parm[10] != 0)
         tree_fail(z->s, f->parm_line, "PARM", "surface %zu: Zernike terms beside the vertex are not read",
@@ -338,7 +396,7 @@ static node *zernike_of(zmx *z, const zmx_surface *f, bool fringe)
 /* PARM 0: whether Zernike terms go on beyond their radius, as they do here. */
 static void write_zernike(zmx *z, const zmx_surface *f, node *map)
 {
-    node *const terms[] = {zernike_of(z, f, f->type->name[0] == 'F')};
+    node *const terms[] = {sgt_zmx_zernike(z, f, f->type->name[0] == 'F')};
     if (terms[0] && f->parm[0] == 0)
         tree_remark(z->s, SGT_REMARK_TURNED, f->line, f->type->name,
                     "Zernike terms that go on beyond their radius; in OpticStudio they end there");
@@ -366,7 +424,7 @@ static void write_grid(zmx *z, const zmx_surface *f, node *map)
     tree_set(z->s, grid, "sag", rows);
     tree_remark(z->s, SGT_REMARK_TURNED, g->line, "GDAT",
                 "a bicubic surface through its heights; the slopes that the file gives are not used");
-    node *const terms[] = {grid, zernike_of(z, f, false)};
+    node *const terms[] = {grid, sgt_zmx_zernike(z, f, false)};
     write_together(z, f, map, terms, 2);
 }
 
@@ -392,10 +450,27 @@ static void write_ideal(zmx *z, const zmx_surface *f, node *map)
     sgt_zmx_set_number(z, map, "focal_length", line, f->parm[1]);
 }
 
+/* Powers, and no focal lengths. */
+static void write_two_powers(zmx *z, const zmx_surface *f, node *map)
+{
+    const double power = f->parm[2];
+    if (f->parm[1] != power)
+        tree_fail(
+            z->s, f->parm_line, "PARM",
+            "surface %zu: a PARAX_XY of two powers, %g in x and %g in y, is not read; with one power it is",
+            sgt_zmx_number_of(z, f), f->parm[1], power);
+    if (power == 0) {
+        sgt_zmx_set_word(z, map, "type", f->line, "plane");
+        return;
+    }
+    sgt_zmx_set_word(z, map, "type", f->line, "ideal");
+    sgt_zmx_set_number(z, map, "focal_length", f->parm_line, 1 / power);
+}
+
 static const zmx_type types[] = {
-    {"STANDARD", .round = true, .write = write_standard},
-    {"EVENASPH", .parms = 8, .round = true, .powers = true, .write = write_asphere},
-    {"ODDASPHE", .parms = 8, .round = true, .powers = true, .write = write_asphere},
+    {"STANDARD", .round = true, .write = sgt_zmx_write_standard},
+    {"EVENASPH", .parms = 8, .round = true, .powers = true, .write = sgt_zmx_write_asphere},
+    {"ODDASPHE", .parms = 8, .round = true, .powers = true, .write = sgt_zmx_write_asphere},
     {"XASPHERE", .round = true, .extras = true, .write = write_extended},
     {"XODDASPH", .round = true, .extras = true, .write = write_extended},
     {"TOROIDAL", .parms = 8, .round = true, .extras = true, .write = write_toroidal},
@@ -409,10 +484,32 @@ static const zmx_type types[] = {
      .write = write_grid},
     {"TILTSURF", .parms = 2, .aslant = true, .write = write_tilted},
     {"PARAXIAL", .parms = 2, .write = write_ideal}, /* PARM 2: how paths are counted, not where rays go */
+    {"PARAX_XY", .parms = 2, .write = write_two_powers},
     {"COORDBRK", .parms = 6},
 };
 
-const zmx_type *sgt_zmx_type(piece name)
+/* Types that cannot be read, and those that begin so. */
+static const struct { const char *name, *why; } refused[] = {
+    {"CHEBYSHE", "the order in which its coefficients are stored is not published"},
+    {"FRESNELS", "its facets bend light by another slope than that of the surface it is met on"},
+    {"NONSEQCO", "light meets its objects in no order that the file says"},
+    {"JONESMAT", "polarisation is not traced"},
+    {"GRIN", "light goes in curves behind it (a gradient of the index)"},
+    {"BIRE", "the medium behind it has two indices"},
+    {"USERSURF", "its shape is in another file, a program"},
+};
+
+const char *sgt_zmx_refused(piece name)
+{
+    const size_t length = (size_t)(name.end - name.begin);
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        const size_t own = strlen(refused[i].name);
+        if (length >= own && memcmp(name.begin, refused[i].name, own) == 0) return refused[i].why;
+    }
+    return NULL;
+}
+
+const zmx_type *sgt_zmx_shape(piece name)
 {
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
         if (sgt_reader_is(name, types[i].name)) return &types[i];

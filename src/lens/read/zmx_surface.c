@@ -33,10 +33,11 @@ static void read_surf(zmx *z)
 static void read_type(zmx *z)
 {
     piece name = sgt_zmx_needed(z);
+    const char *why = sgt_zmx_refused(name);
     current(z)->type = sgt_zmx_type(name);
     if (!current(z)->type)
-        tree_fail(z->s, z->lines.line, "TYPE", "surface %zu is of the type %.*s, which is not read",
-                  z->count - 1, sgt_reader_width(name), name.begin);
+        tree_fail(z->s, z->lines.line, "TYPE", "surface %zu is of the type %.*s, which is not read%s%s",
+                  z->count - 1, sgt_reader_width(name), name.begin, why ? ": " : "", why ? why : "");
     if (z->count == 1 && !sgt_reader_is(name, "STANDARD") && !sgt_reader_is(name, "TILTSURF"))
         tree_fail(z->s, z->lines.line, "TYPE",
                   "surface 0, the object, is of the type %.*s, which is not read", sgt_reader_width(name),

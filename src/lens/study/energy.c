@@ -142,7 +142,7 @@ static bool count_all(energy *e, const sgt_pupil *points, bool centroid, bool co
     a->counts = false;
     p.before = true; /* the point, and the radii */
     p.size = sizeof(middle_sum), p.block = middle_of_block, p.merge = sgt_spots_merge_middles;
-    p.end = keep_middle;
+    p.exact = true, p.end = keep_middle;
     if (centroid && !sgt_ask_pass(&p)) return false;
     p.merge = NULL, p.end = NULL;
     energy_points(e, centroid);

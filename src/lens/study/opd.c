@@ -210,6 +210,7 @@ static bool front_sums(sgt_asking *a, opds *w, const sgt_pupil *points, bool cou
     a->counts = counts;
     if (!counts || a->study->rms_alone) p.wanted = OPD_OF_END; /* coarse: for its rms alone */
     p.size = sizeof(summed), p.block = front_block, p.merge = front_merge, p.end = front_end;
+    p.exact = true;
     return !a->failed && sgt_ask_pass(&p);
 }
 

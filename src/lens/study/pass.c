@@ -364,7 +364,7 @@ static bool grow_tree(passing *now)
 {
     const pass *p = now->p;
     const size_t apart = sgt_tree_apart(p->size);
-    now->tree = (sum_tree){.size = p->size, .apart = apart, .merge = p->merge, .data = p};
+    now->tree = (sum_tree){.size = p->size, .apart = apart, .exact = p->exact, .merge = p->merge, .data = p};
     now->tree.most = sgt_tree_most(now->blocks);
     now->tree.branch = sgt_ask_room(p->ask, now->tree.most, sizeof *now->tree.branch);
     now->tree.sums = sgt_ask_room(p->ask, now->tree.most, apart);

@@ -330,7 +330,7 @@ static spot_sums sums_of(const spots *w, const sgt_pupil *points, bool counts)
     if (counts && !a->study->rms_alone) p.wanted |= END_POINT_ERROR; /* coarse: for its rms alone */
     a->counts = false;
     p.size = sizeof(middle_sum), p.block = middle_block, p.merge = sgt_spots_merge_middles;
-    p.end = middle_end, p.before = true;
+    p.exact = true, p.end = middle_end, p.before = true;
     if (w->centroid && !sgt_ask_pass(&p)) return s;
     p.before = false;
     a->counts = counts;

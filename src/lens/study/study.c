@@ -125,6 +125,7 @@ void sgt_fates_count(sgt_fates *f, const sgt_ray_end *end)
     else if (end->fate == SGT_MISSED) f->missed++;
     else if (end->fate == SGT_CLIPPED) f->clipped++;
     else if (end->fate == SGT_TIR) f->tir++;
+    else if (end->fate == SGT_EVANESCENT) f->evanescent++;
     else f->lost++;
 }
 
@@ -134,11 +135,12 @@ void sgt_fates_add(sgt_fates *f, const sgt_fates *more)
     f->rays += more->rays, f->passed += more->passed, f->missed += more->missed;
     f->clipped += more->clipped, f->tir += more->tir, f->lost += more->lost, f->none += more->none;
     f->unfound += more->unfound, f->folded += more->folded, f->proven += more->proven;
+    f->evanescent += more->evanescent;
 }
 
 sgt_fate_counts sgt_fates_row(const sgt_fates *f)
 {
-    return (sgt_fate_counts){f->missed, f->clipped, f->tir, f->lost, f->none, f->proven};
+    return (sgt_fate_counts){f->missed, f->clipped, f->tir, f->lost, f->none, f->proven, f->evanescent};
 }
 
 /* --------------------------------------------------------------------- rounds */

@@ -125,8 +125,9 @@ static inline bool sgt_ask_shards(const sgt_asking *a)
  *
  *     place   which beam and which elements: in any thread; false: failed, with a fault in *fault
  *     block   in any thread: what is made of the rays of a block, in `sum`, `size` bytes, zeroed
- *     merge   NULL, or adds one such sum to another.  Then sums are merged in a tree of the blocks' numbers,
- *             and `end` gets that of the cell; `take` gets the first `shown` blocks of each cell
+ *     merge   NULL, or adds one such sum to another.  Then sums are merged in a tree of the blocks' numbers
+ *             (`exact`: in any order), and `end` gets that of the cell; `take` gets the first `shown` blocks
+ *             of each cell
  *     take    in order: of each block, with what `block` made
  *     end     in order: a cell is done, with the fates of its rays */
 typedef struct cell {
@@ -144,6 +145,7 @@ typedef struct pass {
     bool takes_ends;            /* they are kept for `take`, which else gets NULL */
     bool before;                /* later passes depend on it */
     bool alone;                 /* only what came before tells whether it is needed: who joins traces it */
+    bool exact;                 /* `merge` does not round */
     size_t shown;
     void *data;
     bool (*place)(const struct pass *p, size_t i, cell *out, sgt_error *fault);
@@ -180,7 +182,7 @@ int  sgt_fate_of(const sgt_ray_end *end);
     {.name = "py", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, 0, offsetof(row, y), 0, "in radii of it"}
 #define COLUMN_OF_FATE(row)                                                                                  \
     {.name = "fate", SGT_COLUMN_FATE, SGT_UNIT_NONE, 0, offsetof(row, fate), 0,                              \
-     "passed; missed, clipped, tir, lost; none: proven, no such ray"}
+     "passed; missed, clipped, tir, evanescent, lost; none: proven, no such ray"}
 #define COLUMN_FATES(row)                                                                                    \
     {.name = "missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.missed), 0,   \
      "what became of"},                                                                                      \
@@ -188,6 +190,8 @@ int  sgt_fate_of(const sgt_ray_end *end);
      "the other rays"},                                                                                      \
     {.name = "tir", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.tir), 0,         \
      "totally reflected"},                                                                                   \
+    {.name = "evanescent", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL,                               \
+     offsetof(row, fates.evanescent), 0, "the order of a phase does not exist for them"},                    \
     {.name = "lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.lost), 0,       \
      "it could not be decided"},                                                                             \
     {.name = "none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, offsetof(row, fates.none), 0,       \

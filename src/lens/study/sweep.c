@@ -69,7 +69,8 @@ static void sweep_end(const pass *p, size_t i, const sgt_fates *f, void *sum)
     const sgt_sweep_row row = {
         .at = sweep_field(w, i % w->steps).y, .wavelength = p->ask->band[i / w->steps].at.um, .rays = f->rays,
         .passed = f->passed, .missed = f->missed, .clipped = f->clipped, .tir = f->tir, .lost = f->lost,
-        .none = f->none, .evals = *evals / (double)f->rays, .proven = f->proven};
+        .none = f->none, .evals = *evals / (double)f->rays, .proven = f->proven,
+        .evanescent = f->evanescent};
     sgt_ask_row(p->ask, &row);
 }
 
@@ -97,6 +98,7 @@ static bool ask_sweep(sgt_asking *a)
                     .size = sizeof(double),
                     .block = sweep_block,
                     .merge = sweep_merge,
+                    .exact = true, /* whole numbers */
                     .end = sweep_end};
     return sgt_ask_pass(&p);
 }
@@ -111,6 +113,8 @@ static const sgt_column sweep_columns[] = {
     {.name = "missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(missed), 0, ""},
     {.name = "clipped", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(clipped), 0, ""},
     {.name = "tir", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(tir), 0, "totally reflected"},
+    {.name = "evanescent", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, SWEEP_AT(evanescent), 0,
+     "the order of a phase does not exist for them"},
     {.name = "lost", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(lost), 0, "it could not be decided"},
     {.name = "none", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SWEEP_AT(none), 0,
      "proven: the rims in front of the stop let no such ray through.  A ray that aiming did not find, "

@@ -13,6 +13,10 @@ static void merge_last(sum_tree *t)
 
 void sgt_tree_put(sum_tree *t, sum_branch at, const void *sum)
 {
+    if (t->exact && t->branches) {
+        t->merge(t->data, sgt_tree_sum(t, 0), sum);
+        return;
+    }
     memcpy(sgt_tree_sum(t, t->branches), sum, t->size);
     t->branch[t->branches++] = at;
     while (t->branches > 1) {

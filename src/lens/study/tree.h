@@ -5,7 +5,9 @@
  * are.  So whoever has the blocks from first to last has some whole branches of the tree, log2 of the blocks
  * at most up and as many down; branches that are put together make the same tree, and sums that round come
  * out with the same bits.  What is left when all blocks are there (their number need not be a power of two)
- * is merged from the last branch to the first. */
+ * is merged from the last branch to the first.
+ *
+ * Sums that do not round (`exact`) need no tree: all that is there is one branch. */
 #ifndef SGT_STUDY_TREE_H
 #define SGT_STUDY_TREE_H
 #include <stdbool.h>
@@ -17,6 +19,7 @@ typedef struct sum_branch { uint64_t level, number; } sum_branch;
 
 typedef struct sum_tree {
     size_t size, apart;         /* bytes of a sum, and from one to the next */
+    bool exact;                 /* the order of merges has no part in a bit */
     void (*merge)(const void *data, void *into, const void *more);
     const void *data;
     size_t branches, most;

@@ -48,6 +48,15 @@ static void say_missed(saying *to, const sgt_element *e, const sgt_arrival *a)
                 sgt_written(hypot(at_vertex.x, at_vertex.y), 4).text);
 }
 
+static void say_evanescent(saying *to, const sgt_element *e, const sgt_arrival *a)
+{
+    sgt_hit hit = {.p = a->p};
+    e->surface.ops->value(e->surface.self, a->p, &hit.n);
+    const sgt_phased p = sgt_phase_at(e, a->index, a->direction, &hit);
+    sgt_say(to, "evanescent: its phase asks for %s along the surface, and the index is %s there",
+            sgt_written(p.along, 6).text, sgt_written(p.limit, 6).text);
+}
+
 size_t sgt_why_ended(const sgt_element *e, sgt_fate fate, const sgt_arrival *a, size_t size, char text[])
 {
     saying to = {.size = size, .text = text};
@@ -60,8 +69,8 @@ size_t sgt_why_ended(const sgt_element *e, sgt_fate fate, const sgt_arrival *a, 
                 sgt_written(sgt_incidence(e, a), 4).text, sgt_written(sgt_critical_angle(a), 4).text);
         break;
     case SGT_MISSED: say_missed(&to, e, a); break;
+    case SGT_EVANESCENT: say_evanescent(&to, e, a); break;
     case SGT_PASSED:
-    case SGT_EVANESCENT:
     case SGT_LOST: break;
     }
     return to.length;

@@ -389,7 +389,8 @@ static const launch *missing_ray(const diagnose_arguments *a, const job *j)
 static void explain_nearest(table *t, const job *j, const sgt_launched *l)
 {
     static const char *const stops[] = {[SGT_PASSED] = "passes", [SGT_CLIPPED] = "is clipped at",
-                                        [SGT_TIR] = "is totally reflected at", [SGT_MISSED] = "misses"};
+                                        [SGT_TIR] = "is totally reflected at",
+                                        [SGT_EVANESCENT] = "is evanescent at", [SGT_MISSED] = "misses"};
     const sgt_attempt *n = &l->nearest;
     const size_t element = n->element + 1;
     const char *what = n->fate < 0 ? "is undecided at" : stops[n->fate];

@@ -12,6 +12,8 @@
 #include "../base/memory.h"
 #include "../show/frame.h"
 
+#include <sagitta/study.h>
+
 #include <math.h>
 
 /* "Element 2 (sphere, stop, rear of the field lens)" */
@@ -38,6 +40,19 @@ static void explain_tir(table *t, const failed *f)
     double critical = sgt_critical_angle(&f->come);
     table_line(t, "That is %.4g degrees beyond it.  The index is %.9g in front and %.9g behind.",
                sgt_incidence(&f->element[f->at], &f->come) - critical, f->come.index, f->come.behind);
+}
+
+static void explain_evanescent(table *t, const failed *f)
+{
+    const sgt_element *e = &f->element[f->at];
+    const double wave = f->lens->wavelength / sgt_lens_unit(f->lens->of);
+    sgt_hit hit = {.p = f->come.p};
+    e->surface.ops->value(e->surface.self, f->come.p, &hit.n);
+    const sgt_phased p = sgt_phase_at(e, f->come.index, f->come.direction, &hit);
+    const double low = ceil(p.per_wave.lo / wave) + 0, high = floor(p.per_wave.hi / wave);
+    if (low > high) table_line(t, "There is no order that passes.");
+    else if (isfinite(low) && isfinite(high))
+        table_line(t, "Of the orders, %g to %g pass; it is %g.", low, high, e->phase->per_wave / wave);
 }
 
 /* 0 for what is only the rounding of a length r. */
@@ -132,5 +147,6 @@ void failed_explain(table *t, const failed *f)
     table_line(t, "\n%s: %s%s", name, *why ? why : sgt_fate_text(f->fate), *why ? "." : "");
     if (f->fate == SGT_CLIPPED) explain_clipped(t, f);
     if (f->fate == SGT_TIR) explain_tir(t, f);
+    if (f->fate == SGT_EVANESCENT) explain_evanescent(t, f);
     if (f->fate == SGT_MISSED) explain_missed(t, f);
 }

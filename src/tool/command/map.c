@@ -42,14 +42,15 @@ static void check_map(look *l)
 /* What became of a ray as a number: the element where it ended, 0 if it passed; or its fate. */
 static size_t map_kind(const look *l, const sgt_map_row *row)
 {
-    enum { PASSED, MISSED, CLIPPED, TIR, LOST, NONE };
+    enum { PASSED, MISSED, CLIPPED, TIR, LOST, NONE, EVANESCENT };
     if (row->fate == SGT_NO_RAY) return map_of == MAP_FATE ? NONE : l->primary.count + 1;
     if (row->fate == SGT_PASSED) return PASSED;
     if (map_of == MAP_ELEMENT) return row->element;
     return row->fate == SGT_MISSED    ? MISSED
            : row->fate == SGT_CLIPPED ? CLIPPED
            : row->fate == SGT_TIR     ? TIR
-                                      : LOST;
+           : row->fate == SGT_EVANESCENT ? EVANESCENT
+                                         : LOST;
 }
 
 /* Names for those kinds that there are. */
@@ -58,7 +59,7 @@ typedef struct map_kinds { size_t count; const char **name; double *place; } map
 static map_kinds map_kinds_of(const look *l)
 {
     static const char *const fates[] = {"passed", "missed",     "clipped", "totally reflected",
-                                        "lost",   "no such ray"};
+                                        "lost",   "no such ray", "evanescent"};
     const lens *of = &l->primary;
     const bool fate = map_of == MAP_FATE;
     const size_t most = fate ? sizeof fates / sizeof *fates : of->count + 2;

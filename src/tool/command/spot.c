@@ -36,7 +36,8 @@ static sgt_fates spot_fates(const look *l, const sgt_spot_row *row)
 {
     const sgt_fate_counts *f = &row->fates;
     sgt_fates all = {.rays = row->rays, .passed = row->passed, .missed = f->missed, .clipped = f->clipped,
-                     .tir = f->tir, .lost = f->lost, .none = f->none, .proven = f->proven};
+                     .tir = f->tir, .lost = f->lost, .none = f->none, .proven = f->proven,
+                     .evanescent = f->evanescent};
     (void)l;
     return all;
 }

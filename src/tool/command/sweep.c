@@ -11,21 +11,22 @@
 #include <math.h>
 #include <string.h>
 
-enum { FATES = 6 };
+enum { FATES = 7 };
 
 /* In per cent. */
 static double sweep_share(const sgt_sweep_row *r, int which)
 {
-    const size_t each[FATES] = {r->passed, r->missed, r->clipped, r->tir, r->lost, r->none};
+    const size_t each[FATES] = {r->passed, r->missed, r->clipped, r->tir, r->lost, r->none,
+                                  r->evanescent};
     return 100 * (double)each[which] / (double)r->rays;
 }
 
 static chart_panel sweep_panel(const look *l, size_t band)
 {
     static const char *const names[FATES] = {"passed", "missed", "clipped", "totally reflected", "lost",
-                                             "no such ray"};
+                                             "no such ray", "evanescent"};
     static const chart_mark marks[FATES] = {CHART_NO_MARK, CHART_TRIANGLE, CHART_CROSS, CHART_RING,
-                                            CHART_SQUARE, CHART_DIAMOND};
+                                            CHART_SQUARE, CHART_DIAMOND, CHART_RING};
     const size_t steps = l->rows / l->bands;
     const sgt_sweep_row *first = look_row(l, band * steps), *last = first + steps - 1;
     chart_series *series = memory_take(FATES, sizeof *series);

@@ -95,7 +95,8 @@ static const char trace_all[] =
     "Columns\n"
     "  ray, element       the ray, counted from 0, field after field; the surface, counted from 1\n"
     "  fate               of the ray there: passed; missed; clipped by the clear aperture; tir: total\n"
-    "                     internal reflection; lost: it could not be decided\n"
+    "                     internal reflection; evanescent: the order of its phase does not exist for\n"
+    "                     this ray; lost: it could not be decided\n"
     "  status             of the search for the root: hit; graze: the ray touches, as far as can be\n"
     "                     told; miss; or why it is undecided: unproven, undefined, exhausted\n"
     "  x, y, z            the point (length), in the surface's own frame; see --frame\n"
@@ -149,13 +150,14 @@ static trace_arguments trace_arguments_of(const command *c, int argc, char *argv
 
 /* How many rays ended at an element, by fate. */
 typedef struct losses {
-    size_t clipped, tir, missed, lost[SGT_HIT - SGT_INVALID + 1]; /* lost: by status */
+    size_t clipped, tir, evanescent, missed, lost[SGT_HIT - SGT_INVALID + 1]; /* lost: by status */
 } losses;
 
 static void count_loss(losses *l, sgt_fate fate, sgt_status status)
 {
     if (fate == SGT_CLIPPED) l->clipped++;
     else if (fate == SGT_TIR) l->tir++;
+    else if (fate == SGT_EVANESCENT) l->evanescent++;
     else if (fate == SGT_MISSED) l->missed++;
     else l->lost[(status < 0 ? (int)status : 0) - SGT_INVALID]++;
 }
@@ -458,7 +460,7 @@ enum { DRAWN = 20000 }; /* so many rays of each wavelength are in the picture, t
 static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
 {
     sgt_fate fate = r->fate[i];
-    size_t met = (size_t)r->passed[i] + (fate == SGT_CLIPPED || fate == SGT_TIR);
+    size_t met = (size_t)r->passed[i] + (fate == SGT_CLIPPED || fate == SGT_TIR || fate == SGT_EVANESCENT);
     w->point[0] = l->ray.o;
     for (size_t k = 0; k < met; k++)
         w->point[k + 1] = frame_point_out(&w->at->element[k].pose, vector_at(r->passages[k].hits.p, i));
@@ -570,6 +572,7 @@ static void write_losses(table *t, const job *j, const losses loss[])
         const char *text = trace_also("", loss[i].missed, "missed it");
         text = trace_also(text, loss[i].clipped, "clipped");
         text = trace_also(text, loss[i].tir, "totally reflected");
+        text = trace_also(text, loss[i].evanescent, "evanescent");
         for (int s = 0; s >= SGT_INVALID; s--)
             if (loss[i].lost[s - SGT_INVALID])
                 text = trace_also(text, loss[i].lost[s - SGT_INVALID],

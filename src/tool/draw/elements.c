@@ -12,7 +12,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double ARROW_LENGTH = 7, ARROW_WIDTH = 4, HATCH_STEP = 5, HATCH_LENGTH = 5, STOP_TICK = 13;
+static const double ARROW_LENGTH = 7, ARROW_WIDTH = 4, HATCH_STEP = 5, HATCH_LENGTH = 5, GROOVE_LENGTH = 3,
+                    STOP_TICK = 13;
 static const double dashes[] = {3, 3};
 
 /* -------------------------------------------------------------------- glass */
@@ -132,8 +133,9 @@ void elements_fill(const page *p)
 
 /* ----------------------------------------------------------------- surfaces */
 
-/* Strokes behind a mirror, along a piece of its section. */
-static void hatch(const page *p, const outline *o, const outline_piece *at)
+/* Strokes along a piece of a section, each from it by `ahead` along z and by `back` along the section. */
+static void strokes_along(const page *p, const outline *o, const outline_piece *at, double ahead_by,
+                          double back_by)
 {
     const page_dot ahead = page_along(p, o->ahead);
     double rest = HATCH_STEP / 2;
@@ -141,11 +143,11 @@ static void hatch(const page *p, const outline *o, const outline_piece *at)
         page_dot a = page_at(p, at->at[k - 1]), b = page_at(p, at->at[k]);
         double length = hypot(b.x - a.x, b.y - a.y), done = rest;
         for (; done < length; done += HATCH_STEP) {
-            double u = done / length, along = HATCH_LENGTH / length;
+            double u = done / length, along = back_by / length;
             double x = a.x + u * (b.x - a.x), y = a.y + u * (b.y - a.y);
             cairo_move_to(p->cr, x, y);
-            cairo_line_to(p->cr, x + HATCH_LENGTH * o->back * ahead.x - along * (b.x - a.x),
-                          y + HATCH_LENGTH * o->back * ahead.y - along * (b.y - a.y));
+            cairo_line_to(p->cr, x + ahead_by * ahead.x - along * (b.x - a.x),
+                          y + ahead_by * ahead.y - along * (b.y - a.y));
         }
         rest = done - length;
     }
@@ -190,7 +192,10 @@ static void pieces_stroke(const page *p, const outline *o)
         if (at->kind == PIECE_BLOCKED) continue;
         if (at->kind == PIECE_SURFACE && o->stop && o->dummy && !space) continue; /* a hole, and no surface */
         bool fine = at->kind == PIECE_FINE;
-        if (o->mirror && !space && !fine) hatch(p, o, at);
+        if (o->mirror && !space && !fine) /* behind it, aslant */
+            strokes_along(p, o, at, HATCH_LENGTH * o->back, HATCH_LENGTH);
+        if (o->phase && !space && !fine) /* across it, on the side of the light: as grooves */
+            strokes_along(p, o, at, -GROOVE_LENGTH * o->back, 0);
         page_line(p, at->at, at->count);
         if (o->dummy) cairo_set_dash(p->cr, dashes, 2, 0);
         if (o->dummy || fine)

@@ -35,7 +35,7 @@ void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y)
     if (fate == SGT_CLIPPED) {
         cairo_move_to(cr, x - r, y - r), cairo_line_to(cr, x + r, y + r);
         cairo_move_to(cr, x - r, y + r), cairo_line_to(cr, x + r, y - r);
-    } else if (fate == SGT_TIR) {
+    } else if (fate == SGT_TIR || fate == SGT_EVANESCENT) {
         cairo_arc(cr, x, y, r, 0, 8 * atan(1.0));
     } else if (fate == SGT_LOST) {
         cairo_rectangle(cr, x - 0.75 * r, y - 0.75 * r, 1.5 * r, 1.5 * r);
@@ -108,10 +108,11 @@ static void fate_entries(flow *f, const scene *s)
     } fates[] = {
         {SGT_CLIPPED, "clipped"},
         {SGT_TIR, "totally reflected"},
+        {SGT_EVANESCENT, "evanescent"},
         {SGT_MISSED, "missed"},
         {SGT_LOST, "lost"},
     };
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 5; k++) {
         size_t n = 0;
         for (size_t i = 0; i < s->paths; i++) n += s->path[i].fate == fates[k].fate;
         if (n == 0) continue;

@@ -205,7 +205,8 @@ outline outline_of(const job *j, const view_axes *v, size_t i, const sgt_footpri
     outline o = {
         .ahead = frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1}), .mirror = mirror,
         .stop = l->of->stop_marked && l->of->stop == i, .back = back,
-        .lens = e->phase ? copysign(1, e->phase->focal_length) : 0,
+        .lens = e->phase && e->phase->kind == SGT_IDEAL_LENS ? copysign(1, e->phase->focal_length) : 0,
+        .phase = e->phase && e->phase->kind != SGT_IDEAL_LENS,
         .dummy = !mirror && !e->phase && l->index[i] == before && i + 1 < l->count,
     };
     for (int k = 0; k < OUTLINE_POINTS; k++) o.at[k] = e->pose.origin;

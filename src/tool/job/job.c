@@ -11,6 +11,10 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Of random rays: as many as a double counts (their weight is 1 / N).  Sobol's numbers have 32 bits, and
+ * begin again after 3.37e9 points.  The others are rows of points or nets, which nobody wants longer. */
+#define RANDOM_MOST (long)(LONG_MAX < INT64_C(1000000000000000) ? LONG_MAX : INT64_C(1000000000000000))
+#define SOBOL_MOST (long)(LONG_MAX < INT64_C(3000000000) ? LONG_MAX : INT64_C(3000000000))
 enum { RAYS_MOST = 1000000000, SIDE_MOST = 30000, FAN_DEFAULT = 5 };
 
 static const double NANOMETRES = 100; /* um: light so long is rarer than a slip of the unit */
@@ -182,9 +186,9 @@ static const option_row pattern_rows[] = {
     POINTS("grid", SGT_PATTERN_GRID, SIDE_MOST,
            "a square grid of N x N rays over the pupil, without those outside its circle"),
     POINTS("hexapolar", SGT_PATTERN_HEXAPOLAR, SIDE_MOST, "the centre, and N rings of 6, 12, 18 ... rays"),
-    POINTS("random", SGT_PATTERN_RANDOM, RAYS_MOST, "N random rays, uniform over the area"),
+    POINTS("random", SGT_PATTERN_RANDOM, RANDOM_MOST, "N random rays, uniform over the area"),
     {"seed", "S", "other random rays (default 1)", OPTION_TAKE, .take = take_seed},
-    POINTS("sobol", SGT_PATTERN_SOBOL, RAYS_MOST, "N rays that fill the area evenly"),
+    POINTS("sobol", SGT_PATTERN_SOBOL, SOBOL_MOST, "N rays that fill the area evenly"),
     POINTS("cells", SGT_PATTERN_CELLS, SIDE_MOST,
            "the centres of the cells of a square of N x N, those in the circle"),
     POINTS("cross", SGT_PATTERN_CROSS, RAYS_MOST, "N rays across in y, and N in x"),

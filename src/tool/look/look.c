@@ -547,6 +547,7 @@ static void add_fates(sgt_fates *sum, const sgt_fates *f)
 {
     sum->rays += f->rays, sum->passed += f->passed, sum->missed += f->missed, sum->clipped += f->clipped;
     sum->tir += f->tir, sum->lost += f->lost, sum->none += f->none, sum->proven += f->proven;
+    sum->evanescent += f->evanescent;
 }
 
 /* The study at each value of the number, each of a copy of the lens. */

@@ -10,9 +10,15 @@
 
 const char *look_fates_line(const look *l, const sgt_fates *f)
 {
-    const struct { size_t n; const char *word; } each[] = {
-        {f->passed, "passed"}, {f->missed, "missed a surface"}, {f->clipped, "clipped"},
-        {f->tir, "totally reflected"}, {f->lost, "lost"}, {f->none, "not there, as is proven"},
+    const struct { size_t n; const char *word;
+    } each[] = {
+        {f->passed, "passed"},
+        {f->missed, "missed a surface"},
+        {f->clipped, "clipped"},
+        {f->tir, "totally reflected"},
+        {f->evanescent, "evanescent"},
+        {f->lost, "lost"},
+        {f->none, "not there, as is proven"},
     };
     char text[400];
     int n = snprintf(text, sizeof text, "%zu ray%s:", f->rays, f->rays == 1 ? "" : "s");

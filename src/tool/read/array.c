@@ -145,13 +145,17 @@ static void check_length(const array *a, size_t have)
         fail_input("%s: %zu bytes behind the last row", a->path, have - a->rows * a->row_size);
 }
 
-/* Parts of a run are of the same rays: by the length of the file, and by what stands at both its ends. */
-static void note_ends(const input *in)
+/* Parts of a run are of the same rays: by the length of the file, and by its bytes.  Of one that is longer
+ * than WHOLE, by SOME bytes in each of PLACES, evenly spread from its beginning to its end: a shard reads no
+ * more than its rows. */
+static void note_rays(const input *in)
 {
-    enum { END = 1 << 12 };
-    const size_t some = in->length < END ? in->length : END;
+    enum { WHOLE = 1 << 20, PLACES = 64, SOME = 1 << 12 };
     input_note(&in->length, sizeof in->length);
-    input_note(in->text, some), input_note(in->text + in->length - some, some);
+    if (in->length <= WHOLE) input_note(in->text, in->length);
+    else
+        for (size_t i = 0, rest = in->length - SOME, last = PLACES - 1; i < PLACES; i++)
+            input_note(in->text + rest / last * i + rest % last * i / last, SOME);
 }
 
 array array_open(const char *path)
@@ -173,7 +177,7 @@ array array_open(const char *path)
                .left = memory_take(1, sizeof(size_t))};
     read_dictionary(&a, memory_text(in.text + start, length));
     check_length(&a, in.length - start - length);
-    note_ends(&in);
+    note_rays(&in);
     return a;
 }
 
