@@ -7,7 +7,7 @@
 #              NIGHT_SCALE; SAGITTA_TEST_SEED chooses other cases: the day of the year, unless it is set)
 #   rest       what a plain `meson test` leaves out: the suite `nightly` (random lenses against mpmath, the ways of a
 #              search, the costs of a render, the library as a subproject and found by CMake, the wheel, Python under
-#              valgrind, interval.h by each compiler, flags of fast arithmetic, breaks of the saved interface that are
+#              valgrind, sagitta-mpi, twenty times a rank killed, interval.h by each compiler, flags of fast arithmetic, breaks of the saved interface that are
 #              planted, a later version of it)
 #   tapes      random formulas against Arb, their operations and rays to them, each for NIGHT_TAPE_SECONDS (600)
 #   cliffs     the search for ordinary input that costs many times the usual (bench/cliff_search.cpp), for

@@ -15,6 +15,7 @@ sh .ci/install gcc g++ libc6-dev meson pkg-config python3 \
     libyaml-dev libcairo2-dev libcmocka-dev \
     libceres-dev libeigen3-dev libgoogle-glog-dev libmpfr-dev libflint-arb-dev \
     libgeographiclib-dev proj-data \
+    libopenmpi-dev openmpi-bin \
     git mypy universal-ctags python3-dask python3-distributed python3-matplotlib python3-mesonpy python3-pandas python3-pip \
     python3-pytest python3-scipy python3-venv python3-xarray \
     libbenchmark-dev libboost-dev libgsl-dev \

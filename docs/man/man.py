@@ -5,6 +5,7 @@
     python3 man.py command SAGITTA NAME OUT    sagitta(1), or sagitta-NAME(1): `sagitta NAME --help all`
     python3 man.py header FILE OUT             a page of section 3: a public header, its functions under NAME
     python3 man.py file FILE.md OUT            sagitta-lens(5): a page of docs, by lowdown
+    python3 man.py page FILE.in OUT            a page that is there: its version and its day
 
 Of the environment SAGITTA_VERSION stands in the footer, and the day of SOURCE_DATE_EPOCH; today, if it is not set.
 """
@@ -125,6 +126,9 @@ def main(what, *words):
     if what == 'command':
         program, name = words
         lines = of_all(program) if name == 'sagitta' else of_command(program, name)
+    elif what == 'page':
+        version = os.environ.get('SAGITTA_VERSION', '')
+        lines = [pathlib.Path(words[0]).read_text().replace('@DATE@', date()).replace('@VERSION@', version)]
     elif what == 'header':
         lines = of_header(pathlib.Path(words[0]))
     else:

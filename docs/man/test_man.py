@@ -48,6 +48,7 @@ with tempfile.TemporaryDirectory() as folder:
         faults += [f'{page.name} has no {f}' for f in there if f' {f} ' not in above]
     if functions < 150 or len(headers) < 15:
         faults.append(f'only {functions} functions in {len(headers)} headers')
+    man.main('page', tree / 'docs' / 'man' / 'sagitta-mpi.1.in', pages / 'sagitta-mpi.1')
     if shutil.which('lowdown'):
         man.main('file', tree / 'docs' / 'lens_file.md', pages / 'sagitta-lens.5')
     if shutil.which('mandoc'):

@@ -45,6 +45,12 @@ typedef struct sgt_wavelength { size_t number; double um; } sgt_wavelength;
  *             0: what all `of` shares wrote is asked for by `read`, share by share from
  *             its beginning on, and the answer is that of one run, to the bit
  *     write, read  false: it failed, and so does the study
+ *     next    NULL.  Or several programs share a study at the same time: in each pass
+ *             of it, `next` is asked for the number of a share that no other program
+ *             has, from 1 to its `of`, and `write` gets what that share makes.  It
+ *             returns 0 when all shares of the pass are written, by whomever.  `number`
+ *             0 then reads them, and is told rows; any other one reads only what later
+ *             passes depend on.  Each of them has `write` and `read`
  *
  * Study, analysis and options have to be the same each time, and so have the members of
  * the sink that are not NULL.  What is written is made for the same version of the
@@ -54,7 +60,8 @@ typedef struct sgt_shard {
     void  *context;
     bool (*write)(void *context, size_t size, const void *bytes);
     bool (*read)(void *context, size_t number, size_t size, void *bytes);
-    unsigned long long reserved_[2];
+    size_t (*next)(void *context, size_t of);
+    unsigned long long reserved_[1];
 } sgt_shard;
 
 /* Zeros are the defaults. */

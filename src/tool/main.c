@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 /* main.c - which subcommand? */
 #include "command/commands.h"
+#include "base/ranks.h"
+#include "base/shard.h"
+#include "job/options.h"
 #include "look/look.h"
 
 #include <sagitta/sagitta.h>
 
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -35,6 +39,14 @@ bool command_named(const char *name, command *c)
     for (size_t i = 0; command_at(i, c); i++)
         if (strcmp(name, c->name) == 0) return true;
     return false;
+}
+
+/* Can its rays be divided among machines? */
+static bool is_divided(const command *c)
+{
+    for (size_t i = 0; i < COMMAND_GROUPS && c->group[i]; i++)
+        if (c->group[i] == &options_shards) return true;
+    return sgt_analysis_named(c->name) || c->run == command_sweep.run;
 }
 
 static void print_main_help(FILE *to)
@@ -70,6 +82,14 @@ static void hold_standard_files(void)
 #endif
 }
 
+/* A limit of the size of files is an error, as a full disk is, and ends the command as that does. */
+static void outlive_limits(void)
+{
+#ifdef SIGXFSZ
+    signal(SIGXFSZ, SIG_IGN);
+#endif
+}
+
 /* A library that is loaded before the command may have been linked with -Ofast. */
 static void require_arithmetic(void)
 {
@@ -84,15 +104,21 @@ static void require_arithmetic(void)
 int main(int argc, char *argv[])
 {
     hold_standard_files();
+    outlive_limits();
+    ranks_begin(&argc, &argv);
     require_arithmetic();
     const char *name = argc > 1 ? argv[1] : "";
     command c;
-    if (command_named(name, &c)) {
+    const bool known = command_named(name, &c);
+    if (!known || !is_divided(&c)) ranks_alone();
+    if (known) {
         char full[40]; /* in messages of getopt */
         snprintf(full, sizeof full, "sagitta %s", name);
         argv[1] = full;
         fail_name(c.name);
-        return (int)c.run(&c, argc - 1, argv + 1);
+        const exit_status status = c.run(&c, argc - 1, argv + 1);
+        shard_clear();
+        return (int)status;
     }
     if (strcmp(name, "--version") == 0) command_version();
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {

@@ -6,11 +6,14 @@
  * into 1 to 7 threads, of which the one that asks works, or only waits.  All that the sink is given has to be
  * the same bytes, and to come from the thread that asks.
  *
- * Each question is also asked in 1, 3 or 7 shards, whose bytes are kept in memory, and joined of these.
+ * Each question is also asked in 1, 3 or 7 shards, whose bytes are kept in memory, and joined of these; and
+ * by three programs, here threads, that take shares as they become free.
  *
  * Of the fourteen ways with threads every third is tried of a question, other ones of the next: each analysis
  * meets all of them.  With SAGITTA_TEST_SCALE=1 or more each question is asked in each way, below 0.1 every
  * second question in one. */
+#define _POSIX_C_SOURCE 200809L /* pthread_barrier_t */
+
 #include <sagitta/study.h>
 
 #include <pthread.h>
@@ -182,6 +185,99 @@ static told ask_in_shards(const sgt_lens *lens, const sgt_analysis *of, sgt_stud
     return joined;
 }
 
+/* Several programs, here threads, which take shares of each pass as they become free (sgt_shard.next). */
+enum { PROGRAMS = 3, FREE_SHARES = 16, PASSES = 16 };
+typedef struct pool {
+    kept_shards pass[PASSES][FREE_SHARES / SHARDS + 1];
+    size_t given[PASSES];
+    pthread_mutex_t lock;
+    pthread_barrier_t all;
+} pool;
+typedef struct program {
+    pool *of;
+    size_t pass, own, read[FREE_SHARES]; /* own: the share that is written; read: how much of each */
+    sgt_shard shard;
+    const sgt_lens *lens;
+    const sgt_analysis *analysis;
+    sgt_study_options how;
+    told told;
+} program;
+
+/* What is kept of a share, from 1, of a pass. */
+static kept_shards *share_of(pool *p, size_t pass, size_t number)
+{
+    kept_shards *k = &p->pass[pass][(number - 1) / SHARDS];
+    k->now = (number - 1) % SHARDS;
+    return k;
+}
+
+static bool write_own(void *context, size_t size, const void *bytes)
+{
+    program *p = context;
+    pthread_mutex_lock(&p->of->lock);
+    write_shard(share_of(p->of, p->pass, p->own), size, bytes);
+    pthread_mutex_unlock(&p->of->lock);
+    return true;
+}
+
+static bool read_any(void *context, size_t number, size_t size, void *bytes)
+{
+    program *p = context;
+    pthread_mutex_lock(&p->of->lock);
+    const kept_shards *k = share_of(p->of, p->pass - 1, number);
+    const bool fine = k->size[k->now] - p->read[number - 1] >= size;
+    if (fine) memcpy(bytes, k->bytes[k->now] + p->read[number - 1], size);
+    p->read[number - 1] += size;
+    pthread_mutex_unlock(&p->of->lock);
+    return fine;
+}
+
+static size_t next_share(void *context, size_t of)
+{
+    program *p = context;
+    pthread_mutex_lock(&p->of->lock);
+    p->own = ++p->of->given[p->pass];
+    pthread_mutex_unlock(&p->of->lock);
+    if (p->own <= of) return p->own;
+    pthread_barrier_wait(&p->of->all);
+    memset(p->read, 0, sizeof p->read);
+    if (++p->pass == PASSES) exit(2);
+    return 0;
+}
+
+static void *run_program(void *data)
+{
+    program *p = data;
+    p->shard = (sgt_shard){.number = p->shard.number, .of = FREE_SHARES, .context = p, .write = write_own,
+                           .read = read_any, .next = next_share};
+    p->how.shard = &p->shard;
+    way w = {.threads = 1 + (int)p->shard.number};
+    p->told = ask(p->lens, p->analysis, p->how, &w);
+    return NULL;
+}
+
+static told ask_programs(const sgt_lens *lens, const sgt_analysis *of, sgt_study_options how)
+{
+    static pool all;
+    program one[PROGRAMS];
+    pthread_t thread[PROGRAMS];
+    memset(&all, 0, sizeof all);
+    pthread_mutex_init(&all.lock, NULL), pthread_barrier_init(&all.all, NULL, PROGRAMS);
+    for (size_t i = 0; i < PROGRAMS; i++) {
+        one[i] = (program){.of = &all, .shard = {.number = i}, .lens = lens, .analysis = of, .how = how};
+        if (pthread_create(&thread[i], NULL, run_program, &one[i]) != 0) exit(2);
+    }
+    for (size_t i = 0; i < PROGRAMS; i++) pthread_join(thread[i], NULL);
+    for (size_t i = 1; i < PROGRAMS; i++) {
+        if (one[i].told.rows) printf("%s: program %zu tells rows\n", of->name, i), exit(1);
+        free(one[i].told.bytes);
+    }
+    for (size_t pass = 0; pass < PASSES; pass++)
+        for (size_t k = 1; k <= FREE_SHARES; k++) free(share_of(&all, pass, k)->bytes[(k - 1) % SHARDS]);
+    pthread_barrier_destroy(&all.all), pthread_mutex_destroy(&all.lock);
+    return one[0].told;
+}
+
 static size_t compare(const char *name, const sgt_lens *lens, const sgt_analysis *of,
                       const sgt_study_options *how, int nth)
 {
@@ -205,6 +301,10 @@ static size_t compare(const char *name, const sgt_lens *lens, const sgt_analysis
     told joined = ask_in_shards(lens, of, *how, shards);
     if (joined.size != first.size || memcmp(joined.bytes, first.bytes, first.size) != 0)
         printf("%s %s: other bytes, %zu shards\n", name, of->name, shards), faults++;
+    free(joined.bytes);
+    joined = ask_programs(lens, of, *how);
+    if (joined.size != first.size || memcmp(joined.bytes, first.bytes, first.size) != 0)
+        printf("%s %s: other bytes, by %d programs\n", name, of->name, PROGRAMS), faults++;
     free(joined.bytes);
     if (!first.rows && !how->across) printf("%s %s: no rows\n", name, of->name);
     free(first.bytes);

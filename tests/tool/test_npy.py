@@ -486,7 +486,7 @@ def test_progress():
     quiet, told = run(*command), run(*command, '--progress')
     equal(quiet.stderr, '')
     equal(quiet.stdout, told.stdout)
-    assert re.fullmatch(r'sagitta: \d+ rays, \d+\.\d s\n', told.stderr), told.stderr
+    assert re.fullmatch(r'sagitta: \d+ rays, \d+\.\d s, \S+ rays a second\n', told.stderr), told.stderr
     assert '\x1b' not in told.stderr
 
 

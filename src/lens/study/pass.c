@@ -10,7 +10,8 @@
  * SHARES (sgt_shard).  Of each pass a share works on a run of its tasks, and writes what `take` would get: of
  * a pass that merges only the branches of each cell, so that it does not grow with the rays.  Who joins reads
  * these in place of tracing, in the same order; all that follows is what it is in one run.  What later passes
- * depend on (`before`) every share computes whole, and the first one writes it.
+ * depend on (`before`) every share computes whole, and the first one writes it.  Programs that take shares as
+ * they become free (`next`) divide that, too, and each of them joins it.
  *
  * AIMED RAYS of a cell of 256 rays or more begin at a map of the pupil (optics/aim_map.c).  It is made before
  * the first round that has a block of the cell, and kept until the last.  That of a beam of the study is kept
@@ -39,6 +40,7 @@ typedef struct passing {
     const pass *p;
     size_t blocks, tasks, slot; /* of a cell; of all cells; bytes of a slot */
     size_t end;                 /* of the tasks that are worked on here */
+    size_t shares;              /* 0: the study is not divided */
     bool tells, writes;         /* what is taken is told; is written for who joins */
     sgt_fates fates;            /* of the cell so far, and where its first lost ray was */
     double lost_x, lost_y;
@@ -72,17 +74,30 @@ static void room_given_back(passing *now, sgt_ends_room *room)
 static size_t sum_at(void) { return (sizeof(block_of_rays) + 63) / 64 * 64; }
 static size_t ends_at(const pass *p) { return sum_at() + (p->size + p->spare + 63) / 64 * 64; }
 
+/* The bytes of a slot behind sum_at() that a block uses. */
+static size_t used_of(const passing *now, size_t nth)
+{
+    const pass *p = now->p;
+    const size_t left = p->points->count - nth * PUPIL_PART;
+    if (!p->takes_ends) return p->size;
+    return ends_at(p) - sum_at() + (left < PUPIL_PART ? left : PUPIL_PART) * sizeof(sgt_ray_end);
+}
+
+/* Does `take` get this block of a cell? */
+static bool is_taken(const pass *p, size_t nth) { return p->take && (!p->merge || nth < p->shown); }
+
 static bool work_block(void *data, size_t i, void *slot)
 {
     passing *now = data;
     const pass *p = now->p;
-    const size_t of = i / now->blocks, first = i % now->blocks * PUPIL_PART;
+    const size_t of = i / now->blocks, nth = i % now->blocks, first = nth * PUPIL_PART;
     const size_t left = p->points->count - first;
     block_of_rays *b = slot;
     void *sum = (char *)slot + sum_at();
     sgt_pupil_point at[PUPIL_PART];
     cell c = {.beam = NULL};
-    if (now->writes) memset(slot, 0, now->slot); /* what is written has no bytes that nothing set */
+    if (now->writes && (!p->merge || is_taken(p, nth)))
+        memset(slot, 0, sum_at() + used_of(now, nth)); /* what is written has no bytes that nothing set */
     b->count = left < PUPIL_PART ? left : PUPIL_PART;
     b->fates = (sgt_fates){.rays = 0};
     memset(sum, 0, p->size);
@@ -127,9 +142,10 @@ typedef struct task_range { size_t first, end; } task_range;
 
 static task_range range_of(const passing *now, size_t k)
 {
-    const size_t of = now->p->ask->study->opt.shard->of;
-    if (now->p->before) return (task_range){k == 1 ? 0 : now->tasks, now->tasks};
-    return (task_range){sgt_shard_begin(now->tasks, k, of), sgt_shard_begin(now->tasks, k + 1, of)};
+    const bool whole = now->p->before && !now->p->ask->study->opt.shard->next;
+    if (whole) return (task_range){k == 1 ? 0 : now->tasks, now->tasks};
+    return (task_range){sgt_shard_begin(now->tasks, k, now->shares),
+                        sgt_shard_begin(now->tasks, k + 1, now->shares)};
 }
 
 /* Counts the fates of rays of a cell, the first lost of which was sent through x, y. */
@@ -143,15 +159,6 @@ static void count_fates(passing *now, size_t of, const sgt_fates *more, double x
     }
     if (a->counts) sgt_fates_add(&a->total.fates, more);
     sgt_fates_add(&now->fates, more);
-}
-
-/* The bytes of a slot behind sum_at() that a block uses. */
-static size_t used_of(const passing *now, size_t nth)
-{
-    const pass *p = now->p;
-    const size_t left = p->points->count - nth * PUPIL_PART;
-    if (!p->takes_ends) return p->size;
-    return ends_at(p) - sum_at() + (left < PUPIL_PART ? left : PUPIL_PART) * sizeof(sgt_ray_end);
 }
 
 /* A slot, without what is of no use. */
@@ -168,9 +175,6 @@ static bool read_slot(const passing *now, size_t k, size_t nth, void *slot)
     return sgt_shard_get(a, k, offsetof(block_of_rays, fault), slot) &&
            sgt_shard_get(a, k, used_of(now, nth), (char *)slot + sum_at());
 }
-
-/* Does `take` get this block of a cell? */
-static bool is_taken(const pass *p, size_t nth) { return p->take && (!p->merge || nth < p->shown); }
 
 static void tell_block(const passing *now, size_t i, const void *slot)
 {
@@ -302,14 +306,43 @@ static bool read_cell(passing *now, size_t of, size_t k)
     return true;
 }
 
+static sgt_shard_of_pass head_of(const passing *now)
+{
+    return (sgt_shard_of_pass){now->p->cells, now->blocks, now->slot};
+}
+
+/* Works on the tasks of share k, and writes what they make. */
+static bool work_share(passing *now, const rounds *whole, size_t k)
+{
+    const task_range own = range_of(now, k);
+    rounds r = *whole;
+    now->writes = own.first < own.end;
+    if (!now->tells) r.first = own.first, r.tasks = own.end - own.first, now->end = own.end;
+    return sgt_shard_head(now->p->ask, 0, head_of(now)) && sgt_ask_rounds(now->p->ask, &r);
+}
+
+/* Works on those shares that no other program has, until all are written; they are counted when they are
+ * joined. */
+static bool work_free_shares(passing *now, const rounds *r)
+{
+    sgt_asking *a = now->p->ask;
+    const sgt_shard *s = a->study->opt.shard;
+    const bool counts = a->counts;
+    a->counts = false;
+    for (size_t k; !a->failed && (k = s->next(s->context, now->shares)) != 0;) work_share(now, r, k);
+    a->counts = counts;
+    return !a->failed;
+}
+
 /* What the shares wrote, in the order of the tasks, in place of tracing. */
 static bool join_pass(passing *now, char *slot)
 {
     const pass *p = now->p;
     sgt_asking *a = p->ask;
-    const size_t of = a->study->opt.shard->of;
-    for (size_t k = 1, i = 0; k <= of; k++) {
+    now->tells = true, now->writes = false, now->end = now->tasks;
+    for (size_t k = 1, i = 0; k <= now->shares; k++) {
         const task_range r = range_of(now, k);
+        if (!sgt_shard_head(a, k, head_of(now))) return false;
         for (; i < r.end; i++) {
             const size_t c = i / now->blocks, nth = i % now->blocks;
             const bool last = nth + 1 == now->blocks;
@@ -348,18 +381,13 @@ bool sgt_ask_pass(const pass *p)
     now.tasks = now.end = p->cells * now.blocks;
     now.slot = ends_at(p) + (p->takes_ends ? PUPIL_PART * sizeof(sgt_ray_end) : 0);
     rounds r = {.tasks = now.tasks, .data = &now, .work = work_block, .take = take_block, .size = now.slot};
-    now.tells = !shard || !shard->number || p->before;
+    const bool joins = shard && (!shard->number || (shard->next && p->before));
+    char *slot = joins ? sgt_ask_room(a, 1, now.slot) : NULL;
+    now.shares = shard ? sgt_shard_shares(a, now.tasks) : 0;
+    now.tells = !shard || (p->before && !shard->next);
+    if (joins && !slot) return false;
     if (p->merge && !grow_tree(&now)) return false;
-    if (shard && !sgt_shard_head(a, (sgt_shard_of_pass){p->cells, now.blocks, now.slot})) return false;
-    if (shard && !shard->number) {
-        char *slot = sgt_ask_room(a, 1, now.slot);
-        return slot && join_pass(&now, slot);
-    }
-    if (shard) {
-        const task_range own = range_of(&now, shard->number);
-        now.writes = own.first < own.end;
-        if (!p->before) r.first = own.first, r.tasks = own.end - own.first, now.end = own.end;
-    }
+    if (joins && !shard->next) return join_pass(&now, slot);
     if (a->from->aim != SGT_LENS_AIM_PUPIL && p->points->count >= WORTH) {
         now.map = sgt_ask_room(a, ROUND_MOST / now.blocks + 2, sizeof *now.map);
         now.nodes = sgt_ask_room(a, 1, sizeof *now.nodes);
@@ -368,7 +396,9 @@ bool sgt_ask_pass(const pass *p)
         sgt_aim_nodes_set(now.nodes);
         r.prepare = prepare_maps;
     }
-    const bool fine = sgt_ask_rounds(a, &r);
+    const bool fine = !shard        ? sgt_ask_rounds(a, &r)
+                      : shard->next ? work_free_shares(&now, &r)
+                                    : work_share(&now, &r, shard->number);
     for (size_t i = 0; i < ROOMS; i++) sgt_ends_room_free(a->from, atomic_load(&now.room[i]));
-    return fine;
+    return fine && (!joins || join_pass(&now, slot));
 }

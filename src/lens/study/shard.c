@@ -28,17 +28,19 @@ size_t sgt_shard_begin(size_t tasks, size_t k, size_t of)
     return tasks / of * (k - 1) + tasks % of * (k - 1) / of;
 }
 
-bool sgt_shard_head(sgt_asking *a, sgt_shard_of_pass head)
+size_t sgt_shard_shares(const sgt_asking *a, size_t tasks)
 {
     const sgt_shard *s = a->study->opt.shard;
-    if (s->number) return sgt_shard_put(a, sizeof head, &head);
-    for (size_t k = 1; k <= s->of; k++) {
-        sgt_shard_of_pass other;
-        if (!sgt_shard_get(a, k, sizeof other, &other)) return false;
-        if (other.cells != head.cells || other.blocks != head.blocks || other.size != head.size)
-            return sgt_shard_wrong(a, k);
-    }
-    return true;
+    return s->next && tasks < s->of ? tasks : s->of;
+}
+
+bool sgt_shard_head(sgt_asking *a, size_t k, sgt_shard_of_pass head)
+{
+    sgt_shard_of_pass other;
+    if (!k) return sgt_shard_put(a, sizeof head, &head);
+    if (!sgt_shard_get(a, k, sizeof other, &other)) return false;
+    const bool same = other.cells == head.cells && other.blocks == head.blocks && other.size == head.size;
+    return same || sgt_shard_wrong(a, k);
 }
 
 /* Of one share: its tasks, whose slots are shard_written where they would be taken. */
@@ -58,24 +60,31 @@ static void write_task(void *data, size_t i, void *slot)
     sgt_shard_put(w->ask, w->of->size, slot);
 }
 
+static bool work_rounds(sgt_asking *a, const rounds *r, size_t k, size_t of)
+{
+    shard_written w = {a, r};
+    const size_t first = sgt_shard_begin(r->tasks, k, of);
+    const rounds own = {.first = first, .tasks = sgt_shard_begin(r->tasks, k + 1, of) - first,
+                        .size = r->size, .data = &w, .work = work_shared, .take = write_task};
+    return sgt_shard_head(a, 0, (sgt_shard_of_pass){r->tasks, 1, r->size}) && sgt_ask_rounds(a, &own);
+}
+
 bool sgt_shard_rounds(sgt_asking *a, const rounds *r)
 {
     const sgt_shard *s = a->study->opt.shard;
     if (!s) return sgt_ask_rounds(a, r);
-    if (!sgt_shard_head(a, (sgt_shard_of_pass){r->tasks, 1, r->size})) return false;
-    if (s->number) {
-        shard_written w = {a, r};
-        const size_t first = sgt_shard_begin(r->tasks, s->number, s->of);
-        const rounds own = {.first = first, .tasks = sgt_shard_begin(r->tasks, s->number + 1, s->of) - first,
-                            .size = r->size, .data = &w, .work = work_shared, .take = write_task};
-        return sgt_ask_rounds(a, &own);
-    }
+    const size_t of = sgt_shard_shares(a, r->tasks);
+    for (size_t k; s->next && (k = s->next(s->context, of)) != 0;)
+        if (!work_rounds(a, r, k, of)) return false;
+    if (s->number) return s->next || work_rounds(a, r, s->number, of);
     void *slot = sgt_ask_room(a, 1, r->size);
-    for (size_t k = 1, i = 0; k <= s->of && slot; k++)
-        for (; i < sgt_shard_begin(r->tasks, k + 1, s->of); i++) {
+    for (size_t k = 1, i = 0; k <= of && slot; k++) {
+        if (!sgt_shard_head(a, k, (sgt_shard_of_pass){r->tasks, 1, r->size})) return false;
+        for (; i < sgt_shard_begin(r->tasks, k + 1, of); i++) {
             if (!sgt_shard_get(a, k, r->size, slot)) return false;
             r->take(r->data, i, slot);
             if (a->failed) return false;
         }
+    }
     return slot;
 }

@@ -383,10 +383,13 @@ sgt_study *sgt_study_new(const sgt_lens *lens, const sgt_study_options *opt, sgt
     sgt_study *study = sgt_launch_take(from, 1, sizeof *study);
     if (study) *study = (sgt_study){.opt = *opt, .lens = lens, .from = from, .um = sgt_lens_unit(lens)};
     const sgt_shard *shard = opt->shard;
+    const bool writes = shard && (shard->number || shard->next);
+    const bool reads = shard && (!shard->number || shard->next);
     if (!study) sgt_launch_memory(from, error);
     else if (shard && (shard->of < 1 || shard->number > shard->of ||
-                       !(shard->number ? shard->write != NULL : shard->read != NULL)))
-        sgt_launch_fail(from, error, "", "sgt_shard: number %zu of %zu; 1 to `of` needs write, 0 needs read",
+                       (writes && !shard->write) || (reads && !shard->read)))
+        sgt_launch_fail(from, error, "",
+                        "sgt_shard: number %zu of %zu; 1 to `of` needs write, 0 needs read, next needs both",
                         shard->number, shard->of);
     else if (PLAIN(from, opt, "sgt_study_options", error) &&
              (!opt->shard || PLAIN(from, opt->shard, "sgt_shard", error)))

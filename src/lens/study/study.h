@@ -100,12 +100,14 @@ typedef struct rounds {
 bool sgt_ask_rounds(sgt_asking *a, const rounds *r);
 enum { ROUND = 64, ROUND_MOST = 1024, ROUND_BYTES = 1 << 18 }; /* how many tasks go at once (study.c) */
 
-/* (shard.c) For a study of one share, or one that joins them.  What is said of pass after pass, so that who
- * joins notices parts that are not of this study; the first task of a share; bytes that are written, or read
- * of share k.  false: it failed, and has said so. */
+/* (shard.c) For a study of one share, or one that joins them.  How many shares a pass of so many tasks has,
+ * and the first task of a share; what is said at the beginning of each share of a pass, so that who joins
+ * notices parts that are not of this study: it is written (k of 0), or read of share k and compared; bytes
+ * that are written, or read of share k.  false: it failed, and has said so. */
 typedef struct sgt_shard_of_pass { uint64_t cells, blocks, size; } sgt_shard_of_pass;
-bool   sgt_shard_head(sgt_asking *a, sgt_shard_of_pass head);
+size_t sgt_shard_shares(const sgt_asking *a, size_t tasks);
 size_t sgt_shard_begin(size_t tasks, size_t k, size_t of);
+bool   sgt_shard_head(sgt_asking *a, size_t k, sgt_shard_of_pass head);
 bool   sgt_shard_put(sgt_asking *a, size_t size, const void *bytes);
 bool   sgt_shard_get(sgt_asking *a, size_t k, size_t size, void *bytes);
 bool   sgt_shard_wrong(sgt_asking *a, size_t k);
@@ -113,7 +115,7 @@ bool   sgt_shard_wrong(sgt_asking *a, size_t k);
 /* (shard.c) sgt_ask_rounds, of which a shard works on some tasks; who joins has their slots from it. */
 bool sgt_shard_rounds(sgt_asking *a, const rounds *r);
 
-/* Is this one share of several?  Then nothing is told. */
+/* Is this one of several programs or shares, and does not join them?  Then nothing is told. */
 static inline bool sgt_ask_shards(const sgt_asking *a)
 {
     return a->study->opt.shard && a->study->opt.shard->number;

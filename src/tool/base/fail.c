@@ -13,15 +13,25 @@
 
 static const char *running = "";
 static atomic_bool at_work; /* other threads */
-static void (*first)(void);
+enum { FIRST_MOST = 4 };
+static void (*first[FIRST_MOST])(void);
+static int firsts;
+static bool always(void) { return true; }
+static void end_at_once(int status) { (void)status; }
+static fail_speaker speaker = {"sagitta: ", always, always, end_at_once};
+
+void fail_as(const fail_speaker *s) { speaker = *s; }
 
 void fail_in_threads(bool now) { at_work = now; }
 
-void fail_first(void (*tidy)(void)) { first = tidy; }
+void fail_first(void (*tidy)(void))
+{
+    if (firsts < FIRST_MOST) first[firsts++] = tidy;
+}
 
 void fail_tidy(void)
 {
-    if (first) first();
+    for (int i = 0; i < firsts; i++) first[i]();
 }
 
 void fail_name(const char *command) { running = command; }
@@ -35,33 +45,42 @@ LIKE_PRINTF(2, 0) static void say_after(const char *prefix, const char *format, 
 
 LIKE_PRINTF(1, 0) static void say(const char *format, va_list values)
 {
-    say_after("sagitta: ", format, values);
+    say_after(speaker.who, format, values);
+}
+
+_Noreturn static void end(exit_status status)
+{
+    speaker.end((int)status);
+    if (at_work) fail_tidy();
+    if (at_work) _Exit((int)status);
+    exit((int)status);
+}
+
+_Noreturn static void hint(bool said)
+{
+    if (said) fprintf(stderr, "Try: sagitta%s%s --help\n", *running ? " " : "", running);
+    end(EXIT_USAGE);
 }
 
 void fail_usage(const char *format, ...)
 {
+    const bool speaks = speaker.fails();
     va_list values;
     va_start(values, format);
-    say(format, values);
+    if (speaks) say(format, values);
     va_end(values);
-    fail_hint();
+    hint(speaks);
 }
 
-void fail_hint(void)
-{
-    fprintf(stderr, "Try: sagitta%s%s --help\n", *running ? " " : "", running);
-    exit(EXIT_USAGE);
-}
+void fail_hint(void) { hint(speaker.fails()); }
 
 void fail_input(const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    say(format, values);
+    if (speaker.fails()) say(format, values);
     va_end(values);
-    if (at_work) fail_tidy();
-    if (at_work) _Exit(EXIT_BAD_INPUT);
-    exit(EXIT_BAD_INPUT);
+    end(EXIT_BAD_INPUT);
 }
 
 void print_and_end(const char *format, ...)
@@ -78,7 +97,7 @@ void note(const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    say(format, values);
+    if (speaker.notes()) say(format, values);
     va_end(values);
 }
 
@@ -86,6 +105,6 @@ void remark(const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    say_after("", format, values);
+    if (speaker.notes()) say_after("", format, values);
     va_end(values);
 }

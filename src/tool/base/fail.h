@@ -20,6 +20,15 @@ void fail_name(const char *command);
 _Noreturn void fail_usage(const char *format, ...) LIKE_PRINTF(1, 2);
 _Noreturn void fail_input(const char *format, ...) LIKE_PRINTF(1, 2);
 
+/* For one of several ranks (ranks.h): what its messages begin with; whether it says why it fails, and whether
+ * it prints notes; and what is done before it ends with a status.  It is copied. */
+typedef struct fail_speaker {
+    const char *who;
+    bool (*fails)(void), (*notes)(void);
+    void (*end)(int status);
+} fail_speaker;
+void fail_as(const fail_speaker *speaker);
+
 /* Set while several threads work: an error then ends the command without giving back what they use. */
 void fail_in_threads(bool now);
 

@@ -6,6 +6,7 @@
 #include "digest.h"
 #include "fail.h"
 #include "memory.h"
+#include "ranks.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -46,6 +47,7 @@ void output_check(const char *option, const char *path)
 void output_reserve(const char *option, const char *path)
 {
     output_check(option, path);
+    path = output_name(path);
     FILE *file = fopen(path, "ab");
     if (!file) fail_input("--%s %s: %s", option, path, strerror(errno));
     char name[40];
@@ -54,13 +56,52 @@ void output_reserve(const char *option, const char *path)
     fclose(file);
 }
 
+/* Those that are not yet whole. */
+static const char **unfinished;
+static size_t unfinished_count, unfinished_room;
+
+static void remove_outputs(void)
+{
+    for (size_t i = 0; i < unfinished_count; i++)
+        if (unfinished[i]) remove(unfinished[i]);
+}
+
+void output_stays(const char *name)
+{
+    for (size_t i = 0; i < unfinished_count; i++)
+        if (unfinished[i] == name) unfinished[i] = NULL;
+}
+
+const char *output_name(const char *path)
+{
+    struct stat is;
+    if (!ranks_are() || (lstat(path, &is) == 0 && !S_ISREG(is.st_mode))) return path;
+    const char *name = memory_print("%s.unfinished", path);
+    for (size_t i = 0; i < unfinished_count; i++)
+        if (unfinished[i] && strcmp(unfinished[i], name) == 0) return unfinished[i];
+    if (!unfinished_count) atexit(remove_outputs), fail_first(remove_outputs);
+    unfinished = memory_room(unfinished, unfinished_count, &unfinished_room, sizeof *unfinished);
+    return unfinished[unfinished_count++] = name;
+}
+
+void output_whole(const char *option, const char *name, const char *path)
+{
+    output_stays(name);
+    if (name == path || rename(name, path) == 0) return;
+    const char *why = strerror(errno);
+    remove(name);
+    fail_input("--%s %s: could not be written: %s", option, path, why);
+}
+
 void output_fill(const char *option, const char *path, const char *text, size_t length)
 {
-    FILE *file = path ? fopen(path, "wb") : stdout;
+    const char *name = path ? output_name(path) : NULL;
+    FILE *file = path ? fopen(name, "wb") : stdout;
     if (!file) fail_input("--%s %s: %s", option, path, strerror(errno));
     fwrite(text, 1, length, file);
     bool fine = fflush(file) == 0 && !ferror(file);
     if (path && fclose(file) != 0) fine = false;
+    if (fine && path) output_whole(option, name, path);
     if (fine) return;
     if (path) fail_input("--%s %s: could not be written", option, path);
     fail_input("standard output: could not be written");
@@ -152,6 +193,16 @@ input input_map(const char *path, bool *mapped)
     return in;
 }
 
+void input_unmap(const char *text)
+{
+    for (size_t i = 0; i < used_count && text; i++) {
+        if (used[i].text != text) continue;
+        munmap((char *)(uintptr_t)text, (size_t)used[i].is.st_size);
+        used[i] = used[--used_count];
+        return;
+    }
+}
+
 void input_leave(const void *from, size_t length)
 {
 #ifdef MADV_DONTNEED
@@ -169,6 +220,7 @@ input input_read(const char *path)
     bool standard = strcmp(path, "-") == 0;
     if (standard) remember(stdin, in.name);
     const char *fault = standard ? read_all(stdin, &in) : input_try(path, &in);
+    if (standard) ranks_tell_text(&in.text, &in.length);
     if (standard) input_note(in.text, in.length);
     if (fault) fail_input("%s: %s", in.name, fault);
     return in;

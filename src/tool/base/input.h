@@ -30,6 +30,9 @@ void input_check(void);
 void     input_note(const void *bytes, size_t size);
 uint64_t input_digest(void);
 
+/* The same file, of which nothing is read any more. */
+void input_unmap(const char *text);
+
 /* Gives memory of a mapped file back until it is read again; pages that are only in part here stay. */
 void input_leave(const void *from, size_t length);
 
@@ -38,6 +41,13 @@ void output_check(const char *option, const char *path);
 
 /* The same, and reserves it; an error if it cannot be opened.  Its content is kept until it is written. */
 void output_reserve(const char *option, const char *path);
+
+/* Where a file is written that is to be at the path when it is whole: in a run of ranks beside it, under a
+ * name that output_whole changes, and that is gone if the command fails.  In other runs, and if something at
+ * the path is no plain file, it is the path. */
+const char *output_name(const char *path);
+void output_stays(const char *name); /* even if the command fails: another run may go on with it */
+void output_whole(const char *option, const char *name, const char *path); /* a fault ends the command */
 
 /* Writes a text to the file of --output (NULL: standard output).  If it cannot be written the command
  * ends. */

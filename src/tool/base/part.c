@@ -19,7 +19,6 @@
 
 #include <errno.h>
 #include <sagitta/sagitta.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,8 +32,10 @@ enum { WORD = 8, HEAD = 5 * WORD, TAIL = 3 * WORD };
 /* ------------------------------------------------------------------------- writing */
 
 static struct {
-    const char *path, *unfinished;
+    const char *path;
+    char *unfinished;
     FILE *file;
+    bool brief;
     uint64_t sum, records;
 } writing;
 
@@ -84,15 +85,18 @@ static void require_plain(const char *path)
         fail_input("--output %s: no plain file, and a part would take its place; give another name", path);
 }
 
-void part_begin(const char *path, const part_of_run *of)
+void part_begin(const char *path, const part_of_run *of, bool brief)
 {
+    static bool registered;
     require_plain(path);
+    memory_drop(writing.unfinished);
     writing.path = path, writing.unfinished = memory_print("%s.%ld.unfinished", path, (long)getpid());
-    signal(SIGXFSZ, SIG_IGN); /* a limit of the size of files is then an error as a full disk is */
+    writing.brief = brief, writing.sum = 0;
     writing.file = fopen(writing.unfinished, "wb");
     if (!writing.file) fail_input("--output %s: %s", path, strerror(errno));
     setvbuf(writing.file, NULL, _IOFBF, 1 << 16);
-    atexit(remove_unfinished), fail_first(unlink_unfinished);
+    if (!registered) atexit(remove_unfinished), fail_first(unlink_unfinished);
+    registered = true;
     file_words(MARK, WORD), file_word(ORDER), file_word(of->number), file_word(of->of), file_word(of->digest);
     part_put(sgt_version(), strlen(sgt_version()) + 1), part_put(of->arguments, of->length);
     writing.records = 0;
@@ -103,7 +107,8 @@ void part_end(void)
     file_word(LAST), file_word(writing.records);
     const uint64_t sum = writing.sum;
     if (fwrite(&sum, WORD, 1, writing.file) != 1 || fflush(writing.file) != 0) fail_writing();
-    if (fsync(fileno(writing.file)) != 0 && errno != EINVAL && errno != ENOSYS) fail_writing();
+    const bool kept = writing.brief || fsync(fileno(writing.file)) == 0 || errno == EINVAL || errno == ENOSYS;
+    if (!kept) fail_writing();
     FILE *file = writing.file;
     writing.file = NULL;
     if (fclose(file) == 0 && rename(writing.unfinished, writing.path) == 0) return;
@@ -148,7 +153,7 @@ const char *part_read(const char *path, run_part *p)
 {
     bool mapped;
     const input in = input_map(path, &mapped);
-    *p = (run_part){.path = path};
+    *p = (run_part){.path = path, .file = in.text};
     if (in.length < WORD || memcmp(in.text, MARK, WORD) != 0) return "not a part of sagitta";
     if (in.length < HEAD + TAIL || in.length % WORD) return "cut off";
     p->end = in.text + in.length - TAIL;
@@ -169,6 +174,13 @@ const char *part_read(const char *path, run_part *p)
         return memory_print("of sagitta %.*s; this is %s", (int)length, version, sgt_version());
     if (!p->of.number || p->of.number > p->of.of) return "damaged";
     return read_records(p, at);
+}
+
+void part_leave(run_part *p)
+{
+    memory_drop(p->record);
+    input_unmap(p->file);
+    *p = (run_part){.path = NULL};
 }
 
 const void *part_record(const run_part *p, size_t i, size_t *size)

@@ -14,9 +14,9 @@ typedef struct part_of_run {
     size_t length;              /* bytes of the arguments */
 } part_of_run;
 
-/* Writes to a temporary file beside the path, which part_end renames.  A fault ends the command, with the
- * name, and leaves neither. */
-void part_begin(const char *path, const part_of_run *of);
+/* Writes to a temporary file beside the path, which part_end renames; brief: it need not outlast a failure of
+ * power.  A fault ends the command, with the name, and leaves neither. */
+void part_begin(const char *path, const part_of_run *of, bool brief);
 void part_put(const void *bytes, size_t size);
 void part_end(void);
 
@@ -24,7 +24,7 @@ void part_end(void);
 typedef struct run_part {
     const char *path;
     part_of_run of;
-    const char *bytes, *end;    /* its records */
+    const char *file, *bytes, *end; /* all of it; its records */
     size_t records;
     const char **record;        /* [records]: where each begins */
     size_t next;                /* for those that read one after another */
@@ -35,5 +35,8 @@ const char *part_read(const char *path, run_part *out);
 
 /* Its i-th record; NULL: there is none. */
 const void *part_record(const run_part *p, size_t i, size_t *size);
+
+/* Nothing of it is read any more. */
+void part_leave(run_part *p);
 
 #endif

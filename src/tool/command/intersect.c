@@ -131,7 +131,7 @@ static intersect_arguments intersect_arguments_of(const command *c, int argc, ch
     if (!a.file == !a.rays.count)
         fail_usage(a.file ? "give --rays or --ray, not both"
                           : "no rays; give --rays FILE or --ray \"ox oy oz dx dy dz\"");
-    options_shard(&a.shared);
+    options_shard(&a.shared, a.watched.path);
     if (shard_is() && a.watched.path) fail_usage("--watch: not with --shard; it is of one run");
     a.rays.threads = options_threads(&a.shared), a.rays.parts = true, a.rays.some = shard_is();
     if (a.file) rays_read(&a.rays, a.file, a.skip_bad);
@@ -173,6 +173,7 @@ typedef struct intersect_work {
     table *table;
     watch *watch;                              /* NULL: none */
     bool stretches;                            /* there are columns lo and hi */
+    bool prints;                               /* of ranks: each prints its own rows */
     size_t rays;
     tiling whole;                              /* of all shards together */
     findings found;
@@ -225,8 +226,8 @@ static void find_one_each(const intersect_work *w, intersect_room *r, keeping *k
     const sgt_hits hits = {.status = r->status, .evals = r->evals, .t = n[0], .t_err = n[1],
                            .p = {n[2], n[3], n[4]}, .n = {n[5], n[6], n[7]}};
     if (!shard_joins()) sgt_intersect_batch(w->surface, b->count, rays_columns(b), hits, opt);
-    if (shard_count()) record_each(keep, r);
-    if (shard_is()) return;
+    if (shard_count() && !w->prints) record_each(keep, r);
+    if (shard_is() && !w->prints) return;
     for (size_t i = 0; i < b->count; i++) {
         const sgt_status status = r->status[i];
         note_status(&r->found, status, b, i);
@@ -283,12 +284,12 @@ static void find_all(const intersect_work *w, intersect_room *r, keeping *keep)
         const int none = -1;
         int count = shard_joins() ? 0 : find_roots(w, r, &l);
         bool lost = false;
-        if (shard_count()) {
+        if (shard_count() && !w->prints) {
             RECORD(keep, &count, 1);
             room_for_hits(r, count);
             RECORD(keep, r->hit, (size_t)count);
         }
-        if (shard_is()) continue;
+        if (shard_is() && !w->prints) continue;
         for (int k = 0; k < count; k++) {
             sgt_hit *h = &r->hit[k];
             const double no = (double)NAN;
@@ -322,8 +323,13 @@ static void find(void *data, const tile *t)
         size_t size;
         keep.at = shard_tile(&w->whole, 0, t, &size), keep.end = keep.at + size;
     }
-    rays_part(&w->asked->rays, t->first, t->count, &r->rays);
-    (w->asked->all ? find_all : find_one_each)(w, r, &keep);
+    if (!w->prints || !shard_joins()) {
+        rays_part(&w->asked->rays, t->first, t->count, &r->rays);
+        (w->asked->all ? find_all : find_one_each)(w, r, &keep);
+    }
+    if (!w->prints) return;
+    RECORD(&keep, r->found.count, STATUS_COUNT);
+    if (!w->asked->shared.target.placed) record_rows(&keep, r->rows);
 }
 
 static void intersect_take(void *data, const tile *t)
@@ -331,8 +337,10 @@ static void intersect_take(void *data, const tile *t)
     intersect_work *w = data;
     intersect_room *r = &w->room[t->place];
     if (shard_is()) {
-        part_put(r->kept.at, r->kept.length);
+        shard_write(NULL, r->kept.length, r->kept.at);
+        if (w->asked->shared.target.placed) table_place(w->table, r->rows, t->first);
         r->kept.length = 0;
+        r->found = (findings){.shown = 0};
         progress_add(t->count);
         return;
     }
@@ -431,15 +439,19 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     a.shared.target.word_size = a.rays.longest_id;
     tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
     watch_tiling(&in, a.watched.path, &a.shared.solver);
-    w.whole = in, in = shard_tiling(in);
+    w.whole = in, in = shard_tiling(w.whole);
     shard_begin();
+    const bool array = a.rays.table != NULL;
+    w.prints = options_print(&a.shared, !array || !a.rays.named, !a.all && !(a.skip_bad && array),
+                             a.rays.count);
     size_t places = tiles_places(&in), undecided = 0;
     w.watch = watch_begin(&a.watched, a.shared.target.hexadecimal, places, 0);
     w.table = table_begin(&a.shared.target, intersect_columns_of(&w, columns), columns);
     w.room = memory_take(places, sizeof *w.room);
     for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
     progress_begin(in.rays, !a.shared.target.path, a.shared.progress);
-    tiles_run(&in, &w, find, intersect_take);
+    shard_run(&w.whole, &w, find, intersect_take);
+    table_placed(w.table);
     input_check();
     progress_end();
     shard_end();

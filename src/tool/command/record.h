@@ -4,6 +4,7 @@
 #define TOOL_RECORD_H
 #include "../base/bytes.h"
 #include "../base/fail.h"
+#include "../show/table.h"
 
 #include <stdbool.h>
 
@@ -23,5 +24,19 @@ static inline void record_bytes(keeping *r, void *array, size_t size)
 
 /* count things of an array. */
 #define RECORD(r, array, count) record_bytes(r, array, (count) * sizeof *(array))
+
+/* The rows of a part of a table, as they are printed; those that are put are not in the part any more. */
+static inline void record_rows(keeping *r, table *part)
+{
+    RECORD(r, table_rows(part), 1);
+    for (size_t i = 0; i < table_arrays(part); i++) {
+        bytes *b = table_printed(part, i);
+        RECORD(r, &b->length, 1);
+        const size_t length = b->length;
+        if (!r->put) b->length = 0, bytes_room(b, length), b->length = length;
+        record_bytes(r, b->at, length);
+    }
+    if (r->put) table_drop(part);
+}
 
 #endif

@@ -141,7 +141,7 @@ static trace_arguments trace_arguments_of(const command *c, int argc, char *argv
     command_read(c, &a, &a.job, &a.shared, argc, argv);
     a.job.lens = command_file(c, "lens file", argc, argv);
     pictures_check(&a.pictures);
-    options_shard(&a.shared);
+    options_shard(&a.shared, a.watched.path);
     if (shard_is() && a.watched.path) fail_usage("--watch: not with --shard; it is of one run");
     return a;
 }
@@ -204,6 +204,7 @@ typedef struct trace_work {
     const job_lens *at;             /* the lens at the wavelength that is being traced */
     bool launches;                 /* there are the columns of launch_head */
     bool stretches;                /* there are columns lo and hi */
+    bool prints;                   /* of ranks: each prints its own rows */
     tiling whole;                  /* of all shards together */
     size_t rays, passed, proven, undecided; /* how many rays; proven: passed and grazed no element */
     struct { launch ray; const job_lens *at; } lost[UNDECIDED_SHOWN];
@@ -373,16 +374,22 @@ static void every_row(const trace_work *w, trace_room *r)
     }
 }
 
-/* The rays that were launched for a tile: aimed ones take as long as tracing. */
-static void record_rays(keeping *to, ray_block *b)
+/* How many rays of a tile there are, and those that are not. */
+static void record_lost(keeping *to, ray_block *b)
 {
     RECORD(to, &b->count, 1), RECORD(to, &b->lost_count, 1), RECORD(to, &b->folded, 1);
-    for (int k = 0; k < 6; k++) RECORD(to, b->number[k], b->count);
-    RECORD(to, b->ray, b->count), RECORD(to, b->field, b->count);
-    RECORD(to, b->px, b->count), RECORD(to, b->py, b->count);
     if (b->lost_room < b->lost_count)
         b->lost_room = b->lost_count, b->lost = memory_grow(b->lost, b->lost_room, sizeof *b->lost);
     RECORD(to, b->lost, b->lost_count);
+}
+
+/* The rays that were launched for a tile: aimed ones take as long as tracing. */
+static void record_rays(keeping *to, ray_block *b)
+{
+    record_lost(to, b);
+    for (int k = 0; k < 6; k++) RECORD(to, b->number[k], b->count);
+    RECORD(to, b->ray, b->count), RECORD(to, b->field, b->count);
+    RECORD(to, b->px, b->count), RECORD(to, b->py, b->count);
 }
 
 static void record_passages(keeping *to, const sgt_passages *p, size_t count)
@@ -405,32 +412,43 @@ static void record_traced(keeping *to, const trace_work *w, trace_room *r)
 }
 
 /* The rays of a tile, traced: here, or by a shard. */
-static void trace_tile(const trace_work *w, trace_room *r, const tile *t)
+static void trace_tile(const trace_work *w, trace_room *r, const tile *t, keeping *keep)
 {
-    keeping keep = {.put = shard_is() ? &r->kept : NULL};
-    const bool made = w->at->plan.fields;
-    if (shard_joins()) {
-        size_t size;
-        keep.at = shard_tile(&w->whole, (size_t)(w->at - w->job->at), t, &size), keep.end = keep.at + size;
-    }
+    const bool made = w->at->plan.fields, keeps = shard_count() && !w->prints;
     if (!shard_joins() || !made) job_part(w->at, t->first, t->count, &r->rays);
-    if (shard_count() && made) record_rays(&keep, &r->rays);
+    if (keeps && made) record_rays(keep, &r->rays);
     sgt_traced out = {.fate = r->fate, .passed = r->passed};
     for (int k = 0; k < 3 && w->picture; k++) out.o[k] = r->end[k], out.d[k] = r->end[3 + k];
     if (w->every) need_passages(w, r);
     if (!shard_joins())
         trace_columns(w, r->rays.count, rays_columns(&r->rays), out, w->every ? r->passages : r->last);
-    if (shard_count()) record_traced(&keep, w, r);
+    if (keeps) record_traced(keep, w, r);
+}
+
+/* The rows of a tile that its rank has printed, and what is counted. */
+static void record_printed(keeping *to, const trace_work *w, trace_room *r)
+{
+    record_lost(to, &r->rays);
+    RECORD(to, r->fate, r->rays.count);
+    if (!w->asked->shared.target.placed) record_rows(to, r->table);
 }
 
 static void send(void *data, const tile *t)
 {
     const trace_work *w = data;
     trace_room *r = &w->room[t->place];
-    trace_tile(w, r, t);
-    if (shard_is()) return;
-    (w->every ? every_row : last_rows)(w, r);
-    put_rows(w, r);
+    keeping keep = {.put = shard_is() ? &r->kept : NULL};
+    if (shard_joins()) {
+        size_t size;
+        keep.at = shard_tile(&w->whole, (size_t)(w->at - w->job->at), t, &size), keep.end = keep.at + size;
+    }
+    if (!w->prints || !shard_joins()) {
+        trace_tile(w, r, t, &keep);
+        if (shard_is() && !w->prints) return;
+        (w->every ? every_row : last_rows)(w, r);
+        put_rows(w, r);
+    }
+    if (w->prints) record_printed(&keep, w, r);
     for (size_t i = 0; i < r->rays.count && w->watch; i++) {
         const launch l = rays_launch(&r->rays, i);
         watch_trace(w->watch, t->place, w->at, &l, &w->asked->shared.solver, r->fate[i] < 0);
@@ -495,7 +513,9 @@ static void trace_take(void *data, const tile *t)
     trace_room *r = &w->room[t->place];
     const ray_block *b = &r->rays;
     if (shard_is()) {
-        part_put(r->kept.at, r->kept.length);
+        shard_write(NULL, r->kept.length, r->kept.at);
+        if (w->asked->shared.target.placed)
+            table_place(w->table, r->table, (size_t)(w->at - w->job->at) * w->whole.rays + t->first);
         r->kept.length = 0;
         progress_add(t->count);
         return;
@@ -506,7 +526,7 @@ static void trace_take(void *data, const tile *t)
     w->rays += b->count;
     progress_add(t->count);
     for (size_t i = 0; i < b->count; i++) w->undecided += r->fate[i] < 0;
-    for (size_t i = 0; i < b->count && w->every; i++) {
+    for (size_t i = 0; i < b->count && w->every && !w->prints; i++) {
         int passed = r->passed[i];
         const launch one = rays_launch(b, i), *l = &one;
         if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
@@ -652,6 +672,14 @@ static size_t trace_columns_of(const trace_work *w, column to[COLUMNS_MOST])
     return n;
 }
 
+/* With --last: has each ray a row?  One that is aimed may not be there; a row of a file may be bad. */
+static bool rows_known(const trace_arguments *a, const job *j)
+{
+    const sgt_lens_aim *aim = job_aim(&a->job, j->lens.of);
+    if (!j->fields) return !(a->job.skip_bad && j->rays.table);
+    return (aim ? *aim : j->lens.of->aim) == SGT_LENS_AIM_PUPIL;
+}
+
 /* ------------------------------------------------------------------ trace */
 
 static exit_status trace_run(const command *c, int argc, char *argv[])
@@ -693,14 +721,18 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
                     .point = memory_take(count + 1, sizeof *w.point)};
     column columns[COLUMNS_MOST];
     a.shared.target.word_size = j.rays.longest_id;
+    shard_begin();
+    const bool same = !w.picture && !(j.rays.table && j.rays.named);
+    w.prints = options_print(&a.shared, same, a.last && rows_known(&a, &j), j.wavelengths * whole.rays);
+    w.alone = w.alone && !w.prints;
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) make_room(&w, &w.room[i], in.most);
-    shard_begin();
     progress_begin(j.wavelengths * in.rays, !a.shared.target.path, a.shared.progress);
     for (size_t k = 0; k < j.wavelengths; k++) {
         w.at = &j.at[k];
-        tiles_run(&in, &w, send, trace_take);
+        shard_run(&whole, &w, send, trace_take);
     }
+    table_placed(w.table);
     input_check();
     progress_end();
     shard_end();

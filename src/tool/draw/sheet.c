@@ -5,6 +5,7 @@
 #include "sheet.h"
 
 #include "../base/fail.h"
+#include "../base/input.h"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -54,7 +55,8 @@ static cairo_surface_t *surface_for(picture_kind kind, FILE *file, double width,
 void sheet_write(const char *path, picture_kind kind, double width, double height,
                  void (*draw)(cairo_t *cr, const void *what), const void *what)
 {
-    FILE *file = fopen(path, "wb");
+    const char *name = output_name(path);
+    FILE *file = fopen(name, "wb");
     if (!file) fail_input("%s: %s", path, strerror(errno));
     height = ceil(height);
     double scale = kind == PICTURE_PNG ? fmin(PIXELS, MOST_PIXELS / height) : 1;
@@ -73,4 +75,5 @@ void sheet_write(const char *path, picture_kind kind, double width, double heigh
     bool written = !ferror(file);
     if (fclose(file) != 0 || !written) fail_input("%s: cannot be written", path);
     if (status != CAIRO_STATUS_SUCCESS) fail_input("%s: %s", path, cairo_status_to_string(status));
+    output_whole("picture", name, path);
 }

@@ -3,6 +3,7 @@
 #include "options.h"
 
 #include "../base/memory.h"
+#include "../base/ranks.h"
 #include "../base/tiles.h"
 
 #include <limits.h>
@@ -82,15 +83,28 @@ static const option_row shard_rows[] = {
 };
 const option_group options_shards = {OPTIONS_SHARED, "For many machines", .row = shard_rows};
 
-void options_shard(shared_options *o)
+void options_shard(shared_options *o, bool alone)
 {
     size_t length;
-    if (o->shard.resume && !o->shard.of) fail_usage("--resume goes with --shard K/N");
-    if (!o->shard.of) return;
     const char *arguments = command_arguments(&length);
-    shard_be(&o->shard, o->target.path, memory_text(arguments, length), length);
-    o->target.path = "/dev/null"; /* what would be printed is of no use */
-    if (o->target.format == TABLE_NPY) o->target.format = TABLE_CSV;
+    arguments = memory_text(arguments, length);
+    if (o->shard.of && ranks_are()) fail_usage("--shard: not here; the ranks of sagitta-mpi share the work");
+    if (o->shard.resume && !o->shard.of && !ranks_are()) fail_usage("--resume goes with --shard K/N");
+    if (alone) ranks_alone();
+    else if (ranks_all() > 1 || (ranks_are() && o->shard.resume))
+        shard_be_rank(o->target.path, o->shard.resume, arguments, length);
+    if (o->shard.of) shard_be(&o->shard, o->target.path, arguments, length);
+    o->target.nowhere = shard_is();
+}
+
+bool options_print(shared_options *o, bool same, bool known, size_t rows)
+{
+    struct { size_t placed; bool prints; } say = {.prints = same && o->target.format != TABLE_TEXT};
+    if (!shard_ranks()) return false;
+    if (say.prints && known && o->target.format == TABLE_NPY) say.placed = rows;
+    ranks_tell(&say, sizeof say);
+    o->target.placed = say.placed;
+    return say.prints;
 }
 
 void options_note_unread(const shared_options *o, size_t count, const sgt_element element[])

@@ -25,8 +25,14 @@ extern const option_group options_solver;  /* --t-tol, --dt-min, --max-evals */
 extern const option_group options_in_threads;
 extern const option_group options_shards;  /* --shard, --resume */
 
-/* With --shard this run becomes that shard, and prints nothing. */
-void options_shard(shared_options *o);
+/* With --shard this run becomes that shard, and prints nothing; with several ranks it becomes one of them,
+ * and only rank 0 prints.  alone: what was asked for cannot be divided among ranks. */
+void options_shard(shared_options *o, bool alone);
+
+/* With several ranks: does each print its own rows?  It can, but for text, if all have the `same` columns.
+ * If it is `known` how many rows there will be, each writes those of npy where they belong: the target then
+ * has `placed`.  Rank 0 decides. */
+bool options_print(shared_options *o, bool same, bool known, size_t rows);
 
 /* Rows of OPTIONS_SHARED, with what they mean to a command. */
 #define PICK_OPTION(help)                                                                              \

@@ -4,6 +4,8 @@
 
 #include "../base/input.h"
 #include "../base/memory.h"
+#include "../base/progress.h"
+#include "../base/ranks.h"
 #include "../base/threads.h"
 #include "../base/tiles.h"
 
@@ -180,7 +182,7 @@ static void take_lens(look *l, const command *c, int argc, char *argv[])
         fail_usage("--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and sweep do",
                    c->name);
     if (!l->of->primary_alone && !o->wavelengths) o->all_wavelengths = true;
-    options_shard(&l->shared);
+    options_shard(&l->shared, l->shared.picture && l->of->part_of);
     l->picture = l->shared.picture;
     if (shard_is() && l->picture && l->of->part_of)
         fail_usage("--picture: it shows rays, which --shard has in no part of a sum; draw it by sagitta %s",
@@ -239,6 +241,7 @@ static void in_threads(void *context, size_t tasks, void (*task)(void *data, siz
         if (!__atomic_load_n(&leaving, __ATOMIC_SEQ_CST)) task(data, i);
         __atomic_sub_fetch(&at_work, 1, __ATOMIC_SEQ_CST);
     }
+    ranks_serve();
 }
 
 /* At exit, before what they read is freed: the others are waited for.  Who leaves may be at work himself, as
@@ -283,6 +286,7 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
         wavelength[i] = (sgt_wavelength){l->band[i].chosen, l->band[i].wavelength};
     *threads = options_threads(&l->shared);
     shared_out.number = shard_number(), shared_out.of = shard_count();
+    shared_out.next = shard_ranks() ? shard_next : NULL;
     /* (A picture may ask another analysis for the same points.) */
     const bool fixed = l->picture && l->of->part_of;
     return (sgt_study_options){
@@ -293,7 +297,7 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
         .pattern = points->rays || fixed ? &points->pattern : NULL,
         .rays = fixed && !points->rays ? l->of->rays : points->rays, .seed = points->seed,
         .points = points->count, .point = points->at, .equal_weights = l->shared.weights,
-        .run = *threads > 1 ? in_threads : NULL, .context = threads,
+        .run = *threads > 1 || shard_ranks() ? in_threads : NULL, .context = threads,
         .shard = shard_count() ? &shared_out : NULL};
 }
 
@@ -582,6 +586,7 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     job_points_asked points = {.count = 0};
     if (!l.of->no_rays) points = job_points_of(&l.job, l.of->pattern);
     if (way->check) way->check(&l);
+    if (shard_ranks()) progress_begin(0, !l.shared.target.path, l.shared.progress);
     if (l.over) {
         run_over(&l, &points, &p, &sink, &threads);
     } else {
@@ -599,6 +604,7 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     }
     shard_end();
     if (shard_is()) return EXIT_DECIDED;
+    if (shard_ranks()) progress_rays(l.total.fates.rays), progress_end();
     for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
     look_verdict(&l);
     table_end(l.table);

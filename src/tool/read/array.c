@@ -173,7 +173,8 @@ array array_open(const char *path)
     const size_t length = high << 16 | (size_t)all[9] << 8 | all[8];
     if (length > HEADER_MOST) fail_input("%s: a header of %zu bytes", path, length);
     if (in.length - start < length) fail_input("%s: cut off within its header", path);
-    array a = {.path = path, .row = all + start + length, .mapped = mapped};
+    array a = {.path = path, .row = all + start + length, .mapped = mapped,
+               .left = memory_take(1, sizeof(size_t))};
     read_dictionary(&a, memory_text(in.text + start, length));
     check_length(&a, in.length - start - length);
     note_rays(&in);
@@ -183,8 +184,12 @@ array array_open(const char *path)
 void array_leave(const array *a, size_t first, size_t count)
 {
     enum { WINDOW = 1 << 24 }; /* is left at once: each time costs as much as some thousand rows */
-    const size_t end = (first + count) * a->row_size / WINDOW, before = first * a->row_size / WINDOW;
-    if (a->mapped && end > before) input_leave(a->row + before * WINDOW, (end - before) * WINDOW);
+    const size_t end = (first + count) * a->row_size / WINDOW, begin = first * a->row_size / WINDOW;
+    size_t left = __atomic_load_n(a->left, __ATOMIC_RELAXED); /* others may have read what lies between */
+    if (begin + 1 < left) left = begin; /* it is read once more */
+    if (!a->mapped || end <= left) return;
+    input_leave(a->row + left * WINDOW, (end - left) * WINDOW);
+    __atomic_store_n(a->left, end, __ATOMIC_RELAXED);
 }
 
 long long array_integer(const unsigned char *at, size_t size)

@@ -17,6 +17,7 @@ typedef struct array {
     const char *path;         /* for messages */
     const unsigned char *row; /* the first */
     bool mapped;              /* they are in the file, not in memory */
+    size_t *left;             /* up to where array_leave has left them; threads set it */
     size_t rows, row_size, columns; /* columns: of a plain array of two dimensions; 0: it has one */
     size_t fields;
     array_field *field;

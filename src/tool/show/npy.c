@@ -2,11 +2,16 @@
 /* npy.c - writes the npy format, version 1.0 (NEP 1): a header that is a Python literal, then the bytes.
  *
  * How many rows there are is known last.  So a header has room for the largest number, and is written twice:
- * first with no rows, so that a file of a command that was stopped is an empty array, and last with all. */
+ * first with no rows, so that a file of a command that was stopped is an empty array, and last with all.
+ *
+ * PLACED ROWS.  If it is known before, rank 0 makes the file as long as it will be, and all ranks write rows
+ * where they belong, by MPI-IO.  With --resume the file is taken as it is, if it has that length. */
 #include "npy.h"
 
 #include "../base/bytes.h"
 #include "../base/input.h"
+#include "../base/ranks.h"
+#include "../base/shard.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -14,11 +19,14 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 typedef struct npy_file {
     char *path;
+    const char *name; /* while it is written */
     FILE *file;
-    size_t row_size;
+    ranks_file *shared; /* of rows that are placed */
+    size_t row_size, header;
 } npy_file;
 
 /* Where a column is: in a file, at so many bytes of its rows. */
@@ -27,7 +35,7 @@ typedef struct npy_place { size_t file, offset; } npy_place;
 struct npy_output {
     size_t word_size;  /* of a WORD: bytes */
     const column *head;
-    size_t columns, rows;
+    size_t columns, rows, placed;
     bool folder;
     npy_file *file;    /* one, or one for each column */
     npy_place *place;  /* [columns] */
@@ -83,7 +91,27 @@ static void npy_write_header(npy_output *n, size_t place)
     b.length += MULTIPLE - b.length % MULTIPLE;
     b.at[b.length - 1] = '\n';
     b.at[8] = (char)((b.length - START) & 255), b.at[9] = (char)((b.length - START) >> 8);
-    fwrite(b.at, 1, b.length, n->file[place].file);
+    n->file[place].header = b.length;
+    if (n->file[place].file) fwrite(b.at, 1, b.length, n->file[place].file);
+}
+
+/* Makes a file of placed rows as long as it will be, or takes the one that is there. */
+static void npy_make_room(npy_output *n, size_t place)
+{
+    npy_file *f = &n->file[place];
+    struct stat is;
+    npy_write_header(n, place);
+    const size_t size = f->header + n->placed * f->row_size;
+    if (shard_keeps() && stat(f->name, &is) == 0) {
+        f->file = (size_t)is.st_size == size ? fopen(f->name, "r+b") : NULL;
+        if (f->file) return;
+        note("--resume: %s: not as long as it was; all is made anew", f->name);
+    }
+    shard_forget();
+    if (!(f->file = fopen(f->name, "wb"))) fail_input("--output %s: %s", f->path, strerror(errno));
+    npy_write_header(n, place);
+    if (fflush(f->file) != 0 || ftruncate(fileno(f->file), (off_t)size) != 0)
+        fail_input("--output %s: could not be written: %s", f->path, strerror(errno));
 }
 
 static void npy_open(npy_output *n, size_t place, char *path)
@@ -94,7 +122,14 @@ static void npy_open(npy_output *n, size_t place, char *path)
     output_check("output", path);
     if (stat(path, &is) == 0 && !S_ISREG(is.st_mode))
         fail_input("--output %s: not a file, and an npy file is written from its beginning again", path);
-    if (!(f->file = fopen(path, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
+    output_check("output", f->name = output_name(path));
+    if (n->placed) {
+        output_stays(f->name);
+        if (ranks_here()) npy_write_header(n, place); /* how long it is */
+        else npy_make_room(n, place);
+        return;
+    }
+    if (!(f->file = fopen(f->name, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
     setvbuf(f->file, NULL, _IONBF, 0); /* what is written is long */
     npy_write_header(n, place);
 }
@@ -113,7 +148,8 @@ static bool is_column_file(const npy_output *n, const char *name)
 {
     for (size_t i = 0; i < n->columns; i++) {
         const size_t length = strlen(n->head[i].name);
-        if (strncmp(name, n->head[i].name, length) == 0 && strcmp(name + length, ".npy") == 0) return true;
+        if (strncmp(name, n->head[i].name, length) != 0) continue;
+        if (strcmp(name + length, ".npy") == 0 || strcmp(name + length, ".npy.unfinished") == 0) return true;
     }
     return false;
 }
@@ -122,7 +158,7 @@ static bool is_column_file(const npy_output *n, const char *name)
 static void npy_open_folder(npy_output *n, const char *path)
 {
     DIR *folder = NULL;
-    if (mkdir(path, 0777) != 0 && (errno != EEXIST || !(folder = opendir(path))))
+    if (!ranks_here() && mkdir(path, 0777) != 0 && (errno != EEXIST || !(folder = opendir(path))))
         fail_input("--output %s: %s; npy goes into a folder, or a file NAME.npy", path, strerror(errno));
     const char *other = NULL;
     for (struct dirent *e; folder && !other && (e = readdir(folder));)
@@ -146,7 +182,7 @@ npy_output *npy_begin(const table_target *target, size_t columns, const column *
     const size_t length = strlen(path);
     npy_output *n = memory_take(1, sizeof *n);
     *n = (npy_output){.head = head, .columns = columns,
-                      .word_size = target->word_size ? target->word_size : 1,
+                      .word_size = target->word_size ? target->word_size : 1, .placed = target->placed,
                       .file = memory_take(columns, sizeof *n->file),
                       .place = memory_take(columns, sizeof *n->place),
                       .folder = length < 4 || strcmp(path + length - 4, ".npy") != 0};
@@ -155,8 +191,11 @@ npy_output *npy_begin(const table_target *target, size_t columns, const column *
         n->place[i] = (npy_place){(size_t)(f - n->file), f->row_size};
         f->row_size += npy_size(n, head[i].kind);
     }
+    if (target->nowhere && !n->placed) return n;
     if (n->folder) npy_open_folder(n, path);
     else npy_open(n, 0, memory_text(path, length));
+    for (size_t f = 0; f < npy_files(n) && n->placed; f++)
+        n->file[f].shared = ranks_open(n->file[f].path, n->file[f].name);
     return n;
 }
 
@@ -225,6 +264,21 @@ void npy_write(npy_output *n, bytes out[])
     }
 }
 
+void npy_place_rows(npy_output *n, size_t first, bytes out[])
+{
+    for (size_t i = 0; i < npy_files(n); i++) {
+        const npy_file *f = &n->file[i];
+        ranks_write(f->shared, f->header + first * f->row_size, out[i].at, out[i].length);
+        out[i].length = 0;
+    }
+}
+
+void npy_placed(npy_output *n)
+{
+    for (size_t i = 0; i < npy_files(n); i++) ranks_close(n->file[i].shared);
+    n->rows = n->placed;
+}
+
 void npy_end(npy_output *n)
 {
     for (size_t i = 0; i < npy_files(n); i++) {
@@ -233,5 +287,6 @@ void npy_end(npy_output *n)
         if (!bad) npy_write_header(n, i);
         bad = bad || ferror(f->file);
         if (fclose(f->file) != 0 || bad) fail_input("--output %s: could not be written", f->path);
+        output_whole("output", f->name, f->path);
     }
 }

@@ -44,6 +44,7 @@ typedef struct printed {
 struct table {
     table_target to;
     FILE *file;                 /* NULL: a part of another table, or npy */
+    const char *name;           /* where it is while it is written */
     npy_output *npy;
     bytes *out;                 /* [npy_files()]: of npy, instead of `kept` */
     table_values *chosen_values; /* [chosen] */
@@ -117,13 +118,15 @@ table *table_begin(const table_target *target, size_t columns, const column *hea
 {
     table blank = {.to = *target, .columns = columns, .column = head,
                    .plain = target->format == TABLE_CSV && !target->hexadecimal};
+    if (target->nowhere && target->format != TABLE_NPY) blank.to.path = "/dev/null";
     choose(&blank);
     if (target->format == TABLE_NPY) blank.npy = npy_begin(target, blank.chosen, blank.head);
     table *t = table_new(&blank);
     if (t->npy) return t;
     t->file = stdout;
     if (t->to.path) output_check("output", t->to.path);
-    if (t->to.path && !(t->file = fopen(t->to.path, "w")))
+    if (t->to.path) output_check("output", t->name = output_name(t->to.path));
+    if (t->to.path && !(t->file = fopen(t->name, "w")))
         fail_input("--output %s: %s", t->to.path, strerror(errno));
     if (t->to.format == TABLE_JSON) bytes_one(&t->kept, '[');
     for (size_t i = 0; i < t->chosen && t->to.format == TABLE_CSV; i++) {
@@ -500,6 +503,28 @@ void table_join(table *t, table *part)
     drop_kept(part);
 }
 
+size_t table_arrays(const table *t) { return t->npy ? npy_files(t->npy) : 1; }
+bytes *table_printed(table *part, size_t i) { return part->npy ? &part->out[i] : &part->kept; }
+size_t *table_rows(table *part) { return &part->rows; }
+
+void table_drop(table *part)
+{
+    for (size_t i = 0; i < table_arrays(part); i++) table_printed(part, i)->length = 0;
+    part->rows = 0;
+    drop_kept(part);
+}
+
+void table_place(table *t, table *part, size_t first)
+{
+    npy_place_rows(t->npy, first, part->out);
+    part->rows = 0;
+}
+
+void table_placed(table *t)
+{
+    if (t->to.placed) npy_placed(t->npy);
+}
+
 void table_end(table *t)
 {
     if (t->block && !block_empty(t->block)) write_block(t);
@@ -514,4 +539,5 @@ void table_end(table *t)
     if (bad)
         fail_input("%s%s: could not be written", t->to.path ? "--output " : "",
                    t->to.path ? t->to.path : "standard output");
+    if (t->to.path) output_whole("output", t->name, t->to.path);
 }

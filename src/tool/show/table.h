@@ -16,6 +16,8 @@ typedef enum table_format { TABLE_TEXT, TABLE_CSV, TABLE_JSON, TABLE_NPY } table
 typedef struct table_target {
     table_format format;
     const char *path;     /* NULL: standard output */
+    bool nowhere;         /* what would be printed is of no use */
+    size_t placed;        /* 0; or how many rows of npy there will be, which ranks write by table_place */
     bool hexadecimal;     /* numbers as 0x1.8p+1; in json as strings, since json has no such numbers */
     const char *columns;  /* of --columns: names with commas, in the order they are wanted; NULL: all */
     size_t word_size;     /* of the longest word in a column of WORD, for npy */
@@ -72,6 +74,18 @@ void table_line(table *t, const char *format, ...) LIKE_PRINTF(2, 3);
  * table_join appends its rows to the table and leaves the part empty. */
 table *table_part(const table *t);
 void table_join(table *t, table *part);
+
+/* The rows of a part as they are printed, of another format than text: how many arrays of bytes they are, and
+ * the i-th; how many rows.  Both may be set.  table_drop leaves the part empty. */
+size_t table_arrays(const table *t);
+struct bytes *table_printed(table *part, size_t i);
+size_t *table_rows(table *part);
+void table_drop(table *part);
+
+/* Of rows that are placed: writes those of a part where they belong, from row `first` on.  In any thread, one
+ * at a time.  table_placed: all ranks have done so. */
+void table_place(table *t, table *part, size_t first);
+void table_placed(table *t);
 
 /* Writes what is left.  If the file cannot be written the command ends. */
 void table_end(table *t);
