@@ -260,7 +260,7 @@ static void take_parts(quick_proof *w)
     const sgt_rays *r = &w->tile->rays;
     const sgt_hits *h = &w->tile->hits;
     size_t n = w->tile->n;
-    double evals[BLOCK], some = 0;
+    double evals[BLOCK], begun[BLOCK], some = 0;
     bool chords = !w->near && marches_chord(w->shared);
     for (size_t i = 0; i < n; i++) w->steep[i] = w->shared->steep, w->asked[i] = 0;
     for (size_t i = 0; i < n && w->kept; i++) {
@@ -274,12 +274,12 @@ static void take_parts(quick_proof *w)
     row left;
     for (size_t i = 0; i < n; i++) {
         w->noise[0][i] = w->noise[1][i] = w->noise[2][i] = (double)NAN;
-        evals[i] = h->evals[i];
+        evals[i] = begun[i] = h->evals[i];
     }
     memcpy(left, w->asked, sizeof left);
     vicinity v = {.tmin = r->tmin, .tmax = r->tmax, .seed = b->seed, .asked = left, .lo = b->lo, .hi = b->hi,
                   .least = b->least, .noise = {w->noise[0], w->noise[1], w->noise[2]}, .evals = evals,
-                  .budget = w->budget, .told = w->told};
+                  .budget = w->budget, .begun = begun, .told = w->told};
     for (int k = 0; k < VICINITY_ROWS; k++) v.work[k] = w->work[k];
     sgt_vicinity_of(w->s, n, *r, w->near, w->shared, w->kept, &v);
     for (size_t i = 0; i < n; i++) {

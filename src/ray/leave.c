@@ -147,7 +147,8 @@ SGT_INLINE double far_of(sgt_vec3 o, sgt_vec3 d) { return leave_size(o) / leave_
 
 /* The first t.  It is behind all that the rule of the start drops: roots there have t |slope| <= START_ULPS
  * of the terms.  Where the ray bends away from the surface, or twists, that is below 2^-24 or 2^-16 of the
- * lengths at hand, however small the slope at the start is. */
+ * lengths at hand, however small the slope at the start is.  If tmin has been moved behind the root of the
+ * start, which p is then beside, the first look is behind it, too. */
 SGT_INLINE double first_look(sgt_vec3 o, sgt_vec3 d, sgt_vec3 n, double far)
 {
     double least = 0x1p-32 * far, t = 0x1p6 * START_ULPS * leave_terms(o, n) / fabs(leave_dot(n, d));
@@ -173,7 +174,7 @@ static bool looks_early(const sgt_surface_ops *ops)
 static signed char early_side(sgt_surface s, const sgt_ray *ray, sgt_vec3 n)
 {
     sgt_vec3 o = ray->o, d = ray->d;
-    double t = first_look(o, d, n, far_of(o, d));
+    double t = larger(first_look(o, d, n, far_of(o, d)), 2 * ray->tmin);
     t = t < ray->tmax ? t : ray->tmax;
     sgt_vec3 m = {0, 0, 0},
              p = {moved_along(o.x, t, d.x), moved_along(o.y, t, d.y), moved_along(o.z, t, d.z)};
@@ -192,11 +193,10 @@ static double ask_side(sgt_surface s, asked *a, size_t i, const sgt_ray *ray, sg
     const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z};
     double far = far_of(ray->o, ray->d);
     for (int c = 0; c < 3; c++) a->o[c][k] = o[c], a->d[c][k] = d[c];
-    a->t[k] = first_look(ray->o, ray->d, n, far);
     a->far[k] = 0x1p-6 * far, a->most[k] = hit->status > 0 ? 0.5 * hit->t : ray->tmax, a->of[k] = i;
-    if (hit->status > 0 || !s.ops->span || is_body(s.ops)) return a->t[k];
-    double end = s.ops->span(s.self, ray).hi; /* behind it F may have another sign */
-    if (end > 0 && 0.5 * end < a->most[k]) a->most[k] = 0.5 * end;
+    double end = hit->status > 0 || !s.ops->span || is_body(s.ops) ? HUGE_VAL : s.ops->span(s.self, ray).hi;
+    if (end > 0 && 0.5 * end < a->most[k]) a->most[k] = 0.5 * end; /* behind it F may have another sign */
+    a->t[k] = larger(first_look(ray->o, ray->d, n, far), 2 * ray->tmin);
     return a->t[k];
 }
 

@@ -366,7 +366,9 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     for (size_t i = 0; i < n; i++) {
         bool monotone = v->asked[i] < 0;
         if (monotone) v->asked[i] = 0;
-        if (!((v->evals[i] > 0 || monotone) && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
+        /* the rays that a march has answered, and no others: what their neighbours need is no matter */
+        const bool marched = v->evals[i] > (v->begun ? v->begun[i] : 0) || monotone;
+        if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
         double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
         noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
         /* far out a bound for the whole rung may be 10^7 times that at the root, which is asked for then */

@@ -102,6 +102,7 @@ SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), v
 typedef struct vicinity {
     const double *tmin, *tmax;
     double *seed, *asked, *lo, *hi, *least, *noise[3], *evals, budget;
+    const double *begun; /* what evals is before; NULL: 0 */
     tally *told;
     double *work[VICINITY_ROWS];
 } vicinity;

@@ -172,7 +172,7 @@ static linear round_form(const sag_model *s, linear x, linear y)
     const round_forms at = round_forms_of(s, x, y);
     linear sum = form_of(0);
     for (int i = TERMS - 1; i >= 0 && s->a; i--)
-        if (s->a[i] != 0 || form_size(sum) != 0) sum = form_product(form_plus(sum, s->a[i]), at.rho);
+        if (s->a[i] != 0 || !form_is_zero(sum)) sum = form_product(form_plus(sum, s->a[i]), at.rho);
     return form_sum(form_quotient(form_scaled(at.rho, s->c), form_plus(at.phi, 1)), sum);
 }
 
@@ -181,7 +181,7 @@ static linear round_slope_form(const sag_model *s, linear x, linear y)
     const round_forms at = round_forms_of(s, x, y);
     linear slope = form_of(0);
     for (int i = TERMS - 1; i >= 0 && s->a; i--)
-        if (s->a[i] != 0 || form_size(slope) != 0)
+        if (s->a[i] != 0 || !form_is_zero(slope))
             slope = form_sum(form_product(slope, at.rho), form_scaled(form_of(s->a[i]), i + 1));
     return form_sum(slope, form_quotient(form_of(0.5 * s->c), at.phi));
 }

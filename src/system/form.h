@@ -41,6 +41,8 @@ SGT_INLINE linear form_of(double c) { return (linear){c, 0, 0, 0}; }
 SGT_INLINE double form_linear(linear x) { return fabs(x.a) + fabs(x.b); }
 SGT_INLINE double form_size(linear x) { return fabs(x.c) + form_linear(x); }
 
+SGT_INLINE bool form_is_zero(linear x) { return form_size(x) == 0 && x.e == 0; }
+
 /* A form that contains an interval; nothing is known of the ends. */
 SGT_INLINE linear form_between(sgt_interval x)
 {

@@ -288,10 +288,9 @@ void walk(const World &w, long steps, long checks, bool timed)
                 if (status[i] == SGT_HIT && std::fabs(falls) > 1e-5 && falls * side[i] > 0)
                     right = complain(w, "the crossing is from the other side", a, t[i], side[i]);
                 if (check && side[i] != 0) {
-                    const double skip =
-                        status[i] > 0
-                            ? t_err[i] + 1e-12 * (w.reach + t[i]) / std::min(1.0, steep + 1e-4)
-                            : 1e-12 * w.reach / std::min(1.0, steep + 1e-4);
+                    const double to = status[i] > 0 ? t[i] : 0, err = status[i] > 0 ? t_err[i] : 0,
+                                 start = (a.p_err + 1e-15 * length(a.p)) / (steep + 1e-300);
+                    const double skip = start + err + 1e-12 * (w.reach + to) / std::min(1.0, steep + 1e-4);
                     right = way_right(w, a, status[i], status[i] > 0 ? t[i] : 0, side[i], skip) && right;
                     c.checked++;
                 }
@@ -596,6 +595,13 @@ void rows_by_hand()
     c = sgt_leave(ring, &a, nullptr);
     require(c.hit.status == SGT_HIT && c.side == -1 && std::fabs(c.hit.t - 1e-8) < 1e-13,
             "torus, no start on it");
+    static const sgt_conic flat = {0, 0, 0}; // a start beside a plane by less than its last place
+    for (const double z : {1e-17, 1e-18, -1e-17, -1e-18})
+        for (const double slope : {1e-9, -1e-9, 1e-3, -1e-3}) {
+            a = {{1, 0, z}, {0, 0, 1}, 0, {1, 0, slope}, 0, {}};
+            c = sgt_leave({&sgt_conic_ops, &flat}, &a, nullptr);
+            require(c.hit.status == SGT_MISS && c.side == (slope > 0 ? 1 : -1), "plane, nearly on it");
+        }
     a = {{140, 0, 0}, {0, 0, 0}, 1e-13, {0, 0, 1}, 0, {}}; // along the outermost tangent
     c = sgt_leave(ring, &a, nullptr);
     require(c.hit.status != SGT_HIT && c.side >= 0, "torus, tangent");

@@ -737,6 +737,48 @@ static void test_proven_among_others(void **state)
     REQUIRE(hits > 100, "%d hits", hits);
 }
 
+/* A root near the origin of a ray that begins before it, without a rim, beside rays that march: which bound
+ * of rounding was asked for there was decided by the tile, and not by the ray. */
+static void test_roots_at_the_origin(void **state)
+{
+    (void)state;
+    enum { N = 8 };
+    generator g = seeded("roots at the origin");
+    int hits = 0;
+    for (int again = 0; again < 3000; again++) {
+        sgt_biconic shape = {.c_x = again % 2 ? 0 : uniform(&g, -2, 2), .c_y = uniform(&g, -2, 2)};
+        shape.k_x = uniform(&g, -2, 0), shape.k_y = uniform(&g, -2, 0);
+        sgt_surface s = {&sgt_biconic_ops, &shape};
+        sgt_options opt = {.proof = again % 3 == 0   ? SGT_ESTIMATE
+                                    : again % 3 == 1 ? SGT_PROVE_ROOT
+                                                     : SGT_PROVE_FIRST};
+        double o[3][N], d[3][N], tmin[N], tmax[N], t[N], t_err[N], t_lo[N];
+        sgt_status status[N];
+        for (int i = 0; i < N; i++) {
+            double x = uniform(&g, -1, 1), y = uniform(&g, -1, 1), back = uniform(&g, 0, 1);
+            o[0][i] = 5 * x, o[1][i] = 5 * y, o[2][i] = uniform(&g, -1, 1);
+            for (int k = 0; k < 3; k++) d[k][i] = uniform(&g, -1, 1);
+            tmin[i] = 0, tmax[i] = FAR;
+            if (i % 2) continue;
+            o[0][i] = x, o[1][i] = 0.1 * y, tmin[i] = -0.1 * back; /* onto the surface, to 1e-4 */
+            sgt_hit h = sgt_intersect(s, (sgt_ray){{x, 0.1 * y, -9}, {0, 0, 1}, 0, 99}, NULL);
+            o[2][i] = h.p.z + 1e-4 * uniform(&g, -1, 1), d[2][i] -= 2;
+        }
+        sgt_intersect_batch(s, N, (sgt_rays){{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, tmin, tmax},
+                            (sgt_hits){.status = status, .t = t, .t_err = t_err, .t_lo = t_lo}, &opt);
+        for (int i = 0; i < N; i++) {
+            sgt_ray r = {{o[0][i], o[1][i], o[2][i]}, {d[0][i], d[1][i], d[2][i]}, tmin[i], tmax[i]};
+            sgt_hit h = sgt_intersect(s, r, &opt);
+            bool same = h.t == t[i] && h.t_lo == t_lo[i] && h.t_err == t_err[i];
+            REQUIRE(h.status == status[i] && (same || h.status != SGT_HIT),
+                    "biconic %a %a, ray %a %a %a along %a %a %a from %a: t_err %a alone, %a in a batch",
+                    shape.c_x, shape.c_y, r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, h.t_err, t_err[i]);
+            hits += h.status == SGT_HIT;
+        }
+    }
+    REQUIRE(hits > 3000, "%d hits", hits);
+}
+
 /* A quick proof that had spent max_evals left 0 evaluations to the search, which is the default of 2000. */
 static void test_budget_of_a_proof(void **state)
 {
@@ -888,6 +930,7 @@ int main(void)
         cmocka_unit_test(test_other_at_the_end_of_the_chord),
         cmocka_unit_test(test_root_beside_the_aperture),
         cmocka_unit_test(test_proven_among_others),
+        cmocka_unit_test(test_roots_at_the_origin),
         cmocka_unit_test(test_budget_of_a_proof),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
