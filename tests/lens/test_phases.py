@@ -169,6 +169,25 @@ def test_scaled_and_reversed():
         equal([one[c] for c in 'xyzlmn'], [two[c] for c in 'xyzlmn'])
 
 
+def test_numbers_in_files():
+    """No edit changes numbers that stand in a file, wherever a surface has them: it says so.  In place they are scaled."""
+    height = [[i * i + j * j for j in range(5)] for i in range(5)]
+    for name, type, numbers in (('sag', {'type': 'grid', 'step_x': 1, 'step_y': 1}, height),
+                                ('coefficients', {'type': 'polynomial_xy'}, [[0, 1, 2], [3, 1, 1]])):
+        table = written('\n'.join(','.join(map(str, row)) for row in numbers) + '\n')
+        file = table.with_name(f'{table.name}.csv')
+        table.rename(file)
+        for inside in (lambda s: {**s, 'thickness': 1}, lambda s: plane(thickness=1, phase={'waves': s}),
+                       lambda s: {'type': 'sum', 'terms': [{'type': 'even_asphere'}, s], 'thickness': 1},
+                       lambda s: plane(thickness=1, phase={'waves': {'type': 'sum', 'terms': [{'type': 'even_asphere'}, s]}})):
+            path = lens(inside({**type, name: str(file)}), plane())
+            run('info', path)
+            said = run('edit', path, '--scale', 2, exit=BAD_INPUT).stderr
+            assert f'{path}:1: the numbers of {name} stand in a file, {str(file)[:200]}, ' in said, said
+            assert said.count('\n') == 1, said
+            run('edit', lens(inside({**type, name: numbers}), plane()), '--scale', 2)
+
+
 def test_what_is_refused():
     for phase, words in (
             ({}, 'one of waves, lines and points'), ({'lines': 3, 'waves': 'y'}, 'one of waves, lines and points'),

@@ -14,6 +14,9 @@ way sgt_edit_way(const editing *e, const char *path);
 /* Says what is wrong with the edit. */
 _Noreturn void sgt_edit_refuse(const editing *e, const char *words, ...) SGT_PRINTF(2, 3);
 
+/* Says that the value of a key is the name of a file, whose numbers no edit changes. */
+_Noreturn void sgt_edit_refuse_file(const editing *e, const node *n, const char *key);
+
 /* The list `surfaces`; a fault if there is none. */
 node *sgt_edit_surfaces(const editing *e);
 

@@ -158,7 +158,7 @@ static void turn_shape(const editing *e, node *map)
             for (size_t k = 0; n->kind == NODE_LIST && k < n->count; k++) turn_shape(e, n->item[k]);
         else if (strcmp(map->key[i]->text, "coefficients") * strcmp(map->key[i]->text, "sag") == 0 &&
                  n->kind == NODE_SCALAR)
-            sgt_edit_refuse(e, "the numbers of %s stand in a file", map->key[i]->text);
+            sgt_edit_refuse_file(e, n, map->key[i]->text);
         else if (turns_sign(map->key[i]->text))
             negate(e, &map->item[i]);
     }

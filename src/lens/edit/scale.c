@@ -228,20 +228,23 @@ static bool has_formula(const node *map)
                                                     strcmp(type->text, "formula") == 0));
 }
 
-/* What cannot be scaled though its numbers may be. */
+/* What cannot be scaled though its numbers may be: of a surface, its terms, and the waves of its phase. */
 static void refuse_types(const editing *e, const node *map)
 {
-    const node *type = entry_type(map);
+    const node *type = entry_type(map), *terms = value_in(map, "terms"),
+               *waves = value_in(value_in(map, "phase"), "waves");
     const char *name = type && type->kind == NODE_SCALAR ? type->text : "";
     const sgt_builtin *row = sgt_edit_type(e, map);
     if (has_formula(map)) sgt_edit_refuse(e, "a phase that is a formula cannot be scaled");
     if (strcmp(name, "formula") == 0 || (row && row->family == SGT_FAMILY_LEVEL_SET))
         sgt_edit_refuse(e, "a surface of the type %.40s cannot be scaled", name);
-    for (size_t i = 0; map->kind == NODE_MAP && row && i < map->count; i++)
-        for (const sgt_param *p = row->params; p->name; p++)
-            if (strcmp(p->name, map->key[i]->text) == 0 && p->kind == SGT_PARAM_TABLE &&
-                map->item[i]->kind == NODE_SCALAR)
-                sgt_edit_refuse(e, "the numbers of %s stand in a file", p->name);
+    for (const sgt_param *p = row ? row->params : NULL; p && p->name; p++) {
+        const node *n = p->kind == SGT_PARAM_TABLE ? value_in(map, p->name) : NULL;
+        if (n && n->kind == NODE_SCALAR) sgt_edit_refuse_file(e, n, p->name);
+    }
+    for (size_t i = 0; terms && terms->kind == NODE_LIST && i < terms->count; i++)
+        refuse_types(e, terms->item[i]);
+    if (waves) refuse_types(e, waves);
 }
 
 void sgt_edit_scale(const editing *e)
