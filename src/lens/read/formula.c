@@ -127,13 +127,16 @@ static const sgt_tape *read_text(source *s, const node *map, const node *n, cons
 
 sgt_surface sgt_read_function(source *s, const node *map, const node *n, const char *key)
 {
-    if (is_named(tree_read_text(s, n, key), "z")) {
+    const char *text = tree_read_text(s, n, key);
+    if (is_named(text, "z")) {
         sgt_formula *self = tree_room(s, 1, sizeof *self);
         self->tape = read_text(s, map, n, key, SGT_FORMULA_XYZ, KNOWN_OF_WAVES, self);
         return (sgt_surface){&sgt_formula_ops, self};
     }
     sgt_formula_sag *self = tree_room(s, 1, sizeof *self);
     self->tape = read_text(s, map, n, key, SGT_FORMULA_XY, KNOWN_OF_WAVES, self);
+    if (!is_named(text, "x") && !is_named(text, "y") && !is_named(text, "r"))
+        tree_fail(s, n->line, key, "%.60s is the same everywhere: it names none of x, y, z and r", text);
     return (sgt_surface){&sgt_formula_sag_ops, self};
 }
 

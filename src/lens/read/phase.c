@@ -26,6 +26,8 @@
 #include "formula.h"
 #include "surface.h"
 
+#include "../../text/number.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -133,9 +135,44 @@ static const char PHASE_KEYS[] =
     "order; waves (a formula, with its parameters, or a surface), or lines (and turn), or points (with "
     "wavelength, converges)";
 
+/* A phase that is one word: not a number, which is meant as lines, and not nothing at all. */
+static void refuse_word(source *s, const node *n)
+{
+    static const char *const nothing[] = {"", "~", "null", "Null", "NULL"};
+    double lines;
+    if (number_read(n->text, &lines))
+        tree_fail(s, n->line, "phase",
+                  "%.60s waves are the same everywhere; a grating of so many lines is {lines: %.60s}", n->text,
+                  n->text);
+    for (size_t i = 0; i < sizeof nothing / sizeof *nothing; i++)
+        if (strcmp(n->text, nothing[i]) == 0)
+            tree_fail(s, n->line, "phase",
+                      "must be a formula of x, y, r or z, or a map, as {lines: 600}; leave the key out where "
+                      "there is none");
+}
+
+/* Keys that are left and are those of another kind of phase. */
+static void refuse_keys_of_others(source *s, const node *map)
+{
+    static const char *const of[][2] = {
+        {"turn", "lines"}, {"wavelength", "points"}, {"converges", "points"}};
+    for (size_t i = 0; i < map->count; i++)
+        for (size_t k = 0; k < sizeof of / sizeof *of; k++)
+            if (!map->taken[i] && strcmp(map->key[i]->text, of[k][0]) == 0)
+                tree_fail(s, map->key[i]->line, of[k][0], "belongs to `%s`, which is not given", of[k][1]);
+}
+
+static double read_order(source *s, const node *n)
+{
+    const double order = tree_read_number(s, n, "order", NUMBER_FINITE);
+    if (order != floor(order)) tree_fail(s, n->line, "order", "must be a whole number, not %g", order);
+    return order;
+}
+
 void sgt_read_phase(whole_lens *w, source *s, const node *n, size_t i)
 {
     const node *map = n->kind == NODE_SCALAR ? tree_node(s, NODE_MAP, n->line) : n;
+    if (n->kind == NODE_SCALAR) refuse_word(s, n);
     tree_map(s, map, "phase");
     const node *order = tree_take(map, "order"), *lines = tree_take(map, "lines");
     const node *waves = n->kind == NODE_SCALAR ? n : tree_take(map, "waves"),
@@ -152,7 +189,7 @@ void sgt_read_phase(whole_lens *w, source *s, const node *n, size_t i)
             s, n->line, "units",
             "must be mm, cm, m, um or in for a phase (of element %zu), which adds wavelengths to lengths",
             i + 1);
-    w->order[i] = order ? tree_read_number(s, order, "order", NUMBER_FINITE) : 1;
+    w->order[i] = order ? read_order(s, order) : 1;
     for (size_t k = 0; k < w->lens.wavelengths; k++)
         if (!isfinite(w->order[i] * w->lens.wavelength[k] / unit))
             tree_fail(s, order ? order->line : n->line, "order", "%g is too large", w->order[i]);
@@ -163,6 +200,7 @@ void sgt_read_phase(whole_lens *w, source *s, const node *n, size_t i)
     else
         phase->waves =
             read_hologram(s, points, tree_take(map, "wavelength"), tree_take(map, "converges"), unit);
+    refuse_keys_of_others(s, map);
     tree_finish(s, map, PHASE_KEYS);
     phase->kind = phase->waves.ops == &sgt_formula_ops ? SGT_PHASE_FUNCTION : SGT_PHASE_SAG;
     w->element[i].phase = phase;
