@@ -216,6 +216,26 @@ def test_what_is_refused():
         assert 'phase that is a formula' in run('edit', path, *edit, exit=BAD_INPUT).stderr
 
 
+def test_order_0_is_no_phase():
+    """Total reflection is told as such, and W is not asked, not even where it is no number.  The file keeps its phase."""
+    def surfaces(phase):
+        return lens({'type': 'sphere', 'radius': 7, 'thickness': 3, 'index': 1, **phase}, plane(thickness=1),
+                    object={'index': 1.7})
+    bare = surfaces({})
+    fates = {row['fate'] for row in rows('ends', bare, '--grid', 9)}
+    assert {'tir', 'passed'} <= fates, fates
+    for waves in ({'lines': 600}, {'waves': 'sqrt(-1 - r^2)'}, {'waves': {'type': 'even_asphere', 'coefficients': [-3]}},
+                  {'points': [[0, 0, -60], [0, 0, 100]], 'wavelength': 0.55}):
+        path, kept = surfaces({'phase': {**waves, 'order': 0}}), written('')
+        for command in (('ends', '--grid', 9), ('opd', '--grid', 9), ('ends', '--grid', 9, '--wavelength', 0.6)):
+            equal(run(command[0], path, *command[1:], '--format', 'csv').stdout,
+                  run(command[0], bare, *command[1:], '--format', 'csv').stdout, (waves, command))
+        run('edit', path, '--set', 'surfaces[1].phase.order=1', '-o', kept)
+        fate = UNDECIDED if 'sqrt' in str(waves) else DECIDED
+        equal(run('ends', kept, '--format', 'csv', exit=fate).stdout,
+              run('ends', surfaces({'phase': waves}), '--format', 'csv', exit=fate).stdout)
+
+
 def test_evanescent():
     """Told everywhere: by trace, by each count, and by diagnose with the orders that pass."""
     path = lens(plane(thickness=20, phase={'lines': 250, 'order': 5}, stop=True), plane(), waves=(0.9,))

@@ -169,6 +169,7 @@ static double read_order(source *s, const node *n)
     return order;
 }
 
+/* An order of 0 is no phase: the light behaves as if the surface had none. */
 void sgt_read_phase(whole_lens *w, source *s, const node *n, size_t i)
 {
     const node *map = n->kind == NODE_SCALAR ? tree_node(s, NODE_MAP, n->line) : n;
@@ -203,7 +204,7 @@ void sgt_read_phase(whole_lens *w, source *s, const node *n, size_t i)
     refuse_keys_of_others(s, map);
     tree_finish(s, map, PHASE_KEYS);
     phase->kind = phase->waves.ops == &sgt_formula_ops ? SGT_PHASE_FUNCTION : SGT_PHASE_SAG;
-    w->element[i].phase = phase;
+    if (w->order[i] != 0) w->element[i].phase = phase;
 }
 
 /* ------------------------------------------------------------------ at a wavelength */
