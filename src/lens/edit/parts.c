@@ -19,7 +19,8 @@ void sgt_edit_refuse(const editing *e, const char *words, ...)
 void sgt_edit_refuse_file(const editing *e, const node *n, const char *key)
 {
     tree_fail(e->s, n->line, e->edit->path ? e->edit->path : "",
-              "the numbers of %s stand in a file, %.200s, which is not changed; write them here", key, n->text);
+              "the numbers of %s stand in a file, %.200s, which is not changed; write them here", key,
+              n->text);
 }
 
 way sgt_edit_way(const editing *e, const char *text)

@@ -142,8 +142,8 @@ static void refuse_word(source *s, const node *n)
     double lines;
     if (number_read(n->text, &lines))
         tree_fail(s, n->line, "phase",
-                  "%.60s waves are the same everywhere; a grating of so many lines is {lines: %.60s}", n->text,
-                  n->text);
+                  "%.60s waves are the same everywhere; a grating of so many lines is {lines: %.60s}",
+                  n->text, n->text);
     for (size_t i = 0; i < sizeof nothing / sizeof *nothing; i++)
         if (strcmp(n->text, nothing[i]) == 0)
             tree_fail(s, n->line, "phase",
