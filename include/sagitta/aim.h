@@ -115,7 +115,8 @@ typedef struct sgt_end_error {
     double point; /* x and y of the last hit.p, in its frame, from the exact ray's */
     double path;  /* opl, without what `point` adds: the path to the foot of the
                      perpendicular from a fixed point near the end on the ray.  opl itself
-                     is off by at most path + index * point */
+                     is off by at most path + index * point where the last element is
+                     plane; its slope s makes that path + index * point * sqrt(1 + s^2) */
     double grain; /* how far an ulp of each number of the launch ray moves the point */
     double path_grain; /* how far it changes the path, except by moving the launch point
                           along the ray.  0 if there is no phase: by Fermat's principle

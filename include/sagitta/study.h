@@ -338,7 +338,8 @@ typedef struct sgt_ends_row {
     int    fate;
     size_t element;              /* where it ended, from 1; 0: it was not traced */
     sgt_ray_end end;
-    unsigned long long reserved_[2];
+    double opl_err;              /* how far rounding puts end.opl off, to first order */
+    unsigned long long reserved_[1];
 } sgt_ends_row;
 
 /* "spot": a row for each wavelength, then one for all. */

@@ -9,17 +9,22 @@ are.  Lengths may be off by 1e-10 of the lens's length, from the object or else 
 and by no more than the error that is told; path differences by no more than the error that is told.
 """
 import csv
+import decimal
 import functools
+import json
 import math
 import os
 import pathlib
+import random
 import sys
+from decimal import Decimal
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / 'tool'))
 from command import *  # noqa: E402
 
 DATA = HERE.parent / 'data'
+SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'), 0)
 os.environ['SAGITTA_GLASS'] = str(HERE.parents[1] / 'data' / 'glass')
 WITHIN = 1e-10   # of the length of a lens
 ULPS = 64       # an error of a path difference, in ulps of the longest path
@@ -108,6 +113,42 @@ def test_rays():
                 close(mine[column], row[column], within, what + column)
             chief = got[key(row)[:2] + (0, 0)]
             close(float(mine['opl']) - float(chief['opl']), row['opl'], 1e-14 * length_of(lens), what + 'opl')
+
+
+def test_the_error_of_a_path():
+    """Of meridional rays through spheres, at 50 digits: one leaves glass just below total reflection, where rounding
+    moves the end, and with it the path to it, far more than the path to a wavefront; the last surface is plane or steep."""
+    def exact(y, index, spheres):
+        """The path of a ray along z from z = -8 at y; spheres: curvature, distance in front, index behind."""
+        o, d, n, path = [y, Decimal(-8)], [Decimal(0), Decimal(1)], Decimal(index), Decimal(0)
+        for c, distance, behind in spheres:
+            o[1] -= distance
+            c = Decimal(c)
+            b, e = d[1] - c * (o[0] * d[0] + o[1] * d[1]), c * (o[0] ** 2 + o[1] ** 2) - 2 * o[1]
+            t = e / (b + (b * b - c * e).sqrt())
+            o, path = [o[i] + t * d[i] for i in (0, 1)], path + n * t
+            normal = [-c * o[0], 1 - c * o[1]]
+            along = n * (normal[0] * d[0] + normal[1] * d[1])
+            more = (behind ** 2 - n ** 2 + along ** 2).sqrt() - along
+            d, n = [(n * d[i] + more * normal[i]) / behind for i in (0, 1)], Decimal(behind)
+        return path
+
+    generator = random.Random(SEED)
+    worst = 0
+    decimal.getcontext().prec = 50
+    for image in (0, 0.025, -0.03):
+        path = written(json.dumps({
+            'units': 'mm', 'wavelengths': [0.5], 'object': {'index': 1.5}, 'pupil': {'semi_diameter': 8, 'distance': 0},
+            'surfaces': [{'type': 'conic', 'curvature': 0.1, 'index': 1, 'thickness': 10},
+                         {'type': 'conic', 'curvature': image} if image else {'type': 'plane'}]}))
+        points = [6.66666 / 8] + [(1 - 10 ** generator.uniform(-6, -0.3)) / 1.2 for _ in range(60)]
+        got = rows('ends', path, *(a for py in points for a in ('--pupil', f'0 {py!r}')))
+        for py, row in zip(points, got):
+            equal(row['fate'], 'passed')
+            off = float(abs(Decimal(float(row['opl'])) - exact(8 * Decimal(py), 1.5, [(0.1, 0, 1), (image, 10, 1)])))
+            assert off <= float(row['opl_err']), (image, py, off, row)
+            worst = max(worst, off / float(row['opl_err']))
+    assert worst > 1e-3, f'{worst:.3g} of the told error: it tells nothing'
 
 
 def test_fans():

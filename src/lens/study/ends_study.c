@@ -1,17 +1,37 @@
 // SPDX-License-Identifier: MIT
-/* ends_study.c - the study itself: where each ray ends, and how sure that is. */
+/* ends_study.c - the study itself: where each ray ends, and how sure that is.
+ *
+ * THE ERROR OF THE PATH.  opl_err of an end is that of the path to the foot of a perpendicular from a fixed
+ * point near p.  The path to p itself has also what p moves along the ray.  p stays on the last element, so
+ * where its x and y are off by p_err and its slope is s, it is off by p_err sqrt(1 + s^2), in any direction. */
 #include "analyses.h"
 #include "study.h"
+#include "wavefront.h"
+
+#include <math.h>
+
+static double error_of_opl(const sgt_ray_end *end, const sgt_element *last, double index)
+{
+    sgt_vec3 g;
+    if (end->fate != SGT_PASSED) return end->opl_err;
+    last->surface.ops->value(last->surface.self, end->p, &g);
+    const double off = end->opl_err + index * end->p_err * hypot(1, hypot(g.x, g.y) / fabs(g.z));
+    return isnan(off) ? HUGE_VAL : off;
+}
 
 static void ends_take(const pass *p, size_t i, size_t count, const sgt_ray_end end[], const void *sum)
 {
     const sgt_asking *a = p->ask;
+    const band *at = &a->band[i % a->bands];
+    const size_t elements = a->lens->count;
+    const double index = sgt_index_of_image(elements, at->element, at->before);
     (void)sum;
     for (size_t k = 0; k < count; k++) {
         const sgt_ends_row row = {.field = a->number[i / a->bands],
-                                  .wavelength = a->band[i % a->bands].at.um, .fate = sgt_fate_of(&end[k]),
+                                  .wavelength = at->at.um, .fate = sgt_fate_of(&end[k]),
                                   .element = end[k].aimed == SGT_MET ? end[k].element + 1 : 0,
-                                  .end = end[k]};
+                                  .end = end[k],
+                                  .opl_err = error_of_opl(&end[k], &at->element[elements - 1], index)};
         sgt_ask_row(a, &row);
     }
 }
@@ -48,7 +68,7 @@ static const sgt_column ends_columns[] = {
      "the optical path from the object, or a plane wavefront"},
     {.name = "xy_err", SGT_COLUMN_ERROR, SGT_UNIT_LENGTH, 0, ENDS_AT(end.p_err), 0,
      "rounding puts neither x nor y off by more"},
-    {.name = "opl_err", SGT_COLUMN_ERROR, SGT_UNIT_LENGTH, 0, ENDS_AT(end.opl_err), 0, "nor the path"},
+    {.name = "opl_err", SGT_COLUMN_ERROR, SGT_UNIT_LENGTH, 0, ENDS_AT(opl_err), 0, "nor the path"},
     {.name = "within", SGT_COLUMN_NUMBER, SGT_UNIT_PUPIL, SGT_COLUMN_DETAIL, ENDS_AT(end.within), 0,
      "of a ray that aiming has not found: proven, there is none so near"},
 };

@@ -40,6 +40,14 @@
 
 static const double ROUND = 0x1p-52;
 
+double sgt_index_of_image(size_t count, const sgt_element e[], double index_before)
+{
+    double index = index_before == 0 ? 1 : index_before;
+    for (size_t i = 0; i + 1 < count; i++) /* what the last one does to light is not looked at */
+        if (e[i].index != SGT_MIRROR && e[i].index != 0) index = e[i].index;
+    return index;
+}
+
 bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data, const sgt_element e[],
                       double index_before, const sgt_ray_end *chief, bool afocal, sgt_reference *out,
                       sgt_error *error)
@@ -49,10 +57,8 @@ bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data, const s
         return sgt_launch_fail(&of, error, "", "the chief ray does not get through surface %zu",
                                chief->element + 1);
     *out = (sgt_reference){.kind = SGT_REFERENCE_SPHERE, .centre = chief->p, .along = chief->d,
-                           .index = index_before == 0 ? 1 : index_before, .opl = chief->opl,
+                           .index = sgt_index_of_image(lens->count, e, index_before), .opl = chief->opl,
                            .opl_err = chief->opl_err, .p_err = chief->p_err};
-    for (size_t i = 0; i + 1 < lens->count; i++) /* what the last one does to light is not looked at */
-        if (e[i].index != SGT_MIRROR && e[i].index != 0) out->index = e[i].index;
     if (afocal) out->kind = SGT_REFERENCE_PLANE;
     else if (!isfinite(data->exit_pupil)) out->kind = SGT_REFERENCE_INFINITE;
     if (out->kind != SGT_REFERENCE_SPHERE) return true;

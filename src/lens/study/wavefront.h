@@ -13,6 +13,9 @@ typedef struct sgt_wavefront_sum { size_t rays, passed; double least, most, off;
 void sgt_wavefront_add(sgt_wavefront_sum *s, size_t count, const sgt_ray_end end[], const double opd[],
                        const double error[]);
 void sgt_wavefront_merge(sgt_wavefront_sum *s, const sgt_wavefront_sum *more);
+/* The index in front of the last element. */
+double sgt_index_of_image(size_t count, const sgt_element e[], double index_before);
+
 double sgt_wavefront_rms_error(const sgt_wavefront_sum *s);
 sgt_wavefront sgt_wavefront_sum_of(const sgt_wavefront_sum *s);
 
