@@ -92,8 +92,9 @@ static size_t by_cells_in_lanes(sgt_surface s, const sgt_tile *tile, const sgt_o
     return hard ? single_runs(s, tile, opt, hard) : 0;
 }
 
-/* Estimates that are proven without enclosures.  Returns how many rays are left SGT_HARD. */
-static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+/* Estimates that are proven without enclosures.  Returns how many rays are left SGT_HARD.  (Not in the frame
+ * of by_tiles, which is below that of each ray that is left.) */
+SGT_NOINLINE static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     double x[10][SGT_QUICK];
     sgt_status status[SGT_QUICK];

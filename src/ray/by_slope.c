@@ -260,7 +260,7 @@ static void take_parts(quick_proof *w)
     const sgt_rays *r = &w->tile->rays;
     const sgt_hits *h = &w->tile->hits;
     size_t n = w->tile->n;
-    double evals[BLOCK], begun[BLOCK], some = 0;
+    double *evals = w->t, *begun = w->rest, some = 0; /* rows that are free as yet */
     bool chords = !w->near && marches_chord(w->shared);
     for (size_t i = 0; i < n; i++) w->steep[i] = w->shared->steep, w->asked[i] = 0;
     for (size_t i = 0; i < n && w->kept; i++) {
