@@ -163,8 +163,8 @@ typedef struct sgt_ray_end {
     double   opl;        /* from the object, or the common wavefront, to p: a phase of the
                             last element is not in it */
     /* Bounds, to first order: how far x and y of p are off (infinite: not known), and the
-     * path to the foot of a perpendicular from a fixed point near p (sgt_trace_error); opl
-     * is off by more, as p moves.  The rounding of the launch ray is in them. */
+     * path to the foot of a perpendicular from a fixed point near p (sgt_trace_error).
+     * opl is off by more, as p moves.  The rounding of the launch ray is in them. */
     double p_err, opl_err;
     /* A bound on the error of d, an angle in radians.  NaN unless the lens is afocal or
      * sgt_trace_chief set it. */

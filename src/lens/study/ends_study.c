@@ -2,8 +2,8 @@
 /* ends_study.c - the study itself: where each ray ends, and how sure that is.
  *
  * THE ERROR OF THE PATH.  opl_err of an end is that of the path to the foot of a perpendicular from a fixed
- * point near p.  The path to p itself has also what p moves along the ray.  p stays on the last element, so
- * where its x and y are off by p_err and its slope is s, it is off by p_err sqrt(1 + s^2), in any direction. */
+ * point near p.  The path to p itself has also what p moves along the ray.  p stays on the last element: of
+ * the slope s, where x and y are off by p_err, p is off by p_err sqrt(1 + s^2), in whatever direction. */
 #include "analyses.h"
 #include "study.h"
 #include "wavefront.h"
