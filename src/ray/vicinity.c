@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /* vicinity.c - see vicinity.h.  A single ray is a row of one. */
+#include "general.h"
 #include "wings.h"
 
 enum { SHRINKS = 12 };
@@ -312,7 +313,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
                      vicinities *kept, const vicinity *v)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
-    const bool chords = !near && marches_chord(whole), rimmed = chords && builtin->rim(s.self) > 0;
+    const bool chords = !near && marches_chord(whole), rimmed = chords && rim2_of_surface(s) < HUGE_VAL;
     if (rimmed) { /* what is left has no F on a part of its chord */
         sgt_march_chord(s, n, r, whole, v);
         if (asked_all(n, v->asked) == 0) return;

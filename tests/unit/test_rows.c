@@ -772,7 +772,8 @@ static void test_roots_at_the_origin(void **state)
             bool same = h.t == t[i] && h.t_lo == t_lo[i] && h.t_err == t_err[i];
             REQUIRE(h.status == status[i] && (same || h.status != SGT_HIT),
                     "biconic %a %a, ray %a %a %a along %a %a %a from %a: t_err %a alone, %a in a batch",
-                    shape.c_x, shape.c_y, r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, h.t_err, t_err[i]);
+                    shape.c_x, shape.c_y, r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin,
+                    h.t_err, t_err[i]);
             hits += h.status == SGT_HIT;
         }
     }
