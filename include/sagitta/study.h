@@ -61,7 +61,7 @@ typedef struct sgt_shard {
     bool (*write)(void *context, size_t size, const void *bytes);
     bool (*read)(void *context, size_t number, size_t size, void *bytes);
     size_t (*next)(void *context, size_t of);
-    unsigned long long reserved_[1];
+    unsigned long long reserved_[2];
 } sgt_shard;
 
 /* Zeros are the defaults. */
