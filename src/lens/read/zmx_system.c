@@ -383,7 +383,7 @@ static used_fields choose_fields(zmx *z)
                         "field %zu, an angle of %g degrees: it must be less than 90", i + 1, tall ? b : a);
     }
     if (u.count == 0 && (listed || (z->fields != 0 && z->fields != SIZE_MAX)))
-        tree_remark(z->s, SGT_REMARK_NOTE, z->ftyp_line, "FTYP",
+        tree_remark(z->s, SGT_REMARK_NOTE, z->ftyp_line ? z->ftyp_line : 1, "FTYP",
                     "no field is left; one on the axis is taken");
     return u;
 }
