@@ -224,6 +224,26 @@ static void vicinity_leave(size_t n, double part, const sgt_rays *r, const vicin
     }
 }
 
+/* Gives the bound back to the rays that start near the surface and not on it: before a chord there is a
+ * root only if F is 0 at the start to within the rule of the start, which is far less than 2^-32 of its
+ * terms; and a chord is cheaper than a march.  least: as vicinity_leave has left it; before: as it was.
+ * This look chooses the way and is no step of a search: like those at heights it is not counted, and no
+ * watcher is told of it. */
+static void stays_off(sgt_surface s, size_t n, const sgt_rays *r, const vicinity *v, const double *before,
+                      double *least)
+{
+    double *const *p = v->work + 13, *f = v->work[16], *const *g = v->work + 17, some = 0;
+    for (size_t i = 0; i < n; i++) some += v->asked[i] > 0 && least[i] == 0 && before[i] > 0;
+    if (some == 0) return;
+    for (int c = 0; c < 3; c++)
+        for (size_t i = 0; i < n; i++) p[c][i] = moved_along(r->o[c][i], v->tmin[i], r->d[c][i]);
+    s.ops->values(s.self, n, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {g[0], g[1], g[2]}});
+    for (size_t i = 0; i < n; i++) {
+        double terms = fabs(p[0][i] * g[0][i]) + fabs(p[1][i] * g[1][i]) + fabs(p[2][i] * g[2][i]);
+        if (least[i] == 0 && before[i] > 0 && fabs(f[i]) > 0x1p-32 * terms) least[i] = before[i];
+    }
+}
+
 /* Of one ray: may it be one of these? */
 SGT_INLINE bool starts_between(const sgt_rays *r, const vicinity *v, const region_rows *w)
 {
@@ -344,8 +364,11 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     for (int k = 0; k < 2; k++) {
         builtin->chords(n, r, w.radius2, w.steep, axis ? read : NULL, lo, hi, least);
         /* without a box the march costs more than a chord: it is for rays that start on the surface */
-        if (marches && (n > 1 || starts_between(&r, v, &w)))
+        if (marches && (n > 1 || starts_between(&r, v, &w))) {
+            memcpy(v->work[12], least, n * sizeof *least);
             vicinity_leave(n, boxes ? 0.25 : 0x1p-5, &r, v, &w, lo, hi, least);
+            if (!boxes) stays_off(s, n, &r, v, v->work[12], least);
+        }
         left = vicinity_judge(n, &r, v, w.from, lo, hi, least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
         for (size_t i = 0; i < n; i++) w.wide[i] = rung_above(w.radius[i], FINE);
@@ -367,7 +390,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     for (size_t i = 0; i < n; i++) {
         bool monotone = v->asked[i] < 0;
         if (monotone) v->asked[i] = 0;
-        /* the rays that a march has answered, and no others: what their neighbours need is no matter */
+        /* the rays that a march has answered: what their neighbours need is no matter */
         const bool marched = v->evals[i] > (v->begun ? v->begun[i] : 0) || monotone;
         if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
         double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);

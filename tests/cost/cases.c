@@ -70,6 +70,14 @@ static sgt_ray from_vertex(void)
     return ray;
 }
 
+/* Near a surface and not on it: between the heights of what is about. */
+static sgt_ray from_nearby(void)
+{
+    sgt_ray ray = toward_lens();
+    ray.o.z = -0.02;
+    return ray;
+}
+
 static sgt_ray of_picture(void)  /* of the ball of radius 1.2 about the origin, from one eye */
 {
     sgt_ray ray = {.o = {1.2, 0.9, -3.2}};
@@ -518,6 +526,12 @@ int main(int argc, char **argv)
         draw(toward_lens);
         batch(of, MANY, &first);
         ask_case(surfaces[i].name, "a batch that leaves", leave_batch, of, MANY, first);
+    }
+    for (size_t i = 0; i < COUNT_OF(surfaces); i++) {
+        const subject *of = &surfaces[i].of;
+        if (of->surface.ops != &sgt_odd_asphere_ops && of->surface.ops != &sgt_q_bfs_ops) continue;
+        draw(from_nearby);
+        ask_case(surfaces[i].name, "a batch from nearby", batch, of, MANY, first);
     }
     for (const sgt_builtin *b = sgt_builtins(); b->type; b++) { /* any other, by its specimen */
         bool named = false;
