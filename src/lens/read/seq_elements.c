@@ -310,6 +310,19 @@ static void write_object(seq *q, node *root)
         tree_remark(q->s, SGT_REMARK_LEFT_OUT, f->aperture[0].line, "SO", "an aperture of the object");
 }
 
+/* CODE V's chief rays go through the middle of the stop.  In an ordinary lens the paraxial pupil has them there
+ * but for its aberrations; where something is moved up to the stop, it does not. */
+static void write_aim(seq *q, node *root)
+{
+    const size_t stop = q->stop ? q->stop : 1;
+    size_t i = 1;
+    while (i <= stop && !any(q->surface[i].move, SEQ_MOVES)) i++;
+    if (i > stop) return;
+    sgt_seq_set_word(q, root, "aim", q->surface[i].move_line, "stop");
+    tree_remark(q->s, SGT_REMARK_TURNED, q->surface[i].move_line, "STO",
+                "a lens whose rays are aimed at the stop, since surface %zu, in front of it or it itself, is moved", i);
+}
+
 static void tell_what_was_taken(seq *q)
 {
     if (!q->stop)
@@ -340,6 +353,7 @@ void sgt_seq_write_surfaces(seq *q, node *root)
     }
     if (q->focus_line) write_focus(q, step, image->thickness.value);
     write_surface(q, list, image, 0, &step);
+    write_aim(q, root);
     tree_set(q->s, root, "surfaces", list);
     tell_what_was_taken(q);
 }
