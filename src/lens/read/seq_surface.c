@@ -9,6 +9,7 @@
 #include "seq.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 /* From here on a thickness is infinite: CODE V writes 1e10 and more. */
@@ -77,14 +78,16 @@ static seq_surface *line_surface(seq *q)
     const unsigned which = asked(q);
     const piece word = q->word[0].text;
     const size_t line = sgt_seq_line(q);
+    const bool numbered = which == NEXT && word.end - word.begin > 1;
     size_t number = q->count;
-    if (which == NEXT && word.end - word.begin > 1) {
+    if (numbered) {
         number = 0;
-        for (const char *c = word.begin + 1; c < word.end; c++) number = 10 * number + (size_t)(*c - '0');
+        for (const char *c = word.begin + 1; c < word.end && number < SIZE_MAX / 20; c++)
+            number = 10 * number + (size_t)(*c - '0');
     }
     if (which == OBJECT && q->count) tree_fail(q->s, line, "SO", "a second object; a lens has one");
     if (which == IMAGE && q->image_line) tree_fail(q->s, line, "SI", "a second image; a lens has one");
-    if (which != OBJECT && !q->count && number)
+    if (which != OBJECT && !q->count && !(numbered && number == 0))
         tree_fail(q->s, line, q->row->name, "a surface stands before the object, SO");
     if (number > q->count || (number == q->count && q->image_line))
         tree_fail(q->s, line, "S", "there is no surface %zu here", number);
