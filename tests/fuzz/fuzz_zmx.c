@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* fuzz_zmx.c - bytes as a .zmx file (imported.h).  A prefix of the text, up to the byte that the first byte of
- * the input says in 256ths of its length, is read too: it is a lens or refused, as the whole. */
+/* fuzz_zmx.c - bytes as a .zmx file (imported.h).  A prefix of the text, up to the byte that the first byte
+ * of the input says in 256ths of its length, is read too: it is a lens or refused, as the whole. */
 #include "imported.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

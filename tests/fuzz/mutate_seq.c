@@ -4,9 +4,9 @@
  *
  *     mutate_seq COUNT FILE...
  *
- * A mutation changes, inserts, removes or repeats some bytes, or takes a line from another file.  It is drawn from
- * SAGITTA_TEST_SEED (1).  A prefix that is a lens must say that the file may be cut off, unless what is missing
- * is blank. */
+ * A mutation changes, inserts, removes or repeats some bytes, or takes a line from another file.  It is drawn
+ * from SAGITTA_TEST_SEED (1).  A prefix that is a lens must say that the file may be cut off, unless what is
+ * missing is blank. */
 #include "imported.h"
 
 #include <stdio.h>
@@ -36,8 +36,12 @@ static size_t mutated(uint8_t *to, int from)
         const size_t there = draw(length[other]);
         static const char marks[] = "&;!'\"SZ01.-\n eQ";
         switch (draw(5)) {
-        case 0: to[at] = (uint8_t)draw(256); break;
-        case 1: to[at] = (uint8_t)marks[draw(sizeof marks - 1)]; break;
+        case 0:
+            to[at] = (uint8_t)draw(256);
+            break;
+        case 1:
+            to[at] = (uint8_t)marks[draw(sizeof marks - 1)];
+            break;
         case 2:
             memmove(to + at, to + at + much, n - at - much);
             n -= much;

@@ -379,7 +379,7 @@ def test_refused():
             (plain('WL 587.5618', 'WL -3'), 5, 'no wavelength'), (plain('DIM M', 'DIM Q'), 3, 'no known unit'),
             (plain('SO 0 1e13', 'SO 0 -5'), 8, 'behind the first surface'), (plain('S -60 40', 'S -60 1e10'), 11, 'infinitely far'),
             (plain('LEN', 'RES a.len'), 2, 'another file'), (plain('GO', 'ZOO THI S1 1 2\nGO'), 13, 'number of positions'),
-            (plain('GO', 'ZOO 2\nZOO THI S1 1\nGO'), 14, '2 values'), (plain('GO', 'ZOO 2\nZOO S 1 2\nGO'), 14, 'how "S" is zoomed'),
+            (plain('GO', 'ZOO 2\nZOO THI S1 1\nGO'), 14, 'THI has 1 values behind it, and not 2'), (plain('GO', 'ZOO 2\nZOO S 1 2\nGO'), 14, 'how "S" is zoomed'),
             (plain('S -60 40', 'S -60'), 11, 'a value is missing'), (PLAIN[:PLAIN.index(' 0\nGO')], 12, 'cut off'),
             (plain('GO', 'PRV\n'), 13, 'no END'), (plain('STO', 'STO S0'), 10, 'object cannot be the stop')):
         try:

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 /* seq.c - lenses as sequence files of CODE V, .seq.
  *
- * THE TEXT.  Commands end with their line or a semicolon; & at the end of a line goes on in the next; ! begins
- * a comment, but not in quotes.  The case of letters does not matter.  Of a command's word the first three
- * letters count; words of one and two letters are whole.  Behind it come qualifiers (S3, S2..5, SO, SI, SS,
- * Z2, F2, W1, C1, L'name', EDG ...), and then values.  A command of a surface without a qualifier is of the
- * surface that was opened last: SO is the object, S the next one, SI the image.  Later commands overwrite
+ * THE TEXT.  Commands end with their line or a semicolon; & at the end of a line goes on in the next; !
+ * begins a comment, but not in quotes.  The case of letters does not matter.  Of a command's word the first
+ * three letters count; words of one and two letters are whole.  Behind it come qualifiers (S3, S2..5, SO, SI,
+ * SS, Z2, F2, W1, C1, L'name', EDG ...), and then values.  A command of a surface without a qualifier is of
+ * the surface that was opened last: SO is the object, S the next one, SI the image.  Later commands overwrite
  * earlier ones, so all of the file is read before anything is made of it.
  *
  * The format is not published in whole.  What its commands mean is known from files that CODE V wrote, from
  * readers of other programs, and from traces of both that agree.  Where those are silent or differ, a remark
  * says what was taken, or the file is refused with the name of the command: a wrong lens is worse than none.
  *
- * NOTHING IN SILENCE.  The tables of seq_system.c and seq_surface.c say of each command what becomes of it.  A
+ * NOTHING IN SILENCE.  The tables of seq_system.c and seq_surface.c say of each command what becomes of it. A
  * command in none of them is an error among the surfaces, where it may be a shape, and elsewhere a remark.
  *
  * ZOOM.  The plain commands hold position 1.  ZOO COMMAND v1 ... vn is read as COMMAND with the value of the
@@ -30,14 +30,14 @@
 /* ------------------------------------------------------------------- words */
 
 static bool ends_line(char c) { return c == '\n' || c == '\r'; }
-static bool is_blank(char c) { return (unsigned char)c <= ' ' && !ends_line(c); }
+static bool is_space(char c) { return (unsigned char)c <= ' ' && !ends_line(c); }
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 static bool is_letter(char c) { return sgt_lower(c) >= 'a' && sgt_lower(c) <= 'z'; }
 
 /* Is there nothing but blanks, or a comment, from here to the end of the line? */
 static bool nothing_more(const seq *q, const char *c)
 {
-    while (c < q->end && is_blank(*c)) c++;
+    while (c < q->end && is_space(*c)) c++;
     return c == q->end || ends_line(*c) || *c == '!';
 }
 
@@ -69,7 +69,8 @@ static piece quoted_word(seq *q)
 static piece plain_word(seq *q)
 {
     piece word = {q->at, q->at};
-    for (const char *c = q->at; c < q->end && !is_blank(*c) && !ends_line(*c) && *c != ';' && *c != '!'; c++) {
+    for (const char *c = q->at; c < q->end && !is_space(*c) && !ends_line(*c) && *c != ';' && *c != '!';
+         c++) {
         if (*c == '&' && nothing_more(q, c + 1)) break;
         word.end = c + 1;
     }
@@ -82,7 +83,7 @@ static bool next_command(seq *q)
 {
     q->words = 0, q->next = 1, q->whole = true;
     for (;;) {
-        while (q->at < q->end && is_blank(*q->at)) q->at++;
+        while (q->at < q->end && is_space(*q->at)) q->at++;
         if (q->at < q->end && *q->at == '!') skip_line(q);
         if (q->at == q->end) {
             q->whole = false;
@@ -105,7 +106,7 @@ static bool next_command(seq *q)
 /* -------------------------------------------------------------- qualifiers */
 
 /* Digits to the end, or to `..`; *number 0: none. */
-static const char *whole_in(piece text, const char *at, size_t *number)
+static const char *digits_to(piece text, const char *at, size_t *number)
 {
     *number = 0;
     const char *begin = at;
@@ -115,8 +116,7 @@ static const char *whole_in(piece text, const char *at, size_t *number)
 
 static size_t surface_there(seq *q, size_t number, size_t line)
 {
-    if (number >= q->count)
-        tree_fail(q->s, line, q->row->name, "there is no surface %zu here", number);
+    if (number >= q->count) tree_fail(q->s, line, q->row->name, "there is no surface %zu here", number);
     return number;
 }
 
@@ -126,20 +126,19 @@ static bool surface_qualifier(seq *q, const seq_word *w)
     const piece t = w->text;
     const bool image = sgt_seq_is(t, "si"), stop = sgt_seq_is(t, "ss");
     size_t from = 0, to = 0;
-    if (image && !q->image_line)
-        tree_fail(q->s, w->line, q->row->name, "SI stands before the image surface");
+    if (image && !q->image_line) tree_fail(q->s, w->line, q->row->name, "SI stands before the image surface");
     if (stop && !q->stop) tree_fail(q->s, w->line, q->row->name, "SS stands before the stop is said");
     if (image || stop || sgt_seq_is(t, "so")) {
         from = to = image ? q->count - 1 : stop ? q->stop : 0;
     } else {
         if (t.end - t.begin < 2 || sgt_lower(*t.begin) != 's') return false;
-        const char *at = whole_in(t, t.begin + 1, &from);
+        const char *at = digits_to(t, t.begin + 1, &from);
         if (!at) return false;
         to = from;
         if (t.end - at > 2 && at[0] == '.' && at[1] == '.') {
             at += 2;
             if (sgt_lower(*at) == 's') at++;
-            at = whole_in(t, at, &to);
+            at = digits_to(t, at, &to);
         }
         if (at != t.end) return false;
     }
@@ -154,7 +153,7 @@ static bool numbered_qualifier(seq *q, piece t)
     size_t *const to[] = {&q->zoom, &q->field, &q->term, &q->term};
     const char *which = t.begin < t.end ? memchr(letters, sgt_lower(*t.begin), sizeof letters - 1) : NULL;
     size_t number;
-    if (!which || whole_in(t, t.begin + 1, &number) != t.end || number == 0) return false;
+    if (!which || digits_to(t, t.begin + 1, &number) != t.end || number == 0) return false;
     *to[which - letters] = number;
     return true;
 }
@@ -198,7 +197,7 @@ static void read_qualifiers(seq *q)
 
 /* ---------------------------------------------------------------- commands */
 
-static const seq_table *const tables[] = {&sgt_seq_surface_commands, &sgt_seq_system_commands};
+static const seq_table *const command_tables[] = {&sgt_seq_surface_commands, &sgt_seq_system_commands};
 enum { TABLES = 2 };
 
 /* S, or S with a number. */
@@ -206,7 +205,7 @@ static bool opens_surface(piece word)
 {
     size_t number;
     return sgt_seq_is(word, "s") || (word.end - word.begin > 1 && sgt_lower(*word.begin) == 's' &&
-                                     whole_in(word, word.begin + 1, &number) == word.end);
+                                     digits_to(word, word.begin + 1, &number) == word.end);
 }
 
 static const seq_command *command_of(const seq_word *w, size_t *table)
@@ -219,11 +218,11 @@ static const seq_command *command_of(const seq_word *w, size_t *table)
     if (w->quoted) return NULL;
     const size_t letters = opens ? 1 : length > SHORT ? SHORT : length;
     for (*table = 0; *table < TABLES; ++*table)
-        for (size_t i = 0; i < tables[*table]->count; i++) {
-            const char *name = tables[*table]->command[i].name;
+        for (size_t i = 0; i < command_tables[*table]->count; i++) {
+            const char *name = command_tables[*table]->command[i].name;
             size_t k = 0;
             while (k < letters && name[k] && sgt_lower(name[k]) == sgt_lower(w->text.begin[k])) k++;
-            if (k == letters && !name[k]) return &tables[*table]->command[i];
+            if (k == letters && !name[k]) return &command_tables[*table]->command[i];
         }
     return NULL;
 }
@@ -234,7 +233,7 @@ static void count_once(seq_count *c, const char *key, size_t line)
 }
 
 /* In front of the surfaces and behind them it does not say a shape. */
-static void count_unknown(seq *q)
+static void count_stranger(seq *q)
 {
     const seq_word *w = &q->word[0];
     const piece key = {w->text.begin, w->text.begin + sgt_reader_width(w->text)};
@@ -252,19 +251,23 @@ static void count_unknown(seq *q)
             q->unknown[i].count++;
             return;
         }
-    if (q->unknowns < SEQ_UNKNOWN) q->unknown[q->unknowns++] = (seq_count){sgt_seq_copy(q, key), w->line, 1};
-    else if (q->others++ == 0) q->others_line = w->line;
+    if (q->unknowns < SEQ_UNKNOWN)
+        q->unknown[q->unknowns++] = (seq_count){sgt_seq_copy(q, key), w->line, 1};
+    else if (q->others++ == 0)
+        q->others_line = w->line;
 }
 
-static void read_known(seq *q, size_t table)
+static void read_zoom(seq *q);
+
+static void carry_out(seq *q, size_t table)
 {
     const seq_command *c = q->row;
-    const size_t place = (size_t)(c - tables[table]->command), line = sgt_seq_line(q);
+    const size_t place = (size_t)(c - command_tables[table]->command), line = sgt_seq_line(q);
     if (!q->whole && c->fate != SEQ_TEXT && c->fate != SEQ_IDLE)
         tree_fail(q->s, line, c->name, "the file ends in the middle of this line; is it cut off?");
     if (c->fate == SEQ_REFUSED) tree_fail(q->s, line, c->name, "is not read: %s", c->why);
     if (c->fate == SEQ_OPTION) q->option_line = line;
-    if (c->fate != SEQ_READ && c->fate != SEQ_TEXT) {
+    if (c->fate < SEQ_READ) {
         count_once(&q->met[table][place], c->name, line);
         return;
     }
@@ -276,7 +279,10 @@ static void read_known(seq *q, size_t table)
         if (q->zoomed++ == 0) q->zoomed_line = line;
         return;
     }
-    c->read(q);
+    if (c->fate == SEQ_ZOOM)
+        read_zoom(q);
+    else
+        c->read(q);
     if (q->next < q->words) count_once(&q->extra[table][place], c->name, q->word[q->next].line);
 }
 
@@ -294,16 +300,16 @@ static void read_command(seq *q)
     } else if (q->in_private) {
         sgt_seq_read_private(q);
     } else if (q->row) {
-        read_known(q, table);
+        carry_out(q, table);
     } else {
-        count_unknown(q);
+        count_stranger(q);
     }
 }
 
 /* -------------------------------------------------------------------- zoom */
 
 /* ZOO n, or ZOO COMMAND qualifiers v1 ... vn. */
-void sgt_seq_read_zoom(seq *q)
+static void read_zoom(seq *q)
 {
     double x;
     size_t table;
@@ -316,18 +322,22 @@ void sgt_seq_read_zoom(seq *q)
     if (q->position > q->positions)
         tree_fail(q->s, q->positions_line, "ZOO", "there are %zu positions; there is no number %zu",
                   q->positions, q->position);
-    if (q->words < 2 + q->positions)
-        tree_fail(q->s, line, "ZOO", "a command and %zu values have to stand behind it, one for each position",
-                  q->positions);
-    const seq_command *c = command_of(&q->word[1], &table);
-    if (!c || c->fate == SEQ_OPTION || c->fate == SEQ_TEXT || (c->fate == SEQ_READ && !(c->which & SEQ_ZOOMS)))
-        tree_fail(q->s, line, "ZOO", "how \"%.*s\" is zoomed is not known", sgt_reader_width(q->word[1].text),
-                  q->word[1].text.begin);
-    const size_t first = q->words - q->positions;
+    const seq_command *c = q->words > 1 ? command_of(&q->word[1], &table) : NULL;
+    if (!c || c->fate == SEQ_OPTION || c->fate > SEQ_READ || (c->fate == SEQ_READ && !(c->which & SEQ_Z)))
+        tree_fail(q->s, line, "ZOO", "how \"%.*s\" is zoomed is not known",
+                  q->words > 1 ? sgt_reader_width(q->word[1].text) : 0,
+                  q->words > 1 ? q->word[1].text.begin : "");
+    q->row = c, q->next = 2;
+    forget_qualifiers(q);
+    read_qualifiers(q);
+    const size_t first = q->next;
+    if (q->words - first != q->positions)
+        tree_fail(q->s, line, "ZOO", "%s has %zu values behind it, and not %zu, one for each position",
+                  c->name, q->words - first, q->positions);
     const seq_word value = q->word[first + q->position - 1];
     for (size_t i = 1; i < first; i++) q->word[i - 1] = q->word[i];
-    q->word[first - 1] = value, q->words = first, q->next = 1, q->row = c;
-    read_known(q, table);
+    q->word[first - 1] = value, q->words = first, q->next = 1;
+    carry_out(q, table);
     q->next = q->words;
     if (q->zoomed++ == 0) q->zoomed_line = line;
 }
@@ -344,12 +354,13 @@ static void require_position(seq *q)
                     "all of the %zu positions of the zoom but number %zu; --configuration imports another",
                     positions, q->position);
     else if (q->zoomed)
-        tree_remark(q->s, SGT_REMARK_LEFT_OUT, q->zoomed_line, "ZOO", "what is said of other positions of a zoom");
+        tree_remark(q->s, SGT_REMARK_LEFT_OUT, q->zoomed_line, "ZOO",
+                    "what is said of other positions of a zoom");
 }
 
 /* ----------------------------------------------------------------- remarks */
 
-static void tell(seq *q, sgt_remark_kind kind, const seq_count *c, const char *words)
+static void tell_count(seq *q, sgt_remark_kind kind, const seq_count *c, const char *words)
 {
     if (c->count == 1) tree_remark(q->s, kind, c->line, c->key, "%s", words);
     if (c->count > 1) tree_remark(q->s, kind, c->line, c->key, "%s (%zu times)", words, c->count);
@@ -358,20 +369,22 @@ static void tell(seq *q, sgt_remark_kind kind, const seq_count *c, const char *w
 static void tell_commands(seq *q)
 {
     for (size_t table = 0; table < TABLES; table++)
-        for (size_t i = 0; i < tables[table]->count; i++) {
-            const seq_command *c = &tables[table]->command[i];
+        for (size_t i = 0; i < command_tables[table]->count; i++) {
+            const seq_command *c = &command_tables[table]->command[i];
             const seq_count *met = &q->met[table][i];
             if (c->fate == SEQ_SOLVE)
-                tell(q, SGT_REMARK_TURNED, met, "the number that is stored: it is a solve or pickup");
-            if (c->fate == SEQ_LEFT) tell(q, SGT_REMARK_LEFT_OUT, met, c->why ? c->why : "this command");
+                tell_count(q, SGT_REMARK_TURNED, met, "the number that is stored: it is a solve or pickup");
+            if (c->fate == SEQ_LEFT)
+                tell_count(q, SGT_REMARK_LEFT_OUT, met, c->why ? c->why : "this command");
             if (c->fate == SEQ_OPTION)
-                tell(q, SGT_REMARK_LEFT_OUT, met, "this option, with what stands up to its GO");
-            tell(q, SGT_REMARK_LEFT_OUT, &q->extra[table][i], "what stands behind its values");
+                tell_count(q, SGT_REMARK_LEFT_OUT, met, "this option, with what stands up to its GO");
+            tell_count(q, SGT_REMARK_LEFT_OUT, &q->extra[table][i], "what stands behind its values");
         }
     for (size_t i = 0; i < q->unknowns; i++)
-        tell(q, SGT_REMARK_LEFT_OUT, &q->unknown[i], "an unknown command");
+        tell_count(q, SGT_REMARK_LEFT_OUT, &q->unknown[i], "an unknown command");
     if (q->others)
-        tree_remark(q->s, SGT_REMARK_LEFT_OUT, q->others_line, "commands", "%zu more unknown ones", q->others);
+        tree_remark(q->s, SGT_REMARK_LEFT_OUT, q->others_line, "commands", "%zu more unknown ones",
+                    q->others);
     if (q->behind)
         tree_remark(q->s, SGT_REMARK_LEFT_OUT, q->behind_line, "GO",
                     "%zu command%s behind the GO that ends the lens", q->behind, q->behind == 1 ? "" : "s");
@@ -382,9 +395,10 @@ static void tell_commands(seq *q)
 
 /* ---------------------------------------------------------------- the file */
 
-static void require_surfaces(seq *q, size_t last)
+static void require_image(seq *q, size_t last)
 {
-    if (q->in_private) tree_fail(q->s, q->private_line, "PRV", "there is no END of these glasses; is it cut off?");
+    if (q->in_private)
+        tree_fail(q->s, q->private_line, "PRV", "there is no END of these glasses; is it cut off?");
     if (q->count == 0)
         tree_fail(q->s, q->first ? q->first : 1, NULL,
                   "no surface is in this file (no SO): it is no sequence file of CODE V");
@@ -405,7 +419,7 @@ void sgt_read_seq(source *s)
         last = q->word[q->words - 1].line;
         read_command(q);
     }
-    require_surfaces(q, last);
+    require_image(q, last);
     if (wanted < 0) tree_fail(s, q->first, "ZOO", "there is no position %d of a zoom", wanted);
     require_position(q);
     s->root = tree_node(s, NODE_MAP, q->first);

@@ -8,10 +8,17 @@
 #include "tree.h"
 
 /* One word of a command, and where it stands. */
-typedef struct seq_word { piece text; size_t line; bool quoted; } seq_word;
+typedef struct seq_word {
+    piece text;
+    size_t line;
+    bool quoted;
+} seq_word;
 
 /* A number and its line; line 0: it is not given. */
-typedef struct seq_number { double value; size_t line; } seq_number;
+typedef struct seq_number {
+    double value;
+    size_t line;
+} seq_number;
 
 /* ----------------------------------------------------------------- surfaces */
 
@@ -49,7 +56,7 @@ typedef struct seq_surface {
     seq_bend bend;
     seq_shape shape;
     seq_number curve, other_curve, thickness, conic; /* other_curve: in x */
-    double power[SEQ_POWERS]; /* of r^4, r^6 ... */
+    double power[SEQ_POWERS];                        /* of r^4, r^6 ... */
     size_t power_line;
     seq_word glass;
     bool mirror;
@@ -67,8 +74,17 @@ typedef struct seq_surface {
 
 /* What becomes of a command.  IDLE: it moves no ray.  SOLVE: its value is stored elsewhere.  LEFT: it is not
  * imported.  REFUSED: without it this would be another lens.  OPTION: so much is left out up to its GO.
- * READ, TEXT: read; a TEXT may be cut off at the end of the file. */
-typedef enum seq_fate { SEQ_IDLE, SEQ_SOLVE, SEQ_LEFT, SEQ_REFUSED, SEQ_OPTION, SEQ_READ, SEQ_TEXT } seq_fate;
+ * READ, TEXT: read; a TEXT may be cut off at the end of the file.  ZOOM: has another command in it. */
+typedef enum seq_fate {
+    SEQ_IDLE,
+    SEQ_SOLVE,
+    SEQ_LEFT,
+    SEQ_REFUSED,
+    SEQ_OPTION,
+    SEQ_READ,
+    SEQ_TEXT,
+    SEQ_ZOOM
+} seq_fate;
 
 typedef struct seq seq;
 
@@ -76,29 +92,52 @@ typedef struct seq_command {
     const char *name; /* of three letters: of longer ones the first three count */
     seq_fate fate;
     void (*read)(seq *q);
-    unsigned which;  /* what the reader asks; and SEQ_ZOOMS: it may stand behind ZOO */
+    unsigned which;  /* what the reader asks; and SEQ_Z: it may stand behind ZOO */
     const char *why; /* of LEFT, REFUSED: more words */
 } seq_command;
 
-enum { SEQ_ZOOMS = 256 };
+enum { SEQ_Z = 256 };
 
-typedef struct seq_table { size_t count; const seq_command *command; } seq_table;
+typedef struct seq_table {
+    size_t count;
+    const seq_command *command;
+} seq_table;
 extern const seq_table sgt_seq_surface_commands, sgt_seq_system_commands;
 
-typedef struct seq_list { double *value; size_t count, room, line; } seq_list;
+typedef struct seq_list {
+    double *value;
+    size_t count, room, line;
+} seq_list;
 
 /* Fields in the order of their kinds: x and y of each. */
 typedef enum seq_lists {
-    SEQ_XAN, SEQ_YAN, SEQ_XOB, SEQ_YOB, SEQ_XIM, SEQ_YIM, SEQ_XRI, SEQ_YRI,
-    SEQ_WL, SEQ_WTW, SEQ_WTF, SEQ_VUX, SEQ_VLX, SEQ_VUY, SEQ_VLY, SEQ_LISTS
+    SEQ_XAN,
+    SEQ_YAN,
+    SEQ_XOB,
+    SEQ_YOB,
+    SEQ_XIM,
+    SEQ_YIM,
+    SEQ_XRI,
+    SEQ_YRI,
+    SEQ_WL,
+    SEQ_WTW,
+    SEQ_WTF,
+    SEQ_VUX,
+    SEQ_VLX,
+    SEQ_VUY,
+    SEQ_VLY,
+    SEQ_LISTS
 } seq_lists;
 
-typedef struct seq_count { const char *key; size_t line, count; } seq_count;
+typedef struct seq_count {
+    const char *key;
+    size_t line, count;
+} seq_count;
 
 /* A glass of a PRV block. */
 typedef struct seq_private {
     seq_word name;
-    bool series;   /* LAU */
+    bool series; /* LAU */
     size_t count;
     double *value;
     seq_number *um; /* the wavelengths that held then */
@@ -107,18 +146,21 @@ typedef struct seq_private {
 } seq_private;
 
 /* A glass of the catalogue, by the letters and digits of its name. */
-typedef struct seq_known { const char *name, *maker; struct seq_known *next; } seq_known;
+typedef struct seq_known {
+    const char *name, *maker;
+    struct seq_known *next;
+} seq_known;
 
 enum { SEQ_UNKNOWN = 32, SEQ_HASH = 4096, SEQ_COMMANDS = 112 };
 
 struct seq {
     source *s;
-    const char *at, *end;   /* what is left of the text */
-    size_t line;            /* at `at` */
-    bool whole;             /* the command has an end of line or a ; */
-    seq_word *word;         /* of the command */
+    const char *at, *end;          /* what is left of the text */
+    size_t line;                   /* at `at` */
+    bool whole;                    /* the command has an end of line or a ; */
+    seq_word *word;                /* of the command */
     size_t words, word_room, next; /* next: the one to be taken */
-    const seq_command *row; /* what is read */
+    const seq_command *row;        /* what is read */
 
     /* the qualifiers of the command; of surfaces, from and to */
     bool placed;
@@ -127,8 +169,8 @@ struct seq {
     bool classed;
     piece label;
 
-    size_t first;           /* the line of the first command */
-    seq_bend bend;          /* of the lines to come */
+    size_t first;  /* the line of the first command */
+    seq_bend bend; /* of the lines to come */
     seq_surface *surface;
     size_t count, room, image_line; /* image_line 0: SI has not come */
     size_t current;
@@ -143,17 +185,17 @@ struct seq {
     double pupil_size;
     seq_number reference;
     seq_list list[SEQ_LISTS];
-    int fields;             /* the x list of those that hold; -1: none */
-    bool uses_apertures;    /* CA */
-    size_t aperture_line;   /* of the first that clips */
+    int fields;           /* the x list of those that hold; -1: none */
+    bool uses_apertures;  /* CA */
+    size_t aperture_line; /* of the first that clips */
 
     size_t positions, positions_line, position; /* of a zoom; position from 1 */
     size_t zoomed, zoomed_line;
 
     seq_private *own[SEQ_HASH];
-    seq_number *um;         /* PWL */
+    seq_number *um; /* PWL */
     size_t ums, um_room;
-    seq_known **known;      /* NULL: not asked yet */
+    seq_known **known; /* NULL: not asked yet */
     size_t approximate, approximate_line;
 
     seq_count unknown[SEQ_UNKNOWN];
@@ -162,26 +204,24 @@ struct seq {
 };
 
 /* seq_field.c: the words of a command, one after another.  What is missing or wrong is told. */
-bool sgt_seq_is(piece word, const char *small);   /* whatever the case of letters */
-const seq_word *sgt_seq_more(seq *q);             /* NULL: there is none */
+bool sgt_seq_is(piece word, const char *small); /* whatever the case of letters */
+const seq_word *sgt_seq_more(seq *q);           /* NULL: there is none */
 seq_word sgt_seq_needed(seq *q);
-bool sgt_seq_number_of(piece word, double *x);    /* 1.5, -.67, 1D-5 */
+bool sgt_seq_number_of(piece word, double *x); /* 1.5, -.67, 1D-5 */
 double sgt_seq_number_in(seq *q, const seq_word *w);
 double sgt_seq_number(seq *q);
 size_t sgt_seq_whole(seq *q, size_t least);
-char *sgt_seq_text(seq *q);                       /* all that is left */
+char *sgt_seq_text(seq *q); /* all that is left */
 char *sgt_seq_copy(seq *q, piece text);
 /* A number times a power of ten, rounded once. */
 double sgt_seq_scaled(seq *q, const seq_word *w, int power);
-size_t sgt_seq_line(const seq *q);                /* of the command */
+unsigned sgt_seq_asked(const seq *q); /* `which` of its row, but for SEQ_Z */
+size_t sgt_seq_line(const seq *q);    /* of the command */
 void sgt_seq_set_word(seq *q, node *map, const char *key, size_t line, const char *text);
 void sgt_seq_set_number(seq *q, node *map, const char *key, size_t line, double x);
 
-/* seq.c */
-void sgt_seq_read_zoom(seq *q);
-
 /* seq_glass.c */
-void sgt_seq_read_private(seq *q);    /* a command within a PRV block */
+void sgt_seq_read_private(seq *q); /* a command within a PRV block */
 /* Sets what is behind a surface, or in front of the first. */
 void sgt_seq_set_medium(seq *q, node *map, const seq_surface *f, bool object);
 

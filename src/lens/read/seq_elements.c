@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT
 /* seq_elements.c - the surfaces of a sequence file become surfaces and breaks of the lens file.
  *
- * FRAMES.  XDE YDE ZDE move the vertex; then ADE BDE CDE turn about the new x, the new y, the new z.  In CODE V
- * alpha and beta turn left-handed, gamma right-handed: so the tilt of a break is (-ADE, -BDE, CDE).  The
+ * FRAMES.  XDE YDE ZDE move the vertex; then ADE BDE CDE turn about the new x, the new y, the new z.  In CODE
+ * V alpha and beta turn left-handed, gamma right-handed: so the tilt of a break is (-ADE, -BDE, CDE).  The
  * telescope tests/data/seq/ray-optics__threemir.seq proves it: with this sign its five beams are sharp, and
  * with the other one they miss a mirror.
  *     plain   a break, the surface, its thickness along the new z
  *     DAR     the surface alone: the thickness is along the old z, from the old vertex
  *     BEN     the tilt again behind the surface, and the thickness along that z: so the axis follows a mirror
- *     REV     the surface, a plane that does nothing, and behind it the break that undoes one with these numbers
+ *     REV     the surface, a plane that does nothing, and behind it the break that undoes one with these
+ * numbers
  *
- * THE IMAGE.  The thickness of SI is a defocus: it is added to that of the last surface.  PIM puts the image at
- * the paraxial focus; the number in the file may be left from before, and the focus is what CODE V would take.
+ * THE IMAGE.  The thickness of SI is a defocus: it is added to that of the last surface.  PIM puts the image
+ * at the paraxial focus; the number in the file may be left from before, and the focus is what CODE V would
+ * take.
  *
  * Paraxial data, fields and the pupil are those of the axis without moves, as in CODE V. */
 #include "seq.h"
@@ -46,9 +48,11 @@ static seq_bend unsaid_bend(seq *q)
     const bool radii = least > 1 && least * half >= 1 && least >= half / 4, bends = most < 1 && most <= half;
     if (radii == bends)
         tree_fail(q->s, line, "RDM",
-                  "is missing, and the numbers of its surfaces may be radii or curvatures: write RDM in front of them "
+                  "is missing, and the numbers of its surfaces may be radii or curvatures: write RDM in "
+                  "front of them "
                   "if they are radii, RDM N if they are curvatures");
-    tree_remark(q->s, SGT_REMARK_TURNED, line, "RDM", "%s, since it is missing: the others would not let the pupil pass",
+    tree_remark(q->s, SGT_REMARK_TURNED, line, "RDM",
+                "%s, since it is missing: the others would not let the pupil pass",
                 radii ? "radii" : "curvatures");
     return radii ? SEQ_RADIUS : SEQ_CURVATURE;
 }
@@ -58,7 +62,8 @@ static seq_bend unsaid_bend(seq *q)
 static void set_curve(seq *q, node *map, const seq_surface *f)
 {
     if (f->curve.value != 0)
-        sgt_seq_set_number(q, map, f->bend == SEQ_RADIUS ? "radius" : "curvature", f->curve.line, f->curve.value);
+        sgt_seq_set_number(q, map, f->bend == SEQ_RADIUS ? "radius" : "curvature", f->curve.line,
+                           f->curve.value);
 }
 
 /* All powers as one formula: the lens file's even asphere ends with r^16. */
@@ -67,7 +72,8 @@ static void write_high_asphere(seq *q, node *map, const seq_surface *f, size_t p
     const double c = f->bend == SEQ_RADIUS && f->curve.value != 0 ? 1 / f->curve.value : f->curve.value;
     const char *sum = tree_print(q->s, "a%d", (int)(2 * powers + 2));
     for (size_t i = powers - 1; i-- > 0;) sum = tree_print(q->s, "(a%d + r^2*%s)", (int)(2 * i + 4), sum);
-    node *text = tree_word(q->s, f->line, tree_print(q->s, "c*r^2/(1 + sqrt(1 - (1 + k)*c^2*r^2)) + r^4*%s", sum));
+    node *text =
+        tree_word(q->s, f->line, tree_print(q->s, "c*r^2/(1 + sqrt(1 - (1 + k)*c^2*r^2)) + r^4*%s", sum));
     text->quoted = true;
     sgt_seq_set_word(q, map, "type", f->line, "formula");
     tree_set(q->s, map, "sag", text);
@@ -95,7 +101,11 @@ static void write_shape(seq *q, node *map, const seq_surface *f)
         return;
     }
     const bool flat = f->curve.value == 0;
-    sgt_seq_set_word(q, map, "type", f->line, powers ? "even_asphere" : flat ? "plane" : k == 0 ? "sphere" : "conic");
+    sgt_seq_set_word(q, map, "type", f->line,
+                     powers   ? "even_asphere"
+                     : flat   ? "plane"
+                     : k == 0 ? "sphere"
+                              : "conic");
     set_curve(q, map, f);
     if (k != 0 && !flat) sgt_seq_set_number(q, map, "conic", f->conic.line, k);
     if (powers) {
@@ -108,8 +118,11 @@ static void write_shape(seq *q, node *map, const seq_surface *f)
 /* W = the sum of C_n r^(2n) / HWL, both in lengths of the lens. */
 static void write_phase(seq *q, node *map, const seq_surface *f)
 {
-    static const struct { const char *units; int power; double factor; } lengths[] = {
-        {"mm", -6, 1}, {"cm", -7, 1}, {"in", -6, 25.4}};
+    static const struct {
+        const char *units;
+        int power;
+        double factor;
+    } lengths[] = {{"mm", -6, 1}, {"cm", -7, 1}, {"in", -6, 25.4}};
     const seq_phase *p = f->phase;
     size_t terms = SEQ_TERMS;
     if (!p) return;
@@ -141,7 +154,7 @@ static void write_phase(seq *q, node *map, const seq_surface *f)
 
 /* --------------------------------------------------------------- apertures */
 
-static void set_aperture(seq *q, node *list, const seq_aperture *a)
+static void put_aperture(seq *q, node *list, const seq_aperture *a)
 {
     static const char *const types[] = {"circle", "rectangle", "ellipse"};
     node *item = tree_node(q->s, NODE_MAP, a->line);
@@ -155,7 +168,8 @@ static void set_aperture(seq *q, node *list, const seq_aperture *a)
     if (a->centre[0] != 0 || a->centre[1] != 0) set_numbers(q, item, "offset", a->line, 2, a->centre);
     if (a->turn != 0) {
         sgt_seq_set_number(q, item, "turn", a->line, a->turn);
-        tree_remark(q->s, SGT_REMARK_TURNED, a->line, "ARO", "turned from x toward y: which way is not published");
+        tree_remark(q->s, SGT_REMARK_TURNED, a->line, "ARO",
+                    "turned from x toward y: which way is not published");
     }
     if (a->class == SEQ_OBSCURES) sgt_seq_set_word(q, item, "obscures", a->line, "true");
     tree_append(q->s, list, item);
@@ -189,7 +203,7 @@ static void write_apertures(seq *q, node *map, const seq_surface *f)
             continue;
         }
         if (!list) list = tree_node(q->s, NODE_LIST, a->line);
-        set_aperture(q, list, a);
+        put_aperture(q, list, a);
     }
     if (list) tree_set(q->s, map, "apertures", list);
     if (edge > 0 && edge != rim) sgt_seq_set_number(q, map, "draw_to", edge_line, edge);
@@ -205,7 +219,7 @@ static bool any(const double x[], size_t count)
 }
 
 /* A break with these moves and a thickness, or the one that undoes it. */
-static node *append_break(seq *q, node *list, const seq_surface *f, bool moves, bool back, double thickness)
+static node *put_break(seq *q, node *list, const seq_surface *f, bool moves, bool back, double thickness)
 {
     const double sign = back ? -1 : 1, *m = f->move;
     const double shift[3] = {sign * m[0] + 0, sign * m[1] + 0, sign * m[2] + 0},
@@ -230,7 +244,10 @@ static void set_own_move(seq *q, node *map, const seq_surface *f)
     if (any(tilt, 3)) set_numbers(q, map, "tilt", f->move_line, 3, tilt);
 }
 
-static bool turns_once(const seq_surface *f) { return (f->move[3] != 0) + (f->move[4] != 0) + (f->move[5] != 0) <= 1; }
+static bool turns_once(const seq_surface *f)
+{
+    return (f->move[3] != 0) + (f->move[4] != 0) + (f->move[5] != 0) <= 1;
+}
 
 static void require_idle(seq *q, const seq_surface *f)
 {
@@ -245,16 +262,16 @@ static void require_idle(seq *q, const seq_surface *f)
 
 /* ---------------------------------------------------------------- surfaces */
 
-static void write_surface(seq *q, node *list, const seq_surface *f, double thickness, node **step)
+static void put_seq_surface(seq *q, node *list, const seq_surface *f, double thickness, node **step)
 {
     const bool last = is_image(q, f), moved = any(f->move, SEQ_MOVES);
     node *map = tree_node(q->s, NODE_MAP, f->line);
     const bool alone = moved && f->kind == SEQ_RETURN && !last, own = alone && turns_once(f);
-    const bool before = moved && f->kind != SEQ_REVERSE && !own, behind = moved && !last && before &&
-                        (alone || (f->kind == SEQ_BEND && any(f->move + 3, 3)));
+    const bool before = moved && f->kind != SEQ_REVERSE && !own,
+               behind = moved && !last && before && (alone || (f->kind == SEQ_BEND && any(f->move + 3, 3)));
     const bool undone = moved && f->kind == SEQ_REVERSE, broken = behind || undone;
     if (f->kind == SEQ_REVERSE && moved) require_idle(q, f);
-    if (before) append_break(q, list, f, true, false, 0);
+    if (before) put_break(q, list, f, true, false, 0);
     write_shape(q, map, f);
     if (!last) sgt_seq_set_number(q, map, "thickness", f->thickness.line, broken ? 0 : thickness);
     if (!last) sgt_seq_set_medium(q, map, f, false);
@@ -272,7 +289,7 @@ static void write_surface(seq *q, node *list, const seq_surface *f, double thick
     map->inline_ = !tree_take(map, "coefficients") && !tree_take(map, "phase");
     tree_append(q->s, list, map);
     *step = map;
-    if (broken) *step = append_break(q, list, f, f->kind != SEQ_BEND, f->kind != SEQ_BEND, thickness);
+    if (broken) *step = put_break(q, list, f, f->kind != SEQ_BEND, f->kind != SEQ_BEND, thickness);
 }
 
 /* PIM: the thickness in front of the image, with the number in the file beside it. */
@@ -289,7 +306,7 @@ static void write_focus(seq *q, node *step, double defocus)
     *place = map;
 }
 
-static void write_object(seq *q, node *root)
+static void put_object(seq *q, node *root)
 {
     const seq_surface *f = &q->surface[0];
     node *map = tree_node(q->s, NODE_MAP, f->line);
@@ -310,8 +327,8 @@ static void write_object(seq *q, node *root)
         tree_remark(q->s, SGT_REMARK_LEFT_OUT, f->aperture[0].line, "SO", "an aperture of the object");
 }
 
-/* CODE V's chief rays go through the middle of the stop.  In an ordinary lens the paraxial pupil has them there
- * but for its aberrations; where something is moved up to the stop, it does not. */
+/* CODE V's chief rays go through the middle of the stop.  In an ordinary lens the paraxial pupil has them
+ * there but for its aberrations; where something is moved up to the stop, it does not. */
 static void write_aim(seq *q, node *root)
 {
     const size_t stop = q->stop ? q->stop : 1;
@@ -319,20 +336,24 @@ static void write_aim(seq *q, node *root)
     while (i <= stop && !any(q->surface[i].move, SEQ_MOVES)) i++;
     if (i > stop) return;
     sgt_seq_set_word(q, root, "aim", q->surface[i].move_line, "stop");
-    tree_remark(q->s, SGT_REMARK_TURNED, q->surface[i].move_line, "STO",
-                "a lens whose rays are aimed at the stop, since surface %zu, in front of it or it itself, is moved", i);
+    tree_remark(
+        q->s, SGT_REMARK_TURNED, q->surface[i].move_line, "STO",
+        "a lens whose rays are aimed at the stop, since surface %zu, in front of it or it itself, is moved",
+        i);
 }
 
 static void tell_what_was_taken(seq *q)
 {
     if (!q->stop)
-        tree_remark(q->s, SGT_REMARK_NOTE, q->first, "STO", "taken as the first surface, since none is marked");
+        tree_remark(q->s, SGT_REMARK_NOTE, q->first, "STO",
+                    "taken as the first surface, since none is marked");
     if (q->approximate)
         tree_remark(q->s, SGT_REMARK_TURNED, q->approximate_line, "S",
                     "its nd and Vd: a fictitious glass, which is approximate (%zu of them)", q->approximate);
     if (q->aperture_line && !q->uses_apertures)
-        tree_remark(q->s, SGT_REMARK_NOTE, q->aperture_line, "CIR",
-                    "apertures clip rays here; CODE V asks for CA, which is not in the file (--no-apertures)");
+        tree_remark(
+            q->s, SGT_REMARK_NOTE, q->aperture_line, "CIR",
+            "apertures clip rays here; CODE V asks for CA, which is not in the file (--no-apertures)");
 }
 
 void sgt_seq_write_surfaces(seq *q, node *root)
@@ -342,17 +363,18 @@ void sgt_seq_write_surfaces(seq *q, node *root)
     const seq_bend unsaid = unsaid_bend(q);
     for (size_t i = 0; i < q->count; i++)
         if (q->surface[i].bend == SEQ_UNSAID) q->surface[i].bend = unsaid;
-    write_object(q, root);
+    put_object(q, root);
     tree_expect(q->s, list, q->count - 1);
     for (seq_surface *f = q->surface + 1; f < image; f++) {
         double thickness = f->thickness.value;
         if (f == image - 1) thickness += image->thickness.value;
         if (!isfinite(thickness))
-            tree_fail(q->s, f->thickness.line, "S", "surface %zu is infinitely far from the next", number_of(q, f));
-        write_surface(q, list, f, thickness, &step);
+            tree_fail(q->s, f->thickness.line, "S", "surface %zu is infinitely far from the next",
+                      number_of(q, f));
+        put_seq_surface(q, list, f, thickness, &step);
     }
     if (q->focus_line) write_focus(q, step, image->thickness.value);
-    write_surface(q, list, image, 0, &step);
+    put_seq_surface(q, list, image, 0, &step);
     write_aim(q, root);
     tree_set(q->s, root, "surfaces", list);
     tell_what_was_taken(q);

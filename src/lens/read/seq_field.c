@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* seq_field.c - the words of a command of a sequence file.  What is missing or wrong is told, with its number. */
+/* seq_field.c - the words of a command of a sequence file.  What is missing or wrong is told, with its
+ * number. */
 #include "seq.h"
 
 #include <math.h>
@@ -13,6 +14,8 @@ bool sgt_seq_is(piece word, const char *small)
     while (at < word.end && *small && sgt_lower(*at) == *small) at++, small++;
     return at == word.end && !*small;
 }
+
+unsigned sgt_seq_asked(const seq *q) { return q->row->which & (SEQ_Z - 1); }
 
 size_t sgt_seq_line(const seq *q) { return q->words ? q->word[0].line : q->line; }
 
@@ -32,8 +35,7 @@ bool sgt_seq_number_of(piece word, double *x)
     const size_t length = (size_t)(word.end - word.begin);
     if (sgt_reader_number(word, x)) return true;
     if (length >= sizeof text) return false;
-    for (size_t i = 0; i < length; i++)
-        text[i] = sgt_lower(word.begin[i]) == 'd' ? 'e' : word.begin[i];
+    for (size_t i = 0; i < length; i++) text[i] = sgt_lower(word.begin[i]) == 'd' ? 'e' : word.begin[i];
     return sgt_reader_number((piece){text, text + length}, x);
 }
 
