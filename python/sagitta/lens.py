@@ -495,8 +495,8 @@ class Lens(Analyses):
 
     @classmethod
     def read(cls, path: Union[str, os.PathLike[str]], *, glasses: Any = (), configuration: int = 0) -> "Lens":
-        """A lens from a file: .zmx, else YAML.  glasses: catalogues (.agf, .csv, .yml, folders) besides the
-        table that ships.  configuration: of a .zmx file with several, from 1; 0: the active one."""
+        """A lens from a file: .zmx, .seq of CODE V, or YAML.  glasses: catalogues (.agf, .csv, .yml, folders) besides the
+        table that ships.  configuration: of a file with several, from 1; 0: the active one."""
         C.check_arithmetic()
         self = cls.__new__(cls)
         option, keep = _reading(glasses, configuration)

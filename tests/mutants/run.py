@@ -48,6 +48,7 @@ NEAREST = [
     (r'src/lens/(.*/)?(agf|csv|rii|catalogue|glass|medium|reader|arena)', ['lens glass', 'fuzz glass', 'tool glass', 'tool media', 'tool info', 'numbers']),
     (r'src/lens/(tolerance/|read/tolerance)', ['tolerances', 'tool tolerance', 'python tolerance']),
     (r'src/lens/(edit/|open/resolve|read/path)', ['edits', 'tolerances', 'fuzz edit', 'tool lens_files', 'zmx']),
+    (r'src/lens/(.*/)?seq', ['seq', 'mutated seq', 'fuzz seq']),
     (r'src/lens/(.*/)?zmx', ['fuzz zmx', 'zmx fields', 'zmx', 'tool lens_files']),
     (r'src/lens/(.*/)?(pattern)', ['patterns', 'tool spot', 'analysis']),
     (r'src/lens/(.*/)?(matrix|tree|yaml|read|write|text|lens|surface|formula|aperture|frame)', ['fuzz lens', 'tool lens_files', 'tool formula', 'tool trace', 'tool info', 'tool media', 'tool all', 'zmx fields', 'tool errors', 'edits', 'numbers']),
