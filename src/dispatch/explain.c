@@ -218,7 +218,13 @@ static bool phase_sound(const sgt_phase *p, sgt_error *error)
         return blame(error, "phase", "kind", "no sgt_phase_kind");
     if (!PLAIN(p, "phase", error)) return false;
     if (p->kind != SGT_IDEAL_LENS) return waves_sound(p, error);
-    if (!is_length(p->focal_length)) return blame(error, "phase", "focal_length", "not 2^-500 to 2^500 long");
+    const double fx = fabs(p->focal_length), fy = fabs(p->focal_length_y);
+    if (!is_length(fx) && !(fx == HUGE_VAL && fy != 0))
+        return blame(error, "phase", "focal_length", "not 2^-500 to 2^500 long");
+    if (fy != 0 && !is_length(fy) && fy != HUGE_VAL)
+        return blame(error, "phase", "focal_length_y", "not 0, infinite, or 2^-500 to 2^500 long");
+    if (fx == HUGE_VAL && fy == HUGE_VAL)
+        return blame(error, "phase", "focal_length_y", "infinite, and so is focal_length");
     double a = fabs(p->object_distance);
     return a == 0 || a == HUGE_VAL || is_length(a)
                ? true

@@ -158,6 +158,8 @@ static void give_phase(generator *g, lens *l, size_t i)
         return;
     }
     l->phases[i] = (sgt_phase){.kind = SGT_IDEAL_LENS, .focal_length = either_sign(g) * uniform(g, 0.5, 60)};
+    if (chance(g, 0.3))
+        l->phases[i].focal_length_y = chance(g, 0.3) ? HUGE_VAL : either_sign(g) * uniform(g, 0.5, 60);
     if (chance(g, 0.6)) l->phases[i].object_distance = either_sign(g) * uniform(g, 0.5, 60);
     else if (chance(g, 0.3)) l->phases[i].object_distance = either_sign(g) * FAR;
     l->e[i].phase = &l->phases[i];

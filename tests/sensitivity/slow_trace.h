@@ -147,11 +147,12 @@ inline vec normal_at(const element &e, const vec &p)
 // Behind an ideal lens at p; *more is what it adds to the path.
 inline vec focused(const sgt_phase &a, bool mirror, quad n1, quad n2, const vec &p, const vec &d, quad *more)
 {
-    const quad to = d.z < 0 ? -1 : 1, f = a.focal_length, u = d.x / (to * d.z), v = d.y / (to * d.z);
+    const quad to = d.z < 0 ? -1 : 1, fx = a.focal_length,
+               fy = a.focal_length_y == 0 ? a.focal_length : a.focal_length_y, u = d.x / (to * d.z), v = d.y / (to * d.z);
     const bool afar = a.object_distance == 0 || std::isinf(a.object_distance);
     const quad u0 = afar ? u : u - p.x / quad(a.object_distance),
                v0 = afar ? v : v - p.y / quad(a.object_distance);
-    const quad x = (n1 * u - p.x / f) / n2, y = (n1 * v - p.y / f) / n2, x0 = n1 * u0 / n2, y0 = n1 * v0 / n2;
+    const quad x = (n1 * u - p.x / fx) / n2, y = (n1 * v - p.y / fy) / n2, x0 = n1 * u0 / n2, y0 = n1 * v0 / n2;
     const quad in = square_root(1 + u * u + v * v) + square_root(1 + u0 * u0 + v0 * v0),
                out = square_root(1 + x * x + y * y) + square_root(1 + x0 * x0 + y0 * y0);
     *more = n2 * (p.x * (x + x0) + p.y * (y + y0)) / out - n1 * (p.x * (u + u0) + p.y * (v + v0)) / in;

@@ -2,8 +2,8 @@
 // Phases among spheres, conics and mirrors: derivatives, told errors and proofs, against 113 bits.
 //
 // Random rows of surfaces.  Half of the elements have a phase: mirrors too, with a change of index or none,
-// tilted and decentred.  Every other phase is an ideal lens: of either sign, from afar or not, a few of them
-// on a sphere.  The others are in waves: conics, even aspheres, polynomials, Zernike's, and quadrics of x, y
+// tilted and decentred.  Every other phase is an ideal lens: of either sign, of one power or two, from afar or
+// not, a few of them on a sphere.  The others are in waves: conics, even aspheres, polynomials, Zernike's, and quadrics of x, y
 // and z, on any surface.  Of each ray
 //
 //     sgt_trace_gradient and sgt_trace_sensitivity   agree with differences of slow_trace.h
@@ -116,6 +116,11 @@ static row random_row(oracle::generator &random)
             r.phase[i] = {};
             r.phase[i].kind = SGT_IDEAL_LENS;
             r.phase[i].focal_length = random.sign() * size * random.log_uniform(2, 100);
+            if (random.chance(0.3)) // of two powers
+                r.phase[i].focal_length_y = random.chance(0.3) ? double(INFINITY)
+                                                               : random.sign() * size * random.log_uniform(2, 100);
+            if (r.phase[i].focal_length_y != 0 && random.chance(0.5))
+                std::swap(r.phase[i].focal_length, r.phase[i].focal_length_y);
             if (random.chance(0.6))
                 r.phase[i].object_distance = random.sign() * size * random.log_uniform(1, 100);
             e.phase = &r.phase[i], any = true;

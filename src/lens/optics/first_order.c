@@ -20,7 +20,8 @@
  *
  *     S5 = Abar (-Abar^2 y D(1/n^2) - ybar (A ybar - 2 Abar y) C D(1/n)).
  *
- * An ideal lens images every plane without aberration, and has none of these.  Its part of the colour
+ * An ideal lens images every plane without aberration, and has none of these.  One of two powers counts with
+ * that along y, as any surface that is not round.  Its part of the colour
  * is what the media do: y (w' dn'/n' - w dn/n), and with ybar and wbar.
  *
  * A PHASE of W waves changes n u by S_y, S = per_wave W (system.h), in reflection as in transmission.  So it
@@ -119,6 +120,11 @@ static double vertex_bend(const sgt_phase *p, double c)
 }
 
 static bool is_in_waves(const sgt_phase *p) { return p && p->kind != SGT_IDEAL_LENS; }
+
+static bool has_two_powers(const sgt_phase *p)
+{
+    return p && p->focal_length_y != 0 && p->focal_length_y != p->focal_length;
+}
 
 /* A surface as paraxial rays meet it. */
 typedef struct vertex {
@@ -371,8 +377,10 @@ static const char *set_seidel(const paraxial *p, const sgt_first_order *primary,
     if (lacks) return lacks;
     if (o->without_vertex) return "a surface has no vertex curvature";
     if (isnan(o->lagrange)) return "the pupil or the fields are not known";
-    for (size_t i = 0; i < p->last; i++)
+    for (size_t i = 0; i < p->last; i++) {
         if (is_in_waves(l->element[i].phase)) return "a surface has a phase";
+        if (has_two_powers(l->element[i].phase)) return "an ideal lens has two powers";
+    }
     beam_ray ray = marginal_ray(p, o), chief = chief_ray(p, primary ? primary : o);
     for (size_t i = 0; i <= p->last; i++) {
         const vertex *v = &p->at[i];

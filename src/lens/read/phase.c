@@ -43,23 +43,32 @@ static double phase_length(source *s, const node *n, const char *key, double x)
     return x;
 }
 
+/* A focal length; of a lens of two powers it may be infinite. */
+static double focal_length(source *s, const node *n, const char *key, bool two)
+{
+    const double f = tree_read_number(s, n, key, two ? NUMBER_MAYBE_INFINITE : NUMBER_FINITE);
+    return isfinite(f) ? phase_length(s, n, key, f) : f;
+}
+
 /* An ideal lens: a plane with a phase. */
 void sgt_read_ideal(source *s, const node *map, const char *others, sgt_element *e)
 {
-    const node *f = tree_take(map, "focal_length"), *from = tree_take(map, "object_distance");
+    const node *f = tree_take(map, "focal_length"), *fy = tree_take(map, "focal_length_y"), *from = tree_take(map, "object_distance");
     const node *other = tree_take(map, "phase");
     sgt_phase *phase = tree_room(s, 1, sizeof *phase);
     if (!f) tree_fail(s, map->line, "focal_length", "missing; an ideal lens has one");
     if (other) tree_fail(s, other->line, "phase", "an ideal lens has no other phase");
     phase->kind = SGT_IDEAL_LENS;
-    phase->focal_length =
-        phase_length(s, f, "focal_length", tree_read_number(s, f, "focal_length", NUMBER_FINITE));
+    phase->focal_length = focal_length(s, f, "focal_length", fy != NULL);
+    if (fy) phase->focal_length_y = focal_length(s, fy, "focal_length_y", true);
+    if (fy && isinf(phase->focal_length) && isinf(phase->focal_length_y))
+        tree_fail(s, fy->line, "focal_length_y", "infinite, and so is focal_length: a lens has some power");
     /* 0: not given, see ../open/conjugate.c */
     if (from) phase->object_distance = tree_read_number(s, from, "object_distance", NUMBER_MAYBE_INFINITE);
     if (from && isfinite(phase->object_distance))
         phase_length(s, from, "object_distance", phase->object_distance);
     char known[200];
-    snprintf(known, sizeof known, "type, focal_length, object_distance%s", others);
+    snprintf(known, sizeof known, "type, focal_length, focal_length_y, object_distance%s", others);
     tree_finish(s, map, known);
     e->surface = (sgt_surface){&sgt_conic_ops, tree_room(s, 1, sizeof(sgt_conic))};
     e->phase = phase;

@@ -20,7 +20,7 @@
  *     DGRATING, BINARY_1, BINARY_2, BINARY_3, FZERNPHA, SZERNPHA, HOLOGRM1, HOLOGRM2: see zmx_phase.c
  *     TILTSURF   the plane z = P1 x + P2 y; as surface 0 an object whose points lie there
  *     PARAXIAL   a thin lens without aberrations, of the focal length P1
- *     PARAX_XY   the same with the powers P1 in x and P2 in y, if both are the same
+ *     PARAX_XY   the same with the powers P1 in x and P2 in y, not focal lengths; 0: none there
  *     COORDBRK   no surface: decenter P1, P2, then tilts P3, P4, P5 about x, y, z; P6 not 0: the tilts come
  *                first, and in the other order.  As the stop it is the plane z = 0 behind these
  *
@@ -453,18 +453,14 @@ static void write_ideal(zmx *z, const zmx_surface *f, node *map)
 /* Powers, and no focal lengths. */
 static void write_two_powers(zmx *z, const zmx_surface *f, node *map)
 {
-    const double power = f->parm[2];
-    if (f->parm[1] != power)
-        tree_fail(
-            z->s, f->parm_line, "PARM",
-            "surface %zu: a PARAX_XY of two powers, %g in x and %g in y, is not read; with one power it is",
-            sgt_zmx_number_of(z, f), f->parm[1], power);
-    if (power == 0) {
+    const double x = f->parm[1], y = f->parm[2];
+    if (x == 0 && y == 0) {
         sgt_zmx_set_word(z, map, "type", f->line, "plane");
         return;
     }
     sgt_zmx_set_word(z, map, "type", f->line, "ideal");
-    sgt_zmx_set_number(z, map, "focal_length", f->parm_line, 1 / power);
+    sgt_zmx_set_number(z, map, "focal_length", f->parm_line, 1 / x);
+    if (x != y) sgt_zmx_set_number(z, map, "focal_length_y", f->parm_line, 1 / y);
 }
 
 static const zmx_type types[] = {
