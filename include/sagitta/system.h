@@ -105,7 +105,9 @@ typedef struct sgt_aperture {
 typedef enum sgt_phase_kind {
     SGT_IDEAL_LENS = 1,
     SGT_PHASE_SAG,       /* W = s(x, y), the sag of the surface `waves` */
-    SGT_PHASE_FUNCTION   /* W = F(x, y, z) of the surface `waves` */
+    SGT_PHASE_FUNCTION,  /* W = F(x, y, z) of the surface `waves` */
+    SGT_FACETS           /* no phase: the facets of a Fresnel surface, with the slopes of
+                            the sag of the surface `waves` */
 } sgt_phase_kind;
 
 /* Bounds of a user's W for proofs of sgt_aim; of the built-in sags and formulas they are
@@ -203,15 +205,28 @@ typedef bool sgt_waves_bounds(const void *self, const sgt_interval box[3],
  * cosine that of the angle behind.  The fate is right, unless |t| is that near to n2.  S
  * is off by per_wave times the rounding of F.
  *
- * SGT_LOST, SGT_UNDEFINED is a ray where W or its gradient is NaN. */
+ * SGT_LOST, SGT_UNDEFINED is a ray where W or its gradient is NaN.
+ *
+ * FACETS, of a Fresnel surface: FRESNELS of OpticStudio.  The ray is met where the
+ * surface of the element is, a plane as a rule.  There it is refracted, or reflected, by
+ * the normal (-s_x, -s_y, 1) of the sag z = s(x, y) of `waves`, in lengths; per_wave is
+ * not read.  So facets are infinitely fine, and have no height.  Behind them there is no
+ * wavefront: the steps between facets are of no known height, and the field of directions
+ * is no gradient of a path.  opl is NaN from there on, and so is its error.
+ *
+ * SGT_TIR: the facet reflects totally.  SGT_LOST, SGT_UNDEFINED: the ray would meet the
+ * facet from behind, or would not leave the surface on the side that it should.  A
+ * component of the direction behind is off by 2^-50 n1 / (n2 cosine) at most, besides what
+ * the slopes of s are off by; the cosine is that of the angle behind to the facet. */
 typedef struct sgt_phase {
     sgt_phase_kind kind;
     double focal_length;     /* of an ideal lens: length, 2^-500 to 2^500 in magnitude; with
                                 focal_length_y that along x, and may be infinite */
     double object_distance;  /* of an ideal lens: length, as above.  0 or infinite: from
                                 afar.  Else 2^-500 to 2^500 in magnitude */
-    sgt_surface waves;       /* of a phase in waves: W, as above.  It needs `value`; for
-                                derivatives `second`, for errors `rounding` */
+    sgt_surface waves;       /* of a phase in waves: W, as above; of facets: their sag.  It
+                                needs `value`; for derivatives `second`, for errors
+                                `rounding` */
     double per_wave;         /* of a phase in waves: length, finite.  0: no phase */
     sgt_waves_bounds *bounds; /* of waves that are a user's; NULL: none are known */
     double focal_length_y;   /* of an ideal lens: as focal_length, along y, or infinite (but

@@ -197,7 +197,7 @@ static bool aperture_sound(const sgt_element *e, sgt_error *error)
 static bool waves_sound(const sgt_phase *p, sgt_error *error)
 {
     const sgt_surface s = p->waves;
-    if (!isfinite(p->per_wave)) return blame(error, "phase", "per_wave", "not finite");
+    if (p->kind != SGT_FACETS && !isfinite(p->per_wave)) return blame(error, "phase", "per_wave", "not finite");
     if (!surface_sound(s, error)) {
         if (!error) return false;
         char was[sizeof error->key];
@@ -206,15 +206,15 @@ static bool waves_sound(const sgt_phase *p, sgt_error *error)
         append(error->key, sizeof error->key, was + 1);
         return false;
     }
-    if (p->kind == SGT_PHASE_SAG && s.ops->own_ && !sgt_is_sag(s))
-        return blame(error, "phase", "waves", "no sag, as SGT_PHASE_SAG needs");
+    if (p->kind != SGT_PHASE_FUNCTION && s.ops->own_ && !sgt_is_sag(s))
+        return blame(error, "phase", "waves", "no sag, as SGT_PHASE_SAG and SGT_FACETS need");
     return true;
 }
 
 static bool phase_sound(const sgt_phase *p, sgt_error *error)
 {
     if (!p) return true;
-    if (p->kind != SGT_IDEAL_LENS && p->kind != SGT_PHASE_SAG && p->kind != SGT_PHASE_FUNCTION)
+    if (p->kind < SGT_IDEAL_LENS || p->kind > SGT_FACETS)
         return blame(error, "phase", "kind", "no sgt_phase_kind");
     if (!PLAIN(p, "phase", error)) return false;
     if (p->kind != SGT_IDEAL_LENS) return waves_sound(p, error);

@@ -190,7 +190,7 @@ bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before
         out->path += of_sum(path, by, c.n1, to);
         path = path_with(path, by, c.n1, c.t);
         if (c.waves && c.passed == 1) {
-            path = kick_path(c.waves->per_wave, c.by_waves.at.w, path);
+            path = kick_path(path_per_wave(c.waves), c.by_waves.at.w, path);
         } else if (c.phased && c.passed == 1) {
             const thin_lens lens = thin_lens_of(e[i].phase, c.n1, c.n2, e[i].index == SGT_MIRROR);
             path = twofold_sum(path, twofold_of(phase_path(lens, c.p, c.d)));

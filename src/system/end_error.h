@@ -107,17 +107,20 @@ SGT_INLINE double of_waves(const sgt_element *e, const chain_link *c, bool turns
 {
     const waves_slopes *at = &c->by_waves;
     if (c->passed != 1) return turns ? (double)NAN : 0;
-    const double per_wave = fabs(c->waves->per_wave);
+    const bool facets = is_faceted(c->waves);
+    const double per_wave = facets ? 0 : fabs(c->waves->per_wave);
     const waves_off off = sgt_waves_off(c->waves, c->p, at->at);
-    const double path = fabs(s.by[0].x.opl) * per_wave * off.w;
+    const double path = facets && s.by[0].x.opl != 0 ? (double)NAN : fabs(s.by[0].x.opl) * per_wave * off.w;
     if (!turns) return path;
     const sgt_surface surface = chain_surface(e->surface);
-    const double n2 = dot(c->n, c->n), n = sqrt(n2);
+    const double n2 = dot(c->n, c->n), n = sqrt(n2), m = size_of(at->m);
     const double u = per_wave * off.g + 8 * SGT_U * (c->n1 + size_of(at->G));
-    const double direction = u * n / (c->n2 * fabs(dot(c->after, c->n))) + 4 * SGT_U;
+    const double direction = u * m / (c->n2 * fabs(dot(c->after, at->m))) + 4 * SGT_U;
+    const double size = longest_of(s.two, s.direction[0], s.direction[1]);
+    if (facets) return path + size * (direction + fabs(c->f) * off.g * (1 + m * fabs(c->by_S)));
     const double gradient =
         of_gradient(gradient_kind_of(surface), surface.self, c->p, c->n, n2, n, 1 / n);
-    return path + longest_of(s.two, s.direction[0], s.direction[1]) * direction +
+    return path + size * direction +
            longest_of(s.two, s.by[0].in.n, s.by[1].in.n) * gradient;
 }
 

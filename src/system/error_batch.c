@@ -289,7 +289,7 @@ static void path_all(bool kicks, const chain_tile *b, const double *p_err, error
 SGT_KERNEL
 static void path_in_waves(const chain_tile *b, error_path *w)
 {
-    const double per_wave = b->e->phase->per_wave, *more = b->waves[0];
+    const double per_wave = path_per_wave(b->e->phase), *more = b->waves[0];
     const chain_view v = b->view;
     const size_t n = b->n;
     LANES for (size_t i = 0; i < n; i++)

@@ -23,7 +23,7 @@
 bool sgt_waves_sound(const sgt_phase *a)
 {
     const sgt_surface s = in_set(a->waves);
-    if (!is_in_waves(a) || !ROOM_IS_ZERO(a) || !isfinite(a->per_wave)) return false;
+    if (!is_in_waves(a) || !ROOM_IS_ZERO(a) || !(is_faceted(a) || isfinite(a->per_wave))) return false;
     if (!s.ops || !s.ops->value || !is_whole(s.ops)) return false;
     const struct sgt_builtin_ops *own = s.ops->own_;
     if (!own) return true;
@@ -32,7 +32,7 @@ bool sgt_waves_sound(const sgt_phase *a)
         return isfinite(q->c) && isfinite(q->k);
     }
     if (s.ops == &sgt_even_asphere_ops) return sgt_bundle_has_sag(s);
-    if (a->kind == SGT_PHASE_SAG && !own->departure) return false;
+    if (has_sag(a) && !own->departure) return false;
     return own->object && !own->object(s.self).reason;
 }
 
@@ -65,7 +65,7 @@ SGT_INLINE waves_here waves_made(bool sag, double f, sgt_vec3 g)
 waves_here sgt_waves_at(const sgt_phase *a, sgt_vec3 p)
 {
     const sgt_surface s = in_set(a->waves);
-    const bool sag = a->kind == SGT_PHASE_SAG;
+    const bool sag = has_sag(a);
     sgt_vec3 g = {0, 0, 0}; /* a value that is NaN need not set it */
     const departure *of = polynomial_of(s, sag);
     if (of) {
@@ -101,7 +101,7 @@ static const double origin[WAVES_MOST];
 void sgt_waves_tile(const sgt_phase *a, size_t n, sgt_points p, double *w, double *const g[3])
 {
     const sgt_surface s = in_set(a->waves);
-    const bool sag = a->kind == SGT_PHASE_SAG;
+    const bool sag = has_sag(a);
     const departure *of = polynomial_of(s, sag);
     double x[WAVES_MOST];
     if (of) {
@@ -120,7 +120,7 @@ void sgt_waves_tile(const sgt_phase *a, size_t n, sgt_points p, double *w, doubl
 bool sgt_waves_second(const sgt_phase *a, size_t n, sgt_points p, double *const out[6])
 {
     const sgt_surface s = in_set(a->waves);
-    const bool sag = a->kind == SGT_PHASE_SAG, has = s.ops->second != NULL;
+    const bool sag = has_sag(a), has = s.ops->second != NULL;
     if (sag) p.p[2] = origin;
     if (has) s.ops->second(s.self, n, p, out);
     for (int k = 0; k < 6; k++) {
@@ -169,10 +169,10 @@ waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
 {
     const sgt_surface s = in_set(a->waves);
     const struct sgt_builtin_ops *own = s.ops->own_;
-    if (a->kind == SGT_PHASE_SAG) p.z = 0;
+    if (has_sag(a)) p.z = 0;
     waves_off off = {64 * SGT_U * fabs(here.w), 64 * SGT_U * size_of(here.g)};
     if (s.ops->rounding) off.w = s.ops->rounding(s.self, p);
-    if (polynomial_of(s, a->kind == SGT_PHASE_SAG)) {
+    if (polynomial_of(s, has_sag(a))) {
         double each;
         own->departure->rounding(s.self, p.x, p.y, &off.w, &each);
         off.g = 1.5 * each;
@@ -201,7 +201,7 @@ waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
 static bool waves_forms(const sgt_phase *a, form3 p, form3 *g)
 {
     const sgt_surface s = in_set(a->waves);
-    if (a->kind == SGT_PHASE_SAG && s.ops->own_) {
+    if (has_sag(a) && s.ops->own_) {
         g->z = form_of(0);
         return sgt_bundle_sag_slopes(s, p.x, p.y, &g->x, &g->y);
     }
@@ -230,13 +230,21 @@ bool sgt_waves_bundle(const sgt_element *e, double n1, const bundle_hit *h, form
     form3 g;
     *fate = BUNDLE_UNKNOWN;
     if (!waves_forms(e->phase, h->p, &g)) return false;
+    const bool facets = is_faceted(e->phase);
+    form3 n = h->n;
+    linear size2 = h->size2;
+    if (facets) {
+        n = (form3){form_negative(g.x), form_negative(g.y), form_of(1)}, size2 = form_dot(n, n);
+        g = (form3){form_of(0), form_of(0), form_of(0)};
+        if (!form_above(form_scaled(form_dot(*d, n), h->sign), 0)) return false;
+    }
     const form3 u = {form_sum(form_scaled(d->x, n1), form_scaled(g.x, a)),
                      form_sum(form_scaled(d->y, n1), form_scaled(g.y, a)),
                      form_sum(form_scaled(d->z, n1), form_scaled(g.z, a))};
-    const linear inverse = form_inverse(h->size2), k = form_product(form_dot(u, h->n), inverse);
-    const form3 t = {form_difference(u.x, form_product(k, h->n.x)),
-                     form_difference(u.y, form_product(k, h->n.y)),
-                     form_difference(u.z, form_product(k, h->n.z))};
+    const linear inverse = form_inverse(size2), k = form_product(form_dot(u, n), inverse);
+    const form3 t = {form_difference(u.x, form_product(k, n.x)),
+                     form_difference(u.y, form_product(k, n.y)),
+                     form_difference(u.z, form_product(k, n.z))};
     const linear t2 = form_sum(form_square(t.x), form_sum(form_square(t.y), form_square(t.z)));
     const linear q = form_difference(form_square(form_of(n2)), t2);
     if (form_below(q, 0)) {
@@ -246,10 +254,10 @@ bool sgt_waves_bundle(const sgt_element *e, double n1, const bundle_hit *h, form
     const double sign = e->index == SGT_MIRROR ? -h->sign : h->sign, by = 1 / n2;
     const linear along = form_scaled(form_root(form_product(q, inverse)), sign);
     const linear over = {by, 0, 0, SGT_U * by};
-    d->x = form_product(form_sum(t.x, form_product(along, h->n.x)), over);
-    d->y = form_product(form_sum(t.y, form_product(along, h->n.y)), over);
-    d->z = form_product(form_sum(t.z, form_product(along, h->n.z)), over);
-    return true;
+    d->x = form_product(form_sum(t.x, form_product(along, n.x)), over);
+    d->y = form_product(form_sum(t.y, form_product(along, n.y)), over);
+    d->z = form_product(form_sum(t.z, form_product(along, n.z)), over);
+    return !facets || form_above(form_scaled(form_dot(*d, h->n), sign), 0);
 }
 
 /* ---------------------------------------------------------------------- which orders */
@@ -258,7 +266,8 @@ sgt_phased sgt_phase_at(const sgt_element *e, double index_before, sgt_vec3 d, c
 {
     const double none = (double)NAN, n1 = index_before == 0 ? 1 : index_before;
     sgt_phased out = {none, {none, none, none}, none, none, {none, none}, {0}};
-    if (!e->phase || !sgt_waves_sound(e->phase) || !is_sound(e, n1)) return out;
+    if (!e->phase || is_faceted(e->phase) || !sgt_waves_sound(e->phase) || !is_sound(e, n1))
+        return out;
     const double n2 = index_behind(e, n1);
     const waves_here here = sgt_waves_at(e->phase, hit->p);
     sgt_vec3 n = times(scale_of(hit->n), hit->n);

@@ -126,7 +126,7 @@ static bool kicked(const sgt_element *e, quad n1, quad n2, quad3 p, quad3 n, qua
 {
     const sgt_phase *a = e->phase;
     const quad_formula *f = quad_formula_of(a->waves);
-    const bool sag = a->kind == SGT_PHASE_SAG, back = e->index == SGT_MIRROR;
+    const bool facets = a->kind == SGT_FACETS, sag = facets || a->kind == SGT_PHASE_SAG, back = e->index == SGT_MIRROR;
     quad3 g = {0, 0, 0}, on_axis = {p.x, p.y, 0}, up_axis = {0, 0, 1};
     quad w, scale = a->per_wave;
     if (!f) return false;
@@ -137,6 +137,7 @@ static bool kicked(const sgt_element *e, quad n1, quad n2, quad3 p, quad3 n, qua
     } else {
         w = quad_value(f, p, &g);
     }
+    if (facets) n = (quad3){-g.x, -g.y, 1}, g = (quad3){0, 0, 0}, scale = (quad)NAN;
     n = unit(n);
     quad3 u = along(times(n1, *d), scale, g), t = along(u, -quad_dot(u, n), n);
     quad q = n2 * n2 - quad_dot(t, t);

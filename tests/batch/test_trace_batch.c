@@ -148,6 +148,7 @@ static void give_waves(generator *g, lens *l, size_t i)
         p->waves = (sgt_surface){&quilt_ops[below(g, 3)], &l->quilted[i]};
         if (chance(g, 0.5)) p->kind = SGT_PHASE_FUNCTION;
     }
+    if (p->kind == SGT_PHASE_SAG && chance(g, 0.3)) p->kind = SGT_FACETS;
     l->e[i].phase = p;
 }
 

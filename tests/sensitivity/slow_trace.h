@@ -161,16 +161,26 @@ inline vec focused(const sgt_phase &a, bool mirror, quad n1, quad n2, const vec 
 }
 
 // Behind a phase in waves, with the normal n; *more is what it adds to the path.  false: evanescent.
-inline bool kicked(const sgt_phase &a, bool mirror, quad n1, quad n2, vec p, const vec &n, vec *d, quad *more)
+inline bool kicked(const sgt_phase &a, bool mirror, quad n1, quad n2, vec p, vec n, vec *d, quad *more)
 {
     typedef dual<quad, 3> D3;
-    const bool sag = a.kind == SGT_PHASE_SAG;
+    const bool facets = a.kind == SGT_FACETS, sag = facets || a.kind == SGT_PHASE_SAG;
     std::vector<D3> numbers;
     for (double x : catalogue::parameters_of(a.waves)) numbers.push_back(quad(x));
     if (sag) p.z = 0;
     const D3 f = catalogue::level(a.waves, numbers.data(), D3::variable(p.x, 0), D3::variable(p.y, 1),
                                   D3::variable(p.z, 2));
     const quad scale = sag ? -quad(a.per_wave) : quad(a.per_wave);
+    if (facets) { // refraction, or reflection, by the normal of the sag
+        const vec m = quad(1) / square_root(f.v[0] * f.v[0] + f.v[1] * f.v[1] + 1) * vec{f.v[0], f.v[1], quad(1)};
+        const quad cosine = inner(*d, m), r = n1 / n2, square = 1 - r * r * (1 - cosine * cosine);
+        if (!(cosine * inner(*d, n) > 0) || square < 0) return false;
+        const quad side = inner(*d, n);
+        if (mirror) *d = *d - 2 * cosine * m;
+        else *d = r * *d + ((cosine < 0 ? -square_root(square) : square_root(square)) - r * cosine) * m;
+        *more = 0;
+        return (inner(*d, n) * side > 0) != mirror;
+    }
     const vec u = n1 * *d + scale * vec{f.v[0], f.v[1], sag ? quad(0) : f.v[2]};
     const quad b = inner(u, n), square = b * b + n2 * n2 - inner(u, u);
     if (!(square > 0)) return false;

@@ -79,6 +79,13 @@ static int entry_power(const editing *e, const node *map, const way *p, size_t i
             return NO_POWER;
         return param_power(e, at.is, p, i + 2);
     }
+    if (sgt_step_is(step, "facets")) {
+        const way facets = {.count = 1, .step = {*step}};
+        spot at;
+        char why[PATH_WHY];
+        if (!sgt_path_find((node *)(uintptr_t)map, &facets, 1, &at, why) || !at.is) return NO_POWER;
+        return entry_power(e, at.is, p, i + 1);
+    }
     if (sgt_step_is(step, "phase")) return phase_power(e, map, p, i + 1);
     if (sgt_step_is(step, "apertures"))
         return i + 2 < p->count && is_key(&p->step[i + 2], of_aperture) ? 1 : 0;

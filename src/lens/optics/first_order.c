@@ -29,6 +29,9 @@
  * aside, and with it the axis: as other programs do, the data are those along the straight axis, as if there
  * were no lines.  (sgt_field_parabasal has data along real rays.)
  *
+ * FACETS have the power of the sag whose slopes they have.  Where the surface is flat, the image is bent by
+ * another law than Petzval's (Delano 1974), so that radius is not told.
+ *
  * A surface z = C r^2/2 + (C^3/8 + g) r^4 + ... adds 8 g D(n) y^4 to S1, and to S2, S3, S5 the
  * same with one, two, three of the y replaced by ybar.  Colour: A y D(dn/n), Abar y D(dn/n).
  *
@@ -119,7 +122,8 @@ static double vertex_bend(const sgt_phase *p, double c)
     return sign * second[3] + (sag ? 0 : slope.z * c);
 }
 
-static bool is_in_waves(const sgt_phase *p) { return p && p->kind != SGT_IDEAL_LENS; }
+static bool is_faceted(const sgt_phase *p) { return p && p->kind == SGT_FACETS; }
+static bool is_in_waves(const sgt_phase *p) { return p && p->kind != SGT_IDEAL_LENS && !is_faceted(p); }
 
 static bool has_two_powers(const sgt_phase *p)
 {
@@ -379,6 +383,7 @@ static const char *set_seidel(const paraxial *p, const sgt_first_order *primary,
     if (isnan(o->lagrange)) return "the pupil or the fields are not known";
     for (size_t i = 0; i < p->last; i++) {
         if (is_in_waves(l->element[i].phase)) return "a surface has a phase";
+        if (is_faceted(l->element[i].phase)) return "a surface has facets";
         if (has_two_powers(l->element[i].phase)) return "an ideal lens has two powers";
     }
     beam_ray ray = marginal_ray(p, o), chief = chief_ray(p, primary ? primary : o);
@@ -454,14 +459,15 @@ static bool set_vertices(paraxial *p, sgt_element room[], double um, size_t *wit
         v->z = within(l->surface[i].z, 2);
         double size = l->surface[i].size > 0 && l->surface[i].size < 1e100 ? l->surface[i].size : 0x1p-10;
         double focal_length = l->surface[i].focal_length;
-        v->c = focal_length != 0 ? 0 : vertex_curvature(e[i].surface, size * 0x1p-30);
+        const sgt_surface bends = is_faceted(e[i].phase) ? e[i].phase->waves : e[i].surface;
+        v->c = focal_length != 0 ? 0 : vertex_curvature(bends, size * 0x1p-30);
         if (e[i].index == SGT_MIRROR) sign = -sign;
         v->n = e[i].index == SGT_MIRROR ? (number){-n.x, n.err} : index_of(copysign(e[i].index, sign));
         if (l->surface[i].off_axis) v->c = (double)NAN;
         v->power = focal_length != 0    ? within(1 / focal_length, 2)
                    : v->n.x == n.x      ? exactly(0 * v->c) /* one medium */
                                         : product(within(v->c, 4), difference(v->n, n));
-        v->bent = v->power;
+        v->bent = is_faceted(e[i].phase) ? no_number : v->power;
         if (is_in_waves(e[i].phase)) {
             const double bend = e[i].phase->per_wave * vertex_bend(e[i].phase, v->c);
             v->power = difference(v->power, isfinite(bend) ? within(bend, 8) : no_number);

@@ -54,10 +54,11 @@ static double focal_length(source *s, const node *n, const char *key, bool two)
 void sgt_read_ideal(source *s, const node *map, const char *others, sgt_element *e)
 {
     const node *f = tree_take(map, "focal_length"), *fy = tree_take(map, "focal_length_y"), *from = tree_take(map, "object_distance");
-    const node *other = tree_take(map, "phase");
+    const node *other = tree_take(map, "phase"), *facets = tree_take(map, "facets");
     sgt_phase *phase = tree_room(s, 1, sizeof *phase);
     if (!f) tree_fail(s, map->line, "focal_length", "missing; an ideal lens has one");
     if (other) tree_fail(s, other->line, "phase", "an ideal lens has no other phase");
+    if (facets) tree_fail(s, facets->line, "facets", "an ideal lens has none");
     phase->kind = SGT_IDEAL_LENS;
     phase->focal_length = focal_length(s, f, "focal_length", fy != NULL);
     if (fy) phase->focal_length_y = focal_length(s, fy, "focal_length_y", true);
@@ -138,6 +139,18 @@ static sgt_surface read_waves(source *s, const node *map, const node *n)
         row->family != SGT_FAMILY_ASPHERE && row->family != SGT_FAMILY_DEPARTURE)
         tree_fail(s, n->line, "waves", "a %s is no sag; a phase is a sag, in waves, or a formula", row->type);
     return waves;
+}
+
+/* The facets of a Fresnel surface: a sag, whose slopes they have. */
+void sgt_read_facets(whole_lens *w, source *s, const node *n, size_t i)
+{
+    const sgt_builtin *row;
+    sgt_phase *phase = tree_room(s, 1, sizeof *phase);
+    tree_map(s, n, "facets");
+    phase->kind = SGT_FACETS, phase->waves = sgt_read_surface(s, n, SURFACE_NO_RIM, "", &row);
+    if (!sgt_is_sag(phase->waves))
+        tree_fail(s, n->line, "facets", "a %s is no sag; facets have the slopes of one", row->type);
+    w->element[i].phase = phase;
 }
 
 static const char PHASE_KEYS[] =
@@ -237,7 +250,7 @@ static void set_wavelength(const whole_lens *w, double um, sgt_phase phase[])
     const double unit = sgt_lens_unit(&w->lens);
     for (size_t i = 0; w->order && i < w->lens.count; i++) {
         const sgt_phase *own = w->element[i].phase;
-        if (!own || own->kind == SGT_IDEAL_LENS) continue;
+        if (!own || own->kind == SGT_IDEAL_LENS || own->kind == SGT_FACETS) continue;
         phase[i] = *own;
         phase[i].per_wave = w->order[i] * um / unit;
     }

@@ -21,6 +21,7 @@
  *     TILTSURF   the plane z = P1 x + P2 y; as surface 0 an object whose points lie there
  *     PARAXIAL   a thin lens without aberrations, of the focal length P1
  *     PARAX_XY   the same with the powers P1 in x and P2 in y, not focal lengths; 0: none there
+ *     FRESNELS   the plane z = 0, whose facets have the slopes of conic(r) + even(r)
  *     COORDBRK   no surface: decenter P1, P2, then tilts P3, P4, P5 about x, y, z; P6 not 0: the tilts come
  *                first, and in the other order.  As the stop it is the plane z = 0 behind these
  *
@@ -463,6 +464,14 @@ static void write_two_powers(zmx *z, const zmx_surface *f, node *map)
     if (x != y) sgt_zmx_set_number(z, map, "focal_length_y", f->parm_line, 1 / y);
 }
 
+static void write_fresnel(zmx *z, const zmx_surface *f, node *map)
+{
+    node *facets = tree_node(z->s, NODE_MAP, f->line);
+    sgt_zmx_write_asphere(z, f, facets);
+    sgt_zmx_set_word(z, map, "type", f->line, "plane");
+    tree_set(z->s, map, "facets", facets);
+}
+
 static const zmx_type types[] = {
     {"STANDARD", .round = true, .write = sgt_zmx_write_standard},
     {"EVENASPH", .parms = 8, .round = true, .powers = true, .write = sgt_zmx_write_asphere},
@@ -481,13 +490,13 @@ static const zmx_type types[] = {
     {"TILTSURF", .parms = 2, .aslant = true, .write = write_tilted},
     {"PARAXIAL", .parms = 2, .write = write_ideal}, /* PARM 2: how paths are counted, not where rays go */
     {"PARAX_XY", .parms = 2, .write = write_two_powers},
+    {"FRESNELS", .parms = 8, .round = true, .powers = true, .write = write_fresnel},
     {"COORDBRK", .parms = 6},
 };
 
 /* Types that cannot be read, and those that begin so. */
 static const struct { const char *name, *why; } refused[] = {
     {"CHEBYSHE", "the order in which its coefficients are stored is not published"},
-    {"FRESNELS", "its facets bend light by another slope than that of the surface it is met on"},
     {"NONSEQCO", "light meets its objects in no order that the file says"},
     {"JONESMAT", "polarisation is not traced"},
     {"GRIN", "light goes in curves behind it (a gradient of the index)"},
