@@ -153,10 +153,51 @@ static bool formula_slopes(const void *self, const sgt_interval at[3], sgt_inter
     return true;
 }
 
+static const sgt_tape *tape_of(sgt_surface s)
+{
+    if (s.ops == &sgt_formula_ops) return ((const sgt_formula *)s.self)->tape;
+    return s.ops == &sgt_formula_sag_ops ? ((const sgt_formula_sag *)s.self)->tape : NULL;
+}
+
+bool sgt_has_kinks(sgt_surface s)
+{
+    const sgt_tape *tape = tape_of(s);
+    for (int i = 0; tape && i < tape->steps; i++) {
+        const int op = tape->step[i].op;
+        if (op == FORMULA_ABS || op == FORMULA_MIN || op == FORMULA_MAX || op == FORMULA_HYPOT) return true;
+    }
+    return false;
+}
+
 static double farthest_from(double x, sgt_interval in)
 {
     const double off = larger(sgt_sum_above(in.hi, -x), sgt_sum_above(x, -in.lo));
     return in.lo <= in.hi && off < HUGE_VAL ? larger(off, 0) : HUGE_VAL;
+}
+
+/* The gradient of s, or of F, within `by` of p. */
+static void slopes_near(const sgt_tape *tape, sgt_vec3 p, double by, sgt_interval g[3])
+{
+    const double x[3] = {p.x, p.y, p.z};
+    sgt_interval at[3];
+    for (int i = 0; i < 3; i++) at[i] = sgt_interval_between(-sgt_sum_above(-x[i], by), sgt_sum_above(x[i], by));
+    const sgt_interval r = sgt_interval_hypotenuse(at[0], at[1]);
+    const formula_jet xy = sgt_formula_jet(tape, at, r, AXES[0], AXES[1], false);
+    g[0] = xy.u, g[1] = xy.v, g[2] = sgt_interval_of(0);
+    if (tape->kind == SGT_FORMULA_XYZ) g[2] = sgt_formula_jet(tape, at, r, AXES[2], AXES[2], false).u;
+}
+
+static double off_near(const sgt_tape *tape, sgt_vec3 p, double by, sgt_vec3 g)
+{
+    sgt_interval near[3];
+    slopes_near(tape, p, by, near);
+    return farthest_from(g.x, near[0]) + farthest_from(g.y, near[1]) + farthest_from(g.z, near[2]);
+}
+
+double sgt_kink_off(sgt_surface s, sgt_vec3 p, double p_err, sgt_vec3 n)
+{
+    const bool sag = s.ops == &sgt_formula_sag_ops;
+    return off_near(tape_of(s), p, p_err, sag ? (sgt_vec3){-n.x, -n.y, 0} : n);
 }
 
 /* Of the gradient of a conic's sag, or of that of an even asphere with this base. */
@@ -165,7 +206,7 @@ static double gradient_off(const sgt_even_asphere *a, sgt_vec3 p)
     return of_gradient(GRADIENT_OF_ASPHERE, a, p, (sgt_vec3){0, 0, 1}, 1, 1, 1);
 }
 
-waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
+waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, double p_err, waves_here here)
 {
     const sgt_surface s = in_set(a->waves);
     const struct sgt_builtin_ops *own = s.ops->own_;
@@ -181,16 +222,14 @@ waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
         const sgt_even_asphere base = {.c = q->c, .k = q->k};
         off.g = gradient_off(s.ops == &sgt_conic_ops ? &base : s.self, p);
     } else if (s.ops == &sgt_formula_ops) {
-        const sgt_interval at[3] = {sgt_interval_of(p.x), sgt_interval_of(p.y), sgt_interval_of(p.z)};
-        sgt_interval g[3];
-        formula_slopes(s.self, at, g, NULL);
-        off.g = farthest_from(here.g.x, g[0]) + farthest_from(here.g.y, g[1]) + farthest_from(here.g.z, g[2]);
+        off.g = off_near(tape_of(s), p, sgt_has_kinks(s) ? p_err : 0, here.g);
     } else if (own && own->departure) {
         sgt_even_asphere base = {.c = 0};
-        double p_err, grad_err;
-        own->departure->rounding(s.self, p.x, p.y, &p_err, &grad_err);
+        double w_err, grad_err;
+        own->departure->rounding(s.self, p.x, p.y, &w_err, &grad_err);
         if (own->base) own->base(s.self, &base.c, &base.k);
         off.g = 1.5 * grad_err + gradient_off(&base, p) + SGT_U * size_of(here.g);
+        if (sgt_has_kinks(s)) off.g = larger(off.g, off_near(tape_of(s), p, p_err, here.g));
     }
     return off;
 }

@@ -35,7 +35,8 @@
  *
  *     conics, even aspheres    as aim_bound.c has it of their normals
  *     departures               as they tell (departure.h), and the conic base
- *     formulas                 how far it is from its enclosure at the point
+ *     formulas                 how far it is from its enclosure at the point; with kinks, from that of all
+ *                              points that may have been met
  *     a user's                 64 v of it, a guess
  *
  * BUNDLES.  G is a form: waves.c.
@@ -86,9 +87,16 @@ void sgt_waves_tile(const sgt_phase *a, size_t n, sgt_points p, double *w, doubl
 /* The second derivatives of W: xx, xy, xz, yy, yz, zz.  false: there are none, all are NaN. */
 bool sgt_waves_second(const sgt_phase *a, size_t n, sgt_points p, double *const out[6]);
 
-/* How far W and its gradient as computed are off at p (a vector: its length). */
+/* How far W and its gradient as computed are off at p (a vector: its length), for a point that is met within
+ * p_err of it. */
 typedef struct waves_off { double w, g; } waves_off;
-waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here);
+waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, double p_err, waves_here here);
+
+/* Is it a formula with |a|, min, max or hypot, so that its gradient may jump? */
+bool sgt_has_kinks(sgt_surface s);
+
+/* Of such a formula: how far n, its gradient as computed, may be from that of a point within p_err of p. */
+double sgt_kink_off(sgt_surface s, sgt_vec3 p, double p_err, sgt_vec3 n);
 
 /* What is the same for all rays. */
 typedef struct kick { double n1, n2, by_n2, per_wave; bool back; } kick;

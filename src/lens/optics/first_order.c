@@ -106,10 +106,26 @@ static double vertex_curvature(sgt_surface s, double h)
     return fabs(c - vertex) <= SMOOTH * fabs(vertex) || fabs(c - vertex) * h < FLAT ? vertex : (double)NAN;
 }
 
-/* W_yy of a phase in waves at the vertex of a surface of the curvature c: with F(x, y, z) it is that along
- * the surface.  NaN: it has none. */
-static double vertex_bend(const sgt_phase *p, double c)
+/* Has W a kink at the vertex, seen by the gradients at y = h and -h?  Their difference falls with h where W is
+ * smooth, and does not at a kink.  One that turns light by less than 2^-40 is none. */
+static bool is_kinked(const sgt_phase *p, double h)
 {
+    enum { NEARER = 16 };
+    double jump[2];
+    for (int k = 0; k < 2; k++, h /= NEARER) {
+        sgt_vec3 up = {0, 0, 0}, down = {0, 0, 0};
+        p->waves.ops->value(p->waves.self, (sgt_vec3){0, h, 0}, &up);
+        p->waves.ops->value(p->waves.self, (sgt_vec3){0, -h, 0}, &down);
+        jump[k] = fabs(p->per_wave * (up.y - down.y));
+    }
+    return jump[1] > 0x1p-40 && jump[1] > 0.5 * jump[0];
+}
+
+/* W_yy of a phase in waves at the vertex of a surface of the curvature c: with F(x, y, z) it is that along
+ * the surface.  NaN: it has none.  h: of is_kinked. */
+static double vertex_bend(const sgt_phase *p, double c, double h)
+{
+    if (is_kinked(p, h)) return (double)NAN;
     const sgt_surface waves = p->waves;
     const bool sag = p->kind == SGT_PHASE_SAG;
     const double zero = 0, sign = sag ? -1 : 1;
@@ -469,7 +485,7 @@ static bool set_vertices(paraxial *p, sgt_element room[], double um, size_t *wit
                                         : product(within(v->c, 4), difference(v->n, n));
         v->bent = is_faceted(e[i].phase) ? no_number : v->power;
         if (is_in_waves(e[i].phase)) {
-            const double bend = e[i].phase->per_wave * vertex_bend(e[i].phase, v->c);
+            const double bend = e[i].phase->per_wave * vertex_bend(e[i].phase, v->c, size * 0x1p-10);
             v->power = difference(v->power, isfinite(bend) ? within(bend, 8) : no_number);
         }
         if (l->surface[i].off_axis) v->power = v->bent = no_number;

@@ -82,6 +82,8 @@ static sgt_surface read_lines(source *s, const node *n, const node *turn)
     sgt_polynomial_xy *self = tree_room(s, 1, sizeof *self);
     double *a = tree_room(s, 4, sizeof *a);
     const double lines = tree_read_number(s, n, "lines", NUMBER_FINITE);
+    if (lines == 0)
+        tree_fail(s, n->line, "lines", "must not be zero: a grating without lines is none; order: 0 switches it off");
     double degrees = turn ? tree_read_number(s, turn, "turn", NUMBER_FINITE) : 0, cosine, sine;
     sgt_turns(1, &degrees, &cosine, &sine);
     a[1] = lines * cosine, a[2] = 0 - lines * sine;
@@ -109,9 +111,12 @@ static sgt_surface read_hologram(source *s, const node *points, const node *wave
         if (p[i][0] == 0 && p[i][1] == 0 && p[i][2] == 0)
             tree_fail(s, n->line, "points", "a point must not be the vertex itself");
     }
+    if (p[0][0] == p[1][0] && p[0][1] == p[1][1] && p[0][2] == p[1][2] && !through)
+        tree_fail(s, points->line, "points", "are one point, whose two beams leave no fringes");
     if (!wavelength) tree_fail(s, points->line, "wavelength", "missing: of the light of both beams");
     const double um = tree_read_number(s, wavelength, "wavelength", NUMBER_FINITE);
     if (!(um > 0)) tree_fail(s, wavelength->line, "wavelength", "must be positive, not %g", um);
+    if (isinf(unit / um)) tree_fail(s, wavelength->line, "wavelength", "%g is too small", um);
     const sgt_named number[NUMBERS] = {{"x1", p[0][0]},
                                        {"y1", p[0][1]},
                                        {"z1", p[0][2]},
