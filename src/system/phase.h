@@ -257,6 +257,34 @@ SGT_INLINE void phase_slopes_of(const sgt_phase *phase, double n1, double n2, sg
     s->by_n2[PHASE_PATH] = behind.m - (b.x * e.x + b.y * e.y + b0.x * e0.x + b0.y * e0.y);
 }
 
+/* The numbers of an ideal lens, in this order; and the derivatives of d' and W by them.  With n2 w' = n1 w -
+ * p / f a focal length moves n2 w' by p / f^2, in its row; one that is given once moves both rows.  The object
+ * distance a moves w0 by p / a^2, and n2 w0' by n1 times that. */
+enum { LENS_BY_X, LENS_BY_Y, LENS_BY_OBJECT, LENS_NUMBERS };
+
+SGT_INLINE void phase_by_numbers(const sgt_phase *phase, double n1, double n2, sgt_vec3 p, sgt_vec3 d,
+                                 sgt_vec3 after, double by[LENS_NUMBERS][PHASE_ROWS])
+{
+    const double object = phase->object_distance, near = object == 0 ? 0 : 1 / object;
+    const sgt_vec2 f = focal_lengths(phase), more = {p.x / f.x / f.x, p.y / f.y / f.y};
+    const double r = n1 / n2, c = 1 / fabs(d.z), n = fabs(after.z), c2 = 1 / n;
+    const sgt_vec2 w = {c * d.x, c * d.y}, w0 = {w.x - near * p.x, w.y - near * p.y};
+    const sgt_vec2 e = {c2 * after.x, c2 * after.y}, e0 = {r * w0.x, r * w0.y};
+    const double to[3] = {after.x, after.y, after.z};
+    const phase_term front = phase_term_of(p, w, w0), behind = phase_term_of(p, e, e0);
+    const sgt_vec2 f0 = front.by_w0, b = behind.by_w, b0 = behind.by_w0;
+    for (int i = 0; i < PHASE_PATH; i++) {
+        by[LENS_BY_X][i] = n / n2 * ((i == 0) - to[i] * after.x) * more.x;
+        by[LENS_BY_Y][i] = n / n2 * ((i == 1) - to[i] * after.y) * more.y;
+        by[LENS_BY_OBJECT][i] = 0;
+    }
+    by[LENS_BY_X][PHASE_PATH] = b.x * more.x, by[LENS_BY_Y][PHASE_PATH] = b.y * more.y;
+    by[LENS_BY_OBJECT][PHASE_PATH] =
+        n1 * near * near * ((b0.x - f0.x) * p.x + (b0.y - f0.y) * p.y);
+    for (int i = 0; i < PHASE_ROWS && phase->focal_length_y == 0; i++)
+        by[LENS_BY_X][i] += by[LENS_BY_Y][i], by[LENS_BY_Y][i] = 0;
+}
+
 /* ----------------------------------------------------------------------- errors */
 
 /* How far rounding puts a component of the direction behind off, and W, where p and d are as they stand. */

@@ -1140,7 +1140,7 @@ def test_what_is_refused():
               (extended('BINARY_2', 101, 1.0, 0.1, parm={0: 1}), 'XDAT', (), None),
               (extended('BINARY_3', 0, parm={**zones, 4: 0.5}), 'PARM', (), None),   # zones that do not rise
               (extended('BINARY_3', 0, parm={**zones, 7: 0.5}), 'PARM', (), None),
-              (extended('BINARY_3', 0, parm={**zones, 8: 1}), 'PARM', (), None),     # a step between them
+              (extended('BINARY_3', 0, parm={**zones, 8: 1}), 'PARM', ('PARM 8 lets the sag jump',), None),
               (extended('BINARY_3', 41, parm=zones), 'XDAT', (), None),
               (extended('FZERNPHA', 38, 5.0, 0.1, parm={0: 1}), 'XDAT', (), None),
               (extended('HOLOGRM2', parm=[0, 0, 1, 0, 0, 2, -0.5, 1]), 'PARM', (), None),
@@ -1297,6 +1297,10 @@ def test_noise():
         surf('BINARY_3', c=0.01, parm=[70.0, -1.0, 1.0, 3.0, 1, 2], xdat=[1, 1e-3, 50.0, 2e-3, 60.0], t=1.0),
         surf('FZERNPHA', parm={0: 1}, xdat=[4, 3.0, 1.0, 0.0, 0.0, -5.0], t=1.0),
         surf('HOLOGRM2', parm=[0.0, 0.0, -50.0, 0.0, 3.0, 60.0, 0.5, 1], t=1.0),
+        surf('PARAX_XY', parm=[0.01, -0.02], t=1.0), surf('FRESNELS', c=0.02, parm=[0.0, 1e-5], t=1.0),
+        surf('HOLOGRM1', parm=[0.0, 0.0, -50.0, 0.0, 3.0, 60.0, 0.5, 1], t=1.0),
+        surf('SZERNPHA', parm={0: 1}, xdat=[3, 3.0, 1.0, 0.0, 2.0], t=1.0),
+        surf('QED_TYPE', c=0.02, k=-1.0, xdat=[0, 2, 5.0, 0.1, 0.2], t=1.0), surf('IRREGULA', parm=[0.1, 0, 1, 0, 0.1, 0, 0, 3], t=1.0),
         surf('PARAXIAL', parm=[100.0, 1]), IMAGE).splitlines()
     path = written(b'', 'noise.zmx')
     path.write_text('\n'.join(text) + '\n')

@@ -175,7 +175,7 @@ static double &component(sgt_ray_change &c, std::size_t i)
     return *all[i];
 }
 
-static long derivatives;
+static long derivatives, by_phases;
 static double worst_derivative;
 
 // Number j of sgt_trace_parameters, and a unit of it; NULL where it is none.
@@ -246,6 +246,65 @@ static void compare_derivatives(const row &r, const sgt_ray &launch, const std::
             const double x = component(forward[j], i);
             if (!(std::fabs(x - by[i]) <= 1e-9 * (all + nothing)))
                 fail("forward", double(i), double(j), x, by[i]);
+        }
+    }
+}
+
+// By the numbers of the phases.
+static void compare_phases(const row &r, const sgt_ray &launch, const std::vector<sgt_passage> &passages)
+{
+    const std::size_t n = r.e.size(), count = sgt_phase_parameters(n, r.e.data()), rows = has_paths(r) ? 7 : 6;
+    std::vector<double> gradient(7 * count);
+    sgt_ray_change weight[7] = {};
+    for (std::size_t i = 0; i < 7; i++) component(weight[i], i) = 1;
+    const int lacks = sgt_phase_gradient(n, r.e.data(), r.before, &launch, passages.data(), rows, weight, gradient.data());
+    if (lacks) fail("phases lack", 0, 0, lacks, 0);
+    const std::vector<element> e = slow_of(r);
+    std::size_t j = 0;
+    for (const sgt_element &one : r.e) {
+        if (!one.phase) continue;
+        const sgt_phase &a = *one.phase;
+        const bool ideal = a.kind == SGT_IDEAL_LENS, facets = a.kind == SGT_FACETS;
+        const int m = ideal ? 3 : 1 + int(sgt_parameters(a.waves));
+        for (int k = 0; k < m; k++, j++) {
+            const double sizes[3] = {a.focal_length, a.focal_length_y, a.object_distance};
+            const bool none = (ideal && (sizes[k] == 0 || std::isinf(sizes[k]))) || (facets && k == 0);
+            // a step that moves the end by some 1e-10 of its size, if the derivative is what is said
+            double most = 0;
+            for (std::size_t i = 0; i < rows; i++) {
+                const double got = std::fabs(gradient[i * count + j]) / (i < 3 || i == 6 ? r.size : 1);
+                most = std::max(most, got);
+            }
+            const std::vector<double> own = ideal ? std::vector<double>() : catalogue::parameters_of(a.waves);
+            const double number = std::fabs(ideal ? sizes[k] : k == 0 ? a.per_wave : own[std::size_t(k - 1)]);
+            double step = 1e-10 / (most > 0 ? most : 1);
+            if (number != 0) step = std::min(step, 1e-7 * number); // far from linear beyond
+            if (number == 0 && k < 3) step = std::min(step, 1e-7 / (k == 1 ? r.size : 1)); // a curvature, a conic constant
+            const quad h = none ? quad(0) : quad(step);
+            moved = {&a, ideal ? k : k - 1, h};
+            const end up = trace(e, n, r.before, of(launch.o), of(launch.d));
+            moved.by = -h;
+            const end down = trace(e, n, r.before, of(launch.o), of(launch.d));
+            moved = {nullptr, 0, 0};
+            if (up.passed != n || down.passed != n) continue;
+            if (facets && one.index == 0) continue; // they do nothing, and roundings are what is told
+            if (!none && most * step < 1e-20) { // too little for differences: there is none either
+                const double by_step = to_double(length(up.p - down.p)) / r.size + to_double(length(up.d - down.d));
+                if (!(by_step < 1e-18)) fail("a phase that seems to do nothing", double(j), double(k), most, by_step);
+                continue;
+            }
+            const quad s = none ? quad(0) : quad(0.5) / h;
+            const vec p = s * (up.p - down.p), q = s * (up.d - down.d);
+            const double by[7] = {to_double(p.x), to_double(p.y), to_double(p.z), to_double(q.x),
+                                  to_double(q.y), to_double(q.z), to_double(s * (up.opl - down.opl))};
+            const double all[3] = {to_double(length(p)), to_double(length(q)), std::fabs(by[6]) + to_double(length(p))};
+            for (std::size_t i = 0; i < rows; i++) {
+                double nothing = (i < 3 || i == 6 ? r.size : 1) * (most > 0 ? most : 1) * 1e-3;
+                if (ideal && k == 2 && !none) nothing += 1e-3 * std::pow(r.size / number, 2); // a difference of two terms
+                const double got = gradient[i * count + j], off = std::fabs(got - by[i]) / (all[i / 3] + nothing);
+                by_phases++, worst_derivative = std::max(worst_derivative, off);
+                if (!(off <= 1e-9)) fail("by a phase", double(i), double(k), got, by[i]);
+            }
         }
     }
 }
@@ -382,11 +441,11 @@ int main()
             if (!(to_double(length(off)) < 1e-3 * r.size)) continue; // the other root of a conic
             rays++;
             compare_errors(r, launch, passages, is);
-            if (j == 0) compare_derivatives(r, launch, passages);
+            if (j == 0) compare_derivatives(r, launch, passages), compare_phases(r, launch, passages);
             if (j == 0) compare_aim(r, launch, random);
         }
     }
-    std::printf("%ld rays of %d systems; %ld derivatives, off by %.2g at most\n", rays, systems, derivatives,
+    std::printf("%ld rays of %d systems; %ld derivatives, %ld by phases, off by %.2g at most\n", rays, systems, derivatives, by_phases,
                 worst_derivative);
     of_point.print("point"), of_path.print("path");
     std::printf("%ld points that are met: %ld found, %ld undecided; %ld beside: %ld proven\n", asked, met,
