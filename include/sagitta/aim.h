@@ -110,9 +110,10 @@ SGT_API int sgt_trace_gradient(size_t elements, const sgt_element e[],
 
 /* The numbers of phases that a trace depends on: for each element that has one, in order,
  *
- *     an ideal lens   3   focal_length, focal_length_y, object_distance.  If the second is
- *                         0, the first is that of both axes, and the derivative by the
- *                         second is 0; so it is by an object_distance that is 0 or infinite
+ *     an ideal lens   3   focal_length, focal_length_y, object_distance.  If the second
+ *                         is 0, the first is that of both axes, and the derivative by
+ *                         the second is 0.  So it is by an object_distance that is 0 or
+ *                         infinite
  *     a phase in      1   per_wave, the order times the wavelength
  *     waves           m   the parameters of its `waves`; m = sgt_parameters(phase->waves)
  *     facets          1   0, in the place of per_wave
@@ -121,8 +122,8 @@ SGT_API int sgt_trace_gradient(size_t elements, const sgt_element e[],
  * Returns how many there are. */
 SGT_API size_t sgt_phase_parameters(size_t elements, const sgt_element e[]);
 
-/* sgt_trace_gradient by these numbers.  A number of a lens's wavelength L moves per_wave by
- * its order and each index by its dispersion: the derivative by L is the sum of
+/* sgt_trace_gradient by these numbers.  The wavelength L moves per_wave by the order, and
+ * each index by its dispersion: the derivative by L is the sum of
  *
  *     order * that by per_wave             of each phase in waves
  *     dn/dL * that by the index            of each element (sgt_trace_gradient), and by
@@ -132,10 +133,10 @@ SGT_API size_t sgt_phase_parameters(size_t elements, const sgt_element e[]);
  *
  * All else is as for sgt_trace_gradient.  SGT_LACKS_PARAMETERS: `waves` tells no
  * derivatives by its parameters.  What depends on opl behind facets is NaN. */
-SGT_API int sgt_phase_gradient(size_t elements, const sgt_element e[], double index_before,
-                               const sgt_ray *launch, const sgt_passage passages[],
-                               size_t rows, const sgt_ray_change weight[],
-                               double gradient[]);
+SGT_API int sgt_phase_gradient(size_t elements, const sgt_element e[],
+                               double index_before, const sgt_ray *launch,
+                               const sgt_passage passages[], size_t rows,
+                               const sgt_ray_change weight[], double gradient[]);
 
 /* ------------------------------------------------------------ the error of the end */
 

@@ -197,7 +197,8 @@ static bool aperture_sound(const sgt_element *e, sgt_error *error)
 static bool waves_sound(const sgt_phase *p, sgt_error *error)
 {
     const sgt_surface s = p->waves;
-    if (p->kind != SGT_FACETS && !isfinite(p->per_wave)) return blame(error, "phase", "per_wave", "not finite");
+    if (p->kind != SGT_FACETS && !isfinite(p->per_wave))
+        return blame(error, "phase", "per_wave", "not finite");
     if (!surface_sound(s, error)) {
         if (!error) return false;
         char was[sizeof error->key];

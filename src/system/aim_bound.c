@@ -139,7 +139,8 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, boo
         if (c.bends && turns) {
             chain_second(s, &c);
             if (!c.phased) off = bend_off_of(gradient_kind_of(s), s.self, c);
-            if (!c.phased && sgt_has_kinks(s)) off.gradient = larger(off.gradient, sgt_kink_off(s, c.p, p_err, c.n));
+            if (!c.phased && sgt_has_kinks(s))
+                off.gradient = larger(off.gradient, sgt_kink_off(s, c.p, p_err, c.n));
         }
         if (i == task->stop) back[OF_PATH] = (chain_back){times(-c.n1, c.d), {0, 0, 0}, 1, 0};
         error[ERROR_OF_POINT] += error_through(e, &c, turns, p_err, off, true, back);

@@ -45,7 +45,11 @@
 
 /* W of a phase in waves and its gradient, G = per_wave grad W, and the derivatives of G: xx, xy, xz, yy, yz,
  * zz.  m: the normal that light is bent by.  Of facets G is 0, and h has the derivatives of m. */
-typedef struct waves_slopes { waves_here at; sgt_vec3 G, m; double h[6]; } waves_slopes;
+typedef struct waves_slopes {
+    waves_here at;
+    sgt_vec3 G, m;
+    double h[6];
+} waves_slopes;
 
 /* An element as a ray met it.  bends: n has a say in d'. */
 typedef struct chain_link {
@@ -334,8 +338,10 @@ SGT_INLINE chain_step waves_backward(const chain_link *c, bool turns, chain_back
         const sgt_vec3 across_after = plus_times(x.d, -b, c->after), to_u = times(1 / c->n2, across_after);
         const sgt_vec3 to_m = times(c->f, across_after);
         front = times(c->n1, to_u);
-        if (facets) to_p = plus(to_p, symmetric_product(s->h, to_m));
-        else in.n = to_m, to_p = plus(to_p, plus(symmetric_product(s->h, to_u), chain_bend(*c, in.n)));
+        if (facets)
+            to_p = plus(to_p, symmetric_product(s->h, to_m));
+        else
+            in.n = to_m, to_p = plus(to_p, plus(symmetric_product(s->h, to_u), chain_bend(*c, in.n)));
         in.n1 = dot(to_u, c->d), in.n2 = (b - dot(x.d, c->after)) / c->n2;
     }
     return chain_back_point(*c, in, to_p, front, x);

@@ -110,8 +110,8 @@ SGT_INLINE double of_waves(const sgt_element *e, const chain_link *c, bool turns
     const bool facets = is_faceted(c->waves);
     const double per_wave = facets ? 0 : fabs(c->waves->per_wave);
     const waves_off off = sgt_waves_off(c->waves, c->p, p_err, at->at);
-    const double path = facets && s.by[0].x.opl != 0 ? (double)NAN
-                                                        : fabs(s.by[0].x.opl) * per_wave * (off.w + off.g * p_err);
+    const double path =
+        facets && s.by[0].x.opl != 0 ? (double)NAN : fabs(s.by[0].x.opl) * per_wave * (off.w + off.g * p_err);
     if (!turns) return path;
     const sgt_surface surface = chain_surface(e->surface);
     const double n2 = dot(c->n, c->n), n = sqrt(n2), m = size_of(at->m);
@@ -121,8 +121,7 @@ SGT_INLINE double of_waves(const sgt_element *e, const chain_link *c, bool turns
     if (facets) return path + size * (direction + fabs(c->f) * off.g * (1 + m * fabs(c->by_S)));
     double gradient = of_gradient(gradient_kind_of(surface), surface.self, c->p, c->n, n2, n, 1 / n);
     if (sgt_has_kinks(surface)) gradient = larger(gradient, sgt_kink_off(surface, c->p, p_err, c->n));
-    return path + size * direction +
-           longest_of(s.two, s.by[0].in.n, s.by[1].in.n) * gradient;
+    return path + size * direction + longest_of(s.two, s.by[0].in.n, s.by[1].in.n) * gradient;
 }
 
 /* What a phase adds to that. */

@@ -201,8 +201,9 @@ static void by_phase(const sgt_phase *a, const chain_link *c, chain_back x, doub
         double by[LENS_NUMBERS][PHASE_ROWS];
         phase_by_numbers(a, c->n1, c->n2, c->p, c->d, c->after, by);
         for (int k = 0; k < LENS_NUMBERS; k++)
-            to[k] = c->passed != 1 ? none
-                                   : by[k][0] * x.d.x + by[k][1] * x.d.y + by[k][2] * x.d.z + by[k][3] * x.opl;
+            to[k] = c->passed != 1
+                        ? none
+                        : by[k][0] * x.d.x + by[k][1] * x.d.y + by[k][2] * x.d.z + by[k][3] * x.opl;
         return;
     }
     const waves_slopes *s = &c->by_waves;
@@ -217,7 +218,8 @@ static void by_phase(const sgt_phase *a, const chain_link *c, chain_back x, doub
     for (size_t j = 0; j < chain_parameters(of); j++) {
         double f;
         sgt_vec3 g = {0, 0, 0};
-        of.ops->by_parameter(of.self, j, 1, (sgt_points){{&p.x, &p.y, &p.z}}, (sgt_values){&f, {&g.x, &g.y, &g.z}});
+        of.ops->by_parameter(of.self, j, 1, (sgt_points){{&p.x, &p.y, &p.z}},
+                             (sgt_values){&f, {&g.x, &g.y, &g.z}});
         to[1 + j] = facets ? dot(to_m, g) : sign * a->per_wave * (dot(to_u, g) + x.opl * f);
         if (facets && x.opl != 0) to[1 + j] = none;
     }
@@ -225,7 +227,8 @@ static void by_phase(const sgt_phase *a, const chain_link *c, chain_back x, doub
 }
 
 int sgt_phase_gradient(size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
-                       const sgt_passage passages[], size_t rows, const sgt_ray_change weight[], double gradient[])
+                       const sgt_passage passages[], size_t rows, const sgt_ray_change weight[],
+                       double gradient[])
 {
     const size_t count = sgt_phase_parameters(elements, e);
     int lacks = 0;
@@ -237,7 +240,8 @@ int sgt_phase_gradient(size_t elements, const sgt_element e[], double index_befo
             const sgt_surface s = chain_surface(e[i].surface);
             chain_link c;
             if (!last) x.p = into(&e[i].pose, x.p), x.d = into(&e[i].pose, x.d);
-            chain_at(&e[i], chain_direction(e, i, launch, passages), chain_index(e, i, index_before), &passages[i], &c);
+            chain_at(&e[i], chain_direction(e, i, launch, passages), chain_index(e, i, index_before),
+                     &passages[i], &c);
             if (c.bends && turns && !chain_second(s, &c)) lacks |= SGT_LACKS_SECOND;
             if (e[i].phase) {
                 const sgt_surface_ops *of = c.waves ? chain_surface(c.waves->waves).ops : NULL;

@@ -27,9 +27,10 @@
  * of unit length, with one Newton step.  In all a component is off by 8 u, if |n| >= 2^-50 n1 / n2 (1.8 u is
  * the most that tests have seen).
  *
- * TWO POWERS.  f is fx in the first row and fy in the second.  The rows then have the factors |fx| and |fy|, so
- * each is taken by |f0 / f|, where f0 is the shorter of both: two roundings more, 7 u in all.  An infinite f is
- * a row without power, n1 |f0| l.  If f is one, the factors are 1, and each bit is that of the lens of one power.
+ * TWO POWERS.  f is fx in the first row and fy in the second.  The rows then have the factors |fx| and |fy|,
+ * so each is taken by |f0 / f|, where f0 is the shorter of both: two roundings more, 7 u in all.  An infinite
+ * f is a row without power, n1 |f0| l.  If f is one, the factors are 1, and each bit is that of the lens of
+ * one power.
  *
  * THE PATH.  Let p = (x, y), w = (u, v), S(w) = sqrt(1 + w^2), and a the object's distance in front.  The
  * ray comes from q = p - a w in the object plane.  A ray from there through the vertex has w0 = w - p / a,
@@ -45,10 +46,10 @@
  * a and b are gone, but for w0: both may be infinite or negative.  From afar w0 = w, and the second term is
  * n1 p . (l, m), the path from a plane wavefront through the vertex.
  *
- * OF TWO POWERS nothing images a point, and there is no wavefront.  From afar n2 w' = n1 w - (x / fx, y / fy),
- * and the field w' / S(w') over the plane has the curl (1 / fx - 1 / fy) u' v' / (n2 S(w')^3), so it is no
- * gradient of a path.  W is the same formula, with the slopes of this lens: a convention of ours.  With p in
- * one of the two sections all above holds, as w0' - w' = p / b with the b of that section: the rays of a
+ * OF TWO POWERS nothing images a point, and there is no wavefront.  From afar n2 w' = n1 w - (x / fx, y /
+ * fy), and the field w' / S(w') over the plane has the curl (1 / fx - 1 / fy) u' v' / (n2 S(w')^3), so it is
+ * no gradient of a path.  W is the same formula, with the slopes of this lens: a convention of ours.  With p
+ * in one of the two sections all above holds, as w0' - w' = p / b with the b of that section: the rays of a
  * fan through the vertex have equal paths to its line focus.  For a ray parallel to the axis W is, for every
  * p, the integral of that field along the line from the vertex to p:
  *
@@ -73,9 +74,9 @@
  *     n1 p |1 - r| |e0| / (H + H0)        <= |n2 - n1| p, as r |e0| <= H0
  *     n2 |F| c p^2 / (H + H0)             <= n2 p^2 |F| / 2
  *
- * with |f| the shorter one.  Together they are at most p^2 / |f| (1 + |n2 - n1| / n2) + 2 |n2 - n1| p.  Each is made with some 30
- * roundings, of sums whose terms are bounded by the same: E is off by 2 u (|E| + 2 c |F| p), which is
- * 2 u (1 + 2 |F| p) of H.  So W is off by 64 u of
+ * with |f| the shorter one.  Together they are at most p^2 / |f| (1 + |n2 - n1| / n2) + 2 |n2 - n1| p.  Each
+ * is made with some 30 roundings, of sums whose terms are bounded by the same: E is off by 2 u (|E| + 2 c |F|
+ * p), which is 2 u (1 + 2 |F| p) of H.  So W is off by 64 u of
  *
  *     (p^2 / |f| (1 + |n2 - n1| / n2) + |n2 - n1| p) (1 + p / (n2 |f|)),
  *
@@ -115,9 +116,10 @@ SGT_INLINE bool is_phase_sound(const sgt_element *e)
     if (a->kind != SGT_IDEAL_LENS) return sgt_waves_sound(a);
     if (!ROOM_IS_ZERO(a)) return false;
     const double object = fabs(a->object_distance), fx = fabs(a->focal_length), fy = fabs(a->focal_length_y);
-    const bool both = fy == 0 ? is_phase_length(fx)
-                              : (fx == HUGE_VAL || is_phase_length(fx)) &&
-                                    (fy == HUGE_VAL || is_phase_length(fy)) && (fx < HUGE_VAL || fy < HUGE_VAL);
+    const bool both = fy == 0
+                          ? is_phase_length(fx)
+                          : (fx == HUGE_VAL || is_phase_length(fx)) &&
+                                (fy == HUGE_VAL || is_phase_length(fy)) && (fx < HUGE_VAL || fy < HUGE_VAL);
     return both && (object == 0 || object == HUGE_VAL || is_phase_length(object));
 }
 
@@ -131,7 +133,9 @@ SGT_INLINE sgt_vec2 focal_lengths(const sgt_phase *a)
 SGT_INLINE double shorter_of(sgt_vec2 f) { return fabs(f.x) <= fabs(f.y) ? f.x : f.y; }
 
 /* A row of an ideal lens: n1 |f|, the sign of f (0: infinite), |f0 / f| and f0 / f, 0 where f is infinite. */
-typedef struct lens_row { double front, front_lo, bend, part, share; } lens_row;
+typedef struct lens_row {
+    double front, front_lo, bend, part, share;
+} lens_row;
 
 /* What is the same for all rays. */
 typedef struct thin_lens {
@@ -153,9 +157,13 @@ SGT_INLINE thin_lens thin_lens_of(const sgt_phase *a, double n1, double n2, bool
 {
     const sgt_vec2 f = focal_lengths(a);
     const double f0 = shorter_of(f), size = fabs(f0), object = a->object_distance;
-    return (thin_lens){.x = lens_row_of(n1, f.x, f0), .y = lens_row_of(n1, f.y, f0),
-                       .behind = mirror ? -n2 * size : n2 * size, .n2 = n2,
-                       .r = n1 / n2, .k = (n2 - n1) / n2, .power = 1 / (n2 * f0),
+    return (thin_lens){.x = lens_row_of(n1, f.x, f0),
+                       .y = lens_row_of(n1, f.y, f0),
+                       .behind = mirror ? -n2 * size : n2 * size,
+                       .n2 = n2,
+                       .r = n1 / n2,
+                       .k = (n2 - n1) / n2,
+                       .power = 1 / (n2 * f0),
                        .vergence = object == 0 ? 0 : 1 / object};
 }
 
@@ -235,7 +243,8 @@ SGT_INLINE void phase_slopes_of(const sgt_phase *phase, double n1, double n2, sg
                                 sgt_vec3 after, phase_slopes *s)
 {
     const double object = phase->object_distance, near = object == 0 ? 0 : 1 / object;
-    const sgt_vec2 length = focal_lengths(phase), power = {1 / length.x, 1 / length.y}, F = {power.x / n2, power.y / n2};
+    const sgt_vec2 length = focal_lengths(phase), power = {1 / length.x, 1 / length.y},
+                   F = {power.x / n2, power.y / n2};
     const double r = n1 / n2, i2 = 1 / n2, c = 1 / fabs(d.z);
     const double n = fabs(after.z), c2 = 1 / n;
     const sgt_vec2 w = {c * d.x, c * d.y}, w0 = {w.x - near * p.x, w.y - near * p.y};
@@ -258,8 +267,8 @@ SGT_INLINE void phase_slopes_of(const sgt_phase *phase, double n1, double n2, sg
 }
 
 /* The numbers of an ideal lens, in this order; and the derivatives of d' and W by them.  With n2 w' = n1 w -
- * p / f a focal length moves n2 w' by p / f^2, in its row; one that is given once moves both rows.  The object
- * distance a moves w0 by p / a^2, and n2 w0' by n1 times that. */
+ * p / f a focal length moves n2 w' by p / f^2, in its row; one that is given once moves both rows.  The
+ * object distance a moves w0 by p / a^2, and n2 w0' by n1 times that. */
 enum { LENS_BY_X, LENS_BY_Y, LENS_BY_OBJECT, LENS_NUMBERS };
 
 SGT_INLINE void phase_by_numbers(const sgt_phase *phase, double n1, double n2, sgt_vec3 p, sgt_vec3 d,
@@ -279,8 +288,7 @@ SGT_INLINE void phase_by_numbers(const sgt_phase *phase, double n1, double n2, s
         by[LENS_BY_OBJECT][i] = 0;
     }
     by[LENS_BY_X][PHASE_PATH] = b.x * more.x, by[LENS_BY_Y][PHASE_PATH] = b.y * more.y;
-    by[LENS_BY_OBJECT][PHASE_PATH] =
-        n1 * near * near * ((b0.x - f0.x) * p.x + (b0.y - f0.y) * p.y);
+    by[LENS_BY_OBJECT][PHASE_PATH] = n1 * near * near * ((b0.x - f0.x) * p.x + (b0.y - f0.y) * p.y);
     for (int i = 0; i < PHASE_ROWS && phase->focal_length_y == 0; i++)
         by[LENS_BY_X][i] += by[LENS_BY_Y][i], by[LENS_BY_Y][i] = 0;
 }
@@ -292,7 +300,8 @@ typedef struct phase_off { double direction, path; } phase_off;
 
 SGT_INLINE phase_off phase_off_of(const sgt_phase *phase, double n1, double n2, sgt_vec3 p, sgt_vec3 d)
 {
-    const double f = fabs(shorter_of(focal_lengths(phase))), by = sqrt(p.x * p.x + p.y * p.y), change = fabs(n2 - n1);
+    const double f = fabs(shorter_of(focal_lengths(phase))), by = sqrt(p.x * p.x + p.y * p.y),
+                 change = fabs(n2 - n1);
     const double size = (by * (by / f) * (1 + change / n2) + change * by) * (1 + by / (n2 * f));
     return (phase_off){fabs(d.z) >= 0x1p-50 * n1 / n2 ? 8 * SGT_U : HUGE_VAL, 64 * SGT_U * size};
 }

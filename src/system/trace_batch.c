@@ -265,8 +265,9 @@ static void add_phase_all(size_t n, const thin_lens *by, const vectors *restrict
 }
 
 /* bend_all of a phase in waves, or of facets; g: the gradient of W. */
-SGT_INLINE double kick_by_all(bool facets, bool back, const tile *w, kick by, double aperture2, const vectors *restrict g,
-                              const vectors *d, vectors *out, double *restrict good)
+SGT_INLINE double kick_by_all(bool facets, bool back, const tile *w, kick by, double aperture2,
+                              const vectors *restrict g, const vectors *d, vectors *out,
+                              double *restrict good)
 {
     const size_t n = w->n;
     const vectors *restrict p = w->p, *restrict normal = &w->n_;

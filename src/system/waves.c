@@ -180,7 +180,8 @@ static void slopes_near(const sgt_tape *tape, sgt_vec3 p, double by, sgt_interva
 {
     const double x[3] = {p.x, p.y, p.z};
     sgt_interval at[3];
-    for (int i = 0; i < 3; i++) at[i] = sgt_interval_between(-sgt_sum_above(-x[i], by), sgt_sum_above(x[i], by));
+    for (int i = 0; i < 3; i++)
+        at[i] = sgt_interval_between(-sgt_sum_above(-x[i], by), sgt_sum_above(x[i], by));
     const sgt_interval r = sgt_interval_hypotenuse(at[0], at[1]);
     const formula_jet xy = sgt_formula_jet(tape, at, r, AXES[0], AXES[1], false);
     g[0] = xy.u, g[1] = xy.v, g[2] = sgt_interval_of(0);
@@ -281,8 +282,7 @@ bool sgt_waves_bundle(const sgt_element *e, double n1, const bundle_hit *h, form
                      form_sum(form_scaled(d->y, n1), form_scaled(g.y, a)),
                      form_sum(form_scaled(d->z, n1), form_scaled(g.z, a))};
     const linear inverse = form_inverse(size2), k = form_product(form_dot(u, n), inverse);
-    const form3 t = {form_difference(u.x, form_product(k, n.x)),
-                     form_difference(u.y, form_product(k, n.y)),
+    const form3 t = {form_difference(u.x, form_product(k, n.x)), form_difference(u.y, form_product(k, n.y)),
                      form_difference(u.z, form_product(k, n.z))};
     const linear t2 = form_sum(form_square(t.x), form_sum(form_square(t.y), form_square(t.z)));
     const linear q = form_difference(form_square(form_of(n2)), t2);
@@ -305,8 +305,7 @@ sgt_phased sgt_phase_at(const sgt_element *e, double index_before, sgt_vec3 d, c
 {
     const double none = (double)NAN, n1 = index_before == 0 ? 1 : index_before;
     sgt_phased out = {none, {none, none, none}, none, none, {none, none}, {0}};
-    if (!e->phase || is_faceted(e->phase) || !sgt_waves_sound(e->phase) || !is_sound(e, n1))
-        return out;
+    if (!e->phase || is_faceted(e->phase) || !sgt_waves_sound(e->phase) || !is_sound(e, n1)) return out;
     const double n2 = index_behind(e, n1);
     const waves_here here = sgt_waves_at(e->phase, hit->p);
     sgt_vec3 n = times(scale_of(hit->n), hit->n);

@@ -42,11 +42,11 @@
  * BUNDLES.  G is a form: waves.c.
  *
  * FACETS (a Fresnel surface) are the same with G = 0 and, for N, the normal of the sag s that is described,
- * m = (-s_x, -s_y, 1).  So t = n1 d - (n1 d . m) m / m^2, and q <= 0 is total reflection.  Light has to come to
- * the front of the facet and to leave on the side of the surface that it is meant for: d . m and d . n are of
- * one sign, and so are d' . n and d . n (of a mirror: not).  Else no facet does that, and the ray is lost.  In
- * the derivatives n is m, and dn = -s_xy dp; the gradient of the surface has a say in the point only.  S is NaN.
- * An error e of the slopes turns m and moves d' by |f| e (1 + |m| / |s|), s = d' . m.
+ * m = (-s_x, -s_y, 1).  So t = n1 d - (n1 d . m) m / m^2, and q <= 0 is total reflection.  Light has to come
+ * to the front of the facet and to leave on the side of the surface that it is meant for: d . m and d . n are
+ * of one sign, and so are d' . n and d . n (of a mirror: not).  Else no facet does that, and the ray is lost.
+ * In the derivatives n is m, and dn = -s_xy dp; the gradient of the surface has a say in the point only.  S
+ * is NaN. An error e of the slopes turns m and moves d' by |f| e (1 + |m| / |s|), s = d' . m.
  *
  * Test: tests/unit/test_waves.c, tests/batch/test_trace_batch.c, tests/oracle/test_waves.py (50 digits),
  * tests/sensitivity/test_evanescent.cpp (the limit); derivatives, errors and bundles:

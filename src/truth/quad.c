@@ -126,7 +126,8 @@ static bool kicked(const sgt_element *e, quad n1, quad n2, quad3 p, quad3 n, qua
 {
     const sgt_phase *a = e->phase;
     const quad_formula *f = quad_formula_of(a->waves);
-    const bool facets = a->kind == SGT_FACETS, sag = facets || a->kind == SGT_PHASE_SAG, back = e->index == SGT_MIRROR;
+    const bool facets = a->kind == SGT_FACETS, sag = facets || a->kind == SGT_PHASE_SAG,
+               back = e->index == SGT_MIRROR;
     quad3 g = {0, 0, 0}, on_axis = {p.x, p.y, 0}, up_axis = {0, 0, 1};
     quad w, scale = a->per_wave;
     if (!f) return false;

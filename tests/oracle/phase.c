@@ -43,8 +43,9 @@ int main(int argc, char **argv)
                reach = fabs(f) * any_scale(1e-8, chance(0.1) ? 1e3 : 2);
         sgt_phase phase = {.kind = SGT_IDEAL_LENS, .focal_length = f};
         if (chance(0.4))
-            phase.focal_length_y = chance(0.3) ? any_sign() * (double)INFINITY
-                                               : any_sign() * fabs(f) * any_scale(1, chance(0.1) ? 1e200 : 30);
+            phase.focal_length_y = chance(0.3)
+                                       ? any_sign() * (double)INFINITY
+                                       : any_sign() * fabs(f) * any_scale(1, chance(0.1) ? 1e200 : 30);
         if (phase.focal_length_y != 0 && chance(0.5))
             phase.focal_length = phase.focal_length_y, phase.focal_length_y = f;
         if (chance(0.7))
@@ -75,8 +76,8 @@ int main(int argc, char **argv)
         sgt_passage is;
         if (sgt_trace(1, &e, n1, &ray, &is, NULL, NULL) != 1) continue;
         printf("%a %a %d %a %a %a  %a %a  %a %a %a  %a %a %a  %a\n", n1, n2, mirror, phase.focal_length,
-               phase.focal_length_y, phase.object_distance, is.hit.p.x, is.hit.p.y, d.x, d.y, d.z, is.direction.x,
-               is.direction.y, is.direction.z, is.opl);
+               phase.focal_length_y, phase.object_distance, is.hit.p.x, is.hit.p.y, d.x, d.y, d.z,
+               is.direction.x, is.direction.y, is.direction.z, is.opl);
     }
     return 0;
 }

@@ -144,8 +144,8 @@ inline vec normal_at(const element &e, const vec &p)
     return quad(1) / length(n) * n;
 }
 
-// A number of a phase that is moved by a little: per_wave is number -1, those of `waves` are from 0 on; of an ideal
-// lens fx, fy and the object's distance are 0, 1, 2, and fx is that of both axes if there is one.
+// A number of a phase that is moved by a little: per_wave is number -1, those of `waves` are from 0 on; of an
+// ideal lens fx, fy and the object's distance are 0, 1, 2, and fx is that of both axes if there is one.
 struct nudge {
     const sgt_phase *phase;
     int number;
@@ -161,11 +161,13 @@ inline quad moved_by(const sgt_phase &a, int number)
 inline vec focused(const sgt_phase &a, bool mirror, quad n1, quad n2, const vec &p, const vec &d, quad *more)
 {
     const quad to = d.z < 0 ? -1 : 1, fx = a.focal_length + moved_by(a, 0),
-               fy = a.focal_length_y == 0 ? fx : a.focal_length_y + moved_by(a, 1), u = d.x / (to * d.z), v = d.y / (to * d.z);
+               fy = a.focal_length_y == 0 ? fx : a.focal_length_y + moved_by(a, 1), u = d.x / (to * d.z),
+               v = d.y / (to * d.z);
     const bool afar = a.object_distance == 0 || std::isinf(a.object_distance);
     const quad object = a.object_distance + moved_by(a, 2), u0 = afar ? u : u - p.x / object,
                v0 = afar ? v : v - p.y / object;
-    const quad x = (n1 * u - p.x / fx) / n2, y = (n1 * v - p.y / fy) / n2, x0 = n1 * u0 / n2, y0 = n1 * v0 / n2;
+    const quad x = (n1 * u - p.x / fx) / n2, y = (n1 * v - p.y / fy) / n2, x0 = n1 * u0 / n2,
+               y0 = n1 * v0 / n2;
     const quad in = square_root(1 + u * u + v * v) + square_root(1 + u0 * u0 + v0 * v0),
                out = square_root(1 + x * x + y * y) + square_root(1 + x0 * x0 + y0 * y0);
     *more = n2 * (p.x * (x + x0) + p.y * (y + y0)) / out - n1 * (p.x * (u + u0) + p.y * (v + v0)) / in;
@@ -188,12 +190,15 @@ inline bool kicked(const sgt_phase &a, bool mirror, quad n1, quad n2, vec p, vec
                                   D3::variable(p.z, 2));
     const quad per_wave = a.per_wave + moved_by(a, -1), scale = sag ? -per_wave : per_wave;
     if (facets) { // refraction, or reflection, by the normal of the sag
-        const vec m = quad(1) / square_root(f.v[0] * f.v[0] + f.v[1] * f.v[1] + 1) * vec{f.v[0], f.v[1], quad(1)};
+        const vec m =
+            quad(1) / square_root(f.v[0] * f.v[0] + f.v[1] * f.v[1] + 1) * vec{f.v[0], f.v[1], quad(1)};
         const quad cosine = inner(*d, m), r = n1 / n2, square = 1 - r * r * (1 - cosine * cosine);
         if (!(cosine * inner(*d, n) > 0) || square < 0) return false;
         const quad side = inner(*d, n);
-        if (mirror) *d = *d - 2 * cosine * m;
-        else *d = r * *d + ((cosine < 0 ? -square_root(square) : square_root(square)) - r * cosine) * m;
+        if (mirror)
+            *d = *d - 2 * cosine * m;
+        else
+            *d = r * *d + ((cosine < 0 ? -square_root(square) : square_root(square)) - r * cosine) * m;
         *more = 0;
         return (inner(*d, n) * side > 0) != mirror;
     }

@@ -2,9 +2,10 @@
 // Phases among spheres, conics and mirrors: derivatives, told errors and proofs, against 113 bits.
 //
 // Random rows of surfaces.  Half of the elements have a phase: mirrors too, with a change of index or none,
-// tilted and decentred.  Every other phase is an ideal lens: of either sign, of one power or two, from afar or
-// not, a few of them on a sphere.  The others are in waves: conics, even aspheres, polynomials, Zernike's, and quadrics of x, y
-// and z, on any surface.  Some of the sags are not phases but facets: they have no paths.  Of each ray
+// tilted and decentred.  Every other phase is an ideal lens: of either sign, of one power or two, from afar
+// or not, a few of them on a sphere.  The others are in waves: conics, even aspheres, polynomials, Zernike's,
+// and quadrics of x, y and z, on any surface.  Some of the sags are not phases but facets: they have no
+// paths.  Of each ray
 //
 //     sgt_trace_gradient and sgt_trace_sensitivity   agree with differences of slow_trace.h
 //     sgt_trace_error                                 is not less than the error, and not absurdly large
@@ -60,7 +61,7 @@ static void random_waves(sgt_phase *p, function *f, double size, oracle::generat
     const bool facets = random.chance(0.25);
     p->kind = facets ? SGT_FACETS : SGT_PHASE_SAG;
     p->per_wave = random.sign() * size * random.log_uniform(1e-6, 1e-2);
-    if (facets) p->per_wave = 1; // not read; slopes of some tenths
+    if (facets) p->per_wave = 1;                               // not read; slopes of some tenths
     const double by = random.uniform(-0.3, 0.3) / p->per_wave; // of the gradient at r = size
     for (double &a : f->a) a = random.uniform(-0.3, 0.3) / p->per_wave;
     switch (random.below(facets ? 4 : 5)) {
@@ -119,8 +120,8 @@ static row random_row(oracle::generator &random)
             r.phase[i].kind = SGT_IDEAL_LENS;
             r.phase[i].focal_length = random.sign() * size * random.log_uniform(2, 100);
             if (random.chance(0.3)) // of two powers
-                r.phase[i].focal_length_y = random.chance(0.3) ? double(INFINITY)
-                                                               : random.sign() * size * random.log_uniform(2, 100);
+                r.phase[i].focal_length_y =
+                    random.chance(0.3) ? double(INFINITY) : random.sign() * size * random.log_uniform(2, 100);
             if (r.phase[i].focal_length_y != 0 && random.chance(0.5))
                 std::swap(r.phase[i].focal_length, r.phase[i].focal_length_y);
             if (random.chance(0.6))
@@ -253,11 +254,13 @@ static void compare_derivatives(const row &r, const sgt_ray &launch, const std::
 // By the numbers of the phases.
 static void compare_phases(const row &r, const sgt_ray &launch, const std::vector<sgt_passage> &passages)
 {
-    const std::size_t n = r.e.size(), count = sgt_phase_parameters(n, r.e.data()), rows = has_paths(r) ? 7 : 6;
+    const std::size_t n = r.e.size(), count = sgt_phase_parameters(n, r.e.data()),
+                      rows = has_paths(r) ? 7 : 6;
     std::vector<double> gradient(7 * count);
     sgt_ray_change weight[7] = {};
     for (std::size_t i = 0; i < 7; i++) component(weight[i], i) = 1;
-    const int lacks = sgt_phase_gradient(n, r.e.data(), r.before, &launch, passages.data(), rows, weight, gradient.data());
+    const int lacks =
+        sgt_phase_gradient(n, r.e.data(), r.before, &launch, passages.data(), rows, weight, gradient.data());
     if (lacks) fail("phases lack", 0, 0, lacks, 0);
     const std::vector<element> e = slow_of(r);
     std::size_t j = 0;
@@ -279,7 +282,8 @@ static void compare_phases(const row &r, const sgt_ray &launch, const std::vecto
             const double number = std::fabs(ideal ? sizes[k] : k == 0 ? a.per_wave : own[std::size_t(k - 1)]);
             double step = 1e-10 / (most > 0 ? most : 1);
             if (number != 0) step = std::min(step, 1e-7 * number); // far from linear beyond
-            if (number == 0 && k < 3) step = std::min(step, 1e-7 / (k == 1 ? r.size : 1)); // a curvature, a conic constant
+            if (number == 0 && k < 3)
+                step = std::min(step, 1e-7 / (k == 1 ? r.size : 1)); // a curvature, a conic constant
             const quad h = none ? quad(0) : quad(step);
             moved = {&a, ideal ? k : k - 1, h};
             const end up = trace(e, n, r.before, of(launch.o), of(launch.d));
@@ -288,20 +292,30 @@ static void compare_phases(const row &r, const sgt_ray &launch, const std::vecto
             moved = {nullptr, 0, 0};
             if (up.passed != n || down.passed != n) continue;
             if (facets && one.index == 0) continue; // they do nothing, and roundings are what is told
-            if (!none && most * step < 1e-20) { // too little for differences: there is none either
-                const double by_step = to_double(length(up.p - down.p)) / r.size + to_double(length(up.d - down.d));
-                if (!(by_step < 1e-18)) fail("a phase that seems to do nothing", double(j), double(k), most, by_step);
+            if (!none && most * step < 1e-20) {     // too little for differences: there is none either
+                const double by_step =
+                    to_double(length(up.p - down.p)) / r.size + to_double(length(up.d - down.d));
+                if (!(by_step < 1e-18))
+                    fail("a phase that seems to do nothing", double(j), double(k), most, by_step);
                 continue;
             }
             const quad s = none ? quad(0) : quad(0.5) / h;
             const vec p = s * (up.p - down.p), q = s * (up.d - down.d);
-            const double by[7] = {to_double(p.x), to_double(p.y), to_double(p.z), to_double(q.x),
-                                  to_double(q.y), to_double(q.z), to_double(s * (up.opl - down.opl))};
-            const double all[3] = {to_double(length(p)), to_double(length(q)), std::fabs(by[6]) + to_double(length(p))};
+            const double by[7] = {to_double(p.x),
+                                  to_double(p.y),
+                                  to_double(p.z),
+                                  to_double(q.x),
+                                  to_double(q.y),
+                                  to_double(q.z),
+                                  to_double(s * (up.opl - down.opl))};
+            const double all[3] = {to_double(length(p)), to_double(length(q)),
+                                   std::fabs(by[6]) + to_double(length(p))};
             for (std::size_t i = 0; i < rows; i++) {
                 double nothing = (i < 3 || i == 6 ? r.size : 1) * (most > 0 ? most : 1) * 1e-3;
-                if (ideal && k == 2 && !none) nothing += 1e-3 * std::pow(r.size / number, 2); // a difference of two terms
-                const double got = gradient[i * count + j], off = std::fabs(got - by[i]) / (all[i / 3] + nothing);
+                if (ideal && k == 2 && !none)
+                    nothing += 1e-3 * std::pow(r.size / number, 2); // a difference of two terms
+                const double got = gradient[i * count + j],
+                             off = std::fabs(got - by[i]) / (all[i / 3] + nothing);
                 by_phases++, worst_derivative = std::max(worst_derivative, off);
                 if (!(off <= 1e-9)) fail("by a phase", double(i), double(k), got, by[i]);
             }
@@ -445,8 +459,8 @@ int main()
             if (j == 0) compare_aim(r, launch, random);
         }
     }
-    std::printf("%ld rays of %d systems; %ld derivatives, %ld by phases, off by %.2g at most\n", rays, systems, derivatives, by_phases,
-                worst_derivative);
+    std::printf("%ld rays of %d systems; %ld derivatives, %ld by phases, off by %.2g at most\n", rays,
+                systems, derivatives, by_phases, worst_derivative);
     of_point.print("point"), of_path.print("path");
     std::printf("%ld points that are met: %ld found, %ld undecided; %ld beside: %ld proven\n", asked, met,
                 undecided, asked, denied);

@@ -118,12 +118,15 @@ static void test_lenses(void **state)
     (void)state;
     const sgt_surface s = {&sgt_conic_ops, &bowl};
     const sgt_phase phase = {.kind = SGT_IDEAL_LENS},
-                    flat_phase = {.kind = SGT_IDEAL_LENS, .focal_length = HUGE_VAL, .focal_length_y = HUGE_VAL},
+                    flat_phase = {.kind = SGT_IDEAL_LENS,
+                                  .focal_length = HUGE_VAL,
+                                  .focal_length_y = HUGE_VAL},
                     nan_phase = {.kind = SGT_IDEAL_LENS, .focal_length = 1, .focal_length_y = NAN},
                     later_phase = {.kind = SGT_IDEAL_LENS, .focal_length = 1, .reserved_ = {1}};
     const sgt_aperture_item item = {.shape = SGT_CIRCLE, .radius = -1};
     const sgt_aperture none = {.count = 1}, bad = {.count = 1, .items = &item}, later = {.reserved_ = {1}};
-    const struct { const char *key; sgt_element e; double before; } row[] = {
+    const struct { const char *key; sgt_element e; double before;
+    } row[] = {
         {"", {.surface = s, .index = 1.5}, 1},
         {"", {.surface = s, .index = SGT_MIRROR}, 0},
         {"index_before", {.surface = s}, -1},

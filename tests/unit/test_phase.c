@@ -50,7 +50,8 @@ static void test_two_powers(void **state)
                 "a cylinder in its section, f = %a", f);
         /* n2 u' = n1 u without power */
         const sgt_passage *c = &is[2];
-        REQUIRE(fabs(1.5 * c->direction.x / c->direction.z - n1 * u) <= 0x1p-46, "along a cylinder, f = %a", f);
+        REQUIRE(fabs(1.5 * c->direction.x / c->direction.z - n1 * u) <= 0x1p-46, "along a cylinder, f = %a",
+                f);
     }
 }
 
@@ -410,9 +411,9 @@ static void test_unsound(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slopes),      cmocka_unit_test(test_signs), cmocka_unit_test(test_paths),
-        cmocka_unit_test(test_two_lenses),  cmocka_unit_test(test_fates), cmocka_unit_test(test_unsound),
-        cmocka_unit_test(test_two_powers),  cmocka_unit_test(test_derivatives),
+        cmocka_unit_test(test_slopes),     cmocka_unit_test(test_signs),       cmocka_unit_test(test_paths),
+        cmocka_unit_test(test_two_lenses), cmocka_unit_test(test_fates),       cmocka_unit_test(test_unsound),
+        cmocka_unit_test(test_two_powers), cmocka_unit_test(test_derivatives),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -62,9 +62,9 @@ static int phase_power(const editing *e, const node *map, const way *p, size_t i
 /* Of a key of a surface or break, whose map is step i - 1; a term of a sum has a map of its own. */
 static int entry_power(const editing *e, const node *map, const way *p, size_t i)
 {
-    static const char *const lengths[] = {"thickness",      "draw_to",         "semi_diameter", "decenter",
-                                          "origin",         "object_distance", "focal_length",
-                                          "focal_length_y", NULL},
+    static const char *const lengths[] = {"thickness",    "draw_to",        "semi_diameter",
+                                          "decenter",     "origin",         "object_distance",
+                                          "focal_length", "focal_length_y", NULL},
                              *const none[] = {"tilt", "index", "glass", NULL},
                              *const of_aperture[] = {"radius",      "inner", "outer",  "half_width",
                                                      "half_height", "width", "length", "points",

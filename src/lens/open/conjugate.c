@@ -6,8 +6,8 @@
  * plane has to be imaged without path differences.  With the distance of the primary wavelength the light of
  * another, perfectly focused in front, would get path differences from a lens that is ideal.
  *
- * A LENS OF TWO POWERS has two images of it.  As in all first-order data, the one that is meant is that of rays
- * in the plane x = 0.
+ * A LENS OF TWO POWERS has two images of it.  As in all first-order data, the one that is meant is that of
+ * rays in the plane x = 0.
  *
  * An image on the lens itself: all rays of an object point meet it in one point, and their paths are the same
  * in the limit of a small distance.  LEAST of the focal length stands for it. */

@@ -106,8 +106,8 @@ static double vertex_curvature(sgt_surface s, double h)
     return fabs(c - vertex) <= SMOOTH * fabs(vertex) || fabs(c - vertex) * h < FLAT ? vertex : (double)NAN;
 }
 
-/* Has W a kink at the vertex, seen by the gradients at y = h and -h?  Their difference falls with h where W is
- * smooth, and does not at a kink.  One that turns light by less than 2^-40 is none. */
+/* Has W a kink at the vertex, seen by the gradients at y = h and -h?  Their difference falls with h where W
+ * is smooth, and does not at a kink.  One that turns light by less than 2^-40 is none. */
 static bool is_kinked(const sgt_phase *p, double h)
 {
     enum { NEARER = 16 };

@@ -416,7 +416,8 @@ static void read_shape(source *s, const node *map, sgt_element *e, sgt_lens_surf
     if (type && type->kind == NODE_SCALAR && strcmp(type->text, "ideal") == 0) {
         sgt_read_ideal(s, map, OTHER_KEYS, e);
         const sgt_phase *p = e->phase;
-        about->type = "ideal", about->focal_length = p->focal_length_y == 0 ? p->focal_length : p->focal_length_y;
+        about->type = "ideal",
+        about->focal_length = p->focal_length_y == 0 ? p->focal_length : p->focal_length_y;
         return;
     }
     const sgt_builtin *row;

@@ -53,7 +53,8 @@ static double focal_length(source *s, const node *n, const char *key, bool two)
 /* An ideal lens: a plane with a phase. */
 void sgt_read_ideal(source *s, const node *map, const char *others, sgt_element *e)
 {
-    const node *f = tree_take(map, "focal_length"), *fy = tree_take(map, "focal_length_y"), *from = tree_take(map, "object_distance");
+    const node *f = tree_take(map, "focal_length"), *fy = tree_take(map, "focal_length_y"),
+               *from = tree_take(map, "object_distance");
     const node *other = tree_take(map, "phase"), *facets = tree_take(map, "facets");
     sgt_phase *phase = tree_room(s, 1, sizeof *phase);
     if (!f) tree_fail(s, map->line, "focal_length", "missing; an ideal lens has one");
@@ -83,7 +84,8 @@ static sgt_surface read_lines(source *s, const node *n, const node *turn)
     double *a = tree_room(s, 4, sizeof *a);
     const double lines = tree_read_number(s, n, "lines", NUMBER_FINITE);
     if (lines == 0)
-        tree_fail(s, n->line, "lines", "must not be zero: a grating without lines is none; order: 0 switches it off");
+        tree_fail(s, n->line, "lines",
+                  "must not be zero: a grating without lines is none; order: 0 switches it off");
     double degrees = turn ? tree_read_number(s, turn, "turn", NUMBER_FINITE) : 0, cosine, sine;
     sgt_turns(1, &degrees, &cosine, &sine);
     a[1] = lines * cosine, a[2] = 0 - lines * sine;

@@ -195,8 +195,10 @@ static void write_zones(zmx *z, const zmx_surface *f, node *map)
     const bool two = differs(f, x, count);
     if (two && f->parm[8] != 0)
         tree_fail(z->s, f->parm_line, "PARM",
-                  "surface %zu: PARM 8 lets the sag jump where the zones meet, and what light does at such a step is "
-                  "not in the file; zones that meet (PARM 8 = 0) are read", number);
+                  "surface %zu: PARM 8 lets the sag jump where the zones meet, and what light does at such a "
+                  "step is "
+                  "not in the file; zones that meet (PARM 8 = 0) are read",
+                  number);
     if (two)
         write_two_shapes(z, f, map, x, count, line);
     else

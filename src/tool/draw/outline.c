@@ -211,8 +211,10 @@ outline outline_of(const job *j, const view_axes *v, size_t i, const sgt_footpri
     double before = i ? l->index[i - 1] : l->index_before;
     bool mirror = l->surface[i].mirror;
     outline o = {
-        .ahead = frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1}), .mirror = mirror,
-        .stop = l->of->stop_marked && l->of->stop == i, .back = back,
+        .ahead = frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1}),
+        .mirror = mirror,
+        .stop = l->of->stop_marked && l->of->stop == i,
+        .back = back,
         .lens = lens_sign(e->phase, v->plane),
         .phase = e->phase && e->phase->kind != SGT_IDEAL_LENS,
         .dummy = !mirror && !e->phase && l->index[i] == before && i + 1 < l->count,
