@@ -249,8 +249,9 @@ typedef struct sgt_lens_surface {
                                 sgt_phase of that kind; else 0.  Of two focal lengths
                                 that along y, which is infinite if there is no power.  If
                                 the file gives no object_distance, that of the phase is
-                                the distance of the paraxial image that the surfaces in front form of the
-                                object, at the wavelength of the elements */
+                                the distance of the paraxial image that the surfaces in
+                                front form of the object, at the wavelength of the
+                                elements */
     unsigned long long reserved_[4];
 } sgt_lens_surface;
 

@@ -153,7 +153,7 @@ static bool formula_slopes(const void *self, const sgt_interval at[3], sgt_inter
     return true;
 }
 
-static const sgt_tape *tape_of(sgt_surface s)
+static const sgt_tape *formula_tape(sgt_surface s)
 {
     if (s.ops == &sgt_formula_ops) return ((const sgt_formula *)s.self)->tape;
     return s.ops == &sgt_formula_sag_ops ? ((const sgt_formula_sag *)s.self)->tape : NULL;
@@ -161,7 +161,7 @@ static const sgt_tape *tape_of(sgt_surface s)
 
 bool sgt_has_kinks(sgt_surface s)
 {
-    const sgt_tape *tape = tape_of(s);
+    const sgt_tape *tape = formula_tape(s);
     for (int i = 0; tape && i < tape->steps; i++) {
         const int op = tape->step[i].op;
         if (op == FORMULA_ABS || op == FORMULA_MIN || op == FORMULA_MAX || op == FORMULA_HYPOT) return true;
@@ -198,7 +198,7 @@ static double off_near(const sgt_tape *tape, sgt_vec3 p, double by, sgt_vec3 g)
 double sgt_kink_off(sgt_surface s, sgt_vec3 p, double p_err, sgt_vec3 n)
 {
     const bool sag = s.ops == &sgt_formula_sag_ops;
-    return off_near(tape_of(s), p, p_err, sag ? (sgt_vec3){-n.x, -n.y, 0} : n);
+    return off_near(formula_tape(s), p, p_err, sag ? (sgt_vec3){-n.x, -n.y, 0} : n);
 }
 
 /* Of the gradient of a conic's sag, or of that of an even asphere with this base. */
@@ -223,14 +223,14 @@ waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, double p_err, waves_here
         const sgt_even_asphere base = {.c = q->c, .k = q->k};
         off.g = gradient_off(s.ops == &sgt_conic_ops ? &base : s.self, p);
     } else if (s.ops == &sgt_formula_ops) {
-        off.g = off_near(tape_of(s), p, sgt_has_kinks(s) ? p_err : 0, here.g);
+        off.g = off_near(formula_tape(s), p, sgt_has_kinks(s) ? p_err : 0, here.g);
     } else if (own && own->departure) {
         sgt_even_asphere base = {.c = 0};
         double w_err, grad_err;
         own->departure->rounding(s.self, p.x, p.y, &w_err, &grad_err);
         if (own->base) own->base(s.self, &base.c, &base.k);
         off.g = 1.5 * grad_err + gradient_off(&base, p) + SGT_U * size_of(here.g);
-        if (sgt_has_kinks(s)) off.g = larger(off.g, off_near(tape_of(s), p, p_err, here.g));
+        if (sgt_has_kinks(s)) off.g = larger(off.g, off_near(formula_tape(s), p, p_err, here.g));
     }
     return off;
 }

@@ -228,7 +228,7 @@ static void spoil_element(generator *g, lens *l, size_t i)
         } else if (chance(g, 0.1)) e->reserved_[below(g, (int)COUNT_OF(e->reserved_))] = 1;
         else if (chance(g, 0.2)) {
             give_phase(g, l, i);
-            if (chance(g, 0.1)) l->phases[i].kind = (sgt_phase_kind)below(g, 3);
+            if (chance(g, 0.1)) l->phases[i].kind = (sgt_phase_kind)below(g, 6);
             else if (chance(g, 0.1)) l->phases[i].reserved_[below(g, 2)] = 1;
             else if (chance(g, 0.5)) l->phases[i].focal_length = l->phases[i].per_wave = hostile_number(g);
             else l->phases[i].object_distance = hostile_number(g);
