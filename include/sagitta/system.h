@@ -111,7 +111,8 @@ typedef enum sgt_phase_kind {
 } sgt_phase_kind;
 
 /* Bounds of a user's W for proofs of sgt_aim; of the built-in sags and formulas they are
- * known, of built-in bodies and level sets they are not.  Without bounds such proofs are
+ * known, and of a quadric; of other built-in bodies and level sets they are not.  Without
+ * bounds such proofs are
  * undecided at the phase.
  *
  *     self      of `waves`

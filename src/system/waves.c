@@ -6,7 +6,7 @@
  *
  *     g_i(m + v) in g_i(m) + sum over j of H_ij v_j.
  *
- * So it is of a user's function with bounds.
+ * So it is of a quadric, and of a user's function with bounds.
  *
  * WHICH ORDERS.  t = p + a g, a = per_wave, p and g the parts of n1 d and of grad W along the surface.  So
  * |t| < n2 is g^2 a^2 + 2 p . g a + p^2 - n2^2 < 0: a is between the roots. */
@@ -169,6 +169,22 @@ bool sgt_has_kinks(sgt_surface s)
     return false;
 }
 
+/* The same of a quadric. */
+static bool quadric_slopes(const void *self, const sgt_interval at[3], sgt_interval g[3], sgt_interval second[6])
+{
+    const sgt_quadric *q = self;
+    static const int xx[3] = {0, 3, 5}, of[3][3] = {{-1, 0, 2}, {0, -1, 1}, {2, 1, -1}};
+    for (int i = 0; i < 3; i++) {
+        g[i] = sgt_interval_sum(sgt_interval_scaled(at[i], 2 * q->squares[i]), sgt_interval_of(q->linear[i]));
+        for (int j = 0; j < 3; j++)
+            if (j != i) g[i] = sgt_interval_sum(g[i], sgt_interval_scaled(at[j], q->products[of[i][j]]));
+        if (second) second[xx[i]] = sgt_interval_of(2 * q->squares[i]);
+    }
+    if (second) second[1] = sgt_interval_of(q->products[0]), second[4] = sgt_interval_of(q->products[1]);
+    if (second) second[2] = sgt_interval_of(q->products[2]);
+    return true;
+}
+
 static double farthest_from(double x, sgt_interval in)
 {
     const double off = larger(sgt_sum_above(in.hi, -x), sgt_sum_above(x, -in.lo));
@@ -247,6 +263,7 @@ static bool waves_forms(const sgt_phase *a, form3 p, form3 *g)
     }
     sgt_waves_bounds *slopes = s.ops->own_ ? NULL : a->bounds;
     if (s.ops == &sgt_formula_ops) slopes = formula_slopes;
+    if (s.ops == &sgt_quadric_ops) slopes = quadric_slopes;
     if (!slopes) return false;
     const sgt_interval box[3] = {form_range(p.x), form_range(p.y), form_range(p.z)},
                        middle[3] = {sgt_interval_of(p.x.c), sgt_interval_of(p.y.c), sgt_interval_of(p.z.c)};
