@@ -114,7 +114,9 @@ static void require_lens(const sgt_lens *l)
         bool ideal = strcmp(s->type, "ideal") == 0;
         require_surface(e->surface, ideal ? "plane" : s->type, e->semi_diameter);
         REQUIRE(ideal == (e->phase && e->phase->kind == SGT_IDEAL_LENS) &&
-                    s->focal_length == (ideal ? e->phase->focal_length : 0),
+                    s->focal_length == (!ideal                          ? 0
+                                        : e->phase->focal_length_y == 0 ? e->phase->focal_length
+                                                                        : e->phase->focal_length_y),
                 "element %zu: %a", i, s->focal_length);
         require_phase(e->phase);
     }
