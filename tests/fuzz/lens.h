@@ -73,7 +73,8 @@ static void require_surface(sgt_surface s, const char *type, double size)
 static void require_phase(const sgt_phase *p)
 {
     if (!p || p->kind == SGT_IDEAL_LENS) return;
-    REQUIRE(p->kind == SGT_PHASE_SAG || p->kind == SGT_PHASE_FUNCTION, "%d", (int)p->kind);
+    REQUIRE(p->kind == SGT_PHASE_SAG || p->kind == SGT_PHASE_FUNCTION || p->kind == SGT_FACETS, "%d",
+            (int)p->kind);
     REQUIRE(p->waves.ops && p->waves.self && isfinite(p->per_wave), "%a", p->per_wave);
 }
 
