@@ -247,10 +247,12 @@ typedef struct sgt_lens_surface {
     double      size;        /* the half height in use, or 0: for drawings, and for
                                 SGT_PUPIL_STOP_SIZE.  It clips nothing */
     double      focal_length; /* of the type "ideal", whose element is a plane with an
-                                sgt_phase of that kind; else 0.  If the file gives no
-                                object_distance, that of the phase is the distance of the
-                                paraxial image that the surfaces in front form of the
-                                object, at the wavelength of the elements */
+                                sgt_phase of that kind; else 0.  Of two focal lengths
+                                that along y, which is infinite if there is no power.  If
+                                the file gives no object_distance, that of the phase is
+                                the distance of the paraxial image that the surfaces in
+                                front form of the object, at the wavelength of the
+                                elements */
     unsigned long long reserved_[4];
 } sgt_lens_surface;
 

@@ -136,8 +136,9 @@ class Element:
     decenter, tilt  of this element alone: lengths, and degrees about x, y, z
     origin          the vertex, global, instead of thickness and decenter: of all elements or of none
     apertures       a list of maps: {"type": "circle", "radius": 2, "obscures": True} ...
-    focal_length, object_distance       of an ideal lens
+    focal_length, focal_length_y, object_distance       of an ideal lens; with focal_length_y, focal_length is along x
     phase           a formula in waves, "-0.4*r^2", or a map: {"lines": 600, "order": 1} ...
+    facets          of a Fresnel surface: the sag whose slopes they have, {"type": "conic", "radius": 30} ...
     draw_to, name   for pictures; a comment
     """
 
@@ -153,8 +154,10 @@ class Element:
     origin: Optional[Sequence[float]] = None
     apertures: Optional[Sequence[dict[str, Any]]] = None
     focal_length: Optional[float] = None
+    focal_length_y: Optional[float] = None
     object_distance: Optional[float] = None
     phase: Union[None, str, dict[str, Any]] = None
+    facets: Optional[dict[str, Any]] = None
     draw_to: Optional[float] = None
     name: Optional[str] = None
 
