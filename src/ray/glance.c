@@ -153,13 +153,18 @@ static void glance_judge(rows w, size_t n, double steep, double R, bool last)
         double off = steep * (tx + fabs(x) + ty + fabs(y)) + tz + fabs(z),
                err = own[i] + 1.01 * (SGT_U * off + 0x1p-1000 * (1 + steep)), certain = fabs(f[i]) - err,
                falls = fx[i] * l + fy[i] * m + dz[i];
-        double s = chosen(MASK(sign[i] == 0), -copysign(1, falls), sign[i]), g = s * f[i], g1 = -(s * falls);
-        mask rises = MASK(s > 0), seeking = MASK(was == SEEKS), begins = MASK(was == BEGIN),
+        double D0 = t - from[i], guessed = f[i] - D0 * (falls - 0.25 * (low[i] + high[i]) * D0),
+               side = chosen(MASK(sign[i] == 0), copysign(1, guessed), sign[i]);
+        mask seeking = MASK(was == SEEKS), begins = MASK(was == BEGIN), at_begin = MASK(D0 <= 0),
              good = MASK(certain > 0) & MASK(radius_of_terms(x, y, tx, ty) <= R),
-             is_left = seeking & good & MASK(g > 0) & MASK(t > left[i]),
-             is_right = seeking & good & MASK(g < 0) & MASK(t < right[i]);
-        double L = chosen(is_left, t, left[i]), la = chosen(is_left, certain, a[i]),
-               N = chosen(is_right, t, right[i]), nb = chosen(is_right, certain, b[i]);
+             turns = seeking & good & at_begin & MASK(side * f[i] < 0);
+        double s = chosen(turns, -side, side), g = s * f[i], g1 = -(s * falls);
+        double l_before = chosen(turns, -HUGE_VAL, left[i]), r_before = chosen(turns, HUGE_VAL, right[i]);
+        mask rises = MASK(s > 0), is_left = seeking & good & MASK(g > 0) & (MASK(g1 > 0) | at_begin) &
+                                             MASK(t > l_before) & MASK(t < r_before),
+             is_right = seeking & good & MASK(g < 0) & MASK(t < r_before);
+        double L = chosen(is_left, t, l_before), la = chosen(is_left, certain, a[i]),
+               N = chosen(is_right, t, r_before), nb = chosen(is_right, certain, b[i]);
         double lo = chosen(rises, low[i], -high[i]), hi = chosen(rises, high[i], -low[i]),
                most = larger(-lo, hi), h = N - L, curve = most * h;
         /* THE ROOT */
@@ -177,12 +182,14 @@ static void glance_judge(rows w, size_t n, double steep, double R, bool last)
         double shown = s * (falls - slope[i]) / (t - before[i]);
         shown = chosen(MASK(shown == shown), shown, 0.5 * (lo + hi));
         shown = -larger(-larger(shown, lo), -hi);
-        double square = g1 * g1 - 2 * shown * g, root = sqrt(larger(square, 0)), way = 2 * g / (g1 + root),
+        double square = g1 * g1 - 2 * shown * g, root = sqrt(larger(square, 0)),
+               way = chosen(MASK(g1 > 0) & MASK(square > 0), 2 * g / (g1 + root), (g1 - root) / shown),
                width = to[i] - from[i], beside = 0.125 * root / larger(most, 0x1p-900);
         beside = chosen(MASK(beside < 0x1p-4 * width), beside, 0x1p-4 * width);
         double aim = t + way, next = aim + copysign(beside, way);
         next = -larger(-larger(next, from[i]), -to[i]);
-        mask goes = MASK(g1 > 0) & MASK(square > 0) & (MASK(next < t) | MASK(next > t));
+        mask goes = (MASK(square > 0) | ~MASK(before[i] == before[i])) & MASK(fabs(way) < HUGE_VAL) &
+                    (MASK(next < t) | MASK(next > t));
         double is = chosen(goes, seeks, (double)LOST);
         is = chosen(one, chosen(first, (double)KNOWN, (double)BEGIN), is);
         is = chosen(one & ~MASK(D > 0), chosen(first, (double)KNOWN, (double)LOST), is);
