@@ -49,8 +49,7 @@ enum { LOOKS = 5 };
  *     LOW, HIGH          F'' is between them
  *     GUESS              where the root is thought to be
  *     BEFORE, SLOPE      the last point, and the slope there
- *     STATE              SEEKS ... LOST
- *     LANE               its row in the caller's arrays
+ *     STATE              SEEKS ... TOLD
  *     PX ... OWN         the point, F and its gradient there, and its rounding */
 enum {
     OX,
@@ -73,7 +72,6 @@ enum {
     BEFORE,
     SLOPE,
     STATE,
-    LANE,
     PX,
     PY,
     PZ,
@@ -86,8 +84,8 @@ enum {
 };
 _Static_assert((int)ROWS <= (int)VICINITY_ROWS, "the rows of vicinity.h");
 
-/* SEEKS: looks beside the root.  BEGIN: looks where the chord begins. */
-enum { SEEKS, BEGIN, KNOWN, LOST };
+/* SEEKS: looks beside the root.  BEGIN: looks where the chord begins.  TOLD: was KNOWN or LOST. */
+enum { SEEKS, BEGIN, KNOWN, LOST, TOLD };
 
 typedef double *const *rows;
 
@@ -98,8 +96,7 @@ SGT_INLINE double radius_of_terms(double x, double y, double tx, double ty)
 }
 
 /* From the rays as they are.  GUESS: the seed. */
-SGT_KERNEL
-static void glance_begin(rows w, size_t n, const sgt_shared *whole, double R)
+SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *whole, double R)
 {
     double *restrict dx = w[DX], *restrict dy = w[DY], *restrict dz = w[DZ], *restrict from = w[FROM],
            *restrict to = w[TO], *restrict t = w[T], *restrict left = w[LEFT], *restrict right = w[RIGHT],
@@ -108,10 +105,9 @@ static void glance_begin(rows w, size_t n, const sgt_shared *whole, double R)
            *restrict state = w[STATE], *restrict px = w[PX], *restrict py = w[PY], *restrict pz = w[PZ];
     const double *ox = w[OX], *oy = w[OY], *oz = w[OZ], *seed = w[GUESS];
     const sgt_interval bent = whole->bent, xx = whole->axis.xx, yy = whole->axis.yy;
-    const double xy = whole->axis.xy, turn = whole->axis.turn, off = 0x1p-40,
-                 bent_most = larger(-bent.lo, bent.hi), xx_most = larger(-xx.lo, xx.hi),
-                 yy_most = larger(-yy.lo, yy.hi);
-    const bool by_axis = whole->by_axis && xx_most < HUGE_VAL && yy_most < HUGE_VAL && xy < HUGE_VAL;
+    const double xy = whole->axis.xy, off = 0x1p-40, bent_most = larger(-bent.lo, bent.hi),
+                 xx_most = larger(-xx.lo, xx.hi), yy_most = larger(-yy.lo, yy.hi),
+                 least = whole->axis.turn > 0 ? 0 : -HUGE_VAL, greatest = whole->axis.turn < 0 ? 0 : HUGE_VAL;
     LANES for (size_t i = 0; i < n; i++) {
         sgt_vec3 d = {dx[i], dy[i], dz[i]};
         double scale = scale_of(d), inverse = inverse_of_scale(d), l = d.x * scale, m = d.y * scale, l2 = l * l,
@@ -121,7 +117,7 @@ static void glance_begin(rows w, size_t n, const sgt_shared *whole, double R)
             double mixed = 2 * xy * fabs(l * m), less = xx.lo * l2 + yy.lo * m2 - mixed,
                    more = xx.hi * l2 + yy.hi * m2 + mixed, lost = off * (xx_most * l2 + yy_most * m2 + mixed);
             lo = larger(lo, less - lost), hi = -larger(-hi, -(more + lost));
-            lo = turn > 0 ? larger(lo, 0) : lo, hi = turn < 0 ? -larger(-hi, 0) : hi;
+            lo = larger(lo, least), hi = -larger(-hi, -greatest);
         }
         double first = from[i] * inverse, last = to[i] * inverse, tx = first * l, ty = first * m;
         mask in = MASK(radius_of_terms(ox[i] + tx, oy[i] + ty, tx, ty) <= R);
@@ -133,6 +129,22 @@ static void glance_begin(rows w, size_t n, const sgt_shared *whole, double R)
         sign[i] = 0, low[i] = -hi, high[i] = -lo, before[i] = (double)NAN, slope[i] = 0, state[i] = SEEKS;
         px[i] = ox[i] + at * l, py[i] = oy[i] + at * m, pz[i] = oz[i] + at * dz[i];
     }
+}
+
+#define GLANCE_BEGIN(NAME, BY_AXIS)                                                                          \
+    SGT_KERNEL                                                                                               \
+    static void NAME(rows w, size_t n, const sgt_shared *whole, double R)                                    \
+    {                                                                                                        \
+        glance_begins(BY_AXIS, w, n, whole, R);                                                              \
+    }
+GLANCE_BEGIN(glance_begin, false)
+GLANCE_BEGIN(glance_begin_by_axis, true)
+
+/* Is the second derivative known by axis? */
+static bool bends_by_axis(const sgt_shared *whole)
+{
+    const sgt_by_axis *a = &whole->axis;
+    return whole->by_axis && a->xx.hi < HUGE_VAL && a->yy.hi < HUGE_VAL && a->xy < HUGE_VAL;
 }
 
 /* What F at the point has shown; and the next point, if STATE is below KNOWN.  last: there is none but the
@@ -205,9 +217,8 @@ static void glance_judge(rows w, size_t n, double steep, double R, bool last)
 }
 
 /* Reports the stretch that holds the root, and the seed of Newton's steps. */
-static void tell_found(rows w, size_t k, const sgt_rays *r, const vicinity *v)
+static void tell_found(rows w, size_t k, const sgt_rays *r, const vicinity *v, size_t i)
 {
-    size_t i = (size_t)w[LANE][k];
     double scale = scale_of((sgt_vec3){r->d[0][i], r->d[1][i], r->d[2][i]}), lo = w[LEFT][k], hi = w[RIGHT][k],
            a = w[A][k], b = w[B][k], h = hi - lo, bend = larger(-w[LOW][k], w[HIGH][k]), seed = w[GUESS][k];
     if (!(seed > lo && seed < hi)) seed = lo + h * (a / (a + b));
@@ -222,16 +233,20 @@ void sgt_glance_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *who
     const double R = sqrt(whole->radius2) * (1 + 0x1p-21);
     size_t left = 0;
     if (!builtin->values_rounded) return;
+    unsigned short of[SGT_MOST_TILE];
+    const double *const ray[6] = {r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2]};
     for (size_t i = 0; i < n; i++) {
         double from = larger(v->lo[i], v->tmin[i]), to = v->hi[i] < v->tmax[i] ? v->hi[i] : v->tmax[i];
         if (v->asked[i] == 0 || !(from < to && fabs(from) < HUGE_VAL && to < HUGE_VAL)) continue;
         if (v->evals[i] + LOOKS + 1 >= 0.5 * v->budget) continue;
         size_t k = left++;
-        for (int c = 0; c < 3; c++) w[OX + c][k] = r.o[c][i], w[DX + c][k] = r.d[c][i];
-        w[FROM][k] = from, w[TO][k] = to, w[GUESS][k] = v->seed[i], w[LANE][k] = (double)i;
+        of[k] = (unsigned short)i;
+        w[FROM][k] = from, w[TO][k] = to, w[GUESS][k] = v->seed[i];
     }
     if (left == 0) return;
-    glance_begin(w, left, whole, R);
+    for (int c = 0; c < 6; c++)
+        for (size_t k = 0; k < left; k++) w[OX + c][k] = ray[c][of[k]];
+    (bends_by_axis(whole) ? glance_begin_by_axis : glance_begin)(w, left, whole, R);
     for (int looks = 1; left > 0; looks++) {
         sgt_points at = {{w[PX], w[PY], w[PZ]}};
         if (!builtin->values_rounded(s.self, whole, NULL, left, at, (sgt_values){w[F], {w[FX], w[FY], w[FZ]}},
@@ -246,12 +261,20 @@ void sgt_glance_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *who
         size_t kept = 0;
         for (size_t k = 0; k < left; k++) {
             double state = w[STATE][k];
-            v->evals[(size_t)w[LANE][k]] += 1;
-            if (state == KNOWN) tell_found(w, k, &r, v);
-            if (state >= KNOWN) continue;
+            if (state == TOLD) continue;
+            v->evals[of[k]] += 1, kept += state < KNOWN;
+            if (state == KNOWN) tell_found(w, k, &r, v, of[k]);
+            if (state >= KNOWN) w[STATE][k] = TOLD;
+        }
+        if (v->told && v->told->stopped) return;
+        if (2 * kept > left) continue; /* those that are done are looked at again, to no effect */
+        kept = 0;
+        for (size_t k = 0; k < left; k++) {
+            if (w[STATE][k] == TOLD) continue;
+            of[kept] = of[k];
             for (int j = 0; kept < k && j < PX + 3; j++) w[j][kept] = w[j][k];
             kept++;
         }
-        left = v->told && v->told->stopped ? 0 : kept;
+        left = kept;
     }
 }
