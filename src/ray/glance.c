@@ -202,6 +202,9 @@ static void glance_judge(rows w, size_t n, double steep, double R, bool last)
         next = -larger(-larger(next, from[i]), -to[i]);
         mask goes = (MASK(square > 0) | ~MASK(before[i] == before[i])) & MASK(fabs(way) < HUGE_VAL) &
                     (MASK(next < t) | MASK(next > t));
+        /* what THE FIRST would say: if it is no, at the first look */
+        double bow = 0.5 * (D0 * D0);
+        goes &= MASK(sign[i] != 0) | MASK(-lo * bow < root * D0) | MASK(hi * bow < fabs(guessed));
         double is = chosen(goes, seeks, (double)LOST);
         is = chosen(one, chosen(first, (double)KNOWN, (double)BEGIN), is);
         is = chosen(one & ~MASK(D > 0), chosen(first, (double)KNOWN, (double)LOST), is);
