@@ -89,10 +89,11 @@ enum { SEEKS, BEGIN, KNOWN, LOST, TOLD };
 
 typedef double *const *rows;
 
-/* Not below the distance of a point from the axis; tx, ty: its terms. */
-SGT_INLINE double radius_of_terms(double x, double y, double tx, double ty)
+/* Is a point within R of the axis, however it was rounded?  tx, ty: its terms. */
+SGT_INLINE mask within(double R, double x, double y, double tx, double ty)
 {
-    return sqrt(x * x + y * y) + 0x1p-51 * (fabs(tx) + fabs(ty) + fabs(x) + fabs(y));
+    double inner = R - 0x1p-50 * (fabs(tx) + fabs(ty) + fabs(x) + fabs(y));
+    return MASK(inner > 0) & MASK(x * x + y * y < inner * inner);
 }
 
 /* From the rays as they are.  GUESS: the seed. */
@@ -120,7 +121,7 @@ SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *
             lo = larger(lo, least), hi = -larger(-hi, -greatest);
         }
         double first = from[i] * inverse, last = to[i] * inverse, tx = first * l, ty = first * m;
-        mask in = MASK(radius_of_terms(ox[i] + tx, oy[i] + ty, tx, ty) <= R);
+        mask in = within(R, ox[i] + tx, oy[i] + ty, tx, ty);
         double at = larger(seed[i] * inverse, first);
         at = -larger(-at, -last);
         dx[i] = l, dy[i] = m, dz[i] = d.z * scale;
@@ -168,7 +169,7 @@ static void glance_judge(rows w, size_t n, double steep, double R, bool last)
         double D0 = t - from[i], guessed = f[i] - D0 * (falls - 0.25 * (low[i] + high[i]) * D0),
                side = chosen(MASK(sign[i] == 0), copysign(1, guessed), sign[i]);
         mask seeking = MASK(was == SEEKS), begins = MASK(was == BEGIN), at_begin = MASK(D0 <= 0),
-             good = MASK(certain > 0) & MASK(radius_of_terms(x, y, tx, ty) <= R),
+             good = MASK(certain > 0) & within(R, x, y, tx, ty),
              turns = seeking & good & at_begin & MASK(side * f[i] < 0);
         double s = chosen(turns, -side, side), g = s * f[i], g1 = -(s * falls);
         double l_before = chosen(turns, -HUGE_VAL, left[i]), r_before = chosen(turns, HUGE_VAL, right[i]);
@@ -187,15 +188,16 @@ static void glance_judge(rows w, size_t n, double steep, double R, bool last)
         double D = L - from[i], steepest = mean - 0.5 * (1 + 0x1p-20) * curve,
                above = (1 - 0x1p-20) * (la + steepest * D), below = -0.5 * lo * (D * D);
         mask first = MASK(D >= 0) & (MASK(lo >= 0) | MASK(above > below));
-        double over = 1 / la, part = sqrt(larger(certain, 0) * over),
-               bend = D * sqrt(0.5 * larger(hi, 0) * over + 0x1p-1000) * (1 + 0x1p-20);
-        mask between = good & MASK(g > 0) & MASK(D >= 0) & (MASK(hi <= 0) | MASK(bend < 1 + part));
+        double bend = 0.5 * larger(hi, 0) * (D * D);
+        mask between = good & MASK(g > 0) & MASK(D >= 0) &
+                       MASK((1 + 0x1p-19) * bend < la + certain + 2 * sqrt(larger(la * certain, 0)));
         /* THE LOOKS */
         double shown = s * (falls - slope[i]) / (t - before[i]);
         shown = chosen(MASK(shown == shown), shown, 0.5 * (lo + hi));
         shown = -larger(-larger(shown, lo), -hi);
         double square = g1 * g1 - 2 * shown * g, root = sqrt(larger(square, 0)),
-               way = chosen(MASK(g1 > 0) & MASK(square > 0), 2 * g / (g1 + root), (g1 - root) / shown),
+               two = chosen(MASK(g1 > 0) & MASK(square > 0), 1, 0),
+               way = chosen(MASK(two > 0), 2 * g, g1 - root) / chosen(MASK(two > 0), g1 + root, shown),
                width = to[i] - from[i], beside = 0.125 * root / larger(most, 0x1p-900);
         beside = chosen(MASK(beside < 0x1p-4 * width), beside, 0x1p-4 * width);
         double aim = t + way, next = aim + copysign(beside, way);
