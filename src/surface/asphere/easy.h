@@ -82,6 +82,7 @@ typedef struct wavy {
     double domain2;           /* r^2 of the rim or the equator */
     double room;              /* of a proof: 98 u rims; rim2 is then where a root is certain */
     bool proof;
+    bool side;                /* what is left goes to the form from the side: GRAZING */
     double enough;            /* 4 u, or 0: SHARP ENOUGH */
     double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is off by at most 2^-38 */
 } wavy;
@@ -139,8 +140,8 @@ SGT_INLINE double horner_slope(const double *a, int terms, double rho, double *s
     return h;
 }
 
-/* The ray at the vertex plane, and tau of the start. */
-typedef struct wavy_start { double x, y, t0, t0_lo, tau; } wavy_start;
+/* The ray at the vertex plane, and tau of the start.  D: the square of the conic's slope at its root. */
+typedef struct wavy_start { double x, y, t0, t0_lo, tau, D; } wavy_start;
 
 SGT_INLINE double wavy_g(const wavy *s, double rho, double z, double h, double *w, double *ckw)
 {
@@ -161,7 +162,7 @@ SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, const sgt_ray *ray, d
     tau = chosen(MASK(fabs(e) < 0.9375) & MASK(B * B <= 64 * (n * n)), tau, (double)NAN);
     double x = sgt_fma(tau, l, r.x), y = sgt_fma(tau, m, r.y), rho = x * x + y * y;
     *g = wavy_g(s, rho, tau * n, horner(s->a, terms, rho), &w, &ckw);
-    *slope = B;
+    *slope = B, r.D = sgt_fma(-e, B * B, B * B);
     r.tau = tau - *g * (inverse * sgt_fma(0.5, e, 1));
     return r;
 }
@@ -257,6 +258,16 @@ SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
     return chosen(MASK(phi2 < HUGE_VAL), bounded_limit(steep, r2), HUGE_VAL);
 }
 
+/* GRAZING.  Does the ray meet the conic at less than 5 degrees from it?  And the bound on its slope within the
+ * rim fails: then the rounds end in doubt about which root is the first, or about t, for most; and the form
+ * from the side (side.h), which is dearer by itself, has to be asked after them.  It is asked at once.  This
+ * is a choice between forms each of which is certain. */
+SGT_INLINE mask wavy_grazes(const wavy *s, const wavy_start *r, const sgt_ray *ray)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    return MASK(16 * r->D < l * l + m * m + n * n) & ~wavy_single(s, l, m, n);
+}
+
 /* r^2 where the ray is at t, raised by far more than rounding and tau_err. */
 SGT_INLINE double wavy_r2(double x, double y, double t, double l, double m)
 {
@@ -293,6 +304,15 @@ SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double t0, double x0, 
            start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
     return MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
            MASK(fabs(start) < HUGE_VAL) & MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
+}
+
+/* Does that fail already for the slope at the start?  Or is the surface bent in one way as far out as that
+ * (bent2: up to which r^2)?  Then the form from the side has an answer for nearly all. */
+SGT_INLINE mask wavy_for_side(const wavy *s, double bent2, int terms, const sgt_ray *ray)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    double r2 = wavy_r2(ray->o.x, ray->o.y, ray->tmin, l, m);
+    return MASK(r2 <= bent2) | MASK(!(n * n > wavy_slope2(s, terms, r2) * (l * l + m * m)));
 }
 
 /* The root, for lane_of. */
