@@ -56,6 +56,11 @@ SGT_NOINLINE static bool asphere_leaves_it(const wavy *s, const shape *h, const 
     return leaves != 0;
 }
 
+SGT_NOINLINE static bool grazes_at(const wavy *s, const wavy_start *r, const sgt_ray *ray)
+{
+    return wavy_grazes(s, convex_of(s).bent2, ALL_TERMS, r->x, r->y, ray) != 0;
+}
+
 /* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer.  h, ray: for a
  * watcher. */
 SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray, double scale, lane *e,
@@ -69,9 +74,7 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
     observe(h, from, w, &at, r.tau + g / slope, SGT_SEED, -HUGE_VAL, HUGE_VAL);
     if (first && wavy_hopeless(s, ray)) return EASY_NOT;
-    if (first && s->side && wavy_grazes(s, &r, ray) &&
-        wavy_for_side(s, convex_of(s).bent2, ALL_TERMS, ray))
-        return EASY_NOT;
+    if (first && s->side && wavy_along(ray) && grazes_at(s, &r, ray)) return EASY_NOT;
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
@@ -312,18 +315,35 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
     return all;
 }
 
-/* The rays of room->again that go to the form from the side do not begin. */
-SGT_INLINE void lane_grazing(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
+/* The rays that graze do not begin. */
+SGT_INLINE void lane_grazing(const wavy *self, double bent2, int terms, const sgt_tile *tile, wavy_room *room)
 {
     const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
-    const double bent2 = convex_of(s).bent2;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        mask grazes = room->again[i] & wavy_for_side(s, bent2, terms, &ray);
+        mask grazes = wavy_grazes(s, bent2, terms, room->x[i], room->y[i], &ray);
         room->from[i] = chosen(grazes, (double)NAN, room->from[i]);
     }
+}
+
+SGT_KERNEL
+static void asphere_lanes_few_grazing(const wavy *s, double bent2, const sgt_tile *tile, wavy_room *room)
+{
+    lane_grazing(s, bent2, FEW_TERMS, tile, room);
+}
+
+SGT_KERNEL
+static void asphere_lanes_all_grazing(const wavy *s, double bent2, const sgt_tile *tile, wavy_room *room)
+{
+    lane_grazing(s, bent2, ALL_TERMS, tile, room);
+}
+
+SGT_NOINLINE static void without_grazing(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    const double bent2 = convex_of(s).bent2;
+    (terms > FEW_TERMS ? asphere_lanes_all_grazing : asphere_lanes_few_grazing)(s, bent2, tile, room);
 }
 
 SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
@@ -341,12 +361,9 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         if (first) r.tau = chosen(wavy_hopeless(s, &ray), (double)NAN, r.tau);
         room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo,
         room->from[i] = r.tau;
-        if (first) {
-            mask grazes = wavy_grazes(s, &r, &ray);
-            room->again[i] = grazes, some |= grazes;
-        }
+        if (first) some |= wavy_along(&ray);
     }
-    if (first && s->side && some) lane_grazing(self, terms, tile, room);
+    if (first && s->side && some) without_grazing(self, terms, tile, room);
     size_t begun = 0;
     while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
     if (begun == count) { /* no ray: they come from the side, say */

@@ -140,8 +140,8 @@ SGT_INLINE double horner_slope(const double *a, int terms, double rho, double *s
     return h;
 }
 
-/* The ray at the vertex plane, and tau of the start.  D: the square of the conic's slope at its root. */
-typedef struct wavy_start { double x, y, t0, t0_lo, tau, D; } wavy_start;
+/* The ray at the vertex plane, and tau of the start. */
+typedef struct wavy_start { double x, y, t0, t0_lo, tau; } wavy_start;
 
 SGT_INLINE double wavy_g(const wavy *s, double rho, double z, double h, double *w, double *ckw)
 {
@@ -162,7 +162,7 @@ SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, const sgt_ray *ray, d
     tau = chosen(MASK(fabs(e) < 0.9375) & MASK(B * B <= 64 * (n * n)), tau, (double)NAN);
     double x = sgt_fma(tau, l, r.x), y = sgt_fma(tau, m, r.y), rho = x * x + y * y;
     *g = wavy_g(s, rho, tau * n, horner(s->a, terms, rho), &w, &ckw);
-    *slope = B, r.D = sgt_fma(-e, B * B, B * B);
+    *slope = B;
     r.tau = tau - *g * (inverse * sgt_fma(0.5, e, 1));
     return r;
 }
@@ -258,14 +258,11 @@ SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
     return chosen(MASK(phi2 < HUGE_VAL), bounded_limit(steep, r2), HUGE_VAL);
 }
 
-/* GRAZING.  Does the ray meet the conic at less than 5 degrees from it?  And the bound on its slope within the
- * rim fails: then the rounds end in doubt about which root is the first, or about t, for most; and the form
- * from the side (side.h), which is dearer by itself, has to be asked after them.  It is asked at once.  This
- * is a choice between forms each of which is certain. */
-SGT_INLINE mask wavy_grazes(const wavy *s, const wavy_start *r, const sgt_ray *ray)
+/* Is the direction nearer to the plane than to the axis?  Else no more is asked (GRAZING). */
+SGT_INLINE mask wavy_along(const sgt_ray *ray)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    return MASK(16 * r->D < l * l + m * m + n * n) & ~wavy_single(s, l, m, n);
+    return MASK(n * n < l * l + m * m);
 }
 
 /* r^2 where the ray is at t, raised by far more than rounding and tau_err. */
@@ -306,13 +303,21 @@ SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double t0, double x0, 
            MASK(fabs(start) < HUGE_VAL) & MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
 }
 
-/* Does that fail already for the slope at the start?  Or is the surface bent in one way as far out as that
- * (bent2: up to which r^2)?  Then the form from the side has an answer for nearly all. */
-SGT_INLINE mask wavy_for_side(const wavy *s, double bent2, int terms, const sgt_ray *ray)
+/* GRAZING.  If the bound on the slope within the rim fails, and a ray that runs along meets the conic at less
+ * than 14 degrees from it, or not at all, the rounds mostly end in doubt: about t, or about which root is the
+ * first.  Then the form from the side (side.h), which is dearer by itself, is asked after them.  So it is asked
+ * at once, if it has an answer for nearly all such rays:
+ * - the slope at the start is too great for wavy_first_from, or
+ * - the surface is bent in one way as far out as the start (bent2: up to which r^2).
+ * This is a choice between forms each of which is certain.  (x, y): where the ray meets the vertex plane. */
+SGT_INLINE mask wavy_grazes(const wavy *s, double bent2, int terms, double x, double y, const sgt_ray *ray)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    double r2 = wavy_r2(ray->o.x, ray->o.y, ray->tmin, l, m);
-    return MASK(r2 <= bent2) | MASK(!(n * n > wavy_slope2(s, terms, r2) * (l * l + m * m)));
+    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, x * l + y * m, n),
+           C = s->c * (x * x + y * y), D = sgt_fma(B, B, -A * C),
+           r2 = wavy_r2(ray->o.x, ray->o.y, ray->tmin, l, m);
+    return wavy_along(ray) & MASK(16 * D < a + n2) & ~wavy_single(s, l, m, n) &
+           (MASK(r2 <= bent2) | MASK(!(n2 > wavy_slope2(s, terms, r2) * a)));
 }
 
 /* The root, for lane_of. */
