@@ -7,29 +7,30 @@
  * the chord, as the bounds on the second derivative have it (wings.c, THE BEND, BY AXIS).  Let B be the
  * greater of |low| and |high|.
  *
- * THE ROOT.  Let G be at least a > 0 at `left`, and at most -b < 0 at `right`, h later.  Its mean slope between
- * is at most -(a + b) / h, from which G' differs by at most B h / 2 at the ends, and by less between.  So if
- * (a + b) / h > 2 B h, G falls all the way, and there is one root (wings.c, THE ROOT).  Neither the slope that
- * was computed nor the guess at the root is trusted: they choose where F is looked at.
+ * THE ROOT.  Let G be at least a > 0 at `left`, and at most -b < 0 at `right`, h later.  Its mean slope
+ * between is at most -(a + b) / h, from which G' differs by at most B h / 2 at the ends, and by less between.
+ * So if (a + b) / h > 2 B h, G falls all the way, and there is one root (wings.c, THE ROOT).  Neither the
+ * slope that was computed nor the guess at the root is trusted: they choose where F is looked at.
  *
  * THE FIRST.  At `left`, -G' is at least g = (a + b) / h - B h / 2.  So d before it
  *     G >= a + g d + low d^2 / 2.
- * That is above a where low >= 0: the surface bends away from the ray.  Else it is concave in d, and above 0
- * from the beginning of the chord, or of the ray, D before `left`, to `left`, if it is above 0 at d = D.  Where
- * it is not, F is looked at once more, at that beginning.  If G is at least c > 0 there, it is above 0 between
- * by the two values alone if high <= 0 (it is concave), or if D sqrt(high / 2) < sqrt a + sqrt c (wings.c, THE
- * MARCH).
+ * That is above a where low >= 0: the surface bends away from the ray.  Else it is concave in d.  So it is
+ * above 0 from the beginning of the chord, or of the ray, D before `left`, to `left`, if it is above 0 at d =
+ * D.  Where it is not, F is looked at once more, at that beginning.  If G is at least c > 0 there, it is
+ * above 0 between by the two values alone if high <= 0 (it is concave), or if D sqrt(high / 2) < sqrt a +
+ * sqrt c (wings.c, THE MARCH).  A root before the beginning is not accepted.
  *
- * THE LOOKS.  The first is at the seed.  From F, its slope and its bend there the root is guessed by a quadratic
- * equation: one that is nearly touched has another one beside it, and Newton's steps take long to tell them
- * apart.  The bend is the middle of what is known, or what the last two slopes have shown.  With the slope s at
- * the root, the next look is s / 8 B beyond.  So the two are on either side of the root if the guess is off by
- * less, and they are as near to each other as the rule asks for if the first was within s / 3 B.  Else the third
- * look is as far on this side.
+ * THE LOOKS.  The first is at the seed.  F, its slope and its bend there say which sign F has where the chord
+ * begins, and so which of two roots is the first; and by a quadratic equation where that is.  (One that is
+ * nearly touched has another one beside it, and Newton's steps take long to tell them apart.)  The bend is
+ * the middle of what is known, or what the last two slopes have shown.  With the slope s at the root, the
+ * next look is s / 8 B beyond.  So the two are on either side of the root if the guess is off by less, and
+ * they are as near to each other as the rule asks for if the first was within s / 3 B.  Else the third look
+ * is as far on this side.  Rays for which THE FIRST would fail by these numbers are left at once.
  *
  * ROUNDING.  The points and the bound on F there are as in wings.c (THE ROUNDING), and so are the factors on
- * these conditions, each of a part in 2^20 for the few roundings that they are made of.  Bounds hold as far as
- * r = radius (1 + 2^-20); r^2 is convex, so they hold between two points within that.
+ * these conditions, each of a part in 2^20 for the few roundings that they are made of.  Bounds hold as far
+ * as r = radius (1 + 2^-20); r^2 is convex, so they hold between two points within that.
  *
  * Each row is by itself, whatever its neighbours do. */
 #include "glance.h"
@@ -111,9 +112,9 @@ SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *
                  least = whole->axis.turn > 0 ? 0 : -HUGE_VAL, greatest = whole->axis.turn < 0 ? 0 : HUGE_VAL;
     LANES for (size_t i = 0; i < n; i++) {
         sgt_vec3 d = {dx[i], dy[i], dz[i]};
-        double scale = scale_of(d), inverse = inverse_of_scale(d), l = d.x * scale, m = d.y * scale, l2 = l * l,
-               m2 = m * m, all = l2 + m2, rounded = off * bent_most * all, lo = bent.lo * all - rounded,
-               hi = bent.hi * all + rounded;
+        double scale = scale_of(d), inverse = inverse_of_scale(d), l = d.x * scale, m = d.y * scale,
+               l2 = l * l, m2 = m * m, all = l2 + m2, rounded = off * bent_most * all,
+               lo = bent.lo * all - rounded, hi = bent.hi * all + rounded;
         if (by_axis) {
             double mixed = 2 * xy * fabs(l * m), less = xx.lo * l2 + yy.lo * m2 - mixed,
                    more = xx.hi * l2 + yy.hi * m2 + mixed, lost = off * (xx_most * l2 + yy_most * m2 + mixed);
@@ -153,12 +154,13 @@ static bool bends_by_axis(const sgt_shared *whole)
 SGT_KERNEL
 static void glance_judge(rows w, size_t n, double steep, double R, bool last)
 {
-    const double *ox = w[OX], *oy = w[OY], *oz = w[OZ], *dx = w[DX], *dy = w[DY], *dz = w[DZ], *from = w[FROM],
-                 *to = w[TO], *low = w[LOW], *high = w[HIGH], *f = w[F], *fx = w[FX], *fy = w[FY], *own = w[OWN];
+    const double *ox = w[OX], *oy = w[OY], *oz = w[OZ], *dx = w[DX], *dy = w[DY], *dz = w[DZ],
+                 *from = w[FROM], *to = w[TO], *low = w[LOW], *high = w[HIGH], *f = w[F], *fx = w[FX],
+                 *fy = w[FY], *own = w[OWN];
     double *restrict at = w[T], *restrict left = w[LEFT], *restrict a = w[A], *restrict right = w[RIGHT],
-           *restrict b = w[B], *restrict sign = w[SIGN], *restrict guess = w[GUESS], *restrict before = w[BEFORE],
-           *restrict slope = w[SLOPE], *restrict state = w[STATE], *restrict px = w[PX], *restrict py = w[PY],
-           *restrict pz = w[PZ];
+           *restrict b = w[B], *restrict sign = w[SIGN], *restrict guess = w[GUESS],
+           *restrict before = w[BEFORE], *restrict slope = w[SLOPE], *restrict state = w[STATE],
+           *restrict px = w[PX], *restrict py = w[PY], *restrict pz = w[PZ];
     const double seeks = last ? LOST : SEEKS;
     LANES for (size_t i = 0; i < n; i++) {
         double l = dx[i], m = dy[i], t = at[i], x = px[i], y = py[i], z = pz[i], tx = fabs(t * l),
@@ -224,8 +226,9 @@ static void glance_judge(rows w, size_t n, double steep, double R, bool last)
 /* Reports the stretch that holds the root, and the seed of Newton's steps. */
 static void tell_found(rows w, size_t k, const sgt_rays *r, const vicinity *v, size_t i)
 {
-    double scale = scale_of((sgt_vec3){r->d[0][i], r->d[1][i], r->d[2][i]}), lo = w[LEFT][k], hi = w[RIGHT][k],
-           a = w[A][k], b = w[B][k], h = hi - lo, bend = larger(-w[LOW][k], w[HIGH][k]), seed = w[GUESS][k];
+    double scale = scale_of((sgt_vec3){r->d[0][i], r->d[1][i], r->d[2][i]}), lo = w[LEFT][k],
+           hi = w[RIGHT][k], a = w[A][k], b = w[B][k], h = hi - lo, bend = larger(-w[LOW][k], w[HIGH][k]),
+           seed = w[GUESS][k];
     if (!(seed > lo && seed < hi)) seed = lo + h * (a / (a + b));
     v->lo[i] = lo * scale, v->hi[i] = hi * scale, v->seed[i] = seed * scale, v->asked[i] = 0;
     v->least[i] = ((a + b) / h - 0.5625 * bend * h) * (1 - 0x1p-20);

@@ -56,6 +56,7 @@ SGT_NOINLINE static bool asphere_leaves_it(const wavy *s, const shape *h, const 
     return leaves != 0;
 }
 
+/* Does the form from the side have the first word? */
 SGT_NOINLINE static bool grazes_at(const wavy *s, const wavy_start *r, const sgt_ray *ray)
 {
     return wavy_grazes(s, convex_of(s).bent2, ALL_TERMS, r->x, r->y, ray) != 0;

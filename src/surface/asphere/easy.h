@@ -305,16 +305,16 @@ SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double t0, double x0, 
 
 /* GRAZING.  If the bound on the slope within the rim fails, and a ray that runs along meets the conic at less
  * than 14 degrees from it, or not at all, the rounds mostly end in doubt: about t, or about which root is the
- * first.  Then the form from the side (side.h), which is dearer by itself, is asked after them.  So it is asked
- * at once, if it has an answer for nearly all such rays:
+ * first.  Then the form from the side (side.h), which is dearer by itself, is asked after them.  So it is
+ * asked at once, if it has an answer for nearly all such rays:
  * - the slope at the start is too great for wavy_first_from, or
  * - the surface is bent in one way as far out as the start (bent2: up to which r^2).
  * This is a choice between forms each of which is certain.  (x, y): where the ray meets the vertex plane. */
 SGT_INLINE mask wavy_grazes(const wavy *s, double bent2, int terms, double x, double y, const sgt_ray *ray)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, x * l + y * m, n),
-           C = s->c * (x * x + y * y), D = sgt_fma(B, B, -A * C),
+    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a),
+           B = sgt_fma(-s->c, x * l + y * m, n), C = s->c * (x * x + y * y), D = sgt_fma(B, B, -A * C),
            r2 = wavy_r2(ray->o.x, ray->o.y, ray->tmin, l, m);
     return wavy_along(ray) & MASK(16 * D < a + n2) & ~wavy_single(s, l, m, n) &
            (MASK(r2 <= bent2) | MASK(!(n2 > wavy_slope2(s, terms, r2) * a)));

@@ -414,7 +414,8 @@ static size_t side_status(const sgt_tile *tile, const mask *hit, const mask *awa
     _Pragma("omp simd reduction(+ : hard)") for (size_t i = 0; i < count; i++)
     {
         mask met = hit[i] & ~tried[i], gone = away[i] & ~(hit[i] | tried[i]);
-        status[i] = (signed char)((int)(met & (SGT_HIT - SGT_HARD)) + (int)(gone & (SGT_MISS - SGT_HARD)) + SGT_HARD);
+        status[i] = (signed char)((int)(met & (SGT_HIT - SGT_HARD)) + (int)(gone & (SGT_MISS - SGT_HARD)) +
+                                  SGT_HARD);
         hard -= ~(met | gone);
     }
     for (size_t i = 0; h->evals && i < tile->n; i++) h->evals[i] = h->status[i] == SGT_HIT;
