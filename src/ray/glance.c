@@ -91,7 +91,7 @@ enum { SEEKS, BEGIN, KNOWN, LOST, TOLD };
 typedef double *const *rows;
 
 /* Is a point within R of the axis, however it was rounded?  tx, ty: its terms. */
-SGT_INLINE mask within(double R, double x, double y, double tx, double ty)
+SGT_INLINE mask glance_within(double R, double x, double y, double tx, double ty)
 {
     double inner = R - 0x1p-50 * (fabs(tx) + fabs(ty) + fabs(x) + fabs(y));
     return MASK(inner > 0) & MASK(x * x + y * y < inner * inner);
@@ -122,7 +122,7 @@ SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *
             lo = larger(lo, least), hi = -larger(-hi, -greatest);
         }
         double first = from[i] * inverse, last = to[i] * inverse, tx = first * l, ty = first * m;
-        mask in = within(R, ox[i] + tx, oy[i] + ty, tx, ty);
+        mask in = glance_within(R, ox[i] + tx, oy[i] + ty, tx, ty);
         double at = larger(seed[i] * inverse, first);
         at = -larger(-at, -last);
         dx[i] = l, dy[i] = m, dz[i] = d.z * scale;
@@ -171,7 +171,7 @@ static void glance_judge(rows w, size_t n, double steep, double R, bool last)
         double D0 = t - from[i], guessed = f[i] - D0 * (falls - 0.25 * (low[i] + high[i]) * D0),
                side = chosen(MASK(sign[i] == 0), copysign(1, guessed), sign[i]);
         mask seeking = MASK(was == SEEKS), begins = MASK(was == BEGIN), at_begin = MASK(D0 <= 0),
-             good = MASK(certain > 0) & within(R, x, y, tx, ty),
+             good = MASK(certain > 0) & glance_within(R, x, y, tx, ty),
              turns = seeking & good & at_begin & MASK(side * f[i] < 0);
         double s = chosen(turns, -side, side), g = s * f[i], g1 = -(s * falls);
         double l_before = chosen(turns, -HUGE_VAL, left[i]), r_before = chosen(turns, HUGE_VAL, right[i]);
