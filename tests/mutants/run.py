@@ -67,6 +67,7 @@ NEAREST = [
     (r'src/surface/departure/', ['fuzz surface', 'catalogue formulas', 'checksums', 'catalogue values', 'differences', 'catalogue laws', 'catalogue enclosures', 'catalogue wings', 'catalogue rim', 'catalogue climb', 'catalogue roots', 'edges', 'catalogue']),
     (r'src/surface/', ['climb', 'enclosures', 'edges', 'catalogue', 'sensitivity']),
     (r'src/ray/cells_batch', ['unit general', 'checksums', 'oracle cells', 'formula random roots', 'batch user_batch', 'batch']),
+    (r'src/ray/glance', ['catalogue roots', 'catalogue rim', 'catalogue wings', 'edges', 'unit rows', 'batch']),
     (r'src/ray/wings', ['catalogue wings', 'catalogue rim', 'edges', 'unit rows', 'catalogue roots', 'batch']),
     (r'src/ray/(proof|enclosed)', ['unit prove', 'unit general', 'oracle only', 'oracle proof', 'tool proof', 'catalogue clearances', 'edges', 'rays that are not there', 'catalogue twice']),
     (r'src/ray/(lanes|batch)', ['batch', 'catalogue batch']),
