@@ -110,8 +110,9 @@ typedef enum sgt_box_what {
                            index_before */
     SGT_BOX_PER_WAVE,   /* per_wave of its phase, in place of it.  which: 0 */
     SGT_BOX_ORIGIN,     /* what is added to pose.origin; which: 0, 1, 2 for x, y, z */
-    SGT_BOX_TURN,       /* a turn in radians about the element's own axis `which`, through
-                           its origin, right-handed; all three: first z, then y, then x */
+    SGT_BOX_TURN,       /* a turn of the element about its own axis `which`, through its
+                           origin, right-handed, in radians.  Of several axes, it is first
+                           turned about x, then y, then z, as by sgt_pose_tilted */
     SGT_BOX_SURFACE     /* what is added to parameter `which` of its surface, in the order
                            of surfaces.h.  Known for conics and even aspheres: else CUT,
                            SGT_BOX_NO_BOUNDS */
@@ -215,7 +216,7 @@ typedef struct sgt_box_room { double kept[8]; } sgt_box_room;
  *
  * HOW FINE.  rest shrinks with the third power of the box, on planes, conics and even
  * aspheres; with the second power where a surface is bounded by its second derivatives
- * only (SGT_API functions of the user's; docs/notes/beam.md has the list, and figures). */
+ * only (docs/notes/beam.md has the list, and figures). */
 SGT_API sgt_box_verdict sgt_box_trace(const sgt_box_lens *lens,
                                       const sgt_box_launch *launch, sgt_box_room room[],
                                       sgt_box_at at[], sgt_box_end *out);
