@@ -395,6 +395,15 @@ static void set_wanted(const proof *p, double wanted[])
     }
 }
 
+/* Boxes too wide in angle to be carried through at all. */
+static size_t unfit_boxes(const proof *p, candidate out[])
+{
+    size_t n = 0;
+    for (size_t i = 0; i < p->count; i++)
+        if (!sgt_sector_is_fit(&p->box[i].of)) out[n++] = (candidate){1, i};
+    return n;
+}
+
 static size_t undecided_boxes(const proof *p, candidate out[])
 {
     size_t n = 0;
@@ -474,7 +483,8 @@ static size_t choose(const proof *p, double wanted[], candidate out[])
 {
     const bool limits = p->asked->limits, rms = is_open(p, SGT_PROVE_RMS),
                front = is_open(p, SGT_PROVE_OPD_RMS), area = rms || front || is_open(p, SGT_PROVE_PASSES);
-    size_t n = 0;
+    size_t n = unfit_boxes(p, out);
+    if (n) return n;
     if (limits ? area : p->undecided > p->asked->undecided) n = undecided_boxes(p, out);
     if (limits && (rms || front)) n += open_boxes(p, rms, front, out + n);
     if (limits || n == 0) {

@@ -53,8 +53,8 @@ static exit_status end_limits(const look *l)
     bool told[SGT_PROVE_LIMITS + 1] = {false};
     for (size_t i = 0; i < l->rows; i++) {
         const sgt_prove_limit_row *r = look_row(l, i);
-        proven += r->verdict == SGT_PROVEN, broken += r->verdict == SGT_BROKEN;
-        if (r->verdict != SGT_BROKEN || isnan(r->px) || told[r->limit]) continue;
+        proven += r->verdict == SGT_LIMIT_PROVEN, broken += r->verdict == SGT_LIMIT_BROKEN;
+        if (r->verdict != SGT_LIMIT_BROKEN || isnan(r->px) || told[r->limit]) continue;
         told[r->limit] = true;
         say_broken(l, r);
     }
