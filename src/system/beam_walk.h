@@ -32,6 +32,7 @@
 #ifndef SGT_SYSTEM_BEAM_WALK_H
 #define SGT_SYSTEM_BEAM_WALK_H
 #include "beam.h"
+#include "beam_sags.h"
 #include "model.h"
 #include "phase.h"
 #include "waves.h"
@@ -126,33 +127,6 @@ static model by_c(const beam_shape *s, model x)
     return s->varied ? model_product(s->c, x) : model_scaled(x, s->c0);
 }
 
-/* P and its slopes at the points of models.  The polynomial is P at the middle with its slopes there; the
- * rest is bend |v|^2 / 2.  false: no bounds. */
-typedef struct sag_models { model s, x, y; double off; } sag_models;
-
-static bool departure_models(const beam_shape *s, const model *x, const model *y, sag_models *out)
-{
-    double p, px, py, p_err, grad_err;
-    const double mx = x->c, my = y->c;
-    bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    region where = {.x = model_range(*x), .y = model_range(*y)};
-    const sgt_interval r = sgt_interval_square_root(
-        sgt_interval_sum(sgt_interval_square(where.x), sgt_interval_square(where.y)));
-    where.r_lo = r.lo, where.r_hi = r.hi;
-    if (!(r.hi < 0x1p400) || s->of->bounds(s->surface.self, &where, &b) <= 0 || !(b.bend < HUGE_VAL)) return false;
-    s->of->at(s->surface.self, 1, &mx, &my, (sag_values){&p, &px, &py});
-    s->of->rounding(s->surface.self, mx, my, &p_err, &grad_err);
-    const model vx = model_plus(*x, -mx), vy = model_plus(*y, -my);
-    const double away = (model_away(&vx) + model_away(&vy) + fabs(vx.c) + fabs(vy.c)) * MODEL_MORE;
-    const double off = (grad_err + (b.bend + MODEL_LEAST) * away) * MODEL_MORE;
-    const double rest = p_err + grad_err * away + 0.5 * (b.bend + MODEL_LEAST) * away * away;
-    out->s = model_sum(model_scaled(vx, px), model_scaled(vy, py));
-    out->s = model_wider(model_plus(out->s, p), rest);
-    out->x = model_wider(model_of(px), off), out->y = model_wider(model_of(py), off);
-    out->off = p_err;
-    return out->s.e < HUGE_VAL && out->x.e < HUGE_VAL && out->y.e < HUGE_VAL;
-}
-
 /* The sag and its slopes; off: how far a trace's own are off.  false: not known, or not defined all over. */
 static bool sag_models_of(const beam_shape *s, const model *x, const model *y, sag_models *out)
 {
@@ -183,7 +157,7 @@ static bool sag_models_of(const beam_shape *s, const model *x, const model *y, s
     out->s = sum, out->x = model_product(slope, *x), out->y = model_product(slope, *y);
     if (s->of) {
         sag_models more;
-        if (!departure_models(s, x, y, &more)) return false;
+        if (!departure_models(s->surface, x, y, &more)) return false;
         out->s = model_sum(out->s, more.s);
         out->x = model_sum(out->x, more.x), out->y = model_sum(out->y, more.y);
         out->off += more.off;
