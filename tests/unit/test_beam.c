@@ -21,7 +21,13 @@ typedef struct room {
     sgt_zernike zernike;
     sgt_polynomial_xy xy;
     sgt_odd_asphere odd;
-    double a[16];
+    sgt_chebyshev chebyshev;
+    sgt_q_con q_con;
+    sgt_q_bfs q_bfs;
+    sgt_grid grid;
+    sgt_sum sum;
+    sgt_surface terms[2];
+    double a[16], b[36];
     sgt_phase phase;
     sgt_aperture aperture;
     sgt_aperture_item items[2];
@@ -37,42 +43,65 @@ static generator drawn;
 
 static double about(double size) { return uniform(&drawn, -size, size); }
 
+enum { CONIC, EVEN, TOROIDAL, BICONIC, ZERNIKE, XY, ODD, CHEBYSHEV, Q_CON, Q_BFS, GRID, SUM, TYPES };
+
+/* A surface of a type.  strong: how bent it is; wide: its rim, 0 for none. */
+static sgt_surface surface_of(int type, room *of, double strong, double wide)
+{
+    const double c = chance(&drawn, 0.15) ? 0 : strong * about(1 / 12.0), k = chance(&drawn, 0.5) ? 0 : about(2);
+    for (int i = 0; i < 16; i++) of->a[i] = strong * about(0.01);
+    for (int i = 0; i < 36; i++) of->b[i] = about(0.01);
+    switch (type) {
+    case EVEN:
+        of->even = (sgt_even_asphere){.c = c, .k = k, .semi_diameter = wide};
+        for (int i = 0; i < 4; i++) of->even.a[i] = chance(&drawn, 0.6) ? strong * about(0.2) * pow(0.1, 1.6 * i + 1) : 0;
+        return (sgt_surface){&sgt_even_asphere_ops, &of->even};
+    case TOROIDAL:
+        of->toroidal = (sgt_toroidal){.c = c, .k = k, .c_x = about(0.05), .semi_diameter = wide};
+        of->toroidal.a[1] = about(1e-5);
+        return (sgt_surface){&sgt_toroidal_ops, &of->toroidal};
+    case BICONIC:
+        of->biconic = (sgt_biconic){.c_x = c, .k_x = k, .c_y = about(0.05), .semi_diameter = wide};
+        return (sgt_surface){&sgt_biconic_ops, &of->biconic};
+    case ZERNIKE:
+        of->zernike = (sgt_zernike){.c = c, .k = k, .semi_diameter = wide, .norm = 10, .order = chance(&drawn, 0.5) ? SGT_NOLL : SGT_FRINGE,
+                                    .normalised = below(&drawn, 2), .a = {of->a, 1, 12}};
+        return (sgt_surface){&sgt_zernike_ops, &of->zernike};
+    case XY:
+        for (int i = 0; i < 16; i++) of->a[i] *= pow(0.2, i / 4 + i % 4);
+        of->xy = (sgt_polynomial_xy){.c = c, .k = k, .semi_diameter = wide, .a = {of->a, 4, 4}};
+        return (sgt_surface){&sgt_polynomial_xy_ops, &of->xy};
+    case ODD:
+        of->odd = (sgt_odd_asphere){.c = c, .k = k, .semi_diameter = wide, .a = {0, about(1e-3), about(1e-4)}};
+        return (sgt_surface){&sgt_odd_asphere_ops, &of->odd};
+    case CHEBYSHEV:
+        of->chebyshev = (sgt_chebyshev){.c = c, .k = k, .semi_diameter = wide, .norm_x = 10, .norm_y = 12, .a = {of->a, 4, 3}};
+        return (sgt_surface){&sgt_chebyshev_ops, &of->chebyshev};
+    case Q_CON:
+        of->q_con = (sgt_q_con){.c = c, .k = k, .semi_diameter = wide, .norm = 10, .a = {of->a, 1, 6}};
+        return (sgt_surface){&sgt_q_con_ops, &of->q_con};
+    case Q_BFS:
+        of->q_bfs = (sgt_q_bfs){.c = c, .semi_diameter = wide, .norm = 10, .a = {of->a, 1, 6}};
+        return (sgt_surface){&sgt_q_bfs_ops, &of->q_bfs};
+    case GRID:
+        of->grid = (sgt_grid){.c = c, .k = k, .semi_diameter = wide, .step_x = 4, .step_y = 4, .z = {of->b, 6, 6}};
+        sgt_grid_measure(&of->grid);
+        return (sgt_surface){&sgt_grid_ops, &of->grid};
+    case SUM:
+        of->terms[0] = surface_of(TOROIDAL, of, strong, wide), of->terms[1] = surface_of(Q_CON, of, strong, wide);
+        of->sum = (sgt_sum){.c = c, .k = k, .semi_diameter = wide, .terms = of->terms, .count = 2};
+        return (sgt_surface){&sgt_sum_ops, &of->sum};
+    default:
+        of->conic = (sgt_conic){.c = c, .k = k, .semi_diameter = wide};
+        return (sgt_surface){&sgt_conic_ops, &of->conic};
+    }
+}
+
 static void draw_surface(sgt_surface *s, room *of, double strong, bool departures)
 {
-    double c = strong * about(1 / 12.0), k = chance(&drawn, 0.5) ? 0 : about(2);
-    if (chance(&drawn, 0.15)) c = 0;
-    switch (below(&drawn, departures ? 7 : 3)) {
-    default:
-        of->conic = (sgt_conic){.c = c, .k = k};
-        if (chance(&drawn, 0.3)) of->conic.semi_diameter = uniform(&drawn, 3, 9);
-        *s = (sgt_surface){&sgt_conic_ops, &of->conic};
-        return;
-    case 2:
-        of->even = (sgt_even_asphere){.c = c, .k = k, .semi_diameter = chance(&drawn, 0.5) ? uniform(&drawn, 4, 9) : 0};
-        for (int i = 0; i < 4; i++) of->even.a[i] = chance(&drawn, 0.6) ? strong * about(0.2) * pow(0.1, 1.6 * i + 1) : 0;
-        *s = (sgt_surface){&sgt_even_asphere_ops, &of->even};
-        return;
-    case 3:
-        of->toroidal = (sgt_toroidal){.c = c, .k = k, .c_x = about(0.05), .semi_diameter = uniform(&drawn, 4, 9)};
-        of->toroidal.a[1] = about(1e-5);
-        *s = (sgt_surface){&sgt_toroidal_ops, &of->toroidal};
-        return;
-    case 4:
-        of->biconic = (sgt_biconic){.c_x = c, .k_x = k, .c_y = about(0.05), .semi_diameter = uniform(&drawn, 4, 9)};
-        *s = (sgt_surface){&sgt_biconic_ops, &of->biconic};
-        return;
-    case 5:
-        for (int i = 0; i < 12; i++) of->a[i] = about(0.01);
-        of->zernike = (sgt_zernike){.c = c, .k = k, .semi_diameter = uniform(&drawn, 4, 9), .norm = 10, .order = SGT_NOLL,
-                                    .a = {of->a, 1, 12}};
-        *s = (sgt_surface){&sgt_zernike_ops, &of->zernike};
-        return;
-    case 6:
-        for (int i = 0; i < 9; i++) of->a[i] = about(0.01) * pow(0.3, i);
-        of->odd = (sgt_odd_asphere){.c = c, .k = k, .semi_diameter = uniform(&drawn, 4, 9), .a = {0, about(1e-3), about(1e-4)}};
-        *s = (sgt_surface){&sgt_odd_asphere_ops, &of->odd};
-        return;
-    }
+    int type = departures && chance(&drawn, 0.6) ? below(&drawn, TYPES) : chance(&drawn, 0.7) ? CONIC : EVEN;
+    double wide = chance(&drawn, type > EVEN ? 1 : 0.4) ? uniform(&drawn, 4, 9) : 0;
+    *s = surface_of(type, of, strong, wide);
 }
 
 static void draw_aperture(sgt_element *e, room *of)
@@ -349,8 +378,136 @@ static void departures_hold(void **unused)
     no_ray_contradicts(true, scaled(2000));
 }
 
+/* ------------------------------------------------------------------------- how fine */
+
+/* A lens of two surfaces of the type, and an image plane; the box is `wide` about a ray that is off the axis.  What
+ * is left out of the last point, and of the path. */
+static sgt_box_verdict rest_of(lens *l, double wide, double *point, double *path)
+{
+    sgt_box_launch from = {.parameters = 2};
+    sgt_box_end end;
+    const sgt_box_lens whole = {.elements = 3, .e = l->e};
+    from.o[0] = (sgt_model){.c = 1.2, .by = {wide, 0}}, from.o[1] = (sgt_model){.c = 0.7, .by = {0, wide}}, from.o[2] = sgt_model_of(-5);
+    from.d[0] = sgt_model_of(0.02), from.d[1] = sgt_model_of(0.05), from.d[2] = sgt_model_of(1);
+    sgt_box_verdict v = sgt_box_trace(&whole, &from, NULL, NULL, &end);
+    *point = end.p[0].rest + end.p[1].rest, *path = end.opl.rest;
+    return v;
+}
+
+/* A box half as wide leaves out an eighth of it, or a quarter where a type is known by its bend only. */
+static void rest_shrinks(void **unused)
+{
+    (void)unused;
+    drawn = seeded("beam order");
+    for (int type = 0; type < TYPES; type++) {
+        static lens l;
+        const double least = type == Q_BFS || type == GRID ? 3.4 : 7;
+        double before = 0, path_before = 0;
+        memset(&l, 0, sizeof l);
+        l.n = 3;
+        for (int i = 0; i < 3; i++) {
+            sgt_element *e = &l.e[i];
+            e->surface = surface_of(i < 2 ? type : CONIC, &l.of[i], 0.6, i < 2 ? 6 : 0);
+            e->pose.origin.z = 4 * i, e->index = i == 0 ? 1.5 : 1, e->semi_diameter = i < 2 ? 5 : 0;
+        }
+        for (double wide = 0.1; wide > 0.01; wide /= 2) {
+            double point, path;
+            const sgt_box_verdict v = rest_of(&l, wide, &point, &path);
+            REQUIRE(v == SGT_BOX_PASSED, "type %d: a small box well inside is %s", type, sgt_box_verdict_text(v));
+            if (before > 0) {
+                REQUIRE(before / point > least, "type %d: the rest shrinks by %g", type, before / point);
+                REQUIRE(path_before / path > least, "type %d: of the path by %g", type, path_before / path);
+            }
+            before = point, path_before = path;
+        }
+    }
+}
+
+/* Boxes that are plainly decidable, of a singlet: inside, outside, missed, totally reflected. */
+static void plain_boxes_are_decided(void **unused)
+{
+    (void)unused;
+    const sgt_conic front = {.c = 1 / 22.0}, back = {.c = -1 / 30.0}, image = {0};
+    sgt_element e[3] = {{.surface = {&sgt_conic_ops, &front}, .index = 1.62, .semi_diameter = 6},
+                        {.surface = {&sgt_conic_ops, &back}, .pose = {.origin = {0, 0, 3}}, .index = 1, .semi_diameter = 6},
+                        {.surface = {&sgt_conic_ops, &image}, .pose = {.origin = {0, 0, 20}}}};
+    const sgt_box_lens lens = {.elements = 3, .e = e};
+    const struct { double x, y, wide, dx; sgt_box_verdict verdict; sgt_fate fate; size_t element; } cases[] = {
+        {0, 0, 3.5, 0, SGT_BOX_PASSED, SGT_PASSED, 3},    {4, 0, 1.5, 0, SGT_BOX_PASSED, SGT_PASSED, 3},
+        {10, 0, 2, 0, SGT_BOX_STOPPED, SGT_CLIPPED, 0},   {40, 0, 10, 0, SGT_BOX_STOPPED, SGT_MISSED, 0},
+        {5.9, 0, 0.2, 0, SGT_BOX_CUT, SGT_LOST, 0},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        sgt_box_launch from = {.parameters = 2};
+        sgt_box_end end;
+        from.o[0] = (sgt_model){.c = cases[i].x, .by = {cases[i].wide, 0}}, from.o[1] = (sgt_model){.c = cases[i].y, .by = {0, cases[i].wide}};
+        from.o[2] = sgt_model_of(-5), from.d[0] = sgt_model_of(cases[i].dx), from.d[2] = sgt_model_of(1);
+        sgt_box_trace(&lens, &from, NULL, NULL, &end);
+        REQUIRE(end.verdict == cases[i].verdict && end.element == cases[i].element && (end.verdict != SGT_BOX_STOPPED || end.fate == cases[i].fate),
+                "box %zu: %s at %zu, %s", i, sgt_box_verdict_text(end.verdict), end.element, sgt_fate_text(end.fate));
+    }
+    e[0].index = 1, e[0].semi_diameter = e[1].semi_diameter = 0; /* glass in front: past the critical angle */
+    const sgt_box_lens glass = {.elements = 2, .e = e, .index_before = 1.6};
+    sgt_conic flat = {0};
+    e[0].surface.self = &flat;
+    sgt_box_launch from = {.parameters = 1};
+    sgt_box_end end;
+    from.d[0] = (sgt_model){.c = 0.9, .by = {0.05}}, from.d[2] = sgt_model_of(1), from.o[2] = sgt_model_of(-1);
+    sgt_box_trace(&glass, &from, NULL, NULL, &end);
+    REQUIRE(end.verdict == SGT_BOX_STOPPED && end.fate == SGT_TIR && end.element == 0, "reflected: %s", sgt_box_verdict_text(end.verdict));
+}
+
+/* The operations on models contain what they do: members at random places, in long double. */
+static void models_contain(void **unused)
+{
+    (void)unused;
+    drawn = seeded("beam models");
+    for (long i = 0, count = scaled(10000); i < count; i++) {
+        sgt_model x = sgt_model_of(about(4)), y = sgt_model_of(about(4)), z;
+        double s[SGT_MODEL_PARAMETERS], small = exp2(uniform(&drawn, -25, 1));
+        long double at[2] = {x.c, y.c};
+        sgt_model *const both[2] = {&x, &y};
+        for (int k = 0; k < SGT_MODEL_PARAMETERS; k++) s[k] = corner_or_inside();
+        for (int b = 0; b < 2; b++) {
+            for (int k = 0; k < 3; k++) both[b]->by[k] = small * about(1), at[b] += (long double)both[b]->by[k] * s[k];
+            for (int k = 0; k < 3; k++)
+                for (int j = 0; j <= k; j++) {
+                    both[b]->pair[SGT_MODEL_PAIR(j, k)] = small * small * about(1);
+                    at[b] += (long double)both[b]->pair[SGT_MODEL_PAIR(j, k)] * s[j] * s[k];
+                }
+            both[b]->rest = chance(&drawn, 0.5) ? 0 : small * small * small;
+            at[b] += both[b]->rest * corner_or_inside();
+        }
+        const long double k = about(3);
+        const struct { const char *what; void (*of)(const sgt_model *, const sgt_model *, sgt_model *); long double y; } two[] = {
+            {"sum", sgt_model_sum, at[0] + at[1]}, {"difference", sgt_model_difference, at[0] - at[1]}, {"product", sgt_model_product, at[0] * at[1]}};
+        for (size_t j = 0; j < 5; j++) {
+            long double value;
+            if (j < 3) two[j].of(&x, &y, &z), value = two[j].y;
+            else if (j == 3) sgt_model_inverse(&x, &z), value = 1 / at[0];
+            else sgt_model_root(&x, &z), value = sqrtl(at[0] > 0 ? at[0] : 0);
+            if (!(z.rest < HUGE_VAL)) continue;
+            const sgt_interval in = sgt_model_at(&z, s), range = sgt_model_range(&z);
+            REQUIRE(value >= (long double)in.lo && value <= (long double)in.hi, "%zu: %Lg is not in [%g, %g]", j, value, in.lo, in.hi);
+            REQUIRE(value >= (long double)range.lo && value <= (long double)range.hi, "%zu: not in its range", j);
+        }
+        sgt_model_scaled(&x, (double)k, &z);
+        const sgt_interval in = sgt_model_at(&z, s);
+        REQUIRE(k * at[0] >= (long double)in.lo && k * at[0] <= (long double)in.hi, "scaled");
+        sgt_model px, py;
+        const double r = uniform(&drawn, 0, 3), dr = uniform(&drawn, 0, 1), a = about(7), da = uniform(&drawn, 0, 1);
+        sgt_model_polar(0, (sgt_interval){r, r + dr}, 1, (sgt_interval){a, a + da}, &px, &py);
+        const long double rr = r + dr * (1 + (long double)s[0]) / 2, aa = a + da * (1 + (long double)s[1]) / 2;
+        const sgt_interval ix = sgt_model_at(&px, s), iy = sgt_model_at(&py, s);
+        const long double X = rr * cosl(aa), Y = rr * sinl(aa);
+        REQUIRE(X >= (long double)ix.lo && X <= (long double)ix.hi && Y >= (long double)iy.lo && Y <= (long double)iy.hi, "polar");
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(quadrics_hold), cmocka_unit_test(departures_hold)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(models_contain), cmocka_unit_test(plain_boxes_are_decided),
+                                       cmocka_unit_test(rest_shrinks), cmocka_unit_test(quadrics_hold),
+                                       cmocka_unit_test(departures_hold)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
