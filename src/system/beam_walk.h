@@ -32,6 +32,7 @@
 #ifndef SGT_SYSTEM_BEAM_WALK_H
 #define SGT_SYSTEM_BEAM_WALK_H
 #include "beam.h"
+#include "beam_sags.h"
 #include "model.h"
 #include "phase.h"
 #include "waves.h"
@@ -126,33 +127,6 @@ static model by_c(const beam_shape *s, model x)
     return s->varied ? model_product(s->c, x) : model_scaled(x, s->c0);
 }
 
-/* P and its slopes at the points of models.  The polynomial is P at the middle with its slopes there; the
- * rest is bend |v|^2 / 2.  false: no bounds. */
-typedef struct sag_models { model s, x, y; double off; } sag_models;
-
-static bool departure_models(const beam_shape *s, const model *x, const model *y, sag_models *out)
-{
-    double p, px, py, p_err, grad_err;
-    const double mx = x->c, my = y->c;
-    bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    region where = {.x = model_range(*x), .y = model_range(*y)};
-    const sgt_interval r = sgt_interval_square_root(
-        sgt_interval_sum(sgt_interval_square(where.x), sgt_interval_square(where.y)));
-    where.r_lo = r.lo, where.r_hi = r.hi;
-    if (!(r.hi < 0x1p400) || s->of->bounds(s->surface.self, &where, &b) <= 0 || !(b.bend < HUGE_VAL)) return false;
-    s->of->at(s->surface.self, 1, &mx, &my, (sag_values){&p, &px, &py});
-    s->of->rounding(s->surface.self, mx, my, &p_err, &grad_err);
-    const model vx = model_plus(*x, -mx), vy = model_plus(*y, -my);
-    const double away = (model_away(&vx) + model_away(&vy) + fabs(vx.c) + fabs(vy.c)) * MODEL_MORE;
-    const double off = (grad_err + (b.bend + MODEL_LEAST) * away) * MODEL_MORE;
-    const double rest = p_err + grad_err * away + 0.5 * (b.bend + MODEL_LEAST) * away * away;
-    out->s = model_sum(model_scaled(vx, px), model_scaled(vy, py));
-    out->s = model_wider(model_plus(out->s, p), rest);
-    out->x = model_wider(model_of(px), off), out->y = model_wider(model_of(py), off);
-    out->off = p_err;
-    return out->s.e < HUGE_VAL && out->x.e < HUGE_VAL && out->y.e < HUGE_VAL;
-}
-
 /* The sag and its slopes; off: how far a trace's own are off.  false: not known, or not defined all over. */
 static bool sag_models_of(const beam_shape *s, const model *x, const model *y, sag_models *out)
 {
@@ -183,7 +157,7 @@ static bool sag_models_of(const beam_shape *s, const model *x, const model *y, s
     out->s = sum, out->x = model_product(slope, *x), out->y = model_product(slope, *y);
     if (s->of) {
         sag_models more;
-        if (!departure_models(s, x, y, &more)) return false;
+        if (!departure_models(s->surface, x, y, &more)) return false;
         out->s = model_sum(out->s, more.s);
         out->x = model_sum(out->x, more.x), out->y = model_sum(out->y, more.y);
         out->off += more.off;
@@ -353,17 +327,65 @@ static linear form_about(model x)
     return form_between(model_range(x));
 }
 
+/* sgt_bundle_sag_only of an even asphere whose numbers vary, by intervals: the heights of all points with
+ * r <= L, then three times the heights of those that the lines may meet. */
+static bool even_only(const beam_shape *s, const beam_lines *w, double L, bool *none)
+{
+    const sgt_interval dx = model_range(w->d.x), dy = model_range(w->d.y), dz = model_range(w->d.z),
+                       x0 = model_range(w->x), y0 = model_range(w->y), c = model_range(s->c), k1 = model_range(s->k1),
+                       across = {-L, L}, one = {1, 1}, within = {0, L * L};
+    sgt_interval t = sgt_interval_all(), x = across, y = across;
+    *none = false;
+    for (int round = 0; round < 4; round++) {
+        sgt_interval rho = sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)), sum = {0, 0}, slope = {0, 0};
+        rho = sgt_interval_intersection(rho, within);
+        if (sgt_interval_is_empty(rho)) {
+            *none = true;
+            return true;
+        }
+        for (int i = EVEN_TERMS - 1; i >= 0; i--) {
+            const sgt_interval a = model_range(s->a[i]);
+            slope = sgt_interval_sum(sgt_interval_product(slope, rho), sgt_interval_scaled(a, i + 1));
+            sum = sgt_interval_product(sgt_interval_sum(sum, a), rho);
+        }
+        const sgt_interval c2 = sgt_interval_product(k1, sgt_interval_square(c)),
+                           phi2 = sgt_interval_difference(one, sgt_interval_product(c2, rho)),
+                           phi = sgt_interval_square_root(phi2);
+        const sgt_interval base = sgt_interval_quotient(sgt_interval_product(c, rho), sgt_interval_sum(one, phi));
+        slope = sgt_interval_sum(slope, sgt_interval_quotient(sgt_interval_scaled(c, 0.5), phi));
+        t = sgt_interval_intersection(t, sgt_interval_quotient(sgt_interval_sum(sum, base), dz));
+        *none = sgt_interval_is_empty(t);
+        if (*none) return true;
+        if (!(sgt_interval_width(t) < HUGE_VAL)) return false;
+        const sgt_interval fx = sgt_interval_sum(x0, sgt_interval_product(t, dx)),
+                           fy = sgt_interval_sum(y0, sgt_interval_product(t, dy));
+        const sgt_interval far = sgt_interval_sum(sgt_interval_square(fx), sgt_interval_square(fy));
+        if (phi2.lo > 0 && sgt_interval_is_in(far, rho)) { /* the slope is that all over t */
+            const sgt_interval out = sgt_interval_sum(sgt_interval_product(fx, dx), sgt_interval_product(fy, dy));
+            slope = sgt_interval_difference(dz, sgt_interval_scaled(sgt_interval_product(out, slope), 2));
+            if (sgt_interval_is_positive(slope) || sgt_interval_is_negative(slope)) return true;
+        }
+        x = sgt_interval_intersection(fx, across), y = sgt_interval_intersection(fy, across);
+    }
+    return false;
+}
+
+static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const bundle_lines *by, sag_kept *kept, bool *none)
+{
+    return s->varied ? even_only(s, w, L, none) : sgt_bundle_sag_only(s->surface, L, by, kept, none);
+}
+
 static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double aperture, double more, sag_kept kept[2],
                             beam_hit *m)
 {
     static const double MORE = 1 + 0x1p-36;
-    const double k1 = 1 + s->k0, edge = k1 > 0 && s->c0 != 0 ? 1 / (fabs(s->c0) * sqrt(k1)) : HUGE_VAL;
+    const sgt_interval bend = sgt_interval_product(model_range(s->k1), sgt_interval_square(model_range(s->c)));
+    const double edge = bend.lo > 0 ? (1 + 0x1p-50) / sqrt(bend.lo) : HUGE_VAL; /* of the base: at most */
     const double most = smaller(s->rim, edge), least = smaller(aperture, most);
     const bundle_lines by = {form_about(w->x), form_about(w->y),
                              {form_about(w->d.x), form_about(w->d.y), form_about(w->d.z)}};
     if (!(least < 0x1p400)) return NO_EDGE_KNOWN;
-    if (s->varied) return NOT_MET;
-    bool none = false, only = sgt_bundle_sag_only(s->surface, least * MORE, &by, &kept[0], &none);
+    bool none = false, only = sag_only(s, w, least * MORE, &by, &kept[0], &none);
     if (only && none) {
         if (least == most) return ALL_MISS;
         return ALL_CLIPPED_OR_MISS;
@@ -375,7 +397,7 @@ static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double ape
     if (in == EITHER || rim == EITHER) return MAY_BE_BOTH;
     /* a root outside, and none inside? */
     bool nowhere = false;
-    const bool wide = most < 0x1p400 && least < most && sgt_bundle_sag_only(s->surface, most * MORE, &by, &kept[1], &nowhere);
+    const bool wide = most < 0x1p400 && least < most && sag_only(s, w, most * MORE, &by, &kept[1], &nowhere);
     if (in == OUTSIDE && rim == INSIDE && wide) return ALL_CLIPPED;
     return NOT_MET;
 }
