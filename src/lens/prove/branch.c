@@ -5,10 +5,10 @@
  * (all its rays pass), ended (all end at one element, by one cause) or UNDECIDED.  Its bounds hold for all
  * rays of it that pass.  So the largest bound of boxes that are not ended holds for every ray of the pupil.
  *
- * WHAT IS HALVED, in this order, until it is not needed any more:
+ * WHAT IS HALVED, until it is not needed any more:
  *   1. undecided boxes, the largest first, while their share of the area is above the one that may stay;
- *   2. boxes whose bound is above the largest value of a traced ray by more than CLOSE of it;
- *   3. boxes that pass, by what they leave open of a mean, while an rms is not known to RMS_CLOSE.
+ *   2. beside them boxes whose bound is above the largest value of a traced ray by more than CLOSE of it;
+ *   3. then boxes that pass, by what they leave open of a mean, while an rms is not known to RMS_CLOSE.
  * If limits are asked for, those boxes instead that may break one which is not broken as yet.
  *
  * ROUNDS.  Of the boxes to be halved the ROUND_BOXES foremost ones are halved at once, in any threads.  How
@@ -31,7 +31,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUND_BOXES = 64, RINGS = 10 };
+enum { ROUND_BOXES = 64, AREA_FIRST = 56, RINGS = 10 };
 static const double CLOSE = 0.01, RMS_CLOSE = 1e-4, UNBOUNDED = 1e-3;
 
 /* ----------------------------------------------------------------------- memory */
@@ -478,21 +478,26 @@ static bool is_open(const proof *p, sgt_prove_quantity of)
     return false;
 }
 
-/* The boxes to be halved now, the foremost first. */
-static size_t choose(const proof *p, double wanted[], candidate out[])
+/* The boxes to be halved now, the foremost first.  needed: whatever the budget. */
+static size_t choose(const proof *p, double wanted[], candidate out[], bool *needed)
 {
     const bool limits = p->asked->limits, rms = is_open(p, SGT_PROVE_RMS),
                front = is_open(p, SGT_PROVE_OPD_RMS), area = rms || front || is_open(p, SGT_PROVE_PASSES);
     size_t n = unfit_boxes(p, out);
-    if (n) return n;
+    if ((*needed = n > 0)) return n;
+    set_wanted(p, wanted);
     if (limits ? area : p->undecided > p->asked->undecided) n = undecided_boxes(p, out);
+    const size_t of_area = n;
+    qsort(out, of_area, sizeof *out, by_score);
     if (limits && (rms || front)) n += open_boxes(p, rms, front, out + n);
-    if (limits || n == 0) {
-        set_wanted(p, wanted);
-        n += wide_boxes(p, wanted, out + n);
-    }
+    n += wide_boxes(p, wanted, out + n);
     if (!limits && n == 0) n = open_boxes(p, true, true, out);
-    qsort(out, n, sizeof *out, by_score);
+    qsort(out + of_area, n - of_area, sizeof *out, by_score);
+    /* most of the round for the area, if it needs so many */
+    for (size_t k = AREA_FIRST; k < ROUND_BOXES && k < of_area && of_area + k - AREA_FIRST < n; k++) {
+        const candidate other = out[of_area + k - AREA_FIRST];
+        out[of_area + k - AREA_FIRST] = out[k], out[k] = other;
+    }
     return n;
 }
 
@@ -542,9 +547,10 @@ static bool branch(proof *p, one_round *r, double wanted[])
             if (!more) { fine = false; break; }
             chosen = more, room = 4 * p->count + 64;
         }
-        const size_t n = choose(p, wanted, chosen);
+        bool needed;
+        const size_t n = choose(p, wanted, chosen, &needed);
         if (n == 0) break;
-        if (p->carried >= p->asked->boxes) { p->spent = true; break; }
+        if (!needed && p->carried >= p->asked->boxes) { p->spent = true; break; }
         /* a box may be chosen for two reasons */
         size_t count = 0;
         for (size_t k = 0; k < n && count < ROUND_BOXES; k++) {

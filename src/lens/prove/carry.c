@@ -21,9 +21,15 @@
  * OF A BOX THAT IS CUT at the edge of an aperture, some rays pass and some do not.  It is carried once more
  * through a lens whose apertures are wider (WIDER) and have no items.  If all its rays pass that, the bounds
  * hold for those that pass the lens itself, for these go the same way: each meets each surface inside the
- * clear aperture, and the root inside the wider one is one alone.  Otherwise all that is known of it is that
- * rays which pass end inside the clear aperture of the last element, and meet each element inside its own. */
+ * clear aperture a, at a root that is the only one inside the wider one.  (beam.h has that of all sags but
+ * conics.  Of these it takes the near root, whatever the other is; but sgt_trace takes the other one, if that is
+ * inside a and the near one is not.  Let the near roots have r <= R.  On a chord of the cylinder r <= R the
+ * slope of F = z - s is n - grad s . (l, m).  If |n| > S |(l, m)|, S the largest slope of s there, F is monotone,
+ * and there is one root at most.)  Otherwise all that is known of it is that rays which pass end inside the clear
+ * aperture of the last element, and meet each element inside its own. */
 #include "carry.h"
+
+#include <sagitta/surfaces.h>
 
 static const double WIDER = 1.0625;
 
@@ -403,6 +409,95 @@ static sgt_box_verdict carried(const prove_cell *c, const carry_room *r, const s
     return verdict;
 }
 
+/* Rays that meet the conic e within r <= R, whose directions in its frame are d: is there one root only? */
+static bool meets_once(const sgt_conic *q, double R, const sgt_model d[3])
+{
+    const sgt_interval n = sgt_interval_absolute(sgt_model_range(&d[2]));
+    const sgt_interval l = sgt_model_range(&d[0]), m = sgt_model_range(&d[1]);
+    const sgt_interval c = sgt_interval_of(fabs(q->c)), cr = sgt_interval_product(c, sgt_interval_of(R));
+    const sgt_interval k1 = sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(q->k));
+    const sgt_interval left = sgt_interval_difference(sgt_interval_of(1),
+                                                      sgt_interval_product(k1, sgt_interval_square(cr)));
+    if (q->c == 0) return true;
+    if (!(left.lo > 0) || !(n.lo > 0)) return false;
+    const sgt_interval slope = sgt_interval_quotient(cr, sgt_interval_square_root(left));
+    return n.lo > sgt_interval_product(slope, sgt_interval_hypotenuse(l, m)).hi;
+}
+
+/* At each element of the wider lens where rays may be outside the clear aperture of the lens itself. */
+static bool same_roots(const prove_cell *c, const carry_room *r, const sgt_box_launch *launch)
+{
+    static const sgt_pose global;
+    for (size_t i = 0; i < c->count; i++) {
+        const sgt_element *e = &c->e[i];
+        const double R = sgt_interval_hypotenuse(r->at[i].x, r->at[i].y).hi;
+        const bool round = e->semi_diameter > 0 && e->semi_diameter < 0x1p500;
+        if (e->surface.ops != &sgt_conic_ops || !round || R < e->semi_diameter * (1 - 0x1p-40)) continue;
+        sgt_model p[3] = {launch->o[0], launch->o[1], launch->o[2]};
+        sgt_model d[3] = {launch->d[0], launch->d[1], launch->d[2]};
+        if (i > 0) {
+            const sgt_box_lens before = {.elements = i, .e = r->wide, .index_before = c->before};
+            sgt_box_end end;
+            if (sgt_box_trace(&before, launch, r->kept_wide, NULL, &end) != SGT_BOX_PASSED) return false;
+            for (int k = 0; k < 3; k++) p[k] = end.p[k], d[k] = end.d[k];
+        }
+        moved(i ? &e[-1].pose : &global, &e->pose, p, d);
+        if (!meets_once(e->surface.self, R, d)) return false;
+    }
+    return true;
+}
+
+/* How far from a centre of the element a ray through this part of the box meets it. */
+static double height_at(const prove_cell *c, const carry_room *r, const prove_box *box, sgt_vec2 from, double p,
+                        double q)
+{
+    double x, y;
+    sgt_fate fate;
+    sgt_sector_point(&box->of, p, q, &x, &y);
+    const sgt_vec2 at = sgt_vignetted(c->beam, x, y);
+    sgt_ray ray = sgt_field_ray(c->beam, at.x, at.y);
+    const size_t passed = sgt_trace(box->element + 1, r->wide, c->before, &ray, r->passages, &fate, NULL);
+    const sgt_vec3 met = r->passages[box->element].hit.p;
+    return passed > box->element ? hypot(met.x - from.x, met.y - from.y) : (double)NAN;
+}
+
+/* The centre of the round edge that a ray at a distance `middle` from the axis is nearest to; false: there is
+ * none. */
+static bool centre_of_edge(const sgt_element *e, double middle, sgt_vec2 *centre)
+{
+    double nearest = HUGE_VAL;
+    *centre = (sgt_vec2){0, 0};
+    if (e->semi_diameter > 0 && e->semi_diameter < 0x1p500) nearest = fabs(middle - e->semi_diameter);
+    for (size_t i = 0; e->aperture && i < e->aperture->count; i++) {
+        const sgt_aperture_item *a = &e->aperture->items[i];
+        const bool circle = a->shape == SGT_CIRCLE, ring = a->shape == SGT_ANNULUS;
+        if (!circle && !ring) continue;
+        const double far = hypot(a->centre.x, a->centre.y);
+        const double by = fmin(fabs(middle - a->radius), ring ? fabs(middle - a->inner) : HUGE_VAL);
+        if (fmax(by - far, 0) >= nearest) continue;
+        nearest = fmax(by - far, 0), *centre = a->centre;
+    }
+    return nearest < HUGE_VAL;
+}
+
+/* Which way a box that lies across the edge of an aperture is best halved: along which it goes farther from the
+ * axis there.  An edge that rays of one radius follow needs boxes that are thin and long. */
+static int across_edge(const prove_cell *c, const carry_room *r, const prove_box *box, int otherwise)
+{
+    sgt_vec2 from = {0, 0};
+    if (box->of.turn1 - box->of.turn0 == 1 ||
+        !centre_of_edge(&c->e[box->element], height_at(c, r, box, from, 0.5, 0.5), &from))
+        return otherwise;
+    const double middle = height_at(c, r, box, from, 0.5, 0.5);
+    double along[2];
+    for (int side = 0; side < 2; side++) {
+        const double one = height_at(c, r, box, from, side ? 0.5 : 0, side ? 0 : 0.5) - middle;
+        const double other = height_at(c, r, box, from, side ? 0.5 : 1, side ? 1 : 0.5) - middle;
+        along[side] = fmax(fmax(fabs(one), fabs(other)), fabs(one - other));
+    }
+    return isnan(along[0] + along[1]) ? otherwise : along[1] > along[0];
+}
+
 void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[])
 {
     const sgt_box_launch launch = launch_of(c->beam, &box->of);
@@ -421,9 +516,10 @@ void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[
     }
     box->why = end->why, box->divide = verdict == SGT_BOX_CUT ? end->divide : 0;
     box->hopeless = verdict == SGT_BOX_CUT && end->divide < 0;
+    if (!box->hopeless && end->why == SGT_BOX_AT_EDGE) box->divide = across_edge(c, r, box, box->divide);
     bound_nothing(c, box, bound);
     if (box->hopeless || end->why != SGT_BOX_AT_EDGE) return;
-    if (carried(c, r, r->wide, r->kept_wide, &launch, &w) != SGT_BOX_PASSED) return;
+    if (carried(c, r, r->wide, r->kept_wide, &launch, &w) != SGT_BOX_PASSED || !same_roots(c, r, &launch)) return;
     box->bounded = true;
     bound_ends(c, r, &w, box, bound), bound_elements(c, r->at, bound);
 }

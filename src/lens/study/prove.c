@@ -97,9 +97,13 @@ static void say_about(const proving *w)
     if (w->of.spent && !w->limits && left > w->undecided)
         sgt_ask_say(a, SGT_STUDY_NOTE, "%s: %zu boxes were spent, and %.3g %% of the pupil is undecided; "
                                        "give more --boxes", who, w->of.carried, left);
-    else if (w->of.spent && !w->limits)
-        sgt_ask_say(a, SGT_STUDY_NOTE, "%s: %zu boxes were spent; with more --boxes bounds would be closer",
-                    who, w->of.carried);
+    const prove_box *b = w->of.box;
+    for (size_t i = 0; i < w->of.count; i++)
+        if (w->of.box[i].hopeless && (!b->hopeless || sgt_sector_area(&w->of.box[i].of) > sgt_sector_area(&b->of)))
+            b = &w->of.box[i];
+    if (b->hopeless)
+        sgt_ask_say(a, SGT_STUDY_NOTE, "%s: at element %zu no box can be decided: %s", who, b->element + 1,
+                    sgt_box_why_text(b->why));
 }
 
 static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
