@@ -11,8 +11,8 @@
  *   3. then boxes that pass, by what they leave open of a mean, while an rms is not known to RMS_CLOSE.
  * If limits are asked for, those boxes instead that may break one which is not broken as yet.
  *
- * ROUNDS.  Of the boxes to be halved the ROUND_BOXES foremost ones are halved at once, in any threads.  How
- * many there are depends on nothing else.  So neither does any bit.
+ * ROUNDS.  Of the boxes to be halved the foremost ones are halved at once, in any threads: ROUND_LEAST of them,
+ * or the ROUND_PART-th part of all boxes.  How many there are depends on nothing else.  So neither does any bit.
  *
  * RAYS are traced beside the boxes, through the middle of each and the corners of those in doubt: the largest
  * values among them say how close a bound is, and they break limits.
@@ -31,7 +31,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUND_BOXES = 64, AREA_FIRST = 56, RINGS = 10 };
+enum { ROUND_LEAST = 64, ROUND_MOST = 512, ROUND_PART = 32, AREA_PARTS = 8, RINGS = 10 };
 static const double CLOSE = 0.01, RMS_CLOSE = 1e-4, UNBOUNDED = 1e-3;
 
 /* ----------------------------------------------------------------------- memory */
@@ -223,6 +223,10 @@ static void sum_up(proof *p)
         for (size_t q = 0; q < p->quantities && may_pass(b); q++)
             if (!(p->bound[i * p->quantities + q] <= p->most[q])) p->most[q] = p->bound[i * p->quantities + q];
     }
+}
+
+static void take_means(proof *p)
+{
     p->f_mean = mean_over(p, MEAN_F), p->w_mean = mean_over(p, MEAN_W), p->ww_mean = mean_over(p, MEAN_WW);
 }
 
@@ -469,6 +473,13 @@ static size_t open_boxes(const proof *p, bool f_wanted, bool w_wanted, candidate
     return n;
 }
 
+/* How many boxes are halved at once. */
+static size_t round_of(const proof *p)
+{
+    const size_t part = p->count / ROUND_PART;
+    return part < ROUND_LEAST ? ROUND_LEAST : part > ROUND_MOST ? ROUND_MOST : part;
+}
+
 static bool is_open(const proof *p, sgt_prove_quantity of)
 {
     for (size_t k = 0; k < p->asked->limits; k++)
@@ -479,8 +490,15 @@ static bool is_open(const proof *p, sgt_prove_quantity of)
 }
 
 /* The boxes to be halved now, the foremost first.  needed: whatever the budget. */
-static size_t choose(const proof *p, double wanted[], candidate out[], bool *needed)
+static size_t choose(proof *p, double wanted[], candidate out[], bool *needed)
 {
+    for (size_t k = 0; k < p->asked->limits; k++) {
+        const sgt_prove_quantity q = p->asked->limit[k].quantity;
+        if (q == SGT_PROVE_RMS || q == SGT_PROVE_OPD_RMS) {
+            take_means(p);
+            break;
+        }
+    }
     const bool limits = p->asked->limits, rms = is_open(p, SGT_PROVE_RMS),
                front = is_open(p, SGT_PROVE_OPD_RMS), area = rms || front || is_open(p, SGT_PROVE_PASSES);
     size_t n = unfit_boxes(p, out);
@@ -491,12 +509,16 @@ static size_t choose(const proof *p, double wanted[], candidate out[], bool *nee
     qsort(out, of_area, sizeof *out, by_score);
     if (limits && (rms || front)) n += open_boxes(p, rms, front, out + n);
     n += wide_boxes(p, wanted, out + n);
-    if (!limits && n == 0) n = open_boxes(p, true, true, out);
+    if (!limits && n == 0) {
+        take_means(p);
+        n = open_boxes(p, true, true, out);
+    }
     qsort(out + of_area, n - of_area, sizeof *out, by_score);
     /* most of the round for the area, if it needs so many */
-    for (size_t k = AREA_FIRST; k < ROUND_BOXES && k < of_area && of_area + k - AREA_FIRST < n; k++) {
-        const candidate other = out[of_area + k - AREA_FIRST];
-        out[of_area + k - AREA_FIRST] = out[k], out[k] = other;
+    const size_t round = round_of(p), area_first = round - round / AREA_PARTS;
+    for (size_t k = area_first; k < round && k < of_area && of_area + k - area_first < n; k++) {
+        const candidate other = out[of_area + k - area_first];
+        out[of_area + k - area_first] = out[k], out[k] = other;
     }
     return n;
 }
@@ -552,8 +574,9 @@ static bool branch(proof *p, one_round *r, double wanted[])
         if (n == 0) break;
         if (!needed && p->carried >= p->asked->boxes) { p->spent = true; break; }
         /* a box may be chosen for two reasons */
+        const size_t most = round_of(p);
         size_t count = 0;
-        for (size_t k = 0; k < n && count < ROUND_BOXES; k++) {
+        for (size_t k = 0; k < n && count < most; k++) {
             bool there = false;
             for (size_t j = 0; j < count; j++) there = there || chosen[j].box == chosen[k].box;
             if (!there) chosen[count++] = chosen[k];
@@ -568,7 +591,7 @@ static bool branch(proof *p, one_round *r, double wanted[])
 bool sgt_proof_run(const prove_asked *asked, proof *p)
 {
     const prove_cell *c = asked->cell;
-    const size_t q = prove_quantities(c->count), halves = 2 * ROUND_BOXES;
+    const size_t q = prove_quantities(c->count), halves = 2 * ROUND_MOST;
     *p = (proof){.asked = asked, .quantities = q};
     half *half_of = sgt_launch_take(c->from, halves, sizeof *half_of);
     double *numbers = sgt_launch_take(c->from, 2 * halves * q + q, sizeof *numbers);
@@ -592,6 +615,7 @@ bool sgt_proof_run(const prove_asked *asked, proof *p)
         memcpy(p->bound, half_of[0].bound, q * sizeof *p->bound);
         sum_up(p);
         fine = branch(p, &r, numbers + 2 * halves * q);
+        if (fine) take_means(p);
     }
     for (size_t i = 0; i < rooms; i++) sgt_carry_room_free(c, half_of[i].room);
     sgt_launch_forget(c->from, half_of), sgt_launch_forget(c->from, numbers);

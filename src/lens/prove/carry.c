@@ -447,9 +447,8 @@ static bool same_roots(const prove_cell *c, const carry_room *r, const sgt_box_l
     return true;
 }
 
-/* How far from a centre of the element a ray through this part of the box meets it. */
-static double height_at(const prove_cell *c, const carry_room *r, const prove_box *box, sgt_vec2 from, double p,
-                        double q)
+/* How far from the axis of the element a ray through this part of the box meets it. */
+static double height_at(const prove_cell *c, const carry_room *r, const prove_box *box, double p, double q)
 {
     double x, y;
     sgt_fate fate;
@@ -458,41 +457,21 @@ static double height_at(const prove_cell *c, const carry_room *r, const prove_bo
     sgt_ray ray = sgt_field_ray(c->beam, at.x, at.y);
     const size_t passed = sgt_trace(box->element + 1, r->wide, c->before, &ray, r->passages, &fate, NULL);
     const sgt_vec3 met = r->passages[box->element].hit.p;
-    return passed > box->element ? hypot(met.x - from.x, met.y - from.y) : (double)NAN;
+    return passed > box->element ? hypot(met.x, met.y) : (double)NAN;
 }
 
-/* The centre of the round edge that a ray at a distance `middle` from the axis is nearest to; false: there is
- * none. */
-static bool centre_of_edge(const sgt_element *e, double middle, sgt_vec2 *centre)
-{
-    double nearest = HUGE_VAL;
-    *centre = (sgt_vec2){0, 0};
-    if (e->semi_diameter > 0 && e->semi_diameter < 0x1p500) nearest = fabs(middle - e->semi_diameter);
-    for (size_t i = 0; e->aperture && i < e->aperture->count; i++) {
-        const sgt_aperture_item *a = &e->aperture->items[i];
-        const bool circle = a->shape == SGT_CIRCLE, ring = a->shape == SGT_ANNULUS;
-        if (!circle && !ring) continue;
-        const double far = hypot(a->centre.x, a->centre.y);
-        const double by = fmin(fabs(middle - a->radius), ring ? fabs(middle - a->inner) : HUGE_VAL);
-        if (fmax(by - far, 0) >= nearest) continue;
-        nearest = fmax(by - far, 0), *centre = a->centre;
-    }
-    return nearest < HUGE_VAL;
-}
-
-/* Which way a box that lies across the edge of an aperture is best halved: along which it goes farther from the
- * axis there.  An edge that rays of one radius follow needs boxes that are thin and long. */
+/* Which way a box that lies across the edge of a semi_diameter is best halved: along which it goes farther from
+ * the axis there.  An edge that rays of one radius follow needs boxes that are thin and long.  (Items are judged
+ * by ranges of x and y, so there boxes have to be as deep as they are long.) */
 static int across_edge(const prove_cell *c, const carry_room *r, const prove_box *box, int otherwise)
 {
-    sgt_vec2 from = {0, 0};
-    if (box->of.turn1 - box->of.turn0 == 1 ||
-        !centre_of_edge(&c->e[box->element], height_at(c, r, box, from, 0.5, 0.5), &from))
-        return otherwise;
-    const double middle = height_at(c, r, box, from, 0.5, 0.5);
+    const double size = c->e[box->element].semi_diameter;
+    if (!(size > 0 && size < 0x1p500) || box->of.turn1 - box->of.turn0 == 1) return otherwise;
+    const double middle = height_at(c, r, box, 0.5, 0.5);
     double along[2];
     for (int side = 0; side < 2; side++) {
-        const double one = height_at(c, r, box, from, side ? 0.5 : 0, side ? 0 : 0.5) - middle;
-        const double other = height_at(c, r, box, from, side ? 0.5 : 1, side ? 1 : 0.5) - middle;
+        const double one = height_at(c, r, box, side ? 0.5 : 0, side ? 0 : 0.5) - middle;
+        const double other = height_at(c, r, box, side ? 0.5 : 1, side ? 1 : 0.5) - middle;
         along[side] = fmax(fmax(fabs(one), fabs(other)), fabs(one - other));
     }
     return isnan(along[0] + along[1]) ? otherwise : along[1] > along[0];
