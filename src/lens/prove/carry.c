@@ -447,31 +447,41 @@ static bool same_roots(const prove_cell *c, const carry_room *r, const sgt_box_l
     return true;
 }
 
-/* How far from the axis of the element a ray through this part of the box meets it. */
-static double height_at(const prove_cell *c, const carry_room *r, const prove_box *box, double p, double q)
+/* Of a ray through this part of a box that is not decided: the cosine of its angle of incidence, if it is in
+ * doubt whether it is bent; else how far from the axis of the element it meets that, or the one in front if it
+ * may miss it. */
+static double value_at(const prove_cell *c, const carry_room *r, const prove_box *box, double p, double q)
 {
+    const size_t k = box->element, at_most = box->why == SGT_BOX_AT_SURFACE ? k : k + 1;
     double x, y;
     sgt_fate fate;
     sgt_sector_point(&box->of, p, q, &x, &y);
     const sgt_vec2 at = sgt_vignetted(c->beam, x, y);
     sgt_ray ray = sgt_field_ray(c->beam, at.x, at.y);
-    const size_t passed = sgt_trace(box->element + 1, r->wide, c->before, &ray, r->passages, &fate, NULL);
-    const sgt_vec3 met = r->passages[box->element].hit.p;
-    return passed > box->element ? hypot(met.x, met.y) : (double)NAN;
+    if (at_most == 0) return hypot(x, y);
+    sgt_vec3 d = ray.d;
+    const size_t passed = sgt_trace(at_most, r->wide, c->before, &ray, r->passages, &fate, NULL);
+    const sgt_hit *hit = &r->passages[at_most - 1].hit;
+    if (passed + 1 < at_most || !(hit->status > 0)) return (double)NAN;
+    if (box->why != SGT_BOX_AT_BENDING) return hypot(hit->p.x, hit->p.y);
+    if (k) d = out_of3(&c->e[k - 1].pose, r->passages[k - 1].direction);
+    d = into3(&c->e[k].pose, d);
+    return fabs(dot3(d, hit->n)) / (length3(d) * length3(hit->n));
 }
 
-/* Which way a box that lies across the edge of a semi_diameter is best halved: along which it goes farther from
- * the axis there.  An edge that rays of one radius follow needs boxes that are thin and long.  (Items are judged
- * by ranges of x and y, so there boxes have to be as deep as they are long.) */
+/* Which way a box that lies across an edge is best halved: along which that value changes most.  An edge that
+ * rays of one radius follow needs boxes that are thin and long.  (Items are judged by ranges of x and y, so there
+ * boxes have to be as deep as they are long.) */
 static int across_edge(const prove_cell *c, const carry_room *r, const prove_box *box, int otherwise)
 {
     const double size = c->e[box->element].semi_diameter;
-    if (!(size > 0 && size < 0x1p500) || box->of.turn1 - box->of.turn0 == 1) return otherwise;
-    const double middle = height_at(c, r, box, 0.5, 0.5);
+    if (box->why == SGT_BOX_AT_EDGE && !(size > 0 && size < 0x1p500)) return otherwise;
+    if (box->of.turn1 - box->of.turn0 == 1) return otherwise;
+    const double middle = value_at(c, r, box, 0.5, 0.5);
     double along[2];
     for (int side = 0; side < 2; side++) {
-        const double one = height_at(c, r, box, side ? 0.5 : 0, side ? 0 : 0.5) - middle;
-        const double other = height_at(c, r, box, side ? 0.5 : 1, side ? 1 : 0.5) - middle;
+        const double one = value_at(c, r, box, side ? 0.5 : 0, side ? 0 : 0.5) - middle;
+        const double other = value_at(c, r, box, side ? 0.5 : 1, side ? 1 : 0.5) - middle;
         along[side] = fmax(fmax(fabs(one), fabs(other)), fabs(one - other));
     }
     return isnan(along[0] + along[1]) ? otherwise : along[1] > along[0];
@@ -495,7 +505,9 @@ void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[
     }
     box->why = end->why, box->divide = verdict == SGT_BOX_CUT ? end->divide : 0;
     box->hopeless = verdict == SGT_BOX_CUT && end->divide < 0;
-    if (!box->hopeless && end->why == SGT_BOX_AT_EDGE) box->divide = across_edge(c, r, box, box->divide);
+    if (!box->hopeless && (end->why == SGT_BOX_AT_EDGE || end->why == SGT_BOX_AT_BENDING ||
+                           end->why == SGT_BOX_AT_SURFACE))
+        box->divide = across_edge(c, r, box, box->divide);
     bound_nothing(c, box, bound);
     if (box->hopeless || end->why != SGT_BOX_AT_EDGE) return;
     if (carried(c, r, r->wide, r->kept_wide, &launch, &w) != SGT_BOX_PASSED || !same_roots(c, r, &launch)) return;

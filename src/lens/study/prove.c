@@ -135,7 +135,7 @@ static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
     if (a->failed) return false;
     if (a->from->aim != SGT_LENS_AIM_PUPIL)
         sgt_ask_say(a, SGT_STUDY_NOTE, "the lens aims its rays at the stop; what is proven is of the paraxial "
-                                       "pupil, as with --aim pupil");
+                                       "pupil, as without aiming");
     for (size_t i = 0; i < a->fields * a->bands && !a->failed; i++) {
         set_cell(&w, i);
         if (!sgt_proof_run(&w.asked, &w.of)) sgt_ask_fail(a, "", "no memory");

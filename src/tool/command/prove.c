@@ -39,7 +39,7 @@ static const char *wavelength_of_row(const look *l, double um)
 static void say_broken(const look *l, const sgt_prove_limit_row *r)
 {
     const char *quote = strpbrk(l->job.lens, " '()&;") ? "\"" : "";
-    const char *aims = l->primary.of->aim == SGT_LENS_AIM_PUPIL ? "" : " --aim pupil";
+    const char *aims = l->primary.of->aim == SGT_LENS_AIM_PUPIL ? "" : " --aim paraxial";
     table_line(l->table, "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s%s%s %s%s --pupil "
                          "\"%.17g %.17g\"%s%s", r->limit, r->seen, quote, l->job.lens, quote,
                field_of_row(l, r->field), wavelength_of_row(l, r->wavelength), r->px, r->py,
