@@ -394,14 +394,14 @@ static sgt_box_verdict rest_of(lens *l, double wide, double *point, double *path
     return v;
 }
 
-/* A box half as wide leaves out an eighth of it, or a quarter where a type is known by its bend only. */
+/* A box half as wide leaves out an eighth of it, or half of it where a type is known by its bend only. */
 static void rest_shrinks(void **unused)
 {
     (void)unused;
     drawn = seeded("beam order");
     for (int type = 0; type < TYPES; type++) {
         static lens l;
-        const double least = type == Q_BFS || type == GRID ? 3.4 : 7;
+        const double least = type == GRID ? 1.7 : 7;
         double before = 0, path_before = 0;
         memset(&l, 0, sizeof l);
         l.n = 3;
