@@ -39,6 +39,29 @@ static bool quadric_box(const sgt_quadric *s, const sgt_interval at[3], sgt_inte
     return true;
 }
 
+/* a Q b, Q the symmetric matrix of the quadric. */
+static sgt_interval quadric_form(const sgt_quadric *s, const sgt_interval a[3], const sgt_interval b[3])
+{
+    static const int first[3] = {0, 1, 0}, other[3] = {1, 2, 2};
+    sgt_interval sum = {0, 0};
+    for (int i = 0; i < 3; i++) {
+        const int m = first[i], n = other[i];
+        const sgt_interval mixed = added(sgt_interval_product(a[m], b[n]), sgt_interval_product(a[n], b[m]));
+        sum = added(sum, by_number(sgt_interval_product(a[i], b[i]), s->squares[i]));
+        sum = added(sum, by_number(mixed, 0.5 * s->products[i]));
+    }
+    return sum;
+}
+
+/* F of lines from o along d where |t| is large: F / t^2 = A + B / t + C / t^2, with 1 / t in u. */
+static sgt_interval quadric_far(const sgt_quadric *s, const sgt_interval o[3], const sgt_interval d[3], sgt_interval u)
+{
+    sgt_interval C, g[3], h[6], B = by_number(quadric_form(s, o, d), 2);
+    for (int i = 0; i < 3; i++) B = added(B, by_number(d[i], s->linear[i]));
+    quadric_box(s, o, &C, g, h);
+    return added(quadric_form(s, d, d), sgt_interval_product(u, added(B, sgt_interval_product(u, C))));
+}
+
 /* F = (x^2 + y^2 - a^2) / 2a + z^2 a / 2b^2. */
 static bool ellipsoid_box(const sgt_ellipsoid *s, const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
                           sgt_interval h[6])

@@ -415,6 +415,21 @@ static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double ape
 typedef struct left { sgt_interval t; bool none, only; } left;
 enum { HALVINGS = 8, WAITING = 32 };
 
+/* A formula's surface is within its ball and its box, by all but roundings. */
+static void formula_cut(sgt_surface s, sgt_interval at[3])
+{
+    if (s.ops != &sgt_formula_ops) return;
+    const sgt_formula *f = s.self;
+    const double most = f->ball * (1 + 0x1p-36), lo[3] = {f->lo.x, f->lo.y, f->lo.z}, hi[3] = {f->hi.x, f->hi.y, f->hi.z};
+    bool boxed = false;
+    for (int i = 0; i < 3; i++) boxed = boxed || lo[i] != 0 || hi[i] != 0;
+    for (int i = 0; i < 3; i++) {
+        const double edge = 0x1p-36 * (fabs(lo[i]) + fabs(hi[i]));
+        if (f->ball > 0) at[i] = sgt_interval_intersection(at[i], (sgt_interval){-most, most});
+        if (boxed) at[i] = sgt_interval_intersection(at[i], (sgt_interval){lo[i] - edge, hi[i] + edge});
+    }
+}
+
 static left body_left(const beam_shape *s, const beam_lines *w, double L, sgt_interval within)
 {
     const sgt_interval x0 = model_range(w->x), y0 = model_range(w->y),
@@ -435,8 +450,13 @@ static left body_left(const beam_shape *s, const beam_lines *w, double L, sgt_in
         at[0] = sgt_interval_intersection(added(x0, sgt_interval_product(t, d[0])), across);
         at[1] = sgt_interval_intersection(added(y0, sgt_interval_product(t, d[1])), across);
         at[2] = sgt_interval_product(t, d[2]);
-        if (sgt_interval_is_empty(at[0]) || sgt_interval_is_empty(at[1])) continue;
+        formula_cut(s->surface, at);
+        if (sgt_interval_is_empty(at[0]) || sgt_interval_is_empty(at[1]) || sgt_interval_is_empty(at[2])) continue;
         box_over(s->surface, at, &f, g, h);
+        if (!(sgt_interval_width(t) < HUGE_VAL) && s->surface.ops == &sgt_quadric_ops) {
+            const sgt_interval o[3] = {x0, y0, {0, 0}};
+            f = quadric_far(s->surface.self, o, d, sgt_interval_quotient((sgt_interval){1, 1}, t));
+        }
         if (!sgt_interval_has(f, 0)) continue;
         const double m = sgt_interval_middle(t);
         if (depth == HALVINGS || height + 2 > WAITING || !(sgt_interval_width(t) < HUGE_VAL)) {
