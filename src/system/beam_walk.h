@@ -781,6 +781,8 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
     bool index_varied = before != NULL;
     beam_unit(&d);
     if (!is_positive(index)) return cut(out, 0, SGT_BOX_UNSOUND, &p);
+    const double given = SLACK * (model_size(&p.x) + model_size(&p.y) + model_size(&p.z));
+    p.x = model_wider(p.x, given), p.y = model_wider(p.y, given), p.z = model_wider(p.z, given);
     if (!(d.z.e < HUGE_VAL)) return cut(out, 0, SGT_BOX_TOO_LARGE, &p);
     for (size_t i = 0; i < lens->elements; i++) {
         const sgt_element *e = &lens->e[i];
