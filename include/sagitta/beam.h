@@ -94,8 +94,8 @@ SGT_API sgt_interval sgt_model_at(const sgt_model *x,
  * The models are those of a ray in exact numbers.  A ray of doubles that is within
  * rounding of it (2^-48 of |o| and |d|) is in the answers, too.
  *
- *     parameters   1 ... SGT_MODEL_PARAMETERS.  Few are cheap: of the time of 8, 4 take a
- *                  third, 2 a sixth */
+ *     parameters   1 ... SGT_MODEL_PARAMETERS.  Few are cheap: of the time of 5 to 8, 3 and
+ *                  4 take a third, 1 and 2 a sixth */
 typedef struct sgt_box_launch {
     int       parameters;
     sgt_model o[3], d[3];
@@ -157,7 +157,8 @@ typedef enum sgt_box_why {
     SGT_BOX_NO_EDGE,     /* a sag without aperture, rim or edge: which root is meant is
                             not certain.  Give it a semi_diameter */
     SGT_BOX_NO_BOUNDS,   /* the surface, or the phase, has no bounds over a box of points:
-                            a level set, a user's without `box` */
+                            a level set, a spindle torus, a user's without `box`; waves
+                            that are not a built-in sag */
     SGT_BOX_UNSOUND      /* sgt_trace would say SGT_INVALID, or the call makes no sense */
 } sgt_box_why;
 
@@ -213,10 +214,12 @@ typedef struct sgt_box_room { double kept[8]; } sgt_box_room;
  *   PASSED    sgt_trace returns SGT_PASSED, and point, direction and path are in p, d, opl
  *   STOPPED   it returns one of `causes` at that element (or SGT_LOST there, if it
  *             cannot tell)
+ * A user's surface is met as its own operations let sgt_trace find roots: what is said is
+ * then of the exact rays, and of those for which it finds the root that there is.
  *
- * HOW FINE.  rest shrinks with the third power of the box, on planes, conics and even
- * aspheres; with the second power where a surface is bounded by its second derivatives
- * only (docs/notes/beam.md has the list, and figures). */
+ * HOW FINE.  rest shrinks with the third power of the box on conics and most departures;
+ * with the second power at formulas, tori and users' surfaces, of which second derivatives
+ * are enclosed; with the first at grids (docs/notes/beam.md has figures). */
 SGT_API sgt_box_verdict sgt_box_trace(const sgt_box_lens *lens,
                                       const sgt_box_launch *launch, sgt_box_room room[],
                                       sgt_box_at at[], sgt_box_end *out);

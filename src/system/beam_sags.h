@@ -4,8 +4,10 @@
  * A departure says how large its second derivative is, and no more.  So P(m + v) is P(m) + grad P(m) . v
  * +- bend |v|^2 / 2, and what is left out is of second order.  Most types are worked out here by their
  * formulas instead, with the gradient beside the value: then it is of third order.  It is so for toroids,
- * biconics, polynomials of x and y, of Chebyshev and of Zernike, odd aspheres, Q_con, even terms, and sums of
- * these.  q_bfs, grids and formulas go by their bends.
+ * biconics, polynomials of x and y, of Chebyshev and of Zernike, odd aspheres, Q_con, Q_bfs, even terms, and
+ * sums of these.  Of a formula the second derivatives are enclosed all over the box, and that one by one:
+ * grad P(m + v) is grad P(m) + H v, off by second order.  A grid goes by its bend, and its gradient by
+ * bend |v|: first order.
  *
  * NUMBERS THAT ARE ROUNDED.  A coefficient of a recurrence is off by a few u of itself: GRAIN of what it is
  * multiplied with is added to the rest. */
@@ -15,6 +17,8 @@
 #include "model.h"
 
 #include "../surface/departure/departure.h"
+#include "../surface/departure/q.h"
+#include "../surface/formula/formula.h"
 
 #define GRAIN 0x1p-48
 
@@ -195,6 +199,27 @@ static jet q_con_jet(const sgt_q_con *s, const jet *x, const jet *y)
     return jet_product(&v2, &sum);
 }
 
+static jet q_bfs_jet(const sgt_q_bfs *s, const jet *x, const jet *y)
+{
+    double b[Q_TERMS], b_err[Q_TERMS];
+    const size_t terms = sgt_q_bfs_basis(s, b, b_err);
+    const jet v = jet_rho(x, y, 1 / s->norm / s->norm), fall = jet_scaled(&v, -4), two = jet_plus(fall, 2);
+    const jet bent2 = jet_rho(x, y, -s->c * s->c), w = jet_plus(bent2, 1), root = jet_root(&w);
+    jet sum = jet_of(0), now = jet_of(1), before = jet_of(0);
+    for (size_t m = 0; m < terms; m++) {
+        jet term = jet_scaled(&now, b[m]);
+        term.v = model_wider(term.v, b_err[m] * (model_size(&now.v) + now.v.e));
+        term.x = model_wider(term.x, b_err[m] * (model_size(&now.x) + now.x.e));
+        term.y = model_wider(term.y, b_err[m] * (model_size(&now.y) + now.y.e));
+        sum = jet_sum(&sum, &term);
+        const jet by = m == 0 ? jet_plus(fall, 3) : two, up = jet_product(&by, &now), less = jet_scaled(&before, -1);
+        before = now, now = jet_sum(&up, &less);
+    }
+    const jet minus = jet_scaled(&v, -1), left = jet_plus(minus, 1), hump = jet_product(&v, &left);
+    const jet all = jet_product(&hump, &sum);
+    return jet_quotient(&all, &root);
+}
+
 /* The index in the list of the first polynomial of order n = m + 2 k (zernike.c). */
 static size_t zernike_index(const sgt_zernike *z, size_t m, size_t k)
 {
@@ -245,6 +270,7 @@ static bool departure_jet(sgt_surface surface, const jet *x, const jet *y, jet *
     else if (surface.ops == &sgt_chebyshev_ops) *out = chebyshev_jet(self, x, y);
     else if (surface.ops == &sgt_zernike_ops) *out = zernike_jet(self, x, y);
     else if (surface.ops == &sgt_q_con_ops) *out = q_con_jet(self, x, y);
+    else if (surface.ops == &sgt_q_bfs_ops) *out = q_bfs_jet(self, x, y);
     else if (surface.ops == &sgt_even_asphere_ops) {
         const jet rho = jet_rho(x, y, 1);
         *out = jet_terms(((const sgt_even_asphere *)self)->a, 8, &rho);
@@ -293,8 +319,32 @@ static double departure_off(sgt_surface surface, const model *x, const model *y)
     return 4 * most;
 }
 
+/* A number that is known to an interval, times a model. */
+static model model_by(sgt_interval k, model x) { return model_product(model_between(k), x); }
+
+/* A formula: F and its gradient at the middle, and its second derivatives all over the box. */
+static bool formula_models(const sgt_tape *tape, const model *x, const model *y, sag_models *out)
+{
+    static const sgt_interval X[3] = {{1, 1}, {0, 0}, {0, 0}}, Y[3] = {{0, 0}, {1, 1}, {0, 0}};
+    const sgt_interval at[3] = {model_range(*x), model_range(*y), {0, 0}},
+                       middle[3] = {{x->c, x->c}, {y->c, y->c}, {0, 0}};
+    const sgt_interval r = sgt_interval_hypotenuse(at[0], at[1]), r0 = sgt_interval_hypotenuse(middle[0], middle[1]);
+    const formula_jet here = sgt_formula_jet(tape, middle, r0, X, Y, false), xx = sgt_formula_jet(tape, at, r, X, X, true),
+                      xy = sgt_formula_jet(tape, at, r, X, Y, true), yy = sgt_formula_jet(tape, at, r, Y, Y, true);
+    const model vx = model_plus(*x, -x->c), vy = model_plus(*y, -y->c);
+    if (sgt_interval_is_empty(here.f) || !xx.whole) return false;
+    const model hx = model_sum(model_by(xx.uv, vx), model_by(xy.uv, vy)), hy = model_sum(model_by(xy.uv, vx), model_by(yy.uv, vy));
+    out->x = model_sum(model_between(here.u), hx), out->y = model_sum(model_between(here.v), hy);
+    const model first = model_sum(model_by(here.u, vx), model_by(here.v, vy)),
+                second = model_scaled(model_sum(model_product(hx, vx), model_product(hy, vy)), 0.5);
+    out->s = model_sum(model_between(here.f), model_sum(first, second));
+    return out->s.e < HUGE_VAL && out->x.e < HUGE_VAL && out->y.e < HUGE_VAL;
+}
+
 static bool departure_one(sgt_surface surface, const model *x, const model *y, sag_models *out)
 {
+    if (in_set(surface).ops == &sgt_formula_sag_ops && !((const sgt_formula_sag *)surface.self)->tape->radial)
+        return formula_models(((const sgt_formula_sag *)surface.self)->tape, x, y, out);
     jet X = {*x, model_of(1), model_of(0)}, Y = {*y, model_of(0), model_of(1)}, P;
     if (!departure_jet(surface, &X, &Y, &P)) return departure_bends(surface, x, y, out);
     out->s = P.v, out->x = P.x, out->y = P.y;

@@ -32,6 +32,7 @@
 #ifndef SGT_SYSTEM_BEAM_WALK_H
 #define SGT_SYSTEM_BEAM_WALK_H
 #include "beam.h"
+#include "beam_bodies.h"
 #include "beam_sags.h"
 #include "model.h"
 #include "phase.h"
@@ -73,13 +74,13 @@ static bool varies(const beam_task *task, size_t element, sgt_box_what what)
 
 /* ---------------------------------------------------------------------- the surfaces */
 
-typedef enum shape_kind { SHAPE_CONIC, SHAPE_EVEN, SHAPE_DEPARTURE, SHAPE_NONE } shape_kind;
+typedef enum shape_kind { SHAPE_CONIC, SHAPE_EVEN, SHAPE_DEPARTURE, SHAPE_BODY, SHAPE_NONE } shape_kind;
 
 /* A surface in models.  k1: 1 + k. */
 typedef struct beam_shape {
     shape_kind kind;
     sgt_surface surface;
-    bool varied;
+    bool varied, body;
     double c0, k0, rim;
     model c, k1, a[EVEN_TERMS];
     const double *even;
@@ -103,6 +104,7 @@ static void shape_of(const beam_task *task, size_t element, beam_shape *s)
             s->of = surface.ops->own_->departure, s->rim = surface.ops->own_->rim(surface.self);
         }
     } else {
+        if (surface.ops && !varies(task, element, SGT_BOX_SURFACE) && has_box(surface, &s->body)) s->kind = SHAPE_BODY;
         return;
     }
     if (is_open(s->rim)) s->rim = HUGE_VAL;
@@ -179,6 +181,7 @@ static bool shape_at(const beam_shape *s, const model3 *p, shape_value *v)
         v->off = SLACK * (model_size(&p->z) + fabs(s->c0) * (model_size(&r2) + model_size(&k1z) * model_size(&p->z)));
         return v->f.e < HUGE_VAL;
     }
+    if (s->kind == SHAPE_BODY) return body_models(s->surface, p, &v->f, &v->n, &v->off);
     sag_models sag;
     if (!sag_models_of(s, &p->x, &p->y, &sag)) return false;
     v->f = model_difference(p->z, sag.s);
@@ -205,6 +208,11 @@ static model3 point_at(const beam_lines *w, model t)
 static double middle_root(const beam_shape *s, const beam_lines *w)
 {
     double t = 0;
+    if (s->kind == SHAPE_BODY) {
+        const sgt_ray middle = {{w->x.c, w->y.c, 0}, {w->d.x.c, w->d.y.c, w->d.z.c}, -HUGE_VAL, HUGE_VAL};
+        const sgt_options near = {.pick = SGT_NEAR_SEED};
+        return sgt_intersect(s->surface, middle, &near).t;
+    }
     for (int i = 0; i < SCALAR_STEPS; i++) {
         const sgt_vec3 d = {w->d.x.c, w->d.y.c, w->d.z.c}, p = {w->x.c + t * d.x, w->y.c + t * d.y, t * d.z};
         sgt_vec3 n;
@@ -400,6 +408,109 @@ static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double ape
     const bool wide = most < 0x1p400 && least < most && sag_only(s, w, most * MORE, &by, &kept[1], &nowhere);
     if (in == OUTSIDE && rim == INSIDE && wide) return ALL_CLIPPED;
     return NOT_MET;
+}
+
+/* Of all lines, in pieces of t: what of `within` may have a root, r <= L, and whether each line has one at most
+ * there.  Pieces are halved as long as there are any left. */
+typedef struct left { sgt_interval t; bool none, only; } left;
+enum { HALVINGS = 8, WAITING = 32 };
+
+/* A formula's surface is within its ball and its box, by all but roundings. */
+static void formula_cut(sgt_surface s, sgt_interval at[3])
+{
+    if (s.ops != &sgt_formula_ops) return;
+    const sgt_formula *f = s.self;
+    const double most = f->ball * (1 + 0x1p-36), lo[3] = {f->lo.x, f->lo.y, f->lo.z}, hi[3] = {f->hi.x, f->hi.y, f->hi.z};
+    bool boxed = false;
+    for (int i = 0; i < 3; i++) boxed = boxed || lo[i] != 0 || hi[i] != 0;
+    for (int i = 0; i < 3; i++) {
+        const double edge = 0x1p-36 * (fabs(lo[i]) + fabs(hi[i]));
+        if (f->ball > 0) at[i] = sgt_interval_intersection(at[i], (sgt_interval){-most, most});
+        if (boxed) at[i] = sgt_interval_intersection(at[i], (sgt_interval){lo[i] - edge, hi[i] + edge});
+    }
+}
+
+static left body_left(const beam_shape *s, const beam_lines *w, double L, sgt_interval within)
+{
+    const sgt_interval x0 = model_range(w->x), y0 = model_range(w->y),
+                       d[3] = {model_range(w->d.x), model_range(w->d.y), model_range(w->d.z)}, across = {-L, L};
+    struct { sgt_interval t; int depth; } stack[WAITING];
+    int height = 0;
+    left out = {sgt_interval_empty(), false, false};
+    sgt_interval at[3], f, g[3], h[6];
+    const double far = 0x1p4 * (sgt_interval_greatest(x0) + sgt_interval_greatest(y0) + (L < HUGE_VAL ? L : 0) + 1);
+    const double cuts[] = {within.lo, -0x1p10 * far, -far, 0, far, 0x1p10 * far, within.hi};
+    for (size_t i = 0; i + 1 < sizeof cuts / sizeof *cuts; i++) {
+        const sgt_interval t = sgt_interval_intersection(within, (sgt_interval){i == 0 ? within.lo : cuts[i], i == 5 ? within.hi : cuts[i + 1]});
+        if (t.lo < t.hi) stack[height].t = t, stack[height++].depth = 0;
+    }
+    while (height > 0) {
+        const sgt_interval t = stack[--height].t;
+        const int depth = stack[height].depth;
+        at[0] = sgt_interval_intersection(added(x0, sgt_interval_product(t, d[0])), across);
+        at[1] = sgt_interval_intersection(added(y0, sgt_interval_product(t, d[1])), across);
+        at[2] = sgt_interval_product(t, d[2]);
+        formula_cut(s->surface, at);
+        if (sgt_interval_is_empty(at[0]) || sgt_interval_is_empty(at[1]) || sgt_interval_is_empty(at[2])) continue;
+        box_over(s->surface, at, &f, g, h);
+        if (!(sgt_interval_width(t) < HUGE_VAL) && s->surface.ops == &sgt_quadric_ops) {
+            const sgt_interval o[3] = {x0, y0, {0, 0}};
+            f = quadric_far(s->surface.self, o, d, sgt_interval_quotient((sgt_interval){1, 1}, t));
+        }
+        if (!sgt_interval_has(f, 0)) continue;
+        const double m = sgt_interval_middle(t);
+        if (depth == HALVINGS || height + 2 > WAITING || !(sgt_interval_width(t) < HUGE_VAL)) {
+            out.t = sgt_interval_hull(out.t, t);
+            continue;
+        }
+        stack[height].t = (sgt_interval){t.lo, m}, stack[height++].depth = depth + 1;
+        stack[height].t = (sgt_interval){m, t.hi}, stack[height++].depth = depth + 1;
+    }
+    out.none = sgt_interval_is_empty(out.t);
+    if (out.none || !(sgt_interval_width(out.t) < HUGE_VAL)) return out;
+    at[0] = added(x0, sgt_interval_product(out.t, d[0])), at[1] = added(y0, sgt_interval_product(out.t, d[1]));
+    at[2] = sgt_interval_product(out.t, d[2]);
+    if (!box_over(s->surface, at, &f, g, h)) return out;
+    sgt_interval slope = sgt_interval_product(g[0], d[0]);
+    slope = added(slope, added(sgt_interval_product(g[1], d[1]), sgt_interval_product(g[2], d[2])));
+    out.only = sgt_interval_is_positive(slope) || sgt_interval_is_negative(slope);
+    return out;
+}
+
+/* Is the point within ball and box of a formula, by a margin? */
+static bool formula_has(const beam_shape *s, const beam_hit *m)
+{
+    if (s->surface.ops != &sgt_formula_ops) return true;
+    const sgt_formula *f = s->surface.self;
+    const model r2 = model_sum(model_square(m->p.x), model_sum(model_square(m->p.y), model_square(m->p.z)));
+    if (f->ball > 0 && !model_below(r2, f->ball * f->ball * EDGE_IN)) return false;
+    const double lo[3] = {f->lo.x, f->lo.y, f->lo.z}, hi[3] = {f->hi.x, f->hi.y, f->hi.z};
+    const model *const p[3] = {&m->p.x, &m->p.y, &m->p.z};
+    if (lo[0] == 0 && lo[1] == 0 && lo[2] == 0 && hi[0] == 0 && hi[1] == 0 && hi[2] == 0) return true;
+    for (int i = 0; i < 3; i++) {
+        const double edge = 0x1p-38 * (fabs(lo[i]) + fabs(hi[i]));
+        if (!model_above(*p[i], lo[i] + edge) || !model_below(*p[i], hi[i] - edge)) return false;
+    }
+    return true;
+}
+
+/* A body is met where its first crossing is inside the aperture, or its only one inside. */
+static fate_of_box meet_body(const beam_shape *s, const beam_lines *w, double aperture, double more, beam_hit *m)
+{
+    const double L = aperture * (1 + 0x1p-36);
+    const bool met = beam_meet(s, w, more, m) && formula_has(s, m);
+    const side in = met ? side_of(model_range(model_sum(model_square(m->p.x), model_square(m->p.y))), aperture) : EITHER;
+    if (met && in == EITHER) return MAY_BE_BOTH;
+    if (met && in == INSIDE && s->body) {
+        const left before = body_left(s, w, HUGE_VAL, (sgt_interval){-HUGE_VAL, model_range(m->t).hi});
+        if (before.only) return ALL_IN;
+    }
+    const left within = body_left(s, w, L, sgt_interval_all());
+    if (met && in == INSIDE) return within.only ? ALL_IN : NOT_MET;
+    const left all = aperture < HUGE_VAL ? body_left(s, w, HUGE_VAL, sgt_interval_all()) : within;
+    if (all.none) return ALL_MISS;
+    if (met && in == OUTSIDE && (all.only || within.none)) return ALL_CLIPPED;
+    return within.none ? ALL_CLIPPED_OR_MISS : NOT_MET;
 }
 
 /* --------------------------------------------------------------------------- bending */
@@ -670,6 +781,8 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
     bool index_varied = before != NULL;
     beam_unit(&d);
     if (!is_positive(index)) return cut(out, 0, SGT_BOX_UNSOUND, &p);
+    const double given = SLACK * (model_size(&p.x) + model_size(&p.y) + model_size(&p.z));
+    p.x = model_wider(p.x, given), p.y = model_wider(p.y, given), p.z = model_wider(p.z, given);
     if (!(d.z.e < HUGE_VAL)) return cut(out, 0, SGT_BOX_TOO_LARGE, &p);
     for (size_t i = 0; i < lens->elements; i++) {
         const sgt_element *e = &lens->e[i];
@@ -697,7 +810,9 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         sag_kept kept[2] = {{.known = false}, {.known = false}};
         if (task->room) memcpy(kept, &task->room[i], sizeof kept);
         const bool conic = s.kind == SHAPE_CONIC;
-        const fate_of_box fate = conic ? meet_conic(&s, &w, aperture, tolerance, &m) : meet_sag(&s, &w, aperture, tolerance, kept, &m);
+        const fate_of_box fate = conic                  ? meet_conic(&s, &w, aperture, tolerance, &m)
+                               : s.kind == SHAPE_BODY ? meet_body(&s, &w, aperture, tolerance, &m)
+                                                      : meet_sag(&s, &w, aperture, tolerance, kept, &m);
         if (task->room) memcpy(&task->room[i], kept, sizeof kept);
         switch (fate) {
         case ALL_IN: break;

@@ -8,6 +8,7 @@
 #include "unit.h"
 
 #include <sagitta/beam.h>
+#include <sagitta/formula.h>
 #include <sagitta/surfaces.h>
 
 enum { MOST = 7, POLYGON = 5 };
@@ -26,6 +27,12 @@ typedef struct room {
     sgt_q_bfs q_bfs;
     sgt_grid grid;
     sgt_sum sum;
+    sgt_quadric quadric;
+    sgt_ellipsoid ellipsoid;
+    sgt_torus torus;
+    sgt_formula formula;
+    sgt_formula_sag formula_sag;
+    double tape[2000];
     sgt_surface terms[2];
     double a[16], b[36];
     sgt_phase phase;
@@ -43,7 +50,38 @@ static generator drawn;
 
 static double about(double size) { return uniform(&drawn, -size, size); }
 
-enum { CONIC, EVEN, TOROIDAL, BICONIC, ZERNIKE, XY, ODD, CHEBYSHEV, Q_CON, Q_BFS, GRID, SUM, TYPES };
+enum { CONIC, EVEN, TOROIDAL, BICONIC, ZERNIKE, XY, ODD, CHEBYSHEV, Q_CON, Q_BFS, GRID, SUM, FORMULA_SAG, QUADRIC, ELLIPSOID, TORUS, FORMULA, USERS, TYPES };
+
+/* A user's surface, F = z - a x^2 - b y^2 - c x y z, with `box`. */
+static double users_value(const void *self, sgt_vec3 p, sgt_vec3 *n)
+{
+    const double *a = self;
+    if (n) *n = (sgt_vec3){-2 * a[0] * p.x - a[2] * p.y * p.z, -2 * a[1] * p.y - a[2] * p.x * p.z, 1 - a[2] * p.x * p.y};
+    return p.z - a[0] * p.x * p.x - a[1] * p.y * p.y - a[2] * p.x * p.y * p.z;
+}
+
+static bool users_box(const void *self, const sgt_interval p[3], sgt_interval *f, sgt_interval g[3], sgt_interval h[6])
+{
+    const double *a = self;
+    const sgt_interval xy = sgt_interval_product(p[0], p[1]), yz = sgt_interval_product(p[1], p[2]), xz = sgt_interval_product(p[0], p[2]);
+    const sgt_interval r = sgt_interval_sum(sgt_interval_scaled(sgt_interval_square(p[0]), a[0]), sgt_interval_scaled(sgt_interval_square(p[1]), a[1]));
+    *f = sgt_interval_difference(p[2], sgt_interval_sum(r, sgt_interval_scaled(sgt_interval_product(xy, p[2]), a[2])));
+    g[0] = sgt_interval_negative(sgt_interval_sum(sgt_interval_scaled(p[0], 2 * a[0]), sgt_interval_scaled(yz, a[2])));
+    g[1] = sgt_interval_negative(sgt_interval_sum(sgt_interval_scaled(p[1], 2 * a[1]), sgt_interval_scaled(xz, a[2])));
+    g[2] = sgt_interval_difference(sgt_interval_of(1), sgt_interval_scaled(xy, a[2]));
+    h[0] = sgt_interval_of(-2 * a[0]), h[1] = sgt_interval_scaled(p[2], -a[2]), h[2] = sgt_interval_scaled(p[1], -a[2]);
+    h[3] = sgt_interval_of(-2 * a[1]), h[4] = sgt_interval_scaled(p[0], -a[2]), h[5] = sgt_interval_of(0);
+    return true;
+}
+
+static sgt_span users_span(const void *self, const sgt_ray *ray)
+{
+    (void)self;
+    const double t = -ray->o.z / ray->d.z, far = 20 / fabs(ray->d.z);
+    return (sgt_span){.lo = t - far, .hi = t + far, .seed = t};
+}
+
+static const sgt_surface_ops users_ops = {.size = sizeof users_ops, .name = "users", .value = users_value, .span = users_span, .box = users_box};
 
 /* A surface of a type.  strong: how bent it is; wide: its rim, 0 for none. */
 static sgt_surface surface_of(int type, room *of, double strong, double wide)
@@ -91,6 +129,28 @@ static sgt_surface surface_of(int type, room *of, double strong, double wide)
         of->terms[0] = surface_of(TOROIDAL, of, strong, wide), of->terms[1] = surface_of(Q_CON, of, strong, wide);
         of->sum = (sgt_sum){.c = c, .k = k, .semi_diameter = wide, .terms = of->terms, .count = 2};
         return (sgt_surface){&sgt_sum_ops, &of->sum};
+    case FORMULA_SAG:
+    case FORMULA: {
+        const sgt_named names[] = {{"c", c}, {"a", about(0.01)}, {"b", about(0.001)}};
+        const bool sag = type == FORMULA_SAG;
+        const char *text = sag ? "c*(x^2+y^2)/2 + a*sin(x+y/2) + b*x*y^2" : "z - c*(x^2+y^2+z^2)/2 - a*cos(x-y) - b*x*y*z";
+        sgt_tape *tape = sgt_formula_read(text, sag ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, 3, names, of->tape, sizeof of->tape, NULL);
+        assert_non_null(tape);
+        of->formula = (sgt_formula){.tape = tape, .ball = wide > 0 ? wide + 3 : 0}, of->formula_sag = (sgt_formula_sag){.tape = tape, .semi_diameter = wide};
+        return sag ? (sgt_surface){&sgt_formula_sag_ops, &of->formula_sag} : (sgt_surface){&sgt_formula_ops, &of->formula};
+    }
+    case QUADRIC:
+        of->quadric = (sgt_quadric){.squares = {c / 2 + 0.02, c / 2 + 0.03, 0.02}, .products = {about(0.01), about(0.01), 0}, .linear = {0, about(0.1), -1}};
+        return (sgt_surface){&sgt_quadric_ops, &of->quadric};
+    case ELLIPSOID:
+        of->ellipsoid = (sgt_ellipsoid){.a = uniform(&drawn, 4, 15), .f = about(0.3)};
+        return (sgt_surface){&sgt_ellipsoid_ops, &of->ellipsoid};
+    case TORUS:
+        of->torus = (sgt_torus){.major = uniform(&drawn, 3, 8), .minor = uniform(&drawn, 0.5, 3)};
+        return (sgt_surface){&sgt_torus_ops, &of->torus};
+    case USERS:
+        of->a[0] = c, of->a[1] = about(0.05), of->a[2] = about(0.01);
+        return (sgt_surface){&users_ops, of->a};
     default:
         of->conic = (sgt_conic){.c = c, .k = k, .semi_diameter = wide};
         return (sgt_surface){&sgt_conic_ops, &of->conic};
@@ -394,14 +454,15 @@ static sgt_box_verdict rest_of(lens *l, double wide, double *point, double *path
     return v;
 }
 
-/* A box half as wide leaves out an eighth of it, or a quarter where a type is known by its bend only. */
+/* A box half as wide leaves out an eighth of it, or half of it where a type is known by its bend only. */
 static void rest_shrinks(void **unused)
 {
     (void)unused;
     drawn = seeded("beam order");
     for (int type = 0; type < TYPES; type++) {
         static lens l;
-        const double least = type == Q_BFS || type == GRID ? 3.4 : 7;
+        if (type == TORUS || type == ELLIPSOID) continue; /* no vertex to put a lens about; the rays of the others are */
+        const double least = type == GRID ? 1.7 : type == FORMULA_SAG || type == FORMULA || type == USERS ? 3.4 : 7;
         double before = 0, path_before = 0;
         memset(&l, 0, sizeof l);
         l.n = 3;
