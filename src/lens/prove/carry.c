@@ -263,14 +263,17 @@ static double degrees_above(sgt_interval cosine)
     return sgt_product_above(sgt_interval_arc_cosine((sgt_interval){cosine.lo, cosine.lo}).hi, DEGREES);
 }
 
-static void bound_elements(const prove_cell *c, const sgt_box_at at[], double bound[])
+/* Of the first so many elements, met as `used` has them: those of the lens, or of the wider one. */
+static void bound_elements(const prove_cell *c, size_t count, const sgt_element *used, const sgt_box_at at[],
+                           double bound[])
 {
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < count; i++) {
         const sgt_element *e = &c->e[i];
         const bool round = e->semi_diameter > 0 && e->semi_diameter < 0x1p500;
         const bool items = e->aperture && e->aperture->count > 0;
         double high = sgt_interval_hypotenuse(at[i].x, at[i].y).hi, inside = HUGE_VAL;
-        if (round) { /* (the wider one's margin is not that of the lens) */
+        if (round) {
+            high = fmin(high, (used[i].semi_diameter - at[i].margin.lo) * (1 + 0x1p-48));
             high = fmin(high, e->semi_diameter * (1 + 0x1p-40));
             inside = fmax(e->semi_diameter - high - 0x1p-50 * e->semi_diameter, 0);
         }
@@ -282,7 +285,7 @@ static void bound_elements(const prove_cell *c, const sgt_box_at at[], double bo
 }
 
 /* What holds of any ray that passes. */
-static void bound_nothing(const prove_cell *c, prove_box *box, double bound[])
+static void bound_nothing(const prove_cell *c, const sgt_box_at at[], prove_box *box, double bound[])
 {
     const double size = c->e[c->count - 1].semi_diameter, err = c->reference_err;
     const double x = fabs(c->reference.x), y = fabs(c->reference.y);
@@ -303,6 +306,7 @@ static void bound_nothing(const prove_cell *c, prove_box *box, double bound[])
         bound[prove_at_element(i, Q_INSIDE)] = round || items ? 0 : -HUGE_VAL;
         bound[prove_at_element(i, Q_HEIGHT)] = round ? e->semi_diameter * (1 + 0x1p-40) : HUGE_VAL;
     }
+    bound_elements(c, box->element, c->e, at, bound); /* in front of where it is in doubt */
 }
 
 static sgt_interval square_range(const sgt_model *m, const sgt_model *squared)
@@ -496,7 +500,7 @@ void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[
     box->fate = SGT_LOST, box->element = end->element, box->hopeless = false, box->divide = -1;
     if (verdict == SGT_BOX_PASSED) {
         box->fate = SGT_PASSED, box->element = 0;
-        bound_ends(c, r, &w, box, bound), bound_elements(c, r->at, bound);
+        bound_ends(c, r, &w, box, bound), bound_elements(c, c->count, c->e, r->at, bound);
         return;
     }
     if (verdict == SGT_BOX_STOPPED && ended_by(end) != SGT_LOST) {
@@ -508,11 +512,11 @@ void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[
     if (!box->hopeless && (end->why == SGT_BOX_AT_EDGE || end->why == SGT_BOX_AT_BENDING ||
                            end->why == SGT_BOX_AT_SURFACE))
         box->divide = across_edge(c, r, box, box->divide);
-    bound_nothing(c, box, bound);
+    bound_nothing(c, r->at, box, bound);
     if (box->hopeless || end->why != SGT_BOX_AT_EDGE) return;
     if (carried(c, r, r->wide, r->kept_wide, &launch, &w) != SGT_BOX_PASSED || !same_roots(c, r, &launch)) return;
     box->bounded = true;
-    bound_ends(c, r, &w, box, bound), bound_elements(c, r->at, bound);
+    bound_ends(c, r, &w, box, bound), bound_elements(c, c->count, r->wide, r->at, bound);
 }
 
 /* -------------------------------------------------------------------------- one ray */
