@@ -19,7 +19,8 @@
  *     sgt_study_run(study, sgt_analysis_named("prove_limits"), &options, &sink, NULL,
  *                   &error);
  *
- * WHICH RAYS.  Those through the points of the unit disc of the pupil that sgt_study sends
+ * WHICH RAYS.  Those through the points of the unit disc of the pupil that sgt_study
+ * sends
  * rays through if it does not aim: the paraxial entrance pupil, or the cone of a
  * telecentric object, with the vignetting of the field.  A lens that aims at its stop has
  * other points: a remark says so.
@@ -98,10 +99,10 @@ typedef struct sgt_prove_region_row {
 } sgt_prove_region_row;
 
 typedef enum sgt_limit_verdict {
-    SGT_LIMIT_PROVEN = 1,                  /* it holds for every ray that passes */
-    SGT_LIMIT_BROKEN = 0,                  /* px, py is a ray that passes and breaks it; of a
-                                        mean or a share: it is certainly beyond */
-    SGT_LIMIT_UNDECIDED = -1       /* the budget was spent, or rounding forbids it */
+    SGT_LIMIT_PROVEN = 1,     /* it holds for every ray that passes */
+    SGT_LIMIT_BROKEN = 0,     /* px, py is a ray that passes and breaks it; of a mean or a
+                                 share: it is certainly beyond */
+    SGT_LIMIT_UNDECIDED = -1  /* the budget was spent, or rounding forbids it */
 } sgt_limit_verdict;
 
 /* "proven", "broken" or "undecided". */

@@ -11,8 +11,10 @@
  *   3. then boxes that pass, by what they leave open of a mean, while an rms is not known to RMS_CLOSE.
  * If limits are asked for, those boxes instead that may break one which is not broken as yet.
  *
- * ROUNDS.  Of the boxes to be halved the foremost ones are halved at once, in any threads: ROUND_LEAST of them,
- * or the ROUND_PART-th part of all boxes.  How many there are depends on nothing else.  So neither does any bit.
+ * ROUNDS.  Of the boxes to be halved the foremost ones are halved at once, in any threads: ROUND_LEAST of
+ * them,
+ * or the ROUND_PART-th part of all boxes.  How many there are depends on nothing else.  So neither does any
+ * bit.
  *
  * RAYS are traced beside the boxes, through the middle of each and the corners of those in doubt: the largest
  * values among them say how close a bound is, and they break limits.
@@ -36,7 +38,7 @@ static const double CLOSE = 0.01, RMS_CLOSE = 1e-4, UNBOUNDED = 1e-3;
 
 /* ----------------------------------------------------------------------- memory */
 
-static void *grow(const prove_asked *a, void *room, size_t count, size_t size)
+static void *grown(const prove_asked *a, void *room, size_t count, size_t size)
 {
     const sgt_allocator *by = &a->cell->from->allocator;
     if (count > SIZE_MAX / 4 / size) return NULL;
@@ -47,9 +49,9 @@ static bool make_room(proof *p, size_t count)
 {
     if (count <= p->room) return true;
     const size_t room = 2 * count + 64;
-    prove_box *box = grow(p->asked, p->box, room, sizeof *box);
+    prove_box *box = grown(p->asked, p->box, room, sizeof *box);
     if (box) p->box = box;
-    double *bound = box ? grow(p->asked, p->bound, room, p->quantities * sizeof *bound) : NULL;
+    double *bound = box ? grown(p->asked, p->bound, room, p->quantities * sizeof *bound) : NULL;
     if (bound) p->bound = bound, p->room = room;
     return bound;
 }
@@ -221,7 +223,8 @@ static void sum_up(proof *p)
         const double share = sgt_sector_area(&b->of);
         *(b->fate == SGT_PASSED ? &p->passes : b->fate == SGT_LOST ? &p->undecided : &p->stops) += share;
         for (size_t q = 0; q < p->quantities && may_pass(b); q++)
-            if (!(p->bound[i * p->quantities + q] <= p->most[q])) p->most[q] = p->bound[i * p->quantities + q];
+            if (!(p->bound[i * p->quantities + q] <= p->most[q]))
+                p->most[q] = p->bound[i * p->quantities + q];
     }
 }
 
@@ -338,7 +341,7 @@ static int by_score(const void *a, const void *b)
 }
 
 /* Which way, of a box that can be halved; false: it cannot. */
-static bool way_of(const prove_box *b, bool *in_angle)
+static bool halving_of(const prove_box *b, bool *in_angle)
 {
     const bool radius = sgt_sector_can_halve(&b->of, false), angle = sgt_sector_can_halve(&b->of, true);
     if (b->hopeless || (!radius && !angle)) return false;
@@ -353,7 +356,7 @@ static bool way_of(const prove_box *b, bool *in_angle)
 }
 
 /* What is wanted of each quantity: a bound at most that. */
-static void set_wanted(const proof *p, double wanted[])
+static void bounds_wanted(const proof *p, double wanted[])
 {
     const prove_asked *a = p->asked;
     const prove_cell *c = a->cell;
@@ -413,7 +416,7 @@ static size_t undecided_boxes(const proof *p, candidate out[])
     size_t n = 0;
     bool in_angle;
     for (size_t i = 0; i < p->count; i++)
-        if (p->box[i].fate == SGT_LOST && way_of(&p->box[i], &in_angle))
+        if (p->box[i].fate == SGT_LOST && halving_of(&p->box[i], &in_angle))
             out[n++] = (candidate){sgt_sector_area(&p->box[i].of), i};
     return n;
 }
@@ -426,15 +429,17 @@ static size_t wide_boxes(const proof *p, const double wanted[], candidate out[])
         const prove_box *b = &p->box[i];
         const double share = sgt_sector_area(&b->of);
         double score = 0;
-        if (!may_pass(b) || !way_of(b, &in_angle)) continue;
+        if (!may_pass(b) || !halving_of(b, &in_angle)) continue;
         for (size_t q = 0; q < p->quantities; q++) {
             const double bound = p->bound[i * p->quantities + q], over = bound - wanted[q];
             if (!(bound > wanted[q])) continue;
             const double unit = fabs(p->seen[q].value) + 0x1p-100;
-            score = fmax(score, isfinite(over) && (b->fate == SGT_PASSED || b->bounded) ? over / unit : share);
+            score = fmax(score, isfinite(over) && (b->fate == SGT_PASSED || b->bounded) ? over / unit
+                    : share);
         }
         /* of some nothing may ever be known, as at the edge of total reflection */
-        if (b->fate == SGT_LOST && !b->bounded && !p->asked->limits && share < UNBOUNDED * p->asked->undecided)
+        if (b->fate == SGT_LOST && !b->bounded && !p->asked->limits
+                && share < UNBOUNDED * p->asked->undecided)
             continue;
         if (score > 0) out[n++] = (candidate){score, i};
     }
@@ -465,7 +470,7 @@ static size_t open_boxes(const proof *p, bool f_wanted, bool w_wanted, candidate
     if (!f_wanted && !w_wanted) return 0;
     for (size_t i = 0; i < p->count; i++) {
         const prove_box *b = &p->box[i];
-        if (b->fate != SGT_PASSED || !way_of(b, &in_angle)) continue;
+        if (b->fate != SGT_PASSED || !halving_of(b, &in_angle)) continue;
         const double score = fmax(f_wanted ? width_of(b->f_sum) / goal_f : 0,
                                   w_wanted ? width_of(b->ww_sum) / goal_w : 0);
         if (score > 0) out[n++] = (candidate){score, i};
@@ -474,13 +479,13 @@ static size_t open_boxes(const proof *p, bool f_wanted, bool w_wanted, candidate
 }
 
 /* How many boxes are halved at once. */
-static size_t round_of(const proof *p)
+static size_t round_size(const proof *p)
 {
     const size_t part = p->count / ROUND_PART;
     return part < ROUND_LEAST ? ROUND_LEAST : part > ROUND_MOST ? ROUND_MOST : part;
 }
 
-static bool is_open(const proof *p, sgt_prove_quantity of)
+static bool limit_open(const proof *p, sgt_prove_quantity of)
 {
     for (size_t k = 0; k < p->asked->limits; k++)
         if (p->asked->limit[k].quantity == of &&
@@ -499,11 +504,12 @@ static size_t choose(proof *p, double wanted[], candidate out[], bool *needed)
             break;
         }
     }
-    const bool limits = p->asked->limits, rms = is_open(p, SGT_PROVE_RMS),
-               front = is_open(p, SGT_PROVE_OPD_RMS), area = rms || front || is_open(p, SGT_PROVE_PASSES);
+    const bool limits = p->asked->limits, rms = limit_open(p, SGT_PROVE_RMS),
+               front = limit_open(p, SGT_PROVE_OPD_RMS), area = rms || front || limit_open(p,
+                       SGT_PROVE_PASSES);
     size_t n = unfit_boxes(p, out);
     if ((*needed = n > 0)) return n;
-    set_wanted(p, wanted);
+    bounds_wanted(p, wanted);
     if (limits ? area : p->undecided > p->asked->undecided) n = undecided_boxes(p, out);
     const size_t of_area = n;
     qsort(out, of_area, sizeof *out, by_score);
@@ -515,7 +521,7 @@ static size_t choose(proof *p, double wanted[], candidate out[], bool *needed)
     }
     qsort(out + of_area, n - of_area, sizeof *out, by_score);
     /* most of the round for the area, if it needs so many */
-    const size_t round = round_of(p), area_first = round - round / AREA_PARTS;
+    const size_t round = round_size(p), area_first = round - round / AREA_PARTS;
     for (size_t k = area_first; k < round && k < of_area && of_area + k - area_first < n; k++) {
         const candidate other = out[of_area + k - area_first];
         out[of_area + k - area_first] = out[k], out[k] = other;
@@ -535,7 +541,7 @@ static bool halve(proof *p, one_round *r, const candidate chosen[], size_t count
         const size_t i = chosen[k].box;
         sector two[2];
         bool in_angle;
-        if (!way_of(&p->box[i], &in_angle)) continue;
+        if (!halving_of(&p->box[i], &in_angle)) continue;
         sgt_sector_halve(&p->box[i].of, in_angle, two);
         r->half[tasks++].box = (prove_box){.of = two[0]};
         r->half[tasks++].box = (prove_box){.of = two[1]};
@@ -565,7 +571,7 @@ static bool branch(proof *p, one_round *r, double wanted[])
     bool fine = true;
     while (fine) {
         if (room < 2 * p->count + 2) {
-            candidate *more = grow(p->asked, chosen, 4 * p->count + 64, sizeof *more);
+            candidate *more = grown(p->asked, chosen, 4 * p->count + 64, sizeof *more);
             if (!more) { fine = false; break; }
             chosen = more, room = 4 * p->count + 64;
         }
@@ -574,7 +580,7 @@ static bool branch(proof *p, one_round *r, double wanted[])
         if (n == 0) break;
         if (!needed && p->carried >= p->asked->boxes) { p->spent = true; break; }
         /* a box may be chosen for two reasons */
-        const size_t most = round_of(p);
+        const size_t most = round_size(p);
         size_t count = 0;
         for (size_t k = 0; k < n && count < most; k++) {
             bool there = false;

@@ -8,8 +8,10 @@
  *
  *     OPD = L - L0 + n (h^2 / (R + sqrt(R^2 - h^2)) - b),   b = v . d,   h^2 = |v - b d|^2,   v = p - c.
  *
- * The point p may be any of the ray: it is that in front of the last element (p, L), where rests have not been
- * carried all the way to the image.  There b is about -V, V = |v|, and a product v . d would have the rest of d
+ * The point p may be any of the ray: it is that in front of the last element (p, L), where rests have not
+ * been
+ * carried all the way to the image.  There b is about -V, V = |v|, and a product v . d would have the rest of
+ * d
  * V times.  But d is of unit length, and so is e = -+v / V, the direction to or from c; so with q = d - e,
  * which is small as the ray nearly goes through c,
  *
@@ -19,19 +21,23 @@
  * by number; what is left is of the size of the aberrations, and the rests.
  *
  * OF A BOX THAT IS CUT at the edge of an aperture, some rays pass and some do not.  It is carried once more
- * through a lens whose apertures are wider (WIDER) and have no items.  If all its rays pass that, the bounds
+ * through a lens whose apertures are wider (WIDER_EDGES) and have no items.  If all its rays pass that, the
+ * bounds
  * hold for those that pass the lens itself, for these go the same way: each meets each surface inside the
  * clear aperture a, at a root that is the only one inside the wider one.  (beam.h has that of all sags but
- * conics.  Of these it takes the near root, whatever the other is; but sgt_trace takes the other one, if that is
+ * conics.  Of these it takes the near root, whatever the other is; but sgt_trace takes the other one, if that
+ * is
  * inside a and the near one is not.  Let the near roots have r <= R.  On a chord of the cylinder r <= R the
- * slope of F = z - s is n - grad s . (l, m).  If |n| > S |(l, m)|, S the largest slope of s there, F is monotone,
- * and there is one root at most.)  Otherwise all that is known of it is that rays which pass end inside the clear
+ * slope of F = z - s is n - grad s . (l, m).  If |n| > S |(l, m)|, S the largest slope of s there, F is
+ * monotone,
+ * and there is one root at most.)  Otherwise all that is known of it is that rays which pass end inside the
+ * clear
  * aperture of the last element, and meet each element inside its own. */
 #include "carry.h"
 
 #include <sagitta/surfaces.h>
 
-static const double WIDER = 1.0625;
+static const double WIDER_EDGES = 1.0625;
 
 /* All rays of a box: those of beam.h, and p, d and opl in front of the last element, in its frame. */
 typedef struct ends { sgt_box_end end; sgt_model p[3], d[3], opl; } ends;
@@ -62,7 +68,7 @@ carry_room *sgt_carry_room_new(const prove_cell *of)
     for (size_t i = 0; i < 2 * n; i++) r->kept[i] = (sgt_box_room){{0}};
     for (size_t i = 0; i < n; i++) {
         r->wide[i] = of->e[i], r->wide[i].aperture = NULL;
-        r->wide[i].semi_diameter *= WIDER;
+        r->wide[i].semi_diameter *= WIDER_EDGES;
     }
     double index = of->before == 0 ? 1 : of->before;
     for (size_t i = 0; i + 1 < n; i++)
@@ -138,7 +144,8 @@ static sgt_box_launch launch_of(const sgt_field_beam *b, const sector *of)
 static sgt_model dot_model(const sgt_model a[3], const sgt_model b[3])
 {
     sgt_model sum = sgt_model_of(0), product;
-    for (int k = 0; k < 3; k++) sgt_model_product(&a[k], &b[k], &product), sgt_model_sum(&sum, &product, &sum);
+    for (int k = 0; k < 3; k++) sgt_model_product(&a[k], &b[k], &product), sgt_model_sum(&sum, &product,
+            &sum);
     return sum;
 }
 
@@ -150,9 +157,10 @@ static sgt_model dot_fixed(const sgt_model a[3], sgt_vec3 b)
     return sum;
 }
 
-static void widen(sgt_model *m, double by) { m->rest = sgt_sum_above(m->rest, by); }
+static void rest_more(sgt_model *m, double by) { m->rest = sgt_sum_above(m->rest, by); }
 
-/* The arc tangent of a small model, times 1000: q - q^3 atan's own rest, |atan q - q + q^3 / 3| <= |q|^5 / 5. */
+/* The arc tangent of a small model, times 1000: q - q^3 atan's own rest, |atan q - q + q^3 / 3| <= |q|^5 / 5.
+ * */
 static sgt_model milli_angle(const sgt_model *q)
 {
     const double most = sgt_interval_greatest(sgt_model_range(q)), square = sgt_product_above(most, most);
@@ -163,7 +171,7 @@ static sgt_model milli_angle(const sgt_model *q)
     } else {
         sgt_model_product(q, q, &cube), sgt_model_product(&cube, q, &cube);
         out = plus_scaled(&cube, -1.0 / 3, q);
-        widen(&out, sgt_product_above(sgt_product_above(square, square), most) / 5 * (1 + 0x1p-50) +
+        rest_more(&out, sgt_product_above(sgt_product_above(square, square), most) / 5 * (1 + 0x1p-50) +
                         sgt_product_above(square, most) * 0x1p-52);
     }
     sgt_model_scaled(&out, 1e3, &out);
@@ -188,7 +196,7 @@ static void errors_of(const prove_cell *c, const sgt_box_end *end, sgt_model *ex
     sgt_model along_x = dot_fixed(off, x), along_y = dot_fixed(off, y);
     sgt_model_product(&along_x, &by, ex), sgt_model_product(&along_y, &by, ey);
     *ex = milli_angle(ex), *ey = milli_angle(ey);
-    widen(ex, 0x1p-40), widen(ey, 0x1p-40); /* x and y are unit vectors to rounding */
+    rest_more(ex, 0x1p-40), rest_more(ey, 0x1p-40); /* x and y are unit vectors to rounding */
 }
 
 /* d . e less 1, of the unit vectors d and e: -q^2 / 2, q = d - e; *square: q^2. */
@@ -234,9 +242,10 @@ static sgt_model difference_of(const prove_cell *c, const ends *w)
     sgt_model_plus(&path, -of->opl, &path);
     if (of->kind == SGT_REFERENCE_PLANE) { /* v . d0 / d . d0 */
         const sgt_model above = dot_fixed(v, of->along),
-                        fixed[3] = {sgt_model_of(of->along.x), sgt_model_of(of->along.y), sgt_model_of(of->along.z)};
+                        fixed[3] = {sgt_model_of(of->along.x), sgt_model_of(of->along.y),
+                                sgt_model_of(of->along.z)};
         sgt_model square, below = less_than_one(w->d, fixed, &square);
-        widen(&below, 0x1p-50); /* the length of d0 is 1 to rounding */
+        rest_more(&below, 0x1p-50); /* the length of d0 is 1 to rounding */
         sgt_model_plus(&below, 1, &below), sgt_model_inverse(&below, &below);
         sgt_model_product(&above, &below, &add), sgt_model_scaled(&add, -n, &add);
     } else {
@@ -244,7 +253,7 @@ static sgt_model difference_of(const prove_cell *c, const ends *w)
         sgt_model_scaled(&b, -n, &add);
         if (of->kind == SGT_REFERENCE_SPHERE) {
             sgt_model root = line(&h2, -1, R * R);
-            widen(&root, 0x1p-52 * R * R); /* R * R rounds */
+            rest_more(&root, 0x1p-52 * R * R); /* R * R rounds */
             sgt_model_root(&root, &root), sgt_model_scaled(&root, copysign(1, R), &root);
             sgt_model_plus(&root, R, &root), sgt_model_inverse(&root, &root);
             sgt_model_product(&h2, &root, &h2);
@@ -253,7 +262,7 @@ static sgt_model difference_of(const prove_cell *c, const ends *w)
     }
     sgt_model_sum(&path, &add, &path);
     sgt_model_scaled(&path, c->waves, &path);
-    widen(&path, c->waves * (of->opl_err + 4 * n * of->p_err) * (1 + 0x1p-40));
+    rest_more(&path, c->waves * (of->opl_err + 4 * n * of->p_err) * (1 + 0x1p-40));
     return path;
 }
 
@@ -295,7 +304,8 @@ static void bound_nothing(const prove_cell *c, const sgt_box_at at[], prove_box 
     if (size > 0 && size < 0x1p500 && !c->afocal && c->has_reference) {
         const double far = size * (1 + 0x1p-40) + err;
         bound[Q_EX] = sgt_sum_above(far, x), bound[Q_EY] = sgt_sum_above(far, y);
-        bound[Q_SPOT] = sgt_sum_above(far, sgt_interval_hypotenuse(sgt_interval_of(x), sgt_interval_of(y)).hi);
+        bound[Q_SPOT] = sgt_sum_above(far, sgt_interval_hypotenuse(sgt_interval_of(x),
+                sgt_interval_of(y)).hi);
         box->f.hi = sgt_product_above(bound[Q_SPOT], bound[Q_SPOT]);
     }
     for (size_t i = 0; i < c->count; i++) {
@@ -325,7 +335,7 @@ static void bound_ends(const prove_cell *c, const carry_room *r, const ends *of,
         sgt_model ex, ey, xx, yy;
         const double err = c->afocal ? 1e3 * (c->reference_err + 0x1p-50) : c->reference_err;
         errors_of(c, &of->end, &ex, &ey);
-        widen(&ex, err), widen(&ey, err);
+        rest_more(&ex, err), rest_more(&ey, err);
         sgt_model_product(&ex, &ex, &xx), sgt_model_product(&ey, &ey, &yy);
         const sgt_interval x2 = square_range(&ex, &xx), y2 = square_range(&ey, &yy);
         sgt_model_sum(&xx, &yy, &xx);
@@ -379,12 +389,13 @@ static void moved(const sgt_pose *from, const sgt_pose *to, sgt_model p[3], sgt_
         for (int k = 0; k < 3; k++) m[k] = out[k];
     }
     /* axes are orthonormal to 2^-50 only */
-    for (int k = 0; k < 3; k++) widen(&d[k], 0x1p-48);
+    for (int k = 0; k < 3; k++) rest_more(&d[k], 0x1p-48);
 }
 
 /* The box through all elements: first to the one in front of the last, then from there.  A ray of what the
  * models of the first part hold is a ray of the second part. */
-static sgt_box_verdict carried(const prove_cell *c, const carry_room *r, const sgt_element *e, sgt_box_room *kept,
+static sgt_box_verdict carried_through(const prove_cell *c, const carry_room *r, const sgt_element *e,
+        sgt_box_room *kept,
                                const sgt_box_launch *launch, ends *out)
 {
     static const sgt_pose global;
@@ -452,7 +463,8 @@ static bool same_roots(const prove_cell *c, const carry_room *r, const sgt_box_l
 }
 
 /* Of a ray through this part of a box that is not decided: the cosine of its angle of incidence, if it is in
- * doubt whether it is bent; else how far from the axis of the element it meets that, or the one in front if it
+ * doubt whether it is bent; else how far from the axis of the element it meets that, or the one in front if
+ * it
  * may miss it. */
 static double value_at(const prove_cell *c, const carry_room *r, const prove_box *box, double p, double q)
 {
@@ -474,7 +486,8 @@ static double value_at(const prove_cell *c, const carry_room *r, const prove_box
 }
 
 /* Which way a box that lies across an edge is best halved: along which that value changes most.  An edge that
- * rays of one radius follow needs boxes that are thin and long.  (Items are judged by ranges of x and y, so there
+ * rays of one radius follow needs boxes that are thin and long.  (Items are judged by ranges of x and y, so
+ * there
  * boxes have to be as deep as they are long.) */
 static int across_edge(const prove_cell *c, const carry_room *r, const prove_box *box, int otherwise)
 {
@@ -495,7 +508,7 @@ void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[
 {
     const sgt_box_launch launch = launch_of(c->beam, &box->of);
     ends w;
-    const sgt_box_verdict verdict = carried(c, r, c->e, r->kept, &launch, &w);
+    const sgt_box_verdict verdict = carried_through(c, r, c->e, r->kept, &launch, &w);
     const sgt_box_end *end = &w.end;
     box->fate = SGT_LOST, box->element = end->element, box->hopeless = false, box->divide = -1;
     if (verdict == SGT_BOX_PASSED) {
@@ -514,7 +527,8 @@ void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[
         box->divide = across_edge(c, r, box, box->divide);
     bound_nothing(c, r->at, box, bound);
     if (box->hopeless || end->why != SGT_BOX_AT_EDGE) return;
-    if (carried(c, r, r->wide, r->kept_wide, &launch, &w) != SGT_BOX_PASSED || !same_roots(c, r, &launch)) return;
+    if (carried_through(c, r, r->wide, r->kept_wide, &launch, &w) != SGT_BOX_PASSED || !same_roots(c, r,
+            &launch)) return;
     box->bounded = true;
     bound_ends(c, r, &w, box, bound), bound_elements(c, c->count, r->wide, r->at, bound);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* carry.h - a box of the pupil through the lens: what becomes of all its rays, and bounds on where they end. */
+/* carry.h - a box of the pupil through the lens: what becomes of all its rays, and bounds on where they end.
+ * */
 #ifndef SGT_PROVE_CARRY_H
 #define SGT_PROVE_CARRY_H
 #include "disc.h"

@@ -6,7 +6,8 @@
 
 static const sgt_interval PI = {0x1.921fb54442d18p+1, 0x1.921fb54442d19p+1};
 
-/* A cover is wider than it has to be by that: so what rounds when it is made stays inside.  (Of rays that start
+/* A cover is wider than it has to be by that: so what rounds when it is made stays inside.  (Of rays that
+ * start
  * within rounding of a point, beam.h takes care.) */
 static const double DISC_PAD = 0x1p-44;
 
@@ -48,7 +49,7 @@ void sgt_sector_models(const sector *of, sgt_model *x, sgt_model *y)
 }
 
 /* x^n - y^n of two doubles, x >= y >= 0. */
-static sgt_interval powers(double x, double y, int n)
+static sgt_interval powers_between(double x, double y, int n)
 {
     return sgt_interval_difference(sgt_interval_power(sgt_interval_of(x), n),
                                    sgt_interval_power(sgt_interval_of(y), n));
@@ -59,13 +60,14 @@ static sgt_interval times(sgt_interval x, sgt_interval y) { return sgt_interval_
 sgt_interval sgt_sector_integral(const sector *of, const sgt_model *f)
 {
     const cover k = sgt_sector_cover(of);
-    const sgt_interval width = sgt_interval_of(of->turn1 - of->turn0), w = times(PI, width); /* w = pi width */
+    const sgt_interval width = sgt_interval_of(of->turn1 - of->turn0), w = times(PI, width);
+            /* w = pi width */
     const sgt_interval sin_w = is_whole(of) ? sgt_interval_of(0) : sgt_interval_sine(w);
     const sgt_interval cos_w = is_whole(of) ? sgt_interval_of(-1) : sgt_interval_cosine(w);
     const sgt_interval bow = sgt_interval_quotient(times(sin_w, cos_w), PI), c = sgt_interval_of(k.c);
     const sgt_interval hs = sgt_interval_of(k.hs), ht = sgt_interval_of(k.ht);
-    const sgt_interval r3 = sgt_interval_quotient(powers(of->r1, of->r0, 3), sgt_interval_of(3));
-    const sgt_interval r4 = sgt_interval_scaled(powers(of->r1, of->r0, 4), 0.25);
+    const sgt_interval r3 = sgt_interval_quotient(powers_between(of->r1, of->r0, 3), sgt_interval_of(3));
+    const sgt_interval r4 = sgt_interval_scaled(powers_between(of->r1, of->r0, 4), 0.25);
     const sgt_interval one = sgt_interval_of(sgt_sector_area(of));
     const sgt_interval along = times(r3, sgt_interval_quotient(sgt_interval_scaled(sin_w, 2), PI));
     const sgt_interval along2 = times(r4, sgt_interval_sum(width, bow));

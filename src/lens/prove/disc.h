@@ -15,7 +15,8 @@
  *     x = x0 + s xs + t xt,   y = y0 + s ys + t yt,   s and t in [-1, 1],
  *
  * are the parameters of a box of rays.  The cover sticks out of the disc by r1 w^2 / 2.  (Radius and angle as
- * parameters stick out less, but they are not linear: what a model leaves out of a cosine, w^3 / 6, is carried
+ * parameters stick out less, but they are not linear: what a model leaves out of a cosine, w^3 / 6, is
+ * carried
  * on as if each ray had its own, and then makes rests twelve times as large: measured on a triplet.)
  *
  * AN INTEGRAL over the sector of a model f = c + a s + b t + aa s^2 + ab s t + bb t^2 +- rest is that of each

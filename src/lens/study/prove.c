@@ -93,13 +93,15 @@ static void say_about(const proving *w)
     const double left = 100 * w->of.undecided;
     name_of(w, who);
     if (!w->cell.has_reference)
-        sgt_ask_say(a, SGT_STUDY_NOTE, "%s: the chief ray does not get through, so there is no reference", who);
+        sgt_ask_say(a, SGT_STUDY_NOTE, "%s: the chief ray does not get through, so there is no reference",
+                who);
     if (w->of.spent && !w->limits && left > w->undecided)
         sgt_ask_say(a, SGT_STUDY_NOTE, "%s: %zu boxes were spent, and %.3g %% of the pupil is undecided; "
                                        "give more --boxes", who, w->of.carried, left);
     const prove_box *b = w->of.box;
     for (size_t i = 0; i < w->of.count; i++)
-        if (w->of.box[i].hopeless && (!b->hopeless || sgt_sector_area(&w->of.box[i].of) > sgt_sector_area(&b->of)))
+        if (w->of.box[i].hopeless && (!b->hopeless
+                || sgt_sector_area(&w->of.box[i].of) > sgt_sector_area(&b->of)))
             b = &w->of.box[i];
     if (b->hopeless)
         sgt_ask_say(a, SGT_STUDY_NOTE, "%s: at element %zu no box can be decided: %s", who, b->element + 1,
@@ -115,7 +117,8 @@ static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
         return sgt_ask_refuse(a, "shard", "boxes are divided among threads, not among machines");
     if (o->undecided.count) w.undecided = o->undecided.at[0];
     if (!(w.undecided > 0 && w.undecided <= 100))
-        return sgt_ask_refuse(a, "undecided", "must be above 0 and at most 100 per cent, not %g", w.undecided);
+        return sgt_ask_refuse(a, "undecided", "must be above 0 and at most 100 per cent, not %g",
+                w.undecided);
     if (limits) {
         if (!o->limit) return sgt_ask_refuse(a, "limit", "is missing: \"spot < 0.02\"");
         w.limits = sgt_prove_limit_read(o->limit, SGT_PROVE_LIMITS, w.limit, &why);
@@ -134,7 +137,8 @@ static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
     }
     if (a->failed) return false;
     if (a->from->aim != SGT_LENS_AIM_PUPIL)
-        sgt_ask_say(a, SGT_STUDY_NOTE, "the lens aims its rays at the stop; what is proven is of the paraxial "
+        sgt_ask_say(a, SGT_STUDY_NOTE,
+                    "the lens aims its rays at the stop; what is proven is of the paraxial "
                                        "pupil, as without aiming");
     for (size_t i = 0; i < a->fields * a->bands && !a->failed; i++) {
         set_cell(&w, i);
@@ -196,9 +200,11 @@ static void tell_sums(proving *w)
 static bool ask_prove(sgt_asking *a)
 {
     if (!prove_each(a, false, tell_sums)) return false;
-    sgt_ask_say(a, SGT_STUDY_LEGEND, "Proven of every ray of the pupil.  passes, stops: these parts of its area "
+    sgt_ask_say(a, SGT_STUDY_LEGEND,
+                "Proven of every ray of the pupil.  passes, stops: these parts of its area "
                                      "certainly do.");
-    sgt_ask_say(a, SGT_STUDY_LEGEND, "spot, pv: no ray that passes, or may pass, is beyond; ..._seen: of a ray "
+    sgt_ask_say(a, SGT_STUDY_LEGEND,
+                "spot, pv: no ray that passes, or may pass, is beyond; ..._seen: of a ray "
                                      "that was traced.");
     sgt_ask_say(a, SGT_STUDY_LEGEND, "rms, opd_rms: over the area that passes, between ..._least and this.");
     return true;
@@ -228,7 +234,8 @@ static void tell_elements(proving *w)
 static bool ask_elements(sgt_asking *a)
 {
     if (!prove_each(a, false, tell_elements)) return false;
-    sgt_ask_say(a, SGT_STUDY_LEGEND, "missed, clipped, tir: parts of the pupil's area that certainly end there.");
+    sgt_ask_say(a, SGT_STUDY_LEGEND,
+                "missed, clipped, tir: parts of the pupil's area that certainly end there.");
     sgt_ask_say(a, SGT_STUDY_LEGEND, "No ray that passes has a larger incidence or height, or a smaller "
                                      "clearance from the edge of the clear aperture.");
     return true;
@@ -254,7 +261,8 @@ static void tell_regions(proving *w)
 static bool ask_regions(sgt_asking *a)
 {
     if (!prove_each(a, false, tell_regions)) return false;
-    sgt_ask_say(a, SGT_STUDY_LEGEND, "Boxes of the pupil by radius and angle.  lost: not decided, as it is in "
+    sgt_ask_say(a, SGT_STUDY_LEGEND,
+                "Boxes of the pupil by radius and angle.  lost: not decided, as it is in "
                                      "doubt at that element.");
     return true;
 }
@@ -414,7 +422,8 @@ static const sgt_column elements_columns[] = {
 static const sgt_column regions_columns[] = {
     COLUMN_FIELD(sgt_prove_region_row),
     COLUMN_WAVELENGTH(sgt_prove_region_row, SGT_COLUMN_GROUPS),
-    {.name = "r0", SGT_COLUMN_EXACT, SGT_UNIT_PUPIL, 0, REGION(r0), 0, "a box of the pupil: from this radius"},
+    {.name = "r0", SGT_COLUMN_EXACT, SGT_UNIT_PUPIL, 0, REGION(r0), 0,
+            "a box of the pupil: from this radius"},
     {.name = "r1", SGT_COLUMN_EXACT, SGT_UNIT_PUPIL, 0, REGION(r1), 0, "to this,"},
     {.name = "angle0", SGT_COLUMN_EXACT, SGT_UNIT_DEGREE, 0, REGION(angle0), 0,
      "from this angle, from px toward py,"},

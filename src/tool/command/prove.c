@@ -40,7 +40,8 @@ static void say_broken(const look *l, const sgt_prove_limit_row *r)
 {
     const char *quote = strpbrk(l->job.lens, " '()&;") ? "\"" : "";
     const char *aims = l->primary.of->aim == SGT_LENS_AIM_PUPIL ? "" : " --aim paraxial";
-    table_line(l->table, "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s%s%s %s%s --pupil "
+    table_line(l->table,
+               "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s%s%s %s%s --pupil "
                          "\"%.17g %.17g\"%s%s", r->limit, r->seen, quote, l->job.lens, quote,
                field_of_row(l, r->field), wavelength_of_row(l, r->wavelength), r->px, r->py,
                l->job.again ? l->job.again : "", l->job.again && strstr(l->job.again, "--aim") ? "" : aims);
@@ -76,7 +77,8 @@ static exit_status end_prove(look *l)
 /* ------------------------------------------------------------------------ the map
  *
  * A net of PIXELS squares of which each has the colour of the box that its middle lies in.  A square that
- * lies across the edge of a box is left blank, unless the box is smaller than SHOWN squares: so the boxes that
+ * lies across the edge of a box is left blank, unless the box is smaller than SHOWN squares: so the boxes
+ * that
  * were cut are seen. */
 enum { PIXELS = 480, SHOWN = 5 };
 
@@ -142,7 +144,8 @@ static void fill_box(double value[], const sgt_prove_region_row *r, double kind)
 
 static void draw_pupils(const look *asked)
 {
-    const look boxes = is_view(asked, "prove_regions") ? *asked : look_again(asked, "prove_regions"), *l = &boxes;
+    const look boxes = is_view(asked, "prove_regions") ? *asked : look_again(asked, "prove_regions"),
+            *l = &boxes;
     const size_t panels = l->fields.count * l->bands;
     shown_kinds kinds = {.count = 0};
     chart_map *map = memory_take(panels, sizeof *map);
@@ -175,7 +178,8 @@ static void draw_pupils(const look *asked)
                                  .note = note_of, .notes = 1};
     }
     const char *line[] = {look_lens_line(l), "proven of all rays of each box of the pupil"};
-    chart_write(l->picture, &(chart){.title = look_title(l, "every ray of the pupil"), .line = line, .lines = 2,
+    chart_write(l->picture, &(chart){.title = look_title(l, "every ray of the pupil"), .line = line,
+            .lines = 2,
                                      .columns = l->bands > 1 ? l->bands : 0, .panels = panels,
                                      .panel = panel});
 }
@@ -193,7 +197,8 @@ static exit_status prove_run(const command *c, int argc, char *argv[])
          "clearance[ELEMENT] > X (from the edge of the clear aperture)",
          true},
         {NULL, NULL, NULL, NULL, false}};
-    return look_run(c, &(look_way){.view = views, .check = check_prove, .draw = draw_pupils, .end = end_prove},
+    return look_run(c, &(look_way){.view = views, .check = check_prove, .draw = draw_pupils,
+            .end = end_prove},
                     argc, argv);
 }
 

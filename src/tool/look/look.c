@@ -187,7 +187,8 @@ static void take_lens(look *l, const command *c, int argc, char *argv[])
                          : "--weights: %s follows chief rays, each by itself", c->name);
     if (l->of->no_rays && l->shared.solver.proof)
         fail_usage(every ? "--proof: all that %s tells is proven"
-                         : "--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and sweep do",
+                         : "--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and "
+                           "sweep do",
                    c->name);
     if (!l->of->primary_alone && !o->wavelengths) o->all_wavelengths = true;
     options_shard(&l->shared, l->shared.picture && l->of->part_of);
