@@ -83,51 +83,51 @@ static sgt_span users_span(const void *self, const sgt_ray *ray)
 
 static const sgt_surface_ops users_ops = {.size = sizeof users_ops, .name = "users", .value = users_value, .span = users_span, .box = users_box};
 
-/* A surface of a type.  strong: how bent it is; wide: its rim, 0 for none. */
-static sgt_surface surface_of(int type, room *of, double strong, double wide)
+/* A surface of a type.  strong: how bent it is; rim: its rim, 0 for none. */
+static sgt_surface surface_of(int type, room *of, double strong, double rim)
 {
     const double c = chance(&drawn, 0.15) ? 0 : strong * about(1 / 12.0), k = chance(&drawn, 0.5) ? 0 : about(2);
     for (int i = 0; i < 16; i++) of->a[i] = strong * about(0.01);
     for (int i = 0; i < 36; i++) of->b[i] = about(0.01);
     switch (type) {
     case EVEN:
-        of->even = (sgt_even_asphere){.c = c, .k = k, .semi_diameter = wide};
+        of->even = (sgt_even_asphere){.c = c, .k = k, .semi_diameter = rim};
         for (int i = 0; i < 4; i++) of->even.a[i] = chance(&drawn, 0.6) ? strong * about(0.2) * pow(0.1, 1.6 * i + 1) : 0;
         return (sgt_surface){&sgt_even_asphere_ops, &of->even};
     case TOROIDAL:
-        of->toroidal = (sgt_toroidal){.c = c, .k = k, .c_x = about(0.05), .semi_diameter = wide};
+        of->toroidal = (sgt_toroidal){.c = c, .k = k, .c_x = about(0.05), .semi_diameter = rim};
         of->toroidal.a[1] = about(1e-5);
         return (sgt_surface){&sgt_toroidal_ops, &of->toroidal};
     case BICONIC:
-        of->biconic = (sgt_biconic){.c_x = c, .k_x = k, .c_y = about(0.05), .semi_diameter = wide};
+        of->biconic = (sgt_biconic){.c_x = c, .k_x = k, .c_y = about(0.05), .semi_diameter = rim};
         return (sgt_surface){&sgt_biconic_ops, &of->biconic};
     case ZERNIKE:
-        of->zernike = (sgt_zernike){.c = c, .k = k, .semi_diameter = wide, .norm = 10, .order = chance(&drawn, 0.5) ? SGT_NOLL : SGT_FRINGE,
+        of->zernike = (sgt_zernike){.c = c, .k = k, .semi_diameter = rim, .norm = 10, .order = chance(&drawn, 0.5) ? SGT_NOLL : SGT_FRINGE,
                                     .normalised = below(&drawn, 2), .a = {of->a, 1, 12}};
         return (sgt_surface){&sgt_zernike_ops, &of->zernike};
     case XY:
         for (int i = 0; i < 16; i++) of->a[i] *= pow(0.2, i / 4 + i % 4);
-        of->xy = (sgt_polynomial_xy){.c = c, .k = k, .semi_diameter = wide, .a = {of->a, 4, 4}};
+        of->xy = (sgt_polynomial_xy){.c = c, .k = k, .semi_diameter = rim, .a = {of->a, 4, 4}};
         return (sgt_surface){&sgt_polynomial_xy_ops, &of->xy};
     case ODD:
-        of->odd = (sgt_odd_asphere){.c = c, .k = k, .semi_diameter = wide, .a = {0, about(1e-3), about(1e-4)}};
+        of->odd = (sgt_odd_asphere){.c = c, .k = k, .semi_diameter = rim, .a = {0, about(1e-3), about(1e-4)}};
         return (sgt_surface){&sgt_odd_asphere_ops, &of->odd};
     case CHEBYSHEV:
-        of->chebyshev = (sgt_chebyshev){.c = c, .k = k, .semi_diameter = wide, .norm_x = 10, .norm_y = 12, .a = {of->a, 4, 3}};
+        of->chebyshev = (sgt_chebyshev){.c = c, .k = k, .semi_diameter = rim, .norm_x = 10, .norm_y = 12, .a = {of->a, 4, 3}};
         return (sgt_surface){&sgt_chebyshev_ops, &of->chebyshev};
     case Q_CON:
-        of->q_con = (sgt_q_con){.c = c, .k = k, .semi_diameter = wide, .norm = 10, .a = {of->a, 1, 6}};
+        of->q_con = (sgt_q_con){.c = c, .k = k, .semi_diameter = rim, .norm = 10, .a = {of->a, 1, 6}};
         return (sgt_surface){&sgt_q_con_ops, &of->q_con};
     case Q_BFS:
-        of->q_bfs = (sgt_q_bfs){.c = c, .semi_diameter = wide, .norm = 10, .a = {of->a, 1, 6}};
+        of->q_bfs = (sgt_q_bfs){.c = c, .semi_diameter = rim, .norm = 10, .a = {of->a, 1, 6}};
         return (sgt_surface){&sgt_q_bfs_ops, &of->q_bfs};
     case GRID:
-        of->grid = (sgt_grid){.c = c, .k = k, .semi_diameter = wide, .step_x = 4, .step_y = 4, .z = {of->b, 6, 6}};
+        of->grid = (sgt_grid){.c = c, .k = k, .semi_diameter = rim, .step_x = 4, .step_y = 4, .z = {of->b, 6, 6}};
         sgt_grid_measure(&of->grid);
         return (sgt_surface){&sgt_grid_ops, &of->grid};
     case SUM:
-        of->terms[0] = surface_of(TOROIDAL, of, strong, wide), of->terms[1] = surface_of(Q_CON, of, strong, wide);
-        of->sum = (sgt_sum){.c = c, .k = k, .semi_diameter = wide, .terms = of->terms, .count = 2};
+        of->terms[0] = surface_of(TOROIDAL, of, strong, rim), of->terms[1] = surface_of(Q_CON, of, strong, rim);
+        of->sum = (sgt_sum){.c = c, .k = k, .semi_diameter = rim, .terms = of->terms, .count = 2};
         return (sgt_surface){&sgt_sum_ops, &of->sum};
     case FORMULA_SAG:
     case FORMULA: {
@@ -136,7 +136,7 @@ static sgt_surface surface_of(int type, room *of, double strong, double wide)
         const char *text = sag ? "c*(x^2+y^2)/2 + a*sin(x+y/2) + b*x*y^2" : "z - c*(x^2+y^2+z^2)/2 - a*cos(x-y) - b*x*y*z";
         sgt_tape *tape = sgt_formula_read(text, sag ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, 3, names, of->tape, sizeof of->tape, NULL);
         assert_non_null(tape);
-        of->formula = (sgt_formula){.tape = tape, .ball = wide > 0 ? wide + 3 : 0}, of->formula_sag = (sgt_formula_sag){.tape = tape, .semi_diameter = wide};
+        of->formula = (sgt_formula){.tape = tape, .ball = rim > 0 ? rim + 3 : 0}, of->formula_sag = (sgt_formula_sag){.tape = tape, .semi_diameter = rim};
         return sag ? (sgt_surface){&sgt_formula_sag_ops, &of->formula_sag} : (sgt_surface){&sgt_formula_ops, &of->formula};
     }
     case QUADRIC:
@@ -152,7 +152,7 @@ static sgt_surface surface_of(int type, room *of, double strong, double wide)
         of->a[0] = c, of->a[1] = about(0.05), of->a[2] = about(0.01);
         return (sgt_surface){&users_ops, of->a};
     default:
-        of->conic = (sgt_conic){.c = c, .k = k, .semi_diameter = wide};
+        of->conic = (sgt_conic){.c = c, .k = k, .semi_diameter = rim};
         return (sgt_surface){&sgt_conic_ops, &of->conic};
     }
 }
@@ -160,8 +160,8 @@ static sgt_surface surface_of(int type, room *of, double strong, double wide)
 static void draw_surface(sgt_surface *s, room *of, double strong, bool departures)
 {
     int type = departures && chance(&drawn, 0.6) ? below(&drawn, TYPES) : chance(&drawn, 0.7) ? CONIC : EVEN;
-    double wide = chance(&drawn, type > EVEN ? 1 : 0.4) ? uniform(&drawn, 4, 9) : 0;
-    *s = surface_of(type, of, strong, wide);
+    double rim = chance(&drawn, type > EVEN ? 1 : 0.4) ? uniform(&drawn, 4, 9) : 0;
+    *s = surface_of(type, of, strong, rim);
 }
 
 static void draw_aperture(sgt_element *e, room *of)
@@ -220,13 +220,13 @@ static void draw_lens(lens *l, bool departures)
 /* A launch of n parameters: each number of the ray is a sum of them. */
 static void draw_launch(sgt_box_launch *from, int n)
 {
-    double wide = log_uniform(&drawn, 1e-6, 2), turn = log_uniform(&drawn, 1e-7, 0.1);
+    double spread = log_uniform(&drawn, 1e-6, 2), turn = log_uniform(&drawn, 1e-7, 0.1);
     *from = (sgt_box_launch){.parameters = n};
     for (int k = 0; k < 3; k++) {
         from->o[k] = sgt_model_of(k == 2 ? -10 : about(4));
         from->d[k] = sgt_model_of(k == 2 ? 1 : about(chance(&drawn, 0.2) ? 0.6 : 0.2));
         for (int i = 0; i < n; i++) {
-            if (k < 2 && (i == k || chance(&drawn, 0.3))) from->o[k].by[i] = wide * about(1);
+            if (k < 2 && (i == k || chance(&drawn, 0.3))) from->o[k].by[i] = spread * about(1);
             if (chance(&drawn, 0.3)) from->d[k].by[i] = turn * about(1);
         }
     }
@@ -254,6 +254,8 @@ static void within(const trial *t, const char *what, size_t i, sgt_interval x, d
 {
     REQUIRE(y >= x.lo && y <= x.hi, "case %ld: %s %zu is %.17g, not in [%.17g, %.17g]", t->number, what, i, y, x.lo, x.hi);
 }
+
+static double dot3(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 static sgt_vec3 combined(sgt_vec3 a, sgt_pose e)
 {
@@ -297,7 +299,7 @@ static double lens_at(lens *l, const sgt_box_lens *whole, const double s[SGT_MOD
 static int draw_numbers(const lens *l, int n, sgt_box_number number[MOST], sgt_model value[MOST])
 {
     int count = below(&drawn, MOST);
-    double wide = log_uniform(&drawn, 1e-6, 1);
+    double spread = log_uniform(&drawn, 1e-6, 1);
     for (int i = 0; i < count; i++) {
         const size_t e = (size_t)below(&drawn, l->n);
         const sgt_element *at = &l->e[e];
@@ -317,7 +319,7 @@ static int draw_numbers(const lens *l, int n, sgt_box_number number[MOST], sgt_m
             if (at->surface.ops == &sgt_even_asphere_ops && chance(&drawn, 0.5))
                 a->which = 2 + (size_t)below(&drawn, 3), size = pow(0.03, (double)a->which);
         }
-        for (int j = 0; j < n; j++) value[i].by[j] = chance(&drawn, 0.5) ? wide * about(size) : 0;
+        for (int j = 0; j < n; j++) value[i].by[j] = chance(&drawn, 0.5) ? spread * about(size) : 0;
         for (int j = 0; j < i; j++)
             if (number[j].element == a->element && number[j].what == a->what && number[j].which == a->which) return i;
     }
@@ -333,8 +335,10 @@ static double look(const trial *t, const double s[SGT_MODEL_PARAMETERS], size_t 
     sgt_ray ray = {.o = {number_at(&t->from->o[0], s), number_at(&t->from->o[1], s), number_at(&t->from->o[2], s)},
                    .d = {number_at(&t->from->d[0], s), number_at(&t->from->d[1], s), number_at(&t->from->d[2], s)}};
     const lens own = *t->l;
+    const sgt_ray ray0 = ray;
     const double before = lens_at(t->l, t->whole, s);
     const size_t n = (size_t)t->l->n, count = sgt_trace(n, t->l->e, before, &ray, passed, &fate, NULL);
+    const lens moved = *t->l;
     *t->l = own;
     if (end->verdict == SGT_BOX_PASSED)
         REQUIRE(fate == SGT_PASSED && count == n, "case %ld: passed, and a ray is %s at %zu (%s)", t->number, sgt_fate_text(fate),
@@ -343,16 +347,24 @@ static double look(const trial *t, const double s[SGT_MODEL_PARAMETERS], size_t 
         REQUIRE(count == end->element, "case %ld: stopped at %zu, and a ray at %zu (%s)", t->number, end->element, count, sgt_fate_text(fate));
         REQUIRE(fate == SGT_LOST || (fate >= 0 && (end->causes >> fate & 1)), "case %ld: %s", t->number, sgt_fate_text(fate));
     }
+    sgt_vec3 way = {ray0.d.x, ray0.d.y, ray0.d.z};
     const size_t told = end->verdict == SGT_BOX_PASSED ? n : end->element;
     for (size_t i = 0; i < told && i < count; i++) {
         const sgt_hit *h = &passed[i].hit;
-        const sgt_vec3 d = i ? passed[i - 1].direction : ray.d;
-        (void)d;
+        const sgt_pose e = moved.e[i].pose;
+        const bool turned = e.ex.x != 0 || e.ex.y != 0 || e.ex.z != 0;
+        const sgt_vec3 normal = h->n, to = passed[i].direction;
+        const sgt_vec3 d = turned ? (sgt_vec3){dot3(way, e.ex), dot3(way, e.ey), dot3(way, e.ez)} : way;
+        const double cosine = fabs(dot3(d, normal)) / sqrt(dot3(d, d) * dot3(normal, normal)), behind = fabs(dot3(to, normal)) / sqrt(dot3(normal, normal));
+        const sgt_interval c = t->at[i].cosine, b = t->at[i].behind;
+        within(t, "cosine", i, (sgt_interval){c.lo - 1e-12, c.hi + 1e-12}, cosine);
+        if (!moved.e[i].phase) within(t, "behind", i, (sgt_interval){b.lo - 1e-12, b.hi + 1e-12}, behind);
+        way = turned ? combined(to, e) : to;
         within(t, "x", i, t->at[i].x, h->p.x), within(t, "y", i, t->at[i].y, h->p.y), within(t, "z", i, t->at[i].z, h->p.z);
-        const double r = sqrt(h->p.x * h->p.x + h->p.y * h->p.y), wide = t->l->e[i].semi_diameter;
-        if (wide > 0) {
+        const double r = sqrt(h->p.x * h->p.x + h->p.y * h->p.y), rim = t->l->e[i].semi_diameter;
+        if (rim > 0) {
             const sgt_interval m = t->at[i].margin;
-            within(t, "margin", i, (sgt_interval){m.lo - 1e-12, m.hi + 1e-12}, wide - r);
+            within(t, "margin", i, (sgt_interval){m.lo - 1e-12, m.hi + 1e-12}, rim - r);
         }
     }
     if (end->verdict == SGT_BOX_PASSED) {
@@ -440,14 +452,14 @@ static void departures_hold(void **unused)
 
 /* ------------------------------------------------------------------------- how fine */
 
-/* A lens of two surfaces of the type, and an image plane; the box is `wide` about a ray that is off the axis.  What
+/* A lens of two surfaces of the type, and an image plane; the box is `spread` wide about a ray that is off the axis.  What
  * is left out of the last point, and of the path. */
-static sgt_box_verdict rest_of(lens *l, double wide, double *point, double *path)
+static sgt_box_verdict rest_of(lens *l, double spread, double *point, double *path)
 {
     sgt_box_launch from = {.parameters = 2};
     sgt_box_end end;
     const sgt_box_lens whole = {.elements = 3, .e = l->e};
-    from.o[0] = (sgt_model){.c = 1.2, .by = {wide, 0}}, from.o[1] = (sgt_model){.c = 0.7, .by = {0, wide}}, from.o[2] = sgt_model_of(-5);
+    from.o[0] = (sgt_model){.c = 1.2, .by = {spread, 0}}, from.o[1] = (sgt_model){.c = 0.7, .by = {0, spread}}, from.o[2] = sgt_model_of(-5);
     from.d[0] = sgt_model_of(0.02), from.d[1] = sgt_model_of(0.05), from.d[2] = sgt_model_of(1);
     sgt_box_verdict v = sgt_box_trace(&whole, &from, NULL, NULL, &end);
     *point = end.p[0].rest + end.p[1].rest, *path = end.opl.rest;
@@ -471,9 +483,9 @@ static void rest_shrinks(void **unused)
             e->surface = surface_of(i < 2 ? type : CONIC, &l.of[i], 0.6, i < 2 ? 6 : 0);
             e->pose.origin.z = 4 * i, e->index = i == 0 ? 1.5 : 1, e->semi_diameter = i < 2 ? 5 : 0;
         }
-        for (double wide = 0.1; wide > 0.01; wide /= 2) {
+        for (double spread = 0.1; spread > 0.01; spread /= 2) {
             double point, path;
-            const sgt_box_verdict v = rest_of(&l, wide, &point, &path);
+            const sgt_box_verdict v = rest_of(&l, spread, &point, &path);
             REQUIRE(v == SGT_BOX_PASSED, "type %d: a small box well inside is %s", type, sgt_box_verdict_text(v));
             if (before > 0) {
                 REQUIRE(before / point > least, "type %d: the rest shrinks by %g", type, before / point);
@@ -492,8 +504,8 @@ static void plain_boxes_are_decided(void **unused)
     sgt_element e[3] = {{.surface = {&sgt_conic_ops, &front}, .index = 1.62, .semi_diameter = 6},
                         {.surface = {&sgt_conic_ops, &back}, .pose = {.origin = {0, 0, 3}}, .index = 1, .semi_diameter = 6},
                         {.surface = {&sgt_conic_ops, &image}, .pose = {.origin = {0, 0, 20}}}};
-    const sgt_box_lens lens = {.elements = 3, .e = e};
-    const struct { double x, y, wide, dx; sgt_box_verdict verdict; sgt_fate fate; size_t element; } cases[] = {
+    const sgt_box_lens singlet = {.elements = 3, .e = e};
+    const struct { double x, y, spread, dx; sgt_box_verdict verdict; sgt_fate fate; size_t element; } cases[] = {
         {0, 0, 3.5, 0, SGT_BOX_PASSED, SGT_PASSED, 3},    {4, 0, 1.5, 0, SGT_BOX_PASSED, SGT_PASSED, 3},
         {10, 0, 2, 0, SGT_BOX_STOPPED, SGT_CLIPPED, 0},   {40, 0, 10, 0, SGT_BOX_STOPPED, SGT_MISSED, 0},
         {5.9, 0, 0.2, 0, SGT_BOX_CUT, SGT_LOST, 0},
@@ -501,9 +513,9 @@ static void plain_boxes_are_decided(void **unused)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         sgt_box_launch from = {.parameters = 2};
         sgt_box_end end;
-        from.o[0] = (sgt_model){.c = cases[i].x, .by = {cases[i].wide, 0}}, from.o[1] = (sgt_model){.c = cases[i].y, .by = {0, cases[i].wide}};
+        from.o[0] = (sgt_model){.c = cases[i].x, .by = {cases[i].spread, 0}}, from.o[1] = (sgt_model){.c = cases[i].y, .by = {0, cases[i].spread}};
         from.o[2] = sgt_model_of(-5), from.d[0] = sgt_model_of(cases[i].dx), from.d[2] = sgt_model_of(1);
-        sgt_box_trace(&lens, &from, NULL, NULL, &end);
+        sgt_box_trace(&singlet, &from, NULL, NULL, &end);
         REQUIRE(end.verdict == cases[i].verdict && end.element == cases[i].element && (end.verdict != SGT_BOX_STOPPED || end.fate == cases[i].fate),
                 "box %zu: %s at %zu, %s", i, sgt_box_verdict_text(end.verdict), end.element, sgt_fate_text(end.fate));
     }
