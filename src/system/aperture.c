@@ -447,7 +447,10 @@ sgt_clipping sgt_clipped_by(const sgt_element *e, sgt_vec3 p)
 static double level_of(const sgt_aperture_item *i, bool hole, sgt_vec2 at)
 {
     figure f;
-    if (is_ring(i)) return distance_of((sgt_vec2){at.x - i->centre.x, at.y - i->centre.y}) - (hole ? i->inner : i->radius);
+    if (is_ring(i)) {
+        const sgt_vec2 from = {at.x - i->centre.x, at.y - i->centre.y};
+        return distance_of(from) - (hole ? i->inner : i->radius);
+    }
     figure_of(i, &f);
     const sgt_vec2 q = seen_from(&f, at.x, at.y).q;
     switch (i->shape) {
@@ -483,7 +486,8 @@ int sgt_aperture_over(const sgt_aperture *a, sgt_interval x, sgt_interval y, dou
         double level = level_of(i, false, at);
         if (hole) level = larger(level, -level_of(i, true, at)); /* within the ring: below 0 */
         const double size = fabs(at.x) + fabs(at.y) + fabs(i->centre.x) + fabs(i->centre.y) + i->radius;
-        const double soft = 0x1p-38 * size + 0x1p-490, reach = distance_of(half) * (1 + 0x1p-40) + soft;
+        const double soft = 0x1p-38 * size + 0x1p-490;
+        const double reach = distance_of(half) * (1 + 0x1p-40) + soft;
         const double beyond = i->obscuring ? -level : level; /* above 0: clipped */
         if (beyond > reach) return -1;
         if (!(-beyond > reach)) all = 0;
