@@ -472,8 +472,8 @@ static double level_of(const sgt_aperture_item *i, bool hole, sgt_vec2 at)
     }
 }
 
-/* Each level changes no faster than the point moves.  So what is true of the middle of the box is true of all
- * of it if the level there is larger than half the diagonal; `soft` is a margin far more than any softness. */
+/* Each level changes no faster than the point moves.  So what is true of the middle is true of the box if the
+ * level there is more than half the diagonal; `soft` is a margin far more than any softness. */
 int sgt_aperture_over(const sgt_aperture *a, sgt_interval x, sgt_interval y, double *away)
 {
     const sgt_vec2 at = {0.5 * (x.lo + x.hi), 0.5 * (y.lo + y.hi)},
