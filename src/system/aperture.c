@@ -485,7 +485,8 @@ int sgt_aperture_over(const sgt_aperture *a, sgt_interval x, sgt_interval y, dou
         const bool hole = i->shape == SGT_ANNULUS && i->inner > 0;
         double level = level_of(i, false, at);
         if (hole) level = larger(level, -level_of(i, true, at)); /* within the ring: below 0 */
-        const double size = fabs(at.x) + fabs(at.y) + fabs(i->centre.x) + fabs(i->centre.y) + i->radius;
+        const double radius = is_ring(i) && i->radius < HUGE_VAL ? i->radius : 0; /* others need not set it */
+        const double size = fabs(at.x) + fabs(at.y) + fabs(i->centre.x) + fabs(i->centre.y) + radius;
         const double soft = 0x1p-38 * size + 0x1p-490;
         const double reach = distance_of(half) * (1 + 0x1p-40) + soft;
         const double beyond = i->obscuring ? -level : level; /* above 0: clipped */
