@@ -124,8 +124,10 @@ static bool is_number_sound(const sgt_box_lens *lens, const sgt_box_number *a)
     case SGT_BOX_ORIGIN:
     case SGT_BOX_TURN:
         return a->which < 3;
-    case SGT_BOX_SURFACE:
-        return true;
+    case SGT_BOX_SURFACE: { /* of the others none is known */
+        const sgt_surface_ops *ops = in_set(lens->e[a->element].surface).ops;
+        return a->which < (ops == &sgt_conic_ops ? 2 : ops == &sgt_even_asphere_ops ? 10 : SGT_BOX_BEFORE);
+    }
     }
     return false;
 }
