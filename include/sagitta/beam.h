@@ -32,7 +32,7 @@ extern "C" {
  * A model of `n` parameters s[0] ... s[n - 1], each from -1 to 1, is the set of functions
  * x with, all over the box,
  *
- *     |x(s) - (c + sum of by[i] s[i] + sum over i <= j of pair[(i, j)] s[i] s[j])| <= rest
+ *   |x(s) - (c + sum of by[i] s[i] + sum over i <= j of pair[(i, j)] s[i] s[j])| <= rest
  *
  * pair[(i, j)] is at SGT_MODEL_PAIR(i, j).  Members of parameters that there are not are
  * 0: a model of n parameters is one of more, too.  A rest that is infinite or NaN says
@@ -42,7 +42,8 @@ extern "C" {
  * included.  If x has the width h in the parameters, what is left out of the second order
  * is of h^3. */
 enum { SGT_MODEL_PARAMETERS = 8, SGT_MODEL_PAIRS = 36 };
-#define SGT_MODEL_PAIR(i, j) ((i) <= (j) ? (j) * ((j) + 1) / 2 + (i) : (i) * ((i) + 1) / 2 + (j))
+#define SGT_MODEL_PAIR(i, j) \
+    ((i) <= (j) ? (j) * ((j) + 1) / 2 + (i) : (i) * ((i) + 1) / 2 + (j))
 
 typedef struct sgt_model {
     double c;                           /* at the middle of the box */
@@ -67,8 +68,8 @@ SGT_API void sgt_model_polar(int i, sgt_interval radius, int j, sgt_interval ang
                              sgt_model *x, sgt_model *y);
 
 /* x + y, x y, k x, x + k, 1 / x and the square root.  The result may be an argument.  An
- * inverse of what may be 0 has no finite rest; nor has the root of what may be negative or
- * 0. */
+ * inverse of what may be 0 has no finite rest; nor has the root of what may be negative
+ * or 0. */
 SGT_API void sgt_model_sum(const sgt_model *x, const sgt_model *y, sgt_model *out);
 SGT_API void sgt_model_difference(const sgt_model *x, const sgt_model *y, sgt_model *out);
 SGT_API void sgt_model_product(const sgt_model *x, const sgt_model *y, sgt_model *out);
@@ -94,8 +95,8 @@ SGT_API sgt_interval sgt_model_at(const sgt_model *x,
  * The models are those of a ray in exact numbers.  A ray of doubles that is within
  * rounding of it (2^-48 of |o| and |d|) is in the answers, too.
  *
- *     parameters   1 ... SGT_MODEL_PARAMETERS.  Few are cheap: of the time of 5 to 8, 3 and
- *                  4 take a third, 1 and 2 a sixth */
+ *     parameters   1 ... SGT_MODEL_PARAMETERS.  Few are cheap: of the time of 5 to 8, 3
+ *                  and 4 take a third, 1 and 2 a sixth */
 typedef struct sgt_box_launch {
     int       parameters;
     sgt_model o[3], d[3];
@@ -151,7 +152,7 @@ typedef enum sgt_box_why {
     SGT_BOX_AT_EDGE,     /* some rays may be inside an aperture, and some outside */
     SGT_BOX_AT_SURFACE,  /* it is not certain that each ray meets it, at the root that is
                             meant */
-    SGT_BOX_AT_BENDING,  /* some may be bent, and some totally reflected (or evanescent) */
+    SGT_BOX_AT_BENDING,  /* some may be bent, some totally reflected or evanescent */
     SGT_BOX_AT_PLANE,    /* rays may run along the vertex plane of the element */
     SGT_BOX_TOO_LARGE,   /* the bounds are infinite */
     SGT_BOX_NO_EDGE,     /* a sag without aperture, rim or edge: which root is meant is
@@ -179,13 +180,13 @@ typedef struct sgt_box_at {
 typedef struct sgt_box_end {
     sgt_box_verdict verdict;
     sgt_box_why     why;      /* it is cut */
-    size_t          element;  /* where it was stopped or cut; PASSED: how many there are */
+    size_t          element;  /* where it was stopped or cut; PASSED: their number */
     sgt_fate        fate;     /* STOPPED: by what.  SGT_LOST: by one of `causes` */
     unsigned        causes;   /* STOPPED: the sum of 1 << fate of those that may be: rays
                                  that are not inside an aperture may be clipped or miss */
-    int             divide;   /* CUT: the parameter that it is best to divide; -1: in none,
+    int             divide;   /* CUT: the parameter that it is best to divide; -1: none,
                                  as the answer would be the same */
-    sgt_model       p[3];     /* PASSED: in the frame of the last element, the point (length) */
+    sgt_model       p[3];     /* PASSED: in the frame of the last element, the point */
     sgt_model       d[3];     /* and the direction behind it, of unit length */
     sgt_model       opl;      /* and the optical path from the launch, length, with what
                                  phases add.  STOPPED and CUT: these are not set */
@@ -211,15 +212,15 @@ typedef struct sgt_box_room { double kept[8]; } sgt_box_room;
  * are those of the models at some s in [-1, 1]^n.  And of the rays that sgt_trace
  * computes of these with default options: what a box decides has a margin of 2^-40 or
  * more at each edge, and all models have a rest that holds the rounding of such a trace.
- *   PASSED    sgt_trace returns SGT_PASSED, and point, direction and path are in p, d, opl
- *   STOPPED   it returns one of `causes` at that element (or SGT_LOST there, if it
+ *   PASSED    its fate is SGT_PASSED, and point, direction and path are in p, d, opl
+ *   STOPPED   its fate is one of `causes` at that element (or SGT_LOST there, if it
  *             cannot tell)
  * A user's surface is met as its own operations let sgt_trace find roots: what is said is
  * then of the exact rays, and of those for which it finds the root that there is.
  *
  * HOW FINE.  rest shrinks with the third power of the box on conics and most departures;
- * with the second power at formulas, tori and users' surfaces, of which second derivatives
- * are enclosed; with the first at grids (docs/notes/beam.md has figures). */
+ * with the second power at formulas, tori and users' surfaces, of which second
+ * derivatives are enclosed; with the first at grids (docs/notes/beam.md has figures). */
 SGT_API sgt_box_verdict sgt_box_trace(const sgt_box_lens *lens,
                                       const sgt_box_launch *launch, sgt_box_room room[],
                                       sgt_box_at at[], sgt_box_end *out);

@@ -447,7 +447,10 @@ sgt_clipping sgt_clipped_by(const sgt_element *e, sgt_vec3 p)
 static double level_of(const sgt_aperture_item *i, bool hole, sgt_vec2 at)
 {
     figure f;
-    if (is_ring(i)) return distance_of((sgt_vec2){at.x - i->centre.x, at.y - i->centre.y}) - (hole ? i->inner : i->radius);
+    if (is_ring(i)) {
+        const sgt_vec2 from = {at.x - i->centre.x, at.y - i->centre.y};
+        return distance_of(from) - (hole ? i->inner : i->radius);
+    }
     figure_of(i, &f);
     const sgt_vec2 q = seen_from(&f, at.x, at.y).q;
     switch (i->shape) {
@@ -469,8 +472,8 @@ static double level_of(const sgt_aperture_item *i, bool hole, sgt_vec2 at)
     }
 }
 
-/* Each level changes no faster than the point moves.  So what is true of the middle of the box is true of all
- * of it if the level there is larger than half the diagonal; `soft` is a margin far more than any softness. */
+/* Each level changes no faster than the point moves.  So what is true of the middle is true of the box if the
+ * level there is more than half the diagonal; `soft` is a margin far more than any softness. */
 int sgt_aperture_over(const sgt_aperture *a, sgt_interval x, sgt_interval y, double *away)
 {
     const sgt_vec2 at = {0.5 * (x.lo + x.hi), 0.5 * (y.lo + y.hi)},
@@ -482,8 +485,10 @@ int sgt_aperture_over(const sgt_aperture *a, sgt_interval x, sgt_interval y, dou
         const bool hole = i->shape == SGT_ANNULUS && i->inner > 0;
         double level = level_of(i, false, at);
         if (hole) level = larger(level, -level_of(i, true, at)); /* within the ring: below 0 */
-        const double size = fabs(at.x) + fabs(at.y) + fabs(i->centre.x) + fabs(i->centre.y) + i->radius;
-        const double soft = 0x1p-38 * size + 0x1p-490, reach = distance_of(half) * (1 + 0x1p-40) + soft;
+        const double radius = is_ring(i) && i->radius < HUGE_VAL ? i->radius : 0; /* others need not set it */
+        const double size = fabs(at.x) + fabs(at.y) + fabs(i->centre.x) + fabs(i->centre.y) + radius;
+        const double soft = 0x1p-38 * size + 0x1p-490;
+        const double reach = distance_of(half) * (1 + 0x1p-40) + soft;
         const double beyond = i->obscuring ? -level : level; /* above 0: clipped */
         if (beyond > reach) return -1;
         if (!(-beyond > reach)) all = 0;

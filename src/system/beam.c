@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 /* beam.c - a box of rays: the call, and models for the caller (model.h). */
-#define MODEL_N 8
 #include "beam.h"
 #include "model.h"
 
@@ -14,7 +13,8 @@ sgt_model sgt_model_of(double x) { return (sgt_model){.c = x}; }
 sgt_model sgt_model_parameter(int i, sgt_interval range)
 {
     sgt_model x = {.c = sgt_interval_middle(range)};
-    if (!(i >= 0 && i < MODEL_N) || !isfinite(range.lo) || !isfinite(range.hi)) return (sgt_model){.rest = HUGE_VAL};
+    if (!(i >= 0 && i < MODEL_N) || !isfinite(range.lo) || !isfinite(range.hi))
+        return (sgt_model){.rest = HUGE_VAL};
     x.by[i] = larger(range.hi - x.c, x.c - range.lo);
     x.rest = 2 * SGT_U * (fabs(x.c) + x.by[i]) + MODEL_LEAST;
     return x;
@@ -64,7 +64,7 @@ void sgt_model_polar(int i, sgt_interval radius, int j, sgt_interval angle, sgt_
 }
 
 /* A rest that is not finite, or anything that is a NaN. */
-static bool is_known(const sgt_model *x)
+static bool model_is_known(const sgt_model *x)
 {
     double sum = x->c + x->rest;
     for (int i = 0; i < MODEL_N; i++) sum += fabs(x->by[i]);
@@ -74,14 +74,14 @@ static bool is_known(const sgt_model *x)
 
 sgt_interval sgt_model_range(const sgt_model *x)
 {
-    return is_known(x) ? model_range(model_read(x)) : sgt_interval_all();
+    return model_is_known(x) ? model_range(model_read(x)) : sgt_interval_all();
 }
 
 /* s_i has the mean 0, s_i s_j too, and s_i^2 has a third. */
 sgt_interval sgt_model_mean(const sgt_model *x)
 {
     double sum = x->c, size = fabs(x->c);
-    if (!is_known(x)) return sgt_interval_all();
+    if (!model_is_known(x)) return sgt_interval_all();
     for (int i = 0; i < MODEL_N; i++) {
         const double third = x->pair[SGT_MODEL_PAIR(i, i)] / 3;
         sum += third, size += fabs(third);
@@ -92,7 +92,7 @@ sgt_interval sgt_model_mean(const sgt_model *x)
 sgt_interval sgt_model_at(const sgt_model *x, const double s[SGT_MODEL_PARAMETERS])
 {
     double sum = x->c, size = fabs(x->c);
-    if (!is_known(x)) return sgt_interval_all();
+    if (!model_is_known(x)) return sgt_interval_all();
     for (int j = 0; j < MODEL_N; j++) {
         double row = x->by[j], all = fabs(x->by[j]);
         for (int i = 0; i <= j; i++) {
@@ -106,7 +106,10 @@ sgt_interval sgt_model_at(const sgt_model *x, const double s[SGT_MODEL_PARAMETER
 
 /* ------------------------------------------------------------------------ the call */
 
-static bool is_model(const sgt_model *x) { return x->rest >= 0 && x->reserved_[0] == 0 && x->reserved_[1] == 0; }
+static bool is_model(const sgt_model *x)
+{
+    return x->rest >= 0 && x->reserved_[0] == 0 && x->reserved_[1] == 0;
+}
 
 static bool is_number_sound(const sgt_box_lens *lens, const sgt_box_number *a)
 {
@@ -114,11 +117,17 @@ static bool is_number_sound(const sgt_box_lens *lens, const sgt_box_number *a)
     if (a->element == SGT_BOX_BEFORE) return a->what == SGT_BOX_INDEX && a->which == 0;
     if (a->element >= lens->elements) return false;
     switch (a->what) {
-    case SGT_BOX_INDEX: return a->which == 0;
-    case SGT_BOX_PER_WAVE: return a->which == 0 && lens->e[a->element].phase && is_in_waves(lens->e[a->element].phase);
+    case SGT_BOX_INDEX:
+        return a->which == 0;
+    case SGT_BOX_PER_WAVE:
+        return a->which == 0 && lens->e[a->element].phase && is_in_waves(lens->e[a->element].phase);
     case SGT_BOX_ORIGIN:
-    case SGT_BOX_TURN: return a->which < 3;
-    case SGT_BOX_SURFACE: return true;
+    case SGT_BOX_TURN:
+        return a->which < 3;
+    case SGT_BOX_SURFACE: { /* of the others none is known */
+        const sgt_surface_ops *ops = in_set(lens->e[a->element].surface).ops;
+        return a->which < (ops == &sgt_conic_ops ? 2 : ops == &sgt_even_asphere_ops ? 10 : SGT_BOX_BEFORE);
+    }
     }
     return false;
 }
@@ -163,7 +172,8 @@ sgt_box_verdict sgt_box_trace(const sgt_box_lens *lens, const sgt_box_launch *la
     const sgt_box_verdict verdict = n <= 2   ? sgt_box_walk_2(&task, out)
                                     : n <= 4 ? sgt_box_walk_4(&task, out)
                                              : sgt_box_walk_8(&task, out);
-    const bool stays = out->why == SGT_BOX_NO_BOUNDS || out->why == SGT_BOX_NO_EDGE || out->why == SGT_BOX_UNSOUND;
+    const bool stays =
+        out->why == SGT_BOX_NO_BOUNDS || out->why == SGT_BOX_NO_EDGE || out->why == SGT_BOX_UNSOUND;
     if (verdict != SGT_BOX_CUT || stays) out->divide = -1;
     return verdict;
 }
@@ -171,9 +181,12 @@ sgt_box_verdict sgt_box_trace(const sgt_box_lens *lens, const sgt_box_launch *la
 const char *sgt_box_verdict_text(sgt_box_verdict verdict)
 {
     switch (verdict) {
-    case SGT_BOX_PASSED: return "passed";
-    case SGT_BOX_STOPPED: return "stopped";
-    case SGT_BOX_CUT: return "cut";
+    case SGT_BOX_PASSED:
+        return "passed";
+    case SGT_BOX_STOPPED:
+        return "stopped";
+    case SGT_BOX_CUT:
+        return "cut";
     }
     return "?";
 }
@@ -181,15 +194,24 @@ const char *sgt_box_verdict_text(sgt_box_verdict verdict)
 const char *sgt_box_why_text(sgt_box_why why)
 {
     switch (why) {
-    case SGT_BOX_NOTHING: return "decided";
-    case SGT_BOX_AT_EDGE: return "at the edge of an aperture";
-    case SGT_BOX_AT_SURFACE: return "not certain that each ray meets the surface";
-    case SGT_BOX_AT_BENDING: return "not certain that each ray is bent";
-    case SGT_BOX_AT_PLANE: return "rays may run along the vertex plane";
-    case SGT_BOX_TOO_LARGE: return "the bounds are infinite";
-    case SGT_BOX_NO_EDGE: return "a sag without a semi_diameter";
-    case SGT_BOX_NO_BOUNDS: return "a surface or a phase without bounds over a box";
-    case SGT_BOX_UNSOUND: return "not a lens or a launch that can be traced";
+    case SGT_BOX_NOTHING:
+        return "decided";
+    case SGT_BOX_AT_EDGE:
+        return "at the edge of an aperture";
+    case SGT_BOX_AT_SURFACE:
+        return "not certain that each ray meets the surface";
+    case SGT_BOX_AT_BENDING:
+        return "not certain that each ray is bent";
+    case SGT_BOX_AT_PLANE:
+        return "rays may run along the vertex plane";
+    case SGT_BOX_TOO_LARGE:
+        return "the bounds are infinite";
+    case SGT_BOX_NO_EDGE:
+        return "a sag without a semi_diameter";
+    case SGT_BOX_NO_BOUNDS:
+        return "a surface or a phase without bounds over a box";
+    case SGT_BOX_UNSOUND:
+        return "not a lens or a launch that can be traced";
     }
     return "?";
 }

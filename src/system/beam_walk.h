@@ -16,19 +16,18 @@
  * 2. IS IT THE ONE THAT sgt_trace MEANS?  It is, if it is within aperture and rim, and no other root of
  *    the line is.
  *      A conic has two roots at most.  The near one, by the sign of G' (bundle_conic.c), is taken if it is on
- *      the sheet, and within the rim and the aperture, whatever the other is.  If it is outside, the other has
- *      to be excluded.
- *      Of the other sags all roots with r <= L are in an interval T of t, in which G' has one sign for all
- *      lines: so there is one at most (sgt_bundle_sag_only).
+ *      the sheet, and within the rim and the aperture, whatever the other is.  If it is outside, the other
+ * has to be excluded. Of the other sags all roots with r <= L are in an interval T of t, in which G' has one
+ * sign for all lines: so there is one at most (sgt_bundle_sag_only).
  *
  * 3. THE APERTURE: r^2 is a model, and so its range is known to the third order.  Items: sgt_aperture_over.
  *
  * 4. BENDING as in trace.h: f = (1 - r^2) / (r g + sign(g) sqrt(D)), with g = n . d of a known sign.  D > 0
  *    for all, or all are reflected, or the box is cut.
  *
- * THE SLACK.  SLACK is added to d at each element.  Of F as it is computed at most a few u of its terms
- * are lost, of a departure its own bound; SLACK of that is added to B.  A trace stops at t_tol, 2^-48 of an
- * aperture: added to t.  Axes are orthonormal to 2^-50 only. */
+ * THE SLACK.  BEAM_SLACK is added to d at each element.  Of F as it is computed at most a few u of its terms
+ * are lost, of a departure its own bound; BEAM_SLACK of that is added to B.  A trace stops at t_tol, 2^-48 of
+ * an aperture: added to t.  Axes are orthonormal to 2^-50 only. */
 #ifndef SGT_SYSTEM_BEAM_WALK_H
 #define SGT_SYSTEM_BEAM_WALK_H
 #include "beam.h"
@@ -42,7 +41,7 @@
 
 #include "../surface/departure/departure.h"
 
-#define SLACK BUNDLE_SLACK
+#define BEAM_SLACK BUNDLE_SLACK
 static const double EDGE_IN = 1 - 0x1p-38, EDGE_OUT = 1 + 0x1p-38; /* of squares */
 enum { EVEN_TERMS = 8, STEPS = 5, WIDENINGS = 3, SCALAR_STEPS = 40 };
 
@@ -60,7 +59,7 @@ static const sgt_model *number_of(const beam_task *task, size_t element, sgt_box
 static model changed(const beam_task *task, size_t element, sgt_box_what what, size_t which, double own)
 {
     const sgt_model *by = number_of(task, element, what, which);
-    return by ? model_plus(model_read(by), own) : model_of(own);
+    return by ? model_plus(model_read(by), own) : model_number(own);
 }
 
 static bool varies(const beam_task *task, size_t element, sgt_box_what what)
@@ -87,7 +86,7 @@ typedef struct beam_shape {
     const departure *of;
 } beam_shape;
 
-static void shape_of(const beam_task *task, size_t element, beam_shape *s)
+static void beam_shape_of(const beam_task *task, size_t element, beam_shape *s)
 {
     const sgt_surface surface = in_set(task->lens->e[element].surface);
     s->surface = surface, s->kind = SHAPE_NONE, s->varied = false, s->even = NULL, s->of = NULL;
@@ -104,7 +103,8 @@ static void shape_of(const beam_task *task, size_t element, beam_shape *s)
             s->of = surface.ops->own_->departure, s->rim = surface.ops->own_->rim(surface.self);
         }
     } else {
-        if (surface.ops && !varies(task, element, SGT_BOX_SURFACE) && has_box(surface, &s->body)) s->kind = SHAPE_BODY;
+        if (surface.ops && !varies(task, element, SGT_BOX_SURFACE) && beam_has_box(surface, &s->body))
+            s->kind = SHAPE_BODY;
         return;
     }
     if (is_open(s->rim)) s->rim = HUGE_VAL;
@@ -121,7 +121,7 @@ static void shape_of(const beam_task *task, size_t element, beam_shape *s)
 }
 
 static double greatest(sgt_interval x) { return larger(fabs(x.lo), fabs(x.hi)); }
-static double least_of(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
+static double beam_least(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
 
 /* A curvature, times x. */
 static model by_c(const beam_shape *s, model x)
@@ -134,7 +134,7 @@ static bool sag_models_of(const beam_shape *s, const model *x, const model *y, s
 {
     const model rho = model_sum(model_square(*x), model_square(*y));
     const double far2 = model_size(&rho) + rho.e;
-    model sum = model_of(0), slope = model_of(0);
+    model sum = model_number(0), slope = model_number(0);
     double size = 0;
     for (int i = EVEN_TERMS - 1; i >= 0 && s->even; i--) {
         const bool first = sum.e == 0;
@@ -142,19 +142,22 @@ static bool sag_models_of(const beam_shape *s, const model *x, const model *y, s
         if (first && s->even[i] == 0 && !s->varied) continue;
         slope = first ? model_scaled(s->a[i], i + 1)
                       : model_sum(model_product(slope, rho), model_scaled(s->a[i], i + 1));
-        if (s->varied) sum = model_product(model_sum(sum, s->a[i]), rho);
-        else sum = first ? model_scaled(rho, s->even[i]) : model_product(model_plus(sum, s->even[i]), rho);
+        if (s->varied)
+            sum = model_product(model_sum(sum, s->a[i]), rho);
+        else
+            sum = first ? model_scaled(rho, s->even[i]) : model_product(model_plus(sum, s->even[i]), rho);
     }
     if (s->varied || s->c0 != 0) {
-        const model c_rho = by_c(s, rho), phi2 = model_plus(model_negative(model_product(s->k1, by_c(s, c_rho))), 1);
+        const model c_rho = by_c(s, rho),
+                    phi2 = model_plus(model_negative(model_product(s->k1, by_c(s, c_rho))), 1);
         const model phi = model_root(phi2);
         if (!(phi.e < HUGE_VAL)) return false;
         const model base = model_quotient(c_rho, model_plus(phi, 1));
-        size += model_size(&base) / least_of(model_range(phi));
+        size += model_size(&base) / beam_least(model_range(phi));
         sum = model_sum(sum, base);
         slope = model_sum(slope, by_c(s, model_scaled(model_inverse(phi), 0.5)));
     }
-    out->off = SLACK * size;
+    out->off = BEAM_SLACK * size;
     slope = model_scaled(slope, 2);
     out->s = sum, out->x = model_product(slope, *x), out->y = model_product(slope, *y);
     if (s->of) {
@@ -168,7 +171,11 @@ static bool sag_models_of(const beam_shape *s, const model *x, const model *y, s
 }
 
 /* F and a vector along its gradient at p.  off: of F as a trace has it. */
-typedef struct shape_value { model f; model3 n; double off; } shape_value;
+typedef struct shape_value {
+    model f;
+    model3 n;
+    double off;
+} shape_value;
 
 static bool shape_at(const beam_shape *s, const model3 *p, shape_value *v)
 {
@@ -178,27 +185,36 @@ static bool shape_at(const beam_shape *s, const model3 *p, shape_value *v)
         v->f = model_difference(p->z, sag);
         v->n = (model3){model_negative(by_c(s, p->x)), model_negative(by_c(s, p->y)),
                         model_plus(model_negative(by_c(s, k1z)), 1)};
-        v->off = SLACK * (model_size(&p->z) + fabs(s->c0) * (model_size(&r2) + model_size(&k1z) * model_size(&p->z)));
+        v->off = BEAM_SLACK *
+                 (model_size(&p->z) + fabs(s->c0) * (model_size(&r2) + model_size(&k1z) * model_size(&p->z)));
         return v->f.e < HUGE_VAL;
     }
     if (s->kind == SHAPE_BODY) return body_models(s->surface, p, &v->f, &v->n, &v->off);
     sag_models sag;
     if (!sag_models_of(s, &p->x, &p->y, &sag)) return false;
     v->f = model_difference(p->z, sag.s);
-    v->n = (model3){model_negative(sag.x), model_negative(sag.y), model_of(1)};
-    v->off = sag.off + SLACK * model_size(&p->z);
+    v->n = (model3){model_negative(sag.x), model_negative(sag.y), model_number(1)};
+    v->off = sag.off + BEAM_SLACK * model_size(&p->z);
     return true;
 }
 
 /* --------------------------------------------------------------------------- beam_hit */
 
 /* The lines at a surface: they cross its vertex plane at (x, y, 0), with the unit direction d. */
-typedef struct beam_lines { model x, y; model3 d; } beam_lines;
+typedef struct beam_lines {
+    model x, y;
+    model3 d;
+} beam_lines;
 
 /* Where they meet it; size2: n . n, slope: n . d, of this sign on all lines. */
-typedef struct beam_hit { model t; model3 p, n; model slope, size2; double sign; } beam_hit;
+typedef struct beam_hit {
+    model t;
+    model3 p, n;
+    model slope, size2;
+    double sign;
+} beam_hit;
 
-static model3 point_at(const beam_lines *w, model t)
+static model3 beam_point(const beam_lines *w, model t)
 {
     return (model3){model_sum(w->x, model_product(t, w->d.x)), model_sum(w->y, model_product(t, w->d.y)),
                     model_product(t, w->d.z)};
@@ -227,34 +243,34 @@ static double middle_root(const beam_shape *s, const beam_lines *w)
 /* Step 1 of the head.  more: what is added to t.  false: it is not certain that each line has such a root. */
 static bool beam_meet(const beam_shape *s, const beam_lines *w, double more, beam_hit *m)
 {
-    model t = model_of(middle_root(s, w));
+    model t = model_number(middle_root(s, w));
     shape_value v;
     double off = 0, slowest = 0;
     for (int step = 0;; step++) {
         t.e = 0;
-        const model3 p = point_at(w, t);
+        const model3 p = beam_point(w, t);
         if (!shape_at(s, &p, &v)) return false;
         const model slope = model_dot(&v.n, &w->d), inverse = model_inverse(slope);
         if (!(inverse.e < HUGE_VAL)) return false;
-        off = greatest(model_range(v.f)) + v.off, slowest = least_of(model_range(slope));
+        off = greatest(model_range(v.f)) + v.off, slowest = beam_least(model_range(slope));
         if (step == STEPS || (step >= 2 && model_size(&v.f) <= 0.5 * v.f.e + v.off)) break;
         t = model_difference(t, model_product(v.f, inverse));
     }
     double reach = 1.125 * off / slowest + MODEL_LEAST;
     for (int i = 0; i < WIDENINGS; i++, reach *= 2) {
         t.e = reach;
-        m->p = point_at(w, t);
+        m->p = beam_point(w, t);
         if (!shape_at(s, &m->p, &v)) return false;
         m->slope = model_dot(&v.n, &w->d);
         const sgt_interval range = model_range(m->slope);
-        const double least = least_of(range);
+        const double least = beam_least(range);
         if (!(off < reach * least * (1 - 0x1p-40))) continue;
         if (more > 0) {
             t.e += more;
-            m->p = point_at(w, t);
+            m->p = beam_point(w, t);
             if (!shape_at(s, &m->p, &v)) return false;
             m->slope = model_dot(&v.n, &w->d);
-            if (!(least_of(model_range(m->slope)) > 0)) return false;
+            if (!(beam_least(model_range(m->slope)) > 0)) return false;
         }
         m->t = t, m->n = v.n, m->sign = range.lo > 0 ? 1 : -1;
         m->size2 = model_sum(model_square(v.n.x), model_sum(model_square(v.n.y), model_square(v.n.z)));
@@ -265,10 +281,18 @@ static bool beam_meet(const beam_shape *s, const beam_lines *w, double more, bea
 
 /* --------------------------------------------------------------- which root is meant */
 
-typedef enum fate_of_box { ALL_IN, ALL_CLIPPED, ALL_MISS, ALL_CLIPPED_OR_MISS, MAY_BE_BOTH, NOT_MET, NO_EDGE_KNOWN } fate_of_box;
+typedef enum fate_of_box {
+    ALL_IN,
+    ALL_CLIPPED,
+    ALL_MISS,
+    ALL_CLIPPED_OR_MISS,
+    MAY_BE_BOTH,
+    NOT_MET,
+    NO_EDGE_KNOWN
+} fate_of_box;
 
 typedef enum side { INSIDE, OUTSIDE, EITHER } side;
-static side side_of(sgt_interval r2, double edge)
+static side beam_side_of(sgt_interval r2, double edge)
 {
     if (!(edge < HUGE_VAL)) return INSIDE;
     if (r2.hi < edge * edge * EDGE_IN) return INSIDE;
@@ -277,12 +301,12 @@ static side side_of(sgt_interval r2, double edge)
 
 /* Is the other root of the conic certainly not on its sheet, or outside the aperture?  *off_sheet: the
  * former.  b = B + slope of the near root (bundle_conic.c). */
-static bool other_is_out(const beam_shape *s, const beam_lines *w, double aperture, const model *A, const model *b,
-                         bool *off_sheet)
+static bool other_is_out(const beam_shape *s, const beam_lines *w, double aperture, const model *A,
+                         const model *b, bool *off_sheet)
 {
     const model k1c = by_c(s, s->k1), far = model_product(k1c, model_product(*b, w->d.z));
     model on = model_difference(*A, far);
-    on = model_wider(on, SLACK * (model_size(A) + model_size(&far)));
+    on = model_wider(on, BEAM_SLACK * (model_size(A) + model_size(&far)));
     const bool up = model_above(*A, 0), down = model_below(*A, 0);
     *off_sheet = true;
     if (!s->varied && s->c0 == 0) return true;
@@ -291,23 +315,25 @@ static bool other_is_out(const beam_shape *s, const beam_lines *w, double apertu
     if (!(aperture < HUGE_VAL)) return false;
     if (up || down) {
         const model t = model_quotient(*b, *A);
-        const model3 p = point_at(w, t);
-        if (model_above(model_sum(model_square(p.x), model_square(p.y)), aperture * aperture * EDGE_OUT)) return true;
+        const model3 p = beam_point(w, t);
+        if (model_above(model_sum(model_square(p.x), model_square(p.y)), aperture * aperture * EDGE_OUT))
+            return true;
     }
     if (!(model_range(s->k1).hi <= 0)) return false;
-    const double z = least_of(model_range(model_product(w->d.z, *b)));
+    const double z = beam_least(model_range(model_product(w->d.z, *b)));
     const double most = greatest(model_range(*A)), c = greatest(model_range(s->c));
-    return 2 * z * (1 - SLACK) / (most * c) > aperture * aperture * EDGE_OUT;
+    return 2 * z * (1 - BEAM_SLACK) / (most * c) > aperture * aperture * EDGE_OUT;
 }
 
-static fate_of_box meet_conic(const beam_shape *s, const beam_lines *w, double aperture, double more, beam_hit *m)
+static fate_of_box meet_conic(const beam_shape *s, const beam_lines *w, double aperture, double more,
+                              beam_hit *m)
 {
     const model3 *d = &w->d;
     const model across = model_sum(model_product(w->x, d->x), model_product(w->y, d->y));
     const model B = model_difference(d->z, by_c(s, across));
     const double sign = model_above(B, 0) ? 1 : model_below(B, 0) ? -1 : 0;
-    model A = model_sum(model_of(1), model_product(model_plus(s->k1, -1), model_square(d->z)));
-    A = model_wider(by_c(s, A), fabs(s->c0) * SLACK * (1 + model_size(&s->k1)));
+    model A = model_sum(model_number(1), model_product(model_plus(s->k1, -1), model_square(d->z)));
+    A = model_wider(by_c(s, A), fabs(s->c0) * BEAM_SLACK * (1 + model_size(&s->k1)));
     if (sign == 0 || !beam_meet(s, w, more, m) || m->sign != sign) {
         const model C = by_c(s, model_sum(model_square(w->x), model_square(w->y)));
         const model square = model_square(B), product = model_product(A, C);
@@ -317,11 +343,12 @@ static fate_of_box meet_conic(const beam_shape *s, const beam_lines *w, double a
     const model b = model_sum(B, m->slope);
     const sgt_interval r2 = model_range(model_sum(model_square(m->p.x), model_square(m->p.y)));
     const sgt_interval on = model_range(m->n.z);
-    const side in = side_of(r2, aperture), rim = side_of(r2, s->rim);
+    const side in = beam_side_of(r2, aperture), rim = beam_side_of(r2, s->rim);
     const bool here = on.lo > 0x1p-40, gone = on.hi < -0x1p-40;
     if (here && in == INSIDE && rim == INSIDE) return ALL_IN;
     bool off_sheet;
-    if (!other_is_out(s, w, smaller(aperture, s->rim), &A, &b, &off_sheet)) return in == EITHER || rim == EITHER ? MAY_BE_BOTH : NOT_MET;
+    if (!other_is_out(s, w, smaller(aperture, s->rim), &A, &b, &off_sheet))
+        return in == EITHER || rim == EITHER ? MAY_BE_BOTH : NOT_MET;
     if (gone) return off_sheet ? ALL_MISS : NOT_MET;
     if (!here) return NOT_MET;
     if (in == OUTSIDE && rim == INSIDE) return ALL_CLIPPED;
@@ -330,22 +357,20 @@ static fate_of_box meet_conic(const beam_shape *s, const beam_lines *w, double a
 }
 
 /* All of a model as the e of a form. */
-static linear form_about(model x)
-{
-    return form_between(model_range(x));
-}
+static linear form_about(model x) { return form_between(model_range(x)); }
 
 /* sgt_bundle_sag_only of an even asphere whose numbers vary, by intervals: the heights of all points with
  * r <= L, then three times the heights of those that the lines may meet. */
 static bool even_only(const beam_shape *s, const beam_lines *w, double L, bool *none)
 {
     const sgt_interval dx = model_range(w->d.x), dy = model_range(w->d.y), dz = model_range(w->d.z),
-                       x0 = model_range(w->x), y0 = model_range(w->y), c = model_range(s->c), k1 = model_range(s->k1),
-                       across = {-L, L}, one = {1, 1}, within = {0, L * L};
+                       x0 = model_range(w->x), y0 = model_range(w->y), c = model_range(s->c),
+                       k1 = model_range(s->k1), across = {-L, L}, one = {1, 1}, within = {0, L * L};
     sgt_interval t = sgt_interval_all(), x = across, y = across;
     *none = false;
     for (int round = 0; round < 4; round++) {
-        sgt_interval rho = sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)), sum = {0, 0}, slope = {0, 0};
+        sgt_interval rho = sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)), sum = {0, 0},
+                     slope = {0, 0};
         rho = sgt_interval_intersection(rho, within);
         if (sgt_interval_is_empty(rho)) {
             *none = true;
@@ -359,7 +384,8 @@ static bool even_only(const beam_shape *s, const beam_lines *w, double L, bool *
         const sgt_interval c2 = sgt_interval_product(k1, sgt_interval_square(c)),
                            phi2 = sgt_interval_difference(one, sgt_interval_product(c2, rho)),
                            phi = sgt_interval_square_root(phi2);
-        const sgt_interval base = sgt_interval_quotient(sgt_interval_product(c, rho), sgt_interval_sum(one, phi));
+        const sgt_interval base =
+            sgt_interval_quotient(sgt_interval_product(c, rho), sgt_interval_sum(one, phi));
         slope = sgt_interval_sum(slope, sgt_interval_quotient(sgt_interval_scaled(c, 0.5), phi));
         t = sgt_interval_intersection(t, sgt_interval_quotient(sgt_interval_sum(sum, base), dz));
         *none = sgt_interval_is_empty(t);
@@ -369,7 +395,8 @@ static bool even_only(const beam_shape *s, const beam_lines *w, double L, bool *
                            fy = sgt_interval_sum(y0, sgt_interval_product(t, dy));
         const sgt_interval far = sgt_interval_sum(sgt_interval_square(fx), sgt_interval_square(fy));
         if (phi2.lo > 0 && sgt_interval_is_in(far, rho)) { /* the slope is that all over t */
-            const sgt_interval out = sgt_interval_sum(sgt_interval_product(fx, dx), sgt_interval_product(fy, dy));
+            const sgt_interval out =
+                sgt_interval_sum(sgt_interval_product(fx, dx), sgt_interval_product(fy, dy));
             slope = sgt_interval_difference(dz, sgt_interval_scaled(sgt_interval_product(out, slope), 2));
             if (sgt_interval_is_positive(slope) || sgt_interval_is_negative(slope)) return true;
         }
@@ -378,20 +405,22 @@ static bool even_only(const beam_shape *s, const beam_lines *w, double L, bool *
     return false;
 }
 
-static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const bundle_lines *by, sag_kept *kept, bool *none)
+static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const bundle_lines *by,
+                     sag_kept *kept, bool *none)
 {
     return s->varied ? even_only(s, w, L, none) : sgt_bundle_sag_only(s->surface, L, by, kept, none);
 }
 
-static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double aperture, double more, sag_kept kept[2],
-                            beam_hit *m)
+static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double aperture, double more,
+                            sag_kept kept[2], beam_hit *m)
 {
     static const double MORE = 1 + 0x1p-36;
-    const sgt_interval bend = sgt_interval_product(model_range(s->k1), sgt_interval_square(model_range(s->c)));
+    const sgt_interval bend =
+        sgt_interval_product(model_range(s->k1), sgt_interval_square(model_range(s->c)));
     const double edge = bend.lo > 0 ? (1 + 0x1p-50) / sqrt(bend.lo) : HUGE_VAL; /* of the base: at most */
     const double most = smaller(s->rim, edge), least = smaller(aperture, most);
-    const bundle_lines by = {form_about(w->x), form_about(w->y),
-                             {form_about(w->d.x), form_about(w->d.y), form_about(w->d.z)}};
+    const bundle_lines by = {
+        form_about(w->x), form_about(w->y), {form_about(w->d.x), form_about(w->d.y), form_about(w->d.z)}};
     if (!(least < 0x1p400)) return NO_EDGE_KNOWN;
     bool none = false, only = sag_only(s, w, least * MORE, &by, &kept[0], &none);
     if (only && none) {
@@ -400,7 +429,7 @@ static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double ape
     }
     if (!beam_meet(s, w, more, m)) return NOT_MET;
     const sgt_interval r2 = model_range(model_sum(model_square(m->p.x), model_square(m->p.y)));
-    const side in = side_of(r2, aperture), rim = side_of(r2, s->rim);
+    const side in = beam_side_of(r2, aperture), rim = beam_side_of(r2, s->rim);
     if (in == INSIDE && rim == INSIDE) return only ? ALL_IN : NOT_MET;
     if (in == EITHER || rim == EITHER) return MAY_BE_BOTH;
     /* a root outside, and none inside? */
@@ -410,9 +439,12 @@ static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double ape
     return NOT_MET;
 }
 
-/* Of all lines, in pieces of t: what of `within` may have a root, r <= L, and whether each line has one at most
- * there.  Pieces are halved as long as there are any left. */
-typedef struct left { sgt_interval t; bool none, only; } left;
+/* Of all lines, in pieces of t: what of `within` may have a root, r <= L, and whether each line has one at
+ * most there.  Pieces are halved as long as there are any left. */
+typedef struct left {
+    sgt_interval t;
+    bool none, only;
+} left;
 enum { HALVINGS = 8, WAITING = 32 };
 
 /* A formula's surface is within its ball and its box, by all but roundings. */
@@ -420,7 +452,8 @@ static void formula_cut(sgt_surface s, sgt_interval at[3])
 {
     if (s.ops != &sgt_formula_ops) return;
     const sgt_formula *f = s.self;
-    const double most = f->ball * (1 + 0x1p-36), lo[3] = {f->lo.x, f->lo.y, f->lo.z}, hi[3] = {f->hi.x, f->hi.y, f->hi.z};
+    const double most = f->ball * (1 + 0x1p-36), lo[3] = {f->lo.x, f->lo.y, f->lo.z},
+                 hi[3] = {f->hi.x, f->hi.y, f->hi.z};
     bool boxed = false;
     for (int i = 0; i < 3; i++) boxed = boxed || lo[i] != 0 || hi[i] != 0;
     for (int i = 0; i < 3; i++) {
@@ -433,29 +466,36 @@ static void formula_cut(sgt_surface s, sgt_interval at[3])
 static left body_left(const beam_shape *s, const beam_lines *w, double L, sgt_interval within)
 {
     const sgt_interval x0 = model_range(w->x), y0 = model_range(w->y),
-                       d[3] = {model_range(w->d.x), model_range(w->d.y), model_range(w->d.z)}, across = {-L, L};
-    struct { sgt_interval t; int depth; } stack[WAITING];
+                       d[3] = {model_range(w->d.x), model_range(w->d.y), model_range(w->d.z)},
+                       across = {-L, L};
+    struct {
+        sgt_interval t;
+        int depth;
+    } stack[WAITING];
     int height = 0;
     left out = {sgt_interval_empty(), false, false};
     sgt_interval at[3], f, g[3], h[6];
-    const double far = 0x1p4 * (sgt_interval_greatest(x0) + sgt_interval_greatest(y0) + (L < HUGE_VAL ? L : 0) + 1);
+    const double far =
+        0x1p4 * (sgt_interval_greatest(x0) + sgt_interval_greatest(y0) + (L < HUGE_VAL ? L : 0) + 1);
     const double cuts[] = {within.lo, -0x1p10 * far, -far, 0, far, 0x1p10 * far, within.hi};
     for (size_t i = 0; i + 1 < sizeof cuts / sizeof *cuts; i++) {
-        const sgt_interval t = sgt_interval_intersection(within, (sgt_interval){i == 0 ? within.lo : cuts[i], i == 5 ? within.hi : cuts[i + 1]});
+        const sgt_interval t = sgt_interval_intersection(
+            within, (sgt_interval){i == 0 ? within.lo : cuts[i], i == 5 ? within.hi : cuts[i + 1]});
         if (t.lo < t.hi) stack[height].t = t, stack[height++].depth = 0;
     }
     while (height > 0) {
         const sgt_interval t = stack[--height].t;
         const int depth = stack[height].depth;
-        at[0] = sgt_interval_intersection(added(x0, sgt_interval_product(t, d[0])), across);
-        at[1] = sgt_interval_intersection(added(y0, sgt_interval_product(t, d[1])), across);
+        at[0] = sgt_interval_intersection(box_sum(x0, sgt_interval_product(t, d[0])), across);
+        at[1] = sgt_interval_intersection(box_sum(y0, sgt_interval_product(t, d[1])), across);
         at[2] = sgt_interval_product(t, d[2]);
         formula_cut(s->surface, at);
-        if (sgt_interval_is_empty(at[0]) || sgt_interval_is_empty(at[1]) || sgt_interval_is_empty(at[2])) continue;
+        if (sgt_interval_is_empty(at[0]) || sgt_interval_is_empty(at[1]) || sgt_interval_is_empty(at[2]))
+            continue;
         box_over(s->surface, at, &f, g, h);
         if (!(sgt_interval_width(t) < HUGE_VAL) && s->surface.ops == &sgt_quadric_ops) {
             const sgt_interval o[3] = {x0, y0, {0, 0}};
-            f = quadric_far(s->surface.self, o, d, sgt_interval_quotient((sgt_interval){1, 1}, t));
+            f = quadric_beyond(s->surface.self, o, d, sgt_interval_quotient((sgt_interval){1, 1}, t));
         }
         if (!sgt_interval_has(f, 0)) continue;
         const double m = sgt_interval_middle(t);
@@ -468,11 +508,12 @@ static left body_left(const beam_shape *s, const beam_lines *w, double L, sgt_in
     }
     out.none = sgt_interval_is_empty(out.t);
     if (out.none || !(sgt_interval_width(out.t) < HUGE_VAL)) return out;
-    at[0] = added(x0, sgt_interval_product(out.t, d[0])), at[1] = added(y0, sgt_interval_product(out.t, d[1]));
+    at[0] = box_sum(x0, sgt_interval_product(out.t, d[0])),
+    at[1] = box_sum(y0, sgt_interval_product(out.t, d[1]));
     at[2] = sgt_interval_product(out.t, d[2]);
     if (!box_over(s->surface, at, &f, g, h)) return out;
     sgt_interval slope = sgt_interval_product(g[0], d[0]);
-    slope = added(slope, added(sgt_interval_product(g[1], d[1]), sgt_interval_product(g[2], d[2])));
+    slope = box_sum(slope, box_sum(sgt_interval_product(g[1], d[1]), sgt_interval_product(g[2], d[2])));
     out.only = sgt_interval_is_positive(slope) || sgt_interval_is_negative(slope);
     return out;
 }
@@ -495,11 +536,14 @@ static bool formula_has(const beam_shape *s, const beam_hit *m)
 }
 
 /* A body is met where its first crossing is inside the aperture, or its only one inside. */
-static fate_of_box meet_body(const beam_shape *s, const beam_lines *w, double aperture, double more, beam_hit *m)
+static fate_of_box meet_body(const beam_shape *s, const beam_lines *w, double aperture, double more,
+                             beam_hit *m)
 {
     const double L = aperture * (1 + 0x1p-36);
     const bool met = beam_meet(s, w, more, m) && formula_has(s, m);
-    const side in = met ? side_of(model_range(model_sum(model_square(m->p.x), model_square(m->p.y))), aperture) : EITHER;
+    const side in =
+        met ? beam_side_of(model_range(model_sum(model_square(m->p.x), model_square(m->p.y))), aperture)
+            : EITHER;
     if (met && in == EITHER) return MAY_BE_BOTH;
     if (met && in == INSIDE && s->body) {
         const left before = body_left(s, w, HUGE_VAL, (sgt_interval){-HUGE_VAL, model_range(m->t).hi});
@@ -523,10 +567,14 @@ static void beam_unit(model3 *d)
 }
 
 /* An index, or one over one. */
-typedef struct index_models { model n1, n2, r, k; bool same, mirror; } index_models;
+typedef struct index_models {
+    model n1, n2, r, k;
+    bool same, mirror;
+} index_models;
 
 /* d' = r d + f n.  D: under the root, over n . n; 0 of a mirror.  false: *fate says why there is none. */
-static bool bend_plain(const index_models *by, const beam_hit *m, model3 *d, sgt_interval *behind, sgt_fate *fate)
+static bool bend_plain(const index_models *by, const beam_hit *m, model3 *d, sgt_interval *behind,
+                       sgt_fate *fate)
 {
     model f;
     *fate = SGT_LOST;
@@ -537,7 +585,8 @@ static bool bend_plain(const index_models *by, const beam_hit *m, model3 *d, sgt
         d->z = model_sum(d->z, model_product(f, m->n.z));
         return true;
     }
-    const model rg = model_product(by->r, m->slope), square = model_square(rg), kn = model_product(by->k, m->size2);
+    const model rg = model_product(by->r, m->slope), square = model_square(rg),
+                kn = model_product(by->k, m->size2);
     const model D = model_sum(square, kn);
     const double least = 0x1p-40 * (model_size(&square) + model_size(&kn));
     const sgt_interval range = model_range(D);
@@ -557,27 +606,31 @@ static model ideal_term(const model3 *p, const model *wx, const model *wy, const
 {
     const model S = model_root(model_plus(model_sum(model_square(*wx), model_square(*wy)), 1));
     const model S0 = model_root(model_plus(model_sum(model_square(*w0x), model_square(*w0y)), 1));
-    const model along = model_sum(model_product(p->x, model_sum(*wx, *w0x)), model_product(p->y, model_sum(*wy, *w0y)));
+    const model along =
+        model_sum(model_product(p->x, model_sum(*wx, *w0x)), model_product(p->y, model_sum(*wy, *w0y)));
     return model_quotient(along, model_sum(S, S0));
 }
 
-static bool bend_ideal(const sgt_phase *phase, const index_models *by, const model3 *p, model3 *d, model *path)
+static bool bend_ideal(const sgt_phase *phase, const index_models *by, const model3 *p, model3 *d,
+                       model *path)
 {
     const bool up = model_above(d->z, 0x1p-40), down = model_below(d->z, -0x1p-40);
     if (!up && !down) return false;
     const model inverse = model_inverse(up ? d->z : model_negative(d->z)), i2 = model_inverse(by->n2);
-    const model power = model_scaled(i2, 1), F = model_wider(model_scaled(power, 1 / phase->focal_length),
-                                                             SLACK / fabs(phase->focal_length) * model_size(&power));
+    const model power = model_scaled(i2, 1),
+                F = model_wider(model_scaled(power, 1 / phase->focal_length),
+                                BEAM_SLACK / fabs(phase->focal_length) * model_size(&power));
     const double near = phase->object_distance == 0 ? 0 : 1 / phase->object_distance;
     const model wx = model_product(d->x, inverse), wy = model_product(d->y, inverse);
     const model ex = model_difference(model_product(by->r, wx), model_product(F, p->x)),
                 ey = model_difference(model_product(by->r, wy), model_product(F, p->y));
-    const model w0x = model_difference(wx, model_scaled(p->x, near)), w0y = model_difference(wy, model_scaled(p->y, near));
+    const model w0x = model_difference(wx, model_scaled(p->x, near)),
+                w0y = model_difference(wy, model_scaled(p->y, near));
     const model e0x = model_product(by->r, w0x), e0y = model_product(by->r, w0y);
     const model front = model_product(by->n1, ideal_term(p, &wx, &wy, &w0x, &w0y));
     const model back = model_product(by->n2, ideal_term(p, &ex, &ey, &e0x, &e0y));
     const model W = model_difference(back, front);
-    *path = model_sum(*path, model_wider(W, SLACK * (model_size(&front) + model_size(&back))));
+    *path = model_sum(*path, model_wider(W, BEAM_SLACK * (model_size(&front) + model_size(&back))));
     const model S = model_inverse(model_root(model_plus(model_sum(model_square(ex), model_square(ey)), 1)));
     d->x = model_product(ex, S), d->y = model_product(ey, S);
     d->z = up != by->mirror ? S : model_negative(S);
@@ -599,21 +652,22 @@ static bool bend_waves(const sgt_element *e, const model *per_wave, const index_
     } else if (waves.ops == &sgt_even_asphere_ops) {
         const sgt_even_asphere *q = waves.self;
         s.c0 = q->c, s.k0 = q->k, s.even = q->a;
-        for (int i = 0; i < EVEN_TERMS; i++) s.a[i] = model_of(q->a[i]);
+        for (int i = 0; i < EVEN_TERMS; i++) s.a[i] = model_number(q->a[i]);
     } else if (sgt_bundle_has_sag(waves)) {
         waves.ops->own_->base(waves.self, &s.c0, &s.k0);
         s.of = waves.ops->own_->departure;
     } else {
         return false;
     }
-    s.surface = waves, s.c = model_of(s.c0), s.k1 = model_made(model_of(1 + s.k0), 1 + fabs(s.k0));
+    s.surface = waves, s.c = model_number(s.c0), s.k1 = model_made(model_number(1 + s.k0), 1 + fabs(s.k0));
     if (!sag_models_of(&s, &m->p.x, &m->p.y, &W)) return false;
     *unknown = false;
     const model gx = model_product(*per_wave, W.x), gy = model_product(*per_wave, W.y);
     const model3 u = {model_sum(model_product(by->n1, d->x), gx), model_sum(model_product(by->n1, d->y), gy),
                       model_product(by->n1, d->z)};
     const model inverse = model_inverse(m->size2), k = model_product(model_dot(&u, &m->n), inverse);
-    const model3 t = {model_difference(u.x, model_product(k, m->n.x)), model_difference(u.y, model_product(k, m->n.y)),
+    const model3 t = {model_difference(u.x, model_product(k, m->n.x)),
+                      model_difference(u.y, model_product(k, m->n.y)),
                       model_difference(u.z, model_product(k, m->n.z))};
     const model n2 = model_square(by->n2), t2 = model_dot(&t, &t), q = model_difference(n2, t2);
     const sgt_interval range = model_range(q);
@@ -631,7 +685,12 @@ static bool bend_waves(const sgt_element *e, const model *per_wave, const index_
 
 /* ------------------------------------------------------------------------- the frames */
 
-typedef struct frame { bool turned, varied; sgt_pose pose; model3 move, turn; bool spun; } frame;
+typedef struct frame {
+    bool turned, varied;
+    sgt_pose pose;
+    model3 move, turn;
+    bool spun;
+} frame;
 
 /* By the angle about an axis: (a, b) are the components across it, in right-handed order. */
 static void turn_pair(const model *c, const model *s, double sign, model *a, model *b)
@@ -749,16 +808,19 @@ static void tell_at(const sgt_element *e, const beam_hit *m, sgt_box_at *at)
     at->items = HUGE_VAL;
 }
 
-static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1_varied, bool *varied, index_models *by)
+static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1_varied, bool *varied,
+                       index_models *by)
 {
     const sgt_element *e = &task->lens->e[i];
     const sgt_model *own = number_of(task, i, SGT_BOX_INDEX, 0);
     by->n1 = *n1, by->mirror = e->index == SGT_MIRROR;
-    by->n2 = own && !by->mirror ? model_read(own) : e->index == 0 || by->mirror ? *n1 : model_of(e->index);
+    by->n2 = own && !by->mirror            ? model_read(own)
+             : e->index == 0 || by->mirror ? *n1
+                                           : model_number(e->index);
     *varied = own && !by->mirror ? true : e->index == 0 || by->mirror ? n1_varied : false;
     by->same = by->mirror || (!own && (e->index == 0 || (!n1_varied && e->index == n1->c)));
     if (by->same) {
-        by->r = model_of(1), by->k = model_of(0);
+        by->r = model_number(1), by->k = model_number(0);
         return;
     }
     const model i2 = model_inverse(by->n2);
@@ -777,11 +839,11 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
     model3 p = {model_read(&from->o[0]), model_read(&from->o[1]), model_read(&from->o[2])};
     model3 d = {model_read(&from->d[0]), model_read(&from->d[1]), model_read(&from->d[2])};
     const sgt_model *before = number_of(task, SGT_BOX_BEFORE, SGT_BOX_INDEX, 0);
-    model index = before ? model_read(before) : model_of(launch_index), path = model_of(0);
+    model index = before ? model_read(before) : model_number(launch_index), path = model_number(0);
     bool index_varied = before != NULL;
     beam_unit(&d);
     if (!is_positive(index)) return cut(out, 0, SGT_BOX_UNSOUND, &p);
-    const double given = SLACK * (model_size(&p.x) + model_size(&p.y) + model_size(&p.z));
+    const double given = BEAM_SLACK * (model_size(&p.x) + model_size(&p.y) + model_size(&p.z));
     p.x = model_wider(p.x, given), p.y = model_wider(p.y, given), p.z = model_wider(p.z, given);
     if (!(d.z.e < HUGE_VAL)) return cut(out, 0, SGT_BOX_TOO_LARGE, &p);
     for (size_t i = 0; i < lens->elements; i++) {
@@ -792,36 +854,45 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         beam_lines w;
         index_models by;
         bool varied;
-        frame_of(task, i, &f), shape_of(task, i, &s);
+        frame_of(task, i, &f), beam_shape_of(task, i, &s);
         indices_of(task, i, &index, index_varied, &varied, &by);
         if (!is_positive(by.n2)) return cut(out, i, SGT_BOX_UNSOUND, &p);
         moved_by(&f, -1, &p);
         beam_into(&f, &p), beam_into(&f, &d);
-        const double grain = SLACK * (model_size(&p.x) + model_size(&p.y) + model_size(&p.z));
+        const double grain = BEAM_SLACK * (model_size(&p.x) + model_size(&p.y) + model_size(&p.z));
         p.x = model_wider(p.x, grain), p.y = model_wider(p.y, grain), p.z = model_wider(p.z, grain);
-        d.x = model_wider(d.x, SLACK), d.y = model_wider(d.y, SLACK), d.z = model_wider(d.z, SLACK);
+        d.x = model_wider(d.x, BEAM_SLACK), d.y = model_wider(d.y, BEAM_SLACK),
+        d.z = model_wider(d.z, BEAM_SLACK);
         const model t0 = model_negative(model_quotient(p.z, d.z));
         w.x = model_sum(p.x, model_product(t0, d.x)), w.y = model_sum(p.y, model_product(t0, d.y)), w.d = d;
-        const model3 plane = {w.x, w.y, model_of(0)};
+        const model3 plane = {w.x, w.y, model_number(0)};
         if (!(w.x.e < HUGE_VAL && w.y.e < HUGE_VAL)) return cut(out, i, SGT_BOX_AT_PLANE, &p);
         if (s.kind == SHAPE_NONE) return cut(out, i, SGT_BOX_NO_BOUNDS, &plane);
         const double aperture = is_open(e->semi_diameter) ? HUGE_VAL : e->semi_diameter;
-        const double tolerance = 0x1p-46 * (aperture < HUGE_VAL ? aperture : model_size(&w.x) + model_size(&w.y));
+        const double tolerance =
+            0x1p-46 * (aperture < HUGE_VAL ? aperture : model_size(&w.x) + model_size(&w.y));
         sag_kept kept[2] = {{.known = false}, {.known = false}};
         if (task->room) memcpy(kept, &task->room[i], sizeof kept);
         const bool conic = s.kind == SHAPE_CONIC;
         const fate_of_box fate = conic                  ? meet_conic(&s, &w, aperture, tolerance, &m)
-                               : s.kind == SHAPE_BODY ? meet_body(&s, &w, aperture, tolerance, &m)
-                                                      : meet_sag(&s, &w, aperture, tolerance, kept, &m);
+                                 : s.kind == SHAPE_BODY ? meet_body(&s, &w, aperture, tolerance, &m)
+                                                        : meet_sag(&s, &w, aperture, tolerance, kept, &m);
         if (task->room) memcpy(&task->room[i], kept, sizeof kept);
         switch (fate) {
-        case ALL_IN: break;
-        case ALL_CLIPPED: return stopped(out, i, SGT_CLIPPED, 1u << SGT_CLIPPED);
-        case ALL_MISS: return stopped(out, i, SGT_MISSED, 1u << SGT_MISSED);
-        case ALL_CLIPPED_OR_MISS: return stopped(out, i, SGT_LOST, 1u << SGT_CLIPPED | 1u << SGT_MISSED);
-        case MAY_BE_BOTH: return cut(out, i, SGT_BOX_AT_EDGE, &m.p);
-        case NOT_MET: return cut(out, i, SGT_BOX_AT_SURFACE, &plane);
-        case NO_EDGE_KNOWN: return cut(out, i, SGT_BOX_NO_EDGE, &plane);
+        case ALL_IN:
+            break;
+        case ALL_CLIPPED:
+            return stopped(out, i, SGT_CLIPPED, 1u << SGT_CLIPPED);
+        case ALL_MISS:
+            return stopped(out, i, SGT_MISSED, 1u << SGT_MISSED);
+        case ALL_CLIPPED_OR_MISS:
+            return stopped(out, i, SGT_LOST, 1u << SGT_CLIPPED | 1u << SGT_MISSED);
+        case MAY_BE_BOTH:
+            return cut(out, i, SGT_BOX_AT_EDGE, &m.p);
+        case NOT_MET:
+            return cut(out, i, SGT_BOX_AT_SURFACE, &plane);
+        case NO_EDGE_KNOWN:
+            return cut(out, i, SGT_BOX_NO_EDGE, &plane);
         }
         sgt_box_at *at = task->at ? &task->at[i] : NULL;
         if (at) tell_at(e, &m, at);
@@ -833,13 +904,13 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
             if (through == 0) return cut(out, i, SGT_BOX_AT_EDGE, &m.p);
         }
         const model way = model_product(index, model_sum(t0, m.t));
-        path = model_sum(path, model_wider(way, SLACK * model_size(&way)));
+        path = model_sum(path, model_wider(way, BEAM_SLACK * model_size(&way)));
         sgt_fate end = SGT_PASSED;
         bool unknown = false, passed = true;
         sgt_interval behind = {0, 1};
         if (e->phase && is_in_waves(e->phase)) {
             const sgt_model *order = number_of(task, i, SGT_BOX_PER_WAVE, 0);
-            const model per_wave = order ? model_read(order) : model_of(e->phase->per_wave);
+            const model per_wave = order ? model_read(order) : model_number(e->phase->per_wave);
             passed = bend_waves(e, &per_wave, &by, &m, &d, &path, &end, &unknown);
         } else if (e->phase) {
             passed = bend_ideal(e->phase, &by, &m.p, &d, &path), end = SGT_LOST;
@@ -856,7 +927,8 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         beam_out_of(&f, &p), beam_out_of(&f, &d);
         moved_by(&f, 1, &p);
     }
-    d.x = model_wider(d.x, SLACK), d.y = model_wider(d.y, SLACK), d.z = model_wider(d.z, SLACK);
+    d.x = model_wider(d.x, BEAM_SLACK), d.y = model_wider(d.y, BEAM_SLACK),
+    d.z = model_wider(d.z, BEAM_SLACK);
     out->verdict = SGT_BOX_PASSED, out->element = lens->elements, out->fate = SGT_PASSED;
     model_write(p.x, &out->p[0]), model_write(p.y, &out->p[1]), model_write(p.z, &out->p[2]);
     model_write(d.x, &out->d[0]), model_write(d.y, &out->d[1]), model_write(d.z, &out->d[2]);

@@ -22,8 +22,12 @@
  * are written to be false for them.
  *
  * This file is compiled for several N; all in it is static.  q_ij is at j (j + 1) / 2 + i. */
-#ifndef MODEL_N
-#error "define MODEL_N, the number of parameters"
+#if defined(MODEL_2)
+#define MODEL_N 2
+#elif defined(MODEL_4)
+#define MODEL_N 4
+#else
+#define MODEL_N 8
 #endif
 #ifndef SGT_SYSTEM_MODEL_H
 #define SGT_SYSTEM_MODEL_H
@@ -32,7 +36,9 @@
 #include <sagitta/beam.h>
 
 #define MODEL_Q (MODEL_N * (MODEL_N + 1) / 2)
-typedef struct model { double c, a[MODEL_N], q[MODEL_Q], e; } model;
+typedef struct model {
+    double c, a[MODEL_N], q[MODEL_Q], e;
+} model;
 
 #define MODEL_ROUND (16 * SGT_U)
 #define MODEL_MORE (1 + 0x1p-44)
@@ -40,7 +46,7 @@ typedef struct model { double c, a[MODEL_N], q[MODEL_Q], e; } model;
 
 #define MODEL_USED __attribute__((unused))
 
-static inline model model_of(double c)
+static inline model model_number(double c)
 {
     model x = {.c = c};
     return x;
@@ -61,7 +67,10 @@ static inline double model_bent(const model *x)
 }
 
 /* The greatest |x|, and |x - c|, at most. */
-static inline double model_away(const model *x) { return (model_linear(x) + model_bent(x) + x->e) * MODEL_MORE; }
+static inline double model_away(const model *x)
+{
+    return (model_linear(x) + model_bent(x) + x->e) * MODEL_MORE;
+}
 static inline double model_size(const model *x) { return fabs(x->c) + model_linear(x) + model_bent(x); }
 
 /* The same with e made sound: `size` is the sum of the magnitudes that were rounded. */
@@ -79,7 +88,7 @@ static inline model model_wider(model x, double by)
 
 static model MODEL_USED model_between(sgt_interval range)
 {
-    model x = model_of(sgt_interval_middle(range));
+    model x = model_number(sgt_interval_middle(range));
     x.e = larger(range.hi - x.c, x.c - range.lo);
     return model_made(x, fabs(x.c) + x.e);
 }
@@ -181,7 +190,7 @@ static model model_made_of(model x, double f0, double f1, double f2, double rest
 
 static model model_unknown(void)
 {
-    model x = model_of(0);
+    model x = model_number(0);
     x.e = HUGE_VAL;
     return x;
 }
@@ -190,7 +199,8 @@ static model model_unknown(void)
 static model model_inverse(model x)
 {
     const sgt_interval range = model_range(x);
-    const double least = range.lo > 0 ? range.lo : -range.hi, i = 1 / x.c, d = model_away(&x), di = d * fabs(i);
+    const double least = range.lo > 0 ? range.lo : -range.hi, i = 1 / x.c, d = model_away(&x),
+                 di = d * fabs(i);
     if (!(least > 0) || !(d < HUGE_VAL)) return model_unknown();
     return model_made_of(x, i, -i * i, i * i * i, di * di * di / least * MODEL_MORE);
 }
@@ -218,11 +228,14 @@ static model MODEL_USED model_turned(model x, bool cosine)
     return cosine ? model_made_of(x, cm, -sm, -0.5 * cm, rest) : model_made_of(x, sm, cm, -0.5 * sm, rest);
 }
 
-typedef struct model3 { model x, y, z; } model3;
+typedef struct model3 {
+    model x, y, z;
+} model3;
 
 static model MODEL_USED model_dot(const model3 *a, const model3 *b)
 {
-    return model_sum(model_product(a->x, b->x), model_sum(model_product(a->y, b->y), model_product(a->z, b->z)));
+    return model_sum(model_product(a->x, b->x),
+                     model_sum(model_product(a->y, b->y), model_product(a->z, b->z)));
 }
 
 /* a . x of three numbers known exactly. */

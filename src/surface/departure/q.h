@@ -23,7 +23,7 @@ enum { Q_TERMS = 64 };
 typedef struct q_step { double alpha, beta, gamma; } q_step;
 typedef q_step q_steps(size_t m);
 
-/* Of a q_bfs: S is the sum of b[m] p_m, with p_0 = 1, p_1 = 3 - 4 v, p_(m+1) = (2 - 4 v) p_m - p_(m-1); b_err:
+/* Of a q_bfs: S is the sum of b[m] p_m, p_0 = 1, p_1 = 3 - 4 v, p_(m+1) = (2 - 4 v) p_m - p_(m-1).  b_err:
  * how far each b is off.  Returns how many there are.  (q_bfs.c) */
 size_t sgt_q_bfs_basis(const sgt_q_bfs *s, double b[Q_TERMS], double b_err[Q_TERMS]);
 
