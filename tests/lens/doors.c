@@ -98,10 +98,12 @@ static bool set(const sgt_analysis *of, char *options, char *words, double list[
     const bool flag = true;
     const size_t count = (size_t)list[0];
     const int word = (int)list[0];
+    const char *text = value + 1;
     switch (s->kind) {
     case SGT_SETTING_FLAG: memcpy(options + s->offset, &flag, sizeof flag); break;
     case SGT_SETTING_COUNT: memcpy(options + s->offset, &count, sizeof count); break;
     case SGT_SETTING_WORD: memcpy(options + s->offset, &word, sizeof word); break;
+    case SGT_SETTING_TEXT: memcpy(options + s->offset, &text, sizeof text); break;
     case SGT_SETTING_NUMBER:
     case SGT_SETTING_NUMBERS: memcpy(options + s->offset, &numbers, sizeof numbers); break;
     }
