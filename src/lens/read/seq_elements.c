@@ -342,14 +342,27 @@ static void write_aim(seq *q, node *root)
         i);
 }
 
+static void tell_models(seq *q)
+{
+    for (const seq_model *m = q->model; m < q->model + q->models; m++)
+        tree_remark(q->s, SGT_REMARK_TURNED, m->line, "S",
+                    "nd %.10g and Vd %.10g, of %.*s: a fictitious glass, which is approximate (%zu of them)",
+                    m->nd, m->vd, sgt_reader_width(m->code), m->code.begin, m->count);
+    if (q->other_models)
+        tree_remark(q->s, SGT_REMARK_TURNED, q->other_models_line, "S",
+                    "nd and Vd of other fictitious glasses, which are approximate (%zu of them)",
+                    q->other_models);
+}
+
 static void tell_what_was_taken(seq *q)
 {
     if (!q->stop)
         tree_remark(q->s, SGT_REMARK_NOTE, q->first, "STO",
                     "taken as the first surface, since none is marked");
-    if (q->approximate)
-        tree_remark(q->s, SGT_REMARK_TURNED, q->approximate_line, "S",
-                    "its nd and Vd: a fictitious glass, which is approximate (%zu of them)", q->approximate);
+    if (q->crossings)
+        tree_remark(q->s, SGT_REMARK_NOTE, q->crossing_line, "IC",
+                    "taken as the ordinary point of a ray on its surface (%zu times)", q->crossings);
+    tell_models(q);
     if (q->aperture_line && !q->uses_apertures)
         tree_remark(
             q->s, SGT_REMARK_NOTE, q->aperture_line, "CIR",
