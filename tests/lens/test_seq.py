@@ -346,7 +346,7 @@ def test_glasses():
                   '51764'):
         if 'no code of a glass' not in refused(plain('NBK7_SCHOTT', glass)):
             raise AssertionError(f'{glass}: {refused(plain("NBK7_SCHOTT", glass))}')
-    for glass in ('517:642', '.5:60', '1.5:0', '1.5:-3', '1.517:642'):
+    for glass in ('517:642', '517:64.2', '.5:60', '1.5:0', '1.5:-3', '1.517:642'):
         if 'is none' not in refused(plain('NBK7_SCHOTT', glass)):
             raise AssertionError(f'{glass}: {refused(plain("NBK7_SCHOTT", glass))}')
     for glass, wanted in (('NBK77_SCHOTT', 'no glass'), ('CAF2_DAIMON-20', 'no glass'), ("'MINE'", 'PRV block'),
@@ -476,7 +476,10 @@ def test_refused():
             (plain(behind='THI F1 3\n'), 11, 'qualifier of a field'), (plain(behind='K EDG 1\n'), 11, 'qualifier of an aperture'),
             (plain(behind="K L'a' 1\n"), 11, 'qualifier of an aperture'), (plain('GO', 'EPD S1 4\nGO'), 13, 'qualifier of a surface'),
             (plain('S -60', 'S S1 -60'), 11, 'qualifier of a surface'), (plain('WL 587.5618', 'WL F1 587.5618'), 5, 'qualifier of a field'),
-            (plain(behind='IC N\n'), 11, 'other point'), (plain(behind='IC\n'), 11, 'a value is missing'),
+            (plain('GO', 'ZOO 2\nZOO THI S1 4 5\nTHI S1 6\nGO'), 15, 'behind line 14, which zooms it'),
+            (plain('GO', 'THI S1 Z2 5\nTHI S1 6\nGO'), 14, 'behind line 13, which zooms it'),
+            (plain('WL 587.5618', 'WL .5876'), 5, 'nanometres'), (plain('LEN', 'PRV\nPWL .5 .6\nEND'), 3, 'nanometres'),
+            (plain(behind='DIF DOE\nHWL .5\n'), 12, 'nanometres'), (plain(behind='IC N\n'), 11, 'other point'), (plain(behind='IC\n'), 11, 'a value is missing'),
             (plain('GO', 'PRV\n'), 13, 'no END'), (plain('STO', 'STO S0'), 10, 'object cannot be the stop')):
         try:
             got = refused(text)
@@ -507,12 +510,12 @@ def test_remarks():
             (plain('EPD 4', 'EPD 4 5'), 4, 'EPD', 'left out: what stands behind'), (plain('DIM M\n'), 1, 'DIM', 'millimetres'),
             (plain(behind='ADE 1\n'), 11, 'STO', 'aimed at the stop'),
             *((plain(behind=f'{word} 100\n'), 11, word, 'left out: by its name a code') for word in 'XDC YDC ZDC ADC BDC CDC'.split()),
-            (plain(behind='IC Y\n'), 11, 'IC', 'ordinary point'), (plain('SI', 'PIM 3\nSI'), 12, 'PIM', 'left out: what stands behind'),
-            (plain('NBK7_SCHOTT', '517.642'), 9, 'S', 'nd 1.517 and Vd 64.2, of 517.642: a fictitious glass'),
-            (plain('NBK7_SCHOTT', '1.5168:64.17'), 9, 'S', 'nd 1.5168 and Vd 64.17, of 1.5168:64.17'),
-            (plain(behind='S 9 1 517642\nS 8 1\nS 9 1 517642\nS 9 1 620.364\n'), 11, 'S', 'nd 1.517 and Vd 64.2, of 517642: a fictitious glass, which is '
-             'approximate (2 of them)'),
-            (plain(behind=''.join(f'S 9 1 6{i}0.364\n' for i in range(10, 60))), 27, 'S', 'other fictitious glasses, which are approximate (34 of them)'),
+            (plain(behind='IC Y\n'), 11, 'IC', 'ordinary one of two points'), (plain('SI', 'PIM 3\nSI'), 12, 'PIM', 'left out: what stands behind'),
+            (plain('NBK7_SCHOTT', '517.642'), 9, 'S', 'nd 1.517 and Vd 64.2: the fictitious glass 517.642 of 1 surface,'),
+            (plain('NBK7_SCHOTT', '1.5168:64.17'), 9, 'S', 'nd 1.5168 and Vd 64.17: the fictitious glass 1.5168:64.17 '),
+            (plain(behind='S 9 1 517642\nS 8 1\nS 9 1 517642\nS 9 1 620.364\n'), 11, 'S', 'nd 1.517 and Vd 64.2: the fictitious glass 517642 of 2 '
+             'surfaces'),
+            (plain(behind=''.join(f'S 9 1 6{i}0.364\n' for i in range(10, 60))), 27, 'S', 'other fictitious glasses of 34 surfaces'),
             (plain(behind='CIR 3\nCA N\n'), 11, 'CIR', 'CODE V asks for CA'),
             (plain('GO', 'ZOO 2\nZOO THI S1 4 5\nGO'), 13, 'ZOO', 'left out: all of the 2 positions')):
         got = imported(text)[1]

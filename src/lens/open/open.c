@@ -60,7 +60,7 @@ static bool looks_as_zmx(const char *text, size_t length)
     return false;
 }
 
-static bool is_letter(char c) { return (sgt_lower(c) >= 'a' && sgt_lower(c) <= 'z') || c == '_'; }
+static bool is_of_key(char c) { return (sgt_lower(c) >= 'a' && sgt_lower(c) <= 'z') || c == '_'; }
 
 /* A lens file begins with a key and its colon, or with {, % or ---: no line of the others does.  In its texts
  * there may be lines such as theirs. */
@@ -79,7 +79,7 @@ static bool begins_as_yaml(const char *text, size_t length)
     const char *c = first.begin;
     const char quote = *c == '"' || *c == '\'' ? *c++ : 0;
     const char *const key = c;
-    while (c < line.end && is_letter(*c)) c++;
+    while (c < line.end && is_of_key(*c)) c++;
     if (c == key || (quote && (c == line.end || *c++ != quote))) return false;
     while (c < line.end && (*c == ' ' || *c == '\t')) c++;
     return c < line.end && *c == ':' && (c + 1 == line.end || c[1] == ' ' || c[1] == '\t');

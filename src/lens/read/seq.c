@@ -16,7 +16,8 @@
  * command in none of them is an error among the surfaces, where it may be a shape, and elsewhere a remark.
  *
  * ZOOM.  The plain commands hold position 1.  ZOO COMMAND v1 ... vn is read as COMMAND with the value of the
- * position that is wanted, and a command with the qualifier Zk only where k is that.
+ * position that is wanted, and a command with the qualifier Zk only where k is that.  A plain one of the same
+ * name behind it is refused.
  *
  * FILES THAT ARE CUT OFF.  A number that is cut off is a number, too: so a command that is read needs an end
  * of line, or a semicolon.  A file without SI is refused, and one without GO behind it gets a note.
@@ -290,6 +291,12 @@ static void carry_out(seq *q, size_t table)
     require_qualifiers(q, table);
     if (table == 0 && !opens_surface(q->word[0].text) && !sgt_seq_is(q->word[0].text, "so") && q->count == 0)
         tree_fail(q->s, line, c->name, "this command of a surface stands before the first surface");
+    size_t *const own = &q->zoomed_row[table][place];
+    if (q->zooms || q->zoom)
+        *own = line;
+    else if (*own)
+        tree_fail(q->s, line, c->name,
+                  "stands behind line %zu, which zooms it: of which position it is, is not known", *own);
     if (q->zoom && q->zoom != q->position) {
         if (q->zoomed++ == 0) q->zoomed_line = line;
         return;

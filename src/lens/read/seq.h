@@ -213,6 +213,7 @@ struct seq {
 
     seq_count unknown[SEQ_UNKNOWN];
     size_t unknowns, others, others_line;
+    size_t zoomed_row[2][SEQ_COMMANDS]; /* the line, of those that some position has its own value of */
     seq_count met[2][SEQ_COMMANDS], extra[2][SEQ_COMMANDS];
 };
 
@@ -228,6 +229,8 @@ char *sgt_seq_text(seq *q); /* all that is left */
 char *sgt_seq_copy(seq *q, piece text);
 /* A number times a power of ten, rounded once. */
 double sgt_seq_scaled(seq *q, const seq_word *w, int power);
+/* The same of a wavelength in nanometres; an error if it is below 1. */
+double sgt_seq_wave(seq *q, const seq_word *w, int power);
 unsigned sgt_seq_asked(const seq *q); /* `which` of its row, below SEQ_Z */
 size_t sgt_seq_line(const seq *q);    /* of the command */
 void sgt_seq_set_word(seq *q, node *map, const char *key, size_t line, const char *text);

@@ -346,12 +346,13 @@ static void tell_models(seq *q)
 {
     for (const seq_model *m = q->model; m < q->model + q->models; m++)
         tree_remark(q->s, SGT_REMARK_TURNED, m->line, "S",
-                    "nd %.10g and Vd %.10g, of %.*s: a fictitious glass, which is approximate (%zu of them)",
-                    m->nd, m->vd, sgt_reader_width(m->code), m->code.begin, m->count);
+                    "nd %.10g and Vd %.10g: the fictitious glass %.*s of %zu surface%s, which is approximate",
+                    m->nd, m->vd, sgt_reader_width(m->code), m->code.begin, m->count,
+                    m->count == 1 ? "" : "s");
     if (q->other_models)
         tree_remark(q->s, SGT_REMARK_TURNED, q->other_models_line, "S",
-                    "nd and Vd of other fictitious glasses, which are approximate (%zu of them)",
-                    q->other_models);
+                    "nd and Vd: other fictitious glasses of %zu surface%s, which are approximate",
+                    q->other_models, q->other_models == 1 ? "" : "s");
 }
 
 static void tell_what_was_taken(seq *q)
@@ -361,7 +362,8 @@ static void tell_what_was_taken(seq *q)
                     "taken as the first surface, since none is marked");
     if (q->crossings)
         tree_remark(q->s, SGT_REMARK_NOTE, q->crossing_line, "IC",
-                    "taken as the ordinary point of a ray on its surface (%zu times)", q->crossings);
+                    "the ordinary one of two points of a ray on a surface, at %zu surface%s", q->crossings,
+                    q->crossings == 1 ? "" : "s");
     tell_models(q);
     if (q->aperture_line && !q->uses_apertures)
         tree_remark(

@@ -71,8 +71,7 @@ static void private_wavelengths(seq *q)
     q->um = NULL, q->ums = q->um_room = 0;
     for (const seq_word *w = sgt_seq_more(q); w; w = sgt_seq_more(q)) {
         q->um = tree_grow(q->s, q->um, q->ums, &q->um_room, sizeof *q->um);
-        q->um[q->ums++] = (seq_number){sgt_seq_scaled(q, w, -3), w->line};
-        if (!(q->um[q->ums - 1].value > 0)) tree_fail(q->s, w->line, "PWL", "a wavelength is above 0");
+        q->um[q->ums++] = (seq_number){sgt_seq_wave(q, w, -3), w->line};
     }
 }
 
@@ -300,7 +299,7 @@ static const char *named(seq *q, const seq_word *w)
 }
 
 /* Of a name that is not found, the lens file's reader tells so, and what is near. */
-static const char *unknown_name(seq *q, piece t)
+static const char *name_not_found(seq *q, piece t)
 {
     const size_t at = maker_at(t);
     const piece name = {t.begin, at ? t.begin + at - 1 : t.end}, maker = {t.begin + at, t.end};
@@ -331,7 +330,7 @@ static void set_plain(seq *q, node *map, const seq_word *w)
     } else if (code) {
         set_model(q, map, w, nd, vd);
     } else {
-        tree_set(q->s, map, "glass", tree_word(q->s, w->line, name ? name : unknown_name(q, w->text)));
+        tree_set(q->s, map, "glass", tree_word(q->s, w->line, name ? name : name_not_found(q, w->text)));
     }
 }
 

@@ -237,7 +237,7 @@ static void phase_order(seq *q)
 static void read_design_wavelength(seq *q)
 {
     const seq_word w = sgt_seq_needed(q);
-    if (!(sgt_seq_number_in(q, &w) > 0)) tree_fail(q->s, w.line, "HWL", "a wavelength is above 0");
+    sgt_seq_wave(q, &w, 0);
     own_phase(q)->wavelength = w;
 }
 

@@ -145,10 +145,7 @@ static void system_wavelengths(seq *q)
     if (q->next == q->words) tree_fail(q->s, list->line, "WL", "a value is missing behind it");
     while (q->next < q->words && (!place || place == q->term)) {
         const seq_word w = sgt_seq_needed(q);
-        const double um = sgt_seq_scaled(q, &w, -3);
-        if (!(um > 0 && isfinite(um)))
-            tree_fail(q->s, w.line, "WL", "\"%.*s\" is no wavelength", sgt_reader_width(w.text),
-                      w.text.begin);
+        const double um = sgt_seq_wave(q, &w, -3);
         const size_t at = place ? place - 1 : list->count;
         if (at == list->count) {
             list->value = tree_grow(q->s, list->value, list->count, &list->room, sizeof *list->value);
