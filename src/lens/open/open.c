@@ -60,14 +60,40 @@ static bool looks_as_zmx(const char *text, size_t length)
     return false;
 }
 
+static bool is_of_key(char c) { return (sgt_lower(c) >= 'a' && sgt_lower(c) <= 'z') || c == '_'; }
+
+/* A lens file begins with a key and its colon, or with {, % or ---: no line of the others does.  In its texts
+ * there may be lines such as theirs. */
+static bool begins_as_yaml(const char *text, size_t length)
+{
+    const size_t mark = length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    reader r = {.at = text + mark, .end = text + length};
+    piece line, first = {NULL, NULL};
+    while (sgt_reader_line(&r, &line)) {
+        piece rest = line;
+        first = sgt_reader_word(&rest);
+        if (first.begin < first.end && *first.begin != '#') break;
+    }
+    if (first.begin == first.end || *first.begin == '#') return false;
+    if (*first.begin == '{' || *first.begin == '%' || sgt_reader_is(first, "---")) return true;
+    const char *c = first.begin;
+    const char quote = *c == '"' || *c == '\'' ? *c++ : 0;
+    const char *const key = c;
+    while (c < line.end && is_of_key(*c)) c++;
+    if (c == key || (quote && (c == line.end || *c++ != quote))) return false;
+    while (c < line.end && (*c == ' ' || *c == '\t')) c++;
+    return c < line.end && *c == ':' && (c + 1 == line.end || c[1] == ' ' || c[1] == '\t');
+}
+
 /* A name that ends as a lens file does is one; of any other the first lines decide, before its ending. */
 static void (*reader_of(const source *s, const char *name))(source *s)
 {
     static const char *const endings[] = {".yaml", ".yml", ".json"};
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (sgt_reader_ends_in(name, endings[i])) return sgt_read_yaml;
-    if (looks_as_zmx(s->text, s->length)) return sgt_read_zmx;
-    if (sgt_seq_looks(s->text, s->length)) return sgt_read_seq;
+    const bool other = !begins_as_yaml(s->text, s->length);
+    if (other && looks_as_zmx(s->text, s->length)) return sgt_read_zmx;
+    if (other && sgt_seq_looks(s->text, s->length)) return sgt_read_seq;
     if (sgt_reader_ends_in(name, ".zmx")) return sgt_read_zmx;
     return sgt_reader_ends_in(name, ".seq") ? sgt_read_seq : sgt_read_yaml;
 }

@@ -16,7 +16,8 @@
  * command in none of them is an error among the surfaces, where it may be a shape, and elsewhere a remark.
  *
  * ZOOM.  The plain commands hold position 1.  ZOO COMMAND v1 ... vn is read as COMMAND with the value of the
- * position that is wanted, and a command with the qualifier Zk only where k is that.
+ * position that is wanted, and a command with the qualifier Zk only where k is that.  A plain one of the same
+ * name behind it is refused.
  *
  * FILES THAT ARE CUT OFF.  A number that is cut off is a number, too: so a command that is read needs an end
  * of line, or a semicolon.  A file without SI is refused, and one without GO behind it gets a note.
@@ -257,6 +258,20 @@ static void count_stranger(seq *q)
         q->others_line = w->line;
 }
 
+/* A qualifier says of what a value is.  One that a command does not have would be dropped in silence. */
+static void require_qualifiers(seq *q, size_t table)
+{
+    const unsigned with = q->row->which;
+    const char *wrong = NULL;
+    if (q->placed && (table > 0 || (with & SEQ_NO_SURFACE))) wrong = "a surface";
+    if (q->field && !(with & SEQ_F)) wrong = "a field, F";
+    if (q->term && !(with & SEQ_W)) wrong = "a wavelength or term, W or C";
+    if ((q->classed || q->label.begin) && !(with & SEQ_L)) wrong = "an aperture, CLR, OBS, EDG, HOL or L";
+    if (wrong)
+        tree_fail(q->s, sgt_seq_line(q), q->row->name, "what it means with the qualifier of %s, is not known",
+                  wrong);
+}
+
 static void read_zoom(seq *q);
 
 static void carry_out(seq *q, size_t table)
@@ -273,8 +288,15 @@ static void carry_out(seq *q, size_t table)
     }
     forget_qualifiers(q);
     if (table == 0 || c->fate != SEQ_TEXT) read_qualifiers(q);
+    require_qualifiers(q, table);
     if (table == 0 && !opens_surface(q->word[0].text) && !sgt_seq_is(q->word[0].text, "so") && q->count == 0)
         tree_fail(q->s, line, c->name, "this command of a surface stands before the first surface");
+    size_t *const own = &q->zoomed_row[table][place];
+    if (q->zooms || q->zoom)
+        *own = line;
+    else if (*own)
+        tree_fail(q->s, line, c->name,
+                  "stands behind line %zu, which zooms it: of which position it is, is not known", *own);
     if (q->zoom && q->zoom != q->position) {
         if (q->zoomed++ == 0) q->zoomed_line = line;
         return;
@@ -337,8 +359,11 @@ static void read_zoom(seq *q)
     const seq_word value = q->word[first + q->position - 1];
     for (size_t i = 1; i < first; i++) q->word[i - 1] = q->word[i];
     q->word[first - 1] = value, q->words = first, q->next = 1;
+    if (table == 0 && c->fate == SEQ_READ && !q->placed)
+        tree_fail(q->s, line, "ZOO", "%s needs the number of its surface, such as S2", c->name);
+    q->zooms = true;
     carry_out(q, table);
-    q->next = q->words;
+    q->zooms = false, q->next = q->words;
     if (q->zoomed++ == 0) q->zoomed_line = line;
 }
 

@@ -92,11 +92,13 @@ typedef struct seq_command {
     const char *name; /* of three letters: of longer ones the first three count */
     seq_fate fate;
     void (*read)(seq *q);
-    unsigned which;  /* what the reader asks; and SEQ_Z: it may stand behind ZOO */
+    unsigned which;  /* what the reader asks; and what may stand with it */
     const char *why; /* of LEFT, REFUSED: more words */
 } seq_command;
 
-enum { SEQ_Z = 256 };
+/* It may stand behind ZOO; it may have the qualifier of a field; of a wavelength, or a term; the class and
+ * label of an aperture; and it is of no surface, though in the table of those. */
+enum { SEQ_Z = 256, SEQ_F = 512, SEQ_W = 1024, SEQ_L = 2048, SEQ_NO_SURFACE = 4096 };
 
 typedef struct seq_table {
     size_t count;
@@ -138,6 +140,7 @@ typedef struct seq_count {
 typedef struct seq_private {
     seq_word name;
     bool series; /* LAU */
+    bool told, told_plain;
     size_t count;
     double *value;
     seq_number *um; /* the wavelengths that held then */
@@ -145,13 +148,20 @@ typedef struct seq_private {
     struct seq_private *next; /* of the same hash */
 } seq_private;
 
+/* A fictitious glass, and how many surfaces have it. */
+typedef struct seq_model {
+    piece code;
+    size_t line, count;
+    double nd, vd;
+} seq_model;
+
 /* A glass of the catalogue, by the letters and digits of its name. */
 typedef struct seq_known {
     const char *name, *maker;
     struct seq_known *next;
 } seq_known;
 
-enum { SEQ_UNKNOWN = 32, SEQ_HASH = 4096, SEQ_COMMANDS = 112 };
+enum { SEQ_UNKNOWN = 32, SEQ_HASH = 4096, SEQ_COMMANDS = 112, SEQ_MODELS = 16 };
 
 struct seq {
     source *s;
@@ -165,6 +175,7 @@ struct seq {
     /* the qualifiers of the command; of surfaces, from and to */
     bool placed;
     size_t from, to, zoom, field, term, work;
+    bool zooms; /* it stands behind ZOO, with one value */
     seq_class class;
     bool classed;
     piece label;
@@ -174,9 +185,10 @@ struct seq {
     seq_surface *surface;
     size_t count, room, image_line; /* image_line 0: SI has not come */
     size_t current;
-    size_t stop, stop_line; /* 0: none */
-    size_t focus_line;      /* PIM */
-    size_t option_line;     /* of an option whose GO has not come */
+    size_t stop, stop_line;          /* 0: none */
+    size_t focus_line;               /* PIM */
+    size_t crossings, crossing_line; /* IC Y */
+    size_t option_line;              /* of an option whose GO has not come */
     bool in_private, ended;
     size_t private_line, behind, behind_line; /* commands behind the last GO */
 
@@ -196,10 +208,12 @@ struct seq {
     seq_number *um; /* PWL */
     size_t ums, um_room;
     seq_known **known; /* NULL: not asked yet */
-    size_t approximate, approximate_line;
+    seq_model model[SEQ_MODELS];
+    size_t models, other_models, other_models_line;
 
     seq_count unknown[SEQ_UNKNOWN];
     size_t unknowns, others, others_line;
+    size_t zoomed_row[2][SEQ_COMMANDS]; /* the line, of those that some position has its own value of */
     seq_count met[2][SEQ_COMMANDS], extra[2][SEQ_COMMANDS];
 };
 
@@ -215,7 +229,9 @@ char *sgt_seq_text(seq *q); /* all that is left */
 char *sgt_seq_copy(seq *q, piece text);
 /* A number times a power of ten, rounded once. */
 double sgt_seq_scaled(seq *q, const seq_word *w, int power);
-unsigned sgt_seq_asked(const seq *q); /* `which` of its row, but for SEQ_Z */
+/* The same of a wavelength in nanometres; an error if it is below 1. */
+double sgt_seq_wave(seq *q, const seq_word *w, int power);
+unsigned sgt_seq_asked(const seq *q); /* `which` of its row, below SEQ_Z */
 size_t sgt_seq_line(const seq *q);    /* of the command */
 void sgt_seq_set_word(seq *q, node *map, const char *key, size_t line, const char *text);
 void sgt_seq_set_number(seq *q, node *map, const char *key, size_t line, double x);

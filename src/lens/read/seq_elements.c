@@ -342,14 +342,29 @@ static void write_aim(seq *q, node *root)
         i);
 }
 
+static void tell_models(seq *q)
+{
+    for (const seq_model *m = q->model; m < q->model + q->models; m++)
+        tree_remark(q->s, SGT_REMARK_TURNED, m->line, "S",
+                    "nd %.10g and Vd %.10g: the fictitious glass %.*s of %zu surface%s, which is approximate",
+                    m->nd, m->vd, sgt_reader_width(m->code), m->code.begin, m->count,
+                    m->count == 1 ? "" : "s");
+    if (q->other_models)
+        tree_remark(q->s, SGT_REMARK_TURNED, q->other_models_line, "S",
+                    "nd and Vd: other fictitious glasses of %zu surface%s, which are approximate",
+                    q->other_models, q->other_models == 1 ? "" : "s");
+}
+
 static void tell_what_was_taken(seq *q)
 {
     if (!q->stop)
         tree_remark(q->s, SGT_REMARK_NOTE, q->first, "STO",
                     "taken as the first surface, since none is marked");
-    if (q->approximate)
-        tree_remark(q->s, SGT_REMARK_TURNED, q->approximate_line, "S",
-                    "its nd and Vd: a fictitious glass, which is approximate (%zu of them)", q->approximate);
+    if (q->crossings)
+        tree_remark(q->s, SGT_REMARK_NOTE, q->crossing_line, "IC",
+                    "the ordinary one of two points of a ray on a surface, at %zu surface%s", q->crossings,
+                    q->crossings == 1 ? "" : "s");
+    tell_models(q);
     if (q->aperture_line && !q->uses_apertures)
         tree_remark(
             q->s, SGT_REMARK_NOTE, q->aperture_line, "CIR",

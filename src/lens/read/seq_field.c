@@ -104,6 +104,16 @@ double sgt_seq_scaled(seq *q, const seq_word *w, int power)
     return x * pow(10, power);
 }
 
+/* One of 0.5876 is written in micrometres. */
+double sgt_seq_wave(seq *q, const seq_word *w, int power)
+{
+    const double shortest = 1, nm = sgt_seq_number_in(q, w);
+    if (!(nm >= shortest))
+        tree_fail(q->s, w->line, q->row->name, "\"%.*s\" is no wavelength in nanometres",
+                  sgt_reader_width(w->text), w->text.begin);
+    return sgt_seq_scaled(q, w, power);
+}
+
 void sgt_seq_set_word(seq *q, node *map, const char *key, size_t line, const char *text)
 {
     tree_set(q->s, map, key, tree_word(q->s, line, text));

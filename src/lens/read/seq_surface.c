@@ -197,6 +197,17 @@ static void read_fresnel(seq *q)
         tree_fail(q->s, sgt_seq_line(q), "CUF", "the base curvature of a Fresnel surface is not read");
 }
 
+/* Which of the two points of a ray on a surface counts. */
+static void read_crossing(seq *q)
+{
+    const seq_word w = sgt_seq_needed(q);
+    if (!sgt_seq_is(w.text, "y") && !sgt_seq_is(w.text, "yes"))
+        tree_fail(q->s, w.line, "IC",
+                  "\"%.*s\" is not read: it may be the other point of a ray on its surface",
+                  sgt_reader_width(w.text), w.text.begin);
+    if (q->crossings++ == 0) q->crossing_line = w.line;
+}
+
 static seq_phase *own_phase(seq *q)
 {
     seq_surface *f = first_of(q);
@@ -226,7 +237,7 @@ static void phase_order(seq *q)
 static void read_design_wavelength(seq *q)
 {
     const seq_word w = sgt_seq_needed(q);
-    if (!(sgt_seq_number_in(q, &w) > 0)) tree_fail(q->s, w.line, "HWL", "a wavelength is above 0");
+    sgt_seq_wave(q, &w, 0);
     own_phase(q)->wavelength = w;
 }
 
@@ -319,13 +330,14 @@ static void read_aperture_place(seq *q)
 /* --------------------------------------------------------------- the table */
 
 static const char NOT_PUBLISHED[] = "what it does is not published, and a wrong guess would be another lens";
+static const char CODES[] = "by its name a code of what an optimisation may vary";
 static const char SHAPES[] = "the formula of this shape is not published in whole";
 static const char EDITS[] = "commands that rearrange surfaces are not carried out";
 static const seq_command surface_commands[] = {
     /* the most frequent first */
-    {"S", SEQ_READ, surface_line, NEXT, NULL},
-    {"STO", SEQ_READ, surface_stop, SEQ_Z, NULL},
-    {"CIR", SEQ_READ, surface_aperture, SEQ_Z | 0, NULL},
+    {"S", SEQ_READ, surface_line, SEQ_NO_SURFACE | NEXT, NULL},
+    {"STO", SEQ_READ, surface_stop, 0, NULL},
+    {"CIR", SEQ_READ, surface_aperture, SEQ_Z | SEQ_L | 0, NULL},
     {"THC", SEQ_IDLE, NULL, 0, NULL},
     {"CCY", SEQ_IDLE, NULL, 0, NULL},
     {"GLC", SEQ_IDLE, NULL, 0, NULL},
@@ -351,8 +363,8 @@ static const seq_command surface_commands[] = {
     {"DAR", SEQ_READ, read_kind_of_move, SEQ_RETURN, NULL},
     {"BEN", SEQ_READ, read_kind_of_move, SEQ_BEND, NULL},
     {"REV", SEQ_READ, read_kind_of_move, SEQ_REVERSE, NULL},
-    {"SO", SEQ_READ, surface_line, OBJECT, NULL},
-    {"SI", SEQ_READ, surface_line, IMAGE, NULL},
+    {"SO", SEQ_READ, surface_line, SEQ_NO_SURFACE | OBJECT, NULL},
+    {"SI", SEQ_READ, surface_line, SEQ_NO_SURFACE | IMAGE, NULL},
     {"SLB", SEQ_TEXT, read_label, 0, NULL},
     {"THI", SEQ_READ, surface_thickness, SEQ_Z, NULL},
     {"RDY", SEQ_READ, read_bend, SEQ_Z | SEQ_RADIUS, NULL},
@@ -361,18 +373,18 @@ static const seq_command surface_commands[] = {
     {"CUX", SEQ_READ, read_bend, SEQ_CURVATURE + 1, NULL},
     {"GLA", SEQ_READ, surface_glass, SEQ_Z, NULL},
     {"CUF", SEQ_READ, read_fresnel, 0, NULL},
-    {"REX", SEQ_READ, surface_aperture, SEQ_Z | 2, NULL},
-    {"REY", SEQ_READ, surface_aperture, SEQ_Z | 3, NULL},
-    {"ELX", SEQ_READ, surface_aperture, SEQ_Z | 4, NULL},
-    {"ELY", SEQ_READ, surface_aperture, SEQ_Z | 5, NULL},
-    {"ADX", SEQ_READ, read_aperture_place, SEQ_Z | 0, NULL},
-    {"ADY", SEQ_READ, read_aperture_place, SEQ_Z | 1, NULL},
-    {"ARO", SEQ_READ, read_aperture_place, SEQ_Z | 2, NULL},
+    {"REX", SEQ_READ, surface_aperture, SEQ_Z | SEQ_L | 2, NULL},
+    {"REY", SEQ_READ, surface_aperture, SEQ_Z | SEQ_L | 3, NULL},
+    {"ELX", SEQ_READ, surface_aperture, SEQ_Z | SEQ_L | 4, NULL},
+    {"ELY", SEQ_READ, surface_aperture, SEQ_Z | SEQ_L | 5, NULL},
+    {"ADX", SEQ_READ, read_aperture_place, SEQ_Z | SEQ_L | 0, NULL},
+    {"ADY", SEQ_READ, read_aperture_place, SEQ_Z | SEQ_L | 1, NULL},
+    {"ARO", SEQ_READ, read_aperture_place, SEQ_Z | SEQ_L | 2, NULL},
     {"DIF", SEQ_READ, read_diffraction, 0, NULL},
     {"HOR", SEQ_READ, phase_order, 0, NULL},
     {"HWL", SEQ_READ, read_design_wavelength, 0, NULL},
     {"HCT", SEQ_READ, read_symmetry, 0, NULL},
-    {"HCO", SEQ_READ, read_phase_term, 0, NULL},
+    {"HCO", SEQ_READ, read_phase_term, SEQ_W, NULL},
     /* what is fixed, may vary, or varies with others in an optimisation */
     {"CCX", SEQ_IDLE, NULL, 0, NULL},
     {"KC", SEQ_IDLE, NULL, 0, NULL},
@@ -386,13 +398,13 @@ static const seq_command surface_commands[] = {
     {"GC", SEQ_IDLE, NULL, 0, NULL},
     {"HC", SEQ_IDLE, NULL, 0, NULL},
     {"JC", SEQ_IDLE, NULL, 0, NULL},
-    {"XDC", SEQ_IDLE, NULL, 0, NULL},
-    {"YDC", SEQ_IDLE, NULL, 0, NULL},
-    {"ZDC", SEQ_IDLE, NULL, 0, NULL},
-    {"ADC", SEQ_IDLE, NULL, 0, NULL},
-    {"BDC", SEQ_IDLE, NULL, 0, NULL},
-    {"CDC", SEQ_IDLE, NULL, 0, NULL},
-    {"IC", SEQ_IDLE, NULL, 0, NULL}, /* which of two points of a ray, that of a conic itself */
+    {"XDC", SEQ_LEFT, NULL, 0, CODES},
+    {"YDC", SEQ_LEFT, NULL, 0, CODES},
+    {"ZDC", SEQ_LEFT, NULL, 0, CODES},
+    {"ADC", SEQ_LEFT, NULL, 0, CODES},
+    {"BDC", SEQ_LEFT, NULL, 0, CODES},
+    {"CDC", SEQ_LEFT, NULL, 0, CODES},
+    {"IC", SEQ_READ, read_crossing, 0, NULL},
     {"PIK", SEQ_SOLVE, NULL, 0, NULL},
     {"HMY", SEQ_SOLVE, NULL, 0, NULL},
     {"HCY", SEQ_SOLVE, NULL, 0, NULL},

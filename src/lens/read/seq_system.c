@@ -74,16 +74,43 @@ static void system_pupil(seq *q)
     if (sgt_seq_asked(q) == 0) q->pupil_size /= 2;
 }
 
-/* One number of a list, counted from 1; those in front of it that are not there are 0. */
-static void set_one(seq *q, seq_list *list, size_t place, double x)
+static bool is_weight(size_t which) { return which == SEQ_WTW || which == SEQ_WTF; }
+
+/* Of the wavelengths, for their weights; else of the fields that hold. */
+static size_t known_count(const seq *q, size_t which)
+{
+    if (which == SEQ_WTW) return q->list[SEQ_WL].count;
+    if (q->fields < 0) return 0;
+    const seq_list *x = &q->list[q->fields];
+    return x[0].count > x[1].count ? x[0].count : x[1].count;
+}
+
+/* One number of a list, counted from 1.  Those in front of it that are not there are 0, or a weight of 1. No
+ * field is invented. */
+static void set_one(seq *q, seq_list *list, size_t which, size_t place)
 {
     enum { MOST = 1000 };
-    if (place > MOST) tree_fail(q->s, sgt_seq_line(q), q->row->name, "there is no number %zu", place);
+    const double x = sgt_seq_number(q);
+    if (place > MOST || (which <= SEQ_YRI && place > known_count(q, which) + 1))
+        tree_fail(q->s, sgt_seq_line(q), q->row->name, "there is no field %zu", place);
     while (list->count < place) {
         list->value = tree_grow(q->s, list->value, list->count, &list->room, sizeof *list->value);
-        list->value[list->count++] = 0;
+        list->value[list->count++] = is_weight(which);
     }
     list->value[place - 1] = x;
+}
+
+/* A position of a zoom has one value, or some, for a list of which another length is known: nobody knows for
+ * which of them. */
+static void require_length(seq *q, size_t which, size_t known)
+{
+    const size_t given = q->words - q->next;
+    if ((q->zooms || q->zoom) && known > 0 && given != known)
+        tree_fail(q->s, sgt_seq_line(q), q->row->name,
+                  "of a position of a zoom it has %zu value%s for %zu %s: write it with %s and a number",
+                  given, given == 1 ? "" : "s", known,
+                  which == SEQ_WTW || which == SEQ_WL ? "wavelengths" : "fields",
+                  which == SEQ_WTW || which == SEQ_WL ? "W" : "F");
 }
 
 static void system_values(seq *q)
@@ -94,9 +121,10 @@ static void system_values(seq *q)
     list->line = sgt_seq_line(q);
     if (which <= SEQ_YRI) q->fields = (int)(which & ~1u);
     if (place) {
-        set_one(q, list, place, sgt_seq_number(q));
+        set_one(q, list, which, place);
         return;
     }
+    require_length(q, which, known_count(q, which));
     list->count = 0;
     for (const seq_word *w = sgt_seq_more(q); w; w = sgt_seq_more(q)) {
         list->value = tree_grow(q->s, list->value, list->count, &list->room, sizeof *list->value);
@@ -112,14 +140,12 @@ static void system_wavelengths(seq *q)
     size_t place = q->term;
     list->line = sgt_seq_line(q);
     if (place > list->count + 1) tree_fail(q->s, list->line, "WL", "there is no wavelength %zu", place);
+    if (!place) require_length(q, SEQ_WL, list->count);
     if (!place) list->count = 0;
     if (q->next == q->words) tree_fail(q->s, list->line, "WL", "a value is missing behind it");
     while (q->next < q->words && (!place || place == q->term)) {
         const seq_word w = sgt_seq_needed(q);
-        const double um = sgt_seq_scaled(q, &w, -3);
-        if (!(um > 0 && isfinite(um)))
-            tree_fail(q->s, w.line, "WL", "\"%.*s\" is no wavelength", sgt_reader_width(w.text),
-                      w.text.begin);
+        const double um = sgt_seq_wave(q, &w, -3);
         const size_t at = place ? place - 1 : list->count;
         if (at == list->count) {
             list->value = tree_grow(q->s, list->value, list->count, &list->room, sizeof *list->value);
@@ -144,7 +170,13 @@ static void read_polarisation(seq *q)
     if (!says_no(q)) tree_remark(q->s, SGT_REMARK_LEFT_OUT, sgt_seq_line(q), "POL", "polarisation");
 }
 
-static void read_clipping(seq *q) { q->uses_apertures = true, q->next = q->words; }
+/* CA, CA YES, CA with other words; not CA NO. */
+static void read_clipping(seq *q)
+{
+    const seq_word *w = sgt_seq_more(q);
+    q->uses_apertures = !w || (!sgt_seq_is(w->text, "n") && !sgt_seq_is(w->text, "no"));
+    q->next = q->words;
+}
 
 /* GO ends the lens behind its image; in front of the lens it ends an option. */
 static void read_go(seq *q)
@@ -154,7 +186,7 @@ static void read_go(seq *q)
     q->ended = q->count > 0;
 }
 
-static void read_focus(seq *q) { q->focus_line = sgt_seq_line(q), q->next = q->words; }
+static void read_focus(seq *q) { q->focus_line = sgt_seq_line(q); }
 
 static void read_private_block(seq *q)
 {
@@ -176,26 +208,26 @@ static const seq_command system_commands[] = {
     {"LEN", SEQ_TEXT, read_lens, 0, NULL},
     {"TIT", SEQ_TEXT, read_title, 0, NULL},
     {"DIM", SEQ_READ, system_unit, 0, NULL},
-    {"WL", SEQ_READ, system_wavelengths, SEQ_Z, NULL},
+    {"WL", SEQ_READ, system_wavelengths, SEQ_Z | SEQ_W, NULL},
     {"REF", SEQ_READ, system_reference, SEQ_Z, NULL},
-    {"WTW", SEQ_READ, system_values, SEQ_Z | SEQ_WTW, NULL},
+    {"WTW", SEQ_READ, system_values, SEQ_Z | SEQ_W | SEQ_WTW, NULL},
     {"EPD", SEQ_READ, system_pupil, SEQ_Z | 0, NULL},
     {"FNO", SEQ_READ, system_pupil, SEQ_Z | 1, NULL},
     {"NA", SEQ_READ, system_pupil, SEQ_Z | 2, NULL},
     {"NAO", SEQ_READ, system_pupil, SEQ_Z | 3, NULL},
-    {"XAN", SEQ_READ, system_values, SEQ_Z | SEQ_XAN, NULL},
-    {"YAN", SEQ_READ, system_values, SEQ_Z | SEQ_YAN, NULL},
-    {"XOB", SEQ_READ, system_values, SEQ_Z | SEQ_XOB, NULL},
-    {"YOB", SEQ_READ, system_values, SEQ_Z | SEQ_YOB, NULL},
-    {"XIM", SEQ_READ, system_values, SEQ_Z | SEQ_XIM, NULL},
-    {"YIM", SEQ_READ, system_values, SEQ_Z | SEQ_YIM, NULL},
-    {"XRI", SEQ_READ, system_values, SEQ_Z | SEQ_XRI, NULL},
-    {"YRI", SEQ_READ, system_values, SEQ_Z | SEQ_YRI, NULL},
-    {"WTF", SEQ_READ, system_values, SEQ_Z | SEQ_WTF, NULL},
-    {"VUX", SEQ_READ, system_values, SEQ_Z | SEQ_VUX, NULL},
-    {"VLX", SEQ_READ, system_values, SEQ_Z | SEQ_VLX, NULL},
-    {"VUY", SEQ_READ, system_values, SEQ_Z | SEQ_VUY, NULL},
-    {"VLY", SEQ_READ, system_values, SEQ_Z | SEQ_VLY, NULL},
+    {"XAN", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_XAN, NULL},
+    {"YAN", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_YAN, NULL},
+    {"XOB", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_XOB, NULL},
+    {"YOB", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_YOB, NULL},
+    {"XIM", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_XIM, NULL},
+    {"YIM", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_YIM, NULL},
+    {"XRI", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_XRI, NULL},
+    {"YRI", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_YRI, NULL},
+    {"WTF", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_WTF, NULL},
+    {"VUX", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_VUX, NULL},
+    {"VLX", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_VLX, NULL},
+    {"VUY", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_VUY, NULL},
+    {"VLY", SEQ_READ, system_values, SEQ_Z | SEQ_F | SEQ_VLY, NULL},
     {"TEM", SEQ_READ, system_condition, 0, NULL},
     {"PRE", SEQ_READ, system_condition, 1, NULL},
     {"POL", SEQ_READ, read_polarisation, 0, NULL},
