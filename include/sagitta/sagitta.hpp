@@ -190,7 +190,7 @@ namespace detail {
 /* The members of sgt_surface_ops, except its size and its name. */
 enum class of {
     value, gradient, span, rounding, clearance, estimate, enclose, values, spans, first,
-    firsts, second, parameters, by_parameter, encloses
+    firsts, second, parameters, by_parameter, encloses, box
 };
 
 /* One lambda, and what it is for. */
@@ -252,7 +252,9 @@ public:
      *     void         by_parameter(std::size_t j, std::size_t n, sgt_points p,
      *                               sgt_values out)
      *     void         encloses(std::size_t n, sgt_rays rays, const double *t_lo,
-     *                           const double *t_hi, sgt_enclosures out) */
+     *                           const double *t_hi, sgt_enclosures out)
+     *     bool         box(const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
+     *                      sgt_interval second[6]) */
     template <class F> auto span(F f) const { return with<of::span>(f); }
     template <class F> auto rounding(F f) const { return with<of::rounding>(f); }
     template <class F> auto clearance(F f) const { return with<of::clearance>(f); }
@@ -266,6 +268,7 @@ public:
     template <class F> auto parameters(F f) const { return with<of::parameters>(f); }
     template <class F> auto by_parameter(F f) const { return with<of::by_parameter>(f); }
     template <class F> auto encloses(F f) const { return with<of::encloses>(f); }
+    template <class F> auto box(F f) const { return with<of::box>(f); }
 
     /* For messages; the text is borrowed. */
     surface name(const char *text) const
@@ -303,6 +306,7 @@ private:
         offer<of::parameters>(table_.parameters);
         offer<of::by_parameter>(table_.by_parameter);
         offer<of::encloses>(table_.encloses);
+        offer<of::box>(table_.box);
     }
 
     template <of Which, class F> auto with(F f) const

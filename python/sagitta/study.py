@@ -314,7 +314,8 @@ def study_options(
 def _settings_of(analysis: C.Analysis, given: dict[str, Any]) -> tuple[Any, Any]:
     """The options of an analysis as bytes, and what they point to."""
     room = (ctypes.c_uint64 * (analysis.options_size // 8 + 1))()
-    at, keep = ctypes.addressof(room), []
+    at = ctypes.addressof(room)
+    keep: list[Any] = []
     known = {C.text(s.name): s for s in analysis.setting[: analysis.settings]}
     for name, value in given.items():
         if name not in known:

@@ -170,7 +170,8 @@ bool sgt_has_kinks(sgt_surface s)
 }
 
 /* The same of a quadric. */
-static bool quadric_slopes(const void *self, const sgt_interval at[3], sgt_interval g[3], sgt_interval second[6])
+static bool quadric_slopes(const void *self, const sgt_interval at[3], sgt_interval g[3],
+                           sgt_interval second[6])
 {
     const sgt_quadric *q = self;
     static const int xx[3] = {0, 3, 5}, of[3][3] = {{-1, 0, 2}, {0, -1, 1}, {2, 1, -1}};

@@ -25,7 +25,7 @@ C = {'.c', '.h', '.cpp', '.hpp', '.in'}
 TEXT = C | {'.py', '.sh', '.build', '.map', '.txt', '.yaml', '.csv'}
 FOLDERS = ('src', 'include', 'tests', 'examples', 'docs', 'python')
 # Names of other projects and of systems.
-FOREIGN = {'ldconfig', 'julia_fractal', 'dllimport'}
+FOREIGN = {'ldconfig', 'julia_fractal', 'dllimport', 'autopkgtest', 'libsagitta2', 'Containerfile'}
 # Words that stand for others.
 EXAMPLES = {'sgt_saddle_object'}
 SETS = re.compile(r'_(base|v3|v4)$')

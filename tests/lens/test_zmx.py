@@ -318,7 +318,7 @@ def test_facets():
     assert re.search(r'type: plane,[^\n]* facets: \{type: even_asphere, radius: -25, conic: -0.6, '
                      r'coefficients: \[0, 1e-06\]\}', text), text
     row = [r for r in rows('trace', path, '--rays', written(rays((0, 3, -1, 0, 0, 1)))) if r['element'] == '1'][0]
-    equal((float(row['y']), float(row['z']), row['opl']), (3.0, 0.0, ''))
+    equal((float(row['y']), float(row['z']), row['opl']), (3.0, 0.0, 'nan'))
     no = ended('opd', path)
     assert no.returncode == 2 and 'facets' in no.stderr, no.stderr
     # a slope of 2 at the rim: light along the surface comes to a facet from behind, and is lost
@@ -1140,7 +1140,7 @@ def test_what_is_refused():
               (extended('BINARY_2', 101, 1.0, 0.1, parm={0: 1}), 'XDAT', (), None),
               (extended('BINARY_3', 0, parm={**zones, 4: 0.5}), 'PARM', (), None),   # zones that do not rise
               (extended('BINARY_3', 0, parm={**zones, 7: 0.5}), 'PARM', (), None),
-              (extended('BINARY_3', 0, parm={**zones, 8: 1}), 'PARM', ('PARM 8 lets the sag jump',), None),
+              (extended('BINARY_3', 0, parm={**zones, 8: 1}), 'PARM', ('PARM 8',), None),
               (extended('BINARY_3', 41, parm=zones), 'XDAT', (), None),
               (extended('FZERNPHA', 38, 5.0, 0.1, parm={0: 1}), 'XDAT', (), None),
               (extended('HOLOGRM2', parm=[0, 0, 1, 0, 0, 2, -0.5, 1]), 'PARM', (), None),
