@@ -63,6 +63,9 @@
  * below all rings that are ahead of it (vicinity.h, A MISS).  At the start itself it never is, as the ring it
  * starts in holds the start.
  *
+ * BETWEEN RINGS.  Where the heights say that a stretch ahead is above or below all that it passes, the march
+ * begins anew at its end.
+ *
  * THE TAIL of the sag (tail.h): a ray from afar begins where nothing is certainly met before, and a ray that
  * goes out is a miss from where nothing is met beyond.
  *
@@ -451,13 +454,22 @@ static bool leaves_by_tail(sgt_surface s, rows a, size_t i, sgt_tails *kept)
 }
 
 /* Is the ray above or below all that is ahead of it?  That costs more than a look.  So it is asked of rays
- * that have just left the surface, and of those on the way out after 4, 8, 16 and 32 looks. */
+ * that have just left the surface, and of those on the way out after 4, 8, 16 and 32 looks.  If it is so of a
+ * stretch ahead, the march moves to its end, where it begins anew. */
 static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t i, bool off, double t,
                               double evals, vicinities *kept)
 {
     bool now = off || (a[PX][i] * a[DX][i] + a[PY][i] * a[DY][i] > 0 &&
                            (evals == 4 || evals == 8 || evals == 16 || evals == 32));
-    return now && sgt_passes_by(heights_about(s, kept), ray, t);
+    if (!now) return false;
+    double clear = sgt_clear_by_heights(heights_about(s, kept), ray, t), inverse = inverse_of_scale(ray->d);
+    if (clear == HUGE_VAL || clear > ray->tmax) return true;
+    if (clear * inverse > a[T][i] && a[PAST][i] == HUGE_VAL) {
+        a[T][i] = clear * inverse, a[A][i] = a[SIGN][i] = a[H][i] = a[RATIO][i] = 0;
+        double r = radius_at(a[OX][i], a[OY][i], a[DX][i], a[DY][i], a[T][i]);
+        a[WANTED][i] = radius_wanted(r, 0x1p-1000);
+    }
+    return false;
 }
 
 /* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  It is
@@ -820,7 +832,8 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                                       : t > v->hi[k])) {
                     is_miss(v, k);
                     wings_leave(a, i, --left);
-                }
+                } else if (in_rings && a[SIGN][i] == 0)
+                    enclose_in(s, edge, known->boxed, &kept->rings, a, i);
             } else {
                 double t = a[T][i] * scale;
                 if (verdict == FOUND && !spent) {
