@@ -560,13 +560,26 @@ static double step_off(rows a, size_t k, bool in_rings, double bend, double slop
     return h;
 }
 
+/* Is the root within off / least of the start certainly not accepted, with |F'| between least and most?  It is
+ * nearer than the reach of the rule, or, with all that is rounded, nearer than sixteen times that, and rounding
+ * alone hides how near: then the rule is that of sharpened_of (step.h).  far: the greatest coordinate. */
+static bool start_dropped(const looked *start, double off, double least, double most, double far)
+{
+    double reach = START_ULPS * start->terms;
+    return off * most < 0.98 * reach * least ||
+           (off * most <= 16 * reach * least && 64 * start->err <= start->terms && start->err >= 0x1p-1000 &&
+            4 * fabs(start->f) <= start->err && reach <= 0x1p-38 * far * least);
+}
+
 /* Has row k left the start, h on?  Then it moves there. */
 static bool leaves_start(rows a, size_t k, const looked *start, const looked *next, double h)
 {
     double bend = larger(-a[BENT_LO][k], a[BENT_HI][k]), off = fabs(start->f) + start->err,
            b = fabs(next->f) - next->err, curve = 0.5625 * bend * h, least = (b - off) / h - curve,
            most = (fabs(next->f) + next->err + off) / h + curve;
-    if (!(b > 0 && least > curve && off * most < 0.98 * START_ULPS * start->terms * least)) return false;
+    double t = a[T][k], far = larger(fabs(a[OX][k] + t * a[DX][k]),
+                                     larger(fabs(a[OY][k] + t * a[DY][k]), fabs(a[OZ][k] + t * a[DZ][k])));
+    if (!(b > 0 && least > curve && start_dropped(start, off, least, most, far))) return false;
     a[T][k] += h, a[A][k] = b, a[SIGN][k] = copysign(1, next->f), a[H][k] = 0;
     return true;
 }
