@@ -231,7 +231,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi, w->least = least;
     w->t_tol = w->told.opt->t_tol / a.q.scale;
-    w->margin = END_ERRORS;
+    w->margin = single != 0 ? 0 : END_ERRORS; /* as for any ray with one root */
     bool told = quickly(w, &a, single != 0);
     w->margin = 0, w->least = whole;
     return told;

@@ -306,9 +306,9 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
 
 /* ------------------------------------------------------------------------------- leaving */
 
-/* The rows that may start on the surface: 1, else 0.  A ray whose origin is higher above the vertex plane than
- * half of its distance from the axis comes from elsewhere, as a rule; no more is asked of it here.  Returns how
- * many there are. */
+/* The rows that may start on the surface: 1, else 0.  A ray whose origin is higher above the vertex plane
+ * than half of its distance from the axis comes from elsewhere, as a rule; no more is asked of it here.
+ * Returns how many there are. */
 SGT_KERNEL
 static double may_start(size_t n, const sgt_rays *r, const vicinity *v, double *restrict starts)
 {
@@ -316,8 +316,8 @@ static double may_start(size_t n, const sgt_rays *r, const vicinity *v, double *
     double some = 0;
 #pragma omp simd reduction(+ : some)
     for (size_t i = 0; i < n; i++) {
-        double is = ((asked[i] > 0) & (tmin[i] == 0) & (fabs(oz[i]) <= 0.5 * (fabs(ox[i]) + fabs(oy[i])))) ? 1.0
-                                                                                                         : 0.0;
+        bool low = fabs(oz[i]) <= 0.5 * (fabs(ox[i]) + fabs(oy[i]));
+        double is = ((asked[i] > 0) & (tmin[i] == 0) & low) ? 1.0 : 0.0;
         starts[i] = is, some += is;
     }
     return some;
@@ -359,9 +359,9 @@ static double starts_monotone(size_t n, const sgt_rays *r, const region_rows *w,
 /* F at the origins: values, gradient and a bound on what is rounded. */
 typedef struct at_starts { const double *f, *fx, *fy, *own; } at_starts;
 
-/* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do, and 0.5 for
- * those of which rounding hides it; `over` is 1 where nothing is met behind the chord as far as the rings tell,
- * else 0.  Returns how many of `starts` are not 0. */
+/* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do, and 0.5
+ * for those of which rounding hides it; `over` is 1 where nothing is met behind the chord as far as the rings
+ * tell, else 0.  Returns how many of `starts` are not 0. */
 SGT_KERNEL
 static double leaves_circle(size_t n, const sgt_rays *r, const sgt_heights *g, const double *tmax,
                             const double *radius2, const at_starts *at, const double *hi, const double *least,
@@ -425,8 +425,8 @@ static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
     const double *const read[2] = {both[0], both[1]};
     const region_rows w = {.wide = v->work[3], .low = v->work[4], .steep = v->work[5], .radius2 = v->work[6],
                            .about = v->work[7], .high = v->work[10], .axis = axis};
-    double *starts = v->work[0], *lo = v->work[1], *hi = v->work[11], *least = v->work[2], *over = v->work[12],
-           *const *rows = v->work + 13;
+    double *starts = v->work[0], *lo = v->work[1], *hi = v->work[11], *least = v->work[2],
+           *over = v->work[12], *const *rows = v->work + 13;
     if (v->budget < LEAST_BUDGET || may_start(n, &r, v, starts) == 0) return;
     start_rungs(n, &r, starts, &w);
     extents(s, n, w.wide, COARSE, starts, kept, &w);
@@ -456,7 +456,8 @@ static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
             clear = sgt_clear_by_heights(heights_about(s, kept), &ray, clear);
         }
         from[i] = clear;
-        if (over[i] > 0 || clear == HUGE_VAL || clear > v->tmax[i]) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
+        if (over[i] > 0 || clear == HUGE_VAL || clear > v->tmax[i])
+            v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
     }
 }
 

@@ -498,6 +498,18 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
     return !(from < end);
 }
 
+/* The march has begun anew between rings, where F is not defined.  Is nothing met from there on? */
+static bool is_undefined_on(sgt_surface s, const sgt_ray *ray, double from, const vicinity *v, size_t k)
+{
+    double end = smaller(ray->tmax, DBL_MAX);
+    if (!(from > ray->tmin && from < end)) return false;
+    sgt_interval slope, t = {0, sgt_sum_above(end, -from)},
+                        g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
+    v->evals[k] += 1;
+    if (v->told) tell_cell(v->told, SGT_MARCH, from, end, g, slope);
+    return g.lo > 0 || g.hi < 0; /* also an empty one */
+}
+
 static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
 {
     return (sgt_ray){
@@ -560,9 +572,10 @@ static double step_off(rows a, size_t k, bool in_rings, double bend, double slop
     return h;
 }
 
-/* Is the root within off / least of the start certainly not accepted, with |F'| between least and most?  It is
- * nearer than the reach of the rule, or, with all that is rounded, nearer than sixteen times that, and rounding
- * alone hides how near: then the rule is that of sharpened_of (step.h).  far: the greatest coordinate. */
+/* Is the root within off / least of the start certainly not accepted, with |F'| between least and most?  It
+ * is nearer than the reach of the rule, or, with all that is rounded, nearer than sixteen times that, and
+ * rounding alone hides how near: then the rule is that of sharpened_of (step.h).  far: the greatest
+ * coordinate. */
 static bool start_dropped(const looked *start, double off, double least, double most, double far)
 {
     double reach = START_ULPS * start->terms;
@@ -849,7 +862,10 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                     enclose_in(s, edge, known->boxed, &kept->rings, a, i);
             } else {
                 double t = a[T][i] * scale;
-                if (verdict == FOUND && !spent) {
+                if (verdict == GIVEN_UP && in_rings && a[SIGN][i] == 0 && !(a[F][i] == a[F][i]) && !spent &&
+                    is_undefined_on(s, &ray, t, v, k)) {
+                    is_miss(v, k);
+                } else if (verdict == FOUND && !spent) {
                     /* the march has moved behind the end of the ray, and knows the root there at once */
                     if (t > ray.tmax || (mode == IN_CHORD && t > v->hi[k])) is_miss(v, k);
                     else tell_root(a, i, scale, v);
