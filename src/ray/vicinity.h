@@ -18,17 +18,18 @@
  * every piece of it (piece.h) misses.  This decides rays that leave a surface without a rim.  If it says
  * too little, F is looked at all the way out (wings.c).
  *
- * LEAVING.  A ray with tmin = 0 may start on the surface, within the heights of a circle R about its start.
- * Let |F'| be at least a > 0 along the chord in that circle, by its slope.  It is at most 2 |n| - a there.  So
- * F has one root in the chord at most.  If |F| at the origin, with all that is rounded, is at most f, that
- * root lies within f / a of the start.  It is not accepted if that times 2 |n| - a is less than 0.98 of the
- * reach of the rule of the start (accept.h): the other two parts in a hundred are for what its terms may
- * differ between the two, which is some (f / a) / r of them.  So nothing is met up to the end of the chord.
- * From there on r grows.  In one unit of tau it grows by sqrt(l^2 + m^2) at most, and the height by |n|: the
- * cone of asphere/unique.c begins at the end of the chord, and no ring matters that lies within R.  A ray that
- * is above or below the cone's height in all others is a miss, after one look.  If rounding hides whether it
- * starts on the surface, it still has one root at most, and that in its chord.  Of the rest a later beginning
- * is known: the first piece of the ray that is neither above nor below its ring.
+ * LEAVING.  A ray with tmin = 0 may start on the surface, within the heights of a circle R about its
+ * start.  Let |F'| be at least a > 0 along the chord in that circle, by its slope.  It is at most 2 |n| -
+ * a there.  So F has one root in the chord at most.  If |F| at the origin, with all that is rounded, is at
+ * most f, that root lies within f / a of the start.  It is not accepted if that times 2 |n| - a is less
+ * than 0.98 of the reach of the rule of the start (accept.h): the other two parts in a hundred are for
+ * what its terms may differ between the two, which is some (f / a) / r of them.  So nothing is met up to
+ * the end of the chord.  From there on r grows.  In one unit of tau it grows by sqrt(l^2 + m^2) at most,
+ * and the height by |n|: the cone of asphere/unique.c begins at the end of the chord, and no ring matters
+ * that lies within R.  A ray that is above or below the cone's height in all others is a miss, after one
+ * look.  If rounding hides whether it starts on the surface, it still has one root at most, and that in
+ * its chord.  Of the rest a later beginning is known: the first piece of the ray that is neither above nor
+ * below its ring.
  *
  * FROM AFAR the surface may be so steep within R that the chord says nothing, and a root farther out may
  * be the first.  There F is looked at, point by point, on the way in (wings.c).
@@ -116,6 +117,7 @@ typedef struct vicinity {
     const double *tmin, *tmax;
     double *seed, *asked, *lo, *hi, *least, *noise[3], *evals, budget;
     double *single; /* NULL, or set to 1 where the ray has one root at most */
+    double *clear;  /* NULL, or where nothing was found the t up to which nothing is met */
     const double *begun; /* what evals is before; NULL: 0 */
     tally *told;
     double *work[VICINITY_ROWS];

@@ -80,7 +80,7 @@
  *                                is a miss
  *     a ray that ends before     is a miss
  *     a surface without an edge  a ray that leaves is followed to four times the radius where it began, or
- *                                that of the seed, if it is greater
+ *                                that of the seed, or to the last ring, whichever is the greatest
  *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
@@ -498,10 +498,15 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
     return !(from < end);
 }
 
-/* The march has begun anew between rings, where F is not defined.  Is nothing met from there on? */
-static bool is_undefined_on(sgt_surface s, const sgt_ray *ray, double from, const vicinity *v, size_t k)
+/* The march has begun anew between rings, where F is not defined.  Is nothing met from there to the end of
+ * the last ring? */
+static bool is_undefined_on(sgt_surface s, const sgt_ray *ray, double from, vicinities *kept,
+                            const vicinity *v, size_t k)
 {
-    double end = smaller(ray->tmax, DBL_MAX);
+    const sgt_heights *h = heights_about(s, kept);
+    double outer = SGT_RINGS * h->width, outer2 = outer * outer * (1 + 0x1p-30), steep = 0, lo, last, least;
+    s.ops->own_->chords(1, rays_of(ray), &outer2, &steep, NULL, &lo, &last, &least);
+    double end = smaller(ray->tmax, h->endless || !(last < DBL_MAX) ? DBL_MAX : last);
     if (!(from > ray->tmin && from < end)) return false;
     sgt_interval slope, t = {0, sgt_sum_above(end, -from)},
                         g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
@@ -801,6 +806,7 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
         a[END][k] = 4 * larger(begins, radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, v->seed[i]));
         if (edge < HUGE_VAL) a[END][k] = HUGE_VAL;
+        else a[END][k] = larger(a[END][k], SGT_RINGS * heights_about(s, kept)->width);
         a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as wings_judge has it */
         enclose_in(s, edge, bare->boxed, &kept->rings, a, k);
     }
@@ -863,13 +869,14 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
             } else {
                 double t = a[T][i] * scale;
                 if (verdict == GIVEN_UP && in_rings && a[SIGN][i] == 0 && !(a[F][i] == a[F][i]) && !spent &&
-                    is_undefined_on(s, &ray, t, v, k)) {
+                    is_undefined_on(s, &ray, t, kept, v, k)) {
                     is_miss(v, k);
                 } else if (verdict == FOUND && !spent) {
                     /* the march has moved behind the end of the ray, and knows the root there at once */
                     if (t > ray.tmax || (mode == IN_CHORD && t > v->hi[k])) is_miss(v, k);
                     else tell_root(a, i, scale, v);
                 }
+                if (v->clear && v->asked[k] != 0) v->clear[k] = larger(v->clear[k], t);
                 wings_leave(a, i, --left);
             }
         }
