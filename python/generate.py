@@ -214,6 +214,7 @@ def setting_type(setting, study, C):
         study._WORD: f"Optional[Literal[{words}]]",
         study._ONE_NUMBER: "Optional[float]",
         study._NUMBERS: "Optional[ArrayLike]",
+        study._TEXT: "Optional[str]",
     }[setting.kind]
 
 
@@ -223,7 +224,7 @@ def analyses():
 
     parts, methods = [ANALYSES_HEAD], ["\n\nclass Analyses:"]
     count, fate = "NDArray[np.uintp]", "NDArray[np.intc]"
-    kinds = {study._COUNT: count, study._PLACE: count, study._FATE: fate}
+    kinds = {study._COUNT: count, study._PLACE: count, study._FATE: fate, study._VERDICT: fate}
     for analysis in study.analyses():
         name = class_name(C.text(analysis.name)) + "Answer"
         parts.append(f"\n\nclass {name}(Answer):")

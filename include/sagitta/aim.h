@@ -86,7 +86,7 @@ SGT_API int sgt_trace_sensitivity(size_t elements, const sgt_element e[],
  *               right-handed                    radians
  *     1         index, behind it.  0 where it is SGT_MIRROR or 0 (as in front)
  *
- * The numbers of a phase are not among them.
+ * The numbers of a phase are not among them: sgt_phase_gradient.
  *
  * Returns how many there are: 7, and m + 7 for each element.  A thickness is not one of
  * them.  It moves all elements behind it, so the derivative by it is the sum of their
@@ -104,6 +104,36 @@ SGT_API size_t sgt_trace_parameters(size_t elements, const sgt_element e[]);
  * the trace, however many parameters there are, and no work space: what it needs of each
  * element is in the passages.  Eight rows share a sweep. */
 SGT_API int sgt_trace_gradient(size_t elements, const sgt_element e[],
+                               double index_before, const sgt_ray *launch,
+                               const sgt_passage passages[], size_t rows,
+                               const sgt_ray_change weight[], double gradient[]);
+
+/* The numbers of phases that a trace depends on: for each element that has one, in order,
+ *
+ *     an ideal lens   3   focal_length, focal_length_y, object_distance.  If the second
+ *                         is 0, the first is that of both axes, and the derivative by
+ *                         the second is 0.  So it is by an object_distance that is 0 or
+ *                         infinite
+ *     a phase in      1   per_wave, the order times the wavelength
+ *     waves           m   the parameters of its `waves`; m = sgt_parameters(phase->waves)
+ *     facets          1   0, in the place of per_wave
+ *                     m   the parameters of their sag
+ *
+ * Returns how many there are. */
+SGT_API size_t sgt_phase_parameters(size_t elements, const sgt_element e[]);
+
+/* sgt_trace_gradient by these numbers.  The wavelength L moves per_wave by the order, and
+ * each index by its dispersion: the derivative by L is the sum of
+ *
+ *     order * that by per_wave             of each phase in waves
+ *     dn/dL * that by the index            of each element (sgt_trace_gradient), and by
+ *                                          index_before
+ *
+ *     gradient  rows * sgt_phase_parameters(elements, e) numbers, row by row
+ *
+ * All else is as for sgt_trace_gradient.  SGT_LACKS_PARAMETERS: `waves` tells no
+ * derivatives by its parameters.  What depends on opl behind facets is NaN. */
+SGT_API int sgt_phase_gradient(size_t elements, const sgt_element e[],
                                double index_before, const sgt_ray *launch,
                                const sgt_passage passages[], size_t rows,
                                const sgt_ray_change weight[], double gradient[]);

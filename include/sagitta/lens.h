@@ -181,8 +181,9 @@ SGT_API bool sgt_catalogue_find(const sgt_catalogue *catalogue, const char *name
 /* ------------------------------------------------------------------- lenses
  *
  * A lens as a file gives it: a row of elements for sgt_trace, and what a user launches
- * rays by.  Formats: the lens file of docs/lens_file.md (YAML, any ending), and .zmx as
- * OpticStudio writes it.  Lengths are in the unit of the file, angles in degrees.
+ * rays by.  Formats: the lens file of docs/lens_file.md (YAML, any ending), .zmx as
+ * OpticStudio writes it, .seq of CODE V.  Lengths are in the unit of the file, angles in
+ * degrees.
  *
  *     sgt_error error;
  *     sgt_lens *lens = sgt_lens_read("triplet.zmx", NULL, &error);
@@ -246,10 +247,12 @@ typedef struct sgt_lens_surface {
     double      size;        /* the half height in use, or 0: for drawings, and for
                                 SGT_PUPIL_STOP_SIZE.  It clips nothing */
     double      focal_length; /* of the type "ideal", whose element is a plane with an
-                                sgt_phase of that kind; else 0.  If the file gives no
-                                object_distance, that of the phase is the distance of the
-                                paraxial image that the surfaces in front form of the
-                                object, at the wavelength of the elements */
+                                sgt_phase of that kind; else 0.  Of two focal lengths
+                                that along y, which is infinite if there is no power.  If
+                                the file gives no object_distance, that of the phase is
+                                the distance of the paraxial image that the surfaces in
+                                front form of the object, at the wavelength of the
+                                elements */
     unsigned long long reserved_[4];
 } sgt_lens_surface;
 
@@ -323,12 +326,15 @@ typedef struct sgt_lens_options {
     const char *(*read)(void *context, const char *path, char **text, size_t *length);
     void (*forget)(void *context, char *text);
     void *context;
-    /* which configuration is read if the file has several, from 1; 0: the active one */
+    /* which configuration is read if the file has several, from 1; 0: the active one, and
+     * of the zoom of a .seq file the first */
     int configuration;
     unsigned long long reserved_[4]; /* leave it zero, and that of the rows of `types` */
 } sgt_lens_options;
 
-/* Reads a lens from a file.  A name that ends in .zmx is read as that, any other as YAML.
+/* Reads a lens from a file.  A name that ends in .yaml, .yml or .json is that of a lens
+ * file.  Of any other the first lines decide whether it is .zmx, .seq or YAML, and then
+ * its ending.
  * NULL: `error` (may be NULL) says what and where. */
 SGT_API sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt,
                                 sgt_error *error);

@@ -294,6 +294,21 @@ typedef struct sgt_surface_ops {
      * `enclose`. */
     void (*encloses)(const void *self, size_t n, sgt_rays rays, const double *t_lo,
                      const double *t_hi, sgt_enclosures out);
+
+    /* F all over a box of points, for boxes of rays (beam.h).
+     *
+     *     at        x, y and z of the points, length; ends may be infinite, or one number
+     *     f         written: contains F of every point
+     *     gradient  written: each derivative contains that of every point
+     *     second    written: the same of the second derivatives: xx, xy, xz, yy, yz, zz
+     *
+     * All are of the exact F, with all that your arithmetic here rounds; interval.h helps
+     * to write it.  An interval may be as wide as it must be; -INFINITY to INFINITY says
+     * nothing.  true: F is defined all over the box, and twice differentiable, where the
+     * intervals are finite.  false: it may not be; then only f is read, of the points
+     * where F is defined, and lo > hi says that it is nowhere. */
+    bool (*box)(const void *self, const sgt_interval at[3], sgt_interval *f,
+                sgt_interval gradient[3], sgt_interval second[6]);
 } sgt_surface_ops;
 
 /* A surface: what it can do, and its parameters (borrowed). */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /* study.h - what a designer asks of a lens: spots, fans, path differences, field curves,
- * maps, sweeps, encircled energy, illumination.  Part of sagitta_lens.  The command,
- * Python and C ask here, and get the same bits.
+ * maps, sweeps, encircled energy, illumination, proofs (prove.h).  Part of sagitta_lens.
+ * The command, Python and C ask here, and get the same bits.
  *
  * A STUDY is fields x wavelengths x points of the pupil.  Fields and wavelengths count
  * from 1, as in the lens file.  An ANALYSIS is computed of it, and answers in rows.
@@ -135,7 +135,8 @@ typedef enum sgt_column_kind {
     SGT_COLUMN_COUNT,       /* size_t */
     SGT_COLUMN_PLACE,       /* size_t, from 1; 0: there is none */
     SGT_COLUMN_WHOLE,       /* double, a whole number of either sign */
-    SGT_COLUMN_FATE         /* int: an sgt_fate, or SGT_NO_RAY */
+    SGT_COLUMN_FATE,        /* int: an sgt_fate, or SGT_NO_RAY */
+    SGT_COLUMN_VERDICT      /* int: an sgt_limit_verdict (prove.h) */
 } sgt_column_kind;
 
 /* As a wavelength: all together, as the lens weighs them. */
@@ -159,7 +160,8 @@ typedef enum sgt_dimension {
     SGT_UNIT_SWEEP,    /* degrees, or a length if the object is at a distance */
     SGT_UNIT_WAVE,
     SGT_UNIT_PERCENT,
-    SGT_UNIT_PUPIL     /* radii of the pupil */
+    SGT_UNIT_PUPIL,    /* radii of the pupil */
+    SGT_UNIT_DEGREE
 } sgt_dimension;
 
 enum {
@@ -186,7 +188,8 @@ typedef enum sgt_setting_kind {
     SGT_SETTING_COUNT,    /* size_t, from `least` to `most`; 0: the default */
     SGT_SETTING_WORD,     /* int: the place in `words`, which are separated by | */
     SGT_SETTING_NUMBER,   /* sgt_list of at most one */
-    SGT_SETTING_NUMBERS   /* sgt_list */
+    SGT_SETTING_NUMBERS,  /* sgt_list */
+    SGT_SETTING_TEXT      /* const char *, zero-ended; NULL: the default */
 } sgt_setting_kind;
 
 /* Finite numbers. */

@@ -105,11 +105,14 @@ typedef struct sgt_aperture {
 typedef enum sgt_phase_kind {
     SGT_IDEAL_LENS = 1,
     SGT_PHASE_SAG,       /* W = s(x, y), the sag of the surface `waves` */
-    SGT_PHASE_FUNCTION   /* W = F(x, y, z) of the surface `waves` */
+    SGT_PHASE_FUNCTION,  /* W = F(x, y, z) of the surface `waves` */
+    SGT_FACETS           /* no phase: the facets of a Fresnel surface, with the slopes of
+                            the sag of the surface `waves` */
 } sgt_phase_kind;
 
 /* Bounds of a user's W for proofs of sgt_aim; of the built-in sags and formulas they are
- * known, of built-in bodies and level sets they are not.  Without bounds such proofs are
+ * known, and of a quadric; of other built-in bodies and level sets they are not.  Without
+ * bounds such proofs are
  * undecided at the phase.
  *
  *     self      of `waves`
@@ -166,6 +169,15 @@ typedef bool sgt_waves_bounds(const void *self, const sgt_interval box[3],
  * On a surface that is not a plane, (x, y) is that of the point, slopes are changed there
  * as above, and W is that of a plane: paths are not equal then.
  *
+ * TWO POWERS.  If focal_length_y is not 0, f is focal_length along x and focal_length_y
+ * along y: PARAX_XY of OpticStudio.  One of them may be infinite: a cylinder.  W is the
+ * formula above with these slopes.  It makes paths equal for the rays of the two
+ * sections, y = 0 and x = 0, from a point there to its line focus.  The rays between them
+ * are those of no wavefront (the field of directions has a curl of order x y), so that no
+ * path could be right for all: there W is a convention of this library, for a ray
+ * parallel to the axis -(x^2 / fx + y^2 / fy) / (1 + S(w')).  In ROUNDING |f| is the
+ * shorter one.
+ *
  * A PHASE IN WAVES is what a grating, a diffractive lens or a hologram adds.  At a point
  * of the surface it is W waves, a function of the point in the element's frame.  W is
  * given as a surface: `waves` is not met, its function is read.
@@ -195,16 +207,33 @@ typedef bool sgt_waves_bounds(const void *self, const sgt_interval box[3],
  * cosine that of the angle behind.  The fate is right, unless |t| is that near to n2.  S
  * is off by per_wave times the rounding of F.
  *
- * SGT_LOST, SGT_UNDEFINED is a ray where W or its gradient is NaN. */
+ * SGT_LOST, SGT_UNDEFINED is a ray where W or its gradient is NaN.
+ *
+ * FACETS, of a Fresnel surface: FRESNELS of OpticStudio.  The ray is met where the
+ * surface of the element is, a plane as a rule.  There it is refracted, or reflected, by
+ * the normal (-s_x, -s_y, 1) of the sag z = s(x, y) of `waves`, in lengths; per_wave is
+ * not read.  So facets are infinitely fine, and have no height.  Behind them there is no
+ * wavefront: the steps between facets are of no known height, and the field of directions
+ * is no gradient of a path.  opl is NaN from there on, and so is its error.
+ *
+ * SGT_TIR: the facet reflects totally.  SGT_LOST, SGT_UNDEFINED: the ray would meet the
+ * facet from behind, or would not leave the surface on the side that it should.  A
+ * component of the direction behind is off by 2^-50 n1 / (n2 cosine) at most, besides
+ * what the slopes of s are off by; the cosine is that of the angle behind to the
+ * facet. */
 typedef struct sgt_phase {
     sgt_phase_kind kind;
-    double focal_length;     /* of an ideal lens: length, 2^-500 to 2^500 in magnitude */
+    double focal_length;     /* of an ideal lens: length, 2^-500 to 2^500 in magnitude.
+                                With focal_length_y that along x, and may be infinite */
     double object_distance;  /* of an ideal lens: length, as above.  0 or infinite: from
                                 afar.  Else 2^-500 to 2^500 in magnitude */
-    sgt_surface waves;       /* of a phase in waves: W, as above.  It needs `value`; for
-                                derivatives `second`, for errors `rounding` */
+    sgt_surface waves;       /* of a phase in waves: W, as above; of facets: their sag.
+                                It needs `value`; for derivatives `second`, for errors
+                                `rounding` */
     double per_wave;         /* of a phase in waves: length, finite.  0: no phase */
     sgt_waves_bounds *bounds; /* of waves that are a user's; NULL: none are known */
+    double focal_length_y;   /* of an ideal lens: as focal_length, along y, or infinite
+                                (but not both).  0: the same as along x */
     unsigned long long reserved_[2]; /* leave it zero */
 } sgt_phase;
 

@@ -17,12 +17,17 @@ Reals = Literal["wavelength", "x", "y", "rms", "rms_x", "rms_y", "geometric", "a
                 "xy_err", "px", "py", "ex", "ey", "e_err", "opd", "opd_err", "pv", "m", "coefficient",
                 "residual", "tangential", "sagittal", "distortion_percent", "fx", "fy", "ideal", "t_err",
                 "condition", "at", "weight", "z", "l", "opl", "opl_err", "within", "radius", "fraction",
-                "unsure", "cos4", "illumination", "cos4_err", "illumination_err"]
+                "unsure", "cos4", "illumination", "cos4_err", "illumination_err", "passes", "stops",
+                "undecided", "ex_seen", "ex_px", "ex_py", "ey_seen", "ey_px", "ey_py", "spot", "spot_seen",
+                "spot_px", "spot_py", "rms_least", "opd_least", "opd_most", "pv_seen", "low_px", "low_py",
+                "high_px", "high_py", "opd_rms_least", "opd_rms", "incidence", "incidence_seen",
+                "incidence_px", "incidence_py", "clearance", "clearance_seen", "clearance_px",
+                "clearance_py", "height", "r0", "r1", "angle0", "angle1", "share", "value", "bound", "seen"]
 
-Counts = Literal["field", "rays", "passed", "digits", "missed", "clipped", "tir", "evanescent", "lost",
-                 "none", "proven", "term", "lacks", "element"]
+Counts = Literal["field", "rays", "passed", "digits", "lost", "none", "proven", "term", "lacks", "element",
+                 "boxes", "spent", "limit"]
 
-FatesOfRays = Literal["fate"]
+FatesOfRays = Literal["fate", "verdict"]
 
 
 class SpotAnswer(Answer):
@@ -195,6 +200,89 @@ class IlluminationAnswer(Answer):
     illumination_err: Floats
 
 
+class ProveAnswer(Answer):
+    field: NDArray[np.uintp]
+    wavelength: Floats
+    passes: Floats
+    stops: Floats
+    undecided: Floats
+    missed: Floats
+    clipped: Floats
+    tir: Floats
+    evanescent: Floats
+    ex: Floats
+    ex_seen: Floats
+    ex_px: Floats
+    ex_py: Floats
+    ey: Floats
+    ey_seen: Floats
+    ey_px: Floats
+    ey_py: Floats
+    spot: Floats
+    spot_seen: Floats
+    spot_px: Floats
+    spot_py: Floats
+    rms_least: Floats
+    rms: Floats
+    opd_least: Floats
+    opd_most: Floats
+    pv: Floats
+    pv_seen: Floats
+    low_px: Floats
+    low_py: Floats
+    high_px: Floats
+    high_py: Floats
+    opd_rms_least: Floats
+    opd_rms: Floats
+    boxes: NDArray[np.uintp]
+    spent: NDArray[np.uintp]
+
+
+class ProveElementsAnswer(Answer):
+    field: NDArray[np.uintp]
+    wavelength: Floats
+    element: NDArray[np.uintp]
+    missed: Floats
+    clipped: Floats
+    tir: Floats
+    evanescent: Floats
+    incidence: Floats
+    incidence_seen: Floats
+    incidence_px: Floats
+    incidence_py: Floats
+    clearance: Floats
+    clearance_seen: Floats
+    clearance_px: Floats
+    clearance_py: Floats
+    height: Floats
+
+
+class ProveRegionsAnswer(Answer):
+    field: NDArray[np.uintp]
+    wavelength: Floats
+    r0: Floats
+    r1: Floats
+    angle0: Floats
+    angle1: Floats
+    fate: NDArray[np.intc]
+    element: NDArray[np.uintp]
+    share: Floats
+
+
+class ProveLimitsAnswer(Answer):
+    field: NDArray[np.uintp]
+    wavelength: Floats
+    limit: NDArray[np.uintp]
+    verdict: NDArray[np.intc]
+    value: Floats
+    bound: Floats
+    seen: Floats
+    px: Floats
+    py: Floats
+    undecided: Floats
+    boxes: NDArray[np.uintp]
+
+
 class Analyses:
     def spot(self, field: Optional[Field] = None,
              wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
@@ -231,3 +319,19 @@ class Analyses:
     def illumination(self, field: Optional[Field] = None,
                      wavelength: Union[Wavelength, Sequence[Wavelength]] = None,
                      **asked: Unpack[Asking]) -> IlluminationAnswer: ...
+    def prove(self, field: Optional[Field] = None,
+              wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
+              undecided: Optional[float] = None, boxes: Optional[int] = None,
+              **asked: Unpack[Asking]) -> ProveAnswer: ...
+    def prove_elements(self, field: Optional[Field] = None,
+                       wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
+                       undecided: Optional[float] = None, boxes: Optional[int] = None,
+                       **asked: Unpack[Asking]) -> ProveElementsAnswer: ...
+    def prove_regions(self, field: Optional[Field] = None,
+                      wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
+                      undecided: Optional[float] = None, boxes: Optional[int] = None,
+                      **asked: Unpack[Asking]) -> ProveRegionsAnswer: ...
+    def prove_limits(self, field: Optional[Field] = None,
+                     wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
+                     boxes: Optional[int] = None, limit: Optional[str] = None,
+                     **asked: Unpack[Asking]) -> ProveLimitsAnswer: ...

@@ -136,8 +136,9 @@ class Element:
     decenter, tilt  of this element alone: lengths, and degrees about x, y, z
     origin          the vertex, global, instead of thickness and decenter: of all elements or of none
     apertures       a list of maps: {"type": "circle", "radius": 2, "obscures": True} ...
-    focal_length, object_distance       of an ideal lens
+    focal_length, focal_length_y, object_distance       of an ideal lens; with focal_length_y, focal_length is along x
     phase           a formula in waves, "-0.4*r^2", or a map: {"lines": 600, "order": 1} ...
+    facets          of a Fresnel surface: the sag whose slopes they have, {"type": "conic", "radius": 30} ...
     draw_to, name   for pictures; a comment
     """
 
@@ -153,8 +154,10 @@ class Element:
     origin: Optional[Sequence[float]] = None
     apertures: Optional[Sequence[dict[str, Any]]] = None
     focal_length: Optional[float] = None
+    focal_length_y: Optional[float] = None
     object_distance: Optional[float] = None
     phase: Union[None, str, dict[str, Any]] = None
+    facets: Optional[dict[str, Any]] = None
     draw_to: Optional[float] = None
     name: Optional[str] = None
 
@@ -495,8 +498,8 @@ class Lens(Analyses):
 
     @classmethod
     def read(cls, path: Union[str, os.PathLike[str]], *, glasses: Any = (), configuration: int = 0) -> "Lens":
-        """A lens from a file: .zmx, else YAML.  glasses: catalogues (.agf, .csv, .yml, folders) besides the
-        table that ships.  configuration: of a .zmx file with several, from 1; 0: the active one."""
+        """A lens from a file: .zmx, .seq of CODE V, or YAML.  glasses: catalogues (.agf, .csv, .yml, folders) besides the
+        table that ships.  configuration: of a file with several, from 1; 0: the active one."""
         C.check_arithmetic()
         self = cls.__new__(cls)
         option, keep = _reading(glasses, configuration)

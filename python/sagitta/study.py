@@ -29,9 +29,10 @@ if TYPE_CHECKING:
 PATTERNS = {"fan": 0, "grid": 1, "hexapolar": 2, "random": 3, "sobol": 4, "cells": 5, "cross": 6}
 _WEIGHTS = {"area": 0, "equal": 1}
 _AIMS = {"pupil": 0, "stop": 1, "real-stop": 2}
-_NUMBER, _EXACT, _ERROR, _WAVELENGTH, _COUNT, _PLACE, _WHOLE, _FATE = range(8)
-_FLAG, _SETTING_COUNT, _WORD, _ONE_NUMBER, _NUMBERS = range(5)
+_NUMBER, _EXACT, _ERROR, _WAVELENGTH, _COUNT, _PLACE, _WHOLE, _FATE, _VERDICT = range(9)
+_FLAG, _SETTING_COUNT, _WORD, _ONE_NUMBER, _NUMBERS, _TEXT = range(6)
 _FORMATS = {_COUNT: np.dtype(np.uintp), _PLACE: np.dtype(np.uintp), _FATE: np.dtype(np.intc)}
+_FORMATS[_VERDICT] = np.dtype(np.intc)
 
 Field = Union[int, Sequence[float]]
 Rows = Union[slice, NDArray[Any], list[int], list[bool]]
@@ -96,7 +97,8 @@ class Answer(Tabular):
     fates       what became of all rays
     notes       what lacks, in sentences; `legend`: what the numbers are
 
-    In `wavelength` 0 are all wavelengths together.  In `fate` are Fate, or -2: proven, no such ray.
+    In `wavelength` 0 are all wavelengths together.  In `fate` are Fate, or -2: proven, no such ray.  In `verdict`
+    1 is proven, 0 broken, -1 undecided.
 
     >>> import sagitta
     >>> lens = sagitta.Lens.text("{pupil: {semi_diameter: 5}, units: mm, fields: [0, 2], surfaces: ["
@@ -330,6 +332,12 @@ def _settings_of(analysis: C.Analysis, given: dict[str, Any]) -> tuple[Any, Any]
         elif setting.kind == _WORD:
             words = {w: i for i, w in enumerate(C.text(setting.words).split("|"))}
             ctypes.c_int.from_address(place).value = _calls.of_words(value, words, name)  # type: ignore[arg-type]
+        elif setting.kind == _TEXT:
+            if not isinstance(value, str):
+                raise ValueError(f"{name}: must be a text, not {value!r}")
+            held = ctypes.create_string_buffer(value.encode())
+            ctypes.c_void_p.from_address(place).value = ctypes.addressof(held)
+            keep.append(held)
         else:
             numbers = np.atleast_1d(np.array(doubles(value, name)))
             if numbers.ndim != 1 or not np.isfinite(numbers).all():
@@ -432,7 +440,9 @@ def _ask(
             what = "fields" if analysis.no_fields else "a proof"
             raise ValueError(f"{C.text(analysis.name)}: takes no {what}")
     if analysis.no_rays and (pattern is not None or rays or across or weights is not None):
-        raise ValueError(f"{C.text(analysis.name)}: takes no rays: they are those near the chief ray")
+        every = C.text(analysis.name).startswith("prove")
+        rays_are = "all rays of the pupil are meant" if every else "they are those near the chief ray"
+        raise ValueError(f"{C.text(analysis.name)}: takes no rays: {rays_are}")
     option_of_trace = _calls.options(dict(pick=pick, proof=proof, t_tol=t_tol, dt_min=dt_min, max_evals=max_evals))
     option, keep = study_options(
         lens, field, wavelength, fields=fields, pattern=pattern, rays=rays, across=across, seed=seed, weights=weights,

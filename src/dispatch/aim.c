@@ -14,6 +14,11 @@ SGT_DISPATCH(int, sgt_trace_gradient,
              (size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
               const sgt_passage passages[], size_t rows, const sgt_ray_change weight[], double gradient[]),
              (elements, e, index_before, launch, passages, rows, weight, gradient))
+SGT_DISPATCH(size_t, sgt_phase_parameters, (size_t elements, const sgt_element e[]), (elements, e))
+SGT_DISPATCH(int, sgt_phase_gradient,
+             (size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
+              const sgt_passage passages[], size_t rows, const sgt_ray_change weight[], double gradient[]),
+             (elements, e, index_before, launch, passages, rows, weight, gradient))
 SGT_DISPATCH(bool, sgt_trace_error,
              (size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
               const sgt_passage passages[], sgt_end_error *out),

@@ -197,7 +197,8 @@ static bool aperture_sound(const sgt_element *e, sgt_error *error)
 static bool waves_sound(const sgt_phase *p, sgt_error *error)
 {
     const sgt_surface s = p->waves;
-    if (!isfinite(p->per_wave)) return blame(error, "phase", "per_wave", "not finite");
+    if (p->kind != SGT_FACETS && !isfinite(p->per_wave))
+        return blame(error, "phase", "per_wave", "not finite");
     if (!surface_sound(s, error)) {
         if (!error) return false;
         char was[sizeof error->key];
@@ -206,19 +207,25 @@ static bool waves_sound(const sgt_phase *p, sgt_error *error)
         append(error->key, sizeof error->key, was + 1);
         return false;
     }
-    if (p->kind == SGT_PHASE_SAG && s.ops->own_ && !sgt_is_sag(s))
-        return blame(error, "phase", "waves", "no sag, as SGT_PHASE_SAG needs");
+    if (p->kind != SGT_PHASE_FUNCTION && s.ops->own_ && !sgt_is_sag(s))
+        return blame(error, "phase", "waves", "no sag, as SGT_PHASE_SAG and SGT_FACETS need");
     return true;
 }
 
 static bool phase_sound(const sgt_phase *p, sgt_error *error)
 {
     if (!p) return true;
-    if (p->kind != SGT_IDEAL_LENS && p->kind != SGT_PHASE_SAG && p->kind != SGT_PHASE_FUNCTION)
+    if (p->kind < SGT_IDEAL_LENS || p->kind > SGT_FACETS)
         return blame(error, "phase", "kind", "no sgt_phase_kind");
     if (!PLAIN(p, "phase", error)) return false;
     if (p->kind != SGT_IDEAL_LENS) return waves_sound(p, error);
-    if (!is_length(p->focal_length)) return blame(error, "phase", "focal_length", "not 2^-500 to 2^500 long");
+    const double fx = fabs(p->focal_length), fy = fabs(p->focal_length_y);
+    if (!is_length(fx) && !(fx == HUGE_VAL && fy != 0))
+        return blame(error, "phase", "focal_length", "not 2^-500 to 2^500 long");
+    if (fy != 0 && !is_length(fy) && fy != HUGE_VAL)
+        return blame(error, "phase", "focal_length_y", "not 0, infinite, or 2^-500 to 2^500 long");
+    if (fx == HUGE_VAL && fy == HUGE_VAL)
+        return blame(error, "phase", "focal_length_y", "infinite, and so is focal_length");
     double a = fabs(p->object_distance);
     return a == 0 || a == HUGE_VAL || is_length(a)
                ? true

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /* vicinity.c - see vicinity.h.  A single ray is a row of one. */
 #include "general.h"
+#include "glance.h"
 #include "wings.h"
 
 enum { SHRINKS = 12, LEAST_BUDGET = 8 };
@@ -486,13 +487,21 @@ static void march_box(sgt_surface s, size_t n, sgt_rays r, const double *from, c
     sgt_march_box(s, n, r, from, &bare, kept, v);
 }
 
+/* Most rays are answered by looks beside the root; the others are marched along. */
+static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, const vicinity *v)
+{
+    sgt_glance_chord(s, n, r, whole, v);
+    if (asked_all(n, v->asked) == 0 || (v->told && v->told->stopped)) return;
+    sgt_march_chord(s, n, r, whole, v);
+}
+
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const bool chords = !near && marches_chord(whole), rimmed = chords && rim2_of_surface(s) < HUGE_VAL;
     if (rimmed) { /* what is left has no F on a part of its chord */
-        sgt_march_chord(s, n, r, whole, v);
+        along_chord(s, n, r, whole, v);
         if (asked_all(n, v->asked) == 0) return;
     }
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
@@ -538,7 +547,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         extents(s, n, w.wide, FINE, v->asked, kept, &w);
     }
     if (left != 0 && chords) {
-        if (!rimmed) sgt_march_chord(s, n, r, whole, v);
+        if (!rimmed) along_chord(s, n, r, whole, v);
         return;
     }
     const bool boxed = left != 0 && boxes;

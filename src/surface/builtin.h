@@ -311,6 +311,14 @@ static inline sgt_enclose_many *encloses_of(const sgt_surface_ops *ops)
     return offers_encloses(ops) && ops->enclose ? ops->encloses : NULL;
 }
 
+typedef bool sgt_box_of_points(const void *self, const sgt_interval at[3], sgt_interval *f,
+                               sgt_interval gradient[3], sgt_interval second[6]);
+static inline sgt_box_of_points *box_of(const sgt_surface_ops *ops)
+{
+    size_t end = offsetof(sgt_surface_ops, box) + sizeof ops->box;
+    return ops->own_ || ops->size >= end ? ops->box : NULL;
+}
+
 static inline bool answers_itself(const sgt_surface_ops *ops) { return ops->own_ && ops->own_->meet; }
 
 /* Is it a built-in surface without `meet`?  It is then met by its operations, as a user's is. */

@@ -117,7 +117,7 @@ static double error_through(const sgt_element *e, const chain_link *c, bool turn
         *x = s.by[k].x;
         x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);
     }
-    const double more = c->phased ? of_phase(e, c, turns, s) : 0;
+    const double more = c->phased ? of_phase(e, c, turns, p_err, s) : 0;
     return of_element(c->bends && !c->phased, c->phased, *c, turns, turned, p_err, off, s) + more;
 }
 
@@ -139,6 +139,8 @@ static void through_derivatives(const aim_task *task, const sgt_ray *launch, boo
         if (c.bends && turns) {
             chain_second(s, &c);
             if (!c.phased) off = bend_off_of(gradient_kind_of(s), s.self, c);
+            if (!c.phased && sgt_has_kinks(s))
+                off.gradient = larger(off.gradient, sgt_kink_off(s, c.p, p_err, c.n));
         }
         if (i == task->stop) back[OF_PATH] = (chain_back){times(-c.n1, c.d), {0, 0, 0}, 1, 0};
         error[ERROR_OF_POINT] += error_through(e, &c, turns, p_err, off, true, back);
@@ -190,7 +192,7 @@ bool sgt_trace_error(size_t elements, const sgt_element e[], double index_before
         out->path += of_sum(path, by, c.n1, to);
         path = path_with(path, by, c.n1, c.t);
         if (c.waves && c.passed == 1) {
-            path = kick_path(c.waves->per_wave, c.by_waves.at.w, path);
+            path = kick_path(path_per_wave(c.waves), c.by_waves.at.w, path);
         } else if (c.phased && c.passed == 1) {
             const thin_lens lens = thin_lens_of(e[i].phase, c.n1, c.n2, e[i].index == SGT_MIRROR);
             path = twofold_sum(path, twofold_of(phase_path(lens, c.p, c.d)));

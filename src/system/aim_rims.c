@@ -23,7 +23,7 @@
 
 typedef struct box3 { sgt_interval x, y, z; } box3;
 
-static box3 box_of(sgt_vec3 a)
+static box3 box_around(sgt_vec3 a)
 {
     return (box3){sgt_interval_of(a.x), sgt_interval_of(a.y), sgt_interval_of(a.z)};
 }
@@ -87,12 +87,12 @@ static bool points_met(const aim_task *task, size_t i, box3 *out)
     if (is_turned(pose)) {
         const sgt_vec3 ex = pose->ex, ey = pose->ey, ez = pose->ez;
         const box3 q = p;
-        p = (box3){box_dot(q, box_of((sgt_vec3){ex.x, ey.x, ez.x})),
-                   box_dot(q, box_of((sgt_vec3){ex.y, ey.y, ez.y})),
-                   box_dot(q, box_of((sgt_vec3){ex.z, ey.z, ez.z}))};
+        p = (box3){box_dot(q, box_around((sgt_vec3){ex.x, ey.x, ez.x})),
+                   box_dot(q, box_around((sgt_vec3){ex.y, ey.y, ez.y})),
+                   box_dot(q, box_around((sgt_vec3){ex.z, ey.z, ez.z}))};
     }
     const sgt_interval off = {-SLACK * size - FORM_LEAST, SLACK * size + FORM_LEAST};
-    const box3 to = box_of(pose->origin);
+    const box3 to = box_around(pose->origin);
     out->x = sgt_interval_sum(sgt_interval_sum(p.x, to.x), off);
     out->y = sgt_interval_sum(sgt_interval_sum(p.y, to.y), off);
     out->z = sgt_interval_sum(sgt_interval_sum(p.z, to.z), off);
@@ -109,7 +109,7 @@ static sgt_interval multiple(sgt_interval x, sgt_interval y)
 /* Cuts u and v down to the rays whose line meets the box. */
 static void lines_through(const sgt_beam *b, box3 p, sgt_interval *u, sgt_interval *v)
 {
-    const box3 o = box_of(b->o);
+    const box3 o = box_around(b->o);
     const box3 q = {sgt_interval_difference(p.x, o.x), sgt_interval_difference(p.y, o.y),
                     sgt_interval_difference(p.z, o.z)};
     sgt_interval by_u, by_v, at_u, at_v;
@@ -118,7 +118,7 @@ static void lines_through(const sgt_beam *b, box3 p, sgt_interval *u, sgt_interv
         at_u = box_dot(q, box_cross(b->dv, b->d)), at_v = box_dot(q, box_cross(b->d, b->du));
     } else {
         const box3 across_u = box_cross(b->ov, b->d), across_v = box_cross(b->d, b->ou);
-        by_u = box_dot(box_of(b->ou), across_u), by_v = box_dot(box_of(b->ov), across_v);
+        by_u = box_dot(box_around(b->ou), across_u), by_v = box_dot(box_around(b->ov), across_v);
         at_u = box_dot(q, across_u), at_v = box_dot(q, across_v);
     }
     *u = sgt_interval_intersection(*u, multiple(at_u, by_u));

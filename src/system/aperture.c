@@ -439,3 +439,61 @@ sgt_clipping sgt_clipped_by(const sgt_element *e, sgt_vec3 p)
     return which < 0 ? (sgt_clipping){.by = SGT_BY_NONE}
                      : clipped_by_item(&e->aperture->items[which], which, p);
 }
+
+/* ---------------------------------------------------------------- a box of points */
+
+/* How far p is beyond the edge of the item, below 0 inside: a function that changes by no more than p is
+ * moved, and is above 0 just outside. */
+static double level_of(const sgt_aperture_item *i, bool hole, sgt_vec2 at)
+{
+    figure f;
+    if (is_ring(i)) {
+        const sgt_vec2 from = {at.x - i->centre.x, at.y - i->centre.y};
+        return distance_of(from) - (hole ? i->inner : i->radius);
+    }
+    figure_of(i, &f);
+    const sgt_vec2 q = seen_from(&f, at.x, at.y).q;
+    switch (i->shape) {
+    case SGT_RECTANGLE: return beyond_box(q, i->half);
+    case SGT_POLYGON: return beyond_polygon(i, q);
+    case SGT_ELLIPSE: {
+        const double least = smaller(i->half.x, i->half.y), x = q.x / i->half.x, y = q.y / i->half.y;
+        return least * (sqrt(x * x + y * y) - 1);
+    }
+    default: {
+        const double half = 0.5 * i->width, length = arm_length(i);
+        double nearest = HUGE_VAL;
+        for (int k = 0; k < i->arms; k++) {
+            const sgt_vec2 a = turned_back(f.arm[k], q);
+            nearest = smaller(larger(larger(fabs(a.y) - half, a.x - length), -a.x), nearest);
+        }
+        return nearest;
+    }
+    }
+}
+
+/* Each level changes no faster than the point moves.  So what is true of the middle is true of the box if the
+ * level there is more than half the diagonal; `soft` is a margin far more than any softness. */
+int sgt_aperture_over(const sgt_aperture *a, sgt_interval x, sgt_interval y, double *away)
+{
+    const sgt_vec2 at = {0.5 * (x.lo + x.hi), 0.5 * (y.lo + y.hi)},
+                   half = {larger(x.hi - at.x, at.x - x.lo), larger(y.hi - at.y, at.y - y.lo)};
+    int all = 1;
+    *away = HUGE_VAL;
+    for (size_t k = 0; k < a->count; k++) {
+        const sgt_aperture_item *i = &a->items[k];
+        const bool hole = i->shape == SGT_ANNULUS && i->inner > 0;
+        double level = level_of(i, false, at);
+        if (hole) level = larger(level, -level_of(i, true, at)); /* within the ring: below 0 */
+        const double radius = is_ring(i) && i->radius < HUGE_VAL ? i->radius : 0; /* others need not set it */
+        const double size = fabs(at.x) + fabs(at.y) + fabs(i->centre.x) + fabs(i->centre.y) + radius;
+        const double soft = 0x1p-38 * size + 0x1p-490;
+        const double reach = distance_of(half) * (1 + 0x1p-40) + soft;
+        const double beyond = i->obscuring ? -level : level; /* above 0: clipped */
+        if (beyond > reach) return -1;
+        if (!(-beyond > reach)) all = 0;
+        else *away = smaller(*away, -beyond - reach);
+    }
+    if (all == 0) *away = 0;
+    return all;
+}

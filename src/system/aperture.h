@@ -19,4 +19,8 @@ int sgt_aperture_clips(const sgt_aperture *a, double x, double y);
 size_t sgt_aperture_clips_tile(const sgt_aperture *a, size_t n, const double x[], const double y[],
                                double verdict, double good[]);
 
+/* What an aperture does to all points of a box: 1 none is clipped, -1 all are, 0 it is not certain.  *away: a
+ * distance in x and y that all points are from where one is clipped, at least; of 1 only. */
+int sgt_aperture_over(const sgt_aperture *a, sgt_interval x, sgt_interval y, double *away);
+
 #endif

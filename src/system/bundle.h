@@ -38,6 +38,10 @@ bundle_fate sgt_bundle_conic(double c, double k, double rim, double aperture, co
 bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_lines *w, sag_kept kept[2],
                            bundle_hit *h);
 
+/* Has each of the lines at most one root with r <= L, of an even asphere or a departure?  *none: and none of
+ * them has one.  kept: as above, of this L.  (bundle_sag.c) */
+bool sgt_bundle_sag_only(sgt_surface surface, double L, const bundle_lines *w, sag_kept *kept, bool *none);
+
 /* The points of a conic or one of these sags within r <= reach, its rim and its edge: x (and y), and z.
  * false: nothing bounds them.  (bundle_sag.c) */
 bool sgt_bundle_sag_points(sgt_surface surface, double reach, sgt_interval *x, sgt_interval *z);

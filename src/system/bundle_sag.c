@@ -486,6 +486,33 @@ bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_li
     return most < 0x1p400 ? sag_meet(s, w, most * MORE, &kept[1], h, &exists) : BUNDLE_UNKNOWN;
 }
 
+/* Roots with r <= L are in t, as of steps 1 and 2, and one at most if the slope has one sign in it. */
+bool sgt_bundle_sag_only(sgt_surface surface, double L, const bundle_lines *w, sag_kept *kept, bool *none)
+{
+    const sag_model model = model_of(surface), *s = &model;
+    const line_ranges range = {form_range(w->x), form_range(w->y), form_range(w->d.x), form_range(w->d.y),
+                               form_range(w->d.z)};
+    const line_slopes by = line_slopes_of(w, &range);
+    sgt_interval t = sag_first(s, &range, L, kept);
+    for (int round = 0; round < 2; round++) {
+        *none = sgt_interval_is_empty(t);
+        if (*none) return true;
+        if (!(sgt_interval_width(t) < HUGE_VAL)) return false;
+        const line_box over = line_box_of(&range, t);
+        sag_root at = {.sign = 0};
+        region where;
+        const bool bounded =
+            !s->of || (sag_bounds(s, over.x, over.y, HUGE_VAL, &where, &at.b) > 0 && at.b.bend < HUGE_VAL &&
+                       sag_middle_of(s, sgt_interval_middle(over.x), sgt_interval_middle(over.y), &at.m));
+        bool defined = false;
+        sgt_interval slope = sgt_interval_all();
+        if (bounded) slope = sag_slope(s, &range, &by, t, &over, &at, &defined);
+        if (defined && (sgt_interval_is_positive(slope) || sgt_interval_is_negative(slope))) return true;
+        if (round == 0) t = sag_hull(s, &range, L, t);
+    }
+    return false;
+}
+
 bool sgt_bundle_sag_slopes(sgt_surface surface, linear x, linear y, linear *by_x, linear *by_y)
 {
     const sag_model s = model_of(surface);

@@ -35,7 +35,8 @@
  *
  * Transposed, A_L of W comes beside A_d' of d'.  If the ray has not passed, there is no W in its path.
  *
- * A PHASE IN WAVES is like a surface that bends (waves.h), with G and its derivatives besides. */
+ * A PHASE IN WAVES is like a surface that bends (waves.h), with G and its derivatives besides; facets are one
+ * with a normal of their own. */
 #ifndef SGT_SYSTEM_CHAIN_H
 #define SGT_SYSTEM_CHAIN_H
 #include "phase.h"
@@ -43,8 +44,12 @@
 #include <sagitta/aim.h>
 
 /* W of a phase in waves and its gradient, G = per_wave grad W, and the derivatives of G: xx, xy, xz, yy, yz,
- * zz. */
-typedef struct waves_slopes { waves_here at; sgt_vec3 G; double h[6]; } waves_slopes;
+ * zz.  m: the normal that light is bent by.  Of facets G is 0, and h has the derivatives of m. */
+typedef struct waves_slopes {
+    waves_here at;
+    sgt_vec3 G, m;
+    double h[6];
+} waves_slopes;
 
 /* An element as a ray met it.  bends: n has a say in d'. */
 typedef struct chain_link {
@@ -115,13 +120,16 @@ SGT_INLINE sgt_vec3 chain_direction(const sgt_element e[], size_t i, const sgt_r
     return into(&e[i].pose, d);
 }
 
-/* Sets f of a phase in waves.  If the ray has not passed, there is no S. */
-SGT_INLINE void chain_waves(double per_wave, chain_link *c)
+/* Sets f of a phase in waves, and by_S of facets.  If the ray has not passed, there is no S. */
+SGT_INLINE void chain_waves(const sgt_phase *a, chain_link *c)
 {
     waves_slopes *s = &c->by_waves;
-    s->G = c->passed == 1 ? times(per_wave, s->at.g) : (sgt_vec3){0, 0, 0};
-    const double by = dot(c->n, plus_times(s->G, c->n1, c->d)) / c->n2;
-    c->f = (dot(c->after, c->n) - by) / dot(c->n, c->n);
+    const bool facets = is_faceted(a), passed = c->passed == 1;
+    s->G = passed && !facets ? times(a->per_wave, s->at.g) : (sgt_vec3){0, 0, 0};
+    s->m = passed && facets ? facet_normal(s->at.g) : c->n;
+    if (facets) c->by_S = c->passed / dot(c->after, s->m);
+    const double by = dot(s->m, plus_times(s->G, c->n1, c->d)) / c->n2;
+    c->f = (dot(c->after, s->m) - by) / dot(s->m, s->m);
 }
 
 /* The derivatives of an element with a phase; NaN behind it and without W if the ray has not passed. */
@@ -130,7 +138,7 @@ SGT_INLINE void chain_phase(const sgt_element *e, chain_link *c)
     const double none = (double)NAN;
     if (c->waves) {
         if (c->passed == 1) c->by_waves.at = sgt_waves_at(e->phase, c->p);
-        chain_waves(e->phase->per_wave, c);
+        chain_waves(e->phase, c);
         return;
     }
     const sgt_vec3 nothing = {none, none, none};
@@ -192,7 +200,7 @@ SGT_INLINE bool chain_second(sgt_surface s, chain_link *c)
     if (c->waves) {
         double *g = c->by_waves.h, *const second[6] = {g, g + 1, g + 2, g + 3, g + 4, g + 5};
         has = sgt_waves_second(c->waves, 1, p, second) && has;
-        for (int i = 0; i < 6; i++) g[i] *= c->waves->per_wave;
+        for (int i = 0; i < 6; i++) g[i] *= second_factor(c->waves);
     }
     return has;
 }
@@ -249,12 +257,14 @@ SGT_INLINE sgt_ray_change waves_forward(const chain_link *c, sgt_ray_change x)
 {
     const waves_slopes *s = &c->by_waves;
     const chain_shift at = chain_point(*c, x);
+    const bool facets = is_faceted(c->waves);
     const double by = c->passed / c->n2;
-    const sgt_vec3 du = times(by, plus_times(symmetric_product(s->h, at.p), c->n1, x.d));
-    const sgt_vec3 dn = plus_times(du, c->f, chain_bend(*c, at.p));
+    const sgt_vec3 second = symmetric_product(s->h, at.p), none = {0, 0, 0};
+    const sgt_vec3 du = times(by, plus_times(facets ? none : second, c->n1, x.d));
+    const sgt_vec3 dn = plus_times(du, c->f, facets ? second : chain_bend(*c, at.p));
     const double df = dot(c->after, dn) * c->by_S;
-    return (sgt_ray_change){at.p, plus_times(dn, -df, c->n),
-                            x.opl + dot(s->G, at.p) + c->n1 * at.t};
+    return (sgt_ray_change){at.p, plus_times(dn, -df, s->m),
+                            facets ? (double)NAN : x.opl + dot(s->G, at.p) + c->n1 * at.t};
 }
 
 /* The same with a phase or without. */
@@ -319,12 +329,19 @@ SGT_INLINE chain_step waves_backward(const chain_link *c, bool turns, chain_back
 {
     const waves_slopes *s = &c->by_waves;
     chain_inside in = {.n = {0, 0, 0}};
+    const bool facets = is_faceted(c->waves);
+    const double none = (double)NAN;
     sgt_vec3 to_p = plus_times(x.p, x.opl, s->G), front = {0, 0, 0};
+    if (facets && x.opl != 0) to_p = (sgt_vec3){none, none, none};
     if (turns) {
-        const double b = dot(x.d, c->n) * c->by_S;
+        const double b = dot(x.d, s->m) * c->by_S;
         const sgt_vec3 across_after = plus_times(x.d, -b, c->after), to_u = times(1 / c->n2, across_after);
-        in.n = times(c->f, across_after), front = times(c->n1, to_u);
-        to_p = plus(to_p, plus(symmetric_product(s->h, to_u), chain_bend(*c, in.n)));
+        const sgt_vec3 to_m = times(c->f, across_after);
+        front = times(c->n1, to_u);
+        if (facets)
+            to_p = plus(to_p, symmetric_product(s->h, to_m));
+        else
+            in.n = to_m, to_p = plus(to_p, plus(symmetric_product(s->h, to_u), chain_bend(*c, in.n)));
         in.n1 = dot(to_u, c->d), in.n2 = (b - dot(x.d, c->after)) / c->n2;
     }
     return chain_back_point(*c, in, to_p, front, x);

@@ -167,6 +167,6 @@ bool sgt_chain_tile_second(chain_tile *b)
                            b->by_waves[3], b->by_waves[4], b->by_waves[5]};
     const bool has = sgt_waves_second(b->e->phase, b->n, b->shown, by);
     for (int k = 0; k < 6; k++)
-        for (size_t i = 0; i < b->n; i++) by[k][i] *= b->e->phase->per_wave;
+        for (size_t i = 0; i < b->n; i++) by[k][i] *= second_factor(b->e->phase);
     return has && b->s.ops->second;
 }

@@ -40,7 +40,7 @@ typedef struct chain_tile {
     chain_view view;
     sgt_points shown; /* the points, for the surface */
     _Alignas(64) chain_row inverse, by_S, f, passed, met;
-    chain_row h[6], waves[4], by_waves[6]; /* W, grad W, and its derivatives times per_wave */
+    chain_row h[6], waves[4], by_waves[6]; /* W, grad W, and its derivatives times second_factor */
     chain_vectors front, place; /* where view.d and `shown` may point to */
 } chain_tile;
 
@@ -112,7 +112,7 @@ SGT_INLINE chain_link chain_phased_link(const chain_tile *b, size_t i)
     c.waves = b->e->phase;
     c.by_waves.at = (waves_here){b->waves[0][i], {b->waves[1][i], b->waves[2][i], b->waves[3][i]}};
     for (int k = 0; k < 6; k++) c.by_waves.h[k] = b->by_waves[k][i];
-    chain_waves(c.waves->per_wave, &c);
+    chain_waves(c.waves, &c);
     return c;
 }
 

@@ -103,28 +103,31 @@ SGT_INLINE double of_element(bool bends, bool phased, chain_link c, bool turns, 
 }
 
 /* What a phase in waves adds to that (waves.h). */
-SGT_INLINE double of_waves(const sgt_element *e, const chain_link *c, bool turns, error_steps s)
+SGT_INLINE double of_waves(const sgt_element *e, const chain_link *c, bool turns, double p_err, error_steps s)
 {
     const waves_slopes *at = &c->by_waves;
     if (c->passed != 1) return turns ? (double)NAN : 0;
-    const double per_wave = fabs(c->waves->per_wave);
-    const waves_off off = sgt_waves_off(c->waves, c->p, at->at);
-    const double path = fabs(s.by[0].x.opl) * per_wave * off.w;
+    const bool facets = is_faceted(c->waves);
+    const double per_wave = facets ? 0 : fabs(c->waves->per_wave);
+    const waves_off off = sgt_waves_off(c->waves, c->p, p_err, at->at);
+    const double path =
+        facets && s.by[0].x.opl != 0 ? (double)NAN : fabs(s.by[0].x.opl) * per_wave * (off.w + off.g * p_err);
     if (!turns) return path;
     const sgt_surface surface = chain_surface(e->surface);
-    const double n2 = dot(c->n, c->n), n = sqrt(n2);
+    const double n2 = dot(c->n, c->n), n = sqrt(n2), m = size_of(at->m);
     const double u = per_wave * off.g + 8 * SGT_U * (c->n1 + size_of(at->G));
-    const double direction = u * n / (c->n2 * fabs(dot(c->after, c->n))) + 4 * SGT_U;
-    const double gradient =
-        of_gradient(gradient_kind_of(surface), surface.self, c->p, c->n, n2, n, 1 / n);
-    return path + longest_of(s.two, s.direction[0], s.direction[1]) * direction +
-           longest_of(s.two, s.by[0].in.n, s.by[1].in.n) * gradient;
+    const double direction = u * m / (c->n2 * fabs(dot(c->after, at->m))) + 4 * SGT_U;
+    const double size = longest_of(s.two, s.direction[0], s.direction[1]);
+    if (facets) return path + size * (direction + fabs(c->f) * off.g * (1 + m * fabs(c->by_S)));
+    double gradient = of_gradient(gradient_kind_of(surface), surface.self, c->p, c->n, n2, n, 1 / n);
+    if (sgt_has_kinks(surface)) gradient = larger(gradient, sgt_kink_off(surface, c->p, p_err, c->n));
+    return path + size * direction + longest_of(s.two, s.by[0].in.n, s.by[1].in.n) * gradient;
 }
 
 /* What a phase adds to that. */
-SGT_INLINE double of_phase(const sgt_element *e, const chain_link *c, bool turns, error_steps s)
+SGT_INLINE double of_phase(const sgt_element *e, const chain_link *c, bool turns, double p_err, error_steps s)
 {
-    if (c->waves) return of_waves(e, c, turns, s);
+    if (c->waves) return of_waves(e, c, turns, p_err, s);
     const phase_off off = phase_off_of(e->phase, c->n1, c->n2, c->p, c->d);
     const double size = longest_of(s.two, s.direction[0], s.direction[1]);
     return (turns ? size * off.direction : 0) + (c->passed == 1 ? fabs(s.by[0].x.opl) * off.path : 0);

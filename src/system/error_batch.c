@@ -56,6 +56,15 @@ static void link_off(chain_tile *b, double *bent_off, double *gradient)
         link_off_by(GRADIENT_OF_OTHER, b, NULL, bent_off, gradient);
 }
 
+static void kinks_off(const chain_tile *b, const double *p_err, double *gradient)
+{
+    for (size_t i = 0; i < b->n; i++) {
+        const double off =
+            sgt_kink_off(b->s, chain_from(b->view.p, i), p_err[i], chain_from(b->view.normal, i));
+        gradient[i] = larger(gradient[i], off);
+    }
+}
+
 /* clang 14 makes no vector code of the loop below, and would warn of the mark. */
 #ifdef __clang__
 #define LANES_BY_GCC
@@ -133,7 +142,7 @@ static void error_back_phased(bool two, bool turns, const error_tile *w, const d
             s.direction[k] = x.d, s.by[k] = chain_backward(&c, turns, x);
             chain_put(&row[k].p, i, s.by[k].x.p), chain_put(&row[k].d, i, s.by[k].x.d);
         }
-        const double more = of_phase(b->e, &c, turns, s);
+        const double more = of_phase(b->e, &c, turns, p_err[i], s);
         error[i] += of_element(false, true, c, turns, b->turned, p_err[i], (bend_off){0, 0}, s) + more;
     }
 }
@@ -164,6 +173,7 @@ static void sweep_back(const chain_work *work, bool path, size_t first, size_t n
         sgt_chain_tile_at(work, i, first, n, b);
         if (b->bends && turns) sgt_chain_tile_second(b);
         if (b->bends && turns && !b->phased) link_off(b, w->bent_off, w->gradient);
+        if (b->bends && turns && !b->phased && sgt_has_kinks(b->s)) kinks_off(b, p_err, w->gradient);
         for (int k = 0; k < rows; k++) {
             error_row *row = &w->row[k];
             if (!turns)
@@ -289,7 +299,7 @@ static void path_all(bool kicks, const chain_tile *b, const double *p_err, error
 SGT_KERNEL
 static void path_in_waves(const chain_tile *b, error_path *w)
 {
-    const double per_wave = b->e->phase->per_wave, *more = b->waves[0];
+    const double per_wave = path_per_wave(b->e->phase), *more = b->waves[0];
     const chain_view v = b->view;
     const size_t n = b->n;
     LANES for (size_t i = 0; i < n; i++)

@@ -18,6 +18,14 @@
  *
  * THE LAUNCH.  d = D / |D|: dd = (dD - d (d . dD)) / |D|, and the same transposed.
  *
+ * THE NUMBERS OF A PHASE have a say in d' and S where the ray is met, and nowhere else.  With A_u and A_L of
+ * chain.h they have the adjoints
+ *
+ *     per_wave                    A_u . grad W + A_L W
+ *     a parameter a of W          per_wave (A_u . grad W_a + A_L W_a)
+ *     a parameter of facets       A_m . m_a, with m_a = grad F_a of F = z - s
+ *     those of an ideal lens      phase.h
+ *
  * WHAT IT COSTS.  An element needs its second derivatives once, whatever the columns or rows, one quotient
  * for s and one for f.  A parameter needs its F_a and their gradient once for up to eight rows. */
 #include "chain.h"
@@ -165,6 +173,83 @@ int sgt_trace_gradient(size_t elements, const sgt_element e[], double index_befo
             put_three(to, back[r].p);
             put_three(to + 3, times(1 / from.length, across(a, from.d)));
             to[6] = back[r].index;
+        }
+    }
+    return lacks;
+}
+
+/* ------------------------------------------------------------------- the numbers of phases */
+
+static size_t numbers_of(const sgt_phase *a)
+{
+    if (!a) return 0;
+    return a->kind == SGT_IDEAL_LENS ? LENS_NUMBERS : 1 + chain_parameters(chain_surface(a->waves));
+}
+
+size_t sgt_phase_parameters(size_t elements, const sgt_element e[])
+{
+    size_t count = 0;
+    for (size_t i = 0; i < elements; i++) count += numbers_of(e[i].phase);
+    return count;
+}
+
+/* The adjoints of one phase, for the adjoint x of the ray behind it, in its frame. */
+static void by_phase(const sgt_phase *a, const chain_link *c, chain_back x, double *to)
+{
+    const double none = (double)NAN;
+    if (!c->waves) {
+        double by[LENS_NUMBERS][PHASE_ROWS];
+        phase_by_numbers(a, c->n1, c->n2, c->p, c->d, c->after, by);
+        for (int k = 0; k < LENS_NUMBERS; k++)
+            to[k] = c->passed != 1
+                        ? none
+                        : by[k][0] * x.d.x + by[k][1] * x.d.y + by[k][2] * x.d.z + by[k][3] * x.opl;
+        return;
+    }
+    const waves_slopes *s = &c->by_waves;
+    const sgt_surface of = chain_surface(a->waves);
+    const bool facets = is_faceted(a);
+    const double b = dot(x.d, s->m) * c->by_S, sign = has_sag(a) ? -1 : 1;
+    const sgt_vec3 across_after = plus_times(x.d, -b, c->after), to_u = times(1 / c->n2, across_after);
+    const sgt_vec3 to_m = times(c->f, across_after);
+    sgt_vec3 p = c->p;
+    if (has_sag(a)) p.z = 0;
+    to[0] = facets ? 0 : dot(to_u, s->at.g) + x.opl * s->at.w;
+    for (size_t j = 0; j < chain_parameters(of); j++) {
+        double f;
+        sgt_vec3 g = {0, 0, 0};
+        of.ops->by_parameter(of.self, j, 1, (sgt_points){{&p.x, &p.y, &p.z}},
+                             (sgt_values){&f, {&g.x, &g.y, &g.z}});
+        to[1 + j] = facets ? dot(to_m, g) : sign * a->per_wave * (dot(to_u, g) + x.opl * f);
+        if (facets && x.opl != 0) to[1 + j] = none;
+    }
+    for (size_t j = 0; c->passed != 1 && j <= chain_parameters(of); j++) to[j] = none;
+}
+
+int sgt_phase_gradient(size_t elements, const sgt_element e[], double index_before, const sgt_ray *launch,
+                       const sgt_passage passages[], size_t rows, const sgt_ray_change weight[],
+                       double gradient[])
+{
+    const size_t count = sgt_phase_parameters(elements, e);
+    int lacks = 0;
+    for (size_t r = 0; r < rows; r++) {
+        chain_back x = {weight[r].p, weight[r].d, weight[r].opl, 0};
+        size_t at = (r + 1) * count;
+        for (size_t i = elements; i-- > 0;) {
+            const bool last = i == elements - 1, turns = !last || !is_zero(x.d);
+            const sgt_surface s = chain_surface(e[i].surface);
+            chain_link c;
+            if (!last) x.p = into(&e[i].pose, x.p), x.d = into(&e[i].pose, x.d);
+            chain_at(&e[i], chain_direction(e, i, launch, passages), chain_index(e, i, index_before),
+                     &passages[i], &c);
+            if (c.bends && turns && !chain_second(s, &c)) lacks |= SGT_LACKS_SECOND;
+            if (e[i].phase) {
+                const sgt_surface_ops *of = c.waves ? chain_surface(c.waves->waves).ops : NULL;
+                if (of && !(of->parameters && of->by_parameter)) lacks |= SGT_LACKS_PARAMETERS;
+                by_phase(e[i].phase, &c, x, gradient + (at -= numbers_of(e[i].phase)));
+            }
+            x = chain_backward(&c, turns, x).x;
+            x.p = out_of(&e[i].pose, x.p), x.d = out_of(&e[i].pose, x.d);
         }
     }
     return lacks;

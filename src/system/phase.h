@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* phase.h - what a phase does to light: an ideal thin lens here, a phase in waves in waves.h.
+/* phase.h - what a phase does to light: an ideal thin lens here, of one power or of two; a phase in waves in
+ * waves.h.
  *
  * WHAT A KIND HAS TO OFFER.  The rest of the library asks for these things, and knows nothing else of it:
  *
@@ -26,6 +27,11 @@
  * of unit length, with one Newton step.  In all a component is off by 8 u, if |n| >= 2^-50 n1 / n2 (1.8 u is
  * the most that tests have seen).
  *
+ * TWO POWERS.  f is fx in the first row and fy in the second.  The rows then have the factors |fx| and |fy|,
+ * so each is taken by |f0 / f|, where f0 is the shorter of both: two roundings more, 7 u in all.  An infinite
+ * f is a row without power, n1 |f0| l.  If f is one, the factors are 1, and each bit is that of the lens of
+ * one power.
+ *
  * THE PATH.  Let p = (x, y), w = (u, v), S(w) = sqrt(1 + w^2), and a the object's distance in front.  The
  * ray comes from q = p - a w in the object plane.  A ray from there through the vertex has w0 = w - p / a,
  * and behind n2 w0' = n1 w0.  The image is at b behind, n2 / b = 1 / f - n1 / a.  All rays from q go through
@@ -40,8 +46,17 @@
  * a and b are gone, but for w0: both may be infinite or negative.  From afar w0 = w, and the second term is
  * n1 p . (l, m), the path from a plane wavefront through the vertex.
  *
- * WITHOUT CANCELLATION.  The two terms are alike where p is small.  With n2 (w' + w0') = n1 (w + w0) - p / f
- * and s = S(w) + S(w0), s' that behind,
+ * OF TWO POWERS nothing images a point, and there is no wavefront.  From afar n2 w' = n1 w - (x / fx, y /
+ * fy), and the field w' / S(w') over the plane has the curl (1 / fx - 1 / fy) u' v' / (n2 S(w')^3), so it is
+ * no gradient of a path.  W is the same formula, with the slopes of this lens: a convention of ours.  With p
+ * in one of the two sections all above holds, as w0' - w' = p / b with the b of that section: the rays of a
+ * fan through the vertex have equal paths to its line focus.  For a ray parallel to the axis W is, for every
+ * p, the integral of that field along the line from the vertex to p:
+ *
+ *     W = -(x^2 / fx + y^2 / fy) / (1 + S(w')).
+ *
+ * WITHOUT CANCELLATION.  The two terms are alike where p is small.  p / f is (x / fx, y / fy) and p^2 / f the
+ * product of p with it.  With n2 (w' + w0') = n1 (w + w0) - p / f and s = S(w) + S(w0), s' that behind,
  *
  *     W = n1 p . (w + w0) (s - s') / (s s') - p^2 / (f s'),
  *     S(w) - S(w')   = (w - w') . (w + w') / (S(w) + S(w')),     n2 (w - w') = (n2 - n1) w + p / f,
@@ -59,9 +74,9 @@
  *     n1 p |1 - r| |e0| / (H + H0)        <= |n2 - n1| p, as r |e0| <= H0
  *     n2 |F| c p^2 / (H + H0)             <= n2 p^2 |F| / 2
  *
- * Together they are at most p^2 / |f| (1 + |n2 - n1| / n2) + 2 |n2 - n1| p.  Each is made with some 30
- * roundings, of sums whose terms are bounded by the same: E is off by 2 u (|E| + 2 c |F| p), which is
- * 2 u (1 + 2 |F| p) of H.  So W is off by 64 u of
+ * with |f| the shorter one.  Together they are at most p^2 / |f| (1 + |n2 - n1| / n2) + 2 |n2 - n1| p.  Each
+ * is made with some 30 roundings, of sums whose terms are bounded by the same: E is off by 2 u (|E| + 2 c |F|
+ * p), which is 2 u (1 + 2 |F| p) of H.  So W is off by 64 u of
  *
  *     (p^2 / |f| (1 + |n2 - n1| / n2) + |n2 - n1| p) (1 + p / (n2 |f|)),
  *
@@ -82,8 +97,8 @@
  * ideal lens that images one plane without aberration does not fulfil the sine condition, so no lens of any
  * shape does what it does to all rays.  Therefore W changes to first order with the direction, too.
  *
- * BUNDLES.  d' is along (r l - |n| x F, r m - |n| y F, -+n), r = n1 / n2.  Forms (form.h) take care of all
- * but r and F, each of which is off by 2 u.
+ * BUNDLES.  d' is along (r l - |n| x F, r m - |n| y F, -+n), r = n1 / n2, each F of its row.  Forms (form.h)
+ * take care of all but r and F, each of which is off by 2 u.
  *
  * Test: tests/unit/test_phase.c, tests/batch/test_trace_batch.c, tests/oracle/test_phase.py (50 digits);
  * derivatives, errors and bundles: tests/sensitivity/test_ideal.cpp. */
@@ -100,36 +115,70 @@ SGT_INLINE bool is_phase_sound(const sgt_element *e)
     if (!a) return true;
     if (a->kind != SGT_IDEAL_LENS) return sgt_waves_sound(a);
     if (!ROOM_IS_ZERO(a)) return false;
-    double object = fabs(a->object_distance);
-    return is_phase_length(a->focal_length) && (object == 0 || object == HUGE_VAL || is_phase_length(object));
+    const double object = fabs(a->object_distance), fx = fabs(a->focal_length), fy = fabs(a->focal_length_y);
+    const bool both = fy == 0
+                          ? is_phase_length(fx)
+                          : (fx == HUGE_VAL || is_phase_length(fx)) &&
+                                (fy == HUGE_VAL || is_phase_length(fy)) && (fx < HUGE_VAL || fy < HUGE_VAL);
+    return both && (object == 0 || object == HUGE_VAL || is_phase_length(object));
 }
+
+/* The focal lengths along x and y.  Infinite: no power. */
+SGT_INLINE sgt_vec2 focal_lengths(const sgt_phase *a)
+{
+    return (sgt_vec2){a->focal_length, a->focal_length_y == 0 ? a->focal_length : a->focal_length_y};
+}
+
+/* The shorter one, with its sign. */
+SGT_INLINE double shorter_of(sgt_vec2 f) { return fabs(f.x) <= fabs(f.y) ? f.x : f.y; }
+
+/* A row of an ideal lens: n1 |f|, the sign of f (0: infinite), |f0 / f| and f0 / f, 0 where f is infinite. */
+typedef struct lens_row {
+    double front, front_lo, bend, part, share;
+} lens_row;
 
 /* What is the same for all rays. */
 typedef struct thin_lens {
-    double front, front_lo;      /* n1 |f| */
-    double behind, bend;         /* n2 |f|, negative for a mirror; the sign of f */
-    double n2, r, k, power, vergence; /* r = n1 / n2, k = 1 - r, power = 1 / (n2 f), vergence = 1 / a */
+    lens_row x, y;
+    double behind;                    /* n2 |f0|, negative for a mirror */
+    double n2, r, k, power, vergence; /* r = n1 / n2, k = 1 - r, power = 1 / (n2 f0), vergence = 1 / a */
 } thin_lens;
+
+SGT_INLINE lens_row lens_row_of(double n1, double f, double f0)
+{
+    const bool powerless = fabs(f) == HUGE_VAL;
+    const twofold front = two_product(n1, fabs(powerless ? f0 : f));
+    const double share = powerless ? 0 : f0 / f;
+    return (lens_row){front.hi, front.lo, powerless ? 0 : copysign(1, f), powerless ? 1 : fabs(share), share};
+}
 
 /* The phase is sound. */
 SGT_INLINE thin_lens thin_lens_of(const sgt_phase *a, double n1, double n2, bool mirror)
 {
-    double f = a->focal_length, size = fabs(f), object = a->object_distance;
-    twofold front = two_product(n1, size);
-    return (thin_lens){.front = front.hi, .front_lo = front.lo,
-                       .behind = mirror ? -n2 * size : n2 * size, .bend = copysign(1, f), .n2 = n2,
-                       .r = n1 / n2, .k = (n2 - n1) / n2, .power = 1 / (n2 * f),
+    const sgt_vec2 f = focal_lengths(a);
+    const double f0 = shorter_of(f), size = fabs(f0), object = a->object_distance;
+    return (thin_lens){.x = lens_row_of(n1, f.x, f0),
+                       .y = lens_row_of(n1, f.y, f0),
+                       .behind = mirror ? -n2 * size : n2 * size,
+                       .n2 = n2,
+                       .r = n1 / n2,
+                       .k = (n2 - n1) / n2,
+                       .power = 1 / (n2 * f0),
                        .vergence = object == 0 ? 0 : 1 / object};
 }
 
 /* The direction behind, and the excess it was made with. */
 typedef struct focused { sgt_vec3 d; double e; } focused;
 
+SGT_INLINE double focus_row(lens_row by, double c, double p, double d)
+{
+    return by.part * sgt_fma(by.front_lo, d, difference_of_products(by.front, d, by.bend * c, p));
+}
+
 SGT_INLINE focused focus_by(thin_lens by, sgt_vec3 p, sgt_vec3 d)
 {
-    double c = by.bend * fabs(d.z);
-    sgt_vec3 v = {sgt_fma(by.front_lo, d.x, difference_of_products(by.front, d.x, c, p.x)),
-                  sgt_fma(by.front_lo, d.y, difference_of_products(by.front, d.y, c, p.y)), by.behind * d.z};
+    const double c = fabs(d.z);
+    sgt_vec3 v = {focus_row(by.x, c, p.x, d.x), focus_row(by.y, c, p.y, d.y), by.behind * d.z};
     v = times(scale_of(v), v);
     v = times(1 / sqrt(dot(v, v)), v);
     focused out = {v, excess(v)};
@@ -148,13 +197,14 @@ SGT_INLINE double where_focused(focused b, double if_so)
 SGT_INLINE double phase_path(thin_lens by, sgt_vec3 p, sgt_vec3 d)
 {
     double x = p.x, y = p.y, c = fabs(d.z), c2 = c * c, near = c * by.vergence, far = c * by.power, r = by.r;
+    double qx = by.x.share * x, qy = by.y.share * y;
     double e0x = sgt_fma(-near, x, d.x), e0y = sgt_fma(-near, y, d.y), e02 = e0x * e0x + e0y * e0y;
-    double Ex = sgt_fma(-far, x, r * d.x), Ey = sgt_fma(-far, y, r * d.y);
+    double Ex = sgt_fma(-far, qx, r * d.x), Ey = sgt_fma(-far, qy, r * d.y);
     double h0 = sqrt(c2 + e02), H = sqrt(c2 + (Ex * Ex + Ey * Ey)), H0 = sqrt(c2 + r * r * e02), s = H + H0;
-    double bends = sgt_fma(by.k, d.x, far * x) * (d.x + Ex) + sgt_fma(by.k, d.y, far * y) * (d.y + Ey);
+    double bends = sgt_fma(by.k, d.x, far * qx) * (d.x + Ex) + sgt_fma(by.k, d.y, far * qy) * (d.y + Ey);
     double shorter = bends / (1 + H) + by.k * (1 + r) * e02 / (h0 + H0);
     double along = x * (d.x + e0x) + y * (d.y + e0y);
-    return by.n2 * ((r * along * (shorter / (1 + h0)) - far * (x * x + y * y)) / s);
+    return by.n2 * ((r * along * (shorter / (1 + h0)) - far * (qx * x + qy * y)) / s);
 }
 
 /* ------------------------------------------------------------------ derivatives */
@@ -193,25 +243,54 @@ SGT_INLINE void phase_slopes_of(const sgt_phase *phase, double n1, double n2, sg
                                 sgt_vec3 after, phase_slopes *s)
 {
     const double object = phase->object_distance, near = object == 0 ? 0 : 1 / object;
-    const double r = n1 / n2, i2 = 1 / n2, F = 1 / (n2 * phase->focal_length), c = 1 / fabs(d.z);
+    const sgt_vec2 length = focal_lengths(phase), power = {1 / length.x, 1 / length.y},
+                   F = {power.x / n2, power.y / n2};
+    const double r = n1 / n2, i2 = 1 / n2, c = 1 / fabs(d.z);
     const double n = fabs(after.z), c2 = 1 / n;
     const sgt_vec2 w = {c * d.x, c * d.y}, w0 = {w.x - near * p.x, w.y - near * p.y};
     const sgt_vec2 e = {c2 * after.x, c2 * after.y}, e0 = {r * w0.x, r * w0.y};
     const double to[3] = {after.x, after.y, after.z};
     for (int i = 0; i < PHASE_PATH; i++) {
         const double u = n * ((i == 0) - to[i] * after.x), v = n * ((i == 1) - to[i] * after.y);
-        phase_row(s, i, (sgt_vec2){r * u, r * v}, (sgt_vec2){-F * u, -F * v}, w, d);
+        phase_row(s, i, (sgt_vec2){r * u, r * v}, (sgt_vec2){-F.x * u, -F.y * v}, w, d);
         s->by_n1[i] = i2 * (u * w.x + v * w.y), s->by_n2[i] = -i2 * (u * e.x + v * e.y);
     }
     const phase_term front = phase_term_of(p, w, w0), behind = phase_term_of(p, e, e0);
     const sgt_vec2 f = front.by_w, f0 = front.by_w0, b = behind.by_w, b0 = behind.by_w0;
-    const double power = 1 / phase->focal_length, vergence = n1 * near;
+    const double vergence = n1 * near;
     phase_row(s, PHASE_PATH, (sgt_vec2){n1 * (b.x + b0.x - f.x - f0.x), n1 * (b.y + b0.y - f.y - f0.y)},
-              (sgt_vec2){n2 * behind.by_p.x - n1 * front.by_p.x - power * b.x - vergence * (b0.x - f0.x),
-                         n2 * behind.by_p.y - n1 * front.by_p.y - power * b.y - vergence * (b0.y - f0.y)},
+              (sgt_vec2){n2 * behind.by_p.x - n1 * front.by_p.x - power.x * b.x - vergence * (b0.x - f0.x),
+                         n2 * behind.by_p.y - n1 * front.by_p.y - power.y * b.y - vergence * (b0.y - f0.y)},
               w, d);
     s->by_n1[PHASE_PATH] = b.x * w.x + b.y * w.y + b0.x * w0.x + b0.y * w0.y - front.m;
     s->by_n2[PHASE_PATH] = behind.m - (b.x * e.x + b.y * e.y + b0.x * e0.x + b0.y * e0.y);
+}
+
+/* The numbers of an ideal lens, in this order; and the derivatives of d' and W by them.  With n2 w' = n1 w -
+ * p / f a focal length moves n2 w' by p / f^2, in its row; one that is given once moves both rows.  The
+ * object distance a moves w0 by p / a^2, and n2 w0' by n1 times that. */
+enum { LENS_BY_X, LENS_BY_Y, LENS_BY_OBJECT, LENS_NUMBERS };
+
+SGT_INLINE void phase_by_numbers(const sgt_phase *phase, double n1, double n2, sgt_vec3 p, sgt_vec3 d,
+                                 sgt_vec3 after, double by[LENS_NUMBERS][PHASE_ROWS])
+{
+    const double object = phase->object_distance, near = object == 0 ? 0 : 1 / object;
+    const sgt_vec2 f = focal_lengths(phase), more = {p.x / f.x / f.x, p.y / f.y / f.y};
+    const double r = n1 / n2, c = 1 / fabs(d.z), n = fabs(after.z), c2 = 1 / n;
+    const sgt_vec2 w = {c * d.x, c * d.y}, w0 = {w.x - near * p.x, w.y - near * p.y};
+    const sgt_vec2 e = {c2 * after.x, c2 * after.y}, e0 = {r * w0.x, r * w0.y};
+    const double to[3] = {after.x, after.y, after.z};
+    const phase_term front = phase_term_of(p, w, w0), behind = phase_term_of(p, e, e0);
+    const sgt_vec2 f0 = front.by_w0, b = behind.by_w, b0 = behind.by_w0;
+    for (int i = 0; i < PHASE_PATH; i++) {
+        by[LENS_BY_X][i] = n / n2 * ((i == 0) - to[i] * after.x) * more.x;
+        by[LENS_BY_Y][i] = n / n2 * ((i == 1) - to[i] * after.y) * more.y;
+        by[LENS_BY_OBJECT][i] = 0;
+    }
+    by[LENS_BY_X][PHASE_PATH] = b.x * more.x, by[LENS_BY_Y][PHASE_PATH] = b.y * more.y;
+    by[LENS_BY_OBJECT][PHASE_PATH] = n1 * near * near * ((b0.x - f0.x) * p.x + (b0.y - f0.y) * p.y);
+    for (int i = 0; i < PHASE_ROWS && phase->focal_length_y == 0; i++)
+        by[LENS_BY_X][i] += by[LENS_BY_Y][i], by[LENS_BY_Y][i] = 0;
 }
 
 /* ----------------------------------------------------------------------- errors */
@@ -221,7 +300,8 @@ typedef struct phase_off { double direction, path; } phase_off;
 
 SGT_INLINE phase_off phase_off_of(const sgt_phase *phase, double n1, double n2, sgt_vec3 p, sgt_vec3 d)
 {
-    const double f = fabs(phase->focal_length), by = sqrt(p.x * p.x + p.y * p.y), change = fabs(n2 - n1);
+    const double f = fabs(shorter_of(focal_lengths(phase))), by = sqrt(p.x * p.x + p.y * p.y),
+                 change = fabs(n2 - n1);
     const double size = (by * (by / f) * (1 + change / n2) + change * by) * (1 + by / (n2 * f));
     return (phase_off){fabs(d.z) >= 0x1p-50 * n1 / n2 ? 8 * SGT_U : HUGE_VAL, 64 * SGT_U * size};
 }
@@ -232,12 +312,14 @@ SGT_INLINE phase_off phase_off_of(const sgt_phase *phase, double n1, double n2, 
  * part. */
 SGT_INLINE bool phase_forms(const sgt_phase *phase, double n1, double n2, bool mirror, form3 p, form3 *d)
 {
-    const double r = n1 / n2, F = 1 / (n2 * phase->focal_length), least = 0x1p-48 * larger(1, r);
-    const linear ratio = {r, 0, 0, 4 * SGT_U * r}, power = {F, 0, 0, 4 * SGT_U * fabs(F)};
+    const sgt_vec2 f = focal_lengths(phase);
+    const double r = n1 / n2, Fx = 1 / (n2 * f.x), Fy = 1 / (n2 * f.y), least = 0x1p-48 * larger(1, r);
+    const linear ratio = {r, 0, 0, 4 * SGT_U * r};
+    const linear to_x = {Fx, 0, 0, 4 * SGT_U * fabs(Fx)}, to_y = {Fy, 0, 0, 4 * SGT_U * fabs(Fy)};
     if (!form_above(d->z, least) && !form_below(d->z, -least)) return false; /* along it, or both ways */
-    const linear n = form_above(d->z, least) ? d->z : form_negative(d->z), nF = form_product(n, power);
-    d->x = form_difference(form_product(ratio, d->x), form_product(nF, p.x));
-    d->y = form_difference(form_product(ratio, d->y), form_product(nF, p.y));
+    const linear n = form_above(d->z, least) ? d->z : form_negative(d->z);
+    d->x = form_difference(form_product(ratio, d->x), form_product(form_product(n, to_x), p.x));
+    d->y = form_difference(form_product(ratio, d->y), form_product(form_product(n, to_y), p.y));
     if (mirror) d->z = form_negative(d->z);
     return true;
 }

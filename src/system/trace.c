@@ -234,17 +234,18 @@ SGT_INLINE sgt_fate trace_bend(const bending *by, sgt_vec3 *d, sgt_vec3 n)
     return SGT_PASSED;
 }
 
-/* The same by a phase in waves at p, which makes *path longer. */
+/* The same by a phase in waves at p, which makes *path longer, or by facets there. */
 static sgt_fate bend_by_waves(const sgt_element *e, double n1, double n2, sgt_vec3 p, sgt_vec3 n, sgt_vec3 *d,
                               twofold *path)
 {
     const kick by = kick_of(e->phase, n1, n2, e->index == SGT_MIRROR);
     const waves_here here = sgt_waves_at(e->phase, p);
     if (!in_range(dot(n, n)) && !along_normal(n, &n)) return SGT_LOST;
-    const kicked b = kick_by(by.back, by, here.g, *d, n);
-    if (b.q <= 0) return SGT_EVANESCENT;
+    const bool facets = is_faceted(e->phase);
+    const kicked b = facets ? facet_by(by.back, by, here.g, *d, n) : kick_by(by.back, by, here.g, *d, n);
+    if (b.q <= 0) return facets ? SGT_TIR : SGT_EVANESCENT;
     if (where_kicked(b, 1) == 0) return SGT_LOST;
-    *path = kick_path(by.per_wave, here.w, *path);
+    *path = kick_path(path_per_wave(e->phase), here.w, *path);
     *d = b.d;
     return SGT_PASSED;
 }

@@ -264,9 +264,10 @@ static void add_phase_all(size_t n, const thin_lens *by, const vectors *restrict
     }
 }
 
-/* bend_all of a phase in waves; g: the gradient of W. */
-SGT_INLINE double kick_by_all(bool back, const tile *w, kick by, double aperture2, const vectors *restrict g,
-                              const vectors *d, vectors *out, double *restrict good)
+/* bend_all of a phase in waves, or of facets; g: the gradient of W. */
+SGT_INLINE double kick_by_all(bool facets, bool back, const tile *w, kick by, double aperture2,
+                              const vectors *restrict g, const vectors *d, vectors *out,
+                              double *restrict good)
 {
     const size_t n = w->n;
     const vectors *restrict p = w->p, *restrict normal = &w->n_;
@@ -274,7 +275,8 @@ SGT_INLINE double kick_by_all(bool back, const tile *w, kick by, double aperture
 #pragma omp simd reduction(+ : count)
     for (size_t i = 0; i < n; i++) {
         double inside = p->x[i] * p->x[i] + p->y[i] * p->y[i] <= aperture2 ? 1 : 0;
-        kicked b = kick_by(back, by, get(g, i), get(d, i), get(normal, i));
+        kicked b = facets ? facet_by(back, by, get(g, i), get(d, i), get(normal, i))
+                          : kick_by(back, by, get(g, i), get(d, i), get(normal, i));
         put(out, i, b.d);
         good[i] = where_kicked(b, inside);
         count += good[i];
@@ -286,8 +288,16 @@ SGT_KERNEL
 static double kick_all(const tile *w, const kick *by, double aperture2, const vectors *g, const vectors *d,
                        vectors *out, double *good)
 {
-    if (by->back) return kick_by_all(true, w, *by, aperture2, g, d, out, good);
-    return kick_by_all(false, w, *by, aperture2, g, d, out, good);
+    if (by->back) return kick_by_all(false, true, w, *by, aperture2, g, d, out, good);
+    return kick_by_all(false, false, w, *by, aperture2, g, d, out, good);
+}
+
+SGT_KERNEL
+static double face_all(const tile *w, const kick *by, double aperture2, const vectors *g, const vectors *d,
+                       vectors *out, double *good)
+{
+    if (by->back) return kick_by_all(true, true, w, *by, aperture2, g, d, out, good);
+    return kick_by_all(true, false, w, *by, aperture2, g, d, out, good);
 }
 
 /* Adds S; w: W. */
@@ -309,8 +319,10 @@ SGT_NOINLINE static double kick_tile(const bundle_work *job, tile *w, const sgt_
     const kick by = kick_of(e->phase, w->medium, n2, e->index == SGT_MIRROR);
     sgt_waves_tile(e->phase, w->n, (sgt_points){{w->p->x, w->p->y, w->p->z}}, w->good,
                    (double *const[3]){g->x, g->y, g->z});
-    if (job->path) add_waves_all(w->n, by.per_wave, w->good, w->next.path);
-    return kick_all(w, &by, aperture2_of(e->semi_diameter), g, w->d, w->next.d, w->good);
+    if (job->path) add_waves_all(w->n, path_per_wave(e->phase), w->good, w->next.path);
+    const double aperture2 = aperture2_of(e->semi_diameter);
+    return is_faceted(e->phase) ? face_all(w, &by, aperture2, g, w->d, w->next.d, w->good)
+                                : kick_all(w, &by, aperture2, g, w->d, w->next.d, w->good);
 }
 
 /* Back to global axes; also d, in place, if d_too. */
@@ -596,8 +608,10 @@ static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t 
         if (by->kind == BY_WAVES) {
             const kick k = kick_of(e->phase, w->medium, index_behind(e, w->medium), e->index == SGT_MIRROR);
             const waves_here here = sgt_waves_at(e->phase, get(w->p, i));
-            const kicked b = kick_by(k.back, k, here.g, ray->d, get(&w->n_, i));
-            return in_range(b.G) && b.q <= 0 ? STOPS + SGT_EVANESCENT : ASK;
+            const bool facets = is_faceted(e->phase);
+            const kicked b = facets ? facet_by(k.back, k, here.g, ray->d, get(&w->n_, i))
+                                    : kick_by(k.back, k, here.g, ray->d, get(&w->n_, i));
+            return in_range(b.G) && b.q <= 0 ? STOPS + (facets ? SGT_TIR : SGT_EVANESCENT) : ASK;
         }
         if (by->kind == STRAIGHT || by->kind == BY_PHASE) return ASK;
         bent b = bent_by(by->kind, by->r, by->k, ray->d, get(&w->n_, i));

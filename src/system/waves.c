@@ -6,7 +6,7 @@
  *
  *     g_i(m + v) in g_i(m) + sum over j of H_ij v_j.
  *
- * So it is of a user's function with bounds.
+ * So it is of a quadric, and of a user's function with bounds.
  *
  * WHICH ORDERS.  t = p + a g, a = per_wave, p and g the parts of n1 d and of grad W along the surface.  So
  * |t| < n2 is g^2 a^2 + 2 p . g a + p^2 - n2^2 < 0: a is between the roots. */
@@ -23,7 +23,7 @@
 bool sgt_waves_sound(const sgt_phase *a)
 {
     const sgt_surface s = in_set(a->waves);
-    if (!is_in_waves(a) || !ROOM_IS_ZERO(a) || !isfinite(a->per_wave)) return false;
+    if (!is_in_waves(a) || !ROOM_IS_ZERO(a) || !(is_faceted(a) || isfinite(a->per_wave))) return false;
     if (!s.ops || !s.ops->value || !is_whole(s.ops)) return false;
     const struct sgt_builtin_ops *own = s.ops->own_;
     if (!own) return true;
@@ -32,7 +32,7 @@ bool sgt_waves_sound(const sgt_phase *a)
         return isfinite(q->c) && isfinite(q->k);
     }
     if (s.ops == &sgt_even_asphere_ops) return sgt_bundle_has_sag(s);
-    if (a->kind == SGT_PHASE_SAG && !own->departure) return false;
+    if (has_sag(a) && !own->departure) return false;
     return own->object && !own->object(s.self).reason;
 }
 
@@ -65,7 +65,7 @@ SGT_INLINE waves_here waves_made(bool sag, double f, sgt_vec3 g)
 waves_here sgt_waves_at(const sgt_phase *a, sgt_vec3 p)
 {
     const sgt_surface s = in_set(a->waves);
-    const bool sag = a->kind == SGT_PHASE_SAG;
+    const bool sag = has_sag(a);
     sgt_vec3 g = {0, 0, 0}; /* a value that is NaN need not set it */
     const departure *of = polynomial_of(s, sag);
     if (of) {
@@ -101,7 +101,7 @@ static const double origin[WAVES_MOST];
 void sgt_waves_tile(const sgt_phase *a, size_t n, sgt_points p, double *w, double *const g[3])
 {
     const sgt_surface s = in_set(a->waves);
-    const bool sag = a->kind == SGT_PHASE_SAG;
+    const bool sag = has_sag(a);
     const departure *of = polynomial_of(s, sag);
     double x[WAVES_MOST];
     if (of) {
@@ -120,7 +120,7 @@ void sgt_waves_tile(const sgt_phase *a, size_t n, sgt_points p, double *w, doubl
 bool sgt_waves_second(const sgt_phase *a, size_t n, sgt_points p, double *const out[6])
 {
     const sgt_surface s = in_set(a->waves);
-    const bool sag = a->kind == SGT_PHASE_SAG, has = s.ops->second != NULL;
+    const bool sag = has_sag(a), has = s.ops->second != NULL;
     if (sag) p.p[2] = origin;
     if (has) s.ops->second(s.self, n, p, out);
     for (int k = 0; k < 6; k++) {
@@ -153,10 +153,68 @@ static bool formula_slopes(const void *self, const sgt_interval at[3], sgt_inter
     return true;
 }
 
+static const sgt_tape *formula_tape(sgt_surface s)
+{
+    if (s.ops == &sgt_formula_ops) return ((const sgt_formula *)s.self)->tape;
+    return s.ops == &sgt_formula_sag_ops ? ((const sgt_formula_sag *)s.self)->tape : NULL;
+}
+
+bool sgt_has_kinks(sgt_surface s)
+{
+    const sgt_tape *tape = formula_tape(s);
+    for (int i = 0; tape && i < tape->steps; i++) {
+        const int op = tape->step[i].op;
+        if (op == FORMULA_ABS || op == FORMULA_MIN || op == FORMULA_MAX || op == FORMULA_HYPOT) return true;
+    }
+    return false;
+}
+
+/* The same of a quadric. */
+static bool quadric_slopes(const void *self, const sgt_interval at[3], sgt_interval g[3], sgt_interval second[6])
+{
+    const sgt_quadric *q = self;
+    static const int xx[3] = {0, 3, 5}, of[3][3] = {{-1, 0, 2}, {0, -1, 1}, {2, 1, -1}};
+    for (int i = 0; i < 3; i++) {
+        g[i] = sgt_interval_sum(sgt_interval_scaled(at[i], 2 * q->squares[i]), sgt_interval_of(q->linear[i]));
+        for (int j = 0; j < 3; j++)
+            if (j != i) g[i] = sgt_interval_sum(g[i], sgt_interval_scaled(at[j], q->products[of[i][j]]));
+        if (second) second[xx[i]] = sgt_interval_of(2 * q->squares[i]);
+    }
+    if (second) second[1] = sgt_interval_of(q->products[0]), second[4] = sgt_interval_of(q->products[1]);
+    if (second) second[2] = sgt_interval_of(q->products[2]);
+    return true;
+}
+
 static double farthest_from(double x, sgt_interval in)
 {
     const double off = larger(sgt_sum_above(in.hi, -x), sgt_sum_above(x, -in.lo));
     return in.lo <= in.hi && off < HUGE_VAL ? larger(off, 0) : HUGE_VAL;
+}
+
+/* The gradient of s, or of F, within `by` of p. */
+static void slopes_near(const sgt_tape *tape, sgt_vec3 p, double by, sgt_interval g[3])
+{
+    const double x[3] = {p.x, p.y, p.z};
+    sgt_interval at[3];
+    for (int i = 0; i < 3; i++)
+        at[i] = sgt_interval_between(-sgt_sum_above(-x[i], by), sgt_sum_above(x[i], by));
+    const sgt_interval r = sgt_interval_hypotenuse(at[0], at[1]);
+    const formula_jet xy = sgt_formula_jet(tape, at, r, AXES[0], AXES[1], false);
+    g[0] = xy.u, g[1] = xy.v, g[2] = sgt_interval_of(0);
+    if (tape->kind == SGT_FORMULA_XYZ) g[2] = sgt_formula_jet(tape, at, r, AXES[2], AXES[2], false).u;
+}
+
+static double off_near(const sgt_tape *tape, sgt_vec3 p, double by, sgt_vec3 g)
+{
+    sgt_interval near[3];
+    slopes_near(tape, p, by, near);
+    return farthest_from(g.x, near[0]) + farthest_from(g.y, near[1]) + farthest_from(g.z, near[2]);
+}
+
+double sgt_kink_off(sgt_surface s, sgt_vec3 p, double p_err, sgt_vec3 n)
+{
+    const bool sag = s.ops == &sgt_formula_sag_ops;
+    return off_near(formula_tape(s), p, p_err, sag ? (sgt_vec3){-n.x, -n.y, 0} : n);
 }
 
 /* Of the gradient of a conic's sag, or of that of an even asphere with this base. */
@@ -165,14 +223,14 @@ static double gradient_off(const sgt_even_asphere *a, sgt_vec3 p)
     return of_gradient(GRADIENT_OF_ASPHERE, a, p, (sgt_vec3){0, 0, 1}, 1, 1, 1);
 }
 
-waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
+waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, double p_err, waves_here here)
 {
     const sgt_surface s = in_set(a->waves);
     const struct sgt_builtin_ops *own = s.ops->own_;
-    if (a->kind == SGT_PHASE_SAG) p.z = 0;
+    if (has_sag(a)) p.z = 0;
     waves_off off = {64 * SGT_U * fabs(here.w), 64 * SGT_U * size_of(here.g)};
     if (s.ops->rounding) off.w = s.ops->rounding(s.self, p);
-    if (polynomial_of(s, a->kind == SGT_PHASE_SAG)) {
+    if (polynomial_of(s, has_sag(a))) {
         double each;
         own->departure->rounding(s.self, p.x, p.y, &off.w, &each);
         off.g = 1.5 * each;
@@ -181,16 +239,14 @@ waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
         const sgt_even_asphere base = {.c = q->c, .k = q->k};
         off.g = gradient_off(s.ops == &sgt_conic_ops ? &base : s.self, p);
     } else if (s.ops == &sgt_formula_ops) {
-        const sgt_interval at[3] = {sgt_interval_of(p.x), sgt_interval_of(p.y), sgt_interval_of(p.z)};
-        sgt_interval g[3];
-        formula_slopes(s.self, at, g, NULL);
-        off.g = farthest_from(here.g.x, g[0]) + farthest_from(here.g.y, g[1]) + farthest_from(here.g.z, g[2]);
+        off.g = off_near(formula_tape(s), p, sgt_has_kinks(s) ? p_err : 0, here.g);
     } else if (own && own->departure) {
         sgt_even_asphere base = {.c = 0};
-        double p_err, grad_err;
-        own->departure->rounding(s.self, p.x, p.y, &p_err, &grad_err);
+        double w_err, grad_err;
+        own->departure->rounding(s.self, p.x, p.y, &w_err, &grad_err);
         if (own->base) own->base(s.self, &base.c, &base.k);
         off.g = 1.5 * grad_err + gradient_off(&base, p) + SGT_U * size_of(here.g);
+        if (sgt_has_kinks(s)) off.g = larger(off.g, off_near(formula_tape(s), p, p_err, here.g));
     }
     return off;
 }
@@ -201,12 +257,13 @@ waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here)
 static bool waves_forms(const sgt_phase *a, form3 p, form3 *g)
 {
     const sgt_surface s = in_set(a->waves);
-    if (a->kind == SGT_PHASE_SAG && s.ops->own_) {
+    if (has_sag(a) && s.ops->own_) {
         g->z = form_of(0);
         return sgt_bundle_sag_slopes(s, p.x, p.y, &g->x, &g->y);
     }
     sgt_waves_bounds *slopes = s.ops->own_ ? NULL : a->bounds;
     if (s.ops == &sgt_formula_ops) slopes = formula_slopes;
+    if (s.ops == &sgt_quadric_ops) slopes = quadric_slopes;
     if (!slopes) return false;
     const sgt_interval box[3] = {form_range(p.x), form_range(p.y), form_range(p.z)},
                        middle[3] = {sgt_interval_of(p.x.c), sgt_interval_of(p.y.c), sgt_interval_of(p.z.c)};
@@ -230,13 +287,20 @@ bool sgt_waves_bundle(const sgt_element *e, double n1, const bundle_hit *h, form
     form3 g;
     *fate = BUNDLE_UNKNOWN;
     if (!waves_forms(e->phase, h->p, &g)) return false;
+    const bool facets = is_faceted(e->phase);
+    form3 n = h->n;
+    linear size2 = h->size2;
+    if (facets) {
+        n = (form3){form_negative(g.x), form_negative(g.y), form_of(1)}, size2 = form_dot(n, n);
+        g = (form3){form_of(0), form_of(0), form_of(0)};
+        if (!form_above(form_scaled(form_dot(*d, n), h->sign), 0)) return false;
+    }
     const form3 u = {form_sum(form_scaled(d->x, n1), form_scaled(g.x, a)),
                      form_sum(form_scaled(d->y, n1), form_scaled(g.y, a)),
                      form_sum(form_scaled(d->z, n1), form_scaled(g.z, a))};
-    const linear inverse = form_inverse(h->size2), k = form_product(form_dot(u, h->n), inverse);
-    const form3 t = {form_difference(u.x, form_product(k, h->n.x)),
-                     form_difference(u.y, form_product(k, h->n.y)),
-                     form_difference(u.z, form_product(k, h->n.z))};
+    const linear inverse = form_inverse(size2), k = form_product(form_dot(u, n), inverse);
+    const form3 t = {form_difference(u.x, form_product(k, n.x)), form_difference(u.y, form_product(k, n.y)),
+                     form_difference(u.z, form_product(k, n.z))};
     const linear t2 = form_sum(form_square(t.x), form_sum(form_square(t.y), form_square(t.z)));
     const linear q = form_difference(form_square(form_of(n2)), t2);
     if (form_below(q, 0)) {
@@ -246,10 +310,10 @@ bool sgt_waves_bundle(const sgt_element *e, double n1, const bundle_hit *h, form
     const double sign = e->index == SGT_MIRROR ? -h->sign : h->sign, by = 1 / n2;
     const linear along = form_scaled(form_root(form_product(q, inverse)), sign);
     const linear over = {by, 0, 0, SGT_U * by};
-    d->x = form_product(form_sum(t.x, form_product(along, h->n.x)), over);
-    d->y = form_product(form_sum(t.y, form_product(along, h->n.y)), over);
-    d->z = form_product(form_sum(t.z, form_product(along, h->n.z)), over);
-    return true;
+    d->x = form_product(form_sum(t.x, form_product(along, n.x)), over);
+    d->y = form_product(form_sum(t.y, form_product(along, n.y)), over);
+    d->z = form_product(form_sum(t.z, form_product(along, n.z)), over);
+    return !facets || form_above(form_scaled(form_dot(*d, h->n), sign), 0);
 }
 
 /* ---------------------------------------------------------------------- which orders */
@@ -258,7 +322,7 @@ sgt_phased sgt_phase_at(const sgt_element *e, double index_before, sgt_vec3 d, c
 {
     const double none = (double)NAN, n1 = index_before == 0 ? 1 : index_before;
     sgt_phased out = {none, {none, none, none}, none, none, {none, none}, {0}};
-    if (!e->phase || !sgt_waves_sound(e->phase) || !is_sound(e, n1)) return out;
+    if (!e->phase || is_faceted(e->phase) || !sgt_waves_sound(e->phase) || !is_sound(e, n1)) return out;
     const double n2 = index_behind(e, n1);
     const waves_here here = sgt_waves_at(e->phase, hit->p);
     sgt_vec3 n = times(scale_of(hit->n), hit->n);

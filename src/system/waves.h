@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/* waves.h - a phase in waves: gratings, diffractive lenses, holograms (system.h has what it is).
+/* waves.h - a phase in waves: gratings, diffractive lenses, holograms; and facets (system.h has what it is).
  *
  * THE RULE.  The eikonal jumps by S = per_wave W on the surface.  Its gradient along the surface is
  * continuous but for that of S (Welford 1975, Opt. Commun. 14, 322).  With u = n1 d + G, G = per_wave grad W,
@@ -35,10 +35,18 @@
  *
  *     conics, even aspheres    as aim_bound.c has it of their normals
  *     departures               as they tell (departure.h), and the conic base
- *     formulas                 how far it is from its enclosure at the point
+ *     formulas                 how far it is from its enclosure at the point; with kinks, from that of all
+ *                              points that may have been met
  *     a user's                 64 v of it, a guess
  *
  * BUNDLES.  G is a form: waves.c.
+ *
+ * FACETS (a Fresnel surface) are the same with G = 0 and, for N, the normal of the sag s that is described,
+ * m = (-s_x, -s_y, 1).  So t = n1 d - (n1 d . m) m / m^2, and q <= 0 is total reflection.  Light has to come
+ * to the front of the facet and to leave on the side of the surface that it is meant for: d . m and d . n are
+ * of one sign, and so are d' . n and d . n (of a mirror: not).  Else no facet does that, and the ray is lost.
+ * In the derivatives n is m, and dn = -s_xy dp; the gradient of the surface has a say in the point only.  S
+ * is NaN. An error e of the slopes turns m and moves d' by |f| e (1 + |m| / |s|), s = d' . m.
  *
  * Test: tests/unit/test_waves.c, tests/batch/test_trace_batch.c, tests/oracle/test_waves.py (50 digits),
  * tests/sensitivity/test_evanescent.cpp (the limit); derivatives, errors and bundles:
@@ -51,8 +59,19 @@
 
 SGT_INLINE bool is_in_waves(const sgt_phase *a)
 {
-    return a->kind == SGT_PHASE_SAG || a->kind == SGT_PHASE_FUNCTION;
+    return a->kind == SGT_PHASE_SAG || a->kind == SGT_PHASE_FUNCTION || a->kind == SGT_FACETS;
 }
+
+SGT_INLINE bool is_faceted(const sgt_phase *a) { return a->kind == SGT_FACETS; }
+
+/* Is the function of `waves` a sag? */
+SGT_INLINE bool has_sag(const sgt_phase *a) { return a->kind == SGT_PHASE_SAG || is_faceted(a); }
+
+/* S per wave. */
+SGT_INLINE double path_per_wave(const sgt_phase *a) { return is_faceted(a) ? (double)NAN : a->per_wave; }
+
+/* What the second derivatives of W are of in the chain rule: of G, or of the normal of facets. */
+SGT_INLINE double second_factor(const sgt_phase *a) { return is_faceted(a) ? -1 : a->per_wave; }
 
 /* Is it one, with a function that can be asked?  (waves.c) */
 bool sgt_waves_sound(const sgt_phase *a);
@@ -68,16 +87,23 @@ void sgt_waves_tile(const sgt_phase *a, size_t n, sgt_points p, double *w, doubl
 /* The second derivatives of W: xx, xy, xz, yy, yz, zz.  false: there are none, all are NaN. */
 bool sgt_waves_second(const sgt_phase *a, size_t n, sgt_points p, double *const out[6]);
 
-/* How far W and its gradient as computed are off at p (a vector: its length). */
+/* How far W and its gradient as computed are off at p (a vector: its length), for a point that is met within
+ * p_err of it. */
 typedef struct waves_off { double w, g; } waves_off;
-waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, waves_here here);
+waves_off sgt_waves_off(const sgt_phase *a, sgt_vec3 p, double p_err, waves_here here);
+
+/* Is it a formula with |a|, min, max or hypot, so that its gradient may jump? */
+bool sgt_has_kinks(sgt_surface s);
+
+/* Of such a formula: how far n, its gradient as computed, may be from that of a point within p_err of p. */
+double sgt_kink_off(sgt_surface s, sgt_vec3 p, double p_err, sgt_vec3 n);
 
 /* What is the same for all rays. */
 typedef struct kick { double n1, n2, by_n2, per_wave; bool back; } kick;
 
 SGT_INLINE kick kick_of(const sgt_phase *a, double n1, double n2, bool mirror)
 {
-    return (kick){n1, n2, 1 / n2, a->per_wave, mirror};
+    return (kick){n1, n2, 1 / n2, is_faceted(a) ? 0 : a->per_wave, mirror};
 }
 
 /* The direction behind, and n . n, q, |t| and the excess it was made with. */
@@ -105,6 +131,20 @@ SGT_INLINE kicked kick_by(bool back, kick by, sgt_vec3 g, sgt_vec3 d, sgt_vec3 n
     return b;
 }
 
+SGT_INLINE sgt_vec3 facet_normal(sgt_vec3 g) { return (sgt_vec3){-g.x, -g.y, 1}; }
+
+/* The same by facets of the slopes g, on a surface with the gradient n.  q is NaN if light does not come to
+ * their front, and e infinite if it does not go on as it should. */
+SGT_INLINE kicked facet_by(bool back, kick by, sgt_vec3 g, sgt_vec3 d, sgt_vec3 n)
+{
+    const sgt_vec3 m = facet_normal(g), none = {0, 0, 0};
+    kicked b = kick_by(back, by, none, d, m);
+    const double in = dot(d, n), out = dot(b.d, n);
+    b.q = in * dot(d, m) > 0 ? b.q : (double)NAN;
+    b.e = (back ? -out * in : out * in) > 0 ? b.e : HUGE_VAL;
+    return b;
+}
+
 /* `if_so` if there is such a direction, else 0; 0 for NaN.  Selects only, no branches. */
 SGT_INLINE double where_kicked(kicked b, double if_so)
 {
@@ -112,7 +152,7 @@ SGT_INLINE double where_kicked(kicked b, double if_so)
     return fabs(b.e) <= NEAR_UNIT ? q : 0;
 }
 
-/* The path with S. */
+/* The path with S.  per_wave: path_per_wave. */
 SGT_INLINE twofold kick_path(double per_wave, double w, twofold path)
 {
     return twofold_sum(path, two_product(per_wave, w));

@@ -15,7 +15,7 @@
 
 static const command *const commands[] = {
     &command_intersect, &command_trace, &command_diagnose, &command_info, &command_spot, &command_fan,
-    &command_opd, &command_field, &command_map, &command_sweep, &command_tolerance,
+    &command_opd, &command_field, &command_map, &command_sweep, &command_tolerance, &command_prove,
     &command_edit, &command_import, &command_trade, &command_join,
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };

@@ -109,10 +109,11 @@ static quad3 refracted(quad3 d, quad3 n, quad ratio)
 static quad3 focused(const sgt_element *e, quad n1, quad n2, quad3 p, quad3 d, quad *more)
 {
     const sgt_phase *a = e->phase;
-    quad to = d.z < 0 ? -1 : 1, x = p.x, y = p.y, f = a->focal_length;
+    quad to = d.z < 0 ? -1 : 1, x = p.x, y = p.y, fx = a->focal_length,
+         fy = a->focal_length_y == 0 ? a->focal_length : a->focal_length_y;
     quad near = a->object_distance == 0 ? 0 : 1 / (quad)a->object_distance;
     quad u = d.x / (to * d.z), v = d.y / (to * d.z), u0 = u - near * x, v0 = v - near * y;
-    quad u2 = (n1 * u - x / f) / n2, v2 = (n1 * v - y / f) / n2, u02 = n1 * u0 / n2, v02 = n1 * v0 / n2;
+    quad u2 = (n1 * u - x / fx) / n2, v2 = (n1 * v - y / fy) / n2, u02 = n1 * u0 / n2, v02 = n1 * v0 / n2;
     quad in = root(1 + u * u + v * v) + root(1 + u0 * u0 + v0 * v0);
     quad out = root(1 + u2 * u2 + v2 * v2) + root(1 + u02 * u02 + v02 * v02);
     *more = n2 * (x * (u2 + u02) + y * (v2 + v02)) / out - n1 * (x * (u + u0) + y * (v + v0)) / in;
@@ -125,7 +126,8 @@ static bool kicked(const sgt_element *e, quad n1, quad n2, quad3 p, quad3 n, qua
 {
     const sgt_phase *a = e->phase;
     const quad_formula *f = quad_formula_of(a->waves);
-    const bool sag = a->kind == SGT_PHASE_SAG, back = e->index == SGT_MIRROR;
+    const bool facets = a->kind == SGT_FACETS, sag = facets || a->kind == SGT_PHASE_SAG,
+               back = e->index == SGT_MIRROR;
     quad3 g = {0, 0, 0}, on_axis = {p.x, p.y, 0}, up_axis = {0, 0, 1};
     quad w, scale = a->per_wave;
     if (!f) return false;
@@ -136,6 +138,7 @@ static bool kicked(const sgt_element *e, quad n1, quad n2, quad3 p, quad3 n, qua
     } else {
         w = quad_value(f, p, &g);
     }
+    if (facets) n = (quad3){-g.x, -g.y, 1}, g = (quad3){0, 0, 0}, scale = (quad)NAN;
     n = unit(n);
     quad3 u = along(times(n1, *d), scale, g), t = along(u, -quad_dot(u, n), n);
     quad q = n2 * n2 - quad_dot(t, t);

@@ -148,6 +148,7 @@ static void give_waves(generator *g, lens *l, size_t i)
         p->waves = (sgt_surface){&quilt_ops[below(g, 3)], &l->quilted[i]};
         if (chance(g, 0.5)) p->kind = SGT_PHASE_FUNCTION;
     }
+    if (p->kind == SGT_PHASE_SAG && chance(g, 0.3)) p->kind = SGT_FACETS;
     l->e[i].phase = p;
 }
 
@@ -158,6 +159,8 @@ static void give_phase(generator *g, lens *l, size_t i)
         return;
     }
     l->phases[i] = (sgt_phase){.kind = SGT_IDEAL_LENS, .focal_length = either_sign(g) * uniform(g, 0.5, 60)};
+    if (chance(g, 0.3))
+        l->phases[i].focal_length_y = chance(g, 0.3) ? HUGE_VAL : either_sign(g) * uniform(g, 0.5, 60);
     if (chance(g, 0.6)) l->phases[i].object_distance = either_sign(g) * uniform(g, 0.5, 60);
     else if (chance(g, 0.3)) l->phases[i].object_distance = either_sign(g) * FAR;
     l->e[i].phase = &l->phases[i];
@@ -225,7 +228,7 @@ static void spoil_element(generator *g, lens *l, size_t i)
         } else if (chance(g, 0.1)) e->reserved_[below(g, (int)COUNT_OF(e->reserved_))] = 1;
         else if (chance(g, 0.2)) {
             give_phase(g, l, i);
-            if (chance(g, 0.1)) l->phases[i].kind = (sgt_phase_kind)below(g, 3);
+            if (chance(g, 0.1)) l->phases[i].kind = (sgt_phase_kind)below(g, 6);
             else if (chance(g, 0.1)) l->phases[i].reserved_[below(g, 2)] = 1;
             else if (chance(g, 0.5)) l->phases[i].focal_length = l->phases[i].per_wave = hostile_number(g);
             else l->phases[i].object_distance = hostile_number(g);

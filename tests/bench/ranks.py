@@ -4,9 +4,11 @@
 
     python3 tests/bench/ranks.py build/src/tool [ROUNDS [SHARE]]      build: with -Dmpi=enabled
 
-Each of them has one thread.  A round runs all of them, and medians of rounds are compared.  What a start of MPI takes
-(a run of one ray) is told, and is in the times.  The machine has to be idle: its load is printed.  Without
-more words there are 5 rounds of 30 and 10 million rays; SHARE divides these.
+Each of them has one thread.  A round runs all of them, and medians of rounds are compared.  A start of MPI takes as long
+as a million rays: what a run of one ray takes is told, and times are compared with it and without it.  Files are
+removed and the disk is waited for before each run, which else would pay for the one before.  The machine has to
+be idle: its load is printed.  Without more words there are 5 rounds of 30 and 10 million rays, two minutes in
+all; SHARE divides these.
 """
 import os
 import pathlib
@@ -28,6 +30,9 @@ ways = {'sagitta': [tool / 'sagitta'], 'one rank': ['mpirun', '-q', '-n', '1', t
 
 
 def seconds(way, arguments):
+    for left in pathlib.Path(folder).iterdir():
+        left.unlink()
+    os.sync()
     started = time.monotonic()
     subprocess.run([*map(str, ways[way]), *arguments, '--threads', '1'], env=environment, check=True,
                    stdout=subprocess.DEVNULL)
@@ -50,5 +55,7 @@ with tempfile.TemporaryDirectory() as folder:
         middle = {way: statistics.median(took[way]) for way in ways}
         for way in ways:
             print(f'{what}, {way}: {rays / middle[way]:.3g} rays a second, {middle[way]:.2f} s, start {start[way]:.2f} s')
-        print(f'{what}: two ranks {middle["one rank"] / middle["two ranks"]:.2f} times one rank; one rank '
-              f'{middle["one rank"] / middle["sagitta"] - 1:+.1%} of the time of sagitta; load {os.getloadavg()[0]:.1f}')
+        traced = {way: middle[way] - start[way] for way in ways}
+        for times, name in (middle, 'with their start'), (traced, 'without it'):
+            print(f'{what}, {name}: two ranks {times["one rank"] / times["two ranks"]:.2f} times as fast as one; one rank '
+                  f'takes {times["one rank"] / times["sagitta"] - 1:+.1%} more than sagitta; load {os.getloadavg()[0]:.1f}')

@@ -25,8 +25,8 @@ ASKING = {'choose.c': {'cpuid.h', 'stdlib.h'}}
 # The floor that answers for a public header; those below do not know of it.
 PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'pair.h': 'num', 'interval.h': 'num', 'diagnose.h': 'check',
           'surfaces.h': 'surface', 'formula.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system',
-          'aim.h': 'system', 'geo.h': 'geo', 'lens.h': 'lens', 'edit.h': 'lens', 'figure.h': 'lens', 'analysis.h': 'lens', 'study.h': 'lens',
-          'tolerance.h': 'lens',
+          'aim.h': 'system', 'beam.h': 'system', 'geo.h': 'geo', 'lens.h': 'lens', 'edit.h': 'lens',
+          'figure.h': 'lens', 'analysis.h': 'lens', 'study.h': 'lens', 'tolerance.h': 'lens', 'prove.h': 'lens',
           'shape.h': 'lens', 'why.h': 'lens', 'sagitta.hpp': 'C++'}
 
 # The list of the built-in types, which is on no floor: data for all of them.

@@ -17,8 +17,9 @@ import subprocess
 import sys
 import tempfile
 
-HEADERS = ['aim.h', 'analysis.h', 'diagnose.h', 'edit.h', 'figure.h', 'fma.h', 'formula.h', 'interval.h', 'lens.h',
-           'pair.h', 'sagitta.h', 'sagitta.hpp', 'sensitivity.h', 'shape.h', 'study.h', 'surfaces.h', 'system.h',
+HEADERS = ['aim.h', 'analysis.h', 'beam.h', 'diagnose.h', 'edit.h', 'figure.h', 'fma.h', 'formula.h', 'interval.h',
+           'lens.h', 'pair.h', 'prove.h', 'sagitta.h', 'sagitta.hpp', 'sensitivity.h', 'shape.h', 'study.h', 'surfaces.h',
+           'system.h',
            'tolerance.h', 'why.h']
 GEO = r'''
 #include <sagitta/geo.h>

@@ -28,7 +28,7 @@ COMPILER = {  # what its own runtime and the linker answer
     '__stack_chk_fail': '-fstack-protector of a distribution',
 }
 OTHERS = {'libsagitta_geo': ['geo.h'], 'libsagitta_lens': ['lens.h', 'edit.h', 'analysis.h', 'figure.h', 'shape.h',
-                                  'study.h', 'tolerance.h', 'why.h']}
+                                  'study.h', 'tolerance.h', 'why.h', 'prove.h']}
 ALLOWED = MEMORY.keys() | ENVIRONMENT.keys() | COMPILER.keys()
 LIBRARIES = re.compile(r'^(libm|libc|ld-linux[\w-]*)\.so')
 

@@ -73,7 +73,8 @@ static void require_surface(sgt_surface s, const char *type, double size)
 static void require_phase(const sgt_phase *p)
 {
     if (!p || p->kind == SGT_IDEAL_LENS) return;
-    REQUIRE(p->kind == SGT_PHASE_SAG || p->kind == SGT_PHASE_FUNCTION, "%d", (int)p->kind);
+    REQUIRE(p->kind == SGT_PHASE_SAG || p->kind == SGT_PHASE_FUNCTION || p->kind == SGT_FACETS, "%d",
+            (int)p->kind);
     REQUIRE(p->waves.ops && p->waves.self && isfinite(p->per_wave), "%a", p->per_wave);
 }
 
@@ -114,7 +115,9 @@ static void require_lens(const sgt_lens *l)
         bool ideal = strcmp(s->type, "ideal") == 0;
         require_surface(e->surface, ideal ? "plane" : s->type, e->semi_diameter);
         REQUIRE(ideal == (e->phase && e->phase->kind == SGT_IDEAL_LENS) &&
-                    s->focal_length == (ideal ? e->phase->focal_length : 0),
+                    s->focal_length == (!ideal                          ? 0
+                                        : e->phase->focal_length_y == 0 ? e->phase->focal_length
+                                                                        : e->phase->focal_length_y),
                 "element %zu: %a", i, s->focal_length);
         require_phase(e->phase);
     }

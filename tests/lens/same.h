@@ -77,6 +77,7 @@ static bool same_phase(const sgt_phase *a, const sgt_phase *b)
 {
     if (!a || !b) return a == b;
     bool same = a->kind == b->kind && alike(a->focal_length, b->focal_length) &&
+                alike(a->focal_length_y, b->focal_length_y) &&
                 alike(a->object_distance, b->object_distance) && alike(a->per_wave, b->per_wave) &&
                 a->waves.ops == b->waves.ops;
     for (int i = 0; same && a->waves.ops && i < 9; i++) {

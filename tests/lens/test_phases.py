@@ -69,6 +69,30 @@ def test_the_grating_equation():
         close_to(row, 'lmn', (l, m, math.sqrt(1 - l * l - m * m) * (-1 if mirror else 1)), 1e-12)
 
 
+def test_kinks():
+    """At a kink, and within rounding of it, the told error reaches both sides; next to it, it is small again.  A
+    phase or a sag with a kink at the vertex has no first-order data."""
+    for text, at, low, high in (
+            ('100*abs(y)', 0.0, -100, 100), ('100*abs(y - 2.5)', 2.5, -100, 100), ('80*max(y, 0)', 0.0, 0, 80),
+            ('60*min(2*y, y)', 0.0, 60, 120), ('50*sqrt(y^2)', 0.0, -50, 50), ('100*max(abs(y), abs(y)/2)', 0.0, -100, 100),
+            ('90*abs(abs(y) - 2.5)', 2.5, -90, 90), ('70*hypot(y, 0)', 0.0, -70, 70), ('100*abs(y - x)', 0.0, -100, 100)):
+        path = lens(plane(thickness=50, phase=text), plane(), waves=(0.5,))
+        apart = 50 * abs(math.tan(math.asin(high * 5e-4)) - math.tan(math.asin(low * 5e-4)))
+        ends = {float(r['py']): r for r in rows('ends', path, '--grid', '5') if float(r['px']) == 0}
+        told = float(ends[at / 5]['xy_err'])
+        assert told >= apart, f'{text}: told {told}, the sides are {apart} apart'
+        if text not in ('100*abs(y - x)', '90*abs(abs(y) - 2.5)'):  # others of these rays are at a kink, too
+            assert all(float(r['xy_err']) < 1e-11 for py, r in ends.items() if py != at / 5), (text, ends)
+        if at == 0 and 'x' not in text.replace('max', ''):
+            equal(rows('info', path)[0]['efl'], 'nan', text)
+    smooth = lens(plane(thickness=50, phase='100*y + 3*abs(y)^3 - 0.2*y^2'), plane())
+    assert math.isfinite(float(rows("info", smooth)[0]["efl"])), "no kink"
+    ridge = {'type': 'formula', 'sag': '0.1*abs(y)', 'thickness': 50, 'index': 1.5}
+    at, beside = (float(r['xy_err']) for r in rows('ends', lens(ridge, plane()), '--grid', '5')
+                  if float(r['px']) == 0 and float(r['py']) in (0, 0.5))
+    assert at > 1 > 1e-11 > beside, (at, beside)
+
+
 def test_numbers_of_other_programs():
     """OpticStudio's, in public files: a grating, a Zernike phase before an ideal lens, a hologram."""
     path = lens(plane(thickness=20, phase={'lines': 250}), plane(), waves=(0.9,))
@@ -201,7 +225,8 @@ def test_what_is_refused():
             ({'lines': 600, 'order': 1.5}, 'order: must be a whole number, not 1.5'), ({'lines': 600, 'order': 1e-9}, 'whole number'),
             ({'lines': 'x'}, 'number'), ({'lines': 3, 'order': 'x'}, 'number'), ({'lines': 3, 'converges': True}, 'converges'),
             ({'points': [[0, 0, 1]], 'wavelength': 0.5}, 'two points'), ({'points': [[0, 0, 1], [0, 0, 2]]}, 'wavelength'),
-            ({'points': [[0, 0, 0], [0, 0, 2]], 'wavelength': 0.5}, 'vertex'),
+            ({'points': [[0, 0, 0], [0, 0, 2]], 'wavelength': 0.5}, 'vertex'), ({'lines': 0}, 'lines: must not be zero'),
+            ({'points': [[0, 3, 2], [0, 3, 2]], 'wavelength': 0.5}, 'one point'),
             ({'points': [[0, 0, 1], [0, 0, 2]], 'wavelength': -1}, 'positive')):
         done = run('info', lens(plane(thickness=1, phase=phase), plane()), exit=BAD_INPUT)
         assert words in done.stderr and done.stderr.count('\n') == 1, (phase, done.stderr)
@@ -214,6 +239,52 @@ def test_what_is_refused():
     for edit in (('--scale', 2), ('--reverse', '1,1')):
         path = lens(plane(thickness=1, phase='y*z'), plane(thickness=1), plane())
         assert 'phase that is a formula' in run('edit', path, *edit, exit=BAD_INPUT).stderr
+
+
+HOSTILE = ('0', '-0.0', '-1', '1.5', '.nan', '.inf', '-.inf', '1e999', '1e308', '-1e308', '1e-320', '1e17', "''", '~', 'true', '[]', '{}',
+           '[1]', '[[1]]', '"x"', '1_0', '1 2')
+
+
+def test_hostile_numbers():
+    """Each key of a phase with each kind of wrong value: an error that names file, line and key, or a lens whose rays have
+    a fate.  What is taken is listed."""
+    numbers = {'-1', '1.5', '1e308', '-1e308', '1e-320', '1e17'}
+    whole, any_number = {'0', '-0.0', '-1', '1e17', '1e308', '-1e308'}, numbers | {'0', '-0.0'}
+    length = {'-1', '1.5', '1e17'}
+    apart = length | {'.inf', '-.inf'}
+    point = any_number
+    ideal = '{type: ideal, focal_length: 50, %s, thickness: 50}'
+    taken = {
+        ('lines', '{type: plane, thickness: 1, phase: {lines: %s}}'): numbers,
+        ('turn', '{type: plane, thickness: 1, phase: {lines: 600, turn: %s}}'): any_number,
+        ('order', '{type: plane, thickness: 1, phase: {lines: 600, order: %s}}'): whole,
+        ('wavelength', '{type: plane, thickness: 1, phase: {points: [[0, 0, -20], [0, 0, 10]], wavelength: %s}}'):
+            {'1.5', '1e308', '1e17'},
+        ('points', '{type: plane, thickness: 1, phase: {points: [[0, 3, %s], [0, 0, 10]], wavelength: 0.5}}'): point,
+        ('converges', '{type: plane, thickness: 1, phase: {points: [[0, 0, -20], [0, 0, 10]], wavelength: 0.5, converges: %s}}'):
+            {'true'},
+        ('a', '{type: plane, thickness: 1, phase: {waves: "a*y", a: %s}}'): any_number,
+        ('coefficients', '{type: plane, thickness: 1, phase: {waves: {type: even_asphere, coefficients: [%s]}}}'): any_number,
+        ('radius', '{type: plane, thickness: 1, index: 1.5, facets: {type: sphere, radius: %s}}'): numbers - {'1e-320'} | {'.inf', '-.inf'},
+        ('focal_length', '{type: ideal, focal_length: %s, thickness: 50}'): length,
+        ('focal_length', '{type: ideal, focal_length: %s, focal_length_y: 20, thickness: 50}'): apart,
+        ('focal_length_y', ideal % 'focal_length_y: %s'): apart,
+        ('object_distance', ideal % 'object_distance: %s'): apart}
+    faults = []
+    for (key, surface), wanted in taken.items():
+        got = set()
+        for value in HOSTILE:
+            path = written('units: mm\nwavelengths: [0.5]\npupil: {semi_diameter: 2}\nsurfaces:\n  - ' + surface % value +
+                           '\n  - {type: plane}\n')
+            done = subprocess.run([SAGITTA, 'trace', path, '--fan', '3', '--format', 'csv'], capture_output=True, text=True, timeout=60)
+            assert done.returncode in (DECIDED, UNDECIDED, BAD_INPUT), (surface % value, done.returncode, done.stderr)
+            if done.returncode == BAD_INPUT:
+                last = done.stderr.rstrip('\n').splitlines()[-1]
+                assert re.search(re.escape(f'{path}:5: ') + rf'(surfaces\[1\]\.)?[\w.]*{key}', last), (surface % value, last)
+            else:
+                got.add(value)
+        faults += [f'{surface}: takes {sorted(got - wanted)}, not {sorted(wanted - got)}'] if got != wanted else []
+    assert not faults, '\n'.join(faults)
 
 
 def test_order_0_is_no_phase():

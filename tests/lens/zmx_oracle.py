@@ -232,8 +232,8 @@ def q_bfs(count, x, one):
 class Shape:
     """A sag in floats or in decimals: value and slopes at (x, y)."""
 
-    def __init__(self, s, number):
-        self.type, self.c, self.k = s.type, number(s.c), number(s.k)
+    def __init__(self, s, number, kind=None):
+        self.type, self.c, self.k = kind or s.type, number(s.c), number(s.k)
         self.p = [number(s.parm.get(i, 0.0)) for i in range(9)]
         self.root = math.sqrt if number is float else D.sqrt
         self.zero = number(0)
@@ -372,7 +372,7 @@ class Shape:
             return s, sx, sy
         if self.type == 'TILTSURF':
             return p[1] * x + p[2] * y, p[1], p[2]
-        if self.type == 'PARAXIAL':
+        if self.type in ('PARAXIAL', 'PARAX_XY', 'FRESNELS'):
             return self.zero, self.zero, self.zero
         raise ValueError(f'{self.type} has no sag')
 
@@ -510,11 +510,11 @@ class Step:
     """A ray at a surface: the surface's numbers with and without breaks, the ray's fate, where, and how."""
 
 
-def ideal(f, n, behind, p, d, mirror):
-    """The direction behind a PARAXIAL surface.  What it adds to the path depends on all that is in front of it:
+def ideal(powers, n, behind, p, d, mirror):
+    """The direction behind a PARAXIAL or PARAX_XY surface, of the powers in x and y.  What it adds to the path depends on all that is in front of it:
     analysis_oracle.py has that, for lenses with paraxial data."""
     w = [a / abs(d[2]) for a in d[:2]]
-    out = [(n * a - x / f) / behind for a, x in zip(w, p)]
+    out = [(n * a - x * power) / behind for a, x, power in zip(w, p, powers)]
     size = (1 + out[0] * out[0] + out[1] * out[1]).sqrt()
     return [a / size for a in [*out, D(-1 if (d[2] > 0) == mirror else 1)]]
 
@@ -686,6 +686,9 @@ class Lens:
                 if stops or step.hair:
                     step.fate = 'clipped'
                     return steps
+            if s.type == 'FRESNELS':  # facets with the slopes of a sag, on a plane; of no known path
+                _, sx, sy = Shape(s, D, 'EVENASPH')(here[0], here[1])
+                opl = step.opl = None
             size = (1 + sx * sx + sy * sy).sqrt()
             normal = [-sx / size, -sy / size, 1 / size]
             cosine = sum(a * b for a, b in zip(there, normal))
@@ -704,8 +707,9 @@ class Lens:
                 opl = step.opl = None if opl is None else opl + waves * length
                 root = square.sqrt() * (-1 if (cosine < 0) != self.mirror(i) else 1)
                 there = [(a + root * b) / behind for a, b in zip(t, normal)]
-            elif s.type == 'PARAXIAL':
-                there = ideal(D(s.parm[1]), n, behind, here[:2], there, self.mirror(i))
+            elif s.type in ('PARAXIAL', 'PARAX_XY'):
+                powers = [D(s.parm.get(j, 0.0)) for j in (1, 2)] if s.type == 'PARAX_XY' else [1 / D(s.parm[1])] * 2
+                there = ideal(powers, n, behind, here[:2], there, self.mirror(i))
                 opl = step.opl = None
             elif self.mirror(i):
                 there = [a - 2 * cosine * b for a, b in zip(there, normal)]

@@ -3,8 +3,8 @@
  *
  *     phase COUNT SEED
  *
- * A line has, in hexadecimal: n1 n2 mirror f object  x y  l m n in front  l m n behind  opl.  The ray starts
- * at the point, so opl is what the lens adds. */
+ * A line has, in hexadecimal: n1 n2 mirror fx fy object  x y  l m n in front  l m n behind  opl.  fy is 0 for
+ * a lens of one power.  The ray starts at the point, so opl is what the lens adds. */
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
@@ -42,6 +42,12 @@ int main(int argc, char **argv)
         double f = any_sign() * any_scale(1e-3, 1e3),
                reach = fabs(f) * any_scale(1e-8, chance(0.1) ? 1e3 : 2);
         sgt_phase phase = {.kind = SGT_IDEAL_LENS, .focal_length = f};
+        if (chance(0.4))
+            phase.focal_length_y = chance(0.3)
+                                       ? any_sign() * (double)INFINITY
+                                       : any_sign() * fabs(f) * any_scale(1, chance(0.1) ? 1e200 : 30);
+        if (phase.focal_length_y != 0 && chance(0.5))
+            phase.focal_length = phase.focal_length_y, phase.focal_length_y = f;
         if (chance(0.7))
             phase.object_distance = chance(0.2)   ? n1 * f * any_sign()
                                     : chance(0.2) ? 2 * n1 * f
@@ -55,6 +61,13 @@ int main(int argc, char **argv)
             u = p.x / phase.object_distance * (1 + any_sign() * any_scale(1e-16, 1)),
             v = p.y / phase.object_distance;
         if (chance(0.1)) u = p.x / (n1 * f), v = p.y / (n1 * f);
+        if (phase.focal_length_y != 0 && chance(0.2)) { /* in a section, or from afar along the axis */
+            const bool axial = chance(0.3), in_y = chance(0.5);
+            if (axial || in_y) u = 0;
+            if (axial || !in_y) v = 0;
+            if (!axial && in_y) p.x = 0;
+            if (!axial && !in_y) p.y = 0;
+        }
         long double length = sqrtl(1 + (long double)u * u + (long double)v * v);
         sgt_ray ray = {.o = p, .d = {(double)(u / length), (double)(v / length), (double)(to / length)}};
         sgt_vec3 d = ray.d;
@@ -62,8 +75,9 @@ int main(int argc, char **argv)
             .surface = {&sgt_conic_ops, &flat}, .index = mirror ? SGT_MIRROR : n2, .phase = &phase};
         sgt_passage is;
         if (sgt_trace(1, &e, n1, &ray, &is, NULL, NULL) != 1) continue;
-        printf("%a %a %d %a %a  %a %a  %a %a %a  %a %a %a  %a\n", n1, n2, mirror, f, phase.object_distance,
-               is.hit.p.x, is.hit.p.y, d.x, d.y, d.z, is.direction.x, is.direction.y, is.direction.z, is.opl);
+        printf("%a %a %d %a %a %a  %a %a  %a %a %a  %a %a %a  %a\n", n1, n2, mirror, phase.focal_length,
+               phase.focal_length_y, phase.object_distance, is.hit.p.x, is.hit.p.y, d.x, d.y, d.z,
+               is.direction.x, is.direction.y, is.direction.z, is.opl);
     }
     return 0;
 }

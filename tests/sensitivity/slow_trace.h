@@ -144,14 +144,30 @@ inline vec normal_at(const element &e, const vec &p)
     return quad(1) / length(n) * n;
 }
 
+// A number of a phase that is moved by a little: per_wave is number -1, those of `waves` are from 0 on; of an
+// ideal lens fx, fy and the object's distance are 0, 1, 2, and fx is that of both axes if there is one.
+struct nudge {
+    const sgt_phase *phase;
+    int number;
+    quad by;
+};
+inline nudge moved = {nullptr, 0, 0};
+inline quad moved_by(const sgt_phase &a, int number)
+{
+    return &a == moved.phase && number == moved.number ? moved.by : quad(0);
+}
+
 // Behind an ideal lens at p; *more is what it adds to the path.
 inline vec focused(const sgt_phase &a, bool mirror, quad n1, quad n2, const vec &p, const vec &d, quad *more)
 {
-    const quad to = d.z < 0 ? -1 : 1, f = a.focal_length, u = d.x / (to * d.z), v = d.y / (to * d.z);
+    const quad to = d.z < 0 ? -1 : 1, fx = a.focal_length + moved_by(a, 0),
+               fy = a.focal_length_y == 0 ? fx : a.focal_length_y + moved_by(a, 1), u = d.x / (to * d.z),
+               v = d.y / (to * d.z);
     const bool afar = a.object_distance == 0 || std::isinf(a.object_distance);
-    const quad u0 = afar ? u : u - p.x / quad(a.object_distance),
-               v0 = afar ? v : v - p.y / quad(a.object_distance);
-    const quad x = (n1 * u - p.x / f) / n2, y = (n1 * v - p.y / f) / n2, x0 = n1 * u0 / n2, y0 = n1 * v0 / n2;
+    const quad object = a.object_distance + moved_by(a, 2), u0 = afar ? u : u - p.x / object,
+               v0 = afar ? v : v - p.y / object;
+    const quad x = (n1 * u - p.x / fx) / n2, y = (n1 * v - p.y / fy) / n2, x0 = n1 * u0 / n2,
+               y0 = n1 * v0 / n2;
     const quad in = square_root(1 + u * u + v * v) + square_root(1 + u0 * u0 + v0 * v0),
                out = square_root(1 + x * x + y * y) + square_root(1 + x0 * x0 + y0 * y0);
     *more = n2 * (p.x * (x + x0) + p.y * (y + y0)) / out - n1 * (p.x * (u + u0) + p.y * (v + v0)) / in;
@@ -160,16 +176,32 @@ inline vec focused(const sgt_phase &a, bool mirror, quad n1, quad n2, const vec 
 }
 
 // Behind a phase in waves, with the normal n; *more is what it adds to the path.  false: evanescent.
-inline bool kicked(const sgt_phase &a, bool mirror, quad n1, quad n2, vec p, const vec &n, vec *d, quad *more)
+inline bool kicked(const sgt_phase &a, bool mirror, quad n1, quad n2, vec p, vec n, vec *d, quad *more)
 {
     typedef dual<quad, 3> D3;
-    const bool sag = a.kind == SGT_PHASE_SAG;
+    const bool facets = a.kind == SGT_FACETS, sag = facets || a.kind == SGT_PHASE_SAG;
     std::vector<D3> numbers;
-    for (double x : catalogue::parameters_of(a.waves)) numbers.push_back(quad(x));
+    for (double x : catalogue::parameters_of(a.waves)) {
+        const int i = int(numbers.size());
+        numbers.push_back(quad(x) + moved_by(a, i));
+    }
     if (sag) p.z = 0;
     const D3 f = catalogue::level(a.waves, numbers.data(), D3::variable(p.x, 0), D3::variable(p.y, 1),
                                   D3::variable(p.z, 2));
-    const quad scale = sag ? -quad(a.per_wave) : quad(a.per_wave);
+    const quad per_wave = a.per_wave + moved_by(a, -1), scale = sag ? -per_wave : per_wave;
+    if (facets) { // refraction, or reflection, by the normal of the sag
+        const vec m =
+            quad(1) / square_root(f.v[0] * f.v[0] + f.v[1] * f.v[1] + 1) * vec{f.v[0], f.v[1], quad(1)};
+        const quad cosine = inner(*d, m), r = n1 / n2, square = 1 - r * r * (1 - cosine * cosine);
+        if (!(cosine * inner(*d, n) > 0) || square < 0) return false;
+        const quad side = inner(*d, n);
+        if (mirror)
+            *d = *d - 2 * cosine * m;
+        else
+            *d = r * *d + ((cosine < 0 ? -square_root(square) : square_root(square)) - r * cosine) * m;
+        *more = 0;
+        return (inner(*d, n) * side > 0) != mirror;
+    }
     const vec u = n1 * *d + scale * vec{f.v[0], f.v[1], sag ? quad(0) : f.v[2]};
     const quad b = inner(u, n), square = b * b + n2 * n2 - inner(u, u);
     if (!(square > 0)) return false;

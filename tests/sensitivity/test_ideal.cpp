@@ -2,9 +2,10 @@
 // Phases among spheres, conics and mirrors: derivatives, told errors and proofs, against 113 bits.
 //
 // Random rows of surfaces.  Half of the elements have a phase: mirrors too, with a change of index or none,
-// tilted and decentred.  Every other phase is an ideal lens: of either sign, from afar or not, a few of them
-// on a sphere.  The others are in waves: conics, even aspheres, polynomials, Zernike's, and quadrics of x, y
-// and z, on any surface.  Of each ray
+// tilted and decentred.  Every other phase is an ideal lens: of either sign, of one power or two, from afar
+// or not, a few of them on a sphere.  The others are in waves: conics, even aspheres, polynomials, Zernike's,
+// and quadrics of x, y and z, on any surface.  Some of the sags are not phases but facets: they have no
+// paths.  Of each ray
 //
 //     sgt_trace_gradient and sgt_trace_sensitivity   agree with differences of slow_trace.h
 //     sgt_trace_error                                 is not less than the error, and not absurdly large
@@ -57,11 +58,13 @@ struct row {
 static void random_waves(sgt_phase *p, function *f, double size, oracle::generator &random)
 {
     *p = {}, *f = {};
-    p->kind = SGT_PHASE_SAG;
+    const bool facets = random.chance(0.25);
+    p->kind = facets ? SGT_FACETS : SGT_PHASE_SAG;
     p->per_wave = random.sign() * size * random.log_uniform(1e-6, 1e-2);
+    if (facets) p->per_wave = 1;                               // not read; slopes of some tenths
     const double by = random.uniform(-0.3, 0.3) / p->per_wave; // of the gradient at r = size
     for (double &a : f->a) a = random.uniform(-0.3, 0.3) / p->per_wave;
-    switch (random.below(5)) {
+    switch (random.below(facets ? 4 : 5)) {
     case 0:
         f->conic = {by / size, 1e-9, 0};
         f->conic.k = -1 - random.uniform(0, 1) / (1 + std::fabs(by)); // defined everywhere
@@ -116,6 +119,11 @@ static row random_row(oracle::generator &random)
             r.phase[i] = {};
             r.phase[i].kind = SGT_IDEAL_LENS;
             r.phase[i].focal_length = random.sign() * size * random.log_uniform(2, 100);
+            if (random.chance(0.3)) // of two powers
+                r.phase[i].focal_length_y =
+                    random.chance(0.3) ? double(INFINITY) : random.sign() * size * random.log_uniform(2, 100);
+            if (r.phase[i].focal_length_y != 0 && random.chance(0.5))
+                std::swap(r.phase[i].focal_length, r.phase[i].focal_length_y);
             if (random.chance(0.6))
                 r.phase[i].object_distance = random.sign() * size * random.log_uniform(1, 100);
             e.phase = &r.phase[i], any = true;
@@ -135,6 +143,13 @@ static row random_row(oracle::generator &random)
         z += way * size * random.uniform(0.2, 4);
     }
     return r;
+}
+
+static bool has_paths(const row &r)
+{
+    for (const sgt_element &e : r.e)
+        if (e.phase && e.phase->kind == SGT_FACETS) return false;
+    return true;
 }
 
 static sgt_ray random_ray(const row &r, oracle::generator &random)
@@ -161,7 +176,7 @@ static double &component(sgt_ray_change &c, std::size_t i)
     return *all[i];
 }
 
-static long derivatives;
+static long derivatives, by_phases;
 static double worst_derivative;
 
 // Number j of sgt_trace_parameters, and a unit of it; NULL where it is none.
@@ -221,7 +236,7 @@ static void compare_derivatives(const row &r, const sgt_ray &launch, const std::
         const double by[7] = {to_double(p.x), to_double(p.y), to_double(p.z), to_double(q.x),
                               to_double(q.y), to_double(q.z), to_double(s * (up.opl - down.opl))};
         const double sizes[3] = {to_double(length(p)), to_double(length(q)), std::fabs(by[6])};
-        for (std::size_t i = 0; i < 7; i++) {
+        for (std::size_t i = 0; i < (has_paths(r) ? 7u : 6u); i++) {
             // the path is a sum of terms that cancel by Fermat's principle: of the size of the others
             const double all = i / 3 < 2 ? sizes[i / 3] : sizes[2] + sizes[0] + r.size / unit,
                          nothing = (i < 3 || i == 6 ? r.size : 1) / unit * 1e-3;
@@ -232,6 +247,78 @@ static void compare_derivatives(const row &r, const sgt_ray &launch, const std::
             const double x = component(forward[j], i);
             if (!(std::fabs(x - by[i]) <= 1e-9 * (all + nothing)))
                 fail("forward", double(i), double(j), x, by[i]);
+        }
+    }
+}
+
+// By the numbers of the phases.
+static void compare_phases(const row &r, const sgt_ray &launch, const std::vector<sgt_passage> &passages)
+{
+    const std::size_t n = r.e.size(), count = sgt_phase_parameters(n, r.e.data()),
+                      rows = has_paths(r) ? 7 : 6;
+    std::vector<double> gradient(7 * count);
+    sgt_ray_change weight[7] = {};
+    for (std::size_t i = 0; i < 7; i++) component(weight[i], i) = 1;
+    const int lacks =
+        sgt_phase_gradient(n, r.e.data(), r.before, &launch, passages.data(), rows, weight, gradient.data());
+    if (lacks) fail("phases lack", 0, 0, lacks, 0);
+    const std::vector<element> e = slow_of(r);
+    std::size_t j = 0;
+    for (const sgt_element &one : r.e) {
+        if (!one.phase) continue;
+        const sgt_phase &a = *one.phase;
+        const bool ideal = a.kind == SGT_IDEAL_LENS, facets = a.kind == SGT_FACETS;
+        const int m = ideal ? 3 : 1 + int(sgt_parameters(a.waves));
+        for (int k = 0; k < m; k++, j++) {
+            const double sizes[3] = {a.focal_length, a.focal_length_y, a.object_distance};
+            const bool none = (ideal && (sizes[k] == 0 || std::isinf(sizes[k]))) || (facets && k == 0);
+            // a step that moves the end by some 1e-10 of its size, if the derivative is what is said
+            double most = 0;
+            for (std::size_t i = 0; i < rows; i++) {
+                const double got = std::fabs(gradient[i * count + j]) / (i < 3 || i == 6 ? r.size : 1);
+                most = std::max(most, got);
+            }
+            const std::vector<double> own = ideal ? std::vector<double>() : catalogue::parameters_of(a.waves);
+            const double number = std::fabs(ideal ? sizes[k] : k == 0 ? a.per_wave : own[std::size_t(k - 1)]);
+            double step = 1e-10 / (most > 0 ? most : 1);
+            if (number != 0) step = std::min(step, 1e-7 * number); // far from linear beyond
+            if (number == 0 && k < 3)
+                step = std::min(step, 1e-7 / (k == 1 ? r.size : 1)); // a curvature, a conic constant
+            const quad h = none ? quad(0) : quad(step);
+            moved = {&a, ideal ? k : k - 1, h};
+            const end up = trace(e, n, r.before, of(launch.o), of(launch.d));
+            moved.by = -h;
+            const end down = trace(e, n, r.before, of(launch.o), of(launch.d));
+            moved = {nullptr, 0, 0};
+            if (up.passed != n || down.passed != n) continue;
+            if (facets && one.index == 0) continue; // they do nothing, and roundings are what is told
+            if (!none && most * step < 1e-20) {     // too little for differences: there is none either
+                const double by_step =
+                    to_double(length(up.p - down.p)) / r.size + to_double(length(up.d - down.d));
+                if (!(by_step < 1e-18))
+                    fail("a phase that seems to do nothing", double(j), double(k), most, by_step);
+                continue;
+            }
+            const quad s = none ? quad(0) : quad(0.5) / h;
+            const vec p = s * (up.p - down.p), q = s * (up.d - down.d);
+            const double by[7] = {to_double(p.x),
+                                  to_double(p.y),
+                                  to_double(p.z),
+                                  to_double(q.x),
+                                  to_double(q.y),
+                                  to_double(q.z),
+                                  to_double(s * (up.opl - down.opl))};
+            const double all[3] = {to_double(length(p)), to_double(length(q)),
+                                   std::fabs(by[6]) + to_double(length(p))};
+            for (std::size_t i = 0; i < rows; i++) {
+                double nothing = (i < 3 || i == 6 ? r.size : 1) * (most > 0 ? most : 1) * 1e-3;
+                if (ideal && k == 2 && !none)
+                    nothing += 1e-3 * std::pow(r.size / number, 2); // a difference of two terms
+                const double got = gradient[i * count + j],
+                             off = std::fabs(got - by[i]) / (all[i / 3] + nothing);
+                by_phases++, worst_derivative = std::max(worst_derivative, off);
+                if (!(off <= 1e-9)) fail("by a phase", double(i), double(k), got, by[i]);
+            }
         }
     }
 }
@@ -266,7 +353,10 @@ static void compare_errors(const row &r, const sgt_ray &launch, const std::vecto
     sgt_end_error told;
     if (!sgt_trace_error(n, r.e.data(), r.before, &launch, passages.data(), &told))
         fail("no error", 0, 0, 0, 1);
-    if (!(told.point < HUGE_VAL && told.path < HUGE_VAL && told.path_grain < HUGE_VAL))
+    const bool paths = has_paths(r);
+    if (!paths && !(std::isnan(told.path) && std::isnan(passages[n - 1].opl)))
+        fail("a path behind facets", told.path, 0, passages[n - 1].opl, 0);
+    if (!(told.point < HUGE_VAL && (!paths || (told.path < HUGE_VAL && told.path_grain < HUGE_VAL))))
         fail("an error is not finite", told.point, told.grain, told.path, 0);
     const sgt_passage &last = passages[n - 1];
     const quad x = last.hit.p.x - is.p.x, y = last.hit.p.y - is.p.y;
@@ -280,7 +370,7 @@ static void compare_errors(const row &r, const sgt_ray &launch, const std::vecto
     const double path = to_double(magnitude(last.opl - is.opl - index * inner(by, in)));
     const double size = 1.1e-16 * r.size;
     of_point.add(to_double(square_root(x * x + y * y)), told.point, size);
-    of_path.add(path, told.path, size);
+    if (paths) of_path.add(path, told.path, size);
 }
 
 // ------------------------------------------------------------------- aiming
@@ -365,12 +455,12 @@ int main()
             if (!(to_double(length(off)) < 1e-3 * r.size)) continue; // the other root of a conic
             rays++;
             compare_errors(r, launch, passages, is);
-            if (j == 0) compare_derivatives(r, launch, passages);
+            if (j == 0) compare_derivatives(r, launch, passages), compare_phases(r, launch, passages);
             if (j == 0) compare_aim(r, launch, random);
         }
     }
-    std::printf("%ld rays of %d systems; %ld derivatives, off by %.2g at most\n", rays, systems, derivatives,
-                worst_derivative);
+    std::printf("%ld rays of %d systems; %ld derivatives, %ld by phases, off by %.2g at most\n", rays,
+                systems, derivatives, by_phases, worst_derivative);
     of_point.print("point"), of_path.print("path");
     std::printf("%ld points that are met: %ld found, %ld undecided; %ld beside: %ld proven\n", asked, met,
                 undecided, asked, denied);

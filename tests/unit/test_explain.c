@@ -118,10 +118,15 @@ static void test_lenses(void **state)
     (void)state;
     const sgt_surface s = {&sgt_conic_ops, &bowl};
     const sgt_phase phase = {.kind = SGT_IDEAL_LENS},
+                    flat_phase = {.kind = SGT_IDEAL_LENS,
+                                  .focal_length = HUGE_VAL,
+                                  .focal_length_y = HUGE_VAL},
+                    nan_phase = {.kind = SGT_IDEAL_LENS, .focal_length = 1, .focal_length_y = NAN},
                     later_phase = {.kind = SGT_IDEAL_LENS, .focal_length = 1, .reserved_ = {1}};
     const sgt_aperture_item item = {.shape = SGT_CIRCLE, .radius = -1};
     const sgt_aperture none = {.count = 1}, bad = {.count = 1, .items = &item}, later = {.reserved_ = {1}};
-    const struct { const char *key; sgt_element e; double before; } row[] = {
+    const struct { const char *key; sgt_element e; double before;
+    } row[] = {
         {"", {.surface = s, .index = 1.5}, 1},
         {"", {.surface = s, .index = SGT_MIRROR}, 0},
         {"index_before", {.surface = s}, -1},
@@ -131,6 +136,8 @@ static void test_lenses(void **state)
         {"e[0].aperture->items[0].shape", {.surface = s, .aperture = &bad}, 1},
         {"e[0].aperture.reserved_[0]", {.surface = s, .aperture = &later}, 1},
         {"e[0].phase.focal_length", {.surface = s, .phase = &phase}, 1},
+        {"e[0].phase.focal_length_y", {.surface = s, .phase = &flat_phase}, 1},
+        {"e[0].phase.focal_length_y", {.surface = s, .phase = &nan_phase}, 1},
         {"e[0].phase.reserved_[0]", {.surface = s, .phase = &later_phase}, 1},
         {"e[0].element.reserved_[5]", {.surface = s, .reserved_ = {0, 0, 0, 0, 0, 1}}, 1},
         {"e[0].s.ops", {.index = 1.5}, 1},

@@ -26,6 +26,35 @@ static sgt_vec3 unit_of(long double x, long double y, long double z)
     return (sgt_vec3){(double)d.x, (double)d.y, (double)d.z};
 }
 
+/* Two equal focal lengths are one, to the bit; an infinite one is the section of a lens. */
+static void test_two_powers(void **state)
+{
+    (void)state;
+    generator g = seeded("two powers");
+    for (int i = 0; i < 2000; i++) {
+        const double f = (chance(&g, 0.5) ? 1 : -1) * uniform(&g, 1, 100), n1 = uniform(&g, 1, 2);
+        sgt_phase one = lens_of(f, chance(&g, 0.5) ? 0 : uniform(&g, -50, 50)), two = one, flat_in_x = one;
+        two.focal_length_y = f, flat_in_x.focal_length_y = f, flat_in_x.focal_length = HUGE_VAL;
+        const sgt_phase *const kinds[] = {&one, &two, &flat_in_x};
+        const double x = uniform(&g, -3, 3), u = uniform(&g, -1, 1);
+        sgt_passage is[3], in_section[3];
+        for (int k = 0; k < 3; k++) {
+            const sgt_element e = element_of(kinds[k], 1.5, 0);
+            sgt_ray ray = {.o = {x, 2, -1}, .d = {u, 0.2, 1}}, across = {.o = {0, 2, -1}, .d = {0, u, 1}};
+            sgt_trace(1, &e, n1, &ray, &is[k], NULL, NULL);
+            sgt_trace(1, &e, n1, &across, &in_section[k], NULL, NULL);
+        }
+        REQUIRE(memcmp(&is[0], &is[1], sizeof is[0]) == 0, "two powers of one size, f = %a", f);
+        const sgt_passage *a = &in_section[0], *b = &in_section[2];
+        REQUIRE(fabs(a->direction.y - b->direction.y) <= 0x1p-50 && fabs(a->opl - b->opl) <= 0x1p-45,
+                "a cylinder in its section, f = %a", f);
+        /* n2 u' = n1 u without power */
+        const sgt_passage *c = &is[2];
+        REQUIRE(fabs(1.5 * c->direction.x / c->direction.z - n1 * u) <= 0x1p-46, "along a cylinder, f = %a",
+                f);
+    }
+}
+
 /* 0, or a conjugate of any kind. */
 static double random_object(generator *g, double f, double n1)
 {
@@ -351,6 +380,14 @@ static void test_unsound(void **state)
     require_unsound((sgt_phase){.focal_length = 10}, "kind 0");
     require_unsound((sgt_phase){.kind = (sgt_phase_kind)2, .focal_length = 10}, "kind 2");
     require_unsound(lens_of(0, 0), "f = 0");
+    for (size_t i = 0; i < COUNT_OF(bad); i++) { /* of two powers one may be infinite, not both */
+        bad_phase = good, bad_phase.focal_length_y = bad[i];
+        if (!isinf(bad[i])) require_unsound(bad_phase, "a bad focal length along y");
+        bad_phase = lens_of(bad[i], 0), bad_phase.focal_length_y = isinf(bad[i]) ? -HUGE_VAL : 10;
+        require_unsound(bad_phase, "bad focal lengths");
+    }
+    bad_phase = lens_of(0, 0), bad_phase.focal_length_y = 10;
+    require_unsound(bad_phase, "f = 0 along x");
     for (size_t i = 0; i < COUNT_OF(bad); i++) {
         require_unsound(lens_of(bad[i], 0), "a bad focal length");
         if (!isinf(bad[i])) require_unsound(lens_of(10, bad[i]), "a bad object distance");
@@ -374,9 +411,9 @@ static void test_unsound(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slopes),      cmocka_unit_test(test_signs), cmocka_unit_test(test_paths),
-        cmocka_unit_test(test_two_lenses),  cmocka_unit_test(test_fates), cmocka_unit_test(test_unsound),
-        cmocka_unit_test(test_derivatives),
+        cmocka_unit_test(test_slopes),     cmocka_unit_test(test_signs),       cmocka_unit_test(test_paths),
+        cmocka_unit_test(test_two_lenses), cmocka_unit_test(test_fates),       cmocka_unit_test(test_unsound),
+        cmocka_unit_test(test_two_powers), cmocka_unit_test(test_derivatives),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

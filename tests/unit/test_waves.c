@@ -471,7 +471,8 @@ static void test_unsound(void **state)
     p = g.phase, p.waves.ops = NULL, require_unsound(p, "e[0].phase.waves.ops");
     p = g.phase, p.waves.ops = &none, require_unsound(p, "e[0].phase.waves.ops->value");
     p = g.phase, p.waves = (sgt_surface){&sgt_quadric_ops, &ball}, require_unsound(p, "e[0].phase.waves");
-    p.kind = (sgt_phase_kind)4, require_unsound(p, "e[0].phase.kind");
+    p.kind = SGT_FACETS, require_unsound(p, "e[0].phase.waves");
+    p.kind = (sgt_phase_kind)5, require_unsound(p, "e[0].phase.kind");
     g.a[1] = (double)NAN, p = g.phase, require_unsound(p, "e[0].phase.waves.self.coefficients");
     for (size_t i = 0; i < COUNT_OF(bad); i++) {
         const sgt_conic c = {.c = bad[i]};

@@ -97,6 +97,7 @@ static bool turns_path(const char *rest)
     if (strncmp(key, "decenter[", 9) == 0) return key[9] == '3';
     if (strncmp(key, "phase.", 6) == 0)
         return strncmp(key, "phase.points[", 13) == 0 && strcmp(key + strlen(key) - 3, "[3]") == 0;
+    if (strncmp(key, "facets.", 7) == 0) return turns_path(key + 6);
     if (strncmp(key, "terms[", 6) == 0) return turns_path(strchr(key, '.') ? strchr(key, '.') : "");
     char word[40];
     snprintf(word, sizeof word, "%.*s", (int)strcspn(key, ".["), key);
@@ -140,6 +141,7 @@ static void turn_shape(const editing *e, node *map)
 {
     const char *type = word_at(map, "type");
     if (slot(map, "phase")) turn_phase(e, *slot(map, "phase"));
+    if (slot(map, "facets")) turn_shape(e, *slot(map, "facets"));
     if (strcmp(type, "ideal") == 0) {
         if (slot(map, "object_distance")) sgt_edit_refuse(e, "an ideal lens has an object_distance");
         return;

@@ -62,8 +62,9 @@ static int phase_power(const editing *e, const node *map, const way *p, size_t i
 /* Of a key of a surface or break, whose map is step i - 1; a term of a sum has a map of its own. */
 static int entry_power(const editing *e, const node *map, const way *p, size_t i)
 {
-    static const char *const lengths[] = {"thickness", "draw_to",         "semi_diameter", "decenter",
-                                          "origin",    "object_distance", "focal_length",  NULL},
+    static const char *const lengths[] = {"thickness",    "draw_to",        "semi_diameter",
+                                          "decenter",     "origin",         "object_distance",
+                                          "focal_length", "focal_length_y", NULL},
                              *const none[] = {"tilt", "index", "glass", NULL},
                              *const of_aperture[] = {"radius",      "inner", "outer",  "half_width",
                                                      "half_height", "width", "length", "points",
@@ -77,6 +78,13 @@ static int entry_power(const editing *e, const node *map, const way *p, size_t i
         if (map->kind != NODE_MAP || !sgt_path_find((node *)(uintptr_t)map, &term, 2, &at, why) || !at.is)
             return NO_POWER;
         return param_power(e, at.is, p, i + 2);
+    }
+    if (sgt_step_is(step, "facets")) {
+        const way facets = {.count = 1, .step = {*step}};
+        spot at;
+        char why[PATH_WHY];
+        if (!sgt_path_find((node *)(uintptr_t)map, &facets, 1, &at, why) || !at.is) return NO_POWER;
+        return entry_power(e, at.is, p, i + 1);
     }
     if (sgt_step_is(step, "phase")) return phase_power(e, map, p, i + 1);
     if (sgt_step_is(step, "apertures"))

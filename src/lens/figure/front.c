@@ -141,6 +141,9 @@ bool sgt_figure_fronts(asked *a)
         if (ask->lens->element[i].phase && ask->lens->element[i].phase->kind == SGT_IDEAL_LENS && a->paths)
             return sgt_ask_fail(&a->at.ask, "", "no derivatives of paths through an ideal lens (element %zu)",
                                 i + 1);
+    for (size_t i = 0; i + 1 < ask->lens->count; i++)
+        if (ask->lens->element[i].phase && ask->lens->element[i].phase->kind == SGT_FACETS && a->paths)
+            return sgt_ask_fail(&a->at.ask, "", "facets give light no wavefront (element %zu)", i + 1);
     if (isnan(a->at.study->um))
         return sgt_ask_fail(&a->at.ask, "units", "must be mm, cm, m, um or in for differences in waves");
     for (size_t b = 0; b < ask->bands; b++)

@@ -174,7 +174,9 @@ static void put_fixed(list *to, const sgt_lens *lens, const layout *in, size_t i
     list none = {.count = 0};
     const sgt_phase *phase = e->phase;
     const bool waves = phase && phase->kind != SGT_IDEAL_LENS;
-    add_number(to, phase ? phase->focal_length : 0), add_number(to, phase ? phase->per_wave : 0);
+    add_number(to, phase && isfinite(phase->focal_length) ? phase->focal_length : 0);
+    add_number(to, phase && isfinite(phase->focal_length_y) ? phase->focal_length_y : 0);
+    add_number(to, phase ? phase->per_wave : 0);
     for (size_t k = 0; waves && k < sizeof away / sizeof *away; k++) {
         const sgt_vec3 p = {away[k][0], away[k][1], away[k][2]};
         const double f = phase->waves.ops->value(phase->waves.self, p, NULL);

@@ -182,7 +182,8 @@ bool sgt_catalogue_add(sgt_catalogue *c, const char *path, sgt_error *error)
     if (!error) error = &unread;
     if (!path) {
         const char *asked = getenv("SAGITTA_GLASS");
-        path = is_folder(SGT_GLASS_INSTALLED) ? SGT_GLASS_INSTALLED : SGT_GLASS_SOURCE;
+        bool has_source = SGT_GLASS_SOURCE[0] != '\0'; /* (-Dsource_folder) */
+        path = is_folder(SGT_GLASS_INSTALLED) || !has_source ? SGT_GLASS_INSTALLED : SGT_GLASS_SOURCE;
         if (asked && *asked) path = asked;
     }
     c->additions++;

@@ -6,6 +6,9 @@
  * plane has to be imaged without path differences.  With the distance of the primary wavelength the light of
  * another, perfectly focused in front, would get path differences from a lens that is ideal.
  *
+ * A LENS OF TWO POWERS has two images of it.  As in all first-order data, the one that is meant is that of
+ * rays in the plane x = 0.
+ *
  * An image on the lens itself: all rays of an object point meet it in one point, and their paths are the same
  * in the limit of a small distance.  LEAST of the focal length stands for it. */
 #include "conjugate.h"
@@ -16,6 +19,12 @@
 
 /* Is it an ideal lens whose object is not given? */
 static bool is_open(const sgt_phase *p) { return p && p->kind == SGT_IDEAL_LENS && p->object_distance == 0; }
+
+static double shortest(const sgt_phase *p)
+{
+    return p->focal_length_y == 0 ? fabs(p->focal_length)
+                                  : fmin(fabs(p->focal_length), fabs(p->focal_length_y));
+}
 
 void sgt_find_conjugates(whole_lens *w, source *s)
 {
@@ -33,7 +42,7 @@ void sgt_find_conjugates(whole_lens *w, source *s)
         for (size_t i = 0; i < l->count; i++) {
             const sgt_phase *given = w->element[i].phase;
             if (!is_open(given)) continue;
-            const double least = fmax(LEAST * fabs(given->focal_length), 1 / MOST), a = distance[i];
+            const double least = fmax(LEAST * shortest(given), 1 / MOST), a = distance[i];
             sgt_phase *own = &w->phase_at[k * l->count + i];
             *own = *given;
             own->object_distance = fabs(a) <= MOST ? copysign(fmax(fabs(a), least), a) : HUGE_VAL;

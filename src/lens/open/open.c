@@ -9,6 +9,7 @@
 #include "resolve.h"
 
 #include "../base/reader.h"
+#include "../read/seq.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -17,20 +18,58 @@
 static void refuse_other_formats(source *s, const char *name)
 {
     static const char *const others[][2] = {
-        {".seq", "a CODE V"}, {".len", "an OSLO or CODE V"}, {".zar", "an OpticStudio archive"},
+        {".len", "an OSLO or CODE V"}, {".zar", "an OpticStudio archive"},
         {".zos", "an OpticStudio session"}, {".zprj", "an OpticStudio project"}};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         if (sgt_reader_ends_in(name, others[i][0]))
-            tree_fail(s, 0, NULL, "%s file (%s) is not read; a lens file in YAML and .zmx are", others[i][1],
-                      others[i][0]);
+            tree_fail(s, 0, NULL, "%s file (%s) is not read; a lens file in YAML, .zmx and .seq are",
+                      others[i][1], others[i][0]);
 }
 
-static void read_zmx(source *s, const char *text, size_t length)
+/* Words become texts that end in a zero. */
+static void refuse_zeros(source *s)
 {
-    s->text = sgt_reader_decoded(s->arena, text, &length);
+    const char *zero = s->length ? memchr(s->text, 0, s->length) : NULL;
+    reader before = {.at = s->text, .end = zero};
+    if (!zero) return;
+    for (piece line; sgt_reader_line(&before, &line);) continue;
+    tree_fail(s, before.line + (before.line == 0 || before.whole), NULL, "a zero byte; this is no text");
+}
+
+static void read_other(source *s, void (*read)(source *s))
+{
+    s->text = sgt_reader_decoded(s->arena, s->text, &s->length);
     if (!s->text) tree_fail(s, 0, NULL, "no memory");
-    s->length = length;
-    sgt_read_zmx(s);
+    refuse_zeros(s);
+    read(s);
+}
+
+/* VERS or MODE, or SURF and a number, begin one of the first lines. */
+static bool looks_as_zmx(const char *text, size_t length)
+{
+    enum { LINES = 100 };
+    reader r = {.at = text, .end = text + length};
+    piece line;
+    for (size_t lines = 0; lines < LINES && sgt_reader_line(&r, &line); lines++) {
+        const piece word = sgt_reader_word(&line), value = sgt_reader_word(&line);
+        double x;
+        if (sgt_reader_is(word, "MODE") && sgt_reader_is(value, "SEQ")) return true;
+        if ((sgt_reader_is(word, "SURF") || sgt_reader_is(word, "VERS")) && sgt_reader_number(value, &x))
+            return true;
+    }
+    return false;
+}
+
+/* A name that ends as a lens file does is one; of any other the first lines decide, before its ending. */
+static void (*reader_of(const source *s, const char *name))(source *s)
+{
+    static const char *const endings[] = {".yaml", ".yml", ".json"};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (sgt_reader_ends_in(name, endings[i])) return sgt_read_yaml;
+    if (looks_as_zmx(s->text, s->length)) return sgt_read_zmx;
+    if (sgt_seq_looks(s->text, s->length)) return sgt_read_seq;
+    if (sgt_reader_ends_in(name, ".zmx")) return sgt_read_zmx;
+    return sgt_reader_ends_in(name, ".seq") ? sgt_read_seq : sgt_read_yaml;
 }
 
 /* The folder of a path, with what ends it; "" for the current one. */
@@ -68,9 +107,10 @@ static void read_into(lens_maker make, whole_lens *w, source *s, const char *nam
         text = s->borrowed;
     }
     s->text = text, s->length = length;
-    if (make == sgt_read_lens) refuse_other_formats(s, name);
-    if (make == sgt_read_lens && sgt_reader_ends_in(name, ".zmx")) read_zmx(s, text, length);
-    else sgt_read_yaml(s);
+    void (*read)(source *s) = make == sgt_read_lens ? reader_of(s, name) : sgt_read_yaml;
+    if (make == sgt_read_lens && read == sgt_read_yaml) refuse_other_formats(s, name);
+    if (read == sgt_read_yaml) read(s);
+    else read_other(s, read);
     w->make = make;
     sgt_make_lens(w, s);
 }

@@ -20,8 +20,9 @@
  *
  * IMPORTED ones have beside them the value that the other program has stored.  If they give another, the
  * meaning was not understood or the file is not up to date, and the stored value is taken for good, with a
- * remark.  Pickups have to give the same number; a solve within AGREES, since its last digits are those of
- * another program's arithmetic. */
+ * remark; but one that rules is taken itself, as the other program would, with a remark beyond TOLD.  Pickups
+ * have to give the same number; a solve within AGREES, since its last digits are those of another program's
+ * arithmetic. */
 #include "resolve.h"
 
 #include "../read/path.h"
@@ -30,7 +31,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double AGREES = 1e-9; /* relative */
+static const double AGREES = 1e-9, TOLD = 1e-6; /* relative */
 enum { SOLVES_MOST = 64 }; /* each reads all in front of it */
 
 typedef struct expression {
@@ -252,14 +253,19 @@ static bool agrees(const expression *e, const node *value)
     if (!sgt_path_number(value, &x) || !sgt_path_number(stored, &y))
         return value->kind == NODE_SCALAR && stored->kind == NODE_SCALAR &&
                strcmp(value->text, stored->text) == 0;
-    return is_solve(e) ? fabs(x - y) <= AGREES * fabs(y) : x == y;
+    return is_solve(e) ? fabs(x - y) <= (e->map->is->rules ? TOLD : AGREES) * fabs(y) : x == y;
 }
 
 static void settle(source *s, expression *e, node *value, const char *why)
 {
     e->done = true;
     expressed *is = e->map->is;
-    if (is && is->stored && (!value || !agrees(e, value))) {
+    const bool differs = is && is->stored && (!value || !agrees(e, value));
+    if (differs && value && is->rules) {
+        tree_remark(s, SGT_REMARK_TURNED, is->stored->line, is->record,
+                    "%s, which its solve gives: the number that is stored is %s", value->text,
+                    is->stored->text);
+    } else if (differs) {
         tree_remark(s, SGT_REMARK_TURNED, is->stored->line, is->record,
                     "the number that is stored: its solve or pickup gives another");
         *e->place = is->stored, e->map = NULL;

@@ -20,13 +20,17 @@
  *
  *     S5 = Abar (-Abar^2 y D(1/n^2) - ybar (A ybar - 2 Abar y) C D(1/n)).
  *
- * An ideal lens images every plane without aberration, and has none of these.  Its part of the colour
+ * An ideal lens images every plane without aberration, and has none of these.  One of two powers counts with
+ * that along y, as any surface that is not round.  Its part of the colour
  * is what the media do: y (w' dn'/n' - w dn/n), and with ybar and wbar.
  *
  * A PHASE of W waves changes n u by S_y, S = per_wave W (system.h), in reflection as in transmission.  So it
  * adds -S_yy at the vertex to the power of its surface.  Its slope there, S_y, turns the light of a grating
  * aside, and with it the axis: as other programs do, the data are those along the straight axis, as if there
  * were no lines.  (sgt_field_parabasal has data along real rays.)
+ *
+ * FACETS have the power of the sag whose slopes they have.  Where the surface is flat, the image is bent by
+ * another law than Petzval's (Delano 1974), so that radius is not told.
  *
  * A surface z = C r^2/2 + (C^3/8 + g) r^4 + ... adds 8 g D(n) y^4 to S1, and to S2, S3, S5 the
  * same with one, two, three of the y replaced by ybar.  Colour: A y D(dn/n), Abar y D(dn/n).
@@ -102,10 +106,26 @@ static double vertex_curvature(sgt_surface s, double h)
     return fabs(c - vertex) <= SMOOTH * fabs(vertex) || fabs(c - vertex) * h < FLAT ? vertex : (double)NAN;
 }
 
-/* W_yy of a phase in waves at the vertex of a surface of the curvature c: with F(x, y, z) it is that along
- * the surface.  NaN: it has none. */
-static double vertex_bend(const sgt_phase *p, double c)
+/* Has W a kink at the vertex, seen by the gradients at y = h and -h?  Their difference falls with h where W
+ * is smooth, and does not at a kink.  One that turns light by less than 2^-40 is none. */
+static bool is_kinked(const sgt_phase *p, double h)
 {
+    enum { NEARER = 16 };
+    double jump[2];
+    for (int k = 0; k < 2; k++, h /= NEARER) {
+        sgt_vec3 up = {0, 0, 0}, down = {0, 0, 0};
+        p->waves.ops->value(p->waves.self, (sgt_vec3){0, h, 0}, &up);
+        p->waves.ops->value(p->waves.self, (sgt_vec3){0, -h, 0}, &down);
+        jump[k] = fabs(p->per_wave * (up.y - down.y));
+    }
+    return jump[1] > 0x1p-40 && jump[1] > 0.5 * jump[0];
+}
+
+/* W_yy of a phase in waves at the vertex of a surface of the curvature c: with F(x, y, z) it is that along
+ * the surface.  NaN: it has none.  h: of is_kinked. */
+static double vertex_bend(const sgt_phase *p, double c, double h)
+{
+    if (is_kinked(p, h)) return (double)NAN;
     const sgt_surface waves = p->waves;
     const bool sag = p->kind == SGT_PHASE_SAG;
     const double zero = 0, sign = sag ? -1 : 1;
@@ -118,7 +138,13 @@ static double vertex_bend(const sgt_phase *p, double c)
     return sign * second[3] + (sag ? 0 : slope.z * c);
 }
 
-static bool is_in_waves(const sgt_phase *p) { return p && p->kind != SGT_IDEAL_LENS; }
+static bool is_faceted(const sgt_phase *p) { return p && p->kind == SGT_FACETS; }
+static bool is_in_waves(const sgt_phase *p) { return p && p->kind != SGT_IDEAL_LENS && !is_faceted(p); }
+
+static bool has_two_powers(const sgt_phase *p)
+{
+    return p && p->focal_length_y != 0 && p->focal_length_y != p->focal_length;
+}
 
 /* A surface as paraxial rays meet it. */
 typedef struct vertex {
@@ -371,8 +397,11 @@ static const char *set_seidel(const paraxial *p, const sgt_first_order *primary,
     if (lacks) return lacks;
     if (o->without_vertex) return "a surface has no vertex curvature";
     if (isnan(o->lagrange)) return "the pupil or the fields are not known";
-    for (size_t i = 0; i < p->last; i++)
+    for (size_t i = 0; i < p->last; i++) {
         if (is_in_waves(l->element[i].phase)) return "a surface has a phase";
+        if (is_faceted(l->element[i].phase)) return "a surface has facets";
+        if (has_two_powers(l->element[i].phase)) return "an ideal lens has two powers";
+    }
     beam_ray ray = marginal_ray(p, o), chief = chief_ray(p, primary ? primary : o);
     for (size_t i = 0; i <= p->last; i++) {
         const vertex *v = &p->at[i];
@@ -446,16 +475,17 @@ static bool set_vertices(paraxial *p, sgt_element room[], double um, size_t *wit
         v->z = within(l->surface[i].z, 2);
         double size = l->surface[i].size > 0 && l->surface[i].size < 1e100 ? l->surface[i].size : 0x1p-10;
         double focal_length = l->surface[i].focal_length;
-        v->c = focal_length != 0 ? 0 : vertex_curvature(e[i].surface, size * 0x1p-30);
+        const sgt_surface bends = is_faceted(e[i].phase) ? e[i].phase->waves : e[i].surface;
+        v->c = focal_length != 0 ? 0 : vertex_curvature(bends, size * 0x1p-30);
         if (e[i].index == SGT_MIRROR) sign = -sign;
         v->n = e[i].index == SGT_MIRROR ? (number){-n.x, n.err} : index_of(copysign(e[i].index, sign));
         if (l->surface[i].off_axis) v->c = (double)NAN;
         v->power = focal_length != 0    ? within(1 / focal_length, 2)
                    : v->n.x == n.x      ? exactly(0 * v->c) /* one medium */
                                         : product(within(v->c, 4), difference(v->n, n));
-        v->bent = v->power;
+        v->bent = is_faceted(e[i].phase) ? no_number : v->power;
         if (is_in_waves(e[i].phase)) {
-            const double bend = e[i].phase->per_wave * vertex_bend(e[i].phase, v->c);
+            const double bend = e[i].phase->per_wave * vertex_bend(e[i].phase, v->c, size * 0x1p-10);
             v->power = difference(v->power, isfinite(bend) ? within(bend, 8) : no_number);
         }
         if (l->surface[i].off_axis) v->power = v->bent = no_number;

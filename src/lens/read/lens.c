@@ -408,14 +408,16 @@ static void read_medium(whole_lens *w, source *s, const node *map, size_t i, con
 
 static const char OTHER_KEYS[] =
     "; semi_diameter, apertures, draw_to, name, thickness, index, glass, mirror, stop, "
-    "decenter, tilt, origin, phase";
+    "decenter, tilt, origin, phase, facets";
 
 static void read_shape(source *s, const node *map, sgt_element *e, sgt_lens_surface *about)
 {
     const node *type = tree_take(map, "type");
     if (type && type->kind == NODE_SCALAR && strcmp(type->text, "ideal") == 0) {
         sgt_read_ideal(s, map, OTHER_KEYS, e);
-        about->type = "ideal", about->focal_length = e->phase->focal_length;
+        const sgt_phase *p = e->phase;
+        about->type = "ideal",
+        about->focal_length = p->focal_length_y == 0 ? p->focal_length : p->focal_length_y;
         return;
     }
     const sgt_builtin *row;
@@ -435,13 +437,16 @@ static void read_surface(whole_lens *w, source *s, const node *map, size_t i, bo
     const node *stop = tree_take(map, "stop"), *rim = tree_take(map, "semi_diameter");
     const node *name = tree_take(map, "name"), *size = tree_take(map, "draw_to");
     const node *apertures = tree_take(map, "apertures"), *phase = tree_take(map, "phase");
+    const node *facets = tree_take(map, "facets");
     if (apertures) e->aperture = sgt_read_apertures(s, apertures);
     about->name = name ? tree_read_text(s, name, "name") : "";
     if (stop && tree_read_truth(s, stop, "stop")) {
         if (l->stop_marked) tree_fail(s, stop->line, "stop", "a second stop; a lens has one");
         l->stop_marked = true, l->stop = i;
     }
+    if (phase && facets) tree_fail(s, facets->line, "facets", "a surface with facets has no phase");
     if (phase) sgt_read_phase(w, s, phase, i);
+    if (facets) sgt_read_facets(w, s, facets, i);
     if (rim) e->semi_diameter = tree_read_number(s, rim, "semi_diameter", NUMBER_FINITE);
     if (!(e->semi_diameter >= 0)) tree_fail(s, rim->line, "semi_diameter", "must not be negative");
     about->size = size ? positive_number(s, size, "draw_to", NUMBER_FINITE) : e->semi_diameter;

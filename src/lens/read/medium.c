@@ -19,16 +19,15 @@ static bool same_name(const char *a, const char *b)
     return *a == *b;
 }
 
-static const sgt_catalogue *catalogue_of(media *m, const node *n, const char *key)
+const sgt_catalogue *sgt_source_glasses(source *s, size_t line, const char *key)
 {
-    source *s = m->source;
     if (s->options->glasses) return s->options->glasses;
     if (s->own_glasses) return s->own_glasses;
     sgt_error e;
     s->own_glasses = sgt_catalogue_new(&s->arena->allocator);
     if (!s->own_glasses) tree_fail(s, 0, NULL, "no memory");
     if (!sgt_catalogue_add(s->own_glasses, NULL, &e))
-        tree_fail(s, n->line, key, "the table of glasses: %s:%zu: %s", e.file, e.line, e.words);
+        tree_fail(s, line, key, "the table of glasses: %s:%zu: %s", e.file, e.line, e.words);
     return s->own_glasses;
 }
 
@@ -145,7 +144,7 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
                     "nd %.3f, vd %.1f: %s is a MIL number, and its index approximate", mil[0], mil[1],
                     name);
     } else {
-        const sgt_catalogue *c = catalogue_of(m, n, key);
+        const sgt_catalogue *c = sgt_source_glasses(s, n->line, key);
         if (!sgt_catalogue_find(c, name, m->makers, m->maker, &g, &e))
             tree_fail(s, n->line, key, "%s%s", e.words, name_hint(name));
         bool decided = false; /* by the makers of the lens, or by MAKER NAME */

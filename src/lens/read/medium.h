@@ -42,6 +42,9 @@ typedef struct media {
  * [wavelength, index].  Remarks what a user should know. */
 medium sgt_medium_of_glass(media *m, node *n, const char *key);
 
+/* The glasses that the caller gave, or the table that ships. */
+const sgt_catalogue *sgt_source_glasses(source *s, size_t line, const char *key);
+
 /* `index` says: a number, or a list with one for each of the wavelengths. */
 medium sgt_medium_of_index(media *m, const node *n, const char *key, size_t wavelengths);
 

@@ -43,23 +43,34 @@ static double phase_length(source *s, const node *n, const char *key, double x)
     return x;
 }
 
+/* A focal length; of a lens of two powers it may be infinite. */
+static double focal_length(source *s, const node *n, const char *key, bool two)
+{
+    const double f = tree_read_number(s, n, key, two ? NUMBER_MAYBE_INFINITE : NUMBER_FINITE);
+    return isfinite(f) ? phase_length(s, n, key, f) : f;
+}
+
 /* An ideal lens: a plane with a phase. */
 void sgt_read_ideal(source *s, const node *map, const char *others, sgt_element *e)
 {
-    const node *f = tree_take(map, "focal_length"), *from = tree_take(map, "object_distance");
-    const node *other = tree_take(map, "phase");
+    const node *f = tree_take(map, "focal_length"), *fy = tree_take(map, "focal_length_y"),
+               *from = tree_take(map, "object_distance");
+    const node *other = tree_take(map, "phase"), *facets = tree_take(map, "facets");
     sgt_phase *phase = tree_room(s, 1, sizeof *phase);
     if (!f) tree_fail(s, map->line, "focal_length", "missing; an ideal lens has one");
     if (other) tree_fail(s, other->line, "phase", "an ideal lens has no other phase");
+    if (facets) tree_fail(s, facets->line, "facets", "an ideal lens has none");
     phase->kind = SGT_IDEAL_LENS;
-    phase->focal_length =
-        phase_length(s, f, "focal_length", tree_read_number(s, f, "focal_length", NUMBER_FINITE));
+    phase->focal_length = focal_length(s, f, "focal_length", fy != NULL);
+    if (fy) phase->focal_length_y = focal_length(s, fy, "focal_length_y", true);
+    if (fy && isinf(phase->focal_length) && isinf(phase->focal_length_y))
+        tree_fail(s, fy->line, "focal_length_y", "infinite, and so is focal_length: a lens has some power");
     /* 0: not given, see ../open/conjugate.c */
     if (from) phase->object_distance = tree_read_number(s, from, "object_distance", NUMBER_MAYBE_INFINITE);
     if (from && isfinite(phase->object_distance))
         phase_length(s, from, "object_distance", phase->object_distance);
     char known[200];
-    snprintf(known, sizeof known, "type, focal_length, object_distance%s", others);
+    snprintf(known, sizeof known, "type, focal_length, focal_length_y, object_distance%s", others);
     tree_finish(s, map, known);
     e->surface = (sgt_surface){&sgt_conic_ops, tree_room(s, 1, sizeof(sgt_conic))};
     e->phase = phase;
@@ -72,6 +83,9 @@ static sgt_surface read_lines(source *s, const node *n, const node *turn)
     sgt_polynomial_xy *self = tree_room(s, 1, sizeof *self);
     double *a = tree_room(s, 4, sizeof *a);
     const double lines = tree_read_number(s, n, "lines", NUMBER_FINITE);
+    if (lines == 0)
+        tree_fail(s, n->line, "lines",
+                  "must not be zero: a grating without lines is none; order: 0 switches it off");
     double degrees = turn ? tree_read_number(s, turn, "turn", NUMBER_FINITE) : 0, cosine, sine;
     sgt_turns(1, &degrees, &cosine, &sine);
     a[1] = lines * cosine, a[2] = 0 - lines * sine;
@@ -99,9 +113,12 @@ static sgt_surface read_hologram(source *s, const node *points, const node *wave
         if (p[i][0] == 0 && p[i][1] == 0 && p[i][2] == 0)
             tree_fail(s, n->line, "points", "a point must not be the vertex itself");
     }
+    if (p[0][0] == p[1][0] && p[0][1] == p[1][1] && p[0][2] == p[1][2] && !through)
+        tree_fail(s, points->line, "points", "are one point, whose two beams leave no fringes");
     if (!wavelength) tree_fail(s, points->line, "wavelength", "missing: of the light of both beams");
     const double um = tree_read_number(s, wavelength, "wavelength", NUMBER_FINITE);
     if (!(um > 0)) tree_fail(s, wavelength->line, "wavelength", "must be positive, not %g", um);
+    if (isinf(unit / um)) tree_fail(s, wavelength->line, "wavelength", "%g is too small", um);
     const sgt_named number[NUMBERS] = {{"x1", p[0][0]},
                                        {"y1", p[0][1]},
                                        {"z1", p[0][2]},
@@ -129,6 +146,18 @@ static sgt_surface read_waves(source *s, const node *map, const node *n)
         row->family != SGT_FAMILY_ASPHERE && row->family != SGT_FAMILY_DEPARTURE)
         tree_fail(s, n->line, "waves", "a %s is no sag; a phase is a sag, in waves, or a formula", row->type);
     return waves;
+}
+
+/* The facets of a Fresnel surface: a sag, whose slopes they have. */
+void sgt_read_facets(whole_lens *w, source *s, const node *n, size_t i)
+{
+    const sgt_builtin *row;
+    sgt_phase *phase = tree_room(s, 1, sizeof *phase);
+    tree_map(s, n, "facets");
+    phase->kind = SGT_FACETS, phase->waves = sgt_read_surface(s, n, SURFACE_NO_RIM, "", &row);
+    if (!sgt_is_sag(phase->waves))
+        tree_fail(s, n->line, "facets", "a %s is no sag; facets have the slopes of one", row->type);
+    w->element[i].phase = phase;
 }
 
 static const char PHASE_KEYS[] =
@@ -228,7 +257,7 @@ static void set_wavelength(const whole_lens *w, double um, sgt_phase phase[])
     const double unit = sgt_lens_unit(&w->lens);
     for (size_t i = 0; w->order && i < w->lens.count; i++) {
         const sgt_phase *own = w->element[i].phase;
-        if (!own || own->kind == SGT_IDEAL_LENS) continue;
+        if (!own || own->kind == SGT_IDEAL_LENS || own->kind == SGT_FACETS) continue;
         phase[i] = *own;
         phase[i].per_wave = w->order[i] * um / unit;
     }

@@ -10,6 +10,9 @@ void sgt_read_ideal(source *s, const node *map, const char *others, sgt_element 
 /* `phase` of element i. */
 void sgt_read_phase(whole_lens *w, source *s, const node *n, size_t i);
 
+/* `facets` of element i. */
+void sgt_read_facets(whole_lens *w, source *s, const node *n, size_t i);
+
 /* Once all surfaces are read: phases in waves at the wavelengths of the file. */
 void sgt_make_phases(whole_lens *w, source *s);
 

@@ -59,6 +59,7 @@ typedef struct expressed {
     node *value;          /* what it is, once the lens is made */
     node *stored;         /* what an import has beside it; NULL: nothing */
     const char *record;   /* and where from */
+    bool rules;           /* where both differ, the expression is taken */
 } expressed;
 
 /* Some texts of scalars that were met, by their hashes. */
@@ -162,7 +163,8 @@ void tree_return(source *s, char *text);
 
 /* Each sets s->root from s->text. */
 void sgt_read_yaml(source *s);
-void sgt_read_zmx(source *s);  /* s->text is UTF-8 */
+void sgt_read_zmx(source *s);  /* s->text is UTF-8, without a zero byte; so also */
+void sgt_read_seq(source *s);
 
 /* The tree as YAML, in memory of the reading. */
 char *sgt_write_yaml(source *s, size_t *length);

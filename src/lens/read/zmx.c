@@ -208,19 +208,8 @@ static void require_configuration(zmx *z)
                   wanted);
 }
 
-/* Words become texts that end in a zero. */
-static void refuse_zeros(source *s)
-{
-    const char *zero = s->length ? memchr(s->text, 0, s->length) : NULL;
-    reader before = {.at = s->text, .end = zero};
-    if (!zero) return;
-    for (piece line; sgt_reader_line(&before, &line);) continue;
-    tree_fail(s, before.line + (before.line == 0 || before.whole), NULL, "a zero byte; this is no text");
-}
-
 void sgt_read_zmx(source *s)
 {
-    refuse_zeros(s);
     zmx *z = tree_room(s, 1, sizeof *z);
     z->s = s, z->fields = z->waves = SIZE_MAX;
     z->lines.at = s->text, z->lines.end = s->text + s->length;

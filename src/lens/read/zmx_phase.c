@@ -59,6 +59,7 @@ static void write_grating(zmx *z, const zmx_surface *f, node *map)
     if (isnan(um))
         tree_fail(z->s, f->line, "UNIT", "missing, and surface %zu is a grating", sgt_zmx_number_of(z, f));
     sgt_zmx_write_standard(z, f, map);
+    if (f->parm[1] == 0) return; /* without lines */
     sgt_zmx_set_number(z, phase, "lines", parm_line(f), f->parm[1] * um);
     tree_set(z->s, map, "phase", phase);
 }
@@ -194,7 +195,10 @@ static void write_zones(zmx *z, const zmx_surface *f, node *map)
     const bool two = differs(f, x, count);
     if (two && f->parm[8] != 0)
         tree_fail(z->s, f->parm_line, "PARM",
-                  "surface %zu: zones with a step between them (PARM 8) are not read", number);
+                  "surface %zu: PARM 8 lets the sag jump where the zones meet, and what light does at such a "
+                  "step is "
+                  "not in the file; zones that meet (PARM 8 = 0) are read",
+                  number);
     if (two)
         write_two_shapes(z, f, map, x, count, line);
     else
@@ -237,6 +241,11 @@ static void write_zernike_phase(zmx *z, const zmx_surface *f, node *map)
 static void write_hologram(zmx *z, const zmx_surface *f, node *map)
 {
     const size_t line = parm_line(f);
+    const bool one = f->parm[1] == f->parm[4] && f->parm[2] == f->parm[5] && f->parm[3] == f->parm[6];
+    if (f->parm[8] == 0 || (one && f->type->name[7] == '1')) { /* order 0; one point, and so no fringes */
+        sgt_zmx_write_standard(z, f, map);
+        return;
+    }
     node *phase = phase_of(z, line, f->parm[8]), *points = tree_node(z->s, NODE_LIST, line);
     if (!(f->parm[7] > 0))
         tree_fail(z->s, line, "PARM", "surface %zu: a hologram of the wavelength %g (PARM 7) is not read",

@@ -20,7 +20,8 @@
  *     DGRATING, BINARY_1, BINARY_2, BINARY_3, FZERNPHA, SZERNPHA, HOLOGRM1, HOLOGRM2: see zmx_phase.c
  *     TILTSURF   the plane z = P1 x + P2 y; as surface 0 an object whose points lie there
  *     PARAXIAL   a thin lens without aberrations, of the focal length P1
- *     PARAX_XY   the same with the powers P1 in x and P2 in y, if both are the same
+ *     PARAX_XY   the same with the powers P1 in x and P2 in y, not focal lengths; 0: none there
+ *     FRESNELS   the plane z = 0, whose facets have the slopes of conic(r) + even(r)
  *     COORDBRK   no surface: decenter P1, P2, then tilts P3, P4, P5 about x, y, z; P6 not 0: the tilts come
  *                first, and in the other order.  As the stop it is the plane z = 0 behind these
  *
@@ -453,18 +454,22 @@ static void write_ideal(zmx *z, const zmx_surface *f, node *map)
 /* Powers, and no focal lengths. */
 static void write_two_powers(zmx *z, const zmx_surface *f, node *map)
 {
-    const double power = f->parm[2];
-    if (f->parm[1] != power)
-        tree_fail(
-            z->s, f->parm_line, "PARM",
-            "surface %zu: a PARAX_XY of two powers, %g in x and %g in y, is not read; with one power it is",
-            sgt_zmx_number_of(z, f), f->parm[1], power);
-    if (power == 0) {
+    const double x = f->parm[1], y = f->parm[2];
+    if (x == 0 && y == 0) {
         sgt_zmx_set_word(z, map, "type", f->line, "plane");
         return;
     }
     sgt_zmx_set_word(z, map, "type", f->line, "ideal");
-    sgt_zmx_set_number(z, map, "focal_length", f->parm_line, 1 / power);
+    sgt_zmx_set_number(z, map, "focal_length", f->parm_line, 1 / x);
+    if (x != y) sgt_zmx_set_number(z, map, "focal_length_y", f->parm_line, 1 / y);
+}
+
+static void write_fresnel(zmx *z, const zmx_surface *f, node *map)
+{
+    node *facets = tree_node(z->s, NODE_MAP, f->line);
+    sgt_zmx_write_asphere(z, f, facets);
+    sgt_zmx_set_word(z, map, "type", f->line, "plane");
+    tree_set(z->s, map, "facets", facets);
 }
 
 static const zmx_type types[] = {
@@ -485,13 +490,13 @@ static const zmx_type types[] = {
     {"TILTSURF", .parms = 2, .aslant = true, .write = write_tilted},
     {"PARAXIAL", .parms = 2, .write = write_ideal}, /* PARM 2: how paths are counted, not where rays go */
     {"PARAX_XY", .parms = 2, .write = write_two_powers},
+    {"FRESNELS", .parms = 8, .round = true, .powers = true, .write = write_fresnel},
     {"COORDBRK", .parms = 6},
 };
 
 /* Types that cannot be read, and those that begin so. */
 static const struct { const char *name, *why; } refused[] = {
     {"CHEBYSHE", "the order in which its coefficients are stored is not published"},
-    {"FRESNELS", "its facets bend light by another slope than that of the surface it is met on"},
     {"NONSEQCO", "light meets its objects in no order that the file says"},
     {"JONESMAT", "polarisation is not traced"},
     {"GRIN", "light goes in curves behind it (a gradient of the index)"},

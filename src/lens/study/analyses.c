@@ -12,6 +12,8 @@ static const sgt_analysis *const all[] = {
     &sgt_wavefront_analysis, &sgt_zernike_analysis, &sgt_field_analysis,
     &sgt_map_analysis,       &sgt_sweep_analysis,   &sgt_ends_analysis,
     &sgt_energy_analysis,    &sgt_illumination_analysis,
+    &sgt_prove_analysis,     &sgt_prove_elements_analysis,
+    &sgt_prove_regions_analysis, &sgt_prove_limits_analysis,
 };
 
 const sgt_analysis *sgt_analysis_at(size_t place)
@@ -72,6 +74,7 @@ bool sgt_study_column(const sgt_study *study, const sgt_analysis *a, const void 
     case SGT_UNIT_WAVE: in = "waves"; break;
     case SGT_UNIT_PERCENT: in = "%"; break;
     case SGT_UNIT_PUPIL: in = "radii"; break;
+    case SGT_UNIT_DEGREE: in = "deg"; break;
     }
     snprintf(name, 32, "%s%s", c->name, end);
     snprintf(unit, 32, "%s", in);

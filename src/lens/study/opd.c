@@ -65,6 +65,19 @@ static bool opd_check(sgt_asking *a, bool afocal)
     if (isnan(a->study->um))
         return sgt_ask_fail(a, "units", "must be mm, cm, m, um or in for differences in waves%s%s",
                             *units ? ", not " : "; it is missing", units);
+    for (size_t i = 0; i + 1 < a->lens->count; i++) {
+        const sgt_phase *p = a->lens->element[i].phase;
+        if (p && p->kind == SGT_FACETS)
+            return sgt_ask_fail(a, "facets",
+                                "facets (element %zu) give light no wavefront, so there are no path "
+                                "differences",
+                                i + 1);
+        if (p && p->focal_length_y != 0 && p->focal_length_y != p->focal_length)
+            sgt_ask_say(a, SGT_STUDY_NOTE,
+                        "element %zu, an ideal lens of two powers: it gives light no wavefront, "
+                        "and paths beside its two sections are a convention",
+                        i + 1);
+    }
     if (!afocal && !isfinite(a->primary.data.exit_pupil))
         sgt_ask_say(a, SGT_STUDY_NOTE, "the exit pupil is at infinity or not known (sagitta info): the "
                                        "reference sphere has an infinite radius");

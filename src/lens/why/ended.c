@@ -12,7 +12,9 @@ static const double DEGREES = 57.295779513082321; /* in a radian */
 double sgt_incidence(const sgt_element *e, const sgt_arrival *a)
 {
     sgt_vec3 n = {(double)NAN, (double)NAN, (double)NAN};
-    e->surface.ops->value(e->surface.self, a->p, &n);
+    const bool facets = e->phase && e->phase->kind == SGT_FACETS;
+    const sgt_surface bends = facets ? e->phase->waves : e->surface;
+    bends.ops->value(bends.self, facets ? (sgt_vec3){a->p.x, a->p.y, 0} : a->p, &n);
     return atan2(length3(cross3(n, a->direction)), fabs(dot3(n, a->direction))) * DEGREES;
 }
 

@@ -56,6 +56,12 @@ SGT_NOINLINE static bool asphere_leaves_it(const wavy *s, const shape *h, const 
     return leaves != 0;
 }
 
+/* Does the form from the side have the first word? */
+SGT_NOINLINE static bool grazes_at(const wavy *s, const wavy_start *r, const sgt_ray *ray)
+{
+    return wavy_grazes(s, convex_of(s).bent2, ALL_TERMS, r->x, r->y, ray) != 0;
+}
+
 /* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer.  h, ray: for a
  * watcher. */
 SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray, double scale, lane *e,
@@ -69,6 +75,7 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
     observe(h, from, w, &at, r.tau + g / slope, SGT_SEED, -HUGE_VAL, HUGE_VAL);
     if (first && wavy_hopeless(s, ray)) return EASY_NOT;
+    if (first && s->side && wavy_along(ray) && grazes_at(s, &r, ray)) return EASY_NOT;
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
@@ -309,6 +316,37 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
     return all;
 }
 
+/* The rays that graze do not begin. */
+SGT_INLINE void lane_grazing(const wavy *self, double bent2, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        mask grazes = wavy_grazes(s, bent2, terms, room->x[i], room->y[i], &ray);
+        room->from[i] = chosen(grazes, (double)NAN, room->from[i]);
+    }
+}
+
+SGT_KERNEL
+static void asphere_lanes_few_grazing(const wavy *s, double bent2, const sgt_tile *tile, wavy_room *room)
+{
+    lane_grazing(s, bent2, FEW_TERMS, tile, room);
+}
+
+SGT_KERNEL
+static void asphere_lanes_all_grazing(const wavy *s, double bent2, const sgt_tile *tile, wavy_room *room)
+{
+    lane_grazing(s, bent2, ALL_TERMS, tile, room);
+}
+
+SGT_NOINLINE static void without_grazing(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    const double bent2 = convex_of(s).bent2;
+    (terms > FEW_TERMS ? asphere_lanes_all_grazing : asphere_lanes_few_grazing)(s, bent2, tile, room);
+}
+
 SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
                              wavy_room *room)
 {
@@ -316,14 +354,17 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     const double *t_tol = tile->t_tol;
     const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
+    mask some = 0;
+    _Pragma("omp simd reduction(| : some)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
         double g, slope;
         wavy_start r = wavy_begin(s, terms, &ray, &g, &slope);
         if (first) r.tau = chosen(wavy_hopeless(s, &ray), (double)NAN, r.tau);
         room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo,
         room->from[i] = r.tau;
+        if (first) some |= wavy_along(&ray);
     }
+    if (first && s->side && some) without_grazing(self, terms, tile, room);
     size_t begun = 0;
     while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
     if (begun == count) { /* no ray: they come from the side, say */
@@ -504,9 +545,9 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     lane e;
     WENT(WAY_ROUNDS);
     bool tried = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v);
+    if (tried) v.side = !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
     easy_answer is = tried ? easy(&v, &h, ray, &e, &w) : EASY_NOT;
-    const bool beside = tried && !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
-    if (is == EASY_NOT && beside && !w.stopped) is = sgt_asphere_beside(&v, &h, ray, &e, &w);
+    if (is == EASY_NOT && tried && v.side && !w.stopped) is = sgt_asphere_beside(&v, &h, ray, &e, &w);
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch)
@@ -668,10 +709,10 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
     if (asphere_valid(s) && enough) {
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
+            v.side = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
             size_t hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
             if (24 * hard > tile->n) hard = asphere_without_leaving(&h, &v, tile, &tried, hard);
-            const bool beside = 24 * hard > tile->n && !v.proof &&
-                                (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
+            const bool beside = 24 * hard > tile->n && v.side;
             if (beside) hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, &tried);
             return 8 * hard > tile->n ? asphere_without_passing(&h, beside, tile, &tried, hard)
                                       : hard; /* a few go one by one */

@@ -82,6 +82,7 @@ typedef struct wavy {
     double domain2;           /* r^2 of the rim or the equator */
     double room;              /* of a proof: 98 u rims; rim2 is then where a root is certain */
     bool proof;
+    bool side;                /* what is left goes to the form from the side: GRAZING */
     double enough;            /* 4 u, or 0: SHARP ENOUGH */
     double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is off by at most 2^-38 */
 } wavy;
@@ -257,6 +258,13 @@ SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
     return chosen(MASK(phi2 < HUGE_VAL), bounded_limit(steep, r2), HUGE_VAL);
 }
 
+/* Is the direction nearer to the plane than to the axis?  Else no more is asked (GRAZING). */
+SGT_INLINE mask wavy_along(const sgt_ray *ray)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    return MASK(n * n < l * l + m * m);
+}
+
 /* r^2 where the ray is at t, raised by far more than rounding and tau_err. */
 SGT_INLINE double wavy_r2(double x, double y, double t, double l, double m)
 {
@@ -293,6 +301,23 @@ SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double t0, double x0, 
            start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
     return MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
            MASK(fabs(start) < HUGE_VAL) & MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
+}
+
+/* GRAZING.  If the bound on the slope within the rim fails, and a ray that runs along meets the conic at less
+ * than 14 degrees from it, or not at all, the rounds mostly end in doubt: about t, or about which root is the
+ * first.  Then the form from the side (side.h), which is dearer by itself, is asked after them.  So it is
+ * asked at once, if it has an answer for nearly all such rays:
+ * - the slope at the start is too great for wavy_first_from, or
+ * - the surface is bent in one way as far out as the start (bent2: up to which r^2).
+ * This is a choice between forms each of which is certain.  (x, y): where the ray meets the vertex plane. */
+SGT_INLINE mask wavy_grazes(const wavy *s, double bent2, int terms, double x, double y, const sgt_ray *ray)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a),
+           B = sgt_fma(-s->c, x * l + y * m, n), C = s->c * (x * x + y * y), D = sgt_fma(B, B, -A * C),
+           r2 = wavy_r2(ray->o.x, ray->o.y, ray->tmin, l, m);
+    return wavy_along(ray) & MASK(16 * D < a + n2) & ~wavy_single(s, l, m, n) &
+           (MASK(r2 <= bent2) | MASK(!(n2 > wavy_slope2(s, terms, r2) * a)));
 }
 
 /* The root, for lane_of. */

@@ -273,9 +273,9 @@ static void conic_lanes_plain(const bowl *self, const sgt_tile *tile, lane_to to
     }
 }
 
-/* sharp_from_side of the blunt rays; alone: the others have no answer. */
-SGT_KERNEL
-static void conic_lanes_sharp(const bowl *self, const sgt_tile *tile, mask alone, lane_to to, side_room *r)
+/* The same, and sharp_from_side of the blunt rays.  alone: the others have no answer. */
+SGT_INLINE void lane_sharp(const bowl *self, const sgt_tile *tile, bool alone, bool some, const mask *had,
+                           lane_to to, side_room *r)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
@@ -285,10 +285,38 @@ static void conic_lanes_sharp(const bowl *self, const sgt_tile *tile, mask alone
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        mask blunt = r->blunt[i], is = blunt | alone;
-        lane e = sharp_from_side(s, r->t0[i] + r->tau[i], r->tau_err[i], blunt, &ray, t_tol[i]);
-        LANE_STORE_IF(to, i, e, is);
+        mask blunt = r->blunt[i];
+        double tau = r->tau[i], t0 = r->t0[i];
+        side_place e = sharp_of(s, t0 + tau, r->tau_err[i], blunt, &ray);
+        if (!alone) {
+            e.at.x = chosen(blunt, e.at.x, r->x[i]), e.at.y = chosen(blunt, e.at.y, r->y[i]);
+            e.at.z = chosen(blunt, e.at.z, r->z[i]), e.at.t0 = chosen(blunt, e.at.t0, t0);
+            e.tau = chosen(blunt, e.tau, tau), e.tau_err = chosen(blunt, e.tau_err, r->tau_err[i]);
+            e.inverse = chosen(blunt, e.inverse, r->inverse[i]), e.wanted |= r->plain[i];
+        }
+        lane met = side_hit(s, &e.at, e.tau, e.tau_err, e.inverse, e.wanted, &ray, t_tol[i]);
+        if (some) {
+            LANE_STORE_IF(to, i, met, ~had[i]);
+        } else
+            LANE_STORE(to, i, met, LANE_RICH);
     }
+}
+
+SGT_KERNEL
+static void conic_lanes_sharp(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+{
+    lane_sharp(s, tile, true, false, NULL, to, r);
+}
+SGT_KERNEL
+static void conic_lanes_both(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+{
+    lane_sharp(s, tile, false, false, NULL, to, r);
+}
+/* The same for the rays that have no answer yet. */
+SGT_KERNEL
+static void conic_lanes_rest(const bowl *s, const sgt_tile *tile, const mask *had, lane_to to, side_room *r)
+{
+    lane_sharp(s, tile, false, true, had, to, r);
 }
 
 /* met_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for); then
@@ -376,18 +404,22 @@ static void conic_lanes_started(const bowl *self, const sgt_tile *tile, lane_to 
 static const mask NONE[SGT_TILE];
 
 /* Writes the status and evals of n rays, from the rows `hit` and `away`.  Returns how many have no answer. */
+SGT_KERNEL
 static size_t side_status(const sgt_tile *tile, const mask *hit, const mask *away, const mask *tried)
 {
     const sgt_hits *h = &tile->hits;
-    size_t hard = 0;
-    for (size_t i = 0; i < tile->n; i++) {
+    mask hard = 0;
+    sgt_status *status = h->status;
+    const size_t count = tile->n;
+    _Pragma("omp simd reduction(+ : hard)") for (size_t i = 0; i < count; i++)
+    {
         mask met = hit[i] & ~tried[i], gone = away[i] & ~(hit[i] | tried[i]);
-        h->status[i] = (signed char)((int)(met & (SGT_HIT - SGT_HARD)) + (int)(gone & (SGT_MISS - SGT_HARD)) +
-                                     SGT_HARD);
-        hard += (met | gone) == 0;
+        status[i] = (signed char)((int)(met & (SGT_HIT - SGT_HARD)) + (int)(gone & (SGT_MISS - SGT_HARD)) +
+                                  SGT_HARD);
+        hard -= ~(met | gone);
     }
     for (size_t i = 0; h->evals && i < tile->n; i++) h->evals[i] = h->status[i] == SGT_HIT;
-    return hard;
+    return (size_t)hard;
 }
 
 /* Answers the rays of a tile from the side, and by met_from_on if `start` is not NULL; no proof is asked for.
@@ -400,9 +432,8 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
     memset(r.ends.hit, 0, tile->n * sizeof *r.ends.hit); /* rays that no loop below answers have none */
     memset(r.away, 0, tile->n * sizeof *r.away);
     side_kinds is = first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
-    const mask alone = is.plain ? 0 : MASK(true);
-    if (!alone) conic_lanes_plain(s, tile, to, &r);
-    if (alone | is.blunt) conic_lanes_sharp(s, tile, alone, to, &r);
+    if (!is.blunt) conic_lanes_plain(s, tile, to, &r);
+    else (is.plain ? conic_lanes_both : conic_lanes_sharp)(s, tile, to, &r);
     if (start) conic_lanes_on(s, tile, start, to, r.away, tried);
     return side_status(tile, r.ends.hit, r.away, tried);
 }
@@ -580,6 +611,28 @@ SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_
     return true;
 }
 
+/* A tile of which some rays run along the surface, and the others have their answer: the rest from the side.
+ * As above, false if more than an eighth would be tried before. */
+SGT_NOINLINE static bool conic_lanes_partly(const bowl *s, bool first, const sgt_tile *tile, size_t *hard)
+{
+    side_room r;
+    lane_to to = lane_to_of(tile, &r.ends);
+    mask tried[SGT_TILE], had[SGT_TILE];
+    size_t n = tile->n, sooner = 0;
+    memset(r.away, 0xff, n * sizeof *r.away);
+    conic_lanes_tried(s, tile, r.away, tried);
+    for (size_t i = 0; i < n; i++) {
+        had[i] = MASK(tile->hits.status[i] == SGT_HIT);
+        tried[i] &= ~had[i], sooner += tried[i] != 0;
+    }
+    if (8 * sooner > n) return false;
+    memcpy(r.ends.hit, had, n * sizeof *had);
+    first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
+    conic_lanes_rest(s, tile, had, to, &r);
+    *hard = side_status(tile, r.ends.hit, r.away, tried);
+    return true;
+}
+
 /* Finds first hits by the near root, as is usual if the surface bulges toward the ray.  If more than an
  * eighth of the tile is hard, it looks at the far roots, which come first, for those that are not accepted,
  * and for misses; then from the side, or from on the surface.  Rays that leave the surface begin with that.
@@ -622,6 +675,9 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
                      : lane_near(&s, wish, nearby, tile, &room.easy);
     }
     if (8 * hard <= tile->n) return hard; /* one by one */
+    if (runs_along(tile) && c != 0 && !s.proof && from == AWAY && !later && !nearby &&
+        conic_lanes_partly(&s, first, tile, &hard) && 8 * hard <= tile->n)
+        return hard;
     if (c == 0) conic_lanes_plane_away(&s, tile, away);
     else
         conic_lanes_away(&s, tile, away, far_gone, start);

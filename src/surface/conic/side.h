@@ -180,9 +180,15 @@ SGT_INLINE lane met_from_side(const bowl *s, const side_origin *q, const side_ro
     return side_hit(s, q, r->tau, r->tau_err, r->inverse, r->plain, ray, t_tol);
 }
 
-/* SHARP.  The answer of a blunt root, from the point at `at`, where it was found to within `off`. */
-SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt, const sgt_ray *ray,
-                                double t_tol)
+/* A root as side_hit takes it; wanted: it is the answer. */
+typedef struct side_place {
+    side_origin at;
+    double tau, tau_err, inverse;
+    mask wanted;
+} side_place;
+
+/* SHARP.  A blunt root once more, from the point at `at`, where it was found to within `off`. */
+SGT_INLINE side_place sharp_of(const bowl *s, double at, double off, mask blunt, const sgt_ray *ray)
 {
     const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
     twofold X = place_of_root(ox, at, l), Y = place_of_root(oy, at, m), Z = place_of_root(oz, at, n),
@@ -206,7 +212,14 @@ SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt
                 MASK(fabs(e) <= 0x1p-13) & MASK(Ba <= 0x1p12 * size) & MASK(Ca > 0x1p-400) &
                 MASK(Ca < 0x1p400) & MASK(tau_err * (fabs(l) + fabs(m)) * 0x1p46 <= 64 * SGT_U * s->reach);
     if (s->proof) same &= MASK(2.1 * Aa * t_err < size);
-    return side_hit(s, &(side_origin){X.hi, Y.hi, Z.hi, at}, tau, tau_err, by, blunt & same, ray, t_tol);
+    return (side_place){{X.hi, Y.hi, Z.hi, at}, tau, tau_err, by, blunt & same};
+}
+
+SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt, const sgt_ray *ray,
+                                double t_tol)
+{
+    const side_place e = sharp_of(s, at, off, blunt, ray);
+    return side_hit(s, &e.at, e.tau, e.tau_err, e.inverse, e.wanted, ray, t_tol);
 }
 
 /* FROM ON THE SURFACE.  About the start o itself C is nearly 0.  So the root t1 = C / 2 B there is known, and

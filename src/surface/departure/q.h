@@ -23,6 +23,10 @@ enum { Q_TERMS = 64 };
 typedef struct q_step { double alpha, beta, gamma; } q_step;
 typedef q_step q_steps(size_t m);
 
+/* Of a q_bfs: S is the sum of b[m] p_m, p_0 = 1, p_1 = 3 - 4 v, p_(m+1) = (2 - 4 v) p_m - p_(m-1).  b_err:
+ * how far each b is off.  Returns how many there are.  (q_bfs.c) */
+size_t sgt_q_bfs_basis(const sgt_q_bfs *s, double b[Q_TERMS], double b_err[Q_TERMS]);
+
 /* The length of the list without the zeros at its end. */
 SGT_INLINE size_t q_terms(sgt_numbers a)
 {

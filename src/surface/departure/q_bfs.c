@@ -83,6 +83,11 @@ static size_t basis(sgt_numbers a, double *b, double *b_err)
     return terms;
 }
 
+size_t sgt_q_bfs_basis(const sgt_q_bfs *s, double b[Q_TERMS], double b_err[Q_TERMS])
+{
+    return basis(s->a, b, b_err);
+}
+
 /* ------------------------------------------------------------------------------------- bounds of one term */
 
 /* T_n and its two derivatives by u at u >= 1: t, n s and n ds.  No term of a step is negative. */

@@ -86,9 +86,11 @@ sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_inte
 
 static const sgt_interval ZERO = {0, 0}, ONE = {1, 1};
 
-/* 1 where x > 0, -1 where x < 0, both between. */
+/* 1 where x > 0, -1 where x < 0, both between.  Of 0 alone both, too: the kink is all that is there, and
+ * points nearby are on either side.  (A region that ends at the kink is on one.) */
 static sgt_interval sign_in(sgt_interval x)
 {
+    if (x.lo == 0 && x.hi == 0) return sgt_interval_between(-1, 1);
     return x.lo >= 0 ? just(1) : x.hi <= 0 ? just(-1) : sgt_interval_between(-1, 1);
 }
 

@@ -8,7 +8,8 @@ typedef enum exit_status {
     EXIT_DECIDED = 0,   /* every ray is decided; a miss is a decision */
     EXIT_UNDECIDED = 1, /* some ray is undecided */
     EXIT_USAGE = 2,     /* wrong arguments */
-    EXIT_BAD_INPUT = 3  /* a bad surface, lens, ray or file; or output that cannot be written */
+    EXIT_BAD_INPUT = 3, /* a bad surface, lens, ray or file; or output that cannot be written */
+    EXIT_BROKEN = 4     /* a limit is broken by a ray */
 } exit_status;
 
 #define LIKE_PRINTF(text, first) __attribute__((format(printf, text, first)))

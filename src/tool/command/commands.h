@@ -6,7 +6,7 @@
 
 extern const command command_intersect, command_trace, command_diagnose, command_trade, command_info,
     command_import, command_edit, command_join, command_spot, command_fan, command_opd, command_field,
-    command_map, command_sweep, command_tolerance;
+    command_map, command_sweep, command_tolerance, command_prove;
 
 /* (main.c) Is there a command of that name? */
 bool command_named(const char *name, command *c);

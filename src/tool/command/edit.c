@@ -68,7 +68,7 @@ const command command_edit = {
     .usage = "LENS [-o NEW] [options]",
     .brief = "a lens with other surfaces, as a lens file",
     .what = "Changes a lens and writes it as a lens file (YAML, docs/lens_file.md).  LENS is a lens file or "
-            "a .zmx file; it stays as it is.",
+            "a .zmx or .seq file; it stays as it is.",
     .often = "set insert remove reverse scale output glass quiet",
     .examples = "  sagitta edit triplet.zmx --set surfaces[3].radius=-21 -o other.yaml\n"
                 "  sagitta edit examples/lenses/cooke_triplet.yaml --reverse 1,6 --scale 0.5\n",

@@ -15,8 +15,8 @@ static void take_configuration(void *into, const option_row *row, const char *va
 
 static const option_row import_rows[] = {
     {"configuration", "N",
-     "of a file with several configurations the N-th, counted from 1\n"
-     "Default: the one in which it was saved",
+     "of a file with several configurations, or positions of a zoom, the N-th, counted from 1\n"
+     "Default: the one in which it was saved; of a .seq file the first",
      OPTION_TAKE, .take = take_configuration},
     {0},
 };
@@ -31,12 +31,13 @@ static const option_group import_own = {OPTIONS_OWN, "Options", .row = import_ro
 static exit_status import_run(const command *c, int argc, char *argv[]);
 
 const command command_import = {
-    .name = "import", .usage = "FILE [-o LENS] [options]", .brief = "a .zmx file as a lens file",
+    .name = "import", .usage = "FILE [-o LENS] [options]", .brief = "a .zmx or .seq file as a lens file",
     .what = "Reads a lens and writes it as a lens file (YAML, docs/lens_file.md).  FILE is a .zmx file, "
-            "or a lens file, which is written anew.  (All commands take a .zmx file as it is, too.)",
+            "a sequence file of CODE V (.seq), or a lens file, which is written anew.  (All commands take "
+            "such files as they are, too.)",
     .often = "output glass configuration strict quiet",
     .examples = "  sagitta import triplet.zmx -o triplet.yaml\n"
-                "  sagitta import triplet.zmx --strict\n",
+                "  sagitta import tests/data/seq/triplet.seq --configuration 1\n",
     .docs = "docs/lens_file.md",
     .all = "On standard error: what was turned into something else, and what was left out, one remark a\n"
            "line: FILE:LINE: KEY: taken as ..., or left out: ...  Nothing is left out in silence.  Notes of\n"

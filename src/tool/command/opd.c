@@ -59,9 +59,9 @@ static void draw_opd(const look *asked)
 static exit_status opd_run(const command *c, int argc, char *argv[])
 {
     static const look_view views[] = {
-        {"summary", "wavefront", NULL, "a row for each field and wavelength"},
-        {"zernike", "zernike", "terms", "fits the first N Zernike polynomials"},
-        {NULL, NULL, NULL, NULL}};
+        {"summary", "wavefront", NULL, "a row for each field and wavelength", false},
+        {"zernike", "zernike", "terms", "fits the first N Zernike polynomials", false},
+        {NULL, NULL, NULL, NULL, false}};
     return look_run(c, &(look_way){.view = views, .check = check_opd, .draw = draw_opd}, argc, argv);
 }
 

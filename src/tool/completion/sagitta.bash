@@ -38,7 +38,7 @@ _sagitta()
         mapfile -t COMPREPLY < <(compgen -f -- "$word")
     else # a lens
         compopt -o filenames
-        mapfile -t COMPREPLY < <(for name in yaml yml zmx ZMX; do compgen -f -X "!*.$name" -- "$word"; done
+        mapfile -t COMPREPLY < <(for name in yaml yml zmx ZMX seq SEQ; do compgen -f -X "!*.$name" -- "$word"; done
                                  compgen -d -- "$word")
     fi
 }

@@ -195,6 +195,14 @@ static void draw_sag(outline *o, const sgt_element *e, const view_axes *v, const
     add_items(o, e, p);
 }
 
+/* The sign of the focal length of an ideal lens in the section that is drawn; 0: it has no power there. */
+static double lens_sign(const sgt_phase *p, view_plane plane)
+{
+    if (!p || p->kind != SGT_IDEAL_LENS) return 0;
+    const double f = plane == VIEW_XZ || p->focal_length_y == 0 ? p->focal_length : p->focal_length_y;
+    return isinf(f) ? 0 : copysign(1, f);
+}
+
 outline outline_of(const job *j, const view_axes *v, size_t i, const sgt_footprint *met, double all,
                    double back)
 {
@@ -203,9 +211,11 @@ outline outline_of(const job *j, const view_axes *v, size_t i, const sgt_footpri
     double before = i ? l->index[i - 1] : l->index_before;
     bool mirror = l->surface[i].mirror;
     outline o = {
-        .ahead = frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1}), .mirror = mirror,
-        .stop = l->of->stop_marked && l->of->stop == i, .back = back,
-        .lens = e->phase && e->phase->kind == SGT_IDEAL_LENS ? copysign(1, e->phase->focal_length) : 0,
+        .ahead = frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1}),
+        .mirror = mirror,
+        .stop = l->of->stop_marked && l->of->stop == i,
+        .back = back,
+        .lens = lens_sign(e->phase, v->plane),
         .phase = e->phase && e->phase->kind != SGT_IDEAL_LENS,
         .dummy = !mirror && !e->phase && l->index[i] == before && i + 1 < l->count,
     };

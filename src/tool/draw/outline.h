@@ -29,7 +29,7 @@ typedef struct outline {
     sgt_vec3 rim[RIM_POINTS];    /* closed; NaN where there is no surface */
     sgt_vec3 up, ahead;          /* the direction of the section, and its own z axis */
     bool mirror, stop, dummy;    /* dummy: the medium does not change, and it is not the last */
-    double lens;                 /* the sign of the focal length of an ideal lens; 0: it is none */
+    double lens;                 /* the sign of the focal length of an ideal lens in this section; 0: none */
     bool phase;                  /* it has a phase in waves */
     double back;                 /* +1 or -1: the side of its own z that is away from the light */
     outline_piece *piece;        /* [pieces]: what is drawn */

@@ -12,6 +12,7 @@
 #include <limits.h>
 #include <math.h>
 #include <sagitta/edit.h>
+#include <sagitta/prove.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,6 +42,7 @@ static void note_view(void *into, const option_row *row, const char *value)
     asking *a = into;
     const look_view *v = a->way->view + row->to;
     if (a->view && a->view != v) fail_usage("give --%s or --%s, not both", a->view->option, v->option);
+    if (a->view && v->several) value = memory_print("%s; %s", a->view_value, value);
     a->view = v, a->view_value = value;
 }
 
@@ -75,7 +77,7 @@ static option_row *look_settings(asking *to, option_row *row, const sgt_analysis
 {
     static const char *const value[] = {[SGT_SETTING_FLAG] = NULL, [SGT_SETTING_COUNT] = "N",
                                         [SGT_SETTING_WORD] = "WORD", [SGT_SETTING_NUMBER] = "X",
-                                        [SGT_SETTING_NUMBERS] = "X,X..."};
+                                        [SGT_SETTING_NUMBERS] = "X,X...", [SGT_SETTING_TEXT] = "TEXT"};
     for (size_t i = 0; i < a->settings; i++) {
         const sgt_setting *s = sgt_analysis_setting(a, i);
         bool known = argument && strcmp(s->name, argument) == 0;
@@ -94,7 +96,7 @@ static const option_row *own_rows(asking *a)
 {
     option_row *all = memory_take(OWN_MOST, sizeof *all), *row = look_settings(a, all, a->look->of, NULL);
     for (const look_view *v = a->way->view; v && v->option; v++) {
-        *row++ = (option_row){v->option, v->setting ? "N" : NULL, v->help, OPTION_TAKE,
+        *row++ = (option_row){v->option, v->several ? "TEXT" : v->setting ? "N" : NULL, v->help, OPTION_TAKE,
                               .to = (size_t)(v - a->way->view), .take = note_view};
         row = look_settings(a, row, sgt_analysis_named(v->analysis), v->setting);
     }
@@ -132,6 +134,7 @@ static void take_setting(look *l, const sgt_setting *s, const char *name, const 
     case SGT_SETTING_NUMBERS:
         *(sgt_list *)(void *)to = numbers_of(s, *(sgt_list *)(void *)to, value);
         return;
+    case SGT_SETTING_TEXT: *(const char **)(void *)to = value; return;
     }
 }
 
@@ -153,7 +156,7 @@ static const char *view_with(const look_way *way, const char *setting)
 {
     for (const look_view *v = way->view; v && v->option; v++)
         if (setting_named(sgt_analysis_named(v->analysis), setting))
-            return memory_print("--%s%s", v->option, v->setting ? " N" : "");
+            return memory_print("--%s%s", v->option, v->several ? " TEXT" : v->setting ? " N" : "");
     return "";
 }
 
@@ -172,14 +175,20 @@ static void take_lens(look *l, const command *c, int argc, char *argv[])
     o->lens = command_file(c, "lens file", argc, argv), o->several = true;
     if (o->rays) fail_usage("--rays: %s launches the rays of fields; sagitta trace takes a file", c->name);
     if (o->skip_bad) fail_usage("--skip-bad goes with --rays; %s launches the rays of fields", c->name);
+    /* (of an analysis without rays: all rays are meant, or chief rays) */
+    const bool every = strncmp(l->of->name, "prove", 5) == 0;
     if (l->of->no_fields && (o->fields || o->numbers))
         fail_usage("--field, --fields: %s takes --from and --to", c->name);
     if (l->of->no_rays && (o->pupils || o->points))
-        fail_usage("a pattern of rays is of no use here: the rays are those near the chief ray");
+        fail_usage("a pattern of rays is of no use here: %s",
+                   every ? "all rays of the pupil are meant" : "the rays are those near the chief ray");
     if (l->of->no_rays && l->shared.weights)
-        fail_usage("--weights: %s follows chief rays, each by itself", c->name);
+        fail_usage(every ? "--weights: every ray of the pupil counts, by its area"
+                         : "--weights: %s follows chief rays, each by itself", c->name);
     if (l->of->no_rays && l->shared.solver.proof)
-        fail_usage("--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and sweep do",
+        fail_usage(every ? "--proof: all that %s tells is proven"
+                         : "--proof: %s follows chief rays and proves nothing; spot, fan, opd, map and "
+                           "sweep do",
                    c->name);
     if (!l->of->primary_alone && !o->wavelengths) o->all_wavelengths = true;
     options_shard(&l->shared, l->shared.picture && l->of->part_of);
@@ -201,7 +210,8 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
     const option_group proof = {OPTIONS_SHARED, NULL, .row = proof_rows, .hidden = l->of->no_rays};
     const look_help columns = {l->of, way->view};
     command all = *c;
-    all.usage = "LENS [options]", all.what = l->of->help, all.docs = "docs/analysis.md";
+    all.usage = "LENS [options]", all.what = l->of->help;
+    if (!all.docs) all.docs = "docs/analysis.md";
     all.rays = l->of->no_rays ? NULL : rays_by_default(l->of, way->view);
     all.print_all = look_print_columns, all.context = &columns;
     const option_group *const groups[] = {
@@ -349,7 +359,7 @@ double look_value(const look *l, const void *row, size_t place)
 {
     const sgt_column *c = sgt_analysis_column(l->of, place);
     return c->kind == SGT_COLUMN_COUNT || c->kind == SGT_COLUMN_PLACE ? (double)count_at(row, c->offset)
-           : c->kind == SGT_COLUMN_FATE                               ? fate_at(row, c->offset)
+           : c->kind == SGT_COLUMN_FATE || c->kind == SGT_COLUMN_VERDICT ? fate_at(row, c->offset)
                                                                       : number_at(row, c->offset);
 }
 
@@ -389,10 +399,17 @@ static column head_of(const look *l, size_t i, char unit[32])
         [SGT_COLUMN_NUMBER] = COLUMN_NUMBER, [SGT_COLUMN_EXACT] = COLUMN_EXACT,
         [SGT_COLUMN_ERROR] = COLUMN_ERROR,   [SGT_COLUMN_WAVELENGTH] = COLUMN_EXACT,
         [SGT_COLUMN_COUNT] = COLUMN_COUNT,   [SGT_COLUMN_PLACE] = COLUMN_COUNT,
-        [SGT_COLUMN_WHOLE] = COLUMN_COUNT,   [SGT_COLUMN_FATE] = COLUMN_CODE};
+        [SGT_COLUMN_WHOLE] = COLUMN_COUNT,   [SGT_COLUMN_FATE] = COLUMN_CODE,
+        [SGT_COLUMN_VERDICT] = COLUMN_CODE};
     char name[32];
     sgt_study_column(l->study, l->of, l->options, i, name, unit);
     return (column){memory_print("%s", name), kinds[sgt_analysis_column(l->of, i)->kind]};
+}
+
+typedef const char *code_word(int code);
+static code_word *word_of(const sgt_column *c)
+{
+    return c->kind == SGT_COLUMN_VERDICT ? sgt_limit_verdict_text : sgt_study_fate_text;
 }
 
 /* What put_column prints. */
@@ -402,8 +419,9 @@ static table_member member_of(const sgt_column *c)
         [SGT_COLUMN_NUMBER] = MEMBER_NUMBER, [SGT_COLUMN_EXACT] = MEMBER_NUMBER,
         [SGT_COLUMN_ERROR] = MEMBER_NUMBER,  [SGT_COLUMN_WAVELENGTH] = MEMBER_NUMBER,
         [SGT_COLUMN_COUNT] = MEMBER_COUNT,   [SGT_COLUMN_PLACE] = MEMBER_COUNT,
-        [SGT_COLUMN_WHOLE] = MEMBER_WHOLE,   [SGT_COLUMN_FATE] = MEMBER_CODE};
-    return (table_member){.kind = kinds[c->kind], .offset = c->offset, .word = sgt_study_fate_text,
+        [SGT_COLUMN_WHOLE] = MEMBER_WHOLE,   [SGT_COLUMN_FATE] = MEMBER_CODE,
+        [SGT_COLUMN_VERDICT] = MEMBER_CODE};
+    return (table_member){.kind = kinds[c->kind], .offset = c->offset, .word = word_of(c),
                           .zero = c->kind == SGT_COLUMN_WAVELENGTH ? "all"
                                   : c->kind == SGT_COLUMN_PLACE    ? ""
                                                                    : NULL};
@@ -484,7 +502,8 @@ static void put_column(const printing *p, const sgt_column *c, const void *row)
         else table_empty(t);
         return;
     case SGT_COLUMN_FATE:
-        table_code(t, fate_at(row, c->offset), sgt_study_fate_text(fate_at(row, c->offset)));
+    case SGT_COLUMN_VERDICT:
+        table_code(t, fate_at(row, c->offset), word_of(c)(fate_at(row, c->offset)));
         return;
     }
 }
@@ -505,7 +524,7 @@ static void print_row(void *context, const void *row)
     printing *p = context;
     look *l = p->look;
     const size_t size = l->of->row_size;
-    if (l->picture) keep_row(l, row);
+    if (l->picture || p->way->end) keep_row(l, row);
     if (!l->over && table_put_members(l->table, p->member, row)) return;
     const bool together = p->wavelength && number_at(row, p->wavelength->offset) == SGT_ALL_WAVELENGTHS;
     if (together && l->bands == 1 && l->shared.target.format == TABLE_TEXT) return;
@@ -606,11 +625,12 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     if (shard_is()) return EXIT_DECIDED;
     if (shard_ranks()) progress_rays(l.total.fates.rays), progress_end();
     for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
-    look_verdict(&l);
+    const exit_status status = way->end ? way->end(&l) : EXIT_DECIDED;
+    if (!way->end) look_verdict(&l);
     table_end(l.table);
     if (l.picture && way->draw) way->draw(&l);
     else if (l.picture) look_draw_curves(&l);
-    return l.total.fates.lost ? EXIT_UNDECIDED : EXIT_DECIDED;
+    return way->end ? status : l.total.fates.lost ? EXIT_UNDECIDED : EXIT_DECIDED;
 }
 
 static exit_status run_plain(const command *c, int argc, char *argv[])

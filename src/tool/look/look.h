@@ -41,7 +41,10 @@ typedef struct look {
 } look;
 
 /* An option that makes another analysis of it: "--zernike 10" is the analysis zernike with terms 10. */
-typedef struct look_view { const char *option, *analysis, *setting, *help; } look_view;
+typedef struct look_view {
+    const char *option, *analysis, *setting, *help;
+    bool several;               /* its setting is a text, of several with semicolons between */
+} look_view;
 
 /* An analysis asked at each of several values of a number of the lens; its rows begin with the value. */
 typedef struct look_over {
@@ -59,6 +62,8 @@ typedef struct look_way {
     bool ends;                  /* the picture wants the rays of a spot */
     void (*check)(look *l);     /* before anything is read; a fault ends the command.  NULL: none */
     void (*draw)(const look *l); /* NULL: as draw_x and draw_y of the analysis say */
+    exit_status (*end)(look *l); /* the last lines under the table, and the exit status; its rows are kept.
+                                    NULL: what became of the rays */
 } look_way;
 
 /* The command has the name of its analysis; its options and most of its help are those of the library. */

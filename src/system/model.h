@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+/* model.h - numbers that depend on MODEL_N parameters, to the second order but for a bound: Taylor models.
+ *
+ * A model is the set of functions x of s in [-1, 1]^N with
+ *
+ *     |x(s) - (c + a . s + sum over i <= j of q_ij s_i s_j)| <= e   wherever x is defined.
+ *
+ * An operation returns a model that contains what it does to members of its arguments (Makino and Berz 2003,
+ * Int. J. Pure Appl. Math. 4, 379; with e in place of their intervals).  form.h is the same of the first
+ * order in two parameters, which costs a fifth.
+ *
+ * WHAT IS LEFT OUT.  With L and Q the sums of the magnitudes of a and of q, in a product it is
+ *
+ *     L Q' + Q L' + Q Q' + e (|c'| + L' + Q' + e') + e' (|c| + L + Q):
+ *
+ * third order, as L is of first order and Q of second.  A function f is f(c) + f' d + f'' d^2 / 2 and at most
+ * |f'''| |d|^3 / 6 more, d = x - c, the greatest |f'''| over the range.
+ *
+ * ROUNDING.  A coefficient is rounded up to eight times.  What that loses is at most ROUND of the magnitudes
+ * that were added up.  e is a sum of up to a hundred terms, none below 0, and is made larger by MORE; and by
+ * a number that no underflow reaches.  A NaN or an infinity in a model says that nothing is known.  So tests
+ * are written to be false for them.
+ *
+ * This file is compiled for several N; all in it is static.  q_ij is at j (j + 1) / 2 + i. */
+#if defined(MODEL_2)
+#define MODEL_N 2
+#elif defined(MODEL_4)
+#define MODEL_N 4
+#else
+#define MODEL_N 8
+#endif
+#ifndef SGT_SYSTEM_MODEL_H
+#define SGT_SYSTEM_MODEL_H
+#include "trace.h"
+
+#include <sagitta/beam.h>
+
+#define MODEL_Q (MODEL_N * (MODEL_N + 1) / 2)
+typedef struct model {
+    double c, a[MODEL_N], q[MODEL_Q], e;
+} model;
+
+#define MODEL_ROUND (16 * SGT_U)
+#define MODEL_MORE (1 + 0x1p-44)
+#define MODEL_LEAST 0x1p-900
+
+#define MODEL_USED __attribute__((unused))
+
+static inline model model_number(double c)
+{
+    model x = {.c = c};
+    return x;
+}
+
+static inline double model_linear(const model *x)
+{
+    double sum = 0;
+    for (int i = 0; i < MODEL_N; i++) sum += fabs(x->a[i]);
+    return sum;
+}
+
+static inline double model_bent(const model *x)
+{
+    double sum = 0;
+    for (int i = 0; i < MODEL_Q; i++) sum += fabs(x->q[i]);
+    return sum;
+}
+
+/* The greatest |x|, and |x - c|, at most. */
+static inline double model_away(const model *x)
+{
+    return (model_linear(x) + model_bent(x) + x->e) * MODEL_MORE;
+}
+static inline double model_size(const model *x) { return fabs(x->c) + model_linear(x) + model_bent(x); }
+
+/* The same with e made sound: `size` is the sum of the magnitudes that were rounded. */
+static inline model model_made(model x, double size)
+{
+    x.e = x.e * MODEL_MORE + MODEL_ROUND * size + MODEL_LEAST;
+    return x;
+}
+
+static inline model model_wider(model x, double by)
+{
+    x.e = (x.e + by) * MODEL_MORE;
+    return x;
+}
+
+static model MODEL_USED model_between(sgt_interval range)
+{
+    model x = model_number(sgt_interval_middle(range));
+    x.e = larger(range.hi - x.c, x.c - range.lo);
+    return model_made(x, fabs(x.c) + x.e);
+}
+
+/* a s + b s^2 is at its ends, or between them where its slope is 0. */
+static sgt_interval model_range(model x)
+{
+    double lo = x.c, hi = x.c, size = fabs(x.c), rest = x.e;
+    for (int j = 0; j < MODEL_N; j++) {
+        const double a = fabs(x.a[j]), *row = x.q + j * (j + 1) / 2, b = row[j];
+        const double top = a < 2 * fabs(b) ? -a * a / (4 * b) : 0;
+        hi += b < 0 && a < -2 * b ? top : b + a;
+        lo += b > 0 && a < 2 * b ? top : b - a;
+        for (int i = 0; i < j; i++) rest += fabs(row[i]);
+        size += a + fabs(b);
+    }
+    rest = rest * MODEL_MORE + 2 * MODEL_ROUND * size + MODEL_LEAST;
+    return (sgt_interval){lo - rest, hi + rest};
+}
+
+static inline bool model_below(model x, double limit) { return model_range(x).hi < limit; }
+static inline bool model_above(model x, double limit) { return model_range(x).lo > limit; }
+
+static inline model model_negative(model x)
+{
+    x.c = -x.c;
+    for (int i = 0; i < MODEL_N; i++) x.a[i] = -x.a[i];
+    for (int i = 0; i < MODEL_Q; i++) x.q[i] = -x.q[i];
+    return x;
+}
+
+static model model_sum(model x, model y)
+{
+    x.c += y.c, x.e += y.e;
+    for (int i = 0; i < MODEL_N; i++) x.a[i] += y.a[i];
+    for (int i = 0; i < MODEL_Q; i++) x.q[i] += y.q[i];
+    return model_made(x, model_size(&x));
+}
+
+static model model_difference(model x, model y)
+{
+    x.c -= y.c, x.e += y.e;
+    for (int i = 0; i < MODEL_N; i++) x.a[i] -= y.a[i];
+    for (int i = 0; i < MODEL_Q; i++) x.q[i] -= y.q[i];
+    return model_made(x, model_size(&x));
+}
+
+static inline model model_plus(model x, double k)
+{
+    x.c += k;
+    return model_made(x, fabs(x.c));
+}
+
+/* Times a number known exactly. */
+static model model_scaled(model x, double k)
+{
+    x.c *= k, x.e *= fabs(k);
+    for (int i = 0; i < MODEL_N; i++) x.a[i] *= k;
+    for (int i = 0; i < MODEL_Q; i++) x.q[i] *= k;
+    return model_made(x, model_size(&x));
+}
+
+static model model_product(model x, model y)
+{
+    model p;
+    const double l = model_linear(&x), m = model_linear(&y), q = model_bent(&x), r = model_bent(&y);
+    const double size = fabs(x.c) + l + q, other = fabs(y.c) + m + r;
+    p.c = x.c * y.c;
+    for (int i = 0; i < MODEL_N; i++) p.a[i] = x.c * y.a[i] + y.c * x.a[i];
+    for (int i = 0; i < MODEL_Q; i++) p.q[i] = x.c * y.q[i] + y.c * x.q[i];
+    for (int j = 0; j < MODEL_N; j++) {
+        double *row = p.q + j * (j + 1) / 2;
+        for (int i = 0; i < j; i++) row[i] += x.a[i] * y.a[j] + x.a[j] * y.a[i];
+        row[j] += x.a[j] * y.a[j];
+    }
+    p.e = l * r + q * m + q * r + x.e * (other + y.e) + y.e * size;
+    return model_made(p, size * other);
+}
+
+static inline model model_square(model x) { return model_product(x, x); }
+
+/* f0 + f1 d + f2 d^2, d = x - c, and `rest` more.  f0, f1, f2 are off by 8 u of themselves at most. */
+static model model_made_of(model x, double f0, double f1, double f2, double rest)
+{
+    model d = x;
+    d.c = 0;
+    const double l = model_linear(&d), q = model_bent(&d), away = l + q + d.e, a1 = fabs(f1), a2 = fabs(f2);
+    model y = {.c = f0};
+    for (int i = 0; i < MODEL_N; i++) y.a[i] = f1 * d.a[i];
+    for (int i = 0; i < MODEL_Q; i++) y.q[i] = f1 * d.q[i];
+    for (int j = 0; j < MODEL_N; j++) {
+        double *row = y.q + j * (j + 1) / 2;
+        for (int i = 0; i < j; i++) row[i] += 2 * f2 * d.a[i] * d.a[j];
+        row[j] += f2 * d.a[j] * d.a[j];
+    }
+    y.e = a1 * d.e + a2 * (2 * l * q + q * q + d.e * (2 * (l + q) + d.e)) + rest;
+    return model_made(y, fabs(f0) + a1 * away + a2 * away * away);
+}
+
+static model model_unknown(void)
+{
+    model x = model_number(0);
+    x.e = HUGE_VAL;
+    return x;
+}
+
+/* 1 / x = 1/c - d / c^2 + d^2 / c^3 - d^3 / (c^3 x).  Nothing is known if 0 may be in x. */
+static model model_inverse(model x)
+{
+    const sgt_interval range = model_range(x);
+    const double least = range.lo > 0 ? range.lo : -range.hi, i = 1 / x.c, d = model_away(&x),
+                 di = d * fabs(i);
+    if (!(least > 0) || !(d < HUGE_VAL)) return model_unknown();
+    return model_made_of(x, i, -i * i, i * i * i, di * di * di / least * MODEL_MORE);
+}
+
+/* The third derivative of the root is 3 / 8 x^(-5/2).  Nothing is known if x may be 0 or less. */
+static model model_root(model x)
+{
+    const sgt_interval range = model_range(x);
+    const double d = model_away(&x);
+    if (!(range.lo > 0) || !(d < HUGE_VAL)) return model_unknown();
+    const double s = sqrt(x.c), i = 0.5 / s, least = sqrt(range.lo);
+    const double rest = d * d * d / (16 * least * range.lo * range.lo);
+    return model_made_of(x, s, i, -0.25 * i / x.c, rest * MODEL_MORE);
+}
+
+static inline model model_quotient(model x, model y) { return model_product(x, model_inverse(y)); }
+
+/* The cosine (a quarter of a turn on) and the sine: no derivative is above 1. */
+static model MODEL_USED model_turned(model x, bool cosine)
+{
+    const sgt_interval at = sgt_interval_of(x.c), s = sgt_interval_sine(at), c = sgt_interval_cosine(at);
+    const double d = model_away(&x), sm = sgt_interval_middle(s), cm = sgt_interval_middle(c);
+    const double rest = d * d * d / 6 * MODEL_MORE + 0x1p-50 * (1 + d + d * d);
+    if (!(d < HUGE_VAL)) return model_unknown();
+    return cosine ? model_made_of(x, cm, -sm, -0.5 * cm, rest) : model_made_of(x, sm, cm, -0.5 * sm, rest);
+}
+
+typedef struct model3 {
+    model x, y, z;
+} model3;
+
+static model MODEL_USED model_dot(const model3 *a, const model3 *b)
+{
+    return model_sum(model_product(a->x, b->x),
+                     model_sum(model_product(a->y, b->y), model_product(a->z, b->z)));
+}
+
+/* a . x of three numbers known exactly. */
+static model MODEL_USED model_along(const model3 *a, sgt_vec3 x)
+{
+    return model_sum(model_scaled(a->x, x.x), model_sum(model_scaled(a->y, x.y), model_scaled(a->z, x.z)));
+}
+
+/* From and to the public struct. */
+static model model_read(const sgt_model *x)
+{
+    model y;
+    y.c = x->c, y.e = x->rest;
+    for (int i = 0; i < MODEL_N; i++) y.a[i] = x->by[i];
+    for (int i = 0; i < MODEL_Q; i++) y.q[i] = x->pair[i];
+    return y;
+}
+
+static void MODEL_USED model_write(model x, sgt_model *out)
+{
+    *out = (sgt_model){.c = x.c, .rest = x.e};
+    for (int i = 0; i < MODEL_N; i++) out->by[i] = x.a[i];
+    for (int i = 0; i < MODEL_Q; i++) out->pair[i] = x.q[i];
+    if (!(x.e < HUGE_VAL)) out->rest = HUGE_VAL;
+}
+
+#endif
