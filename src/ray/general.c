@@ -198,9 +198,8 @@ static bool first_of_several(walk *w)
     return told;
 }
 
-/* The same for one root on the stretch of the ray where F is monotone (vicinity.h).  *clear: nothing is met
- * up to there. */
-static bool root_nearby(walk *w, const sgt_span *span, bool near, double *clear)
+/* The same for one root on the stretch of the ray where F is monotone (vicinity.h). */
+static bool root_nearby(walk *w, const sgt_span *span, bool near)
 {
     const sgt_ray *ray = w->ray;
     const sgt_surface_ops *ops = w->s.ops;
@@ -218,7 +217,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near, double *clear)
                   .asked = &asked, .lo = &lo, .hi = &hi, .least = &least,
                   .noise = {&w->noise[0], &w->noise[1], &w->noise[2]},
                   .evals = &evals, .budget = w->told.budget, .begun = &begun, .told = &w->told,
-                  .single = &single, .clear = clear};
+                  .single = &single};
     for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
     sgt_rays one = rays_of(ray);
     sgt_vicinity_of(w->s, 1, one, near ? &within : NULL, &w->shared, &kept, &v);
@@ -295,9 +294,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     bool weak = span.single && !near && rim2_of_surface(s) < HUGE_VAL && is_catalogue(s.ops) &&
                 s.ops->own_->extent_within && marches_chord(&w.shared) &&
                 starts_weakly(ray->o, ray->d, ray->tmin, w.least);
-    double clear = ray->tmin;
-    if (!all && (!span.single || weak) && root_nearby(&w, &span, near, &clear))
-        return w.told.evals - w.told.before;
+    if (!all && (!span.single || weak) && root_nearby(&w, &span, near)) return w.told.evals - w.told.before;
     approach a = approach_by(ray, &span, s.ops->enclose || s.ops->clearance,
                              span.single && is_catalogue(s.ops) && s.ops->own_->spans);
     if (a.passes) return w.told.evals - w.told.before;
@@ -319,21 +316,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     if (over(&w) || what == ONE_QUICKLY)
         sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
     else if (s.ops->enclose && !guesses && own && isfinite(lo) && isfinite(hi)) sgt_walk_enclosed(&w, lo, hi);
-    else if (s.ops->enclose && !guesses) {
-        /* From half of the clear way on.  A root is beyond all of it, and so no nearer to that beginning than
-         * half as far as to the start: the rule of the start drops none there, but for one that is as flat as
-         * the reach of the rule is long. */
-        sgt_ray rest = *ray;
-        if (!near && clear > ray->tmin && fabs(clear) < HUGE_VAL) rest.tmin = 0.5 * ray->tmin + 0.5 * clear;
-        const sgt_list before = *list;
-        sgt_prove_rest(s, &rest, &w.told, all, near, list);
-        /* its cells are others, and may leave open what the whole does not */
-        if (rest.tmin != ray->tmin && list->count > before.count && list->last.status < 0 && !over(&w) &&
-            !w.told.stopped) {
-            *list = before;
-            sgt_prove_rest(s, ray, &w.told, all, near, list);
-        }
-    }
+    else if (s.ops->enclose && !guesses) sgt_prove_rest(s, ray, &w.told, all, near, list);
     else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
     else sgt_walk_stretch(&w, SGT_UNPROVEN, lo, hi);
     return w.told.evals - w.told.before;

@@ -51,12 +51,14 @@
  * all along that stretch: then a root in it is the first.
  *
  * LEAVING.  A ray that starts on the surface begins with a root that does not count.  F is looked at a step
- * h farther on, too.  If |F| is at most a at the start and at least b there, the mean slope is at least (b -
- * a) / h.  If that is above B h / 2, F is monotone: the start's root is the only one, and within a / |F'| of
- * the start.  It is not accepted if that is less than the reach of the rule of the start (accept.h),
- * whose terms are known there.  Then the march goes on from h.  If |F| is convex, it rises from there on:
- * nothing is met as far as what is known reaches.  That is a miss if the chord or the ray ends there, or the
- * ray is then below or above all of the surface.
+ * h farther on, too.  If |F| is at most a at the start and at least b there, the mean slope is at least (b
+ * - a) / h.  If that is above B h / 2, F is monotone: the start's root is the only one, and within a / |F'|
+ * of the start.  It is not accepted if that is less than the reach of the rule of the start (accept.h),
+ * whose terms are known there.  Then the march goes on from h.  A wide bound on what is rounded makes a
+ * great: then nothing is dropped here.  Whether rounding alone hides the root is left to `rounding` at the
+ * very point (sharpened_of in step.h, proof.c).  If |F| is convex, it rises from h on: nothing is met as
+ * far as what is known reaches.  That is a miss if the chord or the ray ends there, or the ray is then
+ * below or above all of the surface.
  *
  * Without a rim the same is done in the circle that is known about the start: r^2 is convex along the ray, so
  * what is known there holds between two points that are both in it.  Then the ray is a miss if it is above or
@@ -577,27 +579,13 @@ static double step_off(rows a, size_t k, bool in_rings, double bend, double slop
     return h;
 }
 
-/* Is the root within off / least of the start certainly not accepted, with |F'| between least and most?  It
- * is nearer than the reach of the rule, or, with all that is rounded, nearer than sixteen times that, and
- * rounding alone hides how near: then the rule is that of sharpened_of (step.h).  far: the greatest
- * coordinate. */
-static bool start_dropped(const looked *start, double off, double least, double most, double far)
-{
-    double reach = START_ULPS * start->terms;
-    return off * most < 0.98 * reach * least ||
-           (off * most <= 16 * reach * least && 64 * start->err <= start->terms && start->err >= 0x1p-1000 &&
-            4 * fabs(start->f) <= start->err && reach <= 0x1p-38 * far * least);
-}
-
 /* Has row k left the start, h on?  Then it moves there. */
 static bool leaves_start(rows a, size_t k, const looked *start, const looked *next, double h)
 {
     double bend = larger(-a[BENT_LO][k], a[BENT_HI][k]), off = fabs(start->f) + start->err,
            b = fabs(next->f) - next->err, curve = 0.5625 * bend * h, least = (b - off) / h - curve,
            most = (fabs(next->f) + next->err + off) / h + curve;
-    double t = a[T][k], far = larger(fabs(a[OX][k] + t * a[DX][k]),
-                                     larger(fabs(a[OY][k] + t * a[DY][k]), fabs(a[OZ][k] + t * a[DZ][k])));
-    if (!(b > 0 && least > curve && start_dropped(start, off, least, most, far))) return false;
+    if (!(b > 0 && least > curve && off * most < 0.98 * START_ULPS * start->terms * least)) return false;
     a[T][k] += h, a[A][k] = b, a[SIGN][k] = copysign(1, next->f), a[H][k] = 0;
     return true;
 }
@@ -876,7 +864,6 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                     if (t > ray.tmax || (mode == IN_CHORD && t > v->hi[k])) is_miss(v, k);
                     else tell_root(a, i, scale, v);
                 }
-                if (v->clear && v->asked[k] != 0) v->clear[k] = larger(v->clear[k], t);
                 wings_leave(a, i, --left);
             }
         }
