@@ -205,7 +205,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     const sgt_surface_ops *ops = w->s.ops;
     if (!is_catalogue(ops) || !ops->own_->extent_within) return false;
     double seed = span->seed, asked = 1, lo = span->lo, hi = span->hi, least = 0, evals = w->told.evals,
-           begun = evals, single = 0, work[VICINITY_ROWS];
+           begun = evals, work[VICINITY_ROWS];
     if (!near && marches_chord(&w->shared)) seed = chord_seed(seed, lo, hi, ray->tmin, ray->tmax);
     if (!(fabs(seed) < HUGE_VAL)) return false;
     const double whole = w->least;
@@ -216,8 +216,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     vicinity v = {.tmin = &ray->tmin, .tmax = &ray->tmax, .seed = &seed,
                   .asked = &asked, .lo = &lo, .hi = &hi, .least = &least,
                   .noise = {&w->noise[0], &w->noise[1], &w->noise[2]},
-                  .evals = &evals, .budget = w->told.budget, .begun = &begun, .told = &w->told,
-                  .single = &single};
+                  .evals = &evals, .budget = w->told.budget, .begun = &begun, .told = &w->told};
     for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
     sgt_rays one = rays_of(ray);
     sgt_vicinity_of(w->s, 1, one, near ? &within : NULL, &w->shared, &kept, &v);
@@ -231,8 +230,8 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi, w->least = least;
     w->t_tol = w->told.opt->t_tol / a.q.scale;
-    w->margin = single != 0 ? 0 : END_ERRORS; /* as for any ray with one root */
-    bool told = quickly(w, &a, single != 0);
+    w->margin = END_ERRORS;
+    bool told = quickly(w, &a, false);
     w->margin = 0, w->least = whole;
     return told;
 }

@@ -345,7 +345,6 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
                   .noise = {a->noise0, a->noise1, a->most2},
                   .evals = a->evals,
                   .budget = w->budget,
-                  .single = a->single,
                   .work = {a->y,  a->z,  a->l,  a->m,  a->n,     a->t0, a->scale, a->tau,   a->last, a->first,
                            a->f,  a->fx, a->fy, a->fz, a->g_err, a->at, a->g,     a->slope, a->sign, a->end,
                            a->px, a->py, a->pz, a->qf, a->qx,    a->qy, a->qz,    a->t_tol, a->state}};

@@ -360,8 +360,7 @@ static double starts_monotone(size_t n, const sgt_rays *r, const region_rows *w,
 /* F at the origins: values, gradient and a bound on what is rounded. */
 typedef struct at_starts { const double *f, *fx, *fy, *own; } at_starts;
 
-/* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do, and 0.5
- * for those of which rounding hides it; `over` is 1 where nothing is met behind the chord as far as the rings
+/* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do; `over` is 1 where nothing is met behind the chord as far as the rings
  * tell, else 0.  Returns how many of `starts` are not 0. */
 SGT_KERNEL
 static double leaves_circle(size_t n, const sgt_rays *r, const sgt_heights *g, const double *tmax,
@@ -377,8 +376,7 @@ static double leaves_circle(size_t n, const sgt_rays *r, const sgt_heights *g, c
         double scale = scale_of((sgt_vec3){dx[i], dy[i], dz[i]}), steep = fabs(dz[i]) * scale;
         double most = 2 * (1 + off) * steep - least[i], err = fabs(f[i]) + own[i],
                terms = fabs(ox[i] * fx[i]) + fabs(oy[i] * fy[i]) + fabs(oz[i]);
-        double hidden = (starts[i] > 0) & (fabs(f[i]) <= 4 * own[i]) ? 0.5 : 0.0,
-               is = ((starts[i] > 0) & (err * most < 0.98 * START_ULPS * terms * least[i])) ? 1.0 : hidden;
+        double is = ((starts[i] > 0) & (err * most < 0.98 * START_ULPS * terms * least[i])) ? 1.0 : 0.0;
         starts[i] = is, some += is;
         over[i] = ((hi[i] >= tmax[i]) | (width > 0)) ? 1.0 : 0.0;
     }
@@ -404,15 +402,6 @@ static void tell_start(const sgt_rays *r, const vicinity *v, const at_starts *at
 {
     double slope = at->fx[0] * r->d[0][0] + at->fy[0] * r->d[1][0] + r->d[2][0];
     tell(v->told, SGT_MARCH, 0, at->f[0], slope, 0, hi);
-}
-
-/* The row has one root at most, and that in its chord. */
-static void is_single(const vicinity *v, size_t i, double lo, double hi, double least, double length)
-{
-    v->asked[i] = 0, v->lo[i] = lo, v->hi[i] = hi, v->single[i] = 1;
-    v->least[i] = least < 0x1p-4 * length ? NO_BOUND : least; /* as vicinity_judge has it */
-    v->noise[0][i] = v->noise[1][i] = v->noise[2][i] = (double)NAN;
-    if (!(v->seed[i] >= larger(lo, 0) && v->seed[i] <= hi)) v->seed[i] = 0;
 }
 
 /* Answers the rays that start on the surface and meet nothing more, as misses, and sets from[i] to a t up to
@@ -444,9 +433,6 @@ static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
     if (leaves_circle(n, &r, heights_about(s, kept), v->tmax, w.radius2, &at, hi, least, starts, over) == 0)
         return;
     for (size_t i = 0; i < n; i++) {
-        if (starts[i] == 0.5 && over[i] > 0 && v->single)
-            is_single(v, i, lo[i], hi[i], least[i],
-                      fabs(r.d[2][i] * scale_of((sgt_vec3){r.d[0][i], r.d[1][i], r.d[2][i]})));
         if (starts[i] != 1) continue;
         double clear = hi[i];
         v->evals[i] += 1;

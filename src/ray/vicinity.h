@@ -36,10 +36,8 @@
  * nothing is met up to the end of the chord.  From there on r grows.  In one unit of tau it grows by
  * sqrt(l^2 + m^2) at most, and the height by |n|: the cone of asphere/unique.c begins at the end of the
  * chord, and no ring matters that lies within R.  A ray that is above or below the cone's height in all
- * others is a miss, after one look.  If f is too great for that, but |F| is at most four times what is
- * rounded, it still has one root at most, and that in its chord: nothing is dropped; it is handed on as any
- * ray with one root.  Of the rest a later beginning is known: the first piece of the ray that is neither
- * above nor below its ring.
+ * others is a miss, after one look.  If f is too great for that, nothing is said here.  Of the rest a later
+ * beginning is known: the first piece of the ray that is neither above nor below its ring.
  *
  * FROM AFAR the surface may be so steep within R that the chord says nothing, and a root farther out may
  * be the first.  There F is looked at, point by point, on the way in (wings.c).
@@ -126,7 +124,6 @@ SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), v
 typedef struct vicinity {
     const double *tmin, *tmax;
     double *seed, *asked, *lo, *hi, *least, *noise[3], *evals, budget;
-    double *single; /* NULL, or set to 1 where the ray has one root at most */
     const double *begun; /* what evals is before; NULL: 0 */
     tally *told;
     double *work[VICINITY_ROWS];
