@@ -208,6 +208,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
            begun = evals, work[VICINITY_ROWS];
     if (!near && marches_chord(&w->shared)) seed = chord_seed(seed, lo, hi, ray->tmin, ray->tmax);
     if (!(fabs(seed) < HUGE_VAL)) return false;
+    const double whole = w->least;
     vicinities kept;
     vicinities_begin(&kept);
     slopes_known within;
@@ -231,7 +232,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     w->t_tol = w->told.opt->t_tol / a.q.scale;
     w->margin = END_ERRORS;
     bool told = quickly(w, &a, false);
-    w->margin = w->least = 0;
+    w->margin = 0, w->least = whole;
     return told;
 }
 
@@ -289,7 +290,10 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
     /* step 2 */
-    if (!all && !span.single && root_nearby(&w, &span, near)) return w.told.evals - w.told.before;
+    bool weak = span.single && !near && rim2_of_surface(s) < HUGE_VAL && is_catalogue(s.ops) &&
+                s.ops->own_->extent_within && marches_chord(&w.shared) &&
+                starts_weakly(ray->o, ray->d, ray->tmin, w.least);
+    if (!all && (!span.single || weak) && root_nearby(&w, &span, near)) return w.told.evals - w.told.before;
     approach a = approach_by(ray, &span, s.ops->enclose || s.ops->clearance,
                              span.single && is_catalogue(s.ops) && s.ops->own_->spans);
     if (a.passes) return w.told.evals - w.told.before;

@@ -290,13 +290,30 @@ static double nearby_asked(const lanes *a, size_t n, double *asked)
     return some;
 }
 
+/* Have all lanes a slope of which the bound is not a weak one? */
+SGT_KERNEL
+static double steadily_single(const lanes *a, const sgt_rays *r, size_t n)
+{
+    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2];
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) {
+        double least = a->least[i], steep = 0.25 * fabs(dz[i]) * scale_of((sgt_vec3){dx[i], dy[i], dz[i]});
+        bool away = (a->tmin[i] != 0) | (least >= steep) | (fabs(oz[i]) > 0.5 * (fabs(ox[i]) + fabs(oy[i])));
+        count += (least > 0) & away ? 1.0 : 0.0;
+    }
+    return count;
+}
+
 /* The same where the chord can be marched along: lanes without a seed begin in the middle of it. */
-static double chords_asked(lanes *a, size_t n, double *asked)
+static double chords_asked(lanes *a, bool rimmed, const sgt_rays *r, size_t n, double *asked)
 {
     double some = 0;
     for (size_t i = 0; i < n; i++) {
+        const sgt_vec3 o = {r->o[0][i], r->o[1][i], r->o[2][i]}, d = {r->d[0][i], r->d[1][i], r->d[2][i]};
         asked[i] = 0;
-        if (a->single[i] != 0) continue;
+        if (a->single[i] != 0 && !(rimmed && starts_weakly(o, d, a->tmin[i], a->least[i]))) continue;
+        a->single[i] = 0; /* a stretch that is found may be a part of the chord */
         a->seed[i] = chord_seed(a->seed[i], a->lo[i], a->hi[i], a->tmin[i], a->tmax[i]);
         asked[i] = fabs(a->seed[i]) < HUGE_VAL ? 1.0 : 0.0, some += asked[i];
     }
@@ -312,7 +329,9 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     w->rows = false;
     if (!w->s.ops->own_->extent_within) return;
     bool chords = w->near == 0 && marches_chord(&w->shared);
-    if (chords ? above_zero(n, a->least) == (double)n || chords_asked(a, n, a->x) == 0
+    bool rimmed = chords && w->rim2 < HUGE_VAL;
+    if (chords ? (rimmed ? steadily_single(a, &rays, n) : above_zero(n, a->least)) == (double)n ||
+                     chords_asked(a, rimmed, &rays, n, a->x) == 0
                : nearby_asked(a, n, a->x) == 0)
         return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);

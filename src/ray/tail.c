@@ -134,24 +134,45 @@ static mask is_above(const sgt_heights *g, const line *w, int first)
     return MASK(left == 0);
 }
 
+/* The least tau at which a root may be, by the heights of the first rings: HUGE_VAL if there is none. */
 SGT_KERNEL
-static mask passed_by(const sgt_heights *g, const line *w, int ended)
+static double first_not_apart(const sgt_heights *g, const line *w, int ended)
 {
-    double left = 0;
-#pragma omp simd reduction(+ : left)
+    double first = HUGE_VAL;
+#pragma omp simd reduction(min : first)
     for (int j = 0; j < ended; j++) {
         piece p = piece_of(w, (double)j * g->width, (double)(j + 1) * g->width);
-        mask apart = is_apart(w, p.s_in, p.s_out, g->low[j], g->high[j])
-                     & is_apart(w, -p.s_out, -p.s_in, g->low[j], g->high[j]);
-        left += (p.passed_by | apart) != 0 ? 0.0 : 1.0;
+        mask before = p.passed_by | is_apart(w, -p.s_out, -p.s_in, g->low[j], g->high[j]),
+             behind = p.passed_by | is_apart(w, p.s_in, p.s_out, g->low[j], g->high[j]);
+        double one = chosen(before, HUGE_VAL, larger(w->foot - p.s_out, w->from)),
+               other = chosen(behind, HUGE_VAL, larger(w->foot + p.s_in, w->from));
+        first = lesser(first, lesser(one, other));
     }
-    return MASK(left == 0);
+    return first;
+}
+
+/* The same for the last ring, which has no outer edge. */
+static double first_endless(const sgt_heights *g, const line *w)
+{
+    piece p = piece_of(w, (SGT_RINGS - 1) * g->width, HUGE_VAL);
+    if (is_above(g, w, SGT_RINGS - 1)) return HUGE_VAL;
+    return w->from < w->foot - p.s_in ? w->from : larger(w->foot + p.s_in, w->from);
+}
+
+double sgt_clear_by_heights(const sgt_heights *g, const sgt_ray *ray, double from)
+{
+    line w = line_of(ray->o, ray->d, from, ray->tmax);
+    int ended = g->endless ? SGT_RINGS - 1 : SGT_RINGS;
+    if (!(g->width > 0 && line_in_range(&w))) return from;
+    if (is_above(g, &w, 0)) return HUGE_VAL;
+    double first = first_not_apart(g, &w, ended), t0 = from * inverse_of_scale(ray->d);
+    if (g->endless) first = lesser(first, first_endless(g, &w));
+    if (first == HUGE_VAL) return HUGE_VAL;
+    double ahead = (first - w.from) * (1 - 0x1p-38) - 0x1p-38 * (fabs(t0) + fabs(w.from));
+    return ahead > 0 ? from + ahead * scale_of(ray->d) : from;
 }
 
 bool sgt_passes_by(const sgt_heights *g, const sgt_ray *ray, double from)
 {
-    line w = line_of(ray->o, ray->d, from, ray->tmax);
-    int ended = g->endless ? SGT_RINGS - 1 : SGT_RINGS;
-    return g->width > 0 && line_in_range(&w) &&
-           (is_above(g, &w, 0) || (passed_by(g, &w, ended) && is_above(g, &w, ended)));
+    return sgt_clear_by_heights(g, ray, from) == HUGE_VAL;
 }

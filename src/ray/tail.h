@@ -41,7 +41,11 @@ double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sg
 /* Is nothing met from t on, on the way out? */
 bool sgt_leaves_by_tail(sgt_surface s, const sgt_outlook *e, double t, sgt_tails *kept);
 
-/* Is the ray, from t = `from` on, above or below every piece of a surface of these heights that it passes? */
+/* A t, not before `from`, up to which the ray is above or below every piece of a surface of these heights
+ * that it passes; HUGE_VAL: all along. */
+double sgt_clear_by_heights(const sgt_heights *g, const sgt_ray *ray, double from);
+
+/* Is it so all along? */
 bool sgt_passes_by(const sgt_heights *g, const sgt_ray *ray, double from);
 
 /* Cuts the span to where a root may be. */

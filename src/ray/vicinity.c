@@ -4,7 +4,7 @@
 #include "glance.h"
 #include "wings.h"
 
-enum { SHRINKS = 12 };
+enum { SHRINKS = 12, LEAST_BUDGET = 8 };
 
 /* Takes the place of a bound on the slope that is too small: with it a root would be known less well than
  * by a look on either side. */
@@ -305,6 +305,149 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
     }
 }
 
+/* ------------------------------------------------------------------------------- leaving */
+
+/* The rows that may start on the surface: 1, else 0.  A ray whose origin is higher above the vertex plane
+ * than half of its distance from the axis comes from elsewhere, as a rule; no more is asked of it here.
+ * Returns how many there are. */
+SGT_KERNEL
+static double may_start(size_t n, const sgt_rays *r, const vicinity *v, double *restrict starts)
+{
+    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *tmin = v->tmin, *asked = v->asked;
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < n; i++) {
+        bool low = fabs(oz[i]) <= 0.5 * (fabs(ox[i]) + fabs(oy[i]));
+        double is = ((asked[i] > 0) & (tmin[i] == 0) & low) ? 1.0 : 0.0;
+        starts[i] = is, some += is;
+    }
+    return some;
+}
+
+/* The rungs of a circle about the start, and of its rounding. */
+SGT_KERNEL
+static void start_rungs(size_t n, const sgt_rays *r, const double *starts, const region_rows *w)
+{
+    const double *ox = r->o[0], *oy = r->o[1];
+    double *restrict wide = w->wide, *restrict about = w->about;
+    LANES for (size_t i = 0; i < n; i++) {
+        double axis = radius_at(ox[i], oy[i], 0, 0, 0), coarse = rung_above(1.125 * axis, COARSE),
+               fine = rung_above(1.02 * axis, FINE);
+        mask is = MASK(starts[i] > 0);
+        wide[i] = chosen(is, coarse, HUGE_VAL), about[i] = chosen(is, fine, HUGE_VAL);
+    }
+}
+
+/* What is left of the rows that may start on the surface: those between the heights of the circle about their
+ * start, with F monotone along the chord.  Returns how many. */
+SGT_KERNEL
+static double starts_monotone(size_t n, const sgt_rays *r, const region_rows *w, const double *lo,
+                              const double *hi, const double *least, double *restrict starts)
+{
+    const double *oz = r->o[2], *low = w->low, *high = w->high;
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < n; i++) {
+        double is = ((starts[i] > 0) & (least[i] > 0) & (lo[i] <= 0) & (hi[i] > 0) & (oz[i] >= low[i]) &
+                     (oz[i] <= high[i]))
+                        ? 1.0
+                        : 0.0;
+        starts[i] = is, some += is;
+    }
+    return some;
+}
+
+/* F at the origins: values, gradient and a bound on what is rounded. */
+typedef struct at_starts { const double *f, *fx, *fy, *own; } at_starts;
+
+/* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do; `over` is 1 where nothing is met behind the chord as far as the rings
+ * tell, else 0.  Returns how many of `starts` are not 0. */
+SGT_KERNEL
+static double leaves_circle(size_t n, const sgt_rays *r, const sgt_heights *g, const double *tmax,
+                            const double *radius2, const at_starts *at, const double *hi, const double *least,
+                            double *restrict starts, double *restrict over)
+{
+    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2],
+                 *f = at->f, *fx = at->fx, *fy = at->fy, *own = at->own;
+    const double off = 0x1p-40, width = g->width;
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < n; i++) {
+        double scale = scale_of((sgt_vec3){dx[i], dy[i], dz[i]}), steep = fabs(dz[i]) * scale;
+        double most = 2 * (1 + off) * steep - least[i], err = fabs(f[i]) + own[i],
+               terms = fabs(ox[i] * fx[i]) + fabs(oy[i] * fy[i]) + fabs(oz[i]);
+        double is = ((starts[i] > 0) & (err * most < 0.98 * START_ULPS * terms * least[i])) ? 1.0 : 0.0;
+        starts[i] = is, some += is;
+        over[i] = ((hi[i] >= tmax[i]) | (width > 0)) ? 1.0 : 0.0;
+    }
+    for (int j = 0; j < SGT_RINGS && width > 0; j++) {
+        const double in = j * width * (1 - off), out = (j + 1) * width * (1 + off), high = g->high[j],
+                     low = -g->low[j];
+        const bool last = g->endless && j == SGT_RINGS - 1;
+        const double end = last ? HUGE_VAL : out;
+        LANES for (size_t i = 0; i < n; i++) {
+            double z = oz[i] + hi[i] * dz[i], lost = off * (fabs(oz[i]) + fabs(hi[i] * dz[i])),
+                   from = (dz[i] > 0 ? z : -z) - lost, R = sqrt(radius2[i]),
+                   q = fabs(dz[i]) / sqrt(dx[i] * dx[i] + dy[i] * dy[i]) * (1 - off),
+                   least_z = from + q * larger(in - R * (1 + 0x1p-18), 0), sag = dz[i] > 0 ? high : low;
+            mask past = MASK(end < R * (1 - 0x1p-18)) | MASK(sag < least_z - off * fabs(least_z)) |
+                        MASK(hi[i] >= tmax[i]);
+            over[i] = chosen(past, over[i], 0);
+        }
+    }
+    return some;
+}
+
+static void tell_start(const sgt_rays *r, const vicinity *v, const at_starts *at, double hi)
+{
+    double slope = at->fx[0] * r->d[0][0] + at->fy[0] * r->d[1][0] + r->d[2][0];
+    tell(v->told, SGT_MARCH, 0, at->f[0], slope, 0, hi);
+}
+
+/* Answers the rays that start on the surface and meet nothing more, as misses, and sets from[i] to a t up to
+ * which nothing is met, for others that start on it. */
+SGT_NOINLINE
+static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, vicinities *kept,
+                          const vicinity *v, double *from)
+{
+    const struct sgt_builtin_ops *builtin = s.ops->own_;
+    double *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
+    const double *const read[2] = {both[0], both[1]};
+    const region_rows w = {.wide = v->work[3], .low = v->work[4], .steep = v->work[5], .radius2 = v->work[6],
+                           .about = v->work[7], .high = v->work[10], .axis = axis};
+    double *starts = v->work[0], *lo = v->work[1], *hi = v->work[11], *least = v->work[2],
+           *over = v->work[12], *const *rows = v->work + 13;
+    if (v->budget < LEAST_BUDGET || may_start(n, &r, v, starts) == 0) return;
+    start_rungs(n, &r, starts, &w);
+    extents(s, n, w.wide, COARSE, starts, kept, &w);
+    builtin->chords(n, r, w.radius2, w.steep, axis ? read : NULL, lo, hi, least);
+    if (starts_monotone(n, &r, &w, lo, hi, least, starts) == 0) return;
+    const vicinity near = {.asked = starts, .noise = {v->noise[0], v->noise[1], v->noise[2]}};
+    noises_about(s, n, w.about, v->work[9], kept, &near);
+    const double *const noise[3] = {v->noise[0], v->noise[1], v->noise[2]};
+    const sgt_shared bare = bare_of(*whole);
+    if (!builtin->values_rounded(s.self, &bare, noise, n, (sgt_points){{r.o[0], r.o[1], r.o[2]}},
+                                 (sgt_values){rows[0], {rows[1], rows[2], rows[3]}}, rows[4]))
+        return;
+    const at_starts at = {rows[0], rows[1], rows[2], rows[4]};
+    if (leaves_circle(n, &r, heights_about(s, kept), v->tmax, w.radius2, &at, hi, least, starts, over) == 0)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        if (starts[i] != 1) continue;
+        double clear = hi[i];
+        v->evals[i] += 1;
+        if (v->told) tell_start(&r, v, &at, hi[0]);
+        if (over[i] == 0) {
+            sgt_ray ray = ray_of(&r, i);
+            ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
+            clear = sgt_clear_by_heights(heights_about(s, kept), &ray, clear);
+        }
+        from[i] = clear;
+        if (over[i] > 0 || clear == HUGE_VAL || clear > v->tmax[i])
+            v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
+    }
+}
+
 /* How many rays are still to be looked at. */
 static double asked_all(size_t n, const double *asked)
 {
@@ -349,10 +492,16 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     }
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
                boxes = marches && whole->by_axis;
+    double from[VICINITY_MOST];
+    memcpy(from, v->tmin, n * sizeof *from);
+    if (marches) {
+        leave_circles(s, n, r, whole, kept, v, from);
+        if (asked_all(n, v->asked) == 0) return;
+    }
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {
         vicinity_without_passing(s, n, r, true, kept, v);
-        if (marches && whole->radius2 < HUGE_VAL) march_wings(s, n, r, v->tmin, true, whole, kept, v);
+        if (marches && whole->radius2 < HUGE_VAL) march_wings(s, n, r, from, true, whole, kept, v);
     }
     double *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
     const region_rows w = {.at_seed = v->work[0], .from = v->work[1], .radius = v->work[2],
@@ -395,7 +544,8 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
     if (!marches || !(left != 0 || behind || boxed)) return;
     /* the march through the box has used the rows of `from` */
-    if (left != 0) march_wings(s, n, r, boxed ? v->tmin : w.from, false, whole, kept, v);
+    for (size_t i = 0; i < n && !boxed; i++) from[i] = larger(from[i], w.from[i]);
+    if (left != 0) march_wings(s, n, r, from, false, whole, kept, v);
     for (size_t i = 0; i < n; i++) {
         bool monotone = v->asked[i] < 0;
         if (monotone) v->asked[i] = 0;

@@ -18,6 +18,27 @@
  * every piece of it (piece.h) misses.  This decides rays that leave a surface without a rim.  If it says
  * too little, F is looked at all the way out (wings.c).
  *
+ * LEAVING.  A ray with tmin = 0 may start on the surface, within the heights of a circle R about its
+ * start.  Let |F'| be at least a > 0 along the chord in that circle, by its slope.  It is at most 2 |n| -
+ * a there.  So F has one root in the chord at most.  If |F| at the origin, with all that is rounded, is at
+ * most f, that root lies within f / a of the start.  It is not accepted if that times 2 |n| - a is less
+ * than 0.98 of the reach of the rule of the start (accept.h).  The reach is that of the terms T at the
+ * start; they are asked for at the root, which is within e = 2^-48 T / (2 |n| - a), and change by less:
+ * - Let S bound the slope in the circle.  As |n| - S sqrt(l^2 + m^2) is a > 0, the change of x, y and z adds
+ *   2.5 |n| e at most, which is less than 2^-46 T.
+ * - That of the gradient: the circle is 0.125 r wider than the start is far from the axis.  For terms of
+ *   order k the second derivative is 8 k S / r at most in its middle (Bernstein's inequality for the
+ *   gradient on the line), and for a base 11 S / r, as it is defined at 1.125 r.  It adds less than
+ *   12 k |n| e, or 2^-44 k T.
+ * - Rounding of the gradient moves the terms by no more than 32 times what it does to F (proof.c), and that
+ *   is less than 2^-48 T here.
+ * Wide bounds on rounding make f great, and so nothing is dropped that could be told from the start.  So
+ * nothing is met up to the end of the chord.  From there on r grows.  In one unit of tau it grows by
+ * sqrt(l^2 + m^2) at most, and the height by |n|: the cone of asphere/unique.c begins at the end of the
+ * chord, and no ring matters that lies within R.  A ray that is above or below the cone's height in all
+ * others is a miss, after one look.  If f is too great for that, nothing is said here.  Of the rest a later
+ * beginning is known: the first piece of the ray that is neither above nor below its ring.
+ *
  * FROM AFAR the surface may be so steep within R that the chord says nothing, and a root farther out may
  * be the first.  There F is looked at, point by point, on the way in (wings.c).
  *
@@ -40,7 +61,8 @@
 #include "tail.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS };
+enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS,
+       VICINITY_MOST = 64 /* rays at a time */ };
 typedef struct ring { double radius, steep; sgt_interval bent; double noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
 typedef struct box { double x, y, steep; sgt_by_axis axis; double noise[2]; bool noisy; } box;

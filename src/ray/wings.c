@@ -51,17 +51,22 @@
  * all along that stretch: then a root in it is the first.
  *
  * LEAVING.  A ray that starts on the surface begins with a root that does not count.  F is looked at a step
- * h farther on, too.  If |F| is at most a at the start and at least b there, the mean slope is at least (b -
- * a) / h.  If that is above B h / 2, F is monotone: the start's root is the only one, and within a / |F'| of
- * the start.  It is not accepted if that is less than the reach of the rule of the start (accept.h),
- * whose terms are known there.  Then the march goes on from h.  If |F| is convex, it rises from there on:
- * nothing is met as far as what is known reaches.  That is a miss if the chord or the ray ends there, or the
- * ray is then below or above all of the surface.
+ * h farther on, too.  If |F| is at most a at the start and at least b there, the mean slope is at least (b
+ * - a) / h.  If that is above B h / 2, F is monotone: the start's root is the only one, and within a / |F'|
+ * of the start.  It is not accepted if that is less than the reach of the rule of the start (accept.h),
+ * whose terms are known there.  Then the march goes on from h.  A wide bound on what is rounded makes a
+ * great: then nothing is dropped here.  Whether rounding alone hides the root is left to `rounding` at the
+ * very point (sharpened_of in step.h, proof.c).  If |F| is convex, it rises from h on: nothing is met as
+ * far as what is known reaches.  That is a miss if the chord or the ray ends there, or the ray is then
+ * below or above all of the surface.
  *
  * Without a rim the same is done in the circle that is known about the start: r^2 is convex along the ray, so
  * what is known there holds between two points that are both in it.  Then the ray is a miss if it is above or
  * below all rings that are ahead of it (vicinity.h, A MISS).  At the start itself it never is, as the ring it
  * starts in holds the start.
+ *
+ * BETWEEN RINGS.  Where the heights say that a stretch ahead is above or below all that it passes, the march
+ * begins anew at its end.
  *
  * THE TAIL of the sag (tail.h): a ray from afar begins where nothing is certainly met before, and a ray that
  * goes out is a miss from where nothing is met beyond.
@@ -77,7 +82,7 @@
  *                                is a miss
  *     a ray that ends before     is a miss
  *     a surface without an edge  a ray that leaves is followed to four times the radius where it began, or
- *                                that of the seed, if it is greater
+ *                                that of the seed, or to the last ring, whichever is the greatest
  *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
@@ -451,13 +456,22 @@ static bool leaves_by_tail(sgt_surface s, rows a, size_t i, sgt_tails *kept)
 }
 
 /* Is the ray above or below all that is ahead of it?  That costs more than a look.  So it is asked of rays
- * that have just left the surface, and of those on the way out after 4, 8, 16 and 32 looks. */
+ * that have just left the surface, and of those on the way out after 4, 8, 16 and 32 looks.  If it is so of a
+ * stretch ahead, the march moves to its end, where it begins anew. */
 static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t i, bool off, double t,
                               double evals, vicinities *kept)
 {
     bool now = off || (a[PX][i] * a[DX][i] + a[PY][i] * a[DY][i] > 0 &&
                            (evals == 4 || evals == 8 || evals == 16 || evals == 32));
-    return now && sgt_passes_by(heights_about(s, kept), ray, t);
+    if (!now) return false;
+    double clear = sgt_clear_by_heights(heights_about(s, kept), ray, t), inverse = inverse_of_scale(ray->d);
+    if (clear == HUGE_VAL || clear > ray->tmax) return true;
+    if (clear * inverse > a[T][i] && a[PAST][i] == HUGE_VAL) {
+        a[T][i] = clear * inverse, a[A][i] = a[SIGN][i] = a[H][i] = a[RATIO][i] = 0;
+        double r = radius_at(a[OX][i], a[OY][i], a[DX][i], a[DY][i], a[T][i]);
+        a[WANTED][i] = radius_wanted(r, 0x1p-1000);
+    }
+    return false;
 }
 
 /* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  It is
@@ -484,6 +498,23 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
         width *= certain ? 2 : 0.25;
     }
     return !(from < end);
+}
+
+/* The march has begun anew between rings, where F is not defined.  Is nothing met from there to the end of
+ * the last ring? */
+static bool is_undefined_on(sgt_surface s, const sgt_ray *ray, double from, vicinities *kept,
+                            const vicinity *v, size_t k)
+{
+    const sgt_heights *h = heights_about(s, kept);
+    double outer = SGT_RINGS * h->width, outer2 = outer * outer * (1 + 0x1p-30), steep = 0, lo, last, least;
+    s.ops->own_->chords(1, rays_of(ray), &outer2, &steep, NULL, &lo, &last, &least);
+    double end = smaller(ray->tmax, h->endless || !(last < DBL_MAX) ? DBL_MAX : last);
+    if (!(from > ray->tmin && from < end)) return false;
+    sgt_interval slope, t = {0, sgt_sum_above(end, -from)},
+                        g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
+    v->evals[k] += 1;
+    if (v->told) tell_cell(v->told, SGT_MARCH, from, end, g, slope);
+    return g.lo > 0 || g.hi < 0; /* also an empty one */
 }
 
 static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
@@ -763,6 +794,7 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
         a[END][k] = 4 * larger(begins, radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, v->seed[i]));
         if (edge < HUGE_VAL) a[END][k] = HUGE_VAL;
+        else a[END][k] = larger(a[END][k], SGT_RINGS * heights_about(s, kept)->width);
         a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as wings_judge has it */
         enclose_in(s, edge, bare->boxed, &kept->rings, a, k);
     }
@@ -820,10 +852,14 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                                       : t > v->hi[k])) {
                     is_miss(v, k);
                     wings_leave(a, i, --left);
-                }
+                } else if (in_rings && a[SIGN][i] == 0)
+                    enclose_in(s, edge, known->boxed, &kept->rings, a, i);
             } else {
                 double t = a[T][i] * scale;
-                if (verdict == FOUND && !spent) {
+                if (verdict == GIVEN_UP && in_rings && a[SIGN][i] == 0 && !(a[F][i] == a[F][i]) && !spent &&
+                    is_undefined_on(s, &ray, t, kept, v, k)) {
+                    is_miss(v, k);
+                } else if (verdict == FOUND && !spent) {
                     /* the march has moved behind the end of the ray, and knows the root there at once */
                     if (t > ray.tmax || (mode == IN_CHORD && t > v->hi[k])) is_miss(v, k);
                     else tell_root(a, i, scale, v);

@@ -77,6 +77,14 @@ SGT_INLINE double chord_seed(double seed, double lo, double hi, double tmin, dou
     return fabs(seed) < HUGE_VAL || !(from < to && fabs(middle) < HUGE_VAL) ? seed : middle;
 }
 
+/* May a ray start on the surface, and is the bound on its slope so much less than the slope that rounding of
+ * F may be more than the rule of the start?  Such a ray is marched, although it has one root at most. */
+SGT_INLINE bool starts_weakly(sgt_vec3 o, sgt_vec3 d, double tmin, double least)
+{
+    return tmin == 0 && least > 0 && least < 0.25 * fabs(d.z) * scale_of(d) &&
+           fabs(o.z) <= 0.5 * (fabs(o.x) + fabs(o.y));
+}
+
 /* Marches along the chord of each row that is asked, within [v->lo, v->hi], and answers in v, as above.  A
  * ray without a root in it is a miss. */
 void sgt_march_chord(sgt_surface s, size_t n, sgt_rays rays, const sgt_shared *whole, const vicinity *v);
