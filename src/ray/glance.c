@@ -202,7 +202,8 @@ static void glance_judge(rows w, size_t n, double steep, double R, bool last)
                way = chosen(MASK(two > 0), 2 * g, g1 - root) / chosen(MASK(two > 0), g1 + root, shown),
                width = to[i] - from[i], beside = 0.125 * root / larger(most, 0x1p-900);
         beside = chosen(MASK(beside < 0x1p-4 * width), beside, 0x1p-4 * width);
-        double aim = t + way, next = aim + copysign(beside, way);
+        /* way may be -0: the mirror image in z has to look on the same side */
+        double aim = t + way, next = aim + copysign(beside, way + 0.0);
         next = -larger(-larger(next, from[i]), -to[i]);
         mask goes = (MASK(square > 0) | ~MASK(before[i] == before[i])) & MASK(fabs(way) < HUGE_VAL) &
                     (MASK(next < t) | MASK(next > t));

@@ -75,7 +75,7 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
     observe(h, from, w, &at, r.tau + g / slope, SGT_SEED, -HUGE_VAL, HUGE_VAL);
     if (first && wavy_hopeless(s, ray)) return EASY_NOT;
-    if (first && s->side && wavy_along(ray) && grazes_at(s, &r, ray)) return EASY_NOT;
+    if (first && s->side && wavy_along(ray) && grazes_at(s, &r, ray)) return EASY_GRAZES;
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
@@ -547,7 +547,11 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     bool tried = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v);
     if (tried) v.side = !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
     easy_answer is = tried ? easy(&v, &h, ray, &e, &w) : EASY_NOT;
+    const bool grazes = is == EASY_GRAZES;
+    if (grazes) is = EASY_NOT;
     if (is == EASY_NOT && tried && v.side && !w.stopped) is = sgt_asphere_beside(&v, &h, ray, &e, &w);
+    if (grazes && is == EASY_NOT && !w.stopped && !passes_by(&h, ray)) /* the rounds it was spared */
+        v.side = false, is = easy(&v, &h, ray, &e, &w);
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch)

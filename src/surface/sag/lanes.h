@@ -107,7 +107,7 @@ SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, bo
 }
 
 /* The answer of the easy form for a single ray.  EASY_NOT: none. */
-typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
+typedef enum easy_answer { EASY_NOT, EASY_GRAZES, EASY_MISS, EASY_HIT } easy_answer;
 
 /* Takes a hit along a scaled direction to the ray's own t.  EASY_NOT if t leaves its range. */
 SGT_INLINE easy_answer easy_unscaled(lane *e, double scale)
