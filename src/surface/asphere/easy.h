@@ -309,7 +309,8 @@ SGT_INLINE mask wavy_first_from(const wavy *s, int terms, double t0, double x0, 
  * asked at once, if it has an answer for nearly all such rays:
  * - the slope at the start is too great for wavy_first_from, or
  * - the surface is bent in one way as far out as the start (bent2: up to which r^2).
- * This is a choice between forms each of which is certain.  (x, y): where the ray meets the vertex plane. */
+ * This is a choice between forms each of which is certain; a ray that the form from the side leaves makes the
+ * rounds after all, alone.  (x, y): where the ray meets the vertex plane. */
 SGT_INLINE mask wavy_grazes(const wavy *s, double bent2, int terms, double x, double y, const sgt_ray *ray)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
