@@ -52,6 +52,68 @@ surfaces:
 '''
 
 
+# A rectangle that the light of a stop overfills: rays pass as near to its edges as you like.
+RECTANGLE = '''
+units: mm
+wavelengths: [0.5]
+pupil: {semi_diameter: 5}
+surfaces:
+  - {type: plane, stop: true, semi_diameter: 10, thickness: 2,
+     apertures: [{type: rectangle, half_width: 3, half_height: 3}]}
+  - {type: sphere, radius: 50, semi_diameter: 8, thickness: 3, index: 1.5}
+  - {type: plane, thickness: 90, index: 1}
+  - {type: plane}
+'''
+ONE = '''
+units: mm
+wavelengths: [0.5]
+object: {distance: 100}
+pupil: {semi_diameter: 10, distance: 0}
+fields: [0]
+surfaces:
+  - {SURFACE, semi_diameter: 20, stop: true}
+'''
+
+
+def test_edge_of_items():
+    """The clearance from an item that clips is 0."""
+    lens = written(RECTANGLE)
+    for limit in ('clearance[1] > 0.05', 'clearance > 2.9'):
+        got, = rows('prove', lens, '--limit', limit, '--boxes', 200, exit=UNDECIDED)
+        equal(got['verdict'], 'undecided', limit)
+    close(rows('prove', lens, '--elements', '--boxes', 200, exit=None)[0]['clearance'], 0, 0)
+
+
+def test_one_element():
+    """A lens of one surface: the path differences are those of `sagitta opd`."""
+    for surface in ('type: plane', 'type: sphere, radius: -130', 'type: plane, tilt: [3, 5, 0]'):
+        lens = written(ONE.replace('SURFACE', surface))
+        seen = [float(r['opd']) for r in rows('opd', lens, '--hexapolar', 20)]
+        front, = rows('opd', lens, '--summary', '--hexapolar', 60)
+        row, = rows('prove', lens, '--boxes', 2000)
+        least, most = float(row['opd_least']), float(row['opd_most'])
+        rms, slack = float(front['rms']), 1e-3 * float(front['rms'])
+        if not (least <= min(seen) + 1e-6 and max(seen) - 1e-6 <= most and most - least <= 1.1 * (max(seen) - min(seen))):
+            raise AssertionError(f'{surface}: {least} to {most}, not {min(seen)} to {max(seen)}')
+        if not float(row['opd_rms_least']) - slack <= rms <= float(row['opd_rms']) + slack:
+            raise AssertionError(f'{surface}: rms {rms}, not {row["opd_rms_least"]} to {row["opd_rms"]}')
+
+
+def test_two_powers():
+    """Boxes through an ideal lens of two powers."""
+    lens = written('''
+units: mm
+wavelengths: [0.5]
+pupil: {semi_diameter: 5}
+surfaces:
+  - {type: ideal, focal_length: 50, focal_length_y: 80, stop: true, semi_diameter: 6, thickness: 50}
+  - {type: plane}
+''')
+    row, = rows('prove', lens, exit=None)
+    close(row['ex'], row['ex_seen'], 1e-6)
+    close(row['ey'], 5 * (1 - 50 / 80), 0.02)
+
+
 def lenses():
     """Some lenses of the examples and of files, others for another seed; with a large scale all."""
     draw = random.Random(SEED)

@@ -235,9 +235,14 @@ static void draw_phase(sgt_element *e, room *of)
 {
     of->phase =
         (sgt_phase){.kind = SGT_IDEAL_LENS, .focal_length = either_sign(&drawn) * uniform(&drawn, 10, 80)};
+    if (chance(&drawn, 0.5)) of->phase.focal_length_y = either_sign(&drawn) * uniform(&drawn, 10, 80);
+    if (chance(&drawn, 0.2)) of->phase.focal_length_y = HUGE_VAL;
+    if (of->phase.focal_length_y != 0 && isfinite(of->phase.focal_length_y) && chance(&drawn, 0.2))
+        of->phase.focal_length = HUGE_VAL;
     if (chance(&drawn, 0.5)) of->phase.object_distance = either_sign(&drawn) * uniform(&drawn, 20, 200);
     if (chance(&drawn, 0.5)) {
-        of->phase = (sgt_phase){.kind = SGT_PHASE_SAG, .per_wave = 5e-4 * either_sign(&drawn)};
+        const sgt_phase_kind kind = chance(&drawn, 0.2) ? SGT_FACETS : SGT_PHASE_SAG;
+        of->phase = (sgt_phase){.kind = kind, .per_wave = 5e-4 * either_sign(&drawn)};
         of->even = (sgt_even_asphere){.a = {about(20), about(0.2)}};
         of->phase.waves = (sgt_surface){&sgt_even_asphere_ops, &of->even};
         of->conic = (sgt_conic){.c = about(0.05)};
@@ -423,7 +428,7 @@ static double look(const trial *t, const double s[SGT_MODEL_PARAMETERS], size_t 
                      behind = fabs(dot3(to, normal)) / sqrt(dot3(normal, normal));
         const sgt_interval c = t->at[i].cosine, b = t->at[i].behind;
         within(t, "cosine", i, (sgt_interval){c.lo - 1e-12, c.hi + 1e-12}, cosine);
-        if (!moved.e[i].phase) within(t, "behind", i, (sgt_interval){b.lo - 1e-12, b.hi + 1e-12}, behind);
+        within(t, "behind", i, (sgt_interval){b.lo - 1e-12, b.hi + 1e-12}, behind);
         way = turned ? combined(to, e) : to;
         within(t, "x", i, t->at[i].x, h->p.x), within(t, "y", i, t->at[i].y, h->p.y),
             within(t, "z", i, t->at[i].z, h->p.z);
