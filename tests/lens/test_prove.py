@@ -286,6 +286,48 @@ def test_limits():
     equal('sagitta diagnose' in run('prove', TRIPLET, '--limit', 'ey < 0.001', exit=BROKEN).stdout, True)
 
 
+# The second hole is beside the light.
+NOTHING = '''
+units: mm
+wavelengths: [0.5]
+pupil: {semi_diameter: 5}
+surfaces:
+  - {type: plane, stop: true, semi_diameter: 6, thickness: 10}
+  - {type: plane, semi_diameter: 0.1, decenter: [40, 0, 0], thickness: 10}
+  - {type: plane}
+'''
+
+
+def test_no_ray():
+    """What is true of no rays is not proven."""
+    lens = written(NOTHING)
+    for got in rows('prove', lens, '--limit', 'spot < 1e-9; opd < 1e-9; clearance > 100; rms < 1; wavefront < 1', exit=UNDECIDED):
+        equal((got['verdict'], got['bound']), ('empty', ''), got)
+    said = run('prove', lens, '--limit', 'spot < 1', exit=UNDECIDED)
+    equal('no ray of the pupil passes' in said.stderr + said.stdout and 'more --boxes' not in said.stdout, True, said)
+    for limit, verdict, code in (('pass > 0', 'broken', BROKEN), ('pass >= 0', 'proven', 0)):
+        equal(rows('prove', lens, '--limit', limit, exit=code)[0]['verdict'], verdict, limit)
+    for options, words in ((['--limit', 'clearance[3] > 5'], 'element 3 has no clear aperture'),
+                           (['--limit', 'clearance > 1', '--no-apertures'], 'no element has a clear aperture')):
+        equal(words in run('prove', lens, *options, exit=USAGE).stderr, True, options)
+
+
+def test_strict():
+    """< and <= are as they are written: all of the area passes, and not more."""
+    lens = LENSES / 'hybrid_achromat.yaml'
+    for limit, verdict, code in (('pass >= 100', 'proven', 0), ('pass > 100', 'broken', BROKEN)):
+        equal(rows('prove', lens, '--fields', 1, '--limit', limit, exit=code)[0]['verdict'], verdict, limit)
+    equal('<= 0.5' in run('prove', TRIPLET, '--fields', 1, '--limit', 'spot<=0.5').stdout, True)
+
+
+def test_budget():
+    """Never more boxes than were asked for."""
+    for boxes in (1, 2, 9, 10, 100, 333):
+        row, = rows('prove', TRIPLET, '--fields', 2, '--boxes', boxes, exit=None)
+        if not boxes - 9 <= int(row['boxes']) <= boxes:
+            raise AssertionError(f'{boxes} boxes: {row["boxes"]}')
+
+
 def test_what_is_wrong():
     for limit, words in (('spott < 1', 'is no quantity'), ('spot > 1', 'only spot <'), ('pass < 1',
             'only pass >'),
