@@ -819,7 +819,8 @@ static sgt_interval cosine_of(const beam_hit *m, const model3 *d)
     const double size = model_size(&m->n.x) + model_size(&m->n.y) + model_size(&m->n.z);
     const model along = model_wider(model_dot(&m->n, d), BEAM_SLACK * size);
     const sgt_interval square = sgt_interval_square(model_range(along));
-    const sgt_interval cosine = sgt_interval_square_root(sgt_interval_quotient(square, model_range(m->size2)));
+    const sgt_interval cosine =
+        sgt_interval_square_root(sgt_interval_quotient(square, model_range(m->size2)));
     return sgt_interval_intersection(cosine, (sgt_interval){0, 1});
 }
 

@@ -116,7 +116,9 @@ static bool has_clearance(const proving *w, size_t element)
     for (size_t i = 0; i < w->ask->lens->count; i++) {
         const sgt_element *e = &w->ending[0][i];
         const bool round = e->semi_diameter > 0 && e->semi_diameter < 0x1p500;
-        if ((round || (e->aperture && e->aperture->count > 0)) && (element == 0 || element == i + 1)) return true;
+        if ((round || (e->aperture && e->aperture->count > 0)) &&
+            (element == 0 || element == i + 1))
+            return true;
     }
     return false;
 }
@@ -151,10 +153,11 @@ static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
     if (a->failed) return false;
     for (size_t k = 0; k < w.limits; k++)
         if (w.limit[k].quantity == SGT_PROVE_CLEARANCE && !has_clearance(&w, w.limit[k].element))
-            return w.limit[k].element ? sgt_ask_refuse(a, "limit", "element %zu has no clear aperture, so there "
-                                                       "is no clearance", w.limit[k].element)
-                                      : sgt_ask_refuse(a, "limit", "no element has a clear aperture, so there "
-                                                       "is no clearance");
+            return w.limit[k].element
+                       ? sgt_ask_refuse(a, "limit", "element %zu has no clear aperture, so there is no "
+                                        "clearance", w.limit[k].element)
+                       : sgt_ask_refuse(a, "limit", "no element has a clear aperture, so there is no "
+                                        "clearance");
     if (a->from->aim != SGT_LENS_AIM_PUPIL)
         sgt_ask_say(a, SGT_STUDY_NOTE,
                     "the lens aims its rays at the stop; what is proven is of the paraxial "
