@@ -99,13 +99,15 @@ typedef struct sgt_prove_region_row {
 } sgt_prove_region_row;
 
 typedef enum sgt_limit_verdict {
-    SGT_LIMIT_PROVEN = 1,     /* it holds for every ray that passes */
+    SGT_LIMIT_PROVEN = 1,     /* it holds for every ray that passes, and some ray does */
     SGT_LIMIT_BROKEN = 0,     /* px, py is a ray that passes and breaks it; of a mean or a
                                  share: it is certainly beyond */
-    SGT_LIMIT_UNDECIDED = -1  /* the budget was spent, or rounding forbids it */
+    SGT_LIMIT_UNDECIDED = -1, /* the budget was spent, or rounding forbids it */
+    SGT_LIMIT_EMPTY = -2      /* certainly no ray passes, so there is nothing to prove.
+                                 (Not of pass: that is broken then.) */
 } sgt_limit_verdict;
 
-/* "proven", "broken" or "undecided". */
+/* "proven", "broken", "undecided" or "empty". */
 SGT_API const char *sgt_limit_verdict_text(int verdict);
 
 /* "prove_limits". */
@@ -139,18 +141,19 @@ typedef enum sgt_prove_quantity {
     SGT_PROVE_CLEARANCE   /* clearance: the distance from the edge of a clear aperture */
 } sgt_prove_quantity;
 
-/* A limit.  pass and clearance are to be at least the value, the others at most. */
+/* A limit.  pass and clearance are to be above the value, the others below. */
 typedef struct sgt_prove_limit {
     sgt_prove_quantity quantity;
     size_t element;       /* of incidence and clearance: from 1; 0: all elements */
     double value;
+    size_t or_equal;      /* 1: or equal to it, >= or <=; 0: not */
     unsigned long long reserved_[2];
 } sgt_prove_limit;
 
 /* Reads limits: "spot < 0.02; incidence[3] < 40; pass > 99.9".
  *
  *     text    NAME < NUMBER, or for pass and clearance NAME > NUMBER, with semicolons
- *             between; <= and >= mean the same, as a bound is either.  NAME is pass, ex,
+ *             between; or <= and >=, which hold at the value too.  NAME is pass, ex,
  *             ey, spot, rms, opd, wavefront, incidence, clearance; the last two with an
  *             element in brackets or without
  *     most    room for so many

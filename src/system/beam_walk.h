@@ -611,19 +611,24 @@ static model ideal_term(const model3 *p, const model *wx, const model *wy, const
     return model_quotient(along, model_sum(S, S0));
 }
 
+/* 1 / (n2 f) */
+static model ideal_power(double f, model i2)
+{
+    return model_wider(model_scaled(i2, 1 / f), BEAM_SLACK / fabs(f) * model_size(&i2));
+}
+
 static bool bend_ideal(const sgt_phase *phase, const index_models *by, const model3 *p, model3 *d,
                        model *path)
 {
     const bool up = model_above(d->z, 0x1p-40), down = model_below(d->z, -0x1p-40);
     if (!up && !down) return false;
     const model inverse = model_inverse(up ? d->z : model_negative(d->z)), i2 = model_inverse(by->n2);
-    const model power = model_scaled(i2, 1),
-                F = model_wider(model_scaled(power, 1 / phase->focal_length),
-                                BEAM_SLACK / fabs(phase->focal_length) * model_size(&power));
+    const sgt_vec2 f = focal_lengths(phase);
+    const model Fx = ideal_power(f.x, i2), Fy = ideal_power(f.y, i2);
     const double near = phase->object_distance == 0 ? 0 : 1 / phase->object_distance;
     const model wx = model_product(d->x, inverse), wy = model_product(d->y, inverse);
-    const model ex = model_difference(model_product(by->r, wx), model_product(F, p->x)),
-                ey = model_difference(model_product(by->r, wy), model_product(F, p->y));
+    const model ex = model_difference(model_product(by->r, wx), model_product(Fx, p->x)),
+                ey = model_difference(model_product(by->r, wy), model_product(Fy, p->y));
     const model w0x = model_difference(wx, model_scaled(p->x, near)),
                 w0y = model_difference(wy, model_scaled(p->y, near));
     const model e0x = model_product(by->r, w0x), e0y = model_product(by->r, w0y);
@@ -808,6 +813,17 @@ static void tell_at(const sgt_element *e, const beam_hit *m, sgt_box_at *at)
     at->items = HUGE_VAL;
 }
 
+/* Of the angle between the unit direction d and the normal. */
+static sgt_interval cosine_of(const beam_hit *m, const model3 *d)
+{
+    const double size = model_size(&m->n.x) + model_size(&m->n.y) + model_size(&m->n.z);
+    const model along = model_wider(model_dot(&m->n, d), BEAM_SLACK * size);
+    const sgt_interval square = sgt_interval_square(model_range(along));
+    const sgt_interval cosine =
+        sgt_interval_square_root(sgt_interval_quotient(square, model_range(m->size2)));
+    return sgt_interval_intersection(cosine, (sgt_interval){0, 1});
+}
+
 static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1_varied, bool *varied,
                        index_models *by)
 {
@@ -921,6 +937,7 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         if (!passed && end == SGT_LOST)
             return cut(out, i, unknown ? SGT_BOX_NO_BOUNDS : SGT_BOX_AT_BENDING, &m.p);
         if (!passed) return stopped(out, i, end, 1u << end);
+        if (at && e->phase) at->behind = cosine_of(&m, &d);
         p = m.p;
         if (i + 1 == lens->elements) break;
         index = by.n2, index_varied = varied;

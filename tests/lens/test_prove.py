@@ -52,6 +52,68 @@ surfaces:
 '''
 
 
+# A rectangle that the light of a stop overfills: rays pass as near to its edges as you like.
+RECTANGLE = '''
+units: mm
+wavelengths: [0.5]
+pupil: {semi_diameter: 5}
+surfaces:
+  - {type: plane, stop: true, semi_diameter: 10, thickness: 2,
+     apertures: [{type: rectangle, half_width: 3, half_height: 3}]}
+  - {type: sphere, radius: 50, semi_diameter: 8, thickness: 3, index: 1.5}
+  - {type: plane, thickness: 90, index: 1}
+  - {type: plane}
+'''
+ONE = '''
+units: mm
+wavelengths: [0.5]
+object: {distance: 100}
+pupil: {semi_diameter: 10, distance: 0}
+fields: [0]
+surfaces:
+  - {SURFACE, semi_diameter: 20, stop: true}
+'''
+
+
+def test_edge_of_items():
+    """The clearance from an item that clips is 0."""
+    lens = written(RECTANGLE)
+    for limit in ('clearance[1] > 0.05', 'clearance > 2.9'):
+        got, = rows('prove', lens, '--limit', limit, '--boxes', 200, exit=UNDECIDED)
+        equal(got['verdict'], 'undecided', limit)
+    close(rows('prove', lens, '--elements', '--boxes', 200, exit=None)[0]['clearance'], 0, 0)
+
+
+def test_one_element():
+    """A lens of one surface: the path differences are those of `sagitta opd`."""
+    for surface in ('type: plane', 'type: sphere, radius: -130', 'type: plane, tilt: [3, 5, 0]'):
+        lens = written(ONE.replace('SURFACE', surface))
+        seen = [float(r['opd']) for r in rows('opd', lens, '--hexapolar', 20)]
+        front, = rows('opd', lens, '--summary', '--hexapolar', 60)
+        row, = rows('prove', lens, '--boxes', 2000)
+        least, most = float(row['opd_least']), float(row['opd_most'])
+        rms, slack = float(front['rms']), 1e-3 * float(front['rms'])
+        if not (least <= min(seen) + 1e-6 and max(seen) - 1e-6 <= most and most - least <= 1.1 * (max(seen) - min(seen))):
+            raise AssertionError(f'{surface}: {least} to {most}, not {min(seen)} to {max(seen)}')
+        if not float(row['opd_rms_least']) - slack <= rms <= float(row['opd_rms']) + slack:
+            raise AssertionError(f'{surface}: rms {rms}, not {row["opd_rms_least"]} to {row["opd_rms"]}')
+
+
+def test_two_powers():
+    """Boxes through an ideal lens of two powers."""
+    lens = written('''
+units: mm
+wavelengths: [0.5]
+pupil: {semi_diameter: 5}
+surfaces:
+  - {type: ideal, focal_length: 50, focal_length_y: 80, stop: true, semi_diameter: 6, thickness: 50}
+  - {type: plane}
+''')
+    row, = rows('prove', lens, exit=None)
+    close(row['ex'], row['ex_seen'], 1e-6)
+    close(row['ey'], 5 * (1 - 50 / 80), 0.02)
+
+
 def lenses():
     """Some lenses of the examples and of files, others for another seed; with a large scale all."""
     draw = random.Random(SEED)
@@ -222,6 +284,48 @@ def test_limits():
             'clearance[4] > 0.01')
     equal('9 of 9 proven.' in text.stdout, True, text.stdout)
     equal('sagitta diagnose' in run('prove', TRIPLET, '--limit', 'ey < 0.001', exit=BROKEN).stdout, True)
+
+
+# The second hole is beside the light.
+NOTHING = '''
+units: mm
+wavelengths: [0.5]
+pupil: {semi_diameter: 5}
+surfaces:
+  - {type: plane, stop: true, semi_diameter: 6, thickness: 10}
+  - {type: plane, semi_diameter: 0.1, decenter: [40, 0, 0], thickness: 10}
+  - {type: plane}
+'''
+
+
+def test_no_ray():
+    """What is true of no rays is not proven."""
+    lens = written(NOTHING)
+    for got in rows('prove', lens, '--limit', 'spot < 1e-9; opd < 1e-9; clearance > 100; rms < 1; wavefront < 1', exit=UNDECIDED):
+        equal((got['verdict'], got['bound']), ('empty', ''), got)
+    said = run('prove', lens, '--limit', 'spot < 1', exit=UNDECIDED)
+    equal('no ray of the pupil passes' in said.stderr + said.stdout and 'more --boxes' not in said.stdout, True, said)
+    for limit, verdict, code in (('pass > 0', 'broken', BROKEN), ('pass >= 0', 'proven', 0)):
+        equal(rows('prove', lens, '--limit', limit, exit=code)[0]['verdict'], verdict, limit)
+    for options, words in ((['--limit', 'clearance[3] > 5'], 'element 3 has no clear aperture'),
+                           (['--limit', 'clearance > 1', '--no-apertures'], 'no element has a clear aperture')):
+        equal(words in run('prove', lens, *options, exit=USAGE).stderr, True, options)
+
+
+def test_strict():
+    """< and <= are as they are written: all of the area passes, and not more."""
+    lens = LENSES / 'hybrid_achromat.yaml'
+    for limit, verdict, code in (('pass >= 100', 'proven', 0), ('pass > 100', 'broken', BROKEN)):
+        equal(rows('prove', lens, '--fields', 1, '--limit', limit, exit=code)[0]['verdict'], verdict, limit)
+    equal('<= 0.5' in run('prove', TRIPLET, '--fields', 1, '--limit', 'spot<=0.5').stdout, True)
+
+
+def test_budget():
+    """Never more boxes than were asked for."""
+    for boxes in (1, 2, 9, 10, 100, 333):
+        row, = rows('prove', TRIPLET, '--fields', 2, '--boxes', boxes, exit=None)
+        if not boxes - 9 <= int(row['boxes']) <= boxes:
+            raise AssertionError(f'{boxes} boxes: {row["boxes"]}')
 
 
 def test_what_is_wrong():

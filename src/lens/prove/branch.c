@@ -283,29 +283,41 @@ static double in_doubt(const proof *p, span s, double value)
     return sum;
 }
 
-static proof_limit limit_of_mean(const proof *p, sgt_interval rms, double value)
+static bool is_met(const sgt_prove_limit *l, double bound, double value)
 {
-    const double none = (double)NAN;
+    return l->or_equal ? bound <= value : bound < value;
+}
+
+/* The largest bound that meets it. */
+static double largest_within(const sgt_prove_limit *l, double value)
+{
+    return l->or_equal ? value : nextafter(value, -HUGE_VAL);
+}
+
+static proof_limit limit_of_mean(const proof *p, sgt_interval rms, const sgt_prove_limit *l)
+{
+    const double none = (double)NAN, value = l->value;
     proof_limit out = {SGT_LIMIT_UNDECIDED, rms.hi, rms.lo, none, none, 0};
-    if (rms.hi <= value) out.verdict = SGT_LIMIT_PROVEN;
+    if (is_met(l, rms.hi, value)) out.verdict = SGT_LIMIT_PROVEN;
     else if (rms.lo > value) out.verdict = SGT_LIMIT_BROKEN;
     else out.undecided = p->undecided;
     return out;
 }
 
-proof_limit sgt_proof_limit(const proof *p, const sgt_prove_limit *l)
+/* As if some ray passed. */
+static proof_limit limit_of_rays(const proof *p, const sgt_prove_limit *l)
 {
     const double none = (double)NAN;
     const span s = span_of(p, l);
     const prove_seen *seen;
     proof_limit out = {.x = none, .y = none, .seen = none};
-    if (l->quantity == SGT_PROVE_RMS) return limit_of_mean(p, sgt_proof_rms(p->f_mean), l->value);
-    if (l->quantity == SGT_PROVE_OPD_RMS) return limit_of_mean(p, sgt_proof_rms_about_mean(p), l->value);
+    if (l->quantity == SGT_PROVE_RMS) return limit_of_mean(p, sgt_proof_rms(p->f_mean), l);
+    if (l->quantity == SGT_PROVE_OPD_RMS) return limit_of_mean(p, sgt_proof_rms_about_mean(p), l);
     if (l->quantity == SGT_PROVE_PASSES) {
         out.bound = 100 * p->passes, out.seen = 100 * (p->passes + p->undecided);
-        out.verdict = out.bound >= l->value ? SGT_LIMIT_PROVEN
-                      : out.seen < l->value ? SGT_LIMIT_BROKEN
-                                            : SGT_LIMIT_UNDECIDED;
+        out.verdict = is_met(l, -out.bound, -l->value)   ? SGT_LIMIT_PROVEN
+                      : !is_met(l, -out.seen, -l->value) ? SGT_LIMIT_BROKEN
+                                                         : SGT_LIMIT_UNDECIDED;
         if (out.verdict == SGT_LIMIT_UNDECIDED) out.undecided = p->undecided;
         return out;
     }
@@ -313,7 +325,7 @@ proof_limit sgt_proof_limit(const proof *p, const sgt_prove_limit *l)
         const prove_seen *high = &p->seen[Q_HIGH], *low = &p->seen[Q_LOW];
         out.bound = sgt_sum_above(p->most[Q_HIGH], p->most[Q_LOW]), out.seen = high->value + low->value;
         out.x = high->x, out.y = high->y;
-        if (out.bound <= l->value) out.verdict = SGT_LIMIT_PROVEN;
+        if (is_met(l, out.bound, l->value)) out.verdict = SGT_LIMIT_PROVEN;
         else if (out.seen > l->value) out.verdict = SGT_LIMIT_BROKEN;
         else out.verdict = SGT_LIMIT_UNDECIDED, out.undecided = in_doubt(p, s, l->value / 2);
         return out;
@@ -322,10 +334,27 @@ proof_limit sgt_proof_limit(const proof *p, const sgt_prove_limit *l)
     const double value = least ? -l->value : l->value, most = largest(p, s, &seen);
     out.bound = least ? -most : most;
     if (seen) out.seen = least ? -seen->value : seen->value, out.x = seen->x, out.y = seen->y;
-    out.verdict = most <= value                ? SGT_LIMIT_PROVEN
+    out.verdict = is_met(l, most, value)         ? SGT_LIMIT_PROVEN
                   : seen && seen->value > value ? SGT_LIMIT_BROKEN
                                                 : SGT_LIMIT_UNDECIDED;
-    if (out.verdict == SGT_LIMIT_UNDECIDED) out.undecided = in_doubt(p, s, value);
+    if (out.verdict == SGT_LIMIT_UNDECIDED) out.undecided = in_doubt(p, s, largest_within(l, value));
+    return out;
+}
+
+/* No ray is known to pass. */
+static bool none_passes(const proof *p)
+{
+    return !(p->passes > 0) && isnan(p->seen[prove_at_element(0, Q_HEIGHT)].value);
+}
+
+/* What is true of no rays is not called proven. */
+proof_limit sgt_proof_limit(const proof *p, const sgt_prove_limit *l)
+{
+    const double none = (double)NAN;
+    proof_limit out = limit_of_rays(p, l);
+    if (l->quantity == SGT_PROVE_PASSES || !none_passes(p)) return out;
+    if (!(p->undecided > 0)) return (proof_limit){SGT_LIMIT_EMPTY, none, none, none, none, 0};
+    if (out.verdict == SGT_LIMIT_PROVEN) out.verdict = SGT_LIMIT_UNDECIDED, out.undecided = p->undecided;
     return out;
 }
 
@@ -368,7 +397,7 @@ static void bounds_wanted(const proof *p, double wanted[])
             const sgt_prove_limit *l = &a->limit[k];
             const proof_limit now = sgt_proof_limit(p, l);
             const span s = span_of(p, l);
-            double value = l->quantity == SGT_PROVE_CLEARANCE ? -l->value : l->value;
+            double value = largest_within(l, l->quantity == SGT_PROVE_CLEARANCE ? -l->value : l->value);
             if (now.verdict != SGT_LIMIT_UNDECIDED) continue;
             for (size_t i = 0; i < s.count; i++) {
                 const size_t q = s.first + i * s.step;
@@ -494,7 +523,14 @@ static bool limit_open(const proof *p, sgt_prove_quantity of)
     return false;
 }
 
-/* The boxes to be halved now, the foremost first.  needed: whatever the budget. */
+static bool any_open(const proof *p)
+{
+    for (size_t k = 0; k < p->asked->limits; k++)
+        if (sgt_proof_limit(p, &p->asked->limit[k]).verdict == SGT_LIMIT_UNDECIDED) return true;
+    return false;
+}
+
+/* The boxes to be halved now, the foremost first.  needed: the budget has them already. */
 static size_t choose(proof *p, double wanted[], candidate out[], bool *needed)
 {
     for (size_t k = 0; k < p->asked->limits; k++) {
@@ -505,8 +541,8 @@ static size_t choose(proof *p, double wanted[], candidate out[], bool *needed)
         }
     }
     const bool limits = p->asked->limits, rms = limit_open(p, SGT_PROVE_RMS),
-               front = limit_open(p, SGT_PROVE_OPD_RMS), area = rms || front || limit_open(p,
-                       SGT_PROVE_PASSES);
+               front = limit_open(p, SGT_PROVE_OPD_RMS),
+               area = rms || front || limit_open(p, SGT_PROVE_PASSES) || (none_passes(p) && any_open(p));
     size_t n = unfit_boxes(p, out);
     if ((*needed = n > 0)) return n;
     bounds_wanted(p, wanted);
@@ -560,8 +596,15 @@ static bool halve(proof *p, one_round *r, const candidate chosen[], size_t count
                     (isnan(p->seen[q].value) && !isnan(h->seen[q].value)))
                     p->seen[q] = h->seen[q];
         }
-    p->carried += tasks;
+    for (size_t t = 0; t < tasks; t++) p->carried += sgt_sector_is_fit(&r->half[t].box.of);
     return true;
+}
+
+/* How many boxes are carried through at most for halving it, until all parts are fit. */
+static size_t cost_of(const prove_box *b)
+{
+    enum { DISC = 1, RING = 8 };
+    return b->of.turn1 - b->of.turn0 == 1 ? DISC + RING : 2;
 }
 
 static bool branch(proof *p, one_round *r, double wanted[])
@@ -578,15 +621,16 @@ static bool branch(proof *p, one_round *r, double wanted[])
         bool needed;
         const size_t n = choose(p, wanted, chosen, &needed);
         if (n == 0) break;
-        if (!needed && p->carried >= p->asked->boxes) { p->spent = true; break; }
         /* a box may be chosen for two reasons */
         const size_t most = round_size(p);
-        size_t count = 0;
-        for (size_t k = 0; k < n && count < most; k++) {
-            bool there = false;
-            for (size_t j = 0; j < count; j++) there = there || chosen[j].box == chosen[k].box;
-            if (!there) chosen[count++] = chosen[k];
+        size_t count = 0, left = p->asked->boxes > p->carried ? p->asked->boxes - p->carried : 0;
+        for (size_t k = 0; k < n && count < most && (needed || left > 1); k++) {
+            const size_t cost = needed ? 0 : cost_of(&p->box[chosen[k].box]);
+            bool there = cost > left;
+            for (size_t j = 0; j < count && !there; j++) there = chosen[j].box == chosen[k].box;
+            if (!there) chosen[count++] = chosen[k], left -= cost;
         }
+        if (count == 0) { p->spent = true; break; }
         fine = halve(p, r, chosen, count);
         if (fine) sum_up(p);
     }

@@ -286,7 +286,7 @@ static void bound_elements(const prove_cell *c, size_t count, const sgt_element 
             high = fmin(high, e->semi_diameter * (1 + 0x1p-40));
             inside = fmax(e->semi_diameter - high - 0x1p-50 * e->semi_diameter, 0);
         }
-        if (items) inside = fmin(inside, fmax(at[i].items, 0));
+        if (items) inside = used[i].aperture ? fmin(inside, fmax(at[i].items, 0)) : 0; /* else not asked */
         bound[prove_at_element(i, Q_INCIDENCE)] = degrees_above(at[i].cosine);
         bound[prove_at_element(i, Q_INSIDE)] = round || items ? -inside : -HUGE_VAL;
         bound[prove_at_element(i, Q_HEIGHT)] = high;
@@ -403,7 +403,14 @@ static sgt_box_verdict carried_through(const prove_cell *c, const carry_room *r,
     sgt_box_lens lens = {.elements = c->count, .e = e, .index_before = c->before};
     if (last == 0) {
         const sgt_box_verdict only = sgt_box_trace(&lens, launch, kept, r->at, &out->end);
-        for (int k = 0; k < 3; k++) out->p[k] = out->end.p[k], out->d[k] = launch->d[k];
+        if (only != SGT_BOX_PASSED) return only;
+        sgt_model length = dot_model(launch->d, launch->d), by, unused[3];
+        sgt_model_root(&length, &length), sgt_model_inverse(&length, &by);
+        for (int k = 0; k < 3; k++) {
+            unused[k] = out->p[k] = out->end.p[k];
+            sgt_model_product(&launch->d[k], &by, &out->d[k]);
+        }
+        moved(&global, &e[0].pose, unused, out->d);
         out->opl = out->end.opl;
         return only;
     }

@@ -23,7 +23,10 @@ enum { LIMIT_NAMES = sizeof limit_names / sizeof *limit_names };
 
 const char *sgt_limit_verdict_text(int verdict)
 {
-    return verdict == SGT_LIMIT_PROVEN ? "proven" : verdict == SGT_LIMIT_BROKEN ? "broken" : "undecided";
+    return verdict == SGT_LIMIT_PROVEN   ? "proven"
+           : verdict == SGT_LIMIT_BROKEN ? "broken"
+           : verdict == SGT_LIMIT_EMPTY  ? "empty"
+                                         : "undecided";
 }
 
 void sgt_prove_limit_text(const sgt_prove_limit *l, char text[SGT_PROVE_LIMIT_SIZE])
@@ -31,7 +34,8 @@ void sgt_prove_limit_text(const sgt_prove_limit *l, char text[SGT_PROVE_LIMIT_SI
     const limit_name *n = &limit_names[l->quantity];
     char at[24] = "";
     if (l->element) snprintf(at, sizeof at, "[%zu]", l->element);
-    snprintf(text, SGT_PROVE_LIMIT_SIZE, "%s%s %s %.6g", n->name, at, n->above ? ">" : "<", l->value);
+    snprintf(text, SGT_PROVE_LIMIT_SIZE, "%s%s %c%s %.6g", n->name, at, n->above ? '>' : '<',
+             l->or_equal ? "=" : "", l->value);
 }
 
 static bool limit_fault(sgt_error *error, const char *words, ...)
@@ -81,7 +85,8 @@ static bool read_one(const char **at, sgt_prove_limit *out, sgt_error *error)
     if ((*to == '>') != n->above)
         return limit_fault(error, "%s %c ...: only %s %c ... can be a limit of all rays", n->name, *to,
                            n->name, n->above ? '>' : '<');
-    to += to[1] == '=' ? 2 : 1;
+    out->or_equal = to[1] == '=';
+    to += out->or_equal ? 2 : 1;
     to = past_blanks(to);
     const size_t length = number_read_first(to, to + strlen(to), &out->value);
     if (!length || !isfinite(out->value))

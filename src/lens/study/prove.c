@@ -95,6 +95,8 @@ static void say_about(const proving *w)
     if (!w->cell.has_reference)
         sgt_ask_say(a, SGT_STUDY_NOTE, "%s: the chief ray does not get through, so there is no reference",
                 who);
+    if (!(w->of.passes + w->of.undecided > 0))
+        sgt_ask_say(a, SGT_STUDY_NOTE, "%s: no ray of the pupil passes", who);
     if (w->of.spent && !w->limits && left > w->undecided)
         sgt_ask_say(a, SGT_STUDY_NOTE, "%s: %zu boxes were spent, and %.3g %% of the pupil is undecided; "
                                        "give more --boxes", who, w->of.carried, left);
@@ -106,6 +108,19 @@ static void say_about(const proving *w)
     if (b->hopeless)
         sgt_ask_say(a, SGT_STUDY_NOTE, "%s: at element %zu no box can be decided: %s", who, b->element + 1,
                     sgt_box_why_text(b->why));
+}
+
+/* Has this element, or any if it is 0, a clear aperture? */
+static bool has_clearance(const proving *w, size_t element)
+{
+    for (size_t i = 0; i < w->ask->lens->count; i++) {
+        const sgt_element *e = &w->ending[0][i];
+        const bool round = e->semi_diameter > 0 && e->semi_diameter < 0x1p500;
+        if ((round || (e->aperture && e->aperture->count > 0)) &&
+            (element == 0 || element == i + 1))
+            return true;
+    }
+    return false;
 }
 
 static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
@@ -136,10 +151,17 @@ static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
         if (w.ending[b]) sgt_launch_ending(a->lens->count, a->band[b].element, w.ending[b]);
     }
     if (a->failed) return false;
+    for (size_t k = 0; k < w.limits; k++)
+        if (w.limit[k].quantity == SGT_PROVE_CLEARANCE && !has_clearance(&w, w.limit[k].element))
+            return w.limit[k].element
+                       ? sgt_ask_refuse(a, "limit", "element %zu has no clear aperture, so there is no "
+                                        "clearance", w.limit[k].element)
+                       : sgt_ask_refuse(a, "limit", "no element has a clear aperture, so there is no "
+                                        "clearance");
     if (a->from->aim != SGT_LENS_AIM_PUPIL)
         sgt_ask_say(a, SGT_STUDY_NOTE,
                     "the lens aims its rays at the stop; what is proven is of the paraxial "
-                                       "pupil, as without aiming");
+                                       "pupil, as with --aim paraxial");
     for (size_t i = 0; i < a->fields * a->bands && !a->failed; i++) {
         set_cell(&w, i);
         if (!sgt_proof_run(&w.asked, &w.of)) sgt_ask_fail(a, "", "no memory");
@@ -441,7 +463,7 @@ static const sgt_column limits_columns[] = {
     COLUMN_WAVELENGTH(sgt_prove_limit_row, 0),
     {.name = "limit", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, LIMIT(limit), 0, "which limit, counted from 1"},
     {.name = "verdict", SGT_COLUMN_VERDICT, SGT_UNIT_NONE, 0, LIMIT(verdict), 0,
-     "proven of every ray; broken, by the ray of px, py; undecided"},
+     "proven of every ray; broken, by the ray of px, py; undecided; empty: no ray passes"},
     {.name = "value", SGT_COLUMN_EXACT, SGT_UNIT_NONE, 0, LIMIT(value), 0, "of the limit"},
     {.name = "bound", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, LIMIT(bound), 0, "no ray is beyond"},
     {.name = "seen", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, LIMIT(seen), 0,

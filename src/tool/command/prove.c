@@ -50,20 +50,22 @@ static void say_broken(const look *l, const sgt_prove_limit_row *r)
 /* The first ray that breaks each limit, and how many hold. */
 static exit_status end_limits(const look *l)
 {
-    size_t proven = 0, broken = 0;
+    size_t proven = 0, broken = 0, empty = 0;
     bool told[SGT_PROVE_LIMITS + 1] = {false};
     for (size_t i = 0; i < l->rows; i++) {
         const sgt_prove_limit_row *r = look_row(l, i);
         proven += r->verdict == SGT_LIMIT_PROVEN, broken += r->verdict == SGT_LIMIT_BROKEN;
+        empty += r->verdict == SGT_LIMIT_EMPTY;
         if (r->verdict != SGT_LIMIT_BROKEN || isnan(r->px) || told[r->limit]) continue;
         told[r->limit] = true;
         say_broken(l, r);
     }
-    const size_t left = l->rows - proven - broken;
-    table_line(l->table, "%zu of %zu proven%s%s.", proven, l->rows,
+    const size_t left = l->rows - proven - broken - empty;
+    table_line(l->table, "%zu of %zu proven%s%s%s.", proven, l->rows,
                broken ? memory_print(", %zu broken", broken) : "",
-               left ? memory_print(", %zu undecided: more --boxes may decide them", left) : "");
-    return broken ? EXIT_BROKEN : left ? EXIT_UNDECIDED : EXIT_DECIDED;
+               left ? memory_print(", %zu undecided: more --boxes may decide them", left) : "",
+               empty ? memory_print(", %zu empty: no ray passes", empty) : "");
+    return broken ? EXIT_BROKEN : left || empty ? EXIT_UNDECIDED : EXIT_DECIDED;
 }
 
 static exit_status end_prove(look *l)
@@ -210,7 +212,7 @@ const command command_prove = {
                 "  sagitta prove examples/lenses/cooke_triplet.yaml --picture pupils.svg\n",
     .docs = "docs/prove.md",
     .exits = "  0  at most --undecided of each pupil is undecided; or every limit is proven\n"
-             "  1  more is undecided; or a limit is undecided, and none is broken\n"
+             "  1  more is undecided; or a limit is undecided, or no ray passes, and none is broken\n"
              "  2  wrong arguments\n"
              "  3  bad input, or output that cannot be written\n"
              "  4  a limit is broken\n",
