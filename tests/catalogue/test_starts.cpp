@@ -113,7 +113,8 @@ void ask(const char *type, const sgt_surface &s, double h, double rim, const std
                    length = quad(std::hypot(r.d.x, r.d.y, r.d.z)),
                    x = quad(r.o.x) + t * quad(r.d.x), y = quad(r.o.y) + t * quad(r.d.y);
         const bool is = size_of(along(exact, r, t)) < quad(0x1p-90) * quad(h) && away > 40 * reach &&
-                        away * length < quad(1e-6) * quad(h) && reach > 0 && t < quad(end_of(&r)) - away / 4 &&
+                        away * length < quad(1e-6) * quad(h) && reach > 0 &&
+                        t < quad(end_of(&r)) - away / 4 &&
                         away > 64 * quad(0x1p-53) * size_of(t) &&
                         !(rim > 0 && x * x + y * y > quad(rim) * quad(rim) * quad(1 - 1e-9));
         const sgt_options *ask_for[] = {&none, &root, &first};
@@ -151,8 +152,10 @@ bool start_near(generator &g, const specimen &s, const formula<double> &rough, c
                 sgt_ray *r)
 {
     const double radius = s.h * std::sqrt(g.uniform(0, 0.9)) * (g.chance(0.2) ? g.log_uniform(1e-5, 1) : 1),
-                 about = g.uniform(0, 6.28), to = g.uniform(0, 6.28), up = g.uniform(-1, 1), x = radius * std::cos(about),
-                 y = radius * std::sin(about), z = -rough(x, y, 0.0), size = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3);
+                 about = g.uniform(0, 6.28), to = g.uniform(0, 6.28), up = g.uniform(-1, 1),
+                 x = radius * std::cos(about),
+                 y = radius * std::sin(about), z = -rough(x, y, 0.0),
+                 size = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3);
     if (!(z == z)) return false;
     const double e = 0x1p-20 * s.h, nx = (rough(x + e, y, 0.0) - rough(x - e, y, 0.0)) / (2 * e),
                  ny = (rough(x, y + e, 0.0) - rough(x, y - e, 0.0)) / (2 * e);
@@ -172,7 +175,8 @@ bool start_near(generator &g, const specimen &s, const formula<double> &rough, c
     if (g.chance(0.3)) {
         const quad slope = terms_at(exact, *r, quad(r->tmin), s.h).slope;
         const double way = static_cast<double>(-along(exact, *r, quad(r->tmin)) / slope);
-        r->tmax = r->tmin + std::fabs(way) * (g.chance(0.5) ? g.log_uniform(0.5, 10) : g.log_uniform(10, 1e10));
+        r->tmax = r->tmin + std::fabs(way) *
+                                (g.chance(0.5) ? g.log_uniform(0.5, 10) : g.log_uniform(10, 1e10));
     }
     return r->tmax > r->tmin && std::fabs(r->tmin) < 1e300;
 }
@@ -282,7 +286,8 @@ int main()
             }
             if (!rays.empty()) ask(s.type.c_str(), s.s, s.h, s.rim, rays, near);
         }
-        std::printf("%-14s %6ld starts, %6ld decided, %6ld times a hit nearby, %6ld times none\n", type, asked,
+        std::printf("%-14s %6ld starts, %6ld decided, %6ld times a hit nearby, %6ld times none\n", type,
+                    asked,
                     decided, hits_near, dropped);
     }
     for (const auto &f : failed) std::printf("FAIL %6d  %s\n", f.second, f.first.c_str());

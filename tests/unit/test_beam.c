@@ -534,7 +534,8 @@ static void other_sheets_hold(void **unused)
         sgt_box_launch from = {.parameters = 2};
         sgt_box_at at[MOST];
         sgt_box_end end;
-        const double radius = either_sign(&drawn) * uniform(&drawn, 3, 7), spread = log_uniform(&drawn, 1e-6, 0.3);
+        const double radius = either_sign(&drawn) * uniform(&drawn, 3, 7),
+                     spread = log_uniform(&drawn, 1e-6, 0.3);
         const double k = chance(&drawn, 0.5) ? 0 : uniform(&drawn, -4, 0.5), side = fabs(radius);
         memset(&l, 0, sizeof l);
         l.n = 1, l.of[0].conic = (sgt_conic){.c = 1 / radius, .k = k};
@@ -716,6 +717,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(models_contain), cmocka_unit_test(plain_boxes_are_decided),
-        cmocka_unit_test(rest_shrinks), cmocka_unit_test(other_sheets_hold), cmocka_unit_test(quadrics_hold), cmocka_unit_test(departures_hold)};
+        cmocka_unit_test(rest_shrinks), cmocka_unit_test(other_sheets_hold),
+        cmocka_unit_test(quadrics_hold), cmocka_unit_test(departures_hold)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -551,7 +551,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     if (grazes) is = EASY_NOT;
     if (is == EASY_NOT && tried && v.side && !w.stopped) is = sgt_asphere_beside(&v, &h, ray, &e, &w);
     const bool spared = grazes && is == EASY_NOT && !w.stopped && w.evals + MOST_EASY < w.budget;
-    if (spared && !passes_by(&h, ray)) v.side = false, is = easy(&v, &h, ray, &e, &w); /* the rounds after all */
+    if (spared && !passes_by(&h, ray)) v.side = false, is = easy(&v, &h, ray, &e, &w); /* the rounds */
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch)
