@@ -360,8 +360,9 @@ static double starts_monotone(size_t n, const sgt_rays *r, const region_rows *w,
 /* F at the origins: values, gradient and a bound on what is rounded. */
 typedef struct at_starts { const double *f, *fx, *fy, *own; } at_starts;
 
-/* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do; `over` is
- * 1 where nothing is met behind the chord as far as the rings tell, else 0.  Returns how many of `starts` are not 0. */
+/* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do; `over`
+ * is 1 where nothing is met behind the chord as far as the rings tell, else 0.  Returns how many of `starts`
+ * are not 0. */
 SGT_KERNEL
 static double leaves_circle(size_t n, const sgt_rays *r, const sgt_heights *g, const double *tmax,
                             const double *radius2, const at_starts *at, const double *hi, const double *least,

@@ -8,7 +8,7 @@ ray by ray, for the last few rays and for arrays that might overlap (of a short 
 written out one by one).  A loop that has not become vector code is there once, ray by ray.
 
 So in each kernel for x86-64-v3 and v4, the packed operations in the widest registers (ymm, zmm) must be at
-least a quarter of the scalar ones (an eighth, if those are below 64).  The scalar ones include what is worked
+least a quarter of the scalar ones (a tenth, if those are below 64).  The scalar ones include what is worked
 out once for all rays.  In the kernels that do most of the work, certain operations must be packed.
 
     python3 vectorised.py LIBRARY_FOR_V3 LIBRARY_FOR_V4
@@ -19,7 +19,7 @@ import subprocess
 import sys
 
 # Packed operations, in the widest registers, for one that is scalar.
-LEAST, LEAST_SHORT, SHORT = 0.25, 0.125, 64
+LEAST, LEAST_SHORT, SHORT = 0.25, 0.1, 64
 # Functions (a pattern; at least one must be there) and what must occur packed in each.
 NEEDED = {
     r'conic_lanes_(first|near)\w*': {'sqrt', 'div', 'fma'},
