@@ -15,6 +15,59 @@ static sgt_hit asphere(sgt_even_asphere s, sgt_ray ray, sgt_options opt)
     return sgt_intersect((sgt_surface){&sgt_even_asphere_ops, &s}, ray, &opt);
 }
 
+/* Where F is 0 at the first look beside a grazed root, the next look went to the side of a signed zero: the
+ * image in the vertex plane had other bits. */
+static void test_grazing_mirrored(void **state)
+{
+    (void)state;
+    generator g = seeded("grazing, mirrored in z");
+    const double none[1] = {0};
+    for (long i = 0; i < scaled(20000); i++) {
+        sgt_polynomial_xy s = {.c = uniform(&g, 0.01, 0.4), .a = {none, 1, 1}}, m = s;
+        const double R = 1 / s.c, r = uniform(&g, 0, 0.02) * R, from = uniform(&g, -3.15, 3.15),
+                     to = uniform(&g, -3.15, 3.15), low = log_uniform(&g, 1e-4, 1e-2);
+        s.semi_diameter = m.semi_diameter = 0.05 * R;
+        const double x = r * cos(from), y = r * sin(from);
+        m.c = -s.c;
+        sgt_ray ray = {{x, y, s.c * (x * x + y * y) / (1 + sqrt(1 - s.c * s.c * (x * x + y * y)))},
+                       {cos(to), sin(to), chance(&g, 0.5) ? low : -low},
+                       0,
+                       0};
+        if (i == 0) { /* as it was found */
+            s = (sgt_polynomial_xy){0.32348796348066844, 0, 0.014797214127851134, {none, 1, 1}};
+            m = s, m.c = -s.c;
+            ray = (sgt_ray){{0.00022261624099069181, -0.0040887969194358647, 2.7002529303041301e-06},
+                            {-0.99669230900345585, -0.081266697645965336, 0.00040623525105072065},
+                            0,
+                            0};
+        }
+        sgt_ray image = ray;
+        image.o.z = -ray.o.z, image.d.z = -ray.d.z;
+        sgt_hit h = sgt_intersect((sgt_surface){&sgt_polynomial_xy_ops, &s}, ray, NULL),
+                k = sgt_intersect((sgt_surface){&sgt_polynomial_xy_ops, &m}, image, NULL);
+        REQUIRE(h.status == k.status && !memcmp(&h.t, &k.t, sizeof h.t) &&
+                    !memcmp(&h.t_err, &k.t_err, sizeof h.t),
+                "ray %ld: %s, t = %a +- %a; its image %s, t = %a +- %a", i, sgt_status_text(h.status), h.t,
+                h.t_err, sgt_status_text(k.status), k.t, k.t_err);
+    }
+}
+
+/* Coefficients that are almost 0, a hyperboloid without a rim: what grazes it was left to the form from the
+ * side alone, which could not tell. */
+static void test_grazing_small_terms(void **state)
+{
+    (void)state;
+    sgt_even_asphere s = {
+        .c = -6.4277521977852707, .k = -3.8296772926414939, .a = {-1.48e-323, 0, 0, -9.88e-324}};
+    sgt_ray ray = {{0.0016092384850759482, -0.00076126373738267866, 1.8824665596555731e-06},
+                   {-0.90395608422666063, 0.42762399326767392, -0.0010574362443696932},
+                   0,
+                   0};
+    sgt_hit h = asphere(s, ray, (sgt_options){.max_evals = 0});
+    REQUIRE(h.status == SGT_HIT && fabs(h.t - 0.0017802175494539213) < 1e-17, "%s, t = %.17g",
+            sgt_status_text(h.status), h.t);
+}
+
 /* Slope and terms are both 0 there: the rule of the start divided 0 by 0, and the vertex was missed. */
 static void test_vertex_in_its_plane(void **state)
 {
@@ -921,6 +974,8 @@ int main(void)
         cmocka_unit_test(test_span_that_underflows_in_t),
         cmocka_unit_test(test_term_whose_bound_underflows),
         cmocka_unit_test(test_vertex_from_far_aside),
+        cmocka_unit_test(test_grazing_mirrored),
+        cmocka_unit_test(test_grazing_small_terms),
         cmocka_unit_test(test_vertex_in_its_plane),
         cmocka_unit_test(test_two_about_the_start),
         cmocka_unit_test(test_coarse_tolerance),
