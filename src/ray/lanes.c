@@ -300,7 +300,7 @@ static double steadily_single(const lanes *a, const sgt_rays *r, size_t n)
     for (size_t i = 0; i < n; i++) {
         double least = a->least[i], steep = 0.25 * fabs(dz[i]) * scale_of((sgt_vec3){dx[i], dy[i], dz[i]});
         bool away = (a->tmin[i] != 0) | (least >= steep) | (fabs(oz[i]) > 0.5 * (fabs(ox[i]) + fabs(oy[i])));
-        count += (least > 0) & away ? 1.0 : 0.0;
+        count += ((least > 0) & away) ? 1.0 : 0.0;
     }
     return count;
 }
