@@ -38,6 +38,7 @@ void sgt_prove_limit_text(const sgt_prove_limit *l, char text[SGT_PROVE_LIMIT_SI
              l->or_equal ? "=" : "", l->value);
 }
 
+__attribute__((format(printf, 2, 3)))
 static bool limit_fault(sgt_error *error, const char *words, ...)
 {
     if (!error) return false;
