@@ -291,8 +291,8 @@ static void tight(oracle::generator &random)
         }
         for (int i = 0; i < 2; i++) {
             const double rise = i ? b.d.y : b.d.x, o = i ? b.o.y : b.o.x, from = e.pose.origin.z - b.o.z,
-                         moved = -o - rise * from, more = -rise * z, room = 1e-6 * (R + z);
-            const sgt_interval want = {moved - R + std::min(more, 0.0), moved + R + std::max(more, 0.0)};
+                         shifted = -o - rise * from, more = -rise * z, room = 1e-6 * (R + z);
+            const sgt_interval want = {shifted - R + std::min(more, 0.0), shifted + R + std::max(more, 0.0)};
             if (!(got[i].lo <= want.lo + room && got[i].hi >= want.hi - room))
                 fail("bounds that are too narrow", n, got[i].lo, want.lo);
             if (!(got[i].lo >= want.lo - room && got[i].hi <= want.hi + room))
