@@ -553,6 +553,42 @@ typedef struct sgt_hits {
 SGT_API size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits,
                                    const sgt_options *opt);
 
+/* Many rays and answers in single precision: one array for each number of sgt_ray and of
+ * sgt_hit. */
+typedef struct sgt_rays_f {
+    const float *o[3], *d[3];
+    const float *tmin;  /* NULL: 0 */
+    const float *tmax;  /* NULL: INFINITY */
+} sgt_rays_f;
+
+typedef struct sgt_hits_f {
+    sgt_status *status;
+    float      *t, *t_err;
+    float      *p[3], *n[3];
+    float      *p_err;
+    unsigned long long reserved_[2]; /* leave it zero: else every ray is SGT_INVALID */
+} sgt_hits_f;
+
+/* As sgt_intersect_batch, for rays and answers of floats: less memory, and twice as many
+ * rays in a register.  The surface is that of the doubles of its parameters, and the ray
+ * that of the floats given, exactly.
+ *
+ *   - The status is the one that sgt_intersect_batch gives to the same ray in double.
+ *   - |t - root| <= t_err, and the surface is within p_err of p: certain, as in double.
+ *     t_err is some 2^-23 |t| or more; t_tol allows more, and never asks for less.
+ *   - n is within some 2^-15 of its length; no bound is told.
+ *
+ * Planes, conics and even aspheres with a semi_diameter are met in float arithmetic.  A
+ * ray that is not certainly met so (a miss, a graze, a root beside the rim or the start)
+ * is asked in double, as is every ray of another surface; that costs more than
+ * sgt_intersect_batch.  A t or p beyond the largest float is that float with the sign, and
+ * its bound is INFINITY.  An n beyond it is infinite.
+ *
+ * The same bits whatever the neighbours and the processor.  Outputs must not overlap the
+ * rays or each other.  Nothing is allocated; the stack needed is below 96 KiB. */
+SGT_API size_t sgt_intersect_batch_f(sgt_surface s, size_t n, sgt_rays_f rays,
+                                     sgt_hits_f hits, const sgt_options *opt);
+
 /* Why do sgt_intersect and its kin answer SGT_INVALID to these?  opt, hits and error may
  * be NULL: no options, none of a batch, not wanted.  false: `error` names the first
  * argument that makes no sense.  A member for later versions that is not zero is named by

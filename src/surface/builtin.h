@@ -160,6 +160,9 @@ typedef struct sgt_part { double radius, x, y, l, m, steep; sgt_interval bent; d
 enum { SGT_RINGS = 16 };
 typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; bool endless; } sgt_heights;
 
+/* c, k and semi_diameter as in sgt_conic, and the sum of a[i] r^(2i + 2), i < terms. */
+typedef struct sgt_even_sag { double c, k, semi_diameter; int terms; const double *a; } sgt_even_sag;
+
 struct sgt_builtin_ops {
     /* The operations of each set of instructions (dispatch.h).  Set in the table of operations that a
      * program sees, and there nothing else is set.  NULL in the tables of the sets themselves. */
@@ -195,6 +198,9 @@ struct sgt_builtin_ops {
      * root of any kind; 0 where it is not certain.  Returns false, and does nothing, if no side is known.
      * Called by ray/leave.c. */
     bool (*behind)(const void *self, size_t n, const sgt_rays *rays, double side[]);
+    /* The surface as a conic and even powers, for ray/batch_f.c.  Returns false if a parameter is invalid.
+     * NULL: it is none. */
+    bool (*even_sag)(const void *self, sgt_even_sag *sag);
     /* The largest number of rays in a tile, SGT_TILE to SGT_MOST_TILE.  0 means SGT_TILE.  Read with or
      * without `meet`. */
     size_t tile;

@@ -223,6 +223,37 @@ static void add_lens(generator *g, int rounds)
     }
 }
 
+/* -------------------------------------------------------------------- floats */
+
+/* Conics and aspheres of any kind, asked in single precision. */
+static void add_floats(generator *g, int rounds)
+{
+    static float columns[8][BATCH], of[9][BATCH];
+    static sgt_status status[BATCH];
+    const sgt_rays_f from = {{columns[0], columns[1], columns[2]}, {columns[3], columns[4], columns[5]},
+                             columns[6], columns[7]};
+    const sgt_hits_f to = {.status = status, .t = of[0], .t_err = of[1], .p = {of[2], of[3], of[4]},
+                           .n = {of[5], of[6], of[7]}, .p_err = of[8]};
+    while (rounds-- > 0) {
+        specimen s = random_specimen(g, &sgt_builtins()[below(g, 4)]);
+        const sgt_options opt = {.pick = chance(g, 0.5) ? SGT_FIRST : SGT_NEAR_SEED};
+        size_t n = (size_t)below(g, BATCH + 1);
+        for (size_t i = 0; i < n; i++) rays[i] = i % 8 ? ordinary_ray(g, &s) : hostile_ray(g, &s);
+        const sgt_rays in_double = as_arrays(n);
+        for (size_t i = 0; i < n; i++)
+            for (int j = 0; j < 3; j++)
+                columns[j][i] = (float)in_double.o[j][i], columns[3 + j][i] = (float)in_double.d[j][i];
+        for (size_t i = 0; i < n; i++)
+            columns[6][i] = (float)in_double.tmin[i], columns[7][i] = (float)in_double.tmax[i];
+        add_bits(sgt_intersect_batch_f(surface_of(&s), n, from, to, &opt));
+        for (size_t i = 0; i < n; i++) {
+            add_bits((uint64_t)(status[i] - SGT_INVALID));
+            for (int j = 0; j < 9; j++) add_number((double)of[j][i]);
+            list_ray(&rays[i], "in floats");
+        }
+    }
+}
+
 /* ------------------------------------------------------------------- poses */
 
 static void add_poses(generator *g, int rounds)
@@ -264,5 +295,7 @@ int main(int argc, char **argv)
     if (begin("poses", argc, argv)) add_poses(&poses, (int)(1000 * scale) + 1), end("poses");
     for (const sgt_builtin *b = &sgt_builtins()[FIRST_TYPES]; b->type; b++)
         part_of_type(b, &g, scale, argc, argv);
+    generator floats = {random_bits(&g)};
+    if (begin("floats", argc, argv)) add_floats(&floats, (int)(200 * scale) + 1), end("floats");
     return 0;
 }

@@ -763,12 +763,20 @@ static bool asphere_values_rounded(const void *self, const sgt_shared *shared, c
     return true;
 }
 
+static bool asphere_even_sag(const void *self, sgt_even_sag *sag)
+{
+    const sgt_even_asphere *s = self;
+    *sag = (sgt_even_sag){s->c, s->k, s->semi_diameter, asphere_terms_of(s), s->a};
+    return asphere_valid(s);
+}
+
 static const struct sgt_builtin_ops asphere_builtin = {.meet = asphere_meet,
                                                        .all = asphere_all,
                                                        .lanes = asphere_lanes,
                                                        .unique = asphere_unique,
                                                        .on = asphere_on,
                                                        .behind = asphere_behind,
+                                                       .even_sag = asphere_even_sag,
                                                        .departure = &sgt_asphere_departure,
                                                        .values_rounded = asphere_values_rounded};
 

@@ -686,12 +686,20 @@ static bool conic_values_rounded(const void *self, const sgt_shared *shared, con
     return true;
 }
 
+static bool conic_even_sag(const void *self, sgt_even_sag *sag)
+{
+    const sgt_conic *s = self;
+    *sag = (sgt_even_sag){.c = s->c, .k = s->k, .semi_diameter = s->semi_diameter};
+    return conic_valid(s->c, s->k, s->semi_diameter);
+}
+
 static const struct sgt_builtin_ops conic_builtin = {.meet = conic_meet,
                                                      .all = conic_all,
                                                      .lanes = conic_lanes,
                                                      .unique = conic_unique,
                                                      .on = conic_on,
                                                      .behind = conic_behind,
+                                                     .even_sag = conic_even_sag,
                                                      .values_rounded = conic_values_rounded};
 
 const sgt_surface_ops sgt_conic_ops = {
