@@ -5,6 +5,7 @@
  * takes is in the arena of the lens, but for a catalogue of glasses. */
 #include "open.h"
 
+#include "configure.h"
 #include "conjugate.h"
 #include "resolve.h"
 
@@ -138,13 +139,29 @@ static void read_into(lens_maker make, whole_lens *w, source *s, const char *nam
     if (read == sgt_read_yaml) read(s);
     else read_other(s, read);
     w->make = make;
+    if (read == sgt_read_yaml && make == sgt_read_lens) sgt_choose_configuration(s);
     sgt_make_lens(w, s);
+}
+
+void sgt_take_over(whole_lens *w, source *s, const whole_lens *old)
+{
+    s->file = tree_text(s, s->file, strlen(s->file));
+    s->folder = tree_text(s, old->folder, strlen(old->folder));
+    s->root = tree_copy(s, old->root);
+    for (size_t i = 0; i < old->comments; i++)
+        tree_comment(s, tree_text(s, old->comment[i], strlen(old->comment[i])));
+    for (size_t i = 0; i < old->imports; i++)
+        tree_remark_again(s, &old->imported[i], old->imported[i].line, old->imported[i].key);
+    w->make = old->make;
+    w->media.before = &old->media;
 }
 
 void sgt_make_lens(whole_lens *w, source *s)
 {
     w->media.source = s;
     w->lens.file = s->file;
+    node **configurations = w->make == sgt_read_lens ? sgt_configurations_place(s->root) : NULL, *list = NULL;
+    if (configurations) list = sgt_set_aside(s, configurations);
     const resolution *resolved = w->make == sgt_read_lens ? sgt_resolve(w, s) : NULL;
     sgt_lens_remark *imported = tree_room(s, s->remarks, sizeof *imported);
     if (s->remarks) memcpy(imported, s->remark, s->remarks * sizeof *imported);
@@ -152,10 +169,13 @@ void sgt_make_lens(whole_lens *w, source *s)
     w->make(w, s);
     if (w->make == sgt_read_lens) sgt_find_conjugates(w, s);
     sgt_end_resolution(resolved);
+    if (list) *configurations = list, sgt_tell_configurations(s, list);
     sort_remarks(s);
     w->lens.remarks = s->remarks, w->lens.remark = s->remark;
     w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
     w->folder = s->folder, w->options = *s->options, w->options.allocator = NULL;
+    w->options.configuration = 0; /* its tree is that of the one that was asked for */
+    if (list) sgt_check_configurations(w, s);
 }
 
 void sgt_end_making(whole_lens *w, source *s)
@@ -215,6 +235,7 @@ static sgt_lens *lens_by(lens_maker make, const char *name, const char *text, si
     tree_return(&s, s.borrowed);
     sgt_end_making(w, &s);
     if (fine) return &w->lens;
+    sgt_blame_configuration(&s);
     sgt_lens_free(&w->lens);
     return NULL;
 }

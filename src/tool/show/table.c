@@ -60,6 +60,7 @@ struct table {
     block *block;               /* of text */
     bool part, block_written;
     bool plain;                 /* csv, and not hexadecimal */
+    long long lead;             /* of a table that leads */
 };
 
 /* ------------------------------------------------------------ the choice */
@@ -114,8 +115,26 @@ static table *table_new(const table *like)
     return t;
 }
 
+/* With a first column more. */
+static table_target led(const table_target *target, size_t columns, const column **head)
+{
+    table_target to = *target;
+    column *all = memory_take(columns + 1, sizeof *all);
+    all[0] = (column){"configuration", COLUMN_COUNT};
+    memcpy(all + 1, *head, columns * sizeof *all);
+    *head = all;
+    if (!to.unit) return to;
+    const char **unit = memory_take(columns + 1, sizeof *unit);
+    unit[0] = "";
+    for (size_t i = 0; i < columns; i++) unit[i + 1] = to.unit[i];
+    to.unit = unit;
+    return to;
+}
+
 table *table_begin(const table_target *target, size_t columns, const column *head)
 {
+    const table_target to = target->leads ? led(target, columns, &head) : *target;
+    columns += to.leads, target = &to;
     table blank = {.to = *target, .columns = columns, .column = head,
                    .plain = target->format == TABLE_CSV && !target->hexadecimal};
     if (target->nowhere && target->format != TABLE_NPY) blank.to.path = "/dev/null";
@@ -342,6 +361,11 @@ static void end_row(table *t)
 /* Fills in the next cell, member by member: a whole one, copied, would cost as much as all the rest. */
 static void add_cell(table *t, int kind, double number, long long count, const char *word)
 {
+    if (t->filled == 0 && t->to.leads) {
+        t->cell[0].kind = CELL_COUNT, t->cell[0].number = (double)NAN;
+        t->cell[0].count = t->lead, t->cell[0].word = NULL;
+        t->filled = 1;
+    }
     cell *c = &t->cell[t->filled];
     c->kind = kind, c->number = number, c->count = count, c->word = word;
     if (++t->filled == t->columns) end_row(t);
@@ -390,14 +414,18 @@ static void block_value(table *t, const column *c, const table_values *v, size_t
 void table_block(table *t, size_t rows, const table_values values[])
 {
     if (t->npy) {
-        for (size_t i = 0; i < t->chosen; i++) t->chosen_values[i] = values[t->choice[i]];
+        const size_t leads = t->to.leads;
+        for (size_t i = 0; i < t->chosen; i++)
+            t->chosen_values[i] = t->choice[i] < leads ? (table_values){.at = &t->lead}
+                                                       : values[t->choice[i] - leads];
         npy_block(t->npy, rows, t->chosen_values, t->out);
         t->rows += rows;
         if (!t->part && t->out[0].length >= WRITE_AT) write_kept(t);
         return;
     }
     for (size_t row = 0; row < rows; row++)
-        for (size_t c = 0; c < t->columns; c++) block_value(t, &t->column[c], &values[c], row);
+        for (size_t c = t->to.leads; c < t->columns; c++)
+            block_value(t, &t->column[c], &values[c - t->to.leads], row);
 }
 
 /* --------------------------------------------------------------- rows in memory */
@@ -435,7 +463,7 @@ static inline size_t put_member(table *t, const table_member *m, printed *p, con
 
 bool table_put_members(table *t, const table_member member[], const void *row)
 {
-    if (!t->plain) return false;
+    if (!t->plain || t->to.leads) return false;
     char *to = bytes_room(&t->kept, t->chosen * (NUMBER_SIZE + 1));
     for (size_t i = 0; i < t->chosen; i++) {
         const size_t place = t->choice[i];
@@ -448,6 +476,8 @@ bool table_put_members(table *t, const table_member member[], const void *row)
     if (!t->part && t->kept.length >= WRITE_AT) write_kept(t);
     return true;
 }
+
+void table_lead(table *t, size_t number) { t->lead = (long long)number; }
 
 /* ------------------------------------------------------------------- text */
 

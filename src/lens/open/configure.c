@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: MIT
+/* configure.c - configurations: the positions of a zoom, a scanner's angles, a lens hot and cold.
+ *
+ *     configurations:
+ *       - name: wide
+ *         surfaces[4].thickness: 2.5
+ *         pupil.f_number: 4
+ *       - name: tele
+ *         surfaces[4].thickness: 11
+ *
+ * WHAT IT IS.  The values of the file are the base.  A configuration is a list of edits of the base: each key
+ * is a path (sagitta/edit.h) and its value is put there, in the order of the file, as sgt_lens_set_text would
+ * (../read/put.c).  The lens of a configuration is made of the tree that results, by the one maker that there
+ * is (open.c).  So it is in every bit the lens of a file that has these values and no configurations; and what
+ * the reader checks is checked.  The configurations do not depend on each other, nor on their order.
+ *
+ * WHEN IT IS MADE.  With the base each one is made once, and thrown away: a file whose third configuration is
+ * no lens is refused when it is read, and not when somebody asks for the third.  So is an edit of the base.
+ * That costs one making for each; there are at most CONFIGURATIONS_MOST.
+ *
+ * WHAT IS REFUSED beside that: two paths of one configuration that mean the same place, as radius and curvature
+ * of a surface do, since one of them would be undone in silence; a name that two have, or that looks like a
+ * number or is `all`, as they are chosen by name or number. */
+#include "configure.h"
+
+#include "../read/put.h"
+#include "../../text/number.h"
+#include "open.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char KEY[] = "configurations";
+
+node **sgt_configurations_place(const node *root)
+{
+    for (size_t i = 0; root && root->kind == NODE_MAP && i < root->count; i++)
+        if (root->key[i]->kind == NODE_SCALAR && strcmp(root->key[i]->text, KEY) == 0) return &root->item[i];
+    return NULL;
+}
+
+node *sgt_set_aside(source *s, node **place)
+{
+    node *list = *place;
+    *place = tree_word(s, list->line, "");
+    return list;
+}
+
+static bool is_name(const node *key) { return strcmp(key->text, "name") == 0; }
+
+/* "" where not given. */
+static const char *name_of(const node *map)
+{
+    for (size_t i = 0; map->kind == NODE_MAP && i < map->count; i++)
+        if (is_name(map->key[i]) && map->item[i]->kind == NODE_SCALAR) return map->item[i]->text;
+    return "";
+}
+
+static void check_name(source *s, const node *list, size_t place)
+{
+    const node *map = list->item[place], *n = NULL;
+    for (size_t i = 0; i < map->count; i++)
+        if (is_name(map->key[i])) n = map->item[i];
+    if (!n) return;
+    const char *key = tree_print(s, "%s[%zu].name", KEY, place + 1), *name = tree_read_text(s, n, key);
+    if (!*name) tree_fail(s, n->line, key, "empty; leave it out, and the configuration has its number");
+    if (strcmp(name, "all") == 0 || strspn(name, "0123456789") == strlen(name))
+        tree_fail(s, n->line, key, "\"%.60s\" would be read as a number or as all of them; give another name",
+                  name);
+    for (size_t i = 0; i < place; i++)
+        if (strcmp(name_of(list->item[i]), name) == 0)
+            tree_fail(s, n->line, key, "configuration %zu is called \"%.60s\", too", i + 1, name);
+}
+
+static void check_shape(source *s, const node *list)
+{
+    if (list->kind != NODE_LIST || !list->count)
+        tree_fail(s, list->line, KEY,
+                  "must be a list with a map for each, from paths to values, like "
+                  "[{name: wide, \"surfaces[4].thickness\": 2.5}]");
+    if (list->count > CONFIGURATIONS_MOST)
+        tree_fail(s, list->line, KEY, "there are %zu; at most %d are read", list->count, CONFIGURATIONS_MOST);
+    for (size_t i = 0; i < list->count; i++) {
+        const node *map = list->item[i];
+        if (map->kind != NODE_MAP)
+            tree_fail(s, map->line, tree_print(s, "%s[%zu]", KEY, i + 1),
+                      "must be a map from paths to values, like {\"surfaces[4].thickness\": 2.5}");
+        check_name(s, list, i);
+    }
+}
+
+/* ------------------------------------------------------------------ made */
+
+static bool holds_over(const node *n)
+{
+    if (n->over) return true;
+    for (size_t i = 0; n->kind != NODE_SCALAR && i < n->count; i++)
+        if (n->item[i] && holds_over(n->item[i])) return true;
+    return false;
+}
+
+/* Does what is put there change which entries of `surfaces` are breaks? */
+static bool moves_surfaces(const way *p)
+{
+    return p->count < 3 || sgt_step_is(&p->step[p->count - 1], "type");
+}
+
+void sgt_configure(source *s, size_t number)
+{
+    s->root = tree_copy(s, s->root);
+    tree_forget_numbers(s->root);
+    node **place = sgt_configurations_place(s->root), *map = (*place)->item[number - 1];
+    tree_remove(s->root, (size_t)(place - s->root->item));
+    s->chosen = map, s->chosen_number = number;
+    places known = sgt_path_places(s, s->root);
+    for (size_t i = 0; i < map->count; i++) {
+        if (is_name(map->key[i])) continue;
+        const char *path = map->key[i]->text;
+        size_t line = map->key[i]->line;
+        char why[PATH_WHY];
+        node *old;
+        way p;
+        if (!sgt_path_read(&p, path, why)) tree_fail(s, line, path, "%s", why);
+        if (sgt_step_is(&p.step[0], KEY)) tree_fail(s, line, path, "a configuration has none of its own");
+        p.known = &known;
+        node **to = sgt_put_place(s, &p, path, &line, &old);
+        if (old && holds_over(old))
+            tree_fail(s, line, path, "another path of this configuration has put a value there");
+        *to = map->item[i], (*to)->over = true;
+        if (moves_surfaces(&p)) known = sgt_path_places(s, s->root);
+    }
+}
+
+void sgt_choose_configuration(source *s)
+{
+    const int wanted = s->options->configuration;
+    node **place = sgt_configurations_place(s->root);
+    if (!wanted || (!place && wanted == 1)) return;
+    if (!place)
+        tree_fail(s, s->root->line, KEY, "not given: there is no configuration %d", wanted);
+    check_shape(s, *place);
+    if (wanted < 1 || (size_t)wanted > (*place)->count)
+        tree_fail(s, (*place)->line, KEY, "there %s %zu; there is no configuration %d",
+                  (*place)->count == 1 ? "is" : "are", (*place)->count, wanted);
+    sgt_configure(s, (size_t)wanted);
+}
+
+/* Is the fault that of the value of this path? */
+static bool is_blamed(const sgt_error *e, const node *key, const node *value)
+{
+    if (strcmp(e->key, key->text) == 0) return true;
+    if (e->line != value->line && e->line != key->line) return false;
+    const char *last = strrchr(e->key, '.'), *end = strrchr(key->text, '.');
+    last = last ? last + 1 : e->key, end = end ? end + 1 : key->text;
+    const size_t stem = strcspn(last, "[");
+    return stem && strncmp(end, last, stem) == 0 && (!end[stem] || end[stem] == '[');
+}
+
+void sgt_blame_configuration(const source *s)
+{
+    sgt_error *e = s->error;
+    const node *map = s->chosen;
+    if (!map || (!e->line && !*e->key)) return;
+    char words[sizeof e->words];
+    size_t i = 0;
+    while (i < map->count && !is_blamed(e, map->key[i], map->item[i])) i++;
+    const char *who = i < map->count ? map->key[i]->text : e->key;
+    snprintf(words, sizeof words, "%.200s%s%.1100s", who, *who ? ": " : "", e->words);
+    memcpy(e->words, words, sizeof words);
+    if (!e->line) e->line = map->line;
+    snprintf(e->key, sizeof e->key, "%s[%zu]", KEY, s->chosen_number);
+}
+
+static bool make_by(whole_lens *w, source *s, const whole_lens *base, size_t number)
+{
+    jmp_buf here;
+    s->refused = &here;
+    if (setjmp(here) != 0) return false;
+    sgt_take_over(w, s, base);
+    sgt_configure(s, number);
+    sgt_make_lens(w, s);
+    return true;
+}
+
+/* false: no memory of it is left. */
+static bool make_configuration(whole_lens *w, const whole_lens *base, const sgt_lens_options *options,
+                               size_t number, sgt_error *error)
+{
+    *w = (whole_lens){.memory = {.allocator = base->memory.allocator}};
+    source s = {.arena = &w->memory, .options = options, .error = error, .file = base->lens.file};
+    const bool fine = make_by(w, &s, base, number);
+    if (!fine) sgt_blame_configuration(&s);
+    sgt_end_making(w, &s);
+    if (!fine) sgt_arena_free(&w->memory);
+    return fine;
+}
+
+void sgt_check_configurations(const whole_lens *w, source *s)
+{
+    const size_t count = (*sgt_configurations_place(w->root))->count;
+    for (size_t i = 1; i <= count; i++) {
+        whole_lens trial;
+        if (!make_configuration(&trial, w, s->options, i, s->error)) longjmp(*s->refused, 1);
+        sgt_free_phases(&trial);
+        sgt_arena_free(&trial.memory);
+    }
+}
+
+void sgt_tell_configurations(source *s, const node *list)
+{
+    enum { NAMED = 12 };
+    check_shape(s, list);
+    const char *names = "";
+    for (size_t i = 0; i < list->count && i < NAMED; i++) {
+        const char *name = name_of(list->item[i]);
+        names = tree_print(s, "%s%s%.60s", names, i ? ", " : "", *name ? name : tree_print(s, "%zu", i + 1));
+    }
+    tree_remark(s, SGT_REMARK_NOTE, list->line, KEY,
+                "the file has %zu (%s%s), and this is the lens of its own values; a configuration is asked "
+                "for by its number or name", list->count, names, list->count > NAMED ? ", ..." : "");
+}
+
+/* ---------------------------------------------------------------- questions */
+
+static const node *configurations_of(const sgt_lens *lens)
+{
+    node **place = sgt_configurations_place(((const whole_lens *)(const void *)lens)->root);
+    return place ? *place : NULL;
+}
+
+size_t sgt_lens_configurations(const sgt_lens *lens)
+{
+    const node *list = configurations_of(lens);
+    return list && list->kind == NODE_LIST ? list->count : 0;
+}
+
+const char *sgt_lens_configuration_name(const sgt_lens *lens, size_t number)
+{
+    return number && number <= sgt_lens_configurations(lens)
+               ? name_of(configurations_of(lens)->item[number - 1])
+               : "";
+}
+
+static size_t refuse(const sgt_lens *lens, sgt_error *error, const char *words)
+{
+    const node *list = configurations_of(lens);
+    if (!error) return 0;
+    *error = (sgt_error){.line = list ? list->line : 0};
+    snprintf(error->file, sizeof error->file, "%s", lens->file);
+    snprintf(error->key, sizeof error->key, "%s", KEY);
+    snprintf(error->words, sizeof error->words, "%s", words);
+    return 0;
+}
+
+size_t sgt_lens_configuration_named(const sgt_lens *lens, const char *name, sgt_error *error)
+{
+    const size_t count = sgt_lens_configurations(lens);
+    char words[1200], all[900] = "";
+    long number;
+    size_t at = 0;
+    if (number_read_integer(name, 1, CONFIGURATIONS_MOST, &number) && (size_t)number <= count)
+        return (size_t)number;
+    for (size_t i = 1; i <= count; i++) {
+        const char *own = sgt_lens_configuration_name(lens, i);
+        if (*own && strcmp(own, name) == 0) return i;
+        if (at < sizeof all)
+            at += (size_t)snprintf(all + at, sizeof all - at, "%s%zu%s%.60s", i > 1 ? ", " : "", i,
+                                   *own ? " " : "", own);
+    }
+    if (!count) snprintf(words, sizeof words, "not given: there is no configuration \"%.60s\"", name);
+    else
+        snprintf(words, sizeof words, "there is no configuration \"%.60s\"; there %s %s", name,
+                 count == 1 ? "is" : "are", all);
+    return refuse(lens, error, words);
+}
+
+sgt_lens *sgt_lens_configured(const sgt_lens *lens, size_t number, sgt_error *error)
+{
+    const whole_lens *base = (const void *)lens;
+    const sgt_allocator a = base->memory.allocator;
+    const size_t count = sgt_lens_configurations(lens);
+    sgt_error unread;
+    char words[120];
+    if (!error) error = &unread;
+    if (!number || number > count) {
+        snprintf(words, sizeof words, "there %s %zu; there is no configuration %zu", count == 1 ? "is" : "are",
+                 count, number);
+        refuse(lens, error, words);
+        return NULL;
+    }
+    whole_lens *w = a.resize(a.context, NULL, sizeof *w);
+    if (!w) refuse(lens, error, "no memory");
+    else if (make_configuration(w, base, &base->options, number, error)) return &w->lens;
+    a.resize(a.context, w, 0);
+    return NULL;
+}
