@@ -8,6 +8,8 @@
  *       - name: tele
  *         surfaces[4].thickness: 11
  *
+ * The value null leaves a key out.
+ *
  * WHAT IT IS.  The values of the file are the base.  A configuration is a list of edits of the base: each key
  * is a path (sagitta/edit.h) and its value is put there, in the order of the file, as sgt_lens_set_text would
  * (../read/put.c).  The lens of a configuration is made of the tree that results, by the one maker that there
@@ -105,9 +107,27 @@ static bool moves_surfaces(const way *p)
     return p->count < 3 || sgt_step_is(&p->step[p->count - 1], "type");
 }
 
-void sgt_configure(source *s, size_t number)
+/* null leaves a key out: what stands there is then as in a file without it. */
+static bool is_null(const node *n)
 {
-    s->root = tree_copy(s, s->root);
+    return n->kind == NODE_SCALAR && !n->quoted && (strcmp(n->text, "null") == 0 || strcmp(n->text, "~") == 0);
+}
+
+static void remove_key(source *s, const way *p, const char *path, size_t line)
+{
+    char why[PATH_WHY];
+    spot at;
+    if (!sgt_path_find(s->root, p, p->count, &at, why)) tree_fail(s, line, path, "%s", why);
+    if (at.in->kind != NODE_MAP) tree_fail(s, line, path, "a place in a list cannot be left out");
+    if (!at.is) return;
+    if (holds_over(at.is))
+        tree_fail(s, line, path, "another path of this configuration has put a value there");
+    tree_remove(at.in, at.at);
+}
+
+/* Turns the tree of s into that of a configuration, which has no others. */
+static void configure(source *s, size_t number)
+{
     tree_forget_numbers(s->root);
     node **place = sgt_configurations_place(s->root), *map = (*place)->item[number - 1];
     tree_remove(s->root, (size_t)(place - s->root->item));
@@ -123,26 +143,16 @@ void sgt_configure(source *s, size_t number)
         if (!sgt_path_read(&p, path, why)) tree_fail(s, line, path, "%s", why);
         if (sgt_step_is(&p.step[0], KEY)) tree_fail(s, line, path, "a configuration has none of its own");
         p.known = &known;
+        if (is_null(map->item[i])) {
+            remove_key(s, &p, path, line);
+            continue;
+        }
         node **to = sgt_put_place(s, &p, path, &line, &old);
         if (old && holds_over(old))
             tree_fail(s, line, path, "another path of this configuration has put a value there");
         *to = map->item[i], (*to)->over = true;
         if (moves_surfaces(&p)) known = sgt_path_places(s, s->root);
     }
-}
-
-void sgt_choose_configuration(source *s)
-{
-    const int wanted = s->options->configuration;
-    node **place = sgt_configurations_place(s->root);
-    if (!wanted || (!place && wanted == 1)) return;
-    if (!place)
-        tree_fail(s, s->root->line, KEY, "not given: there is no configuration %d", wanted);
-    check_shape(s, *place);
-    if (wanted < 1 || (size_t)wanted > (*place)->count)
-        tree_fail(s, (*place)->line, KEY, "there %s %zu; there is no configuration %d",
-                  (*place)->count == 1 ? "is" : "are", (*place)->count, wanted);
-    sgt_configure(s, (size_t)wanted);
 }
 
 /* Is the fault that of the value of this path? */
@@ -156,7 +166,8 @@ static bool is_blamed(const sgt_error *e, const node *key, const node *value)
     return stem && strncmp(end, last, stem) == 0 && (!end[stem] || end[stem] == '[');
 }
 
-void sgt_blame_configuration(const source *s)
+/* Behind a fault in the lens of a configuration: says of which, and by which of its paths. */
+static void blame(const source *s)
 {
     sgt_error *e = s->error;
     const node *map = s->chosen;
@@ -177,7 +188,7 @@ static bool make_by(whole_lens *w, source *s, const whole_lens *base, size_t num
     s->refused = &here;
     if (setjmp(here) != 0) return false;
     sgt_take_over(w, s, base);
-    sgt_configure(s, number);
+    configure(s, number);
     sgt_make_lens(w, s);
     return true;
 }
@@ -189,7 +200,7 @@ static bool make_configuration(whole_lens *w, const whole_lens *base, const sgt_
     *w = (whole_lens){.memory = {.allocator = base->memory.allocator}};
     source s = {.arena = &w->memory, .options = options, .error = error, .file = base->lens.file};
     const bool fine = make_by(w, &s, base, number);
-    if (!fine) sgt_blame_configuration(&s);
+    if (!fine) blame(&s);
     sgt_end_making(w, &s);
     if (!fine) sgt_arena_free(&w->memory);
     return fine;
@@ -252,6 +263,31 @@ static size_t refuse(const sgt_lens *lens, sgt_error *error, const char *words)
     return 0;
 }
 
+/* "there are 3; there is no configuration 4" */
+static bool refuse_number(const sgt_lens *lens, long number, sgt_error *error)
+{
+    const size_t count = sgt_lens_configurations(lens);
+    char words[120];
+    snprintf(words, sizeof words, "there %s %zu; there is no configuration %ld", count == 1 ? "is" : "are",
+             count, number);
+    refuse(lens, error, count ? words : "not given: the file has no configurations");
+    return false;
+}
+
+bool sgt_choose_configuration(whole_lens *w, const source *s)
+{
+    const int wanted = s->options->configuration;
+    const size_t count = sgt_lens_configurations(&w->lens);
+    whole_lens made;
+    if (!wanted || s->chosen_number || (!count && wanted == 1)) return true;
+    if (wanted < 1 || (size_t)wanted > count) return refuse_number(&w->lens, wanted, s->error);
+    if (!make_configuration(&made, w, s->options, (size_t)wanted, s->error)) return false;
+    sgt_free_phases(w);
+    sgt_arena_free(&w->memory);
+    *w = made;
+    return true;
+}
+
 size_t sgt_lens_configuration_named(const sgt_lens *lens, const char *name, sgt_error *error)
 {
     const size_t count = sgt_lens_configurations(lens);
@@ -280,12 +316,9 @@ sgt_lens *sgt_lens_configured(const sgt_lens *lens, size_t number, sgt_error *er
     const sgt_allocator a = base->memory.allocator;
     const size_t count = sgt_lens_configurations(lens);
     sgt_error unread;
-    char words[120];
     if (!error) error = &unread;
     if (!number || number > count) {
-        snprintf(words, sizeof words, "there %s %zu; there is no configuration %zu", count == 1 ? "is" : "are",
-                 count, number);
-        refuse(lens, error, words);
+        refuse_number(lens, (long)number, error);
         return NULL;
     }
     whole_lens *w = a.resize(a.context, NULL, sizeof *w);

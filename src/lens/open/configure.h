@@ -18,13 +18,8 @@ void sgt_tell_configurations(source *s, const node *list);
 /* Makes the lens of each, to see whether it is one; a fault ends the reading. */
 void sgt_check_configurations(const whole_lens *w, source *s);
 
-/* Turns the tree of s into that of a configuration, counted from 1; it then has no others. */
-void sgt_configure(source *s, size_t number);
-
-/* The same of the one that the options ask for; 0: nothing. */
-void sgt_choose_configuration(source *s);
-
-/* Behind a fault in the lens of a configuration: says of which, and by which of its paths. */
-void sgt_blame_configuration(const source *s);
+/* A lens that was read becomes that of the configuration which the options ask for; 0: nothing.  (A reader may
+ * have made the tree of that one itself.)  false: there is none, and the error of s says so. */
+bool sgt_choose_configuration(whole_lens *w, const source *s);
 
 #endif

@@ -139,7 +139,6 @@ static void read_into(lens_maker make, whole_lens *w, source *s, const char *nam
     if (read == sgt_read_yaml) read(s);
     else read_other(s, read);
     w->make = make;
-    if (read == sgt_read_yaml && make == sgt_read_lens) sgt_choose_configuration(s);
     sgt_make_lens(w, s);
 }
 
@@ -234,8 +233,8 @@ static sgt_lens *lens_by(lens_maker make, const char *name, const char *text, si
     bool fine = read_by(make, w, &s, name, text, length);
     tree_return(&s, s.borrowed);
     sgt_end_making(w, &s);
+    if (fine && make == sgt_read_lens) fine = sgt_choose_configuration(w, &s);
     if (fine) return &w->lens;
-    sgt_blame_configuration(&s);
     sgt_lens_free(&w->lens);
     return NULL;
 }

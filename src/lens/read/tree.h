@@ -92,6 +92,7 @@ typedef struct source {
     node *root;
     met_text met[TEXTS_MET];
     bool in_lens;         /* not one surface alone */
+    bool varies;          /* vary.c reads one of several configurations */
     const node *chosen;   /* ../open/configure.c: the configuration that the tree is of; NULL: none */
     size_t chosen_number; /* from 1 */
     sgt_lens_remark *remark;
