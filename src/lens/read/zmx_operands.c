@@ -187,14 +187,18 @@ static void put(zmx *z, const zmx_operand *o)
     z->surface[o->at].glass = (zmx_glass){.medium = *name ? ZMX_GLASS : ZMX_AIR, .line = o->line, .name = name};
 }
 
-/* Are all rows of an operand read, each configuration at most once, and do they differ? */
-static bool is_told(const zmx_operand *o, size_t count)
+/* Does it give all configurations the same, the active one among them? */
+static bool says_nothing(const zmx *z, const zmx_operand *o, size_t count)
 {
-    for (size_t i = 1; i < count; i++)
-        if (!o[i].text || strcmp(o[i].text, o->text ? o->text : "") != 0) return true;
-    return !o->text;
+    bool active = false;
+    for (size_t i = 0; i < count; i++) {
+        if (!o[i].text || !o->text || strcmp(o[i].text, o->text) != 0) return false;
+        active = active || o[i].configuration == z->configuration;
+    }
+    return active;
 }
 
+/* Are all its rows read, each configuration at most once, and has the lens the value of the active one? */
 static bool is_taken(zmx *z, const zmx_operand *o, size_t count)
 {
     bool active = false, seen[1001] = {false};
@@ -220,7 +224,7 @@ size_t sgt_zmx_configure(zmx *z, size_t wanted)
         for (end = i + 1; end < z->operands && strcmp(z->operand[end].key, o->key) == 0 &&
                           z->operand[end].at == o->at && z->operand[end].parameter == o->parameter; end++)
             continue;
-        if (!is_told(o, end - i)) continue;
+        if (says_nothing(z, o, end - i)) continue;
         if (is_taken(z, o, end - i)) {
             taken++;
             for (size_t k = i; k < end; k++)
