@@ -205,8 +205,8 @@ static void require_surfaces(zmx *z)
 static void require_configuration(const zmx *z, int wanted)
 {
     const size_t line = z->configuration_line ? z->configuration_line : z->line;
-    const size_t count = z->configurations ? z->configurations : 1;
-    if (z->configuration_line && (z->configuration < 1 || z->configuration > count))
+    const size_t count = z->configurations > 1 ? z->configurations : 1;
+    if (count > 1 && (z->configuration < 1 || z->configuration > count))
         tree_fail(z->s, line, "MNUM", "there %s %zu; number %zu is said to be active", count == 1 ? "is" : "are",
                   count, z->configuration);
     if (wanted < 0 || (size_t)wanted > count)
