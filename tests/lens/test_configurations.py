@@ -61,8 +61,10 @@ def test_same_as_files():
         one = [run(command, ZOOM, '--configuration', name, exit=None).stdout for name in NAMES]
         equal(one, [run(command, ZOOM, '--configuration', i, exit=None).stdout for i in (1, 2, 3)], command)
         equal(one, [run(command, file, exit=None).stdout for file in files], command)
-    for command in ('tolerance', 'diagnose'):     # these take one
-        assert 'takes one configuration' in run(command, ZOOM, '--configuration', 'all', exit=USAGE).stderr, command
+    assert 'takes one configuration' in run('diagnose', ZOOM, '--configuration', 'all', exit=USAGE).stderr
+    off = 'tolerances:\n  - {surface: gap, thickness: 0.1}\n  - {surface: 1, radius: 0.1}\n'
+    equal(run('tolerance', written(BASE + off + 'configurations:' + REST), '--configuration', 'all', '--format', 'csv').stdout,
+          all_of([written(file.read_text() + off) for file in files], 'tolerance'))
     rays = written('ox,oy,oz,dx,dy,dz\n0,1,-5,0,0,1\n0,-2,-5,0,0.01,1\n', 'rays.csv')
     equal(run('trace', ZOOM, '--configuration', 'all', '--rays', rays, '--format', 'csv').stdout,
           all_of(files, 'trace', '--rays', rays))
