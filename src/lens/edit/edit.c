@@ -16,6 +16,7 @@
 #include "../../text/number.h"
 
 #include "../base/reader.h"
+#include "../open/configure.h"
 #include "../read/put.h"
 
 #include <math.h>
@@ -148,6 +149,7 @@ static bool make_anew(whole_lens *w, source *s, const whole_lens *old, size_t co
     for (; *changed < count; ++*changed) change(s, &edit[*changed]);
     tree_forget_numbers(s->root);
     sgt_make_lens(w, s);
+    if (count) sgt_check_configurations(w, s); /* those of a copy are lenses */
     return true;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* references.c - pickups, tolerances and configurations go on meaning the same surface when others come, go or
- * change places.
+/* references.c - pickups, tolerances and configurations go on meaning the same surface when others come,
+ * go or change places.
  *
  * They name a surface by its number.  Before the list changes the entry that is meant is noted, and
  * behind it the number is written anew; so its other words stay as they are.  A name goes on meaning what is
@@ -122,7 +122,7 @@ static void gather_tolerances(gathering *g)
     }
 }
 
-static const node *configurations(const editing *e)
+static const node *configuration_list(const editing *e)
 {
     const node *root = e->s->root;
     for (size_t i = 0; root->kind == NODE_MAP && i < root->count; i++)
@@ -135,7 +135,7 @@ static const node *configurations(const editing *e)
 static void gather_configurations(gathering *g)
 {
     const editing *e = g->e;
-    const node *list = configurations(e);
+    const node *list = configuration_list(e);
     for (size_t i = 0; list && i < list->count; i++) {
         node *map = list->item[i];
         const char *path = tree_print(e->s, "configurations[%zu]", i + 1);
@@ -151,15 +151,16 @@ static void gather_configurations(gathering *g)
             references *r = &g->found;
             const char *rest = p.step[1].text ? NULL : strchr(key->text, ']');
             r->at = tree_grow(e->s, r->at, r->count, &r->room, sizeof *r->at);
-            r->at[r->count++] = (reference){.map = map, .pickup = k, .entry = at.is, .path = path, .word = key,
-                                            .rest = rest ? rest + 1 : NULL, .key = true};
+            r->at[r->count++] =
+                (reference){.map = map, .pickup = k, .entry = at.is, .path = path, .word = key,
+                            .rest = rest ? rest + 1 : NULL, .key = true};
         }
     }
 }
 
 void sgt_edit_keep_places(const editing *e, const node *changed)
 {
-    const node *list = configurations(e);
+    const node *list = configuration_list(e);
     for (size_t i = 0; list && i < list->count; i++) {
         const node *map = list->item[i];
         for (size_t k = 0; map->kind == NODE_MAP && k < map->count; k++) {
@@ -167,11 +168,11 @@ void sgt_edit_keep_places(const editing *e, const node *changed)
             way p;
             spot at;
             if (!sgt_path_read(&p, map->key[k]->text, why)) continue;
-            for (size_t step = 1; step < p.count; step++)
-                if (!p.step[step].text && sgt_path_find(e->s->root, &p, step, &at, why) && at.is == changed &&
-                    !(step == 1 && (sgt_step_is(&p.step[0], "surfaces") || sgt_step_is(&p.step[0], "breaks"))))
-                    sgt_edit_refuse(e, "configurations[%zu] sets %.100s, a place in this list; remove that first",
-                                    i + 1, map->key[k]->text);
+            const bool entry = sgt_step_is(&p.step[0], "surfaces") || sgt_step_is(&p.step[0], "breaks");
+            for (size_t step = entry ? 2 : 1; step < p.count; step++)
+                if (!p.step[step].text && sgt_path_find(e->s->root, &p, step, &at, why) && at.is == changed)
+                    sgt_edit_refuse(e, "configurations[%zu] sets %.100s, a place in this list; remove that "
+                                    "first", i + 1, map->key[k]->text);
         }
     }
 }
@@ -203,8 +204,8 @@ static void refer_key(const editing *e, const reference *r)
     const unsigned place = r->entry->expression;
     if (!place) sgt_edit_refuse(e, "%s sets %.100s, which would be gone", r->path, was->text);
     if (!r->rest) return;
-    node *key = tree_word(e->s, was->line, tree_print(e->s, "%s[%u]%s", lies(r->entry) ? "breaks" : "surfaces",
-                                                      place, r->rest));
+    const char *list = lies(r->entry) ? "breaks" : "surfaces";
+    node *key = tree_word(e->s, was->line, tree_print(e->s, "%s[%u]%s", list, place, r->rest));
     key->quoted = was->quoted;
     r->map->key[r->pickup] = key;
 }

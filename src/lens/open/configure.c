@@ -13,83 +13,25 @@
  * WHAT IT IS.  The values of the file are the base.  A configuration is a list of edits of the base: each key
  * is a path (sagitta/edit.h) and its value is put there, in the order of the file, as sgt_lens_set_text would
  * (../read/put.c).  The lens of a configuration is made of the tree that results, by the one maker that there
- * is (open.c).  So it is in every bit the lens of a file that has these values and no configurations; and what
- * the reader checks is checked.  The configurations do not depend on each other, nor on their order.
+ * is (open.c).  So it is in every bit the lens of a file that has these values and no configurations; and
+ * what the reader checks is checked.  The configurations do not depend on each other, nor on their order.
  *
  * WHEN IT IS MADE.  With the base each one is made once, and thrown away: a file whose third configuration is
  * no lens is refused when it is read, and not when somebody asks for the third.  So is an edit of the base.
  * That costs one making for each; there are at most CONFIGURATIONS_MOST.
  *
- * WHAT IS REFUSED beside that: two paths of one configuration that mean the same place, as radius and curvature
- * of a surface do, since one of them would be undone in silence; a name that two have, or that looks like a
- * number or is `all`, as they are chosen by name or number. */
+ * WHAT IS REFUSED beside that: two paths of one configuration that mean the same place, as radius and
+ * curvature of a surface do, since one of them would be undone in silence; a name that two have, or that
+ * looks like a number or is `all`, as they are chosen by name or number. */
 #include "configure.h"
 
 #include "../read/put.h"
 #include "../../text/number.h"
-#include "open.h"
 
 #include <stdio.h>
 #include <string.h>
 
 static const char KEY[] = "configurations";
-
-node **sgt_configurations_place(const node *root)
-{
-    for (size_t i = 0; root && root->kind == NODE_MAP && i < root->count; i++)
-        if (root->key[i]->kind == NODE_SCALAR && strcmp(root->key[i]->text, KEY) == 0) return &root->item[i];
-    return NULL;
-}
-
-node *sgt_set_aside(source *s, node **place)
-{
-    node *list = *place;
-    *place = tree_word(s, list->line, "");
-    return list;
-}
-
-static bool is_name(const node *key) { return strcmp(key->text, "name") == 0; }
-
-/* "" where not given. */
-static const char *name_of(const node *map)
-{
-    for (size_t i = 0; map->kind == NODE_MAP && i < map->count; i++)
-        if (is_name(map->key[i]) && map->item[i]->kind == NODE_SCALAR) return map->item[i]->text;
-    return "";
-}
-
-static void check_name(source *s, const node *list, size_t place)
-{
-    const node *map = list->item[place], *n = NULL;
-    for (size_t i = 0; i < map->count; i++)
-        if (is_name(map->key[i])) n = map->item[i];
-    if (!n) return;
-    const char *key = tree_print(s, "%s[%zu].name", KEY, place + 1), *name = tree_read_text(s, n, key);
-    if (!*name) tree_fail(s, n->line, key, "empty; leave it out, and the configuration has its number");
-    if (strcmp(name, "all") == 0 || strspn(name, "0123456789") == strlen(name))
-        tree_fail(s, n->line, key, "\"%.60s\" would be read as a number or as all of them; give another name",
-                  name);
-    for (size_t i = 0; i < place; i++)
-        if (strcmp(name_of(list->item[i]), name) == 0)
-            tree_fail(s, n->line, key, "configuration %zu is called \"%.60s\", too", i + 1, name);
-}
-
-static void check_shape(source *s, const node *list)
-{
-    if (list->kind != NODE_LIST || !list->count)
-        tree_fail(s, list->line, KEY,
-                  "must be a list with a map for each, from paths to values, like "
-                  "[{name: wide, \"surfaces[4].thickness\": 2.5}]");
-    if (list->count > CONFIGURATIONS_MOST)
-        tree_fail(s, list->line, KEY, "there are %zu; at most %d are read", list->count, CONFIGURATIONS_MOST);
-    for (size_t i = 0; i < list->count; i++) {
-        const node *map = list->item[i];
-        if (map->kind != NODE_MAP)
-            tree_fail(s, map->line, tree_print(s, "%s[%zu]", KEY, i + 1),
-                      "must be a map from paths to values, like {\"surfaces[4].thickness\": 2.5}");
-        check_name(s, list, i);
-    }
-}
 
 /* ------------------------------------------------------------------ made */
 
@@ -110,7 +52,8 @@ static bool moves_surfaces(const way *p)
 /* null leaves a key out: what stands there is then as in a file without it. */
 static bool is_null(const node *n)
 {
-    return n->kind == NODE_SCALAR && !n->quoted && (strcmp(n->text, "null") == 0 || strcmp(n->text, "~") == 0);
+    return n->kind == NODE_SCALAR && !n->quoted &&
+           (strcmp(n->text, "null") == 0 || strcmp(n->text, "~") == 0);
 }
 
 static void remove_key(source *s, const way *p, const char *path, size_t line)
@@ -134,7 +77,7 @@ static void configure(source *s, size_t number)
     s->chosen = map, s->chosen_number = number;
     places known = sgt_path_places(s, s->root);
     for (size_t i = 0; i < map->count; i++) {
-        if (is_name(map->key[i])) continue;
+        if (sgt_is_configuration_name(map->key[i])) continue;
         const char *path = map->key[i]->text;
         size_t line = map->key[i]->line;
         char why[PATH_WHY];
@@ -208,27 +151,13 @@ static bool make_configuration(whole_lens *w, const whole_lens *base, const sgt_
 
 void sgt_check_configurations(const whole_lens *w, source *s)
 {
-    const size_t count = (*sgt_configurations_place(w->root))->count;
+    const size_t count = sgt_lens_configurations(&w->lens);
     for (size_t i = 1; i <= count; i++) {
         whole_lens trial;
         if (!make_configuration(&trial, w, s->options, i, s->error)) longjmp(*s->refused, 1);
         sgt_free_phases(&trial);
         sgt_arena_free(&trial.memory);
     }
-}
-
-void sgt_tell_configurations(source *s, const node *list)
-{
-    enum { NAMED = 12 };
-    check_shape(s, list);
-    const char *names = "";
-    for (size_t i = 0; i < list->count && i < NAMED; i++) {
-        const char *name = name_of(list->item[i]);
-        names = tree_print(s, "%s%s%.60s", names, i ? ", " : "", *name ? name : tree_print(s, "%zu", i + 1));
-    }
-    tree_remark(s, SGT_REMARK_NOTE, list->line, KEY,
-                "the file has %zu (%s%s), and this is the lens of its own values; a configuration is asked "
-                "for by its number or name", list->count, names, list->count > NAMED ? ", ..." : "");
 }
 
 /* ---------------------------------------------------------------- questions */
@@ -248,11 +177,11 @@ size_t sgt_lens_configurations(const sgt_lens *lens)
 const char *sgt_lens_configuration_name(const sgt_lens *lens, size_t number)
 {
     return number && number <= sgt_lens_configurations(lens)
-               ? name_of(configurations_of(lens)->item[number - 1])
+               ? sgt_name_of_configuration(configurations_of(lens)->item[number - 1])
                : "";
 }
 
-static size_t refuse(const sgt_lens *lens, sgt_error *error, const char *words)
+static size_t refuse_configuration(const sgt_lens *lens, sgt_error *error, const char *words)
 {
     const node *list = configurations_of(lens);
     if (!error) return 0;
@@ -270,7 +199,7 @@ static bool refuse_number(const sgt_lens *lens, long number, sgt_error *error)
     char words[120];
     snprintf(words, sizeof words, "there %s %zu; there is no configuration %ld", count == 1 ? "is" : "are",
              count, number);
-    refuse(lens, error, count ? words : "not given: the file has no configurations");
+    refuse_configuration(lens, error, count ? words : "not given: the file has no configurations");
     return false;
 }
 
@@ -307,7 +236,7 @@ size_t sgt_lens_configuration_named(const sgt_lens *lens, const char *name, sgt_
     else
         snprintf(words, sizeof words, "there is no configuration \"%.60s\"; there %s %s", name,
                  count == 1 ? "is" : "are", all);
-    return refuse(lens, error, words);
+    return refuse_configuration(lens, error, words);
 }
 
 sgt_lens *sgt_lens_configured(const sgt_lens *lens, size_t number, sgt_error *error)
@@ -322,7 +251,7 @@ sgt_lens *sgt_lens_configured(const sgt_lens *lens, size_t number, sgt_error *er
         return NULL;
     }
     whole_lens *w = a.resize(a.context, NULL, sizeof *w);
-    if (!w) refuse(lens, error, "no memory");
+    if (!w) refuse_configuration(lens, error, "no memory");
     else if (make_configuration(w, base, &base->options, number, error)) return &w->lens;
     a.resize(a.context, w, 0);
     return NULL;

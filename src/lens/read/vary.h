@@ -4,8 +4,8 @@
 #define SGT_LENS_VARY_H
 #include "tree.h"
 
-/* Reads the text of s once for each of `count` configurations by `read`, which takes options.configuration, and
- * puts `configurations` into s->root: what each tree has that s->root, the base, has not.
+/* Reads the text of s once for each of `count` configurations by `read`, which takes options.configuration,
+ * and puts `configurations` into s->root: what each tree has that s->root, the base, has not.
  *
  *     line   of the record that says how many there are
  *     key    that record

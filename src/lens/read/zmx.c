@@ -207,8 +207,8 @@ static void require_configuration(const zmx *z, int wanted)
     const size_t line = z->configuration_line ? z->configuration_line : z->line;
     const size_t count = z->configurations > 1 ? z->configurations : 1;
     if (count > 1 && (z->configuration < 1 || z->configuration > count))
-        tree_fail(z->s, line, "MNUM", "there %s %zu; number %zu is said to be active", count == 1 ? "is" : "are",
-                  count, z->configuration);
+        tree_fail(z->s, line, "MNUM", "there are %zu; number %zu is said to be active", count,
+                  z->configuration);
     if (wanted < 0 || (size_t)wanted > count)
         tree_fail(z->s, line, "MNUM", "there %s %zu; there is no configuration %d", count == 1 ? "is" : "are",
                   count, wanted);
@@ -221,20 +221,22 @@ static void read_others(zmx *z, size_t taken, int wanted)
     const size_t active = z->configuration;
     const bool vary = taken && (!wanted || (size_t)wanted != active);
     if (z->configurations < 2 || s->varies) return;
-    if (vary && sgt_vary(s, z->configurations, z->configuration_line, "MNUM", "configuration", sgt_read_zmx)) {
-        tree_remark(s, SGT_REMARK_NOTE, z->configuration_line, "MNUM",
+    const size_t line = z->configuration_line;
+    if (vary && sgt_vary(s, z->configurations, line, "MNUM", "configuration", sgt_read_zmx)) {
+        tree_remark(s, SGT_REMARK_NOTE, line, "MNUM",
                     "number %zu of %zu is the active one: its values are those of the file itself", active,
                     z->configurations);
         return;
     }
     if (!vary && wanted) s->chosen_number = active; /* it is that one */
     if (wanted && (size_t)wanted != active)
-        tree_fail(s, z->configuration_line, "MNUM",
+        tree_fail(s, line, "MNUM",
                   "the surfaces are those of configuration %zu; number %d cannot be made of them", active,
                   wanted);
     if (!wanted && !vary)
-        tree_remark(s, SGT_REMARK_LEFT_OUT, z->configuration_line, "MNUM",
-                    "all of the %zu configurations but the active one, number %zu", z->configurations, active);
+        tree_remark(s, SGT_REMARK_LEFT_OUT, line, "MNUM",
+                    "all of the %zu configurations but the active one, number %zu", z->configurations,
+                    active);
 }
 
 void sgt_read_zmx(source *s)

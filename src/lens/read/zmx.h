@@ -238,8 +238,8 @@ node *sgt_zmx_zernike(zmx *z, const zmx_surface *f, bool fringe);
 /* zmx_system.c: behind the last NOTE. */
 void sgt_zmx_end_note(zmx *z);
 
-/* zmx_operands.c: keeps a row behind MNUM; gives the lens, which is that of the active configuration, the values
- * of another, and returns how many operands there are that can be read.  The rest is told. */
+/* zmx_operands.c: keeps a row behind MNUM; gives the lens, which is that of the active configuration, the
+ * values of another, and returns how many operands there are that can be read.  The rest is told. */
 void sgt_zmx_operand(zmx *z, piece key);
 size_t sgt_zmx_configure(zmx *z, size_t wanted);
 

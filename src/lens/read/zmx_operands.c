@@ -4,27 +4,28 @@
  *     MNUM n c               n configurations; the surfaces and the system are those of c, the active one
  *     THIC 3 1 1.222 ...     of surface 3, in configuration 1, the thickness is 1.222
  *
- * WHICH ARE READ.  THIC, CRVT, CONN, SDIA and GLSS of a surface, PAR1 to PAR8 and PRAM (its fifth field is the
- * parameter), WAVE of a wavelength, XFIE and YFIE of a field, APER of the pupil.
+ * WHICH ARE READ.  THIC, CRVT, CONN, SDIA and GLSS of a surface, PAR1 to PAR8 and PRAM (its fifth field is
+ * the parameter), WAVE of a wavelength, XFIE and YFIE of a field, APER of the pupil.
  *
- * WHY THEIR MEANING IS CERTAIN.  The format is not published.  But the file has the active configuration twice:
- * in its surfaces, and in the rows of these operands.  So an operand is taken only if its value for the active
- * configuration is the one that the lens has (AGREES, as one may be printed shorter); of PRAM, whose fields are
- * less sure, only if that is not 0.  One that has no such row, or another value there, is left out with a
- * remark; so is one whose place a pickup or solve gives.  An operand that has one value in all configurations
- * says nothing, and neither do those in `idle`, which no ray depends on. */
+ * WHY THEIR MEANING IS CERTAIN.  The format is not published.  But the file has the active configuration
+ * twice: in its surfaces, and in the rows of these operands.  So an operand is taken only if its value for
+ * the active configuration is the one that the lens has (AS_GOOD_AS, as one may be printed shorter); of PRAM,
+ * whose fields are less sure, only if that is not 0.  One that has no such row, or another value there, is
+ * left out with a remark; so is one whose place a pickup or solve gives.  An operand that has one value in
+ * all configurations says nothing, and neither do those in `idle`, which no ray depends on. */
 #include "zmx.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const double AGREES = 1e-9, FAR_AWAY = 1e10;
+static const double AS_GOOD_AS = 1e-9, FAR_AWAY = 1e10;
 
 /* What an operand is of; the reader of its place. */
 typedef enum target { SURFACE, PARAMETER, GLASS, WAVE, FIELD, PUPIL } target;
 static const struct { const char *key; target of; unsigned which; } known[] = {
-    {"THIC", SURFACE, 0}, {"CRVT", SURFACE, 1}, {"CONN", SURFACE, 2}, {"SDIA", SURFACE, 3}, {"GLSS", GLASS, 0},
+    {"THIC", SURFACE, 0}, {"CRVT", SURFACE, 1}, {"CONN", SURFACE, 2}, {"SDIA", SURFACE, 3},
+    {"GLSS", GLASS, 0},
     {"PAR1", PARAMETER, 1}, {"PAR2", PARAMETER, 2}, {"PAR3", PARAMETER, 3}, {"PAR4", PARAMETER, 4},
     {"PAR5", PARAMETER, 5}, {"PAR6", PARAMETER, 6}, {"PAR7", PARAMETER, 7}, {"PAR8", PARAMETER, 8},
     {"PRAM", PARAMETER, 0}, {"WAVE", WAVE, 0}, {"XFIE", FIELD, 0}, {"YFIE", FIELD, 1}, {"APER", PUPIL, 0},
@@ -101,7 +102,7 @@ static void mark_given(zmx_surface *f, const zmx_operand *o)
 }
 
 /* The number that an operand gives; NULL: it has no place in this lens.  *scale: as the lens has it. */
-static double *place_of(zmx *z, const zmx_operand *o, double *scale)
+static double *operand_place(zmx *z, const zmx_operand *o, double *scale)
 {
     *scale = 1;
     if (o->known == KNOWN || !o->text || isnan(o->value)) return NULL;
@@ -128,7 +129,7 @@ static double *place_of(zmx *z, const zmx_operand *o, double *scale)
     return NULL;
 }
 
-static double value_of(const zmx_operand *o, double scale)
+static double operand_value(const zmx_operand *o, double scale)
 {
     return known[o->known].of == SURFACE && known[o->known].which == 0 && fabs(o->value) >= FAR_AWAY
                ? copysign(HUGE_VAL, o->value)
@@ -145,20 +146,21 @@ static const char *glass_of(zmx *z, const zmx_operand *o)
 }
 
 /* Is this what the lens has, in its active configuration? */
-static bool agrees(zmx *z, const zmx_operand *o)
+static bool has_lens(zmx *z, const zmx_operand *o)
 {
     if (o->known < KNOWN && known[o->known].of == GLASS) {
         const char *name = glass_of(z, o);
         if (!name || o->at >= z->count) return false;
         const zmx_glass *g = &z->surface[o->at].glass;
-        return g->medium == ZMX_AIR ? !*name : g->medium == ZMX_GLASS && !g->picked && strcmp(g->name, name) == 0;
+        return g->medium == ZMX_AIR ? !*name
+                                    : g->medium == ZMX_GLASS && !g->picked && strcmp(g->name, name) == 0;
     }
     double scale;
-    const double *place = place_of(z, o, &scale);
+    const double *place = operand_place(z, o, &scale);
     if (!place) return false;
-    const double is = *place, said = value_of(o, scale);
+    const double is = *place, said = operand_value(o, scale);
     if (strcmp(o->key, "PRAM") == 0 && is == 0) return false;
-    return is == said || fabs(is - said) <= AGREES * fmax(fabs(is), fabs(said));
+    return is == said || fabs(is - said) <= AS_GOOD_AS * fmax(fabs(is), fabs(said));
 }
 
 /* ------------------------------------------------------------- operands */
@@ -173,18 +175,19 @@ static int by_operand(const void *left, const void *right)
     return a->line < b->line ? -1 : a->line > b->line;
 }
 
-static void put(zmx *z, const zmx_operand *o)
+static void put_operand(zmx *z, const zmx_operand *o)
 {
     double scale;
     if (known[o->known].of != GLASS) {
-        double *place = place_of(z, o, &scale);
-        *place = value_of(o, scale);
+        double *place = operand_place(z, o, &scale);
+        *place = operand_value(o, scale);
         if (known[o->known].of == SURFACE || known[o->known].of == PARAMETER)
             mark_given(&z->surface[o->at], o);
         return;
     }
     const char *name = glass_of(z, o);
-    z->surface[o->at].glass = (zmx_glass){.medium = *name ? ZMX_GLASS : ZMX_AIR, .line = o->line, .name = name};
+    z->surface[o->at].glass =
+        (zmx_glass){.medium = *name ? ZMX_GLASS : ZMX_AIR, .line = o->line, .name = name};
 }
 
 /* Does it give all configurations the same, the active one among them? */
@@ -199,7 +202,7 @@ static bool says_nothing(const zmx *z, const zmx_operand *o, size_t count)
 }
 
 /* Are all its rows read, each configuration at most once, and has the lens the value of the active one? */
-static bool is_taken(zmx *z, const zmx_operand *o, size_t count)
+static bool is_operand_taken(zmx *z, const zmx_operand *o, size_t count)
 {
     bool active = false, seen[1001] = {false};
     for (size_t i = 0; i < count; i++) {
@@ -209,7 +212,7 @@ static bool is_taken(zmx *z, const zmx_operand *o, size_t count)
         seen[k] = true;
         if (known[o[i].known].of == GLASS ? !glass_of(z, &o[i]) : isnan(o[i].value)) return false;
         if (k != z->configuration) continue;
-        if (!agrees(z, &o[i])) return false;
+        if (!has_lens(z, &o[i])) return false;
         active = true;
     }
     return active;
@@ -225,16 +228,16 @@ size_t sgt_zmx_configure(zmx *z, size_t wanted)
                           z->operand[end].at == o->at && z->operand[end].parameter == o->parameter; end++)
             continue;
         if (says_nothing(z, o, end - i)) continue;
-        if (is_taken(z, o, end - i)) {
+        if (is_operand_taken(z, o, end - i)) {
             taken++;
-            for (size_t k = i; k < end; k++)
-                if (z->operand[k].configuration == wanted && wanted != z->configuration) put(z, &z->operand[k]);
+            for (size_t k = i; k < end && wanted != z->configuration; k++)
+                if (z->operand[k].configuration == wanted) put_operand(z, &z->operand[k]);
         } else if (z->configurations > 1) {
             tree_remark(z->s, SGT_REMARK_LEFT_OUT, o->line, o->key,
                         o->known == KNOWN
                             ? "what it gives the other configurations (%zu, number %zu)"
-                            : "what it gives the other configurations (%zu, number %zu): it does not give the "
-                              "active one what the lens has, or its place has a pickup or solve",
+                            : "what it gives the other configurations (%zu, number %zu): it does not give "
+                              "the active one what the lens has, or its place has a pickup or solve",
                         end - i, o->at);
         }
     }

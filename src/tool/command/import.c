@@ -10,7 +10,7 @@ static const option_row import_output_rows[] = {
      .to = offsetof(shared_options, target.path)},
     {0},
 };
-static const option_group import_output = {OPTIONS_SHARED, NULL, .row = import_output_rows};
+static const option_group import_output = {OPTIONS_SHARED, "Options", .row = import_output_rows};
 
 static exit_status import_run(const command *c, int argc, char *argv[]);
 
@@ -29,7 +29,7 @@ const command command_import = {
     .exits = "  0  the lens was written\n"
              "  2  wrong arguments\n"
              "  3  bad input, or output that cannot be written\n",
-    .group = {&job_glass_options, &import_output}, .run = import_run,
+    .group = {&import_output, &job_glass_options}, .run = import_run,
 };
 
 static exit_status import_run(const command *c, int argc, char *argv[])

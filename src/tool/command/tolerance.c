@@ -160,8 +160,8 @@ static void print_sensitivity(tolerating *w)
     table_target target = w->look.shared.target;
     target.unit = unit, target.word_size = SGT_TOLERANCE_SIZE;
     if (w->together && (w->columns != columns || strcmp(w->first_unit, w->unit) != 0))
-        fail_usage("--configuration all: configuration %zu has other columns or units than the first; ask for "
-                   "it alone", w->configuration);
+        fail_usage("--configuration all: configuration %zu has other columns or units than the first; ask "
+                   "for it alone", w->configuration);
     if (!w->together) w->together = table_begin(&target, columns, head), w->columns = columns;
     w->first_unit = w->unit;
     table *t = w->together;

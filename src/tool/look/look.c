@@ -605,8 +605,8 @@ static void check_columns(const printing *p, size_t number)
         const bool was = k < p->count && p->place[k] == i;
         if (p->text && sgt_analysis_column(l->of, i)->flags & SGT_COLUMN_DETAIL) continue;
         if (there != was || (was && strcmp(p->unit[k], unit) != 0))
-            fail_usage("--configuration all: configuration %zu has other columns or units than the first; ask "
-                       "for it alone", number);
+            fail_usage("--configuration all: configuration %zu has other columns or units than the first; "
+                       "ask for it alone", number);
         k += was;
     }
 }

@@ -312,7 +312,8 @@ lens_each lens_open_each(const char *path)
     if (!all_configurations()) return all;
     sgt_lens *base = read_lens(path, 0);
     all.count = sgt_lens_configurations(base);
-    if (!all.count) fail_input("%s: configurations: not given, and --configuration all asks for them", base->file);
+    if (!all.count)
+        fail_input("%s: configurations: not given, and --configuration all asks for them", base->file);
     all.at = memory_take(all.count, sizeof *all.at), all.name = memory_take(all.count, sizeof *all.name);
     note_remarks(base, true);
     for (size_t i = 0; i < all.count; i++) {
@@ -328,7 +329,8 @@ const char *lens_each_line(const lens_each *all)
 {
     const char *text = "Configurations:";
     for (size_t i = 0; i < all->count; i++)
-        text = memory_print("%s%s %zu%s%s", text, i ? "," : "", i + 1, *all->name[i] ? " " : "", all->name[i]);
+        text = memory_print("%s%s %zu%s%s", text, i ? "," : "", i + 1, *all->name[i] ? " " : "",
+                            all->name[i]);
     return memory_print("%s.", text);
 }
 
