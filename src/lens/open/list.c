@@ -9,7 +9,9 @@ static const char LIST_KEY[] = "configurations";
 node **sgt_configurations_place(const node *root)
 {
     for (size_t i = 0; root && root->kind == NODE_MAP && i < root->count; i++)
-        if (root->key[i]->kind == NODE_SCALAR && strcmp(root->key[i]->text, LIST_KEY) == 0) return &root->item[i];
+        if (root->key[i]->kind == NODE_SCALAR &&
+            strcmp(root->key[i]->text, LIST_KEY) == 0)
+            return &root->item[i];
     return NULL;
 }
 
@@ -54,7 +56,8 @@ static void check_shape(source *s, const node *list)
                   "must be a list with a map for each, from paths to values, like "
                   "[{name: wide, \"surfaces[4].thickness\": 2.5}]");
     if (list->count > CONFIGURATIONS_MOST)
-        tree_fail(s, list->line, LIST_KEY, "there are %zu; at most %d are read", list->count, CONFIGURATIONS_MOST);
+        tree_fail(s, list->line, LIST_KEY,
+                  "there are %zu; at most %d are read", list->count, CONFIGURATIONS_MOST);
     for (size_t i = 0; i < list->count; i++) {
         const node *map = list->item[i];
         if (map->kind != NODE_MAP)

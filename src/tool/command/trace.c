@@ -689,6 +689,7 @@ typedef struct trace_shared {
     const char *name;            /* its; "" for none */
     table *table;                /* NULL: it is not begun */
     bool launches;               /* as in trace_work; of the first */
+    watch *watch;                /* of one lens; NULL: none */
 } trace_shared;
 
 /* Traces the rays of a lens.  *out and *j last as long as the picture. */
@@ -768,7 +769,7 @@ static exit_status trace_lens(trace_shared *shared, job *to, scene *out)
         write_doubts(&w);
         write_lost(&w);
     }
-    watch_end(w.watch);
+    shared->watch = w.watch;
     return w.undecided || to->undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
 }
 
@@ -815,6 +816,7 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
         picture->configurations = picture_words(&all);
     }
     table_end(shared.table);
+    watch_end(shared.watch);
     pictures_write(&a.pictures, picture);
     return worst;
 }
