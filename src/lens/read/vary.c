@@ -153,7 +153,7 @@ static node *read_configuration(source *s, size_t number, const char *what, void
 bool sgt_vary(source *s, size_t count, size_t line, const char *key, const char *what,
               void (*read)(source *s))
 {
-    if (count > CONFIGURATIONS_MOST || count * s->length > TEXT_MOST) {
+    if (count > CONFIGURATIONS_MOST || s->length > TEXT_MOST / count) {
         tree_remark(s, SGT_REMARK_LEFT_OUT, line, key,
                     "the others of %zu: at most %d are read, and not of a file so long; --configuration N "
                     "reads another", count, CONFIGURATIONS_MOST);

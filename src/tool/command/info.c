@@ -119,7 +119,7 @@ const command command_info = {
     .what = "Prints the first-order data of a lens, at its primary wavelength or those that are asked "
             "for; with --seidel its Seidel sums by surface, with --parabasal data along its real chief "
             "rays.  json has all.",
-    .often = "seidel parabasal wavelength glass strict format output hex",
+    .often = "seidel parabasal configuration wavelength glass strict format output hex",
     .examples = "  sagitta info examples/lenses/cooke_triplet.yaml\n"
                 "  sagitta info examples/lenses/cooke_triplet.yaml --seidel --format csv\n",
     .docs = "docs/rays.md (what the numbers are)", .all = info_all, .exits = "  0  done\n"

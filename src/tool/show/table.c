@@ -103,6 +103,13 @@ static void choose(table *t)
 
 /* ------------------------------------------------------------------ begin */
 
+/* The cell of the first column stays filled in. */
+void table_lead(table *t, size_t number)
+{
+    t->lead = (long long)number;
+    if (t->to.leads) t->cell[0] = (cell){.kind = CELL_COUNT, .number = (double)NAN, .count = t->lead};
+}
+
 static table *table_new(const table *like)
 {
     table *t = memory_take(1, sizeof *t);
@@ -112,6 +119,8 @@ static table *table_new(const table *like)
     if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head, t->unit, t->part);
     if (t->npy) t->out = memory_take(npy_files(t->npy), sizeof *t->out);
     t->chosen_values = memory_take(t->chosen, sizeof *t->chosen_values);
+    t->filled = t->to.leads;
+    if (t->to.leads) table_lead(t, (size_t)t->lead);
     return t;
 }
 
@@ -353,7 +362,7 @@ static void end_row(table *t)
         put_cell(t, t->choice[i]);
     }
     if (format == TABLE_JSON) bytes_one(&t->kept, '}');
-    t->filled = t->words.length = 0;
+    t->filled = t->to.leads, t->words.length = 0;
     t->rows++;
     if (!t->part && (t->npy ? t->out[0].length : t->kept.length) >= WRITE_AT) write_kept(t);
 }
@@ -361,11 +370,6 @@ static void end_row(table *t)
 /* Fills in the next cell, member by member: a whole one, copied, would cost as much as all the rest. */
 static void add_cell(table *t, int kind, double number, long long count, const char *word)
 {
-    if (t->filled == 0 && t->to.leads) {
-        t->cell[0].kind = CELL_COUNT, t->cell[0].number = (double)NAN;
-        t->cell[0].count = t->lead, t->cell[0].word = NULL;
-        t->filled = 1;
-    }
     cell *c = &t->cell[t->filled];
     c->kind = kind, c->number = number, c->count = count, c->word = word;
     if (++t->filled == t->columns) end_row(t);
@@ -423,9 +427,10 @@ void table_block(table *t, size_t rows, const table_values values[])
         if (!t->part && t->out[0].length >= WRITE_AT) write_kept(t);
         return;
     }
+    const column *own = t->column + t->to.leads;
+    const size_t count = t->columns - t->to.leads;
     for (size_t row = 0; row < rows; row++)
-        for (size_t c = t->to.leads; c < t->columns; c++)
-            block_value(t, &t->column[c], &values[c - t->to.leads], row);
+        for (size_t c = 0; c < count; c++) block_value(t, &own[c], &values[c], row);
 }
 
 /* --------------------------------------------------------------- rows in memory */
@@ -476,8 +481,6 @@ bool table_put_members(table *t, const table_member member[], const void *row)
     if (!t->part && t->kept.length >= WRITE_AT) write_kept(t);
     return true;
 }
-
-void table_lead(table *t, size_t number) { t->lead = (long long)number; }
 
 /* ------------------------------------------------------------------- text */
 
