@@ -126,7 +126,8 @@ const command command_trace = {
     .what = "Traces rays through a lens file.  Prints a row for each ray and each element it reached: "
             "what became of the ray there, the point, the direction behind it, and a bound on the "
             "error.",
-    .often = "field fan grid rays wavelength configuration picture last frame proof format output", .rays = "--fan 5",
+    .often = "field fan grid rays wavelength configuration "
+             "picture last frame proof format output", .rays = "--fan 5",
     .examples = "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n"
                 "  sagitta trace examples/lenses/cooke_triplet.yaml --fan 7 --picture triplet.svg\n",
     .docs = "docs/lens_file.md (every key of a lens file), docs/rays.md", .all = trace_all,
