@@ -68,6 +68,17 @@ static void remove_key(source *s, const way *p, const char *path, size_t line)
     tree_remove(at.in, at.at);
 }
 
+/* A part of what this configuration has put somewhere, or left out, is no second place to put something. */
+static void refuse_part(source *s, const way *p, const char *path, size_t line)
+{
+    char why[PATH_WHY];
+    spot at;
+    for (size_t i = 1; i < p->count && sgt_path_find(s->root, p, i, &at, why) && at.is; i++)
+        if (at.is->over)
+            tree_fail(s, line, path, "another path of this configuration has put a value there, of which "
+                      "this is a part");
+}
+
 /* Turns the tree of s into that of a configuration, which has no others. */
 static void configure(source *s, size_t number)
 {
@@ -86,6 +97,7 @@ static void configure(source *s, size_t number)
         if (!sgt_path_read(&p, path, why)) tree_fail(s, line, path, "%s", why);
         if (sgt_step_is(&p.step[0], KEY)) tree_fail(s, line, path, "a configuration has none of its own");
         p.known = &known;
+        refuse_part(s, &p, path, line);
         if (is_null(map->item[i])) {
             remove_key(s, &p, path, line);
             continue;
@@ -98,10 +110,15 @@ static void configure(source *s, size_t number)
     }
 }
 
-/* Is the fault that of the value of this path? */
-static bool is_blamed(const sgt_error *e, const node *key, const node *value)
+/* Is the fault told at the first line, that of the whole tree? */
+static bool is_of_all(const source *s, const sgt_error *e) { return s->root && e->line == s->root->line; }
+
+/* Is the fault that of the value of this path?  all: it is told at the line of the whole tree. */
+static bool is_blamed(const sgt_error *e, const node *key, const node *value, bool all)
 {
+    const size_t whole = strlen(e->key);
     if (strcmp(e->key, key->text) == 0) return true;
+    if (all && whole && strncmp(key->text, e->key, whole) == 0 && strchr(".[", key->text[whole])) return true;
     if (e->line != value->line && e->line != key->line) return false;
     const char *last = strrchr(e->key, '.'), *end = strrchr(key->text, '.');
     last = last ? last + 1 : e->key, end = end ? end + 1 : key->text;
@@ -117,10 +134,11 @@ static void blame(const source *s)
     if (!map || (!e->line && !*e->key)) return;
     char words[sizeof e->words];
     size_t i = 0;
-    while (i < map->count && !is_blamed(e, map->key[i], map->item[i])) i++;
+    while (i < map->count && !is_blamed(e, map->key[i], map->item[i], is_of_all(s, e))) i++;
     const char *who = i < map->count ? map->key[i]->text : e->key;
     snprintf(words, sizeof words, "%.200s%s%.1100s", who, *who ? ": " : "", e->words);
     memcpy(e->words, words, sizeof words);
+    if (i < map->count && is_of_all(s, e)) e->line = map->key[i]->line;
     if (!e->line) e->line = map->line;
     snprintf(e->key, sizeof e->key, "%s[%zu]", KEY, s->chosen_number);
 }

@@ -2,6 +2,8 @@
 /* list.c - the list `configurations` of a tree: where it stands, and what must be so before one is made. */
 #include "list.h"
 
+#include "../../text/number.h"
+
 #include <string.h>
 
 static const char LIST_KEY[] = "configurations";
@@ -41,8 +43,11 @@ static void check_name(source *s, const node *list, size_t place)
     if (!n) return;
     const char *key = tree_print(s, "%s[%zu].name", LIST_KEY, place + 1), *name = tree_read_text(s, n, key);
     if (!*name) tree_fail(s, n->line, key, "empty; leave it out, and the configuration has its number");
-    if (strcmp(name, "all") == 0 || strspn(name, "0123456789") == strlen(name))
-        tree_fail(s, n->line, key, "\"%.60s\" would be read as a number or as all of them; give another name",
+    double x;
+    if (strcmp(name, "all") == 0 || strcmp(name, "null") == 0 || strcmp(name, "~") == 0 ||
+        number_read(name, &x))
+        tree_fail(s, n->line, key, "\"%.60s\" would be read as a number, as none or as all of them; give "
+                  "another name",
                   name);
     for (size_t i = 0; i < place; i++)
         if (strcmp(sgt_name_of_configuration(list->item[i]), name) == 0)
@@ -63,6 +68,7 @@ static void check_shape(source *s, const node *list)
         if (map->kind != NODE_MAP)
             tree_fail(s, map->line, tree_print(s, "%s[%zu]", LIST_KEY, i + 1),
                       "must be a map from paths to values, like {\"surfaces[4].thickness\": 2.5}");
+        tree_map(s, map, tree_print(s, "%s[%zu]", LIST_KEY, i + 1)); /* no key stands twice */
         check_name(s, list, i);
     }
 }
