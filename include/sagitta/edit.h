@@ -137,6 +137,46 @@ typedef struct sgt_lens_path {
  * the name of a parameter of a formula can be of any length.) */
 SGT_API size_t sgt_lens_paths(const sgt_lens *lens, size_t most, sgt_lens_path at[]);
 
+/* ---------------------------------------------------------------- configurations
+ *
+ * A lens file can have `configurations`: positions of a zoom, say.  Each is a list of
+ * edits of the values that the file has besides: paths, and the values that are put
+ * there.
+ *
+ *     configurations:
+ *       - name: wide
+ *         surfaces[4].thickness: 2.5
+ *       - name: tele
+ *         surfaces[4].thickness: 11
+ *
+ * sgt_lens_read gives the lens of the file's own values, with all configurations beside
+ * it. (sgt_lens_options.configuration asks for one of them instead.)  Each was made once
+ * when the lens was read, so that all of them are lenses; after an edit they are again.
+ *
+ * An edit that moves surfaces writes the numbers in the paths anew, as it does those of
+ * pickups.  It is refused if a configuration sets what it removes, sets a place of
+ * another list that it moves, or a surface that it turns; sgt_lens_scale is refused if
+ * there are configurations. */
+
+/* How many there are; 0: the file has none. */
+SGT_API size_t sgt_lens_configurations(const sgt_lens *lens);
+
+/* The name of configuration `number`, from 1; "" where not given, or there is none.  It
+ * is good until an edit succeeds. */
+SGT_API const char *sgt_lens_configuration_name(const sgt_lens *lens, size_t number);
+
+/* The number of the configuration with this name; or that number itself in digits, if
+ * there is such a configuration.  0: there is none, and `error` (may be NULL) says which
+ * are. */
+SGT_API size_t sgt_lens_configuration_named(const sgt_lens *lens, const char *name,
+                                            sgt_error *error);
+
+/* The lens of a configuration, from 1, by the same allocator.  In every bit it is the
+ * lens of a file that has these values and no configurations.  NULL: there is none of
+ * that number, or no memory; `error` (may be NULL) says which. */
+SGT_API sgt_lens *sgt_lens_configured(const sgt_lens *lens, size_t number,
+                                      sgt_error *error);
+
 #ifdef __cplusplus
 }
 #endif

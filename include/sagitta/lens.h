@@ -326,8 +326,9 @@ typedef struct sgt_lens_options {
     const char *(*read)(void *context, const char *path, char **text, size_t *length);
     void (*forget)(void *context, char *text);
     void *context;
-    /* which configuration is read if the file has several, from 1; 0: the active one, and
-     * of the zoom of a .seq file the first */
+    /* which configuration is read if the file has several, from 1; 0: the values of the
+     * file itself, with all configurations beside them (edit.h).  Of a .zmx file they are
+     * those of the active one, of a .seq file those of the first position of its zoom */
     int configuration;
     unsigned long long reserved_[4]; /* leave it zero, and that of the rows of `types` */
 } sgt_lens_options;

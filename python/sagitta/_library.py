@@ -888,6 +888,10 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sgt_lens_get": (c_bool, [POINTER(Lens), c_char_p, POINTER(c_double), POINTER(Error)]),
     "sgt_lens_get_text": (c_size_t, [POINTER(Lens), c_char_p, c_size_t, c_char_p, POINTER(Error)]),
     "sgt_lens_paths": (c_size_t, [POINTER(Lens), c_size_t, POINTER(LensPath)]),
+    "sgt_lens_configurations": (c_size_t, [POINTER(Lens)]),
+    "sgt_lens_configuration_name": (c_char_p, [POINTER(Lens), c_size_t]),
+    "sgt_lens_configuration_named": (c_size_t, [POINTER(Lens), c_char_p, POINTER(Error)]),
+    "sgt_lens_configured": (POINTER(Lens), [POINTER(Lens), c_size_t, POINTER(Error)]),
     "sgt_lens_at": (c_bool, [POINTER(Lens), c_double, c_void_p, POINTER(c_double), POINTER(Error)]),
     "sgt_lens_yaml": (c_void_p, [POINTER(Lens), POINTER(c_size_t)]),
     "sgt_lens_first_order": (

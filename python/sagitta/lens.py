@@ -497,10 +497,15 @@ class Lens(Analyses):
         self._begin(_read_text("lens of Python", text, glasses, 0), row, glasses)
 
     @classmethod
-    def read(cls, path: Union[str, os.PathLike[str]], *, glasses: Any = (), configuration: int = 0) -> "Lens":
+    def read(
+        cls, path: Union[str, os.PathLike[str]], *, glasses: Any = (), configuration: Union[int, str] = 0
+    ) -> "Lens":
         """A lens from a file: .zmx, .seq of CODE V, or YAML.  glasses: catalogues (.agf, .csv, .yml, folders) besides the
-        table that ships.  configuration: of a file with several, from 1; 0: the active one."""
+        table that ships.  configuration: of a file with several, its number from 1 or its name; 0: the values of the
+        file itself, with all configurations beside them."""
         C.check_arithmetic()
+        if isinstance(configuration, str):
+            return cls.read(path, glasses=glasses).configured(configuration)
         self = cls.__new__(cls)
         option, keep = _reading(glasses, configuration)
         error = C.Error()
@@ -598,6 +603,42 @@ class Lens(Analyses):
 
     def __hash__(self) -> int:
         return hash(self.yaml())
+
+    # ------------------------------------------------------------------- configurations
+
+    @property
+    def configurations(self) -> tuple[str, ...]:
+        """The names of the lens's configurations, in their order; "" where one has none.
+
+        >>> import sagitta
+        >>> lens = sagitta.Lens.text('''
+        ... surfaces: [{type: sphere, radius: 50, thickness: 3}, {type: plane}]
+        ... configurations:
+        ...   - {name: wide}
+        ...   - {name: tele, "surfaces[1].thickness": 9}''')
+        >>> lens.configurations, lens.configured("tele").get("surfaces[1].thickness")
+        (('wide', 'tele'), 9.0)
+        """
+        pointer, name = self._handle.pointer, C.library.sgt_lens_configuration_name
+        count = C.library.sgt_lens_configurations(pointer)
+        return tuple(C.text(name(pointer, i + 1)) for i in range(count))
+
+    def configured(self, which: Union[int, str]) -> "Lens":
+        """The lens of a configuration, by its number from 1 or its name.  It has no configurations itself."""
+        error, pointer = C.Error(), self._handle.pointer
+        number = which if isinstance(which, int) else C.library.sgt_lens_configuration_named(
+            pointer, which.encode(), _byref(error)
+        )
+        if isinstance(which, str) and not number:
+            raise _fault(error)
+        other = C.library.sgt_lens_configured(pointer, max(number, 0), _byref(error))
+        if not other:
+            raise _fault(error)
+        return self._built(other)
+
+    def each_configuration(self) -> list["Lens"]:
+        """The lenses of all configurations, in their order."""
+        return [self.configured(i + 1) for i in range(len(self.configurations))]
 
     # ------------------------------------------------------------------- another lens
 

@@ -7,7 +7,8 @@
  *     clear error that names the path, and the lens is as it was;
  *   - the same with an allocator that fails at each place in turn: no memory is told, none is lost, and the
  *     lens is as it was;
- *   - what a path means, and what is said of one that means nothing. */
+ *   - what a path means, and what is said of one that means nothing;
+ *   - a configuration is the lens with its values set, to the bit, and what edits do to its paths. */
 #include "counted.h"
 
 #include "require.h"
@@ -638,6 +639,125 @@ static void test_expressions(void)
     sgt_lens_free(l);
 }
 
+/* ------------------------------------------------------------ configurations */
+
+static const char zoom[] = "wavelengths: [F, d, C]\nprimary: 2\npupil: {semi_diameter: 3}\nfields: [0, 2]\n"
+                           "surfaces:\n"
+                           "  - {type: conic, radius: 60, thickness: 3, glass: N-BK7, conic: 0.1}\n"
+                           "  - {name: gap, type: sphere, radius: -50, thickness: 5, glass: air}\n"
+                           "  - {type: break, tilt: [1, 0, 0], thickness: 0}\n"
+                           "  - {type: sphere, radius: -30, thickness: 2, glass: N-SF6}\n"
+                           "  - {type: plane, thickness: {pickup: \"surfaces[2].thickness\", scale: 4},\n"
+                           "     glass: air}\n"
+                           "  - {type: plane}\n"
+                           "configurations:\n"
+                           "  - {name: one}\n"
+                           "  - name: two\n"
+                           "    \"surfaces[gap].thickness\": 7\n"
+                           "    surfaces[3].curvature: -0.04\n"
+                           "    breaks[1].tilt: [2, 0, 0]\n"
+                           "    fields[2]: 3\n"
+                           "    surfaces[1].conic: null\n"
+                           "    pupil.f_number: 9\n"
+                           "  - {\"surfaces[1].glass\": N-SF6}\n";
+
+/* The lens of zoom's second configuration, by edits. */
+static sgt_lens *by_edits(const sgt_lens *base)
+{
+    static const sgt_edit edits[] = {
+        {.kind = SGT_EDIT_REMOVE, .path = "configurations"},
+        {.path = "surfaces[2].thickness", .number = 7},
+        {.path = "surfaces[3].curvature", .number = -0.04},
+        {.kind = SGT_EDIT_SET_TEXT, .path = "breaks[1].tilt", .text = "[2, 0, 0]"},
+        {.path = "fields[2]", .number = 3},
+        {.kind = SGT_EDIT_REMOVE, .path = "surfaces[1].conic"},
+        {.path = "pupil.f_number", .number = 9},
+    };
+    sgt_error e = {0};
+    sgt_lens *lens = sgt_lens_copy(base, NULL);
+    if (!lens) exit(2);
+    REQUIRE(sgt_lens_edit(lens, COUNT_OF(edits), edits, &e), "%s: %s", e.key, e.words);
+    return lens;
+}
+
+static void require_holds(const sgt_lens *l, const char *path, const char *text)
+{
+    char is[400];
+    sgt_error e = {0};
+    REQUIRE(sgt_lens_get_text(l, path, sizeof is, is, &e) < sizeof is && strstr(is, text),
+            "%s: %s, not %s: %s", path, is, text, e.words);
+}
+
+/* Each is as it is read alone, and without memory nothing is lost. */
+static void test_each(sgt_lens *l, const char *text, size_t length)
+{
+    for (size_t n = 1; n <= sgt_lens_configurations(l); n++) {
+        sgt_lens_options own = options;
+        sgt_error e = {0};
+        own.configuration = (int)n;
+        sgt_lens *read = sgt_lens_read_text("zoom", text, length, &own, &e), *made = NULL;
+        REQUIRE(read, "%zu: %s: %s", n, e.key, e.words);
+        for (long k = 0; !made; k++) {
+            const long kept = held;
+            before_failure = k;
+            made = sgt_lens_configured(l, n, &e);
+            before_failure = -1;
+            REQUIRE(made || (held == kept && strstr(e.words, "no memory")), "%zu: %ld: %s", n, k, e.words);
+        }
+        if (read) require_same(read, made, "configuration", "read alone");
+        require_written(made, "a configuration");
+        REQUIRE(sgt_lens_configurations(made) == 0, "%zu", n);
+        sgt_lens_free(read);
+        sgt_lens_free(made);
+    }
+}
+
+static void require_no_edit(sgt_lens *l, sgt_edit_kind kind, const char *path, const char *text,
+                            const char *words)
+{
+    const sgt_edit edit = {.kind = kind, .path = path, .text = text, .number = 2};
+    sgt_error e = {0};
+    REQUIRE(!sgt_lens_edit(l, 1, &edit, &e) && strstr(e.words, words), "%s: %s, not %s", path, e.words,
+            words);
+}
+
+static void test_configurations(void)
+{
+    sgt_error e = {0};
+    sgt_lens *l = sgt_lens_read_text("zoom", zoom, sizeof zoom - 1, &options, &e);
+    REQUIRE(l, "%s: %s", e.key, e.words);
+    if (!l) return;
+    REQUIRE(sgt_lens_configurations(l) == 3 && strcmp(sgt_lens_configuration_name(l, 2), "two") == 0 &&
+                !*sgt_lens_configuration_name(l, 3) && !*sgt_lens_configuration_name(l, 4), "names");
+    REQUIRE(sgt_lens_configuration_named(l, "two", &e) == 2 &&
+                sgt_lens_configuration_named(l, "3", &e) == 3 &&
+                !sgt_lens_configuration_named(l, "4", &e) && strstr(e.words, "2 two"),
+            "%s", e.words);
+    REQUIRE(!sgt_lens_configured(l, 0, &e) && !sgt_lens_configured(l, 4, &e) && strstr(e.words, "4"), "%s",
+            e.words);
+    sgt_lens *two = sgt_lens_configured(l, 2, &e), *other = by_edits(l);
+    REQUIRE(two, "%s: %s", e.key, e.words);
+    if (two) require_same(two, other, "configuration 2", "by edits");
+    sgt_lens_free(two);
+    sgt_lens_free(other);
+    test_each(l, zoom, sizeof zoom - 1);
+    require_written(l, "with configurations");
+    require_no_edit(l, SGT_EDIT_REMOVE, "surfaces[3]", NULL, "which would be gone");
+    require_no_edit(l, SGT_EDIT_REMOVE, "fields[1]", NULL, "sets fields[2]");
+    require_no_edit(l, SGT_EDIT_SCALE, "", NULL, "scale one of them");
+    require_no_edit(l, SGT_EDIT_REVERSE, "surfaces[3]", "surfaces[4]", "one of the surfaces");
+    require_no_edit(l, SGT_EDIT_SET_TEXT, "surfaces[4].type", "break", "");
+    require_no_edit(l, SGT_EDIT_SET_TEXT, "fields", "[0]", "configurations[2]: fields[2]: there is no");
+    static const char plane[] = "{type: plane, thickness: 1, glass: air}";
+    REQUIRE(sgt_lens_insert(l, "surfaces[3]", plane, &e), "%s", e.words);
+    require_holds(l, "configurations[2]", "\"surfaces[4].curvature\": -0.04");
+    require_holds(l, "configurations[2]", "\"surfaces[gap].thickness\": 7");
+    require_holds(l, "configurations[3]", "\"surfaces[1].glass\": N-SF6");
+    REQUIRE(sgt_lens_remove(l, "configurations[2]", &e) && sgt_lens_configurations(l) == 2, "%s", e.words);
+    require_written(l, "with two configurations");
+    sgt_lens_free(l);
+}
+
 int main(int count, char **files)
 {
     const char *seed = getenv("SAGITTA_TEST_SEED"), *scale = getenv("SAGITTA_TEST_SCALE");
@@ -646,6 +766,7 @@ int main(int count, char **files)
     printf("SAGITTA_TEST_SEED=%llu, %.0f edits of each lens\n", (unsigned long long)g.state, ceil(edits));
     test_meaning();
     test_expressions();
+    test_configurations();
     for (int i = 1; i < count; i++) {
         sgt_error e;
         sgt_lens *lens = sgt_lens_read(files[i], &options, &e);

@@ -517,7 +517,7 @@ def test_remarks():
              'surfaces'),
             (plain(behind=''.join(f'S 9 1 6{i}0.364\n' for i in range(10, 60))), 27, 'S', 'other fictitious glasses of 34 surfaces'),
             (plain(behind='CIR 3\nCA N\n'), 11, 'CIR', 'CODE V asks for CA'),
-            (plain('GO', 'ZOO 2\nZOO THI S1 4 5\nGO'), 13, 'ZOO', 'left out: all of the 2 positions')):
+            (plain('GO', 'ZOO 2\nZOO THI S1 4 5\nGO'), 13, 'configurations', 'the file has 2')):
         got = imported(text)[1]
         if not any(g[:2] == (line, key) and words in g[2] for g in got):
             raise AssertionError(f'{line}: {key}: {words}: {got}\n{text}')

@@ -1202,7 +1202,7 @@ def test_other_formats():
 def test_usage():
     path = written(plain_lens(), 'lens.zmx')
     for arguments in ((), (path, path), ('--nonsense', path), (path, '--configuration'),
-                      (path, '--configuration', 'x'), (path, '--configuration', '0')):
+                      (path, '--configuration', '0')):
         done = run('import', *arguments, exit=USAGE)
         equal(done.stdout, '', arguments)
         assert done.stderr, arguments

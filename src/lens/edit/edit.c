@@ -16,6 +16,8 @@
 #include "../../text/number.h"
 
 #include "../base/reader.h"
+#include "../open/configure.h"
+#include "../read/put.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -92,53 +94,17 @@ static node *parse_value(source *s, const char *yaml, size_t line)
     return own.root;
 }
 
-/* Makes the maps on the way to a key that are missing. */
-static void add_maps(source *s, const way *p)
-{
-    char why[PATH_WHY];
-    for (size_t i = 1; i < p->count; i++) {
-        spot at;
-        const path_step *step = &p->step[i];
-        if (!sgt_path_find(s->root, p, i, &at, why)) return;
-        if (at.is) continue;
-        if (step->name || !step->text) return;
-        tree_put(s, at.in, tree_scalar(s, at.in->line, p->step[i - 1].text, p->step[i - 1].length),
-                 tree_node(s, NODE_MAP, at.in->line));
-    }
-}
-
-/* A place for a key that the map has not: that of a key which says the same in another way, or a new one. */
-static node **new_place(source *s, node *map, const way *p, size_t *line)
-{
-    const path_step *step = &p->step[p->count - 1];
-    const bool in_pupil = p->count == 2 && sgt_step_is(&p->step[0], "pupil");
-    char room[PATH_KEY];
-    const char *rival;
-    node *key = tree_scalar(s, map->line, step->text, step->length);
-    for (int i = 0; (rival = sgt_path_rival(key->text, in_pupil, i, room)); i++)
-        for (size_t k = 0; k < map->count; k++) {
-            if (strcmp(map->key[k]->text, rival) != 0) continue;
-            *line = key->line = map->key[k]->line;
-            map->key[k] = key;
-            return &map->item[k];
-        }
-    tree_put(s, map, key, NULL);
-    *line = map->line;
-    return &map->item[map->count - 1];
-}
-
 /* Puts a value where a path leads.  A number that stands there already stays as it is written. */
 static void put_value(source *s, const way *p, const sgt_edit *e)
 {
-    char why[PATH_WHY];
-    spot at;
-    double old;
+    double stands;
+    node *old;
+    size_t line = 0;
     const bool number = e->kind == SGT_EDIT_SET;
-    add_maps(s, p);
-    if (!sgt_path_find(s->root, p, p->count, &at, why)) tree_fail(s, 0, e->path, "%s", why);
-    if (number && at.is && sgt_path_number(at.is, &old) && memcmp(&old, &e->number, sizeof old) == 0) return;
-    size_t line = at.is ? at.is->line : 0;
-    node **place = at.is ? &at.in->item[at.at] : new_place(s, at.in, p, &line);
+    node **place = sgt_put_place(s, p, e->path, &line, &old);
+    if (number && *place && sgt_path_number(*place, &stands) &&
+        memcmp(&stands, &e->number, sizeof stands) == 0)
+        return;
     *place = number ? tree_number(s, line, e->number) : parse_value(s, e->text, line);
 }
 
@@ -172,20 +138,6 @@ static void change(source *s, const sgt_edit *edit)
 
 /* ------------------------------------------------------------- a new making */
 
-/* What a new making takes from the lens as it is. */
-static void take_over(whole_lens *w, source *s, const whole_lens *old)
-{
-    s->file = tree_text(s, s->file, strlen(s->file));
-    s->folder = tree_text(s, old->folder, strlen(old->folder));
-    s->root = tree_copy(s, old->root);
-    for (size_t i = 0; i < old->comments; i++)
-        tree_comment(s, tree_text(s, old->comment[i], strlen(old->comment[i])));
-    for (size_t i = 0; i < old->imports; i++)
-        tree_remark_again(s, &old->imported[i], old->imported[i].line, old->imported[i].key);
-    w->make = old->make;
-    w->media.before = &old->media;
-}
-
 /* false: error->key is the reader's, or the path if *changed is less than count. */
 static bool make_anew(whole_lens *w, source *s, const whole_lens *old, size_t count, const sgt_edit edit[],
                       size_t *changed)
@@ -193,10 +145,11 @@ static bool make_anew(whole_lens *w, source *s, const whole_lens *old, size_t co
     jmp_buf here;
     s->refused = &here;
     if (setjmp(here) != 0) return false;
-    take_over(w, s, old);
+    sgt_take_over(w, s, old);
     for (; *changed < count; ++*changed) change(s, &edit[*changed]);
     tree_forget_numbers(s->root);
     sgt_make_lens(w, s);
+    if (count) sgt_check_configurations(w, s); /* those of a copy are lenses */
     return true;
 }
 

@@ -31,10 +31,15 @@ typedef struct reference {
     const char *path;    /* its own, whole */
     const node *word;    /* not NULL: it is no pickup but a surface of a tolerance, this number or name
                             in place `pickup` of `map`, a map or list */
+    bool key;            /* or the key in place `pickup` of `map`, a configuration; it is `word` */
 } reference;
 typedef struct references { reference *at; size_t count, room; } references;
 references sgt_edit_references(const editing *e);
 void sgt_edit_refer(const editing *e, const references *all);
+
+/* Refuses the edit if a configuration names a place in this list by its number.  Not of `surfaces`, whose
+ * numbers are written anew. */
+void sgt_edit_keep_places(const editing *e, const node *list);
 
 /* insert.c, reverse.c, scale.c */
 void sgt_edit_insert(const editing *e, node *value);

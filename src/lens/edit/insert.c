@@ -25,6 +25,7 @@ void sgt_edit_insert(const editing *e, node *value)
         at.at = list.is->count;
     }
     const references all = sgt_edit_references(e);
+    if (at.at < list.is->count) sgt_edit_keep_places(e, list.is);
     tree_append(s, list.is, value);
     memmove(list.is->item + at.at + 1, list.is->item + at.at,
             (list.is->count - 1 - at.at) * sizeof *list.is->item);
@@ -39,6 +40,7 @@ void sgt_edit_remove(const editing *e)
     if (!sgt_path_find(e->s->root, &e->at, e->at.count, &at, why)) sgt_edit_refuse(e, "%s", why);
     if (!at.is) sgt_edit_refuse(e, "not given in the file");
     const references all = sgt_edit_references(e);
+    if (at.in->kind == NODE_LIST) sgt_edit_keep_places(e, at.in);
     tree_remove(at.in, at.at);
     sgt_edit_refer(e, &all);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* references.c - pickups and tolerances go on meaning the same surface when others come, go or change places.
+/* references.c - pickups, tolerances and configurations go on meaning the same surface when others come,
+ * go or change places.
  *
  * They name a surface by its number.  Before the list changes the entry that is meant is noted, and
  * behind it the number is written anew; so its other words stay as they are.  A name goes on meaning what is
@@ -121,11 +122,67 @@ static void gather_tolerances(gathering *g)
     }
 }
 
+static const node *configuration_list(const editing *e)
+{
+    const node *root = e->s->root;
+    for (size_t i = 0; root->kind == NODE_MAP && i < root->count; i++)
+        if (strcmp(root->key[i]->text, "configurations") == 0 && root->item[i]->kind == NODE_LIST)
+            return root->item[i];
+    return NULL;
+}
+
+/* The keys of configurations that are paths to an entry of `surfaces`. */
+static void gather_configurations(gathering *g)
+{
+    const editing *e = g->e;
+    const node *list = configuration_list(e);
+    for (size_t i = 0; list && i < list->count; i++) {
+        node *map = list->item[i];
+        const char *path = tree_print(e->s, "configurations[%zu]", i + 1);
+        for (size_t k = 0; map->kind == NODE_MAP && k < map->count; k++) {
+            const node *key = map->key[k];
+            char why[PATH_WHY];
+            way p;
+            spot at;
+            if (!sgt_path_read(&p, key->text, why) || p.count < 2) continue;
+            if (!(sgt_step_is(&p.step[0], "surfaces") || sgt_step_is(&p.step[0], "breaks"))) continue;
+            p.known = &g->known;
+            if (!sgt_path_find(e->s->root, &p, 2, &at, why)) continue;
+            references *r = &g->found;
+            const char *rest = p.step[1].text ? NULL : strchr(key->text, ']');
+            r->at = tree_grow(e->s, r->at, r->count, &r->room, sizeof *r->at);
+            r->at[r->count++] =
+                (reference){.map = map, .pickup = k, .entry = at.is, .path = path, .word = key,
+                            .rest = rest ? rest + 1 : NULL, .key = true};
+        }
+    }
+}
+
+void sgt_edit_keep_places(const editing *e, const node *changed)
+{
+    const node *list = configuration_list(e);
+    for (size_t i = 0; list && i < list->count; i++) {
+        const node *map = list->item[i];
+        for (size_t k = 0; map->kind == NODE_MAP && k < map->count; k++) {
+            char why[PATH_WHY];
+            way p;
+            spot at;
+            if (!sgt_path_read(&p, map->key[k]->text, why)) continue;
+            const bool entry = sgt_step_is(&p.step[0], "surfaces") || sgt_step_is(&p.step[0], "breaks");
+            for (size_t step = entry ? 2 : 1; step < p.count; step++)
+                if (!p.step[step].text && sgt_path_find(e->s->root, &p, step, &at, why) && at.is == changed)
+                    sgt_edit_refuse(e, "configurations[%zu] sets %.100s, a place in this list; remove that "
+                                    "first", i + 1, map->key[k]->text);
+        }
+    }
+}
+
 references sgt_edit_references(const editing *e)
 {
     gathering g = {.e = e, .known = sgt_path_places(e->s, e->s->root)};
     gather(&g, e->s->root, 0, 0);
     gather_tolerances(&g);
+    gather_configurations(&g);
     return g.found;
 }
 
@@ -137,6 +194,20 @@ static bool stands(const node *n, const node *sought, int depth)
     for (size_t i = 0; n->kind != NODE_SCALAR && depth < DEPTH_OF_TREE && i < n->count; i++)
         if (stands(n->item[i], sought, depth + 1)) return true;
     return false;
+}
+
+/* The path of a configuration by the new number of its surface. */
+static void refer_key(const editing *e, const reference *r)
+{
+    const node *was = r->word;
+    if (!stands(e->s->root, r->map, 0)) return; /* it was removed itself */
+    const unsigned place = r->entry->expression;
+    if (!place) sgt_edit_refuse(e, "%s sets %.100s, which would be gone", r->path, was->text);
+    if (!r->rest) return;
+    const char *list = lies(r->entry) ? "breaks" : "surfaces";
+    node *key = tree_word(e->s, was->line, tree_print(e->s, "%s[%u]%s", list, place, r->rest));
+    key->quoted = was->quoted;
+    r->map->key[r->pickup] = key;
 }
 
 /* The surface of a tolerance by its new number. */
@@ -163,7 +234,7 @@ void sgt_edit_refer(const editing *e, const references *all)
     for (size_t i = 0; i < all->count; i++) {
         const reference *r = &all->at[i];
         if (r->word) {
-            refer_tolerance(e, r);
+            (r->key ? refer_key : refer_tolerance)(e, r);
             continue;
         }
         if (r->in && !r->in->expression) continue; /* it went with its own surface */

@@ -278,6 +278,7 @@ static void turn_pickups(const group *g, const references *all)
 {
     for (size_t i = 0; i < all->count; i++) {
         const reference *r = &all->at[i];
+        if (r->word) continue; /* it is no pickup, and of no surface of the group */
         const bool own = in_group(g, r->in) && turns_path(r->own);
         const char *rest = strchr(r->map->item[r->pickup]->text, ']');
         const bool other = in_group(g, r->entry) && rest && turns_path(rest + 1);
@@ -291,6 +292,7 @@ static void follow_gaps(const group *g, const references *all)
 {
     for (size_t i = 0; i < all->count; i++) {
         reference *r = &all->at[i];
+        if (r->word) continue;
         const char *rest = strchr(r->map->item[r->pickup]->text, ']');
         if (!in_group(g, r->entry) || !rest ||
             !(strcmp(rest, "].thickness") == 0 || strncmp(rest, "].glass", 7) == 0 ||

@@ -259,6 +259,8 @@ void sgt_edit_scale(const editing *e)
 {
     scaling c = {.e = e, .factor = e->edit->number};
     if (!(c.factor > 0) || !isfinite(c.factor)) sgt_edit_refuse(e, "a factor must be positive and finite");
+    if (value_in(e->s->root, "configurations"))
+        sgt_edit_refuse(e, "the lens has configurations, whose values would stay; scale one of them");
     const node *list = sgt_edit_surfaces(e);
     for (size_t i = 0; i < list->count; i++) refuse_types(e, list->item[i]);
     way p = {.count = 0};

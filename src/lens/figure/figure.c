@@ -189,6 +189,8 @@ static bool begin_figure(sgt_figure *f, const sgt_lens *lens, const lens_numbers
     f->how = (looking){&f->study, of[f->opt.kind], f->opt.kind == SGT_FIGURE_OPD, !rays};
     f->by.count = by->count;
     if (!(f->lens = sgt_lens_copy(lens, error))) return false;
+    /* (else each edit would make them all) */
+    if (sgt_lens_configurations(lens) && !sgt_lens_remove(f->lens, "configurations", error)) return false;
     if (!(by->put ? take_numbers(f, by, x, error) : read_paths(f, by->path, error))) return false;
     look_of_lens l;
     const bool fine = sgt_look_begin(&l, f->lens, &f->how, true, error);

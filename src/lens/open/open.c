@@ -5,8 +5,7 @@
  * takes is in the arena of the lens, but for a catalogue of glasses. */
 #include "open.h"
 
-#include "conjugate.h"
-#include "resolve.h"
+#include "configure.h"
 
 #include "../base/reader.h"
 #include "../read/seq.h"
@@ -110,17 +109,6 @@ static const char *folder_of_path(source *s, const char *path)
     return tree_text(s, path, end);
 }
 
-/* Those that change the lens come first: what was left out, then what was turned into something else. */
-static void sort_remarks(source *s)
-{
-    for (size_t i = 1; i < s->remarks; i++) { /* some dozens at most, and mostly in order */
-        const sgt_lens_remark one = s->remark[i];
-        size_t at = i;
-        for (; at > 0 && s->remark[at - 1].kind < one.kind; at--) s->remark[at] = s->remark[at - 1];
-        s->remark[at] = one;
-    }
-}
-
 /* text NULL: that of the file `name`. */
 static void read_into(lens_maker make, whole_lens *w, source *s, const char *name, const char *text,
                       size_t length)
@@ -139,29 +127,7 @@ static void read_into(lens_maker make, whole_lens *w, source *s, const char *nam
     else read_other(s, read);
     w->make = make;
     sgt_make_lens(w, s);
-}
-
-void sgt_make_lens(whole_lens *w, source *s)
-{
-    w->media.source = s;
-    w->lens.file = s->file;
-    const resolution *resolved = w->make == sgt_read_lens ? sgt_resolve(w, s) : NULL;
-    sgt_lens_remark *imported = tree_room(s, s->remarks, sizeof *imported);
-    if (s->remarks) memcpy(imported, s->remark, s->remarks * sizeof *imported);
-    w->imported = imported, w->imports = s->remarks;
-    w->make(w, s);
-    if (w->make == sgt_read_lens) sgt_find_conjugates(w, s);
-    sgt_end_resolution(resolved);
-    sort_remarks(s);
-    w->lens.remarks = s->remarks, w->lens.remark = s->remark;
-    w->root = s->root, w->formula = s->formula, w->comment = s->comment, w->comments = s->comments;
-    w->folder = s->folder, w->options = *s->options, w->options.allocator = NULL;
-}
-
-void sgt_end_making(whole_lens *w, source *s)
-{
-    sgt_catalogue_free(s->own_glasses);
-    w->media.source = NULL, w->media.before = NULL;
+    sgt_check_configurations(w, s);
 }
 
 static void refuse_later(source *s, const char *type, size_t place)
@@ -214,6 +180,7 @@ static sgt_lens *lens_by(lens_maker make, const char *name, const char *text, si
     bool fine = read_by(make, w, &s, name, text, length);
     tree_return(&s, s.borrowed);
     sgt_end_making(w, &s);
+    if (fine && make == sgt_read_lens) fine = sgt_choose_configuration(w, &s);
     if (fine) return &w->lens;
     sgt_lens_free(&w->lens);
     return NULL;

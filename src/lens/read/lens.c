@@ -566,9 +566,10 @@ void sgt_read_lens(whole_lens *w, source *s)
     read_surfaces(w, s, list);
     sgt_make_phases(w, s);
     sgt_read_tolerances(w, s, tree_take(s->root, "tolerances"));
+    tree_take(s->root, "configurations"); /* ../open/configure.c */
     tree_finish(s, s->root,
                 "name, units, wavelengths, wavelength_weights, primary, makers, object, pupil, aim, afocal, "
-                "fields, field_type, field_weights, vignetting, surfaces, tolerances");
+                "fields, field_type, field_weights, vignetting, surfaces, tolerances, configurations");
     char why[WHY_SIZE];
     fill_indices(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element, &l->index_before,
                  why);

@@ -24,6 +24,7 @@
  *
  * Each character is looked at once, and what is kept is of the size of the text. */
 #include "seq.h"
+#include "vary.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -374,11 +375,10 @@ static void require_position(seq *q)
         tree_fail(q->s, q->positions_line ? q->positions_line : q->first, "ZOO",
                   "there %s %zu position%s of a zoom; there is no number %zu", positions == 1 ? "is" : "are",
                   positions, positions == 1 ? "" : "s", q->position);
-    if (positions > 1)
-        tree_remark(q->s, SGT_REMARK_LEFT_OUT, q->positions_line, "ZOO",
-                    "all of the %zu positions of the zoom but number %zu; --configuration imports another",
-                    positions, q->position);
-    else if (q->zoomed)
+    if (positions > 1 && q->s->options->configuration)
+        tree_remark(q->s, SGT_REMARK_NOTE, q->positions_line, "ZOO", "position %zu of %zu of the zoom",
+                    q->position, positions);
+    else if (positions == 1 && q->zoomed)
         tree_remark(q->s, SGT_REMARK_LEFT_OUT, q->zoomed_line, "ZOO",
                     "what is said of other positions of a zoom");
 }
@@ -451,6 +451,9 @@ void sgt_read_seq(source *s)
     sgt_seq_write_system(q, s->root);
     sgt_seq_write_surfaces(q, s->root);
     tell_commands(q);
+    s->chosen_number = (size_t)wanted; /* the tree is that of this one */
+    if (!wanted && q->positions > 1)
+        sgt_vary(s, q->positions, q->positions_line, "ZOO", "position of the zoom", sgt_read_seq);
 }
 
 /* ---------------------------------------------------------------- the look */

@@ -41,6 +41,7 @@ typedef struct node {
     bool inline_ : 1;     /* write.c: in one line, in brackets */
     bool number : 1;      /* a scalar that was read as a number */
     bool seen : 1, holds : 1; /* ../open/resolve.c: looked at; a pickup or solve is in it */
+    bool over : 1;        /* ../open/configure.c: a configuration has put it there */
     uint32_t line;        /* counts from 1 */
     union {
         const char *text;   /* of a scalar; equal texts may be one */
@@ -91,6 +92,9 @@ typedef struct source {
     node *root;
     met_text met[TEXTS_MET];
     bool in_lens;         /* not one surface alone */
+    bool varies;          /* vary.c reads one of several configurations */
+    const node *chosen;   /* ../open/configure.c: the configuration that the tree is of; NULL: none */
+    size_t chosen_number; /* from 1 */
     sgt_lens_remark *remark;
     size_t remarks, remark_room;
     formula_text *formula; /* those that have been read, the last one first */

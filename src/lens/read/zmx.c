@@ -9,7 +9,7 @@
  *
  * WHAT STORED NUMBERS ARE.  Solves and pickups are stored together with the numbers they gave.  Those that
  * the lens file has, too, are kept if they give the stored number (../open/resolve.c); of others the number
- * is.  With several configurations the surfaces are those of the active one.
+ * is.  With several configurations the surfaces are those of the active one; zmx_operands.c has the others.
  * DIAM is a semi-diameter that blocks nothing: most of them were computed from rays.
  *
  * NOTHING IN SILENCE.  The tables of zmx_system.c and zmx_surface.c say of each keyword what becomes of it:
@@ -22,6 +22,7 @@
  *
  * Each line is looked at once, and what is kept of it is of its size. */
 #include "zmx.h"
+#include "vary.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -56,7 +57,7 @@ static const char configurations[] =
     "GPPY "
     "GQPO HOLD IGNM IGNR LTTL MABB MABT MCOM MCSD MDPG MIND MOFF MTFU NCOM NCOT NGLS NPAR NPOS NPRO NSPO "
     "OPDR PAR1 PAR2 PAR3 PAR4 PAR5 PAR6 PAR7 PAR8 PRAM PRES PRWV PSCX PSCY PSHX PSHY PSHZ PSP1 PSP2 PSP3 "
-    "PSP4 PUCN PXAR RAAM SATP SDRW SRTS STPS TELE TEMP THIC TSP1 TSP2 TSP3 WAVE WLWT XFIE YFIE ";
+    "PSP4 PUCN PXAR RAAM SATP SDIA SDRW SRTS STPS TELE TEMP THIC TSP1 TSP2 TSP3 WAVE WLWT XFIE YFIE ";
 
 static bool listed(piece key, const char *names)
 {
@@ -109,7 +110,10 @@ static void read_record(zmx *z, piece line)
     piece key = sgt_reader_word(&z->rest);
     if (key.begin == key.end) return;
     if (!z->line) z->line = z->lines.line;
-    if (z->configuration_line && z->count && listed(key, configurations)) return;
+    if (z->configuration_line && z->count && listed(key, configurations)) {
+        sgt_zmx_operand(z, key);
+        return;
+    }
     for (size_t table = 0; table < 2; table++)
         for (size_t i = 0; i < tables[table]->count; i++)
             if (sgt_reader_is(key, tables[table]->record[i].key)) {
@@ -198,14 +202,41 @@ static void require_surfaces(zmx *z)
                     "taken as the first surface, since none is marked");
 }
 
-static void require_configuration(zmx *z)
+static void require_configuration(const zmx *z, int wanted)
 {
-    int wanted = z->s->options ? z->s->options->configuration : 0;
-    size_t active = z->configuration_line ? z->configuration : 1;
-    if (wanted != 0 && (wanted < 0 || (size_t)wanted != active))
-        tree_fail(z->s, z->configuration_line ? z->configuration_line : z->line, "MNUM",
+    const size_t line = z->configuration_line ? z->configuration_line : z->line;
+    const size_t count = z->configurations > 1 ? z->configurations : 1;
+    if (count > 1 && (z->configuration < 1 || z->configuration > count))
+        tree_fail(z->s, line, "MNUM", "there are %zu; number %zu is said to be active", count,
+                  z->configuration);
+    if (wanted < 0 || (size_t)wanted > count)
+        tree_fail(z->s, line, "MNUM", "there %s %zu; there is no configuration %d", count == 1 ? "is" : "are",
+                  count, wanted);
+}
+
+/* Of several configurations: those that the rows behind MNUM can make of the active one. */
+static void read_others(zmx *z, size_t taken, int wanted)
+{
+    source *s = z->s;
+    const size_t active = z->configuration;
+    const bool vary = taken && (!wanted || (size_t)wanted != active);
+    if (z->configurations < 2 || s->varies) return;
+    const size_t line = z->configuration_line;
+    if (vary && sgt_vary(s, z->configurations, line, "MNUM", "configuration", sgt_read_zmx)) {
+        tree_remark(s, SGT_REMARK_NOTE, line, "MNUM",
+                    "number %zu of %zu is the active one: its values are those of the file itself", active,
+                    z->configurations);
+        return;
+    }
+    if (!vary && wanted) s->chosen_number = active; /* it is that one */
+    if (wanted && (size_t)wanted != active)
+        tree_fail(s, line, "MNUM",
                   "the surfaces are those of configuration %zu; number %d cannot be made of them", active,
                   wanted);
+    if (!wanted && !vary)
+        tree_remark(s, SGT_REMARK_LEFT_OUT, line, "MNUM",
+                    "all of the %zu configurations but the active one, number %zu", z->configurations,
+                    active);
 }
 
 void sgt_read_zmx(source *s)
@@ -216,10 +247,13 @@ void sgt_read_zmx(source *s)
     for (piece line; sgt_reader_line(&z->lines, &line);) read_record(z, line);
     sgt_zmx_end_note(z);
     require_surfaces(z);
-    require_configuration(z);
+    const int wanted = s->options->configuration;
+    require_configuration(z, wanted);
+    const size_t taken = sgt_zmx_configure(z, s->varies ? (size_t)wanted : z->configuration);
     s->root = tree_node(s, NODE_MAP, z->line);
     sgt_zmx_write_system(z, s->root);
     sgt_zmx_write_surfaces(z, s->root);
     tell_tallies(z);
     tell_records(z);
+    read_others(z, taken, wanted);
 }

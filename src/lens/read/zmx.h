@@ -122,6 +122,13 @@ typedef struct zmx_count { const char *key; size_t line, count; } zmx_count;
 
 enum { ZMX_RECORDS = 48, ZMX_UNKNOWN = 32, ZMX_KEYS = 12 }; /* KEYS: those that share a remark */
 
+/* A row of an operand: what it gives a configuration. */
+typedef struct zmx_operand {
+    const char *key, *text;  /* text: the value; NULL: the row could not be read */
+    size_t line, at, configuration, parameter, known; /* known: its row in zmx_operands.c */
+    double value;            /* NaN: it is no number */
+} zmx_operand;
+
 struct zmx {
     source *s;
     reader lines;          /* only its text, line and end */
@@ -145,6 +152,8 @@ struct zmx {
     size_t fields, waves; /* SIZE_MAX: not given */
     size_t ftyp_line, primary, primary_line;
     size_t configurations, configuration, configuration_line;
+    zmx_operand *operand;
+    size_t operands, operand_room;
     zmx_list list[ZMX_LISTS];
 
     zmx_surface *surface;
@@ -228,6 +237,11 @@ node *sgt_zmx_zernike(zmx *z, const zmx_surface *f, bool fringe);
 
 /* zmx_system.c: behind the last NOTE. */
 void sgt_zmx_end_note(zmx *z);
+
+/* zmx_operands.c: keeps a row behind MNUM; gives the lens, which is that of the active configuration, the
+ * values of another, and returns how many operands there are that can be read.  The rest is told. */
+void sgt_zmx_operand(zmx *z, piece key);
+size_t sgt_zmx_configure(zmx *z, size_t wanted);
 
 /* zmx_system.c and zmx_elements.c: what was read becomes keys of the root. */
 void sgt_zmx_write_system(zmx *z, node *root);

@@ -203,10 +203,6 @@ static void read_configurations(zmx *z)
 {
     z->configurations = sgt_zmx_whole(z), z->configuration = sgt_zmx_whole_or(z, 1);
     z->configuration_line = z->lines.line;
-    if (z->configurations > 1)
-        tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->lines.line, "MNUM",
-                    "all of the %zu configurations but the active one, number %zu", z->configurations,
-                    z->configuration);
 }
 
 /* --------------------------------------------------------------- the table */

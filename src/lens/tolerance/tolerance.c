@@ -151,6 +151,7 @@ static bool begin(sgt_tolerancing *t, const sgt_tolerancing_options *o, sgt_erro
     t->study.run = NULL, t->opt.study = NULL;
     t->base = sgt_lens_copy(t->of, error);
     if (!t->base) return false;
+    if (sgt_lens_configurations(t->base) && !sgt_lens_remove(t->base, "configurations", error)) return false;
     t->count = sgt_lens_tolerances(t->of, &t->entry);
     keep_values(((whole_lens *)(void *)t->base)->root, 0);
     /* a lens that is built has none: what may be off has been so */

@@ -5,28 +5,12 @@
 #include "../job/job.h"
 #include "../read/lens.h"
 
-#include <limits.h>
-
-static void take_configuration(void *into, const option_row *row, const char *value)
-{
-    (void)into;
-    lens_configuration((int)options_integer(row->name, value, 1, INT_MAX));
-}
-
-static const option_row import_rows[] = {
-    {"configuration", "N",
-     "of a file with several configurations, or positions of a zoom, the N-th, counted from 1\n"
-     "Default: the one in which it was saved; of a .seq file the first",
-     OPTION_TAKE, .take = take_configuration},
-    {0},
-};
 static const option_row import_output_rows[] = {
     {"output", "LENS", "write to LENS instead of standard output; or -o", OPTION_TEXT,
      .to = offsetof(shared_options, target.path)},
     {0},
 };
-static const option_group import_own = {OPTIONS_OWN, "Options", .row = import_rows},
-                          import_output = {OPTIONS_SHARED, NULL, .row = import_output_rows};
+static const option_group import_output = {OPTIONS_SHARED, "Options", .row = import_output_rows};
 
 static exit_status import_run(const command *c, int argc, char *argv[]);
 
@@ -45,7 +29,7 @@ const command command_import = {
     .exits = "  0  the lens was written\n"
              "  2  wrong arguments\n"
              "  3  bad input, or output that cannot be written\n",
-    .group = {&import_own, &job_glass_options, &import_output}, .run = import_run,
+    .group = {&import_output, &job_glass_options}, .run = import_run,
 };
 
 static exit_status import_run(const command *c, int argc, char *argv[])
@@ -53,6 +37,6 @@ static exit_status import_run(const command *c, int argc, char *argv[])
     shared_options shared = {.threads = 0};
     job_options asked = {.lens = NULL};
     command_read(c, NULL, &asked, &shared, argc, argv);
-    lens_write(lens_open(command_file(c, "file", argc, argv)), shared.target.path);
+    lens_write(lens_open_whole(command_file(c, "file", argc, argv)), shared.target.path);
     return EXIT_DECIDED;
 }

@@ -119,7 +119,7 @@ const command command_info = {
     .what = "Prints the first-order data of a lens, at its primary wavelength or those that are asked "
             "for; with --seidel its Seidel sums by surface, with --parabasal data along its real chief "
             "rays.  json has all.",
-    .often = "seidel parabasal wavelength glass strict format output hex",
+    .often = "seidel parabasal configuration wavelength glass strict format output hex",
     .examples = "  sagitta info examples/lenses/cooke_triplet.yaml\n"
                 "  sagitta info examples/lenses/cooke_triplet.yaml --seidel --format csv\n",
     .docs = "docs/rays.md (what the numbers are)", .all = info_all, .exits = "  0  done\n"
@@ -153,6 +153,7 @@ static void write_by_columns(const info_arguments *a, const lens_list *at)
     for (int k = 0; k < QUANTITIES; k++) columns[k] = (column){quantity[k].name, COLUMN_EXACT};
     table *t = table_begin(&a->target, QUANTITIES, columns);
     for (size_t i = 0; i < at->count; i++) {
+        table_lead(t, at->lens[i].configuration);
         sgt_first_order o = info_first_order(&at->lens[i], NULL);
         for (int k = 0; k < QUANTITIES; k++) table_number(t, value_of(&o, k));
     }
@@ -202,24 +203,39 @@ static void say_lens(table *t, const sgt_lens *l, const sgt_first_order *o)
                       "compares with a plane.");
     const char *primary = lens_primary(l);
     if (primary) table_line(t, "%s", primary);
+    const size_t many = sgt_lens_configurations(l);
+    const char *names = "";
+    for (size_t i = 1; i <= many; i++) {
+        const char *name = sgt_lens_configuration_name(l, i);
+        names = memory_print("%s%s%zu%s%s", names, i > 1 ? ", " : "", i, *name ? " " : "", name);
+    }
+    if (many)
+        table_line(t, "These are the values of the file itself.  Configurations: %s; --configuration all "
+                      "shows them.", names);
     if (o->without_vertex)
         table_line(t, "Surface %zu stands off the axis, or has no curvature at its vertex: the power is not "
                       "known.  Try --parabasal.", o->without_vertex);
 }
 
-/* Text: a row for each quantity, a column for each wavelength. */
-static void write_by_rows(const info_arguments *a, const lens_list *at)
+/* Text: a row for each quantity, a column for each wavelength, of each configuration where all are shown. */
+static void write_by_rows(const info_arguments *a, const lens_list *at, const lens_each *all)
 {
     column *columns = memory_take(at->count + 2, sizeof *columns);
     sgt_first_order *o = memory_take(at->count, sizeof *o);
     columns[0] = (column){"quantity", COLUMN_WORD};
     for (size_t i = 0; i < at->count; i++) {
         o[i] = info_first_order(&at->lens[i], NULL);
-        columns[i + 1] = (column){"value", COLUMN_NUMBER};
+        const lens *one = &at->lens[i];
+        columns[i + 1] = (column){!one->configuration         ? "value"
+                                  : *one->configuration_name ? one->configuration_name
+                                                             : memory_print("%zu", one->configuration),
+                                  COLUMN_NUMBER};
     }
     columns[at->count + 1] = (column){"is", COLUMN_WORD};
     const sgt_lens *l = at->lens[0].of;
-    table *t = table_begin(&a->target, at->count + 2, columns);
+    table_target target = a->target;
+    target.leads = false; /* each has its own column */
+    table *t = table_begin(&target, at->count + 2, columns);
     for (int k = 0; k < QUANTITIES; k++) {
         bool there = false;
         table_word(t, quantity[k].name);
@@ -229,6 +245,7 @@ static void write_by_rows(const info_arguments *a, const lens_list *at)
         }
         table_word(t, there ? quantity[k].what : why_none(l, &o[0], quantity[k].needs));
     }
+    if (all->count) table_line(t, "%s  Below, the first of them.", lens_each_line(all));
     say_lens(t, l, &o[0]);
     table_end(t);
 }
@@ -275,17 +292,26 @@ static void say_sums(table *t, const lens *l)
     table_line(t, "Seidel sums (wavefront)%s.  Axial and lateral colour: %s.", conditions(l), colour);
 }
 
-static void write_seidel(const info_arguments *a, const lens *l)
+/* Is it the first wavelength of a configuration? */
+static bool is_first(const lens_list *at, size_t i)
 {
-    static const column columns[SEIDEL_COLUMNS] = {
-        {"surface", COLUMN_WORD},      {"type", COLUMN_WORD},          {"spherical", COLUMN_NUMBER},
-        {"coma", COLUMN_NUMBER},       {"astigmatism", COLUMN_NUMBER}, {"petzval", COLUMN_NUMBER},
-        {"distortion", COLUMN_NUMBER}, {"axial", COLUMN_NUMBER},       {"lateral", COLUMN_NUMBER},
-    };
+    return i == 0 || at->lens[i].configuration != at->lens[i - 1].configuration;
+}
+
+/* The line over the rows of a configuration. */
+static void say_configuration(table *t, const lens *l)
+{
+    const char *name = l->configuration ? l->configuration_name : "";
+    table_lead(t, l->configuration);
+    if (l->configuration) table_line(t, "Configuration %zu%s%s.", l->configuration, *name ? ", " : "", name);
+}
+
+static void write_sums(table *t, const lens *l)
+{
     sgt_seidel *s = memory_take(l->count, sizeof *s);
     const char *without = info_first_order(l, s).without_seidel;
     if (without) note("%s: no Seidel sums: %s", l->of->file, without);
-    table *t = table_begin(&a->target, SEIDEL_COLUMNS, columns);
+    say_configuration(t, l);
     say_sums(t, l);
     for (size_t i = 0; i < l->count; i++) {
         char number[24];
@@ -294,6 +320,18 @@ static void write_seidel(const info_arguments *a, const lens *l)
     }
     const sgt_seidel sum = info_seidel_sum(l, s);
     seidel_row(t, "sum", "", &sum);
+}
+
+static void write_seidel(const info_arguments *a, const lens_list *at)
+{
+    static const column columns[SEIDEL_COLUMNS] = {
+        {"surface", COLUMN_WORD},      {"type", COLUMN_WORD},          {"spherical", COLUMN_NUMBER},
+        {"coma", COLUMN_NUMBER},       {"astigmatism", COLUMN_NUMBER}, {"petzval", COLUMN_NUMBER},
+        {"distortion", COLUMN_NUMBER}, {"axial", COLUMN_NUMBER},       {"lateral", COLUMN_NUMBER},
+    };
+    table *t = table_begin(&a->target, SEIDEL_COLUMNS, columns);
+    for (size_t i = 0; i < at->count; i++)
+        if (is_first(at, i)) write_sums(t, &at->lens[i]);
     table_end(t);
 }
 
@@ -353,16 +391,10 @@ info_chief *info_chiefs(const lens *l)
 }
 
 /* A row for each field. */
-static void write_parabasal(const info_arguments *a, const lens *l)
+static void write_chiefs(table *t, const lens *l)
 {
-    static const column columns[] = {
-        {"field", COLUMN_COUNT},     {"efl_x", COLUMN_NUMBER},           {"efl_y", COLUMN_NUMBER},
-        {"focus_x", COLUMN_NUMBER},  {"focus_y", COLUMN_NUMBER},         {"image_x", COLUMN_NUMBER},
-        {"image_y", COLUMN_NUMBER},  {"magnification_x", COLUMN_NUMBER}, {"magnification_y", COLUMN_NUMBER},
-        {"power_xy", COLUMN_NUMBER},
-    };
     const info_chief *chief = info_chiefs(l);
-    table *t = table_begin(&a->target, sizeof columns / sizeof columns[0], columns);
+    say_configuration(t, l);
     table_line(t, "Along the real chief ray of each field%s.", conditions(l));
     for (size_t f = 0; f < l->of->fields; f++) {
         const sgt_parabasal *p = &chief[f].of;
@@ -374,6 +406,19 @@ static void write_parabasal(const info_arguments *a, const lens *l)
         for (int k = 0; k < 2; k++) table_number(t, p->magnification[k]);
         table_number(t, p->power_xy);
     }
+}
+
+static void write_parabasal(const info_arguments *a, const lens_list *at)
+{
+    static const column columns[] = {
+        {"field", COLUMN_COUNT},     {"efl_x", COLUMN_NUMBER},           {"efl_y", COLUMN_NUMBER},
+        {"focus_x", COLUMN_NUMBER},  {"focus_y", COLUMN_NUMBER},         {"image_x", COLUMN_NUMBER},
+        {"image_y", COLUMN_NUMBER},  {"magnification_x", COLUMN_NUMBER}, {"magnification_y", COLUMN_NUMBER},
+        {"power_xy", COLUMN_NUMBER},
+    };
+    table *t = table_begin(&a->target, sizeof columns / sizeof columns[0], columns);
+    for (size_t i = 0; i < at->count; i++)
+        if (is_first(at, i)) write_chiefs(t, &at->lens[i]);
     table_end(t);
 }
 
@@ -381,13 +426,15 @@ static exit_status info_run(const command *c, int argc, char *argv[])
 {
     info_arguments a = info_arguments_of(c, argc, argv);
     if (a.seidel && a.parabasal) fail_usage("give --seidel or --parabasal, not both");
-    lens_list at = job_lenses(&a.job);
+    lens_each all;
+    lens_list at = job_lenses_of_each(&a.job, &all);
+    a.target.leads = all.count;
     const bool json = a.target.format == TABLE_JSON;
     if ((json || !a.parabasal) && !lens_quiet()) note_limits(at.lens[0].of);
-    if (json) info_json(&a.target, &at, a.job.all_wavelengths || a.job.wavelengths > 1);
-    else if (a.seidel) write_seidel(&a, &at.lens[0]);
-    else if (a.parabasal) write_parabasal(&a, &at.lens[0]);
-    else if (a.target.format == TABLE_TEXT) write_by_rows(&a, &at);
+    if (json) info_json(&a.target, &at, a.job.all_wavelengths || a.job.wavelengths > 1 || all.count);
+    else if (a.seidel) write_seidel(&a, &at);
+    else if (a.parabasal) write_parabasal(&a, &at);
+    else if (a.target.format == TABLE_TEXT) write_by_rows(&a, &at, &all);
     else write_by_columns(&a, &at);
     return EXIT_DECIDED;
 }

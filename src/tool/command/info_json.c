@@ -138,6 +138,13 @@ static void put_lens(json *j, const lens *l)
     put_seidel(j, l, seidel, o.without_seidel);
     json_number(j, "angular_magnification", o.angular_magnification);
     json_truth(j, "afocal", of->afocal);
+    if (l->configuration) json_count(j, "configuration", l->configuration);
+    if (l->configuration) json_word(j, "configuration_name", none_if_empty(l->configuration_name));
+    const size_t configurations = sgt_lens_configurations(of);
+    if (configurations) json_open(j, "configurations", '[', false);
+    for (size_t i = 1; i <= configurations; i++)
+        json_word(j, NULL, none_if_empty(sgt_lens_configuration_name(of, i)));
+    if (configurations) json_close(j);
     json_close(j);
 }
 

@@ -89,6 +89,12 @@ typedef struct tolerating {
     size_t done;
     sgt_trial worst;
     double *worst_value;
+    /* of --configuration all */
+    size_t configuration; /* its number; 0: there is one lens */
+    const char *name;
+    table *together;      /* of all sensitivities; NULL: it is not begun */
+    size_t columns;       /* of it, and the unit of its figure */
+    const char *first_unit;
 } tolerating;
 
 static const char *entry_name(const tolerating *w, size_t i)
@@ -153,7 +159,15 @@ static void print_sensitivity(tolerating *w)
     if (compensated && !text) put_head(head, unit, &columns, "compensator_derivative", COLUMN_NUMBER, "");
     table_target target = w->look.shared.target;
     target.unit = unit, target.word_size = SGT_TOLERANCE_SIZE;
-    table *t = table_begin(&target, columns, head);
+    if (w->together && (w->columns != columns || strcmp(w->first_unit, w->unit) != 0))
+        fail_usage("--configuration all: configuration %zu has other columns or units than the first; ask "
+                   "for it alone", w->configuration);
+    if (!w->together) w->together = table_begin(&target, columns, head), w->columns = columns;
+    w->first_unit = w->unit;
+    table *t = w->together;
+    table_lead(t, w->configuration);
+    if (w->configuration)
+        table_line(t, "Configuration %zu%s%s.", w->configuration, *w->name ? ", " : "", w->name);
     for (size_t i = 0; i < count; i++) {
         const sgt_sensitivity *r = &row[i];
         const sgt_tolerance *a = &w->entry[r->entry];
@@ -176,8 +190,8 @@ static void print_sensitivity(tolerating *w)
     if (compensated)
         table_line(t, "with its compensators set: %.6g%s%s.  compensator: %s", sum.compensated, space,
                    w->unit, entry_name(w, compensator));
-    table_line(t, "estimate, by the root of the sum of squares: %.6g%s%s", sum.estimate, space, w->unit);
-    table_end(t);
+    table_line(t, "estimate, by the root of the sum of squares: %.6g%s%s%s", sum.estimate, space, w->unit,
+               w->configuration ? "\n" : "");
 }
 
 /* --------------------------------------------------------------------------- trials */
@@ -391,12 +405,39 @@ static sgt_tolerancing *tolerancings[1];
 
 static void free_tolerancing(void) { sgt_tolerancing_free(tolerancings[0]); }
 
+/* The answer of a lens, or of one of its configurations. */
+static void tolerance_of_lens(tolerating *w)
+{
+    static bool registered;
+    look *l = &w->look;
+    sgt_error e;
+    int threads;
+    const job_points_asked points = job_points_of(&l->job, l->of->pattern);
+    const sgt_study_options study = look_study(l, &points, &threads);
+    if (w->own.worst) output_reserve("worst", w->own.worst);
+    if (l->picture) output_reserve("picture", l->picture);
+    w->lens = l->primary.of;
+    w->count = sgt_lens_tolerances(w->lens, &w->entry);
+    if (!w->count)
+        lens_fail(&l->primary, "tolerances", "missing; a list of what may be off (docs/tolerance.md)");
+    w->unit = w->own.figure == SGT_TOLERANCING_OPD ? "waves" : w->lens->afocal ? "mrad" : w->lens->units;
+    const sgt_tolerancing_options options = {
+        .figure = (sgt_tolerancing_figure)w->own.figure, .study = &study, .reference = w->own.reference};
+    free_tolerancing(), tolerancings[0] = NULL;
+    w->of = tolerancings[0] = sgt_tolerancing_new(w->lens, &options, &e);
+    if (!w->of) lens_refuse(&e);
+    if (!registered) atexit(free_tolerancing);
+    registered = true;
+    if (w->own.trials)
+        run_trials(w);
+    else
+        print_sensitivity(w);
+}
+
 static exit_status tolerance_run(const command *c, int argc, char *argv[])
 {
     tolerating w = {.own = {.seed = 1, .confidence = 95}};
     look *l = &w.look;
-    sgt_error e;
-    int threads;
     command_read(c, &w.own, &l->job, &l->shared, argc, argv);
     l->job.lens = command_file(c, "lens file", argc, argv), l->job.several = true;
     l->of = sgt_analysis_named(w.own.figure == SGT_TOLERANCING_OPD ? "wavefront" : "spot");
@@ -409,23 +450,14 @@ static exit_status tolerance_run(const command *c, int argc, char *argv[])
     if (!w.own.trials && (w.own.limits || w.own.worst || l->picture || w.own.first))
         fail_usage("--limit, --worst, --picture and --first go with --trials N");
     if (!l->job.wavelengths) l->job.all_wavelengths = true;
-    const job_points_asked points = job_points_of(&l->job, l->of->pattern);
-    const sgt_study_options study = look_study(l, &points, &threads);
-    if (w.own.worst) output_reserve("worst", w.own.worst);
-    if (l->picture) output_reserve("picture", l->picture);
-    w.lens = l->primary.of;
-    w.count = sgt_lens_tolerances(w.lens, &w.entry);
-    if (!w.count)
-        lens_fail(&l->primary, "tolerances", "missing; a list of what may be off (docs/tolerance.md)");
-    w.unit = w.own.figure == SGT_TOLERANCING_OPD ? "waves" : w.lens->afocal ? "mrad" : w.lens->units;
-    const sgt_tolerancing_options options = {
-        .figure = (sgt_tolerancing_figure)w.own.figure, .study = &study, .reference = w.own.reference};
-    w.of = tolerancings[0] = sgt_tolerancing_new(w.lens, &options, &e);
-    if (!w.of) lens_refuse(&e);
-    atexit(free_tolerancing);
-    if (w.own.trials)
-        run_trials(&w);
-    else
-        print_sensitivity(&w);
+    const lens_each all = lens_open_each(l->job.lens);
+    if (all.count && w.own.trials)
+        fail_usage("--trials: of one configuration; give its number or name, not --configuration all");
+    l->shared.target.leads = all.count;
+    for (size_t i = 0; i < (all.count ? all.count : 1); i++) {
+        if (all.count) l->job.of = all.at[i], w.configuration = i + 1, w.name = all.name[i];
+        tolerance_of_lens(&w);
+    }
+    if (w.together) table_end(w.together);
     return EXIT_DECIDED;
 }

@@ -126,7 +126,8 @@ const command command_trace = {
     .what = "Traces rays through a lens file.  Prints a row for each ray and each element it reached: "
             "what became of the ray there, the point, the direction behind it, and a bound on the "
             "error.",
-    .often = "field fan grid rays wavelength picture last frame proof format output", .rays = "--fan 5",
+    .often = "field fan grid rays wavelength configuration "
+             "picture last frame proof format output", .rays = "--fan 5",
     .examples = "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n"
                 "  sagitta trace examples/lenses/cooke_triplet.yaml --fan 7 --picture triplet.svg\n",
     .docs = "docs/lens_file.md (every key of a lens file), docs/rays.md", .all = trace_all,
@@ -682,12 +683,24 @@ static bool rows_known(const trace_arguments *a, const job *j)
 
 /* ------------------------------------------------------------------ trace */
 
-static exit_status trace_run(const command *c, int argc, char *argv[])
+/* What the configurations share that are asked for.  Of one lens alone number is 0. */
+typedef struct trace_shared {
+    trace_arguments *asked;
+    size_t number;               /* of the configuration that is traced, from 1 */
+    const char *name;            /* its; "" for none */
+    table *table;                /* NULL: it is not begun */
+    bool launches;               /* as in trace_work; of the first */
+    watch *watch;                /* of one lens; NULL: none */
+} trace_shared;
+
+/* Traces the rays of a lens.  *out and *j last as long as the picture. */
+static exit_status trace_lens(trace_shared *shared, job *to, scene *out)
 {
-    trace_arguments a = trace_arguments_of(c, argc, argv);
+    trace_arguments a = *shared->asked;
     int threads = a.job.threads = options_threads(&a.shared);
-    job j = job_read(&a.job);
-    options_note_unread(&a.shared, j.lens.count, j.element);
+    *to = job_read(&a.job);
+    const job j = *to;
+    if (shared->number < 2) options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
     const bool text = a.shared.target.format == TABLE_TEXT, all = !text || a.shared.target.columns;
     /* A tile takes some 80 KB for each element.  At most 12 MB a thread: with many elements tiles have fewer
@@ -701,19 +714,19 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     const tiling whole = in;
     in = shard_tiling(whole);
     const size_t places = tiles_places(&in);
-    if (!shard_is()) pictures_reserve(&a.pictures, a.shared.target.path, &j);
-    scene picture = {.job = &j};
-    if (a.pictures.file) picture = scene_begin(&j, pictures_plane(&a.pictures));
+    if (!shard_is() && !shared->table) pictures_reserve(&a.pictures, a.shared.target.path, to);
+    *out = (scene){.job = to};
+    if (a.pictures.file) *out = scene_begin(to, pictures_plane(&a.pictures));
     trace_work w = {.asked = &a,
-                    .job = &j,
+                    .job = to,
                     .whole = whole,
                     .room = memory_take(places, sizeof *w.room),
                     .watch = watch_begin(&a.watched, a.shared.target.hexadecimal, places, count),
-                    .picture = a.pictures.file ? &picture : NULL,
+                    .picture = a.pictures.file ? out : NULL,
                     .text = text,
                     .alone = in.threads < 2,
                     .every = text || a.pictures.file || !a.last,
-                    .launches = all || j.wavelengths > 1,
+                    .launches = shared->table ? shared->launches : all || j.wavelengths > 1,
                     .stretches = all && a.shared.solver.proof,
                     .loss = memory_take(count, sizeof *w.loss),
                     .back = memory_take(count, sizeof *w.back),
@@ -721,11 +734,18 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
                     .point = memory_take(count + 1, sizeof *w.point)};
     column columns[COLUMNS_MOST];
     a.shared.target.word_size = j.rays.longest_id;
-    shard_begin();
+    if (!shared->table) shard_begin();
     const bool same = !w.picture && !(j.rays.table && j.rays.named);
     w.prints = options_print(&a.shared, same, a.last && rows_known(&a, &j), j.wavelengths * whole.rays);
     w.alone = w.alone && !w.prints;
-    w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
+    w.table = shared->table;
+    if (!w.table) w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
+    shared->table = w.table, shared->launches = w.launches;
+    if (shared->number) {
+        table_lead(w.table, shared->number);
+        table_line(w.table, "%sConfiguration %zu%s%s.", shared->number > 1 ? "\n" : "", shared->number,
+                   *shared->name ? ", " : "", shared->name);
+    }
     for (size_t i = 0; i < places; i++) make_room(&w, &w.room[i], in.most);
     progress_begin(j.wavelengths * in.rays, !a.shared.target.path, a.shared.progress);
     for (size_t k = 0; k < j.wavelengths; k++) {
@@ -739,19 +759,65 @@ static exit_status trace_run(const command *c, int argc, char *argv[])
     if (shard_is()) return EXIT_DECIDED;
     if (a.pictures.file && job_count(j.at) > DRAWN)
         note("--picture: the first %d of %zu rays of each wavelength are drawn", DRAWN, job_count(j.at));
-    job_end_parts(&j);
+    job_end_parts(to);
     if (text) {
         if (w.rays) write_legend(&w);
         table_line(w.table, "%zu of %zu ray%s passed all %zu element%s.", w.passed, w.rays,
                    w.rays == 1 ? "" : "s", count, count == 1 ? "" : "s");
         write_proof(&w);
-        write_losses(w.table, &j, w.loss);
+        write_losses(w.table, to, w.loss);
         write_ended(&w);
         write_doubts(&w);
         write_lost(&w);
     }
-    table_end(w.table);
-    watch_end(w.watch);
-    pictures_write(&a.pictures, &picture);
-    return w.undecided || j.undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
+    shared->watch = w.watch;
+    return w.undecided || to->undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
+}
+
+/* What goes with one lens only. */
+static void check_each(const trace_arguments *a)
+{
+    if (shard_count()) fail_usage("--configuration all: not in shards; give its number or name");
+    if (a->watched.path) fail_usage("--watch: of one configuration; give its number or name");
+    if (a->job.rays && strcmp(a->job.rays, "-") == 0)
+        fail_usage("--rays -: can be read once only; give the number or name of one configuration");
+}
+
+/* "in colour configuration 1 wide, in grey 2 middle, 3 tele" */
+static const char *picture_words(const lens_each *all)
+{
+    const char *text = "";
+    for (size_t i = 0; i < all->count; i++)
+        text = memory_print("%s%s%zu%s%s", text, i == 0 ? "in colour configuration " : i == 1 ? ", in grey "
+                                                                                             : ", ",
+                            i + 1, *all->name[i] ? " " : "", all->name[i]);
+    return text;
+}
+
+static exit_status trace_run(const command *c, int argc, char *argv[])
+{
+    trace_arguments a = trace_arguments_of(c, argc, argv);
+    const lens_each all = lens_open_each(a.job.lens);
+    const size_t lenses = all.count ? all.count : 1;
+    trace_shared shared = {.asked = &a};
+    job *j = memory_take(lenses, sizeof *j);
+    scene *picture = memory_take(lenses, sizeof *picture);
+    exit_status worst = EXIT_DECIDED;
+    if (all.count) check_each(&a);
+    a.shared.target.leads = all.count;
+    for (size_t i = 0; i < lenses; i++) {
+        if (all.count) a.job.of = all.at[i], shared.number = i + 1, shared.name = all.name[i];
+        const exit_status status = trace_lens(&shared, &j[i], &picture[i]);
+        if (shard_is()) return status;
+        if (status > worst) worst = status;
+    }
+    if (all.count) {
+        table_line(shared.table, "\n%s", lens_each_line(&all));
+        picture->others = picture + 1, picture->other_count = lenses - 1;
+        picture->configurations = picture_words(&all);
+    }
+    table_end(shared.table);
+    watch_end(shared.watch);
+    pictures_write(&a.pictures, picture);
+    return worst;
 }

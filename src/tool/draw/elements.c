@@ -224,7 +224,7 @@ void elements_stroke(const page *p)
             if (at->kind != PIECE_BLOCKED) continue;
             page_line(p, at->at, at->count);
             cairo_set_source_rgba(p->cr, 0, 0, 0, 0.4);
-            if (at->solid) cairo_fill_preserve(p->cr);
+            if (at->solid && !p->pale) cairo_fill_preserve(p->cr);
             page_stroke(p, PAGE_BLOCKED, 0);
         }
 }

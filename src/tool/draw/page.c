@@ -32,6 +32,7 @@ void page_line(const page *p, const sgt_vec3 at[], size_t count)
 
 void page_stroke(const page *p, double width, double grey)
 {
+    if (p->pale) grey = PAGE_PALE;
     cairo_set_source_rgb(p->cr, grey, grey, grey);
     cairo_set_line_width(p->cr, width);
     cairo_stroke(p->cr);

@@ -11,6 +11,7 @@ typedef struct page {
     const scene *scene;
     double scale;      /* points per unit of length */
     double left, base; /* x = left + scale right, y = base - scale up */
+    bool pale;         /* what is drawn stands behind another lens: all lines in one light grey */
 } page;
 
 typedef struct page_dot { double x, y; } page_dot;
@@ -31,7 +32,8 @@ page_dot page_along(const page *p, sgt_vec3 direction);
  * finite a new line begins. */
 void page_line(const page *p, const sgt_vec3 at[], size_t count);
 
-/* Strokes the path in grey (0: black). */
+/* Strokes the path in grey (0: black), on a pale page in PAGE_PALE. */
+#define PAGE_PALE 0.7
 void page_stroke(const page *p, double width, double grey);
 
 #endif

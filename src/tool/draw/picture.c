@@ -124,6 +124,20 @@ static void draw_rays(const page *p)
     }
 }
 
+/* The lens in its other configurations, behind it: lines only. */
+static void draw_others(const page *p)
+{
+    for (size_t i = 0; i < p->scene->other_count; i++) {
+        page pale = *p;
+        pale.scene = &p->scene->others[i], pale.pale = true;
+        for (size_t k = 0; k < pale.scene->paths; k++) {
+            page_line(&pale, pale.scene->path[k].at, pale.scene->path[k].count);
+            page_stroke(&pale, RAY_MANY, 0);
+        }
+        elements_stroke(&pale);
+    }
+}
+
 static void draw_marks(const page *p)
 {
     const scene *s = p->scene;
@@ -185,8 +199,9 @@ static void draw_title(cairo_t *cr, const scene *s)
     chart_font(cr, LINE_FONT, false);
     chart_grey(cr, 0.35);
     chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT + 2, 0, room, facts_of(s));
-    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT * (1 + CHART_LINE) + 2, 0, room,
-               fields_of(s->job));
+    const char *fields = fields_of(s->job);
+    if (s->configurations) fields = memory_print("%s; %s", fields, s->configurations);
+    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT * (1 + CHART_LINE) + 2, 0, room, fields);
 }
 
 /* --------------------------------------------------------------------- file */
@@ -200,6 +215,7 @@ static void draw_page(cairo_t *cr, const void *what)
     cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
     bool space = p.scene->view.plane == VIEW_3D;
     if (!space) ruler_draw(&p, &l->plot);
+    draw_others(&p);
     elements_fill(&p);
     draw_axis(&p);
     draw_rays(&p);

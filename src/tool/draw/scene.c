@@ -157,6 +157,14 @@ static double any_height(const scene *s)
     return all == 0 && l->of->pupil == SGT_PUPIL_RADIUS ? l->of->pupil_size : all;
 }
 
+/* The extent of another, too. */
+static void include_scene(scene *s, const scene *other)
+{
+    s->least = (spot){fmin(s->least.right, other->least.right), fmin(s->least.up, other->least.up)};
+    s->most = (spot){fmax(s->most.right, other->most.right), fmax(s->most.up, other->most.up)};
+    s->low.z = fmin(s->low.z, other->low.z), s->high.z = fmax(s->high.z, other->high.z);
+}
+
 void scene_finish(scene *s)
 {
     const lens *l = &s->job->lens;
@@ -180,4 +188,5 @@ void scene_finish(scene *s)
             p->at[p->count - 1] = brought_in(s, p->at[p->count - 1], p->at[p->count - 2]);
         for (size_t k = 0; k < p->count; k++) include(s, p->at[k]);
     }
+    for (size_t i = 0; i < s->other_count; i++) scene_finish(&s->others[i]), include_scene(s, &s->others[i]);
 }

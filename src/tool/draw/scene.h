@@ -11,7 +11,8 @@ typedef struct ray_path {
     sgt_fate fate;
 } ray_path;
 
-typedef struct scene {
+typedef struct scene scene;
+struct scene {
     const job *job;
     view_axes view;
     ray_path *path;
@@ -22,7 +23,10 @@ typedef struct scene {
     spot least, most;     /* everything lies between these corners of the picture */
     double lead;          /* how far rays are drawn beyond the lens */
     bool by_wavelength;   /* colours tell wavelengths, as there are several and only one field */
-} scene;
+    scene *others;        /* [other_count]: the lens in other configurations, drawn behind it in grey */
+    size_t other_count;
+    const char *configurations; /* their numbers and names; NULL: there is one lens */
+};
 
 scene scene_begin(const job *j, view_plane plane);
 
@@ -31,7 +35,7 @@ scene scene_begin(const job *j, view_plane plane);
 void scene_add(scene *s, size_t field, size_t wavelength, size_t points, const sgt_vec3 point[],
                sgt_fate fate, sgt_vec3 direction);
 
-/* To be called when all rays are added: finds the outlines and the extent. */
+/* To be called when all rays are added: finds the outlines and the extent, with that of the others. */
 void scene_finish(scene *s);
 
 /* Is there glass to draw between element i and the next? */

@@ -160,6 +160,7 @@ static void take_again(void *into, const option_row *row, const char *value)
     if (strcmp(row->name, "aim") == 0) o->aim_given = true, o->aimed = options_word(row, value);
     else if (strcmp(row->name, "glass") == 0) lens_glass_folder(value);
     else if (strcmp(row->name, "strict") == 0) lens_be_strict();
+    else if (strcmp(row->name, "configuration") == 0) lens_configuration(value);
     else if (strcmp(row->name, "set") == 0) lens_edit_value(SGT_EDIT_SET_TEXT, row->name, value);
     else o->no_apertures = true;
 }
@@ -233,6 +234,12 @@ static const option_row wavelength_rows[] = {
     {0},
 };
 static const option_row glass_rows[] = {
+    {"configuration", "N",
+     "of a file with several configurations, the N-th, counted from 1; or its name; or all\n"
+     "Default: the values of the file itself; of a .zmx file the active one, of a .seq file the\n"
+     "first position of its zoom.  all: a table of all of them, with a column `configuration`;\n"
+     "of import and edit the file with all of them.  --set is made of the one that is chosen",
+     OPTION_TAKE, .take = take_again},
     {"set", "PATH=VALUE",
      "the lens with another value: surfaces[3].thickness=4.5, \"surfaces[front].glass=N-SF6\"\n"
      "PATH is a place in the lens file (docs/lens_file.md#paths), VALUE is YAML.  May be repeated",
@@ -284,6 +291,24 @@ lens_list job_lenses(const job_options *o)
                                   : o->wavelengths   ? o->wavelength[i]
                                                      : primary);
     return all;
+}
+
+lens_list job_lenses_of_each(const job_options *o, lens_each *all)
+{
+    lens_list list = {.count = 0};
+    *all = lens_open_each(o->lens);
+    if (!all->count) return job_lenses(o);
+    for (size_t i = 0; i < all->count; i++) {
+        job_options one = *o;
+        one.of = all->at[i];
+        const lens_list own = job_lenses(&one);
+        list.lens = memory_grow(list.lens, list.count + own.count, sizeof *list.lens);
+        for (size_t k = 0; k < own.count; k++) {
+            lens *l = &list.lens[list.count++];
+            *l = own.lens[k], l->configuration = i + 1, l->configuration_name = all->name[i];
+        }
+    }
+    return list;
 }
 
 void job_move(sgt_pose *pose, double z)

@@ -80,6 +80,9 @@ sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray);
 typedef struct lens_list { size_t count; lens *lens; } lens_list;
 lens_list job_lenses(const job_options *o);
 
+/* The same for each configuration, one after another, where all are asked for.  *all has them. */
+lens_list job_lenses_of_each(const job_options *o, lens_each *all);
+
 /* The fields that are asked for: those of --field, those of --fields, or all of the lens. */
 typedef struct field_list {
     size_t count;

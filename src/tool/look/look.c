@@ -384,6 +384,7 @@ typedef struct printing {
     look *look;
     const look_way *way;
     size_t count, *place;       /* [count]: which columns */
+    const char **unit;          /* [count] */
     const sgt_column **column;  /* [count]: they */
     table_member *member;       /* [count]: the same for rows of csv */
     bool text;                  /* for people, in the columns by default */
@@ -435,6 +436,7 @@ static void begin_table(printing *p)
     const char **units = memory_take(l->of->columns + 1, sizeof *units), **first_unit = units;
     if (l->over) *head++ = (column){"at", COLUMN_NUMBER}, *units++ = "";
     p->place = memory_take(l->of->columns, sizeof *p->place);
+    p->unit = units;
     p->column = memory_take(l->of->columns, sizeof *p->column);
     p->member = memory_take(l->of->columns, sizeof *p->member);
     p->text = l->shared.target.format == TABLE_TEXT && !l->shared.target.columns;
@@ -593,6 +595,48 @@ static void run_over(look *l, const job_points_asked *points, printing *p, const
     l->total.fates = sum;
 }
 
+/* Has the lens of this configuration the same columns as the first? */
+static void check_columns(const printing *p, size_t number)
+{
+    const look *l = p->look;
+    char name[32], unit[32];
+    for (size_t i = 0, k = 0; i < l->of->columns; i++) {
+        const bool there = sgt_study_column(l->study, l->of, l->options, i, name, unit);
+        const bool was = k < p->count && p->place[k] == i;
+        if (p->text && sgt_analysis_column(l->of, i)->flags & SGT_COLUMN_DETAIL) continue;
+        if (there != was || (was && strcmp(p->unit[k], unit) != 0))
+            fail_usage("--configuration all: configuration %zu has other columns or units than the first; "
+                       "ask for it alone", number);
+        k += was;
+    }
+}
+
+/* The study of each configuration. */
+static exit_status run_each(look *l, const lens_each *all, const job_points_asked *points, printing *p,
+                            const sgt_sink *sink, int *threads)
+{
+    sgt_fates sum = {.rays = 0};
+    exit_status worst = EXIT_DECIDED;
+    sgt_error e;
+    for (size_t i = 0; i < all->count; i++) {
+        l->job.of = all->at[i];
+        free_study(), studies[0] = NULL;
+        begin_study(l, points, threads);
+        if (i == 0) shard_begin(), begin_table(p);
+        else check_columns(p, i + 1), table_gap(l->table);
+        l->step = i, l->rows = 0, p->before = NULL;
+        table_lead(l->table, i + 1);
+        if (!sgt_study_run(l->study, l->of, l->options, sink, &l->total, &e)) refuse(l, &e);
+        add_fates(&sum, &l->total.fates);
+        if (!p->way->end || shard_is()) continue;
+        table_line(l->table, "Configuration %zu%s%s:", i + 1, *all->name[i] ? ", " : "", all->name[i]);
+        const exit_status status = p->way->end(l);
+        if (status > worst) worst = status;
+    }
+    l->total.fates = sum;
+    return worst;
+}
+
 exit_status look_run(const command *c, const look_way *way, int argc, char *argv[])
 {
     look l = {.of = sgt_analysis_named(way->over ? way->over->analysis : c->name), .over = way->over};
@@ -606,7 +650,14 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     if (!l.of->no_rays) points = job_points_of(&l.job, l.of->pattern);
     if (way->check) way->check(&l);
     if (shard_ranks()) progress_begin(0, !l.shared.target.path, l.shared.progress);
-    if (l.over) {
+    const lens_each all = l.over ? (lens_each){.count = 0} : lens_open_each(l.job.lens);
+    l.shared.target.leads = all.count;
+    if (all.count && l.picture)
+        fail_usage("--picture: shows one configuration; give its number or name, not --configuration all");
+    exit_status worst = EXIT_DECIDED;
+    if (all.count) {
+        worst = run_each(&l, &all, &points, &p, &sink, &threads);
+    } else if (l.over) {
         run_over(&l, &points, &p, &sink, &threads);
     } else {
         begin_study(&l, &points, &threads);
@@ -625,7 +676,8 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     if (shard_is()) return EXIT_DECIDED;
     if (shard_ranks()) progress_rays(l.total.fates.rays), progress_end();
     for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
-    const exit_status status = way->end ? way->end(&l) : EXIT_DECIDED;
+    if (all.count) table_line(l.table, "%s", lens_each_line(&all));
+    const exit_status status = way->end && !all.count ? way->end(&l) : worst;
     if (!way->end) look_verdict(&l);
     table_end(l.table);
     if (l.picture && way->draw) way->draw(&l);

@@ -9,6 +9,7 @@
 #include "../base/memory.h"
 #include "earth.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -45,9 +46,27 @@ void lens_glass_folder(const char *path)
     folder[folders++] = path;
 }
 
-static int configuration;
+static const char *configuration; /* NULL: not given */
 
-void lens_configuration(int number) { configuration = number; }
+void lens_configuration(const char *which)
+{
+    if (*which && strspn(which, "0123456789") == strlen(which)) {
+        char *end;
+        const long number = strtol(which, &end, 10);
+        if (number < 1 || number > INT_MAX)
+            fail_usage("--configuration must be a number from 1, a name, or all, not %s", which);
+    }
+    configuration = which;
+}
+
+static bool all_configurations(void) { return configuration && strcmp(configuration, "all") == 0; }
+
+/* 0: it is no number. */
+static int configuration_number(void)
+{
+    const char *c = configuration;
+    return c && *c && strspn(c, "0123456789") == strlen(c) ? atoi(c) : 0;
+}
 
 static sgt_catalogue *glasses;
 
@@ -87,7 +106,7 @@ sgt_lens_options lens_options(void)
 {
     return (sgt_lens_options){.glasses = own_glasses(), .types = earth_types(),
                               .file_ops = earth_file_ops(), .complete = earth_complete,
-                              .read = read_whole, .forget = forget_text, .configuration = configuration};
+                              .read = read_whole, .forget = forget_text};
 }
 
 /* --------------------------------------------------------------- the lens */
@@ -216,12 +235,14 @@ void lens_be_quiet(void) { quiet = true; }
 
 bool lens_quiet(void) { return quiet; }
 
-static void note_remarks(const sgt_lens *l)
+/* chosen: there is no need to say that there are configurations. */
+static void note_remarks(const sgt_lens *l, bool chosen)
 {
     size_t left_out = 0;
     for (size_t i = 0; i < l->remarks; i++) {
         const sgt_lens_remark *r = &l->remark[i];
         left_out += r->kind == SGT_REMARK_LEFT_OUT;
+        if (chosen && r->kind == SGT_REMARK_NOTE && strcmp(r->key, "configurations") == 0) continue;
         if (!quiet) remark("%s:%zu: %s%s%s", l->file, r->line, r->key, *r->key ? ": " : "", r->words);
     }
     if (strict && left_out)
@@ -229,10 +250,11 @@ static void note_remarks(const sgt_lens *l)
                    left_out == 1 ? " was" : "s were");
 }
 
-sgt_lens *lens_open(const char *path)
+static sgt_lens *read_lens(const char *path, int number)
 {
     sgt_lens_options o = lens_options();
     sgt_error e;
+    o.configuration = number;
     sgt_lens *of;
     if (strcmp(path, "-") == 0) {
         input in = input_read(path);
@@ -241,10 +263,75 @@ sgt_lens *lens_open(const char *path)
         of = sgt_lens_read(path, &o, &e);
     }
     if (!of) lens_refuse(&e);
-    lens_keep(of);
+    return lens_keep(of);
+}
+
+static sgt_lens *configured(sgt_lens *base, size_t number)
+{
+    sgt_error e;
+    sgt_lens *of = sgt_lens_configured(base, number, &e);
+    if (!of) lens_refuse(&e);
+    return lens_keep(of);
+}
+
+static void make_edits(sgt_lens *of)
+{
+    sgt_error e;
     if (edits && !sgt_lens_edit(of, edits, edit, &e)) lens_refuse(&e);
-    note_remarks(of);
+}
+
+sgt_lens *lens_open(const char *path)
+{
+    const int number = configuration_number();
+    sgt_error e;
+    if (all_configurations())
+        fail_usage("--configuration all: this command takes one configuration, its number or name");
+    sgt_lens *of = read_lens(path, number);
+    if (configuration && !number) {
+        const size_t place = sgt_lens_configuration_named(of, configuration, &e);
+        if (!place) lens_refuse(&e);
+        of = configured(of, place);
+    }
+    make_edits(of);
+    note_remarks(of, configuration);
     return of;
+}
+
+sgt_lens *lens_open_whole(const char *path)
+{
+    if (!all_configurations()) return lens_open(path);
+    sgt_lens *of = read_lens(path, 0);
+    make_edits(of);
+    note_remarks(of, true);
+    return of;
+}
+
+lens_each lens_open_each(const char *path)
+{
+    lens_each all = {.count = 0};
+    if (!all_configurations()) return all;
+    sgt_lens *base = read_lens(path, 0);
+    all.count = sgt_lens_configurations(base);
+    if (!all.count)
+        fail_input("%s: configurations: not given, and --configuration all asks for them", base->file);
+    all.at = memory_take(all.count, sizeof *all.at), all.name = memory_take(all.count, sizeof *all.name);
+    note_remarks(base, true);
+    for (size_t i = 0; i < all.count; i++) {
+        const char *name = sgt_lens_configuration_name(base, i + 1);
+        all.name[i] = memory_text(name, strlen(name));
+        all.at[i] = configured(base, i + 1);
+        make_edits(all.at[i]);
+    }
+    return all;
+}
+
+const char *lens_each_line(const lens_each *all)
+{
+    const char *text = "Configurations:";
+    for (size_t i = 0; i < all->count; i++)
+        text = memory_print("%s%s %zu%s%s", text, i ? "," : "", i + 1, *all->name[i] ? " " : "",
+                            all->name[i]);
+    return memory_print("%s.", text);
 }
 
 void lens_write(sgt_lens *of, const char *path)

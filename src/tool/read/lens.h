@@ -17,6 +17,8 @@ typedef struct lens {
     const sgt_element *element; /* [count], at the chosen wavelength */
     double *index;            /* [count]: behind each, positive, after a mirror too */
     const sgt_lens_surface *surface; /* [count] */
+    size_t configuration;     /* of --configuration all, from 1; else 0 */
+    const char *configuration_name; /* then; "" where not given */
 } lens;
 
 /* Which wavelength: place counts from 1; 0: `um`, or (NaN) the primary one of the file. */
@@ -25,8 +27,16 @@ typedef struct lens_wavelength { size_t place; double um; } lens_wavelength;
 /* --glass: a catalogue, or a folder of them, whose glasses go before those that ship. */
 void lens_glass_folder(const char *path);
 
-/* --configuration: of a file with several; 0: the one in which it was saved. */
-void lens_configuration(int number);
+/* --configuration: a number from 1, a name, or all. */
+void lens_configuration(const char *which);
+
+/* Those of --configuration all, each with the edits that are asked for.  Of anything else count is 0, and
+ * lens_open opens the one. */
+typedef struct lens_each { size_t count; sgt_lens **at; const char **name; } lens_each;
+lens_each lens_open_each(const char *path);
+
+/* "Configurations: 1 wide, 2 middle, 3 tele." */
+const char *lens_each_line(const lens_each *all);
 
 /* --strict: what a reader leaves out, and a wavelength outside the range of a glass, are errors. */
 void lens_be_strict(void);
@@ -44,6 +54,9 @@ bool lens_quiet(void);
 /* Any error ends the command, with file, line and key in the message.  What a user should know of the lens is
  * noted on standard error. */
 sgt_lens *lens_open(const char *path);
+
+/* For who writes the file: with --configuration all the lens of its own values, and all of them beside it. */
+sgt_lens *lens_open_whole(const char *path);
 
 /* The lens at a wavelength.  Notes glasses that are used outside their ranges. */
 lens lens_at(sgt_lens *of, lens_wavelength at);

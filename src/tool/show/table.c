@@ -60,6 +60,7 @@ struct table {
     block *block;               /* of text */
     bool part, block_written;
     bool plain;                 /* csv, and not hexadecimal */
+    long long lead;             /* of a table that leads */
 };
 
 /* ------------------------------------------------------------ the choice */
@@ -102,6 +103,13 @@ static void choose(table *t)
 
 /* ------------------------------------------------------------------ begin */
 
+/* The cell of the first column stays filled in. */
+void table_lead(table *t, size_t number)
+{
+    t->lead = (long long)number;
+    if (t->to.leads) t->cell[0] = (cell){.kind = CELL_COUNT, .number = (double)NAN, .count = t->lead};
+}
+
 static table *table_new(const table *like)
 {
     table *t = memory_take(1, sizeof *t);
@@ -111,11 +119,31 @@ static table *table_new(const table *like)
     if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head, t->unit, t->part);
     if (t->npy) t->out = memory_take(npy_files(t->npy), sizeof *t->out);
     t->chosen_values = memory_take(t->chosen, sizeof *t->chosen_values);
+    t->filled = t->to.leads;
+    if (t->to.leads) table_lead(t, (size_t)t->lead);
     return t;
+}
+
+/* With a first column more. */
+static table_target led(const table_target *target, size_t columns, const column **head)
+{
+    table_target to = *target;
+    column *all = memory_take(columns + 1, sizeof *all);
+    all[0] = (column){"configuration", COLUMN_COUNT};
+    memcpy(all + 1, *head, columns * sizeof *all);
+    *head = all;
+    if (!to.unit) return to;
+    const char **unit = memory_take(columns + 1, sizeof *unit);
+    unit[0] = "";
+    for (size_t i = 0; i < columns; i++) unit[i + 1] = to.unit[i];
+    to.unit = unit;
+    return to;
 }
 
 table *table_begin(const table_target *target, size_t columns, const column *head)
 {
+    const table_target to = target->leads ? led(target, columns, &head) : *target;
+    columns += to.leads, target = &to;
     table blank = {.to = *target, .columns = columns, .column = head,
                    .plain = target->format == TABLE_CSV && !target->hexadecimal};
     if (target->nowhere && target->format != TABLE_NPY) blank.to.path = "/dev/null";
@@ -334,7 +362,7 @@ static void end_row(table *t)
         put_cell(t, t->choice[i]);
     }
     if (format == TABLE_JSON) bytes_one(&t->kept, '}');
-    t->filled = t->words.length = 0;
+    t->filled = t->to.leads, t->words.length = 0;
     t->rows++;
     if (!t->part && (t->npy ? t->out[0].length : t->kept.length) >= WRITE_AT) write_kept(t);
 }
@@ -390,14 +418,19 @@ static void block_value(table *t, const column *c, const table_values *v, size_t
 void table_block(table *t, size_t rows, const table_values values[])
 {
     if (t->npy) {
-        for (size_t i = 0; i < t->chosen; i++) t->chosen_values[i] = values[t->choice[i]];
+        const size_t leads = t->to.leads;
+        for (size_t i = 0; i < t->chosen; i++)
+            t->chosen_values[i] = t->choice[i] < leads ? (table_values){.at = &t->lead}
+                                                       : values[t->choice[i] - leads];
         npy_block(t->npy, rows, t->chosen_values, t->out);
         t->rows += rows;
         if (!t->part && t->out[0].length >= WRITE_AT) write_kept(t);
         return;
     }
+    const column *own = t->column + t->to.leads;
+    const size_t count = t->columns - t->to.leads;
     for (size_t row = 0; row < rows; row++)
-        for (size_t c = 0; c < t->columns; c++) block_value(t, &t->column[c], &values[c], row);
+        for (size_t c = 0; c < count; c++) block_value(t, &own[c], &values[c], row);
 }
 
 /* --------------------------------------------------------------- rows in memory */
@@ -435,7 +468,7 @@ static inline size_t put_member(table *t, const table_member *m, printed *p, con
 
 bool table_put_members(table *t, const table_member member[], const void *row)
 {
-    if (!t->plain) return false;
+    if (!t->plain || t->to.leads) return false;
     char *to = bytes_room(&t->kept, t->chosen * (NUMBER_SIZE + 1));
     for (size_t i = 0; i < t->chosen; i++) {
         const size_t place = t->choice[i];

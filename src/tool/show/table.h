@@ -21,6 +21,7 @@ typedef struct table_target {
     bool hexadecimal;     /* numbers as 0x1.8p+1; in json as strings, since json has no such numbers */
     const char *columns;  /* of --columns: names with commas, in the order they are wanted; NULL: all */
     size_t word_size;     /* of the longest word in a column of WORD, for npy */
+    bool leads;           /* a first column `configuration`, which table_lead fills: it is no cell of a row */
     const char *const *unit; /* of each column, below its name in text, "" for none; NULL: of no column */
 } table_target;
 
@@ -64,6 +65,10 @@ typedef struct table_member {
 
 /* A whole row, of csv: the same bytes as by cells, but quicker.  false: the format is another one. */
 bool table_put_members(table *t, const table_member member[], const void *row);
+
+/* Of a table that leads: the number that the rows which follow begin with.  Of the parts, too, that are made
+ * from now on. */
+void table_lead(table *t, size_t number);
 
 /* Only in text.  table_gap: an empty line, if it is between two rows.  table_line: a line of text under the
  * rows so far; later rows start a new block with its own header. */
