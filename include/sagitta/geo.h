@@ -127,7 +127,7 @@ SGT_API bool sgt_geodetic_ellipsoid(sgt_surface s, sgt_geodetic_height *over);
 
 /* The ray from a place, along an azimuth (degrees, clockwise from north) and an elevation
  * (degrees above the plane square to the up vector; -90 is down).  d is of unit length to
- * 4 units of 2^-53.  At a pole azimuths count from the meridian that `longitude` names. */
+ * 4 units of 2^-53.  At a pole azimuths count from the meridian of `longitude`. */
 SGT_API sgt_ray sgt_geodetic_ray(const sgt_geodetic_height *over, sgt_geodetic_place from,
                                  double azimuth, double elevation);
 
