@@ -9,6 +9,8 @@ import os
 import pathlib
 import pty
 import re
+import resource
+import signal
 import struct
 import subprocess
 import sys
@@ -956,6 +958,16 @@ def test_pictures_are_whole():
         alive.wait()
         assert (file.read_bytes() if file.exists() else None) == old, words
         assert [p for p in folder.iterdir() if p != file and p.suffix != '.part'] == []
+    def small():  # a disk that is full after 100 bytes
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+
+    for words in ((), ('--arrays',), ('--paint', 'evaluations')):
+        file.write_bytes(b'old')
+        done = subprocess.run([RENDER, *words, '--samples', '1', '--output', str(file), str(scene)], capture_output=True, env=ENVIRONMENT,
+                              preexec_fn=small, timeout=100)
+        assert done.returncode == BAD_INPUT and b'File too large' in done.stderr, done
+        assert [p.name for p in folder.iterdir() if p.suffix != '.part'] == ['out.png'] and file.read_bytes() == b'old', words
     file.unlink(missing_ok=True)
     (folder / 'real.png').write_bytes(b'')
     file.symlink_to('real.png')
