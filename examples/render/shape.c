@@ -139,7 +139,8 @@ static bool is_sheet(document *d, const node *map, const sgt_builtin *row, const
 static bool is_bounded(const sgt_surface_ops *ops)
 {
     const sgt_surface_ops *const all[] = {&sgt_torus_ops,      &sgt_ellipsoid_ops, &sgt_julia_ops,
-                                          &sgt_mandelbrot_ops, &mandelbulb_ops,    &box_ops};
+                                          &sgt_mandelbrot_ops, &mandelbulb_ops,    &box_ops,
+                                          &menger_ops,         &sierpinski_ops};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         if (ops == all[i]) return ops->span != NULL;
     return false;
