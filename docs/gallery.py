@@ -17,7 +17,7 @@ import sys
 TREE = pathlib.Path(__file__).resolve().parent.parent
 PROGRAMS = {'sagitta': 'src/tool/sagitta', 'render': 'examples/render/render', 'line_of_sight': 'examples/line_of_sight/line_of_sight'}
 SCENES, LENSES = 'examples/render/scenes', 'examples/lenses'
-SMALL = 'render --size 330x220 --samples'
+SMALL = 'render --size 240x160 --samples'
 
 # A title of a part, or (name with its ending, what it shows, the command without the name of the picture).
 PICTURES = [
@@ -27,7 +27,7 @@ PICTURES = [
     ('slice.png', 'A slice that is tilted out of the first three components', f'{SMALL} 16 --output @ {SCENES}/slice.yaml'),
     ('mandelbrot.png', 'The Mandelbrot set of quaternions', f'{SMALL} 16 --output @ {SCENES}/mandelbrot.yaml'),
     ('trap.png', 'The first frame of a film: colours by an orbit trap, levels as many as a pixel resolves', f'{SMALL} 32 --output @ {SCENES}/film.yaml'),
-    ('evaluations.png', 'What each ray of a Julia set cost', f'render --paint evaluations --size 440x240 --output @ {SCENES}/julia.yaml'),
+    ('evaluations.png', 'What each ray of a Julia set cost', f'render --paint evaluations --size 440x160 --output @ {SCENES}/julia.yaml'),
     'Surfaces of a program of one\'s own, proven',
     ('mandelbulb.png', 'The Mandelbulb', f'{SMALL} 8 --output @ {SCENES}/mandelbulb.yaml'),
     ('menger.png', 'Menger\'s sponge after three steps, cut', f'{SMALL} 8 --output @ {SCENES}/menger.yaml'),

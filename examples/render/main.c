@@ -175,13 +175,16 @@ static void tell(const tally *t)
 /* ------------------------------------------------------------------ frames */
 
 /* Of what a frame depends on: the version, the scene's text, what was asked for.  FNV-1a, 64 bits.  Files
- * that the scene names are not looked at. */
+ * that the scene names are not looked at.  With arrays it is another digest: so a picture whose arrays are of
+ * an earlier scene is not taken for whole. */
 static uint64_t digest_of(const scene *s, const request *r, int frames, int samples)
 {
     bytes text = {0};
     char asked[200];
-    snprintf(asked, sizeof asked, "render 1, sagitta %s, %d x %d, %d samples, normal %d, paint %d, %d frames",
-             sgt_version(), s->width, s->height, samples, r->normal, (int)r->paint, frames);
+    snprintf(asked, sizeof asked,
+             "render 1, sagitta %s, %d x %d, %d samples, normal %d, paint %d, %d frames%s%s", sgt_version(),
+             s->width, s->height, samples, r->normal, (int)r->paint, frames, r->film ? " of a film" : "",
+             r->arrays ? ", arrays" : "");
     bytes_add(&text, asked, strlen(asked) + 1);
     if (!output_read(r->scene, &text)) fail_input("%s: %s", r->scene, strerror(errno));
     uint64_t digest = 0xcbf29ce484222325;

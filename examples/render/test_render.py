@@ -885,6 +885,9 @@ def test_a_film_survives():
         (killed / name).write_bytes(data)
     said = run('--film', '--resume', scene, '--output', killed / 'f.png')
     assert 'render: 43 kept, 5 drawn' in said and frames_of(killed) == wanted, said
+    for words, kept in ((('--frames', 48), 0), (('--frames', 48), 48), (('--film', '--frames', '1:2', '--arrays'), 0), (('--film', '--frames', '1:2'), 0)):
+        said = run(*words, '--resume', scene, '--output', killed / 'f.png')  # the same names, and other pictures
+        assert f'render: {kept} kept' in said, (words, said)
     said = run('--film', '--resume', '--samples', 1, scene, '--output', killed / 'f.png')
     assert 'render: 0 kept, 48 drawn' in said, said
 
