@@ -4,6 +4,7 @@
 
     python3 test_render.py RENDER
 """
+import importlib.util
 import math
 import os
 import pathlib
@@ -1257,6 +1258,22 @@ def test_documented():
         assert f'`--{option}' in page, option
     for scene in SCENES:
         assert scene.name in page, scene.name
+
+
+def test_gallery():
+    """The page is what its script writes; two dozen pictures, 2 MB at most; each scene of this folder's that is shown is there."""
+    docs = pathlib.Path(__file__).resolve().parent.parent.parent / 'docs'
+    spec = importlib.util.spec_from_file_location('gallery', docs / 'gallery.py')
+    gallery = importlib.util.module_from_spec(spec)
+    sys.dont_write_bytecode = True
+    spec.loader.exec_module(gallery)
+    assert gallery.page() == (docs / 'gallery.md').read_text()
+    pictures = [entry for entry in gallery.PICTURES if not isinstance(entry, str)]
+    assert {p.name for p in (docs / 'gallery').iterdir()} == {name for name, *_ in pictures} and len(pictures) >= 24
+    assert sum(p.stat().st_size for p in (docs / 'gallery').iterdir()) <= 2e6
+    for _, _, command in pictures:
+        for word in command.split():
+            assert not word.endswith('.yaml') or (docs.parent / word).exists(), command
 
 
 def main():
