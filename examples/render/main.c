@@ -175,8 +175,7 @@ static void tell(const tally *t)
 /* ------------------------------------------------------------------ frames */
 
 /* Of what a frame depends on: the version, the scene's text, what was asked for.  FNV-1a, 64 bits.  Files
- * that the scene names are not looked at.  With arrays it is another digest: so a picture whose arrays are of
- * an earlier scene is not taken for whole. */
+ * that the scene names are not looked at.  With arrays it is another digest. */
 static uint64_t digest_of(const scene *s, const request *r, int frames, int samples)
 {
     bytes text = {0};
@@ -241,18 +240,29 @@ static arrays arrays_new(const picture *p)
 
 static void arrays_free(arrays *a) { free(a->depth), free(a->t_err), free(a->normal), free(a->status); }
 
+/* With arrays the picture's digest has all their bytes in it, so that those of another run, or cut short, are
+ * not taken for its own.  false: one is not there. */
+static bool add_arrays(const request *r, int frame, uint64_t *digest)
+{
+    char file[NAME_SIZE];
+    for (int i = 0; r->arrays && ARRAY_NAMES[i]; i++) {
+        bytes b = {0};
+        name_file(file, r, frame, ARRAY_NAMES[i]);
+        const bool there = output_read(file, &b);
+        for (size_t k = 0; k < b.n; k++) *digest = (*digest ^ b.at[k]) * 0x100000001b3;
+        free(b.at);
+        if (!there) return false;
+    }
+    if (*digest == 0) *digest = 1;
+    return true;
+}
+
 /* Is the frame there, and its arrays, if they are wanted?  The picture is written last. */
 static bool is_there(const request *r, int frame, uint64_t digest)
 {
     char file[NAME_SIZE];
-    for (int i = 0; r->arrays && ARRAY_NAMES[i]; i++) {
-        name_file(file, r, frame, ARRAY_NAMES[i]);
-        FILE *f = fopen(file, "rb");
-        if (!f) return false;
-        fclose(f);
-    }
     name_file(file, r, frame, NULL);
-    return picture_is_whole(file, digest);
+    return add_arrays(r, frame, &digest) && picture_is_whole(file, digest);
 }
 
 /* Text between single quotes of a shell; twice: each % stands twice, for ffmpeg. */
@@ -319,7 +329,7 @@ static void draw(scene *s, const request *r)
         todo += !(there[i] = r->resume && is_there(r, i, digest_of_frame(of_all, i)));
     const double began = progress_now();
     for (int i = first; i < last; i++) {
-        const uint64_t digest = several ? digest_of_frame(of_all, i) : 0;
+        uint64_t digest = several ? digest_of_frame(of_all, i) : 0;
         if (there[i]) continue;
         name_file(file, r, i, NULL);
         output_try(file); /* before the work, and not after */
@@ -331,6 +341,7 @@ static void draw(scene *s, const request *r)
         order o = {samples, r->threads, TILE, i, r->paint, bar, r->arrays ? &a : NULL, {drawn, todo, began}};
         tiles_render(s, along, &o, &p, &total);
         if (r->arrays) write_arrays(r, i, &p, &a);
+        if (several && !add_arrays(r, i, &digest)) fail_input("%s: its arrays cannot be read again", file);
         if (r->paint == PAINT_LIGHT)
             picture_write(&p, s->exposure, file, digest);
         else

@@ -1028,6 +1028,13 @@ def test_arrays():
     assert (folder / 'f-0002-depth.npy').exists()
     (folder / 'f-0002-depth.npy').unlink()
     assert '1 kept, 1 drawn' in run('--frames', 2, '--arrays', '--resume', written(FILM[:FILM.index('film:')]), '--output', folder / 'f.png')
+    again = ('--frames', 2, '--arrays', '--resume', written(FILM[:FILM.index('film:')]), '--output', folder / 'f.png')
+    assert '2 kept, 0 drawn' in run(*again)
+    whole = (folder / 'f-0001-depth.npy').read_bytes()
+    for data in (whole[:-8], whole[:-1] + bytes([whole[-1] ^ 1]), (folder / 'f-0002-depth.npy').read_bytes()):  # cut, changed, of another frame
+        (folder / 'f-0001-depth.npy').write_bytes(data)
+        assert '1 kept, 1 drawn' in run(*again)
+        assert (folder / 'f-0001-depth.npy').read_bytes() == whole
 
 
 def test_automatic_levels():
