@@ -207,6 +207,15 @@ static FILE *writable(const char *file)
     return to;
 }
 
+/* The same of a picture: it is renamed when it is whole, and what is there stays until then. */
+static void try_picture(const char *file)
+{
+    char part[PICTURE_NAME];
+    picture_part(part, file);
+    fclose(writable(part));
+    remove(part);
+}
+
 /* The parameters, whatever the surface: a height h in each, and for the geoid its grid too. */
 typedef union earth { sgt_geodetic_height ellipsoid; sgt_level_gravity level; sgt_geoid_height geoid; } earth;
 
@@ -285,7 +294,7 @@ int main(int count, char *words[])
     request r = parse(count, words);
     earth e = earth_of(&r, &geoid);
     FILE *to = r.output ? writable(r.output) : stdout;
-    if (r.picture) fclose(writable(r.picture));
+    if (r.picture) try_picture(r.picture);
     scan s = scan_begin(&r.camera);
     scan_meet(&s, (sgt_surface){sgt_geo_builtins()[r.surface].ops, &e});
     write_table(&r, &s, to);

@@ -11,10 +11,12 @@
 #include "geodetic.h"
 #include "map.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double WIDTH = 1060, HEIGHT = 604, TOP = 86, PLOT = 420, LEGEND = TOP + PLOT + 46;
 static const double MAP_LEFT = 62, MAP_WIDTH = 480, IMAGE_LEFT = 610, IMAGE_WIDTH = 420;
@@ -296,7 +298,13 @@ void picture_write(const char *file, const scan *s, const char *title, bool by_h
     draw_image_axes(cr, s);
     draw_image_legend(cr, s, &c);
     cairo_destroy(cr);
-    cairo_status_t status = cairo_surface_write_to_png(page, file);
+    char part[PICTURE_NAME];
+    picture_part(part, file);
+    cairo_status_t status = cairo_surface_write_to_png(page, part);
     cairo_surface_destroy(page);
-    if (status != CAIRO_STATUS_SUCCESS) fail_input("%s: %s", file, cairo_status_to_string(status));
+    const bool good = status == CAIRO_STATUS_SUCCESS && rename(part, file) == 0;
+    if (good) return;
+    const char *why = status == CAIRO_STATUS_SUCCESS ? strerror(errno) : cairo_status_to_string(status);
+    remove(part);
+    fail_input("%s: %s", file, why);
 }

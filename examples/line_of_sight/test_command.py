@@ -92,6 +92,7 @@ def draws():
     for options in ([], ['--field', 150], ['--inclination', 90, '--start', 80, '--field', 120], ['--lines', 1], ['--pixels', 1, '--lines', 1],
                     ['--pitch', 120], ['--duration', 3000, '--colour', 'height']):
         run('--pixels', 60, '--lines', 50, '--format', 'none', '--picture', file, *options)
+        assert not os.path.exists(f'{file}.part')
         data = file.read_bytes()
         assert data[:8] == b'\x89PNG\r\n\x1a\n' and struct.unpack('>II', data[16:24])[0] == 1060, options
         assert data not in seen, options

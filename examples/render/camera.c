@@ -14,6 +14,12 @@ static vec3 bezier(const path *p, double u)
     return point[0];
 }
 
+bool camera_is_good(const scene *s, double u)
+{
+    const vec3 ahead = subtract(bezier(&s->camera.look_at, u), bezier(&s->camera.position, u));
+    return length(cross(ahead, s->camera.up)) > 1e-9 * length(ahead) * length(s->camera.up);
+}
+
 view camera_at(const scene *s, double u)
 {
     view v = {.eye = bezier(&s->camera.position, u)};

@@ -45,6 +45,7 @@ static void meet_plain(const object *o, lot *l, meeting m[], sgt_status undecide
         if (l->status[i] < 0 && !undecided[i]) undecided[i] = (sgt_status)l->status[i];
         if (!(l->status[i] > 0 && l->t[i] < l->far[i])) continue;
         m[i].object = o, m[i].status = (sgt_status)l->status[i], m[i].t = l->far[i] = l->t[i];
+        m[i].t_err = l->t_err[i];
         m[i].at = (spot){vector_of(l->p, i), vector_of(l->n_at, i), l->p_err[i]};
     }
 }
@@ -59,6 +60,7 @@ static void meet_compound(const scene *s, const body *of, const beam b[], lot *l
         if (a[i].undecided && !undecided[i]) undecided[i] = a[i].undecided;
         if (!(a[i].object && a[i].hit.t < l->far[i])) continue;
         m[i].object = a[i].object, m[i].status = a[i].hit.status, m[i].t = l->far[i] = a[i].hit.t;
+        m[i].t_err = a[i].hit.hi - a[i].hit.t;
         m[i].at = (spot){a[i].hit.p, a[i].hit.n, a[i].hit.p_err};
     }
 }

@@ -28,7 +28,7 @@ typedef struct meeting {
     /* of the hit; or negative: what an object answered that could not tell of the way there */
     sgt_status status;
     int evals;             /* spent on all objects */
-    double t;
+    double t, t_err;       /* t_err: as the library gives it, of a body of several its error in t */
     /* in the world; n of unit length, as the object's `normal` says, toward where the ray came from */
     vec3 p, n;
     spot at;               /* the same place in the object's own frame */

@@ -41,9 +41,19 @@ static const sgt_param box_params[] = {{.name = "half",
                                         .kind = SGT_PARAM_VECTOR},
                                        {0}};
 
+#define LEVELS(of, most)                                                                            \
+    {                                                                                               \
+        .name = "iterations", .offset = offsetof(of, iterations), .count = 1, .lo = 1, .hi = most, \
+        .kind = SGT_PARAM_WHOLE                                                                     \
+    }
+static const sgt_param menger_params[] = {LEVELS(menger, MENGER_MOST), {0}},
+                       sierpinski_params[] = {LEVELS(sierpinski, SIERPINSKI_MOST), {0}};
+
 const sgt_builtin own_surfaces[] = {
     {.type = "mandelbulb", .ops = &mandelbulb_ops, .size = sizeof(mandelbulb), .params = bulb_params},
     {.type = "edge", .ops = &edge_ops, .size = sizeof(edge), .params = edge_params, .object = object_to_edge},
     {.type = "box", .ops = &box_ops, .size = sizeof(box), .params = box_params, .object = object_to_box},
+    {.type = "menger", .ops = &menger_ops, .size = sizeof(menger), .params = menger_params},
+    {.type = "sierpinski", .ops = &sierpinski_ops, .size = sizeof(sierpinski), .params = sierpinski_params},
     {0},
 };

@@ -23,6 +23,13 @@ extern const sgt_surface_ops edge_ops;
 typedef struct box { double half[3]; } box;
 extern const sgt_surface_ops box_ops;
 
+/* Menger's sponge in the cube of half edge 1, and Sierpinski's tetrahedron with the corner (1, 1, 1), after
+ * so many steps; 0 is the default, 3 and 5. */
+typedef struct menger { int iterations; } menger;
+typedef struct sierpinski { int iterations; } sierpinski;
+extern const sgt_surface_ops menger_ops, sierpinski_ops;
+enum { MENGER_MOST = 12, SIERPINSKI_MOST = 20 };
+
 /* Ends with a row of zeros. */
 extern const sgt_builtin own_surfaces[];
 

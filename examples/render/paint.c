@@ -99,7 +99,7 @@ static void status_legend(cairo_t *cr, const picture *p, double top, double widt
     }
 }
 
-void paint_write(const picture *p, paint_kind kind, const char *file)
+void paint_write(const picture *p, paint_kind kind, const char *file, uint64_t digest)
 {
     int width = p->width > WIDTH_LEAST ? p->width : WIDTH_LEAST;
     size_t n = (size_t)p->width * (size_t)p->height;
@@ -126,5 +126,5 @@ void paint_write(const picture *p, paint_kind kind, const char *file)
         picture_put(surface, (int)(i % (size_t)p->width), (int)(i / (size_t)p->width),
                     kind == PAINT_STATUS ? STATUSES[kind_of(p->pixel[i].y)].code : spent);
     }
-    picture_save(surface, file);
+    picture_save(surface, file, digest);
 }

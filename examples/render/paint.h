@@ -7,6 +7,6 @@
 typedef enum paint_kind { PAINT_LIGHT, PAINT_EVALUATIONS, PAINT_STATUS } paint_kind;
 
 /* The picture, unscaled, with its legend below. */
-void paint_write(const picture *p, paint_kind kind, const char *file);
+void paint_write(const picture *p, paint_kind kind, const char *file, uint64_t digest);
 
 #endif

@@ -51,8 +51,8 @@ static void read_path(document *d, const node *map, const char *key, path *p)
 {
     const node *n = document_find(d, map, key);
     if (!n) document_fail(d, map, key, "missing");
-    bool several = n->type == YAML_SEQUENCE_NODE && document_list(d, n, key, 1, MOST_POINTS) > 0
-                && document_item(d, n, 0)->type == YAML_SEQUENCE_NODE;
+    bool several = n->type == YAML_SEQUENCE_NODE && document_list(d, n, key, 1, MOST_POINTS) > 0 &&
+                   document_item(d, n, 0)->type == YAML_SEQUENCE_NODE;
     p->count = several ? document_list(d, n, key, 1, MOST_POINTS) : 1;
     for (int i = 0; i < p->count; i++)
         p->point[i] = vector_of(d, several ? document_item(d, n, i) : n, key, -FAR, FAR);
@@ -132,13 +132,14 @@ static void read_colours(document *d, const node *map, int least, pattern *p)
 /* [r, g, b], or {checks: size, colours: [...]}, or {blend: radius, from: 0, to: 1, colours: [...]}. */
 static void read_pattern(document *d, const node *n, pattern *p)
 {
-    static const char *const axes[] = {"x", "y", "z", "radius", NULL};
+    static const char *const axes[] = {"x", "y", "z", "radius", "trap", NULL};
     *p = (pattern){.kind = PATTERN_PLAIN, .count = 1, .to = 1};
     if (n->type != YAML_MAPPING_NODE) {
         p->colour[0] = vector_of(d, n, "colour", 0, 1);
         return;
     }
-    document_map(d, n, "colour", document_find(d, n, "checks") ? "checks colours" : "blend from to colours");
+    document_map(d, n, "colour",
+                 document_find(d, n, "checks") ? "checks colours" : "blend from to trap colours");
     if (document_find(d, n, "checks")) {
         p->kind = PATTERN_CHECKS;
         read_real(d, n, "checks", 1e-6, FAR, &p->size);
@@ -150,6 +151,9 @@ static void read_pattern(document *d, const node *n, pattern *p)
         read_real(d, n, "from", -FAR, FAR, &p->from);
         read_real(d, n, "to", -FAR, FAR, &p->to);
         if (p->from == p->to) document_fail(d, n, "to", "must differ from `from`");
+        const node *trap = document_find(d, n, "trap");
+        if (trap && p->by != BY_TRAP) document_fail(d, trap, "trap", "only of {blend: trap}");
+        if (trap) document_numbers(d, trap, "trap", 4, 4, -FAR, FAR, p->trap);
     }
     read_colours(d, n, 2, p);
 }
@@ -232,6 +236,8 @@ static void read_surface(document *d, const node *map, const setting *in, bool p
     const node *normal = document_find(d, map, "normal"), *rim = document_find(d, map, "semi_diameter");
     if (normal && o->normal == NORMAL_POTENTIAL && !has_potential(o))
         document_fail(d, normal, "normal", "only julia and mandelbrot have a potential");
+    if (o->material.pattern.by == BY_TRAP && !has_potential(o))
+        document_fail(d, map, "material", "a trap is of an orbit: of julia and mandelbrot");
     if (part && o->surface.ops == &edge_ops)
         document_fail(d, document_find(d, map, "type"), "type",
                       "an edge has no inside: take a quadric and planes");
@@ -339,6 +345,84 @@ static void read_body(document *d, const node *map, scene *s)
     s->bodies++;
 }
 
+/* -------------------------------------------------------------------- film */
+
+static int width_of(track_kind kind)
+{
+    return kind == TRACK_C ? 4 : kind == TRACK_POSITION || kind == TRACK_LOOK_AT ? 3 : 1;
+}
+
+static void read_times(document *d, const node *map, const film *f, track *k)
+{
+    const double last = (f->frames > 1 ? f->frames - 1 : 1) / f->rate;
+    const int wanted = k->bezier ? 2 : k->count;
+    const node *n = document_find(d, map, "times");
+    for (int i = 0; i < wanted; i++) k->time[i] = last * i / (wanted - 1);
+    if (!n) return;
+    document_numbers(d, n, "times", wanted, wanted, 0, FAR, k->time);
+    for (int i = 1; i < wanted; i++)
+        if (!(k->time[i] > k->time[i - 1])) document_fail(d, n, "times", "must increase");
+}
+
+/* {position: [[...], ...], times: [...], curve: bezier} */
+static void read_track(document *d, const node *map, const scene *s, const film *f, track *k)
+{
+    static const char *const curves[] = {"catmull-rom", "bezier", NULL};
+    document_map(d, map, "tracks", "position look_at field exposure c slice times curve object");
+    const node *values = NULL, *curve = document_find(d, map, "curve"), *of = document_find(d, map, "object");
+    *k = (track){.object = -1};
+    for (int i = 0; i <= TRACK_SLICE; i++) {
+        const node *n = document_find(d, map, TRACK_NAMES[i]);
+        if (n && values)
+            document_fail(d, n, TRACK_NAMES[i], "given beside %s; a track is of one", TRACK_NAMES[k->kind]);
+        if (n) values = n, k->kind = (track_kind)i;
+    }
+    if (!values)
+        document_fail(d, map, "tracks", "wants one of the keys position, look_at, field, exposure, c, slice");
+    const char *name = TRACK_NAMES[k->kind];
+    const int width = width_of(k->kind);
+    k->bezier = curve && document_choice(d, curve, "curve", curves) == 1;
+    k->count = document_list(d, values, name, 2, MOST_KEYS);
+    for (int i = 0; i < k->count; i++) {
+        const node *n = document_item(d, values, i);
+        if (width == 1)
+            k->value[i][0] = document_number(d, n, name, -FAR, FAR);
+        else
+            document_numbers(d, n, name, width, width, -FAR, FAR, k->value[i]);
+    }
+    read_times(d, map, f, k);
+    if (of && width != 4 && k->kind != TRACK_SLICE)
+        document_fail(d, of, "object", "only of a track of c or slice");
+    if (of) k->object = document_whole(d, of, "object", 1, s->objects) - 1;
+    bool any = k->kind < TRACK_C;
+    for (int i = 0; i < s->objects; i++)
+        any = any || ((k->object < 0 || k->object == i) &&
+                      (s->object[i].surface.ops == &sgt_julia_ops ||
+                       (k->kind == TRACK_SLICE && s->object[i].surface.ops == &sgt_mandelbrot_ops)));
+    if (!any)
+        document_fail(d, values, name, "no object has it: %s",
+                      k->kind == TRACK_C ? "julia" : "julia, mandelbrot");
+}
+
+static void read_film(document *d, const node *map, scene *s)
+{
+    film *f = &s->film;
+    document_map(d, map, "film", "frames rate tracks");
+    f->rate = 24;
+    if (!document_find(d, map, "frames")) document_fail(d, map, "frames", "missing: how many?");
+    read_whole(d, map, "frames", 1, 9999, &f->frames);
+    read_real(d, map, "rate", 0.01, 1000, &f->rate);
+    const node *list = document_find(d, map, "tracks");
+    f->tracks = list ? document_list(d, list, "tracks", 1, MOST_TRACKS) : 0;
+    for (int i = 0; i < f->tracks; i++) {
+        read_track(d, document_item(d, list, i), s, f, &f->track[i]);
+        for (int k = 0; k < i; k++)
+            if (f->track[k].kind == f->track[i].kind && f->track[k].object == f->track[i].object)
+                document_fail(d, document_item(d, list, i), TRACK_NAMES[f->track[i].kind],
+                              "two tracks of it");
+    }
+}
+
 void read_scene(scene *s, const char *file)
 {
     static document d; /* is found at exit, whatever happens here */
@@ -352,7 +436,7 @@ void read_scene(scene *s, const char *file)
                  .camera.up = {0, 0, 1},
                  .sky = {.zenith = {0.35, 0.5, 0.8}, .horizon = {0.8, 0.85, 0.9}, .ground = {0.4, 0.4, 0.4}},
                  .ambient = {.strength = 0.5, .rays = 1}};
-    document_map(&d, root, NULL, "name picture camera sky ambient lights objects");
+    document_map(&d, root, NULL, "name picture camera sky ambient lights objects film");
     const node *name = document_find(&d, root, "name"), *camera = document_find(&d, root, "camera");
     const node *objects = document_find(&d, root, "objects"), *part;
     if (name) document_word(&d, name, "name");
@@ -365,6 +449,7 @@ void read_scene(scene *s, const char *file)
     if ((part = document_find(&d, root, "lights"))) read_lights(&d, part, s);
     int count = document_list(&d, objects, "objects", 1, MOST_OBJECTS);
     for (int i = 0; i < count; i++) read_body(&d, document_item(&d, objects, i), s);
+    if ((part = document_find(&d, root, "film"))) read_film(&d, part, s);
     document_close(&d);
 }
 

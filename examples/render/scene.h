@@ -5,6 +5,7 @@
 #include "vector.h"
 
 #include <sagitta/lens.h>
+#include <sagitta/surfaces.h>
 
 enum {
     MOST_OBJECTS = 256,  /* surfaces: whole objects, parts of others, and regions that clip */
@@ -13,6 +14,8 @@ enum {
     MOST_LIGHTS = 16,
     MOST_POINTS = 16,
     MOST_COLOURS = 8,
+    MOST_TRACKS = 32,
+    MOST_KEYS = 64,
     MOST_DEPTH = 12
 };
 
@@ -24,13 +27,15 @@ static inline vec3 turned(const sgt_pose *p, vec3 v)
 
 /* A colour that may change from place to place, in the object's own frame. */
 typedef enum pattern_kind { PATTERN_PLAIN, PATTERN_CHECKS, PATTERN_BLEND } pattern_kind;
+enum { BY_TRAP = 4 };
 typedef struct pattern {
     pattern_kind kind;
     int count;
     vec3 colour[MOST_COLOURS];
     double size;       /* of a check */
-    int by;            /* of a blend, by x, y, z or the distance from the origin (3), */
+    int by;            /* of a blend, by x, y, z, the distance from the origin (3) or a trap (BY_TRAP), */
     double from, to;   /* from here (the first colour) to there (the last) */
+    double trap[4];
 } pattern;
 
 typedef struct material {
@@ -57,7 +62,12 @@ typedef struct object {
     bool sheet;                /* may end: where F falls along a ray need not be where something is entered */
     material material;
     bool bounded;              /* F > 0 wherever a ray is outside of the surface's span */
-    sgt_lens *read;            /* what holds the surface's parameters */
+    sgt_lens *read;            /* what holds the surface's parameters, */
+    union {
+        sgt_julia julia;
+        sgt_mandelbrot mandelbrot;
+    } own;                     /* but for those of a level set, which a film may change */
+    bool automatic;            /* its iterations are as many as a pixel resolves (levels.h) */
 } object;
 
 /* A tree of objects, as a row: a knot, then its first child with all that is below it, then the next
@@ -92,6 +102,21 @@ typedef struct light { vec3 position, colour; double radius; } light;
 /* A Bezier path: a single point stays where it is. */
 typedef struct path { int count; vec3 point[MOST_POINTS]; } path;
 
+/* A number, or a few, along a curve in time. */
+typedef enum track_kind {
+    TRACK_POSITION, TRACK_LOOK_AT, TRACK_FIELD, TRACK_EXPOSURE, TRACK_C, TRACK_SLICE
+} track_kind;
+static const char *const TRACK_NAMES[] = {"position", "look_at", "field", "exposure", "c", "slice"};
+typedef struct track {
+    track_kind kind;
+    bool bezier;               /* values are the control points of one curve; else Catmull-Rom through them */
+    int object;                /* of c and slice; -1: all that have it */
+    int count;
+    double time[MOST_KEYS];    /* seconds; of a Bezier curve its begin and end */
+    double value[MOST_KEYS][4];
+} track;
+typedef struct film { int frames; double rate; int tracks; track track[MOST_TRACKS]; } film;
+
 typedef struct scene {
     int width, height, samples, depth;
     double exposure;
@@ -105,6 +130,7 @@ typedef struct scene {
     object object[MOST_OBJECTS];
     knot knot[MOST_KNOTS];
     body body[MOST_OBJECTS];
+    film film;                 /* frames 0: there is none */
 } scene;
 
 #endif

@@ -20,6 +20,7 @@
 #include "shade.h"
 
 #include "fail.h"
+#include "levels.h"
 
 #include <stdlib.h>
 
@@ -88,12 +89,13 @@ static vec3 darkened(vec3 a, double t) { return (vec3){exp(-t * a.x), exp(-t * a
 
 static vec3 mirrored(vec3 d, vec3 n) { return along(d, -2 * dot(d, n), n); }
 
-static vec3 colour_at(const pattern *p, vec3 at)
+static vec3 colour_at(const object *o, vec3 at)
 {
+    const pattern *p = &o->material.pattern;
     if (p->kind == PATTERN_CHECKS)
         return p->colour[fmod(floor(at.x / p->size) + floor(at.y / p->size), 2) != 0];
     if (p->kind == PATTERN_PLAIN) return p->colour[0];
-    const double by[] = {at.x, at.y, at.z, length(at)};
+    const double by[] = {at.x, at.y, at.z, length(at), p->by == BY_TRAP ? levels_trap(o, at, p->trap) : 0};
     double x = fmax(0, fmin(1, (by[p->by] - p->from) / (p->to - p->from))) * (p->count - 1);
     int i = (int)fmin(floor(x), p->count - 2);
     return mixed(p->colour[i], p->colour[i + 1], x - i);
@@ -251,7 +253,7 @@ static void end(const scene *s, ray r, const beam *b, const meeting *m, const pl
              depth, next);
     } else {
         shine(&r,
-              scaled(filtered(at->diffuse, colour_at(&of->pattern, m->at.p)), of->diffuse * (1 - reflected)));
+              scaled(filtered(at->diffuse, colour_at(m->object, m->at.p)), of->diffuse * (1 - reflected)));
     }
     turn(s, &r, leaving(m, unit(mirrored(b->d, m->n)), HUGE_VAL, m->side, b->medium), 2 * r.number, reflected,
          depth, next);

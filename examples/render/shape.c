@@ -88,6 +88,12 @@ static void write_node(document *d, writer *w, const node *n, const char *key, i
     }
 }
 
+static bool is_automatic(const char *key, const node *value)
+{
+    return strcmp(key, "iterations") == 0 && value->type == YAML_SCALAR_NODE &&
+           strcmp((const char *)value->data.scalar.value, "auto") == 0;
+}
+
 /* The surface of the map, without the keys in `more`. */
 static char *surface_text(document *d, const node *map, const char *more)
 {
@@ -104,7 +110,8 @@ static char *surface_text(document *d, const node *map, const char *more)
         go_to_line(&w, key);
         write_scalar(&w, key);
         write_words(&w, ": ");
-        write_node(d, &w, value, name, 1);
+        if (is_automatic(name, value)) write_words(&w, "10"); /* until the view is known: levels.c */
+        else write_node(d, &w, value, name, 1);
     }
     write_words(&w, "}");
     return w.text;
@@ -132,7 +139,8 @@ static bool is_sheet(document *d, const node *map, const sgt_builtin *row, const
 static bool is_bounded(const sgt_surface_ops *ops)
 {
     const sgt_surface_ops *const all[] = {&sgt_torus_ops,      &sgt_ellipsoid_ops, &sgt_julia_ops,
-                                          &sgt_mandelbrot_ops, &mandelbulb_ops,    &box_ops};
+                                          &sgt_mandelbrot_ops, &mandelbulb_ops,    &box_ops,
+                                          &menger_ops,         &sierpinski_ops};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         if (ops == all[i]) return ops->span != NULL;
     return false;
@@ -152,6 +160,18 @@ void shape_read(document *d, const node *map, const char *more, object *o)
                    unknown ? "; and of an object " : "", unknown ? more : "");
     }
     o->surface = o->read->element[0].surface;
+    /* in the object's own room, where a film may change it */
+    if (o->surface.ops == &sgt_julia_ops) {
+        memcpy(&o->own.julia, o->surface.self, sizeof o->own.julia);
+        o->surface.self = &o->own.julia;
+    } else if (o->surface.ops == &sgt_mandelbrot_ops) {
+        memcpy(&o->own.mandelbrot, o->surface.self, sizeof o->own.mandelbrot);
+        o->surface.self = &o->own.mandelbrot;
+    }
+    const node *levels = document_find(d, map, "iterations");
+    o->automatic = levels && is_automatic("iterations", levels);
+    if (o->automatic && o->surface.self != &o->own)
+        document_fail(d, levels, "iterations", "auto is of julia and mandelbrot only");
     o->bounded = is_bounded(o->surface.ops);
     o->sheet = is_sheet(d, map, row_of(o->read->surface[0].type), o->surface.ops);
 }

@@ -280,6 +280,172 @@ static void test_box(long count)
     require(undecided <= count / 1000, "box, undecided rays", (vec3){0}, (double)undecided, 0);
 }
 
+/* --------------------------------------------------------- folded fractals */
+
+/* Inside the sponge, by digits: the point's cubes of 1/3, 1/9 ... of the edge are left at every step. */
+static bool in_menger(int n, const long double x[3])
+{
+    long double y[3];
+    for (int i = 0; i < 3; i++) {
+        y[i] = (x[i] + 1) / 2;
+        if (!(y[i] > 0 && y[i] < 1)) return false;
+    }
+    for (int k = 0; k < n; k++) {
+        int middle = 0;
+        for (int i = 0; i < 3; i++) {
+            y[i] *= 3;
+            const long double digit = floorl(y[i]);
+            middle += digit == 1, y[i] -= digit;
+        }
+        if (middle >= 2) return false;
+    }
+    return true;
+}
+
+static int in_order(const void *a, const void *b)
+{
+    const long double x = *(const long double *)a, y = *(const long double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Every face lies in a plane x, y or z = 2 j / 3^n - 1.  Between neighbouring planes a ray is inside or is
+ * not: that is asked in the middle.  The first t > 0 where it changes; infinite: nowhere. */
+static long double menger_first(int n, const sgt_ray *ray)
+{
+    enum { MOST = 3 * 82 };
+    const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z};
+    long double t[MOST + 2];
+    int count = 0, cells = 1;
+    for (int k = 0; k < n; k++) cells *= 3;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j <= cells && d[i] != 0; j++) {
+            const long double at = (2.0L * j / cells - 1 - o[i]) / d[i];
+            if (at > 0) t[count++] = at;
+        }
+    qsort(t, (size_t)count, sizeof *t, in_order);
+    bool before = false;
+    for (int k = 0; k <= count; k++) {
+        const long double middle = k == count ? (count ? t[k - 1] + 1 : 1) : ((k ? t[k - 1] : 0) + t[k]) / 2;
+        const long double x[3] = {o[0] + middle * d[0], o[1] + middle * d[1], o[2] + middle * d[2]};
+        const bool here = in_menger(n, x);
+        if (k > 0 && here != before) return t[k - 1];
+        before = here;
+    }
+    return HUGE_VALL;
+}
+
+/* The least t > 0 where the ray enters, or leaves, one of the 4^n tetrahedra, each of size `half` about `at`.
+ */
+static long double sierpinski_first(int n, const sgt_ray *ray, const long double at[3], long double half)
+{
+    static const int corner[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+    const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z};
+    long double first = HUGE_VALL, in = -HUGE_VALL, out = HUGE_VALL;
+    if (n > 0) {
+        for (int k = 0; k < 4; k++) {
+            long double to[3];
+            for (int i = 0; i < 3; i++) to[i] = at[i] + half / 2 * corner[k][i];
+            first = fminl(first, sierpinski_first(n - 1, ray, to, half / 2));
+        }
+        return first;
+    }
+    for (int k = 0; k < 4; k++) { /* the face against corner k: -corner . (p - at) <= half */
+        long double height = -half, rise = 0;
+        for (int i = 0; i < 3; i++)
+            height -= corner[k][i] * (o[i] - at[i]), rise -= corner[k][i] * (long double)d[i];
+        if (rise == 0 && height > 0) return HUGE_VALL;
+        if (rise < 0) in = fmaxl(in, -height / rise);
+        if (rise > 0) out = fminl(out, -height / rise);
+    }
+    return !(in < out) || out <= 0 ? HUGE_VALL : in > 0 ? in : out;
+}
+
+static void test_folded(long count)
+{
+    long undecided[2] = {0}, hits[2] = {0}, wrong = 0, evals[2] = {0};
+    for (long i = 0; i < count; i++) {
+        const int which = (int)(i % 2), n = 1 + (int)uniform(0, which ? 5 : 4);
+        const menger sponge = {n};
+        const sierpinski four = {n};
+        const sgt_surface s =
+            which ? (sgt_surface){&sierpinski_ops, &four} : (sgt_surface){&menger_ops, &sponge};
+        vec3 at = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}, d = direction();
+        if (i % 10 < 2)
+            d = unit((vec3){(int)uniform(-3, 3) + 0.0, (int)uniform(-3, 3) + 0.0, 1}); /* along cells */
+        sgt_ray ray = {.o = along(at, -uniform(2, 6), d), .d = scaled(d, pow(10, uniform(-1, 1)))};
+        if (which == 0 && i % 3 == 0) ray.o = at; /* of the sponge also from inside its cube */
+        const long double centre[3] = {0, 0, 0};
+        const long double first = which ? sierpinski_first(n, &ray, centre, 1) : menger_first(n, &ray);
+        const sgt_hit hit = sgt_intersect(s, ray, NULL);
+        undecided[which] += hit.status<0, hits[which] += hit.status> 0, evals[which] += hit.evals;
+        if (hit.status < 0) continue;
+        const bool met = hit.status > 0;
+        const bool good = met == (first < HUGE_VALL) &&
+                          (!met || fabsl(hit.t - first) <= hit.t_err + 1e-15L * (1 + fabsl(first)));
+        wrong += !good;
+        require(good, s.ops->name, ray.o, hit.t, (double)first);
+    }
+    printf(
+        "sponge: %ld rays, %ld hits, %ld undecided, %.1f evaluations; tetrahedron: %ld hits, %ld undecided, "
+        "%.1f evaluations; %ld wrong\n",
+        count, hits[0], undecided[0], 2.0 * (double)evals[0] / (double)count, hits[1], undecided[1],
+        2.0 * (double)evals[1] / (double)count, wrong);
+    require(hits[0] > count / 10 && hits[1] > count / 20, "folded, hits", (vec3){0}, (double)hits[0],
+            (double)hits[1]);
+    require(undecided[0] + undecided[1] <= count / 50, "folded, undecided", (vec3){0}, (double)undecided[0],
+            (double)undecided[1]);
+}
+
+static double slope_at(sgt_surface s, const sgt_ray *ray, double t)
+{
+    vec3 grad;
+    s.ops->value(s.self, along(ray->o, t, ray->d), &grad);
+    return dot(grad, ray->d);
+}
+
+/* Where the slope changes between a and b, or near a. */
+static double kink_between(sgt_surface s, const sgt_ray *ray, double a, double b)
+{
+    const double before = slope_at(s, ray, a);
+    for (int i = 0; i < 50; i++) {
+        const double middle = a + 0.5 * (b - a);
+        if (slope_at(s, ray, middle) == before) a = middle;
+        else b = middle;
+    }
+    return b;
+}
+
+/* F and slope of points of a stretch lie in its enclosure.  Half of the stretches hold a kink of F, which is
+ * where an enclosure may forget a side. */
+static void test_folded_enclosures(long count)
+{
+    for (long i = 0; i < count; i++) {
+        const menger sponge = {1 + (int)uniform(0, 6)};
+        const sierpinski four = {1 + (int)uniform(0, 10)};
+        const sgt_surface s =
+            i % 2 ? (sgt_surface){&sierpinski_ops, &four} : (sgt_surface){&menger_ops, &sponge};
+        vec3 d = direction();
+        if (i % 7 == 0) d = (vec3){0, 0, 1};
+        const sgt_ray ray = {.o = along((vec3){uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}, -3, d),
+                             .d = d};
+        const double width = pow(10, uniform(-12, 0.5)), from = uniform(1, 5);
+        const bool kink = i / 2 % 2;
+        const double lo = kink ? kink_between(s, &ray, from, from + 0.1) - uniform(0, width) : from;
+        const sgt_interval t = {lo, lo + width};
+        sgt_interval slope, f = s.ops->enclose(s.self, &ray, t, &slope);
+        for (int k = 0; k <= 8; k++) {
+            const double at = lo + width * k / 8 < t.hi ? lo + width * k / 8 : t.hi;
+            const vec3 p = along(ray.o, at, ray.d);
+            vec3 grad;
+            const double value = s.ops->value(s.self, p, &grad), off = s.ops->rounding(s.self, p) + 1e-15;
+            require(f.lo <= value + off && value - off <= f.hi, "folded, value outside", p, value, f.lo);
+            const double along_ray = dot(grad, d);
+            require(slope.lo <= along_ray + 1e-15 && along_ray - 1e-15 <= slope.hi, "folded, slope outside",
+                    p, along_ray, slope.lo);
+        }
+    }
+}
+
 /* -------------------------------------------------- -------- the edge */
 
 /* g and its slope, along a ray. */
@@ -451,6 +617,8 @@ int main(void)
     test_bulb_enclosure(1 + (long)(20000 * times));
     test_bulb_rays(1 + (long)(2000 * times));
     test_box(1 + (long)(20000 * times));
+    test_folded(1 + (long)(20000 * times));
+    test_folded_enclosures(1 + (long)(20000 * times));
     test_enclosures(1 + (long)(20000 * times));
     test_edge_spans(1 + (long)(20000 * times));
     test_many(1 + (long)(2000 * times));

@@ -4,15 +4,19 @@
 
     python3 test_render.py RENDER
 """
+import importlib.util
 import math
 import os
 import pathlib
 import pty
 import re
+import resource
+import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import traceback
 import zlib
 from random import Random
@@ -815,6 +819,254 @@ def test_frames():
     assert draw(PATH)[0].rows == Picture((file.parent / 'ring-0001.png').read_bytes()).rows
 
 
+# ------------------------------------------------------------------------------ films
+
+FILM = '''picture: {size: [30, 20], samples: 2}
+camera: {position: [[0, -4, 1], [1, -4, 2], [3, -3, 1]], look_at: [0, 0, 0], field: 36}
+lights:
+  - {position: [-4, -4, 7], radius: 0.6}
+objects:
+  - {type: julia, c: [-0.2, 0.8, 0, 0], iterations: 5, material: {colour: {blend: trap, trap: [0, 0.1, 0, 0], colours: [[1, 0, 0], [0, 0, 1]]}}}
+film:
+  frames: 48
+  rate: 12
+  tracks:
+    - {c: [[-0.2, 0.8, 0, 0], [-0.3, -0.4, 0.3, 0.4], [-0.1, 0, -0.8, 0]]}
+    - {slice: [0, 0.2, 0.1, 0], times: [0, 1, 2, 3], curve: catmull-rom}
+    - {exposure: [1, 1.3, 0.8], curve: bezier, times: [0.5, 3]}
+'''
+
+
+def frames_of(folder):
+    return {p.name: p.read_bytes() for p in sorted(folder.iterdir()) if p.suffix != '.part'}
+
+
+def test_a_film_survives():
+    """48 frames: one run; killed five times and resumed; two halves by two processes at once; backwards: the same bytes."""
+    seed = int(os.environ.get('SAGITTA_TEST_SEED', '1'))
+    print(f'SAGITTA_TEST_SEED={seed}')
+    random, scene = Random(seed), written(FILM)
+    folder = lambda: pathlib.Path(tempfile.mkdtemp(dir=FOLDER.name))
+    whole = folder()
+    said = run('--film', scene, '--output', whole / 'f.png')
+    wanted = frames_of(whole)
+    assert len(wanted) == 48 and len(set(wanted.values())) == 48, sorted(wanted)
+    assert f"ffmpeg -framerate 12 -start_number 1 -i '{whole}/f-%04d.png' -frames:v 48 " in said, said
+
+    killed, kills = folder(), sorted(random.sample(range(1, 48), 5))
+    for count in kills:  # once so many frames are there, and a random while later
+        words = [RENDER, '--film', '--resume', '--threads', str(random.randint(1, 3)), '--output', str(killed / 'f.png'), str(scene)]
+        alive = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT)
+        while len(frames_of(killed)) < count and alive.poll() is None:
+            time.sleep(0.002)
+        time.sleep(random.uniform(0, 0.03))
+        alive.kill()
+        alive.wait()
+        for name, data in frames_of(killed).items():  # whole, or not there
+            assert data == wanted[name], name
+    there = len(frames_of(killed))
+    said = run('--film', '--resume', scene, '--output', killed / 'f.png')
+    assert f'render: {there} kept, {48 - there} drawn' in said, (there, said)
+    assert frames_of(killed) == wanted
+
+    halves = folder()
+    both = [subprocess.Popen([RENDER, '--film', '--frames', part, '--output', str(halves / 'f.png'), str(scene)], stdout=subprocess.DEVNULL,
+                             stderr=subprocess.DEVNULL, env=ENVIRONMENT) for part in ('25:48', '1:24')]
+    assert [p.wait(timeout=100) for p in both] == [0, 0]
+    assert frames_of(halves) == wanted
+    apart = folder()
+    for i in (48, 7, 1):
+        run('--film', '--frames', f'{i}:{i}', scene, '--output', apart / 'f.png')
+    assert frames_of(apart) == {k: v for k, v in wanted.items() if k[2:6] in ('0048', '0007', '0001')}
+
+    # what is not whole, or of another film, is drawn anew
+    names = sorted(wanted)
+    for name, data in ((names[0], b''), (names[1], wanted[names[1]][:-1]), (names[2], wanted[names[3]]),
+                       (names[4], wanted[names[4]][:300] + b'?' + wanted[names[4]][301:]), (names[5], wanted[names[5]] + b'?')):
+        (killed / name).write_bytes(data)
+    said = run('--film', '--resume', scene, '--output', killed / 'f.png')
+    assert 'render: 43 kept, 5 drawn' in said and frames_of(killed) == wanted, said
+    for words, kept in ((('--frames', 48), 0), (('--frames', 48), 48), (('--film', '--frames', '1:2', '--arrays'), 0), (('--film', '--frames', '1:2'), 0)):
+        said = run(*words, '--resume', scene, '--output', killed / 'f.png')  # the same names, and other pictures
+        assert f'render: {kept} kept' in said, (words, said)
+    said = run('--film', '--resume', '--samples', 1, scene, '--output', killed / 'f.png')
+    assert 'render: 0 kept, 48 drawn' in said, said
+
+
+def test_films_follow_their_curves():
+    """Catmull-Rom goes through its keys, Bezier curves are half way at (a + 2 b + c) / 4; a frame is the still of its numbers."""
+    still = FILM[:FILM.index('film:')]
+
+    def frame(film, i, changes):
+        folder, text = pathlib.Path(tempfile.mkdtemp(dir=FOLDER.name)), still
+        run('--film', '--frames', f'{i}:{i}', '--paint', 'status', written(still + film), '--output', folder / 'f.png')
+        for old, new in changes:
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        return Picture((folder / f'f-{i:04d}.png').read_bytes()).rows, draw(text, '--paint', 'status')[0].rows
+
+    path, c, here = '[[0, -4, 1], [1, -4, 2], [3, -3, 1]]', '[-0.2, 0.8, 0, 0]', 'iterations: 5'
+    keys = 'film: {frames: 5, rate: 2, tracks: [{c: [[0, 0.5, 0, 0], [-0.3, -0.4, 0.3, 0.4], [-0.1, 0, -0.8, 0]]}]}'
+    for film, i, changes in (
+            (keys, 1, [(path, '[0, -4, 1]'), (c, '[0, 0.5, 0, 0]')]),
+            (keys, 3, [(path, '[1.25, -3.75, 1.5]'), (c, '[-0.3, -0.4, 0.3, 0.4]')]),
+            (keys, 5, [(path, '[3, -3, 1]'), (c, '[-0.1, 0, -0.8, 0]')]),
+            # half way between uneven keys: (a + b) / 2 + (slope at a - slope at b) times / 8
+            ('film: {frames: 5, rate: 1, tracks: [{slice: [0, 0.2, 0.1], times: [0, 2, 4]}]}', 2, [(path, '[0.5625, -3.9375, 1.375]'), (here, here + ', slice: 0.11875')]),
+            ('film: {frames: 3, rate: 1, tracks: [{position: [[0, -4, 1], [1, -5, 1], [2, -4, 3]], curve: bezier}, {field: [20, 60, 40]}]}', 2,
+             [(path, '[1, -4.5, 1.5]'), ('field: 36', 'field: 60')]),
+            ('film: {frames: 9, rate: 1, tracks: [{look_at: [[0, 0, 0], [0.5, 0, 0.25]], times: [1, 3]}]}', 9, [(path, '[3, -3, 1]'), ('look_at: [0, 0, 0]', 'look_at: [0.5, 0, 0.25]')])):
+        seen, wanted = frame(film, i, changes)
+        assert seen == wanted, (film, i)
+
+
+def test_films_that_are_wrong():
+    """Named with line and key; what a curve makes impossible is told with its frame, before any frame is drawn."""
+    head, tracks = FILM[:FILM.index('film:')], '    - {exposure: [1, 1.3, 0.8], curve: bezier, times: [0.5, 3]}\n'
+    line = FILM.count('\n')
+    for old, new, at, key in (('frames: 48', 'frames: 0', 8, 'frames'), ('  frames: 48\n', '', 8, 'frames'), ('rate: 12', 'rate: 0', 9, 'rate'),
+                              ('exposure: [1, 1.3, 0.8]', 'exposure: [1]', line, 'exposure'), ('exposure: [1, 1.3, 0.8], curve', 'curve', line, 'tracks'),
+                              ('exposure: [1, 1.3, 0.8]', 'exposure: [1, 2], field: [1, 2]', line, 'exposure'), ('[0.5, 3]', '[3, 0.5]', line, 'times'),
+                              ('[0.5, 3]', '[0, 1, 2]', line, 'times'), ('curve: bezier', 'curve: straight', line, 'curve'),
+                              ('curve: bezier', 'curve: bezier, object: 1', line, 'object'), ('exposure: [1, 1.3, 0.8]', 'slice: [0, 1, 2]', line, 'slice'),
+                              ('[-0.1, 0, -0.8, 0]', '[-0.1, 0, -0.8]', 11, 'c')):
+        assert FILM.count(old) == 1, old
+        path = written(FILM.replace(old, new))
+        said = run('--film', path, '--output', path.parent / 'out.png', exit=BAD_INPUT)
+        assert f'{path}:{at}: {key}: ' in said, (new, said)
+    for old, new, word in (('1.3, 0.8], curve: bezier', '0, 0, 1.5, 0], curve: catmull-rom', 'times'),
+                           (tracks, '    - {field: [100, 170, 170, 100]}\n', 'frame 17: field is out of range there'),
+                           (tracks, '    - {look_at: [[0, 0, 0], [3, -3, 1]]}\n', 'frame 48: look_at must be'),
+                           (tracks, '    - {object: 1, c: [[0, 1, 0, 0], [9e6, 1, 0, 0]]}\n', 'c: ')):
+        path = written(FILM.replace(old, new))
+        said = run('--film', path, '--output', path.parent / 'out.png', exit=BAD_INPUT)
+        assert word in said and not list(path.parent.glob('out*')), (new, said)
+    assert 'film: missing' in run('--film', written(head), exit=BAD_INPUT)
+    for words, word in ((('--frames', '1:2'), 'of a --film'), (('--film', '--frames', '3'), 'A:B'), (('--film', '--frames', '5:4'), 'above'),
+                        (('--film', '--frames', '5:'), 'frames'), (('--resume',), '--resume')):
+        assert word in run(*words, written(FILM), exit=USAGE), words
+    assert 'only 48 frames' in run('--film', '--frames', '1:49', written(FILM), exit=BAD_INPUT)
+
+
+def test_pictures_are_whole():
+    """A run that is killed, at any time, leaves the picture that was there, or none; links and pipes are followed."""
+    scene, random = written(FILM.replace('[30, 20]', '[60, 40]')), Random(1)
+    folder = pathlib.Path(tempfile.mkdtemp(dir=FOLDER.name))
+    file = folder / 'out.png'
+    for words, old in ((('--samples', 4000), None), (('--samples', 4000), b'old'), (('--samples', 4000, '--paint', 'status', '--size', '4000x4000'), b'old')):
+        if old:
+            file.write_bytes(old)
+        alive = subprocess.Popen([RENDER, *map(str, words), '--output', str(file), str(scene)], stderr=subprocess.DEVNULL, env=ENVIRONMENT)
+        time.sleep(random.uniform(0.02, 0.2))
+        alive.kill()
+        alive.wait()
+        assert (file.read_bytes() if file.exists() else None) == old, words
+        assert [p for p in folder.iterdir() if p != file and p.suffix != '.part'] == []
+    def small():  # a disk that is full after 100 bytes
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+
+    for words in ((), ('--arrays',), ('--paint', 'evaluations')):
+        file.write_bytes(b'old')
+        done = subprocess.run([RENDER, *words, '--samples', '1', '--output', str(file), str(scene)], capture_output=True, env=ENVIRONMENT,
+                              preexec_fn=small, timeout=100)
+        assert done.returncode == BAD_INPUT and b'File too large' in done.stderr, done
+        assert [p.name for p in folder.iterdir() if p.suffix != '.part'] == ['out.png'] and file.read_bytes() == b'old', words
+    file.unlink(missing_ok=True)
+    (folder / 'real.png').write_bytes(b'')
+    file.symlink_to('real.png')
+    run(scene, '--samples', 1, '--output', file)
+    assert file.is_symlink() and Picture((folder / 'real.png').read_bytes()).width == 60
+    os.mkfifo(folder / 'pipe.png')
+    reader = subprocess.Popen(['cat', str(folder / 'pipe.png')], stdout=subprocess.PIPE)
+    run(scene, '--samples', 1, '--output', folder / 'pipe.png')
+    assert reader.communicate(timeout=100)[0] == (folder / 'real.png').read_bytes()
+    (folder / 'folder.png').mkdir()
+    assert 'folder.png: ' in run(scene, '--output', folder / 'folder.png', exit=BAD_INPUT)
+
+
+def array_of(path):
+    """What NumPy's np.load would give, as (shape, flat numbers)."""
+    data = path.read_bytes()
+    assert data[:8] == b'\x93NUMPY\x01\x00'
+    length = struct.unpack('<H', data[8:10])[0]
+    assert (10 + length) % 64 == 0
+    kind, shape = re.fullmatch(r"\{'descr': '(.*)', 'fortran_order': False, 'shape': \((.*)\), \} *\n", data[10:10 + length].decode()).groups()
+    rest = data[10 + length:]
+    code, size = {'<f8': ('<%dd', 8), '>f8': ('>%dd', 8), '|i1': ('%db', 1)}[kind]
+    return tuple(map(int, shape.split(','))), struct.unpack(code % (len(rest) // size), rest)
+
+
+def test_arrays():
+    """Depth, normal and t_err of a ball against the closed form; the picture is that of a run without them."""
+    text = 'picture: {size: [40, 30], samples: 1}\ncamera: {position: [0, -5, 1], look_at: [0, 0, 0], field: 40}\nobjects:\n  - {type: ellipsoid, a: 1.25, position: [0.25, 0, 0]}\n'
+    folder = pathlib.Path(tempfile.mkdtemp(dir=FOLDER.name))
+    run(written(text), '--arrays', '--output', folder / 'out.png')
+    assert sorted(p.name for p in folder.iterdir()) == ['out-depth.npy', 'out-normal.npy', 'out-status.npy', 'out-t_err.npy', 'out.png']
+    assert Picture((folder / 'out.png').read_bytes()).rows == draw(text)[0].rows
+    (shape, depth), (deep, normal), (_, t_err), (_, status) = (array_of(folder / f'out-{k}.npy') for k in ('depth', 'normal', 't_err', 'status'))
+    assert shape == (30, 40) and deep == (30, 40, 3)
+    hits = 0
+    for i in range(1200):
+        d = direction((40, 30), (0, -5, 1), (0, 0, 0), 40, i % 40, i // 40)
+        o = (-0.25, -5, 1)
+        b = dot(o, d)
+        inside = b * b - dot(o, o) + 1.25 ** 2
+        if abs(inside) < 1e-9:
+            continue
+        assert (status[i] > 0) == (inside > 0), i
+        if inside < 0:
+            assert depth[i] == math.inf and math.isnan(t_err[i]) and math.isnan(normal[3 * i])
+            continue
+        hits += 1
+        t = -b - math.sqrt(inside)
+        assert abs(depth[i] - t) < 1e-12 and 0 < t_err[i] < 1e-11, (i, depth[i], t, t_err[i])
+        n = unit(add(o, d, t))
+        assert max(abs(a - b) for a, b in zip(n, normal[3 * i:3 * i + 3])) < 1e-12
+    assert hits > 200
+    run('--frames', 2, '--arrays', '--resume', written(FILM[:FILM.index('film:')]), '--output', folder / 'f.png')
+    assert (folder / 'f-0002-depth.npy').exists()
+    (folder / 'f-0002-depth.npy').unlink()
+    assert '1 kept, 1 drawn' in run('--frames', 2, '--arrays', '--resume', written(FILM[:FILM.index('film:')]), '--output', folder / 'f.png')
+    again = ('--frames', 2, '--arrays', '--resume', written(FILM[:FILM.index('film:')]), '--output', folder / 'f.png')
+    assert '2 kept, 0 drawn' in run(*again)
+    whole = (folder / 'f-0001-depth.npy').read_bytes()
+    for data in (whole[:-8], whole[:-1] + bytes([whole[-1] ^ 1]), (folder / 'f-0002-depth.npy').read_bytes()):  # cut, changed, of another frame
+        (folder / 'f-0001-depth.npy').write_bytes(data)
+        assert '1 kept, 1 drawn' in run(*again)
+        assert (folder / 'f-0001-depth.npy').read_bytes() == whole
+
+
+def test_automatic_levels():
+    """More levels for a larger picture; the picture is that of the number told.  Only level sets have orbits."""
+    text = FILM[:FILM.index('film:')].replace('[[0, -4, 1], [1, -4, 2], [3, -3, 1]]', '[0, -4, 1]').replace('iterations: 5', 'iterations: auto')
+    levels = []
+    for size in ('30x20', '300x200'):
+        picture, said = draw(text, '--size', size, '--paint', 'status')
+        levels.append(int(re.search(r'iterations: auto is (\d+)\n', said).group(1)))
+        assert draw(text.replace('auto', str(levels[-1])), '--size', size, '--paint', 'status')[0].rows == picture.rows
+    assert 2 <= levels[0] < levels[1] < 15, levels
+    assert 'auto is of julia' in run(written(text.replace('type: julia, c: [-0.2, 0.8, 0, 0]', 'type: mandelbulb')), exit=BAD_INPUT)
+    assert 'a trap is of an orbit' in run(written(text.replace('type: julia, c: [-0.2, 0.8, 0, 0], iterations: auto', 'type: torus, major: 1, minor: 0.3')), exit=BAD_INPUT)
+    assert 'trap: only of' in run(written(text.replace('blend: trap', 'blend: x')), exit=BAD_INPUT)
+
+
+def test_orbit_traps():
+    """c = 0, two levels, E = 1 would be a ball; there |Q_1| = |p|^2.  So the colour of a trap at 0 is told by the radius."""
+    text = '''picture: {size: [16, 16], samples: 1}
+camera: {position: [0, -4, 0], look_at: [0, 0, 0], field: 10}
+sky: {zenith: [1, 1, 1], horizon: [1, 1, 1], ground: [1, 1, 1]}
+ambient: {strength: 1, rays: 0}
+objects:
+  - {type: julia, c: [0, 0, 0, 0], escape: 2, iterations: 2, material: {colour: {blend: trap, from: 0, to: 4, colours: [[0, 0, 0], [1, 1, 1]]}}}
+'''
+    # |Q_2| = r^4 = 2: the nearest to 0 of Q_1, Q_2 is Q_1, sqrt(2) off; to (2, 0, 0, 0) it depends on the place
+    seen = {linear(p[0]) for p in draw(text)[0].pixels()}
+    assert all(abs(x - math.sqrt(2) / 4) < 0.004 for x in seen), seen
+    many = {p for p in draw(text.replace('from: 0', 'trap: [2, 0, 0, 0], from: 0'))[0].pixels()}
+    assert len(many) > 8, many
+
+
 def test_default_name():
     run(written(TORUS, 'named.yaml'))
     assert Picture(pathlib.Path(FOLDER.name, 'named.png').read_bytes()).width == 64
@@ -978,7 +1230,7 @@ def test_errors():
 
 def options():
     found = re.findall(r'\{"(\w+)", \w+_argument', (pathlib.Path(__file__).parent / 'main.c').read_text())
-    assert len(found) == 8, found
+    assert len(found) == 11, found
     return found
 
 
@@ -1013,6 +1265,22 @@ def test_documented():
         assert f'`--{option}' in page, option
     for scene in SCENES:
         assert scene.name in page, scene.name
+
+
+def test_gallery():
+    """The page is what its script writes; two dozen pictures, 2 MB at most; each scene of this folder's that is shown is there."""
+    docs = pathlib.Path(__file__).resolve().parent.parent.parent / 'docs'
+    spec = importlib.util.spec_from_file_location('gallery', docs / 'gallery.py')
+    gallery = importlib.util.module_from_spec(spec)
+    sys.dont_write_bytecode = True
+    spec.loader.exec_module(gallery)
+    assert gallery.page() == (docs / 'gallery.md').read_text()
+    pictures = [entry for entry in gallery.PICTURES if not isinstance(entry, str)]
+    assert {p.name for p in (docs / 'gallery').iterdir()} == {name for name, *_ in pictures} and len(pictures) >= 24
+    assert sum(p.stat().st_size for p in (docs / 'gallery').iterdir()) <= 2e6
+    for _, _, command in pictures:
+        for word in command.split():
+            assert not word.endswith('.yaml') or (docs.parent / word).exists(), command
 
 
 def main():

@@ -71,7 +71,18 @@ static void shine(const scene *s, const view *v, const order *o, const tile *t, 
     free(looks);
 }
 
-/* One ray for each pixel, through its middle. */
+static void keep(const arrays *a, size_t i, const meeting *m)
+{
+    const double no = (double)NAN;
+    const bool hit = m->status > 0;
+    const vec3 n = hit ? m->n : (vec3){no, no, no};
+    a->depth[i] = hit ? m->t : m->status == 0 ? HUGE_VAL : no;
+    a->t_err[i] = hit ? m->t_err : no;
+    a->normal[3 * i] = n.x, a->normal[3 * i + 1] = n.y, a->normal[3 * i + 2] = n.z;
+    a->status[i] = (signed char)m->status;
+}
+
+/* One ray for each pixel, through its middle: painted, or kept. */
 static void paint(const scene *s, const view *v, const order *o, const tile *t, picture *p, tally *sum)
 {
     size_t n = pixels_of(t);
@@ -82,7 +93,11 @@ static void paint(const scene *s, const view *v, const order *o, const tile *t, 
         b[i] = (beam){.o = v->eye, .d = camera_direction(v, at.x + 0.5, at.y + 0.5), .far = HUGE_VAL};
     }
     meet(s, n, b, m, sum);
-    for (size_t i = 0; i < n; i++) *place_of(p, pixel_at(t, o, i)) = (vec3){m[i].evals, m[i].status, 0};
+    for (size_t i = 0; i < n; i++) {
+        vec3 *to = place_of(p, pixel_at(t, o, i));
+        if (o->paint != PAINT_LIGHT) *to = (vec3){m[i].evals, m[i].status, 0};
+        if (o->arrays) keep(o->arrays, (size_t)(to - p->pixel), &m[i]);
+    }
     free(b), free(m);
 }
 
@@ -90,7 +105,7 @@ void tiles_render(const scene *s, double along_path, const order *o, picture *p,
 {
     view v = camera_at(s, along_path);
     int across = (p->width + o->tile - 1) / o->tile, all = across * ((p->height + o->tile - 1) / o->tile);
-    progress bar = progress_begin(o->name, all);
+    progress bar = progress_begin(o->name, all, o->pace);
     PRAGMA(omp parallel num_threads(o->threads))
     {
         desk *d = desk_new();
@@ -101,7 +116,7 @@ void tiles_render(const scene *s, double along_path, const order *o, picture *p,
                       y + o->tile < p->height ? y + o->tile : p->height};
             tally sum = {0};
             if (o->paint == PAINT_LIGHT) shine(s, &v, o, &t, p, d, &sum);
-            else paint(s, &v, o, &t, p, &sum);
+            if (o->paint != PAINT_LIGHT || o->arrays) paint(s, &v, o, &t, p, &sum);
             PRAGMA(omp critical)
             {
                 tally_add(total, &sum);

@@ -10,6 +10,9 @@ import ctypes
 import os
 from typing import Any, Hashable, Optional, Union
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from . import _library as C
 from .surface import ROWS, Catalogue, builtins_at
 
@@ -148,7 +151,64 @@ def _geoid(file: Optional[str], given: dict[str, Any]) -> Geoid:
     return Geoid(file=file, **given)
 
 
+class _Over(ctypes.Structure):
+    _fields_ = [("a", ctypes.c_double), ("f", ctypes.c_double), ("h", ctypes.c_double)]
+
+
+def _over(surface: Optional[Catalogue]) -> Any:
+    """The ellipsoid below a surface, as sgt_geodetic_ellipsoid has it; None is WGS84."""
+    if not available:
+        raise RuntimeError(f"places: {_ABSENT}")
+    if surface is None or isinstance(surface, (LevelGravity, Geoid)):
+        return None
+    if not isinstance(surface, GeodeticHeight):
+        raise TypeError("over: must be a GeodeticHeight, LevelGravity or Geoid")
+    return ctypes.byref(_Over(surface.a, surface.f, 0))
+
+
+def _columns(many: NDArray[np.float64]) -> Any:
+    return (ctypes.c_void_p * len(many))(*(row.ctypes.data for row in many))
+
+
+def rays(lat: ArrayLike, lon: ArrayLike, height: ArrayLike, az: ArrayLike = 0.0, el: ArrayLike = -90.0, *,
+         over: Optional[Catalogue] = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The rays from places: o and d, the last axis x, y, z.  The arguments are broadcast.
+
+    lat, lon  degrees north and east.  NaN beyond latitudes of -90 and 90
+    height    m over the ellipsoid
+    az, el    degrees clockwise from north, and above the horizontal; absent: straight down
+    over      a surface about the Earth whose ellipsoid is meant; absent: WGS84
+
+    >>> o, d = sagitta.earth.rays(48, 11, 700e3)
+    >>> hit = sagitta.GeodeticHeight(h=100).intersect(o, d)
+    >>> [round(float(x), 6) for x in sagitta.earth.places(hit.p)]
+    [48.0, 11.0, 100.0]
+    """
+    meant = _over(over)
+    given = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (lat, lon, height, az, el)))
+    flat = np.ascontiguousarray([x.reshape(-1) for x in given])
+    out = np.empty((6, flat.shape[1]))
+    C.library.sgt_geodetic_rays(meant, ctypes.c_size_t(flat.shape[1]), _columns(flat[:3]), _columns(flat[3:]),
+                                _columns(out[:3]), _columns(out[3:]))
+    shape = given[0].shape + (3,)
+    return np.ascontiguousarray(out[:3].T).reshape(shape), np.ascontiguousarray(out[3:].T).reshape(shape)
+
+
+def places(p: ArrayLike, *, over: Optional[Catalogue] = None) -> tuple[
+        NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Latitudes and longitudes in degrees (above -180, up to 180), and heights in m, of points (..., 3)."""
+    meant = _over(over)
+    points = np.asarray(p, dtype=np.float64)
+    if points.ndim == 0 or points.shape[-1] != 3:
+        raise ValueError("p: the last axis must be x, y, z")
+    flat = np.ascontiguousarray(points.reshape(-1, 3).T)
+    out = np.empty_like(flat)
+    C.library.sgt_geodetic_places(meant, ctypes.c_size_t(flat.shape[1]), _columns(flat), _columns(out))
+    lat, lon, height = out.reshape((3,) + points.shape[:-1])
+    return lat, lon, height
+
+
 if _TABLE is not None:
     ROWS.update((row.type.decode(), row) for row in builtins_at(_TABLE))
 
-__all__ = ["GeodeticHeight", "Geoid", "LevelGravity"]
+__all__ = ["GeodeticHeight", "Geoid", "LevelGravity", "places", "rays"]

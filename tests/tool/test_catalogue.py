@@ -367,6 +367,40 @@ def test_files():
     equal(first, second)
 
 
+def places():
+    """Rays from places and places of hits: --from and --look, csv, --all, shards' own columns; what is wrong is said."""
+    surface = '{type: geodetic_height, h: 100}'
+    table = 'lat,lon,height,az,el,id\n48,11,7e5,0,-90,a\n90,0,7e5,90,-90,b\n-90,7,7e5,0,-90,c\n10,180,7e5,0,-90,d\n-10,-180,7e5,0,-90,e\n5,5,7e5,0,30,f\n'
+    found = rows('intersect', '--surface', surface, '--rays', '-', stdin=table)
+    looks = [word for line in table.split()[1:] for la, lo, h, az, el, _ in [line.split(',')] for word in ('--from', f'{la} {lo} {h}', '--look', f'{az} {el}')]
+    by_option = rows('intersect', '--surface', surface, *looks)
+    for a, b, (la, lo) in zip(found, by_option, ((48, 11), (90, 0), (-90, 0), (10, 180), (-10, 180), (None, None))):
+        equal([a[k] for k in ('status', 't', 'lat', 'lon', 'height')], [b[k] for k in ('status', 't', 'lat', 'lon', 'height')])
+        if la is None:
+            equal((a['status'], a['lat'], a['height']), ('miss', 'nan', 'nan'))
+            continue
+        close(a['t'], 7e5 - 100, 1e-7), close(a['lat'], la, 1e-9), close(a['lon'], lo, 1e-9), close(a['height'], 100, 1e-7)
+    every = rows('intersect', '--surface', surface, '--from', '48 11 7e5', '--look', '0 -90', '--all')
+    equal([round(float(r['height']), 6) for r in every], [100, 100])
+    close(every[1]['lon'], 11 - 180, 1e-6)
+    equal(len(rows('intersect', '--surface', surface, '--from', '0 0 7e5', '--look', '0 -90 0 1000', '--look', '0 -90')), 2)
+    equal('lat' in rows('intersect', '--surface', '{type: sphere, radius: 2}', '--ray', '0 0 -5 0 0 1')[0], False)
+    for words, wanted, exit in ((('--from', '0 0 0'), '--from without --look', 2), (('--look', '0 0'), '--look: give the place first', BAD_INPUT),
+                                (('--from', '91 0 0', '--look', '0 0'), '--from: lat: must be from -90', BAD_INPUT),
+                                (('--from', '0 0 0', '--look', '0 -91'), '--look: el: must be from -90', BAD_INPUT),
+                                (('--from', '0 0', '--look', '0 0'), '--from: must be 3 numbers', BAD_INPUT),
+                                (('--from', '0 0 0', '--look', '0 0', '--ray', '1 0 0 1 0 0'), 'not both', BAD_INPUT),
+                                (('--ray', '1 0 0 1 0 0', '--from', '0 0 0', '--look', '0 0'), 'not both', BAD_INPUT)):
+        done = run('intersect', '--surface', surface, *words, exit=exit)
+        assert wanted in done.stderr, (words, done.stderr)
+    done = run('intersect', '--surface', '{type: torus, major: 2, minor: 1}', '--from', '0 0 0', '--look', '0 0', exit=2)
+    assert 'needs a surface about the Earth' in done.stderr, done.stderr
+    for text, wanted in (('lat,lon,height,az\n1,1,1,1\n', ':1: el: this column is missing'), ('lat,lon,height,az,el,ox\n', ':1: ox: unknown column'),
+                         ('lat,lon,height,az,el\n0,0,0,0,0\n0,0,0,x,0\n', ':3: az: "x" is not a number'), ('lat,lon,height,az,el\n-91,0,0,0,0\n', ':2: lat: must be')):
+        done = run('intersect', '--surface', surface, '--rays', '-', stdin=text, exit=BAD_INPUT)
+        assert wanted in done.stderr, (text, done.stderr)
+
+
 def test_earth():
     """At the equator and at the pole; bad parameters name their key.  Without GeographicLib the types are errors that say so."""
     a, f = 6378137, 1 / 298.257223563
@@ -391,6 +425,7 @@ def test_earth():
     flat = written(struct.pack('>4d2i', -90, -180, 1, 1, 181, 360) + struct.pack('>f', 10) * (181 * 360), 'flat.gtx')
     row, = rows('intersect', '--surface', '{type: geoid, file: "%s", h: 5}' % flat, '--rays', '-', stdin=rays((7e6, 0, 0, -1, 0, 0)))
     close(row['t'], 7e6 - a - 15, 1e-7, 'a geoid 10 m over the ellipsoid')
+    places()
     for spec_of, wanted in (('geodetic_height, f: 1', 'f: '), ('geodetic_height, a: -1', 'a: '), ('geodetic_height, h: -7e6', 'h: '),
                             ('geodetic_height, potential: 1', 'potential: unknown key'), ('level_gravity, h: 1e8', 'h: '),
                             ('level_gravity, potential: 1', 'potential: '), (f'geoid, file: "{cut}"', f'file: {cut}'),

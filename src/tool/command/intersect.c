@@ -8,6 +8,7 @@
 #include "../base/memory.h"
 #include "../base/progress.h"
 #include "../job/options.h"
+#include "../read/earth.h"
 #include "../read/rays.h"
 #include "../read/surface.h"
 #include "../base/tiles.h"
@@ -21,6 +22,9 @@ static const char intersect_legend[] =
     "t, t_err: in lengths of the ray's direction.  x y z: the point, in the unit of the surface.\n"
     "nx ny nz: the gradient of F there.  evals: evaluations of F.\n";
 
+static const char earth_legend[] =
+    "lat, lon: degrees north and east.  height: metres over the ellipsoid (a geoid lies N over it).\n";
+
 static const column intersect_head[] = {
     {"ray", COLUMN_COUNT}, {"root", COLUMN_INTEGER}, {"status", COLUMN_CODE},
     {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR},
@@ -29,8 +33,10 @@ static const column intersect_head[] = {
     {"evals", COLUMN_INTEGER},
 };
 static const column intersect_id = {"id", COLUMN_WORD},
-                    left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
-enum { HEAD_COUNT = sizeof intersect_head / sizeof intersect_head[0] };
+                    left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}},
+                    earth_head[] = {{"lat", COLUMN_NUMBER}, {"lon", COLUMN_NUMBER},
+                                    {"height", COLUMN_NUMBER}};
+enum { HEAD_COUNT = sizeof intersect_head / sizeof intersect_head[0], COLUMNS_MOST = HEAD_COUNT + 6 };
 
 typedef struct intersect_arguments {
     shared_options shared;
@@ -44,6 +50,18 @@ static void take_ray(void *into, const option_row *row, const char *value)
 {
     (void)row;
     rays_parse(&((intersect_arguments *)into)->rays, value);
+}
+
+static void take_from(void *into, const option_row *row, const char *value)
+{
+    (void)row;
+    rays_from(&((intersect_arguments *)into)->rays, value);
+}
+
+static void take_look(void *into, const option_row *row, const char *value)
+{
+    (void)row;
+    rays_look(&((intersect_arguments *)into)->rays, value);
 }
 
 static const option_row intersect_rows[] = {
@@ -61,6 +79,16 @@ static const option_row intersect_rows[] = {
      "a ray: six numbers in quotes, ox oy oz dx dy dz.  May be repeated\n"
      "Or eight, with tmin tmax at the end",
      OPTION_TAKE, .take = take_ray},
+    {"from", "\"...\"",
+     "on a surface about the Earth: where rays begin, lat lon height in quotes\n"
+     "Degrees north, degrees east, metres over the ellipsoid; for each --look after it.  A file of\n"
+     "--rays may have the columns lat,lon,height,az,el instead of ox,oy,oz,dx,dy,dz",
+     OPTION_TAKE, .take = take_from},
+    {"look", "\"...\"",
+     "a ray from the place of --from: az el in quotes.  May be repeated\n"
+     "Degrees clockwise from north, and degrees above the horizontal; -90 is down.  Or four numbers,\n"
+     "with tmin tmax at the end",
+     OPTION_TAKE, .take = take_look},
     {"skip-bad", NULL, "skip bad rows of the file, and say how many", OPTION_FLAG,
      .to = offsetof(intersect_arguments, skip_bad)},
     {"all", NULL,
@@ -102,7 +130,9 @@ static const char intersect_all[] =
     "  evals              evaluations of F\n"
     "  id                 as the file gives it, if it has this column\n"
     "  lo, hi             with --proof root or first, csv and json only: of an undecided row, the\n"
-    "                     stretch of the ray still in doubt (like t)\n";
+    "                     stretch of the ray still in doubt (like t)\n"
+    "  lat, lon, height   on a surface about the Earth: degrees north, degrees east (above -180 and\n"
+    "                     up to 180), metres over the ellipsoid, that of the surface or WGS84\n";
 
 const command command_intersect = {
     .name = "intersect", .usage = "--surface SPEC (--rays FILE | --ray \"ox oy oz dx dy dz\") [options]",
@@ -128,12 +158,14 @@ static intersect_arguments intersect_arguments_of(const command *c, int argc, ch
                    argv[optind]);
     if (!a.surface) fail_usage("--surface is missing; for example --surface '{type: sphere, radius: 20}'");
     if (a.all && a.shared.solver.pick) fail_usage("give --pick or --all, not both");
+    if (a.rays.begun && !a.rays.places) fail_usage("--from without --look; add --look \"az el\"");
     if (!a.file == !a.rays.count)
         fail_usage(a.file ? "give --rays or --ray, not both"
                           : "no rays; give --rays FILE or --ray \"ox oy oz dx dy dz\"");
     options_shard(&a.shared, a.watched.path);
     if (shard_is() && a.watched.path) fail_usage("--watch: not with --shard; it is of one run");
     a.rays.threads = options_threads(&a.shared), a.rays.parts = true, a.rays.some = shard_is();
+    a.rays.earth = true;
     if (a.file) rays_read(&a.rays, a.file, a.skip_bad);
     return a;
 }
@@ -156,6 +188,8 @@ typedef struct intersect_room {
     ray_block rays;
     double number[8][TILE_RAYS];               /* t, t_err, p, n */
     double lo[TILE_RAYS], hi[TILE_RAYS];
+    double *spot[3];                           /* [spots] each: latitudes, longitudes, heights */
+    int spots;
     sgt_status status[TILE_RAYS];
     int evals[TILE_RAYS], root[TILE_RAYS];
     sgt_hit *hit;                              /* [capacity], for --all: the roots of one ray */
@@ -173,6 +207,8 @@ typedef struct intersect_work {
     table *table;
     watch *watch;                              /* NULL: none */
     bool stretches;                            /* there are columns lo and hi */
+    bool earth;                                /* there are columns lat, lon and height, over */
+    sgt_geodetic_height over;                  /* this */
     bool prints;                               /* of ranks: each prints its own rows */
     size_t rays;
     tiling whole;                              /* of all shards together */
@@ -200,11 +236,12 @@ static void put_answers(const intersect_work *w, intersect_room *r, size_t count
                         const table_values head[HEAD_COUNT], table_values id, table_values lo,
                         table_values hi)
 {
-    table_values all[HEAD_COUNT + 3];
+    table_values all[COLUMNS_MOST];
     size_t n = HEAD_COUNT;
     memcpy(all, head, sizeof(table_values[HEAD_COUNT]));
     if (w->asked->rays.named) all[n++] = id;
     if (w->stretches) all[n++] = lo, all[n++] = hi;
+    for (int k = 0; k < 3 && w->earth; k++) all[n++] = (table_values){r->spot[k], sizeof(double), NULL};
     table_block(r->rows, count, all);
 }
 
@@ -214,6 +251,13 @@ static void record_each(keeping *to, intersect_room *r)
     const size_t count = r->rays.count;
     RECORD(to, r->status, count), RECORD(to, r->evals, count);
     for (int k = 0; k < 8; k++) RECORD(to, r->number[k], count);
+}
+
+static void room_for_spots(const intersect_work *w, intersect_room *r, int count)
+{
+    if (!w->earth || count <= r->spots) return;
+    for (int k = 0; k < 3; k++) r->spot[k] = memory_grow(r->spot[k], (size_t)count, sizeof *r->spot[k]);
+    r->spots = count;
 }
 
 /* The answers of a batch; only an undecided one has lo and hi, which a batch does not give. */
@@ -247,6 +291,9 @@ static void find_one_each(const intersect_work *w, intersect_room *r, keeping *k
         TABLE_VALUES(n[1]), TABLE_VALUES(n[2]), TABLE_VALUES(n[3]), TABLE_VALUES(n[4]), TABLE_VALUES(n[5]),
         TABLE_VALUES(n[6]), TABLE_VALUES(n[7]), TABLE_VALUES(r->evals),
     };
+    room_for_spots(w, r, TILE_RAYS);
+    if (w->earth)
+        earth_places(&w->over, b->count, (const double *const[]){n[2], n[3], n[4]}, r->spot);
     const table_values id = TABLE_VALUES(b->id), lo = TABLE_VALUES(r->lo), hi = TABLE_VALUES(r->hi);
     put_answers(w, r, b->count, rows, id, lo, hi);
 }
@@ -274,6 +321,16 @@ static int find_roots(const intersect_work *w, intersect_room *r, const launch *
     return 1;
 }
 
+static void find_places(const intersect_work *w, intersect_room *r, int count)
+{
+    room_for_spots(w, r, count);
+    for (int k = 0; k < count && w->earth; k++) {
+        const sgt_vec3 *p = &r->hit[k].p;
+        earth_places(&w->over, 1, (const double *const[]){&p->x, &p->y, &p->z},
+                     (double *const[]){r->spot[0] + k, r->spot[1] + k, r->spot[2] + k});
+    }
+}
+
 static void find_all(const intersect_work *w, intersect_room *r, keeping *keep)
 {
     const ray_block *b = &r->rays;
@@ -299,6 +356,7 @@ static void find_all(const intersect_work *w, intersect_room *r, keeping *keep)
             if (h->status >= 0) h->lo = h->hi = no;
             lost = lost || h->status < 0;
         }
+        find_places(w, r, count);
         sgt_hit *h = r->hit;
         const int *root = root_of(h->status, 0) < 0 ? &none : r->place;
         const size_t step = sizeof *h;
@@ -419,12 +477,13 @@ static void write_undecided(const intersect_work *w)
 }
 
 /* The columns, with id, lo and hi only if they are wanted. */
-static size_t intersect_columns_of(const intersect_work *w, column to[HEAD_COUNT + 3])
+static size_t intersect_columns_of(const intersect_work *w, column to[COLUMNS_MOST])
 {
     size_t n = HEAD_COUNT;
     memcpy(to, intersect_head, sizeof intersect_head);
     if (w->asked->rays.named) to[n++] = intersect_id;
     if (w->stretches) to[n++] = left[0], to[n++] = left[1];
+    for (int k = 0; k < 3 && w->earth; k++) to[n++] = earth_head[k];
     return n;
 }
 
@@ -434,7 +493,11 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     const bool text = a.shared.target.format == TABLE_TEXT;
     intersect_work w = {.asked = &a, .surface = surface_parse("--surface", a.surface),
                         .stretches = a.shared.solver.proof && (!text || a.shared.target.columns)};
-    column columns[HEAD_COUNT + 3];
+    column columns[COLUMNS_MOST];
+    w.earth = earth_rays(w.surface, &a.rays, &w.over);
+    if (a.rays.places)
+        fail_usage("a place (--from, lat) needs a surface about the Earth: geodetic_height, level_gravity, "
+                   "geoid");
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
     a.shared.target.word_size = a.rays.longest_id;
     tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
@@ -458,7 +521,7 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     if (shard_is()) return EXIT_DECIDED;
     for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
     if (text) {
-        if (w.rays) table_line(w.table, "%s", intersect_legend);
+        if (w.rays) table_line(w.table, "%s%s", intersect_legend, w.earth ? earth_legend : "");
         if (w.found.any_missed)
             explain_miss(w.table, w.found.missed.number, w.surface, &w.found.missed.ray);
         write_undecided(&w);

@@ -14,6 +14,26 @@
 
 const sgt_builtin *earth_types(void) { return sgt_geo_builtins(); }
 
+bool earth_rays(sgt_surface s, ray_list *list, sgt_geodetic_height *over)
+{
+    sgt_geodetic_height own;
+    if (!sgt_geodetic_ellipsoid(s, &own)) return false;
+    if (over) *over = own;
+    for (size_t i = 0; i < list->count && list->places; i++) {
+        sgt_ray *r = &list->ray[i].ray;
+        const sgt_geodetic_place from = {.latitude = r->o.x, .longitude = r->o.y, .height = r->o.z};
+        const sgt_ray ray = sgt_geodetic_ray(&own, from, r->d.x, r->d.y);
+        r->o = ray.o, r->d = ray.d;
+    }
+    list->places = false;
+    return true;
+}
+
+void earth_places(const sgt_geodetic_height *over, size_t n, const double *const p[3], double *const place[3])
+{
+    sgt_geodetic_places(over, n, p, place);
+}
+
 static sgt_geoid **opened;
 static size_t count, room;
 

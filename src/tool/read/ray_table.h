@@ -10,6 +10,13 @@ extern const char *const ray_column_name[RAY_COLUMNS];
 
 enum { RAY_WHY = 120 };
 
+/* Those of a file of places: latitude, longitude, height, azimuth and elevation stand in for the first five,
+ * and the sixth is missing. */
+extern const char *const place_column_name[RAY_COLUMNS];
+
+/* As ray_of, of value[0 ... 4]: o has the place, d the look. */
+bool place_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[RAY_WHY]);
+
 /* Makes a ray of value[0 ... 7], in the order of the columns.  false: `why` says what is wrong. */
 bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[RAY_WHY]);
 

@@ -29,6 +29,8 @@
 #include <string.h>
 
 const char *const ray_column_name[RAY_COLUMNS] = {"ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax", "id"};
+const char *const place_column_name[RAY_COLUMNS] = {"lat", "lon",  "height", "az", "el",
+                                                    "",    "tmin", "tmax",   "id"};
 
 enum { FIELDS_MOST = RAY_COLUMNS + 1 };
 #ifndef PIECE
@@ -59,14 +61,9 @@ double ray_end(const sgt_ray *ray)
     return none ? HUGE_VAL : ray->tmax + 0.0; /* a -0, of sgt_ray_between, is 0 */
 }
 
-bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[RAY_WHY])
+/* The stretch of a ray whose o and d are set. */
+static bool stretch_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[RAY_WHY])
 {
-    for (int i = 0; i < RAY_TMIN; i++)
-        if (!isfinite(value[i])) return bad(why, "%s: must be finite", ray_column_name[i]);
-    *ray = (sgt_ray){.o = {value[0], value[1], value[2]}, .d = {value[3], value[4], value[5]}};
-    double longest = fmax(fabs(ray->d.x), fmax(fabs(ray->d.y), fabs(ray->d.z)));
-    if (longest == 0) return bad(why, "dx, dy, dz: the direction must not be zero");
-    if (longest < DBL_MIN) return bad(why, "dx, dy, dz: the direction is too short (below 2.2e-308)");
     ray->tmin = has_tmin ? value[RAY_TMIN] : 0;
     ray->tmax = has_tmax ? value[RAY_TMAX] : HUGE_VAL;
     if (isnan(ray->tmin) || isnan(ray->tmax)) return bad(why, "tmin, tmax: must not be nan");
@@ -78,17 +75,76 @@ bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, c
     return true;
 }
 
-void rays_parse(ray_list *list, const char *text)
+bool place_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[RAY_WHY])
 {
-    char copy[400], why[RAY_WHY];
-    double value[8] = {0};
+    for (int i = 0; i < 5; i++)
+        if (!isfinite(value[i])) return bad(why, "%s: must be finite", place_column_name[i]);
+    if (fabs(value[0]) > 90) return bad(why, "lat: must be from -90 to 90 degrees, not %g", value[0]);
+    if (fabs(value[4]) > 90)
+        return bad(why, "el: must be from -90 (down) to 90 degrees, not %g", value[4]);
+    *ray = (sgt_ray){.o = {value[0], value[1], value[2]}, .d = {value[3], value[4], 1}};
+    return stretch_of(value, has_tmin, has_tmax, ray, why);
+}
+
+bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[RAY_WHY])
+{
+    for (int i = 0; i < RAY_TMIN; i++)
+        if (!isfinite(value[i])) return bad(why, "%s: must be finite", ray_column_name[i]);
+    *ray = (sgt_ray){.o = {value[0], value[1], value[2]}, .d = {value[3], value[4], value[5]}};
+    double longest = fmax(fabs(ray->d.x), fmax(fabs(ray->d.y), fabs(ray->d.z)));
+    if (longest == 0) return bad(why, "dx, dy, dz: the direction must not be zero");
+    if (longest < DBL_MIN) return bad(why, "dx, dy, dz: the direction is too short (below 2.2e-308)");
+    return stretch_of(value, has_tmin, has_tmax, ray, why);
+}
+
+/* The numbers of an option; returns how many there are, of which the first eight are read. */
+static int option_numbers(const char *option, const char *text, double value[8])
+{
+    char copy[400];
     int count = 0;
-    if (snprintf(copy, sizeof copy, "%s", text) >= (int)sizeof copy) fail_input("--ray: too long");
+    if (snprintf(copy, sizeof copy, "%s", text) >= (int)sizeof copy) fail_input("%s: too long", option);
     for (char *rest = copy, *word; (word = strtok_r(rest, " \t\n,", &rest)); count++) {
         double x;
-        if (!number_read(word, &x)) fail_input("--ray: \"%s\" is not a number", word);
+        if (!number_read(word, &x)) fail_input("%s: \"%s\" is not a number", option, word);
         if (count < 8) value[count] = x;
     }
+    return count;
+}
+
+void rays_from(ray_list *list, const char *text)
+{
+    double value[8] = {0};
+    char why[RAY_WHY];
+    sgt_ray ray;
+    const int count = option_numbers("--from", text, value);
+    if (count != 3) fail_input("--from: must be 3 numbers in quotes, \"lat lon height\", not %d", count);
+    if (!place_of(value, false, false, &ray, why)) fail_input("--from: %s", why);
+    list->begun = true;
+    memcpy(list->from, value, sizeof list->from);
+}
+
+void rays_look(ray_list *list, const char *text)
+{
+    double look[8] = {0};
+    char why[RAY_WHY];
+    const int count = option_numbers("--look", text, look);
+    if (count != 2 && count != 4)
+        fail_input("--look: must be 2 numbers in quotes, \"az el\", or 4, with tmin tmax; not %d", count);
+    if (list->count && !list->places) fail_input("--look: give --ray or --look, not both");
+    if (!list->begun) fail_input("--look: give the place first, by --from \"lat lon height\"");
+    const double *f = list->from, value[8] = {f[0], f[1], f[2], look[0], look[1], 0, look[2], look[3]};
+    launch l = {.number = list->count};
+    if (!place_of(value, count == 4, count == 4, &l.ray, why)) fail_input("--look: %s", why);
+    list->places = true;
+    rays_add(list, l);
+}
+
+void rays_parse(ray_list *list, const char *text)
+{
+    char why[RAY_WHY];
+    double value[8] = {0};
+    const int count = option_numbers("--ray", text, value);
+    if (list->places) fail_input("--ray: give --ray or --look, not both");
     if (count == 1)
         fail_input("--ray: \"%s\" is only one number; put the whole ray in quotes: \"ox oy oz dx dy dz\"",
                    text);
@@ -168,46 +224,50 @@ static bool next_line(reader *r)
 }
 
 /* Reads the header.  place[c]: the field that holds column c, or -1. */
-static void rays_read_header(reader *r, int place[RAY_COLUMNS])
+static void rays_read_header(reader *r, const ray_list *list, bool *places, int place[RAY_COLUMNS])
 {
-    const char *source = r->source;
+    const char *source = r->source, *const *known = ray_column_name;
     if (r->end - r->at >= 3 && memcmp(r->at, "\xef\xbb\xbf", 3) == 0) r->at += 3;
     if (!next_line(r)) fail_input("%s: empty; it needs a header row: ox,oy,oz,dx,dy,dz", source);
     if (r->broken) fail_input("%s:%zu: %s", source, r->line, BROKEN);
     for (int c = 0; c < RAY_COLUMNS; c++) place[c] = -1;
+    for (int f = 0; f < r->count && list->earth; f++)
+        if (strcmp(r->field[f], "lat") == 0) known = place_column_name;
+    *places = known == place_column_name;
     for (int f = 0; f < r->count; f++) {
         int c = 0;
-        while (c < RAY_COLUMNS && strcmp(r->field[f], ray_column_name[c]) != 0) c++;
+        while (c < RAY_COLUMNS && (!*known[c] || strcmp(r->field[f], known[c]) != 0)) c++;
         if (c == RAY_COLUMNS) {
             double x;
             const char *hint = number_read(r->field[f], &x)   ? "is the header missing?  "
                                : strpbrk(r->field[f], " \t;") ? "put commas between columns; "
                                                               : "";
             fail_input(
-                "%s:%zu: %.60s: unknown column; %sknown columns: ox, oy, oz, dx, dy, dz, tmin, tmax, id",
-                source, r->line, r->field[f], hint);
+                "%s:%zu: %.60s: unknown column; %sknown columns: %s, tmin, tmax, id", source, r->line,
+                r->field[f], hint, *places ? "lat, lon, height, az, el" : "ox, oy, oz, dx, dy, dz");
         }
         if (place[c] >= 0)
             fail_input("%s:%zu: %s: this column is given twice", source, r->line, ray_column_name[c]);
         place[c] = f;
     }
     for (int c = 0; c < RAY_REQUIRED; c++)
-        if (place[c] < 0)
-            fail_input("%s:%zu: %s: this column is missing; ox, oy, oz, dx, dy, dz are needed", source,
-                       r->line, ray_column_name[c]);
+        if (place[c] < 0 && *known[c])
+            fail_input("%s:%zu: %s: this column is missing; %s are needed", source, r->line, known[c],
+                       *places ? "lat, lon, height, az, el" : "ox, oy, oz, dx, dy, dz");
 }
 
 /* The numbers of the line that was split. */
 static bool row_of(const reader *r, const int place[RAY_COLUMNS], int columns, double value[8],
                    char why[RAY_WHY])
 {
+    const char *const *name = place[RAY_REQUIRED - 1] < 0 ? place_column_name : ray_column_name;
     if (r->broken) return bad(why, "%s", BROKEN);
     if (r->count != columns)
         return bad(why, "%s fields than the %d of the header", r->count < columns ? "fewer" : "more",
                    columns);
     for (int c = 0; c < RAY_ID; c++)
         if (place[c] >= 0 && !number_read(r->field[place[c]], &value[c]))
-            return bad(why, "%s: \"%.60s\" is not a number", ray_column_name[c], r->field[place[c]]);
+            return bad(why, "%s: \"%.60s\" is not a number", name[c], r->field[place[c]]);
     return true;
 }
 
@@ -268,6 +328,8 @@ static void read_piece(piece *p, const int place[RAY_COLUMNS], int columns, laun
     int column[FIELDS_MOST] = {0};
     for (int c = 0; c < RAY_COLUMNS; c++)
         if (place[c] >= 0) column[place[c]] = c;
+    bool (*const make)(const double *, bool, bool, sgt_ray *, char *) =
+        place[RAY_REQUIRED - 1] < 0 ? place_of : ray_of;
     for (size_t number = p->number;; number++) {
         launch *l = &ray[p->good];
         double value[8] = {0};
@@ -275,7 +337,7 @@ static void read_piece(piece *p, const int place[RAY_COLUMNS], int columns, laun
         if (!plain && !next_line(r)) return;
         *l = (launch){.number = number};
         if ((plain || row_of(r, place, columns, value, why)) &&
-            ray_of(value, place[RAY_TMIN] >= 0, place[RAY_TMAX] >= 0, &l->ray, why)) {
+            make(value, place[RAY_TMIN] >= 0, place[RAY_TMAX] >= 0, &l->ray, why)) {
             if (place[RAY_ID] >= 0) l->id = r->field[place[RAY_ID]];
             p->good++;
         } else if (p->bad++ == 0) {
@@ -305,7 +367,7 @@ static void read_csv(ray_list *list, const char *path, bool skip_bad)
     input file = input_read(path);
     reader r = {.source = file.name, .at = file.text, .end = file.text + file.length};
     int place[RAY_COLUMNS];
-    rays_read_header(&r, place);
+    rays_read_header(&r, list, &list->places, place);
     list->ended = place[RAY_TMIN] >= 0 || place[RAY_TMAX] >= 0;
     list->named = place[RAY_ID] >= 0;
     const int columns = r.count;

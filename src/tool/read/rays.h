@@ -50,7 +50,12 @@ typedef struct ray_list {
     size_t longest_id;  /* characters of the longest of them */
     int threads;        /* to read the file with; 0: one */
     bool parts;         /* set by a command that calls rays_part: arrays are then not read whole */
+    bool begun;         /* there is a --from, and its place: */
+    double from[3];
     bool some;          /* set with `parts`, if only some rows are asked for: others are not looked at */
+    /* A file or --from may give places: o holds latitude, longitude, height and d azimuth, elevation, 1 until
+     * the command has made rays of them (read/earth.h).  `earth` is set by a command that does. */
+    bool earth, places;
     const ray_table *table; /* arrays that are read in parts: `ray` is NULL, `count` with bad rows */
 } ray_list;
 
@@ -69,5 +74,9 @@ double ray_end(const sgt_ray *ray);
 
 /* Adds the ray of a --ray: "ox oy oz dx dy dz", optionally followed by "tmin tmax". */
 void rays_parse(ray_list *list, const char *text);
+
+/* The same of places: --from "lat lon height" holds for each --look "az el" after it, and that adds a ray. */
+void rays_from(ray_list *list, const char *text);
+void rays_look(ray_list *list, const char *text);
 
 #endif
