@@ -191,7 +191,7 @@ SGT_API bool sgt_tolerancing_sensitivity(const sgt_tolerancing *t, size_t *count
  *
  * A compensator that seeks the best figure may do better than the bound: the figure is no
  * larger with it set.  Not known, and refused: `opd`; an afocal lens; rays that are aimed
- * at the stop; fields by image heights; more than 64 entries; fringes or radii of other
+ * at the stop; fields by image heights; more than 62 entries; fringes or radii of other
  * surfaces than planes, spheres, conics and even aspheres. */
 
 /* Zeros are the defaults. */

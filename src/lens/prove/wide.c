@@ -85,13 +85,25 @@ void sgt_wide_added(const wide *x, double k, const wide *y, wide *out)
     sgt_wide_rest(out, grain);
 }
 
+/* (sum of x_i s_i) (sum of y_i s_i): its squares are from 0 to 1, and its products from -1 to 1. */
 void sgt_wide_product(const wide *x, const wide *y, wide *out)
 {
     const double dx = sgt_wide_spread(x), dy = sgt_wide_spread(y), a = x->c, b = y->c;
     const double grain = WIDE_GRAIN * (fabs(a) + dx) * (fabs(b) + dy);
-    const double rest = fabs(a) * y->rest + fabs(b) * x->rest + dx * dy;
+    double rest = fabs(a) * y->rest + fabs(b) * x->rest, middle = 0;
+    if (dx > 0 && dy > 0) {
+        int used[WIDE], count = 0;
+        for (int i = 0; i < WIDE; i++)
+            if (x->by[i] != 0 || y->by[i] != 0) used[count++] = i;
+        for (int k = 0; k < count; k++) {
+            const double xi = x->by[used[k]], yi = y->by[used[k]], half = xi * yi / 2;
+            middle += half, rest += fabs(half);
+            for (int j = 0; j < k; j++) rest += fabs(xi * y->by[used[j]] + yi * x->by[used[j]]);
+        }
+        rest += x->rest * dy + y->rest * dx;
+    }
     for (int i = 0; i < WIDE; i++) out->by[i] = a * y->by[i] + b * x->by[i];
-    out->c = a * b, out->rest = rest;
+    out->c = a * b + middle, out->rest = rest;
     sgt_wide_rest(out, grain);
 }
 

@@ -42,7 +42,8 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WORST_BOXES = 32, BATCH_OF_RAYS = 8, Z = WIDE + 1 };
+/* SHARED: parameters behind those of the entries, of what is not known of the pupil. */
+enum { WORST_BOXES = 32, BATCH_OF_RAYS = 8, SHARED = 2, Z = WIDE + 1 };
 static const double BUILT = 0x1p-42, ROUNDED = 1e-9, RADIANS = 0.017453292519943295;
 
 typedef struct worst_ray { size_t field, band; double px, py, weight; bool chief; } worst_ray;
@@ -362,12 +363,22 @@ static void set_values(worst *w, const worst_box *b)
     }
 }
 
-static void into_box(const sgt_tolerance *e, wide *x)
+/* All rays of a lens have the same number x.  So what is not known of it is a parameter of its own, and what
+ * it does to a ray and to the chief ray cancels. */
+static void share_rest(wide *x, size_t slot)
 {
+    x->by[slot] += x->rest * (1 + 0x1p-50), x->rest = 0;
+}
+
+/* x is set within its box. */
+static void into_box(const worst *w, size_t i, wide *x)
+{
+    const sgt_tolerance *e = &w->t->entry[i];
     const sgt_interval range = sgt_wide_range(x);
-    if (range.lo >= e->lower && range.hi <= e->upper) return;
-    sgt_wide_between((sgt_interval){fmin(fmax(range.lo, e->lower), e->upper),
-                                    fmax(fmin(range.hi, e->upper), e->lower)}, x);
+    if (!(range.lo >= e->lower && range.hi <= e->upper))
+        sgt_wide_between((sgt_interval){fmin(fmax(range.lo, e->lower), e->upper),
+                                        fmax(fmin(range.hi, e->upper), e->lower)}, x);
+    share_rest(x, i);
 }
 
 /* Those that seek. */
@@ -378,7 +389,7 @@ static void set_seeking(worst *w)
         sgt_wide_of(w->settled[i], &w->value[i]);
         for (size_t k = 0; k < w->n && i == w->seeker; k++)
             if (w->follow[k] != 0) add_wide(&w->value[i], w->follow[k], &w->value[k]);
-        into_box(&w->t->entry[i], &w->value[i]);
+        into_box(w, i, &w->value[i]);
     }
 }
 
@@ -661,7 +672,9 @@ static bool set_pupil(worst *w)
         sgt_wide_scaled(&efl, -tan(w->at[f].y * RADIANS), &w->object[2 * f + 1]);
     }
     add_wide(&w->pupil, 1, &w->z[0]);
-    return w->pupil.rest + w->radius.rest < HUGE_VAL;
+    if (!(w->pupil.rest + w->radius.rest < HUGE_VAL)) return false;
+    share_rest(&w->pupil, w->n), share_rest(&w->radius, w->n + 1);
+    return true;
 }
 
 /* All numbers of the lenses of a box.  false: paraxial rays do not tell. */
@@ -674,7 +687,7 @@ static bool set_lens(worst *w, const worst_box *b)
         if (t->entry[i].compensator != SGT_COMPENSATE_PARAXIAL) continue;
         if (!image_wide(w, &image)) return false;
         sgt_wide_plus(&image, -t->image, &w->value[i]);
-        into_box(&t->entry[i], &w->value[i]);
+        into_box(w, i, &w->value[i]);
         set_numbers(w);
     }
     set_seeking(w), set_numbers(w);
@@ -883,7 +896,7 @@ static judged judge(worst *w, worst_box *b, form *f, double L[][Z], double sure[
     double total = 0, rest = 0;
     const bool chief = w->t->opt.figure == SGT_TOLERANCING_BORESIGHT;
     weigh_rays(w, sure);
-    f->n = w->n + 1;
+    f->n = w->n + SHARED + 1;
     for (size_t i = 0; i < f->n; i++) memset(f->G[i], 0, sizeof f->G[i]);
     for (size_t i = 0; i < w->fields; i++) total += w->field_weight[i];
     for (size_t k = 0; k < w->rays; k++) {
@@ -952,7 +965,7 @@ static bool search_corners(worst *w, const form *f, double value[], sgt_worst_ca
     double best[Z] = {1}, most = -1;
     for (int start = 0; start < STARTS && f; start++) {
         double z[Z] = {1};
-        for (size_t i = 1; i < f->n; i++) {
+        for (size_t i = 1; i <= w->n; i++) {
             uint32_t bits[4], counter[4] = {(uint32_t)i, (uint32_t)start, 0, 0}, key[2] = {43, 0};
             sgt_philox(counter, key, bits);
             z[i] = start == 0 ? (f->G[0][i] < 0 ? -1 : 1) : bits[0] & 1 ? 1 : -1;
@@ -960,7 +973,7 @@ static bool search_corners(worst *w, const form *f, double value[], sgt_worst_ca
         double at = form_at(f, z);
         for (bool better = true; better;) {
             better = false;
-            for (size_t i = 1; i < f->n; i++) {
+            for (size_t i = 1; i <= w->n; i++) {
                 z[i] = -z[i];
                 const double now = form_at(f, z);
                 if (now > at * (1 + 1e-12)) at = now, better = true;
@@ -1050,7 +1063,7 @@ bool sgt_tolerancing_worst(const sgt_tolerancing *t, const sgt_worst_options *op
                .count = t->base->count, .n = t->count};
     *out = (sgt_worst_case){.bound = HUGE_VAL, .seen = (double)NAN, .verdict = SGT_LIMIT_UNDECIDED, .why = ""};
     for (size_t i = 0; cuts && i < w.n; i++) cuts[i] = 0;
-    bool fine = w.n <= WIDE || fail_worst(&w, "tolerances", "more than 64 entries have no worst case that is known");
+    bool fine = w.n + SHARED <= WIDE || fail_worst(&w, "tolerances", "more than 62 entries have no worst case that is known");
     if (fine && t->opt.figure == SGT_TOLERANCING_OPD)
         fine = fail_worst(&w, "figure", "opd has no worst case that is known: spot and boresight have");
     for (size_t i = 0; i < sizeof opt->reserved_ / sizeof *opt->reserved_ && fine; i++)
