@@ -12,8 +12,8 @@
  * surface at Q, it also meets the conic that is moved by d(Q) along z.  In turn, let the conic be moved by
  * any w in [-W, W], W >= |d| at all points x, y where rays meet these: the point depends on w continuously, so
  * for some w it is w = d there, and that is a Q.  There is no other within the aperture if the ray is steeper
- * than the surface is anywhere in it: then z - s - d is monotone along the ray.  So Q is among what the box
- * with the parameter w says.  The normal there is (-s_x - d_x, -s_y - d_y, 1), and the ray is bent by it:
+ * than the surface is anywhere in it: then z - s - d is monotone along the ray.  So Q is where the conic is met
+ * that is moved by w = d(Q), a number of the size of d where rays meet it: first all w are tried, then these.  The normal there is (-s_x - d_x, -s_y - d_y, 1), and the ray is bent by it:
  *
  *     d' = r d + (sqrt(1 - r^2 (1 - k^2)) - r k) n,  k = d . n, n of unit length,  r = n1 / n2,
  *
@@ -287,7 +287,7 @@ static double steepest(const sgt_conic *q, sgt_interval c, double r)
     return left > 0x1p-20 ? cr / sqrt(left) * (1 + 0x1p-30) : HUGE_VAL;
 }
 
-typedef struct off_shape { wide height, gx, gy; double steep; } off_shape;
+typedef struct off_shape { wide height, gx, gy, ratio; double steep; } off_shape;
 
 /* What is off where it is met in a rectangle; NULL: anywhere. */
 static bool off_shape_over(const wide_element *of, const sgt_interval at[2], off_shape *out)
@@ -349,7 +349,7 @@ typedef struct passing {
     const wide_element *of;
     small_box box;
     sgt_box_launch launch;
-    sgt_model c, before, behind, height, gx, gy;
+    sgt_model c, before, behind, ratio, height, gx, gy;
     off_shape off;
 } passing;
 
@@ -361,7 +361,8 @@ static sgt_box_verdict trace_one(passing *p, sgt_element *e, sgt_box_at *at, sgt
     size_t numbers = 0;
     double before = 1;
     if (of->c) number[numbers++] = (sgt_box_number){.what = SGT_BOX_SURFACE, .value = &p->c};
-    if (sgt_wide_spread(of->before) == 0) before = of->before->c;
+    if (of->shapes) before = 1;
+    else if (sgt_wide_spread(of->before) == 0) before = of->before->c;
     else
         number[numbers++] = (sgt_box_number){
             .element = SGT_BOX_BEFORE, .what = SGT_BOX_INDEX, .value = &p->before};
@@ -383,9 +384,14 @@ static void set_passing(passing *p, const wide_line *line)
     const sgt_model x = placed_model(b, &line->x), y = placed_model(b, &line->y);
     const sgt_model u = placed_model(b, &line->u), v = placed_model(b, &line->v);
     if (of->c) p->c = placed_model(b, of->c);
-    if (of->shapes) p->gx = placed_model(b, &p->off.gx), p->gy = placed_model(b, &p->off.gy);
-    p->behind = placed_model(b, of->behind), p->before = placed_model(b, of->before);
-    if (of->shapes) p->height = sgt_model_between(sgt_wide_range(&p->off.height));
+    if (of->shapes) {
+        /* of the indices their ratio alone counts */
+        sgt_wide_inverse(of->behind, &p->off.ratio), sgt_wide_product(&p->off.ratio, of->before, &p->off.ratio);
+        p->gx = placed_model(b, &p->off.gx), p->gy = placed_model(b, &p->off.gy);
+        p->ratio = placed_model(b, &p->off.ratio), p->height = placed_model(b, &p->off.height);
+    } else {
+        p->behind = placed_model(b, of->behind), p->before = placed_model(b, of->before);
+    }
     p->launch = (sgt_box_launch){.parameters = b->count ? b->count : 1,
                                  .o = {x, y, sgt_model_of(0)},
                                  .d = {u, v, sgt_model_of(1)}};
@@ -397,7 +403,7 @@ static void bend_off(passing *p, sgt_box_end *end)
 {
     const sgt_conic *q = p->of->e->surface.self;
     sgt_model c = sgt_model_of(q->c), slope, n[3] = {sgt_model_of(0), sgt_model_of(0), sgt_model_of(1)};
-    sgt_model d[3] = {p->launch.d[0], p->launch.d[1], p->launch.d[2]}, ratio;
+    sgt_model d[3] = {p->launch.d[0], p->launch.d[1], p->launch.d[2]};
     if (p->of->c) sgt_model_plus(&p->c, q->c, &c);
     slope = times_model(&c, &end->p[2]);
     sgt_model_scaled(&slope, -1 - q->k, &slope), slope.rest += 0x1p-50 * fabs(q->k);
@@ -408,8 +414,8 @@ static void bend_off(passing *p, sgt_box_end *end)
         n[k] = sum_model(&n[k], -1, &s), n[k] = sum_model(&n[k], -1, k ? &p->gy : &p->gx);
     }
     unit_models(d);
-    sgt_model_inverse(&p->behind, &ratio), ratio = times_model(&ratio, &p->before);
-    bend_models(p->of->e->index == SGT_MIRROR, &ratio, n, d);
+    bend_models(p->of->e->index == SGT_MIRROR, &p->ratio, n, d);
+    sgt_model_sum(&end->p[2], &p->height, &end->p[2]); /* from the vertex of the conic that is not moved */
     for (int k = 0; k < 3; k++) end->d[k] = d[k], end->d[k].rest += 0x1p-44;
 }
 
@@ -454,7 +460,6 @@ wide_fate sgt_wide_through(const wide_element *of, wide_line *line, wide point[2
                        first.off.steep) ||
             !off_shape_over(of, met, &p.off))
             return WIDE_UNKNOWN;
-        p.off.height = first.off.height;
     }
     const wide_fate fate = carried_once(&p, line, &at, &end);
     if (fate == WIDE_ENDED || fate == WIDE_UNKNOWN) return *why = end.why, fate;
