@@ -255,7 +255,9 @@ static bool moves_of(worst *w, size_t i, double point[])
     sgt_lens *lens = sgt_lens_copy(w->t->base, w->error);
     if (!lens || !m->by || !m->z || !m->bend) return sgt_lens_free(lens), false;
     point[i] = end;
-    bool fine = sgt_build_at(w->t, lens, point, w->error);
+    sgt_first_order data;
+    bool fine = sgt_build_at(w->t, lens, point, w->error) &&
+                sgt_lens_first_order(lens, (double)NAN, &data, NULL, w->error);
     point[i] = 0;
     for (size_t k = 0; k < w->count && fine; k++) {
         const sgt_lens_surface *s = &lens->surface[k], *was = &w->t->base->surface[k];
@@ -266,8 +268,9 @@ static bool moves_of(worst *w, size_t i, double point[])
             m->by[k] = (sgt_vec3){by.x / end, by.y / end, by.z / end};
         }
         if (!tilts) m->z[k] = (s->z - was->z) / end;
+        /* (coma tilts the vertex, and no paraxial ray passes) */
         if (e->kind == SGT_TOLERANCE_IRREGULARITY && k + 1 == e->first)
-            m->bend[k] = (bend_of(lens->element[k].surface) - bend_of(w->t->base->element[k].surface)) / end;
+            m->bend[k] = data.without_vertex == k + 1 ? (double)NAN : (bend_of(lens->element[k].surface) - bend_of(w->t->base->element[k].surface)) / end;
     }
     sgt_lens_free(lens);
     return fine;
