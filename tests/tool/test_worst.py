@@ -67,6 +67,8 @@ def test_one_entry():
     loosest = 0
     for name, head in HEADS.items():
         for entry in ENTRIES if name == 'from afar' else random.sample(ENTRIES, round(10 * SCALE)):
+            if name == 'f-number' and 'term: 8' in entry:
+                continue
             for more in ([], [PARAXIAL], [FIGURE]) if random.random() < 0.3 else ([],):
                 if 'term: 8' in entry and more == [PARAXIAL]:
                     continue
@@ -78,7 +80,7 @@ def test_one_entry():
 
 def test_all_entries():
     for name, head in HEADS.items():
-        some = random.sample(ENTRIES, 8)
+        some = random.sample([e for e in ENTRIES if name != 'f-number' or 'term: 8' not in e], 8)
         drawn = [e.replace('}', ', distribution: ends}') if random.random() < 0.5 else e for e in some]
         coma = any('term: 8' in e for e in some) # then there is no paraxial image
         text = lens(head, drawn + [FIGURE if coma else random.choice([PARAXIAL, FIGURE])])
