@@ -202,15 +202,15 @@ typedef struct sgt_worst_options {
 } sgt_worst_options;
 
 typedef struct sgt_worst_case {
-    double bound;          /* no lens in tolerance has a larger figure; infinite: it is not
-                              known */
-    double seen;           /* the largest figure of a lens that was built; NaN: it has none,
-                              and is worse than any */
-    int    verdict;        /* of the limit: sgt_limit_verdict of prove.h.  Broken: by the
-                              lens that was seen.  Without a limit: undecided */
-    size_t boxes, lenses;  /* carried through, and built */
-    size_t element;        /* if the bound is infinite: where, from 1; 0: at none */
-    const char *why;       /* and why; else "" */
+    double bound;         /* no lens in tolerance has a larger figure; infinite: it is not
+                             known */
+    double seen;          /* the largest figure of a lens that was built; NaN: it has
+                             none, and is worse than any */
+    int    verdict;       /* of the limit: sgt_limit_verdict of prove.h.  Broken: by the
+                             lens that was seen.  Without a limit: undecided */
+    size_t boxes, lenses; /* carried through, and built */
+    size_t element;       /* if the bound is infinite: where, from 1; 0: at none */
+    const char *why;      /* and why; else "" */
     unsigned long long reserved_[8];
 } sgt_worst_case;
 

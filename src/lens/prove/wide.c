@@ -10,10 +10,11 @@
  *
  * A SHAPE that is off adds to the sag s of a conic some d(x, y) = sum of a[k] Z[k].  Where a ray meets that
  * surface at Q, it also meets the conic that is moved by d(Q) along z.  In turn, let the conic be moved by
- * any w in [-W, W], W >= |d| at all points x, y where rays meet these: the point depends on w continuously, so
- * for some w it is w = d there, and that is a Q.  There is no other within the aperture if the ray is steeper
- * than the surface is anywhere in it: then z - s - d is monotone along the ray.  So Q is where the conic is met
- * that is moved by w = d(Q), a number of the size of d where rays meet it: first all w are tried, then these.  The normal there is (-s_x - d_x, -s_y - d_y, 1), and the ray is bent by it:
+ * any w in [-W, W], W >= |d| at all points x, y where rays meet these: the point depends on w continuously,
+ * so for some w it is w = d there, and that is a Q.  There is no other within the aperture if the ray is
+ * steeper than the surface is anywhere in it: then z - s - d is monotone along the ray.  So Q is where the
+ * conic is met that is moved by w = d(Q), a number of the size of d where rays meet it: first all w are
+ * tried, then these.  The normal there is (-s_x - d_x, -s_y - d_y, 1), and the ray is bent by it:
  *
  *     d' = r d + (sqrt(1 - r^2 (1 - k^2)) - r k) n,  k = d . n, n of unit length,  r = n1 / n2,
  *
@@ -245,10 +246,10 @@ static bool shape_over(sgt_surface shape, double far, sgt_interval x, sgt_interv
 {
     const sgt_element mirror = {.surface = shape, .semi_diameter = 2 * far, .index = SGT_MIRROR};
     const sgt_box_lens lens = {.elements = 1, .e = &mirror};
-    const sgt_box_launch along = {.parameters = 2,
-                                  .o = {sgt_model_parameter(0, x), sgt_model_parameter(1, y),
-                                        sgt_model_of(-1)},
-                                  .d = {sgt_model_of(0), sgt_model_of(0), sgt_model_of(1)}};
+    const sgt_box_launch along = {
+        .parameters = 2,
+        .o = {sgt_model_parameter(0, x), sgt_model_parameter(1, y), sgt_model_of(-1)},
+        .d = {sgt_model_of(0), sgt_model_of(0), sgt_model_of(1)}};
     sgt_box_end end;
     if (sgt_box_trace(&lens, &along, NULL, NULL, &end) != SGT_BOX_PASSED) return false;
     sgt_model below;
@@ -273,8 +274,9 @@ bool sgt_wide_shape(sgt_surface surface, double semi_diameter, wide_shape *out)
                         (sgt_interval){y - pad, y + step + pad}, part))
             return false;
         for (int k = 0; k < 3; k++)
-            out->all[k] = i ? (sgt_interval){fmin(out->all[k].lo, part[k].lo), fmax(out->all[k].hi, part[k].hi)}
-                            : part[k];
+            out->all[k] =
+                i ? (sgt_interval){fmin(out->all[k].lo, part[k].lo), fmax(out->all[k].hi, part[k].hi)}
+                  : part[k];
         out->steep = fmax(out->steep, sgt_interval_greatest(part[1]) + sgt_interval_greatest(part[2]));
     }
     return true;
@@ -287,7 +289,10 @@ static double steepest(const sgt_conic *q, sgt_interval c, double r)
     return left > 0x1p-20 ? cr / sqrt(left) * (1 + 0x1p-30) : HUGE_VAL;
 }
 
-typedef struct off_shape { wide height, gx, gy, ratio; double steep; } off_shape;
+typedef struct off_shape {
+    wide height, gx, gy, ratio;
+    double steep;
+} off_shape;
 
 /* What is off where it is met in a rectangle; NULL: anywhere. */
 static bool off_shape_over(const wide_element *of, const sgt_interval at[2], off_shape *out)
@@ -345,15 +350,15 @@ static bool meet_once(const sgt_element *e, const wide *c, double r, const sgt_m
     return along.lo > (steepest(q, curvature, r) + more) * across.hi * (1 + 0x1p-30);
 }
 
-typedef struct passing {
+typedef struct through_one {
     const wide_element *of;
     small_box box;
     sgt_box_launch launch;
     sgt_model c, before, behind, ratio, height, gx, gy;
     off_shape off;
-} passing;
+} through_one;
 
-static sgt_box_verdict trace_one(passing *p, sgt_element *e, sgt_box_at *at, sgt_box_end *end)
+static sgt_box_verdict trace_one(through_one *p, sgt_element *e, sgt_box_at *at, sgt_box_end *end)
 {
     const wide_element *of = p->of;
     const bool bends = !of->shapes && e->index != SGT_MIRROR && e->index != 0;
@@ -361,23 +366,26 @@ static sgt_box_verdict trace_one(passing *p, sgt_element *e, sgt_box_at *at, sgt
     size_t numbers = 0;
     double before = 1;
     if (of->c) number[numbers++] = (sgt_box_number){.what = SGT_BOX_SURFACE, .value = &p->c};
-    if (of->shapes) before = 1;
-    else if (sgt_wide_spread(of->before) == 0) before = of->before->c;
+    if (of->shapes)
+        before = 1;
+    else if (sgt_wide_spread(of->before) == 0)
+        before = of->before->c;
     else
-        number[numbers++] = (sgt_box_number){
-            .element = SGT_BOX_BEFORE, .what = SGT_BOX_INDEX, .value = &p->before};
-    if (bends && sgt_wide_spread(of->behind) == 0) e->index = of->behind->c;
+        number[numbers++] =
+            (sgt_box_number){.element = SGT_BOX_BEFORE, .what = SGT_BOX_INDEX, .value = &p->before};
+    if (bends && sgt_wide_spread(of->behind) == 0)
+        e->index = of->behind->c;
     else if (bends)
         number[numbers++] = (sgt_box_number){.what = SGT_BOX_INDEX, .value = &p->behind};
     if (of->shapes)
         number[numbers++] = (sgt_box_number){.what = SGT_BOX_ORIGIN, .which = 2, .value = &p->height};
-    const sgt_box_lens lens = {.elements = 1, .e = e, .index_before = before, .numbers = numbers,
-                               .number = number};
+    const sgt_box_lens lens = {
+        .elements = 1, .e = e, .index_before = before, .numbers = numbers, .number = number};
     return sgt_box_trace(&lens, &p->launch, NULL, at, end);
 }
 
 /* The box, with what is off of the shape as far as it is known. */
-static void set_passing(passing *p, const wide_line *line)
+static void set_passing(through_one *p, const wide_line *line)
 {
     const wide_element *of = p->of;
     small_box *b = &p->box;
@@ -386,20 +394,20 @@ static void set_passing(passing *p, const wide_line *line)
     if (of->c) p->c = placed_model(b, of->c);
     if (of->shapes) {
         /* of the indices their ratio alone counts */
-        sgt_wide_inverse(of->behind, &p->off.ratio), sgt_wide_product(&p->off.ratio, of->before, &p->off.ratio);
+        sgt_wide_inverse(of->behind, &p->off.ratio),
+            sgt_wide_product(&p->off.ratio, of->before, &p->off.ratio);
         p->gx = placed_model(b, &p->off.gx), p->gy = placed_model(b, &p->off.gy);
         p->ratio = placed_model(b, &p->off.ratio), p->height = placed_model(b, &p->off.height);
     } else {
         p->behind = placed_model(b, of->behind), p->before = placed_model(b, of->before);
     }
-    p->launch = (sgt_box_launch){.parameters = b->count ? b->count : 1,
-                                 .o = {x, y, sgt_model_of(0)},
-                                 .d = {u, v, sgt_model_of(1)}};
+    p->launch = (sgt_box_launch){
+        .parameters = b->count ? b->count : 1, .o = {x, y, sgt_model_of(0)}, .d = {u, v, sgt_model_of(1)}};
     for (int k = 0; k < 3; k++) sgt_model_scaled(&p->launch.d[k], line->ahead, &p->launch.d[k]);
 }
 
 /* Where rays go behind a shape that is off. */
-static void bend_off(passing *p, sgt_box_end *end)
+static void bend_off(through_one *p, sgt_box_end *end)
 {
     const sgt_conic *q = p->of->e->surface.self;
     sgt_model c = sgt_model_of(q->c), slope, n[3] = {sgt_model_of(0), sgt_model_of(0), sgt_model_of(1)};
@@ -420,7 +428,7 @@ static void bend_off(passing *p, sgt_box_end *end)
 }
 
 /* Carries it once; the shape is off by p->off. */
-static wide_fate carried_once(passing *p, const wide_line *line, sgt_box_at *at, sgt_box_end *end)
+static wide_fate carried_once(through_one *p, const wide_line *line, sgt_box_at *at, sgt_box_end *end)
 {
     sgt_element own = *p->of->e, wider;
     const double size = own.semi_diameter;
@@ -444,11 +452,11 @@ wide_fate sgt_wide_through(const wide_element *of, wide_line *line, wide point[2
 {
     sgt_box_at at;
     sgt_box_end end;
-    passing p = {.of = of};
+    through_one p = {.of = of};
     *why = SGT_BOX_NO_BOUNDS;
     if (of->shapes) {
         /* where it is met, whatever is off of the shape */
-        passing first = {.of = of};
+        through_one first = {.of = of};
         if (of->e->surface.ops != &sgt_conic_ops || of->e->phase) return WIDE_UNKNOWN;
         off_shape_over(of, NULL, &first.off);
         const wide_fate fate = carried_once(&first, line, &at, &end);

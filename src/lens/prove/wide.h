@@ -13,7 +13,9 @@
 #include <sagitta/beam.h>
 
 enum { WIDE = 64 };
-typedef struct wide { double c, rest, by[WIDE]; } wide;
+typedef struct wide {
+    double c, rest, by[WIDE];
+} wide;
 
 void sgt_wide_of(double x, wide *out);
 /* An interval, whatever the parameters. */
@@ -28,15 +30,21 @@ void sgt_wide_plus(const wide *x, double k, wide *out);
 void sgt_wide_scaled(const wide *x, double k, wide *out);
 void sgt_wide_added(const wide *x, double k, const wide *y, wide *out); /* x + k y */
 void sgt_wide_product(const wide *x, const wide *y, wide *out);
-void sgt_wide_inverse(const wide *x, wide *out);          /* no finite rest if x may be 0 */
+void sgt_wide_inverse(const wide *x, wide *out);                 /* no finite rest if x may be 0 */
 void sgt_wide_turn(const wide *angle, wide *cosine, wide *sine); /* radians */
 void sgt_wide_rest(wide *x, double more);
 
 /* A line in a frame: where it meets the plane z = 0, and its slopes along z; light runs toward ahead z. */
-typedef struct wide_line { wide x, y, u, v; double ahead; } wide_line;
+typedef struct wide_line {
+    wide x, y, u, v;
+    double ahead;
+} wide_line;
 
 /* From a frame to another: p becomes M p + o. */
-typedef struct wide_motion { wide M[3][3], o[3]; bool turns; } wide_motion;
+typedef struct wide_motion {
+    wide M[3][3], o[3];
+    bool turns;
+} wide_motion;
 /* false: the line may run along the plane. */
 bool sgt_wide_moved(const wide_motion *by, wide_line *line);
 
@@ -52,18 +60,18 @@ bool sgt_wide_shape(sgt_surface surface, double semi_diameter, wide_shape *out);
 
 /* An element and what of it varies; the line is in its frame, wherever that is. */
 typedef struct wide_element {
-    const sgt_element *e;       /* its pose is not read */
-    const wide *c;              /* what is added to its curvature; NULL: nothing */
+    const sgt_element *e;        /* its pose is not read */
+    const wide *c;               /* what is added to its curvature; NULL: nothing */
     const wide *before, *behind; /* indices, in front and behind */
-    size_t shapes;              /* added to its sag: the sum of amount[k] of shape[k] */
+    size_t shapes;               /* added to its sag: the sum of amount[k] of shape[k] */
     const wide_shape *shape;
     const wide *amount;
 } wide_element;
 
 typedef enum wide_fate {
-    WIDE_PASSED,                /* in every lens */
-    WIDE_MAYBE,                 /* some lens may clip it; the line is that of those that do not */
-    WIDE_ENDED,                 /* it gets through in no lens */
+    WIDE_PASSED, /* in every lens */
+    WIDE_MAYBE,  /* some lens may clip it; the line is that of those that do not */
+    WIDE_ENDED,  /* it gets through in no lens */
     WIDE_UNKNOWN
 } wide_fate;
 

@@ -46,46 +46,63 @@
 enum { WORST_BOXES = 32, BATCH_OF_RAYS = 8, SHARED = 2, Z = WIDE + 1 };
 static const double BUILT = 0x1p-42, ROUNDED = 1e-9, RADIANS = 0.017453292519943295;
 
-typedef struct worst_ray { size_t field, band; double px, py, weight; bool chief; } worst_ray;
-typedef struct worst_end { wide_fate fate; size_t element; sgt_box_why why; wide x, y; } worst_end;
-typedef struct worst_band { double um, before, weight; sgt_element *e; } worst_band;
+typedef struct worst_ray {
+    size_t field, band;
+    double px, py, weight;
+    bool chief;
+} worst_ray;
+typedef struct worst_end {
+    wide_fate fate;
+    size_t element;
+    sgt_box_why why;
+    wide x, y;
+} worst_end;
+typedef struct worst_band {
+    double um, before, weight;
+    sgt_element *e;
+} worst_band;
 
 /* What an entry moves by each unit of its value; built at its end. */
-typedef struct entry_moves { sgt_vec3 *by; double *z, *bend; } entry_moves;
+typedef struct entry_moves {
+    sgt_vec3 *by;
+    double *z, *bend;
+} entry_moves;
 
-typedef struct worst_box { double bound, lo[WIDE], hi[WIDE], part[WIDE]; } worst_box;
+typedef struct worst_box {
+    double bound, lo[WIDE], hi[WIDE], part[WIDE];
+} worst_box;
 
 typedef struct worst {
     const sgt_tolerancing *t;
     arena memory;
     sgt_error *error;
-    size_t count, n;            /* elements; entries */
+    size_t count, n; /* elements; entries */
     sgt_launcher *from;
     size_t fields, bands, rays, chiefs, primary;
-    sgt_field_beam *beam;       /* [fields] */
+    sgt_field_beam *beam; /* [fields] */
     double *field_weight;
-    sgt_lens_field *at;         /* [fields]: in the kind of the lens, or another */
+    sgt_lens_field *at; /* [fields]: in the kind of the lens, or another */
     sgt_field_kind kind;
-    worst_band *band;           /* the last is the primary one */
-    worst_ray *ray;             /* [rays]: chief rays first, one of each field */
+    worst_band *band; /* the last is the primary one */
+    worst_ray *ray;   /* [rays]: chief rays first, one of each field */
     size_t room;
     worst_end *end;
-    sgt_pose *pose;             /* [count], with axes */
-    entry_moves *moves;         /* [n] */
-    double extent;              /* a length, as long as the lens */
-    wide_shape *shape;          /* [n]: of irregularities */
-    wide *amount;               /* those of an element side by side: [n] */
-    size_t *shapes_at;          /* [count + 1]: where they begin */
-    double *follow;             /* [n]: where compensators that seek are, by each entry; the first */
-    double *settled;            /* [n]: as designed */
+    sgt_pose *pose;     /* [count], with axes */
+    entry_moves *moves; /* [n] */
+    double extent;      /* a length, as long as the lens */
+    wide_shape *shape;  /* [n]: of irregularities */
+    wide *amount;       /* those of an element side by side: [n] */
+    size_t *shapes_at;  /* [count + 1]: where they begin */
+    double *follow;     /* [n]: where compensators that seek are, by each entry; the first */
+    double *settled;    /* [n]: as designed */
     size_t seeker;
     /* of a box */
-    wide *value;                /* [n] */
-    wide *c, *z, *index;        /* [count]: added to curvature; the place on the axis; added to the index */
-    bool *bends;                /* is c off? */
-    wide_motion *motion;        /* [count]: into the frame of each, from that in front; 0: global */
+    wide *value;         /* [n] */
+    wide *c, *z, *index; /* [count]: added to curvature; the place on the axis; added to the index */
+    bool *bends;         /* is c off? */
+    wide_motion *motion; /* [count]: into the frame of each, from that in front; 0: global */
     wide pupil, radius;
-    wide *object;               /* [2 fields]: of objects at a distance by angles */
+    wide *object; /* [2 fields]: of objects at a distance by angles */
 } worst;
 
 static bool fail_worst(worst *w, const char *key, const char *words)
@@ -111,8 +128,10 @@ static bool fail_entry(worst *w, size_t i, const char *why)
 static void *take_room(worst *w, size_t count, size_t size)
 {
     void *room = sgt_arena_take(&w->memory, count * size + 1);
-    if (room) memset(room, 0, count * size);
-    else fail_worst(w, "", "no memory");
+    if (room)
+        memset(room, 0, count * size);
+    else
+        fail_worst(w, "", "no memory");
     return room;
 }
 
@@ -151,11 +170,13 @@ static bool set_worst_bands(worst *w)
         if (i < w->bands && o->wavelengths) at = o->wavelength[i];
         for (size_t k = 0; l->wavelength && k < l->wavelengths && !at.number; k++)
             if (l->wavelength[k] == at.um) at.number = k + 1;
-        if (at.number > l->wavelengths && l->wavelength) return fail_worst(w, "wavelengths", "there is none of this number");
+        if (at.number > l->wavelengths && l->wavelength)
+            return fail_worst(w, "wavelengths", "there is none of this number");
         *b = (worst_band){.um = at.number && l->wavelength ? l->wavelength[at.number - 1]
                                 : l->wavelength            ? at.um
                                                            : (double)NAN,
-                          .weight = at.number && l->wavelength_weight ? l->wavelength_weight[at.number - 1] : 1};
+                          .weight =
+                              at.number && l->wavelength_weight ? l->wavelength_weight[at.number - 1] : 1};
         b->e = take_room(w, 2 * w->count, sizeof *b->e);
         if (!b->e || !sgt_lens_at(l, b->um, b->e + w->count, &b->before, w->error)) return false;
         sgt_launch_ending(w->count, b->e + w->count, b->e);
@@ -176,9 +197,12 @@ static bool set_worst_fields(worst *w)
     w->fields = o->fields ? o->fields : l->fields;
     w->kind = of_lens || !o->field_kind ? l->field_kind : *o->field_kind;
     if ((o->aim ? *o->aim : l->aim) != SGT_LENS_AIM_PUPIL)
-        return fail_worst(w, "", "rays that are aimed at the stop have no worst case that is known; give --aim paraxial");
+        return fail_worst(
+            w, "", "rays that are aimed at the stop have no worst case that is known; give --aim paraxial");
     if (w->kind == SGT_FIELD_PARAXIAL_IMAGE_HEIGHT || w->kind == SGT_FIELD_REAL_IMAGE_HEIGHT)
-        return fail_worst(w, "field_type", "fields by image heights have no worst case that is known; give angles or object heights");
+        return fail_worst(
+            w, "field_type",
+            "fields by image heights have no worst case that is known; give angles or object heights");
     if (l->afocal) return fail_worst(w, "", "an afocal lens has no worst case that is known");
     w->from = sgt_launcher_new(l, &opt, w->error);
     w->beam = take_room(w, w->fields, sizeof *w->beam), w->at = take_room(w, w->fields, sizeof *w->at);
@@ -187,7 +211,8 @@ static bool set_worst_fields(worst *w)
     if (!w->from || !w->beam || !w->at || !w->field_weight || !w->object) return false;
     for (size_t i = 0; i < w->fields; i++) {
         const size_t number = o->fields && o->field ? o->field[i] : i + 1;
-        if (of_lens && (number < 1 || number > l->fields)) return fail_worst(w, "fields", "there is none of this number");
+        if (of_lens && (number < 1 || number > l->fields))
+            return fail_worst(w, "fields", "there is none of this number");
         w->at[i] = of_lens ? l->field[number - 1] : o->field_at[i];
         w->field_weight[i] = of_lens ? w->at[i].weight : 1;
         if (!sgt_launch_field(w->from, w->kind, &w->at[i], &w->beam[i], w->error)) return false;
@@ -237,7 +262,7 @@ static sgt_pose with_axes(sgt_pose p)
     return p;
 }
 
-static const off_surface *off_of(const worst *w, size_t element)
+static const off_surface *put_off(const worst *w, size_t element)
 {
     for (size_t k = 0; k < w->t->surfaces; k++)
         if (w->t->surface[k].number == element + 1) return &w->t->surface[k];
@@ -270,7 +295,10 @@ static bool moves_of(worst *w, size_t i, double point[])
         if (!tilts) m->z[k] = (s->z - was->z) / end;
         /* (coma tilts the vertex, and no paraxial ray passes) */
         if (e->kind == SGT_TOLERANCE_IRREGULARITY && k + 1 == e->first)
-            m->bend[k] = data.without_vertex == k + 1 ? (double)NAN : (bend_of(lens->element[k].surface) - bend_of(w->t->base->element[k].surface)) / end;
+            m->bend[k] =
+                data.without_vertex == k + 1
+                    ? (double)NAN
+                    : (bend_of(lens->element[k].surface) - bend_of(w->t->base->element[k].surface)) / end;
     }
     sgt_lens_free(lens);
     return fine;
@@ -287,7 +315,8 @@ static bool set_shape(worst *w, size_t i, wide_shape *out)
     term[e->term - 1] = e->wavelength / w->t->um / 2;
     *z = (sgt_zernike){.norm = e->over, .order = SGT_FRINGE, .a = {term, 1, TERMS}};
     const sgt_element *own = &w->band[w->primary].e[e->first - 1];
-    if (own->surface.ops != &sgt_conic_ops || own->phase) return fail_entry(w, i, "of no plane, sphere or conic");
+    if (own->surface.ops != &sgt_conic_ops || own->phase)
+        return fail_entry(w, i, "of no plane, sphere or conic");
     if (!(own->semi_diameter > 0)) return fail_entry(w, i, "the surface has no semi_diameter");
     if (!sgt_wide_shape((sgt_surface){&sgt_zernike_ops, z}, own->semi_diameter, out))
         return fail_entry(w, i, "its slopes are not known all over the surface");
@@ -334,12 +363,15 @@ static bool set_seekers(worst *w, sgt_error *error)
 {
     const sgt_tolerancing *t = w->t;
     size_t seekers = 0, others = 0;
-    w->settled = take_room(w, w->n + 1, sizeof *w->settled), w->follow = take_room(w, w->n + 1, sizeof *w->follow);
+    w->settled = take_room(w, w->n + 1, sizeof *w->settled),
+    w->follow = take_room(w, w->n + 1, sizeof *w->follow);
     w->seeker = w->n;
     if (!w->settled || !w->follow) return false;
     for (size_t i = w->n; i-- > 0;)
-        if (t->entry[i].compensator == SGT_COMPENSATE_FIGURE) w->seeker = i, seekers++;
-        else others += t->entry[i].compensator != SGT_NO_COMPENSATOR;
+        if (t->entry[i].compensator == SGT_COMPENSATE_FIGURE)
+            w->seeker = i, seekers++;
+        else
+            others += t->entry[i].compensator != SGT_NO_COMPENSATOR;
     if (!seekers) return true;
     double figure;
     if (!sgt_tolerancing_at(t, w->settled, &figure, error)) return false;
@@ -361,17 +393,16 @@ static void set_values(worst *w, const worst_box *b)
     for (size_t i = 0; i < w->n; i++) {
         const double c = b->lo[i] / 2 + b->hi[i] / 2;
         w->value[i] = (wide){.c = c};
-        if (w->t->entry[i].compensator) w->value[i].c = 0;
-        else w->value[i].by[i] = fmax(b->hi[i] - c, c - b->lo[i]) * (1 + 0x1p-50);
+        if (w->t->entry[i].compensator)
+            w->value[i].c = 0;
+        else
+            w->value[i].by[i] = fmax(b->hi[i] - c, c - b->lo[i]) * (1 + 0x1p-50);
     }
 }
 
 /* All rays of a lens have the same number x.  So what is not known of it is a parameter of its own, and what
  * it does to a ray and to the chief ray cancels. */
-static void share_rest(wide *x, size_t slot)
-{
-    x->by[slot] += x->rest * (1 + 0x1p-50), x->rest = 0;
-}
+static void share_rest(wide *x, size_t slot) { x->by[slot] += x->rest * (1 + 0x1p-50), x->rest = 0; }
 
 /* x is set within its box. */
 static void into_box(const worst *w, size_t i, wide *x)
@@ -380,7 +411,8 @@ static void into_box(const worst *w, size_t i, wide *x)
     const sgt_interval range = sgt_wide_range(x);
     if (!(range.lo >= e->lower && range.hi <= e->upper))
         sgt_wide_between((sgt_interval){fmin(fmax(range.lo, e->lower), e->upper),
-                                        fmax(fmin(range.hi, e->upper), e->lower)}, x);
+                                        fmax(fmin(range.hi, e->upper), e->lower)},
+                         x);
     share_rest(x, i);
 }
 
@@ -396,11 +428,11 @@ static void set_seeking(worst *w)
     }
 }
 
-static void set_numbers(worst *w)
+static void set_lens_numbers(worst *w)
 {
     const sgt_tolerancing *t = w->t;
     for (size_t k = 0; k < w->count; k++) {
-        const off_surface *o = off_of(w, k);
+        const off_surface *o = put_off(w, k);
         wide off = {.c = 0}, power = {.c = 0};
         bool by_radius = false;
         w->z[k] = (wide){.c = t->base->surface[k].z, .rest = BUILT * w->extent};
@@ -454,9 +486,15 @@ static void turn_wides(const sgt_pose *frame, int a, const wide *angle, size_t c
     }
 }
 
-typedef struct wide_pose { wide axis[3][3], origin[3]; bool turned; } wide_pose;
+typedef struct wide_pose {
+    wide axis[3][3], origin[3];
+    bool turned;
+} wide_pose;
 
-static void vector_wide(sgt_vec3 v, wide out[3]) { sgt_wide_of(v.x, &out[0]), sgt_wide_of(v.y, &out[1]), sgt_wide_of(v.z, &out[2]); }
+static void vector_wide(sgt_vec3 v, wide out[3])
+{
+    sgt_wide_of(v.x, &out[0]), sgt_wide_of(v.y, &out[1]), sgt_wide_of(v.z, &out[2]);
+}
 
 static void add_vector(wide to[3], sgt_vec3 by, const wide *k)
 {
@@ -487,16 +525,19 @@ static void pose_of(const worst *w, size_t k, wide_pose *out)
         const sgt_vec3 pivot = along3(frame->origin, e->pivot, frame->ez);
         wide angle, from[1][3];
         sgt_wide_scaled(&w->value[i], RADIANS, &angle);
-        sgt_wide_plus(&out->origin[0], -pivot.x, &from[0][0]), sgt_wide_plus(&out->origin[1], -pivot.y, &from[0][1]);
+        sgt_wide_plus(&out->origin[0], -pivot.x, &from[0][0]),
+            sgt_wide_plus(&out->origin[1], -pivot.y, &from[0][1]);
         sgt_wide_plus(&out->origin[2], -pivot.z, &from[0][2]);
         turn_wides(frame, a, &angle, 1, from);
-        sgt_wide_plus(&from[0][0], pivot.x, &out->origin[0]), sgt_wide_plus(&from[0][1], pivot.y, &out->origin[1]);
+        sgt_wide_plus(&from[0][0], pivot.x, &out->origin[0]),
+            sgt_wide_plus(&from[0][1], pivot.y, &out->origin[1]);
         sgt_wide_plus(&from[0][2], pivot.z, &out->origin[2]);
         turn_wides(frame, a, &angle, 3, out->axis);
         out->turned = true;
     }
     for (size_t i = 0; i < w->n; i++)
-        if (t->entry[i].kind == SGT_TOLERANCE_THICKNESS) add_vector(out->origin, w->moves[i].by[k], &w->value[i]);
+        if (t->entry[i].kind == SGT_TOLERANCE_THICKNESS)
+            add_vector(out->origin, w->moves[i].by[k], &w->value[i]);
     for (int i = 0; i < 3; i++) sgt_wide_rest(&out->origin[i], BUILT * w->extent);
     for (int i = 0; i < 3 && out->turned; i++)
         for (int j = 0; j < 3; j++) sgt_wide_rest(&out->axis[i][j], BUILT);
@@ -549,7 +590,9 @@ static bool set_motions(worst *w)
 
 /* ---------------------------------------------------------------------- paraxial rays */
 
-typedef struct wide_ray { wide y, w, n, z; } wide_ray;
+typedef struct wide_ray {
+    wide y, w, n, z;
+} wide_ray;
 
 static void go_to_wide(wide_ray *r, const wide *z)
 {
@@ -560,14 +603,16 @@ static void go_to_wide(wide_ray *r, const wide *z)
 }
 
 /* Of element k: its power, and the index behind it, with sign. */
-static bool power_of(const worst *w, size_t k, const wide *n, wide *power, wide *behind)
+static bool power_wide(const worst *w, size_t k, const wide *n, wide *power, wide *behind)
 {
     const worst_band *b = &w->band[w->primary];
     const sgt_element *e = &b->e[w->count + k];
     const double focal_length = w->t->base->surface[k].focal_length;
     wide c, step;
-    if (e->index == SGT_MIRROR) sgt_wide_scaled(n, -1, behind);
-    else if (e->index == 0) *behind = *n;
+    if (e->index == SGT_MIRROR)
+        sgt_wide_scaled(n, -1, behind);
+    else if (e->index == 0)
+        *behind = *n;
     else {
         sgt_wide_plus(&w->index[k], e->index, behind), sgt_wide_rest(behind, BUILT);
         if (n->c < 0) sgt_wide_scaled(behind, -1, behind);
@@ -594,7 +639,7 @@ static bool paraxial_wide(const worst *w, double y, bool parallel, size_t end, w
     if (!parallel) r->w = r->n;
     for (size_t k = 0; k < end; k++) {
         wide power, behind;
-        if (!power_of(w, k, &r->n, &power, &behind)) return false;
+        if (!power_wide(w, k, &r->n, &power, &behind)) return false;
         if (k) go_to_wide(r, &w->z[k]);
         sgt_wide_product(&r->y, &power, &power), add_wide(&r->w, -1, &power), r->n = behind;
     }
@@ -627,7 +672,7 @@ static bool image_wide(const worst *w, wide *out)
     return quotient_wide(&yn, &r.w, out);
 }
 
-static bool set_pupil(worst *w)
+static bool set_wide_pupil(worst *w)
 {
     const sgt_lens *l = w->t->base;
     const size_t stop = l->stop;
@@ -635,7 +680,8 @@ static bool set_pupil(worst *w)
     wide efl = {.c = 0}, slope;
     if (l->telecentric) return true;
     sgt_wide_of(0, &w->pupil);
-    if (!isnan(l->pupil_distance)) sgt_wide_of(l->pupil_distance, &w->pupil);
+    if (!isnan(l->pupil_distance))
+        sgt_wide_of(l->pupil_distance, &w->pupil);
     else if (stop) {
         if (!paraxial_wide(w, 0, false, stop, &axial) || !paraxial_wide(w, 1, true, stop, &high) ||
             !quotient_wide(&axial.y, &high.y, &w->pupil))
@@ -645,7 +691,8 @@ static bool set_pupil(worst *w)
     sgt_wide_of(l->pupil_size, &w->radius);
     const double d = l->object_distance;
     switch (l->pupil) {
-    case SGT_PUPIL_RADIUS: break;
+    case SGT_PUPIL_RADIUS:
+        break;
     case SGT_PUPIL_WORKING_F_NUMBER:
         if (isfinite(d)) return false; /* fall through */
     case SGT_PUPIL_F_NUMBER:
@@ -661,11 +708,14 @@ static bool set_pupil(worst *w)
     case SGT_PUPIL_OBJECT_NA:
     case SGT_PUPIL_OBJECT_ANGLE:
         sgt_wide_of(l->pupil == SGT_PUPIL_OBJECT_NA ? tan(asin(l->pupil_size / w->band[w->primary].before))
-                                                    : tan(l->pupil_size * RADIANS), &slope);
+                                                    : tan(l->pupil_size * RADIANS),
+                    &slope);
         sgt_wide_plus(&from_first, d, &efl);
-        sgt_wide_product(&slope, &efl, &w->radius), sgt_wide_scaled(&w->radius, copysign(1, efl.c), &w->radius);
+        sgt_wide_product(&slope, &efl, &w->radius),
+            sgt_wide_scaled(&w->radius, copysign(1, efl.c), &w->radius);
         break;
-    case SGT_PUPIL_NONE: return false;
+    case SGT_PUPIL_NONE:
+        return false;
     }
     for (size_t f = 0; f < w->fields && isfinite(d); f++) {
         sgt_wide_of(w->at[f].x, &w->object[2 * f]), sgt_wide_of(w->at[f].y, &w->object[2 * f + 1]);
@@ -684,17 +734,17 @@ static bool set_pupil(worst *w)
 static bool set_lens(worst *w, const worst_box *b)
 {
     const sgt_tolerancing *t = w->t;
-    set_values(w, b), set_numbers(w);
+    set_values(w, b), set_lens_numbers(w);
     for (size_t i = 0; i < w->n; i++) {
         wide image;
         if (t->entry[i].compensator != SGT_COMPENSATE_PARAXIAL) continue;
         if (!image_wide(w, &image)) return false;
         sgt_wide_plus(&image, -t->image, &w->value[i]);
         into_box(w, i, &w->value[i]);
-        set_numbers(w);
+        set_lens_numbers(w);
     }
-    set_seeking(w), set_numbers(w);
-    return set_pupil(w);
+    set_seeking(w), set_lens_numbers(w);
+    return set_wide_pupil(w);
 }
 
 /* ----------------------------------------------------------------------------- rays */
@@ -752,12 +802,16 @@ static void carry_wide(const worst *w, const worst_ray *ray, worst_end *out)
         sgt_wide_rest(&line.u, BUILT), sgt_wide_rest(&line.v, BUILT);
         behind = before;
         if (e->index != 0 && e->index != SGT_MIRROR) {
-            const off_surface *o = off_of(w, k);
+            const off_surface *o = put_off(w, k);
             behind = (wide){.c = e->index};
             if (o && o->indexed) add_wide(&behind, 1, &w->index[k]), sgt_wide_rest(&behind, BUILT);
         }
-        const wide_element of = {.e = e, .c = w->bends[k] ? &w->c[k] : NULL, .before = &before,
-                                 .behind = &behind, .shapes = shapes, .shape = w->shape + w->shapes_at[k],
+        const wide_element of = {.e = e,
+                                 .c = w->bends[k] ? &w->c[k] : NULL,
+                                 .before = &before,
+                                 .behind = &behind,
+                                 .shapes = shapes,
+                                 .shape = w->shape + w->shapes_at[k],
                                  .amount = w->amount + w->shapes_at[k]};
         const wide_fate here = sgt_wide_through(&of, &line, point, &out->why);
         if (here == WIDE_ENDED || here == WIDE_UNKNOWN) {
@@ -778,31 +832,37 @@ static void carry_batch(void *data, size_t i)
         carry_wide(w, &w->ray[k], &w->end[k]);
 }
 
-/* ------------------------------------------------------------------ the quadratic form */
+/* ------------------------------------------------------------------ the quadratic square_form */
 
-typedef struct form { size_t n; double (*G)[Z], (*S)[Z], (*V)[Z], D[Z]; } form;
+typedef struct square_form {
+    size_t n;
+    double (*G)[Z], (*S)[Z], (*V)[Z], D[Z];
+} square_form;
 
 /* Is S less shift on its diagonal positive?  The inverse of S, if V is wanted. */
-static bool cholesky(const form *f, double shift, double L[][Z])
+static bool cholesky(const square_form *f, double shift, double L[][Z])
 {
     for (size_t i = 0; i < f->n; i++)
         for (size_t j = 0; j <= i; j++) {
             double sum = f->S[i][j] - (i == j ? shift : 0);
             for (size_t k = 0; k < j; k++) sum -= L[i][k] * L[j][k];
-            if (i != j) L[i][j] = sum / L[j][j];
-            else if (!(sum > 0)) return false;
-            else L[i][i] = sqrt(sum);
+            if (i != j)
+                L[i][j] = sum / L[j][j];
+            else if (!(sum > 0))
+                return false;
+            else
+                L[i][i] = sqrt(sum);
         }
     return true;
 }
 
-static void set_S(form *f)
+static void set_S(square_form *f)
 {
     for (size_t i = 0; i < f->n; i++)
         for (size_t j = 0; j < f->n; j++) f->S[i][j] = (i == j ? f->D[i] : 0) - f->G[i][j];
 }
 
-static bool invert(form *f, double L[][Z])
+static bool invert(square_form *f, double L[][Z])
 {
     set_S(f);
     if (!cholesky(f, 0, L)) return false;
@@ -822,7 +882,7 @@ static bool invert(form *f, double L[][Z])
 }
 
 /* An upper bound of z' G z, |z[i]| <= 1; D: how it is made up. */
-static double largest_form(form *f, double L[][Z])
+static double largest_form(square_form *f, double L[][Z])
 {
     enum { SWEEPS = 60, ANEW = 6 };
     double rows[Z], trivial = 0, trace = 0;
@@ -839,7 +899,10 @@ static double largest_form(form *f, double L[][Z])
         for (size_t i = 0; i < f->n && fine; i++) {
             const double s = f->V[i][i], step = mu - 1 / s;
             double column[Z];
-            if (!(s > 0)) { fine = false; break; }
+            if (!(s > 0)) {
+                fine = false;
+                break;
+            }
             const double by = -step / (1 + step * s);
             f->D[i] += step;
             for (size_t k = 0; k < f->n; k++) column[k] = f->V[k][i];
@@ -870,7 +933,7 @@ static void weigh_rays(const worst *w, double sure[])
             sure[w->ray[k].field] += w->ray[k].weight * w->band[w->ray[k].band].weight;
 }
 
-static void add_square(form *f, const wide *x, double weight)
+static void add_to_form(square_form *f, const wide *x, double weight)
 {
     double row[Z];
     row[0] = x->c;
@@ -879,10 +942,15 @@ static void add_square(form *f, const wide *x, double weight)
         for (size_t j = 0; row[i] != 0 && j <= i; j++) f->G[i][j] += weight * row[i] * row[j];
 }
 
-typedef struct judged { bool known; double bound; size_t element; sgt_box_why why; } judged;
+typedef struct judged {
+    bool known;
+    double bound;
+    size_t element;
+    sgt_box_why why;
+} judged;
 
 /* No lens of the box has a larger figure; f: the form, for what follows. */
-static judged judge(worst *w, worst_box *b, form *f, double L[][Z], double sure[])
+static judged judge(worst *w, worst_box *b, square_form *f, double L[][Z], double sure[])
 {
     judged out = {.known = false, .bound = HUGE_VAL, .element = SIZE_MAX};
     b->bound = HUGE_VAL;
@@ -893,7 +961,8 @@ static judged judge(worst *w, worst_box *b, form *f, double L[][Z], double sure[
     }
     if (!set_lens(w, b) || !set_motions(w)) return out;
     const size_t tasks = (w->rays + BATCH_OF_RAYS - 1) / BATCH_OF_RAYS;
-    if (w->t->run) w->t->run(w->t->context, tasks, carry_batch, w);
+    if (w->t->run)
+        w->t->run(w->t->context, tasks, carry_batch, w);
     else
         for (size_t i = 0; i < tasks; i++) carry_batch(w, i);
     double total = 0, rest = 0;
@@ -920,7 +989,7 @@ static judged judge(worst *w, worst_box *b, form *f, double L[][Z], double sure[
         }
         const double weight =
             chief ? of_field : of_field * r->weight * w->band[r->band].weight / sure[r->field];
-        add_square(f, &x, weight), add_square(f, &y, weight);
+        add_to_form(f, &x, weight), add_to_form(f, &y, weight);
         rest += weight * (x.rest * x.rest + y.rest * y.rest);
     }
     double norms = 0;
@@ -938,7 +1007,7 @@ static judged judge(worst *w, worst_box *b, form *f, double L[][Z], double sure[
 
 /* -------------------------------------------------------------------------- the search */
 
-static double form_at(const form *f, const double z[])
+static double form_at(const square_form *f, const double z[])
 {
     double sum = 0;
     for (size_t i = 0; i < f->n; i++)
@@ -962,7 +1031,8 @@ static bool try_corner(worst *w, const double z[], double value[], sgt_worst_cas
     return true;
 }
 
-static bool search_corners(worst *w, const form *f, double value[], sgt_worst_case *out, double worst_value[])
+static bool search_corners(worst *w, const square_form *f, double value[], sgt_worst_case *out,
+                           double worst_value[])
 {
     enum { STARTS = 16 };
     double best[Z] = {1}, most = -1;
@@ -979,8 +1049,10 @@ static bool search_corners(worst *w, const form *f, double value[], sgt_worst_ca
             for (size_t i = 1; i <= w->n; i++) {
                 z[i] = -z[i];
                 const double now = form_at(f, z);
-                if (now > at * (1 + 1e-12)) at = now, better = true;
-                else z[i] = -z[i];
+                if (now > at * (1 + 1e-12))
+                    at = now, better = true;
+                else
+                    z[i] = -z[i];
             }
         }
         if (at > most) most = at, memcpy(best, z, sizeof best);
@@ -1019,11 +1091,12 @@ static bool branch_lenses(worst *w, const sgt_worst_options *o, sgt_worst_case *
 {
     const size_t most = o->boxes ? o->boxes : WORST_BOXES;
     worst_box *box = take_room(w, most + 1, sizeof *box);
-    double (*room)[Z] = take_room(w, (size_t)4 * Z, sizeof *room), *at = take_room(w, w->n + 1, sizeof *at);
+    double(*room)[Z] = take_room(w, (size_t)4 * Z, sizeof *room), *at = take_room(w, w->n + 1, sizeof *at);
     double *sure = take_room(w, w->fields, sizeof *sure);
     if (!box || !room || !at || !sure) return false;
-    form f = {.G = room, .S = room + Z, .V = room + 2 * Z};
-    for (size_t i = 0; i < w->n; i++) box[0].lo[i] = w->t->entry[i].lower, box[0].hi[i] = w->t->entry[i].upper;
+    square_form f = {.G = room, .S = room + Z, .V = room + 2 * Z};
+    for (size_t i = 0; i < w->n; i++)
+        box[0].lo[i] = w->t->entry[i].lower, box[0].hi[i] = w->t->entry[i].upper;
     judged found = judge(w, &box[0], &f, room + 3 * Z, sure);
     if (!search_corners(w, found.known ? &f : NULL, at, out, value)) return false;
     size_t count = 1, open = 0;
@@ -1062,15 +1135,22 @@ bool sgt_tolerancing_worst(const sgt_tolerancing *t, const sgt_worst_options *op
     sgt_error unread;
     if (!opt) opt = &defaults;
     if (!error) error = &unread;
-    worst w = {.t = t, .memory = {.allocator = t->memory.allocator}, .error = error,
-               .count = t->base->count, .n = t->count};
-    *out = (sgt_worst_case){.bound = HUGE_VAL, .seen = (double)NAN, .verdict = SGT_LIMIT_UNDECIDED, .why = ""};
+    worst w = {.t = t,
+               .memory = {.allocator = t->memory.allocator},
+               .error = error,
+               .count = t->base->count,
+               .n = t->count};
+    *out =
+        (sgt_worst_case){.bound = HUGE_VAL, .seen = (double)NAN, .verdict = SGT_LIMIT_UNDECIDED, .why = ""};
     for (size_t i = 0; cuts && i < w.n; i++) cuts[i] = 0;
-    bool fine = w.n + SHARED <= WIDE || fail_worst(&w, "tolerances", "more than 62 entries have no worst case that is known");
+    bool fine = w.n + SHARED <= WIDE ||
+                fail_worst(&w, "tolerances", "more than 62 entries have no worst case that is known");
     if (fine && t->opt.figure == SGT_TOLERANCING_OPD)
         fine = fail_worst(&w, "figure", "opd has no worst case that is known: spot and boresight have");
     for (size_t i = 0; i < sizeof opt->reserved_ / sizeof *opt->reserved_ && fine; i++)
-        if (opt->reserved_[i]) fine = fail_worst(&w, "sgt_worst_options", "the program asks for a member that this version of sagitta has not");
+        if (opt->reserved_[i])
+            fine = fail_worst(&w, "sgt_worst_options",
+                              "the program asks for a member that this version of sagitta has not");
     fine = fine && set_worst_bands(&w) && set_worst_fields(&w) && set_rays(&w) && set_entries(&w) &&
            set_seekers(&w, error);
     if (fine) {

@@ -73,8 +73,8 @@ static const option_row tolerance_rows[] = {
      OPTION_TAKE, .take = take_limit},
     {"confidence", "PERCENT", "of the intervals of quantiles and yields; 95 if it is not given", OPTION_TAKE,
      .take = take_confidence},
-    {"worst", "FILE", "write the lens of the worst trial, or that --worst-case found, as it was built", OPTION_TEXT,
-     .to = offsetof(tolerance_options, worst)},
+    {"worst", "FILE", "write the lens of the worst trial, or that --worst-case found, as it was built",
+     OPTION_TEXT, .to = offsetof(tolerance_options, worst)},
     {0},
 };
 static const option_row picture_rows[] = {
@@ -402,7 +402,8 @@ static exit_status print_worst_case(tolerating *w)
         if (!text) table_number(t, found.bound), put_maybe(t, found.seen);
     }
     const char *space = *w->unit ? " " : "";
-    table_line(t, "worst: the worst lens that was found, of %zu that were built.  cuts: boxes halved along it.",
+    table_line(t,
+               "worst: the worst lens that was found, of %zu that were built.  cuts: boxes halved along it.",
                found.lenses);
     table_line(t, "figure: %s; of this lens %.6g%s%s", figure_name(w), found.seen, space, w->unit);
     if (found.bound < HUGE_VAL)
@@ -432,7 +433,8 @@ const command command_tolerance = {
     .brief = "how badly a lens may be built",
     .what = "What the tolerances of a lens file do to a figure: each at both ends, or with --trials all "
             "together, in lenses built at random.  Compensators are set first.",
-    .often = "figure trials worst-case limit worst trial-seed first fields hexapolar picture threads format output",
+    .often = "figure trials worst-case limit worst trial-seed first fields hexapolar picture threads format "
+             "output",
     .examples = "  sagitta tolerance examples/lenses/triplet_tolerances.yaml\n"
                 "  sagitta tolerance examples/lenses/triplet_tolerances.yaml --trials 1000 --limit 0.02\n",
     .docs = "docs/tolerance.md",
