@@ -135,6 +135,30 @@ def test_verdicts():
         assert abs(figure / seen - 1) < 1e-5, f'the lens that was written has {figure}, not {seen}'
 
 
+def forty():
+    """All that can be off in the triplet, one box of 39 entries and a compensator."""
+    off = [f'{{surface: {s}, fringes: 2}}' for s in range(1, 7)]
+    off += [f'{{surface: {s}, thickness: 0.01}}' for s in range(1, 6)]
+    off += [f'{{surface: {s}, index: 2e-4}}' for s in (1, 3, 5)]
+    for s in (1, 3, 5):
+        off += [f'{{surfaces: [{s}, {s + 1}], decenter_{a}: 0.005}}' for a in 'xy']
+        off += [f'{{surfaces: [{s}, {s + 1}], tilt_{a}: 0.01, pivot: 0.5}}' for a in 'xy']
+    off += [f'{{surface: {s}, irregularity: {w}, term: {t}}}' for s in range(1, 7) for w, t in ((0.15, 5), (0.1, 9))]
+    return off + ['{surface: 1, radius: 0.005}', PARAXIAL]
+
+
+def test_tight():
+    """Of twelve entries at most 1.5, of forty at most twice the worst lens that was found."""
+    bound, seen = worst(EXAMPLE.read_text(), '--boxes', 1)
+    assert seen <= bound < 1.5 * seen, f'twelve: {seen} is seen, the bound is {bound}'
+    off = forty()
+    assert len(off) == 40
+    text = EXAMPLE.read_text().split('tolerances:')[0] + 'tolerances:\n' + ''.join(f'  - {e}\n' for e in off)
+    bound, seen = worst(text, '--boxes', 1)
+    assert seen <= bound < 2 * seen, f'forty: {seen} is seen, the bound is {bound}'
+    assert max(trials(text, round(200 * SCALE))) <= seen
+
+
 def test_refusals():
     """What is not known is said so: with coma at a vertex there is no paraxial image, so a compensator stays."""
     said = run('tolerance', written(lens(HEADS['stop'], [ENTRIES[18], PARAXIAL])), '--worst-case', *RAYS, exit=1)
