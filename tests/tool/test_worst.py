@@ -126,6 +126,10 @@ def test_verdicts():
     seen = float(re.search(r'of this lens ([0-9.e-]+)', whole)[1])
     assert run(*few, '--boxes', 3, '--threads', 2).stdout == whole
     run(*few, '--boxes', 3, '--limit', 1.001 * bound, exit=0)
+    twice = [worst(EXAMPLE.read_text(), '--boxes', 1, '--fields', f)[0] for f in ('1,3,3', '3,1,3')]
+    heavy = EXAMPLE.read_text().replace('fields: [0, 14, 20]', 'fields: [0, 20]\nfield_weights: [1, 2]')
+    for bound_twice in twice: # a field that is asked for twice weighs twice
+        assert abs(bound_twice / worst(heavy, '--boxes', 1)[0] - 1) < 1e-6
     run(*few, '--boxes', 1, '--limit', (bound + seen) / 2, exit=1)
     with tempfile.TemporaryDirectory() as folder:
         built = pathlib.Path(folder) / 'worst.yaml'

@@ -215,6 +215,11 @@ static bool set_worst_fields(worst *w)
             return fail_worst(w, "fields", "there is none of this number");
         w->at[i] = of_lens ? l->field[number - 1] : o->field_at[i];
         w->field_weight[i] = of_lens ? w->at[i].weight : 1;
+        for (size_t k = 0; k < i && o->fields && o->field; k++)
+            if (o->field[k] == number) { /* asked for twice: one of the weight of both */
+                w->field_weight[k] += w->field_weight[i], w->field_weight[i] = 0;
+                break;
+            }
         if (!sgt_launch_field(w->from, w->kind, &w->at[i], &w->beam[i], w->error)) return false;
     }
     return true;

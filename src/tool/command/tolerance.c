@@ -433,8 +433,7 @@ const command command_tolerance = {
     .brief = "how badly a lens may be built",
     .what = "What the tolerances of a lens file do to a figure: each at both ends, or with --trials all "
             "together, in lenses built at random.  Compensators are set first.",
-    .often = "figure trials worst-case limit worst trial-seed first fields hexapolar picture threads format "
-             "output",
+    .often = "figure trials worst-case limit worst trial-seed fields hexapolar picture threads format output",
     .examples = "  sagitta tolerance examples/lenses/triplet_tolerances.yaml\n"
                 "  sagitta tolerance examples/lenses/triplet_tolerances.yaml --trials 1000 --limit 0.02\n",
     .docs = "docs/tolerance.md",
