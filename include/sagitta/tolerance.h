@@ -182,6 +182,49 @@ SGT_API bool sgt_tolerancing_sensitivity(const sgt_tolerancing *t, size_t *count
                                          sgt_sensitivity row[],
                                          sgt_sensitivity_sum *sum, sgt_error *error);
 
+/* ------------------------------------------------------------- the worst case, proven
+ *
+ * Not of lenses that were built, but of every lens of the box: each ray of the figure is
+ * carried through all of them together, at first order in each entry with a bound on all
+ * else (src/lens/tolerance/worst.c).  What is proven is about the figure as defined
+ * above: its rays, not those between them.
+ *
+ * A compensator that seeks the best figure may do better than the bound: the figure is no
+ * larger with it set.  Not known, and refused: `opd`; an afocal lens; rays that are aimed
+ * at the stop; fields by image heights; more than 62 entries; fringes or radii of other
+ * surfaces than planes, spheres, conics and even aspheres. */
+
+/* Zeros are the defaults. */
+typedef struct sgt_worst_options {
+    sgt_list limit;        /* at most one: is the figure at most that in every lens? */
+    size_t boxes;          /* at most so many boxes of lenses; 0: 32 */
+    unsigned long long reserved_[4]; /* leave it zero */
+} sgt_worst_options;
+
+typedef struct sgt_worst_case {
+    double bound;         /* no lens in tolerance has a larger figure; infinite: it is not
+                             known */
+    double seen;          /* the largest figure of a lens that was built; NaN: it has
+                             none, and is worse than any */
+    int    verdict;       /* of the limit: sgt_limit_verdict of prove.h.  Broken: by the
+                             lens that was seen.  Without a limit: undecided */
+    size_t boxes, lenses; /* carried through, and built */
+    size_t element;       /* if the bound is infinite: where, from 1; 0: at none */
+    const char *why;      /* and why; else "" */
+    unsigned long long reserved_[8];
+} sgt_worst_case;
+
+/* The worst case.
+ *
+ *     out    written
+ *     value  room for all entries: written, the lens that was seen, compensators as set
+ *     cuts   room for all entries, or NULL: how many boxes were cut along each
+ *
+ * false: `error` (may be NULL) says why.  Bits do not depend on threads. */
+SGT_API bool sgt_tolerancing_worst(const sgt_tolerancing *t,
+                                   const sgt_worst_options *opt, sgt_worst_case *out,
+                                   double value[], size_t cuts[], sgt_error *error);
+
 /* ----------------------------------------------------------------- Monte Carlo */
 
 /* One lens built at random. */

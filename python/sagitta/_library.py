@@ -719,6 +719,23 @@ class SensitivitySum(Structure):
     ]
 
 
+class WorstOptions(Structure):
+    _fields_ = [("limit", List), ("boxes", c_size_t), ("reserved_", Words * 4)]
+
+
+class WorstCase(Structure):
+    _fields_ = [
+        ("bound", c_double),
+        ("seen", c_double),
+        ("verdict", c_int),
+        ("boxes", c_size_t),
+        ("lenses", c_size_t),
+        ("element", c_size_t),
+        ("why", c_char_p),
+        ("reserved_", Words * 8),
+    ]
+
+
 class Confidence(Structure):
     _fields_ = [
         ("estimate", c_double),
@@ -957,6 +974,10 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sgt_tolerancing_sensitivity": (
         c_bool,
         [c_void_p, POINTER(c_size_t), c_void_p, POINTER(SensitivitySum), POINTER(Error)],
+    ),
+    "sgt_tolerancing_worst": (
+        c_bool,
+        [c_void_p, POINTER(WorstOptions), POINTER(WorstCase), c_void_p, c_void_p, POINTER(Error)],
     ),
     "sgt_tolerancing_draw": (None, [c_void_p, c_uint64, c_uint64, c_void_p]),
     "sagitta_trials": (

@@ -92,6 +92,22 @@ class Trials:
         return int(np.argmax(missing if missing.any() else self.figure))
 
 
+@dataclass(frozen=True)
+class WorstCase:
+    """No lens in tolerance has a figure above `bound` (infinite: not known, and `why`); the worst that was found has
+    `seen`, and is the point `value`.  verdict: of the limit, "proven", "broken" or "undecided".  cuts: how many
+    boxes were halved along each entry; boxes: were carried through; lenses: were built."""
+
+    bound: float
+    seen: float
+    verdict: str
+    value: Floats
+    cuts: NDArray[Any]
+    boxes: int
+    lenses: int
+    why: str
+
+
 class Tolerancing:
     """What the tolerances of a lens do to its figure; Lens.tolerance() makes it.
 
@@ -188,6 +204,31 @@ class Tolerancing:
         table = [("entry", np.uintp), *((name, float) for name in names[1:])]
         made = np.array([tuple(getattr(r, name) for name in names) for r in rows[: count.value]], table)
         return made, float(total.estimate)
+
+    def worst_case(self, limit: Optional[float] = None, boxes: int = 0) -> WorstCase:
+        """A figure that no lens in tolerance exceeds, proven, and the worst lens that was found.
+
+        limit   is the figure at most that in every lens?
+        boxes   at most so many boxes of lenses are carried through; 0: 32
+        """
+        opt, out, error = C.WorstOptions(boxes=whole(boxes, "boxes")), C.WorstCase(), C.Error()
+        at = None if limit is None else ctypes.c_double(limit)
+        if at is not None:
+            opt.limit = C.List(1, ctypes.addressof(at))
+        value, cuts = np.zeros(len(self.entries)), np.zeros(len(self.entries), np.uintp)
+        fine = C.library.sgt_tolerancing_worst(
+            self._pointer,
+            ctypes.byref(opt),
+            ctypes.byref(out),
+            address(value),
+            cuts.ctypes.data,
+            ctypes.byref(error),
+        )
+        if not fine:
+            raise self._lens._fault(error)
+        verdict = {1: "proven", 0: "broken"}.get(out.verdict, "undecided")
+        why = C.text(out.why) + (f" (element {out.element})" if out.element else "")
+        return WorstCase(out.bound, out.seen, verdict, value, cuts, out.boxes, out.lenses, why)
 
     def draw(self, trial: int, seed: int = 1) -> Floats:
         """What is off in a trial, before compensators are set."""

@@ -64,6 +64,15 @@ def test_sensitivity(few):
     assert estimate == pytest.approx(rows["figure_upper"][0] - rows["change_upper"][0] + np.sqrt(squares.sum()))
 
 
+def test_worst_case(few):
+    found = few.worst_case(boxes=3)
+    assert found.verdict == "undecided" and found.boxes == 3 and found.cuts.sum() == 1 and not found.why
+    assert few.at(found.value)[0] == found.seen < found.bound < 1.5 * found.seen
+    assert few.trials(40).figure.max() <= found.seen
+    assert few.worst_case(limit=0.99 * found.seen, boxes=1).verdict == "broken"
+    assert few.worst_case(limit=1.5 * found.seen, boxes=1).verdict == "proven"
+
+
 def test_as_the_command(few, tree, command):
     path = tree / "examples" / "lenses" / "triplet_tolerances.yaml"
     done = subprocess.run(

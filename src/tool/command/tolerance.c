@@ -9,12 +9,14 @@
 
 #include <limits.h>
 #include <math.h>
+#include <sagitta/prove.h>
 #include <sagitta/tolerance.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct tolerance_options {
-    int figure, reference, trials, first, seed;
+    int figure, reference, trials, first, seed, boxes;
+    bool proven;
     double confidence; /* per cent */
     double *limit;     /* [limits] */
     size_t limits;
@@ -59,12 +61,20 @@ static const option_row tolerance_rows[] = {
      OPTION_WHOLE, .to = offsetof(tolerance_options, first), .least = 0, .most = INT_MAX},
     {"trial-seed", "N", "other trials; 1 if it is not given", OPTION_WHOLE,
      .to = offsetof(tolerance_options, seed), .least = 0, .most = INT_MAX},
-    {"limit", "X", "the yield: the share of trials whose figure is at most X; several", OPTION_TAKE,
-     .take = take_limit},
+    {"worst-case", NULL,
+     "a figure that no lens in tolerance exceeds, proven; and the worst that was found\n"
+     "With --limit: proven, broken by that lens, or undecided",
+     OPTION_FLAG, .to = offsetof(tolerance_options, proven)},
+    {"boxes", "N", "of --worst-case: at most N boxes of lenses; 32 if it is not given", OPTION_WHOLE,
+     .to = offsetof(tolerance_options, boxes), .least = 1, .most = INT_MAX},
+    {"limit", "X",
+     "the yield: the share of trials whose figure is at most X; several\n"
+     "Of --worst-case one: is it at most X in every lens?",
+     OPTION_TAKE, .take = take_limit},
     {"confidence", "PERCENT", "of the intervals of quantiles and yields; 95 if it is not given", OPTION_TAKE,
      .take = take_confidence},
-    {"worst", "FILE", "write the lens of the worst trial, as it was built", OPTION_TEXT,
-     .to = offsetof(tolerance_options, worst)},
+    {"worst", "FILE", "write the lens of the worst trial, or that --worst-case found, as it was built",
+     OPTION_TEXT, .to = offsetof(tolerance_options, worst)},
     {0},
 };
 static const option_row picture_rows[] = {
@@ -378,6 +388,55 @@ static void run_trials(tolerating *w)
     if (w->look.picture) draw_yield(w);
 }
 
+/* ------------------------------------------------------------------------ the worst case */
+
+static exit_status print_worst_case(tolerating *w)
+{
+    static const column head[] = {{"tolerance", COLUMN_WORD}, {"lower", COLUMN_EXACT},
+                                  {"upper", COLUMN_EXACT},    {"unit", COLUMN_WORD},
+                                  {"worst", COLUMN_NUMBER},   {"cuts", COLUMN_COUNT},
+                                  {"bound", COLUMN_NUMBER},   {"seen", COLUMN_NUMBER}};
+    const char *const unit[] = {"", "", "", "", "", "", w->unit, w->unit};
+    const sgt_worst_options opt = {.limit = {w->own.limits, w->own.limit}, .boxes = (size_t)w->own.boxes};
+    const bool text = w->look.shared.target.format == TABLE_TEXT;
+    sgt_worst_case found;
+    sgt_error e;
+    size_t *cuts = memory_take(w->count + 1, sizeof *cuts);
+    w->worst_value = memory_take(w->count + 1, sizeof *w->worst_value);
+    if (!sgt_tolerancing_worst(w->of, &opt, &found, w->worst_value, cuts, &e)) lens_refuse(&e);
+    table_target target = w->look.shared.target;
+    target.unit = unit, target.word_size = SGT_TOLERANCE_SIZE;
+    table *t = table_begin(&target, sizeof head / sizeof *head - (text ? 2 : 0), head);
+    for (size_t i = 0; i < w->count; i++) {
+        const sgt_tolerance *a = &w->entry[i];
+        table_word(t, entry_name(w, i));
+        table_number(t, a->lower), table_number(t, a->upper);
+        table_word(t, sgt_tolerance_unit(w->lens, a));
+        table_number(t, w->worst_value[i]), table_count(t, (long long)cuts[i]);
+        if (!text) table_number(t, found.bound), put_maybe(t, found.seen);
+    }
+    const char *space = *w->unit ? " " : "";
+    table_line(t,
+               "worst: the worst lens that was found, of %zu that were built.  cuts: boxes halved along it.",
+               found.lenses);
+    table_line(t, "figure: %s; of this lens %.6g%s%s", figure_name(w), found.seen, space, w->unit);
+    if (found.bound < HUGE_VAL)
+        table_line(t, "proven: no lens in tolerance has a figure above %.6g%s%s  (%zu boxes)", found.bound,
+                   space, w->unit, found.boxes);
+    else if (found.element)
+        table_line(t, "no bound is known: element %zu: %s", found.element, found.why);
+    else
+        table_line(t, "no bound is known: %s", found.why);
+    if (w->own.limits)
+        table_line(t, "limit %g%s%s: %s", w->own.limit[0], space, w->unit,
+                   sgt_limit_verdict_text(found.verdict));
+    table_end(t);
+    if (w->own.worst) write_worst(w);
+    if (found.verdict == SGT_LIMIT_BROKEN) return EXIT_BROKEN;
+    return w->own.limits ? found.verdict == SGT_LIMIT_PROVEN ? EXIT_DECIDED : EXIT_UNDECIDED
+           : found.bound < HUGE_VAL ? EXIT_DECIDED : EXIT_UNDECIDED;
+}
+
 /* ---------------------------------------------------------------------- the command */
 
 static exit_status tolerance_run(const command *c, int argc, char *argv[]);
@@ -388,13 +447,15 @@ const command command_tolerance = {
     .brief = "how badly a lens may be built",
     .what = "What the tolerances of a lens file do to a figure: each at both ends, or with --trials all "
             "together, in lenses built at random.  Compensators are set first.",
-    .often = "figure trials limit worst trial-seed first fields hexapolar picture threads format output",
+    .often = "figure trials worst-case limit worst trial-seed fields hexapolar picture threads format output",
     .examples = "  sagitta tolerance examples/lenses/triplet_tolerances.yaml\n"
                 "  sagitta tolerance examples/lenses/triplet_tolerances.yaml --trials 1000 --limit 0.02\n",
     .docs = "docs/tolerance.md",
     .exits = "  0  done\n"
+             "  1  the worst case, or its limit, is undecided\n"
              "  2  wrong arguments\n"
-             "  3  bad input, or output that cannot be written\n",
+             "  3  bad input, or output that cannot be written\n"
+             "  4  a lens in tolerance breaks the limit of the worst case\n",
     .group = {&tolerance_own, &picture_group, &job_fields_options, &job_pattern_options, &job_no_file,
               &job_aim_options, &job_wavelength_options, &job_glass_options, &job_aperture_options,
               &options_in_threads, &options_rows},
@@ -406,7 +467,7 @@ static sgt_tolerancing *tolerancings[1];
 static void free_tolerancing(void) { sgt_tolerancing_free(tolerancings[0]); }
 
 /* The answer of a lens, or of one of its configurations. */
-static void tolerance_of_lens(tolerating *w)
+static exit_status tolerance_of_lens(tolerating *w)
 {
     static bool registered;
     look *l = &w->look;
@@ -428,10 +489,12 @@ static void tolerance_of_lens(tolerating *w)
     if (!w->of) lens_refuse(&e);
     if (!registered) atexit(free_tolerancing);
     registered = true;
+    if (w->own.proven) return print_worst_case(w);
     if (w->own.trials)
         run_trials(w);
     else
         print_sensitivity(w);
+    return EXIT_DECIDED;
 }
 
 static exit_status tolerance_run(const command *c, int argc, char *argv[])
@@ -447,17 +510,23 @@ static exit_status tolerance_run(const command *c, int argc, char *argv[])
     if (w.own.figure == SGT_TOLERANCING_BORESIGHT && (l->job.pupils || l->job.points))
         fail_usage("a pattern of rays is of no use here: the chief rays alone are traced");
     if (w.own.figure && w.own.reference) fail_usage("--reference goes with --figure spot");
-    if (!w.own.trials && (w.own.limits || w.own.worst || l->picture || w.own.first))
-        fail_usage("--limit, --worst, --picture and --first go with --trials N");
+    if (w.own.proven && w.own.trials) fail_usage("--worst-case and --trials: ask for one of them");
+    if (w.own.boxes && !w.own.proven) fail_usage("--boxes goes with --worst-case");
+    if (w.own.proven && w.own.limits > 1) fail_usage("--worst-case has one --limit");
+    if (!w.own.trials && !w.own.proven && (w.own.limits || w.own.worst))
+        fail_usage("--limit and --worst go with --trials N or --worst-case");
+    if (!w.own.trials && (l->picture || w.own.first)) fail_usage("--picture and --first go with --trials N");
     if (!l->job.wavelengths) l->job.all_wavelengths = true;
+    exit_status status = EXIT_DECIDED;
     const lens_each all = lens_open_each(l->job.lens);
-    if (all.count && w.own.trials)
-        fail_usage("--trials: of one configuration; give its number or name, not --configuration all");
+    if (all.count && (w.own.trials || w.own.proven))
+        fail_usage("--%s: of one configuration; give its number or name, not --configuration all",
+                   w.own.trials ? "trials" : "worst-case");
     l->shared.target.leads = all.count;
     for (size_t i = 0; i < (all.count ? all.count : 1); i++) {
         if (all.count) l->job.of = all.at[i], w.configuration = i + 1, w.name = all.name[i];
-        tolerance_of_lens(&w);
+        status = tolerance_of_lens(&w);
     }
     if (w.together) table_end(w.together);
-    return EXIT_DECIDED;
+    return status;
 }
