@@ -368,7 +368,7 @@ def test_numbers_of_phases(rng):
     for element, name, old, x, h in (
         (0, "focal_length", "focal_length: 80", 80, 1e-3),
         (0, "focal_length_y", "focal_length_y: 95", 95, 1e-3),
-        (1, "waves[2]", "a: -2", -2, 1e-4),
+        (1, "waves[0]", "a: -2", -2, 1e-4),
         (2, "waves[3]", "lines: 20", 20, 1e-3),
         (3, "waves[3]", "1e-6", 1e-6, 1e-8),
     ):
