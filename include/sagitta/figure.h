@@ -21,11 +21,12 @@
  *
  * METHOD.  Each ray is traced once forward and once backward (sgt_trace_gradient_batch).
  * That gives the derivatives of its end by all numbers of all elements and of the launch
- * ray; those by numbers of phases are asked where one moves (sgt_phase_gradient).  How a number of the file moves these needs no ray: the lens is made anew at
- * x - h and x + h.  Where its numbers do not lie on a line, it is also made at x - 2h
- * and x + 2h, for differences of the fourth order (src/lens/figure/motion.c).  What
- * depends on x linearly (a thickness, a coefficient, a decentre; a radius is taken by its
- * reciprocal) is exact to rounding, the rest (angles, glass, pupils) to some 1e-11.
+ * ray; those by numbers of phases are asked where one moves (sgt_phase_gradient).  How a
+ * number of the file moves these needs no ray: the lens is made anew at x - h and x + h.
+ * Where its numbers do not lie on a line, it is also made at x - 2h and x + 2h, for
+ * differences of the fourth order (src/lens/figure/motion.c).  What depends on x
+ * linearly (a thickness, a coefficient, a decentre; a radius is taken by its reciprocal)
+ * is exact to rounding, the rest (angles, glass, pupils) to some 1e-11.
  * Of an aimed ray the point at the stop is held fixed, so it is also traced backward from
  * the stop.
  *

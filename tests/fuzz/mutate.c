@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* mutate.c - each prefix of files of CODE V or Zemax, and mutations of them: an honest lens or one clear error,
- * as imported.h says.
+/* mutate.c - each prefix of files of CODE V or Zemax, and mutations of them: an honest lens or one clear
+ * error, as imported.h says.
  *
  *     mutate COUNT FILE...           all .seq, or all .zmx
  *

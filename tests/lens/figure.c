@@ -238,7 +238,8 @@ int main(int count, char **argument)
             const char *taken[PATHS_OF_LENS];
             size_t together = 0;
             for (size_t p = 0; p < paths; p++)
-                if ((p % stride == first || (kind < SGT_FIGURE_CHIEF && cases >= 0.1 && is_of_phase(at[p].path))) &&
+                if ((p % stride == first ||
+                     (kind < SGT_FIGURE_CHIEF && cases >= 0.1 && is_of_phase(at[p].path))) &&
                     try_path(lens, file, (sgt_figure_kind)kind, at[p].path) &&
                     together < PATHS_OF_LENS)
                     taken[together++] = at[p].path;

@@ -8,8 +8,9 @@
  *
  * THE PARAMETERS OF A SURFACE stand in its struct in the order of sgt_trace_parameters: those are the numbers
  * that the rows of its type have, without its rim, its normalisations and steps.  Where that gives another
- * count than the surface says, it is not one that we know (the waves of a phase are such a surface, too).  Then nothing of it may move: what it is at some
- * points of space stands for it, and is one of the fixed numbers. */
+ * count than the surface says, it is not one that we know.  Then nothing of it may move: what it is at some
+ * points of space stands for it, and is one of the fixed numbers.  The waves of a phase are a
+ * surface, too. */
 #include "figure.h"
 
 #include "../read/lens.h"

@@ -144,7 +144,7 @@ void sgt_flock_errors(const flock *f, double point[])
 }
 
 /* Passage i of ray k; what a trace of one ray tells. */
-static sgt_passage passage_of(const sgt_passages *p, size_t k)
+static sgt_passage column_passage(const sgt_passages *p, size_t k)
 {
     const sgt_hits *h = &p->hits;
     return (sgt_passage){.hit = {.status = h->status[k],
@@ -156,7 +156,7 @@ static sgt_passage passage_of(const sgt_passages *p, size_t k)
                          .opl = p->opl[k]};
 }
 
-static sgt_vec3 weight_of(double *const w[3], size_t k)
+static sgt_vec3 column_weight(double *const w[3], size_t k)
 {
     return (sgt_vec3){w[0] ? w[0][k] : 0, w[1] ? w[1][k] : 0, w[2] ? w[2][k] : 0};
 }
@@ -169,9 +169,9 @@ static void phases_back(flock *f, size_t elements, size_t count, size_t rows, co
         if (!f->there[k] || f->fate[k] != SGT_PASSED) continue;
         sgt_ray_change w[FLOCK_ROWS];
         for (size_t r = 0; r < rows; r++)
-            w[r] = (sgt_ray_change){weight_of(weight[r].p, k), weight_of(weight[r].d, k),
+            w[r] = (sgt_ray_change){column_weight(weight[r].p, k), column_weight(weight[r].d, k),
                                     weight[r].opl ? weight[r].opl[k] : 0};
-        for (size_t i = 0; i < elements; i++) f->passage[i] = passage_of(&f->passages[i], k);
+        for (size_t i = 0; i < elements; i++) f->passage[i] = column_passage(&f->passages[i], k);
         const sgt_ray ray = {.o = {f->o[0][k], f->o[1][k], f->o[2][k]},
                              .d = {f->d[0][k], f->d[1][k], f->d[2][k]}};
         sgt_phase_gradient(elements, f->own, f->before, &ray, f->passage, rows, w, f->ray_row);
@@ -253,8 +253,8 @@ static void launch_change(const sgt_field_beam *b, const beam_change *c, sgt_pup
 /* -------------------------------------------------------------------------- the chain */
 
 /* Adds the part of a row by numbers from `begin` to `end`; error (may be NULL): what may be off in it. */
-static void by_numbers(double *const gradient[], size_t begin, size_t end, const double by[], const double off[],
-                       size_t rays, double sum[], double error[])
+static void by_numbers(double *const gradient[], size_t begin, size_t end, const double by[],
+                       const double off[], size_t rays, double sum[], double error[])
 {
     static const double TRACE = 0x1p-44; /* what the gradient may be off by, of each term: observed */
     for (size_t j = begin; j < end; j++) {

@@ -224,7 +224,8 @@ static const seq_command *command_of(const seq_word *w, size_t *table)
     const size_t length = (size_t)(w->text.end - w->text.begin);
     const bool opens = !w->quoted && opens_surface(w->text);
     for (const char *c = w->text.begin; c < w->text.end && !opens; c++) {
-        const bool beam = length == SHORT && c == w->text.begin + 2 && sgt_lower(*w->text.begin) == 'h'; /* HX1 */
+        const bool third = length == SHORT && c == w->text.begin + 2;
+        const bool beam = third && sgt_lower(*w->text.begin) == 'h'; /* HX1 */
         if (!is_letter(*c) && !(beam && (*c == '1' || *c == '2'))) return NULL;
     }
     if (w->quoted) return NULL;

@@ -250,7 +250,7 @@ static void read_symmetry(seq *q)
     own_phase(q)->turned = true;
 }
 
-/* HX1 to HZ2: where the two beams of a hologram come from, 0 to 5; HV1, HV2: whether there are such points. */
+/* HX1 to HZ2: where the two beams of a hologram come from, 0 to 5; HV1, HV2: is there such a point? */
 static void read_source(seq *q)
 {
     const double x = sgt_seq_number(q);
