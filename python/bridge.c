@@ -341,6 +341,9 @@ typedef struct sagitta_call {
     double         *gradient;
     sgt_ray_change *ends;
     int             lacks;
+    /* by the numbers of phases; [(ray * rows + row) * phases + j], if there are any */
+    size_t  phases;
+    double *phase_gradient;
     /* AIM: point[ray] on element number `elements` */
     const sgt_beam *beam;
     const sgt_vec2 *point;
@@ -415,17 +418,23 @@ static size_t gradient_of(sagitta_call *c, size_t i, sgt_passage *passage)
     size_t n = c->elements, numbers = c->rows * c->parameters;
     size_t passed = sgt_trace(n, c->element, c->index_before, &ray, passage, &fate, c->opt);
     double *gradient = c->gradient + i * numbers;
+    const size_t waves = c->rows * c->phases;
+    double *by_phase = waves ? c->phase_gradient + i * waves : NULL;
     const double none = (double)NAN;
     c->traced.fate[i] = fate, c->traced.passed[i] = (int)passed;
     c->ends[i] = (sgt_ray_change){{none, none, none}, {none, none, none}, none};
     if (passed < n) {
         for (size_t j = 0; j < numbers; j++) gradient[j] = none;
+        for (size_t j = 0; j < waves; j++) by_phase[j] = none;
         return 0;
     }
     const sgt_passage *last = &passage[n - 1];
     c->ends[i] = (sgt_ray_change){last->hit.p, last->direction, last->opl};
     c->lacks |= sgt_trace_gradient(n, c->element, c->index_before, &launch, passage, c->rows, c->weight,
                                    gradient);
+    if (waves)
+        c->lacks |= sgt_phase_gradient(n, c->element, c->index_before, &launch, passage, c->rows, c->weight,
+                                       by_phase);
     return 1;
 }
 

@@ -281,6 +281,7 @@ static const layout layouts[] = {
     MEMBER(sagitta_call, index_before), MEMBER(sagitta_call, traced), MEMBER(sagitta_call, passages),
     MEMBER(sagitta_call, rows), MEMBER(sagitta_call, parameters), MEMBER(sagitta_call, weight),
     MEMBER(sagitta_call, gradient), MEMBER(sagitta_call, ends), MEMBER(sagitta_call, lacks),
+    MEMBER(sagitta_call, phases), MEMBER(sagitta_call, phase_gradient),
     MEMBER(sagitta_call, beam), MEMBER(sagitta_call, point), MEMBER(sagitta_call, aim),
     MEMBER(sagitta_call, aiming), MEMBER(sagitta_call, ray), MEMBER(sagitta_call, where),
     MEMBER(sagitta_call, fault), MEMBER(sagitta_call, starts), MEMBER(sagitta_call, side),

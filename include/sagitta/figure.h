@@ -21,20 +21,22 @@
  *
  * METHOD.  Each ray is traced once forward and once backward (sgt_trace_gradient_batch).
  * That gives the derivatives of its end by all numbers of all elements and of the launch
- * ray.  How a number of the file moves these needs no ray: the lens is made anew at
- * x - h and x + h.  Where its numbers do not lie on a line, it is also made at x - 2h
- * and x + 2h, for differences of the fourth order (src/lens/figure/motion.c).  What
- * depends on x linearly (a thickness, a coefficient, a decentre; a radius is taken by its
- * reciprocal) is exact to rounding, the rest (angles, glass, pupils) to some 1e-11.
+ * ray; those by numbers of phases are asked where one moves (sgt_phase_gradient).  How a
+ * number of the file moves these needs no ray: the lens is made anew at x - h and x + h.
+ * Where its numbers do not lie on a line, it is also made at x - 2h and x + 2h, for
+ * differences of the fourth order (src/lens/figure/motion.c).  What depends on x
+ * linearly (a thickness, a coefficient, a decentre; a radius is taken by its reciprocal)
+ * is exact to rounding, the rest (angles, glass, pupils) to some 1e-11.
  * Of an aimed ray the point at the stop is held fixed, so it is also traced backward from
  * the stop.
  *
  * NOT DIFFERENTIATED.  An error names the path, and says why:
  *   - whole numbers and words; an infinite radius (vary `curvature` in its place)
- *   - numbers of an ideal lens, and normalisations and steps of surfaces
+ *   - normalisations and steps of surfaces and of phases
  *   - weights of fields and wavelengths; of "opd", a wavelength
  *   - what has no parameters for derivatives (sensitivity.h): julia, heights of a grid
- *   - "opd" of a lens with an ideal lens on it: its path has further numbers
+ *   - "opd" of a lens with an ideal lens or facets on it: what their path is depends on
+ *     further numbers
  *   - an afocal lens has no figures here; "distortion" needs a plane of symmetry through
  *     the field and the axis
  *

@@ -811,6 +811,8 @@ class Call(Structure):
         ("gradient", c_void_p),
         ("ends", c_void_p),
         ("lacks", c_int),
+        ("phases", c_size_t),
+        ("phase_gradient", c_void_p),
         ("beam", c_void_p),
         ("point", c_void_p),
         ("aim", c_void_p),
@@ -894,6 +896,7 @@ _PROTOTYPES: dict[str, tuple[Any, list[Any]]] = {
     "sgt_is_sag": (c_bool, [Surface]),
     "sgt_differentiate_batch": (c_int, [Surface, c_size_t, Rays, Hits, Jacobian]),
     "sgt_trace_parameters": (c_size_t, [c_size_t, c_void_p]),
+    "sgt_phase_parameters": (c_size_t, [c_size_t, c_void_p]),
     "sgt_lens_read": (POINTER(Lens), [c_char_p, POINTER(LensOptions), POINTER(Error)]),
     "sgt_lens_read_text": (
         POINTER(Lens),

@@ -402,6 +402,8 @@ class Sensitivity(Named, Tabular):
     gradient    (n, rows, parameters): the derivatives by all numbers of the trace (aim.h, sgt_trace_gradient)
     fate        (n,)
 
+    phases      (n, rows, numbers): the derivatives by the numbers of phases and ideal lenses (sgt_phase_gradient)
+
     NaN where the ray did not pass, and where a surface lacks second derivatives.
     """
 
@@ -410,11 +412,14 @@ class Sensitivity(Named, Tabular):
     gradient: Floats
     fate: NDArray[np.int8]
     _lens: "Lens" = field(repr=False)
+    phases: Floats = field(default_factory=lambda: np.empty((0, 0, 0)))
 
     def by(self, element: int, name: str) -> Floats:
         """The derivatives (rows, n) by one number of an element: a parameter of its surface ("curvature",
         "conic", "coefficients[1]" ...), "radius", "index", "x", "y", "z" of its vertex, "turn_x", "turn_y",
-        "turn_z" (radians, about its vertex), or "thickness": all elements behind move along z."""
+        "turn_z" (radians, about its vertex), or "thickness": all elements behind move along z.  Of a phase
+        "per_wave" (order times wavelength) and "waves[0]" ..., the parameters of W or of facets; of an ideal
+        lens "focal_length", "focal_length_y", "object_distance"."""
         lens = self._lens
         count = len(lens)
         if not 0 <= element < count:
@@ -426,10 +431,14 @@ class Sensitivity(Named, Tabular):
             place = lens._place(element, name.replace("radius", "curvature"))
             c = getattr(lens.surface(element), name.replace("radius", "curvature"))
             return np.asarray(-c * c * self._at([place])[0])
+        own = f"{element}.{name}"
+        if own in lens.phase_parameters:
+            return np.asarray(self._at([lens.phase_parameters.index(own)], self.phases)[0])
         return np.asarray(self._at([lens._place(element, name)])[0])
 
-    def _at(self, places: list[int]) -> Floats:
-        flat = self.gradient.reshape(-1, *self.gradient.shape[-2:])
+    def _at(self, places: list[int], gradient: Optional[Floats] = None) -> Floats:
+        of = self.gradient if gradient is None else gradient
+        flat = of.reshape(-1, *of.shape[-2:])
         found: Floats = np.ascontiguousarray(flat[:, :, places].transpose(2, 1, 0))
         return found.reshape(len(places), *self.value.shape)
 
@@ -974,6 +983,19 @@ class Lens(Analyses):
             names += [f"{i}.{name}" for name in ("x", "y", "z", "turn_x", "turn_y", "turn_z", "index")]
         return tuple(names)
 
+    @property
+    def phase_parameters(self) -> tuple[str, ...]:
+        """The names of the numbers of phases that a trace depends on, in the order of Sensitivity.phases."""
+        names: list[str] = []
+        row, _ = self._elements(None)
+        for i in range(len(self)):
+            count = int(C.library.sgt_phase_parameters(i + 1, row)) - len(names)
+            if C.text(self._c.surface[i].type) == "ideal":
+                names += [f"{i}.{name}" for name in ("focal_length", "focal_length_y", "object_distance")]
+            elif count:
+                names += [f"{i}.per_wave", *(f"{i}.waves[{k}]" for k in range(count - 1))]
+        return tuple(names)
+
     def _names(self, i: int, e: Any) -> tuple[str, ...]:
         count = C.library.sgt_parameters(e.surface)
         surface = self.surface(i)
@@ -1022,11 +1044,13 @@ class Lens(Analyses):
         for i, name in enumerate(names):
             weight[i, OUTPUTS.index(name)] = 1
         m = int(C.library.sgt_trace_parameters(len(self), call.element))
-        gradient = np.empty((rays.n, len(names), m))
+        q = int(C.library.sgt_phase_parameters(len(self), call.element))
+        gradient, phases = np.empty((rays.n, len(names), m)), np.empty((rays.n, len(names), q))
         ends = np.empty((rays.n, 7))
         out = Traced._make(rays.n, ("fate", "passed"))
         call.traced, call.rows, call.parameters = out._struct, len(names), m
         call.weight, call.gradient, call.ends = address(weight), address(gradient), address(ends)
+        call.phases, call.phase_gradient = q, address(phases) if q else None
         _calls.run(call, rays.n, threads, self._functions)
         value = np.ascontiguousarray(ends[:, [OUTPUTS.index(name) for name in names]].T)
         shape = rays.shape or (rays.n,)
@@ -1036,6 +1060,7 @@ class Lens(Analyses):
             gradient.reshape(*shape, len(names), m),
             out.fate.reshape(shape),
             self,
+            phases.reshape(*shape, len(names), q),
         )
 
     # ------------------------------------------------------------------------- aiming

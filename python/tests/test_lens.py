@@ -348,6 +348,39 @@ def test_sensitivities_by_differences(rng):
     assert same(two.gradient, there.gradient) and same(two.value, there.value)
 
 
+PHASES = """
+units: mm
+wavelengths: [0.55]
+surfaces:
+  - {type: ideal, focal_length: 80, focal_length_y: 95, thickness: 3}
+  - {type: sphere, radius: 60, thickness: 3, index: 1.5, phase: {waves: "a*r^2 + 3*x*y", a: -2, order: 2}}
+  - {type: plane, thickness: 5, index: 1, phase: {lines: 20, order: -1}}
+  - {type: plane, thickness: 5, facets: {type: even_asphere, radius: 50, coefficients: [0, 1e-6]}, index: 1.5}
+  - {type: plane}
+"""
+
+
+def test_numbers_of_phases(rng):
+    """Against differences of lenses with other numbers."""
+    lens, (o, d), of = sagitta.Lens.text(PHASES), rays(rng, 20, 3, 0.02), ("x", "y", "m")
+    there = lens.sensitivity(o, d, of)
+    assert (there.fate == 1).all() and len(lens.phase_parameters) == there.phases.shape[2]
+    for element, name, old, x, h in (
+        (0, "focal_length", "focal_length: 80", 80, 1e-3),
+        (0, "focal_length_y", "focal_length_y: 95", 95, 1e-3),
+        (1, "waves[0]", "a: -2", -2, 1e-4),
+        (2, "waves[3]", "lines: 20", 20, 1e-3),
+        (3, "waves[3]", "1e-6", 1e-6, 1e-8),
+    ):
+        word = old[: old.rindex(" ") + 1] if " " in old else ""
+        assert PHASES.count(old) == 1
+        pair = [sagitta.Lens.text(PHASES.replace(old, f"{word}{x + s * h!r}")).sensitivity(o, d, of).value for s in (1, -1)]
+        found = (pair[0] - pair[1]) / (2 * h)
+        assert np.abs(found).max() > 0
+        assert np.allclose(found, there.by(element, name), rtol=1e-5, atol=1e-7 * np.abs(found).max()), name
+    assert np.isnan(lens.sensitivity([0, 400, 0], (0, 0, 1)).by(1, "per_wave")).all()
+
+
 def test_aims(rng):
     lens = singlet()
     beam = Beam(o=(0, 0, -20), d=(0, 0.05, 1), ou=(1, 0, 0), ov=(0, 1, 0), u=(-9, 9), v=(-9, 9))

@@ -479,7 +479,9 @@ def test_refused():
             (plain('GO', 'ZOO 2\nZOO THI S1 4 5\nTHI S1 6\nGO'), 15, 'behind line 14, which zooms it'),
             (plain('GO', 'THI S1 Z2 5\nTHI S1 6\nGO'), 14, 'behind line 13, which zooms it'),
             (plain('WL 587.5618', 'WL .5876'), 5, 'nanometres'), (plain('LEN', 'PRV\nPWL .5 .6\nEND'), 3, 'nanometres'),
-            (plain(behind='DIF DOE\nHWL .5\n'), 12, 'nanometres'), (plain(behind='IC N\n'), 11, 'other point'), (plain(behind='IC\n'), 11, 'a value is missing'),
+            (plain(behind='DIF DOE\nHWL .5\n'), 12, 'nanometres'),
+            (plain(behind='DIF DOE\nHX1 0;HX2 1\n'), 11, 'two beams'), (plain(behind='DIF DOE\nHV1 REA;HV2 VIR\n'), 11, 'two beams'),
+            (plain(behind='HZ1 3\n'), 11, 'without a DIF DOE'), (plain(behind='DIF DOE\nHV1 Q\n'), 12, 'REA or VIR is'), (plain(behind='IC N\n'), 11, 'other point'), (plain(behind='IC\n'), 11, 'a value is missing'),
             (plain('GO', 'PRV\n'), 13, 'no END'), (plain('STO', 'STO S0'), 10, 'object cannot be the stop')):
         try:
             got = refused(text)
@@ -517,6 +519,8 @@ def test_remarks():
              'surfaces'),
             (plain(behind=''.join(f'S 9 1 6{i}0.364\n' for i in range(10, 60))), 27, 'S', 'other fictitious glasses of 34 surfaces'),
             (plain(behind='CIR 3\nCA N\n'), 11, 'CIR', 'CODE V asks for CA'),
+            (plain(behind="CIR L'front side' 3\nREX L'front side' 3\n"), 12, 'REX', 'left out'),
+            (plain('GO', "ZOO 2\nZOO TIT 'a b' 'c'\nGO"), 14, 'ZOO', 'left out: a TIT of each position'),
             (plain('GO', 'ZOO 2\nZOO THI S1 4 5\nGO'), 13, 'configurations', 'the file has 2')):
         got = imported(text)[1]
         if not any(g[:2] == (line, key) and words in g[2] for g in got):

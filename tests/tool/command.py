@@ -17,6 +17,9 @@ import traceback
 HERE = pathlib.Path(__file__).resolve().parent
 LENSES = HERE.parent.parent / 'examples' / 'lenses'
 SAGITTA = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else 'sagitta'
+# 0.05 under sanitizers, where the start of a command takes ten times as long.
+SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
+SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'), 0)
 
 # clang 14 takes what stands before the thread's memory of a library for its size, and the leak checker then reads
 # anywhere: of a few pictures, cairo's threads' memory (sheet 349762166 of test_chart.py).

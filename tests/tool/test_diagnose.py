@@ -605,14 +605,18 @@ def test_compare_is_the_sum_of_single_searches():
     table = diagnose(lens, '--fan', 3, *[x for f in fields for x in ('--field', f)], '--compare')
     equal([(float(r['field']), r['method']) for r in table],
           [(f, m) for f in fields for m in ('safeguarded', 'newton', 'newton-normalised', 'bisection', 'march')])
-    for row in table:
+    # Each method of one of the fields; a single one under sanitizers, all by night.
+    first = SEED % len(table)
+    for i, row in enumerate(table):
+        if i != first and SCALE < 1 and ((i + first + i // 5) % 2 or SCALE < 0.1):
+            continue
         evals, settled, agree, undefined, searches = [], 0, 0, 0, 0
         for ray in range(3):
             for element in range(1, 9):
                 one = ('diagnose', lens, '--fan', 3, '--field', row['field'], '--ray', ray, '--element', element, '--method', row['method'])
-                done = run(*one, exit=None)
                 searches += 1
                 own = row['method'] == 'safeguarded'
+                done = None if own else run(*one, exit=None)
                 settled += own or 'Settled' in done.stdout
                 agree += own or ': the same.' in done.stdout
                 steps = rows(*one, exit=None)

@@ -467,9 +467,11 @@ def test_help_in_one_screen():
         assert f'sagitta {command} --help all' in short and 'Exit status' in whole, command
         examples = re.findall(r'^  sagitta (.*)$', short[short.index('Examples'):short.index('\nMore')], re.MULTILINE)
         assert len(examples) >= 2, command
-        for line in examples:
+        for line in examples if SCALE >= 0.1 else examples[:1]:
             if 'trade' not in line and 'FILE' not in line and 'triplet.zmx' not in line and '--picture' not in line:
-                subprocess.run([SAGITTA, *shlex.split(line)], cwd=root, check=True, capture_output=True, timeout=100)
+                few = ['--boxes', '2000'] if line.startswith('prove') else []  # a tenth, which none of them asks for
+                subprocess.run([SAGITTA, *shlex.split(line), *few], cwd=root, check=True, capture_output=True,
+                               timeout=100)
 
 
 def test_old_spellings():

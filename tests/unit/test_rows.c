@@ -797,8 +797,9 @@ static void test_roots_at_the_origin(void **state)
     (void)state;
     enum { N = 8 };
     generator g = seeded("roots at the origin");
-    int hits = 0;
-    for (int again = 0; again < 3000; again++) {
+    const long rounds = scaled(600);
+    long hits = 0;
+    for (long again = 0; again < rounds; again++) {
         sgt_biconic shape = {.c_x = again % 2 ? 0 : uniform(&g, -2, 2), .c_y = uniform(&g, -2, 2)};
         shape.k_x = uniform(&g, -2, 0), shape.k_y = uniform(&g, -2, 0);
         sgt_surface s = {&sgt_biconic_ops, &shape};
@@ -830,7 +831,7 @@ static void test_roots_at_the_origin(void **state)
             hits += h.status == SGT_HIT;
         }
     }
-    REQUIRE(hits > 3000, "%d hits", hits);
+    REQUIRE(hits > rounds, "%ld hits in %ld rounds", hits, rounds);
 }
 
 /* A quick proof that had spent max_evals left 0 evaluations to the search, which is the default of 2000. */
@@ -879,7 +880,8 @@ static void test_terms_too_small_to_matter(void **state)
     (void)state;
     generator g = seeded("terms too small to matter");
     static const double sizes[] = {5e-324, 1e-320, 1e-310, 1e-300, 1e-250, 1e-200, 1e-170, 1e-100};
-    for (int i = 0; i < 4000; i++) {
+    const long rounds = scaled(1200);
+    for (long i = 0; i < rounds; i++) {
         const double c = i % 4 ? uniform(&g, -0.05, 0.05) : 0, k = uniform(&g, -2, 0.5);
         const double tiny = sizes[i % 8] * (i & 8 ? 1 : -1), other = i & 16 ? -0.5 * tiny : 0;
         const double own[2] = {tiny, other}, none[2] = {0, 0};

@@ -27,15 +27,17 @@ typedef struct places_in_struct {
 typedef struct layout {
     size_t trace, slots; /* numbers of a trace (sgt_trace_parameters), a row for each slot; turns are
                             left 0: they are in the axes */
+    size_t phases, phase; /* numbers of phases (sgt_phase_parameters), a row for each slot, from there on */
     size_t axes;         /* [elements * 9] */
     size_t beams;        /* [fields * 16]: the members of sgt_field_beam in order, but `front` */
     size_t stop;         /* the height on the stop that the rim of the pupil is aimed at */
     size_t first;        /* [slots * 3]: efl, exit_pupil, 1 / exit_pupil */
     size_t ideal;        /* [fields * slots]: the height of an image without distortion */
-    size_t fixed;        /* what must not move: lengths of phases, numbers that are no parameters */
+    size_t fixed;        /* what must not move: numbers that are no parameters */
     size_t weights;      /* of fields and wavelengths, and the wavelengths; the same */
     size_t end;
-    const places_in_struct *of; /* [elements]: where the numbers of its surface stand in its struct */
+    const places_in_struct *of; /* [2 * elements]: where the numbers of its surface stand in its struct;
+                                   then those of its phase's waves */
 } layout;
 
 /* Which faults are told: of a figure with its lens. */
@@ -117,6 +119,11 @@ typedef struct flock {
     bool there[FLOCK];
     double **gradient; /* [rows * in->trace], each [FLOCK] or NULL */
     double **to_stop;  /* [2 * in->trace] */
+    bool bends;        /* a number of a phase moves */
+    double **by_phase; /* [rows * in->phases], each [FLOCK], all if it bends; else NULL */
+    double **phase_to_stop; /* [2 * stop_phases] */
+    size_t stop_phases;
+    double *ray_row;   /* [rows * in->phases]: of one ray */
     size_t rows;
 } flock;
 

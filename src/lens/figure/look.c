@@ -9,8 +9,11 @@
  * THE PARAMETERS OF A SURFACE stand in its struct in the order of sgt_trace_parameters: those are the numbers
  * that the rows of its type have, without its rim, its normalisations and steps.  Where that gives another
  * count than the surface says, it is not one that we know.  Then nothing of it may move: what it is at some
- * points of space stands for it, and is one of the fixed numbers. */
+ * points of space stands for it, and is one of the fixed numbers.  The waves of a phase are a
+ * surface, too. */
 #include "figure.h"
+
+#include "../read/lens.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -133,21 +136,18 @@ static void put_surface(list *to, sgt_surface s, const places_in_struct *known, 
     }
 }
 
-/* The parameters of element i: `many` of them.  false: they are not known. */
-static bool put_parameters(list *to, const sgt_lens *lens, const layout *in, size_t i, size_t many)
+/* The parameters of a surface.  false: they are not known. */
+static bool put_parameters(list *to, const sgt_lens *lens, const places_in_struct *known, sgt_surface s)
 {
-    const sgt_surface s = lens->element[i].surface;
-    const size_t before = to->count;
-    const char *text;
-    const sgt_named *named;
-    size_t n;
-    if (sgt_lens_formula(lens, i + 1, &text, &named, &n)) {
-        for (; to->count < before + many - n;)
+    const size_t before = to->count, many = sgt_parameters(s);
+    const formula_text *formula = sgt_formula_of(lens, s);
+    if (formula) {
+        for (; to->count < before + many - formula->count;)
             add_number(to, 0); /* of a sag: its base, which has no numbers */
-        for (size_t k = 0; k < n; k++) add_number(to, named[k].value);
+        for (size_t k = 0; k < formula->count; k++) add_number(to, formula->parameter[k].value);
         return true;
     }
-    put_surface(to, s, &in->of[i], false);
+    put_surface(to, s, known, false);
     if (to->count == before + many) return true;
     to->count = before;
     for (size_t k = 0; k < many; k++) add_number(to, 0);
@@ -160,38 +160,45 @@ static void put_trace(list *to, const sgt_lens *lens, const layout *in, const ba
     for (int k = 0; k < 6; k++) add_number(to, 0);
     add_number(to, b->before == 0 ? 1 : b->before);
     for (size_t i = 0; i < lens->count; i++) {
-        put_parameters(to, lens, in, i, sgt_parameters(e[i].surface));
+        put_parameters(to, lens, &in->of[i], e[i].surface);
         put_vector(to, e[i].pose.origin);
         for (int k = 0; k < 3; k++) add_number(to, 0);
         add_number(to, e[i].index);
     }
 }
 
-/* Of an element: what must not move. */
-static void put_fixed(list *to, const sgt_lens *lens, const layout *in, size_t i, const sgt_element *e)
+/* In the order of sgt_phase_parameters. */
+static void put_phases(list *to, const sgt_lens *lens, const layout *in, const sgt_element e[])
+{
+    for (size_t i = 0; i < lens->count; i++) {
+        const sgt_phase *p = e[i].phase;
+        if (p && p->kind == SGT_IDEAL_LENS) {
+            const double length[] = {p->focal_length, p->focal_length_y, p->object_distance};
+            for (int k = 0; k < 3; k++) add_number(to, isfinite(length[k]) ? length[k] : 0);
+        } else if (p) {
+            add_number(to, p->per_wave);
+            put_parameters(to, lens, &in->of[lens->count + i], p->waves);
+        }
+    }
+}
+
+/* Of a surface: what must not move. */
+static void put_fixed(list *to, const sgt_lens *lens, const places_in_struct *known, sgt_surface s)
 {
     const double away[][3] = {{0.11, 0.07, 0.05}, {-1.3, 0.8, 0.3}, {4.1, 5.3, -0.7}, {-9.7, 2.9, 1.1}};
     list none = {.count = 0};
-    const sgt_phase *phase = e->phase;
-    const bool waves = phase && phase->kind != SGT_IDEAL_LENS;
-    add_number(to, phase && isfinite(phase->focal_length) ? phase->focal_length : 0);
-    add_number(to, phase && isfinite(phase->focal_length_y) ? phase->focal_length_y : 0);
-    add_number(to, phase ? phase->per_wave : 0);
-    for (size_t k = 0; waves && k < sizeof away / sizeof *away; k++) {
-        const sgt_vec3 p = {away[k][0], away[k][1], away[k][2]};
-        const double f = phase->waves.ops->value(phase->waves.self, p, NULL);
-        add_number(to, isfinite(f) ? f : 0);
-    }
-    if (put_parameters(&none, lens, in, i, sgt_parameters(e->surface))) {
-        put_surface(to, e->surface, &in->of[i], true);
+    if (put_parameters(&none, lens, known, s)) {
+        put_surface(to, s, known, true);
         return;
     }
     for (size_t k = 0; k < sizeof away / sizeof *away; k++) {
         const sgt_vec3 p = {away[k][0], away[k][1], away[k][2]};
-        const double f = e->surface.ops->value(e->surface.self, p, NULL);
+        const double f = s.ops->value(s.self, p, NULL);
         add_number(to, isfinite(f) ? f : 0);
     }
 }
+
+static bool has_waves(const sgt_element *e) { return e->phase && e->phase->kind != SGT_IDEAL_LENS; }
 
 static void put_beam(list *to, const sgt_field_beam *b)
 {
@@ -216,7 +223,9 @@ static void put_all(list *to, const look_of_lens *l, layout *out)
     const sgt_lens *lens = a->lens;
     *out = (layout){.slots = a->bands + 1, .of = out->of};
     for (size_t s = 0; s < out->slots; s++) put_trace(to, lens, out, sgt_look_slot(l, s));
-    out->trace = to->count / out->slots, out->axes = to->count;
+    out->trace = to->count / out->slots, out->phase = to->count;
+    for (size_t s = 0; s < out->slots; s++) put_phases(to, lens, out, sgt_look_slot(l, s)->element);
+    out->phases = (to->count - out->phase) / out->slots, out->axes = to->count;
     for (size_t i = 0; i < lens->count; i++) {
         const sgt_pose *p = &lens->element[i].pose;
         const bool straight = dot3(p->ex, p->ex) == 0;
@@ -238,7 +247,11 @@ static void put_all(list *to, const look_of_lens *l, layout *out)
         for (size_t s = 0; s < out->slots; s++)
             add_number(to, ideal_height(&a->beam[f], sgt_look_slot(l, s)));
     out->fixed = to->count;
-    for (size_t i = 0; i < lens->count; i++) put_fixed(to, lens, out, i, &lens->element[i]);
+    for (size_t i = 0; i < lens->count; i++) {
+        const sgt_element *e = &lens->element[i];
+        put_fixed(to, lens, &out->of[i], e->surface);
+        if (has_waves(e)) put_fixed(to, lens, &out->of[lens->count + i], e->phase->waves);
+    }
     out->weights = to->count;
     for (size_t b = 0; b < a->bands; b++) add_number(to, sgt_look_slot(l, b)->weight);
     for (size_t f = 0; f < a->fields; f++) add_number(to, a->at[f].weight);
@@ -251,11 +264,16 @@ static bool begin_list(look_of_lens *l, layout *out)
 {
     const sgt_lens *lens = l->ask.lens;
     list to = {.count = 0};
-    places_in_struct *of = sgt_ask_room(&l->ask, lens->count, sizeof *of);
-    place *at = sgt_ask_room(&l->ask, lens->count * PLACES, sizeof *at);
+    places_in_struct *of = sgt_ask_room(&l->ask, 2 * lens->count, sizeof *of);
+    place *at = sgt_ask_room(&l->ask, 2 * lens->count * PLACES, sizeof *at);
     if (!of || !at) return false;
-    for (size_t i = 0; i < lens->count; i++, at += PLACES)
-        of[i] = (places_in_struct){.count = places_of(lens->element[i].surface, at), .at = at};
+    for (size_t i = 0; i < lens->count; i++, at += 2 * PLACES) {
+        const sgt_element *e = &lens->element[i];
+        place *wave = at + PLACES;
+        of[i] = (places_in_struct){.count = places_of(e->surface, at), .at = at};
+        of[lens->count + i] =
+            (places_in_struct){.count = has_waves(e) ? places_of(e->phase->waves, wave) : 0, .at = wave};
+    }
     *out = (layout){.of = of};
     put_all(&to, l, out);
     return true;

@@ -249,7 +249,7 @@ bool sgt_motion_of(const moved_lens *l, size_t m, motion *out, sgt_error *error)
     for (size_t i = at->beams + BEAM_WAVE; i < at->stop; i += BEAM_NUMBERS) out->by[i] = out->error[i] = 0;
     out->beams = !all_zero(out->by, at->beams, at->first);
     if (!all_zero(out->by, at->fixed, at->weights))
-        return refuses(error, path, "no derivative: it is no parameter of its surface, or of an ideal lens");
+        return refuses(error, path, "no derivative: it is no parameter of its surface or phase");
     if (!all_zero(out->by, at->weights, at->end - at->slots))
         return refuses(error, path, "no derivative: weights are held fixed");
     if (how->path && !all_zero(out->by, at->end - at->slots, at->end))

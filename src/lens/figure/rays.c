@@ -23,6 +23,8 @@
 
 #include <string.h>
 
+enum { LAUNCH_NUMBERS = 6 }; /* of a trace, before all others */
+
 static double *numbers(sgt_asking *a, size_t count) { return sgt_ask_room(a, count, sizeof(double)); }
 
 /* Which numbers of the trace any motion moves. */
@@ -33,6 +35,15 @@ static bool moves(size_t motions, const motion of[], const layout *in, size_t j)
         for (size_t s = 0; s < in->slots; s++)
             if (of[m].by[s * in->trace + j] != 0) return true;
     }
+    return false;
+}
+
+/* Does any number of a phase move? */
+static bool phases_move(size_t motions, const motion of[], const layout *in)
+{
+    for (size_t m = 0; m < motions; m++)
+        for (size_t j = in->phase; j < in->axes; j++)
+            if (of[m].by[j] != 0) return true;
     return false;
 }
 
@@ -65,6 +76,15 @@ bool sgt_flock_begin(flock *f, look_of_lens *at, const layout *in, size_t motion
         for (size_t r = 0; r < FLOCK_ROWS; r++) f->gradient[r * in->trace + j] = numbers(a, FLOCK);
         for (size_t r = 0; aims && j < f->stop_numbers && r < 2; r++)
             f->to_stop[r * f->stop_numbers + j] = numbers(a, FLOCK);
+    }
+    f->stop_phases = sgt_phase_parameters(a->lens->stop + 1, a->lens->element);
+    f->bends = motions && phases_move(motions, of, in);
+    if (f->bends) {
+        f->ray_row = numbers(a, FLOCK_ROWS * in->phases);
+        f->by_phase = sgt_ask_room(a, FLOCK_ROWS * in->phases, sizeof *f->by_phase);
+        f->phase_to_stop = sgt_ask_room(a, 2 * f->stop_phases + 1, sizeof *f->phase_to_stop);
+        for (size_t j = 0; !a->failed && j < FLOCK_ROWS * in->phases; j++) f->by_phase[j] = numbers(a, FLOCK);
+        for (size_t j = 0; !a->failed && j < 2 * f->stop_phases; j++) f->phase_to_stop[j] = numbers(a, FLOCK);
     }
     return !a->failed;
 }
@@ -123,6 +143,42 @@ void sgt_flock_errors(const flock *f, double point[])
     for (size_t k = 0; k < f->count; k++) point[k] += 4 * grain[k];
 }
 
+/* Passage i of ray k; what a trace of one ray tells. */
+static sgt_passage column_passage(const sgt_passages *p, size_t k)
+{
+    const sgt_hits *h = &p->hits;
+    return (sgt_passage){.hit = {.status = h->status[k],
+                                 .t = h->t[k],
+                                 .p_err = h->p_err[k],
+                                 .p = {h->p[0][k], h->p[1][k], h->p[2][k]},
+                                 .n = {h->n[0][k], h->n[1][k], h->n[2][k]}},
+                         .direction = {p->direction[0][k], p->direction[1][k], p->direction[2][k]},
+                         .opl = p->opl[k]};
+}
+
+static sgt_vec3 column_weight(double *const w[3], size_t k)
+{
+    return (sgt_vec3){w[0] ? w[0][k] : 0, w[1] ? w[1][k] : 0, w[2] ? w[2][k] : 0};
+}
+
+/* As sgt_trace_gradient_batch, by the numbers of phases, ray by ray.  What did not pass is not asked. */
+static void phases_back(flock *f, size_t elements, size_t count, size_t rows, const sgt_ray_changes weight[],
+                        double *const to[])
+{
+    for (size_t k = 0; k < f->count; k++) {
+        if (!f->there[k] || f->fate[k] != SGT_PASSED) continue;
+        sgt_ray_change w[FLOCK_ROWS];
+        for (size_t r = 0; r < rows; r++)
+            w[r] = (sgt_ray_change){column_weight(weight[r].p, k), column_weight(weight[r].d, k),
+                                    weight[r].opl ? weight[r].opl[k] : 0};
+        for (size_t i = 0; i < elements; i++) f->passage[i] = column_passage(&f->passages[i], k);
+        const sgt_ray ray = {.o = {f->o[0][k], f->o[1][k], f->o[2][k]},
+                             .d = {f->d[0][k], f->d[1][k], f->d[2][k]}};
+        sgt_phase_gradient(elements, f->own, f->before, &ray, f->passage, rows, w, f->ray_row);
+        for (size_t j = 0; j < rows * count; j++) to[j][k] = f->ray_row[j];
+    }
+}
+
 void sgt_flock_back(flock *f, size_t rows, const sgt_ray_changes weight[])
 {
     double one[FLOCK], zero[FLOCK] = {0};
@@ -130,10 +186,12 @@ void sgt_flock_back(flock *f, size_t rows, const sgt_ray_changes weight[])
     const sgt_traces traces = traces_of(f);
     f->rows = rows;
     sgt_trace_gradient_batch(f->elements, f->own, f->before, &traces, rows, weight, f->gradient);
+    if (f->bends) phases_back(f, f->elements, f->in->phases, rows, weight, f->by_phase);
     if (f->at->ask.from->aim == SGT_LENS_AIM_PUPIL) return;
     for (size_t k = 0; k < FLOCK; k++) one[k] = 1;
     const sgt_ray_changes point[2] = {{.p = {one, zero, zero}}, {.p = {zero, one, zero}}};
     sgt_trace_gradient_batch(stop + 1, f->own, f->before, &traces, 2, point, f->to_stop);
+    if (f->bends) phases_back(f, stop + 1, f->stop_phases, 2, point, f->phase_to_stop);
 }
 
 /* ------------------------------------------------------------------------ the launch */
@@ -194,12 +252,12 @@ static void launch_change(const sgt_field_beam *b, const beam_change *c, sgt_pup
 
 /* -------------------------------------------------------------------------- the chain */
 
-/* Adds the part of a row by all numbers but the launch ray; error (may be NULL): what may be off in it. */
-static void by_numbers(double *const gradient[], size_t numbers_in, const double by[], const double off[],
-                       size_t rays, double sum[], double error[])
+/* Adds the part of a row by numbers from `begin` to `end`; error (may be NULL): what may be off in it. */
+static void by_numbers(double *const gradient[], size_t begin, size_t end, const double by[],
+                       const double off[], size_t rays, double sum[], double error[])
 {
     static const double TRACE = 0x1p-44; /* what the gradient may be off by, of each term: observed */
-    for (size_t j = 6; j < numbers_in; j++) {
+    for (size_t j = begin; j < end; j++) {
         const double *g = gradient[j], b = by[j], o = off[j] + TRACE * fabs(by[j]);
         if (b == 0 || !g) continue;
         for (size_t k = 0; k < rays; k++) sum[k] += g[k] * b;
@@ -282,10 +340,18 @@ void sgt_flock_move(const flock *f, const motion *m, size_t row, double out[], d
     double at_stop[2][FLOCK] = {{0}}, off_stop[2][FLOCK] = {{0}};
     for (size_t k = 0; k < f->count; k++) out[k] = 0;
     for (size_t k = 0; error && k < f->count; k++) error[k] = 0;
-    by_numbers(g, in->trace, by, by_off, f->count, out, error);
+    by_numbers(g, LAUNCH_NUMBERS, in->trace, by, by_off, f->count, out, error);
     for (size_t r = 0; aims && r < 2; r++)
-        by_numbers(f->to_stop + r * f->stop_numbers, f->stop_numbers, by, by_off, f->count, at_stop[r],
-                   error ? off_stop[r] : NULL);
+        by_numbers(f->to_stop + r * f->stop_numbers, LAUNCH_NUMBERS, f->stop_numbers, by, by_off, f->count,
+                   at_stop[r], error ? off_stop[r] : NULL);
+    if (f->bends) {
+        const double *wave = m->by + in->phase + f->slot * in->phases,
+                     *wave_off = m->error + in->phase + f->slot * in->phases;
+        by_numbers(f->by_phase + row * in->phases, 0, in->phases, wave, wave_off, f->count, out, error);
+        for (size_t r = 0; aims && r < 2; r++)
+            by_numbers(f->phase_to_stop + r * f->stop_phases, 0, f->stop_phases, wave, wave_off, f->count,
+                       at_stop[r], error ? off_stop[r] : NULL);
+    }
     for (size_t k = 0; k < f->count; k++) {
         if (!f->there[k] || f->fate[k] != SGT_PASSED) {
             out[k] = 0;

@@ -536,13 +536,19 @@ bool sgt_lens_glass(const sgt_lens *lens, size_t place, sgt_glass *glass, size_t
 bool sgt_lens_formula(const sgt_lens *lens, size_t place, const char **text, const sgt_named **parameters,
                       size_t *n)
 {
-    const whole_lens *w = (const void *)lens;
     if (place < 1 || place > lens->count) return false;
-    const formula_text *f = w->formula;
-    while (f && f->self != lens->element[place - 1].surface.self) f = f->next;
+    const formula_text *f = sgt_formula_of(lens, lens->element[place - 1].surface);
     if (!f) return false;
     *text = f->text, *parameters = f->parameter, *n = f->count;
     return true;
+}
+
+const formula_text *sgt_formula_of(const sgt_lens *lens, sgt_surface s)
+{
+    const whole_lens *w = (const void *)lens;
+    const formula_text *f = w->formula;
+    while (f && f->self != s.self) f = f->next;
+    return f;
 }
 
 /* ------------------------------------------------------------------- a lens */

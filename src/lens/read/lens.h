@@ -36,6 +36,9 @@ typedef struct whole_lens {
 void sgt_read_lens(whole_lens *w, source *s);
 void sgt_read_one_surface(whole_lens *w, source *s);
 
+/* (lens.c) What a surface or a phase that is a formula was read from; NULL: it is none. */
+const formula_text *sgt_formula_of(const sgt_lens *lens, sgt_surface s);
+
 /* (phase.c) Puts the phases of a wavelength into elements of the lens.  false: no memory. */
 bool sgt_put_phases(const whole_lens *w, double um, sgt_element element[]);
 void sgt_free_phases(whole_lens *w);

@@ -133,6 +133,11 @@ static sgt_surface read_hologram(source *s, const node *points, const node *wave
     self->tape =
         sgt_formula_read(text, SGT_FORMULA_XYZ, NUMBERS, number, tree_room(s, size / 8 + 1, 8), size, &e);
     if (!self->tape) tree_fail(s, points->line, "points", "%s", e.words);
+    sgt_named *named = tree_room(s, NUMBERS, sizeof *named);
+    memcpy(named, number, sizeof number);
+    formula_text *kept = tree_room(s, 1, sizeof *kept);
+    *kept = (formula_text){self, text, named, NUMBERS, s->formula};
+    s->formula = kept;
     return (sgt_surface){&sgt_formula_ops, self};
 }
 

@@ -71,6 +71,15 @@ static piece quoted_word(seq *q)
 static piece plain_word(seq *q)
 {
     piece word = {q->at, q->at};
+    /* L'front side', a label with blanks */
+    if (q->end - q->at > 2 && sgt_lower(*q->at) == 'l' && (q->at[1] == '\'' || q->at[1] == '"')) {
+        const char *c = q->at + 2;
+        while (c < q->end && *c != q->at[1] && !ends_line(*c)) c++;
+        if (c < q->end && *c == q->at[1]) {
+            word.end = q->at = c + 1;
+            return word;
+        }
+    }
     for (const char *c = q->at; c < q->end && !is_space(*c) && !ends_line(*c) && *c != ';' && *c != '!';
          c++) {
         if (*c == '&' && nothing_more(q, c + 1)) break;
@@ -215,8 +224,11 @@ static const seq_command *command_of(const seq_word *w, size_t *table)
     enum { WHOLE = 2, SHORT = 3 };
     const size_t length = (size_t)(w->text.end - w->text.begin);
     const bool opens = !w->quoted && opens_surface(w->text);
-    for (const char *c = w->text.begin; c < w->text.end && !opens; c++)
-        if (!is_letter(*c)) return NULL;
+    for (const char *c = w->text.begin; c < w->text.end && !opens; c++) {
+        const bool third = length == SHORT && c == w->text.begin + 2;
+        const bool beam = third && sgt_lower(*w->text.begin) == 'h'; /* HX1 */
+        if (!is_letter(*c) && !(beam && (*c == '1' || *c == '2'))) return NULL;
+    }
     if (w->quoted) return NULL;
     const size_t letters = opens ? 1 : length > SHORT ? SHORT : length;
     for (*table = 0; *table < TABLES; ++*table)
@@ -346,6 +358,12 @@ static void read_zoom(seq *q)
         tree_fail(q->s, q->positions_line, "ZOO", "there are %zu positions; there is no number %zu",
                   q->positions, q->position);
     const seq_command *c = q->words > 1 ? command_of(&q->word[1], &table) : NULL;
+    if (c && c->fate == SEQ_TEXT && (strcmp(c->name, "TIT") == 0 || strcmp(c->name, "SLB") == 0)) {
+        tree_remark(q->s, SGT_REMARK_LEFT_OUT, line, "ZOO", "a %s of each position: no ray depends on it",
+                    c->name);
+        q->next = q->words;
+        return;
+    }
     if (!c || c->fate == SEQ_OPTION || c->fate > SEQ_READ || (c->fate == SEQ_READ && !(c->which & SEQ_Z)))
         tree_fail(q->s, line, "ZOO", "how \"%.*s\" is zoomed is not known",
                   q->words > 1 ? sgt_reader_width(q->word[1].text) : 0,

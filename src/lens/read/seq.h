@@ -49,6 +49,8 @@ typedef struct seq_phase {
     seq_number order;
     seq_word wavelength; /* nanometres; empty: none */
     double term[SEQ_TERMS];
+    double source[6];  /* of the two beams: they must be one */
+    bool imaginary[2];
 } seq_phase;
 
 typedef struct seq_surface {

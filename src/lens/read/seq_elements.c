@@ -126,6 +126,10 @@ static void write_phase(seq *q, node *map, const seq_surface *f)
     const seq_phase *p = f->phase;
     size_t terms = SEQ_TERMS;
     if (!p) return;
+    for (int k = 0; k < 3; k++)
+        if (p->source[k] != p->source[3 + k] || p->imaginary[0] != p->imaginary[1])
+            tree_fail(q->s, p->line, "DIF",
+                      "its two beams (HX1 to HZ2, HV1, HV2) differ: the phase that they add is not read");
     while (terms && p->term[terms - 1] == 0) terms--;
     if (!terms) return;
     if (!p->wavelength.line) tree_fail(q->s, p->line, "DIF", "surface %zu has no HWL", number_of(q, f));

@@ -250,6 +250,23 @@ static void read_symmetry(seq *q)
     own_phase(q)->turned = true;
 }
 
+/* HX1 to HZ2: where the two beams of a hologram come from, 0 to 5; HV1, HV2: is there such a point? */
+static void read_source(seq *q)
+{
+    const double x = sgt_seq_number(q);
+    own_phase(q)->source[sgt_seq_asked(q)] = x;
+}
+
+static void read_real(seq *q)
+{
+    const seq_word w = sgt_seq_needed(q);
+    const bool real = sgt_seq_is(w.text, "rea") || sgt_seq_is(w.text, "real");
+    if (!real && !sgt_seq_is(w.text, "vir") && !sgt_seq_is(w.text, "virtual"))
+        tree_fail(q->s, w.line, q->row->name, "\"%.*s\" is not read: REA or VIR is", sgt_reader_width(w.text),
+                  w.text.begin);
+    own_phase(q)->imaginary[sgt_seq_asked(q)] = !real;
+}
+
 static void read_phase_term(seq *q)
 {
     const size_t line = sgt_seq_line(q);
@@ -385,6 +402,14 @@ static const seq_command surface_commands[] = {
     {"HWL", SEQ_READ, read_design_wavelength, 0, NULL},
     {"HCT", SEQ_READ, read_symmetry, 0, NULL},
     {"HCO", SEQ_READ, read_phase_term, SEQ_W, NULL},
+    {"HV1", SEQ_READ, read_real, 0, NULL},
+    {"HV2", SEQ_READ, read_real, 1, NULL},
+    {"HX1", SEQ_READ, read_source, 0, NULL},
+    {"HY1", SEQ_READ, read_source, 1, NULL},
+    {"HZ1", SEQ_READ, read_source, 2, NULL},
+    {"HX2", SEQ_READ, read_source, 3, NULL},
+    {"HY2", SEQ_READ, read_source, 4, NULL},
+    {"HZ2", SEQ_READ, read_source, 5, NULL},
     /* what is fixed, may vary, or varies with others in an optimisation */
     {"CCX", SEQ_IDLE, NULL, 0, NULL},
     {"KC", SEQ_IDLE, NULL, 0, NULL},

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
-/* mutate_seq.c - each prefix of sequence files, and mutations of them: an honest lens or one clear error, as
- * imported.h says.
+/* mutate.c - each prefix of files of CODE V or Zemax, and mutations of them: an honest lens or one clear
+ * error, as imported.h says.
  *
- *     mutate_seq COUNT FILE...
+ *     mutate COUNT FILE...           all .seq, or all .zmx
  *
  * A mutation changes, inserts, removes or repeats some bytes, or takes a line from another file.  It is drawn
- * from SAGITTA_TEST_SEED (1).  A prefix that is a lens must say that the file may be cut off, unless what is
- * missing is blank. */
+ * from SAGITTA_TEST_SEED (1).  A prefix of a sequence file that is a lens must say that the file may be cut
+ * off, unless what is missing is blank; a .zmx has no last record. */
 #include "imported.h"
 
 #include <stdio.h>
 #include <string.h>
 
 enum { MOST = 1 << 14, FILES = 32 };
+static const char *name = "a.seq";
 
 static uint8_t text[FILES][MOST];
 static size_t length[FILES];
@@ -70,7 +71,7 @@ static void require_told(int file, size_t size)
 {
     const sgt_lens_options options = {.allocator = &counted, .glasses = glasses()};
     sgt_error e;
-    sgt_lens *l = sgt_lens_read_text("a.seq", (const char *)text[file], size, &options, &e);
+    sgt_lens *l = sgt_lens_read_text(name, (const char *)text[file], size, &options, &e);
     bool told = false;
     for (size_t i = 0; l && i < l->remarks; i++) told = told || strstr(l->remark[i].words, "cut off");
     REQUIRE(!l || told || blank_from(file, size), "file %d, %zu bytes: a part of it is a lens", file, size);
@@ -85,18 +86,20 @@ int main(int count, char *argument[])
     state = seed ? strtoull(seed, NULL, 0) : 1;
     printf("SAGITTA_TEST_SEED=%llu\n", (unsigned long long)state);
     for (int i = 2; i < count && files < FILES; i++, files++) {
+        const bool seq = !strstr(argument[i], ".zmx");
         FILE *f = fopen(argument[i], "rb");
+        if (!seq) name = "a.zmx";
         REQUIRE(f, "%s", argument[i]);
         length[files] = fread(text[files], 1, MOST, f);
         fclose(f);
         for (size_t size = 0; size < length[files]; size++) {
-            read_imported("a.seq", text[files], size);
-            require_told(files, size);
+            read_imported(name, text[files], size);
+            if (seq) require_told(files, size);
         }
     }
     for (long i = 0; i < mutations; i++) {
         const size_t size = mutated(changed, (int)draw((size_t)files));
-        read_imported("a.seq", changed, size);
+        read_imported(name, changed, size);
     }
     printf("%d files, %ld mutations\n", files, mutations);
     return 0;
