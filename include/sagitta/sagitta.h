@@ -118,7 +118,7 @@ typedef struct sgt_error {
 
 /* ------------------------------------------------------------------ rays */
 
-typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
+typedef struct sgt_vec3 { double x, y, z; /* of a point or a direction */ } sgt_vec3;
 
 /* The points o + t d with tmin <= t <= tmax.
  *
