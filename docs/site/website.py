@@ -48,13 +48,12 @@ def declarations(text):
         outside = depth == 0 and not code.strip()
         if token.startswith('/*') and outside:
             said = words_of(token)
-            if re.match(r'/\* -{8,}', token):
+            if comment is not None and comment[1] == 0:  # of no declaration: what the file or the section is about
+                out.append(('text', None, comment[0]))
+            section = re.match(r'/\* -{8,}', token)
+            if section:
                 out.append(('section', None, said.strip('- ')))
-                comment = None
-            else:
-                if comment is not None and comment[1] == 0:
-                    out.append(('text', None, comment[0]))
-                comment = [said, 0]
+            comment = None if section else [said, 0]
         elif token.startswith('//') and outside:
             pass
         elif re.match(r'[ \t]*#', token) and outside:
@@ -67,11 +66,7 @@ def declarations(text):
             code += token
             depth += token in ('{', '(', '[')
             depth -= token in ('}', ')', ']')
-            if depth == 0 and code.strip() in ('extern "C" {', '}'):
-                code = ''
-            if code.strip() == 'extern "C" {':
-                code, depth = '', 0
-            elif code.strip() == '}':
+            if code.strip() in ('extern "C" {', '}'):
                 code, depth = '', 0
             elif depth == 0 and (token == ';' or token == '}' and is_function(code)):
                 if comment:
