@@ -4,7 +4,7 @@
 
     python3 man.py command SAGITTA NAME OUT    sagitta(1), or sagitta-NAME(1): `sagitta NAME --help all`
     python3 man.py header FILE OUT             a page of section 3: a public header, its functions under NAME
-    python3 man.py file FILE.md OUT            sagitta-lens(5): a page of docs, by lowdown
+    python3 man.py file FILE.md... OUT         sagitta-lens(5): pages of docs, one behind the other, by lowdown
     python3 man.py page FILE.in OUT            a page that is there: its version and its day
 
 Of the environment SAGITTA_VERSION stands in the footer, and the day of SOURCE_DATE_EPOCH; today, if it is not set.
@@ -106,8 +106,10 @@ def of_header(path):
     return out + ['.SH DESCRIPTION', *literal(body)[1:], '.SH SEE ALSO', '.BR sagitta (1)']
 
 
-def of_page(path):
-    text = re.sub(r'<!--.*?-->\n?', '', path.read_text(), flags=re.S)
+def of_pages(first, *more):
+    # A page that goes on from the first begins with its title and says so: its sections are taken.
+    text = '\n'.join([first.read_text(), *(re.sub(r'.*?(?=^## )', '', page.read_text(), count=1, flags=re.S | re.M) for page in more)])
+    text = re.sub(r'<!--.*?-->\n?', '', text, flags=re.S)
     made = subprocess.run(['lowdown', '-s', '-tman', '--nroff-nolinks', '-M', 'title=SAGITTA-LENS', '-M', 'section=5', '-M', f'date={date()}', '-'],
                           input=text, capture_output=True, text=True, check=True).stdout
     lines, kept = [], False  # kept: a line is a line
@@ -132,7 +134,7 @@ def main(what, *words):
     elif what == 'header':
         lines = of_header(pathlib.Path(words[0]))
     else:
-        lines = of_page(pathlib.Path(words[0]))
+        lines = of_pages(*map(pathlib.Path, words))
     pathlib.Path(out).write_text('\n'.join(lines).rstrip('\n') + '\n')
 
 

@@ -50,7 +50,8 @@ with tempfile.TemporaryDirectory() as folder:
         faults.append(f'only {functions} functions in {len(headers)} headers')
     man.main('page', tree / 'docs' / 'man' / 'sagitta-mpi.1.in', pages / 'sagitta-mpi.1')
     if shutil.which('lowdown'):
-        man.main('file', tree / 'docs' / 'lens_file.md', pages / 'sagitta-lens.5')
+        docs = [tree / 'docs' / name for name in ('lens_file.md', 'lens_file_surfaces.md', 'lens_file_phases.md', 'import.md')]
+        man.main('file', *docs, pages / 'sagitta-lens.5')
     if shutil.which('mandoc'):
         done = subprocess.run(['mandoc', '-T', 'lint', '-W', 'warning', *sorted(map(str, pages.iterdir()))],
                               capture_output=True, text=True)

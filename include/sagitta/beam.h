@@ -41,8 +41,8 @@ extern "C" {
  * The operations below contain what they do to all members of their arguments, rounding
  * included.  If x has the width h in the parameters, what is left out of the second order
  * is of h^3. */
-enum { SGT_MODEL_PARAMETERS = 8, SGT_MODEL_PAIRS = 36 };
-#define SGT_MODEL_PAIR(i, j) \
+enum { SGT_MODEL_PARAMETERS = 8, SGT_MODEL_PAIRS = 36 /* at most, of a model */ };
+#define SGT_MODEL_PAIR(i, j) /* the place of the parameters i and j in `pair` */ \
     ((i) <= (j) ? (j) * ((j) + 1) / 2 + (i) : (i) * ((i) + 1) / 2 + (j))
 
 typedef struct sgt_model {

@@ -282,20 +282,20 @@ static inline sgt_interval sgt_interval_hull(sgt_interval x, sgt_interval y)
 
 /* ------------------------------------------------------------------ operations */
 
-static inline sgt_interval sgt_interval_negative(sgt_interval x)
+static inline sgt_interval sgt_interval_negative(sgt_interval x) /* -x */
 {
     if (!(x.lo <= x.hi)) return sgt_interval_odd(x, x);
     return sgt_interval_between(-x.hi, -x.lo);
 }
 
-static inline sgt_interval sgt_interval_sum(sgt_interval x, sgt_interval y)
+static inline sgt_interval sgt_interval_sum(sgt_interval x, sgt_interval y) /* x + y */
 {
     if (!(x.lo <= x.hi && y.lo <= y.hi)) return sgt_interval_odd(x, y);
     return sgt_interval_between(-sgt_sum_above(-x.lo, -y.lo), sgt_sum_above(x.hi, y.hi));
 }
 
 static inline sgt_interval sgt_interval_difference(sgt_interval x, sgt_interval y)
-{
+{ /* x - y */
     if (!(x.lo <= x.hi && y.lo <= y.hi)) return sgt_interval_odd(x, y);
     return sgt_interval_between(-sgt_sum_above(-x.lo, y.hi), sgt_sum_above(x.hi, -y.lo));
 }
@@ -678,7 +678,7 @@ static inline int sgt_turn_quadrant(sgt_turn turn)
 
 /* ----------------------------------------------------------- elementary functions */
 
-typedef sgt_interval sgt_function_at(double x);
+typedef sgt_interval sgt_function_at(double x /* f(x) lies in what it returns */);
 
 /* Of a function that rises all over x, or falls. */
 static inline sgt_interval sgt_interval_rising(sgt_interval x, sgt_function_at *at)

@@ -15,8 +15,8 @@
  *   - Structs do not change their size.  What a later version adds takes room from
  *     `reserved_`, the last member.  Leave it zero in what you fill in: {0} and
  *     designated initialisers do.  In what the library fills in it is zero, so a member
- *     that this library does not know yet reads as 0.  (docs/api.md, "How the interface
- *     grows")
+ *     that this library does not know yet reads as 0.  (docs/api_rules.md, "How the
+ *     interface grows")
  *   - NaN means undefined.  A surface answers NaN where it does not exist.
  *   - Nothing is allocated, nothing is global, nothing is printed.  Parameters are
  *     borrowed for the length of the call.  So every function may run in any number of
@@ -118,7 +118,7 @@ typedef struct sgt_error {
 
 /* ------------------------------------------------------------------ rays */
 
-typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
+typedef struct sgt_vec3 { double x, y, z; /* of a point or a direction */ } sgt_vec3;
 
 /* The points o + t d with tmin <= t <= tmax.
  *

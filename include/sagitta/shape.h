@@ -57,7 +57,7 @@ SGT_API size_t sgt_section(const sgt_element *e, double reach, sgt_vec3 across,
 
 /* ------------------------------------------------------------------ the part in use */
 
-enum { SGT_RIM_POINTS = 128 };
+enum { SGT_RIM_POINTS = 128 /* of the line about a part */ };
 
 /* A part of a sag: a closed line about a middle in x, y of the element. */
 typedef struct sgt_part {

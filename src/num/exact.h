@@ -39,7 +39,10 @@
 #define signbit(x) __builtin_signbit(x)
 #endif
 
-#if defined(__GNUC__)
+/* SGT_SMALL: a set that is to be small rather than fast (src/meson.build). */
+#if defined(__GNUC__) && defined(SGT_SMALL)
+#define SGT_INLINE static inline __attribute__((unused))
+#elif defined(__GNUC__)
 #define SGT_INLINE static inline __attribute__((always_inline, unused))
 #else
 #define SGT_INLINE static inline

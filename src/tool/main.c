@@ -41,6 +41,21 @@ bool command_named(const char *name, command *c)
     return false;
 }
 
+/* Is the word a command's name, but for one letter more, less or wrong, or for two that changed places? */
+static bool like_command(const char *word, command *c)
+{
+    for (size_t i = 0; command_at(i, c); i++) {
+        const char *a = word, *b = c->name;
+        while (*a && *a == *b) a++, b++;
+        if (!*a && !*b) continue;
+        if ((*a && (strcmp(a + 1, b) == 0 || (*b && strcmp(a + 1, b + 1) == 0))) ||
+            (*b && strcmp(a, b + 1) == 0) ||
+            (*a && a[1] && a[0] == b[1] && a[1] == b[0] && strcmp(a + 2, b + 2) == 0))
+            return true;
+    }
+    return false;
+}
+
 /* Can its rays be divided among machines? */
 static bool is_divided(const command *c)
 {
@@ -126,6 +141,10 @@ int main(int argc, char *argv[])
         else print_main_help(stdout);
         print_and_end("%s", "");
     }
+    if (strchr(name, '.') || strchr(name, '/'))
+        fail_usage("no such command: %s; a lens file comes behind a command: sagitta trace %s", name, name);
+    if (*name && like_command(name, &c))
+        fail_usage("no such command: %s; did you mean sagitta %s?", name, c.name);
     if (*name)
         fail_usage("no such command: %s; sagitta --help lists them", name);
     print_main_help(stderr);

@@ -136,6 +136,8 @@ def main(build, readme, consumer_c, consumer_cpp, c_compiler, cpp_compiler=None)
                                'SAGITTA_GLASS': str(glass)}
                 said = run('./program', cwd=there, env=environment)
                 print(f'-- {program}, {form}\n{said}', end='')
+                if program == 'readme.c' and f'It prints `{said.strip()}`' not in pathlib.Path(readme).read_text():
+                    sys.exit(f'{readme} says that its program prints something else')
     return 0
 
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """What README.md, tests/README.md and the pages of docs/ show is what the command says; their links lead somewhere.
+No page of docs/ has more than 5,000 words but the tables of docs/data.
 
     python3 readme.py README PROGRAM...
 
@@ -17,6 +18,8 @@ import shlex
 import subprocess
 import sys
 import tempfile
+
+WORDS = 5000
 
 
 def same(word, other):
@@ -116,10 +119,12 @@ def main(readme, *programs):
         found = {page: differing(page, programs, folder, pathlib.Path(somewhere)) for page in pages}
     bad = sum(b for _, b in found.values())
     dead = list(dead_links(folder, pages))
+    dead += [f'{page.relative_to(folder)}: {len(page.read_text().split())} words, {WORDS} at most' for page in pages
+             if 'docs' in page.parts and 'data' not in page.parts and len(page.read_text().split()) > WORDS]
     for page, (compared, _) in found.items():
         if compared:
             print(f'{page.relative_to(folder)}: {compared} commands compared')
-    print(*dead, f'{len(pages)} pages, {bad} commands differ; {len(dead)} dead links', sep='\n')
+    print(*dead, f'{len(pages)} pages, {bad} commands differ; {len(dead)} dead links or long pages', sep='\n')
     return 1 if bad or dead or not found[folder / 'README.md'][0] else 0
 
 

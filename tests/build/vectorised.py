@@ -7,7 +7,7 @@ vector code is in the library several times: in the widest registers, in narrowe
 ray by ray, for the last few rays and for arrays that might overlap (of a short loop the last seven rays are
 written out one by one).  A loop that has not become vector code is there once, ray by ray.
 
-So in each kernel for x86-64-v3 and v4, the packed operations in the widest registers (ymm, zmm) must be at
+(A kernel that v4 shares with v3, src/meson.build, is there once.)  So in each kernel for x86-64-v3 and v4, the packed operations in the widest registers (ymm, zmm) must be at
 least a quarter of the scalar ones (a tenth, if those are below 64).  The scalar ones include what is worked
 out once for all rays.  In the kernels that do most of the work, certain operations must be packed.
 
@@ -56,8 +56,8 @@ def count(kind, lines, found):
 
 def faults_of(found):
     for name, kinds in sorted(found.items()):
-        if set(kinds) != set(WIDE):
-            yield f'{name}: not there for each of {", ".join(WIDE)}'
+        if 'v3' not in kinds:
+            yield f'{name}: for x86-64-v4 and not for v3'
         for kind, counts in sorted(kinds.items()):
             by = collections.Counter()
             for (_, width), n in counts.items():

@@ -535,9 +535,9 @@ def test_remarks():
 
 
 def test_commands_without_effect():
-    """Those of the table of docs/lens_file.md are silent and change nothing."""
+    """Those of the table of docs/import.md are silent and change nothing."""
     wanted = imported(PLAIN)
-    page = (HERE.parents[1] / 'docs' / 'lens_file.md').read_text()
+    page = (HERE.parents[1] / 'docs' / 'import.md').read_text()
     table = page[page.index('<!-- commands without effect -->'):]
     table = table[:table.index('<!-- end -->')]
     words = [w for row in re.findall(r'^\| (`.*?) \|', table, re.MULTILINE) for w in re.findall('`([A-Z]+)`', row)]

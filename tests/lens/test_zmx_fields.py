@@ -6,7 +6,7 @@
 
 Each field of each record is changed to another value that such a field may have, one at a time.  Then the
 imported lens differs, or a remark names the record, or the reading is refused by its name, or the field is
-in the table "Fields without effect" of docs/lens_file.md.  The table is held to it, too: what stands there
+in the table "Fields without effect" of docs/import.md.  The table is held to it, too: what stands there
 changes nothing and makes no remark.
 
 The files are those of tests/data/zmx, one with shapes that they lack, and some written here in which every field of every kind of record
@@ -28,7 +28,7 @@ import zmx_oracle  # noqa: E402
 SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'), 0)
 SCALE = float(os.environ.get('SAGITTA_TEST_SCALE', '0.5'))
 DATA = HERE.parent / 'data' / 'zmx'
-DOCS = HERE.parent.parent / 'docs' / 'lens_file.md'
+DOCS = HERE.parent.parent / 'docs' / 'import.md'
 os.environ['SAGITTA_GLASS'] = str(zmx_oracle.GLASSES)
 
 # What may stand in place of a word.
@@ -343,14 +343,14 @@ def shows(text, at, field, value, before):
 
 
 def without_effect():
-    """The table of docs/lens_file.md: {record: function of a field}."""
+    """The table of docs/import.md: {record: function of a field}."""
     table = DOCS.read_text().split('<!-- fields without effect -->')[1].split('<!-- end -->')[0]
     out = {}
     for row in re.findall(r'^\| (`.*?) \| (.*?) \|', table, re.M):
         fields = set()
         for part in row[1].split(', '):
             m = re.fullmatch(r'(all)|(\d+)( on)?|(\d+) to (\d+)', part)
-            assert m, f'docs/lens_file.md: fields {part!r}'
+            assert m, f'docs/import.md: fields {part!r}'
             if m[1]:
                 fields |= set(range(1, 100))
             elif m[4]:
@@ -358,7 +358,7 @@ def without_effect():
             else:
                 fields |= set(range(int(m[2]), 100 if m[3] else int(m[2]) + 1))
         for record in row[0].replace('`', '').split(', '):
-            assert record not in out, f'docs/lens_file.md: {record} twice'
+            assert record not in out, f'docs/import.md: {record} twice'
             out[record] = fields
     return out
 

@@ -507,19 +507,20 @@ def test_bad_files():
         assert '--surface:1: sag: ' in done.stderr, done.stderr
 
 
-DOCUMENT, TABLES = HERE.parent.parent / 'docs' / 'lens_file.md', HERE.parent.parent / 'docs' / 'surfaces.md'
+DOCS = HERE.parent.parent / 'docs'
+DOCUMENTS = [DOCS / name for name in ('lens_file.md', 'lens_file_surfaces.md', 'lens_file_phases.md')]
 
 
 def test_document():
-    """Each surface that docs/lens_file.md shows can be read; with docs/surfaces.md it names every type, and every key of each."""
-    text = DOCUMENT.read_text()
+    """Each surface that the pages of the lens file show can be read; with docs/surfaces.md it names every type, and every key of each."""
+    text = ''.join(page.read_text() for page in DOCUMENTS)
     heights = written('\n'.join(','.join(['0.01'] * 5) for _ in range(5)), 'measured.csv')
     examples = [line[2:].split('   #')[0] for line in text.splitlines() if line.startswith('- {type')]
     assert len(examples) > 14, len(examples)
     for example in examples:
         run('intersect', '--surface', example.replace('measured.csv', str(heights)), '--ray', '0.1 0.2 -5 0 0 1', exit=None)
     done = run('intersect', '--surface', '{type: nothing}', '--ray', '0 0 -5 0 0 1', exit=BAD_INPUT)
-    text += TABLES.read_text()
+    text += (DOCS / 'surfaces.md').read_text()
     types = done.stderr.strip().split('there are: ')[1].split(', ')
     assert len(types) >= 20, types
     for name in types:

@@ -553,6 +553,14 @@ def ended(arguments, how):
     return done.returncode, done.stderr
 
 
+def test_no_such_command():
+    """The next command is named: that which is a letter away, or what a lens file comes behind."""
+    for word, said in (('tarce', 'did you mean sagitta trace?'), ('spo', 'did you mean sagitta spot?'),
+                       ('lens.yaml', 'sagitta trace lens.yaml'), ('render', 'sagitta --help lists them')):
+        done = run(word, exit=USAGE)
+        assert said in done.stderr, (word, done.stderr)
+
+
 def test_output_that_cannot_be_written():
     """Of every command each output: an error, with a message and a status."""
     if not os.path.exists('/dev/full'):

@@ -22,7 +22,7 @@ const command command_import = {
     .often = "output glass configuration strict quiet",
     .examples = "  sagitta import triplet.zmx -o triplet.yaml\n"
                 "  sagitta import tests/data/seq/triplet.seq --configuration 1\n",
-    .docs = "docs/lens_file.md",
+    .docs = "docs/import.md",
     .all = "On standard error: what was turned into something else, and what was left out, one remark a\n"
            "line: FILE:LINE: KEY: taken as ..., or left out: ...  Nothing is left out in silence.  Notes of\n"
            "a .zmx file, and comments at the head of a lens file, become comments at the head of the YAML.\n",

@@ -143,7 +143,7 @@ const command command_intersect = {
     .often = "surface ray rays all proof pick columns format output",
     .examples = "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
                 "  sagitta intersect --surface '{type: conic, radius: 20, conic: -1}' --rays FILE --all\n",
-    .docs = "docs/tour.md, docs/lens_file.md (every type of surface)", .all = intersect_all,
+    .docs = "docs/tour.md, docs/lens_file_surfaces.md (every type of surface)", .all = intersect_all,
     .group = {&intersect_own, &intersect_search, &options_solver, &options_in_threads, &options_shards,
               &options_rows},
     .run = intersect_run,
