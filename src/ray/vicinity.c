@@ -456,9 +456,10 @@ static void tell_start(const sgt_rays *r, const vicinity *v, const at_starts *at
 }
 
 /* Answers the rays that start on the surface and meet nothing more, as misses, and sets from[i] to a t up to
- * which nothing is met, for others that start on it.  seen: what a look at the origin says. */
+ * which nothing is met, for others that start on it.  seen: what a look at the origin says.  Returns whether
+ * any is a miss. */
 SGT_NOINLINE
-static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, vicinities *kept,
+static bool leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, vicinities *kept,
                           const vicinity *v, double *from, double *seen)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
@@ -468,24 +469,25 @@ static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
                            .about = v->work[7], .high = v->work[10], .axis = axis};
     double *starts = v->work[0], *lo = v->work[1], *hi = v->work[11], *least = v->work[2],
            *over = v->work[12], *const *rows = v->work + 13;
-    if (v->budget < LEAST_BUDGET || may_start(n, &r, v, starts) == 0) return;
+    if (v->budget < LEAST_BUDGET || may_start(n, &r, v, starts) == 0) return false;
     start_rungs(n, &r, starts, w.wide);
     extents(s, n, w.wide, COARSE, starts, kept, &w);
-    if (starts_between_all(n, &r, &w, starts) == 0) return;
+    if (starts_between_all(n, &r, &w, starts) == 0) return false;
     const sgt_shared bare = bare_of(*whole);
     if (!builtin->values_rounded(s.self, &bare, NULL, n, (sgt_points){{r.o[0], r.o[1], r.o[2]}},
                                  (sgt_values){rows[0], {rows[1], rows[2], rows[3]}}, rows[4]))
-        return;
+        return false;
     const at_starts at = {rows[0], rows[1], rows[2], rows[4]};
-    if (starts_seen(n, &r, &at, starts, seen) == 0) return;
+    if (starts_seen(n, &r, &at, starts, seen) == 0) return false;
     builtin->chords(n, r, w.radius2, w.steep, axis ? read : NULL, lo, hi, least);
-    if (starts_monotone(n, lo, hi, least, starts) == 0) return;
+    if (starts_monotone(n, lo, hi, least, starts) == 0) return false;
     start_noise_rungs(n, &r, starts, w.about);
     const vicinity near = {.asked = starts, .noise = {v->noise[0], v->noise[1], v->noise[2]}};
     noises_about(s, n, w.about, v->work[9], kept, &near);
     const double *const noise[3] = {v->noise[0], v->noise[1], v->noise[2]};
-    if (starts_on(n, &r, &at, noise, least, starts) == 0) return;
+    if (starts_on(n, &r, &at, noise, least, starts) == 0) return false;
     leaves_circle(n, &r, heights_about(s, kept), v->tmax, w.radius2, hi, over);
+    bool some = false;
     for (size_t i = 0; i < n; i++) {
         if (starts[i] != 1) continue;
         double clear = hi[i];
@@ -498,8 +500,9 @@ static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
         }
         from[i] = clear;
         if (over[i] > 0 || clear == HUGE_VAL || clear > v->tmax[i])
-            v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
+            v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0, some = true;
     }
+    return some;
 }
 
 /* How many rays are still to be looked at. */
@@ -549,10 +552,9 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     double from[VICINITY_MOST], seen[VICINITY_MOST];
     memcpy(from, v->tmin, n * sizeof *from);
     memset(seen, 0, n * sizeof *seen);
-    if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0]))) {
-        leave_circles(s, n, r, whole, kept, v, from, seen);
-        if (asked_all(n, v->asked) == 0) return;
-    }
+    if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0])) &&
+        leave_circles(s, n, r, whole, kept, v, from, seen) && asked_all(n, v->asked) == 0)
+        return;
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {
         vicinity_without_passing(s, n, r, true, kept, v);
