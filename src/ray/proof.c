@@ -757,10 +757,13 @@ bool sgt_proof_take(proof *w, double t, double t_lo, double t_err)
     return proof_certify(w, about, m, G, &c) == ROOT && proof_take(w, &c);
 }
 
-void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, sgt_list *list)
+void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, double clear,
+                    sgt_list *list)
 {
     sgt_span span;
     if (!sgt_proof_bounds(s, ray, &span)) return;
+    if (clear > span.lo && !all && !near) span.lo = clear;
+    if (!(span.lo <= span.hi)) return;
     int before = list->count, told_before = told->before;
     proof w = sgt_proof_of(s, ray, told->opt, &span, list, all);
     w.all = all || near;

@@ -600,6 +600,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     }
     if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
     if (!marches || !(left != 0 || behind || boxed)) return;
+    if (v->clear && !boxed) v->clear[0] = larger(v->clear[0], larger(from[0], w.from[0]));
     /* the march through the box has used the rows of `from` */
     for (size_t i = 0; i < n && !boxed; i++) from[i] = larger(from[i], w.from[i]);
     if (left != 0) march_wings(s, n, r, from, false, whole, kept, v);

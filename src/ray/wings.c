@@ -864,6 +864,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                     if (t > ray.tmax || (mode == IN_CHORD && t > v->hi[k])) is_miss(v, k);
                     else tell_root(a, i, scale, v);
                 }
+                if (v->clear && v->asked[k] != 0) v->clear[k] = larger(v->clear[k], t);
                 wings_leave(a, i, --left);
             }
         }
