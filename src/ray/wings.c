@@ -55,10 +55,18 @@
  * - a) / h.  If that is above B h / 2, F is monotone: the start's root is the only one, and within a / |F'|
  * of the start.  It is not accepted if that is less than the reach of the rule of the start (accept.h),
  * whose terms are known there.  Then the march goes on from h.  A wide bound on what is rounded makes a
- * great: then nothing is dropped here.  Whether rounding alone hides the root is left to `rounding` at the
- * very point (sharpened_of in step.h, proof.c).  If |F| is convex, it rises from h on: nothing is met as
- * far as what is known reaches.  That is a miss if the chord or the ray ends there, or the ray is then
- * below or above all of the surface.
+ * great: then nothing is dropped by this.  If |F| is convex, it rises from h on: nothing is met as far as what
+ * is known reaches.  That is a miss if the chord or the ray ends there, or the ray is then below or above all
+ * of the surface.
+ *
+ * HIDDEN.  Near the axis a sum of many terms rounds by more than the reach of the rule.  Then a search by
+ * cells finds the start's root to t_err, the width of F's enclosure there over the slope, and drops it if it is
+ * nearer than that (accept.h).  So one enclosure, at the very start, is asked for.  If it holds 0, and |F| is at
+ * most an eighth of its width on either side, the search's t is at most an eighth of its t_err: a point as
+ * near as that has an enclosure that is about as wide.  (More than an eighth as wide is all that is needed.)
+ * The root is the only one up to h, as above.  It is not dropped if it may be farther from the start than
+ * eight reaches, by `rounding` at the very point: such a one is left to the search, which may call it
+ * undecided.
  *
  * Without a rim the same is done in the circle that is known about the start: r^2 is convex along the ray, so
  * what is known there holds between two points that are both in it.  Then the ray is a miss if it is above or
@@ -579,15 +587,25 @@ static double step_off(rows a, size_t k, bool in_rings, double bend, double slop
     return h;
 }
 
-/* Has row k left the start, h on?  Then it moves there. */
-static bool leaves_start(rows a, size_t k, const looked *start, const looked *next, double h)
+/* Has row k left the start, h on, with a root that is nearer than this many reaches of the rule?  Then it
+ * moves there. */
+static bool leaves_start(rows a, size_t k, const looked *start, const looked *next, double h, double reaches)
 {
     double bend = larger(-a[BENT_LO][k], a[BENT_HI][k]), off = fabs(start->f) + start->err,
            b = fabs(next->f) - next->err, curve = 0.5625 * bend * h, least = (b - off) / h - curve,
            most = (fabs(next->f) + next->err + off) / h + curve;
-    if (!(b > 0 && least > curve && off * most < 0.98 * START_ULPS * start->terms * least)) return false;
+    if (!(b > 0 && least > curve && off * most < reaches * START_ULPS * start->terms * least)) return false;
     a[T][k] += h, a[A][k] = b, a[SIGN][k] = copysign(1, next->f), a[H][k] = 0;
     return true;
+}
+
+/* HIDDEN: is F at the start of this ray 0 by far less than its enclosure there is wide? */
+static bool start_is_hidden(sgt_surface s, const sgt_ray *ray, double f, const vicinity *v, size_t lane)
+{
+    sgt_interval slope, at = {0, 0}, g = s.ops->own_->enclose(s.self, ray, ray->tmin, at, &slope);
+    v->evals[lane] += 1;
+    if (v->told) tell_cell(v->told, SGT_MARCH, ray->tmin, ray->tmin, g, slope);
+    return g.lo < 0 && g.hi > 0 && 8 * fabs(f) <= smaller(-g.lo, g.hi) && g.hi - g.lo < HUGE_VAL;
 }
 
 /* The bound for many points is a wide one where terms vanish on a line: that of the point itself. */
@@ -626,9 +644,14 @@ static void leave_starts(sgt_surface s, rows a, size_t left, bool in_rings, cons
         for (size_t j = 0; j < e.n; j++) {
             size_t k = e.of[j];
             looked next = look_of(a, &e, j);
-            if (!leaves_start(a, k, &start[j], &next, h[j])) {
+            if (!leaves_start(a, k, &start[j], &next, h[j], 0.98)) {
                 sharpen(s, a, k, a[T][k], &start[j]), sharpen(s, a, k, e.t[j], &next);
-                if (!leaves_start(a, k, &start[j], &next, h[j])) continue;
+                const size_t lane = (size_t)a[LANE][k];
+                const sgt_ray ray = row_ray(r, v, lane);
+                if (!leaves_start(a, k, &start[j], &next, h[j], 0.98) &&
+                    !(start_is_hidden(s, &ray, start[j].f, v, lane) &&
+                      leaves_start(a, k, &start[j], &next, h[j], 8)))
+                    continue;
             }
             bow F2 = bow_of(a[SIGN][k], a[BENT_LO][k], a[BENT_HI][k]);
             a[VERDICT][k] = F2.least >= 0 && !in_rings ? LEFT : OFF;
