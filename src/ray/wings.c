@@ -482,10 +482,11 @@ static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t 
     return false;
 }
 
-/* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  It is
- * asked in pieces if the enclosure knows too little of the whole. */
+/* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  The heights of
+ * rings cost a twentieth of an enclosure.  That is asked in pieces if it knows too little of the whole, until
+ * one in 2^-12 of the rest says no: a root is there, or nearly.  The march has come to that piece then. */
 static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows a, size_t i, double scale,
-                           const vicinity *v)
+                           vicinities *kept, const vicinity *v)
 {
     if (!(a[RADIUS][i] > edge * (1 - 0x1p-10))) return false;
     sgt_rays one = rays_of(ray);
@@ -493,8 +494,9 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
     s.ops->own_->chords(1, one, &outer2, &steep, NULL, &lo, &end, &least);
     if (end > ray->tmax) end = ray->tmax;
     if (!(from < end && end < HUGE_VAL)) return false;
+    if (sgt_clear_by_heights(heights_about(s, kept), ray, from) >= end) return true;
     double width = end - from;
-    for (int k = 0; k < LEAVING && from < end; k++) {
+    for (int k = 0; k < LEAVING && from < end && width > 0x1p-12 * (end - from); k++) {
         double to = width < end - from ? from + width : end;
         sgt_interval slope, t = {0, sgt_sum_above(to, -from)},
                             g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
@@ -505,24 +507,8 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
         from = certain ? to : from;
         width *= certain ? 2 : 0.25;
     }
+    if (v->clear) v->clear[(size_t)a[LANE][i]] = larger(v->clear[(size_t)a[LANE][i]], from);
     return !(from < end);
-}
-
-/* The march has begun anew between rings, where F is not defined.  Is nothing met from there to the end of
- * the last ring? */
-static bool is_undefined_on(sgt_surface s, const sgt_ray *ray, double from, vicinities *kept,
-                            const vicinity *v, size_t k)
-{
-    const sgt_heights *h = heights_about(s, kept);
-    double outer = SGT_RINGS * h->width, outer2 = outer * outer * (1 + 0x1p-30), steep = 0, lo, last, least;
-    s.ops->own_->chords(1, rays_of(ray), &outer2, &steep, NULL, &lo, &last, &least);
-    double end = smaller(ray->tmax, h->endless || !(last < DBL_MAX) ? DBL_MAX : last);
-    if (!(from > ray->tmin && from < end)) return false;
-    sgt_interval slope, t = {0, sgt_sum_above(end, -from)},
-                        g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
-    v->evals[k] += 1;
-    if (v->told) tell_cell(v->told, SGT_MARCH, from, end, g, slope);
-    return g.lo > 0 || g.hi < 0; /* also an empty one */
 }
 
 static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
@@ -871,7 +857,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 } else if (t > ray.tmax
                            || (in_rings ? (known->tailed && leaves_by_tail(s, a, i, &kept->tails)) ||
                                             leaves_by_heights(s, &ray, a, i, off, t, evals, kept) ||
-                                            leaves_by_edge(s, &ray, edge, a, i, scale, v)
+                                            leaves_by_edge(s, &ray, edge, a, i, scale, kept, v)
                                       : t > v->hi[k])) {
                     is_miss(v, k);
                     wings_leave(a, i, --left);
@@ -879,10 +865,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                     enclose_in(s, edge, known->boxed, &kept->rings, a, i);
             } else {
                 double t = a[T][i] * scale;
-                if (verdict == GIVEN_UP && in_rings && a[SIGN][i] == 0 && !(a[F][i] == a[F][i]) && !spent &&
-                    is_undefined_on(s, &ray, t, kept, v, k)) {
-                    is_miss(v, k);
-                } else if (verdict == FOUND && !spent) {
+                if (verdict == FOUND && !spent) {
                     /* the march has moved behind the end of the ray, and knows the root there at once */
                     if (t > ray.tmax || (mode == IN_CHORD && t > v->hi[k])) is_miss(v, k);
                     else tell_root(a, i, scale, v);
