@@ -341,16 +341,16 @@ static const ring *ring_about(sgt_surface s, double rung, rings *kept)
     if (!kept->any)
         for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
     kept->any = true;
-    /* The rungs of two octaves have a place each; so has every fourth rung of eight octaves, a FINE one. */
-    ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
+    /* The rungs of eight octaves have a place each. */
+    ring *e = &kept->of[place_of(rung, FINER, RINGS)];
     if (e->radius == rung) return e;
     *e = (ring){rung, HUGE_VAL, SGT_ANY_NUMBER, {(double)NAN, (double)NAN}};
     double rim = s.ops->own_->rim(s.self);
     if (!(rung < HUGE_VAL) || (rim > 0 && !(rung <= rim))) return e;
     sgt_extent extent;
     s.ops->own_->extent_within(s.self, rung, true, &extent);
-    s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e->noise);
     e->steep = extent.steep, e->bent = extent.bent;
+    if (e->steep < HUGE_VAL) s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e->noise);
     return e;
 }
 
