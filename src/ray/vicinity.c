@@ -299,12 +299,13 @@ static double all_behind(size_t n, const double *restrict asked, const double *r
 }
 
 /* Marks as misses the rays that miss the whole surface.  behind: looks at the rays that begin behind the
- * seed, which may well leave the surface; else at the others. */
-static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vicinities *kept,
-                            const vicinity *v)
+ * seed, which may well leave the surface; else at the others.  Of those that begin on it, and so are asked
+ * only from some t on, leave_circles has asked. */
+static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, const double *from,
+                                     vicinities *kept, const vicinity *v)
 {
     for (size_t i = 0; i < n; i++) {
-        if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i])) continue;
+        if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i]) || from[i] > v->tmin[i]) continue;
         sgt_ray ray = ray_of(&r, i);
         ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
         if (sgt_passes_by(heights_about(s, kept), &ray, v->tmin[i]))
@@ -557,7 +558,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         return;
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {
-        vicinity_without_passing(s, n, r, true, kept, v);
+        vicinity_without_passing(s, n, r, true, from, kept, v);
         if (marches && whole->radius2 < HUGE_VAL) march_wings(s, n, r, from, true, whole, kept, v);
     }
     double *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
@@ -598,7 +599,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         march_box(s, n, r, w.from, whole, kept, v);
         left = asked_all(n, v->asked);
     }
-    if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
+    if (left != 0 && !near) vicinity_without_passing(s, n, r, false, from, kept, v);
     if (!marches || !(left != 0 || behind || boxed)) return;
     if (v->clear && !boxed) v->clear[0] = larger(v->clear[0], larger(from[0], w.from[0]));
     /* the march through the box has used the rows of `from` */
