@@ -614,8 +614,8 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
         noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
         /* Far out a bound for the whole rung may be 10^7 times that at the root.  That one costs as much as
-         * two looks, and is asked for where t would be known to less than 2^-44 of it. */
-        if (v->noise[0][i] + v->noise[1][i] * (off * off) > 0x1p-44 * v->least[i] * fabs(v->seed[i]))
+         * two looks, and is asked for where t would be known to less than 2^-40 of it. */
+        if (v->noise[0][i] + v->noise[1][i] * (off * off) > 0x1p-40 * v->least[i] * fabs(v->seed[i]))
             noise_about(s, HUGE_VAL, i, kept, v);
     }
 }
