@@ -275,7 +275,8 @@ static bool one_root(walk *w, const approach *a, const sgt_span *span, bool near
            (span->single && ((whole && r.status == SGT_MISS) || (r.status > 0 && w->off)));
 }
 
-/* Adds the entries there are.  Returns the evaluations spent since the last entry.  kept: as in root_nearby. */
+/* Adds the entries there are.  Returns the evaluations spent since the last entry.  kept: as in
+ * root_nearby. */
 typedef enum search_for { ONE_QUICKLY, ONE, EVERY } search_for;
 
 static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, search_for what,

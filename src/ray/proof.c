@@ -787,7 +787,8 @@ void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bo
     const bool rest = clear > ray->tmin && !all && !near;
     prove_from(s, ray, told, all, near, rest ? clear : -HUGE_VAL, list);
     /* its cells are others, and may leave open what those of the whole ray do not */
-    if (!(rest && list->count > before.count && list->last.status < 0) || told->stopped || spent(told)) return;
+    const bool open = rest && list->count > before.count && list->last.status < 0;
+    if (!open || told->stopped || spent(told)) return;
     *list = before, told->before = told_before;
     prove_from(s, ray, told, all, near, -HUGE_VAL, list);
 }

@@ -404,7 +404,7 @@ static double starts_monotone(size_t n, const double *lo, const double *hi, cons
 /* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do, else 0.
  * Returns how many. */
 SGT_KERNEL
-static double starts_on(size_t n, const sgt_rays *r, const at_starts *at, const double *const noise[3],
+static double starts_within(size_t n, const sgt_rays *r, const at_starts *at, const double *const noise[3],
                         const double *least, double *restrict starts)
 {
     const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2],
@@ -486,7 +486,7 @@ static bool leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
     const vicinity near = {.asked = starts, .noise = {v->noise[0], v->noise[1], v->noise[2]}};
     noises_about(s, n, w.about, v->work[9], kept, &near);
     const double *const noise[3] = {v->noise[0], v->noise[1], v->noise[2]};
-    if (starts_on(n, &r, &at, noise, least, starts) == 0) return false;
+    if (starts_within(n, &r, &at, noise, least, starts) == 0) return false;
     leaves_circle(n, &r, heights_about(s, kept), v->tmax, w.radius2, hi, over);
     bool some = false;
     for (size_t i = 0; i < n; i++) {

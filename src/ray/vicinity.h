@@ -125,8 +125,8 @@ typedef struct vicinity {
     const double *tmin, *tmax;
     double *seed, *asked, *lo, *hi, *least, *noise[3], *evals, budget;
     const double *begun; /* what evals is before; NULL: 0 */
-    double *clear;       /* NULL, or raised, of a row of which nothing was found, to a t up to which no root is
-                          * accepted (tmin is the start all the same) */
+    double *clear; /* NULL, or raised, where nothing was found, to a t up to which no root is accepted (tmin
+                    * is the start all the same) */
     tally *told;
     double *work[VICINITY_ROWS];
 } vicinity;

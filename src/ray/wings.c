@@ -55,18 +55,18 @@
  * - a) / h.  If that is above B h / 2, F is monotone: the start's root is the only one, and within a / |F'|
  * of the start.  It is not accepted if that is less than the reach of the rule of the start (accept.h),
  * whose terms are known there.  Then the march goes on from h.  A wide bound on what is rounded makes a
- * great: then nothing is dropped by this.  If |F| is convex, it rises from h on: nothing is met as far as what
- * is known reaches.  That is a miss if the chord or the ray ends there, or the ray is then below or above all
- * of the surface.
+ * great: then nothing is dropped by this.  If |F| is convex, it rises from h on: nothing is met as far as
+ * what is known reaches.  That is a miss if the chord or the ray ends there, or the ray is then below or
+ * above all of the surface.
  *
  * HIDDEN.  Near the axis a sum of many terms rounds by more than the reach of the rule.  Then a search by
- * cells finds the start's root to t_err, the width of F's enclosure there over the slope, and drops it if it is
- * nearer than that (accept.h).  So one enclosure, at the very start, is asked for.  If it holds 0, and |F| is at
- * most an eighth of its width on either side, the search's t is at most an eighth of its t_err: a point as
- * near as that has an enclosure that is about as wide.  (More than an eighth as wide is all that is needed.)
- * The root is the only one up to h, as above.  It is not dropped if it may be farther from the start than
- * eight reaches, by `rounding` at the very point: such a one is left to the search, which may call it
- * undecided.
+ * cells finds the start's root to t_err, the width of F's enclosure there over the slope, and drops it if it
+ * is nearer than that (accept.h).  So one enclosure, at the very start, is asked for.  If it holds 0, and |F|
+ * is at most an eighth of its width on either side, the search's t is at most an eighth of its t_err: a point
+ * as near as that has an enclosure that is about as wide.  (More than an eighth as wide is all that is
+ * needed.)  The root is the only one up to h, as above.  It is not dropped if it may be farther from the
+ * start than eight reaches, by `rounding` at the very point: such a one is left to the search, which may call
+ * it undecided.
  *
  * Without a rim the same is done in the circle that is known about the start: r^2 is convex along the ray, so
  * what is known there holds between two points that are both in it.  Then the ray is a miss if it is above or
@@ -482,9 +482,9 @@ static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t 
     return false;
 }
 
-/* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  The heights of
- * rings cost a twentieth of an enclosure.  That is asked in pieces if it knows too little of the whole, until
- * one in 2^-12 of the rest says no: a root is there, or nearly.  The march has come to that piece then. */
+/* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  The heights
+ * of rings cost a twentieth of an enclosure.  That is asked in pieces if it knows too little of the whole,
+ * until one in 2^-12 of the rest says no: a root is there, or nearly.  The march has come to that piece. */
 static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows a, size_t i, double scale,
                            vicinities *kept, const vicinity *v)
 {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Rays that leave a departure, graze it or come from nearby: is a root passed over?
 //
-// F is looked at along each ray in doubles, at some 180 points from 1e-7 to 1e4 of the surface's size, with no
-// knowledge of the library.  Where it changes its sign, the root between is found by bisection in 113 bits.  If
-// it is within the rim, certainly not the start, and before the hit (or there is no hit), a root has been lost.
-// Starts are points of the surface as the formula has them, or hits; directions of the whole sphere, and along
-// the surface.  Each batch of 200 has to answer as the single rays do, to the last bit and evaluation.
+// F is looked at along each ray in doubles, at some 180 points from 1e-7 to 1e4 of the surface's size, with
+// no knowledge of the library.  Where it changes its sign, the root between is found by bisection in 113
+// bits.
+// If it is within the rim, certainly not the start, and before the hit (or there is no hit), a root has
+// been lost.  Starts are points of the surface as the formula has them, or hits; directions of the whole
+// sphere, and along the surface.  Each batch of 200 has to answer as the single rays do, to the last bit and
+// evaluation.
 #include "../ends.h"
 #include "specimens.h"
 
@@ -126,8 +128,8 @@ void ask(const char *type, const specimen &s, const std::vector<sgt_ray> &rays, 
                 if (all.lost++ < 3) {
                     std::printf("%s: a root before %.17g is lost, %s %.17g\n    o %.17g %.17g %.17g, d %.17g "
                                 "%.17g %.17g, up to %.17g\n    ",
-                                type, at, sgt_status_text(one.status), one.t, r.o.x, r.o.y, r.o.z, r.d.x, r.d.y,
-                                r.d.z, r.tmax);
+                                type, at, sgt_status_text(one.status), one.t, r.o.x, r.o.y, r.o.z, r.d.x,
+                                r.d.y, r.d.z, r.tmax);
                     print_surface(s.s);
                 }
                 break;
@@ -161,8 +163,8 @@ int main()
             }
             if (!rays.empty()) ask(type, s, rays, rough);
         }
-        std::printf("%-14s %7ld rays, %6ld hits, %6ld misses, %4ld undecided, %ld roots lost, %ld differ in a "
-                    "batch\n",
+        std::printf("%-14s %7ld rays, %6ld hits, %6ld misses, %4ld undecided, %ld roots lost, %ld differ in "
+                    "a batch\n",
                     type, all.rays, all.hits, all.misses, all.undecided, all.lost, all.differ);
         good = good && all.lost == 0 && all.differ == 0 && all.undecided <= all.rays / 3;
     }
