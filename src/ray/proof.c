@@ -786,8 +786,11 @@ void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bo
     const int told_before = told->before;
     const bool rest = clear > ray->tmin && !all && !near;
     prove_from(s, ray, told, all, near, rest ? clear : -HUGE_VAL, list);
-    /* its cells are others, and may leave open what those of the whole ray do not */
-    const bool open = rest && list->count > before.count && list->last.status < 0;
+    /* Its cells are others, and may leave open what those of the whole ray do not.  And a stretch that holds
+     * `clear`, on which rounding hides F, is cut there: what is left of it is no root of its own. */
+    const sgt_hit *hit = &list->last;
+    const bool sure = hit->status == SGT_HIT && hit->t - clear > 0x1p10 * hit->t_err,
+               open = rest && list->count > before.count && !sure;
     if (!open || told->stopped || spent(told)) return;
     *list = before, told->before = told_before;
     prove_from(s, ray, told, all, near, -HUGE_VAL, list);
