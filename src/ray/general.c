@@ -198,8 +198,9 @@ static bool first_of_several(walk *w)
     return told;
 }
 
-/* The same for one root on the stretch of the ray where F is monotone (vicinity.h). */
-static bool root_nearby(walk *w, const sgt_span *span, bool near)
+/* The same for one root on the stretch of the ray where F is monotone (vicinity.h).  kept: what is known of
+ * parts of the surface; NULL: nothing.  *clear: up to there no root is accepted. */
+static bool root_nearby(walk *w, const sgt_span *span, bool near, vicinities *kept, double *clear)
 {
     const sgt_ray *ray = w->ray;
     const sgt_surface_ops *ops = w->s.ops;
@@ -209,17 +210,18 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     if (!near && marches_chord(&w->shared)) seed = chord_seed(seed, lo, hi, ray->tmin, ray->tmax);
     if (!(fabs(seed) < HUGE_VAL)) return false;
     const double whole = w->least;
-    vicinities kept;
-    vicinities_begin(&kept);
+    vicinities own;
+    if (!kept) vicinities_begin(&own);
     slopes_known within;
     slopes_begin(&within);
     vicinity v = {.tmin = &ray->tmin, .tmax = &ray->tmax, .seed = &seed,
                   .asked = &asked, .lo = &lo, .hi = &hi, .least = &least,
                   .noise = {&w->noise[0], &w->noise[1], &w->noise[2]},
-                  .evals = &evals, .budget = w->told.budget, .begun = &begun, .told = &w->told};
+                  .evals = &evals, .budget = w->told.budget, .begun = &begun, .told = &w->told,
+                  .clear = clear};
     for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
     sgt_rays one = rays_of(ray);
-    sgt_vicinity_of(w->s, 1, one, near ? &within : NULL, &w->shared, &kept, &v);
+    sgt_vicinity_of(w->s, 1, one, near ? &within : NULL, &w->shared, kept ? kept : &own, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (w->nearby) w->shared = bare_of(w->shared);
     if (asked != 0 || w->told.stopped) return false;
@@ -273,11 +275,12 @@ static bool one_root(walk *w, const approach *a, const sgt_span *span, bool near
            (span->single && ((whole && r.status == SGT_MISS) || (r.status > 0 && w->off)));
 }
 
-/* Adds the entries there are.  Returns the evaluations spent since the last entry. */
+/* Adds the entries there are.  Returns the evaluations spent since the last entry.  kept: as in
+ * root_nearby. */
 typedef enum search_for { ONE_QUICKLY, ONE, EVERY } search_for;
 
 static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, search_for what,
-                        sgt_list *list)
+                        vicinities *kept, sgt_list *list)
 {
     const bool all = what == EVERY;
     walk w = {.s = s, .ray = ray, .list = list, .all = all, .rim2 = rim2_of_surface(s),
@@ -290,10 +293,12 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
     /* step 2 */
-    bool weak = span.single && !near && rim2_of_surface(s) < HUGE_VAL && is_catalogue(s.ops) &&
-                s.ops->own_->extent_within && marches_chord(&w.shared) &&
+    bool weak = span.single && !near && starts_low(ray->o, ray->tmin) && w.rim2 < HUGE_VAL &&
+                is_catalogue(s.ops) && s.ops->own_->extent_within && marches_chord(&w.shared) &&
                 starts_weakly(ray->o, ray->d, ray->tmin, w.least);
-    if (!all && (!span.single || weak) && root_nearby(&w, &span, near)) return w.told.evals - w.told.before;
+    double clear = -HUGE_VAL;
+    if (!all && (!span.single || weak) && root_nearby(&w, &span, near, kept, &clear))
+        return w.told.evals - w.told.before;
     approach a = approach_by(ray, &span, s.ops->enclose || s.ops->clearance,
                              span.single && is_catalogue(s.ops) && s.ops->own_->spans);
     if (a.passes) return w.told.evals - w.told.before;
@@ -315,30 +320,37 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     if (over(&w) || what == ONE_QUICKLY)
         sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
     else if (s.ops->enclose && !guesses && own && isfinite(lo) && isfinite(hi)) sgt_walk_enclosed(&w, lo, hi);
-    else if (s.ops->enclose && !guesses) sgt_prove_rest(s, ray, &w.told, all, near, list);
+    else if (s.ops->enclose && !guesses) sgt_prove_rest(s, ray, &w.told, all, near, clear, list);
     else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
     else sgt_walk_stretch(&w, SGT_UNPROVEN, lo, hi);
     return w.told.evals - w.told.before;
 }
 
-static sgt_hit search_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, search_for what)
+static sgt_hit search_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, search_for what,
+                          vicinities *kept)
 {
     sgt_list list = {.cap = 0, .count = 0};
-    int evals = search_along(s, ray, opt, what, &list);
+    int evals = search_along(s, ray, opt, what, kept, &list);
     return first_entry(&list, ray, evals);
 }
 
 sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
-    return search_one(s, ray, opt, ONE);
+    return search_one(s, ray, opt, ONE, NULL);
+}
+
+sgt_hit sgt_search_first_kept(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
+                              struct vicinities *kept)
+{
+    return search_one(s, ray, opt, ONE, kept);
 }
 
 sgt_hit sgt_search_quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
-    return search_one(s, ray, opt, ONE_QUICKLY);
+    return search_one(s, ray, opt, ONE_QUICKLY, NULL);
 }
 
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
-    search_along(s, ray, opt, EVERY, list);
+    search_along(s, ray, opt, EVERY, NULL, list);
 }

@@ -82,6 +82,11 @@ sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt);
  * read.  In general.c. */
 sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 
+/* The same, with what a batch keeps of parts of the surface (vicinity.h): the same bits at less cost. */
+struct vicinities;
+sgt_hit sgt_search_first_kept(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
+                              struct vicinities *kept);
+
 /* The same without steps 5 to 7: what they would be asked is EXHAUSTED. */
 sgt_hit sgt_search_quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);

@@ -290,7 +290,21 @@ static double nearby_asked(const lanes *a, size_t n, double *asked)
     return some;
 }
 
-/* Have all lanes a slope of which the bound is not a weak one? */
+/* How many lanes have a bound on the slope, and do not start low? */
+SGT_KERNEL
+static double single_from_above(const lanes *a, const sgt_rays *r, size_t n)
+{
+    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2];
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) {
+        bool away = (a->tmin[i] != 0) | (fabs(oz[i]) > 0.5 * (fabs(ox[i]) + fabs(oy[i])));
+        count += ((a->least[i] > 0) & away) ? 1.0 : 0.0;
+    }
+    return count;
+}
+
+/* And how many have one that is not a weak bound, or do not start low? */
 SGT_KERNEL
 static double steadily_single(const lanes *a, const sgt_rays *r, size_t n)
 {
@@ -330,10 +344,10 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     if (!w->s.ops->own_->extent_within) return;
     bool chords = w->near == 0 && marches_chord(&w->shared);
     bool rimmed = chords && w->rim2 < HUGE_VAL;
-    if (chords ? (rimmed ? steadily_single(a, &rays, n) : above_zero(n, a->least)) == (double)n ||
-                     chords_asked(a, rimmed, &rays, n, a->x) == 0
-               : nearby_asked(a, n, a->x) == 0)
-        return;
+    double all = (double)n;
+    if (rimmed && (single_from_above(a, &rays, n) == all || steadily_single(a, &rays, n) == all)) return;
+    if (chords && !rimmed && above_zero(n, a->least) == all) return;
+    if ((chords ? chords_asked(a, rimmed, &rays, n, a->x) : nearby_asked(a, n, a->x)) == 0) return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);
     vicinity v = {.tmin = a->tmin,
                   .tmax = a->tmax,

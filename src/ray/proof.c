@@ -757,10 +757,14 @@ bool sgt_proof_take(proof *w, double t, double t_lo, double t_err)
     return proof_certify(w, about, m, G, &c) == ROOT && proof_take(w, &c);
 }
 
-void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, sgt_list *list)
+/* What sgt_prove_rest says; the search begins at `clear`. */
+static void prove_from(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, double clear,
+                       sgt_list *list)
 {
     sgt_span span;
     if (!sgt_proof_bounds(s, ray, &span)) return;
+    if (clear > span.lo) span.lo = clear;
+    if (!(span.lo <= span.hi)) return;
     int before = list->count, told_before = told->before;
     proof w = sgt_proof_of(s, ray, told->opt, &span, list, all);
     w.all = all || near;
@@ -773,6 +777,23 @@ void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bo
         list->last = hit_without(SGT_STOPPED, ray, evals);
     else if (near && !w.told.stopped) list->last = w.nearest;
     list->last.evals = evals, list->count = before + 1;
+}
+
+void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, double clear,
+                    sgt_list *list)
+{
+    const sgt_list before = *list;
+    const int told_before = told->before;
+    const bool rest = clear > ray->tmin && !all && !near;
+    prove_from(s, ray, told, all, near, rest ? clear : -HUGE_VAL, list);
+    /* Its cells are others, and may leave open what those of the whole ray do not.  And a stretch that holds
+     * `clear`, on which rounding hides F, is cut there: what is left of it is no root of its own. */
+    const sgt_hit *hit = &list->last;
+    const bool sure = hit->status == SGT_HIT && hit->t - clear > 0x1p10 * hit->t_err,
+               open = rest && list->count > before.count && !sure;
+    if (!open || told->stopped || spent(told)) return;
+    *list = before, told->before = told_before;
+    prove_from(s, ray, told, all, near, -HUGE_VAL, list);
 }
 
 bool sgt_prove_found(sgt_surface s, const sgt_ray *ray, tally *told, double t, double t_lo, double t_err,

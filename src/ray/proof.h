@@ -57,8 +57,10 @@ bool sgt_proof_take(proof *w, double t, double t_lo, double t_err);
 void sgt_proof_stretch(proof *w, sgt_status status, double lo, double hi);
 
 /* Without a proof: finishes a search that has been begun, within its budget.  Adds every root if `all` is
- * set, the root nearest to the seed if `near` is set, else the first. */
-void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, sgt_list *list);
+ * set, the root nearest to the seed if `near` is set, else the first.  Up to `clear`, in the ray's own t, no
+ * root is accepted: the search begins there.  (The rule of the start is that of the ray's own tmin.) */
+void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, double clear,
+                    sgt_list *list);
 
 /* A root has been found at t + t_lo, within t_err, on a ray that meets no other, but rounding hides
  * whether it is accepted.  true: it is decided now.  It is added if it is accepted, or as UNPROVEN if that

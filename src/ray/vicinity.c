@@ -130,8 +130,8 @@ static void noise_radii(size_t n, const double *restrict rung, const double *res
 }
 
 /* The same for all rows that are asked.  A bound at an infinite radius is not read, as most2 is NaN. */
-static void noises_about(sgt_surface s, size_t n, const double *rung, double *radius, vicinities *kept,
-                         const vicinity *v)
+SGT_INLINE void noises_about(sgt_surface s, size_t n, const double *rung, double *radius, vicinities *kept,
+                             const vicinity *v)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     if (n > 1) noise_radii(n, rung, v->asked, radius, v->noise[2]);
@@ -225,16 +225,23 @@ static void vicinity_leave(size_t n, double part, const sgt_rays *r, const vicin
     }
 }
 
+/* What a look at the start of a ray has said: nothing, as there was none; F is 0 there to within 2^-32 of its
+ * terms; it is not. */
+enum { UNSEEN = 0, SEEN_ON, SEEN_OFF };
+
 /* Gives the bound back to the rays that start near the surface and not on it: before a chord there is a
  * root only if F is 0 at the start to within the rule of the start, which is far less than 2^-32 of its
  * terms; and a chord is cheaper than a march.  least: as vicinity_leave has left it; before: as it was.
  * This look chooses the way and is no step of a search: like those at heights it is not counted, and no
  * watcher is told of it. */
-static void stays_off(sgt_surface s, size_t n, const sgt_rays *r, const vicinity *v, const double *before,
-                      double *least)
+static void stays_off(sgt_surface s, size_t n, const sgt_rays *r, const vicinity *v, const double *seen,
+                      const double *before, double *least)
 {
     double *const *p = v->work + 13, *f = v->work[16], *const *g = v->work + 17, some = 0;
-    for (size_t i = 0; i < n; i++) some += v->asked[i] > 0 && least[i] == 0 && before[i] > 0;
+    for (size_t i = 0; i < n; i++) {
+        least[i] = seen[i] == SEEN_OFF ? before[i] : least[i];
+        some += v->asked[i] > 0 && least[i] == 0 && before[i] > 0 && seen[i] == UNSEEN;
+    }
     if (some == 0) return;
     for (int c = 0; c < 3; c++)
         for (size_t i = 0; i < n; i++) p[c][i] = moved_along(r->o[c][i], v->tmin[i], r->d[c][i]);
@@ -292,12 +299,13 @@ static double all_behind(size_t n, const double *restrict asked, const double *r
 }
 
 /* Marks as misses the rays that miss the whole surface.  behind: looks at the rays that begin behind the
- * seed, which may well leave the surface; else at the others. */
-static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vicinities *kept,
-                            const vicinity *v)
+ * seed, which may well leave the surface; else at the others.  Of those that begin on it, and so are asked
+ * only from some t on, leave_circles has asked. */
+static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, const double *from,
+                                     vicinities *kept, const vicinity *v)
 {
     for (size_t i = 0; i < n; i++) {
-        if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i])) continue;
+        if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i]) || from[i] > v->tmin[i]) continue;
         sgt_ray ray = ray_of(&r, i);
         ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
         if (sgt_passes_by(heights_about(s, kept), &ray, v->tmin[i]))
@@ -307,9 +315,7 @@ static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool b
 
 /* ------------------------------------------------------------------------------- leaving */
 
-/* The rows that may start on the surface: 1, else 0.  A ray whose origin is higher above the vertex plane
- * than half of its distance from the axis comes from elsewhere, as a rule; no more is asked of it here.
- * Returns how many there are. */
+/* The rows that may start on the surface (starts_low): 1, else 0.  Returns how many there are. */
 SGT_KERNEL
 static double may_start(size_t n, const sgt_rays *r, const vicinity *v, double *restrict starts)
 {
@@ -317,70 +323,116 @@ static double may_start(size_t n, const sgt_rays *r, const vicinity *v, double *
     double some = 0;
 #pragma omp simd reduction(+ : some)
     for (size_t i = 0; i < n; i++) {
-        bool low = fabs(oz[i]) <= 0.5 * (fabs(ox[i]) + fabs(oy[i]));
+        bool low = fabs(oz[i]) <= 0.5 * (fabs(ox[i]) + fabs(oy[i])); /* as starts_low */
         double is = ((asked[i] > 0) & (tmin[i] == 0) & low) ? 1.0 : 0.0;
         starts[i] = is, some += is;
     }
     return some;
 }
 
-/* The rungs of a circle about the start, and of its rounding. */
+/* F at the origins: values, gradient and a bound on what is rounded, but for the departure's own noise. */
+typedef struct at_starts { const double *f, *fx, *fy, *own; } at_starts;
+
+/* What is left of these rows by F at their origins.  seen: what it says.  Returns how many. */
 SGT_KERNEL
-static void start_rungs(size_t n, const sgt_rays *r, const double *starts, const region_rows *w)
+static double starts_seen(size_t n, const sgt_rays *r, const at_starts *at, double *restrict starts,
+                          double *restrict seen)
+{
+    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *f = at->f, *fx = at->fx, *fy = at->fy;
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < n; i++) {
+        double terms = fabs(ox[i] * fx[i]) + fabs(oy[i] * fy[i]) + fabs(oz[i]), may = starts[i];
+        mask asked = MASK(may > 0), off = MASK(fabs(f[i]) > 0x1p-32 * terms);
+        double is = chosen(off, 0, may);
+        seen[i] = chosen(asked, chosen(off, SEEN_OFF, SEEN_ON), UNSEEN), starts[i] = is, some += is;
+    }
+    return some;
+}
+
+/* The rungs of a circle about the start. */
+SGT_KERNEL
+static void start_rungs(size_t n, const sgt_rays *r, const double *starts, double *restrict wide)
 {
     const double *ox = r->o[0], *oy = r->o[1];
-    double *restrict wide = w->wide, *restrict about = w->about;
     LANES for (size_t i = 0; i < n; i++) {
-        double axis = radius_at(ox[i], oy[i], 0, 0, 0), coarse = rung_above(1.125 * axis, COARSE),
-               fine = rung_above(1.02 * axis, FINE);
-        mask is = MASK(starts[i] > 0);
-        wide[i] = chosen(is, coarse, HUGE_VAL), about[i] = chosen(is, fine, HUGE_VAL);
+        double coarse = rung_above(1.125 * radius_at(ox[i], oy[i], 0, 0, 0), COARSE);
+        wide[i] = chosen(MASK(starts[i] > 0), coarse, HUGE_VAL);
+    }
+}
+
+/* And those of its rounding. */
+SGT_KERNEL
+static void start_noise_rungs(size_t n, const sgt_rays *r, const double *starts, double *restrict about)
+{
+    const double *ox = r->o[0], *oy = r->o[1];
+    LANES for (size_t i = 0; i < n; i++) {
+        double fine = rung_above(1.02 * radius_at(ox[i], oy[i], 0, 0, 0), FINE);
+        about[i] = chosen(MASK(starts[i] > 0), fine, HUGE_VAL);
     }
 }
 
 /* What is left of the rows that may start on the surface: those between the heights of the circle about their
- * start, with F monotone along the chord.  Returns how many. */
+ * start.  Returns how many. */
 SGT_KERNEL
-static double starts_monotone(size_t n, const sgt_rays *r, const region_rows *w, const double *lo,
-                              const double *hi, const double *least, double *restrict starts)
+static double starts_between_all(size_t n, const sgt_rays *r, const region_rows *w, double *restrict starts)
 {
     const double *oz = r->o[2], *low = w->low, *high = w->high;
     double some = 0;
 #pragma omp simd reduction(+ : some)
     for (size_t i = 0; i < n; i++) {
-        double is = ((starts[i] > 0) & (least[i] > 0) & (lo[i] <= 0) & (hi[i] > 0) & (oz[i] >= low[i]) &
-                     (oz[i] <= high[i]))
-                        ? 1.0
-                        : 0.0;
+        double is = ((starts[i] > 0) & (oz[i] >= low[i]) & (oz[i] <= high[i])) ? 1.0 : 0.0;
         starts[i] = is, some += is;
     }
     return some;
 }
 
-/* F at the origins: values, gradient and a bound on what is rounded. */
-typedef struct at_starts { const double *f, *fx, *fy, *own; } at_starts;
-
-/* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do; `over`
- * is 1 where nothing is met behind the chord as far as the rings tell, else 0.  Returns how many of `starts`
- * are not 0. */
+/* And those with F monotone along the chord in it. */
 SGT_KERNEL
-static double leaves_circle(size_t n, const sgt_rays *r, const sgt_heights *g, const double *tmax,
-                            const double *radius2, const at_starts *at, const double *hi, const double *least,
-                            double *restrict starts, double *restrict over)
+static double starts_monotone(size_t n, const double *lo, const double *hi, const double *least,
+                              double *restrict starts)
 {
-    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2],
-                 *f = at->f, *fx = at->fx, *fy = at->fy, *own = at->own;
-    const double off = 0x1p-40, width = g->width;
     double some = 0;
 #pragma omp simd reduction(+ : some)
     for (size_t i = 0; i < n; i++) {
-        double scale = scale_of((sgt_vec3){dx[i], dy[i], dz[i]}), steep = fabs(dz[i]) * scale;
-        double most = 2 * (1 + off) * steep - least[i], err = fabs(f[i]) + own[i],
+        double is = ((starts[i] > 0) & (least[i] > 0) & (lo[i] <= 0) & (hi[i] > 0)) ? 1.0 : 0.0;
+        starts[i] = is, some += is;
+    }
+    return some;
+}
+
+/* LEAVING (vicinity.h).  Of the rows that may start on the surface: 1 in `starts` for those that do, else 0.
+ * Returns how many. */
+SGT_KERNEL
+static double starts_within(size_t n, const sgt_rays *r, const at_starts *at, const double *const noise[3],
+                        const double *least, double *restrict starts)
+{
+    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2],
+                 *f = at->f, *fx = at->fx, *fy = at->fy, *own = at->own, *e0 = noise[0], *e1 = noise[1],
+                 *most2 = noise[2];
+    const double off = 0x1p-40;
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < n; i++) {
+        double scale = scale_of((sgt_vec3){dx[i], dy[i], dz[i]}), steep = fabs(dz[i]) * scale,
+               r2 = ox[i] * ox[i] + oy[i] * oy[i];
+        double most = 2 * (1 + off) * steep - least[i],
+               err = fabs(f[i]) + (own[i] + sgt_noise_at(e0[i], e1[i], most2[i], r2)),
                terms = fabs(ox[i] * fx[i]) + fabs(oy[i] * fy[i]) + fabs(oz[i]);
         double is = ((starts[i] > 0) & (err * most < 0.98 * START_ULPS * terms * least[i])) ? 1.0 : 0.0;
         starts[i] = is, some += is;
-        over[i] = ((hi[i] >= tmax[i]) | (width > 0)) ? 1.0 : 0.0;
     }
+    return some;
+}
+
+/* `over` is 1 where nothing is met behind the chord as far as the rings tell, else 0. */
+SGT_KERNEL
+static void leaves_circle(size_t n, const sgt_rays *r, const sgt_heights *g, const double *tmax,
+                          const double *radius2, const double *hi, double *restrict over)
+{
+    const double *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2];
+    const double off = 0x1p-40, width = g->width;
+    LANES for (size_t i = 0; i < n; i++) over[i] = ((hi[i] >= tmax[i]) | (width > 0)) ? 1.0 : 0.0;
     for (int j = 0; j < SGT_RINGS && width > 0; j++) {
         const double in = j * width * (1 - off), out = (j + 1) * width * (1 + off), high = g->high[j],
                      low = -g->low[j];
@@ -396,7 +448,6 @@ static double leaves_circle(size_t n, const sgt_rays *r, const sgt_heights *g, c
             over[i] = chosen(past, over[i], 0);
         }
     }
-    return some;
 }
 
 static void tell_start(const sgt_rays *r, const vicinity *v, const at_starts *at, double hi)
@@ -406,10 +457,11 @@ static void tell_start(const sgt_rays *r, const vicinity *v, const at_starts *at
 }
 
 /* Answers the rays that start on the surface and meet nothing more, as misses, and sets from[i] to a t up to
- * which nothing is met, for others that start on it. */
+ * which nothing is met, for others that start on it.  seen: what a look at the origin says.  Returns whether
+ * any is a miss. */
 SGT_NOINLINE
-static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, vicinities *kept,
-                          const vicinity *v, double *from)
+static bool leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, vicinities *kept,
+                          const vicinity *v, double *from, double *seen)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     double *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
@@ -418,21 +470,25 @@ static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
                            .about = v->work[7], .high = v->work[10], .axis = axis};
     double *starts = v->work[0], *lo = v->work[1], *hi = v->work[11], *least = v->work[2],
            *over = v->work[12], *const *rows = v->work + 13;
-    if (v->budget < LEAST_BUDGET || may_start(n, &r, v, starts) == 0) return;
-    start_rungs(n, &r, starts, &w);
+    if (v->budget < LEAST_BUDGET || may_start(n, &r, v, starts) == 0) return false;
+    start_rungs(n, &r, starts, w.wide);
     extents(s, n, w.wide, COARSE, starts, kept, &w);
+    if (starts_between_all(n, &r, &w, starts) == 0) return false;
+    const sgt_shared bare = bare_of(*whole);
+    if (!builtin->values_rounded(s.self, &bare, NULL, n, (sgt_points){{r.o[0], r.o[1], r.o[2]}},
+                                 (sgt_values){rows[0], {rows[1], rows[2], rows[3]}}, rows[4]))
+        return false;
+    const at_starts at = {rows[0], rows[1], rows[2], rows[4]};
+    if (starts_seen(n, &r, &at, starts, seen) == 0) return false;
     builtin->chords(n, r, w.radius2, w.steep, axis ? read : NULL, lo, hi, least);
-    if (starts_monotone(n, &r, &w, lo, hi, least, starts) == 0) return;
+    if (starts_monotone(n, lo, hi, least, starts) == 0) return false;
+    start_noise_rungs(n, &r, starts, w.about);
     const vicinity near = {.asked = starts, .noise = {v->noise[0], v->noise[1], v->noise[2]}};
     noises_about(s, n, w.about, v->work[9], kept, &near);
     const double *const noise[3] = {v->noise[0], v->noise[1], v->noise[2]};
-    const sgt_shared bare = bare_of(*whole);
-    if (!builtin->values_rounded(s.self, &bare, noise, n, (sgt_points){{r.o[0], r.o[1], r.o[2]}},
-                                 (sgt_values){rows[0], {rows[1], rows[2], rows[3]}}, rows[4]))
-        return;
-    const at_starts at = {rows[0], rows[1], rows[2], rows[4]};
-    if (leaves_circle(n, &r, heights_about(s, kept), v->tmax, w.radius2, &at, hi, least, starts, over) == 0)
-        return;
+    if (starts_within(n, &r, &at, noise, least, starts) == 0) return false;
+    leaves_circle(n, &r, heights_about(s, kept), v->tmax, w.radius2, hi, over);
+    bool some = false;
     for (size_t i = 0; i < n; i++) {
         if (starts[i] != 1) continue;
         double clear = hi[i];
@@ -445,8 +501,9 @@ static void leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
         }
         from[i] = clear;
         if (over[i] > 0 || clear == HUGE_VAL || clear > v->tmax[i])
-            v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
+            v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0, some = true;
     }
+    return some;
 }
 
 /* How many rays are still to be looked at. */
@@ -493,15 +550,15 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     }
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
                boxes = marches && whole->by_axis;
-    double from[VICINITY_MOST];
+    double from[VICINITY_MOST], seen[VICINITY_MOST];
     memcpy(from, v->tmin, n * sizeof *from);
-    if (marches) {
-        leave_circles(s, n, r, whole, kept, v, from);
-        if (asked_all(n, v->asked) == 0) return;
-    }
+    memset(seen, 0, n * sizeof *seen);
+    if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0])) &&
+        leave_circles(s, n, r, whole, kept, v, from, seen) && asked_all(n, v->asked) == 0)
+        return;
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {
-        vicinity_without_passing(s, n, r, true, kept, v);
+        vicinity_without_passing(s, n, r, true, from, kept, v);
         if (marches && whole->radius2 < HUGE_VAL) march_wings(s, n, r, from, true, whole, kept, v);
     }
     double *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
@@ -526,7 +583,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         if (marches && (n > 1 || starts_between(&r, v, &w))) {
             memcpy(v->work[12], least, n * sizeof *least);
             vicinity_leave(n, boxes ? 0.25 : 0x1p-5, &r, v, &w, lo, hi, least);
-            if (!boxes) stays_off(s, n, &r, v, v->work[12], least);
+            if (!boxes) stays_off(s, n, &r, v, seen, v->work[12], least);
         }
         left = vicinity_judge(n, &r, v, w.from, lo, hi, least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
@@ -542,8 +599,9 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         march_box(s, n, r, w.from, whole, kept, v);
         left = asked_all(n, v->asked);
     }
-    if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
+    if (left != 0 && !near) vicinity_without_passing(s, n, r, false, from, kept, v);
     if (!marches || !(left != 0 || behind || boxed)) return;
+    if (v->clear && !boxed) v->clear[0] = larger(v->clear[0], larger(from[0], w.from[0]));
     /* the march through the box has used the rows of `from` */
     for (size_t i = 0; i < n && !boxed; i++) from[i] = larger(from[i], w.from[i]);
     if (left != 0) march_wings(s, n, r, from, false, whole, kept, v);
@@ -555,8 +613,9 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
         double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
         noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
-        /* far out a bound for the whole rung may be 10^7 times that at the root, which is asked for then */
-        if (v->noise[0][i] + v->noise[1][i] * (off * off) > 0x1p-36 * v->least[i] * fabs(v->seed[i]))
+        /* Far out a bound for the whole rung may be 10^7 times that at the root.  That one costs as much as
+         * two looks, and is asked for where t would be known to less than 2^-40 of it. */
+        if (v->noise[0][i] + v->noise[1][i] * (off * off) > 0x1p-40 * v->least[i] * fabs(v->seed[i]))
             noise_about(s, HUGE_VAL, i, kept, v);
     }
 }

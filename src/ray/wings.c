@@ -55,10 +55,18 @@
  * - a) / h.  If that is above B h / 2, F is monotone: the start's root is the only one, and within a / |F'|
  * of the start.  It is not accepted if that is less than the reach of the rule of the start (accept.h),
  * whose terms are known there.  Then the march goes on from h.  A wide bound on what is rounded makes a
- * great: then nothing is dropped here.  Whether rounding alone hides the root is left to `rounding` at the
- * very point (sharpened_of in step.h, proof.c).  If |F| is convex, it rises from h on: nothing is met as
- * far as what is known reaches.  That is a miss if the chord or the ray ends there, or the ray is then
- * below or above all of the surface.
+ * great: then nothing is dropped by this.  If |F| is convex, it rises from h on: nothing is met as far as
+ * what is known reaches.  That is a miss if the chord or the ray ends there, or the ray is then below or
+ * above all of the surface.
+ *
+ * HIDDEN.  Near the axis a sum of many terms rounds by more than the reach of the rule.  Then a search by
+ * cells finds the start's root to t_err, the width of F's enclosure there over the slope, and drops it if it
+ * is nearer than that (accept.h).  So one enclosure, at the very start, is asked for.  If it holds 0, and |F|
+ * is at most an eighth of its width on either side, the search's t is at most an eighth of its t_err: a point
+ * as near as that has an enclosure that is about as wide.  (More than an eighth as wide is all that is
+ * needed.)  The root is the only one up to h, as above.  It is not dropped if it may be farther from the
+ * start than eight reaches, by `rounding` at the very point: such a one is left to the search, which may call
+ * it undecided.
  *
  * Without a rim the same is done in the circle that is known about the start: r^2 is convex along the ray, so
  * what is known there holds between two points that are both in it.  Then the ray is a miss if it is above or
@@ -333,16 +341,16 @@ static const ring *ring_about(sgt_surface s, double rung, rings *kept)
     if (!kept->any)
         for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
     kept->any = true;
-    /* The rungs of two octaves have a place each; so has every fourth rung of eight octaves, a FINE one. */
-    ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
+    /* The rungs of eight octaves have a place each. */
+    ring *e = &kept->of[place_of(rung, FINER, RINGS)];
     if (e->radius == rung) return e;
     *e = (ring){rung, HUGE_VAL, SGT_ANY_NUMBER, {(double)NAN, (double)NAN}};
     double rim = s.ops->own_->rim(s.self);
     if (!(rung < HUGE_VAL) || (rim > 0 && !(rung <= rim))) return e;
     sgt_extent extent;
     s.ops->own_->extent_within(s.self, rung, true, &extent);
-    s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e->noise);
     e->steep = extent.steep, e->bent = extent.bent;
+    if (e->steep < HUGE_VAL) s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e->noise);
     return e;
 }
 
@@ -474,10 +482,11 @@ static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t 
     return false;
 }
 
-/* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  It is
- * asked in pieces if the enclosure knows too little of the whole. */
+/* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  The heights
+ * of rings cost a twentieth of an enclosure.  That is asked in pieces if it knows too little of the whole,
+ * until one in 2^-12 of the rest says no: a root is there, or nearly.  The march has come to that piece. */
 static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows a, size_t i, double scale,
-                           const vicinity *v)
+                           vicinities *kept, const vicinity *v)
 {
     if (!(a[RADIUS][i] > edge * (1 - 0x1p-10))) return false;
     sgt_rays one = rays_of(ray);
@@ -485,8 +494,9 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
     s.ops->own_->chords(1, one, &outer2, &steep, NULL, &lo, &end, &least);
     if (end > ray->tmax) end = ray->tmax;
     if (!(from < end && end < HUGE_VAL)) return false;
+    if (sgt_clear_by_heights(heights_about(s, kept), ray, from) >= end) return true;
     double width = end - from;
-    for (int k = 0; k < LEAVING && from < end; k++) {
+    for (int k = 0; k < LEAVING && from < end && width > 0x1p-12 * (end - from); k++) {
         double to = width < end - from ? from + width : end;
         sgt_interval slope, t = {0, sgt_sum_above(to, -from)},
                             g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
@@ -497,24 +507,8 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
         from = certain ? to : from;
         width *= certain ? 2 : 0.25;
     }
+    if (v->clear) v->clear[(size_t)a[LANE][i]] = larger(v->clear[(size_t)a[LANE][i]], from);
     return !(from < end);
-}
-
-/* The march has begun anew between rings, where F is not defined.  Is nothing met from there to the end of
- * the last ring? */
-static bool is_undefined_on(sgt_surface s, const sgt_ray *ray, double from, vicinities *kept,
-                            const vicinity *v, size_t k)
-{
-    const sgt_heights *h = heights_about(s, kept);
-    double outer = SGT_RINGS * h->width, outer2 = outer * outer * (1 + 0x1p-30), steep = 0, lo, last, least;
-    s.ops->own_->chords(1, rays_of(ray), &outer2, &steep, NULL, &lo, &last, &least);
-    double end = smaller(ray->tmax, h->endless || !(last < DBL_MAX) ? DBL_MAX : last);
-    if (!(from > ray->tmin && from < end)) return false;
-    sgt_interval slope, t = {0, sgt_sum_above(end, -from)},
-                        g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
-    v->evals[k] += 1;
-    if (v->told) tell_cell(v->told, SGT_MARCH, from, end, g, slope);
-    return g.lo > 0 || g.hi < 0; /* also an empty one */
 }
 
 static sgt_ray row_ray(const sgt_rays *r, const vicinity *v, size_t i)
@@ -579,15 +573,25 @@ static double step_off(rows a, size_t k, bool in_rings, double bend, double slop
     return h;
 }
 
-/* Has row k left the start, h on?  Then it moves there. */
-static bool leaves_start(rows a, size_t k, const looked *start, const looked *next, double h)
+/* Has row k left the start, h on, with a root that is nearer than this many reaches of the rule?  Then it
+ * moves there. */
+static bool leaves_start(rows a, size_t k, const looked *start, const looked *next, double h, double reaches)
 {
     double bend = larger(-a[BENT_LO][k], a[BENT_HI][k]), off = fabs(start->f) + start->err,
            b = fabs(next->f) - next->err, curve = 0.5625 * bend * h, least = (b - off) / h - curve,
            most = (fabs(next->f) + next->err + off) / h + curve;
-    if (!(b > 0 && least > curve && off * most < 0.98 * START_ULPS * start->terms * least)) return false;
+    if (!(b > 0 && least > curve && off * most < reaches * START_ULPS * start->terms * least)) return false;
     a[T][k] += h, a[A][k] = b, a[SIGN][k] = copysign(1, next->f), a[H][k] = 0;
     return true;
+}
+
+/* HIDDEN: is F at the start of this ray 0 by far less than its enclosure there is wide? */
+static bool start_is_hidden(sgt_surface s, const sgt_ray *ray, double f, const vicinity *v, size_t lane)
+{
+    sgt_interval slope, at = {0, 0}, g = s.ops->own_->enclose(s.self, ray, ray->tmin, at, &slope);
+    v->evals[lane] += 1;
+    if (v->told) tell_cell(v->told, SGT_MARCH, ray->tmin, ray->tmin, g, slope);
+    return g.lo < 0 && g.hi > 0 && 8 * fabs(f) <= smaller(-g.lo, g.hi) && g.hi - g.lo < HUGE_VAL;
 }
 
 /* The bound for many points is a wide one where terms vanish on a line: that of the point itself. */
@@ -626,9 +630,14 @@ static void leave_starts(sgt_surface s, rows a, size_t left, bool in_rings, cons
         for (size_t j = 0; j < e.n; j++) {
             size_t k = e.of[j];
             looked next = look_of(a, &e, j);
-            if (!leaves_start(a, k, &start[j], &next, h[j])) {
+            if (!leaves_start(a, k, &start[j], &next, h[j], 0.98)) {
                 sharpen(s, a, k, a[T][k], &start[j]), sharpen(s, a, k, e.t[j], &next);
-                if (!leaves_start(a, k, &start[j], &next, h[j])) continue;
+                const size_t lane = (size_t)a[LANE][k];
+                const sgt_ray ray = row_ray(r, v, lane);
+                if (!leaves_start(a, k, &start[j], &next, h[j], 0.98) &&
+                    !(start_is_hidden(s, &ray, start[j].f, v, lane) &&
+                      leaves_start(a, k, &start[j], &next, h[j], 8)))
+                    continue;
             }
             bow F2 = bow_of(a[SIGN][k], a[BENT_LO][k], a[BENT_HI][k]);
             a[VERDICT][k] = F2.least >= 0 && !in_rings ? LEFT : OFF;
@@ -848,7 +857,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 } else if (t > ray.tmax
                            || (in_rings ? (known->tailed && leaves_by_tail(s, a, i, &kept->tails)) ||
                                             leaves_by_heights(s, &ray, a, i, off, t, evals, kept) ||
-                                            leaves_by_edge(s, &ray, edge, a, i, scale, v)
+                                            leaves_by_edge(s, &ray, edge, a, i, scale, kept, v)
                                       : t > v->hi[k])) {
                     is_miss(v, k);
                     wings_leave(a, i, --left);
@@ -856,14 +865,12 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                     enclose_in(s, edge, known->boxed, &kept->rings, a, i);
             } else {
                 double t = a[T][i] * scale;
-                if (verdict == GIVEN_UP && in_rings && a[SIGN][i] == 0 && !(a[F][i] == a[F][i]) && !spent &&
-                    is_undefined_on(s, &ray, t, kept, v, k)) {
-                    is_miss(v, k);
-                } else if (verdict == FOUND && !spent) {
+                if (verdict == FOUND && !spent) {
                     /* the march has moved behind the end of the ray, and knows the root there at once */
                     if (t > ray.tmax || (mode == IN_CHORD && t > v->hi[k])) is_miss(v, k);
                     else tell_root(a, i, scale, v);
                 }
+                if (v->clear && v->asked[k] != 0) v->clear[k] = larger(v->clear[k], t);
                 wings_leave(a, i, --left);
             }
         }

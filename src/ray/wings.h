@@ -77,12 +77,18 @@ SGT_INLINE double chord_seed(double seed, double lo, double hi, double tmin, dou
     return fabs(seed) < HUGE_VAL || !(from < to && fabs(middle) < HUGE_VAL) ? seed : middle;
 }
 
+/* May a ray start on a sag?  One that begins higher above the vertex plane than half of its distance from the
+ * axis comes from elsewhere, as a rule. */
+SGT_INLINE bool starts_low(sgt_vec3 o, double tmin)
+{
+    return tmin == 0 && fabs(o.z) <= 0.5 * (fabs(o.x) + fabs(o.y));
+}
+
 /* May a ray start on the surface, and is the bound on its slope so much less than the slope that rounding of
  * F may be more than the rule of the start?  Such a ray is marched, although it has one root at most. */
 SGT_INLINE bool starts_weakly(sgt_vec3 o, sgt_vec3 d, double tmin, double least)
 {
-    return tmin == 0 && least > 0 && least < 0.25 * fabs(d.z) * scale_of(d) &&
-           fabs(o.z) <= 0.5 * (fabs(o.x) + fabs(o.y));
+    return starts_low(o, tmin) && least > 0 && least < 0.25 * fabs(d.z) * scale_of(d);
 }
 
 /* Marches along the chord of each row that is asked, within [v->lo, v->hi], and answers in v, as above.  A
