@@ -766,21 +766,13 @@ static void moved_by(const frame *f, double sign, model3 *p)
 
 /* -------------------------------------------------------------------------- the walk */
 
-/* How much a model changes with parameter i. */
-static double share_of(const model *x, int i)
-{
-    double sum = fabs(x->a[i]);
-    for (int j = 0; j < MODEL_N; j++) sum += fabs(x->q[SGT_MODEL_PAIR(i, j)]);
-    return sum;
-}
-
 static int to_divide(const model *const by[], int n)
 {
     int best = -1;
     double most = 0;
     for (int i = 0; i < MODEL_N; i++) {
         double sum = 0;
-        for (int k = 0; k < n; k++) sum += share_of(by[k], i);
+        for (int k = 0; k < n; k++) sum += model_changes(by[k], i);
         if (sum > most) most = sum, best = i;
     }
     return best;
@@ -847,13 +839,35 @@ static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1
 
 static bool is_positive(model x) { return model_above(x, 0) && model_range(x).hi < HUGE_VAL; }
 
+#ifdef MODEL_SERIES
+static void launch_of(const beam_task *task, model3 *p, model3 *d)
+{
+    const sgt_series *o = task->from->p, *along = task->from->d;
+    *p = (model3){series_read(&o[0]), series_read(&o[1]), series_read(&o[2])};
+    *d = (model3){series_read(&along[0]), series_read(&along[1]), series_read(&along[2])};
+}
+
+static void tell_ray(const model3 *p, const model3 *d, model path, sgt_series_ray *out)
+{
+    series_write(p->x, &out->p[0]), series_write(p->y, &out->p[1]), series_write(p->z, &out->p[2]);
+    series_write(d->x, &out->d[0]), series_write(d->y, &out->d[1]), series_write(d->z, &out->d[2]);
+    series_write(path, &out->opl);
+}
+#else
+static void launch_of(const beam_task *task, model3 *p, model3 *d)
+{
+    const sgt_model *o = task->launch->o, *along = task->launch->d;
+    *p = (model3){model_read(&o[0]), model_read(&o[1]), model_read(&o[2])};
+    *d = (model3){model_read(&along[0]), model_read(&along[1]), model_read(&along[2])};
+}
+#endif
+
 static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
 {
-    const sgt_box_launch *from = task->launch;
     const sgt_box_lens *lens = task->lens;
     const double launch_index = lens->index_before == 0 ? 1 : lens->index_before;
-    model3 p = {model_read(&from->o[0]), model_read(&from->o[1]), model_read(&from->o[2])};
-    model3 d = {model_read(&from->d[0]), model_read(&from->d[1]), model_read(&from->d[2])};
+    model3 p, d;
+    launch_of(task, &p, &d);
     const sgt_model *before = number_of(task, SGT_BOX_BEFORE, SGT_BOX_INDEX, 0);
     model index = before ? model_read(before) : model_number(launch_index), path = model_number(0);
     bool index_varied = before != NULL;
@@ -879,6 +893,9 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         p.x = model_wider(p.x, grain), p.y = model_wider(p.y, grain), p.z = model_wider(p.z, grain);
         d.x = model_wider(d.x, BEAM_SLACK), d.y = model_wider(d.y, BEAM_SLACK),
         d.z = model_wider(d.z, BEAM_SLACK);
+#ifdef MODEL_SERIES
+        if (task->arriving && i + 1 == lens->elements) tell_ray(&p, &d, path, task->arriving);
+#endif
         const model t0 = model_negative(model_quotient(p.z, d.z));
         w.x = model_sum(p.x, model_product(t0, d.x)), w.y = model_sum(p.y, model_product(t0, d.y)), w.d = d;
         const model3 plane = {w.x, w.y, model_number(0)};
@@ -947,10 +964,14 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
     d.x = model_wider(d.x, BEAM_SLACK), d.y = model_wider(d.y, BEAM_SLACK),
     d.z = model_wider(d.z, BEAM_SLACK);
     out->verdict = SGT_BOX_PASSED, out->element = lens->elements, out->fate = SGT_PASSED;
+#ifdef MODEL_SERIES
+    tell_ray(&p, &d, path, task->ends);
+#else
     model_write(p.x, &out->p[0]), model_write(p.y, &out->p[1]), model_write(p.z, &out->p[2]);
     model_write(d.x, &out->d[0]), model_write(d.y, &out->d[1]), model_write(d.z, &out->d[2]);
     model_write(path, &out->opl);
-    if (out->p[0].rest + out->p[1].rest + out->p[2].rest + out->opl.rest < HUGE_VAL) return SGT_BOX_PASSED;
+#endif
+    if (p.x.e + p.y.e + p.z.e + path.e < HUGE_VAL) return SGT_BOX_PASSED;
     return cut(out, lens->elements, SGT_BOX_TOO_LARGE, &p);
 }
 

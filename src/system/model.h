@@ -21,8 +21,9 @@
  * a number that no underflow reaches.  A NaN or an infinity in a model says that nothing is known.  So tests
  * are written to be false for them.
  *
- * This file is compiled for several N; all in it is static.  q_ij is at j (j + 1) / 2 + i. */
-#if defined(MODEL_2)
+ * This file is compiled for several N; all in it is static.  q_ij is at j (j + 1) / 2 + i.  With MODEL_SERIES
+ * models are of two parameters and of higher order (series.h). */
+#if defined(MODEL_2) || defined(MODEL_SERIES)
 #define MODEL_N 2
 #elif defined(MODEL_4)
 #define MODEL_N 4
@@ -35,6 +36,12 @@
 
 #include <sagitta/beam.h>
 
+#define MODEL_USED __attribute__((unused))
+
+#ifdef MODEL_SERIES
+#include "series.h"
+#else
+
 #define MODEL_Q (MODEL_N * (MODEL_N + 1) / 2)
 typedef struct model {
     double c, a[MODEL_N], q[MODEL_Q], e;
@@ -43,8 +50,6 @@ typedef struct model {
 #define MODEL_ROUND (16 * SGT_U)
 #define MODEL_MORE (1 + 0x1p-44)
 #define MODEL_LEAST 0x1p-900
-
-#define MODEL_USED __attribute__((unused))
 
 static inline model model_number(double c)
 {
@@ -109,9 +114,6 @@ static sgt_interval model_range(model x)
     return (sgt_interval){lo - rest, hi + rest};
 }
 
-static inline bool model_below(model x, double limit) { return model_range(x).hi < limit; }
-static inline bool model_above(model x, double limit) { return model_range(x).lo > limit; }
-
 static inline model model_negative(model x)
 {
     x.c = -x.c;
@@ -167,8 +169,6 @@ static model model_product(model x, model y)
     p.e = l * r + q * m + q * r + x.e * (other + y.e) + y.e * size;
     return model_made(p, size * other);
 }
-
-static inline model model_square(model x) { return model_product(x, x); }
 
 /* f0 + f1 d + f2 d^2, d = x - c, and `rest` more.  f0, f1, f2 are off by 8 u of themselves at most. */
 static model model_made_of(model x, double f0, double f1, double f2, double rest)
@@ -228,6 +228,20 @@ static model MODEL_USED model_turned(model x, bool cosine)
     return cosine ? model_made_of(x, cm, -sm, -0.5 * cm, rest) : model_made_of(x, sm, cm, -0.5 * sm, rest);
 }
 
+/* How much x changes with parameter i. */
+static double MODEL_USED model_changes(const model *x, int i)
+{
+    double sum = fabs(x->a[i]);
+    for (int j = 0; j < MODEL_N; j++) sum += fabs(x->q[SGT_MODEL_PAIR(i, j)]);
+    return sum;
+}
+
+#endif
+
+static inline bool model_below(model x, double limit) { return model_range(x).hi < limit; }
+static inline bool model_above(model x, double limit) { return model_range(x).lo > limit; }
+static inline model model_square(model x) { return model_product(x, x); }
+
 typedef struct model3 {
     model x, y, z;
 } model3;
@@ -244,6 +258,31 @@ static model MODEL_USED model_along(const model3 *a, sgt_vec3 x)
     return model_sum(model_scaled(a->x, x.x), model_sum(model_scaled(a->y, x.y), model_scaled(a->z, x.z)));
 }
 
+#ifdef MODEL_SERIES
+/* From and to the public structs. */
+static model MODEL_USED model_read(const sgt_model *x)
+{
+    model y = model_number(x->c);
+    y.e = x->rest, y.k[1] = x->by[0], y.k[2] = x->by[1];
+    y.k[3] = x->pair[SGT_MODEL_PAIR(0, 0)], y.k[4] = x->pair[SGT_MODEL_PAIR(0, 1)];
+    y.k[5] = x->pair[SGT_MODEL_PAIR(1, 1)];
+    return y;
+}
+
+static model MODEL_USED series_read(const sgt_series *x)
+{
+    model y = model_number(0);
+    memcpy(y.k, x->k, sizeof y.k);
+    y.e = x->rest;
+    return y;
+}
+
+static void MODEL_USED series_write(model x, sgt_series *out)
+{
+    *out = (sgt_series){.rest = x.e < HUGE_VAL ? x.e : HUGE_VAL};
+    memcpy(out->k, x.k, sizeof x.k);
+}
+#else
 /* From and to the public struct. */
 static model model_read(const sgt_model *x)
 {
@@ -261,5 +300,7 @@ static void MODEL_USED model_write(model x, sgt_model *out)
     for (int i = 0; i < MODEL_Q; i++) out->pair[i] = x.q[i];
     if (!(x.e < HUGE_VAL)) out->rest = HUGE_VAL;
 }
+
+#endif
 
 #endif

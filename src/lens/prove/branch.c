@@ -376,11 +376,8 @@ static bool halving_of(const prove_box *b, bool *in_angle)
     if (b->hopeless || (!radius && !angle)) return false;
     if (!radius || !angle) return *in_angle = angle, true;
     if (!sgt_sector_is_fit(&b->of)) return *in_angle = true, true;
-    /* an arc bulges out of its cover: halving the radius does not change that */
-    const cover c = sgt_sector_cover(&b->of);
-    const double depth = b->of.r1 - b->of.r0, bulge = b->of.r0 == 0 ? 0 : 2 * c.hs - depth;
-    if (bulge > 0.5 * depth) *in_angle = true;
-    else *in_angle = b->fate == SGT_LOST && b->divide >= 0 ? b->divide == 1 : c.ht > c.hs;
+    if (b->fate == SGT_LOST && b->divide >= 0) *in_angle = b->divide == 1;
+    else *in_angle = 3.141592653589793 * (b->of.turn1 - b->of.turn0) * b->of.r1 > (b->of.r1 - b->of.r0) / 2;
     return true;
 }
 
@@ -600,13 +597,6 @@ static bool halve(proof *p, one_round *r, const candidate chosen[], size_t count
     return true;
 }
 
-/* How many boxes are carried through at most for halving it, until all parts are fit. */
-static size_t cost_of(const prove_box *b)
-{
-    enum { DISC = 1, RING = 8 };
-    return b->of.turn1 - b->of.turn0 == 1 ? DISC + RING : 2;
-}
-
 static bool branch(proof *p, one_round *r, double wanted[])
 {
     candidate *chosen = NULL;
@@ -625,7 +615,7 @@ static bool branch(proof *p, one_round *r, double wanted[])
         const size_t most = round_size(p);
         size_t count = 0, left = p->asked->boxes > p->carried ? p->asked->boxes - p->carried : 0;
         for (size_t k = 0; k < n && count < most && (needed || left > 1); k++) {
-            const size_t cost = needed ? 0 : cost_of(&p->box[chosen[k].box]);
+            const size_t cost = needed ? 0 : 2;
             bool there = cost > left;
             for (size_t j = 0; j < count && !there; j++) there = chosen[j].box == chosen[k].box;
             if (!there) chosen[count++] = chosen[k], left -= cost;
