@@ -203,7 +203,8 @@ typedef struct sgt_box_room { double kept[8]; } sgt_box_room;
  *     launch  the rays
  *     room    lens->elements of them; NULL: the same answers, slower
  *     at      lens->elements of them, written as far as the box came, the element that
- *             stopped it included if all rays met it; NULL: not wanted
+ *             stopped it, or at whose edge it is cut, included if all rays met it; NULL:
+ *             not wanted
  *     out     written
  *
  * Returns out->verdict.

@@ -921,6 +921,7 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         case ALL_CLIPPED_OR_MISS:
             return stopped(out, i, SGT_LOST, 1u << SGT_CLIPPED | 1u << SGT_MISSED);
         case MAY_BE_BOTH:
+            if (task->at) tell_at(e, &m, &task->at[i]);
             return cut(out, i, SGT_BOX_AT_EDGE, &m.p);
         case NOT_MET:
             return cut(out, i, SGT_BOX_AT_SURFACE, &plane);

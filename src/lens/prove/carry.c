@@ -424,15 +424,24 @@ static double value_at(const prove_cell *c, const carry_room *r, const prove_box
     return fabs(dot3(d, hit->n)) / (length3(d) * length3(hit->n));
 }
 
+/* Its longer side. */
+static int longer_side(const sector *of)
+{
+    return 3.141592653589793 * (of->turn1 - of->turn0) * (of->r0 + of->r1) > of->r1 - of->r0;
+}
+
 /* Which way a box that lies across an edge is best halved: along which that value changes most.  An edge that
- * rays of one radius follow needs boxes that are thin and long.  (Items are judged by ranges of x and y, so
- * there
- * boxes have to be as deep as they are long.) */
+ * rays of one radius follow needs boxes that are thin and long.  But if the value is enclosed far wider than it
+ * changes, it is what the series leave out: of that the longer side has more.  (Items are judged by ranges of x
+ * and y, so there boxes have to be as deep as they are long.) */
 static int across_edge(const prove_cell *c, const carry_room *r, const prove_box *box, int otherwise)
 {
+    enum { THINNEST = 8 };
     const double size = c->e[box->element].semi_diameter;
-    if (box->why == SGT_BOX_AT_EDGE && !(size > 0 && size < 0x1p500)) return otherwise;
-    if (box->of.turn1 - box->of.turn0 == 1) return otherwise;
+    const double depth = box->of.r1 - box->of.r0,
+                 arc = 3.141592653589793 * (box->of.turn1 - box->of.turn0) * (box->of.r0 + box->of.r1);
+    const bool edge = box->why == SGT_BOX_AT_EDGE, surface = box->why == SGT_BOX_AT_SURFACE;
+    if (edge && !(size > 0 && size < 0x1p500)) return otherwise;
     const double middle = value_at(c, r, box, 0.5, 0.5);
     double along[2];
     for (int side = 0; side < 2; side++) {
@@ -440,7 +449,13 @@ static int across_edge(const prove_cell *c, const carry_room *r, const prove_box
         const double other = value_at(c, r, box, side ? 0.5 : 1, side ? 1 : 0.5) - middle;
         along[side] = fmax(fmax(fabs(one), fabs(other)), fabs(one - other));
     }
-    return isnan(along[0] + along[1]) ? otherwise : along[1] > along[0];
+    if (isnan(along[0] + along[1]) || surface)
+        return arc > THINNEST * depth || depth > THINNEST * arc ? longer_side(&box->of)
+               : isnan(along[0] + along[1])                     ? otherwise
+                                                                : along[1] > along[0];
+    const sgt_interval known = edge ? r->at[box->element].margin : r->at[box->element].cosine;
+    if (!(known.hi - known.lo <= 2 * (along[0] + along[1]))) return longer_side(&box->of);
+    return along[1] > along[0];
 }
 
 void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[])
