@@ -146,7 +146,7 @@ typedef enum sgt_box_verdict {
     SGT_BOX_CUT     = -1  /* that is not certain */
 } sgt_box_verdict;
 
-/* What a box is cut for.  NO_BOUNDS, UNSOUND and NO_EDGE stay however small it is. */
+/* What a box is cut for.  NO_BOUNDS and UNSOUND stay however small it is. */
 typedef enum sgt_box_why {
     SGT_BOX_NOTHING,     /* it is not cut */
     SGT_BOX_AT_EDGE,     /* some rays may be inside an aperture, and some outside */
@@ -155,8 +155,10 @@ typedef enum sgt_box_why {
     SGT_BOX_AT_BENDING,  /* some may be bent, some totally reflected or evanescent */
     SGT_BOX_AT_PLANE,    /* rays may run along the vertex plane of the element */
     SGT_BOX_TOO_LARGE,   /* the bounds are infinite */
-    SGT_BOX_NO_EDGE,     /* a sag without aperture, rim or edge: which root is meant is
-                            not certain.  Give it a semi_diameter */
+    SGT_BOX_NO_EDGE,     /* a sag without aperture, rim or edge, whose root is far from
+                            where a search begins, or steep against the rays: that it is
+                            the one that is found is not certain.  A semi_diameter
+                            decides it, a smaller box perhaps */
     SGT_BOX_NO_BOUNDS,   /* the surface, or the phase, has no bounds over a box of points:
                             a level set, a spindle torus, a user's without `box`; waves
                             that are not a built-in sag */

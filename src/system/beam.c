@@ -160,8 +160,7 @@ static bool is_launch_sound(const sgt_box_launch *launch)
 /* Those answers that stay however small the box is. */
 static sgt_box_verdict told(sgt_box_verdict verdict, sgt_box_end *out)
 {
-    const bool stays =
-        out->why == SGT_BOX_NO_BOUNDS || out->why == SGT_BOX_NO_EDGE || out->why == SGT_BOX_UNSOUND;
+    const bool stays = out->why == SGT_BOX_NO_BOUNDS || out->why == SGT_BOX_UNSOUND;
     if (verdict != SGT_BOX_CUT || stays) out->divide = -1;
     return verdict;
 }
@@ -238,7 +237,7 @@ const char *sgt_box_why_text(sgt_box_why why)
     case SGT_BOX_TOO_LARGE:
         return "the bounds are infinite";
     case SGT_BOX_NO_EDGE:
-        return "a sag without a semi_diameter";
+        return "a sag without a semi_diameter, met far from its vertex plane";
     case SGT_BOX_NO_BOUNDS:
         return "a surface or a phase without bounds over a box";
     case SGT_BOX_UNSOUND:

@@ -25,6 +25,13 @@
  * 4. BENDING as in trace.h: f = (1 - r^2) / (r g + sign(g) sqrt(D)), with g = n . d of a known sign.  D > 0
  *    for all, or all are reflected, or the box is cut.
  *
+ * 5. A SAG WITHOUT EDGE may have other roots far out, and none of them is meant: searches begin at seeds, and
+ *    take the root that these lead to.  On a line let the root be t, and let a seed be within `reach` of it.
+ *    If on all of [t - reach, t + reach] G' has one sign and m <= |G'| <= M with M / m = 1 + q, then a step of
+ *    Newton from within takes an error e to e (1 - G'(xi) / G'), at most q |e|.  So all steps stay within, and
+ *    with q <= 1/4 each is less than half of the last, as searches ask for before they trust steps.  Nor has
+ *    a stretch about the seed on which F is monotone any other root: this one goes on monotone to t.
+ *
  * THE SLACK.  BEAM_SLACK is added to d at each element.  Of F as it is computed at most a few u of its terms
  * are lost, of a departure its own bound; BEAM_SLACK of that is added to B.  A trace stops at t_tol, 2^-48 of
  * an aperture: added to t.  Axes are orthonormal to 2^-50 only. */
@@ -42,6 +49,7 @@
 #include "../surface/departure/departure.h"
 
 #define BEAM_SLACK BUNDLE_SLACK
+static const double SEED_SLOPES = 1.25; /* the greatest over the least */
 static const double EDGE_IN = 1 - 0x1p-38, EDGE_OUT = 1 + 0x1p-38; /* of squares */
 enum { EVEN_TERMS = 8, STEPS = 5, WIDENINGS = 3, SCALAR_STEPS = 40 };
 
@@ -411,6 +419,36 @@ static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const b
     return s->varied ? even_only(s, w, L, none) : sgt_bundle_sag_only(s->surface, L, by, kept, none);
 }
 
+/* A sag without any edge: the root is the one that searches are led to by their seeds, which are where the
+ * line crosses the vertex plane, t = 0, and where it meets the base (5 of the head). */
+static bool is_at_seeds(const beam_shape *s, const beam_lines *w, const beam_hit *m)
+{
+    double reach = greatest(model_range(m->t));
+    if (s->varied || s->c0 != 0) {
+        const model across = model_sum(model_product(w->x, w->d.x), model_product(w->y, w->d.y));
+        const model B = model_difference(w->d.z, by_c(s, across));
+        const model A = by_c(s, model_sum(model_number(1),
+                                          model_product(model_plus(s->k1, -1), model_square(w->d.z))));
+        const model C = by_c(s, model_sum(model_square(w->x), model_square(w->y)));
+        const model square = model_square(B), product = model_product(A, C),
+                    D = model_difference(square, product);
+        const double grain = 0x1p-40 * (model_size(&square) + model_size(&product));
+        if (!model_below(D, -grain)) {
+            const bool up = model_above(B, 0), down = model_below(B, 0);
+            if (!model_above(D, grain) || !(up || down)) return false;
+            const model root = model_root(D), below = model_sum(B, up ? root : model_negative(root));
+            const model seed = model_quotient(C, below);
+            reach = larger(reach, greatest(model_range(model_difference(m->t, seed))));
+        }
+    }
+    shape_value v;
+    const model t = model_wider(m->t, reach * (1 + 0x1p-30));
+    const model3 p = beam_point(w, t);
+    if (!(reach < HUGE_VAL) || !shape_at(s, &p, &v)) return false;
+    const sgt_interval slope = model_range(model_dot(&v.n, &w->d));
+    return greatest(slope) <= SEED_SLOPES * beam_least(slope);
+}
+
 static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double aperture, double more,
                             sag_kept kept[2], beam_hit *m)
 {
@@ -421,7 +459,10 @@ static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double ape
     const double most = smaller(s->rim, edge), least = smaller(aperture, most);
     const bundle_lines by = {
         form_about(w->x), form_about(w->y), {form_about(w->d.x), form_about(w->d.y), form_about(w->d.z)}};
-    if (!(least < 0x1p400)) return NO_EDGE_KNOWN;
+    if (!(least < 0x1p400)) {
+        if (!beam_meet(s, w, more, m)) return NOT_MET;
+        return is_at_seeds(s, w, m) ? ALL_IN : NO_EDGE_KNOWN;
+    }
     bool none = false, only = sag_only(s, w, least * MORE, &by, &kept[0], &none);
     if (only && none) {
         if (least == most) return ALL_MISS;
@@ -926,7 +967,7 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         case NOT_MET:
             return cut(out, i, SGT_BOX_AT_SURFACE, &plane);
         case NO_EDGE_KNOWN:
-            return cut(out, i, SGT_BOX_NO_EDGE, &plane);
+            return cut(out, i, SGT_BOX_NO_EDGE, &m.p);
         }
         sgt_box_at *at = task->at ? &task->at[i] : NULL;
         if (at) tell_at(e, &m, at);
