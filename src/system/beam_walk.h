@@ -20,7 +20,8 @@
  * has to be excluded. Of the other sags all roots with r <= L are in an interval T of t, in which G' has one
  * sign for all lines: so there is one at most (sgt_bundle_sag_only).
  *
- * 3. THE APERTURE: r^2 is a model, and so its range is known to the third order.  Items: sgt_aperture_over.
+ * 3. THE APERTURE: r^2 is a model, and so its range is known to the third order.  Items: sgt_aperture_over, and
+ *    where that is not certain, circles, ellipses and rectangles by models, too.
  *
  * 4. BENDING as in trace.h: f = (1 - r^2) / (r g + sign(g) sqrt(D)), with g = n . d of a known sign.  D > 0
  *    for all, or all are reflected, or the box is cut.
@@ -857,6 +858,69 @@ static sgt_interval cosine_of(const beam_hit *m, const model3 *d)
     return sgt_interval_intersection(cosine, (sgt_interval){0, 1});
 }
 
+/* How far all points are beyond the edge of an item, below 0 inside: 0, if that is not known here. */
+static bool item_level(const sgt_aperture_item *i, const beam_hit *m, sgt_interval *level)
+{
+    const model dx = model_plus(m->p.x, -i->centre.x), dy = model_plus(m->p.y, -i->centre.y);
+    if (i->shape == SGT_CIRCLE || i->shape == SGT_ANNULUS) {
+        const sgt_interval r2 = model_range(model_sum(model_square(dx), model_square(dy)));
+        const sgt_interval r = sgt_interval_square_root(sgt_interval_intersection(r2, (sgt_interval){0, HUGE_VAL}));
+        *level = sgt_interval_difference(r, sgt_interval_of(i->radius));
+        if (i->shape == SGT_ANNULUS && i->inner > 0) {
+            const sgt_interval within = sgt_interval_difference(sgt_interval_of(i->inner), r);
+            *level = (sgt_interval){larger(level->lo, within.lo), larger(level->hi, within.hi)};
+        }
+        return i->radius < HUGE_VAL;
+    }
+    if (i->shape != SGT_RECTANGLE && i->shape != SGT_ELLIPSE) return false;
+    double c, s;
+    sgt_turns(1, &i->degrees, &c, &s);
+    const model qx = model_sum(model_scaled(dx, c), model_scaled(dy, s)),
+                qy = model_difference(model_scaled(dy, c), model_scaled(dx, s));
+    if (i->shape == SGT_RECTANGLE) {
+        const sgt_interval x = sgt_interval_difference(sgt_interval_absolute(model_range(qx)),
+                                                       sgt_interval_of(i->half.x)),
+                           y = sgt_interval_difference(sgt_interval_absolute(model_range(qy)),
+                                                       sgt_interval_of(i->half.y));
+        *level = (sgt_interval){larger(x.lo, y.lo), larger(x.hi, y.hi)};
+        return i->half.x < HUGE_VAL && i->half.y < HUGE_VAL;
+    }
+    const double least = smaller(i->half.x, i->half.y);
+    if (!(least > 0x1p-400) || !(larger(i->half.x, i->half.y) < HUGE_VAL)) return false;
+    const model ux = model_scaled(qx, 1 / i->half.x), uy = model_scaled(qy, 1 / i->half.y);
+    const sgt_interval r2 = model_range(model_sum(model_square(ux), model_square(uy)));
+    const sgt_interval r = sgt_interval_square_root(sgt_interval_intersection(r2, (sgt_interval){0, HUGE_VAL}));
+    *level = sgt_interval_scaled(sgt_interval_difference(r, sgt_interval_of(1)), least);
+    return true;
+}
+
+/* As sgt_aperture_over; but round items and straight ones by models, which follow an edge. */
+static int items_over(const sgt_aperture *a, const beam_hit *m, double *away)
+{
+    const sgt_interval x = model_range(m->p.x), y = model_range(m->p.y);
+    int all = 1;
+    *away = HUGE_VAL;
+    for (size_t k = 0; k < a->count; k++) {
+        const sgt_aperture_item *i = &a->items[k];
+        sgt_interval level;
+        double far = 0;
+        int through = sgt_aperture_over(&(sgt_aperture){.count = 1, .items = i}, x, y, &far);
+        if (through == 0 && item_level(i, m, &level)) {
+            const bool round = i->shape == SGT_CIRCLE || i->shape == SGT_ANNULUS;
+            const double soft = 0x1p-38 * (greatest(x) + greatest(y) + fabs(i->centre.x) + fabs(i->centre.y) +
+                                           (round ? i->radius : larger(i->half.x, i->half.y))) + 0x1p-490;
+            if (i->obscuring) level = sgt_interval_negative(level);
+            if (level.lo > soft) through = -1;
+            if (level.hi < -soft) through = 1, far = -level.hi - soft;
+        }
+        if (through < 0) return -1;
+        if (through == 0) all = 0;
+        else *away = smaller(*away, far);
+    }
+    if (all == 0) *away = 0;
+    return all;
+}
+
 static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1_varied, bool *varied,
                        index_models *by)
 {
@@ -973,7 +1037,7 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         if (at) tell_at(e, &m, at);
         if (e->aperture) {
             double away = 0;
-            const int through = sgt_aperture_over(e->aperture, model_range(m.p.x), model_range(m.p.y), &away);
+            const int through = items_over(e->aperture, &m, &away);
             if (at) at->items = through > 0 ? away : 0;
             if (through < 0) return stopped(out, i, SGT_CLIPPED, 1u << SGT_CLIPPED);
             if (through == 0) return cut(out, i, SGT_BOX_AT_EDGE, &m.p);

@@ -686,7 +686,7 @@ static void rest_shrinks(void **unused)
                              : type == FORMULA_SAG || type == FORMULA || type == USERS ? 3.4
                              : series                                                  ? 50
                                                                                        : 7;
-        const double widest = series && least == 50 ? 1 : 0.1;
+        const double widest = !series || least < 50 ? 0.1 : type == ODD ? 0.2 : 1;
         double before = 0, path_before = 0;
         memset(&l, 0, sizeof l);
         l.n = 3;

@@ -401,11 +401,27 @@ static bool same_roots(const prove_cell *c, const carry_room *r, const sgt_serie
     return true;
 }
 
+/* Where an edge of items goes through a box: the round item whose edge is nearest to a point of it. */
+static const sgt_aperture_item *round_item(const sgt_aperture *a, double x, double y)
+{
+    const sgt_aperture_item *best = NULL;
+    double least = HUGE_VAL;
+    for (size_t k = 0; a && k < a->count; k++) {
+        const sgt_aperture_item *i = &a->items[k];
+        const double r = hypot(x - i->centre.x, y - i->centre.y);
+        const bool ring = i->shape == SGT_ANNULUS;
+        if (i->shape != SGT_CIRCLE && !ring) continue;
+        const double off = fmin(fabs(r - i->radius), ring ? fabs(r - i->inner) : HUGE_VAL);
+        if (off < least) least = off, best = i;
+    }
+    return best;
+}
+
 /* Of a ray through this part of a box that is not decided: the cosine of its angle of incidence, if it is in
- * doubt whether it is bent; else how far from the axis of the element it meets that, or the one in front if
- * it
- * may miss it. */
-static double value_at(const prove_cell *c, const carry_room *r, const prove_box *box, double p, double q)
+ * doubt whether it is bent; else how far from the axis of the element, or of the item, it meets that, or the
+ * one in front if it may miss it. */
+static double value_at(const prove_cell *c, const carry_room *r, const prove_box *box,
+                       const sgt_aperture_item *item, double p, double q)
 {
     const size_t k = box->element, at_most = box->why == SGT_BOX_AT_SURFACE ? k : k + 1;
     double x, y;
@@ -418,43 +434,43 @@ static double value_at(const prove_cell *c, const carry_room *r, const prove_box
     const size_t passed = sgt_trace(at_most, r->wide, c->before, &ray, r->passages, &fate, NULL);
     const sgt_hit *hit = &r->passages[at_most - 1].hit;
     if (passed + 1 < at_most || !(hit->status > 0)) return (double)NAN;
+    if (item) return hypot(hit->p.x - item->centre.x, hit->p.y - item->centre.y);
     if (box->why != SGT_BOX_AT_BENDING) return hypot(hit->p.x, hit->p.y);
     if (k) d = out_of3(&c->e[k - 1].pose, r->passages[k - 1].direction);
     d = into3(&c->e[k].pose, d);
     return fabs(dot3(d, hit->n)) / (length3(d) * length3(hit->n));
 }
 
-/* Its longer side. */
-static int longer_side(const sector *of)
-{
-    return 3.141592653589793 * (of->turn1 - of->turn0) * (of->r0 + of->r1) > of->r1 - of->r0;
-}
-
 /* Which way a box that lies across an edge is best halved: along which that value changes most.  An edge that
  * rays of one radius follow needs boxes that are thin and long.  But if the value is enclosed far wider than it
- * changes, it is what the series leave out: of that the longer side has more.  (Items are judged by ranges of x
- * and y, so there boxes have to be as deep as they are long.) */
+ * changes, it is what the series leave out: of that the longer side has more.  Where nothing is known of it no
+ * box gets very long.  (Items that are not round are judged by ranges of x and y, so there boxes have to be as
+ * deep as they are long.) */
 static int across_edge(const prove_cell *c, const carry_room *r, const prove_box *box, int otherwise)
 {
-    enum { THINNEST = 8 };
-    const double size = c->e[box->element].semi_diameter;
+    enum { THIN = 8, THINNEST = 64 };
     const double depth = box->of.r1 - box->of.r0,
                  arc = 3.141592653589793 * (box->of.turn1 - box->of.turn0) * (box->of.r0 + box->of.r1);
     const bool edge = box->why == SGT_BOX_AT_EDGE, surface = box->why == SGT_BOX_AT_SURFACE;
-    if (edge && !(size > 0 && size < 0x1p500)) return otherwise;
-    const double middle = value_at(c, r, box, 0.5, 0.5);
+    const sgt_box_at *at = &r->at[box->element];
+    const sgt_interval known = edge ? at->margin : at->cosine;
+    const sgt_aperture_item *item = NULL;
+    if (edge && known.lo > 0) { /* inside the semi_diameter */
+        item = round_item(c->e[box->element].aperture, (at->x.lo + at->x.hi) / 2, (at->y.lo + at->y.hi) / 2);
+        if (!item) return otherwise;
+    }
+    const double middle = value_at(c, r, box, item, 0.5, 0.5);
     double along[2];
     for (int side = 0; side < 2; side++) {
-        const double one = value_at(c, r, box, side ? 0.5 : 0, side ? 0 : 0.5) - middle;
-        const double other = value_at(c, r, box, side ? 0.5 : 1, side ? 1 : 0.5) - middle;
+        const double one = value_at(c, r, box, item, side ? 0.5 : 0, side ? 0 : 0.5) - middle;
+        const double other = value_at(c, r, box, item, side ? 0.5 : 1, side ? 1 : 0.5) - middle;
         along[side] = fmax(fmax(fabs(one), fabs(other)), fabs(one - other));
     }
-    if (isnan(along[0] + along[1]) || surface)
-        return arc > THINNEST * depth || depth > THINNEST * arc ? longer_side(&box->of)
-               : isnan(along[0] + along[1])                     ? otherwise
-                                                                : along[1] > along[0];
-    const sgt_interval known = edge ? r->at[box->element].margin : r->at[box->element].cosine;
-    if (!(known.hi - known.lo <= 2 * (along[0] + along[1]))) return longer_side(&box->of);
+    const bool traced = !isnan(along[0] + along[1]);
+    const double thinnest = item ? THINNEST : THIN;
+    if (!traced || surface || item)
+        return arc > thinnest * depth ? 1 : depth > thinnest * arc ? 0 : traced ? along[1] > along[0] : otherwise;
+    if (!(known.hi - known.lo <= 2 * (along[0] + along[1]))) return arc > depth;
     return along[1] > along[0];
 }
 
