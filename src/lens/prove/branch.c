@@ -33,7 +33,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUND_LEAST = 64, ROUND_MOST = 512, ROUND_PART = 32, AREA_PARTS = 8, RINGS = 10 };
+enum { ROUND_LEAST = 64, ROUND_MOST = 512, ROUND_PART = 32, LEAST_BOXES = 4 /* quarters of the disc */, AREA_PARTS = 8, RINGS = 10 };
 static const double CLOSE = 0.01, RMS_CLOSE = 1e-4, UNBOUNDED = 1e-3;
 
 /* ----------------------------------------------------------------------- memory */
@@ -611,6 +611,7 @@ static bool branch(proof *p, one_round *r, double wanted[])
         bool needed;
         const size_t n = choose(p, wanted, chosen, &needed);
         if (n == 0) break;
+        if (needed && p->asked->boxes < LEAST_BOXES) { p->spent = true; break; }
         /* a box may be chosen for two reasons */
         const size_t most = round_size(p);
         size_t count = 0, left = p->asked->boxes > p->carried ? p->asked->boxes - p->carried : 0;
@@ -651,7 +652,7 @@ bool sgt_proof_run(const prove_asked *asked, proof *p)
         see_rings(p, half_of[0].room, half_of[0].value);
         half_of[0].box = (prove_box){.of = DISC_WHOLE};
         carry_half(&r, 0);
-        p->box[0] = half_of[0].box, p->count = p->carried = 1;
+        p->box[0] = half_of[0].box, p->count = 1;
         memcpy(p->bound, half_of[0].bound, q * sizeof *p->bound);
         sum_up(p);
         fine = branch(p, &r, numbers + 2 * halves * q);
