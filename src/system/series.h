@@ -151,21 +151,30 @@ static inline void series_add(double p[SERIES_TERMS], const double x[], int d, c
 
 static inline void series_norms(const model *x, double norm[SERIES_ORDER + 1])
 {
-    for (int d = 0; d <= SERIES_ORDER; d++) {
+    _Pragma("GCC unroll 8") for (int d = 0; d <= SERIES_ORDER; d++)
+    {
         norm[d] = 0;
-        for (int j = 0; j <= d; j++) norm[d] += fabs(x->k[SERIES_AT(d) + j]);
+        _Pragma("GCC unroll 8") for (int j = 0; j <= d; j++) norm[d] += fabs(x->k[SERIES_AT(d) + j]);
     }
 }
 
+/* (Unrolled: 210 products.  In loops over rows of memory it takes five times the instructions; and with rows in
+ * vectors, shifted, half of these, but twice the time, as loads wait for stores.) */
 static model model_product(model x, model y)
 {
-    model p = model_number(0);
     double n[SERIES_ORDER + 1], m[SERIES_ORDER + 1], size = 0, other = 0, above = 0, left = 0;
+    model p;
+    _Pragma("GCC unroll 8") for (int J = 0; J <= SERIES_ORDER; J++)
+        _Pragma("GCC unroll 8") for (int I = 0; I <= SERIES_ORDER - J; I++)
+        {
+            double sum = 0;
+            _Pragma("GCC unroll 8") for (int j = 0; j <= J; j++)
+                _Pragma("GCC unroll 8") for (int i = 0; i <= I; i++)
+                    sum += x.k[SERIES_AT(i + j) + j] * y.k[SERIES_AT(I - i + J - j) + J - j];
+            p.k[SERIES_AT(I + J) + J] = sum;
+        }
     series_norms(&x, n), series_norms(&y, m);
-    for (int d = 0; d <= SERIES_ORDER; d++) {
-        series_add(p.k, x.k, d, y.k, 0, SERIES_ORDER - d);
-        size += n[d], other += m[d];
-    }
+    for (int d = 0; d <= SERIES_ORDER; d++) size += n[d], other += m[d];
     for (int d = 1; d <= SERIES_ORDER; d++) above += m[SERIES_ORDER + 1 - d], left += n[d] * above;
     p.e = left + x.e * (other + y.e) + y.e * size;
     return model_made(p, size * other);
