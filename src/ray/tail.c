@@ -6,6 +6,8 @@
 
 #include "../surface/sag/piece.h"
 
+#include <float.h>
+
 static double tail_from(sgt_surface s, double radius, sgt_tails *kept)
 {
     if (!(radius > 0)) return 0;
@@ -134,7 +136,8 @@ static mask is_above(const sgt_heights *g, const line *w, int first)
     return MASK(left == 0);
 }
 
-/* The least tau at which a root may be, by the heights of the first rings: HUGE_VAL if there is none. */
+/* The least tau at which a root may be, by the heights of the first rings: HUGE_VAL if there is none.
+ * (A reduction by min may begin at the largest finite number, and does so by clang.) */
 SGT_KERNEL
 static double first_not_apart(const sgt_heights *g, const line *w, int ended)
 {
@@ -148,7 +151,7 @@ static double first_not_apart(const sgt_heights *g, const line *w, int ended)
                other = chosen(behind, HUGE_VAL, larger(w->foot + p.s_in, w->from));
         first = lesser(first, lesser(one, other));
     }
-    return first;
+    return first >= DBL_MAX ? HUGE_VAL : first;
 }
 
 /* The same for the last ring, which has no outer edge. */
