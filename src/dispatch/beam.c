@@ -39,7 +39,8 @@ SGT_DISPATCH_VOID(sgt_series_polar, (sgt_interval radius, sgt_interval angle, sg
 SGT_DISPATCH_VOID(sgt_series_sum, (const sgt_series *x, const sgt_series *y, sgt_series *out), (x, y, out))
 SGT_DISPATCH_VOID(sgt_series_difference, (const sgt_series *x, const sgt_series *y, sgt_series *out),
                   (x, y, out))
-SGT_DISPATCH_VOID(sgt_series_product, (const sgt_series *x, const sgt_series *y, sgt_series *out), (x, y, out))
+SGT_DISPATCH_VOID(sgt_series_product, (const sgt_series *x, const sgt_series *y, sgt_series *out),
+                  (x, y, out))
 SGT_DISPATCH_VOID(sgt_series_scaled, (const sgt_series *x, double k, sgt_series *out), (x, k, out))
 SGT_DISPATCH_VOID(sgt_series_plus, (const sgt_series *x, double k, sgt_series *out), (x, k, out))
 SGT_DISPATCH_VOID(sgt_series_inverse, (const sgt_series *x, sgt_series *out), (x, out))

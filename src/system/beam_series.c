@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /* beam_series.c - the walk of beam_walk.h for boxes of two parameters, by series; and series for the caller
- * (series.h). */
+ * (model.h). */
 #define MODEL_SERIES
 #include "beam_walk.h"
 
@@ -93,7 +93,8 @@ sgt_interval sgt_series_mean(const sgt_series *x, double w)
     for (int d = 0; d <= SERIES_ORDER; d++)
         for (int j = 0; j <= d; j += 2) {
             const int i = d - j;
-            const double by = i % 2 == 0 ? 1.0 / (i + 1) : w / (i + 2), mean = x->k[SERIES_AT(d) + j] * by / (j + 1);
+            const double by = i % 2 == 0 ? 1.0 / (i + 1) : w / (i + 2);
+            const double mean = x->k[SERIES_AT(d) + j] * by / (j + 1);
             sum += mean, size += fabs(mean);
         }
     return sgt_interval_about(sum, (x->rest + MODEL_ROUND * size) * MODEL_MORE + MODEL_LEAST);

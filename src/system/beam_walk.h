@@ -20,18 +20,18 @@
  * has to be excluded. Of the other sags all roots with r <= L are in an interval T of t, in which G' has one
  * sign for all lines: so there is one at most (sgt_bundle_sag_only).
  *
- * 3. THE APERTURE: r^2 is a model, and so its range is known to the third order.  Items: sgt_aperture_over, and
- *    where that is not certain, circles, ellipses and rectangles by models, too.
+ * 3. THE APERTURE: r^2 is a model, and so its range is known to the third order.  Items: sgt_aperture_over,
+ *    and where that is not certain, circles, ellipses and rectangles by models, too.
  *
  * 4. BENDING as in trace.h: f = (1 - r^2) / (r g + sign(g) sqrt(D)), with g = n . d of a known sign.  D > 0
  *    for all, or all are reflected, or the box is cut.
  *
  * 5. A SAG WITHOUT EDGE may have other roots far out, and none of them is meant: searches begin at seeds, and
  *    take the root that these lead to.  On a line let the root be t, and let a seed be within `reach` of it.
- *    If on all of [t - reach, t + reach] G' has one sign and m <= |G'| <= M with M / m = 1 + q, then a step of
- *    Newton from within takes an error e to e (1 - G'(xi) / G'), at most q |e|.  So all steps stay within, and
- *    with q <= 1/4 each is less than half of the last, as searches ask for before they trust steps.  Nor has
- *    a stretch about the seed on which F is monotone any other root: this one goes on monotone to t.
+ *    If on all of [t - reach, t + reach] G' has one sign and m <= |G'| <= M with M / m = 1 + q, then a step
+ *    of Newton from within takes an error e to e (1 - G'(xi) / G'), at most q |e|.  So all steps stay within,
+ *    and with q <= 1/4 each is less than half of the last, as searches ask for before they trust steps.  Nor
+ *    has a stretch about the seed on which F is monotone any other root: this one goes on monotone to t.
  *
  * THE SLACK.  BEAM_SLACK is added to d at each element.  Of F as it is computed at most a few u of its terms
  * are lost, of a departure its own bound; BEAM_SLACK of that is added to B.  A trace stops at t_tol, 2^-48 of
@@ -858,13 +858,18 @@ static sgt_interval cosine_of(const beam_hit *m, const model3 *d)
     return sgt_interval_intersection(cosine, (sgt_interval){0, 1});
 }
 
+static sgt_interval root_within(sgt_interval r2)
+{
+    return sgt_interval_square_root(sgt_interval_intersection(r2, (sgt_interval){0, HUGE_VAL}));
+}
+
 /* How far all points are beyond the edge of an item, below 0 inside: 0, if that is not known here. */
 static bool item_level(const sgt_aperture_item *i, const beam_hit *m, sgt_interval *level)
 {
     const model dx = model_plus(m->p.x, -i->centre.x), dy = model_plus(m->p.y, -i->centre.y);
     if (i->shape == SGT_CIRCLE || i->shape == SGT_ANNULUS) {
         const sgt_interval r2 = model_range(model_sum(model_square(dx), model_square(dy)));
-        const sgt_interval r = sgt_interval_square_root(sgt_interval_intersection(r2, (sgt_interval){0, HUGE_VAL}));
+        const sgt_interval r = root_within(r2);
         *level = sgt_interval_difference(r, sgt_interval_of(i->radius));
         if (i->shape == SGT_ANNULUS && i->inner > 0) {
             const sgt_interval within = sgt_interval_difference(sgt_interval_of(i->inner), r);
@@ -889,7 +894,7 @@ static bool item_level(const sgt_aperture_item *i, const beam_hit *m, sgt_interv
     if (!(least > 0x1p-400) || !(larger(i->half.x, i->half.y) < HUGE_VAL)) return false;
     const model ux = model_scaled(qx, 1 / i->half.x), uy = model_scaled(qy, 1 / i->half.y);
     const sgt_interval r2 = model_range(model_sum(model_square(ux), model_square(uy)));
-    const sgt_interval r = sgt_interval_square_root(sgt_interval_intersection(r2, (sgt_interval){0, HUGE_VAL}));
+    const sgt_interval r = root_within(r2);
     *level = sgt_interval_scaled(sgt_interval_difference(r, sgt_interval_of(1)), least);
     return true;
 }
@@ -952,7 +957,7 @@ static void launch_of(const beam_task *task, model3 *p, model3 *d)
     *d = (model3){series_read(&along[0]), series_read(&along[1]), series_read(&along[2])};
 }
 
-static void tell_ray(const model3 *p, const model3 *d, model path, sgt_series_ray *out)
+static void write_ray(const model3 *p, const model3 *d, model path, sgt_series_ray *out)
 {
     series_write(p->x, &out->p[0]), series_write(p->y, &out->p[1]), series_write(p->z, &out->p[2]);
     series_write(d->x, &out->d[0]), series_write(d->y, &out->d[1]), series_write(d->z, &out->d[2]);
@@ -999,7 +1004,7 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         d.x = model_wider(d.x, BEAM_SLACK), d.y = model_wider(d.y, BEAM_SLACK),
         d.z = model_wider(d.z, BEAM_SLACK);
 #ifdef MODEL_SERIES
-        if (task->arriving && i + 1 == lens->elements) tell_ray(&p, &d, path, task->arriving);
+        if (task->arriving && i + 1 == lens->elements) write_ray(&p, &d, path, task->arriving);
 #endif
         const model t0 = model_negative(model_quotient(p.z, d.z));
         w.x = model_sum(p.x, model_product(t0, d.x)), w.y = model_sum(p.y, model_product(t0, d.y)), w.d = d;
@@ -1071,7 +1076,7 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
     d.z = model_wider(d.z, BEAM_SLACK);
     out->verdict = SGT_BOX_PASSED, out->element = lens->elements, out->fate = SGT_PASSED;
 #ifdef MODEL_SERIES
-    tell_ray(&p, &d, path, task->ends);
+    write_ray(&p, &d, path, task->ends);
 #else
     model_write(p.x, &out->p[0]), model_write(p.y, &out->p[1]), model_write(p.z, &out->p[2]);
     model_write(d.x, &out->d[0]), model_write(d.y, &out->d[1]), model_write(d.z, &out->d[2]);

@@ -551,7 +551,7 @@ static void no_ray_contradicts(bool departures, long count)
                 trace_series(&whole, &from, kept, at, rays, &end);
             passed += end.verdict == SGT_BOX_PASSED, stopped += end.verdict == SGT_BOX_STOPPED;
             cut += end.verdict == SGT_BOX_CUT;
-            const trial t = {&l, &whole, &from, at, &end, i, k < 6 ? NULL : &rays[0], k < 6 ? NULL : &rays[1]};
+            const trial t = {&l, &whole, &from, at, &end, i, k < 6 ? NULL : rays, k < 6 ? NULL : rays + 1};
             attack(&t, 12);
         }
     }
@@ -828,7 +828,10 @@ static long double series_value(const sgt_series *x, long double s, long double 
     return sum;
 }
 
-static bool is_in(sgt_interval in, long double x) { return x >= (long double)in.lo && x <= (long double)in.hi; }
+static bool is_in(sgt_interval in, long double x)
+{
+    return x >= (long double)in.lo && x <= (long double)in.hi;
+}
 
 static void series_contain(void **unused)
 {
@@ -842,7 +845,8 @@ static void series_contain(void **unused)
         for (int b = 0; b < 2; b++) {
             for (int d = 1; d <= SGT_SERIES_ORDER; d++)
                 for (int j = 0; j <= d; j++)
-                    if (chance(&drawn, 0.7)) both[b]->k[SGT_SERIES_PLACE(d - j, j)] = pow(small, d) * about(1);
+                    if (chance(&drawn, 0.7))
+                        both[b]->k[SGT_SERIES_PLACE(d - j, j)] = pow(small, d) * about(1);
             both[b]->rest = chance(&drawn, 0.5) ? 0 : pow(small, 6) * 0.1;
             at[b] = series_value(both[b], s, t) + (long double)both[b]->rest * corner_or_inside();
         }
@@ -865,8 +869,8 @@ static void series_contain(void **unused)
         sgt_series px, py;
         sgt_series_polar((sgt_interval){r, r + dr}, (sgt_interval){a, a + da}, &px, &py);
         const long double rr = r + dr * (1 + (long double)s) / 2, aa = a + da * (1 + (long double)t) / 2;
-        REQUIRE(is_in(sgt_series_at(&px, s, t), rr * cosl(aa)) && is_in(sgt_series_at(&py, s, t), rr * sinl(aa)),
-                "polar");
+        REQUIRE(is_in(sgt_series_at(&px, s, t), rr * cosl(aa)), "polar, x");
+        REQUIRE(is_in(sgt_series_at(&py, s, t), rr * sinl(aa)), "polar, y");
         /* Gauss's rule of five points is exact to the ninth order; of the weight too, and twice */
         static const long double place[3] = {0, 0.538469310105683091036314420700209L,
                                              0.906179845938663992797626878299393L},

@@ -33,7 +33,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROUND_LEAST = 64, ROUND_MOST = 512, ROUND_PART = 32, LEAST_BOXES = 4 /* quarters of the disc */, AREA_PARTS = 8, RINGS = 10 };
+enum { ROUND_LEAST = 64, ROUND_MOST = 512, ROUND_PART = 32, AREA_PARTS = 8, RINGS = 10 };
+enum { LEAST_BOXES = 4 }; /* the quarters of the disc */
 static const double CLOSE = 0.01, RMS_CLOSE = 1e-4, UNBOUNDED = 1e-3;
 
 /* ----------------------------------------------------------------------- memory */
@@ -113,6 +114,7 @@ static void carry_half(void *data, size_t i)
     forget_seen(h->seen, p->quantities);
     for (size_t q = 0; q < p->quantities; q++) h->bound[q] = HUGE_VAL;
     h->box.fate = SGT_LOST;
+    h->box.f = h->box.ww = (sgt_interval){0, HUGE_VAL}, h->box.w = (sgt_interval){-HUGE_VAL, HUGE_VAL};
     if (!sgt_sector_is_fit(of)) return; /* too wide in angle: it is halved again */
     sgt_carry(p->asked->cell, h->room, &h->box, h->bound);
     if (h->box.fate != SGT_PASSED && h->box.fate != SGT_LOST) return;

@@ -8,10 +8,10 @@
  *
  *     OPD = L - L0 + n (h^2 / (R + sqrt(R^2 - h^2)) - b),   b = v . d,   h^2 = |v - b d|^2,   v = p - c.
  *
- * The point p may be any of the ray: it is that in front of the last element (p, L), where rests have not been
- * carried all the way to the image.  There b is about -V, V = |v|, and a product v . d would have the rest of
- * d V times.  But d is of unit length, and so is e = -+v / V, the direction to or from c; so with q = d - e,
- * which is small as the ray nearly goes through c,
+ * The point p may be any of the ray: it is that in front of the last element (p, L), where rests have not
+ * been carried all the way to the image.  There b is about -V, V = |v|, and a product v . d would have the
+ * rest of d V times.  But d is of unit length, and so is e = -+v / V, the direction to or from c; so with
+ * q = d - e, which is small as the ray nearly goes through c,
  *
  *     d . e = 1 - q^2 / 2,   b = -+ V (1 - q^2 / 2),   h^2 = V^2 q^2 (1 - q^2 / 4).
  *
@@ -395,7 +395,8 @@ static bool same_roots(const prove_cell *c, const carry_room *r, const sgt_serie
         const double R = sgt_interval_hypotenuse(r->at[i].x, r->at[i].y).hi;
         const bool round = e->semi_diameter > 0 && e->semi_diameter < 0x1p500;
         if (e->surface.ops != &sgt_conic_ops || !round || R < e->semi_diameter * (1 - 0x1p-40)) continue;
-        if (carried_through(c, r->wide, i + 1, r->kept_wide, NULL, launch, &w) != SGT_BOX_PASSED) return false;
+        if (carried_through(c, r->wide, i + 1, r->kept_wide, NULL, launch, &w) != SGT_BOX_PASSED)
+            return false;
         if (!meets_once(e->surface.self, R, w.front.d)) return false;
     }
     return true;
@@ -442,10 +443,9 @@ static double value_at(const prove_cell *c, const carry_room *r, const prove_box
 }
 
 /* Which way a box that lies across an edge is best halved: along which that value changes most.  An edge that
- * rays of one radius follow needs boxes that are thin and long.  But if the value is enclosed far wider than it
- * changes, it is what the series leave out: of that the longer side has more.  Where nothing is known of it no
- * box gets very long.  (Items that are not round are judged by ranges of x and y, so there boxes have to be as
- * deep as they are long.) */
+ * rays of one radius follow needs boxes that are thin and long.  But if the value is enclosed far wider than
+ * it changes, it is what the series leave out: of that the longer side has more.  Where nothing is known of
+ * it no box gets very long.  (Items that are not round: boxes as deep as they are long.) */
 static int across_edge(const prove_cell *c, const carry_room *r, const prove_box *box, int otherwise)
 {
     enum { THIN = 8, THINNEST = 64 };
@@ -469,7 +469,10 @@ static int across_edge(const prove_cell *c, const carry_room *r, const prove_box
     const bool traced = !isnan(along[0] + along[1]);
     const double thinnest = item ? THINNEST : THIN;
     if (!traced || surface || item)
-        return arc > thinnest * depth ? 1 : depth > thinnest * arc ? 0 : traced ? along[1] > along[0] : otherwise;
+        return arc > thinnest * depth   ? 1
+               : depth > thinnest * arc ? 0
+               : traced                 ? along[1] > along[0]
+                                        : otherwise;
     if (!(known.hi - known.lo <= 2 * (along[0] + along[1]))) return arc > depth;
     return along[1] > along[0];
 }
