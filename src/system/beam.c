@@ -157,25 +157,55 @@ static bool is_launch_sound(const sgt_box_launch *launch)
     return true;
 }
 
+/* Those answers that stay however small the box is. */
+static sgt_box_verdict told(sgt_box_verdict verdict, sgt_box_end *out)
+{
+    const bool stays = out->why == SGT_BOX_NO_BOUNDS || out->why == SGT_BOX_UNSOUND;
+    if (verdict != SGT_BOX_CUT || stays) out->divide = -1;
+    return verdict;
+}
+
+static bool is_call_sound(const sgt_box_lens *lens, bool launch, sgt_box_end *out)
+{
+    *out = (sgt_box_end){.verdict = SGT_BOX_CUT, .why = SGT_BOX_UNSOUND, .fate = SGT_LOST, .divide = -1};
+    bool sound = launch && ROOM_IS_ZERO(lens) && (lens->numbers == 0 || lens->number);
+    for (size_t i = 0; sound && i < lens->numbers; i++) sound = is_number_sound(lens, &lens->number[i]);
+    if (!sound) return false;
+    out->element = first_unsound(lens);
+    if (out->element < lens->elements) return false;
+    *out = (sgt_box_end){.verdict = SGT_BOX_CUT, .fate = SGT_LOST, .divide = -1};
+    return true;
+}
+
 sgt_box_verdict sgt_box_trace(const sgt_box_lens *lens, const sgt_box_launch *launch, sgt_box_room room[],
                               sgt_box_at at[], sgt_box_end *out)
 {
-    const beam_task task = {lens, launch, room, at};
-    *out = (sgt_box_end){.verdict = SGT_BOX_CUT, .why = SGT_BOX_UNSOUND, .fate = SGT_LOST, .divide = -1};
-    bool sound = is_launch_sound(launch) && ROOM_IS_ZERO(lens) && (lens->numbers == 0 || lens->number);
-    for (size_t i = 0; sound && i < lens->numbers; i++) sound = is_number_sound(lens, &lens->number[i]);
-    if (!sound) return SGT_BOX_CUT;
-    out->element = first_unsound(lens);
-    if (out->element < lens->elements) return SGT_BOX_CUT;
-    *out = (sgt_box_end){.verdict = SGT_BOX_CUT, .fate = SGT_LOST, .divide = -1};
+    const beam_task task = {.lens = lens, .launch = launch, .room = room, .at = at};
+    if (!is_call_sound(lens, is_launch_sound(launch), out)) return SGT_BOX_CUT;
     const int n = launch->parameters;
-    const sgt_box_verdict verdict = n <= 2   ? sgt_box_walk_2(&task, out)
-                                    : n <= 4 ? sgt_box_walk_4(&task, out)
-                                             : sgt_box_walk_8(&task, out);
-    const bool stays =
-        out->why == SGT_BOX_NO_BOUNDS || out->why == SGT_BOX_NO_EDGE || out->why == SGT_BOX_UNSOUND;
-    if (verdict != SGT_BOX_CUT || stays) out->divide = -1;
-    return verdict;
+    return told(n <= 2   ? sgt_box_walk_2(&task, out)
+                : n <= 4 ? sgt_box_walk_4(&task, out)
+                         : sgt_box_walk_8(&task, out),
+                out);
+}
+
+static bool is_series_ray_sound(const sgt_series_ray *ray)
+{
+    for (int k = 0; k < 3; k++)
+        if (!(ray->p[k].rest >= 0) || !ROOM_IS_ZERO(&ray->p[k]) || !(ray->d[k].rest >= 0) ||
+            !ROOM_IS_ZERO(&ray->d[k]))
+            return false;
+    return true;
+}
+
+sgt_box_verdict sgt_series_trace(const sgt_box_lens *lens, const sgt_series_ray *launch, sgt_box_room room[],
+                                 sgt_box_at at[], sgt_series_ray *arriving, sgt_series_ray *ends,
+                                 sgt_box_end *out)
+{
+    const beam_task task = {
+        .lens = lens, .room = room, .at = at, .from = launch, .arriving = arriving, .ends = ends};
+    if (!is_call_sound(lens, is_series_ray_sound(launch), out)) return SGT_BOX_CUT;
+    return told(sgt_box_walk_series(&task, out), out);
 }
 
 const char *sgt_box_verdict_text(sgt_box_verdict verdict)
@@ -207,7 +237,7 @@ const char *sgt_box_why_text(sgt_box_why why)
     case SGT_BOX_TOO_LARGE:
         return "the bounds are infinite";
     case SGT_BOX_NO_EDGE:
-        return "a sag without a semi_diameter";
+        return "a sag without a semi_diameter, met far from its vertex plane";
     case SGT_BOX_NO_BOUNDS:
         return "a surface or a phase without bounds over a box";
     case SGT_BOX_UNSOUND:

@@ -20,10 +20,18 @@
  * has to be excluded. Of the other sags all roots with r <= L are in an interval T of t, in which G' has one
  * sign for all lines: so there is one at most (sgt_bundle_sag_only).
  *
- * 3. THE APERTURE: r^2 is a model, and so its range is known to the third order.  Items: sgt_aperture_over.
+ * 3. THE APERTURE: r^2 is a model, and so its range is known to the third order.  Items: sgt_aperture_over,
+ *    and where that is not certain, circles, ellipses and rectangles by models, too.
  *
  * 4. BENDING as in trace.h: f = (1 - r^2) / (r g + sign(g) sqrt(D)), with g = n . d of a known sign.  D > 0
  *    for all, or all are reflected, or the box is cut.
+ *
+ * 5. A SAG WITHOUT EDGE may have other roots far out, and none of them is meant: searches begin at seeds, and
+ *    take the root that these lead to.  On a line let the root be t, and let a seed be within `reach` of it.
+ *    If on all of [t - reach, t + reach] G' has one sign and m <= |G'| <= M with M / m = 1 + q, then a step
+ *    of Newton from within takes an error e to e (1 - G'(xi) / G'), at most q |e|.  So all steps stay within,
+ *    and with q <= 1/4 each is less than half of the last, as searches ask for before they trust steps.  Nor
+ *    has a stretch about the seed on which F is monotone any other root: this one goes on monotone to t.
  *
  * THE SLACK.  BEAM_SLACK is added to d at each element.  Of F as it is computed at most a few u of its terms
  * are lost, of a departure its own bound; BEAM_SLACK of that is added to B.  A trace stops at t_tol, 2^-48 of
@@ -42,6 +50,7 @@
 #include "../surface/departure/departure.h"
 
 #define BEAM_SLACK BUNDLE_SLACK
+static const double SEED_SLOPES = 1.25; /* the greatest over the least */
 static const double EDGE_IN = 1 - 0x1p-38, EDGE_OUT = 1 + 0x1p-38; /* of squares */
 enum { EVEN_TERMS = 8, STEPS = 5, WIDENINGS = 3, SCALAR_STEPS = 40 };
 
@@ -411,6 +420,45 @@ static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const b
     return s->varied ? even_only(s, w, L, none) : sgt_bundle_sag_only(s->surface, L, by, kept, none);
 }
 
+/* Is the seed the root of another base than c and k's: one with a curvature for each axis? */
+static bool is_led_by_axis(sgt_surface s)
+{
+    sgt_shared shared = {0};
+    if (!s.ops->own_ || !s.ops->own_->share) return false;
+    s.ops->own_->share(s.self, &shared);
+    return shared.by_axis && shared.lean != 0;
+}
+
+/* A sag without any edge: the root is the one that searches are led to by their seeds, which are where the
+ * line crosses the vertex plane, t = 0, and where it meets the base (5 of the head), or C / B where it misses
+ * that (seed_of in departure.c). */
+static bool is_at_seeds(const beam_shape *s, const beam_lines *w, const beam_hit *m)
+{
+    double reach = greatest(model_range(m->t));
+    if (is_led_by_axis(s->surface)) return false;
+    if (s->varied || s->c0 != 0) {
+        const model across = model_sum(model_product(w->x, w->d.x), model_product(w->y, w->d.y));
+        const model B = model_difference(w->d.z, by_c(s, across));
+        const model A = by_c(s, model_sum(model_number(1),
+                                          model_product(model_plus(s->k1, -1), model_square(w->d.z))));
+        const model C = by_c(s, model_sum(model_square(w->x), model_square(w->y)));
+        const model square = model_square(B), product = model_product(A, C),
+                    D = model_difference(square, product);
+        const double grain = 0x1p-40 * (model_size(&square) + model_size(&product));
+        const bool up = model_above(B, 0), down = model_below(B, 0), missed = model_below(D, -grain);
+        if (!(missed || model_above(D, grain)) || !(up || down)) return false;
+        const model root = missed ? model_number(0) : model_root(D); /* where the base is missed: C / B */
+        const model seed = model_quotient(C, model_sum(B, up ? root : model_negative(root)));
+        reach = larger(reach, greatest(model_range(model_difference(m->t, seed))));
+    }
+    shape_value v;
+    const model t = model_wider(m->t, reach * (1 + 0x1p-30));
+    const model3 p = beam_point(w, t);
+    if (!(reach < HUGE_VAL) || !shape_at(s, &p, &v)) return false;
+    const sgt_interval slope = model_range(model_dot(&v.n, &w->d));
+    return greatest(slope) <= SEED_SLOPES * beam_least(slope);
+}
+
 static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double aperture, double more,
                             sag_kept kept[2], beam_hit *m)
 {
@@ -421,7 +469,10 @@ static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double ape
     const double most = smaller(s->rim, edge), least = smaller(aperture, most);
     const bundle_lines by = {
         form_about(w->x), form_about(w->y), {form_about(w->d.x), form_about(w->d.y), form_about(w->d.z)}};
-    if (!(least < 0x1p400)) return NO_EDGE_KNOWN;
+    if (!(least < 0x1p400)) {
+        if (!beam_meet(s, w, more, m)) return NOT_MET;
+        return is_at_seeds(s, w, m) ? ALL_IN : NO_EDGE_KNOWN;
+    }
     bool none = false, only = sag_only(s, w, least * MORE, &by, &kept[0], &none);
     if (only && none) {
         if (least == most) return ALL_MISS;
@@ -766,21 +817,13 @@ static void moved_by(const frame *f, double sign, model3 *p)
 
 /* -------------------------------------------------------------------------- the walk */
 
-/* How much a model changes with parameter i. */
-static double share_of(const model *x, int i)
-{
-    double sum = fabs(x->a[i]);
-    for (int j = 0; j < MODEL_N; j++) sum += fabs(x->q[SGT_MODEL_PAIR(i, j)]);
-    return sum;
-}
-
 static int to_divide(const model *const by[], int n)
 {
     int best = -1;
     double most = 0;
     for (int i = 0; i < MODEL_N; i++) {
         double sum = 0;
-        for (int k = 0; k < n; k++) sum += share_of(by[k], i);
+        for (int k = 0; k < n; k++) sum += model_changes(by[k], i);
         if (sum > most) most = sum, best = i;
     }
     return best;
@@ -824,6 +867,74 @@ static sgt_interval cosine_of(const beam_hit *m, const model3 *d)
     return sgt_interval_intersection(cosine, (sgt_interval){0, 1});
 }
 
+static sgt_interval root_within(sgt_interval r2)
+{
+    return sgt_interval_square_root(sgt_interval_intersection(r2, (sgt_interval){0, HUGE_VAL}));
+}
+
+/* How far all points are beyond the edge of an item, below 0 inside: 0, if that is not known here. */
+static bool item_level(const sgt_aperture_item *i, const beam_hit *m, sgt_interval *level)
+{
+    const model dx = model_plus(m->p.x, -i->centre.x), dy = model_plus(m->p.y, -i->centre.y);
+    if (i->shape == SGT_CIRCLE || i->shape == SGT_ANNULUS) {
+        const sgt_interval r2 = model_range(model_sum(model_square(dx), model_square(dy)));
+        const sgt_interval r = root_within(r2);
+        *level = sgt_interval_difference(r, sgt_interval_of(i->radius));
+        if (i->shape == SGT_ANNULUS && i->inner > 0) {
+            const sgt_interval within = sgt_interval_difference(sgt_interval_of(i->inner), r);
+            *level = (sgt_interval){larger(level->lo, within.lo), larger(level->hi, within.hi)};
+        }
+        return i->radius < HUGE_VAL;
+    }
+    if (i->shape != SGT_RECTANGLE && i->shape != SGT_ELLIPSE) return false;
+    double c, s;
+    sgt_turns(1, &i->degrees, &c, &s);
+    const model qx = model_sum(model_scaled(dx, c), model_scaled(dy, s)),
+                qy = model_difference(model_scaled(dy, c), model_scaled(dx, s));
+    if (i->shape == SGT_RECTANGLE) {
+        const sgt_interval x = sgt_interval_difference(sgt_interval_absolute(model_range(qx)),
+                                                       sgt_interval_of(i->half.x)),
+                           y = sgt_interval_difference(sgt_interval_absolute(model_range(qy)),
+                                                       sgt_interval_of(i->half.y));
+        *level = (sgt_interval){larger(x.lo, y.lo), larger(x.hi, y.hi)};
+        return i->half.x < HUGE_VAL && i->half.y < HUGE_VAL;
+    }
+    const double least = smaller(i->half.x, i->half.y);
+    if (!(least > 0x1p-400) || !(larger(i->half.x, i->half.y) < HUGE_VAL)) return false;
+    const model ux = model_scaled(qx, 1 / i->half.x), uy = model_scaled(qy, 1 / i->half.y);
+    const sgt_interval r2 = model_range(model_sum(model_square(ux), model_square(uy)));
+    const sgt_interval r = root_within(r2);
+    *level = sgt_interval_scaled(sgt_interval_difference(r, sgt_interval_of(1)), least);
+    return true;
+}
+
+/* As sgt_aperture_over; but round items and straight ones by models, which follow an edge. */
+static int items_over(const sgt_aperture *a, const beam_hit *m, double *away)
+{
+    const sgt_interval x = model_range(m->p.x), y = model_range(m->p.y);
+    int all = 1;
+    *away = HUGE_VAL;
+    for (size_t k = 0; k < a->count; k++) {
+        const sgt_aperture_item *i = &a->items[k];
+        sgt_interval level;
+        double far = 0;
+        int through = sgt_aperture_over(&(sgt_aperture){.count = 1, .items = i}, x, y, &far);
+        if (through == 0 && item_level(i, m, &level)) {
+            const bool round = i->shape == SGT_CIRCLE || i->shape == SGT_ANNULUS;
+            const double soft = 0x1p-38 * (greatest(x) + greatest(y) + fabs(i->centre.x) + fabs(i->centre.y) +
+                                           (round ? i->radius : larger(i->half.x, i->half.y))) + 0x1p-490;
+            if (i->obscuring) level = sgt_interval_negative(level);
+            if (level.lo > soft) through = -1;
+            if (level.hi < -soft) through = 1, far = -level.hi - soft;
+        }
+        if (through < 0) return -1;
+        if (through == 0) all = 0;
+        else *away = smaller(*away, far);
+    }
+    if (all == 0) *away = 0;
+    return all;
+}
+
 static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1_varied, bool *varied,
                        index_models *by)
 {
@@ -847,13 +958,35 @@ static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1
 
 static bool is_positive(model x) { return model_above(x, 0) && model_range(x).hi < HUGE_VAL; }
 
+#ifdef MODEL_SERIES
+static void launch_of(const beam_task *task, model3 *p, model3 *d)
+{
+    const sgt_series *o = task->from->p, *along = task->from->d;
+    *p = (model3){series_read(&o[0]), series_read(&o[1]), series_read(&o[2])};
+    *d = (model3){series_read(&along[0]), series_read(&along[1]), series_read(&along[2])};
+}
+
+static void write_ray(const model3 *p, const model3 *d, model path, sgt_series_ray *out)
+{
+    series_write(p->x, &out->p[0]), series_write(p->y, &out->p[1]), series_write(p->z, &out->p[2]);
+    series_write(d->x, &out->d[0]), series_write(d->y, &out->d[1]), series_write(d->z, &out->d[2]);
+    series_write(path, &out->opl);
+}
+#else
+static void launch_of(const beam_task *task, model3 *p, model3 *d)
+{
+    const sgt_model *o = task->launch->o, *along = task->launch->d;
+    *p = (model3){model_read(&o[0]), model_read(&o[1]), model_read(&o[2])};
+    *d = (model3){model_read(&along[0]), model_read(&along[1]), model_read(&along[2])};
+}
+#endif
+
 static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
 {
-    const sgt_box_launch *from = task->launch;
     const sgt_box_lens *lens = task->lens;
     const double launch_index = lens->index_before == 0 ? 1 : lens->index_before;
-    model3 p = {model_read(&from->o[0]), model_read(&from->o[1]), model_read(&from->o[2])};
-    model3 d = {model_read(&from->d[0]), model_read(&from->d[1]), model_read(&from->d[2])};
+    model3 p, d;
+    launch_of(task, &p, &d);
     const sgt_model *before = number_of(task, SGT_BOX_BEFORE, SGT_BOX_INDEX, 0);
     model index = before ? model_read(before) : model_number(launch_index), path = model_number(0);
     bool index_varied = before != NULL;
@@ -879,6 +1012,9 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         p.x = model_wider(p.x, grain), p.y = model_wider(p.y, grain), p.z = model_wider(p.z, grain);
         d.x = model_wider(d.x, BEAM_SLACK), d.y = model_wider(d.y, BEAM_SLACK),
         d.z = model_wider(d.z, BEAM_SLACK);
+#ifdef MODEL_SERIES
+        if (task->arriving && i + 1 == lens->elements) write_ray(&p, &d, path, task->arriving);
+#endif
         const model t0 = model_negative(model_quotient(p.z, d.z));
         w.x = model_sum(p.x, model_product(t0, d.x)), w.y = model_sum(p.y, model_product(t0, d.y)), w.d = d;
         const model3 plane = {w.x, w.y, model_number(0)};
@@ -904,17 +1040,18 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
         case ALL_CLIPPED_OR_MISS:
             return stopped(out, i, SGT_LOST, 1u << SGT_CLIPPED | 1u << SGT_MISSED);
         case MAY_BE_BOTH:
+            if (task->at) tell_at(e, &m, &task->at[i]);
             return cut(out, i, SGT_BOX_AT_EDGE, &m.p);
         case NOT_MET:
             return cut(out, i, SGT_BOX_AT_SURFACE, &plane);
         case NO_EDGE_KNOWN:
-            return cut(out, i, SGT_BOX_NO_EDGE, &plane);
+            return cut(out, i, SGT_BOX_NO_EDGE, &m.p);
         }
         sgt_box_at *at = task->at ? &task->at[i] : NULL;
         if (at) tell_at(e, &m, at);
         if (e->aperture) {
             double away = 0;
-            const int through = sgt_aperture_over(e->aperture, model_range(m.p.x), model_range(m.p.y), &away);
+            const int through = items_over(e->aperture, &m, &away);
             if (at) at->items = through > 0 ? away : 0;
             if (through < 0) return stopped(out, i, SGT_CLIPPED, 1u << SGT_CLIPPED);
             if (through == 0) return cut(out, i, SGT_BOX_AT_EDGE, &m.p);
@@ -947,10 +1084,14 @@ static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
     d.x = model_wider(d.x, BEAM_SLACK), d.y = model_wider(d.y, BEAM_SLACK),
     d.z = model_wider(d.z, BEAM_SLACK);
     out->verdict = SGT_BOX_PASSED, out->element = lens->elements, out->fate = SGT_PASSED;
+#ifdef MODEL_SERIES
+    write_ray(&p, &d, path, task->ends);
+#else
     model_write(p.x, &out->p[0]), model_write(p.y, &out->p[1]), model_write(p.z, &out->p[2]);
     model_write(d.x, &out->d[0]), model_write(d.y, &out->d[1]), model_write(d.z, &out->d[2]);
     model_write(path, &out->opl);
-    if (out->p[0].rest + out->p[1].rest + out->p[2].rest + out->opl.rest < HUGE_VAL) return SGT_BOX_PASSED;
+#endif
+    if (p.x.e + p.y.e + p.z.e + path.e < HUGE_VAL) return SGT_BOX_PASSED;
     return cut(out, lens->elements, SGT_BOX_TOO_LARGE, &p);
 }
 

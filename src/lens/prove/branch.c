@@ -34,6 +34,7 @@
 #include <string.h>
 
 enum { ROUND_LEAST = 64, ROUND_MOST = 512, ROUND_PART = 32, AREA_PARTS = 8, RINGS = 10 };
+enum { LEAST_BOXES = 4 }; /* the quarters of the disc */
 static const double CLOSE = 0.01, RMS_CLOSE = 1e-4, UNBOUNDED = 1e-3;
 
 /* ----------------------------------------------------------------------- memory */
@@ -113,6 +114,7 @@ static void carry_half(void *data, size_t i)
     forget_seen(h->seen, p->quantities);
     for (size_t q = 0; q < p->quantities; q++) h->bound[q] = HUGE_VAL;
     h->box.fate = SGT_LOST;
+    h->box.f = h->box.ww = (sgt_interval){0, HUGE_VAL}, h->box.w = (sgt_interval){-HUGE_VAL, HUGE_VAL};
     if (!sgt_sector_is_fit(of)) return; /* too wide in angle: it is halved again */
     sgt_carry(p->asked->cell, h->room, &h->box, h->bound);
     if (h->box.fate != SGT_PASSED && h->box.fate != SGT_LOST) return;
@@ -376,11 +378,8 @@ static bool halving_of(const prove_box *b, bool *in_angle)
     if (b->hopeless || (!radius && !angle)) return false;
     if (!radius || !angle) return *in_angle = angle, true;
     if (!sgt_sector_is_fit(&b->of)) return *in_angle = true, true;
-    /* an arc bulges out of its cover: halving the radius does not change that */
-    const cover c = sgt_sector_cover(&b->of);
-    const double depth = b->of.r1 - b->of.r0, bulge = b->of.r0 == 0 ? 0 : 2 * c.hs - depth;
-    if (bulge > 0.5 * depth) *in_angle = true;
-    else *in_angle = b->fate == SGT_LOST && b->divide >= 0 ? b->divide == 1 : c.ht > c.hs;
+    if (b->fate == SGT_LOST && b->divide >= 0) *in_angle = b->divide == 1;
+    else *in_angle = 3.141592653589793 * (b->of.turn1 - b->of.turn0) * b->of.r1 > (b->of.r1 - b->of.r0) / 2;
     return true;
 }
 
@@ -600,13 +599,6 @@ static bool halve(proof *p, one_round *r, const candidate chosen[], size_t count
     return true;
 }
 
-/* How many boxes are carried through at most for halving it, until all parts are fit. */
-static size_t cost_of(const prove_box *b)
-{
-    enum { DISC = 1, RING = 8 };
-    return b->of.turn1 - b->of.turn0 == 1 ? DISC + RING : 2;
-}
-
 static bool branch(proof *p, one_round *r, double wanted[])
 {
     candidate *chosen = NULL;
@@ -621,11 +613,12 @@ static bool branch(proof *p, one_round *r, double wanted[])
         bool needed;
         const size_t n = choose(p, wanted, chosen, &needed);
         if (n == 0) break;
+        if (needed && p->asked->boxes < LEAST_BOXES) { p->spent = true; break; }
         /* a box may be chosen for two reasons */
         const size_t most = round_size(p);
         size_t count = 0, left = p->asked->boxes > p->carried ? p->asked->boxes - p->carried : 0;
         for (size_t k = 0; k < n && count < most && (needed || left > 1); k++) {
-            const size_t cost = needed ? 0 : cost_of(&p->box[chosen[k].box]);
+            const size_t cost = needed ? 0 : 2;
             bool there = cost > left;
             for (size_t j = 0; j < count && !there; j++) there = chosen[j].box == chosen[k].box;
             if (!there) chosen[count++] = chosen[k], left -= cost;
@@ -661,7 +654,7 @@ bool sgt_proof_run(const prove_asked *asked, proof *p)
         see_rings(p, half_of[0].room, half_of[0].value);
         half_of[0].box = (prove_box){.of = DISC_WHOLE};
         carry_half(&r, 0);
-        p->box[0] = half_of[0].box, p->count = p->carried = 1;
+        p->box[0] = half_of[0].box, p->count = 1;
         memcpy(p->bound, half_of[0].bound, q * sizeof *p->bound);
         sum_up(p);
         fine = branch(p, &r, numbers + 2 * halves * q);
