@@ -239,7 +239,11 @@ SGT_API sgt_box_verdict sgt_box_trace(const sgt_box_lens *lens,
  * out is of the order h^7 in the width h: so of rays through a pupil, whose numbers are
  * smooth, one box of a series does what some thousand boxes of models do, and takes the
  * time of about eight. */
+
+/* The order of a series, and how many numbers k it has. */
 enum { SGT_SERIES_ORDER = 6, SGT_SERIES_TERMS = 28 };
+
+/* The place in k of the number of s^i t^j; i, j at least 0, i + j <= SGT_SERIES_ORDER. */
 #define SGT_SERIES_PLACE(i, j) (((i) + (j)) * ((i) + (j) + 1) / 2 + (j))
 
 typedef struct sgt_series {

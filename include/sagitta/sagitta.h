@@ -581,8 +581,8 @@ typedef struct sgt_hits_f {
  * Planes, conics and even aspheres with a semi_diameter are met in float arithmetic.  A
  * ray that is not certainly met so (a miss, a graze, a root beside the rim or the start)
  * is asked in double, as is every ray of another surface; that costs more than
- * sgt_intersect_batch.  A t or p beyond the largest float is that float with the sign, and
- * its bound is INFINITY.  An n beyond it is infinite.
+ * sgt_intersect_batch.  A t or p beyond the largest float is that float with the sign,
+ * and its bound is INFINITY.  An n beyond it is infinite.
  *
  * The same bits whatever the neighbours and the processor.  Outputs must not overlap the
  * rays or each other.  Nothing is allocated; the stack needed is below 96 KiB. */

@@ -157,14 +157,14 @@ SGT_INLINE mask_f conic_in_lanes(const sag_f *shared, bool other, bool rich, siz
 }
 
 SGT_KERNEL
-static mask_f conic_f(const sag_f *s, bool other, size_t count, columns_f r, rows_f to)
+static mask_f conic_in_floats(const sag_f *s, bool other, size_t count, columns_f r, rows_f to)
 {
     return other ? conic_in_lanes(s, true, false, count, r, to)
                  : conic_in_lanes(s, false, false, count, r, to);
 }
 
 SGT_KERNEL
-static mask_f conic_rich_f(const sag_f *s, bool other, size_t count, columns_f r, rows_f to)
+static mask_f conic_in_floats_rich(const sag_f *s, bool other, size_t count, columns_f r, rows_f to)
 {
     return other ? conic_in_lanes(s, true, true, count, r, to)
                  : conic_in_lanes(s, false, true, count, r, to);
@@ -221,11 +221,12 @@ SGT_INLINE mask_f asphere_in_lanes(const sag_f *shared, bool many, bool rich, si
         tau -= v.f / v.slope;
         float z = tau * n;
         v = sag_f_at(s, many, tau * l + at.x, tau * m + at.y, z, l, m, n);
-        float side = sqrtf(a), G = size - s->steep * side, er = U * (s->kappa * (28 * v.r2 + 2 * rho0) + 3 * fabsf(z)),
+        float side = sqrtf(a), G = size - s->steep * side,
+              er = U * (s->kappa * (28 * v.r2 + 2 * rho0) + 3 * fabsf(z)),
               step = v.f / v.slope, E = 1.01f * (fabsf(v.f) + er) / G,
               off = 1.01f * (er + fabsf(step) * (s->bend * a * E + 0x1p-17f * size)) / G;
         mask_f hit = MASK_F(G > 0x1p-4f * size) & MASK_F(v.r2 <= s->rim2) & MASK_F(E * side <= s->rim)
-                     & MASK_F(s->bend * side * fabsf(step) <= 0x1p-18f); /* by which the gradient changes */
+                     & MASK_F(s->bend * side * fabsf(step) <= 0x1p-18f); /* so far the gradient is off */
         tau -= step;
         float small = at.t0_lo + tau, t = at.t0 + small, tau_err = off + U * fabsf(tau),
               t_err = 1.01f * U * (fabsf(t) + fabsf(small)) + tau_err;
@@ -285,11 +286,21 @@ static mask_f plane_rich_f(const sag_f *s, bool other, size_t count, columns_f r
 
 /* ------------------------------------------------------------------- the surface */
 
+/* The next float above a finite one.  Floats of one sign are in the order of their bits. */
+static float next_above_f(float f)
+{
+    unsigned int bits;
+    memcpy(&bits, &f, sizeof bits);
+    bits = f == 0 ? 1 : f > 0 ? bits + 1 : bits - 1;
+    memcpy(&f, &bits, sizeof bits);
+    return f;
+}
+
 /* At least x, as a float. */
 static float above_f(double x)
 {
     float f = (float)x;
-    return (double)f < x ? nextafterf(f, HUGE_VALF) : f;
+    return (double)f < x ? next_above_f(f) : f;
 }
 
 static float below_f(double x) { return -above_f(-x); }
@@ -306,7 +317,8 @@ static kernel_f *sag_f_of(const sgt_even_sag *e, bool first, bool rich, sag_f *s
     *s = (sag_f){.c = (float)c, .abs_c = (float)fabs(c), .k1 = (float)k1, .ck = (float)(k1 * c),
                  .extra = k1 < 0 ? above_f(2.01 * fabs(k1 * c)) : 0, .rim2 = below_f(r2 * (1 - 0x1p-15)),
                  .reach = below_f(0x1p17 * sqrt(r2)), .first = first};
-    if (e->terms == 0) return c == 0 ? (rich ? plane_rich_f : plane_f) : (rich ? conic_rich_f : conic_f);
+    if (e->terms == 0 && c == 0) return rich ? plane_rich_f : plane_f;
+    if (e->terms == 0) return rich ? conic_in_floats_rich : conic_in_floats;
     const double kk = k1 * c * c, phi2 = 1 - (kk > 0 ? kk * r2 : 0), phi = sqrt(phi2);
     if (!(rim > 0 && fabs(kk) * r2 < 1 - 0x1p-4)) return NULL;
     double slope = fabs(c) / phi, bend = fabs(c) / (phi * phi2), power = 1;
@@ -314,7 +326,8 @@ static kernel_f *sag_f_of(const sgt_even_sag *e, bool first, bool rich, sag_f *s
         double size = 2 * (i + 1) * fabs(e->a[i]) * power;
         slope += size, bend += (2 * i + 1) * size;
         s->a[i] = (float)e->a[i], s->slope[i] = (float)(2 * (i + 1) * e->a[i]);
-        if (e->a[i] != 0 && !(fabs(e->a[i]) > 0x1p-100 && fabs(e->a[i]) < 0x1p100)) return NULL; /* no float */
+        const double of = fabs(e->a[i]);
+        if (of != 0 && !(of > 0x1p-100 && of < 0x1p100)) return NULL; /* no float */
     }
     const double more = 1 + 0x1p-18;
     if (!(slope * rim < 4)) return NULL; /* the gradient is known to 70 u of this */
@@ -393,7 +406,7 @@ static sgt_hits_f hits_f_from(const sgt_hits_f *h, size_t from)
 }
 
 /* The loop for these options; NULL: all rays are asked in double. */
-static kernel_f *kernel_of(sgt_surface s, const sgt_options *opt, bool rich, sag_f *shared)
+static kernel_f *floats_loop_of(sgt_surface s, const sgt_options *opt, bool rich, sag_f *shared)
 {
     sgt_even_sag sag;
     const bool both = opt->proof == SGT_PROVE_FIRST && opt->pick == SGT_NEAR_SEED,
@@ -414,7 +427,7 @@ size_t sgt_intersect_batch_f(sgt_surface s, size_t n, sgt_rays_f rays, sgt_hits_
     if (!ROOM_IS_ZERO(&hits)) opt = &sgt_options_invalid;
     s = in_set(s);
     sag_f shared;
-    kernel_f *kernel = kernel_of(s, opt, hits.p_err != NULL, &shared);
+    kernel_f *kernel = floats_loop_of(s, opt, hits.p_err != NULL, &shared);
     for (size_t i = 0; i < TILE_F && i < n; i++) starts[i] = 0, ends[i] = HUGE_VALF;
     size_t met = 0;
     bool other = false; /* was it asked of the last tile? */

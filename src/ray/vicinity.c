@@ -345,7 +345,8 @@ static double starts_seen(size_t n, const sgt_rays *r, const at_starts *at, doub
         double terms = fabs(ox[i] * fx[i]) + fabs(oy[i] * fy[i]) + fabs(oz[i]), may = starts[i];
         mask asked = MASK(may > 0), off = MASK(fabs(f[i]) > 0x1p-32 * terms);
         double is = chosen(off, 0, may);
-        seen[i] = chosen(asked, chosen(off, SEEN_OFF, SEEN_ON), UNSEEN), starts[i] = is, some += is;
+        double what = chosen(off, SEEN_OFF, SEEN_ON);
+        seen[i] = chosen(asked, what, UNSEEN), starts[i] = is, some += is;
     }
     return some;
 }

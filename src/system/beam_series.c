@@ -17,10 +17,11 @@ sgt_series sgt_series_of(double x)
 
 sgt_series sgt_series_parameter(int i, sgt_interval range)
 {
-    const sgt_model x = sgt_model_parameter(i, range);
-    sgt_series out = sgt_series_of(x.c);
-    if (!(i == 0 || i == 1)) out.rest = HUGE_VAL;
-    else out.k[1 + i] = x.by[i], out.rest = x.rest;
+    const double middle = sgt_interval_middle(range), half = larger(range.hi - middle, middle - range.lo);
+    if (!(i == 0 || i == 1) || !isfinite(range.lo) || !isfinite(range.hi))
+        return (sgt_series){.rest = HUGE_VAL};
+    sgt_series out = sgt_series_of(middle);
+    out.k[1 + i] = half, out.rest = 2 * SGT_U * (fabs(middle) + half) + MODEL_LEAST;
     return out;
 }
 

@@ -420,13 +420,24 @@ static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const b
     return s->varied ? even_only(s, w, L, none) : sgt_bundle_sag_only(s->surface, L, by, kept, none);
 }
 
-/* Is the seed the root of another base than c and k's: one with a curvature for each axis? */
-static bool is_led_by_axis(sgt_surface s)
+/* A B C of the base whose root is the seed, as seed_of has them in departure.c: of some surfaces it has the
+ * curvature c + lean along x and c - lean along y. */
+typedef struct seed_base { double c, lean; model k1; bool any, own; } seed_base;
+
+static seed_base seed_base_of(const beam_shape *s)
 {
     sgt_shared shared = {0};
-    if (!s.ops->own_ || !s.ops->own_->share) return false;
-    s.ops->own_->share(s.self, &shared);
-    return shared.by_axis && shared.lean != 0;
+    const struct sgt_builtin_ops *own = s->surface.ops->own_;
+    if (own && own->share) own->share(s->surface.self, &shared);
+    if (!shared.by_axis || shared.lean == 0) return (seed_base){.k1 = s->k1, .any = s->varied || s->c0 != 0};
+    return (seed_base){shared.c, shared.lean, model_number(shared.k1), true, true};
+}
+
+/* c xx + c yy + lean (xx - yy). */
+static model by_seed_base(const beam_shape *s, const seed_base *b, model xx, model yy)
+{
+    if (!b->own) return by_c(s, model_sum(xx, yy));
+    return model_sum(model_scaled(xx, b->c + b->lean), model_scaled(yy, b->c - b->lean));
 }
 
 /* A sag without any edge: the root is the one that searches are led to by their seeds, which are where the
@@ -435,13 +446,15 @@ static bool is_led_by_axis(sgt_surface s)
 static bool is_at_seeds(const beam_shape *s, const beam_lines *w, const beam_hit *m)
 {
     double reach = greatest(model_range(m->t));
-    if (is_led_by_axis(s->surface)) return false;
-    if (s->varied || s->c0 != 0) {
-        const model across = model_sum(model_product(w->x, w->d.x), model_product(w->y, w->d.y));
-        const model B = model_difference(w->d.z, by_c(s, across));
-        const model A = by_c(s, model_sum(model_number(1),
-                                          model_product(model_plus(s->k1, -1), model_square(w->d.z))));
-        const model C = by_c(s, model_sum(model_square(w->x), model_square(w->y)));
+    const seed_base base = seed_base_of(s);
+    if (base.own && s->varied) return false;
+    if (base.any) {
+        const model x_way = w->d.x, y_way = w->d.y, by_k = model_product(base.k1, model_square(w->d.z));
+        const model B = model_difference(
+            w->d.z, by_seed_base(s, &base, model_product(w->x, x_way), model_product(w->y, y_way)));
+        const model A = model_sum(by_seed_base(s, &base, model_square(x_way), model_square(y_way)),
+                                  base.own ? model_scaled(by_k, base.c) : by_c(s, by_k));
+        const model C = by_seed_base(s, &base, model_square(w->x), model_square(w->y));
         const model square = model_square(B), product = model_product(A, C),
                     D = model_difference(square, product);
         const double grain = 0x1p-40 * (model_size(&square) + model_size(&product));

@@ -18,8 +18,9 @@ import re
 import subprocess
 import sys
 
-# Packed operations, in the widest registers, for one that is scalar.
-LEAST, LEAST_SHORT, SHORT = 0.25, 0.1, 64
+# Packed operations, in the widest registers, for one that is scalar.  The last rays of a loop of eight lanes
+# are written out, up to seven times: of a loop of nine operations that is 64 scalar ones.
+LEAST, LEAST_SHORT, SHORT = 0.25, 0.1, 72
 # Functions (a pattern; at least one must be there) and what must occur packed in each.
 NEEDED = {
     r'conic_lanes_(first|near)\w*': {'sqrt', 'div', 'fma'},
