@@ -214,7 +214,9 @@ typedef struct sgt_box_room { double kept[8]; } sgt_box_room;
  * WHAT IS SAID.  Of the exact rays of the doubles of the lens: of each ray whose numbers
  * are those of the models at some s in [-1, 1]^n.  And of the rays that sgt_trace
  * computes of these with default options: what a box decides has a margin of 2^-40 or
- * more at each edge, and all models have a rest that holds the rounding of such a trace.
+ * more at each edge, and all models have a rest that holds the rounding of such a trace
+ * (where F hardly depends on t sgt_trace may stop earlier, which the t_err of its hit
+ * tells: the ray is then within that).
  *   PASSED    its fate is SGT_PASSED, and point, direction and path are in p, d, opl
  *   STOPPED   its fate is one of `causes` at that element (or SGT_LOST there, if it
  *             cannot tell)

@@ -420,8 +420,8 @@ static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const b
     return s->varied ? even_only(s, w, L, none) : sgt_bundle_sag_only(s->surface, L, by, kept, none);
 }
 
-/* A B C of the base whose root is the seed, as seed_of has them in departure.c: of some surfaces it has the
- * curvature c + lean along x and c - lean along y. */
+/* The base whose root is the seed, as seed_of has it in departure.c.  Of toroids and biconics it is not that
+ * of `base`, and may have the curvature c + lean along x and c - lean along y. */
 typedef struct seed_base { double c, lean; model k1; bool any, own; } seed_base;
 
 static seed_base seed_base_of(const beam_shape *s)
@@ -429,12 +429,14 @@ static seed_base seed_base_of(const beam_shape *s)
     sgt_shared shared = {0};
     const struct sgt_builtin_ops *own = s->surface.ops->own_;
     if (own && own->share) own->share(s->surface.self, &shared);
-    if (!shared.by_axis || shared.lean == 0) return (seed_base){.k1 = s->k1, .any = s->varied || s->c0 != 0};
-    return (seed_base){shared.c, shared.lean, model_number(shared.k1), true, true};
+    const double lean = shared.by_axis ? shared.lean : 0;
+    if (lean == 0 && shared.c == shared.base_c)
+        return (seed_base){.k1 = s->k1, .any = s->varied || s->c0 != 0};
+    return (seed_base){shared.c, lean, model_number(shared.k1), true, true};
 }
 
 /* c xx + c yy + lean (xx - yy). */
-static model by_seed_base(const beam_shape *s, const seed_base *b, model xx, model yy)
+static model seed_bends(const beam_shape *s, const seed_base *b, model xx, model yy)
 {
     if (!b->own) return by_c(s, model_sum(xx, yy));
     return model_sum(model_scaled(xx, b->c + b->lean), model_scaled(yy, b->c - b->lean));
@@ -451,10 +453,10 @@ static bool is_at_seeds(const beam_shape *s, const beam_lines *w, const beam_hit
     if (base.any) {
         const model x_way = w->d.x, y_way = w->d.y, by_k = model_product(base.k1, model_square(w->d.z));
         const model B = model_difference(
-            w->d.z, by_seed_base(s, &base, model_product(w->x, x_way), model_product(w->y, y_way)));
-        const model A = model_sum(by_seed_base(s, &base, model_square(x_way), model_square(y_way)),
+            w->d.z, seed_bends(s, &base, model_product(w->x, x_way), model_product(w->y, y_way)));
+        const model A = model_sum(seed_bends(s, &base, model_square(x_way), model_square(y_way)),
                                   base.own ? model_scaled(by_k, base.c) : by_c(s, by_k));
-        const model C = by_seed_base(s, &base, model_square(w->x), model_square(w->y));
+        const model C = seed_bends(s, &base, model_square(w->x), model_square(w->y));
         const model square = model_square(B), product = model_product(A, C),
                     D = model_difference(square, product);
         const double grain = 0x1p-40 * (model_size(&square) + model_size(&product));
