@@ -609,6 +609,51 @@ static void other_sheets_hold(void **unused)
     }
 }
 
+/* Lines that a search leads to another root than the one next to the vertex plane: of a polynomial where its
+ * base is missed, and of a toroid, whose seed is that of a conic although it has none as its base. */
+static void roots_beside_the_seed_hold(void **unused)
+{
+    (void)unused;
+    static const double xy[5][5] = {
+        {0, -0.16644593034819, 0, 0, -0.031069424732559487},
+        {-0.22706990236970423, 0, 0, 0, 0.015323036797538792},
+        {0, -0.0080522049158578204, 0, -0.004324201455343013, 0},
+        {0.020322447914209871, -0.016861050949413044, 0, 0, 0},
+        {0, 0.0051534620241787408, 0, 0, 0}};
+    static const double along[] = {0, -0.0015357020659278206, -5.5774904813331415e-05, 2.800364170488669e-07};
+    const sgt_polynomial_xy missed = {.c = 0.22692091183531285, .k = -1, .a = {&xy[0][0], 5, 5}};
+    const double c = -0.0090342471085399518;
+    sgt_toroidal bent = {.c = c, .k = -0.89118176819146377, .c_x = c};
+    for (size_t i = 0; i < sizeof along / sizeof *along; i++) bent.a[i] = along[i];
+    const struct {
+        sgt_surface surface;
+        double o[3], d[3];
+    } cases[] = {{{&sgt_polynomial_xy_ops, &missed},
+                  {-4.9759730681815011, -0.21886317457965512, -0.6247347861869621},
+                  {-0.5060642132426707, -0.00082876560050097563, 0.86249540591394236}},
+                 {{&sgt_toroidal_ops, &bent},
+                  {0.56077097301836765, 0.53751214684120507, -8.5121436410727331},
+                  {-1.6191387565359023, -1.8231353934737855, 1}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static lens l;
+        sgt_box_launch from = {.parameters = 2};
+        memset(&l, 0, sizeof l), l.n = 1;
+        sgt_box_end end;
+        sgt_box_at at[1];
+        l.e[0] = (sgt_element){.surface = cases[i].surface, .index = 1.32034};
+        for (int axis = 0; axis < 3; axis++) {
+            from.o[axis] = (sgt_model){.c = cases[i].o[axis],
+                                       .by = {axis == 0 ? 1e-9 : 0, axis == 1 ? 1e-9 : 0}};
+            from.d[axis] = sgt_model_of(cases[i].d[axis]);
+        }
+        const sgt_box_lens whole = {.elements = 1, .e = l.e};
+        sgt_box_trace(&whole, &from, NULL, at, &end);
+        const trial t = {&l, &whole, &from, at, &end, (long)i, NULL, NULL};
+        if (end.verdict == SGT_BOX_PASSED) attack(&t, 8);
+        printf("case %zu: verdict %d\n", i, (int)end.verdict);
+    }
+}
+
 /* Sags without any edge, bent and steep, met near a vertex that may be far from where the line comes down: of
  * several roots on a line the box says the one that sgt_trace takes. */
 static void sags_without_edge_hold(void **unused)
@@ -896,7 +941,7 @@ int main(void)
         cmocka_unit_test(models_contain), cmocka_unit_test(series_contain),
         cmocka_unit_test(plain_boxes_are_decided),
         cmocka_unit_test(rest_shrinks), cmocka_unit_test(other_sheets_hold),
-        cmocka_unit_test(sags_without_edge_hold),
+        cmocka_unit_test(sags_without_edge_hold), cmocka_unit_test(roots_beside_the_seed_hold),
         cmocka_unit_test(quadrics_hold), cmocka_unit_test(departures_hold)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
