@@ -46,7 +46,7 @@ run() {  # run STAGE COMMAND...
 scale() {
     SAGITTA_TEST_SCALE=${NIGHT_SCALE:-10} meson test -C $build --no-rebuild --timeout-multiplier 0 --print-errorlogs \
         --suite unit --suite batch --suite oracle --suite interval --suite extremes \
-        --suite sensitivity --suite geo --suite catalogue --suite lens --suite formula
+        --suite sensitivity --suite geo --suite catalogue --suite lens --suite formula --suite tool
 }
 
 rest() {

@@ -44,15 +44,8 @@ bool command_named(const char *name, command *c)
 /* Is the word a command's name, but for one letter more, less or wrong, or for two that changed places? */
 static bool like_command(const char *word, command *c)
 {
-    for (size_t i = 0; command_at(i, c); i++) {
-        const char *a = word, *b = c->name;
-        while (*a && *a == *b) a++, b++;
-        if (!*a && !*b) continue;
-        if ((*a && (strcmp(a + 1, b) == 0 || (*b && strcmp(a + 1, b + 1) == 0))) ||
-            (*b && strcmp(a, b + 1) == 0) ||
-            (*a && a[1] && a[0] == b[1] && a[1] == b[0] && strcmp(a + 2, b + 2) == 0))
-            return true;
-    }
+    for (size_t i = 0; command_at(i, c); i++)
+        if (fail_is_slip(word, c->name)) return true;
     return false;
 }
 

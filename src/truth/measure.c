@@ -27,6 +27,7 @@ enum { ROUNDS = 31, ROUNDS_LEAST = 5 };
 /* Room for every output of a surface or a lens. */
 typedef struct answers {
     sgt_hits hits;
+    sgt_hits_f floats;
     sgt_traced traced;
     sgt_passages *element;   /* [elements] */
     sgt_passage *passage;    /* [elements], of one ray */
@@ -42,11 +43,17 @@ static sgt_hits room_for_hits(const trade_case *c)
     return h;
 }
 
+static float *floats(const trade_case *c) { return c->take(c->rays, sizeof(float)); }
+
 static answers measure_room_for(const trade_case *c)
 {
     answers a = {.element = NULL};
     if (!c->lens) {
         a.hits = room_for_hits(c);
+        if (!c->columns_f.o[0]) return a;
+        a.floats = (sgt_hits_f){
+            .status = a.hits.status, .t = floats(c), .t_err = floats(c), .p_err = floats(c)};
+        for (int k = 0; k < 3; k++) a.floats.p[k] = floats(c), a.floats.n[k] = floats(c);
         return a;
     }
     a.traced = (sgt_traced){.fate = c->take(c->rays, 1), .passed = c->take(c->rays, sizeof(int)),
@@ -115,6 +122,14 @@ static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *
     }
 }
 
+static void meet_in_floats(const trade_case *c, const setting *s, outputs wanted, const sgt_hits_f *all)
+{
+    sgt_hits_f to = *all;
+    if (wanted == OUTPUTS_LEAST) to = (sgt_hits_f){.t = to.t};
+    else if (wanted != OUTPUTS_ALL) to.p_err = NULL;
+    sgt_intersect_batch_f(s->surface, c->rays, c->columns_f, to, &s->options);
+}
+
 /* Makes the call, with only the wanted outputs. */
 static void call(const trade_case *c, const setting *s, outputs wanted, answers *a)
 {
@@ -124,6 +139,8 @@ static void call(const trade_case *c, const setting *s, outputs wanted, answers 
         if (least) to = (sgt_traced){.o = {to.o[0], to.o[1], to.o[2]}};
         else if (!all) to.passed = NULL;
         trace_lens(c, s, &to, all ? a->element : NULL, a->passage);
+    } else if (s->floats) {
+        meet_in_floats(c, s, wanted, &a->floats);
     } else {
         sgt_hits to = a->hits;
         if (least) to = (sgt_hits){.t = to.t};
@@ -156,6 +173,16 @@ static truth truth_of_trace(const measured_lens *j, const sgt_ray *ray, const sg
     return is;
 }
 
+/* The ray that the setting asks about. */
+static sgt_ray ray_asked(const trade_case *c, const setting *s, size_t i)
+{
+    const sgt_rays_f *f = &c->columns_f;
+    if (!s->floats) return c->ray[i];
+    return sgt_ray_between((sgt_vec3){(double)f->o[0][i], (double)f->o[1][i], (double)f->o[2][i]},
+                           (sgt_vec3){(double)f->d[0][i], (double)f->d[1][i], (double)f->d[2][i]},
+                           f->tmin ? (double)f->tmin[i] : 0, f->tmax ? (double)f->tmax[i] : HUGE_VAL);
+}
+
 const truth *measure_truth(const trade_case *c, const setting *s)
 {
     truth *is = c->take(c->rays, sizeof *is);
@@ -164,8 +191,9 @@ const truth *measure_truth(const trade_case *c, const setting *s)
         if (c->lens) {
             is[i] = truth_of_trace(c->lens, &c->ray[i], &s->options, seen);
         } else {
-            sgt_hit h = sgt_intersect(s->surface, c->ray[i], &s->options);
-            is[i] = truth_of_hit(s->surface, &c->ray[i], &h);
+            const sgt_ray ray = ray_asked(c, s, i);
+            sgt_hit h = sgt_intersect(s->surface, ray, &s->options);
+            is[i] = truth_of_hit(s->surface, &ray, &h);
         }
     }
     return is;
@@ -263,6 +291,9 @@ static void find_errors(trade_case *c, answers *room)
     double *error = numbers(c);
     for (size_t i = 0; i < c->settings; i++) {
         call(c, &c->setting[i], OUTPUTS_ALL, room);
+        for (size_t k = 0; c->setting[i].floats && k < c->rays; k++)
+            room->hits.t[k] = (double)room->floats.t[k], room->hits.t_err[k] = (double)room->floats.t_err[k],
+            room->hits.evals[k] = 0; /* not told */
         (c->lens ? judge_traces : judge_hits)(c, &c->setting[i], room, error);
     }
 }

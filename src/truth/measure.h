@@ -15,7 +15,7 @@
 /* The option that a setting changes. */
 typedef enum knob {
     KNOB_NONE, KNOB_CALL, KNOB_OUTPUTS, KNOB_T_TOL, KNOB_MAX_EVALS, KNOB_PICK, KNOB_PROOF, KNOB_DT_MIN,
-    KNOB_ITERATIONS, KNOBS
+    KNOB_ITERATIONS, KNOB_FLOATS, KNOBS
 } knob;
 
 /* The outputs asked for.
@@ -41,6 +41,7 @@ typedef struct setting {
     sgt_options options;
     outputs outputs;
     bool single;               /* one call for each ray, and no batch */
+    bool floats;               /* by sgt_intersect_batch_f, of the rays rounded to floats; of a surface */
     const truth *truth;        /* [rays] */
     bool other_model;          /* truth is that of another surface: t_err does not bound the error */
 
@@ -72,6 +73,7 @@ typedef struct trade_case {
     size_t rays;
     sgt_ray *ray;              /* [rays] */
     sgt_rays columns;          /* the same rays as arrays */
+    sgt_rays_f columns_f;      /* and rounded to floats; o[0] NULL: no setting asks for floats */
     setting *setting;
     size_t settings, capacity;
 } trade_case;

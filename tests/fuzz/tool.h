@@ -30,7 +30,8 @@ LIKE_PRINTF(3, 0) static void say(exit_status s, char to[2000], const char *form
 }
 
 void fail_name(const char *command) { (void)command; }
-void fail_hint(void) { longjmp(refused, 1); }
+void fail_hint(const char *near) { (void)near; longjmp(refused, 1); }
+bool fail_is_slip(const char *word, const char *other) { return strcmp(word, other) == 0; }
 
 void fail_usage(const char *format, ...)
 {

@@ -561,6 +561,15 @@ def test_no_such_command():
         assert said in done.stderr, (word, done.stderr)
 
 
+def test_no_such_option():
+    """So is the option that is a letter away."""
+    lens = 'examples/lenses/cooke_triplet.yaml'
+    for option, said in (('--feild', 'Did you mean --field?  Try: sagitta spot --help'), ('--grd=3', 'Did you mean --grid?'),
+                         ('--turbo', 'Try: sagitta spot --help')):
+        done = run('spot', lens, option, exit=USAGE)
+        assert said in done.stderr and ('Did' in done.stderr) == ('Did' in said), (option, done.stderr)
+
+
 def test_output_that_cannot_be_written():
     """Of every command each output: an error, with a message and a status."""
     if not os.path.exists('/dev/full'):

@@ -222,6 +222,16 @@ def test_full_precision_is_full():
     close(waves, path * 25400 / 0.5876, 1e-6 * waves)
 
 
+def test_floats():
+    """Floats: of conics and even aspheres; errors as large as floats are, and none wrong."""
+    for case in ('conic', 'asphere'):
+        settings = by_setting(DEFAULT, case)
+        equal((settings['floats']['undecided'], settings['floats']['wrong']), ('0', '0'), case)
+        assert 1e-9 < float(settings['floats']['err_median']) < float(settings['floats']['err_worst']) < 1e-4, case
+    for case in ('scan-lens', 'julia'):
+        assert 'floats' not in by_setting(DEFAULT, case), case
+
+
 def test_t_tol_is_honoured():
     for row in DEFAULT:
         if row['setting'].startswith('t_tol=') and row['case'] != 'scan-lens':

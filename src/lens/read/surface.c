@@ -121,6 +121,11 @@ static const sgt_builtin *type_of(source *s, const node *map)
         size_t apart = sgt_reader_distance(own, other);
         if (apart < least) near = b->type, words = "did you mean ", least = apart;
     }
+    const size_t length_of_name = strlen(name); /* the beginning of a name: "geodetic" */
+    for (const sgt_builtin *b = sgt_builtins(); b->type && !*near && length_of_name > 2; b++)
+        if (strncmp(b->type, name, length_of_name) == 0) near = b->type, words = "did you mean ";
+    for (int i = 0; i < 3 && !*near && length_of_name > 2; i++)
+        if (strncmp(earth[i], name, length_of_name) == 0) near = earth[i], words = "did you mean ";
     tree_fail(s, n->line, "type", "no surface is called \"%.60s\"; %s%s%sthere are: %s, formula%s", name,
               words, near, *near ? "?  " : "", known, s->in_lens ? ", break, ideal" : "");
 }

@@ -10,6 +10,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char *running = "";
 static atomic_bool at_work; /* other threads */
@@ -72,7 +73,22 @@ void fail_usage(const char *format, ...)
     hint(speaks);
 }
 
-void fail_hint(void) { hint(speaker.fails()); }
+void fail_hint(const char *near)
+{
+    const bool speaks = speaker.fails();
+    if (speaks && near) fprintf(stderr, "Did you mean --%s?  ", near);
+    hint(speaks);
+}
+
+bool fail_is_slip(const char *word, const char *other)
+{
+    const char *a = word, *b = other;
+    while (*a && *a == *b) a++, b++;
+    if (!*a && !*b) return false;
+    return (*a && (strcmp(a + 1, b) == 0 || (*b && strcmp(a + 1, b + 1) == 0)))
+           || (*b && strcmp(a, b + 1) == 0)
+           || (*a && a[1] && a[0] == b[1] && a[1] == b[0] && strcmp(a + 2, b + 2) == 0);
+}
 
 void fail_input(const char *format, ...)
 {

@@ -38,8 +38,12 @@ void fail_in_threads(bool now);
 void fail_first(void (*tidy)(void));
 void fail_tidy(void); /* calls it, before an end that is no exit */
 
-/* Prints only the hint, where --help is, and ends with EXIT_USAGE: getopt has printed the message. */
-_Noreturn void fail_hint(void);
+/* Prints only the hint, and ends with EXIT_USAGE: getopt has printed the message.  The hint is where --help
+ * is, and before that the option that was meant; near: NULL if it is not known. */
+_Noreturn void fail_hint(const char *near);
+
+/* Is the word the other one with a letter wrong, too many, missing, or two of them turned? */
+bool fail_is_slip(const char *word, const char *other);
 
 /* Prints on standard output (as for --help) and ends: with EXIT_DECIDED, or EXIT_BAD_INPUT if it could not be
  * written. */

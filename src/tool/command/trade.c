@@ -129,6 +129,8 @@ static const char trade_all[] =
     "  single             one call for each ray\n"
     "  out=t, out=point   only t, or of a lens only the last point, is asked for\n"
     "  out=all            every output\n"
+    "  floats             rays and answers of floats, of planes, conics and even aspheres; errors are\n"
+    "                     of the rays that are rounded to floats, and evals is 0\n"
     "and those of the options below.\n";
 
 const command command_trade = {

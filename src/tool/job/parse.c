@@ -7,6 +7,7 @@
 
 #include "../../text/number.h"
 #include "../base/bytes.h"
+#include "../base/memory.h"
 #include "../read/lens.h"
 
 #include <math.h>
@@ -251,6 +252,16 @@ static void keep_option(const option_row *r, const char *value)
     keep_argument(r->value ? memory_print("--%s=%s", r->name, value) : memory_print("--%s", r->name));
 }
 
+/* The option that was meant by "--feild", or "--feild=2"; NULL: none is a slip away. */
+static const char *meant(const char *argument, const struct option known[])
+{
+    if (strncmp(argument, "--", 2) != 0) return NULL;
+    const char *word = memory_text(argument + 2, strcspn(argument + 2, "="));
+    for (; known->name; known++)
+        if (fail_is_slip(word, known->name)) return known->name;
+    return NULL;
+}
+
 unsigned command_read(const command *c, void *own, void *job, void *shared, int argc, char *argv[])
 {
     void *const into[] = {own, job, job, shared};
@@ -270,7 +281,7 @@ unsigned command_read(const command *c, void *own, void *job, void *shared, int 
         if (r->take == take_quiet) quiet = i;
     }
     for (int code; (code = getopt_long(argc, argv, output < rows ? "hqo:" : "hq", known, NULL)) != -1;) {
-        if (code == '?') fail_hint();
+        if (code == '?') fail_hint(meant(argv[optind - 1], known));
         const size_t i = code == 'o' ? output : code == 'q' ? quiet : (size_t)(code - CODE);
         if (code == 'h' || row[i].row == &help_rows[1]) {
             help = true;

@@ -54,7 +54,22 @@ static trade_case *add_case(trade *t, const char *name, const ray_list *rays)
 }
 
 const char *const trade_knob_name[KNOBS] = {"default", "single", "out",    "t_tol",     "max_evals",
-                                            "pick",    "proof",  "dt_min", "iterations"};
+                                            "pick",    "proof",  "dt_min", "iterations", "floats"};
+
+/* The rays rounded to floats, for the setting `floats`. */
+static void round_rays(trade_case *c)
+{
+    float *own[8];
+    for (int k = 0; k < 8; k++) own[k] = memory_take(c->rays, sizeof *own[k]);
+    for (size_t i = 0; i < c->rays; i++) {
+        const sgt_ray *r = &c->ray[i];
+        const double number[8] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, ray_end(r)};
+        for (int k = 0; k < 8; k++) own[k][i] = (float)number[k];
+    }
+    c->columns_f =
+        (sgt_rays_f){.o = {own[0], own[1], own[2]}, .d = {own[3], own[4], own[5]}};
+    if (c->columns.tmin) c->columns_f.tmin = own[6], c->columns_f.tmax = own[7];
+}
 
 static void add(trade_case *c, setting s, knob turned, const char *format, ...) LIKE_PRINTF(4, 5);
 
@@ -99,6 +114,10 @@ static void add_settings(trade_case *c, const trade_options *o, setting base, bo
     s.single = true, add(c, s, KNOB_CALL, "single"), s = base;
     s.outputs = OUTPUTS_LEAST, add(c, s, KNOB_OUTPUTS, c->lens ? "out=point" : "out=t");
     s.outputs = OUTPUTS_ALL, add(c, s, KNOB_OUTPUTS, "out=all"), s = base;
+    if (c->columns_f.o[0]) {
+        s.floats = true, s.truth = measure_truth(c, &s);
+        add(c, s, KNOB_FLOATS, "floats"), s = base;
+    }
     const knob_list *list = given_or(&o->t_tol, &t_tol);
     for (size_t i = 0; i < list->count; i++) {
         s.options.t_tol = list->value[i];
@@ -214,6 +233,7 @@ static void surface_case(trade *t, const trade_options *o, const char *name, con
     ray_list given = o->rays, rays = given.count ? given : default_rays(s);
     trade_case *c = add_case(t, name, &rays);
     snprintf(c->about, sizeof c->about, "%.300s", about);
+    if (s.ops == &sgt_conic_ops || s.ops == &sgt_even_asphere_ops) round_rays(c);
     setting base = {.surface = s, .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
     base.truth = measure_truth(c, &base);
     add_settings(c, o, base, !surface_is_level_set(s), surface_is_level_set(s));

@@ -29,8 +29,8 @@ static const double PLOT_WIDTH = 1040, MARGIN = 16, PANEL_HIGH = 312, HEAD_HIGH 
                     LEFT = 70, GAP = 26;
 static const double FONT = 10.5, DOT = 4, RING = 3.4, FLOOR = 26, STEM = 3, LINE = 12.5, KEY_HIGH = 132;
 static const char *const knob_name[KNOBS] = {"default", "single ray", "outputs", "t_tol",     "max_evals",
-                                             "pick",    "proof",      "dt_min",  "iterations"};
-static const size_t knob_colour[KNOBS] = {4, 5, 3, 0, 1, 4, 6, 2, 6};
+                                             "pick",    "proof",      "dt_min",  "iterations", "floats"};
+static const size_t knob_colour[KNOBS] = {4, 5, 3, 0, 1, 4, 6, 2, 6, 2};
 
 typedef struct plot_stroke { double x0, y0, x1, y1; } plot_stroke;
 
