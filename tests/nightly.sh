@@ -50,7 +50,7 @@ scale() {
 }
 
 rest() {
-    meson test -C $build --print-errorlogs --suite nightly
+    meson compile -C $build bench && meson test -C $build --print-errorlogs --suite nightly
 }
 
 tapes() {
