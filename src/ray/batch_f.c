@@ -52,7 +52,8 @@
  *         the sum and z by u of themselves, and |sag| <= kappa rho.
  *
  * 9 u^2 |t0| moves a root by at most 64 times as much in a conic (sag/lanes.h), and by 23 times in an asphere
- * (G >= |n| / 16): below u |t0| / 100, and t_err has that to spare, as |t0| <= |t| + |tau|.
+ * (G >= |n| / 16): below u |t0| / 100, and t_err has that to spare, as |t0| <= |t| + |tau|.  It moves (x, y)
+ * by less than 2^-27 rims, as |t0| (|l| + |m|) is at most 2^17 rims; so the side of the rim stays.
  *
  * ACCEPTED (solve/accept.h) has to be certain by much: the start is farther than 2^-18 |t|, of which the rule
  * of the start takes 2^-48 of the terms; tmax is behind; r is within the rim.
@@ -233,7 +234,7 @@ SGT_INLINE mask_f asphere_in_lanes(const sag_f *shared, bool many, bool rich, si
         float px = tau * l + at.x, py = tau * m + at.y, pz = tau * n,
               length = fabsf(l) + fabsf(m) + fabsf(n);
         hit &= accepted_f(t, t_err, tmin, tmax, r.t_tol) & MASK_F(n2 > 0x1p-40f)
-               & MASK_F(fabsf(at.t0) < 0x1p60f);
+               & MASK_F(fabsf(at.t0) * (fabsf(l) + fabsf(m)) <= s->reach);
         to.t[i] = t, to.t_err[i] = t_err, to.p[0][i] = px, to.p[1][i] = py, to.p[2][i] = pz;
         to.n[0][i] = v.g * px, to.n[1][i] = v.g * py, to.n[2][i] = 1;
         if (rich) to.p_err[i] = place_err(length, tau_err, at.t0, at.x, at.y, px, py, pz);
