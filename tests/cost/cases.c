@@ -336,6 +336,18 @@ static void leave_batch(const subject *of, size_t n, const sgt_options *opt)
     sgt_leave_batch(of->surface, n, from, to, side, opt);
 }
 
+/* The rays rounded to floats. */
+static void batch_of_floats(const subject *of, size_t n, const sgt_options *opt)
+{
+    static float from[6][MANY], to[8][MANY];
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < 6; k++) from[k][i] = (float)in[k][i];
+    const sgt_rays_f asked = {.o = {from[0], from[1], from[2]}, .d = {from[3], from[4], from[5]}};
+    const sgt_hits_f told = {.status = status, .t = to[0], .t_err = to[1],
+                             .p = {to[2], to[3], to[4]}, .n = {to[5], to[6], to[7]}};
+    sgt_intersect_batch_f(of->surface, n, asked, told, opt);
+}
+
 static void batches_of_one(const subject *of, size_t n, const sgt_options *opt)
 {
     for (size_t i = 0; i < n; i++) {
@@ -526,6 +538,7 @@ int main(int argc, char **argv)
         draw(toward_lens);
         batch(of, MANY, &first);
         ask_case(surfaces[i].name, "a batch that leaves", leave_batch, of, MANY, first);
+        ask_case(surfaces[i].name, "a batch of floats", batch_of_floats, of, MANY, first);
     }
     for (size_t i = 0; i < COUNT_OF(surfaces); i++) {
         const subject *of = &surfaces[i].of;
