@@ -82,7 +82,7 @@ typedef struct lanes_job {
     slopes_known *within; /* and near the seed */
     sgt_shared bare;    /* bare_of shared */
     bool rows;          /* what the departure adds to the rounding differs from lane to lane */
-    bool rounded;       /* g_err of every lane that Newton's steps were tried on has all of the rounding */
+    bool rounded;       /* qx of every lane that Newton's steps were tried on is a bound on all of F's error */
     lanes *a;
     /* What `values` is given, made once.  If it were built in smaller pieces for each call, its copy would
      * have to wait for those stores. */
@@ -670,21 +670,21 @@ static void newton_begin(lanes *a, size_t n)
 }
 
 /* What is known of F's error before a step: nothing; what `bound` has set, the slope in qx and g_err; the
- * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well. */
+ * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well, and qx is
+ * set to all of F's error, which g_err has only of a lane that is close. */
 typedef enum step_known { PLACE_ALONE, BOUND_SET, OWN_SET } step_known;
 
 /* Makes the step, and the points it leads to.  Returns how many go on.  A lane that is done writes values
- * that change nothing.  Leaving its rows as they are would be a branch.  *bare: how many lanes are done
- * without the surface's own rounding. */
+ * that change nothing.  Leaving its rows as they are would be a branch. */
 SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, step_known known, double none,
-                               const double *restrict own, double *bare)
+                               const double *restrict own)
 {
-    double more = 0, without = 0, again = last_one ? FAILED : NEWTON;
+    double more = 0, again = last_one ? FAILED : NEWTON;
     size_t count = known == OWN_SET ? n : filled(n);
-#pragma omp simd reduction(+ : more, without)
+#pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < count; i++) {
         local q = LOCAL_OF(a, i);
-        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err, is = 0;
+        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err;
         if (known == BOUND_SET) {
             slope = a->qx[i], g_err = a->g_err[i];
         } else {
@@ -693,8 +693,9 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
             slope = at.slope, g_err = at.place;
         }
         if (known == OWN_SET) {
-            is = close_of(f, slope, g_err, last, f_tol) ? 1.0 : 0.0;
-            g_err += is != 0 ? own[i] : 0;
+            double whole = g_err + own[i];
+            a->qx[i] = whole;
+            g_err = close_of(f, slope, g_err, last, f_tol) ? whole : g_err;
         }
         searched in = {a->lo[i], a->hi[i], a->least[i]};
         newton s = newton_of(f, slope, g_err, tau, last, in, a->t_tol[i], f_tol);
@@ -705,7 +706,6 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
                goes = state == NEWTON ? 1.0 : 0.0;
         tau -= step;
         more += goes;
-        if (known == OWN_SET) without += larger(1 - goes - is, 0);
         a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
         a->tau[i] = tau;
         a->px[i] = q.x + tau * q.l, a->py[i] = q.y + tau * q.m, a->pz[i] = q.z + tau * q.n;
@@ -713,27 +713,24 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
         if (known != BOUND_SET) a->g_err[i] = g_err;
         a->state[i] = state;
     }
-    *bare = without;
     return more;
 }
 
 SGT_KERNEL
 static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none)
 {
-    double unused;
-    return newton_steps(a, n, last_one, f_tol, PLACE_ALONE, none, NULL, &unused);
+    return newton_steps(a, n, last_one, f_tol, PLACE_ALONE, none, NULL);
 }
 SGT_KERNEL
 static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol)
 {
-    double unused;
-    return newton_steps(a, n, last_one, f_tol, BOUND_SET, 0, NULL, &unused);
+    return newton_steps(a, n, last_one, f_tol, BOUND_SET, 0, NULL);
 }
 SGT_KERNEL
 static double newton_step_rounded(lanes *a, size_t n, bool last_one, double f_tol, double none,
-                                  const double *restrict own, double *bare)
+                                  const double *restrict own)
 {
-    return newton_steps(a, n, last_one, f_tol, OWN_SET, none, own, bare);
+    return newton_steps(a, n, last_one, f_tol, OWN_SET, none, own);
 }
 
 static void solve(lanes_job *w, size_t n)
@@ -743,13 +740,12 @@ static void solve(lanes_job *w, size_t n)
     points(a, n, a->tau);
     w->rounded = true;
     for (int i = 1; n > 0; i++) {
-        double more, bare;
+        double more;
         bool known = ask_rounded(w, n, &w->f, own);
         if (!known) values_of(w->s, n, w->points, w->f);
         if (i == 1) newton_begin(a, n);
         if (known && known_all(n, own) == (double)n) {
-            more = newton_step_rounded(a, n, i == QUICK_STEPS, f_tol, a->none, own, &bare);
-            w->rounded &= bare == 0;
+            more = newton_step_rounded(a, n, i == QUICK_STEPS, f_tol, a->none, own);
         } else if (w->s.ops->rounding) {
             bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, known ? own : NULL);
             more = newton_step_known(a, n, i == QUICK_STEPS, f_tol);
@@ -895,7 +891,7 @@ static double lanes_certify(lanes *a, size_t n, const double *off)
 }
 
 /* lanes_probe_begin and lanes_certify in one: sets tau_err of each lane, and returns how many are certified.
- * Their states are left.  g_err has all of the rounding, and there is no f_tol. */
+ * Their states are left.  qx bounds all of F's error, and there is no f_tol. */
 SGT_KERNEL
 static double certify_ready(lanes *a, size_t n)
 {
@@ -903,7 +899,7 @@ static double certify_ready(lanes *a, size_t n)
 #pragma omp simd reduction(+ : done)
     for (size_t i = 0; i < n; i++) {
         searched in = {a->lo[i], a->hi[i], a->least[i]};
-        certified c = certified_of(a->tau[i], a->f[i], a->g_err[i], in);
+        certified c = certified_of(a->tau[i], a->f[i], a->qx[i], in);
         a->tau_err[i] = c.tau_err;
         double is = c.inside ? 1.0 : 0.0;
         is = a->state[i] == READY ? is : 0;
@@ -936,7 +932,7 @@ static void probe(lanes_job *w, size_t n)
          * one the last step may be above the rounding. */
         bool again = !w->rounded && above_zero(n, a->t_tol) > 0;
         if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL, NULL);
-        n = lanes_certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
+        n = lanes_certify(a, n, w->rounded ? a->qx : again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {
         if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
