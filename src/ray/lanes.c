@@ -50,7 +50,7 @@ typedef struct lanes {
     row tau, last, first, evals;
     row f, fx, fy, fz, g_err;        /* F at tau, the gradient, a bound on F's error */
     union { row at, left; };         /* march: the point before and F there; root: the points beside it */
-    union { row g, right; };
+    union { row g, right, whole; };  /* whole: a bound on all of F's error */
     union { row slope, beside; };
     union { row sign, tau_err; };
     union { row dt, seed; };
@@ -82,7 +82,7 @@ typedef struct lanes_job {
     slopes_known *within; /* and near the seed */
     sgt_shared bare;    /* bare_of shared */
     bool rows;          /* what the departure adds to the rounding differs from lane to lane */
-    bool rounded;       /* qx of every lane that Newton's steps were tried on is a bound on all of F's error */
+    bool rounded;       /* `whole` is set in every lane that Newton's steps were tried on */
     lanes *a;
     /* What `values` is given, made once.  If it were built in smaller pieces for each call, its copy would
      * have to wait for those stores. */
@@ -670,7 +670,7 @@ static void newton_begin(lanes *a, size_t n)
 }
 
 /* What is known of F's error before a step: nothing; what `bound` has set, the slope in qx and g_err; the
- * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well, and qx is
+ * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well, and `whole` is
  * set to all of F's error, which g_err has only of a lane that is close. */
 typedef enum step_known { PLACE_ALONE, BOUND_SET, OWN_SET } step_known;
 
@@ -694,7 +694,7 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
         }
         if (known == OWN_SET) {
             double whole = g_err + own[i];
-            a->qx[i] = whole;
+            a->whole[i] = whole;
             g_err = close_of(f, slope, g_err, last, f_tol) ? whole : g_err;
         }
         searched in = {a->lo[i], a->hi[i], a->least[i]};
@@ -821,7 +821,8 @@ static double lanes_probe_begin(lanes *a, size_t n, double f_tol)
         double slope = a->fx[i] * a->l[i] + a->fy[i] * a->m[i] + a->fz[i] * a->n[i], g = fabs(a->f[i]);
         double tau_err = 2 * (g + a->g_err[i]) / fabs(slope),
                flat = tau_err < HUGE_VAL ? (double)ROOT : (double)SGT_HARD;
-        a->dt[i] = width_of(a->f[i], slope, a->g_err[i], a->tau[i], a->t_tol[i]);
+        a->dt[i] = width_of(a->f[i], slope, a->g_err[i], a->tau[i], a->t_tol[i],
+                            (searched){a->lo[i], a->hi[i], a->least[i]});
         a->tau_err[i] = tau_err;
         a->last[i] = slope;
         double phase = a->state[i], state = g <= f_tol ? flat : (double)READY;
@@ -891,7 +892,7 @@ static double lanes_certify(lanes *a, size_t n, const double *off)
 }
 
 /* lanes_probe_begin and lanes_certify in one: sets tau_err of each lane, and returns how many are certified.
- * Their states are left.  qx bounds all of F's error, and there is no f_tol. */
+ * Their states are left.  `whole` is set, and there is no f_tol. */
 SGT_KERNEL
 static double certify_ready(lanes *a, size_t n)
 {
@@ -899,7 +900,7 @@ static double certify_ready(lanes *a, size_t n)
 #pragma omp simd reduction(+ : done)
     for (size_t i = 0; i < n; i++) {
         searched in = {a->lo[i], a->hi[i], a->least[i]};
-        certified c = certified_of(a->tau[i], a->f[i], a->qx[i], in);
+        certified c = certified_of(a->tau[i], a->f[i], a->whole[i], in);
         a->tau_err[i] = c.tau_err;
         double is = c.inside ? 1.0 : 0.0;
         is = a->state[i] == READY ? is : 0;
@@ -932,7 +933,7 @@ static void probe(lanes_job *w, size_t n)
          * one the last step may be above the rounding. */
         bool again = !w->rounded && above_zero(n, a->t_tol) > 0;
         if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL, NULL);
-        n = lanes_certify(a, n, w->rounded ? a->qx : again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
+        n = lanes_certify(a, n, w->rounded ? a->whole : again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {
         if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
