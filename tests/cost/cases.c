@@ -546,6 +546,19 @@ int main(int argc, char **argv)
         draw(from_nearby);
         ask_case(surfaces[i].name, "a batch from nearby", batch, of, MANY, first);
     }
+    for (size_t i = 0; i < COUNT_OF(surfaces); i++) { /* what a tolerance ends has to end in the lanes */
+        static const double t_tol[] = {1e-3, 1e-6, 1e-12};
+        if (!surfaces[i].whole || !sgt_builtin_of(surfaces[i].of.surface)) continue;
+        draw(surfaces[i].ray);
+        for (size_t k = 0; k < COUNT_OF(t_tol); k++) {
+            const sgt_options loose = {.t_tol = t_tol[k]};
+            char how[64];
+            snprintf(how, sizeof how, "a batch with t_tol %g", t_tol[k]);
+            ask_case(surfaces[i].name, how, batch, &surfaces[i].of, MANY, loose);
+            snprintf(how, sizeof how, "one ray with t_tol %g", t_tol[k]);
+            if (k != 1) ask_case(surfaces[i].name, how, alone, &surfaces[i].of, ALONE, loose);
+        }
+    }
     for (const sgt_builtin *b = sgt_builtins(); b->type; b++) { /* any other, by its specimen */
         bool named = false;
         for (size_t i = 0; i < COUNT_OF(surfaces); i++) named = named || surfaces[i].of.surface.ops == b->ops;
@@ -557,7 +570,6 @@ int main(int argc, char **argv)
         ask_case(b->type, "one ray proven", alone, &of, ALONE, proven);
         ask_case(b->type, "a batch proven", batch, &of, MANY, proven);
     }
-    /* cost.py sees that a tolerance costs nothing: what it ends has to end in the lanes. */
     const struct { const char *name; subject of; double t_tol[3]; } loose[] = {
         {"julia of 11 levels", {{&sgt_julia_ops, &julia_11}, NULL}, {1e-1, 1e-2, 1e-6}},
         {"julia of 16 levels", {{&sgt_julia_ops, &julia_16}, NULL}, {1e-1, 1e-3, 1e-6}},
