@@ -58,7 +58,8 @@ typedef struct lanes {
     union { row defined, most2; };   /* march: was F defined? (No built-in sag is marched along.) */
     row px, py, pz;                  /* the point asked for */
     row slot, state, least;          /* least: a lower bound on |g'| along the span; 0 if not known */
-    row noise0, noise1;              /* of a sag without a rim, like most2: vicinity.h */
+    union { row noise0, steep; };    /* of a body, as `firsts` has it */
+    row noise1;                      /* with noise0 and most2, of a sag without a rim: vicinity.h */
     row qf, qx, qy, qz;              /* F beside a root; what one loop leaves to the next */
     /* 0, for around_of.  It is kept here because gcc cannot know it after a call. */
     double none;
@@ -76,6 +77,7 @@ typedef struct lanes_job {
     double margin;      /* margin of acceptance_of, as for the single ray */
     double walks_from;  /* a stretch that begins behind it can be marched; infinite: none */
     bool slopes;        /* the spans come with bounds on the slope */
+    bool steep;         /* `firsts` does */
     bool moved;         /* some lane is not at its place */
     sgt_shared shared;  /* what the surface shares, if it has `share` */
     vicinities *kept;   /* what is known of parts of it, */
@@ -413,7 +415,9 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
     for (size_t i = 0; i < n; i++) a->least[i] = a->evals[i] = 0;
     if (ops->first && w->near == 0) {
         rays.tmin = a->tmin, rays.tmax = a->tmax;
-        if (ops->firsts) ops->firsts(w->s.self, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
+        const sgt_spans to = {a->lo, a->hi, a->seed, single};
+        if (w->steep) ops->own_->firsts(w->s.self, n, rays, to, a->steep);
+        else if (ops->firsts) ops->firsts(w->s.self, n, rays, to);
         for (size_t i = 0; i < n && !ops->firsts; i++) {
             sgt_ray ray = ray_of(&rays, i);
             sgt_span span = ops->first(w->s.self, &ray);
@@ -876,12 +880,12 @@ static double probe_end(lanes *a, size_t n, double doubtful)
 /* Certifies the lanes whose slope along the span has a bound.  off: a bound on F's error.  Returns how
  * many still have to be asked beside the root. */
 SGT_KERNEL
-static double lanes_certify(lanes *a, size_t n, const double *off)
+static double lanes_certify(lanes *a, size_t n, const double *off, const double *least)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
-        certified c = certified_of(a->tau[i], a->f[i], off[i], (searched){a->lo[i], a->hi[i], a->least[i]});
+        certified c = certified_of(a->tau[i], a->f[i], off[i], (searched){a->lo[i], a->hi[i], least[i]});
         double before = a->tau_err[i], phase = a->state[i], root = c.inside ? (double)ROOT : (double)READY;
         double state = phase == READY ? root : phase;
         a->tau_err[i] = state == ROOT && phase == READY ? c.tau_err : before;
@@ -928,12 +932,13 @@ static void probe(lanes_job *w, size_t n)
         miss(w, front(w, n, FAILED));
         n = front(w, n, READY);
     }
-    if (w->slopes && n) {
+    if ((w->slopes || w->steep) && n) {
         /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding.  With
          * one the last step may be above the rounding. */
         bool again = !w->rounded && above_zero(n, a->t_tol) > 0;
         if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL, NULL);
-        n = lanes_certify(a, n, w->rounded ? a->whole : again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
+        const double *off = w->rounded ? a->whole : again ? a->end : a->g_err;
+        n = lanes_certify(a, n, off, w->steep ? a->steep : a->least) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {
         if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
@@ -1140,6 +1145,7 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
                    .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .rim2 = rim2_of_surface(s),
                    .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0,
                    .slopes = is_catalogue(ops) && ops->own_->spans,
+                   .steep = is_catalogue(ops) && ops->own_->firsts && opt->pick != SGT_NEAR_SEED,
                    .walks_from = ops->first || ops->enclose || ops->clearance ||
                                          (opt->dt_min > 0 && ops->estimate)
                                      ? HUGE_VAL

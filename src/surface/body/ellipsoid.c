@@ -127,6 +127,8 @@ SGT_INLINE double ellipsoid_terms(const sgt_ellipsoid *s, const near_ray *r, dou
 }
 
 /* The parabola is that of 2 a F. */
+SGT_INLINE double ellipsoid_unit(const sgt_ellipsoid *s) { return 0.5 / s->a; }
+
 SGT_INLINE outset ellipsoid_outset(const sgt_ellipsoid *self, sgt_vec3 p, sgt_vec3 d)
 {
     shell s = shell_of(self);
@@ -139,7 +141,7 @@ SGT_INLINE outset ellipsoid_outset(const sgt_ellipsoid *self, sgt_vec3 p, sgt_ve
                        .terms = fabs(x * p.x) + fabs(y * p.y) + fabs(z * p.z)};
 }
 
-QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_terms, ellipsoid_outset)
+QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_unit, ellipsoid_terms, ellipsoid_outset)
 
 /* F from x, y, z, and its slope along d, by plain intervals. */
 static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, double t0, sgt_interval t,
@@ -254,7 +256,7 @@ static sgt_objection ellipsoid_object(const void *self)
 
 static const struct sgt_builtin_ops ellipsoid_builtin = {
     .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from,
-    .encloses = ellipsoid_encloses};
+    .encloses = ellipsoid_encloses, .first = ellipsoid_steep_first, .firsts = ellipsoid_steep_firsts};
 
 const sgt_surface_ops sgt_ellipsoid_ops = {
     .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span,

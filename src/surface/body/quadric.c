@@ -142,7 +142,10 @@ SGT_INLINE outset quadric_outset(const sgt_quadric *s, sgt_vec3 p, sgt_vec3 d)
                        .terms = fabs(p.x * g.x) + fabs(p.y * g.y) + fabs(p.z * g.z)};
 }
 
-QUADRATIC_SPANS(quadric, sgt_quadric, quadric_approach, quadric_terms, quadric_outset)
+/* The parabola is that of F. */
+SGT_INLINE double quadric_unit(const sgt_quadric *s) { return (void)s, 1; }
+
+QUADRATIC_SPANS(quadric, sgt_quadric, quadric_approach, quadric_unit, quadric_terms, quadric_outset)
 
 /* ------------------------------------------------------------------ by intervals */
 
@@ -374,7 +377,7 @@ static sgt_objection quadric_object(const void *self)
 
 static const struct sgt_builtin_ops quadric_builtin = {
     .object = quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from,
-    .encloses = quadric_encloses};
+    .encloses = quadric_encloses, .first = quadric_steep_first, .firsts = quadric_steep_firsts};
 
 const sgt_surface_ops sgt_quadric_ops = {
     .name = "quadric", .value = quadric_value, .values = quadric_values, .span = quadric_span,
