@@ -898,12 +898,12 @@ static double lanes_certify(lanes *a, size_t n, const double *off, const double 
 /* lanes_probe_begin and lanes_certify in one: sets tau_err of each lane, and returns how many are certified.
  * Their states are left.  `whole` is set, and there is no f_tol. */
 SGT_KERNEL
-static double certify_ready(lanes *a, size_t n)
+static double certify_ready(lanes *a, size_t n, const double *least)
 {
     double done = 0;
 #pragma omp simd reduction(+ : done)
     for (size_t i = 0; i < n; i++) {
-        searched in = {a->lo[i], a->hi[i], a->least[i]};
+        searched in = {a->lo[i], a->hi[i], least[i]};
         certified c = certified_of(a->tau[i], a->f[i], a->whole[i], in);
         a->tau_err[i] = c.tau_err;
         double is = c.inside ? 1.0 : 0.0;
@@ -924,7 +924,9 @@ static void set_states(lanes *a, size_t n, double state)
 static void probe(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
-    if (w->slopes && w->rounded && !(w->opt->f_tol > 0) && certify_ready(a, n) == (double)n) {
+    const bool bounded = w->slopes || w->steep;
+    const double *least = w->steep ? a->steep : a->least;
+    if (bounded && w->rounded && !(w->opt->f_tol > 0) && certify_ready(a, n, least) == (double)n) {
         set_states(a, n, ROOT);
         return;
     }
@@ -932,13 +934,13 @@ static void probe(lanes_job *w, size_t n)
         miss(w, front(w, n, FAILED));
         n = front(w, n, READY);
     }
-    if ((w->slopes || w->steep) && n) {
+    if (bounded && n) {
         /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding.  With
          * one the last step may be above the rounding. */
         bool again = !w->rounded && above_zero(n, a->t_tol) > 0;
         if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL, NULL);
         const double *off = w->rounded ? a->whole : again ? a->end : a->g_err;
-        n = lanes_certify(a, n, off, w->steep ? a->steep : a->least) > 0 ? front(w, n, READY) : 0;
+        n = lanes_certify(a, n, off, least) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {
         if (probe_sides(a, n) < (double)n) n = front(w, n, READY);

@@ -103,6 +103,28 @@ static bool ellipsoid_roundings(const void *self, const sgt_shared *shared, size
     return true;
 }
 
+SGT_KERNEL
+static void shell_values_rounded(const shell *shared, size_t n, sgt_points p, sgt_values out, double *own)
+{
+    const shell s = *shared;
+    const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
+    double *f = out.f, *gx = out.grad[0], *gy = out.grad[1], *gz = out.grad[2];
+    LANES for (size_t i = 0; i < n; i++) {
+        double nx, ny, nz, value = shell_at(&s, x[i], y[i], z[i], &nx, &ny, &nz);
+        f[i] = value, gx[i] = nx, gy[i] = ny, gz[i] = nz;
+        own[i] = shell_rounding(&s, x[i], y[i], z[i]);
+    }
+}
+
+static bool ellipsoid_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
+                                     size_t n, sgt_points p, sgt_values out, double own[])
+{
+    shell s = shell_of(self);
+    (void)shared, (void)rows;
+    shell_values_rounded(&s, n, p, out, own);
+    return true;
+}
+
 static double ellipsoid_clearance(const void *self, sgt_vec3 p)
 {
     shell s = shell_of(self);
@@ -256,7 +278,8 @@ static sgt_objection ellipsoid_object(const void *self)
 
 static const struct sgt_builtin_ops ellipsoid_builtin = {
     .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from,
-    .encloses = ellipsoid_encloses, .first = ellipsoid_steep_first, .firsts = ellipsoid_steep_firsts};
+    .encloses = ellipsoid_encloses, .values_rounded = ellipsoid_values_rounded,
+    .first = ellipsoid_steep_first, .firsts = ellipsoid_steep_firsts};
 
 const sgt_surface_ops sgt_ellipsoid_ops = {
     .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span,

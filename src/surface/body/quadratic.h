@@ -254,7 +254,7 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
             crossings c = crossings_of(&p, r.t0);                                                      \
             lane_span a = ANSWER;                                                                      \
             lo[i] = a.lo, hi[i] = a.hi, seed[i] = a.seed, single[i] = settled_of(a);                   \
-            steep[i] = a.steep * UNIT(&s);                                                             \
+            if (steep) steep[i] = a.steep * UNIT(&s);                                                  \
         }                                                                                              \
     }
 
