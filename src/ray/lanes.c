@@ -172,13 +172,13 @@ static double around_close(const lanes *a, size_t n, const double *tau, const sg
 }
 
 /* F and its gradient at the points, and the surface's own rounding, which is set as add_noise leaves it.
- * false: none of them is. */
+ * false: none of them is.  (Without a bound on the slope it is asked for only where a lane is close.) */
 static bool ask_rounded(lanes_job *w, size_t n, const sgt_values *out, double *own)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
     const double *const rows[3] = {a->noise0, a->noise1, a->most2};
-    return is_catalogue(ops) && ops->own_->values_rounded &&
+    return (w->slopes || w->steep) && ops->own_->values_rounded &&
            ops->own_->values_rounded(w->s.self, w->rows ? &w->bare : &w->shared, w->rows ? rows : NULL, n,
                                      w->points, *out, own);
 }

@@ -236,7 +236,7 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
  *
  * NAME_all_leaving runs only for blocks with a ray that NAME_all_firsts leaves open.  Where the first ray
  * starts on the surface, most do, and it runs at once: it gives what the other gives, and more. */
-#define QUADRATIC_LANES(NAME, SELF, APPROACH, UNIT, ANSWER, KIND)                                      \
+#define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER, STEEP, KIND)                                     \
     KIND                                                                                               \
     static void NAME(const SELF *self, size_t n, const double *restrict ox, const double *restrict oy, \
                      const double *restrict oz, const double *restrict dx, const double *restrict dy,  \
@@ -254,14 +254,15 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
             crossings c = crossings_of(&p, r.t0);                                                      \
             lane_span a = ANSWER;                                                                      \
             lo[i] = a.lo, hi[i] = a.hi, seed[i] = a.seed, single[i] = settled_of(a);                   \
-            if (steep) steep[i] = a.steep * UNIT(&s);                                                  \
+            STEEP                                                                                      \
         }                                                                                              \
     }
 
 #define QUADRATIC_SPANS(NAME, SELF, APPROACH, UNIT, TERMS, BEGINNING)                                       \
-    QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, UNIT, quadratic_span(&r, &c), SGT_KERNEL)             \
-    QUADRATIC_LANES(NAME##_all_firsts, SELF, APPROACH, UNIT,                                                \
-                    quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]), SGT_KERNEL)                   \
+    QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c), (void)steep;, SGT_KERNEL)     \
+    QUADRATIC_LANES(NAME##_all_firsts, SELF, APPROACH,                                                      \
+                    quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]),                               \
+                    steep[i] = a.steep * UNIT(&s);, SGT_KERNEL)                                             \
     SGT_KERNEL                                                                                              \
     static void NAME##_all_outsets(const SELF *self, size_t n, const sgt_rays *rays, outsets *restrict out) \
     {                                                                                                       \
