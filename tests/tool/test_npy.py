@@ -305,6 +305,13 @@ def test_single():
     for more, words in ((('--ray', '0 0 -1e39 0 0 1'), 'oz: -1e+39 does not fit in single precision'),
                         (('--ray', '0 0 -5 0 0 1e-50'), 'its direction is 0 in single precision')):
         assert words in run(*one, *more, exit=BAD_INPUT).stderr
+    several[2500], several[2700] = (*several[0][:3], 0, 0, 1e-60), (1e60, *several[0][1:])
+    text = rays(*(map(repr, r) for r in several))
+    for source in (array_of(several), '-'):
+        done = run(*one, '--rays', source, '--format', 'csv', stdin=text, exit=BAD_INPUT)
+        assert 'ray 2500: its direction' in done.stderr, done.stderr
+        equal(done.stdout, '')
+    assert 'not with --single' in run(*one, '--rays', '-', '--skip-bad', stdin=text, exit=USAGE).stderr
     for more in (('--all',), ('--watch', out('w.csv'))):
         assert 'not both' in run(*one, '--ray', '0 0 -5 0 0 1', *more, exit=USAGE).stderr
 

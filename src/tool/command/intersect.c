@@ -166,6 +166,7 @@ static intersect_arguments intersect_arguments_of(const command *c, int argc, ch
     if (a.all && a.shared.solver.pick) fail_usage("give --pick or --all, not both");
     if (a.single && a.all) fail_usage("give --single or --all, not both; --single finds one root of a ray");
     if (a.single && a.watched.path) fail_usage("give --single or --watch, not both; --watch is of doubles");
+    if (a.single && a.skip_bad) fail_usage("--skip-bad: not with --single; leave out rays that do not fit");
     a.shared.target.single = a.single;
     if (a.rays.begun && !a.rays.places) fail_usage("--from without --look; add --look \"az el\"");
     if (!a.file == !a.rays.count)
@@ -274,17 +275,17 @@ static void room_for_spots(const intersect_work *w, intersect_room *r, int count
 static void round_to_floats(ray_block *b)
 {
     static const char *const name[] = {"ox", "oy", "oz", "dx", "dy", "dz"};
-    for (int c = 0; c < 8; c++)
-        for (size_t i = 0; i < b->count; i++) {
+    for (size_t i = 0; i < b->count; i++) {
+        for (int c = 0; c < 8; c++) {
             const double x = b->number[c][i];
             const bool fits = fabs(x) <= (double)FLT_MAX;
             if (!fits && c < 6)
                 fail_input("ray %lld: %s: %g does not fit in single precision", b->ray[i], name[c], x);
             b->number[c][i] = fits ? (double)(float)x : copysign(HUGE_VAL, x);
         }
-    for (size_t i = 0; i < b->count; i++)
         if (b->number[3][i] == 0 && b->number[4][i] == 0 && b->number[5][i] == 0)
             fail_input("ray %lld: its direction is 0 in single precision", b->ray[i]);
+    }
 }
 
 /* Asks for the answers of a block by floats. */
@@ -535,6 +536,18 @@ static size_t intersect_columns_of(const intersect_work *w, column to[COLUMNS_MO
     return n;
 }
 
+/* A ray that does not fit in floats ends the command before anything is written; of a shard, before its rows
+ * are. */
+static void check_singles(const intersect_arguments *a)
+{
+    ray_block *b = memory_take(1, sizeof *b);
+    for (size_t i = 0; i < a->rays.count && !a->rays.some; i += TILE_RAYS) {
+        const size_t left = a->rays.count - i;
+        rays_part(&a->rays, i, left < TILE_RAYS ? left : TILE_RAYS, b);
+        round_to_floats(b);
+    }
+}
+
 static exit_status intersect_run(const command *c, int argc, char *argv[])
 {
     intersect_arguments a = intersect_arguments_of(c, argc, argv);
@@ -548,6 +561,7 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
                    "geoid");
     if (a.single && w.earth)
         fail_usage("--single: not about the Earth; in single precision a place is known to half a metre");
+    if (a.single) check_singles(&a);
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
     a.shared.target.word_size = a.rays.longest_id;
     tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
