@@ -63,6 +63,13 @@
 #define SGT_COLD
 #endif
 
+/* A small function that others spend their time in. */
+#if defined(__GNUC__)
+#define SGT_HOT __attribute__((hot))
+#else
+#define SGT_HOT
+#endif
+
 /* Marks a loop over rays that is to become vector code.  It is a function of its own: inlined, or cloned
  * for some of its arguments, it may lose that.  It is in a section of its own, where
  * tests/build/vectorised.py finds it. */
