@@ -24,8 +24,8 @@ SGT_COLD static sgt_interval box_part(sgt_interval a, double by)
 SGT_COLD static sgt_interval box_sum(sgt_interval a, sgt_interval b) { return sgt_interval_sum(a, b); }
 SGT_COLD static sgt_interval box_scaled(sgt_interval a, double by) { return sgt_interval_scaled(a, by); }
 
-SGT_COLD static bool quadric_box(const sgt_quadric *s, const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
-                        sgt_interval h[6])
+SGT_COLD static bool quadric_box(const sgt_quadric *s, const sgt_interval at[3], sgt_interval *f,
+                                 sgt_interval g[3], sgt_interval h[6])
 {
     static const int pair[3] = {1, 4, 2}, first[3] = {0, 1, 0}, other[3] = {1, 2, 2}, square[3] = {0, 3, 5};
     *f = sgt_interval_of(s->constant);
@@ -47,7 +47,8 @@ SGT_COLD static bool quadric_box(const sgt_quadric *s, const sgt_interval at[3],
 }
 
 /* a Q b, Q the symmetric matrix of the quadric. */
-SGT_COLD static sgt_interval quadric_form(const sgt_quadric *s, const sgt_interval a[3], const sgt_interval b[3])
+SGT_COLD static sgt_interval quadric_form(const sgt_quadric *s, const sgt_interval a[3],
+                                          const sgt_interval b[3])
 {
     static const int first[3] = {0, 1, 0}, other[3] = {1, 2, 2};
     sgt_interval sum = {0, 0};
@@ -62,8 +63,8 @@ SGT_COLD static sgt_interval quadric_form(const sgt_quadric *s, const sgt_interv
 }
 
 /* F of lines from o along d where |t| is large: F / t^2 = A + B / t + C / t^2, with 1 / t in u. */
-SGT_COLD static sgt_interval quadric_beyond(const sgt_quadric *s, const sgt_interval o[3], const sgt_interval d[3],
-                                   sgt_interval u)
+SGT_COLD static sgt_interval quadric_beyond(const sgt_quadric *s, const sgt_interval o[3],
+                                            const sgt_interval d[3], sgt_interval u)
 {
     sgt_interval C, g[3], h[6], B = box_scaled(quadric_form(s, o, d), 2);
     for (int i = 0; i < 3; i++) B = box_sum(B, box_scaled(d[i], s->linear[i]));
@@ -87,8 +88,8 @@ SGT_COLD static bool ellipsoid_box(const sgt_ellipsoid *s, const sgt_interval at
     return true;
 }
 
-SGT_COLD static bool torus_box(const sgt_torus *s, const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
-                      sgt_interval h[6])
+SGT_COLD static bool torus_box(const sgt_torus *s, const sgt_interval at[3], sgt_interval *f,
+                               sgt_interval g[3], sgt_interval h[6])
 {
     const double R = s->major, r = s->minor;
     const sgt_interval one = {1, 1}, zero = {0, 0}, x2 = sgt_interval_square(at[0]),
@@ -111,8 +112,8 @@ SGT_COLD static bool torus_box(const sgt_torus *s, const sgt_interval at[3], sgt
     return rho.lo > 0;
 }
 
-SGT_COLD static bool formula_box(const sgt_tape *tape, const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
-                        sgt_interval h[6])
+SGT_COLD static bool formula_box(const sgt_tape *tape, const sgt_interval at[3], sgt_interval *f,
+                                 sgt_interval g[3], sgt_interval h[6])
 {
     static const sgt_interval axes[3][3] = {
         {{1, 1}, {0, 0}, {0, 0}}, {{0, 0}, {1, 1}, {0, 0}}, {{0, 0}, {0, 0}, {1, 1}}};

@@ -27,7 +27,10 @@ typedef struct sag_jet {
     model v, x, y;
 } sag_jet;
 
-SGT_COLD static sag_jet jet_of(double c) { return (sag_jet){model_number(c), model_number(0), model_number(0)}; }
+SGT_COLD static sag_jet jet_of(double c)
+{
+    return (sag_jet){model_number(c), model_number(0), model_number(0)};
+}
 SGT_COLD static sag_jet jet_sum(const sag_jet *a, const sag_jet *b)
 {
     return (sag_jet){model_sum(a->v, b->v), model_sum(a->x, b->x), model_sum(a->y, b->y)};

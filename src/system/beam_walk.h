@@ -65,7 +65,8 @@ static const sgt_model *number_of(const beam_task *task, size_t element, sgt_box
     return NULL;
 }
 
-SGT_COLD static model changed(const beam_task *task, size_t element, sgt_box_what what, size_t which, double own)
+SGT_COLD static model changed(const beam_task *task, size_t element, sgt_box_what what, size_t which,
+                              double own)
 {
     const sgt_model *by = number_of(task, element, what, which);
     return by ? model_plus(model_read(by), own) : model_number(own);
@@ -668,7 +669,8 @@ SGT_COLD static bool bend_plain(const index_models *by, const beam_hit *m, model
 }
 
 /* An ideal lens (system.h): W is n2 N(w') - n1 N(w), N = p . (w + w0) / (S(w) + S(w0)). */
-SGT_COLD static model ideal_term(const model3 *p, const model *wx, const model *wy, const model *w0x, const model *w0y)
+SGT_COLD static model ideal_term(const model3 *p, const model *wx, const model *wy, const model *w0x,
+                                 const model *w0y)
 {
     const model S = model_root(model_plus(model_sum(model_square(*wx), model_square(*wy)), 1));
     const model S0 = model_root(model_plus(model_sum(model_square(*w0x), model_square(*w0y)), 1));
@@ -709,8 +711,8 @@ SGT_COLD static bool bend_ideal(const sgt_phase *phase, const index_models *by, 
 }
 
 /* A phase in waves (system.h).  false: as bend_plain, or *unknown: W has no bounds. */
-SGT_COLD static bool bend_waves(const sgt_element *e, const model *per_wave, const index_models *by, const beam_hit *m,
-                       model3 *d, model *path, sgt_fate *fate, bool *unknown)
+SGT_COLD static bool bend_waves(const sgt_element *e, const model *per_wave, const index_models *by,
+                                const beam_hit *m, model3 *d, model *path, sgt_fate *fate, bool *unknown)
 {
     const sgt_surface waves = in_set(e->phase->waves);
     beam_shape s = {.kind = SHAPE_NONE};
@@ -950,8 +952,8 @@ SGT_COLD static int items_over(const sgt_aperture *a, const beam_hit *m, double 
     return all;
 }
 
-SGT_COLD static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1_varied, bool *varied,
-                       index_models *by)
+SGT_COLD static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1_varied,
+                                bool *varied, index_models *by)
 {
     const sgt_element *e = &task->lens->e[i];
     const sgt_model *own = number_of(task, i, SGT_BOX_INDEX, 0);

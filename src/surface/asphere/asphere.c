@@ -530,7 +530,7 @@ static bool passes_by(const shape *s, const sgt_ray *ray)
     return passes != 0;
 }
 
-SGT_NARROW(sgt_hit, sgt_asphere_meet, (const void *self, const sgt_ray *ray, const sgt_options *opt))
+SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_even_asphere *s = self;
     if (!asphere_valid(s)) return hit_without(SGT_INVALID, ray, 0);
@@ -770,7 +770,7 @@ static bool asphere_even_sag(const void *self, sgt_even_sag *sag)
     return asphere_valid(s);
 }
 
-static const struct sgt_builtin_ops asphere_builtin = {.meet = sgt_asphere_meet,
+static const struct sgt_builtin_ops asphere_builtin = {.meet = asphere_meet,
                                                        .all = asphere_all,
                                                        .lanes = asphere_lanes,
                                                        .unique = asphere_unique,

@@ -553,7 +553,7 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     return hit_at(&at, status, f, w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);
 }
 
-SGT_NARROW(sgt_hit, sgt_conic_first, (const void *self, const sgt_ray *ray, const sgt_options *opt))
+static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_conic *s = self;
     return conic_first(s->c, s->k, s->semi_diameter, ray, opt);
@@ -562,7 +562,7 @@ SGT_NARROW(sgt_hit, sgt_conic_first, (const void *self, const sgt_ray *ray, cons
 sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_conic s = {.c = c, .k = k, .semi_diameter = semi_diameter};
-    return sgt_conic_first(&s, ray, opt);
+    return conic_meet(&s, ray, opt);
 }
 
 static void unproven_about(sgt_list *list, const meeting *at, const sgt_ray *ray, tally *w)
@@ -695,7 +695,7 @@ static bool conic_even_sag(const void *self, sgt_even_sag *sag)
     return conic_valid(s->c, s->k, s->semi_diameter);
 }
 
-static const struct sgt_builtin_ops conic_builtin = {.meet = sgt_conic_first,
+static const struct sgt_builtin_ops conic_builtin = {.meet = conic_meet,
                                                      .all = conic_all,
                                                      .lanes = conic_lanes,
                                                      .unique = conic_unique,
