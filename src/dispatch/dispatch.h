@@ -9,10 +9,10 @@
  *     v3      x86-64: AVX2 and the fused multiply-add
  *     v4      x86-64: AVX-512
  *
- * But not all: what gains nothing by AVX-512 (narrow_sources of meson.build: single rays, proofs, boxes) v4
- * has from v3, and narrow_names.h says so to both.  Where there is more than one set, base is compiled to
- * be small.  A narrow file may be given a surface with the operations of v4: it compares tables only after
- * in_set, of what the program gave.
+ * But not all: what gains nothing by AVX-512 (narrow_sources of meson.build: single rays, proofs, boxes;
+ * and what SGT_NARROW marks) v4 has from v3, and narrow_names.h says so to both.  Where there is more than
+ * one set, base is compiled to be small.  A narrow file may be given a surface with the operations of v4: it
+ * compares tables only after in_set, of what the program gave.
  *
  * names.h (names.py) gives each function the name of its set.  check/diagnose.c is compiled once: no set
  * is faster at it.
@@ -30,6 +30,8 @@
 #ifndef SGT_DISPATCH_H
 #define SGT_DISPATCH_H
 
+#include <stddef.h>
+
 enum { SGT_BASE, SGT_V3, SGT_V4 };
 
 #if SGT_SETS > 1
@@ -42,6 +44,13 @@ static inline int sgt_set(void)
     return set >= 0 ? set : sgt_choose_set();
 }
 
+/* The set for n rays.  v4 works on eight at once, and does fewer than eight one by one. */
+static inline int sgt_set_for(size_t n)
+{
+    int set = sgt_set();
+    return set == SGT_V4 && n < 8 ? SGT_V3 : set;
+}
+
 /* Declares a function of the sets: its type, name and parameters.  NAME_in_set[sgt_set()] is the one to
  * call. */
 #define SGT_IN_SETS(TYPE, NAME, PARAMETERS) \
@@ -51,6 +60,7 @@ static inline int sgt_set(void)
     static TYPE(*const NAME##_in_set[]) PARAMETERS = {NAME##_base, NAME##_v3, NAME##_v4};
 #else
 static inline int sgt_set(void) { return SGT_BASE; }
+static inline int sgt_set_for(size_t n) { return (void)n, SGT_BASE; }
 
 #define SGT_IN_SETS(TYPE, NAME, PARAMETERS) \
     TYPE NAME##_base PARAMETERS;            \
@@ -61,6 +71,10 @@ static inline int sgt_set(void) { return SGT_BASE; }
 #define SGT_DISPATCH(TYPE, NAME, PARAMETERS, ARGUMENTS) \
     SGT_IN_SETS(TYPE, NAME, PARAMETERS)                 \
     TYPE NAME PARAMETERS { return NAME##_in_set[sgt_set()] ARGUMENTS; }
+/* The same for one that is asked of n rays. */
+#define SGT_DISPATCH_RAYS(TYPE, NAME, PARAMETERS, ARGUMENTS) \
+    SGT_IN_SETS(TYPE, NAME, PARAMETERS)                      \
+    TYPE NAME PARAMETERS { return NAME##_in_set[sgt_set_for(n)] ARGUMENTS; }
 #define SGT_DISPATCH_VOID(NAME, PARAMETERS, ARGUMENTS) \
     SGT_IN_SETS(void, NAME, PARAMETERS)                \
     void NAME PARAMETERS { NAME##_in_set[sgt_set()] ARGUMENTS; }

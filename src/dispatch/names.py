@@ -3,13 +3,15 @@
 """Prints names.h: each name of the library that leaves its file, with the name of the set at its end.
 
     python3 src/dispatch/names.py SRC FILE...
-    python3 src/dispatch/names.py --narrow SRC FILE...   prints narrow_names.h, of files that v4 shares with v3
+    python3 src/dispatch/names.py --narrow SRC FILE... --wide FILE...
+                                                prints narrow_names.h: of files, and of functions in wide files,
+                                                that v4 shares with v3
 
 The library is compiled whole for each set of instructions (dispatch.h), and names.h is included before
 every other file in those compilations.  So each function and table has the set's name at its end, and
 differs from set to set.  A name that is missed is defined once for each set, and the library does not link.
-Files that gain nothing by AVX-512 are not compiled for v4: what the set and the dispatch call NAME_v4 is
-then NAME_v3, by narrow_names.h.
+Files that gain nothing by AVX-512 are not compiled for v4, nor are functions that SGT_NARROW marks: what the
+set and the dispatch call NAME_v4 is then NAME_v3, by narrow_names.h.
 
 A definition begins in the first column and is not static (CONTRIBUTING.md, "Style").  A macro of SRC that
 defines sgt_##NAME##_end of its argument NAME is looked for, too, and so are the operations of the types in
@@ -23,6 +25,7 @@ COMMENT = re.compile(r'/\*.*?\*/', re.DOTALL)
 DEFINED = re.compile(r'^(?!static\b|typedef\b|extern\b|SGT_INLINE\b)[A-Za-z_][\w *]*?\b(sgt_\w+)\s*'
                      r'(?:\([^;{]*?\)\s*\{|(?:\[[^\]]*\])?\s*=)', re.MULTILINE)
 MACRO = re.compile(r'^#define (\w+)\((\w+)[^)]*\)((?:[^\n]*\\\n)*[^\n]*)', re.MULTILINE)
+NARROWED = re.compile(r'^SGT_NARROW\([^,]*,\s*(sgt_\w+),', re.MULTILINE)  # num/exact.h
 TYPE = re.compile(r'^TYPE\([^,]*,[^,]*,\s*(\w+),\s*([\w/]+\.c)', re.MULTILINE)
 
 HEAD = '''/* Each name that leaves its file, with the name of the set at its end; printed by src/dispatch/names.py. */
@@ -51,7 +54,7 @@ def names(src, files):
     made = makers(src)
     for file in files:
         text = COMMENT.sub('', file.read_text())
-        found.update(DEFINED.findall(text))
+        found.update(DEFINED.findall(text) + NARROWED.findall(text))
         for macro, name in re.findall(r'^(\w+)\((\w+)', text, re.MULTILINE):
             found.update(f'sgt_{name}{end}' for end in made.get(macro, ()))
     return sorted(found)
@@ -59,9 +62,11 @@ def names(src, files):
 
 def main(*words):
     narrow = words[0] == '--narrow'
-    src, *files = map(pathlib.Path, words[narrow:])
+    end = words.index('--wide') if narrow else len(words)
+    src, *files = map(pathlib.Path, words[narrow:end])
     print(NARROW if narrow else HEAD)
-    for name in names(src, files):
+    wide = {name for file in words[end + 1:] for name in NARROWED.findall(pathlib.Path(file).read_text())}
+    for name in sorted({*names(src, files), *wide}):
         print(f'#define {name}_v4 {name}_v3' if narrow else f'#define {name} SGT_SET_NAME({name})')
 
 

@@ -63,6 +63,26 @@
 #define SGT_COLD
 #endif
 
+/* A small function that others spend their time in. */
+#if defined(__GNUC__)
+#define SGT_HOT __attribute__((hot))
+#else
+#define SGT_HOT
+#endif
+
+/* A function of a file that is compiled for x86-64-v4, which itself gains nothing by it: v4 calls that of v3,
+ * and leaves its own copy out (names.py).  TYPE NAME(...) {...} is
+ * written SGT_NARROW(TYPE, NAME, (...)) {...}. */
+#if defined(SGT_SET_NUMBER) && SGT_SET_NUMBER == 2
+#define SGT_NARROW(TYPE, NAME, PARAMETERS) \
+    TYPE NAME PARAMETERS;                  \
+    static __attribute__((unused)) TYPE NAME##_here PARAMETERS
+#else
+#define SGT_NARROW(TYPE, NAME, PARAMETERS) \
+    TYPE NAME PARAMETERS;                  \
+    TYPE NAME PARAMETERS
+#endif
+
 /* Marks a loop over rays that is to become vector code.  It is a function of its own: inlined, or cloned
  * for some of its arguments, it may lose that.  It is in a section of its own, where
  * tests/build/vectorised.py finds it. */

@@ -17,15 +17,15 @@
 #define SGT_SYSTEM_BEAM_BODIES_H
 #include "beam_sags.h"
 
-static sgt_interval box_part(sgt_interval a, double by)
+SGT_COLD static sgt_interval box_part(sgt_interval a, double by)
 {
     return sgt_interval_quotient(a, sgt_interval_of(by));
 }
-static sgt_interval box_sum(sgt_interval a, sgt_interval b) { return sgt_interval_sum(a, b); }
-static sgt_interval box_scaled(sgt_interval a, double by) { return sgt_interval_scaled(a, by); }
+SGT_COLD static sgt_interval box_sum(sgt_interval a, sgt_interval b) { return sgt_interval_sum(a, b); }
+SGT_COLD static sgt_interval box_scaled(sgt_interval a, double by) { return sgt_interval_scaled(a, by); }
 
-static bool quadric_box(const sgt_quadric *s, const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
-                        sgt_interval h[6])
+SGT_COLD static bool quadric_box(const sgt_quadric *s, const sgt_interval at[3], sgt_interval *f,
+                                 sgt_interval g[3], sgt_interval h[6])
 {
     static const int pair[3] = {1, 4, 2}, first[3] = {0, 1, 0}, other[3] = {1, 2, 2}, square[3] = {0, 3, 5};
     *f = sgt_interval_of(s->constant);
@@ -47,7 +47,8 @@ static bool quadric_box(const sgt_quadric *s, const sgt_interval at[3], sgt_inte
 }
 
 /* a Q b, Q the symmetric matrix of the quadric. */
-static sgt_interval quadric_form(const sgt_quadric *s, const sgt_interval a[3], const sgt_interval b[3])
+SGT_COLD static sgt_interval quadric_form(const sgt_quadric *s, const sgt_interval a[3],
+                                          const sgt_interval b[3])
 {
     static const int first[3] = {0, 1, 0}, other[3] = {1, 2, 2};
     sgt_interval sum = {0, 0};
@@ -62,8 +63,8 @@ static sgt_interval quadric_form(const sgt_quadric *s, const sgt_interval a[3], 
 }
 
 /* F of lines from o along d where |t| is large: F / t^2 = A + B / t + C / t^2, with 1 / t in u. */
-static sgt_interval quadric_beyond(const sgt_quadric *s, const sgt_interval o[3], const sgt_interval d[3],
-                                   sgt_interval u)
+SGT_COLD static sgt_interval quadric_beyond(const sgt_quadric *s, const sgt_interval o[3],
+                                            const sgt_interval d[3], sgt_interval u)
 {
     sgt_interval C, g[3], h[6], B = box_scaled(quadric_form(s, o, d), 2);
     for (int i = 0; i < 3; i++) B = box_sum(B, box_scaled(d[i], s->linear[i]));
@@ -72,7 +73,7 @@ static sgt_interval quadric_beyond(const sgt_quadric *s, const sgt_interval o[3]
 }
 
 /* F = (x^2 + y^2 - a^2) / 2a + z^2 a / 2b^2. */
-static bool ellipsoid_box(const sgt_ellipsoid *s, const sgt_interval at[3], sgt_interval *f,
+SGT_COLD static bool ellipsoid_box(const sgt_ellipsoid *s, const sgt_interval at[3], sgt_interval *f,
                           sgt_interval g[3], sgt_interval h[6])
 {
     const sgt_interval a = sgt_interval_of(s->a), one = {1, 1}, zero = {0, 0};
@@ -87,8 +88,8 @@ static bool ellipsoid_box(const sgt_ellipsoid *s, const sgt_interval at[3], sgt_
     return true;
 }
 
-static bool torus_box(const sgt_torus *s, const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
-                      sgt_interval h[6])
+SGT_COLD static bool torus_box(const sgt_torus *s, const sgt_interval at[3], sgt_interval *f,
+                               sgt_interval g[3], sgt_interval h[6])
 {
     const double R = s->major, r = s->minor;
     const sgt_interval one = {1, 1}, zero = {0, 0}, x2 = sgt_interval_square(at[0]),
@@ -111,8 +112,8 @@ static bool torus_box(const sgt_torus *s, const sgt_interval at[3], sgt_interval
     return rho.lo > 0;
 }
 
-static bool formula_box(const sgt_tape *tape, const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
-                        sgt_interval h[6])
+SGT_COLD static bool formula_box(const sgt_tape *tape, const sgt_interval at[3], sgt_interval *f,
+                                 sgt_interval g[3], sgt_interval h[6])
 {
     static const sgt_interval axes[3][3] = {
         {{1, 1}, {0, 0}, {0, 0}}, {{0, 0}, {1, 1}, {0, 0}}, {{0, 0}, {0, 0}, {1, 1}}};
@@ -128,7 +129,7 @@ static bool formula_box(const sgt_tape *tape, const sgt_interval at[3], sgt_inte
 }
 
 /* Is F known so?  `body`: its seed is the first crossing of the line. */
-static bool beam_has_box(sgt_surface s, bool *body)
+SGT_COLD static bool beam_has_box(sgt_surface s, bool *body)
 {
     *body = s.ops == &sgt_quadric_ops || s.ops == &sgt_ellipsoid_ops || s.ops == &sgt_torus_ops;
     if (*body)
@@ -139,7 +140,7 @@ static bool beam_has_box(sgt_surface s, bool *body)
     return !s.ops->own_ && box_of(s.ops);
 }
 
-static bool box_over(sgt_surface s, const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
+SGT_COLD static bool box_over(sgt_surface s, const sgt_interval at[3], sgt_interval *f, sgt_interval g[3],
                      sgt_interval h[6])
 {
     if (s.ops == &sgt_quadric_ops) return quadric_box(s.self, at, f, g, h);
@@ -150,7 +151,7 @@ static bool box_over(sgt_surface s, const sgt_interval at[3], sgt_interval *f, s
 }
 
 /* F and its gradient at the points of models.  off: of F as computed, at most about. */
-static bool body_models(sgt_surface s, const model3 *p, model *f, model3 *n, double *off)
+SGT_COLD static bool body_models(sgt_surface s, const model3 *p, model *f, model3 *n, double *off)
 {
     static const int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     const sgt_interval at[3] = {model_range(p->x), model_range(p->y), model_range(p->z)},

@@ -27,59 +27,62 @@ typedef struct sag_jet {
     model v, x, y;
 } sag_jet;
 
-static sag_jet jet_of(double c) { return (sag_jet){model_number(c), model_number(0), model_number(0)}; }
-static sag_jet jet_sum(const sag_jet *a, const sag_jet *b)
+SGT_COLD static sag_jet jet_of(double c)
+{
+    return (sag_jet){model_number(c), model_number(0), model_number(0)};
+}
+SGT_COLD static sag_jet jet_sum(const sag_jet *a, const sag_jet *b)
 {
     return (sag_jet){model_sum(a->v, b->v), model_sum(a->x, b->x), model_sum(a->y, b->y)};
 }
-static sag_jet jet_plus(sag_jet a, double k)
+SGT_COLD static sag_jet jet_plus(sag_jet a, double k)
 {
     a.v = model_plus(a.v, k);
     return a;
 }
 /* Times a number that is off by 4 u of itself at most. */
-static sag_jet jet_scaled(const sag_jet *a, double k)
+SGT_COLD static sag_jet jet_scaled(const sag_jet *a, double k)
 {
     sag_jet b = {model_scaled(a->v, k), model_scaled(a->x, k), model_scaled(a->y, k)};
     b.v = model_wider(b.v, GRAIN * model_size(&b.v));
     b.x = model_wider(b.x, GRAIN * model_size(&b.x)), b.y = model_wider(b.y, GRAIN * model_size(&b.y));
     return b;
 }
-static sag_jet jet_product(const sag_jet *a, const sag_jet *b)
+SGT_COLD static sag_jet jet_product(const sag_jet *a, const sag_jet *b)
 {
     return (sag_jet){model_product(a->v, b->v),
                      model_sum(model_product(a->v, b->x), model_product(a->x, b->v)),
                      model_sum(model_product(a->v, b->y), model_product(a->y, b->v))};
 }
-static sag_jet jet_by(const sag_jet *a, model v, model slope)
+SGT_COLD static sag_jet jet_by(const sag_jet *a, model v, model slope)
 {
     return (sag_jet){v, model_product(slope, a->x), model_product(slope, a->y)};
 }
-static sag_jet jet_root(const sag_jet *a)
+SGT_COLD static sag_jet jet_root(const sag_jet *a)
 {
     const model s = model_root(a->v);
     return jet_by(a, s, model_scaled(model_inverse(s), 0.5));
 }
-static sag_jet jet_inverse(const sag_jet *a)
+SGT_COLD static sag_jet jet_inverse(const sag_jet *a)
 {
     const model i = model_inverse(a->v);
     return jet_by(a, i, model_negative(model_square(i)));
 }
-static sag_jet jet_quotient(const sag_jet *a, const sag_jet *b)
+SGT_COLD static sag_jet jet_quotient(const sag_jet *a, const sag_jet *b)
 {
     const sag_jet i = jet_inverse(b);
     return jet_product(a, &i);
 }
 
 /* x^2 + y^2, times a number. */
-static sag_jet jet_rho(const sag_jet *x, const sag_jet *y, double by)
+SGT_COLD static sag_jet jet_rho(const sag_jet *x, const sag_jet *y, double by)
 {
     const sag_jet xx = jet_product(x, x), yy = jet_product(y, y), rho = jet_sum(&xx, &yy);
     return jet_scaled(&rho, by);
 }
 
 /* The sum of a[i] v^(i + 1). */
-static sag_jet jet_terms(const double *a, int n, const sag_jet *v)
+SGT_COLD static sag_jet jet_terms(const double *a, int n, const sag_jet *v)
 {
     sag_jet sum = jet_of(0);
     while (n > 0 && a[n - 1] == 0) n--;
@@ -90,7 +93,7 @@ static sag_jet jet_terms(const double *a, int n, const sag_jet *v)
     return sum;
 }
 
-static sag_jet toroidal_jet(const sgt_toroidal *s, const sag_jet *x, const sag_jet *y)
+SGT_COLD static sag_jet toroidal_jet(const sgt_toroidal *s, const sag_jet *x, const sag_jet *y)
 {
     const sag_jet yy = jet_product(y, y), xx = jet_product(x, x);
     sag_jet profile = jet_terms(s->a, 8, &yy);
@@ -107,7 +110,7 @@ static sag_jet toroidal_jet(const sgt_toroidal *s, const sag_jet *x, const sag_j
     return jet_sum(&profile, &more);
 }
 
-static sag_jet biconic_jet(const sgt_biconic *s, const sag_jet *x, const sag_jet *y)
+SGT_COLD static sag_jet biconic_jet(const sgt_biconic *s, const sag_jet *x, const sag_jet *y)
 {
     const sag_jet xx = jet_product(x, x), yy = jet_product(y, y);
     const sag_jet ux = jet_scaled(&xx, s->c_x), uy = jet_scaled(&yy, s->c_y), up = jet_sum(&ux, &uy);
@@ -118,7 +121,7 @@ static sag_jet biconic_jet(const sgt_biconic *s, const sag_jet *x, const sag_jet
     return jet_quotient(&up, &down);
 }
 
-static sag_jet odd_jet(const sgt_odd_asphere *s, const sag_jet *x, const sag_jet *y)
+SGT_COLD static sag_jet odd_jet(const sgt_odd_asphere *s, const sag_jet *x, const sag_jet *y)
 {
     const sag_jet rho = jet_rho(x, y, 1);
     double even[8], odd[8];
@@ -131,7 +134,7 @@ static sag_jet odd_jet(const sgt_odd_asphere *s, const sag_jet *x, const sag_jet
     return jet_sum(&sum, &by);
 }
 
-static sag_jet polynomial_jet(const sgt_numbers *a, const sag_jet *x, const sag_jet *y)
+SGT_COLD static sag_jet polynomial_jet(const sgt_numbers *a, const sag_jet *x, const sag_jet *y)
 {
     sag_jet sum = jet_of(0);
     for (size_t i = a->rows; i-- > 0;) {
@@ -149,13 +152,13 @@ static sag_jet polynomial_jet(const sgt_numbers *a, const sag_jet *x, const sag_
 }
 
 /* t_(n + 1) = 2 x t_n - t_(n - 1). */
-static void chebyshev_next(const sag_jet *x, sag_jet *now, sag_jet *before)
+SGT_COLD static void chebyshev_next(const sag_jet *x, sag_jet *now, sag_jet *before)
 {
     const sag_jet up = jet_product(now, x), twice = jet_scaled(&up, 2), less = jet_scaled(before, -1);
     *before = *now, *now = jet_sum(&twice, &less);
 }
 
-static sag_jet chebyshev_jet(const sgt_chebyshev *s, const sag_jet *x, const sag_jet *y)
+SGT_COLD static sag_jet chebyshev_jet(const sgt_chebyshev *s, const sag_jet *x, const sag_jet *y)
 {
     const sag_jet u = jet_scaled(x, 1 / s->norm_x), v = jet_scaled(y, 1 / s->norm_y);
     sag_jet sum = jet_of(0), tx = jet_of(1), tx_before = u; /* T_-1 = T_1 */
@@ -175,7 +178,7 @@ static sag_jet chebyshev_jet(const sgt_chebyshev *s, const sag_jet *x, const sag
 }
 
 /* P_k of Jacobi's P_k^(0, b)(2 v - 1), the next of them: DLMF 18.9.1, 18.9.2. */
-static void jacobi_next(double b, double k, const sag_jet *v, sag_jet *now, sag_jet *before)
+SGT_COLD static void jacobi_next(double b, double k, const sag_jet *v, sag_jet *now, sag_jet *before)
 {
     const double n = 2 * k + b, first = 2 * (k + 1) * (k + b + 1) * n;
     double A, B, C;
@@ -191,7 +194,7 @@ static void jacobi_next(double b, double k, const sag_jet *v, sag_jet *now, sag_
     *before = *now, *now = jet_sum(&up, &less);
 }
 
-static sag_jet q_con_jet(const sgt_q_con *s, const sag_jet *x, const sag_jet *y)
+SGT_COLD static sag_jet q_con_jet(const sgt_q_con *s, const sag_jet *x, const sag_jet *y)
 {
     const sag_jet v = jet_rho(x, y, 1 / s->norm / s->norm), v2 = jet_product(&v, &v);
     const size_t terms = s->a.rows * s->a.columns;
@@ -204,7 +207,7 @@ static sag_jet q_con_jet(const sgt_q_con *s, const sag_jet *x, const sag_jet *y)
     return jet_product(&v2, &sum);
 }
 
-static sag_jet q_bfs_jet(const sgt_q_bfs *s, const sag_jet *x, const sag_jet *y)
+SGT_COLD static sag_jet q_bfs_jet(const sgt_q_bfs *s, const sag_jet *x, const sag_jet *y)
 {
     double b[Q_TERMS], b_err[Q_TERMS];
     const size_t terms = sgt_q_bfs_basis(s, b, b_err);
@@ -228,7 +231,7 @@ static sag_jet q_bfs_jet(const sgt_q_bfs *s, const sag_jet *x, const sag_jet *y)
 }
 
 /* The index in the list of the first polynomial of order n = m + 2 k (zernike.c). */
-static size_t zernike_index(const sgt_zernike *z, size_t m, size_t k)
+SGT_COLD static size_t zernike_index(const sgt_zernike *z, size_t m, size_t k)
 {
     const size_t n = m + 2 * k, half = m + k;
     if (z->order == SGT_NOLL) return n * (n + 1) / 2 + (m > 0 ? m - 1 : 0);
@@ -236,7 +239,7 @@ static size_t zernike_index(const sgt_zernike *z, size_t m, size_t k)
 }
 
 /* The sum over m of Re zeta^m C_m + Im zeta^m S_m, C and S sums over k of P_k^(0, m). */
-static sag_jet zernike_jet(const sgt_zernike *z, const sag_jet *x, const sag_jet *y)
+SGT_COLD static sag_jet zernike_jet(const sgt_zernike *z, const sag_jet *x, const sag_jet *y)
 {
     const size_t terms = z->a.rows * z->a.columns;
     const sag_jet u = jet_scaled(x, 1 / z->norm), v = jet_scaled(y, 1 / z->norm), rho = jet_rho(&u, &v, 1);
@@ -266,7 +269,7 @@ static sag_jet zernike_jet(const sgt_zernike *z, const sag_jet *x, const sag_jet
 }
 
 /* Of one departure.  false: there is no formula here, or it is not defined all over. */
-static bool departure_jet(sgt_surface surface, const sag_jet *x, const sag_jet *y, sag_jet *out)
+SGT_COLD static bool departure_jet(sgt_surface surface, const sag_jet *x, const sag_jet *y, sag_jet *out)
 {
     const void *self = surface.self;
     surface = in_set(surface);
@@ -301,7 +304,7 @@ typedef struct sag_models {
 } sag_models;
 
 /* By the bends, as the head has it. */
-static bool departure_bends(sgt_surface surface, const model *x, const model *y, sag_models *out)
+SGT_COLD static bool departure_bends(sgt_surface surface, const model *x, const model *y, sag_models *out)
 {
     const departure *of = in_set(surface).ops->own_->departure;
     double p, px, py, p_err, grad_err;
@@ -325,7 +328,7 @@ static bool departure_bends(sgt_surface surface, const model *x, const model *y,
 }
 
 /* What `at` is off by at the middle and at the corners of the box. */
-static double departure_off(sgt_surface surface, const model *x, const model *y)
+SGT_COLD static double departure_off(sgt_surface surface, const model *x, const model *y)
 {
     const departure *of = in_set(surface).ops->own_->departure;
     const sgt_interval bx = model_range(*x), by = model_range(*y);
@@ -339,10 +342,10 @@ static double departure_off(sgt_surface surface, const model *x, const model *y)
 }
 
 /* A number that is known to an interval, times a model. */
-static model model_by(sgt_interval k, model x) { return model_product(model_between(k), x); }
+SGT_COLD static model model_by(sgt_interval k, model x) { return model_product(model_between(k), x); }
 
 /* A formula: F and its gradient at the middle, and its second derivatives all over the box. */
-static bool formula_models(const sgt_tape *tape, const model *x, const model *y, sag_models *out)
+SGT_COLD static bool formula_models(const sgt_tape *tape, const model *x, const model *y, sag_models *out)
 {
     static const sgt_interval X[3] = {{1, 1}, {0, 0}, {0, 0}}, Y[3] = {{0, 0}, {1, 1}, {0, 0}};
     const sgt_interval at[3] = {model_range(*x), model_range(*y), {0, 0}},
@@ -364,7 +367,7 @@ static bool formula_models(const sgt_tape *tape, const model *x, const model *y,
     return out->s.e < HUGE_VAL && out->x.e < HUGE_VAL && out->y.e < HUGE_VAL;
 }
 
-static bool departure_one(sgt_surface surface, const model *x, const model *y, sag_models *out)
+SGT_COLD static bool departure_one(sgt_surface surface, const model *x, const model *y, sag_models *out)
 {
     if (in_set(surface).ops == &sgt_formula_sag_ops && !((const sgt_formula_sag *)surface.self)->tape->radial)
         return formula_models(((const sgt_formula_sag *)surface.self)->tape, x, y, out);
@@ -374,7 +377,7 @@ static bool departure_one(sgt_surface surface, const model *x, const model *y, s
     return true;
 }
 
-static bool departure_models(sgt_surface surface, const model *x, const model *y, sag_models *out)
+SGT_COLD static bool departure_models(sgt_surface surface, const model *x, const model *y, sag_models *out)
 {
     const double off = departure_off(surface, x, y);
     bool known = true;

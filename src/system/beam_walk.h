@@ -65,13 +65,14 @@ static const sgt_model *number_of(const beam_task *task, size_t element, sgt_box
     return NULL;
 }
 
-static model changed(const beam_task *task, size_t element, sgt_box_what what, size_t which, double own)
+SGT_COLD static model changed(const beam_task *task, size_t element, sgt_box_what what, size_t which,
+                              double own)
 {
     const sgt_model *by = number_of(task, element, what, which);
     return by ? model_plus(model_read(by), own) : model_number(own);
 }
 
-static bool varies(const beam_task *task, size_t element, sgt_box_what what)
+SGT_COLD static bool varies(const beam_task *task, size_t element, sgt_box_what what)
 {
     for (size_t i = 0; i < task->lens->numbers; i++) {
         const sgt_box_number *a = &task->lens->number[i];
@@ -95,7 +96,7 @@ typedef struct beam_shape {
     const departure *of;
 } beam_shape;
 
-static void beam_shape_of(const beam_task *task, size_t element, beam_shape *s)
+SGT_COLD static void beam_shape_of(const beam_task *task, size_t element, beam_shape *s)
 {
     const sgt_surface surface = in_set(task->lens->e[element].surface);
     s->surface = surface, s->kind = SHAPE_NONE, s->varied = false, s->even = NULL, s->of = NULL;
@@ -129,17 +130,17 @@ static void beam_shape_of(const beam_task *task, size_t element, beam_shape *s)
         s->a[i] = changed(task, element, SGT_BOX_SURFACE, i + 2, s->even[i]);
 }
 
-static double greatest(sgt_interval x) { return larger(fabs(x.lo), fabs(x.hi)); }
-static double beam_least(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
+SGT_COLD static double greatest(sgt_interval x) { return larger(fabs(x.lo), fabs(x.hi)); }
+SGT_COLD static double beam_least(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
 
 /* A curvature, times x. */
-static model by_c(const beam_shape *s, model x)
+SGT_COLD static model by_c(const beam_shape *s, model x)
 {
     return s->varied ? model_product(s->c, x) : model_scaled(x, s->c0);
 }
 
 /* The sag and its slopes; off: how far a trace's own are off.  false: not known, or not defined all over. */
-static bool sag_models_of(const beam_shape *s, const model *x, const model *y, sag_models *out)
+SGT_COLD static bool sag_models_of(const beam_shape *s, const model *x, const model *y, sag_models *out)
 {
     const model rho = model_sum(model_square(*x), model_square(*y));
     const double far2 = model_size(&rho) + rho.e;
@@ -186,7 +187,7 @@ typedef struct shape_value {
     double off;
 } shape_value;
 
-static bool shape_at(const beam_shape *s, const model3 *p, shape_value *v)
+SGT_COLD static bool shape_at(const beam_shape *s, const model3 *p, shape_value *v)
 {
     if (s->kind == SHAPE_CONIC) {
         const model r2 = model_sum(model_square(p->x), model_square(p->y)), k1z = model_product(s->k1, p->z);
@@ -223,14 +224,14 @@ typedef struct beam_hit {
     double sign;
 } beam_hit;
 
-static model3 beam_point(const beam_lines *w, model t)
+SGT_COLD static model3 beam_point(const beam_lines *w, model t)
 {
     return (model3){model_sum(w->x, model_product(t, w->d.x)), model_sum(w->y, model_product(t, w->d.y)),
                     model_product(t, w->d.z)};
 }
 
 /* The root of the line in the middle, by Newton's steps in plain numbers. */
-static double middle_root(const beam_shape *s, const beam_lines *w)
+SGT_COLD static double middle_root(const beam_shape *s, const beam_lines *w)
 {
     double t = 0;
     if (s->kind == SHAPE_BODY) {
@@ -250,7 +251,7 @@ static double middle_root(const beam_shape *s, const beam_lines *w)
 }
 
 /* Step 1 of the head.  more: what is added to t.  false: it is not certain that each line has such a root. */
-static bool beam_meet(const beam_shape *s, const beam_lines *w, double more, beam_hit *m)
+SGT_COLD static bool beam_meet(const beam_shape *s, const beam_lines *w, double more, beam_hit *m)
 {
     model t = model_number(middle_root(s, w));
     shape_value v;
@@ -301,7 +302,7 @@ typedef enum fate_of_box {
 } fate_of_box;
 
 typedef enum side { INSIDE, OUTSIDE, EITHER } side;
-static side beam_side_of(sgt_interval r2, double edge)
+SGT_COLD static side beam_side_of(sgt_interval r2, double edge)
 {
     if (!(edge < HUGE_VAL)) return INSIDE;
     if (r2.hi < edge * edge * EDGE_IN) return INSIDE;
@@ -310,7 +311,7 @@ static side beam_side_of(sgt_interval r2, double edge)
 
 /* Is the other root of the conic certainly not on its sheet, or outside the aperture?  *off_sheet: the
  * former.  b = B + slope of the near root (bundle_conic.c). */
-static bool other_is_out(const beam_shape *s, const beam_lines *w, double aperture, const model *A,
+SGT_COLD static bool other_is_out(const beam_shape *s, const beam_lines *w, double aperture, const model *A,
                          const model *b, bool *off_sheet)
 {
     const model k1c = by_c(s, s->k1), far = model_product(k1c, model_product(*b, w->d.z));
@@ -334,7 +335,7 @@ static bool other_is_out(const beam_shape *s, const beam_lines *w, double apertu
     return 2 * z * (1 - BEAM_SLACK) / (most * c) > aperture * aperture * EDGE_OUT;
 }
 
-static fate_of_box meet_conic(const beam_shape *s, const beam_lines *w, double aperture, double more,
+SGT_COLD static fate_of_box meet_conic(const beam_shape *s, const beam_lines *w, double aperture, double more,
                               beam_hit *m)
 {
     const model3 *d = &w->d;
@@ -366,11 +367,11 @@ static fate_of_box meet_conic(const beam_shape *s, const beam_lines *w, double a
 }
 
 /* All of a model as the e of a form. */
-static linear form_about(model x) { return form_between(model_range(x)); }
+SGT_COLD static linear form_about(model x) { return form_between(model_range(x)); }
 
 /* sgt_bundle_sag_only of an even asphere whose numbers vary, by intervals: the heights of all points with
  * r <= L, then three times the heights of those that the lines may meet. */
-static bool even_only(const beam_shape *s, const beam_lines *w, double L, bool *none)
+SGT_COLD static bool even_only(const beam_shape *s, const beam_lines *w, double L, bool *none)
 {
     const sgt_interval dx = model_range(w->d.x), dy = model_range(w->d.y), dz = model_range(w->d.z),
                        x0 = model_range(w->x), y0 = model_range(w->y), c = model_range(s->c),
@@ -414,7 +415,7 @@ static bool even_only(const beam_shape *s, const beam_lines *w, double L, bool *
     return false;
 }
 
-static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const bundle_lines *by,
+SGT_COLD static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const bundle_lines *by,
                      sag_kept *kept, bool *none)
 {
     return s->varied ? even_only(s, w, L, none) : sgt_bundle_sag_only(s->surface, L, by, kept, none);
@@ -424,7 +425,7 @@ static bool sag_only(const beam_shape *s, const beam_lines *w, double L, const b
  * of `base`, and may have the curvature c + lean along x and c - lean along y. */
 typedef struct seed_base { double c, lean; model k1; bool any, own; } seed_base;
 
-static seed_base seed_base_of(const beam_shape *s)
+SGT_COLD static seed_base seed_base_of(const beam_shape *s)
 {
     sgt_shared shared = {0};
     const struct sgt_builtin_ops *own = s->surface.ops->own_;
@@ -436,7 +437,7 @@ static seed_base seed_base_of(const beam_shape *s)
 }
 
 /* c xx + c yy + lean (xx - yy). */
-static model seed_bends(const beam_shape *s, const seed_base *b, model xx, model yy)
+SGT_COLD static model seed_bends(const beam_shape *s, const seed_base *b, model xx, model yy)
 {
     if (!b->own) return by_c(s, model_sum(xx, yy));
     return model_sum(model_scaled(xx, b->c + b->lean), model_scaled(yy, b->c - b->lean));
@@ -445,7 +446,7 @@ static model seed_bends(const beam_shape *s, const seed_base *b, model xx, model
 /* A sag without any edge: the root is the one that searches are led to by their seeds, which are where the
  * line crosses the vertex plane, t = 0, and where it meets the base (5 of the head), or C / B where it misses
  * that (seed_of in departure.c). */
-static bool is_at_seeds(const beam_shape *s, const beam_lines *w, const beam_hit *m)
+SGT_COLD static bool is_at_seeds(const beam_shape *s, const beam_lines *w, const beam_hit *m)
 {
     double reach = greatest(model_range(m->t));
     const seed_base base = seed_base_of(s);
@@ -474,7 +475,7 @@ static bool is_at_seeds(const beam_shape *s, const beam_lines *w, const beam_hit
     return greatest(slope) <= SEED_SLOPES * beam_least(slope);
 }
 
-static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double aperture, double more,
+SGT_COLD static fate_of_box meet_sag(const beam_shape *s, const beam_lines *w, double aperture, double more,
                             sag_kept kept[2], beam_hit *m)
 {
     static const double MORE = 1 + 0x1p-36;
@@ -514,7 +515,7 @@ typedef struct left {
 enum { HALVINGS = 8, WAITING = 32 };
 
 /* A formula's surface is within its ball and its box, by all but roundings. */
-static void formula_cut(sgt_surface s, sgt_interval at[3])
+SGT_COLD static void formula_cut(sgt_surface s, sgt_interval at[3])
 {
     if (s.ops != &sgt_formula_ops) return;
     const sgt_formula *f = s.self;
@@ -529,7 +530,7 @@ static void formula_cut(sgt_surface s, sgt_interval at[3])
     }
 }
 
-static left body_left(const beam_shape *s, const beam_lines *w, double L, sgt_interval within)
+SGT_COLD static left body_left(const beam_shape *s, const beam_lines *w, double L, sgt_interval within)
 {
     const sgt_interval x0 = model_range(w->x), y0 = model_range(w->y),
                        d[3] = {model_range(w->d.x), model_range(w->d.y), model_range(w->d.z)},
@@ -585,7 +586,7 @@ static left body_left(const beam_shape *s, const beam_lines *w, double L, sgt_in
 }
 
 /* Is the point within ball and box of a formula, by a margin? */
-static bool formula_has(const beam_shape *s, const beam_hit *m)
+SGT_COLD static bool formula_has(const beam_shape *s, const beam_hit *m)
 {
     if (s->surface.ops != &sgt_formula_ops) return true;
     const sgt_formula *f = s->surface.self;
@@ -602,7 +603,7 @@ static bool formula_has(const beam_shape *s, const beam_hit *m)
 }
 
 /* A body is met where its first crossing is inside the aperture, or its only one inside. */
-static fate_of_box meet_body(const beam_shape *s, const beam_lines *w, double aperture, double more,
+SGT_COLD static fate_of_box meet_body(const beam_shape *s, const beam_lines *w, double aperture, double more,
                              beam_hit *m)
 {
     const double L = aperture * (1 + 0x1p-36);
@@ -625,7 +626,7 @@ static fate_of_box meet_body(const beam_shape *s, const beam_lines *w, double ap
 
 /* --------------------------------------------------------------------------- bending */
 
-static void beam_unit(model3 *d)
+SGT_COLD static void beam_unit(model3 *d)
 {
     const model length2 = model_sum(model_square(d->x), model_sum(model_square(d->y), model_square(d->z)));
     const model by = model_inverse(model_root(length2));
@@ -639,7 +640,7 @@ typedef struct index_models {
 } index_models;
 
 /* d' = r d + f n.  D: under the root, over n . n; 0 of a mirror.  false: *fate says why there is none. */
-static bool bend_plain(const index_models *by, const beam_hit *m, model3 *d, sgt_interval *behind,
+SGT_COLD static bool bend_plain(const index_models *by, const beam_hit *m, model3 *d, sgt_interval *behind,
                        sgt_fate *fate)
 {
     model f;
@@ -668,7 +669,8 @@ static bool bend_plain(const index_models *by, const beam_hit *m, model3 *d, sgt
 }
 
 /* An ideal lens (system.h): W is n2 N(w') - n1 N(w), N = p . (w + w0) / (S(w) + S(w0)). */
-static model ideal_term(const model3 *p, const model *wx, const model *wy, const model *w0x, const model *w0y)
+SGT_COLD static model ideal_term(const model3 *p, const model *wx, const model *wy, const model *w0x,
+                                 const model *w0y)
 {
     const model S = model_root(model_plus(model_sum(model_square(*wx), model_square(*wy)), 1));
     const model S0 = model_root(model_plus(model_sum(model_square(*w0x), model_square(*w0y)), 1));
@@ -678,12 +680,12 @@ static model ideal_term(const model3 *p, const model *wx, const model *wy, const
 }
 
 /* 1 / (n2 f) */
-static model ideal_power(double f, model i2)
+SGT_COLD static model ideal_power(double f, model i2)
 {
     return model_wider(model_scaled(i2, 1 / f), BEAM_SLACK / fabs(f) * model_size(&i2));
 }
 
-static bool bend_ideal(const sgt_phase *phase, const index_models *by, const model3 *p, model3 *d,
+SGT_COLD static bool bend_ideal(const sgt_phase *phase, const index_models *by, const model3 *p, model3 *d,
                        model *path)
 {
     const bool up = model_above(d->z, 0x1p-40), down = model_below(d->z, -0x1p-40);
@@ -709,8 +711,8 @@ static bool bend_ideal(const sgt_phase *phase, const index_models *by, const mod
 }
 
 /* A phase in waves (system.h).  false: as bend_plain, or *unknown: W has no bounds. */
-static bool bend_waves(const sgt_element *e, const model *per_wave, const index_models *by, const beam_hit *m,
-                       model3 *d, model *path, sgt_fate *fate, bool *unknown)
+SGT_COLD static bool bend_waves(const sgt_element *e, const model *per_wave, const index_models *by,
+                                const beam_hit *m, model3 *d, model *path, sgt_fate *fate, bool *unknown)
 {
     const sgt_surface waves = in_set(e->phase->waves);
     beam_shape s = {.kind = SHAPE_NONE};
@@ -764,7 +766,7 @@ typedef struct frame {
 } frame;
 
 /* By the angle about an axis: (a, b) are the components across it, in right-handed order. */
-static void turn_pair(const model *c, const model *s, double sign, model *a, model *b)
+SGT_COLD static void turn_pair(const model *c, const model *s, double sign, model *a, model *b)
 {
     const model sb = model_product(*s, *b), sa = model_product(*s, *a);
     const model ca = model_product(*c, *a), cb = model_product(*c, *b);
@@ -772,7 +774,7 @@ static void turn_pair(const model *c, const model *s, double sign, model *a, mod
     *b = sign > 0 ? model_sum(cb, sa) : model_difference(cb, sa);
 }
 
-static void frame_of(const beam_task *task, size_t i, frame *f)
+SGT_COLD static void frame_of(const beam_task *task, size_t i, frame *f)
 {
     f->pose = task->lens->e[i].pose;
     f->turned = is_turned(&f->pose);
@@ -786,7 +788,7 @@ static void frame_of(const beam_task *task, size_t i, frame *f)
 }
 
 /* R = Rz Ry Rx turns the element's axes; sign -1: by its transpose, Rx^T first. */
-static void spin(const frame *f, double sign, model3 *a)
+SGT_COLD static void spin(const frame *f, double sign, model3 *a)
 {
     const model cx = model_turned(f->turn.x, true), sx = model_turned(f->turn.x, false);
     const model cy = model_turned(f->turn.y, true), sy = model_turned(f->turn.y, false);
@@ -802,14 +804,14 @@ static void spin(const frame *f, double sign, model3 *a)
     }
 }
 
-static void beam_into(const frame *f, model3 *a)
+SGT_COLD static void beam_into(const frame *f, model3 *a)
 {
     if (f->turned)
         *a = (model3){model_along(a, f->pose.ex), model_along(a, f->pose.ey), model_along(a, f->pose.ez)};
     if (f->spun) spin(f, -1, a);
 }
 
-static void beam_out_of(const frame *f, model3 *a)
+SGT_COLD static void beam_out_of(const frame *f, model3 *a)
 {
     if (f->spun) spin(f, 1, a);
     if (!f->turned) return;
@@ -818,7 +820,7 @@ static void beam_out_of(const frame *f, model3 *a)
                   model_along(a, (sgt_vec3){ex.z, ey.z, ez.z})};
 }
 
-static void moved_by(const frame *f, double sign, model3 *p)
+SGT_COLD static void moved_by(const frame *f, double sign, model3 *p)
 {
     const sgt_vec3 o = f->pose.origin;
     *p = (model3){model_plus(p->x, sign * o.x), model_plus(p->y, sign * o.y), model_plus(p->z, sign * o.z)};
@@ -832,7 +834,7 @@ static void moved_by(const frame *f, double sign, model3 *p)
 
 /* -------------------------------------------------------------------------- the walk */
 
-static int to_divide(const model *const by[], int n)
+SGT_COLD static int to_divide(const model *const by[], int n)
 {
     int best = -1;
     double most = 0;
@@ -844,20 +846,20 @@ static int to_divide(const model *const by[], int n)
     return best;
 }
 
-static sgt_box_verdict cut(sgt_box_end *out, size_t i, sgt_box_why why, const model3 *p)
+SGT_COLD static sgt_box_verdict cut(sgt_box_end *out, size_t i, sgt_box_why why, const model3 *p)
 {
     out->verdict = SGT_BOX_CUT, out->why = why, out->element = i;
     out->divide = to_divide((const model *const[]){&p->x, &p->y}, 2);
     return SGT_BOX_CUT;
 }
 
-static sgt_box_verdict stopped(sgt_box_end *out, size_t i, sgt_fate fate, unsigned causes)
+SGT_COLD static sgt_box_verdict stopped(sgt_box_end *out, size_t i, sgt_fate fate, unsigned causes)
 {
     out->verdict = SGT_BOX_STOPPED, out->element = i, out->fate = fate, out->causes = causes;
     return SGT_BOX_STOPPED;
 }
 
-static void tell_at(const sgt_element *e, const beam_hit *m, sgt_box_at *at)
+SGT_COLD static void tell_at(const sgt_element *e, const beam_hit *m, sgt_box_at *at)
 {
     const sgt_interval r2 = model_range(model_sum(model_square(m->p.x), model_square(m->p.y)));
     const sgt_interval r = sgt_interval_square_root(r2), slope = model_range(model_square(m->slope));
@@ -872,7 +874,7 @@ static void tell_at(const sgt_element *e, const beam_hit *m, sgt_box_at *at)
 }
 
 /* Of the angle between the unit direction d and the normal. */
-static sgt_interval cosine_of(const beam_hit *m, const model3 *d)
+SGT_COLD static sgt_interval cosine_of(const beam_hit *m, const model3 *d)
 {
     const double size = model_size(&m->n.x) + model_size(&m->n.y) + model_size(&m->n.z);
     const model along = model_wider(model_dot(&m->n, d), BEAM_SLACK * size);
@@ -882,13 +884,13 @@ static sgt_interval cosine_of(const beam_hit *m, const model3 *d)
     return sgt_interval_intersection(cosine, (sgt_interval){0, 1});
 }
 
-static sgt_interval root_within(sgt_interval r2)
+SGT_COLD static sgt_interval root_within(sgt_interval r2)
 {
     return sgt_interval_square_root(sgt_interval_intersection(r2, (sgt_interval){0, HUGE_VAL}));
 }
 
 /* How far all points are beyond the edge of an item, below 0 inside: 0, if that is not known here. */
-static bool item_level(const sgt_aperture_item *i, const beam_hit *m, sgt_interval *level)
+SGT_COLD static bool item_level(const sgt_aperture_item *i, const beam_hit *m, sgt_interval *level)
 {
     const model dx = model_plus(m->p.x, -i->centre.x), dy = model_plus(m->p.y, -i->centre.y);
     if (i->shape == SGT_CIRCLE || i->shape == SGT_ANNULUS) {
@@ -924,7 +926,7 @@ static bool item_level(const sgt_aperture_item *i, const beam_hit *m, sgt_interv
 }
 
 /* As sgt_aperture_over; but round items and straight ones by models, which follow an edge. */
-static int items_over(const sgt_aperture *a, const beam_hit *m, double *away)
+SGT_COLD static int items_over(const sgt_aperture *a, const beam_hit *m, double *away)
 {
     const sgt_interval x = model_range(m->p.x), y = model_range(m->p.y);
     int all = 1;
@@ -950,8 +952,8 @@ static int items_over(const sgt_aperture *a, const beam_hit *m, double *away)
     return all;
 }
 
-static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1_varied, bool *varied,
-                       index_models *by)
+SGT_COLD static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1_varied,
+                                bool *varied, index_models *by)
 {
     const sgt_element *e = &task->lens->e[i];
     const sgt_model *own = number_of(task, i, SGT_BOX_INDEX, 0);
@@ -971,24 +973,24 @@ static void indices_of(const beam_task *task, size_t i, const model *n1, bool n1
                           model_product(model_sum(by->n2, by->n1), i2));
 }
 
-static bool is_positive(model x) { return model_above(x, 0) && model_range(x).hi < HUGE_VAL; }
+SGT_COLD static bool is_positive(model x) { return model_above(x, 0) && model_range(x).hi < HUGE_VAL; }
 
 #ifdef MODEL_SERIES
-static void launch_of(const beam_task *task, model3 *p, model3 *d)
+SGT_COLD static void launch_of(const beam_task *task, model3 *p, model3 *d)
 {
     const sgt_series *o = task->from->p, *along = task->from->d;
     *p = (model3){series_read(&o[0]), series_read(&o[1]), series_read(&o[2])};
     *d = (model3){series_read(&along[0]), series_read(&along[1]), series_read(&along[2])};
 }
 
-static void write_ray(const model3 *p, const model3 *d, model path, sgt_series_ray *out)
+SGT_COLD static void write_ray(const model3 *p, const model3 *d, model path, sgt_series_ray *out)
 {
     series_write(p->x, &out->p[0]), series_write(p->y, &out->p[1]), series_write(p->z, &out->p[2]);
     series_write(d->x, &out->d[0]), series_write(d->y, &out->d[1]), series_write(d->z, &out->d[2]);
     series_write(path, &out->opl);
 }
 #else
-static void launch_of(const beam_task *task, model3 *p, model3 *d)
+SGT_COLD static void launch_of(const beam_task *task, model3 *p, model3 *d)
 {
     const sgt_model *o = task->launch->o, *along = task->launch->d;
     *p = (model3){model_read(&o[0]), model_read(&o[1]), model_read(&o[2])};
@@ -996,7 +998,7 @@ static void launch_of(const beam_task *task, model3 *p, model3 *d)
 }
 #endif
 
-static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
+SGT_COLD static sgt_box_verdict box_walk(const beam_task *task, sgt_box_end *out)
 {
     const sgt_box_lens *lens = task->lens;
     const double launch_index = lens->index_before == 0 ? 1 : lens->index_before;

@@ -118,7 +118,7 @@ static inline model model_wider(model x, double by)
 }
 
 /* a s + b s^2 is at its ends, or between them where its slope is 0.  Even powers are from 0 to 1. */
-static sgt_interval model_range(model x)
+SGT_HOT static sgt_interval model_range(model x)
 {
     double lo = x.k[0], hi = x.k[0], size = model_size(&x), rest = x.e;
     for (int p = 0; p < 2; p++) {
@@ -146,14 +146,14 @@ static inline model model_negative(model x)
     return x;
 }
 
-static model model_sum(model x, model y)
+SGT_HOT static model model_sum(model x, model y)
 {
     x.e += y.e;
     for (int i = 0; i < SERIES_TERMS; i++) x.k[i] += y.k[i];
     return model_made(x, model_size(&x));
 }
 
-static model model_difference(model x, model y)
+SGT_HOT static model model_difference(model x, model y)
 {
     x.e += y.e;
     for (int i = 0; i < SERIES_TERMS; i++) x.k[i] -= y.k[i];
@@ -167,7 +167,7 @@ static inline model model_plus(model x, double k)
 }
 
 /* Times a number known exactly. */
-static model model_scaled(model x, double k)
+SGT_HOT static model model_scaled(model x, double k)
 {
     x.e *= fabs(k);
     for (int i = 0; i < SERIES_TERMS; i++) x.k[i] *= k;
@@ -200,7 +200,7 @@ static inline void series_norms(const model *x, double norm[SERIES_ORDER + 1])
 
 /* (Unrolled: 210 products.  In loops over rows of memory it takes half as long again; and with rows in
  * vectors, shifted, two and a half times, as loads wait for stores.) */
-static model model_product(model x, model y)
+SGT_HOT static model model_product(model x, model y)
 {
     double n[SERIES_ORDER + 1], m[SERIES_ORDER + 1], size = 0, other = 0, above = 0, left = 0;
     model p;
@@ -220,7 +220,7 @@ static model model_product(model x, model y)
     return model_made(p, size * other);
 }
 
-static model model_unknown(void)
+SGT_HOT static model model_unknown(void)
 {
     model x = model_number(0);
     x.e = HUGE_VAL;
@@ -230,7 +230,7 @@ static model model_unknown(void)
 static inline double series_least(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
 
 /* Nothing is known if 0 may be in y. */
-static model model_quotient(model x, model y)
+SGT_HOT static model model_quotient(model x, model y)
 {
     const double least = series_least(model_range(y)), by = 1 / y.k[0];
     model q = model_number(0);
@@ -246,10 +246,10 @@ static model model_quotient(model x, model y)
     return q.e < HUGE_VAL ? q : model_unknown();
 }
 
-static model model_inverse(model x) { return model_quotient(model_number(1), x); }
+SGT_HOT static model model_inverse(model x) { return model_quotient(model_number(1), x); }
 
 /* Nothing is known if x may be 0 or less. */
-static model model_root(model x)
+SGT_HOT static model model_root(model x)
 {
     const sgt_interval range = model_range(x);
     model r = model_number(0);
@@ -274,7 +274,7 @@ static model model_root(model x)
     return r.e < HUGE_VAL ? r : model_unknown();
 }
 
-static model MODEL_USED model_between(sgt_interval range)
+SGT_HOT static model MODEL_USED model_between(sgt_interval range)
 {
     model x = model_number(sgt_interval_middle(range));
     x.e = larger(range.hi - x.c, x.c - range.lo);
@@ -283,7 +283,7 @@ static model MODEL_USED model_between(sgt_interval range)
 
 /* The cosine (a quarter of a turn on) and the sine, by the terms of Taylor's series about the middle.  No
  * derivative is above 1. */
-static model MODEL_USED model_turned(model x, bool cosine)
+SGT_HOT static model MODEL_USED model_turned(model x, bool cosine)
 {
     const sgt_interval at = sgt_interval_of(x.c), s = sgt_interval_sine(at), c = sgt_interval_cosine(at);
     const double sm = sgt_interval_middle(s), cm = sgt_interval_middle(c), d = model_away(&x);
@@ -304,7 +304,7 @@ static model MODEL_USED model_turned(model x, bool cosine)
 }
 
 /* How much x changes with parameter i. */
-static double MODEL_USED model_changes(const model *x, int i)
+SGT_HOT static double MODEL_USED model_changes(const model *x, int i)
 {
     double sum = 0;
     for (int d = 1; d <= SERIES_ORDER; d++)
@@ -363,7 +363,7 @@ static inline model model_wider(model x, double by)
     return x;
 }
 
-static model MODEL_USED model_between(sgt_interval range)
+SGT_HOT static model MODEL_USED model_between(sgt_interval range)
 {
     model x = model_number(sgt_interval_middle(range));
     x.e = larger(range.hi - x.c, x.c - range.lo);
@@ -371,7 +371,7 @@ static model MODEL_USED model_between(sgt_interval range)
 }
 
 /* a s + b s^2 is at its ends, or between them where its slope is 0. */
-static sgt_interval model_range(model x)
+SGT_HOT static sgt_interval model_range(model x)
 {
     double lo = x.c, hi = x.c, size = fabs(x.c), rest = x.e;
     for (int j = 0; j < MODEL_N; j++) {
@@ -394,7 +394,7 @@ static inline model model_negative(model x)
     return x;
 }
 
-static model model_sum(model x, model y)
+SGT_HOT static model model_sum(model x, model y)
 {
     x.c += y.c, x.e += y.e;
     for (int i = 0; i < MODEL_N; i++) x.a[i] += y.a[i];
@@ -402,7 +402,7 @@ static model model_sum(model x, model y)
     return model_made(x, model_size(&x));
 }
 
-static model model_difference(model x, model y)
+SGT_HOT static model model_difference(model x, model y)
 {
     x.c -= y.c, x.e += y.e;
     for (int i = 0; i < MODEL_N; i++) x.a[i] -= y.a[i];
@@ -417,7 +417,7 @@ static inline model model_plus(model x, double k)
 }
 
 /* Times a number known exactly. */
-static model model_scaled(model x, double k)
+SGT_HOT static model model_scaled(model x, double k)
 {
     x.c *= k, x.e *= fabs(k);
     for (int i = 0; i < MODEL_N; i++) x.a[i] *= k;
@@ -425,7 +425,7 @@ static model model_scaled(model x, double k)
     return model_made(x, model_size(&x));
 }
 
-static model model_product(model x, model y)
+SGT_HOT static model model_product(model x, model y)
 {
     model p;
     const double l = model_linear(&x), m = model_linear(&y), q = model_bent(&x), r = model_bent(&y);
@@ -443,7 +443,7 @@ static model model_product(model x, model y)
 }
 
 /* f0 + f1 d + f2 d^2, d = x - c, and `rest` more.  f0, f1, f2 are off by 8 u of themselves at most. */
-static model model_made_of(model x, double f0, double f1, double f2, double rest)
+SGT_HOT static model model_made_of(model x, double f0, double f1, double f2, double rest)
 {
     model d = x;
     d.c = 0;
@@ -460,7 +460,7 @@ static model model_made_of(model x, double f0, double f1, double f2, double rest
     return model_made(y, fabs(f0) + a1 * away + a2 * away * away);
 }
 
-static model model_unknown(void)
+SGT_HOT static model model_unknown(void)
 {
     model x = model_number(0);
     x.e = HUGE_VAL;
@@ -468,7 +468,7 @@ static model model_unknown(void)
 }
 
 /* 1 / x = 1/c - d / c^2 + d^2 / c^3 - d^3 / (c^3 x).  Nothing is known if 0 may be in x. */
-static model model_inverse(model x)
+SGT_HOT static model model_inverse(model x)
 {
     const sgt_interval range = model_range(x);
     const double least = range.lo > 0 ? range.lo : -range.hi, i = 1 / x.c, d = model_away(&x),
@@ -478,7 +478,7 @@ static model model_inverse(model x)
 }
 
 /* The third derivative of the root is 3 / 8 x^(-5/2).  Nothing is known if x may be 0 or less. */
-static model model_root(model x)
+SGT_HOT static model model_root(model x)
 {
     const sgt_interval range = model_range(x);
     const double d = model_away(&x);
@@ -491,7 +491,7 @@ static model model_root(model x)
 static inline model model_quotient(model x, model y) { return model_product(x, model_inverse(y)); }
 
 /* The cosine (a quarter of a turn on) and the sine: no derivative is above 1. */
-static model MODEL_USED model_turned(model x, bool cosine)
+SGT_HOT static model MODEL_USED model_turned(model x, bool cosine)
 {
     const sgt_interval at = sgt_interval_of(x.c), s = sgt_interval_sine(at), c = sgt_interval_cosine(at);
     const double d = model_away(&x), sm = sgt_interval_middle(s), cm = sgt_interval_middle(c);
@@ -501,7 +501,7 @@ static model MODEL_USED model_turned(model x, bool cosine)
 }
 
 /* How much x changes with parameter i. */
-static double MODEL_USED model_changes(const model *x, int i)
+SGT_HOT static double MODEL_USED model_changes(const model *x, int i)
 {
     double sum = fabs(x->a[i]);
     for (int j = 0; j < MODEL_N; j++) sum += fabs(x->q[SGT_MODEL_PAIR(i, j)]);
@@ -518,21 +518,21 @@ typedef struct model3 {
     model x, y, z;
 } model3;
 
-static model MODEL_USED model_dot(const model3 *a, const model3 *b)
+SGT_HOT static model MODEL_USED model_dot(const model3 *a, const model3 *b)
 {
     return model_sum(model_product(a->x, b->x),
                      model_sum(model_product(a->y, b->y), model_product(a->z, b->z)));
 }
 
 /* a . x of three numbers known exactly. */
-static model MODEL_USED model_along(const model3 *a, sgt_vec3 x)
+SGT_HOT static model MODEL_USED model_along(const model3 *a, sgt_vec3 x)
 {
     return model_sum(model_scaled(a->x, x.x), model_sum(model_scaled(a->y, x.y), model_scaled(a->z, x.z)));
 }
 
 #ifdef MODEL_SERIES
 /* From and to the public structs. */
-static model MODEL_USED model_read(const sgt_model *x)
+SGT_HOT static model MODEL_USED model_read(const sgt_model *x)
 {
     model y = model_number(x->c);
     y.e = x->rest, y.k[1] = x->by[0], y.k[2] = x->by[1];
@@ -556,7 +556,7 @@ static void MODEL_USED series_write(model x, sgt_series *out)
 }
 #else
 /* From and to the public struct. */
-static model model_read(const sgt_model *x)
+SGT_HOT static model model_read(const sgt_model *x)
 {
     model y;
     y.c = x->c, y.e = x->rest;
@@ -565,7 +565,7 @@ static model model_read(const sgt_model *x)
     return y;
 }
 
-static void MODEL_USED model_write(model x, sgt_model *out)
+SGT_HOT static void MODEL_USED model_write(model x, sgt_model *out)
 {
     *out = (sgt_model){.c = x.c, .rest = x.e};
     for (int i = 0; i < MODEL_N; i++) out->by[i] = x.a[i];

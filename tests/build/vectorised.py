@@ -3,12 +3,12 @@
 """Loops that are meant to become vector code have: the instructions of the library are counted.
 
 Meant are the kernels (SGT_KERNEL of src/num/exact.h): loops over rays or cells.  A loop that has become
-vector code is in the library several times: in the widest registers, in narrower ones, and up to three times
-ray by ray, for the last few rays and for arrays that might overlap (of a short loop the last seven rays are
-written out one by one).  A loop that has not become vector code is there once, ray by ray.
+vector code is in the library several times: in the widest registers, in narrower ones (v3), and up to three
+times ray by ray, for the last few rays and for arrays that might overlap (of a short loop the last rays are
+written out one by one, three for v3 and seven for v4).  A loop that has not become vector code is there once, ray by ray.
 
 (A kernel that v4 shares with v3, src/meson.build, is there once.)  So in each kernel for x86-64-v3 and v4, the packed operations in the widest registers (ymm, zmm) must be at
-least a quarter of the scalar ones (a tenth, if those are below 64).  The scalar ones include what is worked
+least a quarter of the scalar ones for v3 and an eighth for v4 (a tenth, if those are below 64).  The scalar ones include what is worked
 out once for all rays.  In the kernels that do most of the work, certain operations must be packed.
 
     python3 vectorised.py LIBRARY_FOR_V3 LIBRARY_FOR_V4
@@ -20,7 +20,7 @@ import sys
 
 # Packed operations, in the widest registers, for one that is scalar.  The last rays of a loop of eight lanes
 # are written out, up to seven times: of a loop of nine operations that is 64 scalar ones.
-LEAST, LEAST_SHORT, SHORT = 0.25, 0.1, 72
+LEAST, LEAST_SHORT, SHORT = {'v3': 0.25, 'v4': 0.125}, 0.1, 72
 # Functions (a pattern; at least one must be there) and what must occur packed in each.
 NEEDED = {
     r'conic_lanes_(first|near)\w*': {'sqrt', 'div', 'fma'},
@@ -65,7 +65,7 @@ def faults_of(found):
                 by[width] += n
             packed = max(by[width] for width in WIDE[kind])
             print(f'{name}, {kind}:', ', '.join(f'{by[w]} {w}' for w in ('zmm', 'ymm', 'xmm', 'scalar')))
-            if packed < (LEAST if by['scalar'] >= SHORT else LEAST_SHORT) * by['scalar']:
+            if packed < (LEAST[kind] if by['scalar'] >= SHORT else LEAST_SHORT) * by['scalar']:
                 yield f'{name}, {kind}: {packed} packed operations beside {by["scalar"]} scalar ones'
             for pattern, operations in NEEDED.items():
                 if re.fullmatch(pattern, name):

@@ -68,7 +68,7 @@ static int asphere_bounds(const void *self, region *where, bounds *out)
 }
 
 /* Over a ring, by Horner's rule. */
-static sgt_interval asphere_range(const void *self, const region *where)
+SGT_NARROW(sgt_interval, sgt_asphere_range, (const void *self, const region *where))
 {
     const sgt_even_asphere *s = self;
     sgt_interval rho = sgt_interval_square(sgt_interval_between(where->r_lo, where->r_hi)), p = {0, 0};
@@ -112,6 +112,6 @@ static sgt_objection asphere_object(const void *self)
 }
 
 const departure sgt_asphere_departure = {
-    .at = asphere_at, .rounding = terms_rounding, .bounds = asphere_bounds, .range = asphere_range,
+    .at = asphere_at, .rounding = terms_rounding, .bounds = asphere_bounds, .range = sgt_asphere_range,
     .second = asphere_second, .parameters = asphere_parameters, .by_parameter = asphere_by_parameter,
     .object = asphere_object, .noise = asphere_noise};

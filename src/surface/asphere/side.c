@@ -54,7 +54,8 @@ SGT_INLINE easy_answer beside_at(const wavy *s, const sgt_ray *ray, double scale
 
 /* Answers a ray that easy.h has left.  Its evaluations are counted and reported, whatever the answer.  A
  * direction of unusual length is scaled as there. */
-easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w)
+SGT_NARROW(easy_answer, sgt_asphere_beside,
+           (const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w))
 {
     const sgt_vec3 d = ray->d;
     double scale = scale_of(d);

@@ -209,8 +209,9 @@ SGT_INLINE fine_parabola ellipsoid_parabola(const fine_shell *s, const fine_ray 
     return p;
 }
 
-static sgt_interval ellipsoid_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
-                                           sgt_interval *slope)
+SGT_NARROW(sgt_interval, sgt_ellipsoid_enclose_from,
+           (const void *self, const sgt_ray *ray, double t0, sgt_interval t,
+            sgt_interval *slope))
 {
     const sgt_ellipsoid *s = self;
     sgt_interval g;
@@ -237,7 +238,7 @@ LANE_CELLS(ellipsoid, fine_shell, fine_shell_of, ellipsoid_cell, s.half, s.known
 static sgt_interval ellipsoid_enclose(const void *self, const sgt_ray *ray, sgt_interval t,
                                       sgt_interval *slope)
 {
-    return ellipsoid_enclose_from(self, ray, 0, t, slope);
+    return sgt_ellipsoid_enclose_from(self, ray, 0, t, slope);
 }
 
 static void ellipsoid_second(const void *self, size_t n, sgt_points p, double *const out[6])
@@ -278,7 +279,7 @@ static sgt_objection ellipsoid_object(const void *self)
 }
 
 static const struct sgt_builtin_ops ellipsoid_builtin = {
-    .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from,
+    .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = sgt_ellipsoid_enclose_from,
     .encloses = ellipsoid_encloses, .values_rounded = ellipsoid_values_rounded,
     .first = ellipsoid_steep_first, .firsts = ellipsoid_steep_firsts};
 

@@ -320,8 +320,9 @@ static bool quadric_far(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt
     return true;
 }
 
-static sgt_interval quadric_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
-                                         sgt_interval *slope)
+SGT_NARROW(sgt_interval, sgt_quadric_enclose_from,
+           (const void *self, const sgt_ray *ray, double t0, sgt_interval t,
+            sgt_interval *slope))
 {
     const sgt_quadric *s = self;
     sgt_interval g;
@@ -332,7 +333,7 @@ static sgt_interval quadric_enclose_from(const void *self, const sgt_ray *ray, d
 
 static sgt_interval quadric_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
-    return quadric_enclose_from(self, ray, 0, t, slope);
+    return sgt_quadric_enclose_from(self, ray, 0, t, slope);
 }
 
 typedef struct fine_quadric { sgt_quadric s, size; mask known; } fine_quadric;
@@ -393,7 +394,7 @@ static sgt_objection quadric_object(const void *self)
 }
 
 static const struct sgt_builtin_ops quadric_builtin = {
-    .object = quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from,
+    .object = quadric_object, .roundings = quadric_roundings, .enclose = sgt_quadric_enclose_from,
     .encloses = quadric_encloses, .values_rounded = quadric_values_rounded,
     .first = quadric_steep_first, .firsts = quadric_steep_firsts};
 

@@ -605,8 +605,9 @@ static stretch_of about_middle(const view *v, double R, double r)
     return e;
 }
 
-static sgt_interval torus_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
-                                       sgt_interval *slope)
+SGT_NARROW(sgt_interval, sgt_torus_enclose_from,
+           (const void *self, const sgt_ray *ray, double t0, sgt_interval t,
+            sgt_interval *slope))
 {
     const sgt_torus *s = self;
     double R = s->major, r = s->minor, by = 1;
@@ -646,7 +647,7 @@ static sgt_interval torus_enclose_from(const void *self, const sgt_ray *ray, dou
 
 static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
-    return torus_enclose_from(self, ray, 0, t, slope);
+    return sgt_torus_enclose_from(self, ray, 0, t, slope);
 }
 
 /* ------------------------------------------------------------------- cells in lanes
@@ -853,7 +854,7 @@ static sgt_objection torus_object(const void *self)
 }
 
 static const struct sgt_builtin_ops torus_builtin = {
-    .object = torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from,
+    .object = torus_object, .roundings = torus_roundings, .enclose = sgt_torus_enclose_from,
     .encloses = torus_encloses, .values_rounded = torus_values_rounded,
     .first = torus_steep_first, .firsts = torus_steep_firsts};
 

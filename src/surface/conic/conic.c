@@ -553,15 +553,16 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     return hit_at(&at, status, f, w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);
 }
 
-sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
-{
-    return conic_first(c, k, semi_diameter, ray, opt);
-}
-
 static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_conic *s = self;
     return conic_first(s->c, s->k, s->semi_diameter, ray, opt);
+}
+
+sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
+{
+    const sgt_conic s = {.c = c, .k = k, .semi_diameter = semi_diameter};
+    return conic_meet(&s, ray, opt);
 }
 
 static void unproven_about(sgt_list *list, const meeting *at, const sgt_ray *ray, tally *w)
@@ -570,8 +571,9 @@ static void unproven_about(sgt_list *list, const meeting *at, const sgt_ray *ray
 }
 
 /* Every root, by the careful form. */
-sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt,
-                         sgt_list *list)
+SGT_NARROW(sgt_status, sgt_conic_all,
+           (double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt,
+            sgt_list *list))
 {
     double rim2 = rim2_of(semi_diameter);
     tally w = {.opt = opt, .budget = 100};

@@ -141,7 +141,7 @@ static int biconic_over(const sgt_biconic *b, region *where, sgt_interval *root,
     return defined;
 }
 
-static sgt_interval biconic_range(const void *self, const region *where)
+SGT_NARROW(sgt_interval, sgt_biconic_range, (const void *self, const region *where))
 {
     region part = *where;
     sgt_interval phi, s;
@@ -156,8 +156,9 @@ static sgt_interval entry_of(sgt_interval G, sgt_interval M, double x)
     return sgt_interval_between(lo - off, hi + off);
 }
 
-static int biconic_apart(const void *self, region *where, bounds *out, sgt_by_axis *axis,
-                         sgt_interval *heights)
+SGT_NARROW(int, sgt_biconic_apart,
+           (const void *self, region *where, bounds *out, sgt_by_axis *axis,
+            sgt_interval *heights))
 {
     const sgt_biconic *b = self;
     sgt_interval phi, s, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y),
@@ -204,7 +205,7 @@ static int biconic_bounds(const void *self, region *where, bounds *out)
 {
     sgt_by_axis unused;
     sgt_interval heights;
-    return biconic_apart(self, where, out, &unused, &heights);
+    return sgt_biconic_apart(self, where, out, &unused, &heights);
 }
 
 /* The lines of biconic_off, if the magnitudes of the two terms of D are at most t together, and their sum is
@@ -303,14 +304,14 @@ static sgt_objection biconic_objection(const void *self)
 static const departure biconic_departure = {.at = biconic_at,
                                             .rounding = biconic_off,
                                             .bounds = biconic_bounds,
-                                            .range = biconic_range,
+                                            .range = sgt_biconic_range,
                                             .second = biconic_second,
                                             .parameters = biconic_parameter_count,
                                             .by_parameter = biconic_by_parameter_of,
                                             .object = biconic_objection,
                                             .noise = biconic_noise,
                                             .noise_in_box = biconic_noise_in_box,
-                                            .by_axis = biconic_apart};
+                                            .by_axis = sgt_biconic_apart};
 
 /* The seed: a conic with both curvatures, and the conic constant of the stronger axis. */
 static departure_sag biconic_on_conic(const sgt_biconic *b)

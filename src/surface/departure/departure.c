@@ -707,8 +707,9 @@ static sgt_interval base_over(const departure_sag *s, const sgt_ray *ray, double
     return sgt_sag_enclose(&conic, ray, t0, t, slope);
 }
 
-sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t,
-                                   sgt_interval *slope)
+SGT_NARROW(sgt_interval, sgt_departure_enclose,
+           (const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t,
+            sgt_interval *slope))
 {
     double m = sgt_interval_middle(t);
     sgt_interval by_base, by_p, sag = base_over(s, ray, t0, t, &by_base);

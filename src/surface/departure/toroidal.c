@@ -268,8 +268,9 @@ static int toroidal_over(const sgt_toroidal *a, const region *where, bounds *out
     return defined;
 }
 
-static int toroidal_apart(const void *self, region *where, bounds *out, sgt_by_axis *axis,
-                          sgt_interval *heights)
+SGT_NARROW(int, sgt_toroidal_apart,
+           (const void *self, region *where, bounds *out, sgt_by_axis *axis,
+            sgt_interval *heights))
 {
     const sgt_toroidal *a = self;
     double q_most, m_least;
@@ -290,7 +291,7 @@ static int toroidal_bounds(const void *self, region *where, bounds *out)
 {
     sgt_by_axis unused;
     sgt_interval heights;
-    return toroidal_apart(self, where, out, &unused, &heights);
+    return sgt_toroidal_apart(self, where, out, &unused, &heights);
 }
 
 /* The profile where |y| is at most r: bent = (1 + k) c^2 r^2, phi of its conic, the conic's own term over
@@ -351,7 +352,7 @@ static bool noise_by_size(const sgt_toroidal *a, double y, const profile_size *s
     return m2 > 0.25;
 }
 
-static void toroidal_noise_about(const void *self, double radius, double e[2])
+SGT_NARROW(void, sgt_toroidal_noise_about, (const void *self, double radius, double e[2]))
 {
     const sgt_toroidal *a = self;
     profile_size s;
@@ -372,7 +373,7 @@ static void toroidal_noise_in_box(const void *self, double x, double y, double e
     if (!noise_by_size(a, y, &s, 1 + z, 1 - 2 * z - t * t, e)) noise_over(a, &where, e);
 }
 
-static sgt_interval toroidal_range(const void *self, const region *where)
+SGT_NARROW(sgt_interval, sgt_toroidal_range, (const void *self, const region *where))
 {
     bounds most;
     sgt_by_axis axis;
@@ -483,15 +484,15 @@ static sgt_objection toroidal_objection(const void *self)
 static const departure toroidal_departure = {.at = toroidal_at,
                                              .rounding = toroidal_off,
                                              .bounds = toroidal_bounds,
-                                             .range = toroidal_range,
+                                             .range = sgt_toroidal_range,
                                              .second = toroidal_second,
                                              .parameters = toroidal_parameter_count,
                                              .by_parameter = toroidal_by_parameter_of,
                                              .object = toroidal_objection,
                                              .noise = toroidal_noise,
-                                             .noise_about = toroidal_noise_about,
+                                             .noise_about = sgt_toroidal_noise_about,
                                              .noise_in_box = toroidal_noise_in_box,
-                                             .by_axis = toroidal_apart};
+                                             .by_axis = sgt_toroidal_apart};
 
 /* The seed: a conic with both curvatures. */
 static departure_sag toroidal_on_conic(const sgt_toroidal *a)
