@@ -561,7 +561,7 @@ static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, l
     }
 }
 
-/* Statuses as numbers.  Two loops: of bytes and doubles in one no vector code is made. */
+/* Statuses as numbers, ASKS at most.  Two loops: of bytes and doubles in one no vector code is made. */
 SGT_KERNEL
 static void states_of(size_t n, const sgt_status *status, double *restrict state)
 {
@@ -793,6 +793,65 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
     return met;
 }
 
+/* Ends as leave_end has them.  Returns 1 if all p_err are sound. */
+SGT_KERNEL
+static mask leave_ends(size_t n, const double *p_err, const double *given, double *restrict tmax)
+{
+    mask sound = MASK(true);
+    if (p_err)
+        _Pragma("omp simd reduction(& : sound)") for (size_t i = 0; i < n; i++) sound &=
+            MASK(p_err[i] >= 0) & MASK(p_err[i] < HUGE_VAL);
+    if (!given) LANES for (size_t i = 0; i < n; i++) tmax[i] = HUGE_VAL;
+    for (size_t i = 0; given && i < n; i++) tmax[i] = leave_end(given[i]);
+    return sound;
+}
+
+/* A tile of starts that the surface itself answers.  Returns false, and answers nothing, if most are others;
+ * else those are asked one by one. */
+SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *from, size_t at,
+                                     const sgt_hits *hits, signed char *side, const sgt_options *opt,
+                                     size_t *met)
+{
+    static const double none[SGT_TILE];
+    double tmax[SGT_TILE], behind[SGT_TILE], own[4][SGT_TILE];
+    sgt_status status[SGT_TILE];
+    const double *p_err = from->p_err ? from->p_err + at : NULL;
+    sgt_tile tile = {.n = n,
+                     .rays = {.o = {from->p[0] + at, from->p[1] + at, from->p[2] + at},
+                              .d = {from->d[0] + at, from->d[1] + at, from->d[2] + at},
+                              .tmin = none,
+                              .tmax = tmax},
+                     .t_tol = none,
+                     .hits = hits_from(hits, at)};
+    sgt_hits *to = &tile.hits;
+    const bool normals = to->n[0];
+    if (!leave_ends(n, p_err, from->tmax ? from->tmax + at : NULL, tmax)) return false;
+    if (!to->status) to->status = status;
+    if (!to->t) to->t = own[0];
+    for (int k = 0; k < 3 && !normals; k++) to->n[k] = own[k + 1];
+    const size_t hard = s.ops->own_->leave(s.self, &tile, behind);
+    if (8 * hard > n) return false;
+    for (size_t i = 0; side && i < n; i++) side[at + i] = (signed char)behind[i];
+    if (to->status[0] == SGT_MISS && memcmp(to->status, to->status + 1, n - 1) == 0) return true;
+    double *state = behind, *told = tmax; /* not read any more */
+    for (size_t i = 0; i < n; i += ASKS) states_of(n - i < ASKS ? n - i : ASKS, to->status + i, state + i);
+    sides_by_hit(n, tile.rays.o, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d,
+                 p_err ? p_err : none, to->t, state, told);
+    for (size_t i = 0; i < n; i++) {
+        if (told[i] != OPEN) {
+            if (side) side[at + i] = (signed char)told[i];
+            ++*met;
+        } else if (to->status[i] != SGT_MISS) {
+            const sgt_start start = start_of(from, at + i);
+            const sgt_crossing c = sgt_leave(s, &start, opt);
+            *met += c.hit.status > 0;
+            put_hit(to, i, &c.hit);
+            if (side) side[at + i] = (signed char)c.side;
+        }
+    }
+    return true;
+}
+
 size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits, signed char *side,
                        const sgt_options *opt)
 {
@@ -802,8 +861,14 @@ size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits, 
     s = in_set(s);
     if (!ROOM_IS_ZERO(&from) || !ROOM_IS_ZERO(&hits)) own = sgt_options_invalid, own.watch = NULL;
     if (!own.watch) {
-        for (size_t i = 0; i < n; i += SGT_MOST_TILE)
-            met += leave_tile(s, n - i < SGT_MOST_TILE ? n - i : SGT_MOST_TILE, &from, i, &hits, side, &own);
+        const bool known = s.ops && s.ops->own_ && s.ops->own_->leave && n > 1 && !(own.t_tol > 0) &&
+                           own.proof == SGT_ESTIMATE && sgt_options_valid(&own);
+        for (size_t i = 0, some; i < n; i += some) {
+            some = n - i < SGT_TILE ? n - i : SGT_TILE;
+            if (known && leave_known(s, some, &from, i, &hits, side, &own, &met)) continue;
+            some = n - i < SGT_MOST_TILE ? n - i : SGT_MOST_TILE;
+            met += leave_tile(s, some, &from, i, &hits, side, &own);
+        }
         return met;
     }
     own.watch = sgt_watch_numbered, own.watch_data = &told;

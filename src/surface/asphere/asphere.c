@@ -753,6 +753,13 @@ static bool asphere_behind(const void *self, size_t n, const sgt_rays *rays, dou
     return true;
 }
 
+static size_t asphere_leave(const void *self, const sgt_tile *tile, double behind[])
+{
+    const sgt_even_asphere *s = self;
+    if (!asphere_terms_of(s)) return sgt_conic_leave(s->c, s->k, s->semi_diameter, tile, behind);
+    return tile->n;
+}
+
 static bool asphere_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
                                    size_t n, sgt_points p, sgt_values out, double own[])
 {
@@ -776,6 +783,7 @@ static const struct sgt_builtin_ops asphere_builtin = {.meet = asphere_meet,
                                                        .unique = asphere_unique,
                                                        .on = asphere_on,
                                                        .behind = asphere_behind,
+                                                       .leave = asphere_leave,
                                                        .even_sag = asphere_even_sag,
                                                        .departure = &sgt_asphere_departure,
                                                        .values_rounded = asphere_values_rounded};

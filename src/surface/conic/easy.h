@@ -159,15 +159,19 @@ SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, c
  * (accept.h).  At the start G = z - c (r^2 + (1 + k) z^2) / 2 is off by 6 u of its terms.  So that root is
  * within (|G| + 6 u terms) / S of tmin.  As much again covers the curvature of G, where D is above 2^-10 of
  * its terms.  Half of what the rule allows is left. */
-SGT_INLINE mask starts_on(const bowl *s, const sgt_ray *ray)
+SGT_INLINE mask is_on_quadric(const bowl *s, double x, double y, double z)
 {
-    const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z,
-                 tmin = ray->tmin;
-    double x = sgt_fma(tmin, l, ox), y = sgt_fma(tmin, m, oy), z = sgt_fma(tmin, n, oz), r2 = x * x + y * y,
-           w = s->ck * z;
-    double G = z - 0.5 * sgt_fma(s->c, r2, w * z), terms = sgt_fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
+    double r2 = x * x + y * y, w = s->ck * z, G = z - 0.5 * sgt_fma(s->c, r2, w * z),
+           terms = sgt_fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
     return MASK(fabs(G) + 6 * SGT_U * terms < 0.5 * START_ULPS * sgt_fma(s->abs_c, r2, fabs(z * (1 - w))))
            & MASK(terms > 0x1p-600);
+}
+
+SGT_INLINE mask starts_on(const bowl *s, const sgt_ray *ray)
+{
+    const double tmin = ray->tmin;
+    return is_on_quadric(s, sgt_fma(tmin, ray->d.x, ray->o.x), sgt_fma(tmin, ray->d.y, ray->o.y),
+                         sgt_fma(tmin, ray->d.z, ray->o.z));
 }
 
 /* away: neither root is accepted.  For the far root: far_gone: it is certainly not accepted; far_accepted:

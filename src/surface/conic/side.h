@@ -257,7 +257,13 @@ SGT_INLINE twofold longer_product(twofold a, double b)
     return (twofold){p.hi, sgt_fma(a.lo, b, p.lo)};
 }
 
-SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_tol)
+/* The other root, and whether it is certainly not accepted. */
+typedef struct side_left {
+    side_place root;
+    mask away;
+} side_left;
+
+SGT_INLINE side_left left_from_on(const bowl *s, const sgt_ray *ray)
 {
     const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z,
                  tmin = ray->tmin, tmax = ray->tmax, sure = s->proof;
@@ -291,22 +297,42 @@ SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_t
     mask wanted = known & low & MASK(fabs(w) < 1 - 0x1p-8) &
                   MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach) &
                   MASK(sure * (Aa + Aa) * tau_err < size);
-    return (side_answer){
-        side_hit(s, &(side_origin){px, py, pz, t}, more, tau_err, by, wanted & ~gone, ray, t_tol), gone};
+    return (side_left){{{px, py, pz, t}, more, tau_err, by, wanted & ~gone}, gone};
 }
 
-/* For a ray that starts on the surface, in doubles: away: it certainly misses.  behind: the sign of F behind
- * the start; 0: not known.
+SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_tol)
+{
+    const side_left e = left_from_on(s, ray);
+    return (side_answer){
+        side_hit(s, &e.root.at, e.root.tau, e.root.tau_err, e.root.inverse, e.root.wanted, ray, t_tol), e.away};
+}
+
+/* LEAVING IN DOUBLES.  What is known of a ray that starts on the surface, and has tmin = 0.
+ *
+ *   away    it certainly misses
+ *   behind  the sign of F behind the start; 0: not known
+ *   met     it meets the surface at tau, if anywhere; tau_err, inverse as in a side_root
+ *   start   as starts_on has it, if tmin is 0
  *
  * With B^2 > 2^-40 (Ba^2 + Aa Ca) the slope at the start has the sign of B, and the other root, 2 |B / A|
  * away, is 2^9 times as far as what the rule of the start drops: F has that sign between them.
  *
  * With |B| > 2^-16 Ba, |A| > 2^-16 Aa and Aa Ca <= 2^14 B^2 the other root is at 2 B / A to 2^-33 of it.
  * So by low and near its point is known to 2^-24, and the margins of side_gone are 2^-20.  Its point need not
- * be known where t is negative, or is beyond tmax by more than it is off. */
+ * be known where t is negative, or is beyond tmax by more than it is off.
+ *
+ * THE ROOT is 2 B / A - t1, with t1 = C / 2 B = -G / B, and G as in starts_on: it is off by 6 u of its terms
+ * (Ca at most), and is below 2^-49 of them.  So |t1| <= 2^-36 |t|, and its second order, A t1^2 / 2 B, is below
+ * u |t|.  A is off by 4 u Aa.  B is n less a sum: its products and sums round by 4 u of b = |c| (|x l| + |y m| +
+ * |(1 + k) z n|) at most, the last step by u |B|.  The quotient and the difference round by u each.  With
+ * |2 B / A| = |t|, which is right to 2^-33, the root is to first order off by
+ *     u ((2 Aa t^2 + 4 b |t| + 6 terms) / |B| + 5 |t|).
+ * Where that is at most 38 u |t|, Aa is below 9 |A|, and b below 9 |B|: 1.01 covers the second order.  The
+ * point is moved by G / B as in left_from_on: then t is off by 7 u of the terms there over |B|, below 4 u |t|;
+ * 8 is taken. */
 typedef struct side_start {
-    mask away;
-    double behind;
+    mask away, met, start;
+    double behind, tau, tau_err, inverse;
 } side_start;
 
 SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
@@ -315,20 +341,64 @@ SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
     double kz = s->k1 * z, xl = x * l, ym = y * m, kzn = kz * n, r2 = x * x + y * y, n2 = n * n,
            A = s->c * sgt_fma(s->k1, n2, l * l + m * m), B = sgt_fma(-s->c, xl + ym + kzn, n),
            Aa = sgt_fma(s->extra, n2, fabs(A)),
-           Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
-           Ca = sgt_fma(s->abs_c, r2 + fabs(kz * z), 2 * fabs(z)), B2 = B * B, round = Aa * Ca;
+           bent = s->abs_c * (fabs(xl) + fabs(ym) + fabs(kzn)), Ba = bent + fabs(n),
+           Ca = sgt_fma(s->abs_c, r2 + fabs(kz * z), 2 * fabs(z)), B2 = B * B, round = Aa * Ca, size = fabs(B),
+           w = s->ck * z, G = z - 0.5 * sgt_fma(s->c, r2, w * z),
+           terms = sgt_fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
     mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(Ba > 0x1p-400) & MASK(Ba < 0x1p400) &
-                 MASK(fabs(s->ck * z) < 1 - 0x1p-8),
+                 MASK(fabs(w) < 1 - 0x1p-8),
          known =
-             usual & MASK(fabs(B) > 0x1p-16 * Ba) & MASK(fabs(A) > 0x1p-16 * Aa) & MASK(round <= 0x1p14 * B2),
-         sloped = usual & MASK(B2 > 0x1p-40 * sgt_fma(Ba, Ba, round));
-    double t = 2 * B / A, across = fabs(l) + fabs(m), px = sgt_fma(t, l, x), py = sgt_fma(t, m, y);
+             usual & MASK(size > 0x1p-16 * Ba) & MASK(fabs(A) > 0x1p-16 * Aa) & MASK(round <= 0x1p14 * B2),
+         sloped = usual & MASK(B2 > 0x1p-40 * sgt_fma(Ba, Ba, round)),
+         start = MASK(ray->tmin == 0) & is_on_quadric(s, x, y, z);
+    double inverse = 1 / B, t = sgt_fma(G, inverse, 2 * B / A), at = fabs(t), across = fabs(l) + fabs(m),
+           px = sgt_fma(t, l, x), py = sgt_fma(t, m, y),
+           tau_err = 1.01 * SGT_U *
+                     sgt_fma(fabs(inverse), sgt_fma(sgt_fma(2 * Aa, at, 4 * bent), at, 6 * terms), 5 * at);
     mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p8),
-         near = MASK(fabs(t) * across <= 0x1p8 * (fabs(px) + fabs(py))),
+         near = MASK(at * across <= 0x1p8 * (fabs(px) + fabs(py))),
          gone = side_gone(s, &(side_origin){x, y, z, 0}, t, 0, ray) &
-                (MASK(t < 0) | MASK(t > ray->tmax * (1 + 0x1p-32)) | (low & near));
-    return (side_start){known & gone & MASK(ray->tmin == 0) & MASK(ray->tmax > 0) & starts_on(s, ray),
-                        chosen(sloped, copysign(1, B), 0)};
+                (MASK(t < 0) | MASK(t > ray->tmax * (1 + 0x1p-32)) | (low & near)),
+         away = known & gone & MASK(ray->tmax > 0) & start;
+    return (side_start){.away = away,
+                        .met = known & start & ~away & MASK(tau_err <= 38 * SGT_U * at) &
+                               MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach),
+                        .start = start,
+                        .behind = chosen(sloped, copysign(1, B), 0),
+                        .tau = t,
+                        .tau_err = tau_err,
+                        .inverse = inverse};
+}
+
+/* That root, for side_hit. */
+SGT_INLINE side_place left_in_doubles(const bowl *s, double t, double tau_err, double inverse, mask met,
+                                      const sgt_ray *ray)
+{
+    double px = sgt_fma(t, ray->d.x, ray->o.x), py = sgt_fma(t, ray->d.y, ray->o.y),
+           pz = sgt_fma(t, ray->d.z, ray->o.z), w = s->ck * pz, r2 = px * px + py * py, at = fabs(t),
+           terms = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * r2),
+           off = pz - 0.5 * sgt_fma(s->c, r2, w * pz);
+    mask moved = MASK(at > 2 * (terms * fabs(inverse)));
+    return (side_place){{px, py, pz, t},
+                        chosen(moved, off * inverse, 0),
+                        chosen(moved, 8 * SGT_U * at, tau_err),
+                        inverse,
+                        met};
+}
+
+/* The first root of a ray for which starts_on is true, in doubles if it is met so.  quick: else it is asked as
+ * any other. */
+SGT_INLINE side_answer first_from_on(const bowl *s, mask quick, const sgt_ray *ray, double t_tol)
+{
+    const side_start q = leaves_from(s, ray);
+    const side_left e = left_from_on(s, ray);
+    const mask met = quick & q.met;
+    const side_place a = left_in_doubles(s, q.tau, q.tau_err, q.inverse, met, ray), b = e.root;
+    const side_origin from = {chosen(met, a.at.x, b.at.x), chosen(met, a.at.y, b.at.y),
+                              chosen(met, a.at.z, b.at.z), chosen(met, a.at.t0, b.at.t0)};
+    return (side_answer){side_hit(s, &from, chosen(met, a.tau, b.tau), chosen(met, a.tau_err, b.tau_err),
+                                  chosen(met, a.inverse, b.inverse), met | b.wanted, ray, t_tol),
+                         (quick & q.away) | (~met & e.away)};
 }
 
 #endif

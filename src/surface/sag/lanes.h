@@ -194,8 +194,19 @@ SGT_INLINE lane_outputs lane_outputs_of(const sgt_hits *h)
 SGT_INLINE void lane_nothing(const sgt_tile *tile)
 {
     const lane_outputs to = lane_outputs_of(&tile->hits);
+    const size_t count = tile->n;
+    double *r[10];
+    int rows = 0;
     for (int k = 0; k < 10; k++)
-        for (size_t i = 0; to.of[k] && i < tile->n; i++) to.of[k][i] = (double)NAN;
+        if (to.of[k]) r[rows++] = to.of[k];
+    if (!rows) return;
+    for (int k = rows; k < 10; k++) r[k] = r[0];
+    double *a = r[0], *b = r[1], *c = r[2], *d = r[3], *e = r[4], *f = r[5], *g = r[6], *h = r[7], *p = r[8],
+           *q = r[9];
+    LANES for (size_t i = 0; i < count; i++) /* one loop: a third of the instructions of ten */
+    {
+        a[i] = b[i] = c[i] = d[i] = e[i] = f[i] = g[i] = h[i] = p[i] = q[i] = (double)NAN;
+    }
 }
 
 /* Writes status and evals.  A ray without a hit gets SGT_HARD.  all: every ray has a hit.  Returns the
