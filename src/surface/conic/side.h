@@ -328,8 +328,9 @@ SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_t
  * |2 B / A| = |t|, which is right to 2^-33, the root is to first order off by
  *     u ((2 Aa t^2 + 4 b |t| + 6 terms) / |B| + 5 |t|).
  * Where that is at most 38 u |t|, Aa is below 9 |A|, and b below 9 |B|: 1.01 covers the second order.  The
- * point is moved by G / B as in left_from_on: then t is off by 7 u of the terms there over |B|, below 4 u |t|;
- * 8 is taken. */
+ * point is moved by G / B as in left_from_on, but sooner.  Then t is off by 7 u of the terms there over |B|: 6
+ * of G, one of the point's rounding.  Half of u |t| covers that the slope is -B to 42 u.  (Without that a point
+ * was off by up to 11 u of its terms, and the rule of the start drops 16.) */
 typedef struct side_start {
     mask away, met, start;
     double behind, tau, tau_err, inverse;
@@ -378,10 +379,11 @@ SGT_INLINE side_place left_in_doubles(const bowl *s, double t, double tau_err, d
            pz = sgt_fma(t, ray->d.z, ray->o.z), w = s->ck * pz, r2 = px * px + py * py, at = fabs(t),
            terms = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * r2),
            off = pz - 0.5 * sgt_fma(s->c, r2, w * pz);
-    mask moved = MASK(at > 2 * (terms * fabs(inverse)));
+    double as_t = terms * fabs(inverse);
+    mask moved = MASK(at + at > as_t);
     return (side_place){{px, py, pz, t},
                         chosen(moved, off * inverse, 0),
-                        chosen(moved, 8 * SGT_U * at, tau_err),
+                        chosen(moved, 1.01 * SGT_U * sgt_fma(7, as_t, at), tau_err),
                         inverse,
                         met};
 }
