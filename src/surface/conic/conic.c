@@ -132,13 +132,9 @@ static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_option
     if (usual) scale = 1;
     const sgt_ray along = along_scaled(ray, scale);
     const double t_tol = opt->t_tol / scale;
-    side_origin q = side_origin_of(&along);
-    side_root r = side_root_of(s, first, &q, &along, t_tol);
-    side_answer side = {.away = r.away};
-    if (r.blunt)
-        side.e = sharp_from_side(s, q.t0 + r.tau, r.tau_err, r.blunt, &along, t_tol);
-    else if (r.plain)
-        side.e = met_from_side(s, &q, &r, &along, t_tol);
+    side_guess guess = side_guess_of(s, first, &along);
+    side_answer side = {.away = guess.away};
+    if (!side.away) side = met_from_side(s, first, guess.at, &along, t_tol);
     if (!(side.away | side.e.hit)) side = met_from_on(s, &along, t_tol);
     *e = side.e;
     return side.away ? EASY_MISS : side.e.hit ? easy_unscaled(e, scale) : EASY_NOT;

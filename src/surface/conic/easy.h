@@ -18,6 +18,9 @@
  * A ray is not easy if
  * - q > 4: it grazes;
  * - S > 4 |n|: the start is so far away that its terms exceed those at the root;
+ * - 16 D < l^2 + m^2: it meets the surface at less than 14 degrees (flat, but not under a proof).  The first
+ *   two conditions leave half of such rays.  side.h is for all of them: a tile of both kinds costs twice as
+ *   much;
  * - |w| = |(1 + k) c z| > 1 - 2^-8: near the equator, or on another sheet;
  * - the first root is asked for, and the other one may be before it.  The other root is b / A.  Its
  *   magnitude is the greater one, and it is behind if b A > 0.
@@ -72,15 +75,16 @@ SGT_INLINE bool conic_valid(double c, double k, double semi_diameter)
  *   rim2         the square of the rim.  It is finite, so that no infinite point is inside.  Under a proof
  *                it is that within which a root is certainly inside
  *   reach        2^46 rims
+ *   flat         a ray is not easy if 4 D is below flat (l^2 + m^2)
  *   proof        a proof is asked for */
-typedef struct bowl { double c, abs_c, k1, k1_lo, ck, extra, rim2, reach; bool proof; } bowl;
+typedef struct bowl { double c, abs_c, k1, k1_lo, ck, extra, rim2, reach, flat; bool proof; } bowl;
 
 /* Returns false if no ray of the surface is easy. */
 SGT_INLINE bool bowl_of(double c, double k, double rim2, bool proof, bowl *s)
 {
     double most = rim2 < 0x1p600 ? rim2 : 0x1p600;
     *s = (bowl){c, fabs(c), 1 + k, two_sum(1, k).lo, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0,
-                proof ? sure_rim2(most) : most, 0x1p46 * sqrt(most), proof};
+                proof ? sure_rim2(most) : most, 0x1p46 * sqrt(most), proof ? 0 : 0.25, proof};
     return (c == 0 || (fabs(c) > 0x1p-60 && fabs(c) < 0x1p60)) && fabs(k) < 0x1p60 && rim_in_range(rim2);
 }
 
@@ -112,7 +116,7 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt
     double tau_err = (D4 >= g.size + g.size + g.size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
     double none = (double)NAN,
            t_err = sgt_fma(1.01 * SGT_U, reach, tau_err); /* one choice after another: shorter than masks */
-    t_err = D4 > g.size ? t_err : none;
+    t_err = D4 > larger(s->flat * g.a, g.size) ? t_err : none;
     t_err = g.D <= n16 ? t_err : none;
     t_err = g.n2 > 0x1p-200 ? t_err : none;
     if (proof) t_err = (g.Aa + g.Aa) * t_err < S ? t_err : none;
@@ -133,7 +137,7 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt
 SGT_INLINE mask easy_tries(const bowl *s, mask far_gone, const sgt_ray *ray)
 {
     const bowl_terms g = bowl_terms_of(s, ray);
-    return MASK(4 * g.D > g.size) & MASK(g.D <= 16 * g.n2) & MASK(g.n2 > 0x1p-200) &
+    return MASK(4 * g.D > larger(s->flat * g.a, g.size)) & MASK(g.D <= 16 * g.n2) & MASK(g.n2 > 0x1p-200) &
            (far_gone | MASK(copysign(1, g.B) * g.A > 0x1p-40 * g.Aa));
 }
 

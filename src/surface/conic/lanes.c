@@ -149,13 +149,11 @@ typedef struct leave_room {
     lane_ends ends;
 } leave_room;
 
-/* What the loops of side.h leave for each other.  away: the ray certainly misses.  plain, blunt: as in a
- * side_root. */
+/* What the loops of side.h leave for each other: guesses. */
 typedef struct side_room {
-    double x[SGT_TILE], y[SGT_TILE], z[SGT_TILE], t0[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
-        inverse[SGT_TILE];
+    double at[SGT_TILE];
     lane_ends ends;
-    mask away[SGT_TILE], plain[SGT_TILE], blunt[SGT_TILE];
+    mask away[SGT_TILE];
 } side_room;
 
 /* Which rays does a single ray try from the vertex plane, or as one that starts on the surface, before it is
@@ -213,11 +211,6 @@ static void conic_lanes_sooner_near(const bowl *s, const sgt_tile *tile, const m
     lane_sooner(s, false, tile, far_gone, tried);
 }
 
-/* What kinds of roots there are. */
-typedef struct side_kinds {
-    mask plain, blunt;
-} side_kinds;
-
 /* Is a direction such that a single ray is not scaled?  (Not all for which usual_direction is true.) */
 SGT_INLINE mask side_usual(const sgt_ray *ray)
 {
@@ -225,7 +218,25 @@ SGT_INLINE mask side_usual(const sgt_ray *ray)
     return MASK(d2 > 0x1p-76) & MASK(d2 < 0x1p80);
 }
 
-SGT_INLINE side_kinds lane_side(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
+/* Returns all bits set if any of the rays may be tried before. */
+SGT_INLINE mask lane_guess(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const bowl own = *self, *s = &own;
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        side_guess a = side_guess_of(s, first, &ray);
+        r->at[i] = a.at, r->away[i] = a.away & side_usual(&ray);
+        any |= a.tried;
+    }
+    return any;
+}
+
+/* met_from_side of all rays. */
+SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, lane_to to, side_room *r)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
@@ -235,97 +246,41 @@ SGT_INLINE side_kinds lane_side(const bowl *self, bool first, const sgt_tile *ti
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        side_origin q = side_origin_of(&ray);
-        r->x[i] = q.x, r->y[i] = q.y, r->z[i] = q.z, r->t0[i] = q.t0;
-    }
-    mask plain = 0, blunt = 0;
-    _Pragma("omp simd reduction(| : plain, blunt)") for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        side_origin q = {r->x[i], r->y[i], r->z[i], r->t0[i]};
-        side_root a = side_root_of(s, first, &q, &ray, t_tol[i]);
-        mask usual = side_usual(&ray);
-        r->tau[i] = a.tau, r->tau_err[i] = a.tau_err, r->inverse[i] = a.inverse;
-        r->away[i] = a.away & usual, r->plain[i] = a.plain & usual, r->blunt[i] = a.blunt & usual;
-        plain |= a.plain, blunt |= a.blunt;
-    }
-    return (side_kinds){plain, blunt};
-}
-
-SGT_KERNEL
-static side_kinds conic_lanes_side_first(const bowl *s, const sgt_tile *tile, side_room *r)
-{
-    return lane_side(s, true, tile, r);
-}
-SGT_KERNEL
-static side_kinds conic_lanes_side_near(const bowl *s, const sgt_tile *tile, side_room *r)
-{
-    return lane_side(s, false, tile, r);
-}
-
-/* met_from_side of all rays. */
-SGT_KERNEL
-static void conic_lanes_plain(const bowl *self, const sgt_tile *tile, lane_to to, side_room *r)
-{
-    const sgt_rays rows = tile->rays;
-    const double *t_tol = tile->t_tol;
-    const bowl own = *self, *s = &own;
-    size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        side_origin q = {r->x[i], r->y[i], r->z[i], r->t0[i]};
-        side_root a = {
-            .tau = r->tau[i], .tau_err = r->tau_err[i], .inverse = r->inverse[i], .plain = r->plain[i]};
-        lane e = met_from_side(s, &q, &a, &ray, t_tol[i]);
-        LANE_STORE(to, i, e, LANE_RICH);
-    }
-}
-
-/* The same, and sharp_from_side of the blunt rays.  alone: the others have no answer. */
-SGT_INLINE void lane_sharp(const bowl *self, const sgt_tile *tile, bool alone, bool some, const mask *had,
-                           lane_to to, side_room *r)
-{
-    const sgt_rays rows = tile->rays;
-    const double *t_tol = tile->t_tol;
-    bowl own = *self, *s = &own;
-    size_t count = tile->n;
-    own.proof = false;
-    LANES for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        mask blunt = r->blunt[i];
-        double tau = r->tau[i], t0 = r->t0[i];
-        side_place e = sharp_of(s, t0 + tau, r->tau_err[i], blunt, &ray);
-        if (!alone) {
-            e.at.x = chosen(blunt, e.at.x, r->x[i]), e.at.y = chosen(blunt, e.at.y, r->y[i]);
-            e.at.z = chosen(blunt, e.at.z, r->z[i]), e.at.t0 = chosen(blunt, e.at.t0, t0);
-            e.tau = chosen(blunt, e.tau, tau), e.tau_err = chosen(blunt, e.tau_err, r->tau_err[i]);
-            e.inverse = chosen(blunt, e.inverse, r->inverse[i]), e.wanted |= r->plain[i];
-        }
-        lane met = side_hit(s, &e.at, e.tau, e.tau_err, e.inverse, e.wanted, &ray, t_tol[i]);
-        if (some) {
-            LANE_STORE_IF(to, i, met, ~had[i]);
-        } else
-            LANE_STORE(to, i, met, LANE_RICH);
+        side_answer a = met_from_side(s, first, r->at[i], &ray, t_tol[i]);
+        mask usual = side_usual(&ray) & ~r->away[i];
+        a.e.hit &= usual, r->away[i] |= a.away & usual;
+        LANE_STORE(to, i, a.e, LANE_RICH);
     }
 }
 
 SGT_KERNEL
-static void conic_lanes_sharp(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+static mask conic_lanes_guess_first(const bowl *s, const sgt_tile *tile, side_room *r)
 {
-    lane_sharp(s, tile, true, false, NULL, to, r);
+    return lane_guess(s, true, tile, r);
 }
 SGT_KERNEL
-static void conic_lanes_both(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+static mask conic_lanes_guess_near(const bowl *s, const sgt_tile *tile, side_room *r)
 {
-    lane_sharp(s, tile, false, false, NULL, to, r);
+    return lane_guess(s, false, tile, r);
 }
-/* The same for the rays that have no answer yet. */
 SGT_KERNEL
-static void conic_lanes_rest(const bowl *s, const sgt_tile *tile, const mask *had, lane_to to, side_room *r)
+static void conic_lanes_side_first(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
 {
-    lane_sharp(s, tile, false, true, had, to, r);
+    lane_side(s, true, tile, to, r);
+}
+SGT_KERNEL
+static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+{
+    lane_side(s, false, tile, to, r);
+}
+static mask conic_lanes_guess(const bowl *s, bool first, const sgt_tile *tile, side_room *r)
+{
+    return (first ? conic_lanes_guess_first : conic_lanes_guess_near)(s, tile, r);
+}
+
+static void conic_lanes_side(const bowl *s, bool first, const sgt_tile *tile, lane_to to, side_room *r)
+{
+    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, to, r);
 }
 
 /* first_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for); then
@@ -463,11 +418,8 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
 {
     side_room r;
     lane_to to = lane_to_of(tile, &r.ends);
-    memset(r.ends.hit, 0, tile->n * sizeof *r.ends.hit); /* rays that no loop below answers have none */
-    memset(r.away, 0, tile->n * sizeof *r.away);
-    side_kinds is = first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
-    if (!is.blunt) conic_lanes_plain(s, tile, to, &r);
-    else (is.plain ? conic_lanes_both : conic_lanes_sharp)(s, tile, to, &r);
+    conic_lanes_guess(s, first, tile, &r);
+    conic_lanes_side(s, first, tile, to, &r);
     if (start) conic_lanes_on(s, tile, start, to, r.away, tried);
     return side_status(tile, r.ends.hit, r.away, tried);
 }
@@ -665,56 +617,35 @@ static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_t
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
 }
 
-/* May the first ray run along the surface?  Then all are tried from the side at once. */
-SGT_INLINE bool runs_along(const sgt_tile *tile)
+/* Does the first ray run along the surface?  Then all are tried from the side at once. */
+SGT_INLINE bool runs_along(const bowl *s, const sgt_tile *tile)
 {
-    double l = tile->rays.d[0][0], m = tile->rays.d[1][0], n = tile->rays.d[2][0];
-    return 8 * (n * n) < l * l + m * m;
+    const sgt_rays rows = tile->rays;
+    const sgt_ray ray = lane_ray_of(&rows, 0);
+    return ray.d.z * ray.d.z < ray.d.x * ray.d.x + ray.d.y * ray.d.y && !easy_tries(s, MASK(true), &ray);
 }
 
 /* A tile that runs along the surface: rays from the side first, then misses.  Returns false if a single ray
- * would try more than an eighth of them from the vertex plane; then nothing is answered. */
+ * would try more than an eighth of them from the vertex plane, or from on the surface; then nothing is
+ * answered. */
 SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_tile *tile, size_t *hard)
 {
-    const sgt_rays rows = tile->rays;
     sgt_status *status = tile->hits.status;
     mask tried[SGT_TILE], away[SGT_TILE], start[SGT_TILE];
-    size_t sooner = 0, n = tile->n;
-    const sgt_ray ray = lane_ray_of(&rows, 0);
-    if (easy_tries(s, MASK(true), &ray)) return false; /* mostly they all do */
-    memset(away, 0xff, n * sizeof *away);
-    if (conic_lanes_tried(s, tile, away, tried))
+    size_t n = tile->n, sooner = 0;
+    side_room r;
+    memset(away, 0xff, n * sizeof *away), memset(tried, 0, n * sizeof *tried);
+    if (conic_lanes_guess(s, first, tile, &r) && conic_lanes_tried(s, tile, away, tried))
         for (size_t i = 0; i < n; i++) sooner += tried[i] != 0;
     if (8 * sooner > n) return false;
-    *hard = conic_lanes_beside(s, first, tile, NULL, tried);
+    conic_lanes_side(s, first, tile, lane_to_of(tile, &r.ends), &r);
+    *hard = side_status(tile, r.ends.hit, r.away, tried);
     if (8 * *hard <= n) return true;
     conic_lanes_away(s, tile, away, tried, start);
     for (size_t i = 0; i < n; i++) {
         if (status[i] != SGT_HARD || !away[i]) continue;
         status[i] = SGT_MISS, --*hard;
     }
-    return true;
-}
-
-/* A tile of which some rays run along the surface, and the others have their answer: the rest from the side.
- * As above, false if more than an eighth would be tried before. */
-SGT_NOINLINE static bool conic_lanes_partly(const bowl *s, bool first, const sgt_tile *tile, size_t *hard)
-{
-    side_room r;
-    lane_to to = lane_to_of(tile, &r.ends);
-    mask tried[SGT_TILE], had[SGT_TILE];
-    size_t n = tile->n, sooner = 0;
-    memset(r.away, 0xff, n * sizeof *r.away);
-    conic_lanes_tried(s, tile, r.away, tried);
-    for (size_t i = 0; i < n; i++) {
-        had[i] = MASK(tile->hits.status[i] == SGT_HIT);
-        tried[i] &= ~had[i], sooner += tried[i] != 0;
-    }
-    if (8 * sooner > n) return false;
-    memcpy(r.ends.hit, had, n * sizeof *had);
-    first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
-    conic_lanes_rest(s, tile, had, to, &r);
-    *hard = side_status(tile, r.ends.hit, r.away, tried);
     return true;
 }
 
@@ -742,7 +673,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     bool hollow =
         first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be first */
     size_t hard = tile->n;
-    if (runs_along(tile) && c != 0 && !s.proof && from == AWAY && conic_lanes_along(&s, first, tile, &hard))
+    if (c != 0 && !s.proof && from == AWAY && runs_along(&s, tile) && conic_lanes_along(&s, first, tile, &hard))
         return hard;
     const bool at_once = first && !s.proof;
     if (at_once && from == LEAVING && !in_vertex(tile)) {
@@ -760,9 +691,6 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
                      : lane_near(&s, wish, nearby, tile, &room.easy);
     }
     if (8 * hard <= tile->n) return hard; /* one by one */
-    if (runs_along(tile) && c != 0 && !s.proof && from == AWAY && !later && !nearby &&
-        conic_lanes_partly(&s, first, tile, &hard) && 8 * hard <= tile->n)
-        return hard;
     if (c == 0) conic_lanes_plane_away(&s, tile, away);
     else
         conic_lanes_away(&s, tile, away, far_gone, start);
