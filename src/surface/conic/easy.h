@@ -106,19 +106,21 @@ SGT_INLINE bowl_terms bowl_terms_of(const bowl *s, const sgt_ray *ray)
     return g;
 }
 
-/* D4, n4, n16: sums, because products are the most frequent operation here. */
+/* With D <= 16 n^2 it leaves n^2 > 2^-196. */
+static const double LEAST_D4 = 0x1p-190;
+
+/* D4: sums, because products are the most frequent operation here. */
 SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt_ray *ray)
 {
     const bowl_terms g = bowl_terms_of(s, ray);
-    double D4 = (g.D + g.D) + (g.D + g.D), n4 = (g.n2 + g.n2) + (g.n2 + g.n2), n16 = (n4 + n4) + (n4 + n4);
+    double D4 = (g.D + g.D) + (g.D + g.D);
     double S = sqrt(g.D), b = g.B + copysign(S, g.B), tau = g.C / b, small = g.at.t0_lo + tau,
            t = g.at.t0 + small, reach = fabs(t) + fabs(small);
     double tau_err = (D4 >= g.size + g.size + g.size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
     double none = (double)NAN,
            t_err = sgt_fma(1.01 * SGT_U, reach, tau_err); /* one choice after another: shorter than masks */
-    t_err = D4 > larger(s->flat * g.a, g.size) ? t_err : none;
-    t_err = g.D <= n16 ? t_err : none;
-    t_err = g.n2 > 0x1p-200 ? t_err : none;
+    t_err = D4 > larger(sgt_fma(s->flat, g.a, LEAST_D4), g.size) ? t_err : none;
+    t_err = D4 <= 64 * g.n2 ? t_err : none;
     if (proof) t_err = (g.Aa + g.Aa) * t_err < S ? t_err : none;
     if (proof) t_err = fabs(g.at.t0) * (fabs(ray->d.x) + fabs(ray->d.y)) <= s->reach ? t_err : none;
     if (first) t_err = copysign(1, b) * g.A > 0x1p-40 * g.Aa ? t_err : none;
@@ -137,7 +139,8 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt
 SGT_INLINE mask easy_tries(const bowl *s, mask far_gone, const sgt_ray *ray)
 {
     const bowl_terms g = bowl_terms_of(s, ray);
-    return MASK(4 * g.D > larger(s->flat * g.a, g.size)) & MASK(g.D <= 16 * g.n2) & MASK(g.n2 > 0x1p-200) &
+    const double flat = (1 - 0x1p-20) * sgt_fma(s->flat, g.a, LEAST_D4); /* `nearby` has another D */
+    return MASK(4 * g.D > larger(flat, g.size)) & MASK(g.D <= 16 * g.n2) &
            (far_gone | MASK(copysign(1, g.B) * g.A > 0x1p-40 * g.Aa));
 }
 
@@ -300,7 +303,8 @@ SGT_INLINE lane nearby(const bowl *s, const near_root *at, const sgt_ray *ray, d
     mask exact = at_vertex(ox, oy, oz),
          sharp = MASK(fabs(C) > 0x1p-47 * terms) & MASK(terms > 0x1p-400) & MASK(terms < 0x1p400);
     mask same = MASK(fabs(t - at->t) <= 4 * at->t_err) & MASK(4 * D >= 3 * size)
-                & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S);
+                & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S) &
+                MASK(4 * D > s->flat * a);
     return lane_of(&r, ray, t_tol, false, &(lane_end){pz, g, around / fabs(n)}, s->rim2, exact,
                    same & (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8));
 }
