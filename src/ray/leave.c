@@ -44,6 +44,10 @@
  * that holds the points, where a single ray has one for its point.  What such a look leaves open is asked as
  * of a single ray.
  *
+ * A SURFACE THAT KNOWS (`leave`: planes, conics, even aspheres) tells of many starts at once that they are on it,
+ * what they meet, and the side.  An even asphere is asked for a single start, too, and counts one evaluation: so
+ * that a batch has the same bits.  The others of a tile are put side by side.
+ *
  * A user's surface that is searched by steps may skip a root.  If its slope at the start and at the next
  * crossing say that F has unlike signs behind the one and before the other, one has been skipped: the answer
  * is UNPROVEN.
