@@ -44,9 +44,9 @@
  * that holds the points, where a single ray has one for its point.  What such a look leaves open is asked as
  * of a single ray.
  *
- * A SURFACE THAT KNOWS (`leave`: planes, conics, even aspheres) tells of many starts at once that they are on it,
- * what they meet, and the side.  An even asphere is asked for a single start, too, and counts one evaluation: so
- * that a batch has the same bits.  The others of a tile are put side by side.
+ * A SURFACE THAT KNOWS (`leave`: planes, conics, even aspheres) tells of many starts at once that they are
+ * on it, what they meet, and the side.  An even asphere is asked for a single start, too, and counts one
+ * evaluation: so that a batch has the same bits.  The others of a tile are put side by side.
  *
  * A user's surface that is searched by steps may skip a root.  If its slope at the start and at the next
  * crossing say that F has unlike signs behind the one and before the other, one has been skipped: the answer
@@ -430,8 +430,8 @@ static bool asks_leave(sgt_surface s, const sgt_options *opt)
            opt->proof == SGT_ESTIMATE && sgt_options_valid(opt);
 }
 
-/* A start that `leave` knows to meet nothing.  It is asked where `on` tells nothing; else sgt_intersect has the
- * same answer. */
+/* A start that `leave` knows to meet nothing.  It is asked where `on` tells nothing; else sgt_intersect has
+ * the same answer. */
 static bool leaves_for_good(sgt_surface s, const sgt_start *from, const sgt_options *opt, sgt_crossing *out)
 {
     sgt_status status[1] = {SGT_HARD};
@@ -877,8 +877,8 @@ SGT_NOINLINE static size_t leave_others(sgt_surface s, size_t n, const sgt_start
     return met;
 }
 
-/* A tile of starts of which the surface itself answers some.  Returns false, and answers nothing, if there are
- * none; else the others are asked side by side, or one by one if they are few. */
+/* A tile of starts of which the surface itself answers some.  Returns false, and answers nothing, if there
+ * are none; else the others are asked side by side, or one by one if they are few. */
 SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *from, size_t at,
                                      const sgt_hits *hits, signed char *side, const sgt_options *opt,
                                      size_t *met)

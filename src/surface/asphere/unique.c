@@ -338,8 +338,9 @@ void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask
         memset(leaves, 0, tile->n * sizeof *leaves);
 }
 
-/* FROM A START.  Which rays start on the surface, and is F monotone within the rim, so that they meet nothing
- * else (single)?  behind: the sign of F behind the start; 0: not known.  Returns all bits set if that is all. */
+/* FROM A START.  Which rays start on the surface, and is F monotone within the rim, so that they meet
+ * nothing else (single)?  behind: the sign of F behind the start; 0: not known.  Returns all bits set if
+ * that is all. */
 SGT_INLINE mask lane_from_start(const wavy *self, int terms, const sgt_tile *tile, mask single[], cones *e,
                                 double *restrict behind)
 {

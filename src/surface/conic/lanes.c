@@ -283,8 +283,8 @@ static void conic_lanes_side(const bowl *s, bool first, const sgt_tile *tile, la
     (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, to, r);
 }
 
-/* first_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for); then
- * nothing else is tried for them.  Of the others it answers those that have no answer yet. */
+/* first_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for);
+ * then nothing else is tried for them.  Of the others it answers those that have no answer yet. */
 SGT_KERNEL
 static void conic_lanes_on(const bowl *self, const sgt_tile *tile, const mask *start, lane_to to, mask *away,
                            mask *tried)
@@ -673,7 +673,8 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     bool hollow =
         first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be first */
     size_t hard = tile->n;
-    if (c != 0 && !s.proof && from == AWAY && runs_along(&s, tile) && conic_lanes_along(&s, first, tile, &hard))
+    if (c != 0 && !s.proof && from == AWAY && runs_along(&s, tile) &&
+        conic_lanes_along(&s, first, tile, &hard))
         return hard;
     const bool at_once = first && !s.proof;
     if (at_once && from == LEAVING && !in_vertex(tile)) {

@@ -15,9 +15,9 @@
  * So where D = B^2 - A C is below -2^-20 (Ba^2 + Aa Ca), there is no root.
  *
  * WHICH ROOT.  Its two roots are known in doubles, roughly: S is a difference, and where the ray runs along
- * the surface they may be off by thousands of u.  One of them is guessed to be the answer (side_guess_of), and
- * t is a double near it.  A guess affects only whether there is an answer: all that follows is certain by
- * itself, seen from the point at t.
+ * the surface they may be off by thousands of u.  One of them is guessed to be the answer (side_guess_of),
+ * and t is a double near it.  A guess affects only whether there is an answer: all that follows is certain
+ * by itself, seen from the point at t.
  *
  * FROM THERE the terms of the equation do not cancel.  The coordinates are known to 4 u^2 of themselves, as
  * X.hi + X.lo.  C is summed with the errors of its products and sums (Ogita, Rump, Oishi 2005, SIAM J. Sci.
@@ -39,12 +39,13 @@
  * here, but by first_from_on.
  *
  * Near the seed the root near the vertex plane is wanted, C / b from there (conic.c), unless it is gone.  It
- * has A tau - B of the sign of -B, with B taken at that plane.  B falls by A tau along the ray, so there it is
- * B + A Z / n.
+ * has A tau - B of the sign of -B, with B taken at that plane.  B falls by A tau along the ray, so there it
+ * is B + A Z / n.
  *
- * THE POINT.  From very far away an ulp of t is a large step.  So the terms at t have to be at most twice those
- * at the root, or the step rounds by more than these.  Rounding of x and y takes it off the surface by u of |x F_x| + |y F_y|.  Where that is more
- * than 4 |z| (a strongly oblate conic) the careful form computes z anew.
+ * THE POINT.  From very far away an ulp of t is a large step.  So the terms at t have to be at most twice
+ * those at the root, or the step rounds by more than these.  Rounding of x and y takes it off the surface by
+ * u of |x F_x| + |y F_y|.  Where that is more than 4 |z| (a strongly oblate conic) the careful form computes
+ * z anew.
  *
  * THE RIM is stated in computed numbers.  The point is off by no more than 64 u rims by tau, and a few u r
  * by its own rounding.  So its r^2 is within 140 u of the true one, less than what easy.h counts with
@@ -206,8 +207,8 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double at, const
  * the other one is without a square root
  *     t = 2 B / A - t1.
  * All three are sums of three products and one more term, summed with what products and sums lose: off by u
- * of themselves and 64 u^2 of their terms (as C in FROM THERE).  So where B^2 > 2^-60 Ba^2 and A > 2^-20 Aa, they
- * are right to 1.01 u, and 2 B / A to 3.1 u.  t1 is off by
+ * of themselves and 64 u^2 of their terms (as C in FROM THERE).  So where B^2 > 2^-60 Ba^2 and A > 2^-20 Aa,
+ * they are right to 1.01 u, and 2 B / A to 3.1 u.  t1 is off by
  *     A t1^2 / 2 B, its second order: below u |t| if |t1| <= 2^-27 |t|,
  *     32 u^2 Ca / B: below u |t| / 4 if Aa Ca <= 2^45 B^2,
  * and by 2 u of itself.  With the rounding of the difference t is off by less than 6 u of itself; 8 is taken.
@@ -278,7 +279,8 @@ SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_t
 {
     const side_left e = left_from_on(s, ray);
     return (side_answer){
-        side_hit(s, &e.root.at, e.root.tau, e.root.tau_err, e.root.inverse, e.root.wanted, ray, t_tol), e.away};
+        side_hit(s, &e.root.at, e.root.tau, e.root.tau_err, e.root.inverse, e.root.wanted, ray, t_tol),
+        e.away};
 }
 
 /* LEAVING IN DOUBLES.  What is known of a ray that starts on the surface, and has tmin = 0.
@@ -296,15 +298,15 @@ SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_t
  * be known where t is negative, or is beyond tmax by more than it is off.
  *
  * THE ROOT is 2 B / A - t1, with t1 = C / 2 B = -G / B, and G as in starts_on: it is off by 6 u of its terms
- * (Ca at most), and is below 2^-49 of them.  So |t1| <= 2^-36 |t|, and its second order, A t1^2 / 2 B, is below
- * u |t|.  A is off by 4 u Aa.  B is n less a sum: its products and sums round by 4 u of b = |c| (|x l| + |y m| +
- * |(1 + k) z n|) at most, the last step by u |B|.  The quotient and the difference round by u each.  With
- * |2 B / A| = |t|, which is right to 2^-33, the root is to first order off by
+ * (Ca at most), and is below 2^-49 of them.  So |t1| <= 2^-36 |t|, and its second order, A t1^2 / 2 B, is
+ * below u |t|.  A is off by 4 u Aa.  B is n less a sum: its products and sums round by 4 u of b = |c| (|x l|
+ * + |y m| + |(1 + k) z n|) at most, the last step by u |B|.  The quotient and the difference round by u
+ * each.  With |2 B / A| = |t|, which is right to 2^-33, the root is to first order off by
  *     u ((2 Aa t^2 + 4 b |t| + 6 terms) / |B| + 5 |t|).
  * Where that is at most 38 u |t|, Aa is below 9 |A|, and b below 9 |B|: 1.01 covers the second order.  The
- * point is moved by G / B as in left_from_on, but sooner.  Then t is off by 7 u of the terms there over |B|: 6
- * of G, one of the point's rounding.  Half of u |t| covers that the slope is -B to 42 u.  (Without that a point
- * was off by up to 11 u of its terms, and the rule of the start drops 16.) */
+ * point is moved by G / B as in left_from_on, but sooner.  Then t is off by 7 u of the terms there over |B|:
+ * 6 of G, one of the point's rounding.  Half of u |t| covers that the slope is -B to 42 u.  (Without that a
+ * point was off by up to 11 u of its terms, and the rule of the start drops 16.) */
 typedef struct side_start {
     mask away, met, start;
     double behind, tau, tau_err, inverse;
@@ -317,7 +319,8 @@ SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
            A = s->c * sgt_fma(s->k1, n2, l * l + m * m), B = sgt_fma(-s->c, xl + ym + kzn, n),
            Aa = sgt_fma(s->extra, n2, fabs(A)),
            bent = s->abs_c * (fabs(xl) + fabs(ym) + fabs(kzn)), Ba = bent + fabs(n),
-           Ca = sgt_fma(s->abs_c, r2 + fabs(kz * z), 2 * fabs(z)), B2 = B * B, round = Aa * Ca, size = fabs(B),
+           Ca = sgt_fma(s->abs_c, r2 + fabs(kz * z), 2 * fabs(z)), B2 = B * B, round = Aa * Ca,
+           size = fabs(B),
            w = s->ck * z, G = z - 0.5 * sgt_fma(s->c, r2, w * z),
            terms = sgt_fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
     mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(Ba > 0x1p-400) & MASK(Ba < 0x1p400) &
@@ -362,8 +365,8 @@ SGT_INLINE side_place left_in_doubles(const bowl *s, double t, double tau_err, d
                         met};
 }
 
-/* The first root of a ray for which starts_on is true, in doubles if it is met so.  quick: else it is asked as
- * any other. */
+/* The first root of a ray for which starts_on is true, in doubles if it is met so.  quick: else it is asked
+ * as any other. */
 SGT_INLINE side_answer first_from_on(const bowl *s, mask quick, const sgt_ray *ray, double t_tol)
 {
     const side_start q = leaves_from(s, ray);

@@ -28,9 +28,9 @@ SGT_INLINE sgt_ray along_scaled(const sgt_ray *ray, double scale)
     return (sgt_ray){ray->o, {d.x * scale, d.y * scale, d.z * scale}, ray->tmin / scale, ray->tmax / scale};
 }
 
-/* One coordinate of o + t d, to 4 u^2 of itself.  The last sum is one of a large number and a small one (Dekker
- * 1971).  It is without an error where s.hi is the smaller, too: then o and p.hi have cancelled, and s.hi is a
- * multiple of an ulp of what is left. */
+/* One coordinate of o + t d, to 4 u^2 of itself.  The last sum is one of a large number and a small one
+ * (Dekker 1971).  It is without an error where s.hi is the smaller, too: then o and p.hi have cancelled, and
+ * s.hi is a multiple of an ulp of what is left. */
 SGT_INLINE twofold place_of_root(double o, double t, double d)
 {
     twofold p = two_product(t, d), s = two_sum(o, p.hi);
