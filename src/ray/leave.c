@@ -44,6 +44,10 @@
  * that holds the points, where a single ray has one for its point.  What such a look leaves open is asked as
  * of a single ray.
  *
+ * A SURFACE THAT KNOWS (`leave`: planes, conics, even aspheres) tells of many starts at once that they are
+ * on it, what they meet, and the side.  An even asphere is asked for a single start, too, and counts one
+ * evaluation: so that a batch has the same bits.  The others of a tile are put side by side.
+ *
  * A user's surface that is searched by steps may skip a root.  If its slope at the start and at the next
  * crossing say that F has unlike signs behind the one and before the other, one has been skipped: the answer
  * is UNPROVEN.
@@ -419,11 +423,38 @@ static place place_to_leave(sgt_surface s, const sgt_start *from)
     return is_on(f, from->p, n) ? (place){from->p, true} : polished(s, from->p, f, n, from->p_err);
 }
 
+/* Is `leave` of the surface asked? */
+static bool asks_leave(sgt_surface s, const sgt_options *opt)
+{
+    return s.ops && s.ops->own_ && s.ops->own_->leave && !opt->watch && !(opt->t_tol > 0) &&
+           opt->proof == SGT_ESTIMATE && sgt_options_valid(opt);
+}
+
+/* A start that `leave` knows to meet nothing.  It is asked where `on` tells nothing; else sgt_intersect has
+ * the same answer. */
+static bool leaves_for_good(sgt_surface s, const sgt_start *from, const sgt_options *opt, sgt_crossing *out)
+{
+    sgt_status status[1] = {SGT_HARD};
+    double behind[1] = {0}, t_tol[1] = {0};
+    int evals[1] = {0};
+    const double *const nowhere[3] = {NULL, NULL, NULL};
+    if (!asks_leave(s, opt) || !start_sound(from) || known_on(s, 0, nowhere, behind)) return false;
+    const sgt_ray ray = ray_from(from, from->p);
+    const sgt_tile one = {
+        .n = 1, .rays = rays_of(&ray), .t_tol = t_tol, .hits = {.status = status, .evals = evals}};
+    s.ops->own_->leave(s.self, &one, behind);
+    if (status[0] != SGT_MISS) return false;
+    *out = (sgt_crossing){
+        .ray = ray, .hit = hit_without(SGT_MISS, &ray, evals[0]), .side = (signed char)behind[0]};
+    return true;
+}
+
 sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from, const sgt_options *opt)
 {
     sgt_crossing out = {.side = 0};
     sgt_options own = first_of(opt);
     s = in_set(s);
+    if (ROOM_IS_ZERO(from) && leaves_for_good(s, from, &own, &out)) return out;
     place at = place_to_leave(s, from);
     out.ray = ray_from(from, at.o);
     out.hit = sgt_intersect(s, out.ray, ROOM_IS_ZERO(from) ? &own : &sgt_options_invalid);
@@ -561,7 +592,7 @@ static void places(sgt_surface s, size_t n, const sgt_starts *from, size_t at, l
     }
 }
 
-/* Statuses as numbers.  Two loops: of bytes and doubles in one no vector code is made. */
+/* Statuses as numbers, ASKS at most.  Two loops: of bytes and doubles in one no vector code is made. */
 SGT_KERNEL
 static void states_of(size_t n, const sgt_status *status, double *restrict state)
 {
@@ -793,6 +824,107 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
     return met;
 }
 
+/* Ends as leave_end has them; NaN where p_err is not sound, so that no ray is met or missed there. */
+SGT_KERNEL
+static void leave_ends(size_t n, const double *p_err, const double *given, double *restrict tmax)
+{
+    if (!given) LANES for (size_t i = 0; i < n; i++) tmax[i] = HUGE_VAL;
+    for (size_t i = 0; given && i < n; i++) tmax[i] = leave_end(given[i]);
+    if (p_err)
+        LANES for (size_t i = 0; i < n; i++) tmax[i] =
+            chosen(MASK(p_err[i] >= 0) & MASK(p_err[i] < HUGE_VAL), tmax[i], (double)NAN);
+}
+
+/* Starts of a tile that have no answer yet, side by side.  Returns how many are met. */
+SGT_NOINLINE static size_t leave_others(sgt_surface s, size_t n, const sgt_starts *from, size_t at,
+                                        const sgt_hits *to, signed char *side, const sgt_options *opt)
+{
+    double in[11][SGT_TILE], out[10][SGT_TILE];
+    int evals[SGT_TILE];
+    sgt_status status[SGT_TILE];
+    signed char sides[SGT_TILE];
+    unsigned char number[SGT_TILE];
+    size_t few = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (to->status[i] != SGT_HARD) continue;
+        const sgt_start one = start_of(from, at + i);
+        const double row[11] = {one.p.x, one.p.y, one.p.z,   one.n.x, one.n.y, one.n.z,
+                                one.d.x, one.d.y, one.d.z, one.p_err, one.tmax};
+        for (int k = 0; k < 11; k++) in[k][few] = row[k];
+        number[few++] = (unsigned char)i;
+    }
+    const sgt_starts others = {.p = {in[0], in[1], in[2]},
+                               .n = {from->n[0] ? in[3] : NULL, in[4], in[5]},
+                               .d = {in[6], in[7], in[8]},
+                               .p_err = in[9],
+                               .tmax = in[10]};
+    const sgt_hits found = {.status = status,
+                            .evals = evals,
+                            .t = out[0],
+                            .t_err = out[1],
+                            .t_lo = out[2],
+                            .p = {out[3], out[4], out[5]},
+                            .n = {out[6], out[7], out[8]},
+                            .p_err = out[9]};
+    const size_t met = leave_tile(s, few, &others, 0, &found, sides, opt);
+    for (size_t j = 0; j < few; j++) {
+        const sgt_hit hit = {.status = status[j], .evals = evals[j], .t = out[0][j], .t_err = out[1][j],
+                             .t_lo = out[2][j],   .p = {out[3][j], out[4][j], out[5][j]},
+                             .n = {out[6][j], out[7][j], out[8][j]}, .p_err = out[9][j]};
+        put_hit(to, number[j], &hit);
+        if (side) side[at + number[j]] = sides[j];
+    }
+    return met;
+}
+
+/* A tile of starts of which the surface itself answers some.  Returns false, and answers nothing, if there
+ * are none; else the others are asked side by side, or one by one if they are few. */
+SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *from, size_t at,
+                                     const sgt_hits *hits, signed char *side, const sgt_options *opt,
+                                     size_t *met)
+{
+    static const double none[SGT_TILE];
+    double tmax[SGT_TILE], behind[SGT_TILE], own[4][SGT_TILE];
+    sgt_status status[SGT_TILE];
+    const double *p_err = from->p_err ? from->p_err + at : NULL;
+    sgt_tile tile = {.n = n,
+                     .rays = {.o = {from->p[0] + at, from->p[1] + at, from->p[2] + at},
+                              .d = {from->d[0] + at, from->d[1] + at, from->d[2] + at},
+                              .tmin = none,
+                              .tmax = tmax},
+                     .t_tol = none,
+                     .hits = hits_from(hits, at)};
+    sgt_hits *to = &tile.hits;
+    const bool normals = to->n[0];
+    leave_ends(n, p_err, from->tmax ? from->tmax + at : NULL, tmax);
+    if (!to->status) to->status = status;
+    if (!to->t) to->t = own[0];
+    for (int k = 0; k < 3 && !normals; k++) to->n[k] = own[k + 1];
+    const size_t hard = s.ops->own_->leave(s.self, &tile, behind);
+    if (hard == n) return false;
+    for (size_t i = 0; side && i < n; i++) side[at + i] = (signed char)behind[i];
+    if (to->status[0] == SGT_MISS && memcmp(to->status, to->status + 1, n - 1) == 0) return true;
+    const bool together = 8 * hard > n;
+    double *state = behind, *told = tmax; /* not read any more */
+    for (size_t i = 0; i < n; i += ASKS) states_of(n - i < ASKS ? n - i : ASKS, to->status + i, state + i);
+    sides_by_hit(n, tile.rays.o, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d,
+                 p_err ? p_err : none, to->t, state, told);
+    for (size_t i = 0; i < n; i++) {
+        if (told[i] != OPEN) {
+            if (side) side[at + i] = (signed char)told[i];
+            ++*met;
+        } else if (to->status[i] != SGT_MISS && !(together && to->status[i] == SGT_HARD)) {
+            const sgt_start start = start_of(from, at + i);
+            const sgt_crossing c = sgt_leave(s, &start, opt);
+            *met += c.hit.status > 0;
+            put_hit(to, i, &c.hit);
+            if (side) side[at + i] = (signed char)c.side;
+        }
+    }
+    if (together) *met += leave_others(s, n, from, at, to, side, opt);
+    return true;
+}
+
 size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits, signed char *side,
                        const sgt_options *opt)
 {
@@ -802,8 +934,13 @@ size_t sgt_leave_batch(sgt_surface s, size_t n, sgt_starts from, sgt_hits hits, 
     s = in_set(s);
     if (!ROOM_IS_ZERO(&from) || !ROOM_IS_ZERO(&hits)) own = sgt_options_invalid, own.watch = NULL;
     if (!own.watch) {
-        for (size_t i = 0; i < n; i += SGT_MOST_TILE)
-            met += leave_tile(s, n - i < SGT_MOST_TILE ? n - i : SGT_MOST_TILE, &from, i, &hits, side, &own);
+        const bool known = asks_leave(s, &own);
+        const size_t most = known ? SGT_TILE : SGT_MOST_TILE;
+        for (size_t i = 0, some; i < n; i += some) {
+            some = n - i < most ? n - i : most;
+            if (!known || !leave_known(s, some, &from, i, &hits, side, &own, &met))
+                met += leave_tile(s, some, &from, i, &hits, side, &own);
+        }
         return met;
     }
     own.watch = sgt_watch_numbered, own.watch_data = &told;

@@ -198,6 +198,12 @@ struct sgt_builtin_ops {
      * root of any kind; 0 where it is not certain.  Returns false, and does nothing, if no side is known.
      * Called by ray/leave.c. */
     bool (*behind)(const void *self, size_t n, const sgt_rays *rays, double side[]);
+    /* The first roots of a tile of rays without a proof, from points that may be on the surface; tmin is 0.
+     * It answers rays that start on the surface as `on` has it, each as `meet` would, and sets behind[i] as
+     * `behind` does.  Others, those of which no side is known, and those that it cannot answer are left
+     * SGT_HARD.  Returns how many these are; if it is all of them, nothing else is written.  NULL: all are
+     * left.  Called by ray/leave.c. */
+    size_t (*leave)(const void *self, const sgt_tile *tile, double behind[]);
     /* The surface as a conic and even powers, for ray/batch_f.c.  Returns false if a parameter is invalid.
      * NULL: it is none. */
     bool (*even_sag)(const void *self, sgt_even_sag *sag);

@@ -454,6 +454,7 @@ void bowls(int count)
             p.z = -w.s.ops->value(w.s.self, p, &n);
             if (!(std::fabs(p.z) < 1e6)) continue;
             w.s.ops->value(w.s.self, p, &n);
+            if (i % 3 == 0) p.z *= 1 + 0x1p-53 * uniform(-24, 24);  // by what the rule of the start allows
             const sgt_start a = {p, n, 4e-16 * w.reach, d, 0, {}};
             starts.push_back(a);
             const sgt_crossing next = sgt_leave(w.s, &a, nullptr);

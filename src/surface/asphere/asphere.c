@@ -753,6 +753,30 @@ static bool asphere_behind(const void *self, size_t n, const sgt_rays *rays, dou
     return true;
 }
 
+static size_t asphere_leave(const void *self, const sgt_tile *tile, double behind[])
+{
+    const sgt_even_asphere *s = self;
+    const int terms = asphere_terms_of(s);
+    const size_t n = tile->n;
+    sgt_status *status = tile->hits.status;
+    wavy v;
+    mask misses[SGT_TILE];
+    size_t hard = n;
+    memset(status, SGT_HARD, n);
+    if (!asphere_valid(s)) return n;
+    if (!terms) return sgt_conic_leave(s->c, s->k, s->semi_diameter, tile, behind);
+    const shape h = shape_of(s, terms);
+    if (!rim_in_range(h.rim2) || !wavy_of(&h, false, &v)) return n;
+    if (sgt_asphere_from_start(&h, &v, tile, misses, behind)) memset(status, SGT_MISS, n), hard = 0;
+    for (size_t i = 0; hard > 0 && i < n; i++)
+        if (misses[i]) status[i] = SGT_MISS, hard--;
+        else behind[i] = 0;
+    if (hard == n) return n;
+    lane_nothing(tile);
+    for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = 1;
+    return hard;
+}
+
 static bool asphere_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
                                    size_t n, sgt_points p, sgt_values out, double own[])
 {
@@ -776,6 +800,7 @@ static const struct sgt_builtin_ops asphere_builtin = {.meet = asphere_meet,
                                                        .unique = asphere_unique,
                                                        .on = asphere_on,
                                                        .behind = asphere_behind,
+                                                       .leave = asphere_leave,
                                                        .even_sag = asphere_even_sag,
                                                        .departure = &sgt_asphere_departure,
                                                        .values_rounded = asphere_values_rounded};

@@ -559,6 +559,12 @@ SGT_INLINE lane side_sharp(const wavy *s, const convex *b, int terms, const side
 /* The single ray, and a tile (asphere/side.c); no proof is asked for. */
 easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w);
 
+/* Which rays of a tile with tmin = 0 start on the surface, and meet nothing else?  By the slope within the
+ * rim, else by rings (LEAVING in asphere/unique.c).  behind[i]: the sign of F right behind such a start; 0:
+ * it is not known to be one.  Returns true if all misses[i] are set. */
+bool sgt_asphere_from_start(const shape *s, const wavy *v, const sgt_tile *tile, mask misses[],
+                            double behind[]);
+
 /* Which rays start on the surface, or in the vertex, and certainly meet nothing else?  By the cone
  * (asphere/unique.c).  leaves[i] stays as it is if that is so, otherwise it is set to 0.  hits and t_tol are
  * not read. */

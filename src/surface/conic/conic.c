@@ -110,7 +110,15 @@ static easy_answer on_first(const bowl *s, const sgt_ray *ray, const sgt_options
     if (usual) scale = 1;
     const sgt_ray along = along_scaled(ray, scale);
     if (!starts_on(s, &along)) return EASY_NOT;
-    side_answer on = met_from_on(s, &along, opt->t_tol / scale);
+    const double t_tol = opt->t_tol / scale;
+    const side_start q = leaves_from(s, &along);
+    if (q.away) return EASY_MISS;
+    side_answer on = {.away = 0};
+    if (q.met) {
+        const side_place r = left_in_doubles(s, q.tau, q.tau_err, q.inverse, q.met, &along);
+        on.e = side_hit(s, &r.at, r.tau, r.tau_err, r.inverse, r.wanted, &along, t_tol);
+    } else
+        on = met_from_on(s, &along, t_tol);
     *e = on.e;
     return on.away ? EASY_MISS : on.e.hit ? easy_unscaled(e, scale) : EASY_NOT;
 }
@@ -124,13 +132,9 @@ static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_option
     if (usual) scale = 1;
     const sgt_ray along = along_scaled(ray, scale);
     const double t_tol = opt->t_tol / scale;
-    side_origin q = side_origin_of(&along);
-    side_root r = side_root_of(s, first, &q, &along, t_tol);
-    side_answer side = {.away = r.away};
-    if (r.blunt)
-        side.e = sharp_from_side(s, q.t0 + r.tau, r.tau_err, r.blunt, &along, t_tol);
-    else if (r.plain)
-        side.e = met_from_side(s, &q, &r, &along, t_tol);
+    side_guess guess = side_guess_of(s, first, &along);
+    side_answer side = {.away = guess.away};
+    if (!side.away) side = met_from_side(s, first, guess.at, &along, t_tol);
     if (!(side.away | side.e.hit)) side = met_from_on(s, &along, t_tol);
     *e = side.e;
     return side.away ? EASY_MISS : side.e.hit ? easy_unscaled(e, scale) : EASY_NOT;
@@ -678,6 +682,12 @@ static bool conic_behind(const void *self, size_t n, const sgt_rays *rays, doubl
     return true;
 }
 
+static size_t conic_leave(const void *self, const sgt_tile *tile, double behind[])
+{
+    const sgt_conic *s = self;
+    return sgt_conic_leave(s->c, s->k, s->semi_diameter, tile, behind);
+}
+
 static bool conic_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
                                  size_t n, sgt_points p, sgt_values out, double own[])
 {
@@ -701,6 +711,7 @@ static const struct sgt_builtin_ops conic_builtin = {.meet = conic_meet,
                                                      .unique = conic_unique,
                                                      .on = conic_on,
                                                      .behind = conic_behind,
+                                                     .leave = conic_leave,
                                                      .even_sag = conic_even_sag,
                                                      .values_rounded = conic_values_rounded};
 

@@ -14,6 +14,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
                        const sgt_options *opt);
 void sgt_conic_on(double c, double k, size_t n, const double *const p[3], double on[]);
 void sgt_conic_behind(double c, double k, size_t n, const sgt_rays *rays, double side[]);
+size_t sgt_conic_leave(double c, double k, double semi_diameter, const sgt_tile *tile, double behind[]);
 bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2,
                      unsigned long long unique[], sgt_interval others[]);
 

@@ -18,6 +18,9 @@
  * A ray is not easy if
  * - q > 4: it grazes;
  * - S > 4 |n|: the start is so far away that its terms exceed those at the root;
+ * - 16 D < l^2 + m^2: it meets the surface at less than 14 degrees (flat, but not under a proof).  The first
+ *   two conditions leave half of such rays.  side.h is for all of them: a tile of both kinds costs twice as
+ *   much;
  * - |w| = |(1 + k) c z| > 1 - 2^-8: near the equator, or on another sheet;
  * - the first root is asked for, and the other one may be before it.  The other root is b / A.  Its
  *   magnitude is the greater one, and it is behind if b A > 0.
@@ -72,15 +75,16 @@ SGT_INLINE bool conic_valid(double c, double k, double semi_diameter)
  *   rim2         the square of the rim.  It is finite, so that no infinite point is inside.  Under a proof
  *                it is that within which a root is certainly inside
  *   reach        2^46 rims
+ *   flat         a ray is not easy if 4 D is below flat (l^2 + m^2)
  *   proof        a proof is asked for */
-typedef struct bowl { double c, abs_c, k1, k1_lo, ck, extra, rim2, reach; bool proof; } bowl;
+typedef struct bowl { double c, abs_c, k1, k1_lo, ck, extra, rim2, reach, flat; bool proof; } bowl;
 
 /* Returns false if no ray of the surface is easy. */
 SGT_INLINE bool bowl_of(double c, double k, double rim2, bool proof, bowl *s)
 {
     double most = rim2 < 0x1p600 ? rim2 : 0x1p600;
     *s = (bowl){c, fabs(c), 1 + k, two_sum(1, k).lo, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0,
-                proof ? sure_rim2(most) : most, 0x1p46 * sqrt(most), proof};
+                proof ? sure_rim2(most) : most, 0x1p46 * sqrt(most), proof ? 0 : 0.25, proof};
     return (c == 0 || (fabs(c) > 0x1p-60 && fabs(c) < 0x1p60)) && fabs(k) < 0x1p60 && rim_in_range(rim2);
 }
 
@@ -102,19 +106,21 @@ SGT_INLINE bowl_terms bowl_terms_of(const bowl *s, const sgt_ray *ray)
     return g;
 }
 
-/* D4, n4, n16: sums, because products are the most frequent operation here. */
+/* With D <= 16 n^2 it leaves n^2 > 2^-196. */
+static const double LEAST_D4 = 0x1p-190;
+
+/* D4: sums, because products are the most frequent operation here. */
 SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt_ray *ray)
 {
     const bowl_terms g = bowl_terms_of(s, ray);
-    double D4 = (g.D + g.D) + (g.D + g.D), n4 = (g.n2 + g.n2) + (g.n2 + g.n2), n16 = (n4 + n4) + (n4 + n4);
+    double D4 = (g.D + g.D) + (g.D + g.D);
     double S = sqrt(g.D), b = g.B + copysign(S, g.B), tau = g.C / b, small = g.at.t0_lo + tau,
            t = g.at.t0 + small, reach = fabs(t) + fabs(small);
     double tau_err = (D4 >= g.size + g.size + g.size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
     double none = (double)NAN,
            t_err = sgt_fma(1.01 * SGT_U, reach, tau_err); /* one choice after another: shorter than masks */
-    t_err = D4 > g.size ? t_err : none;
-    t_err = g.D <= n16 ? t_err : none;
-    t_err = g.n2 > 0x1p-200 ? t_err : none;
+    t_err = D4 > larger(sgt_fma(s->flat, g.a, LEAST_D4), g.size) ? t_err : none;
+    t_err = D4 <= 64 * g.n2 ? t_err : none;
     if (proof) t_err = (g.Aa + g.Aa) * t_err < S ? t_err : none;
     if (proof) t_err = fabs(g.at.t0) * (fabs(ray->d.x) + fabs(ray->d.y)) <= s->reach ? t_err : none;
     if (first) t_err = copysign(1, b) * g.A > 0x1p-40 * g.Aa ? t_err : none;
@@ -133,7 +139,8 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt
 SGT_INLINE mask easy_tries(const bowl *s, mask far_gone, const sgt_ray *ray)
 {
     const bowl_terms g = bowl_terms_of(s, ray);
-    return MASK(4 * g.D > g.size) & MASK(g.D <= 16 * g.n2) & MASK(g.n2 > 0x1p-200) &
+    const double flat = (1 - 0x1p-20) * sgt_fma(s->flat, g.a, LEAST_D4); /* `nearby` has another D */
+    return MASK(4 * g.D > larger(flat, g.size)) & MASK(g.D <= 16 * g.n2) &
            (far_gone | MASK(copysign(1, g.B) * g.A > 0x1p-40 * g.Aa));
 }
 
@@ -159,15 +166,19 @@ SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, c
  * (accept.h).  At the start G = z - c (r^2 + (1 + k) z^2) / 2 is off by 6 u of its terms.  So that root is
  * within (|G| + 6 u terms) / S of tmin.  As much again covers the curvature of G, where D is above 2^-10 of
  * its terms.  Half of what the rule allows is left. */
-SGT_INLINE mask starts_on(const bowl *s, const sgt_ray *ray)
+SGT_INLINE mask is_on_quadric(const bowl *s, double x, double y, double z)
 {
-    const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z,
-                 tmin = ray->tmin;
-    double x = sgt_fma(tmin, l, ox), y = sgt_fma(tmin, m, oy), z = sgt_fma(tmin, n, oz), r2 = x * x + y * y,
-           w = s->ck * z;
-    double G = z - 0.5 * sgt_fma(s->c, r2, w * z), terms = sgt_fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
+    double r2 = x * x + y * y, w = s->ck * z, G = z - 0.5 * sgt_fma(s->c, r2, w * z),
+           terms = sgt_fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
     return MASK(fabs(G) + 6 * SGT_U * terms < 0.5 * START_ULPS * sgt_fma(s->abs_c, r2, fabs(z * (1 - w))))
            & MASK(terms > 0x1p-600);
+}
+
+SGT_INLINE mask starts_on(const bowl *s, const sgt_ray *ray)
+{
+    const double tmin = ray->tmin;
+    return is_on_quadric(s, sgt_fma(tmin, ray->d.x, ray->o.x), sgt_fma(tmin, ray->d.y, ray->o.y),
+                         sgt_fma(tmin, ray->d.z, ray->o.z));
 }
 
 /* away: neither root is accepted.  For the far root: far_gone: it is certainly not accepted; far_accepted:
@@ -292,7 +303,8 @@ SGT_INLINE lane nearby(const bowl *s, const near_root *at, const sgt_ray *ray, d
     mask exact = at_vertex(ox, oy, oz),
          sharp = MASK(fabs(C) > 0x1p-47 * terms) & MASK(terms > 0x1p-400) & MASK(terms < 0x1p400);
     mask same = MASK(fabs(t - at->t) <= 4 * at->t_err) & MASK(4 * D >= 3 * size)
-                & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S);
+                & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S) &
+                MASK(4 * D > s->flat * a);
     return lane_of(&r, ray, t_tol, false, &(lane_end){pz, g, around / fabs(n)}, s->rim2, exact,
                    same & (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8));
 }

@@ -140,13 +140,20 @@ LANES_NEARBY(conic_lanes_near_nearby_rich, false, false, LANE_RICH)
 LANES_NEARBY(conic_lanes_first_nearby, false, true, LANE_PLAIN)
 LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 
-/* What the loops of side.h leave for each other.  away: the ray certainly misses.  plain, blunt: as in a
- * side_root. */
-typedef struct side_room {
-    double x[SGT_TILE], y[SGT_TILE], z[SGT_TILE], t0[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
-        inverse[SGT_TILE];
+/* What leaves_from knows of a tile. */
+typedef struct leave_room {
+    double tau[SGT_TILE], tau_err[SGT_TILE], inverse[SGT_TILE], behind[SGT_TILE];
+    mask start[SGT_TILE], away[SGT_TILE], met[SGT_TILE];
+    double few[3][SGT_TILE]; /* tau, tau_err, inverse of a few rays */
+    mask few_met[SGT_TILE];
     lane_ends ends;
-    mask away[SGT_TILE], plain[SGT_TILE], blunt[SGT_TILE];
+} leave_room;
+
+/* What the loops of side.h leave for each other: guesses. */
+typedef struct side_room {
+    double at[SGT_TILE];
+    lane_ends ends;
+    mask away[SGT_TILE];
 } side_room;
 
 /* Which rays does a single ray try from the vertex plane, or as one that starts on the surface, before it is
@@ -204,11 +211,6 @@ static void conic_lanes_sooner_near(const bowl *s, const sgt_tile *tile, const m
     lane_sooner(s, false, tile, far_gone, tried);
 }
 
-/* What kinds of roots there are. */
-typedef struct side_kinds {
-    mask plain, blunt;
-} side_kinds;
-
 /* Is a direction such that a single ray is not scaled?  (Not all for which usual_direction is true.) */
 SGT_INLINE mask side_usual(const sgt_ray *ray)
 {
@@ -216,7 +218,25 @@ SGT_INLINE mask side_usual(const sgt_ray *ray)
     return MASK(d2 > 0x1p-76) & MASK(d2 < 0x1p80);
 }
 
-SGT_INLINE side_kinds lane_side(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
+/* Returns all bits set if any of the rays may be tried before. */
+SGT_INLINE mask lane_guess(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const bowl own = *self, *s = &own;
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        side_guess a = side_guess_of(s, first, &ray);
+        r->at[i] = a.at, r->away[i] = a.away & side_usual(&ray);
+        any |= a.tried;
+    }
+    return any;
+}
+
+/* met_from_side of all rays. */
+SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, lane_to to, side_room *r)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
@@ -226,101 +246,45 @@ SGT_INLINE side_kinds lane_side(const bowl *self, bool first, const sgt_tile *ti
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        side_origin q = side_origin_of(&ray);
-        r->x[i] = q.x, r->y[i] = q.y, r->z[i] = q.z, r->t0[i] = q.t0;
-    }
-    mask plain = 0, blunt = 0;
-    _Pragma("omp simd reduction(| : plain, blunt)") for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        side_origin q = {r->x[i], r->y[i], r->z[i], r->t0[i]};
-        side_root a = side_root_of(s, first, &q, &ray, t_tol[i]);
-        mask usual = side_usual(&ray);
-        r->tau[i] = a.tau, r->tau_err[i] = a.tau_err, r->inverse[i] = a.inverse;
-        r->away[i] = a.away & usual, r->plain[i] = a.plain & usual, r->blunt[i] = a.blunt & usual;
-        plain |= a.plain, blunt |= a.blunt;
-    }
-    return (side_kinds){plain, blunt};
-}
-
-SGT_KERNEL
-static side_kinds conic_lanes_side_first(const bowl *s, const sgt_tile *tile, side_room *r)
-{
-    return lane_side(s, true, tile, r);
-}
-SGT_KERNEL
-static side_kinds conic_lanes_side_near(const bowl *s, const sgt_tile *tile, side_room *r)
-{
-    return lane_side(s, false, tile, r);
-}
-
-/* met_from_side of all rays. */
-SGT_KERNEL
-static void conic_lanes_plain(const bowl *self, const sgt_tile *tile, lane_to to, side_room *r)
-{
-    const sgt_rays rows = tile->rays;
-    const double *t_tol = tile->t_tol;
-    const bowl own = *self, *s = &own;
-    size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        side_origin q = {r->x[i], r->y[i], r->z[i], r->t0[i]};
-        side_root a = {
-            .tau = r->tau[i], .tau_err = r->tau_err[i], .inverse = r->inverse[i], .plain = r->plain[i]};
-        lane e = met_from_side(s, &q, &a, &ray, t_tol[i]);
-        LANE_STORE(to, i, e, LANE_RICH);
-    }
-}
-
-/* The same, and sharp_from_side of the blunt rays.  alone: the others have no answer. */
-SGT_INLINE void lane_sharp(const bowl *self, const sgt_tile *tile, bool alone, bool some, const mask *had,
-                           lane_to to, side_room *r)
-{
-    const sgt_rays rows = tile->rays;
-    const double *t_tol = tile->t_tol;
-    bowl own = *self, *s = &own;
-    size_t count = tile->n;
-    own.proof = false;
-    LANES for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        mask blunt = r->blunt[i];
-        double tau = r->tau[i], t0 = r->t0[i];
-        side_place e = sharp_of(s, t0 + tau, r->tau_err[i], blunt, &ray);
-        if (!alone) {
-            e.at.x = chosen(blunt, e.at.x, r->x[i]), e.at.y = chosen(blunt, e.at.y, r->y[i]);
-            e.at.z = chosen(blunt, e.at.z, r->z[i]), e.at.t0 = chosen(blunt, e.at.t0, t0);
-            e.tau = chosen(blunt, e.tau, tau), e.tau_err = chosen(blunt, e.tau_err, r->tau_err[i]);
-            e.inverse = chosen(blunt, e.inverse, r->inverse[i]), e.wanted |= r->plain[i];
-        }
-        lane met = side_hit(s, &e.at, e.tau, e.tau_err, e.inverse, e.wanted, &ray, t_tol[i]);
-        if (some) {
-            LANE_STORE_IF(to, i, met, ~had[i]);
-        } else
-            LANE_STORE(to, i, met, LANE_RICH);
+        side_answer a = met_from_side(s, first, r->at[i], &ray, t_tol[i]);
+        mask usual = side_usual(&ray) & ~r->away[i];
+        a.e.hit &= usual, r->away[i] |= a.away & usual;
+        LANE_STORE(to, i, a.e, LANE_RICH);
     }
 }
 
 SGT_KERNEL
-static void conic_lanes_sharp(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+static mask conic_lanes_guess_first(const bowl *s, const sgt_tile *tile, side_room *r)
 {
-    lane_sharp(s, tile, true, false, NULL, to, r);
+    return lane_guess(s, true, tile, r);
 }
 SGT_KERNEL
-static void conic_lanes_both(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+static mask conic_lanes_guess_near(const bowl *s, const sgt_tile *tile, side_room *r)
 {
-    lane_sharp(s, tile, false, false, NULL, to, r);
+    return lane_guess(s, false, tile, r);
 }
-/* The same for the rays that have no answer yet. */
 SGT_KERNEL
-static void conic_lanes_rest(const bowl *s, const sgt_tile *tile, const mask *had, lane_to to, side_room *r)
+static void conic_lanes_side_first(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
 {
-    lane_sharp(s, tile, false, true, had, to, r);
+    lane_side(s, true, tile, to, r);
+}
+SGT_KERNEL
+static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+{
+    lane_side(s, false, tile, to, r);
+}
+static mask conic_lanes_guess(const bowl *s, bool first, const sgt_tile *tile, side_room *r)
+{
+    return (first ? conic_lanes_guess_first : conic_lanes_guess_near)(s, tile, r);
 }
 
-/* met_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for); then
- * nothing else is tried for them.  Of the others it answers those that have no answer yet. */
+static void conic_lanes_side(const bowl *s, bool first, const sgt_tile *tile, lane_to to, side_room *r)
+{
+    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, to, r);
+}
+
+/* first_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for);
+ * then nothing else is tried for them.  Of the others it answers those that have no answer yet. */
 SGT_KERNEL
 static void conic_lanes_on(const bowl *self, const sgt_tile *tile, const mask *start, lane_to to, mask *away,
                            mask *tried)
@@ -332,7 +296,7 @@ static void conic_lanes_on(const bowl *self, const sgt_tile *tile, const mask *s
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        side_answer a = met_from_on(s, &ray, t_tol[i]);
+        side_answer a = first_from_on(s, start[i], &ray, t_tol[i]);
         mask usual = side_usual(&ray), at_once = start[i] & usual & (a.e.hit | a.away),
              had = (to.hit[i] | away[i] | ~usual) & ~at_once;
         LANE_STORE_IF(to, i, a.e, ~had);
@@ -341,17 +305,42 @@ static void conic_lanes_on(const bowl *self, const sgt_tile *tile, const mask *s
     }
 }
 
-/* Which rays start on the surface, and which of them certainly miss? */
+/* leaves_from of all rays.  Returns true if all of them miss, and their sides are known. */
 SGT_KERNEL
-static void conic_lanes_leave(const bowl *self, const sgt_tile *tile, mask *start, mask *away)
+static bool conic_lanes_leave(const bowl *self, const sgt_tile *tile, leave_room *room)
 {
     const bowl own = *self, *s = &own;
     const sgt_rays rows = tile->rays;
     size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        side_start q = leaves_from(s, &ray);
+        mask usual = side_usual(&ray), met = q.met & usual, away = q.away & usual;
+        room->start[i] = q.start, room->away[i] = away, room->met[i] = met;
+        room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->inverse[i] = q.inverse;
+        room->behind[i] = q.behind;
+        all &= away & MASK(q.behind != 0);
+    }
+    return all != 0;
+}
+
+/* The answers to the rays that have met it. */
+SGT_KERNEL
+static void conic_lanes_left(const bowl *self, const sgt_tile *tile, lane_to to, const leave_room *room)
+{
+    const bowl own = *self, *s = &own;
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        start[i] = starts_on(s, &ray), away[i] = leaves_from(s, &ray).away & side_usual(&ray);
+        const side_place r =
+            left_in_doubles(s, room->few[0][i], room->few[1][i], room->few[2][i], room->few_met[i], &ray);
+        lane e = side_hit(s, &r.at, r.tau, r.tau_err, r.inverse, r.wanted, &ray, t_tol[i]);
+        LANE_STORE(to, i, e, LANE_RICH);
     }
 }
 
@@ -393,7 +382,7 @@ static void conic_lanes_started(const bowl *self, const sgt_tile *tile, lane_to 
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        side_answer a = met_from_on(s, &ray, t_tol[i]);
+        side_answer a = first_from_on(s, MASK(true), &ray, t_tol[i]);
         mask start = starts_on(s, &ray) & side_usual(&ray);
         a.e.hit &= start;
         LANE_STORE(to, i, a.e, LANE_RICH);
@@ -429,11 +418,8 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
 {
     side_room r;
     lane_to to = lane_to_of(tile, &r.ends);
-    memset(r.ends.hit, 0, tile->n * sizeof *r.ends.hit); /* rays that no loop below answers have none */
-    memset(r.away, 0, tile->n * sizeof *r.away);
-    side_kinds is = first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
-    if (!is.blunt) conic_lanes_plain(s, tile, to, &r);
-    else (is.plain ? conic_lanes_both : conic_lanes_sharp)(s, tile, to, &r);
+    conic_lanes_guess(s, first, tile, &r);
+    conic_lanes_side(s, first, tile, to, &r);
     if (start) conic_lanes_on(s, tile, start, to, r.away, tried);
     return side_status(tile, r.ends.hit, r.away, tried);
 }
@@ -446,56 +432,110 @@ SGT_NOINLINE static size_t conic_lanes_on_first(const bowl *s, const sgt_tile *t
     return side_status(tile, ends.hit, away, NONE);
 }
 
-/* The same for the hard rays of a tile alone: they are put side by side.  far_gone, start: of all rays, as in
- * verdicts; they are put side by side as well.  out: rows that are free. */
+/* The hard rays of a tile, side by side.  The last one fills the lanes up to a multiple of eight. */
+typedef struct few_rays {
+    size_t n;
+    sgt_tile tile; /* n, and the lanes filled up */
+    double ray[9][SGT_TILE];
+    int evals[SGT_TILE];
+    sgt_status status[SGT_TILE];
+    unsigned char number[SGT_TILE];
+} few_rays;
+
+/* out: rows that are free. */
+static void take_few(const sgt_tile *tile, double out[][SGT_TILE], few_rays *f)
+{
+    const sgt_rays *of = &tile->rays;
+    const double *const from[9] = {of->o[0], of->o[1], of->o[2],  of->d[0],   of->d[1],
+                                   of->d[2], of->tmin, of->tmax, tile->t_tol};
+    double(*ray)[SGT_TILE] = f->ray;
+    size_t n = 0, lanes;
+    for (size_t i = 0; i < tile->n; i++)
+        if (tile->hits.status[i] == SGT_HARD) f->number[n++] = (unsigned char)i;
+    for (lanes = n; lanes % 8 != 0; lanes++) f->number[lanes] = f->number[n - 1];
+    for (size_t j = 0; j < lanes; j++) {
+        const size_t i = f->number[j];
+        UNROLLED for (int k = 0; k < 9; k++) ray[k][j] = from[k][i];
+    }
+    f->n = n;
+    f->tile = (sgt_tile){.n = lanes,
+                         .rays = {.o = {ray[0], ray[1], ray[2]},
+                                  .d = {ray[3], ray[4], ray[5]},
+                                  .tmin = ray[6],
+                                  .tmax = ray[7]},
+                         .t_tol = ray[8],
+                         .hits = {.status = f->status,
+                                  .evals = f->evals,
+                                  .t = out[0],
+                                  .t_err = out[1],
+                                  .t_lo = out[2],
+                                  .p = {out[3], out[4], out[5]},
+                                  .n = {out[6], out[7], out[8]},
+                                  .p_err = out[9]}};
+}
+
+/* Their answers.  Returns how many have none. */
+static size_t give_few(const sgt_tile *tile, double out[][SGT_TILE], const few_rays *f)
+{
+    const sgt_hits *h = &tile->hits;
+    const lane_outputs wanted = lane_outputs_of(h);
+    double unwanted[SGT_TILE], *to[10];
+    size_t left = 0;
+    for (int k = 0; k < 10; k++) to[k] = wanted.of[k] ? wanted.of[k] : unwanted;
+    for (size_t j = 0; j < f->n; j++) {
+        const size_t i = f->number[j];
+        h->status[i] = f->status[j], left += f->status[j] == SGT_HARD;
+        UNROLLED for (int k = 0; k < 10; k++) to[k][i] = out[k][j];
+    }
+    for (size_t j = 0; h->evals && j < f->n; j++) h->evals[f->number[j]] = f->evals[j];
+    return left;
+}
+
+/* The same for the hard rays of a tile alone.  far_gone, start: of all rays, as in verdicts; they are put
+ * side by side as well.  out: rows that are free. */
 SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, const sgt_tile *tile,
                                            mask *far_gone, mask *start,
                                            double out[][SGT_TILE])
 {
-    double ray[9][SGT_TILE];
+    few_rays few;
     mask tried[SGT_TILE], any = 0;
-    int evals[SGT_TILE];
-    sgt_status status[SGT_TILE];
-    unsigned char number[SGT_TILE];
-    size_t n = 0, left;
-    const sgt_rays *of = &tile->rays;
-    const sgt_hits *h = &tile->hits;
-    const double *const from[9] = {of->o[0], of->o[1], of->o[2],  of->d[0],   of->d[1],
-                                   of->d[2], of->tmin, of->tmax, tile->t_tol};
-    for (size_t i = 0; i < tile->n; i++)
-        if (h->status[i] == SGT_HARD) number[n++] = (unsigned char)i;
-    for (int k = 0; k < 9; k++)
-        for (size_t j = 0; j < n; j++) ray[k][j] = from[k][number[j]];
-    for (size_t j = 0; j < n; j++) {
-        size_t i = number[j]; /* j at least */
+    take_few(tile, out, &few);
+    const size_t n = few.tile.n;
+    for (size_t j = 0; j < few.n; j++) {
+        size_t i = few.number[j]; /* j at least */
         far_gone[j] = first ? far_gone[i] | start[i] : MASK(true);
         any |= start[i], start[j] = first ? start[i] : 0;
     }
-    left = n;
-    sgt_tile few = {.n = n,
-                    .rays = {.o = {ray[0], ray[1], ray[2]},
-                             .d = {ray[3], ray[4], ray[5]},
-                             .tmin = ray[6],
-                             .tmax = ray[7]},
-                    .t_tol = ray[8],
-                    .hits = {.status = status,
-                             .evals = evals,
-                             .t = out[0],
-                             .t_err = out[1],
-                             .t_lo = out[2],
-                             .p = {out[3], out[4], out[5]},
-                             .n = {out[6], out[7], out[8]},
-                             .p_err = out[9]}};
-    if (first && any) left = conic_lanes_on_first(s, &few, tried); /* mostly that is all */
-    if (8 * left > n && conic_lanes_tried(s, &few, far_gone, tried))
-        (first ? conic_lanes_sooner_first : conic_lanes_sooner_near)(s, &few, far_gone, tried);
-    if (8 * left > n) left = conic_lanes_beside(s, first, &few, any ? start : NULL, tried);
-    const lane_outputs to = lane_outputs_of(h);
-    for (size_t j = 0; j < n; j++) h->status[number[j]] = status[j];
-    for (size_t j = 0; h->evals && j < n; j++) h->evals[number[j]] = evals[j];
-    for (int k = 0; k < 10; k++)
-        for (size_t j = 0; to.of[k] && j < n; j++) to.of[k][number[j]] = out[k][j];
-    return left;
+    for (size_t j = few.n; j < n; j++) far_gone[j] = far_gone[few.n - 1], start[j] = start[few.n - 1];
+    size_t left = n;
+    if (first && any) left = conic_lanes_on_first(s, &few.tile, tried); /* mostly that is all */
+    if (8 * left > n && conic_lanes_tried(s, &few.tile, far_gone, tried))
+        (first ? conic_lanes_sooner_first : conic_lanes_sooner_near)(s, &few.tile, far_gone, tried);
+    if (8 * left > n) conic_lanes_beside(s, first, &few.tile, any ? start : NULL, tried);
+    return give_few(tile, out, &few);
+}
+
+/* The first roots of rays of which some are not known to miss.  Returns how many are left.  (The rows of the
+ * rays of which leaves_from knows that they have met it are put side by side, too.) */
+SGT_NOINLINE static size_t lane_left_over(const bowl *s, const sgt_tile *tile, leave_room *room,
+                                          double out[][SGT_TILE])
+{
+    few_rays few;
+    size_t left = side_status(tile, NONE, room->away, NONE);
+    lane_nothing(tile);
+    if (left) {
+        take_few(tile, out, &few);
+        for (size_t j = 0; j < few.tile.n; j++) {
+            size_t i = few.number[j]; /* j at least, but for the last */
+            room->few[0][j] = room->tau[i], room->few[1][j] = room->tau_err[i];
+            room->few[2][j] = room->inverse[i], room->few_met[j] = room->met[i];
+        }
+        conic_lanes_left(s, &few.tile, lane_to_of(&few.tile, &room->ends), room);
+        side_status(&few.tile, room->ends.hit, NONE, NONE);
+        left = give_few(tile, out, &few);
+    }
+    memset(room->met, 0xff, tile->n * sizeof *room->met);
+    return left ? conic_lanes_few(s, true, tile, room->met, room->start, out) : 0;
 }
 
 /* The first roots of a tile whose rays start on the surface.  Returns false, and answers nothing, if most do
@@ -503,15 +543,12 @@ SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, const sgt_
 SGT_NOINLINE static bool conic_lanes_leaving(const bowl *s, const sgt_tile *tile, double out[][SGT_TILE],
                                              size_t *hard)
 {
-    mask start[SGT_TILE], away[SGT_TILE], gone[SGT_TILE];
+    leave_room room;
     size_t n = tile->n, starts = 0;
-    conic_lanes_leave(s, tile, start, away);
-    for (size_t i = 0; i < n; i++) starts += start[i] != 0;
+    conic_lanes_leave(s, tile, &room);
+    for (size_t i = 0; i < n; i++) starts += room.start[i] != 0;
     if (2 * starts < n) return false;
-    lane_nothing(tile);
-    memset(gone, 0xff, n * sizeof *gone);
-    *hard = side_status(tile, NONE, away, NONE);
-    if (*hard) *hard = conic_lanes_few(s, true, tile, gone, start, out);
+    *hard = lane_left_over(s, tile, &room, out);
     return true;
 }
 
@@ -580,56 +617,35 @@ static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_t
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
 }
 
-/* May the first ray run along the surface?  Then all are tried from the side at once. */
-SGT_INLINE bool runs_along(const sgt_tile *tile)
+/* Does the first ray run along the surface?  Then all are tried from the side at once. */
+SGT_INLINE bool runs_along(const bowl *s, const sgt_tile *tile)
 {
-    double l = tile->rays.d[0][0], m = tile->rays.d[1][0], n = tile->rays.d[2][0];
-    return 8 * (n * n) < l * l + m * m;
+    const sgt_rays rows = tile->rays;
+    const sgt_ray ray = lane_ray_of(&rows, 0);
+    return ray.d.z * ray.d.z < ray.d.x * ray.d.x + ray.d.y * ray.d.y && !easy_tries(s, MASK(true), &ray);
 }
 
 /* A tile that runs along the surface: rays from the side first, then misses.  Returns false if a single ray
- * would try more than an eighth of them from the vertex plane; then nothing is answered. */
+ * would try more than an eighth of them from the vertex plane, or from on the surface; then nothing is
+ * answered. */
 SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_tile *tile, size_t *hard)
 {
-    const sgt_rays rows = tile->rays;
     sgt_status *status = tile->hits.status;
     mask tried[SGT_TILE], away[SGT_TILE], start[SGT_TILE];
-    size_t sooner = 0, n = tile->n;
-    const sgt_ray ray = lane_ray_of(&rows, 0);
-    if (easy_tries(s, MASK(true), &ray)) return false; /* mostly they all do */
-    memset(away, 0xff, n * sizeof *away);
-    if (conic_lanes_tried(s, tile, away, tried))
+    size_t n = tile->n, sooner = 0;
+    side_room r;
+    memset(away, 0xff, n * sizeof *away), memset(tried, 0, n * sizeof *tried);
+    if (conic_lanes_guess(s, first, tile, &r) && conic_lanes_tried(s, tile, away, tried))
         for (size_t i = 0; i < n; i++) sooner += tried[i] != 0;
     if (8 * sooner > n) return false;
-    *hard = conic_lanes_beside(s, first, tile, NULL, tried);
+    conic_lanes_side(s, first, tile, lane_to_of(tile, &r.ends), &r);
+    *hard = side_status(tile, r.ends.hit, r.away, tried);
     if (8 * *hard <= n) return true;
     conic_lanes_away(s, tile, away, tried, start);
     for (size_t i = 0; i < n; i++) {
         if (status[i] != SGT_HARD || !away[i]) continue;
         status[i] = SGT_MISS, --*hard;
     }
-    return true;
-}
-
-/* A tile of which some rays run along the surface, and the others have their answer: the rest from the side.
- * As above, false if more than an eighth would be tried before. */
-SGT_NOINLINE static bool conic_lanes_partly(const bowl *s, bool first, const sgt_tile *tile, size_t *hard)
-{
-    side_room r;
-    lane_to to = lane_to_of(tile, &r.ends);
-    mask tried[SGT_TILE], had[SGT_TILE];
-    size_t n = tile->n, sooner = 0;
-    memset(r.away, 0xff, n * sizeof *r.away);
-    conic_lanes_tried(s, tile, r.away, tried);
-    for (size_t i = 0; i < n; i++) {
-        had[i] = MASK(tile->hits.status[i] == SGT_HIT);
-        tried[i] &= ~had[i], sooner += tried[i] != 0;
-    }
-    if (8 * sooner > n) return false;
-    memcpy(r.ends.hit, had, n * sizeof *had);
-    first ? conic_lanes_side_first(s, tile, &r) : conic_lanes_side_near(s, tile, &r);
-    conic_lanes_rest(s, tile, had, to, &r);
-    *hard = side_status(tile, r.ends.hit, r.away, tried);
     return true;
 }
 
@@ -657,7 +673,8 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     bool hollow =
         first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be first */
     size_t hard = tile->n;
-    if (runs_along(tile) && c != 0 && !s.proof && from == AWAY && conic_lanes_along(&s, first, tile, &hard))
+    if (c != 0 && !s.proof && from == AWAY && runs_along(&s, tile) &&
+        conic_lanes_along(&s, first, tile, &hard))
         return hard;
     const bool at_once = first && !s.proof;
     if (at_once && from == LEAVING && !in_vertex(tile)) {
@@ -675,9 +692,6 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
                      : lane_near(&s, wish, nearby, tile, &room.easy);
     }
     if (8 * hard <= tile->n) return hard; /* one by one */
-    if (runs_along(tile) && c != 0 && !s.proof && from == AWAY && !later && !nearby &&
-        conic_lanes_partly(&s, first, tile, &hard) && 8 * hard <= tile->n)
-        return hard;
     if (c == 0) conic_lanes_plane_away(&s, tile, away);
     else
         conic_lanes_away(&s, tile, away, far_gone, start);
@@ -735,6 +749,71 @@ void sgt_conic_behind(double c, double k, size_t n, const sgt_rays *rays, double
         conic_lanes_behind(&s, n, rays, side);
     else
         memset(side, 0, n * sizeof *side);
+}
+
+/* A plane: rays that start in it meet nothing else, and F is z.  Returns true if that is known of all. */
+SGT_KERNEL
+static bool conic_lanes_plane_leave(const sgt_tile *tile, double *restrict behind)
+{
+    const sgt_rays rows = tile->rays;
+    const double *x = rows.o[0], *y = rows.o[1], *z = rows.o[2], *l = rows.d[0], *m = rows.d[1],
+                 *n = rows.d[2], *tmax = rows.tmax;
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)
+    {
+        double n2 = n[i] * n[i], d2 = (l[i] * l[i] + m[i] * m[i]) + n2, r2 = x[i] * x[i] + y[i] * y[i];
+        mask leaves = MASK(z[i] == 0) & MASK(n2 > 0x1p-200) & MASK(d2 < 0x1p200) & MASK(r2 < 0x1p600) &
+                      MASK(tmax[i] > 0);
+        behind[i] = chosen(leaves, copysign(1, n[i]), 0);
+        all &= leaves;
+    }
+    return all != 0;
+}
+
+/* The tile of a plane.  Returns how many are left. */
+static size_t plane_leave(const sgt_tile *tile, double behind[])
+{
+    size_t hard = 0;
+    if (conic_lanes_plane_leave(tile, behind)) memset(tile->hits.status, SGT_MISS, tile->n);
+    else
+        for (size_t i = 0; i < tile->n; i++) {
+            tile->hits.status[i] = behind[i] != 0 ? SGT_MISS : SGT_HARD;
+            hard += behind[i] == 0;
+        }
+    lane_nothing(tile);
+    if (tile->hits.evals) memset(tile->hits.evals, 0, tile->n * sizeof *tile->hits.evals);
+    return hard;
+}
+
+size_t sgt_conic_leave(double c, double k, double semi_diameter, const sgt_tile *tile, double behind[])
+{
+    bowl s;
+    leave_room room;
+    double out[10][SGT_TILE];
+    size_t n = tile->n, off = 0, hard;
+    sgt_status *status = tile->hits.status;
+    memset(status, SGT_HARD, n);
+    if (!conic_valid(c, k, semi_diameter) || !bowl_of(c, k, rim2_of(semi_diameter), false, &s)) return n;
+    if (c == 0) return plane_leave(tile, behind);
+    bool all = conic_lanes_leave(&s, tile, &room);
+    memcpy(behind, room.behind, n * sizeof *behind);
+    if (all) {
+        lane_nothing(tile);
+        memset(status, SGT_MISS, n);
+        if (tile->hits.evals) memset(tile->hits.evals, 0, n * sizeof *tile->hits.evals);
+        return 0;
+    }
+    for (size_t i = 0; i < n; i++) off += !room.start[i] | (behind[i] == 0); /* not known to be on it */
+    if (8 * off > n) return n;
+    for (size_t i = 0; off && i < n; i++) behind[i] = room.start[i] ? behind[i] : 0;
+    hard = lane_left_over(&s, tile, &room, out);
+    for (size_t i = 0; off && i < n; i++) {
+        if (behind[i] != 0) continue;
+        hard += status[i] != SGT_HARD;
+        status[i] = SGT_HARD;
+    }
+    return hard;
 }
 
 /* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root

@@ -6,45 +6,46 @@
  * WHY.  Such a ray meets the vertex plane far from its root.  Seen from there the terms of the equation
  * cancel, and the root that comes first is the far one: easy.h leaves it.
  *
- * THE EQUATION is that of conic.c.  The local origin (x, y, z) = o + t0 d is right to u of each coordinate
- * (moved_along in num/local.h), and t0 is a double.  With Aa, Ba and Ca the sums of the magnitudes of the
+ * THE EQUATION is that of conic.c.  The local origin (x, y, z) = o + t0 d is right to u of each coordinate,
+ * and t0 is a double.  With Aa, Ba and Ca the sums of the magnitudes of the
  * terms, A is off by 4 u Aa, B by 7 u Ba and C by 7 u Ca:
  *     A   k1, its product, the sum (by fma), c                                        4
  *     B   (1 + k) z n: z, k1, two products; three sums at most, by c (fma), |n|       7
  *     C   (1 + k) z^2: z twice, k1, two products; the sum, by c (fma), 2 z            7
- * Rounding of D = B^2 - A C, by u (|A C| + D), moves the root as another u of Aa and of Ca would, and by u
- * / 2 of itself: |A C| <= b^2.  So to first order
- *     |dtau| <= u ((2.5 Aa tau^2 + 7 Ba |tau| + 4 Ca) / S + 3 |tau|),    S = sqrt D.
- * Only rays with D > 2^-24 (Ba^2 + Aa Ca) and |A| > 2^-10 Aa are met: down to 0.01 degrees from the surface.
- * There D is off by 15 u (Ba^2 + Aa Ca), a part in 2^25 of itself.  |A tau| is at most twice the root of
- * Ba^2 + Aa Ca, so |A dtau| is below 2^-15 S.  A factor of 1.01 covers the higher orders, and the roots, 2
- * S / |A| apart, are not confused.
+ * So where D = B^2 - A C is below -2^-20 (Ba^2 + Aa Ca), there is no root.
  *
- * WHICH ROOT.  The earlier root is the first one, unless it is certainly not accepted: off the sheet, beyond
- * the rim, or before or behind the ends, by a part in 2^20 and more than dtau (side_gone).  If neither is
- * accepted, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met
- * here, but by met_from_on.
+ * WHICH ROOT.  Its two roots are known in doubles, roughly: S is a difference, and where the ray runs along
+ * the surface they may be off by thousands of u.  One of them is guessed to be the answer (side_guess_of),
+ * and t is a double near it.  A guess affects only whether there is an answer: all that follows is certain
+ * by itself, seen from the point at t.
  *
- * Near the seed a root that is gone leaves the other.  If none is, the root near the vertex plane is
- * wanted, C / b from there (conic.c).  It has A tau - B of the sign of -B, with B taken at that plane.  B
- * falls by A tau along the ray, so there it is B + A z / n.
- *
- * SHARP.  Where the ray runs along the surface S is small, and C is a difference: tau is off by thousands
- * of u.  Or the terms here are more than twice those at the root.  Then the root is solved for once more,
- * from the point at t0 + tau, which is a double.  Its coordinates are known to 4 u^2 of themselves, as X.hi +
- * X.lo.  C is summed with the errors of its products and sums (Ogita, Rump, Oishi 2005, SIAM J. Sci. Comput.
- * 26, 1955): it is off by u |C| and by
+ * FROM THERE the terms of the equation do not cancel.  The coordinates are known to 4 u^2 of themselves, as
+ * X.hi + X.lo.  C is summed with the errors of its products and sums (Ogita, Rump, Oishi 2005, SIAM J. Sci.
+ * Comput. 26, 1955): it is off by u |C| and by
  *     49 u^2 |c| (X^2 + Y^2 + |1 + k| Z^2): the coordinates 8, the parts of (1 + k) Z^2 19 at most, the sum
  *         of what is lost, 11 u in all, 22,
  *     9 u^2 of the same by the product with c, and 15 u^2 (|c| (...) + 2 |Z|) by the sums with -2 Z,
  * together by 75 u^2 Ca; 128 is taken.  With e = A C / B^2 the root is
  *     tau = B / A (1 - sqrt(1 - e)) = C / B (1/2 + e / 8 + e^2 / 16 + ...),
  * and |e| <= 2^-13 leaves 2^-42 of it.  B is off by 7 u Ba.  So where Ba <= 2^12 |B| the quotient is right to
- * 2^16 u, and tau is off by 64 u^2 Ca / |B| more.  What is left has to be within the first bound, and an ulp
- * of t small beside the distance of the roots, or it may be the other root.
+ * 2^16 u, and tau is off by 64 u^2 Ca / |B| more.  An ulp of t has to be small beside the distance of the
+ * roots, which are equal and opposite in slope: G' is -B at the one, and B at the other.
  *
- * THE POINT.  Rounding of x and y takes it off the surface by u of |x F_x| + |y F_y|.  Where that is more
- * than 4 |z| (a strongly oblate conic) the careful form computes z anew.
+ * THE OTHER ROOT is at 2 B / A - tau.  B is right to 2^-38 of itself, and A to 2^-40 where |A| > 2^-10 Aa: so
+ * 2 B / A is, to 2^-37.  It is the later one if that is positive.  If not, the root is the first one only if
+ * the other is certainly not accepted: off the sheet, beyond the rim, or before or behind the ends, by a part
+ * in 2^20 and more than it is off (side_gone; low, near: its point is known well enough).  If neither is
+ * accepted, or if D is below -2^-20 of its terms, the ray misses.  A root that may be the start is not met
+ * here, but by first_from_on.
+ *
+ * Near the seed the root near the vertex plane is wanted, C / b from there (conic.c), unless it is gone.  It
+ * has A tau - B of the sign of -B, with B taken at that plane.  B falls by A tau along the ray, so there it
+ * is B + A Z / n.
+ *
+ * THE POINT.  From very far away an ulp of t is a large step.  So the terms at t have to be at most twice
+ * those at the root, or the step rounds by more than these.  Rounding of x and y takes it off the surface by
+ * u of |x F_x| + |y F_y|.  Where that is more than 4 |z| (a strongly oblate conic) the careful form computes
+ * z anew.
  *
  * THE RIM is stated in computed numbers.  The point is off by no more than 64 u rims by tau, and a few u r
  * by its own rounding.  So its r^2 is within 140 u of the true one, less than what easy.h counts with
@@ -81,74 +82,39 @@ SGT_INLINE mask side_gone(const bowl *s, const side_origin *q, double tau, doubl
            MASK(t - slack > tmax) | MASK(t + slack < tmin);
 }
 
-/* The bound on dtau; by: 1.01 u / S. */
-SGT_INLINE double side_error(double Aa, double Ba, double Ca, double by, double tau)
-{
-    double size = fabs(tau);
-    return sgt_fma(by, sgt_fma(sgt_fma(2.5 * Aa, size, 7 * Ba), size, 4 * Ca), 3.1 * SGT_U * size);
-}
+/* Which root may be the answer: it is near t = at.  away: the ray certainly misses.  tried: may the easy form
+ * try it, or does it start on the surface?  (D is the same from each point of a ray.) */
+typedef struct side_guess {
+    double at;
+    mask away, tried;
+} side_guess;
 
-/* Which root is the answer: that at t0 + tau, off by tau_err; inverse: 1 / |G'| there.
- *
- *   away   the ray certainly misses
- *   plain  it is the answer, and t is sharp (met_from_side)
- *   blunt  it is the answer, and t is not sharp (sharp_from_side) */
-typedef struct side_root {
-    double tau, tau_err, inverse;
-    mask away, plain, blunt;
-} side_root;
-
-SGT_INLINE side_origin side_origin_of(const sgt_ray *ray)
+SGT_INLINE side_guess side_guess_of(const bowl *s, bool first, const sgt_ray *ray)
 {
     const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    double t0 = -(ox * l + oy * m + oz * n) / (l * l + m * m + n * n);
-    return (side_origin){moved_along(ox, t0, l), moved_along(oy, t0, m), moved_along(oz, t0, n), t0};
-}
-
-SGT_INLINE side_root side_root_of(const bowl *s, bool first, const side_origin *q, const sgt_ray *ray,
-                                  double t_tol)
-{
-    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
-    double a = l * l + m * m, n2 = n * n, x = q->x, y = q->y, z = q->z, t0 = q->t0;
+    double a = l * l + m * m, n2 = n * n, t0 = -(ox * l + oy * m + oz * n) / (a + n2), x = sgt_fma(t0, l, ox),
+           y = sgt_fma(t0, m, oy), z = sgt_fma(t0, n, oz);
     double xl = x * l, ym = y * m, kz = s->k1 * z, kzn = kz * n, kzz = kz * z, r2 = x * x + y * y;
     double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym + kzn, n),
            C = sgt_fma(s->c, r2 + kzz, -2 * z);
     double Aa = sgt_fma(s->extra, n2, fabs(A)),
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
            Ca = sgt_fma(s->abs_c, r2 + fabs(kzz), 2 * fabs(z));
-    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * Ca), S = sqrt(larger(D, 0)),
-           b = B + copysign(S, B), one = C / b, other = b / A, by = 1.01 * SGT_U / S,
-           across = fabs(l) + fabs(m);
+    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * Ca), b = B + copysign(sqrt(D), B),
+           one = C / b, other = b / A;
     /* The last: NaN if both ends are the same infinity. */
-    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(fabs(t0) < 0x1p300) & MASK(tmax - tmin >= 0),
-         two = usual & MASK(D > 0x1p-24 * size) & MASK(fabs(A) > 0x1p-10 * Aa);
-    mask swapped = MASK(other < one);
-    double early = chosen(swapped, other, one), late = chosen(swapped, one, other),
-           early_err = side_error(Aa, Ba, Ca, by, early), late_err = side_error(Aa, Ba, Ca, by, late),
-           coarse = larger(across * (0x1p69 / s->reach), fabs(s->ck * n) * 0x1p10);
-    mask no_early = two & MASK(early_err * coarse <= 1) & side_gone(s, q, early, early_err, ray),
-         no_late = two & MASK(late_err * coarse <= 1) & side_gone(s, q, late, late_err, ray);
-    mask second = no_early, known = two & ~(no_early & no_late);
-    if (!first) {
-        double at = z / n, slope = sgt_fma(A, at, B);
-        known &= no_early | no_late | MASK(fabs(slope) > 0x1p-20 * sgt_fma(Aa, fabs(at), Ba));
-        second |= MASK(A * slope < 0) & ~no_late;
-    }
-    double tau = chosen(second, late, early), size_tau = fabs(tau), t = t0 + tau,
-           tau_err = chosen(second, late_err, early_err), t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err);
-    double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = sgt_fma(tau, n, z), w = s->ck * pz,
-           cr2 = s->abs_c * (px * px + py * py), spread = Aa * (tau * tau) + 2 * (Ba * size_tau) + Ca,
-           terms = cr2 + fabs(pz) * (2 + fabs(w));
-    known &= MASK(fabs(w) < 1 - 0x1p-8) & MASK(cr2 <= 4 * fabs(pz) * (1 - w));
-    mask plain = MASK(spread <= 2 * terms) & MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach) &
-                 MASK(t_err <= larger(40 * SGT_U * fabs(t), t_tol));
-    if (s->proof) plain &= MASK((Aa + Aa) * t_err < S);
-    return (side_root){.tau = tau,
-                       .tau_err = tau_err,
-                       .inverse = by * (1 / (1.01 * SGT_U)),
-                       .away = (usual & MASK(D < -0x1p-20 * size)) | (no_early & no_late),
-                       .plain = known & plain,
-                       .blunt = known & ~plain};
+    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(fabs(t0) < 0x1p300) &
+                 MASK(ray->tmax - ray->tmin >= 0),
+         swapped = MASK(other < one);
+    double early = chosen(swapped, other, one), late = chosen(swapped, one, other);
+    const side_origin q = {x, y, z, t0};
+    mask second = side_gone(s, &q, early, 0, ray);
+    if (!first)
+        second |= MASK(A * sgt_fma(A, z / n, B) < 0) & ~side_gone(s, &q, late, 0, ray);
+    double slack = 0x1p-40 * size;
+    mask tried = MASK(D - slack <= 16 * n2) & MASK(4 * (D + slack) > s->flat * a * (1 - 0x1p-20));
+    return (side_guess){t0 + chosen(second, late, early), usual & MASK(D < -0x1p-20 * size),
+                        tried | starts_on(s, ray)};
 }
 
 /* Such a root at (x, y, z) + tau d, where |G'| is 1 / |inverse|. */
@@ -173,13 +139,6 @@ SGT_INLINE lane side_hit(const bowl *s, const side_origin *q, double tau, double
     return e;
 }
 
-/* The answer of a plain root. */
-SGT_INLINE lane met_from_side(const bowl *s, const side_origin *q, const side_root *r, const sgt_ray *ray,
-                              double t_tol)
-{
-    return side_hit(s, q, r->tau, r->tau_err, r->inverse, r->plain, ray, t_tol);
-}
-
 /* A root as side_hit takes it; wanted: it is the answer. */
 typedef struct side_place {
     side_origin at;
@@ -187,8 +146,14 @@ typedef struct side_place {
     mask wanted;
 } side_place;
 
-/* SHARP.  A blunt root once more, from the point at `at`, where it was found to within `off`. */
-SGT_INLINE side_place sharp_of(const bowl *s, double at, double off, mask blunt, const sgt_ray *ray)
+/* A root, and whether the ray certainly misses. */
+typedef struct side_left {
+    side_place root;
+    mask away;
+} side_left;
+
+/* The root near t = at.  away: neither root is accepted. */
+SGT_INLINE side_left side_root_at(const bowl *s, bool first, double at, const sgt_ray *ray)
 {
     const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
     twofold X = place_of_root(ox, at, l), Y = place_of_root(oy, at, m), Z = place_of_root(oz, at, n),
@@ -205,29 +170,45 @@ SGT_INLINE side_place sharp_of(const bowl *s, double at, double off, mask blunt,
            B = sgt_fma(-s->c, xl + ym + kzn, n), by = 1 / B,
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
            Ca = sgt_fma(s->abs_c, r2.hi + fabs(kzz.hi), 2 * fabs(Z.hi)), q = C * by, e = A * by * q,
-           tau = q * sgt_fma(e, sgt_fma(0.0625, e, 0.125), 0.5), size = fabs(B),
+           tau = q * sgt_fma(e, sgt_fma(0.0625, e, 0.125), 0.5), size = fabs(B), across = fabs(l) + fabs(m),
            tau_err = 1.01 * SGT_U * sgt_fma(64 * SGT_U * Ca, fabs(by), 0x1p16 * fabs(tau)),
-           rounded = SGT_U * fabs(at), t_err = sgt_fma(1.01 * SGT_U, fabs(at + tau), tau_err);
-    mask same = MASK(fabs(tau) <= 2 * (off + rounded)) & MASK(rounded * fabs(A) <= 0x1p-10 * size) &
-                MASK(fabs(e) <= 0x1p-13) & MASK(Ba <= 0x1p12 * size) & MASK(Ca > 0x1p-400) &
-                MASK(Ca < 0x1p400) & MASK(tau_err * (fabs(l) + fabs(m)) * 0x1p46 <= 64 * SGT_U * s->reach);
-    if (s->proof) same &= MASK(2.1 * Aa * t_err < size);
-    return (side_place){{X.hi, Y.hi, Z.hi, at}, tau, tau_err, by, blunt & same};
+           t_err = sgt_fma(1.01 * SGT_U, fabs(at + tau), tau_err), far = 2 * B / A, to_far = fabs(far);
+    const side_origin here = {X.hi, Y.hi, Z.hi, at};
+    mask known = MASK(SGT_U * fabs(at) * Aa <= 0x1p-10 * size) & MASK(fabs(e) <= 0x1p-13) &
+                 MASK(Ba <= 0x1p12 * size) & MASK(fabs(A) > 0x1p-10 * Aa) & MASK(Ca > 0x1p-400) &
+                 MASK(Ca < 0x1p400) & MASK(ray->tmax - ray->tmin >= 0) &
+                 MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach),
+         low = MASK(fabs(s->ck * (far * n)) <= 0x1p20), near = MASK(to_far * across <= 0x1p-33 * s->reach),
+         far_gone = low & near & side_gone(s, &here, far - tau, 0x1p-36 * to_far, ray),
+         right = far_gone | MASK(far > 0);
+    if (!first) {
+        double slope = sgt_fma(A, Z.hi / n, B);
+        right = far_gone |
+                (MASK(B * slope > 0) & MASK(fabs(slope) > 0x1p-20 * sgt_fma(Aa, fabs(Z.hi / n), Ba)));
+    }
+    if (s->proof) known &= MASK(2.1 * Aa * t_err < size);
+    double px = sgt_fma(tau, l, X.hi), py = sgt_fma(tau, m, Y.hi), pz = sgt_fma(tau, n, Z.hi), w = s->ck * pz,
+           cr2 = s->abs_c * (px * px + py * py);
+    mask round = MASK(cr2 <= 4 * fabs(pz) * (1 - w)) &
+                 MASK(sgt_fma(Ba + Ba, fabs(tau), Ca) <= 2 * sgt_fma(fabs(pz), 2 + fabs(w), cr2));
+    return (side_left){{here, tau, tau_err, by, known & right & round},
+                       known & far_gone & side_gone(s, &here, tau, tau_err, ray)};
 }
 
-SGT_INLINE lane sharp_from_side(const bowl *s, double at, double off, mask blunt, const sgt_ray *ray,
-                                double t_tol)
+SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double at, const sgt_ray *ray, double t_tol)
 {
-    const side_place e = sharp_of(s, at, off, blunt, ray);
-    return side_hit(s, &e.at, e.tau, e.tau_err, e.inverse, e.wanted, ray, t_tol);
+    const side_left e = side_root_at(s, first, at, ray);
+    return (side_answer){side_hit(s, &e.root.at, e.root.tau, e.root.tau_err, e.root.inverse, e.root.wanted,
+                                  ray, t_tol),
+                         e.away};
 }
 
 /* FROM ON THE SURFACE.  About the start o itself C is nearly 0.  So the root t1 = C / 2 B there is known, and
  * the other one is without a square root
  *     t = 2 B / A - t1.
  * All three are sums of three products and one more term, summed with what products and sums lose: off by u
- * of themselves and 64 u^2 of their terms (as C in SHARP).  So where B^2 > 2^-60 Ba^2 and A > 2^-20 Aa, they
- * are right to 1.01 u, and 2 B / A to 3.1 u.  t1 is off by
+ * of themselves and 64 u^2 of their terms (as C in FROM THERE).  So where B^2 > 2^-60 Ba^2 and A > 2^-20 Aa,
+ * they are right to 1.01 u, and 2 B / A to 3.1 u.  t1 is off by
  *     A t1^2 / 2 B, its second order: below u |t| if |t1| <= 2^-27 |t|,
  *     32 u^2 Ca / B: below u |t| / 4 if Aa Ca <= 2^45 B^2,
  * and by 2 u of itself.  With the rounding of the difference t is off by less than 6 u of itself; 8 is taken.
@@ -257,7 +238,7 @@ SGT_INLINE twofold longer_product(twofold a, double b)
     return (twofold){p.hi, sgt_fma(a.lo, b, p.lo)};
 }
 
-SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_tol)
+SGT_INLINE side_left left_from_on(const bowl *s, const sgt_ray *ray)
 {
     const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z,
                  tmin = ray->tmin, tmax = ray->tmax, sure = s->proof;
@@ -291,22 +272,44 @@ SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_t
     mask wanted = known & low & MASK(fabs(w) < 1 - 0x1p-8) &
                   MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach) &
                   MASK(sure * (Aa + Aa) * tau_err < size);
-    return (side_answer){
-        side_hit(s, &(side_origin){px, py, pz, t}, more, tau_err, by, wanted & ~gone, ray, t_tol), gone};
+    return (side_left){{{px, py, pz, t}, more, tau_err, by, wanted & ~gone}, gone};
 }
 
-/* For a ray that starts on the surface, in doubles: away: it certainly misses.  behind: the sign of F behind
- * the start; 0: not known.
+SGT_INLINE side_answer met_from_on(const bowl *s, const sgt_ray *ray, double t_tol)
+{
+    const side_left e = left_from_on(s, ray);
+    return (side_answer){
+        side_hit(s, &e.root.at, e.root.tau, e.root.tau_err, e.root.inverse, e.root.wanted, ray, t_tol),
+        e.away};
+}
+
+/* LEAVING IN DOUBLES.  What is known of a ray that starts on the surface, and has tmin = 0.
+ *
+ *   away    it certainly misses
+ *   behind  the sign of F behind the start; 0: not known
+ *   met     it meets the surface at tau, if anywhere; tau_err, inverse as in a side_root
+ *   start   as starts_on has it, if tmin is 0
  *
  * With B^2 > 2^-40 (Ba^2 + Aa Ca) the slope at the start has the sign of B, and the other root, 2 |B / A|
  * away, is 2^9 times as far as what the rule of the start drops: F has that sign between them.
  *
  * With |B| > 2^-16 Ba, |A| > 2^-16 Aa and Aa Ca <= 2^14 B^2 the other root is at 2 B / A to 2^-33 of it.
  * So by low and near its point is known to 2^-24, and the margins of side_gone are 2^-20.  Its point need not
- * be known where t is negative, or is beyond tmax by more than it is off. */
+ * be known where t is negative, or is beyond tmax by more than it is off.
+ *
+ * THE ROOT is 2 B / A - t1, with t1 = C / 2 B = -G / B, and G as in starts_on: it is off by 6 u of its terms
+ * (Ca at most), and is below 2^-49 of them.  So |t1| <= 2^-36 |t|, and its second order, A t1^2 / 2 B, is
+ * below u |t|.  A is off by 4 u Aa.  B is n less a sum: its products and sums round by 4 u of b = |c| (|x l|
+ * + |y m| + |(1 + k) z n|) at most, the last step by u |B|.  The quotient and the difference round by u
+ * each.  With |2 B / A| = |t|, which is right to 2^-33, the root is to first order off by
+ *     u ((2 Aa t^2 + 4 b |t| + 6 terms) / |B| + 5 |t|).
+ * Where that is at most 38 u |t|, Aa is below 9 |A|, and b below 9 |B|: 1.01 covers the second order.  The
+ * point is moved by G / B as in left_from_on, but sooner.  Then t is off by 7 u of the terms there over |B|:
+ * 6 of G, one of the point's rounding.  Half of u |t| covers that the slope is -B to 42 u.  (Without that a
+ * point was off by up to 11 u of its terms, and the rule of the start drops 16.) */
 typedef struct side_start {
-    mask away;
-    double behind;
+    mask away, met, start;
+    double behind, tau, tau_err, inverse;
 } side_start;
 
 SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
@@ -315,20 +318,66 @@ SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
     double kz = s->k1 * z, xl = x * l, ym = y * m, kzn = kz * n, r2 = x * x + y * y, n2 = n * n,
            A = s->c * sgt_fma(s->k1, n2, l * l + m * m), B = sgt_fma(-s->c, xl + ym + kzn, n),
            Aa = sgt_fma(s->extra, n2, fabs(A)),
-           Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
-           Ca = sgt_fma(s->abs_c, r2 + fabs(kz * z), 2 * fabs(z)), B2 = B * B, round = Aa * Ca;
+           bent = s->abs_c * (fabs(xl) + fabs(ym) + fabs(kzn)), Ba = bent + fabs(n),
+           Ca = sgt_fma(s->abs_c, r2 + fabs(kz * z), 2 * fabs(z)), B2 = B * B, round = Aa * Ca,
+           size = fabs(B),
+           w = s->ck * z, G = z - 0.5 * sgt_fma(s->c, r2, w * z),
+           terms = sgt_fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
     mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(Ba > 0x1p-400) & MASK(Ba < 0x1p400) &
-                 MASK(fabs(s->ck * z) < 1 - 0x1p-8),
+                 MASK(fabs(w) < 1 - 0x1p-8),
          known =
-             usual & MASK(fabs(B) > 0x1p-16 * Ba) & MASK(fabs(A) > 0x1p-16 * Aa) & MASK(round <= 0x1p14 * B2),
-         sloped = usual & MASK(B2 > 0x1p-40 * sgt_fma(Ba, Ba, round));
-    double t = 2 * B / A, across = fabs(l) + fabs(m), px = sgt_fma(t, l, x), py = sgt_fma(t, m, y);
+             usual & MASK(size > 0x1p-16 * Ba) & MASK(fabs(A) > 0x1p-16 * Aa) & MASK(round <= 0x1p14 * B2),
+         sloped = usual & MASK(B2 > 0x1p-40 * sgt_fma(Ba, Ba, round)),
+         start = MASK(ray->tmin == 0) & is_on_quadric(s, x, y, z);
+    double inverse = 1 / B, t = sgt_fma(G, inverse, 2 * B / A), at = fabs(t), across = fabs(l) + fabs(m),
+           px = sgt_fma(t, l, x), py = sgt_fma(t, m, y),
+           tau_err = 1.01 * SGT_U *
+                     sgt_fma(fabs(inverse), sgt_fma(sgt_fma(2 * Aa, at, 4 * bent), at, 6 * terms), 5 * at);
     mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p8),
-         near = MASK(fabs(t) * across <= 0x1p8 * (fabs(px) + fabs(py))),
+         near = MASK(at * across <= 0x1p8 * (fabs(px) + fabs(py))),
          gone = side_gone(s, &(side_origin){x, y, z, 0}, t, 0, ray) &
-                (MASK(t < 0) | MASK(t > ray->tmax * (1 + 0x1p-32)) | (low & near));
-    return (side_start){known & gone & MASK(ray->tmin == 0) & MASK(ray->tmax > 0) & starts_on(s, ray),
-                        chosen(sloped, copysign(1, B), 0)};
+                (MASK(t < 0) | MASK(t > ray->tmax * (1 + 0x1p-32)) | (low & near)),
+         away = known & gone & MASK(ray->tmax > 0) & start;
+    return (side_start){.away = away,
+                        .met = known & start & ~away & MASK(tau_err <= 38 * SGT_U * at) &
+                               MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach),
+                        .start = start,
+                        .behind = chosen(sloped, copysign(1, B), 0),
+                        .tau = t,
+                        .tau_err = tau_err,
+                        .inverse = inverse};
+}
+
+/* That root, for side_hit. */
+SGT_INLINE side_place left_in_doubles(const bowl *s, double t, double tau_err, double inverse, mask met,
+                                      const sgt_ray *ray)
+{
+    double px = sgt_fma(t, ray->d.x, ray->o.x), py = sgt_fma(t, ray->d.y, ray->o.y),
+           pz = sgt_fma(t, ray->d.z, ray->o.z), w = s->ck * pz, r2 = px * px + py * py, at = fabs(t),
+           terms = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * r2),
+           off = pz - 0.5 * sgt_fma(s->c, r2, w * pz);
+    double as_t = terms * fabs(inverse);
+    mask moved = MASK(at + at > as_t);
+    return (side_place){{px, py, pz, t},
+                        chosen(moved, off * inverse, 0),
+                        chosen(moved, 1.01 * SGT_U * sgt_fma(7, as_t, at), tau_err),
+                        inverse,
+                        met};
+}
+
+/* The first root of a ray for which starts_on is true, in doubles if it is met so.  quick: else it is asked
+ * as any other. */
+SGT_INLINE side_answer first_from_on(const bowl *s, mask quick, const sgt_ray *ray, double t_tol)
+{
+    const side_start q = leaves_from(s, ray);
+    const side_left e = left_from_on(s, ray);
+    const mask met = quick & q.met;
+    const side_place a = left_in_doubles(s, q.tau, q.tau_err, q.inverse, met, ray), b = e.root;
+    const side_origin from = {chosen(met, a.at.x, b.at.x), chosen(met, a.at.y, b.at.y),
+                              chosen(met, a.at.z, b.at.z), chosen(met, a.at.t0, b.at.t0)};
+    return (side_answer){side_hit(s, &from, chosen(met, a.tau, b.tau), chosen(met, a.tau_err, b.tau_err),
+                                  chosen(met, a.inverse, b.inverse), met | b.wanted, ray, t_tol),
+                         (quick & q.away) | (~met & e.away)};
 }
 
 #endif
