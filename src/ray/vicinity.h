@@ -74,7 +74,8 @@ typedef struct vicinities {
     known_part part[VICINITIES];
     rings rings;
     sgt_tails tails;
-    bool any_heights, any_boxes;
+    bool any_heights, any_boxes, any_bent;
+    sgt_interval bent; /* within the rim */
     sgt_heights heights; /* of the whole surface */
 } vicinities;
 
@@ -104,7 +105,7 @@ SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
-    v->rings.any = v->tails.any = v->any_heights = v->any_boxes = false;
+    v->rings.any = v->tails.any = v->any_heights = v->any_boxes = v->any_bent = false;
 }
 
 SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), vicinities_begin(&m->kept); }
