@@ -34,6 +34,7 @@
  *
  * Each row is by itself, whatever its neighbours do. */
 #include "glance.h"
+#include "wings.h"
 
 #include "../num/lanes.h"
 #include "../solve/step.h"
@@ -248,6 +249,9 @@ void sgt_glance_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *who
         double from = larger(v->lo[i], v->tmin[i]), to = v->hi[i] < v->tmax[i] ? v->hi[i] : v->tmax[i];
         if (v->asked[i] == 0 || !(from < to && fabs(from) < HUGE_VAL && to < HUGE_VAL)) continue;
         if (v->evals[i] + LOOKS + 1 >= 0.5 * v->budget) continue;
+        if (fabs(v->seed[i] - from) < 0x1p-5 * (to - from) &&
+            starts_low((sgt_vec3){ray[0][i], ray[1][i], ray[2][i]}, v->tmin[i]))
+            continue; /* its root is the start, mostly: a march knows how to leave */
         size_t k = left++;
         of[k] = (unsigned char)i;
         w[FROM][k] = from, w[TO][k] = to, w[GUESS][k] = v->seed[i];
