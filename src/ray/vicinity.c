@@ -540,8 +540,8 @@ static void along_chord_bent(sgt_surface s, size_t n, sgt_rays r, const sgt_shar
     sgt_march_chord(s, n, r, whole, v);
 }
 
-/* Where the surface may be bent either way, as far as the sum of its terms' bounds tells, more is asked of it:
- * then these looks tell less. */
+/* Where the surface may be bent either way, as far as the sum of its terms' bounds tells, these looks tell
+ * less.  There more is asked of it. */
 SGT_NOINLINE
 static void along_chord_sharply(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole,
                                 vicinities *kept, const vicinity *v)

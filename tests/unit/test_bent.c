@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /* What the second derivative of a sag within its rim lies in, along any direction (`bent` of
- * src/surface/builtin.h), against mean values of it: (g(p + e d) - g(p - e d)) . d / 2 e, with g the gradient
- * of the sag, is the mean of its second derivative along d between these two points.  So it lies in the range,
- * whatever e is, but for rounding of g.  Points are drawn often at the rim and near the axis.
+ * src/surface/builtin.h), against mean values of it: (g(p + e d) - g(p - e d)) . d / 2 e, with g the
+ * gradient of the sag, is the mean of its second derivative along d between these two points.  So it lies in
+ * the range, whatever e is, but for rounding of g.  Points are drawn often at the rim and near the axis.
  *
  * What is seen of a q_con also has to fill half of what its departure is given, or more. */
 #include "unit.h"
@@ -35,15 +35,15 @@ static sgt_vec3 gradient_at(sgt_surface s, double x, double y)
 
 typedef struct seen { double least, most; } seen;
 
-/* rounded: what a mean value may be off. */
+/* scale: of the second derivatives of all terms.  A gradient rounds by 2^-40 of that times rim, or less. */
 static seen look_all_over(sgt_surface s, double rim, sgt_interval range, double scale)
 {
     seen all = {HUGE_VAL, -HUGE_VAL};
     for (int i = 0; i < 400; i++) {
-        double where = uniform(&drawn, 0, 1), about = uniform(&drawn, 0, 6.2832), to = uniform(&drawn, 0, 3.1416),
-               e = rim * exp2(uniform(&drawn, -12, -6)),
-               r = where < 0.3 ? rim - 1.01 * e : where < 0.4 ? rim * 0x1p-6 * uniform(&drawn, 0, 1)
-                                                              : (rim - 1.01 * e) * sqrt(uniform(&drawn, 0, 1));
+        double where = uniform(&drawn, 0, 1), about = uniform(&drawn, 0, 6.2832),
+               to = uniform(&drawn, 0, 3.1416), e = rim * exp2(uniform(&drawn, -12, -6)),
+               most = rim - 1.01 * e, part = uniform(&drawn, 0, 1),
+               r = where < 0.3 ? most : where < 0.4 ? 0x1p-6 * rim * part : most * sqrt(part);
         if (where > 0.2 && where < 0.3) to = about;
         double x = r * cos(about), y = r * sin(about), l = cos(to), m = sin(to);
         sgt_vec3 a = gradient_at(s, x + e * l, y + e * m), b = gradient_at(s, x - e * l, y - e * m);
@@ -87,8 +87,8 @@ static void second_derivatives_are_within(void **unused)
         narrower += after < 0.5 * before;
         if (c == 0 && i % 2 == 0) of_q++, filled += all.most - all.least > 0.5 * after;
     }
-    print_message("%ld of %ld have a range, %ld half as wide as by terms or less; of %ld q_con %ld fill half of it\n",
-                  said, count, narrower, of_q, filled);
+    print_message("%ld of %ld have a range, %ld half as wide as by terms or less; %ld of %ld q_con fill half\n",
+                  said, count, narrower, filled, of_q);
     REQUIRE(said > 0.8 * (double)count, "%ld of %ld have a range", said, count);
     REQUIRE(narrower > 0.3 * (double)said, "only %ld of %ld are half as wide as by terms", narrower, said);
     REQUIRE((double)filled > 0.9 * (double)of_q, "only %ld of %ld q_con fill half of it", filled, of_q);

@@ -427,7 +427,7 @@ bool sgt_departure_bent(const departure_sag *s, sgt_interval *bent)
     region where = {{-r, r}, {-r, r}, 0, r};
     bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     sgt_interval p, conic = bent_within(c, 1 + s->k, r, 0);
-    if (s->of->bounds(s->self, &where, &b) != 1 || !(b.bend < HUGE_VAL) || !(conic.hi < HUGE_VAL)) return false;
+    if (s->of->bounds(s->self, &where, &b) != 1 || !(b.bend < HUGE_VAL && conic.hi < HUGE_VAL)) return false;
     if (!s->of->bent(s->self, r, b.bend, &p)) return false;
     *bent = sag_wider(sgt_interval_between(conic.lo + p.lo, conic.hi + p.hi));
     return bent->hi < HUGE_VAL;

@@ -78,9 +78,9 @@ typedef struct departure {
      * gradient has no bound.  NULL: +- size is taken. */
     sgt_interval (*range)(const void *self, const region *where);
 
-    /* The range of the second derivative of P along any one direction, for that length, at r <= radius, which is
-     * more than is known of `bend`, and costs some dozens of evaluations.  `most` is that bend.  false: no
-     * more is known.  NULL: never. */
+    /* The range of the second derivative of P along any direction, of length 1, at r <= radius.  It says more
+     * than `bend`, and costs some dozens of evaluations.  `most` is that bend.  false: no more is known.
+     * NULL: never. */
     bool (*bent)(const void *self, double radius, double most, sgt_interval *out);
 
     /* The second derivatives of P at n points. */
@@ -297,7 +297,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \
         .departure = &NAME##_departure, .tail = NAME##_ops_tail,                                             \
-        .extent_in_part = NAME##_in_part, .bent = NAME##_bent_in_rim};                                                                   \
+        .extent_in_part = NAME##_in_part, .bent = NAME##_bent_in_rim};                                       \
     const sgt_surface_ops sgt_##NAME##_ops = {                                                               \
         .name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding,  \
         .enclose = NAME##_ops_enclose, .values = NAME##_ops_values, .spans = NAME##_ops_spans,               \

@@ -18,8 +18,8 @@
  * increase, and are greatest at the far end (radial.h).  Next to 1 they are at most q_growth(u)^n times as
  * great.
  *
- * These bounds of terms add up to ten times what terms of both signs do.  Where that matters, P'' and P'/r are
- * asked at some nodes (samples.h).
+ * These bounds of terms add up to ten times what terms of both signs do.  Where that matters, P'' and P'/r
+ * are asked at some nodes (samples.h).
  *
  * The second derivative of P is P'' along the radius and P'/r across it.  Bounds on P'' are enough: P'/r
  * is a mean of P'' over [0, r]. */
@@ -177,8 +177,8 @@ static void con_second(const void *self, size_t n, const double *restrict x, con
     }
 }
 
-/* P'' along the radius and P'/r across it are polynomials of v, of degree `terms` at most.  Their terms in each
- * are summed to less than 2^10 u times those of the bound `most`. */
+/* P'' along the radius and P'/r across it are polynomials of v, of degree `terms` at most.  They are summed
+ * to less than 2^-30 of `most`, the sum of the bounds of their terms (16 of them; Clenshaw, as in q.h). */
 static bool con_bent(const void *self, double radius, double most, sgt_interval *out)
 {
     const sgt_q_con *s = self;

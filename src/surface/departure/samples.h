@@ -3,8 +3,8 @@
  *
  * A polynomial p of degree n is at most C max |p(x_j)| on [-1, 1], where the x_j are the M > n zeros of
  * Chebyshev's T_M, and C = 1 / cos(n pi / 2 M) (Ehlich and Zeller 1964, Math. Z. 86, 41).  With M >= 4 n that
- * is 1.08240 at most.  For p less the middle of the values it says that p lies in the range of the values, made
- * wider by 8 % of it.
+ * is 1.08240 at most.  For p less the middle of the values it says that p lies in the range of the values,
+ * made wider by 8 % of it.
  *
  * This knows how the terms of a sum add up, which a sum of bounds does not: of alternating terms it is a
  * tenth, or less.  The nodes are rounded by 4 u, which moves p by 8 u n^2 of its greatest value (A. A.

@@ -317,15 +317,16 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
     for (size_t i = 0; i < n; i++) pxx[i] *= back2, pxy[i] *= back2, pyy[i] *= back2;
 }
 
-/* AT NODES.  Let W = C - i S, so that T = Re(W zeta^m), and let D and D' be the derivatives by zeta and by its
- * conjugate.  The second derivative of T has the mean 2 D D' T of its two eigenvalues, and they are 4 |D^2 T|
- * apart, over norm^2, with
+/* AT NODES.  Let W = C - i S, so that T = Re(W zeta^m), and let D and D' be the derivatives by zeta and by
+ * its conjugate.  The second derivative of T has the mean 2 D D' T of its two eigenvalues, and they are 4
+ * |D^2 T| apart, over norm^2, with
  *     D D' T = Re (s W'' + (m + 1) W') zeta^m,
  *     D^2 T = ((s^2 W'' + 2 m s W' + m (m - 1) W) zeta^(m-2) + the conjugate of W'' zeta^(m+2)) / 2.
  * So at a distance u it is at most
  *     2 |s W'' + (m + 1) W'| u^m + |s^2 W'' + 2 m s W' + m (m - 1) W| u^(m-2) + |W''| u^(m+2)
  * in any direction, and that of P the sum over m of these.  Along a line through the axis, in one direction,
- * that of P is a polynomial of u, of a degree of at most n - 2: samples.h. */
+ * that of P is a polynomial of u, of a degree of at most n - 2: samples.h.  With n <= 34 all of it is rounded
+ * by less than 2^-30 of the sum of the terms' bounds. */
 SGT_KERNEL
 static void bends_at(const sgt_zernike *z, size_t n, const double *x, const double *y, double *restrict most)
 {
@@ -473,7 +474,8 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
 static bool zernike_bent(const void *self, double radius, double most, sgt_interval *out)
 {
     const sgt_zernike *z = self;
-    double sum[MOST_DEGREE + 1], x[DEPARTURE_BLOCK] = {0}, y[DEPARTURE_BLOCK] = {0}, at[DEPARTURE_BLOCK], greatest = 0;
+    double sum[MOST_DEGREE + 1], x[DEPARTURE_BLOCK] = {0}, y[DEPARTURE_BLOCK] = {0}, at[DEPARTURE_BLOCK];
+    double greatest = 0;
     const size_t degrees = by_degree(z, sum), nodes = degrees > 3 ? SAMPLES_A_DEGREE * (degrees - 3) : 0;
     if (nodes == 0 || nodes > 2 * DEPARTURE_BLOCK) return false;
     for (size_t j = 0; j < nodes / 2; j++) x[j] = radius * sample_node(j, nodes);
