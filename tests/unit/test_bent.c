@@ -87,7 +87,7 @@ static void second_derivatives_are_within(void **unused)
         narrower += after < 0.5 * before;
         if (c == 0 && i % 2 == 0) of_q++, filled += all.most - all.least > 0.5 * after;
     }
-    print_message("%ld of %ld have a range, %ld half as wide as by terms or less; %ld of %ld q_con fill half\n",
+    print_message("%ld of %ld have a range, %ld half as wide as by terms or less; %ld of %ld q_con fill it\n",
                   said, count, narrower, filled, of_q);
     REQUIRE(said > 0.8 * (double)count, "%ld of %ld have a range", said, count);
     REQUIRE(narrower > 0.3 * (double)said, "only %ld of %ld are half as wide as by terms", narrower, said);
