@@ -164,13 +164,14 @@ SGT_INLINE sgt_hit by_operations(sgt_surface s, const sgt_ray *ray, const sgt_op
     return opt->proof ? sgt_prove_within(s, ray, HUGE_VAL, opt) : sgt_search_first(s, ray, opt);
 }
 
-/* Cells decide it, or a proof without enclosures, or what they leave has the evaluations that they left. */
+/* Cells decide it, or a proof without enclosures, or what they leave has the evaluations that they left.
+ * known: NULL, or what such a proof is given in place of `answer`. */
 typedef bool quick_answer(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
 SGT_NOINLINE static sgt_hit tried_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
-                                        quick_answer *answer)
+                                        quick_answer *answer, struct memo *known)
 {
     sgt_hit hit;
-    if (answer(s, ray, opt, &hit)) return hit;
+    if (known ? sgt_quick_proof_kept(s, ray, opt, known, &hit) : answer(s, ray, opt, &hit)) return hit;
     sgt_options rest = *opt;
     counted told = {opt->watch, opt->watch_data, hit.evals};
     if (opt->watch) rest.watch = watch_counted, rest.watch_data = &told;
@@ -187,9 +188,14 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
     sgt_options own;
     opt = read_of(s, opt, &own);
     if (!rim_in_range(rim2_of_surface(s))) return hit_without(SGT_UNPROVEN, ray, 0);
-    if (sgt_cells_offered(s, opt)) return tried_first(s, ray, opt, sgt_cells_first);
-    if (sgt_quick_proof_offered(s, opt)) return tried_first(s, ray, opt, sgt_quick_proof_one);
+    if (sgt_cells_offered(s, opt)) return tried_first(s, ray, opt, sgt_cells_first, NULL);
+    if (sgt_quick_proof_offered(s, opt)) return tried_first(s, ray, opt, sgt_quick_proof_one, NULL);
     return by_operations(s, ray, opt);
+}
+
+sgt_hit sgt_prove_kept(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, struct memo *known)
+{
+    return tried_first(s, ray, opt, NULL, known);
 }
 
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)

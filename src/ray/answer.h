@@ -9,6 +9,11 @@
  * explicit. */
 sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 
+/* The same with what a batch keeps of parts of the surface (vicinity.h), at less cost and with less stack.
+ * sgt_quick_proof_offered is true, no cells are offered, and options.f_tol is 0. */
+struct memo;
+sgt_hit sgt_prove_kept(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, struct memo *known);
+
 /* Adds every entry to the list, under options.proof.  The first entry is the hit that
  * sgt_intersect_general returns for SGT_FIRST. */
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);

@@ -16,6 +16,7 @@
 #include "../num/lanes.h"
 #include "../solve/root.h"
 #include "../solve/ways.h"
+#include "answer.h"
 #include "cells_batch.h"
 #include "unique.h"
 #include "vicinity.h"
@@ -134,32 +135,36 @@ SGT_NOINLINE static size_t quick_proofs(sgt_surface s, const sgt_tile *tile, con
     return hard;
 }
 
-/* Has the tile found out anything of parts of the surface that a single ray would ask for? */
-static bool has_kept(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+/* Would a single ray ask for parts of the surface?  Then it shares what the tile knows of them. */
+static bool takes_kept(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
-    return tile->memo && tile->memo->begun && opt->proof == SGT_ESTIMATE && is_catalogue(s.ops) &&
-           !answers_itself(s.ops) && s.ops->own_->extent_within && !sgt_cells_offered(s, opt) &&
-           parameters_valid(s) && rim_in_range(rim2_of_surface(s));
+    return tile->memo && s.ops && s.ops->own_ && is_catalogue(s.ops) && !answers_itself(s.ops) &&
+           s.ops->own_->extent_within && !sgt_cells_offered(s, opt) && parameters_valid(s) &&
+           rim_in_range(rim2_of_surface(s)) &&
+           (opt->proof == SGT_ESTIMATE || sgt_quick_proof_offered(s, opt));
 }
 
 /* As sgt_intersect for a ray of such a tile.  (Its f_tol is not read, as in answer.c.) */
-static sgt_hit met_with_kept(sgt_surface s, sgt_ray ray, const sgt_options *opt, vicinities *kept)
+static sgt_hit met_with_kept(sgt_surface s, sgt_ray ray, const sgt_options *opt, memo *known)
 {
     sgt_options own = *opt;
     own.f_tol = 0, ray.tmax = explicit_end(&ray);
-    return ray_valid(&ray) ? sgt_search_first_kept(s, &ray, &own, kept) : hit_without(SGT_INVALID, &ray, 0);
+    if (!ray_valid(&ray)) return hit_without(SGT_INVALID, &ray, 0);
+    if (opt->proof != SGT_ESTIMATE) return sgt_prove_kept(s, &ray, &own, known);
+    return sgt_search_first_kept(s, &ray, &own, &known->kept);
 }
 
 /* Answers the hard rays of the tile.  Returns how many of all are met. */
 static size_t hard_met(sgt_surface s, const sgt_tile *tile, const sgt_options *opt, size_t hard)
 {
     sgt_options own = *opt;
-    const bool kept = hard > 0 && has_kept(s, tile, opt);
+    const bool kept = hard > 0 && takes_kept(s, tile, opt);
+    if (kept && !tile->memo->begun) memo_begin(tile->memo);
     for (size_t i = 0; hard > 0; i++) {
         if (tile->hits.status[i] != SGT_HARD) continue;
         own.t_tol = tile->t_tol[i];
         WENT(WAY_SINGLE);
-        sgt_hit hit = kept ? met_with_kept(s, ray_of(&tile->rays, i), &own, &tile->memo->kept)
+        sgt_hit hit = kept ? met_with_kept(s, ray_of(&tile->rays, i), &own, tile->memo)
                            : sgt_intersect(s, ray_of(&tile->rays, i), &own);
         put_hit(&tile->hits, i, &hit);
         hard--;

@@ -440,9 +440,9 @@ static bool quick_proof_by(sgt_surface s, const sgt_ray *ray, const sgt_options 
     hit->evals = 0;
     bool whole = least > 0 || span.lo > span.hi;
     if (!(whole || known)) return false;
-    *hit = sgt_search_quickly(s, ray, &estimate);
+    if (known && !known->begun) memo_begin(known);
+    *hit = sgt_search_quickly(s, ray, &estimate, known ? &known->kept : NULL);
     if (hit->status == SGT_STOPPED) return true;
-    if (!whole && !known->begun) memo_begin(known);
     return prove_one(s, &shared, ray, whole ? NULL : known, opt, hit, part);
 }
 
@@ -499,14 +499,20 @@ static bool quick_proof_unique(sgt_surface s, const sgt_ray *ray, const sgt_opti
            (hit->status <= 0 || judge_last(s, ray, &first, known, span.hi, part, hit));
 }
 
+bool sgt_quick_proof_kept(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, memo *known,
+                          sgt_hit *hit)
+{
+    sgt_interval part;
+    if (quick_proof_by(s, ray, opt, takes_parts(s, opt) ? known : NULL, hit, &part)) return true;
+    return asks_unique(opt) && s.ops->own_->extent_within && hit->evals == 0 &&
+           quick_proof_unique(s, ray, opt, known, hit);
+}
+
 bool sgt_quick_proof_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)
 {
     memo known;
-    sgt_interval part;
     known.begun = false;
-    if (quick_proof_by(s, ray, opt, takes_parts(s, opt) ? &known : NULL, hit, &part)) return true;
-    return asks_unique(opt) && s.ops->own_->extent_within && hit->evals == 0 &&
-           quick_proof_unique(s, ray, opt, &known, hit);
+    return sgt_quick_proof_kept(s, ray, opt, &known, hit);
 }
 
 bool sgt_quick_proof_only(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit)

@@ -202,19 +202,17 @@ static bool first_of_several(walk *w)
 }
 
 /* The same for one root on the stretch of the ray where F is monotone (vicinity.h).  kept: what is known of
- * parts of the surface; NULL: nothing.  *clear: up to there no root is accepted. */
-static bool root_nearby(walk *w, const sgt_span *span, bool near, vicinities *kept, double *clear)
+ * parts of the surface.  *clear: up to there no root is accepted. */
+SGT_NOINLINE
+static bool root_nearby_by(walk *w, const sgt_span *span, bool near, vicinities *kept, double *clear)
 {
     const sgt_ray *ray = w->ray;
     const sgt_surface_ops *ops = w->s.ops;
-    if (!is_catalogue(ops) || !ops->own_->extent_within) return false;
     double seed = span->seed, asked = 1, lo = span->lo, hi = span->hi, least = 0, evals = w->told.evals,
            begun = evals, work[VICINITY_ROWS];
     if (!near && marches_chord(&w->shared)) seed = chord_seed(seed, lo, hi, ray->tmin, ray->tmax);
     if (!(fabs(seed) < HUGE_VAL)) return false;
     const double whole = w->least;
-    vicinities own;
-    if (!kept) vicinities_begin(&own);
     slopes_known within;
     slopes_begin(&within);
     vicinity v = {.tmin = &ray->tmin, .tmax = &ray->tmax, .seed = &seed,
@@ -224,7 +222,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near, vicinities *ke
                   .clear = clear};
     for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
     sgt_rays one = rays_of(ray);
-    sgt_vicinity_of(w->s, 1, one, near ? &within : NULL, &w->shared, kept ? kept : &own, &v);
+    sgt_vicinity_of(w->s, 1, one, near ? &within : NULL, &w->shared, kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (w->nearby) w->shared = bare_of(w->shared);
     if (asked != 0 || w->told.stopped) return false;
@@ -239,6 +237,23 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near, vicinities *ke
     bool told = quickly(w, &a, false);
     w->margin = 0, w->least = whole;
     return told;
+}
+
+/* The same where nothing is known.  A frame of its own: a caller that keeps what is known has no second
+ * place for it. */
+SGT_NOINLINE
+static bool root_nearby_alone(walk *w, const sgt_span *span, bool near, double *clear)
+{
+    vicinities own;
+    vicinities_begin(&own);
+    return root_nearby_by(w, span, near, &own, clear);
+}
+
+/* kept: NULL if nothing is known. */
+static bool root_nearby(walk *w, const sgt_span *span, bool near, vicinities *kept, double *clear)
+{
+    if (!is_catalogue(w->s.ops) || !w->s.ops->own_->extent_within) return false;
+    return kept ? root_nearby_by(w, span, near, kept, clear) : root_nearby_alone(w, span, near, clear);
 }
 
 /* Replaces an infinite end by one 16 times as far from the point nearest the frame's origin as the ray's
@@ -348,9 +363,9 @@ sgt_hit sgt_search_first_kept(sgt_surface s, const sgt_ray *ray, const sgt_optio
     return search_one(s, ray, opt, ONE, kept);
 }
 
-sgt_hit sgt_search_quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+sgt_hit sgt_search_quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, vicinities *kept)
 {
-    return search_one(s, ray, opt, ONE_QUICKLY, NULL);
+    return search_one(s, ray, opt, ONE_QUICKLY, kept);
 }
 
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)

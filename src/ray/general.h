@@ -87,8 +87,9 @@ struct vicinities;
 sgt_hit sgt_search_first_kept(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
                               struct vicinities *kept);
 
-/* The same without steps 5 to 7: what they would be asked is EXHAUSTED. */
-sgt_hit sgt_search_quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
+/* The same without steps 5 to 7: what they would be asked is EXHAUSTED.  kept: NULL if nothing is known. */
+sgt_hit sgt_search_quickly(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
+                           struct vicinities *kept);
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 
 /* Answers a tile of rays as sgt_builtin_ops.lanes of builtin.h does.  Returns how many rays are left

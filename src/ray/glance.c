@@ -32,8 +32,11 @@
  * these conditions, each of a part in 2^20 for the few roundings that they are made of.  Bounds hold as far
  * as r = radius (1 + 2^-20); r^2 is convex, so they hold between two points within that.
  *
+ * A ray that starts low, with its seed next to the start, leaves the surface as a rule.  It is not looked at.
+ *
  * Each row is by itself, whatever its neighbours do. */
 #include "glance.h"
+#include "wings.h"
 
 #include "../num/lanes.h"
 #include "../solve/step.h"
@@ -242,14 +245,17 @@ void sgt_glance_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *who
     const double R = sqrt(whole->radius2) * (1 + 0x1p-21);
     size_t left = 0;
     if (!builtin->values_rounded) return;
-    unsigned short of[SGT_MOST_TILE];
+    unsigned char of[VICINITY_MOST];
     const double *const ray[6] = {r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2]};
     for (size_t i = 0; i < n; i++) {
         double from = larger(v->lo[i], v->tmin[i]), to = v->hi[i] < v->tmax[i] ? v->hi[i] : v->tmax[i];
         if (v->asked[i] == 0 || !(from < to && fabs(from) < HUGE_VAL && to < HUGE_VAL)) continue;
         if (v->evals[i] + LOOKS + 1 >= 0.5 * v->budget) continue;
+        if (fabs(v->seed[i] - from) < 0x1p-5 * (to - from) &&
+            starts_low((sgt_vec3){ray[0][i], ray[1][i], ray[2][i]}, v->tmin[i]))
+            continue; /* its root is the start, mostly: a march knows how to leave */
         size_t k = left++;
-        of[k] = (unsigned short)i;
+        of[k] = (unsigned char)i;
         w[FROM][k] = from, w[TO][k] = to, w[GUESS][k] = v->seed[i];
     }
     if (left == 0) return;

@@ -36,6 +36,12 @@ bool sgt_quick_proof_offered(sgt_surface s, const sgt_options *opt);
 bool sgt_quick_proof_one(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
 bool sgt_quick_proof_only(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
 
+/* As sgt_quick_proof_one, with what a batch keeps of parts of the surface (vicinity.h): the same bits at less
+ * cost. */
+struct memo;
+bool sgt_quick_proof_kept(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, struct memo *known,
+                          sgt_hit *hit);
+
 /* Of a tile of at most SGT_QUICK valid rays, answered by sgt_lanes_general under the options of
  * sgt_quick_estimate; each array of its hits is there.  Rays that are not proven become SGT_HARD; returns how
  * many.  shared: what `share` of the surface gives. */

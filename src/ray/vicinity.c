@@ -533,11 +533,33 @@ static void march_box(sgt_surface s, size_t n, sgt_rays r, const double *from, c
 }
 
 /* Most rays are answered by looks beside the root; the others are marched along. */
-static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, const vicinity *v)
+static void along_chord_bent(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, const vicinity *v)
 {
     sgt_glance_chord(s, n, r, whole, v);
     if (asked_all(n, v->asked) == 0 || (v->told && v->told->stopped)) return;
     sgt_march_chord(s, n, r, whole, v);
+}
+
+/* Where the surface may be bent either way, as far as the sum of its terms' bounds tells, these looks tell
+ * less.  There more is asked of it. */
+SGT_NOINLINE
+static void along_chord_sharply(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole,
+                                vicinities *kept, const vicinity *v)
+{
+    sgt_shared sharp = *whole;
+    if (!kept->any_bent && !s.ops->own_->bent(s.self, &kept->bent)) kept->bent = whole->bent;
+    kept->any_bent = true;
+    if (kept->bent.lo > sharp.bent.lo) sharp.bent.lo = kept->bent.lo;
+    if (kept->bent.hi < sharp.bent.hi) sharp.bent.hi = kept->bent.hi;
+    along_chord_bent(s, n, r, &sharp, v);
+}
+
+static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, vicinities *kept,
+                        const vicinity *v)
+{
+    const bool either = whole->bent.lo < 0 && whole->bent.hi > 0;
+    if (either && s.ops->own_->bent) along_chord_sharply(s, n, r, whole, kept, v);
+    else along_chord_bent(s, n, r, whole, v);
 }
 
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
@@ -546,7 +568,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const bool chords = !near && marches_chord(whole), rimmed = chords && rim2_of_surface(s) < HUGE_VAL;
     if (rimmed) { /* what is left has no F on a part of its chord */
-        along_chord(s, n, r, whole, v);
+        along_chord(s, n, r, whole, kept, v);
         if (asked_all(n, v->asked) == 0) return;
     }
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
@@ -592,7 +614,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
         extents(s, n, w.wide, FINE, v->asked, kept, &w);
     }
     if (left != 0 && chords) {
-        if (!rimmed) along_chord(s, n, r, whole, v);
+        if (!rimmed) along_chord(s, n, r, whole, kept, v);
         return;
     }
     const bool boxed = left != 0 && boxes;

@@ -341,7 +341,7 @@ static const ring *ring_about(sgt_surface s, double rung, rings *kept)
     if (!kept->any)
         for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
     kept->any = true;
-    /* The rungs of eight octaves have a place each. */
+    /* The rungs of three octaves have a place each. */
     ring *e = &kept->of[place_of(rung, FINER, RINGS)];
     if (e->radius == rung) return e;
     *e = (ring){rung, HUGE_VAL, SGT_ANY_NUMBER, {(double)NAN, (double)NAN}};

@@ -48,7 +48,7 @@ SGT_INLINE int place_of(double rung, int digits, int places)
 {
     unsigned long long bits;
     memcpy(&bits, &rung, sizeof bits);
-    return (int)(bits >> digits) & (places - 1);
+    return (int)((bits >> digits) % (unsigned)places);
 }
 
 /* Marches along each row that is asked, from `from` on, and answers in v.  The rows of `from` may be among

@@ -240,6 +240,9 @@ struct sgt_builtin_ops {
     /* At most the magnitude of the sag at r = radius (length), with its sign, if the sag has that sign for
      * all r >= radius where it is defined, and is at least (r / radius)^2 times that.  0: not known. */
     double (*tail)(const void *self, double radius);
+    /* The range of the second derivative of the sag within the rim, along any direction: narrower than `bent`
+     * of `share`, and dearer.  false: no more is known.  NULL: never. */
+    bool (*bent)(const void *self, sgt_interval *bent);
     /* Fills in what is known of a part.  false: no more is known than within the radius. */
     bool (*extent_in_part)(const void *self, sgt_part *part);
     /* noise_within for n radii, to the bit.  NULL or false: ask one by one. */

@@ -419,6 +419,20 @@ void sgt_departure_in_box(const departure_sag *s, double x, double y, double *st
     *steep = b.steep * (1 + 0x1p-20) + DEPARTURE_LOST, *axis = widened(*axis);
 }
 
+bool sgt_departure_bent(const departure_sag *s, sgt_interval *bent)
+{
+    double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2,
+           c = s->base ? s->c : 0, r = sqrt(rim2) * (1 + 0x1p-19); /* as in extent_of */
+    if (!s->of->bent || !(rim2 > 0 && rim2 < HUGE_VAL) || domain2 != rim2) return false;
+    region where = {{-r, r}, {-r, r}, 0, r};
+    bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    sgt_interval p, conic = bent_within(c, 1 + s->k, r, 0);
+    if (s->of->bounds(s->self, &where, &b) != 1 || !(b.bend < HUGE_VAL && conic.hi < HUGE_VAL)) return false;
+    if (!s->of->bent(s->self, r, b.bend, &p)) return false;
+    *bent = sag_wider(sgt_interval_between(conic.lo + p.lo, conic.hi + p.hi));
+    return bent->hi < HUGE_VAL;
+}
+
 bool sgt_departure_in_part(const departure_sag *s, sgt_part *part)
 {
     if (!s->of->bounds_along || !(part->radius < 0x1p400)) return false;

@@ -78,6 +78,11 @@ typedef struct departure {
      * gradient has no bound.  NULL: +- size is taken. */
     sgt_interval (*range)(const void *self, const region *where);
 
+    /* The range of the second derivative of P along any direction, of length 1, at r <= radius.  It says more
+     * than `bend`, and costs some dozens of evaluations.  `most` is that bend.  false: no more is known.
+     * NULL: never. */
+    bool (*bent)(const void *self, double radius, double most, sgt_interval *out);
+
     /* The second derivatives of P at n points. */
     void (*second)(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
                    double *pyy);
@@ -160,6 +165,7 @@ void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const 
                           const double *const axis[2], double *lo, double *hi, double *least);
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
 void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2]);
+bool sgt_departure_bent(const departure_sag *s, sgt_interval *bent);
 bool sgt_departure_in_part(const departure_sag *s, sgt_part *part);
 double sgt_departure_tail(const departure_sag *s, double radius);
 bool sgt_departure_noises(const departure_sag *s, size_t n, const double radius[], double e0[], double e1[]);
@@ -241,6 +247,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  sgt_departure_noise_about(&v, radius, e))                                                   \
     DEPARTURE_OF(NAME, bool NAME##_in_part(const void *self, sgt_part *part),                                \
                  return sgt_departure_in_part(&v, part))                                                     \
+    DEPARTURE_OF(NAME, bool NAME##_bent_in_rim(const void *self, sgt_interval *bent),                        \
+                 return sgt_departure_bent(&v, bent))                                                        \
     DEPARTURE_OF(NAME, double NAME##_ops_tail(const void *self, double radius),                              \
                  return sgt_departure_tail(&v, radius))                                                      \
     DEPARTURE_OF(NAME,                                                                                       \
@@ -289,7 +297,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \
         .departure = &NAME##_departure, .tail = NAME##_ops_tail,                                             \
-        .extent_in_part = NAME##_in_part};                                                                   \
+        .extent_in_part = NAME##_in_part, .bent = NAME##_bent_in_rim};                                       \
     const sgt_surface_ops sgt_##NAME##_ops = {                                                               \
         .name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding,  \
         .enclose = NAME##_ops_enclose, .values = NAME##_ops_values, .spans = NAME##_ops_spans,               \

@@ -18,10 +18,14 @@
  * increase, and are greatest at the far end (radial.h).  Next to 1 they are at most q_growth(u)^n times as
  * great.
  *
+ * These bounds of terms add up to ten times what terms of both signs do.  Where that matters, P'' and P'/r
+ * are asked at some nodes (samples.h).
+ *
  * The second derivative of P is P'' along the radius and P'/r across it.  Bounds on P'' are enough: P'/r
  * is a mean of P'' over [0, r]. */
 #include "q.h"
 #include "radial.h"
+#include "samples.h"
 
 static q_step con_step(size_t m)
 {
@@ -173,6 +177,28 @@ static void con_second(const void *self, size_t n, const double *restrict x, con
     }
 }
 
+/* P'' along the radius and P'/r across it are polynomials of v, of degree `terms` at most.  They are summed
+ * to less than 2^-30 of `most`, the sum of the bounds of their terms (16 of them; Clenshaw, as in q.h). */
+static bool con_bent(const void *self, double radius, double most, sgt_interval *out)
+{
+    const sgt_q_con *s = self;
+    const size_t nodes = SAMPLES_A_DEGREE * q_terms(s->a);
+    double x[DEPARTURE_BLOCK], y[DEPARTURE_BLOCK], along[DEPARTURE_BLOCK], mixed[DEPARTURE_BLOCK],
+        across[DEPARTURE_BLOCK], lo = HUGE_VAL, hi = -HUGE_VAL;
+    if (nodes == 0 || nodes > DEPARTURE_BLOCK) return false;
+    /* v = (1 + cos a) / 2 where u = cos(a / 2) */
+    for (size_t j = 0; j < nodes; j++) x[j] = radius * sample_node(j, 2 * nodes), y[j] = 0;
+    con_second(self, nodes, x, y, along, mixed, across);
+    bool finite = true;
+    for (size_t j = 0; j < nodes; j++) {
+        double low = along[j] < across[j] ? along[j] : across[j], high = larger(along[j], across[j]);
+        finite &= fabs(along[j]) + fabs(across[j]) < HUGE_VAL;
+        lo = lo < low ? lo : low, hi = larger(hi, high);
+    }
+    *out = sampled_range(lo, hi, 0x1p-30 * most);
+    return finite;
+}
+
 static size_t con_parameters(const void *self)
 {
     sgt_numbers a = ((const sgt_q_con *)self)->a;
@@ -198,6 +224,6 @@ static sgt_objection con_object(const void *self)
 static const departure q_con_departure = {
     .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = con_second,
     .parameters = con_parameters, .by_parameter = con_by_parameter, .object = con_object, .noise = con_noise,
-    .tail = con_tail};
+    .tail = con_tail, .bent = con_bent};
 
 DEPARTURE_ON_CONIC(q_con, sgt_q_con)

@@ -44,6 +44,7 @@
  * (radial.h). */
 #include "bend.h"
 #include "radial.h"
+#include "samples.h"
 
 /* The orders of one m: k <= 71 (Fringe: (k + m + 1)^2 - 2 m <= 5151), rounded up to a multiple of four. */
 enum { MOST_TERMS = 5151, MOST_ORDERS = 72, MOST_DEGREE = 142 };
@@ -247,7 +248,36 @@ static void zernike_by_parameter(const void *self, size_t j, size_t n, const dou
     zernike_sums(self, j, n, x, y, out.p, out.px, out.py);
 }
 
-/* As above, one order at a time, with the second derivatives by s.  For T = C Re zeta^m + S Im zeta^m
+/* Of q_k'' and q_k-1'', and of C and S: the second derivatives by s. */
+typedef struct zernike_bending {
+    double b[DEPARTURE_BLOCK], b1[DEPARTURE_BLOCK], c[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK];
+} zernike_bending;
+
+/* As sum_orders, one order at a time, with these. */
+SGT_INLINE void sum_bending(const harmonic *h, zernike_work *w, zernike_bending *e, size_t n)
+{
+    LANES
+    for (size_t i = 0; i < n; i++) {
+        w->q[i] = 1, w->q1[i] = w->d[i] = w->d1[i] = e->b[i] = e->b1[i] = 0;
+        w->c[i] = w->sn[i] = w->dc[i] = w->ds[i] = e->c[i] = e->s[i] = 0;
+    }
+    for (size_t k = 0; k < h->count; k++) {
+        const double beta = h->beta[k], gamma = h->gamma[k], ck = h->c[k], sk = h->s[k];
+        LANES
+        for (size_t i = 0; i < n; i++) {
+            double a = w->s[i] - beta, q = w->q[i], d = w->d[i], b = e->b[i];
+            w->c[i] = sgt_fma(ck, q, w->c[i]), w->dc[i] = sgt_fma(ck, d, w->dc[i]),
+            e->c[i] = sgt_fma(ck, b, e->c[i]);
+            w->sn[i] = sgt_fma(sk, q, w->sn[i]), w->ds[i] = sgt_fma(sk, d, w->ds[i]),
+            e->s[i] = sgt_fma(sk, b, e->s[i]);
+            w->q[i] = sgt_fma(a, q, -gamma * w->q1[i]), w->d[i] = sgt_fma(a, d, sgt_fma(-gamma, w->d1[i], q)),
+            e->b[i] = sgt_fma(a, b, sgt_fma(-gamma, e->b1[i], d + d));
+            w->q1[i] = q, w->d1[i] = d, e->b1[i] = b;
+        }
+    }
+}
+
+/* As zernike_sums, one order at a time, with the second derivatives by s.  For T = C Re zeta^m + S Im zeta^m
  *     T_xx = 4 x^2 T'' + 2 T' + 4 x T'_x + m (m - 1) (C Re zeta^(m-2) + S Im zeta^(m-2)),   and so on,
  * where ' and '' apply to C and S, and _x and _y to zeta^m. */
 SGT_KERNEL
@@ -256,8 +286,8 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
 {
     zernike_work w;
     harmonic h;
-    double re2[DEPARTURE_BLOCK], im2[DEPARTURE_BLOCK], b[DEPARTURE_BLOCK], b1[DEPARTURE_BLOCK],
-        bc[DEPARTURE_BLOCK], bs[DEPARTURE_BLOCK];
+    zernike_bending e;
+    double re2[DEPARTURE_BLOCK], im2[DEPARTURE_BLOCK];
     const double back = 1 / z->norm, back2 = back * back;
     zernike_begin(&w, z->norm, n, x, y);
     LANES
@@ -268,31 +298,13 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
         if (m > 0) zernike_turn(&w, n);
         gather(z, MOST_TERMS, m, &h);
         if (h.count == 0) continue;
-        LANES
-        for (size_t i = 0; i < n; i++) {
-            w.q[i] = 1, w.q1[i] = w.d[i] = w.d1[i] = b[i] = b1[i] = 0;
-            w.c[i] = w.sn[i] = w.dc[i] = w.ds[i] = bc[i] = bs[i] = 0;
-        }
-        for (size_t k = 0; k < h.count; k++) {
-            const double beta = h.beta[k], gamma = h.gamma[k], ck = h.c[k], sk = h.s[k];
-            LANES
-            for (size_t i = 0; i < n; i++) {
-                double a = w.s[i] - beta, q = w.q[i], d = w.d[i], e = b[i];
-                w.c[i] = sgt_fma(ck, q, w.c[i]), w.dc[i] = sgt_fma(ck, d, w.dc[i]),
-                bc[i] = sgt_fma(ck, e, bc[i]);
-                w.sn[i] = sgt_fma(sk, q, w.sn[i]), w.ds[i] = sgt_fma(sk, d, w.ds[i]),
-                bs[i] = sgt_fma(sk, e, bs[i]);
-                w.q[i] = sgt_fma(a, q, -gamma * w.q1[i]), w.d[i] = sgt_fma(a, d, sgt_fma(-gamma, w.d1[i], q)),
-                b[i] = sgt_fma(a, e, sgt_fma(-gamma, b1[i], d + d));
-                w.q1[i] = q, w.d1[i] = d, b1[i] = e;
-            }
-        }
+        sum_bending(&h, &w, &e, n);
         const double m1 = h.m, m2 = h.m * (h.m - 1);
         LANES
         for (size_t i = 0; i < n; i++) {
             double X = w.x[i], Y = w.y[i], re = w.re[i], im = w.im[i], c = w.c[i], s = w.sn[i],
                    dc = m1 * w.dc[i], ds = m1 * w.ds[i];
-            double t2 = 4 * sgt_fma(bc[i], re, bs[i] * im), t1 = 2 * sgt_fma(w.dc[i], re, w.ds[i] * im);
+            double t2 = 4 * sgt_fma(e.c[i], re, e.s[i] * im), t1 = 2 * sgt_fma(w.dc[i], re, w.ds[i] * im);
             double tx = 2 * sgt_fma(dc, w.re1[i], ds * w.im1[i]),
                    ty = 2 * sgt_fma(ds, w.re1[i], -dc * w.im1[i]);
             double u = m2 * sgt_fma(c, re2[i], s * im2[i]), v = m2 * sgt_fma(s, re2[i], -c * im2[i]);
@@ -303,6 +315,43 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
     }
     LANES
     for (size_t i = 0; i < n; i++) pxx[i] *= back2, pxy[i] *= back2, pyy[i] *= back2;
+}
+
+/* AT NODES.  Let W = C - i S, so that T = Re(W zeta^m), and let D and D' be the derivatives by zeta and by
+ * its conjugate.  The second derivative of T has the mean 2 D D' T of its two eigenvalues, and they are 4
+ * |D^2 T| apart, over norm^2, with
+ *     D D' T = Re (s W'' + (m + 1) W') zeta^m,
+ *     D^2 T = ((s^2 W'' + 2 m s W' + m (m - 1) W) zeta^(m-2) + the conjugate of W'' zeta^(m+2)) / 2.
+ * So at a distance u it is at most
+ *     2 |s W'' + (m + 1) W'| u^m + |s^2 W'' + 2 m s W' + m (m - 1) W| u^(m-2) + |W''| u^(m+2)
+ * in any direction, and that of P the sum over m of these.  Along a line through the axis, in one direction,
+ * that of P is a polynomial of u, of a degree of at most n - 2: samples.h.  With n <= 34 all of it is rounded
+ * by less than 2^-30 of the sum of the terms' bounds. */
+SGT_KERNEL
+static void bends_at(const sgt_zernike *z, size_t n, const double *x, const double *y, double *restrict most)
+{
+    zernike_work w;
+    zernike_bending e;
+    harmonic h;
+    double power[DEPARTURE_BLOCK];
+    zernike_begin(&w, z->norm, n, x, y);
+    LANES
+    for (size_t i = 0; i < n; i++) most[i] = 0, power[i] = 1;
+    for (size_t m = 0; zernike_place(z, m, 0) < length(z); m++) {
+        gather(z, MOST_TERMS, m, &h);
+        if (h.count > 0) sum_bending(&h, &w, &e, n);
+        const double count = h.count > 0 ? 1 : 0, m1 = h.m + 1, m2 = 2 * h.m, m3 = h.m * (h.m - 1);
+        LANES
+        for (size_t i = 0; i < n; i++) {
+            double s = w.s[i], u = sqrt(s), p = power[i], c1 = w.dc[i], s1 = w.ds[i], c2 = s * e.c[i],
+                   s2 = s * e.s[i];
+            double a = c2 + m1 * c1, b = s2 + m1 * s1, d = s * (c2 + m2 * c1) + m3 * w.c[i],
+                   f = s * (s2 + m2 * s1) + m3 * w.sn[i];
+            double all = p * (2 * sqrt(a * a + b * b) + sqrt(d * d + f * f) / s + sqrt(c2 * c2 + s2 * s2));
+            most[i] += count > 0 ? all : 0;
+            power[i] = p * u;
+        }
+    }
 }
 
 static void zernike_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
@@ -422,6 +471,22 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
     return 1;
 }
 
+static bool zernike_bent(const void *self, double radius, double most, sgt_interval *out)
+{
+    const sgt_zernike *z = self;
+    double sum[MOST_DEGREE + 1], x[DEPARTURE_BLOCK] = {0}, y[DEPARTURE_BLOCK] = {0}, at[DEPARTURE_BLOCK];
+    double greatest = 0;
+    const size_t degrees = by_degree(z, sum), nodes = degrees > 3 ? SAMPLES_A_DEGREE * (degrees - 3) : 0;
+    if (nodes == 0 || nodes > 2 * DEPARTURE_BLOCK) return false;
+    for (size_t j = 0; j < nodes / 2; j++) x[j] = radius * sample_node(j, nodes);
+    bends_at(z, nodes / 2, x, y, at);
+    bool finite = true;
+    for (size_t j = 0; j < nodes / 2; j++) greatest = larger(greatest, at[j]), finite &= at[j] < HUGE_VAL;
+    greatest = greatest / z->norm / z->norm;
+    *out = sampled_range(-greatest, greatest, 0x1p-30 * most);
+    return finite;
+}
+
 static sgt_objection zernike_object(const void *self)
 {
     const sgt_zernike *z = self;
@@ -435,6 +500,6 @@ static sgt_objection zernike_object(const void *self)
 static const departure zernike_departure = {
     .at = zernike_at, .rounding = zernike_rounding, .bounds = zernike_bounds, .second = zernike_second,
     .parameters = zernike_parameters, .by_parameter = zernike_by_parameter, .object = zernike_object,
-    .noise = zernike_noise};
+    .noise = zernike_noise, .bent = zernike_bent};
 
 DEPARTURE_ON_CONIC(zernike, sgt_zernike)
