@@ -818,8 +818,8 @@ void rays(generator &g, long count)
         failed["a coarse tolerance is not cheap"]++;
 }
 
-// First hits of many levels.  The surface may be finer than doubles tell.  Then many roots are within t_err of
-// t, and the gradient at p says nothing of the side.  What has to hold: nothing inside lies before t - t_err,
+// First hits of many levels.  The surface may be finer than doubles tell.  Then many roots are within t_err
+// of t, and the gradient at p says nothing of the side.  What has to hold: nothing inside lies before t - t_err,
 // nor anywhere on a ray that misses; there is a root within t_err.  And the levels lie in each other, so a ray
 // meets level N + 1 not before level N.
 void first_hits(generator &g, long count)
