@@ -850,6 +850,7 @@ void first_hits(generator &g, long count)
             const double part = k % 2 ? g.uniform(0, 1) : g.log_uniform(1e-15, 1), t = end - (end - lo) * part,
                          x = ray.o.x + t * ray.d.x, y = ray.o.y + t * ray.d.y, z = ray.o.z + t * ray.d.z,
                          there = excess(f, x, y, z);
+            if (h.status == SGT_HIT && !(quad(t) < quad(h.t) - h.t_err)) continue; // from afar t is coarse
             if ((there < 0) == within || !(t > 16 * 0x1p-53 * off / by_d)) continue;
             if ((exact_g(f, ray, t) < 0) != within && (exact_g(f, ray, 0) < 0) == within)
                 fail_on("many: a root before the first", f, ray, t, h);
