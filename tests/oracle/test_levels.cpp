@@ -369,11 +369,20 @@ escaping by_orbit(const level &f, const sgt_vec3 &p, const sgt_vec3 &d, generato
 void potentials(generator &g, long count)
 {
     for (long i = 0; i < count; i++) {
-        const level f = any_level(g);
+        level f = any_level(g);
+        const bool slow = many && g.chance(0.9); // the orbit passes 1/2 in some 310 levels
+        if (slow) {
+            static const double c[4] = {0.2501, 0, 0, 0};
+            f = level();
+            std::memcpy(f.s.c, c, sizeof c);
+            f.s.ex[0] = f.s.ey[1] = f.s.ez[2] = 1;
+            f.s.power = 2, f.s.escape = 2, f.s.iterations = 250 + g.below(200);
+        }
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         sgt_vec3 p = interesting_point(g, f);
-        if (g.chance(0.1)) {
+        if (slow) p = {0.5 + g.uniform(-0.01, 0.01), g.uniform(-1e-4, 1e-4), g.uniform(-1e-4, 1e-4)};
+        else if (g.chance(0.1)) {
             const double far = g.log_uniform(1, 1e150); // |Q|^2 still a double
             p = {far * p.x, far * p.y, far * p.z};
         }
@@ -855,7 +864,14 @@ void first_hits(generator &g, long count)
             if ((exact_g(f, ray, t) < 0) != within && (exact_g(f, ray, 0) < 0) == within)
                 fail_on("many: a root before the first", f, ray, t, h);
         }
-        if (h.status != SGT_HIT) continue;
+        if (h.status == SGT_MISS) { // and it misses what lies inside
+            level next = f;
+            next.s.iterations++;
+            const sgt_hit behind = sgt_intersect(as_surface(next, &m), ray, &options);
+            counted[behind.status == SGT_MISS ? "many: misses of level N + 1, too" : "many: misses that are not"]++;
+            if (behind.status > 0) fail_on("many: level N missed, level N + 1 met", f, ray, behind.t, h);
+            continue;
+        }
         bool in = false, out = false;
         for (int k = 0; k <= 64 && !(in && out); k++) {
             const quad there = exact_g(f, ray, quad(h.t) + quad(h.t_err) * (k % 2 ? k + 1 : -k) / 64);
@@ -874,6 +890,8 @@ void first_hits(generator &g, long count)
             fail_on("many: level N + 1 before level N", f, ray, behind.t, h);
         counted["many: level N + 1 not before level N"]++;
     }
+    if (10 * counted["many: misses that are not"] > 20 + counted["many: misses of level N + 1, too"])
+        failed["many: misses of level N that level N + 1 cannot tell"]++;
 }
 
 // ---------------------------------------------------------- scale and symmetry
@@ -999,11 +1017,11 @@ int main(int argc, char **argv)
     many = true;
     section("many: values", values, r.count / 4 + 1);
     section("many: gradients", gradients, r.count / 40 + 1);
-    section("many: potentials", potentials, r.count / 80 + 1);
-    section("many: far and deep", nothing_overflows, r.count / 4 + 1);
-    section("many: enclosures", enclosures, r.count / 20 + 1);
+    section("many: potentials", potentials, r.count / 20 + 1);
+    section("many: far and deep", nothing_overflows, r.count + 1);
+    section("many: enclosures", enclosures, r.count / 2 + 1);
     section("many: first hits", first_hits, r.count / 2 + 1);
-    section("many: units", units, r.count / 20 + 1);
+    section("many: units", units, r.count / 100 + 1);
     std::printf("%-60s %9s %9s %9s %9s\n", "", "number", "median", "99 %", "most");
     for (auto &e : ratios)
         std::printf("%-60s %9zu %9.3g %9.3g %9.3g\n", e.first.c_str(), e.second.size(),
