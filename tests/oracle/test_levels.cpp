@@ -381,7 +381,7 @@ void potentials(generator &g, long count)
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         sgt_vec3 p = interesting_point(g, f);
-        if (slow) p = {0.5 + g.uniform(-0.01, 0.01), g.uniform(-1e-4, 1e-4), g.uniform(-1e-4, 1e-4)};
+        if (slow) p = {g.uniform(0.1, 0.45), g.uniform(-1e-4, 1e-4), g.uniform(-1e-4, 1e-4)};
         else if (g.chance(0.1)) {
             const double far = g.log_uniform(1, 1e150); // |Q|^2 still a double
             p = {far * p.x, far * p.y, far * p.z};
@@ -451,12 +451,20 @@ void nothing_overflows(generator &g, long count)
         const double unit = g.chance(0.2) ? std::pow(10, g.uniform(-99, 99)) / axis_length(f) : 1;
         for (double *a : {f.s.ex, f.s.ey, f.s.ez})
             for (int k = 0; k < 4; k++) a[k] *= unit;
+        const bool stays = many && g.chance(0.2); // -2: the real axis up to 2 stays, and |dQ_N| is 2^N
+        if (stays) {
+            f = level();
+            f.s.c[0] = -2, f.s.ex[0] = f.s.ey[1] = f.s.ez[2] = 1;
+            f.s.power = 2, f.s.escape = 2, f.s.iterations = 2500;
+        }
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         const auto size = [&] {
             return sizes[g.below(static_cast<int>(sizeof sizes / sizeof *sizes))] * g.sign();
         };
-        const sgt_vec3 p = g.chance(0.3) ? interesting_point(g, f) : sgt_vec3{size(), size(), size()};
+        const sgt_vec3 p = stays           ? sgt_vec3{g.uniform(-2, 2), 0, 0}
+                           : g.chance(0.3) ? interesting_point(g, f)
+                                           : sgt_vec3{size(), size(), size()};
         sgt_vec3 n = {NAN, NAN, NAN}, along_potential = {NAN, NAN, NAN};
         const double v = s.ops->value(s.self, p, &n), own = s.ops->rounding(s.self, p);
         if (v != v) { // the derivative, (p R^(p-1))^N, is to be a double
@@ -561,6 +569,7 @@ void enclosures(generator &g, long count)
                                                                                (1e-4 * r.growth * by));
     }
     std::printf("%ld enclosures that say something\n", said);
+    if (many && !(15 * said > count)) failed["many: enclosures say too little"]++;
     if (!many && counted["enclosures"] &&
         !(quantile(ratios["width of a narrow enclosure / what F and rounding need"], 0.5) < 10))
         failed["enclosures of narrow cells are too wide"]++;
@@ -846,6 +855,13 @@ void first_hits(generator &g, long count)
         const sgt_hit h = sgt_intersect(as_surface(f, &m), ray, &options);
         counted[by + ": " + sgt_status_text(h.status)]++;
         if (h.status == SGT_INVALID) fail_on("many: valid input called invalid", f, ray, h.t, h);
+        if (f.s.iterations > 100) { // a ray that misses level 100 misses what lies inside
+            level hundred = f;
+            hundred.s.iterations = 100;
+            if (sgt_intersect(as_surface(hundred, &m), ray, &options).status == SGT_MISS)
+                counted[h.status == SGT_MISS ? "many: misses of level 100, and N" : "many: misses of level 100 only"]++;
+            as_surface(f, &m);
+        }
         if (h.status != SGT_HIT && h.status != SGT_MISS) continue;
         const double off = std::sqrt(ray.o.x * ray.o.x + ray.o.y * ray.o.y + ray.o.z * ray.o.z),
                      by_d = length(ray.d),
@@ -890,6 +906,8 @@ void first_hits(generator &g, long count)
             fail_on("many: level N + 1 before level N", f, ray, behind.t, h);
         counted["many: level N + 1 not before level N"]++;
     }
+    if (10 * counted["many: misses of level 100 only"] > 10 + counted["many: misses of level 100, and N"])
+        failed["many: misses of level 100 that level N cannot tell"]++;
     if (10 * counted["many: misses that are not"] > 20 + counted["many: misses of level N + 1, too"])
         failed["many: misses of level N that level N + 1 cannot tell"]++;
 }
