@@ -31,6 +31,7 @@ PICTURES = [
     'Surfaces of a program of one\'s own, proven',
     ('mandelbulb.png', 'The Mandelbulb', f'{SMALL} 8 --output @ {SCENES}/mandelbulb.yaml'),
     ('menger.png', 'Menger\'s sponge after three steps, cut', f'{SMALL} 8 --output @ {SCENES}/menger.yaml'),
+    ('mandelbox.png', 'The Mandelbox, level 7', f'{SMALL} 4 --output @ {SCENES}/mandelbox.yaml'),
     ('sierpinski.png', 'Sierpinski\'s tetrahedron after five steps', f'{SMALL} 8 --output @ {SCENES}/sierpinski.yaml'),
     'Formulas',
     ('barth.png', 'Barth\'s sextic, with 65 nodes', f'{SMALL} 16 --output @ {SCENES}/barth.yaml'),

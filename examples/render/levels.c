@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RAYS = 32, MOST_LEVELS = 100 };
+enum { RAYS = 32, MOST_LEVELS = 1000 };
 
 static int *iterations_of(object *o)
 {

@@ -47,7 +47,8 @@ static const sgt_param box_params[] = {{.name = "half",
         .kind = SGT_PARAM_WHOLE                                                                     \
     }
 static const sgt_param menger_params[] = {LEVELS(menger, MENGER_MOST), {0}},
-                       sierpinski_params[] = {LEVELS(sierpinski, SIERPINSKI_MOST), {0}};
+                       sierpinski_params[] = {LEVELS(sierpinski, SIERPINSKI_MOST), {0}},
+                       mandelbox_params[] = {LEVELS(mandelbox, MANDELBOX_MOST), {0}};
 
 const sgt_builtin own_surfaces[] = {
     {.type = "mandelbulb", .ops = &mandelbulb_ops, .size = sizeof(mandelbulb), .params = bulb_params},
@@ -55,5 +56,6 @@ const sgt_builtin own_surfaces[] = {
     {.type = "box", .ops = &box_ops, .size = sizeof(box), .params = box_params, .object = object_to_box},
     {.type = "menger", .ops = &menger_ops, .size = sizeof(menger), .params = menger_params},
     {.type = "sierpinski", .ops = &sierpinski_ops, .size = sizeof(sierpinski), .params = sierpinski_params},
+    {.type = "mandelbox", .ops = &mandelbox_ops, .size = sizeof(mandelbox), .params = mandelbox_params},
     {0},
 };

@@ -30,6 +30,11 @@ typedef struct sierpinski { int iterations; } sierpinski;
 extern const sgt_surface_ops menger_ops, sierpinski_ops;
 enum { MENGER_MOST = 12, SIERPINSKI_MOST = 20 };
 
+/* The level set |v_N| = 18 of the orbit v_1 = p, v_{n+1} = 2 (folds of v_n) + p; iterations 0: 6. */
+typedef struct mandelbox { int iterations; } mandelbox;
+extern const sgt_surface_ops mandelbox_ops;
+enum { MANDELBOX_MOST = 12 };
+
 /* Ends with a row of zeros. */
 extern const sgt_builtin own_surfaces[];
 

@@ -446,6 +446,106 @@ static void test_folded_enclosures(long count)
     }
 }
 
+/* ------------------------------------------------------------ the Mandelbox */
+
+/* F in long double: the folds by distances to the nearest mirror, the inversion by the radius. */
+static long double mandelbox_on_ray(const mandelbox *s, const sgt_ray *ray, long double t)
+{
+    const long double p[3] = {ray->o.x + t * ray->d.x, ray->o.y + t * ray->d.y, ray->o.z + t * ray->d.z};
+    long double v[3] = {p[0], p[1], p[2]}, r = sqrtl(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int n = 1; n < s->iterations && r < 1e8L; n++) {
+        for (int i = 0; i < 3; i++)
+            if (fabsl(v[i]) > 1) v[i] -= 2 * copysignl(fabsl(v[i]) - 1, v[i]);
+        const long double w = sqrtl(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
+                          away = w < 0.5L ? 4 * w : w < 1 ? 1 / w : w;
+        for (int i = 0; i < 3; i++) v[i] = (w > 0 ? 2 * away / w * v[i] : 0) + p[i];
+        r = sqrtl(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    }
+    return (r - 18) / (r + 18);
+}
+
+/* On a ray that meets it often: from outside, along a mirror, or from near the surface. */
+static sgt_ray ray_at_mandelbox(long kind)
+{
+    vec3 at = {uniform(-6, 6), uniform(-6, 6), uniform(-6, 6)}, d = direction();
+    if (kind % 8 == 1) at.x = 1, d.x = 0;
+    if (kind % 8 == 2) at.x = at.y, d.x = d.y;
+    if (kind % 8 == 3) at.x = at.y = d.x = d.y = 0;
+    d = unit(d);
+    return (sgt_ray){.o = along(at, kind % 3 ? -uniform(10, 20) : 0, d), .d = scaled(d, pow(10, uniform(-1, 1)))};
+}
+
+static void test_mandelbox(long count)
+{
+    long undecided[2] = {0}, hits = 0, evals = 0;
+    for (long i = 0; i < count; i++) {
+        const mandelbox s = {1 + (int)uniform(0, 8)};
+        const bool plane = i % 8 >= 1 && i % 8 <= 3; /* in a mirror there is a kink all along */
+        const sgt_surface surface = {&mandelbox_ops, &s};
+        sgt_ray ray = ray_at_mandelbox(i);
+        sgt_hit hit = sgt_intersect(surface, ray, NULL);
+        if (i % 2 && hit.status > 0) { /* from the surface */
+            ray = (sgt_ray){.o = hit.p, .d = direction()};
+            hit = sgt_intersect(surface, ray, NULL);
+        }
+        undecided[plane] += hit.status < 0, hits += hit.status > 0, evals += hit.evals;
+        if (hit.status < 0) continue;
+        const double end = hit.status > 0 ? hit.t : 80 / length(ray.d), off = 1e-9 / length(ray.d);
+        const long double first = mandelbox_on_ray(&s, &ray, fmin(off, 0.5 * end));
+        for (int k = 1; k < 400 && end > 3 * off; k++) { /* half of them where it may just have passed */
+            const double part = k % 2 ? k / 400.0 : 1 - pow(10, uniform(-6, 0));
+            const long double here = mandelbox_on_ray(&s, &ray, off + (end - 2 * off) * part);
+            require(first * here > 0, "mandelbox, a root before the first", ray.o, end * part, end);
+        }
+        if (hit.status != SGT_HIT || end < 3 * off) continue;
+        const long double a = mandelbox_on_ray(&s, &ray, hit.t - hit.t_err - off),
+                          b = mandelbox_on_ray(&s, &ray, hit.t + hit.t_err + off);
+        require(a * b < 0, "mandelbox, no change of sign at the hit", ray.o, (double)a, (double)b);
+    }
+    printf("mandelbox: %ld rays, %ld hits, %ld undecided, and %ld in mirrors; %.1f evaluations\n", count, hits,
+           undecided[0], undecided[1], (double)evals / (double)count);
+    require(hits > count / 3 && undecided[0] <= count / 100 && undecided[1] <= count / 10,
+            "mandelbox, undecided rays", (vec3){0}, (double)undecided[0], (double)undecided[1]);
+}
+
+/* F of many points of a cell lies in its enclosure, and what it rises between two of them in that of the
+ * slope.  Cells lie about a kink as often as not: the mirrors are dense. */
+static void test_mandelbox_enclosure(long count)
+{
+    long sloped = 0, narrow = 0;
+    for (long i = 0; i < count; i++) {
+        const mandelbox s = {1 + (int)uniform(0, 9)};
+        const sgt_ray ray = ray_at_mandelbox(i);
+        const double width = pow(10, uniform(-9, 0)) / length(ray.d),
+                     from = -dot(ray.o, ray.d) / dot(ray.d, ray.d) + uniform(-8, 8) / length(ray.d);
+        sgt_interval t = {from, from + width}, slope, g = mandelbox_ops.enclose(&s, &ray, t, &slope);
+        const bool known = slope.hi - slope.lo < HUGE_VAL;
+        long double f[17], lowest = HUGE_VALL, highest = -HUGE_VALL;
+        for (int k = 0; k <= 16; k++) {
+            const long double at = k == 16 ? t.hi : t.lo + (t.hi - t.lo) * (k / 16.0L);
+            /* F is of r here and of r^2 there: (r^2 - E^2) / (r^2 + E^2) */
+            const long double x = mandelbox_on_ray(&s, &ray, at);
+            f[k] = 2 * x / (1 + x * x);
+            require(g.lo <= f[k] && f[k] <= g.hi, "mandelbox, enclosure", ray.o, (double)f[k], g.lo);
+            lowest = fminl(lowest, f[k]), highest = fmaxl(highest, f[k]);
+        }
+        sloped += known, narrow += g.hi - g.lo < 1;
+        for (int k = 0; k < 16 && known && width * length(ray.d) > 1e-6; k++) {
+            const long double rise = (f[k + 1] - f[k]) / (width / 16), off = 1e-7L * (1 + fabsl(rise));
+            require(slope.lo <= rise + off && rise - off <= slope.hi, "mandelbox, slope", ray.o, (double)rise,
+                    slope.lo);
+        }
+        const vec3 p = along(ray.o, from, ray.d);
+        const long double x = mandelbox_on_ray(&s, &(sgt_ray){.o = p, .d = ray.d}, 0),
+                          off = fabsl(mandelbox_ops.value(&s, p, NULL) - 2 * x / (1 + x * x));
+        require(off <= mandelbox_ops.rounding(&s, p), "mandelbox, rounding", p, (double)off,
+                mandelbox_ops.rounding(&s, p));
+    }
+    printf("mandelbox: of %ld cells %ld say something, %ld have a slope\n", count, narrow, sloped);
+    require(narrow > count / 4 && sloped > count / 20, "mandelbox, cells", (vec3){0}, (double)narrow,
+            (double)sloped);
+}
+
 /* -------------------------------------------------- -------- the edge */
 
 /* g and its slope, along a ray. */
@@ -619,6 +719,8 @@ int main(void)
     test_box(1 + (long)(20000 * times));
     test_folded(1 + (long)(20000 * times));
     test_folded_enclosures(1 + (long)(20000 * times));
+    test_mandelbox(1 + (long)(2000 * times));
+    test_mandelbox_enclosure(1 + (long)(20000 * times));
     test_enclosures(1 + (long)(20000 * times));
     test_edge_spans(1 + (long)(20000 * times));
     test_many(1 + (long)(2000 * times));

@@ -94,7 +94,7 @@ class Julia(Catalogue):
     ey          4 numbers; length^-1
     ez          4 numbers; length^-1
     escape      1 to 1e+06
-    iterations  a whole number from 1 to 100
+    iterations  a whole number from 1 to 10000
     power       a whole number from 2 to 8
     """
     type = "julia"
@@ -126,7 +126,7 @@ class Mandelbrot(Catalogue):
     ey          4 numbers; length^-1
     ez          4 numbers; length^-1
     escape      1 to 1e+06
-    iterations  a whole number from 1 to 100
+    iterations  a whole number from 1 to 10000
     power       a whole number from 2 to 8
     """
     type = "mandelbrot"

@@ -36,7 +36,7 @@
         VECTOR(type, "ey", ey, 4, 1e100, -1),                        \
         VECTOR(type, "ez", ez, 4, 1e100, -1),                        \
         RANGE(SGT_PARAM_REAL, type, "escape", escape, 1, 1e6, NULL),       \
-        RANGE(SGT_PARAM_WHOLE, type, "iterations", iterations, 1, 100, NULL), \
+        RANGE(SGT_PARAM_WHOLE, type, "iterations", iterations, 1, 10000, NULL), \
         RANGE(SGT_PARAM_WHOLE, type, "power", power, 2, 8, NULL)
 
 /* Numbers that a specimen points to, row by row. */

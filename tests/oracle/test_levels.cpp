@@ -22,6 +22,33 @@ using namespace oracle;
 
 namespace {
 
+// ------------------------------------------------------------------- levels
+
+bool many; // more levels than the library keeps numbers of, and the limit between
+
+// Sets of which levels beyond 100 still show something: where the orbit passes a point at which |dQ| is
+// nearly 1, or stays.  A quarter of them shows nothing any more: only what rounding leaves of a surface.
+level many_levels(generator &g)
+{
+    static const double thin[6][4] = {{0.2501, 0, 0, 0},     {0.26, 0, 0, 0}, {-0.75, 0.03, 0, 0},
+                                      {0.25, 0.0005, 0, 0.001}, {0, 0, 0, 0},    {-1, 0, 0, 0}};
+    level f = random_level(g);
+    const bool plain = g.chance(0.75);
+    if (!f.mandelbrot && plain) {
+        f.s.power = 2, f.s.escape = 2;
+        std::memcpy(f.s.c, thin[g.below(6)], sizeof f.s.c);
+    }
+    const double size = f.mandelbrot ? std::max(safe_escape(f), f.s.escape) : safe_escape(f),
+                 growth = f.s.power * std::pow(size, f.s.power - 1);
+    if (growth > 15) f.s.power = 2, f.s.escape = f.mandelbrot ? 2 : 4; // or so many levels are refused
+    static const int limits[] = {99, 100, 101, 102}, more[] = {300, 1000, 10000};
+    const bool at_limit = g.chance(0.3), far = g.chance(0.05);
+    f.s.iterations = at_limit ? limits[g.below(4)] : far ? more[g.below(3)] : 102 + g.below(100);
+    return f;
+}
+
+level any_level(generator &g) { return many ? many_levels(g) : random_level(g); }
+
 // ------------------------------------------------------------------ reports
 
 std::map<std::string, long> failed, counted;
@@ -199,7 +226,7 @@ sgt_vec3 interesting_point(generator &g, const level &f)
 void values(generator &g, long count)
 {
     for (long i = 0; i < count; i++) {
-        const level f = random_level(g);
+        const level f = any_level(g);
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         const sgt_vec3 p = interesting_point(g, f);
@@ -241,19 +268,24 @@ void values(generator &g, long count)
         }
         counted["values"]++;
     }
-    if (counted["values whose sign rounding leaves open"] > count / 20) failed["rounding says too little"]++;
+    if (!many && counted["values whose sign rounding leaves open"] > count / 20)
+        failed["rounding says too little"]++;
 }
 
 void gradients(generator &g, long count)
 {
     for (long i = 0; i < count; i++) {
-        const level f = random_level(g);
+        const level f = any_level(g);
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         const sgt_vec3 p = interesting_point(g, f);
         const vector3 q = widen(p);
         const recursion r = by_recursion(f, q, nullptr);
         const quad size = norm(r.gradient);
+        if (many && !(r.growth < 1e10)) { // neither differences nor shaking tells then
+            counted["gradients: finer than doubles"]++;
+            continue;
+        }
 
         // Central differences of F, with steps h and h/2, extrapolated (Richardson 1911).
         const double h = std::ldexp(1, std::ilogb(1e-6 / r.growth));
@@ -290,6 +322,7 @@ void gradients(generator &g, long count)
             counted["gradients: to 1e-9"]++;
         } else counted["gradients: no double could be true to 1e-9"]++;
     }
+    if (many) return; // which sets show something is left to chance
     if (double(counted["gradients: no differences to compare with"]) > 0.02 * double(count))
         failed["too few gradients compared with differences"]++;
     if (double(counted["gradients: to 1e-9"]) < 0.5 * double(count))
@@ -325,7 +358,7 @@ escaping by_orbit(const level &f, const sgt_vec3 &p, const sgt_vec3 &d, generato
             for (pair *x : {&q.a, &q.b, &q.c, &q.d})
                 *x = *x + pair(by * shake->uniform(-1, 1), turn * shake->uniform(-1, 1));
         }
-        if (n >= 200 || dot(q, q).v > quad(0x1p64)) break;
+        if (n >= std::max(200, f.s.iterations) || dot(q, q).v > quad(0x1p64)) break;
         q = power(q, f.s.power) + c;
     }
     const pair square = dot(q, q);
@@ -340,11 +373,20 @@ escaping by_orbit(const level &f, const sgt_vec3 &p, const sgt_vec3 &d, generato
 void potentials(generator &g, long count)
 {
     for (long i = 0; i < count; i++) {
-        const level f = random_level(g);
+        level f = any_level(g);
+        const bool slow = many && g.chance(0.9); // the orbit passes 1/2 in some 310 levels
+        if (slow) {
+            static const double c[4] = {0.2501, 0, 0, 0};
+            f = level();
+            std::memcpy(f.s.c, c, sizeof c);
+            f.s.ex[0] = f.s.ey[1] = f.s.ez[2] = 1;
+            f.s.power = 2, f.s.escape = 2, f.s.iterations = 250 + g.below(200);
+        }
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         sgt_vec3 p = interesting_point(g, f);
-        if (g.chance(0.1)) {
+        if (slow) p = {g.uniform(0.1, 0.45), g.uniform(-1e-4, 1e-4), g.uniform(-1e-4, 1e-4)};
+        else if (g.chance(0.1)) {
             const double far = g.log_uniform(1, 1e150); // |Q|^2 still a double
             p = {far * p.x, far * p.y, far * p.z};
         }
@@ -384,7 +426,7 @@ void potentials(generator &g, long count)
             fail_at("gradient of the potential", f, p, (slope - exact.slope) / size);
         counted[blur <= 1e-9 * exact.value ? "potentials: to 1e-9" : "potentials: as far as doubles tell"]++;
     }
-    if (double(counted["potentials: to 1e-9"]) < 0.4 * double(count))
+    if (!many && double(counted["potentials: to 1e-9"]) < 0.4 * double(count))
         failed["too few potentials compared to 1e-9"]++;
 }
 
@@ -399,6 +441,7 @@ void nothing_overflows(generator &g, long count)
     for (long i = 0; i < count; i++) {
         level f = random_level(g);
         f.s.iterations = g.chance(0.5) ? 50 : 100;
+        if (many) f.s.iterations = g.chance(0.5) ? 101 : g.chance(0.8) ? 600 : 2500;
         if (g.chance(0.3)) f.s.power = 8;
         if (g.chance(0.5)) {
             random_unit(g, f.s.c);
@@ -412,12 +455,20 @@ void nothing_overflows(generator &g, long count)
         const double unit = g.chance(0.2) ? std::pow(10, g.uniform(-99, 99)) / axis_length(f) : 1;
         for (double *a : {f.s.ex, f.s.ey, f.s.ez})
             for (int k = 0; k < 4; k++) a[k] *= unit;
+        const bool stays = many && g.chance(0.2); // -2: the real axis up to 2 stays, and |dQ_N| is 2^N
+        if (stays) {
+            f = level();
+            f.s.c[0] = -2, f.s.ex[0] = f.s.ey[1] = f.s.ez[2] = 1;
+            f.s.power = 2, f.s.escape = 2, f.s.iterations = 2500;
+        }
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         const auto size = [&] {
             return sizes[g.below(static_cast<int>(sizeof sizes / sizeof *sizes))] * g.sign();
         };
-        const sgt_vec3 p = g.chance(0.3) ? interesting_point(g, f) : sgt_vec3{size(), size(), size()};
+        const sgt_vec3 p = stays           ? sgt_vec3{g.uniform(-2, 2), 0, 0}
+                           : g.chance(0.3) ? interesting_point(g, f)
+                                           : sgt_vec3{size(), size(), size()};
         sgt_vec3 n = {NAN, NAN, NAN}, along_potential = {NAN, NAN, NAN};
         const double v = s.ops->value(s.self, p, &n), own = s.ops->rounding(s.self, p);
         if (v != v) { // the derivative, (p R^(p-1))^N, is to be a double
@@ -428,7 +479,9 @@ void nothing_overflows(generator &g, long count)
             continue;
         }
         if (!(v >= -1 && v <= 1)) fail_at("F overflows", f, p, v);
-        if (!finite(n)) fail_at("the gradient overflows", f, p, n.x + n.y + n.z);
+        const bool none = many && std::isnan(n.x) && std::isnan(n.y) && std::isnan(n.z);
+        if (none) counted["far and deep: the derivative is no double"]++;
+        if (!finite(n) && !none) fail_at("the gradient overflows", f, p, n.x + n.y + n.z);
         if (!(own >= 0 && own < HUGE_VAL)) fail_at("rounding overflows", f, p, own);
         const double potential = potential_of(f, s, p, &along_potential);
         if (!(potential >= 0 && potential < HUGE_VAL)) fail_at("the potential overflows", f, p, potential);
@@ -480,7 +533,7 @@ void enclosures(generator &g, long count)
 {
     long said = 0;
     for (long i = 0; i < count; i++) {
-        const level f = random_level(g);
+        const level f = any_level(g);
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         if (!s.ops->enclose) break;
@@ -520,7 +573,8 @@ void enclosures(generator &g, long count)
                                                                                (1e-4 * r.growth * by));
     }
     std::printf("%ld enclosures that say something\n", said);
-    if (counted["enclosures"] &&
+    if (many && !(15 * said > count)) failed["many: enclosures say too little"]++;
+    if (!many && counted["enclosures"] &&
         !(quantile(ratios["width of a narrow enclosure / what F and rounding need"], 0.5) < 10))
         failed["enclosures of narrow cells are too wide"]++;
 }
@@ -748,7 +802,7 @@ void rays(generator &g, long count)
     static sgt_hit hit[most];
     long undecided = 0, with_roots = 0;
     for (long i = 0; i < count; i++) {
-        const level f = random_level(g);
+        const level f = any_level(g);
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         for (int k = 0; k < 4; k++) {
@@ -780,10 +834,86 @@ void rays(generator &g, long count)
         }
     }
     std::printf("%ld rays, %ld with an entry, %ld undecided stretches\n", 4 * count, with_roots, undecided);
-    if (double(undecided) > 1 + 1e-3 * double(count)) failed["too many undecided stretches"]++;
+    if (!many && double(undecided) > 1 + 1e-3 * double(count)) failed["too many undecided stretches"]++;
     if (4 * with_roots < count) failed["too few rays with a root"]++;
-    if (counted["tolerances: evaluations with one"] > counted["tolerances: evaluations without"])
+    if (!many && counted["tolerances: evaluations with one"] > counted["tolerances: evaluations without"])
         failed["a coarse tolerance is not cheap"]++;
+}
+
+// First hits of many levels.  The surface may be finer than doubles tell.  Then many roots are within t_err
+// of t, and the gradient at p says nothing of the side.  What has to hold: nothing inside lies before t - t_err,
+// nor anywhere on a ray that misses; there is a root within t_err.  And the levels lie in each other, so a ray
+// meets level N + 1 not before level N.
+void first_hits(generator &g, long count)
+{
+    for (long i = 0; i < count; i++) {
+        level f = any_level(g);
+        sgt_mandelbrot m;
+        const sgt_ray ray = random_ray(g, f);
+        const double unit = 1 / axis_length(f) / length(ray.d);
+        sgt_options options = {};
+        if (g.chance(0.2)) options.proof = SGT_PROVE_FIRST;
+        else if (g.chance(0.2)) options.t_tol = g.log_uniform(1e-12, 1e-3) * unit;
+        const std::string by = "many, N " + std::string(f.s.iterations > 100 ? "> 100" : "<= 100") +
+                               (options.proof != SGT_ESTIMATE ? ", proof" : "");
+        const sgt_hit h = sgt_intersect(as_surface(f, &m), ray, &options);
+        counted[by + ": " + sgt_status_text(h.status)]++;
+        if (h.status == SGT_INVALID) fail_on("many: valid input called invalid", f, ray, h.t, h);
+        if (f.s.iterations > 100) { // a ray that misses level 100 misses what lies inside
+            level hundred = f;
+            hundred.s.iterations = 100;
+            if (sgt_intersect(as_surface(hundred, &m), ray, &options).status == SGT_MISS)
+                counted[h.status == SGT_MISS ? "many: misses of level 100, and N" : "many: misses of level 100 only"]++;
+            as_surface(f, &m);
+        }
+        if (h.status != SGT_HIT && h.status != SGT_MISS) continue;
+        const double off = std::sqrt(ray.o.x * ray.o.x + ray.o.y * ray.o.y + ray.o.z * ray.o.z),
+                     by_d = length(ray.d),
+                     middle = -(ray.o.x * ray.d.x + ray.o.y * ray.d.y + ray.o.z * ray.d.z) / (by_d * by_d),
+                     reach = std::min(off, 5 / axis_length(f)) / by_d + 3 * unit,
+                     lo = std::max(0.0, middle - reach),
+                     end = h.status == SGT_HIT ? h.t - h.t_err : middle + reach;
+        // A ray that starts inside meets the set where it leaves.
+        const bool within = excess(f, ray.o.x, ray.o.y, ray.o.z) < 0;
+        for (int k = 0; k < 200 && lo < end; k++) {
+            const double part = k % 2 ? g.uniform(0, 1) : g.log_uniform(1e-15, 1), t = end - (end - lo) * part,
+                         x = ray.o.x + t * ray.d.x, y = ray.o.y + t * ray.d.y, z = ray.o.z + t * ray.d.z,
+                         there = excess(f, x, y, z);
+            if (h.status == SGT_HIT && !(quad(t) < quad(h.t) - h.t_err)) continue; // from afar t is coarse
+            if ((there < 0) == within || !(t > 16 * 0x1p-53 * off / by_d)) continue;
+            if ((exact_g(f, ray, t) < 0) != within && (exact_g(f, ray, 0) < 0) == within)
+                fail_on("many: a root before the first", f, ray, t, h);
+        }
+        if (h.status == SGT_MISS) { // and it misses what lies inside
+            level next = f;
+            next.s.iterations++;
+            const sgt_hit behind = sgt_intersect(as_surface(next, &m), ray, &options);
+            counted[behind.status == SGT_MISS ? "many: misses of level N + 1, too" : "many: misses that are not"]++;
+            if (behind.status > 0) fail_on("many: level N missed, level N + 1 met", f, ray, behind.t, h);
+            continue;
+        }
+        bool in = false, out = false;
+        for (int k = 0; k <= 64 && !(in && out); k++) {
+            const quad there = exact_g(f, ray, quad(h.t) + quad(h.t_err) * (k % 2 ? k + 1 : -k) / 64);
+            in = in || !(there > 0), out = out || !(there < 0);
+        }
+        counted[in && out ? "many: roots confirmed" : "many: roots not confirmed"]++;
+        if (!(in && out)) fail_on("many: no root within t_err", f, ray, h.t, h);
+        const vector3 at = along(ray, quad(h.t) + h.t_lo);
+        if (!(to_double(norm(minus(at, widen(h.p)))) <= h.p_err + h.t_err * by_d))
+            fail_on("many: p is not at t", f, ray, h.t, h);
+        if (!finite(h.n)) fail_on("many: a hit of no numbers", f, ray, h.t, h);
+        level next = f;
+        next.s.iterations++;
+        const sgt_hit behind = sgt_intersect(as_surface(next, &m), ray, &options);
+        if (!within && behind.status == SGT_HIT && behind.t + behind.t_err < h.t - h.t_err)
+            fail_on("many: level N + 1 before level N", f, ray, behind.t, h);
+        counted["many: level N + 1 not before level N"]++;
+    }
+    if (10 * counted["many: misses of level 100 only"] > 10 + counted["many: misses of level 100, and N"])
+        failed["many: misses of level 100 that level N cannot tell"]++;
+    if (10 * counted["many: misses that are not"] > 20 + counted["many: misses of level N + 1, too"])
+        failed["many: misses of level N that level N + 1 cannot tell"]++;
 }
 
 // ---------------------------------------------------------- scale and symmetry
@@ -796,7 +926,7 @@ void units(generator &g, long count)
     static const int powers[] = {1, -1, 7, -40, 150, -200};
     static sgt_hit hit[most], other[most];
     for (long i = 0; i < count; i++) {
-        const level f = random_level(g);
+        const level f = any_level(g);
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
         const sgt_ray ray = random_ray(g, f);
@@ -836,7 +966,7 @@ void symmetries(generator &g, long count)
 {
     static sgt_hit hit[most], other[most];
     for (long i = 0; i < count; i++) {
-        const level f = random_level(g);
+        const level f = any_level(g);
         sgt_mandelbrot m, m2;
         const sgt_surface s = as_surface(f, &m);
         sgt_ray ray = random_ray(g, f), ray2 = ray;
@@ -906,6 +1036,14 @@ int main(int argc, char **argv)
     section("rays", rays, r.count / 5 + 1);
     section("units", units, r.count / 2 + 1);
     section("symmetries", symmetries, r.count / 2 + 1);
+    many = true;
+    section("many: values", values, r.count / 4 + 1);
+    section("many: gradients", gradients, r.count / 10 + 1);
+    section("many: potentials", potentials, r.count / 20 + 1);
+    section("many: far and deep", nothing_overflows, r.count + 1);
+    section("many: enclosures", enclosures, r.count / 2 + 1);
+    section("many: first hits", first_hits, r.count / 2 + 1);
+    section("many: units", units, r.count / 100 + 1);
     std::printf("%-60s %9s %9s %9s %9s\n", "", "number", "median", "99 %", "most");
     for (auto &e : ratios)
         std::printf("%-60s %9zu %9.3g %9.3g %9.3g\n", e.first.c_str(), e.second.size(),

@@ -81,7 +81,7 @@ static void test_rows(void **state)
             REQUIRE(p->lo < p->hi && isfinite(p->lo) && isfinite(p->hi), "%s.%s: from %g to %g", row->type,
                     p->name, p->lo, p->hi);
             /* a zero stands for a default in the struct; as a number that is given it is none of these */
-            if (!strcmp(p->name, "iterations")) assert_true(p->lo == 1 && p->hi == 100);
+            if (!strcmp(p->name, "iterations")) assert_true(p->lo == 1 && p->hi == 10000);
             if (!strcmp(p->name, "power")) assert_true(p->lo == 2 && p->hi == 8);
             if (!strcmp(p->name, "escape")) assert_true(p->lo > 0 && p->hi == 1e6);
         }
@@ -157,9 +157,11 @@ static void test_one_by_one(void **state)
     CASE(NULL, (void)s);
     CASE(NULL, s->iterations = 1);
     CASE(NULL, s->iterations = 100);
+    CASE(NULL, s->iterations = 101);
+    CASE(NULL, s->iterations = 10000);
     CASE(NULL, s->iterations = 0);
     CASE("iterations", s->iterations = -1);
-    CASE("iterations", s->iterations = 101);
+    CASE("iterations", s->iterations = 10001);
     CASE(NULL, s->power = 8);
     CASE(NULL, s->power = 0);
     CASE("power", s->power = 1);
@@ -242,7 +244,7 @@ static void test_of_one_mind(void **state)
     long n = scaled(20000), invalid = 0;
     for (long i = 0; i < n; i++) {
         bool wild = chance(&g, 0.5);
-        sgt_julia s = {.iterations = chance(&g, 0.9) ? below(&g, 101) : below(&g, 300) - 100,
+        sgt_julia s = {.iterations = chance(&g, 0.9) ? below(&g, 101) : below(&g, 30000) - 10000,
                        .power = chance(&g, 0.9) ? 2 + below(&g, 7) : below(&g, 20) - 5,
                        .escape = chance(&g, 0.5) ? 0 : log_uniform(&g, 0.5, 5)};
         double *const list[] = {s.c, s.at, s.ex, s.ey, s.ez};

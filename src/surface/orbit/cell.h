@@ -95,6 +95,7 @@ typedef struct circle { double c_abs, round, keep, far; } circle;
 
 SGT_SQUARES(one, double)
 
+/* For no more levels than are kept. */
 static inline circle circle_of(const path *w)
 {
     double most = 0;

@@ -30,9 +30,15 @@ SGT_INLINE void path_of(const orbit *o, sgt_vec3 at, double l, double m, double 
                     fabs(at.z) * o->z_length;
 }
 
+/* How many levels are not kept. */
+SGT_INLINE int levels_before(const orbit *o)
+{
+    return o->iterations > SGT_KEPT ? o->iterations - SGT_KEPT : 0;
+}
+
 /* E_k = limit + over, where `over` is `growth` times greater at each level.  This is the tangent of
- * orbit.h, taken from E_N to the first level and back.  All is rounded up, so growth is below the true
- * one. */
+ * orbit.h, taken from E_N to the first level that is kept and back.  All is rounded up, so growth is below
+ * the true one. */
 typedef struct escape { double limit, over, growth; } escape;
 
 static inline escape escape_of(const orbit *o)
@@ -40,7 +46,8 @@ static inline escape escape_of(const orbit *o)
     double up = 1 + 0x1p-46, growth = o->stretch * (1 - 0x1p-45), q = 1 / growth;
     escape s = {(o->mandelbrot ? o->c_abs : o->safe) * up, 0, growth};
     s.over = larger((o->E + o->E_err) * up - s.limit, 0) * (1 + 0x1p-40);
-    for (int k = o->mandelbrot ? 1 : 0; k < o->iterations; k++) s.over *= q;
+    int from = levels_before(o) ? levels_before(o) : o->mandelbrot ? 1 : 0;
+    for (int k = from; k < o->iterations; k++) s.over *= q;
     return s;
 }
 
@@ -49,10 +56,11 @@ static inline void set_of(const orbit *o, path *w)
 {
     w->c = o->c, w->c_abs = o->c_abs, w->E = o->E, w->E_err = o->E_err;
     w->iterations = o->iterations, w->power = o->power, w->mandelbrot = o->mandelbrot;
+    w->before = levels_before(o);
     escape s = escape_of(o);
     if (o->mandelbrot) w->escape[0] = HUGE_VAL;
-    for (int k = o->mandelbrot ? 1 : 0; k <= o->iterations; k++, s.over *= s.growth)
-        w->escape[k] = s.limit + s.over;
+    for (int k = first_kept(w); k <= o->iterations; k++, s.over *= s.growth)
+        w->escape[k - w->before] = s.limit + s.over;
 }
 
 /* The point of the ray nearest the centre: where it is, and how near. */

@@ -107,7 +107,7 @@ bool sgt_level_unique(const orbit *o, path *w, const sgt_ray *ray, double t, dou
 {
     local q;
     double lo, hi;
-    chord_of(o, w->escape[o->mandelbrot ? 1 : 0], ray, &q, w, &lo, &hi);
+    chord_of(o, first_escape(w), ray, &q, w, &lo, &hi);
     return sgt_orbit_monotone(w, (t / q.scale - q.t0) + t_lo / q.scale, 2 * (t_err / q.scale));
 }
 
@@ -160,7 +160,9 @@ static bool add_root(level_walk *w, sgt_status status, double tau, double tau_er
     double f = sgt_level_value(w->orbit, h.p, &h.n);
     look_on(w, SGT_NEWTON, tau, tau - tau_err, tau + tau_err);
     if (w->told.stopped) return false;
-    if (!root_in_range(&h)) { /* t is out of range in lengths of d */
+    double terms = fabs(h.p.x * h.n.x) + fabs(h.p.y * h.n.y) + fabs(h.p.z * h.n.z);
+    bool steep = w->path.before > 0 && !(terms < 0x1p480); /* or the gradient is NaN: no start can be told */
+    if (!root_in_range(&h) || steep) { /* t is out of range in lengths of d */
         level_stretch(w, SGT_UNPROVEN, -HUGE_VAL, HUGE_VAL);
         return true;
     }
@@ -401,7 +403,7 @@ int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, 
     level_walk w;
     double lo, hi;
     set_of(o, &w.path);
-    if (chord_of(o, w.path.escape[o->mandelbrot ? 1 : 0], ray, &w.q, &w.path, &lo, &hi) < 0) return 0;
+    if (chord_of(o, first_escape(&w.path), ray, &w.q, &w.path, &lo, &hi) < 0) return 0;
     w.orbit = o, w.ray = ray, w.all = all, w.done = false, w.list = list;
     w.told = (tally){.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     if (!(hi - lo > 0 && hi - lo < HUGE_VAL)) {

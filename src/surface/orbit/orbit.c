@@ -94,7 +94,7 @@ static sgt_objection common(const orbit_slice *s, const double *c, orbit *o)
 {
     static const char finite[] = "a number that is not finite, or above 1e6";
     if (s->iterations < 0 || s->iterations > SGT_LEVELS)
-        return (sgt_objection){"iterations", "not within 1 ... 100"};
+        return (sgt_objection){"iterations", "not within 1 ... 10000"};
     if (s->power != 0 && (s->power < 2 || s->power > 8))
         return (sgt_objection){"power", "not within 2 ... 8"};
     o->c = c ? quaternion_of(c) : (quaternion){0, 0, 0, 0}, o->at = quaternion_of(s->at);
@@ -160,9 +160,10 @@ SGT_INLINE bool orbit_outside(pair_norms n, double E, double e, double h)
     return fabs(n.qv) >= reach ? ends - 2 * fabs(n.qv) * h > T : n.A2 * n.V2 - n.qv * n.qv > T * n.V2;
 }
 
-SGT_INLINE bool left_at(const path *w, pair_norms n, double e, double h, int k, bool thorough, cell *r)
+/* Does the orbit leave at level k, where E_k is E? */
+SGT_INLINE bool left_at(const path *w, pair_norms n, double E, double e, double h, int k, bool thorough,
+                        cell *r)
 {
-    double E = w->escape[k];
     if (!(n.A2 > E * E)) return false;
     bool out = orbit_outside(n, E, e, h);
     if (out ? thorough && k == w->iterations : !(n.A2 > 3 * E * E && k < w->iterations)) return false;
@@ -189,13 +190,13 @@ SGT_INLINE void bound_slope(const path *w, double A, double V, double d, double 
 
 SGT_INLINE void look_at_powers(const path *w, double m, double h, bool thorough, cell *r)
 {
-    double A[SGT_LEVELS + 1], V[SGT_LEVELS + 1], es[SGT_LEVELS + 1];
+    double A[SGT_KEPT + 1], V[SGT_KEPT + 1], es[SGT_KEPT + 1];
     quaternion v = w->along, q = quaternion_sum(w->start, quaternion_times(w->along, m)),
                c = w->mandelbrot ? q : w->c;
     double e = place_error(w->start_size, w->along_size, m, h), extra = w->mandelbrot ? e : 0;
     for (int k = w->mandelbrot ? 1 : 0;; k++) {
         pair_norms n = {quaternion_dot(q, q), quaternion_dot(v, v), quaternion_dot(q, v)};
-        if (left_at(w, n, e, h, k, thorough, r)) return;
+        if (left_at(w, n, w->escape[k], e, h, k, thorough, r)) return;
         A[k] = sqrt(n.A2), V[k] = sqrt(n.V2), es[k] = e;
         if (k == w->iterations) {
             if (!at_the_end(w, n, e, h, r) && !thorough) return;
@@ -212,6 +213,38 @@ SGT_INLINE void look_at_powers(const path *w, double m, double h, bool thorough,
         center = next_e(A[k], 0, center, 0, w->c_abs, w->power) + (w->mandelbrot ? own : 0);
     }
     bound_slope(w, A[last], V[last], d, center, h, r);
+}
+
+/* The same for more levels than are kept, of any power ("more than 100 levels" of orbit.h). */
+static void look_at_many(const path *w, double m, double h, bool thorough, cell *r)
+{
+    const quaternion start = quaternion_sum(w->start, quaternion_times(w->along, m)),
+                     c = w->mandelbrot ? start : w->c;
+    const double given = place_error(w->start_size, w->along_size, m, h), extra = w->mandelbrot ? given : 0,
+                 first = 8 * SGT_U * w->along_size,
+                 own = 8 * SGT_U * (w->start_size + fabs(m) * w->along_size);
+    quaternion v = w->along, q = start;
+    double e = given;
+    for (int k = first_level(w);; k++) {
+        pair_norms n = {quaternion_dot(q, q), quaternion_dot(v, v), quaternion_dot(q, v)};
+        if (left_at(w, n, escape_at(w, k), e, h, k, thorough, r)) return;
+        if (k == w->iterations) {
+            if (!at_the_end(w, n, e, h, r) && !thorough) return;
+            break;
+        }
+        e = UP * next_e(sqrt(n.A2), sqrt(n.V2), e, h, w->c_abs, w->power) + extra;
+        orbit_step(&q, &v, c, w->along, w->power, w->mandelbrot);
+    }
+    double d = first, center = own;
+    q = start, v = w->along, e = given;
+    for (int k = first_level(w); k < w->iterations; k++) {
+        double A = sqrt(quaternion_dot(q, q)), V = larger(LEAST_SPEED, sqrt(quaternion_dot(v, v)));
+        d = UP * next_d(A, V, e, d, h, w->power) + (w->mandelbrot ? first : 0);
+        center = UP * next_e(A, 0, center, 0, w->c_abs, w->power) + (w->mandelbrot ? own : 0);
+        e = UP * next_e(A, V, e, h, w->c_abs, w->power) + extra;
+        orbit_step(&q, &v, c, w->along, w->power, w->mandelbrot);
+    }
+    bound_slope(w, sqrt(r->A2), larger(LEAST_SPEED, sqrt(r->V2)), d, center, h, r);
 }
 
 /* Four cells of one ray at once, for p = 2.  One cell waits for its own results.  Four in the lanes of a
@@ -242,7 +275,7 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
               .e = 8 * SGT_U * (w->start_size + (far + half) * w->along_size)};
     four_constant c = {w->c.a + zero, w->c.b + zero, w->c.c + zero, w->c.d + zero, zero};
     if (mandelbrot) c = (four_constant){s.a, s.b, s.c, s.d, s.e}; /* Q_1 = c */
-    lanes A[SGT_LEVELS + 1], V2s[SGT_LEVELS + 1], es[SGT_LEVELS + 1];
+    lanes A[SGT_KEPT + 1], V2s[SGT_KEPT + 1], es[SGT_KEPT + 1];
     const lane_bits before[3] = {{~0ULL, 0, 0, 0}, {~0ULL, ~0ULL, 0, 0}, {~0ULL, ~0ULL, ~0ULL, 0}};
     /* live: not decided; wanted: of use; outside: decided to be so. */
     lane_bits live = {~0ULL, ~0ULL, ~0ULL, ~0ULL}, wanted = live, outside = live ^ live;
@@ -314,16 +347,21 @@ SGT_KERNEL static void look_at_mandelbrot(const path *w, const double m[4], cons
     look_at_squares(w, m, h, true, r, known);
 }
 static void look_at_any(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, false, r); }
-static void look_thoroughly(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, true, r); }
+static void look_thoroughly(const path *w, double m, double h, cell *r)
+{
+    if (w->before) look_at_many(w, m, h, true, r);
+    else look_at_powers(w, m, h, true, r);
+}
 
 void sgt_orbit_cells(const path *w, const double m[4], const double h[4], cell r[4], bool known[4])
 {
-    if (w->power == 2) {
+    if (w->power == 2 && !w->before) {
         if (w->mandelbrot) look_at_mandelbrot(w, m, h, r, known);
         else look_at_julia(w, m, h, r, known);
     } else {
         known[0] = true, known[1] = known[2] = known[3] = false;
-        look_at_any(w, m[0], h[0], &r[0]);
+        if (w->before) look_at_many(w, m[0], h[0], false, &r[0]);
+        else look_at_any(w, m[0], h[0], &r[0]);
     }
 }
 
@@ -341,15 +379,17 @@ bool sgt_orbit_monotone(const path *w, double m, double h)
                c = w->mandelbrot ? q : w->c;
     double e = place_error(w->start_size, w->along_size, m, h), extra = w->mandelbrot ? e : 0,
            d = 8 * SGT_U * w->along_size, first = w->mandelbrot ? d : 0;
-    for (int k = w->mandelbrot ? 1 : 0; k < w->iterations; k++) {
-        double A = sqrt(quaternion_dot(q, q)), V = sqrt(quaternion_dot(v, v));
-        d = next_d(A, V, e, d, h, w->power) + first;
-        e = next_e(A, V, e, h, w->c_abs, w->power) + extra;
+    const double up = w->before ? UP : 1, least = w->before ? LEAST_SPEED : 0;
+    for (int k = first_level(w); k < w->iterations; k++) {
+        double A = sqrt(quaternion_dot(q, q)), V = larger(least, sqrt(quaternion_dot(v, v)));
+        d = up * next_d(A, V, e, d, h, w->power) + first;
+        e = up * next_e(A, V, e, h, w->c_abs, w->power) + extra;
         orbit_step(&q, &v, c, w->along, w->power, w->mandelbrot);
     }
     pair_norms n = {quaternion_dot(q, q), quaternion_dot(v, v), quaternion_dot(q, v)};
     const orbit_errors by = {e, d, 0};
-    return fabs(n.qv) > judge_slope(w->E, w->E_err, n, sqrt(n.A2), sqrt(n.V2), by, h).W; /* NaN: no */
+    const double V = larger(least, sqrt(n.V2));
+    return fabs(n.qv) > judge_slope(w->E, w->E_err, n, sqrt(n.A2), V, by, h).W; /* NaN: no */
 }
 
 /* F at |Q| = A, for bounds: slightly lower for slip -1, higher for slip 1. */

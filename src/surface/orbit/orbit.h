@@ -44,6 +44,16 @@
  * stored A, V and e.  The sums of e and d round too, by less than 2^-40 in a hundred levels of ten
  * operations.  The last comparison allows for that.
  *
+ * MORE THAN 100 LEVELS.  A, V and e are not stored then.  They are worked out a second time where d is asked
+ * for, with d beside them.  Of E_k the last SGT_KEPT levels are stored.  Before them it is that of the first
+ * one stored: E_N <= 2^20 is above R* >= 1, and each level back at least halves the difference.  So a hundred
+ * levels back it is R* to the last bit.
+ *     The sums of e and d round at each level.  So each level enlarges them by UP, 2^-46: more than its
+ * roundings, some 60 u.
+ *     Over so many levels the derivative may leave the range of a double.  If it overflows, V is infinite or
+ * NaN, and e and d with it.  Every comparison fails, and the cell is open.  If V^2 underflows, |v| is below
+ * 2^-511, and terms of d are lost.  So d is computed with V >= LEAST_SPEED.
+ *
  * Sources: Hart, Sandin, Kauffman 1989 (SIGGRAPH Computer Graphics 23, 289) for the orbit and its
  * derivative; Moore 1966, Interval Analysis, for inclusion by a mean value form. */
 #ifndef SGT_SURFACE_ORBIT_ORBIT_H
@@ -52,7 +62,8 @@
 #include "../../num/exact.h"
 #include <sagitta/surfaces.h>
 
-enum { SGT_LEVELS = 100 }; /* the largest number of iterations */
+/* The largest number of iterations; and of how many levels numbers are kept. */
+enum { SGT_LEVELS = 10000, SGT_KEPT = 100 };
 
 typedef struct quaternion { double a, b, c, d; } quaternion;
 
@@ -154,10 +165,25 @@ typedef struct path {
     quaternion start, along, c;
     double start_size, along_size;   /* sums of the magnitudes of their terms */
     double c_abs, E, E_err;
-    double escape[SGT_LEVELS + 1];   /* E_k, rounded up */
+    double escape[SGT_KEPT + 1];     /* E_k of level before + k, rounded up */
     int iterations, power;
+    int before;                      /* levels before those that are kept: N - SGT_KEPT, or 0 */
     bool mandelbrot;
 } path;
+
+/* The first level: Q_0, or Q_1 = c. */
+SGT_INLINE int first_level(const path *w) { return w->mandelbrot ? 1 : 0; }
+
+/* The first level that is kept. */
+SGT_INLINE int first_kept(const path *w) { return w->before ? w->before : first_level(w); }
+
+/* E_k of level k, and of the first level. */
+SGT_INLINE double escape_at(const path *w, int k) { return w->escape[k > w->before ? k - w->before : 0]; }
+SGT_INLINE double first_escape(const path *w) { return w->escape[w->before ? 0 : first_level(w)]; }
+
+/* By what e and d of a level are enlarged, and the least V for d ("more than 100 levels"). */
+#define UP (1 + 0x1p-46)
+#define LEAST_SPEED 0x1p-450
 
 typedef enum cell_verdict { CELL_OPEN, CELL_OUTSIDE, CELL_INSIDE, CELL_MONOTONE } cell_verdict;
 

@@ -12,12 +12,21 @@
  * J(Q) x = sum of Q^i x Q^(p-1-i).  Since <y, a x b> = <conj(a) y conj(b), x>, its transpose is
  * J(conj(Q)), the same formula.  In the Mandelbrot set each level adds c, whose derivative is the
  * identity.  So y_0 is replaced by y_N + ... + y_1.
+ *     The way back needs every Q_k.  With more levels than are kept here the columns of T go forward, one
+ * axis after another.  The gradient is NaN if they overflow.
  *
  * ROUNDING.  |Q_N| is off by at most e, the recursion of orbit.h with h = 0, and F is monotone in |Q_N|. */
 #include "../../num/elementary.h"
+#include "course.h"
 #include "level.h"
 
-enum { FAR_LEVELS = 200 };
+enum { FAR_LEVELS = 200 }; /* of the potential, if N is not above it */
+
+static quaternion next_of(const orbit *o, quaternion q, quaternion c)
+{
+    power_of r = power_only(q, o->power);
+    return (quaternion){r.s + c.a, r.f * q.b + c.b, r.f * q.c + c.c, r.f * q.d + c.d};
+}
 
 /* Q at every level: at[first] ... at[return value].  It stops where |Q|^2 >= most, or at level `last`. */
 static int levels_of(const orbit *o, sgt_vec3 p, int last, double most, quaternion at[])
@@ -25,12 +34,30 @@ static int levels_of(const orbit *o, sgt_vec3 p, int last, double most, quaterni
     quaternion q = quaternion_at(o, p.x, p.y, p.z), c = o->mandelbrot ? q : o->c;
     int k = o->mandelbrot ? 1 : 0;
     at[k] = q;
-    while (k < last && quaternion_dot(q, q) < most) {
-        power_of r = power_only(q, o->power);
-        q = (quaternion){r.s + c.a, r.f * q.b + c.b, r.f * q.c + c.c, r.f * q.d + c.d};
-        at[++k] = q;
-    }
+    while (k < last && quaternion_dot(q, q) < most) q = at[++k] = next_of(o, q, c);
     return k;
+}
+
+/* The same from Q = *q at level k on, without keeping them. */
+static int levels_on(const orbit *o, sgt_vec3 p, int k, int last, double most, quaternion *q)
+{
+    quaternion c = o->mandelbrot ? quaternion_at(o, p.x, p.y, p.z) : o->c;
+    while (k < last && quaternion_dot(*q, *q) < most) *q = next_of(o, *q, c), k++;
+    return k;
+}
+
+/* <y, dQ_n> along an axis: by the orbit with its derivative. */
+static double along_axis(const orbit *o, sgt_vec3 p, int n, quaternion axis, quaternion y)
+{
+    quaternion q = quaternion_at(o, p.x, p.y, p.z), c = o->mandelbrot ? q : o->c, v = axis;
+    for (int k = o->mandelbrot ? 1 : 0; k < n; k++) orbit_step(&q, &v, c, axis, o->power, o->mandelbrot);
+    return quaternion_dot(y, v);
+}
+
+static sgt_vec3 forward_to(const orbit *o, sgt_vec3 p, int n, quaternion y)
+{
+    sgt_vec3 g = {along_axis(o, p, n, o->x, y), along_axis(o, p, n, o->y, y), along_axis(o, p, n, o->z, y)};
+    return isfinite(g.x) && isfinite(g.y) && isfinite(g.z) ? g : (sgt_vec3){NAN, NAN, NAN};
 }
 
 /* Takes y, the derivative of a number by Q_n, back to the point. */
@@ -47,10 +74,13 @@ static sgt_vec3 back_to_point(const orbit *o, const quaternion at[], int n, quat
 
 double sgt_level_value(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
 {
-    quaternion at[SGT_LEVELS + 1];
-    double E2 = o->E * o->E;
-    int n = levels_of(o, p, o->iterations, 0x1p64 * (1 + E2), at);
-    double A2 = quaternion_dot(at[n], at[n]), inverse = 1 / (A2 + E2);
+    quaternion at[SGT_KEPT + 1];
+    const int kept = o->iterations - levels_before(o);
+    double E2 = o->E * o->E, most = 0x1p64 * (1 + E2);
+    int n = levels_of(o, p, kept, most, at);
+    quaternion q = at[n];
+    if (n == kept) n = levels_on(o, p, n, o->iterations, most, &q);
+    double A2 = quaternion_dot(q, q), inverse = 1 / (A2 + E2);
     if (grad) *grad = (sgt_vec3){0, 0, 0};
     if (n < o->iterations || !(A2 < HUGE_VAL)) { /* u > 2^64: 1 to the last bit; or NaN */
         /* The point is finite, and infinity was subtracted from infinity. */
@@ -58,23 +88,26 @@ double sgt_level_value(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
         if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};
         return NAN;
     }
-    if (grad)
-        *grad = back_to_point(o, at, n,
-                              quaternion_times(quaternion_times(at[n], inverse), 4 * (E2 * inverse)));
+    if (grad) {
+        quaternion y = quaternion_times(quaternion_times(q, inverse), 4 * (E2 * inverse));
+        *grad = n > kept ? forward_to(o, p, n, y) : back_to_point(o, at, n, y);
+    }
     return (A2 - E2) * inverse;
 }
 
 double sgt_level_rounding(const orbit *o, sgt_vec3 p)
 {
-    quaternion at[SGT_LEVELS + 1];
-    double E2 = o->E * o->E,
+    double E2 = o->E * o->E, most = 0x1p64 * (1 + E2),
            size = o->at_length + fabs(p.x) * o->x_length + fabs(p.y) * o->y_length + fabs(p.z) * o->z_length;
-    int n = levels_of(o, p, o->iterations, 0x1p64 * (1 + E2), at);
-    double given = 8 * SGT_U * size, e = given;
-    for (int k = o->mandelbrot ? 1 : 0; k < n; k++)
-        e = next_e(sqrt(quaternion_dot(at[k], at[k])), 0, e, 0, o->c_abs, o->power) +
-            (o->mandelbrot ? given : 0);
-    double A2 = quaternion_dot(at[n], at[n]), A = sqrt(A2);
+    double given = 8 * SGT_U * size, e = given, up = levels_before(o) ? UP : 1;
+    quaternion q = quaternion_at(o, p.x, p.y, p.z), c = o->mandelbrot ? q : o->c;
+    int n = o->mandelbrot ? 1 : 0;
+    double A2 = quaternion_dot(q, q);
+    for (; n < o->iterations && A2 < most; n++) {
+        e = up * next_e(sqrt(A2), 0, e, 0, o->c_abs, o->power) + (o->mandelbrot ? given : 0);
+        q = next_of(o, q, c), A2 = quaternion_dot(q, q);
+    }
+    double A = sqrt(A2);
     e *= 1 + 0x1p-40;
     if (n < o->iterations || !(A2 < HUGE_VAL)) return A > 2 * e ? 0x1p-50 : 2; /* certainly 1 */
     double off = (2 * A + e) * e + 8 * SGT_U * A2 + 4 * o->E * o->E_err, least = larger(A - e, 0),
@@ -87,7 +120,11 @@ double sgt_level_potential(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
 {
     quaternion at[FAR_LEVELS + 1];
     int n = levels_of(o, p, FAR_LEVELS, 0x1p64, at);
-    double A2 = quaternion_dot(at[n], at[n]), scale = 1 / twofold_power(o->power, (unsigned)n).hi;
+    quaternion q = at[n];
+    if (n == FAR_LEVELS) n = levels_on(o, p, n, o->iterations, 0x1p64, &q);
+    /* Below 2^-900 the potential is 0, before p^n overflows. */
+    double A2 = quaternion_dot(q, q), power = twofold_power(o->power, (unsigned)n).hi,
+           scale = power < 0x1p900 ? 1 / power : 0;
     if (grad) *grad = (sgt_vec3){0, 0, 0};
     if (A2 < 0x1p64) return 0;
     if (!(A2 < HUGE_VAL)) { /* too far for squares */
@@ -96,6 +133,9 @@ double sgt_level_potential(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
                             larger(fabs(p.y) * o->y_length, fabs(p.z) * o->z_length));
         return !finite ? (double)NAN : scale * logarithm(far < HUGE_VAL ? far : DBL_MAX);
     }
-    if (grad) *grad = back_to_point(o, at, n, quaternion_times(at[n], scale / A2));
+    if (grad) {
+        quaternion y = quaternion_times(q, scale / A2);
+        *grad = n > FAR_LEVELS ? forward_to(o, p, n, y) : back_to_point(o, at, n, y);
+    }
     return scale * 0.5 * logarithm(A2);
 }
