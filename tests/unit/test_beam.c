@@ -727,11 +727,11 @@ static void rest_shrinks(void **unused)
         const bool series = case_of % 2;
         if (type == TORUS || type == ELLIPSOID || (type == USERS && series))
             continue; /* no vertex to put a lens about; the rays of the others are */
-        const double least = type == GRID                                              ? 1.7
-                             : type == FORMULA_SAG || type == FORMULA || type == USERS ? 3.4
-                             : series && type == ODD                                    ? 20
-                             : series                                                  ? 50
-                                                                                       : 7;
+        /* (the grid has a cell about the vertex) */
+        const double least = type == FORMULA_SAG || type == FORMULA || type == USERS ? 3.4
+                             : series && type == ODD                                  ? 20
+                             : series                                                ? 50
+                                                                                     : 7;
         const double widest = !series || least < 20 ? 0.1 : type == ODD ? 0.2 : 1;
         double before = 0, path_before = 0;
         memset(&l, 0, sizeof l);
