@@ -15,7 +15,8 @@
  * climb toward the edge of an aperture, total reflection, or a caustic); of a box that is clipped, through a
  * lens without apertures, the height where it is clipped falls.
  *
- * THE INTEGRALS over each box that passes are held against Gauss's quadrature of traced rays. */
+ * THE INTEGRALS over each box that passes are held against Gauss's quadrature of traced rays, and the parts of
+ * a box at an edge against a lattice of rays (test_prove.py has areas that are known). */
 #include "../../src/lens/study/prove.c" /* whose cells and proofs are seen nowhere else */
 
 #include <sagitta/lens.h>
@@ -177,8 +178,7 @@ static void random_lens(text *t)
 /* -------------------------------------------------------------------------- rays */
 
 static struct {
-    double left;               /* rays to go of this pupil, while it is tried */
-    double rays, passed, climbed, boxes, pupils, integrals, undecided, area, closest;
+    double rays, passed, climbed, boxes, pupils, integrals, parts, undecided;
     int faults;
     const char *name;
 } sums;
@@ -342,6 +342,26 @@ static void try_integrals(under *u)
         fault(u->w, b, at, "the integral of squared paths is %.17g, not in %.17g, %.17g", dd, b->ww_sum.lo, b->ww_sum.hi);
 }
 
+/* The parts of a box at an edge, by a lattice of rays: what that is off by is an error of a lattice. */
+static void try_parts(under *u)
+{
+    enum { LATTICE = 12 };
+    const prove_box *b = u->box;
+    const double area = sgt_sector_area(&b->of), w = (b->of.r1 - b->of.r0) / (b->of.r1 + b->of.r0), off = 2.5 / LATTICE;
+    double passed = 0, at[2];
+    for (int i = 0; i < LATTICE * LATTICE; i++) {
+        const double p = (i % LATTICE + 0.5) / LATTICE, t = (i / LATTICE + 0.5) / LATTICE;
+        size_t element;
+        sgt_sector_point(&b->of, p, t, &at[0], &at[1]);
+        if (fate_of(&u->w->cell, u->passages, at[0], at[1], &element) == SGT_PASSED) passed += 1 + w * (2 * p - 1);
+    }
+    passed /= LATTICE * LATTICE, sums.rays += LATTICE * LATTICE, sums.parts++;
+    if (!(b->in >= 0 && b->out >= b->out_here && b->out_here >= 0 && b->in + b->out <= area))
+        fault(u->w, b, at, "its parts are %g and %g of %g", b->in, b->out, area);
+    if (passed < b->in / area - off || passed > 1 - b->out / area + off)
+        fault(u->w, b, at, "%g of it passes, between %g and %g", passed, b->in / area, 1 - b->out / area);
+}
+
 static void try_pupil(proving *w)
 {
     const prove_cell *c = &w->cell;
@@ -363,6 +383,7 @@ static void try_pupil(proving *w)
         u.box = &p->box[i], u.bound = p->bound + i * p->quantities;
         if (rays) try_one_box(&u, rays);
         if (u.box->fate == SGT_PASSED) try_integrals(&u);
+        if (u.box->in + u.box->out > 0) try_parts(&u);
     }
     sums.boxes += (double)p->count, sums.pupils++, sums.undecided += p->undecided;
     sgt_carry_room_free(c, u.room), sgt_carry_room_free(&u.open, u.open_room);
@@ -408,6 +429,7 @@ int main(int argc, char *argv[])
         else return fprintf(stderr, "boxes: %s?\n", argv[first]), 2;
     }
     const unsigned long long drawn = seed ? strtoull(seed, NULL, 0) : 1;
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     printf("SAGITTA_TEST_SEED=%llu\n", drawn);
     state = 0x9e3779b97f4a7c15ull * (drawn + 1);
     for (int i = 0; i < 20; i++) unit();
@@ -440,8 +462,8 @@ int main(int argc, char *argv[])
         else i += try_lens(name, lens, (size_t)boxes);
         sgt_lens_free(lens);
     }
-    printf("%g rays, %g of them passed, %g climbs, %g integrals, of %g boxes of %g pupils; %.2f %% of these undecided\n",
-           sums.rays, sums.passed, sums.climbed, sums.integrals, sums.boxes, sums.pupils, 100 * sums.undecided / sums.pupils);
+    printf("%g rays, %g of them passed, %g climbs, %g integrals, %g boxes in parts, of %g boxes of %g pupils; %.2f %% of these undecided\n",
+           sums.rays, sums.passed, sums.climbed, sums.integrals, sums.parts, sums.boxes, sums.pupils, 100 * sums.undecided / sums.pupils);
     printf("%d faults\n", sums.faults);
     return sums.faults || unread ? 1 : 0;
 }
