@@ -6,7 +6,7 @@
  *
  * SAGITTA_TEST_SEED (1) chooses lenses and rays; N random lenses are tried beside those of the files, and
  * --rays are divided among all their pupils, boxes in equal parts: so small boxes, which lie at edges, have
- * as many rays as large ones.
+ * as many rays as large ones.  SAGITTA_TEST_SCALE (0.5) multiplies them.
  *
  * OF EACH BOX the rays are its corners, points on its edges and inside it.  Each ray has to end as its box
  * says, and if it passes, each number has to be inside the bound of that box, not of the pupil: the distance
@@ -417,7 +417,7 @@ static bool try_lens(const char *name, const sgt_lens *lens, size_t boxes)
 
 int main(int argc, char *argv[])
 {
-    const char *seed = getenv("SAGITTA_TEST_SEED"), *folder = NULL;
+    const char *seed = getenv("SAGITTA_TEST_SEED"), *scale = getenv("SAGITTA_TEST_SCALE"), *folder = NULL;
     double rays = 1e6, random = 10, boxes = 1000;
     int first = 1;
     for (; first + 1 < argc && argv[first][0] == '-'; first += 2) {
@@ -428,6 +428,7 @@ int main(int argc, char *argv[])
         else if (!strcmp(argv[first], "--write")) folder = argv[first + 1];
         else return fprintf(stderr, "boxes: %s?\n", argv[first]), 2;
     }
+    if (scale) rays *= strtod(scale, NULL) / 0.5;
     const unsigned long long drawn = seed ? strtoull(seed, NULL, 0) : 1;
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     printf("SAGITTA_TEST_SEED=%llu\n", drawn);
