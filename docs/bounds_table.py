@@ -40,13 +40,13 @@ def value(row, name):
     return float(row[name]) if row.get(name) else float('nan')
 
 
-def ratio(bound, seen):
-    """To four digits behind the point, rounded up; below the rounding of rays there is nothing to compare."""
-    return '' if not bound >= 0 or not seen >= 0 else f'{bound / seen:.4f}' if seen > 1e-9 else f'{bound:.1e}'
+def ratio(bound, seen, least):
+    """The bound itself where less is seen than `least`: that is rounding."""
+    return '' if not bound >= 0 or not seen >= 0 else f'{bound / seen:.4f}' if seen > least else f'bound {bound:.1e}'
 
 
-def known(least, most):
-    return f'{(most - least) / most:.0e}' if most > 1e-9 else ''
+def known(least, most, of):
+    return f'{(most - least) / most:.0e}' if most > of and least >= 0 else ''
 
 
 def rows_of(build, path):
@@ -64,8 +64,8 @@ def rows_of(build, path):
         front = next(filter(same, ask(build, 'opd', path, '--summary', *rays)), {})
         rows.append([name + (' *' if any(word in name for word in ASKEW) else ''), str(field), p['boxes'], f'{spent:.1f}',
                      f"{value(p, 'passes'):.4g}", f"{value(p, 'undecided'):.2g}",
-                     ratio(value(p, 'spot'), value(spot, 'geometric')), ratio(value(p, 'pv'), value(front, 'pv')),
-                     known(value(p, 'rms_least'), value(p, 'rms')), known(value(p, 'opd_rms_least'), value(p, 'opd_rms'))])
+                     ratio(value(p, 'spot'), value(spot, 'geometric'), 1e-6), ratio(value(p, 'pv'), value(front, 'pv'), 1e-4),
+                     known(value(p, 'rms_least'), value(p, 'rms'), 1e-6), known(value(p, 'opd_rms_least'), value(p, 'opd_rms'), 1e-4)])
         print('|', ' | '.join(rows[-1]), '|', flush=True)
 
 
