@@ -261,6 +261,11 @@ def test_areas():
             if not passes - 1e-9 <= share <= passes + undecided + 1e-9 or (boxes == 1500 and undecided > 0.1):
                 raise AssertionError(f'{boxes} boxes: {share} % is not in {passes} + {undecided}')
             close(row['clipped'], row['stops'], 1e-9)
+            rms = 3.9 / math.sqrt(2) # of a disc
+            if middle is NEAR_HOLES and not float(row['rms_least']) <= rms <= float(row['rms']):
+                raise AssertionError(f'{boxes} boxes: rms {row["rms_least"]} to {row["rms"]}, not {rms}')
+        if middle is NEAR_HOLES:
+            close(row['rms_least'], rms, 1e-3 * rms)
     # a hole in the middle and a rectangle: 9 / 25 of a rim of the disc's radius does not fit, so dense cells
     lens = written(ITEMS)
     for row, sampled in zip(rows('prove', lens, '--boxes', 2000, exit=None), rows('illumination', lens,
