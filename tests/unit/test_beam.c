@@ -597,6 +597,22 @@ static void other_sheets_hold(void **unused)
             from.d[axis] = sgt_model_of(d);
             from.o[axis] = (sgt_model){.c = to[axis] - 10 * d, .by = {spread * about(1), spread * about(1)}};
         }
+        /* a chord from inside the aperture to outside of it: one of both roots is meant, whichever comes first */
+        const double semi = l.e[0].semi_diameter, inner = semi * uniform(&drawn, 0, 0.95),
+                     outer = semi * uniform(&drawn, 1.05, 1.6), c = 1 / radius;
+        if (chance(&drawn, 0.3) && semi > 0 && (1 + k) * c * c * outer * outer < 0.98) {
+            double chord[2][3];
+            for (int end_of = 0; end_of < 2; end_of++) {
+                const double r = end_of ? outer : inner, turn = about(3.14);
+                chord[end_of][0] = r * cos(turn), chord[end_of][1] = r * sin(turn);
+                chord[end_of][2] = c * r * r / (1 + sqrt(1 - (1 + k) * c * c * r * r));
+            }
+            const int first = chance(&drawn, 0.5);
+            for (int axis = 0; axis < 3; axis++) {
+                const double d = chord[1 - first][axis] - chord[first][axis];
+                from.d[axis] = sgt_model_of(d), from.o[axis].c = chord[first][axis] - 3 * d;
+            }
+        }
         const sgt_box_lens whole = {.elements = 1, .e = l.e};
         static sgt_series_ray rays[2];
         const bool series = i % 2;
