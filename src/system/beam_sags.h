@@ -322,7 +322,8 @@ static sag_jet grid_cell_jet(const sgt_grid *g, int i, int j, const sag_jet *x, 
                   v = jet_plus(*y, -((double)i - 0.5 * (rows - 1)) * g->step_y);
     const sag_jet in_x = jet_scaled(&u, 1 / g->step_x), in_y = jet_scaled(&v, 1 / g->step_y);
     sag_jet P = polynomial_jet(&(sgt_numbers){power, 4, 4}, &in_x, &in_y);
-    const double U = 1 + larger(sgt_interval_greatest(model_range(in_x.v)), sgt_interval_greatest(model_range(in_y.v)));
+    const double U = 1 + larger(sgt_interval_greatest(model_range(in_x.v)),
+                                sgt_interval_greatest(model_range(in_y.v)));
     const double off = 0x1p-42 * most * U * U * U * U * U * U; /* powers up to 3 each way */
     P.v = model_wider(P.v, off);
     P.x = model_wider(P.x, 3 * off / g->step_x), P.y = model_wider(P.y, 3 * off / g->step_y);

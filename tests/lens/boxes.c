@@ -15,8 +15,8 @@
  * climb toward the edge of an aperture, total reflection, or a caustic); of a box that is clipped, through a
  * lens without apertures, the height where it is clipped falls.
  *
- * THE INTEGRALS over each box that passes are held against Gauss's quadrature of traced rays, and the parts of
- * a box at an edge against a lattice of rays (test_prove.py has areas that are known). */
+ * THE INTEGRALS over each box that passes are held against Gauss's quadrature of traced rays, and the parts
+ * of a box at an edge against a lattice of rays (test_prove.py has areas that are known). */
 #include "../../src/lens/study/prove.c" /* whose cells and proofs are seen nowhere else */
 
 #include <sagitta/lens.h>
@@ -40,12 +40,16 @@ static int one_of(int n) { return (int)(unit() * n); }
 
 /* ------------------------------------------------------------------- random lenses */
 
-typedef struct text { char at[20000]; size_t size; } text;
+typedef struct text {
+    char at[20000];
+    size_t size;
+} text;
 
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-static void put(text *t, const char *format, ...)
+static void
+put(text *t, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
@@ -82,8 +86,12 @@ static void put_shape(text *t, double r, double R)
     const double size = R * pow(10, between(-5, -1.7)), conic = chance(0.5) ? 0 : between(-2, 1);
     switch (one_of(16)) {
     case 0:
-    case 1: put(t, "{type: sphere, radius: %.9g", r); break;
-    case 2: put(t, "{type: conic, radius: %.9g, conic: %.9g", r, conic); break;
+    case 1:
+        put(t, "{type: sphere, radius: %.9g", r);
+        break;
+    case 2:
+        put(t, "{type: conic, radius: %.9g, conic: %.9g", r, conic);
+        break;
     case 3:
         put(t, "{type: even_asphere, radius: %.9g, conic: %.9g", r, conic);
         put_powers(t, "coefficients", 2, 2, 1 + one_of(5), size, R);
@@ -101,8 +109,8 @@ static void put_shape(text *t, double r, double R)
         put_table(t, 0.3 * size, R, false);
         break;
     case 7:
-        put(t, "{type: zernike, radius: %.9g, conic: %.9g, norm: %.9g, order: %s", r, conic, R * between(1, 2),
-            chance(0.5) ? "noll" : "fringe");
+        put(t, "{type: zernike, radius: %.9g, conic: %.9g, norm: %.9g, order: %s", r, conic,
+            R * between(1, 2), chance(0.5) ? "noll" : "fringe");
         put_powers(t, "coefficients", 0, 0, 1 + one_of(12), 0.3 * size, R);
         break;
     case 8:
@@ -118,11 +126,16 @@ static void put_shape(text *t, double r, double R)
         if (chance(0.3)) put_powers(t, "coefficients", 2, 2, 3, size, R);
         break;
     case 11:
-        put(t, "{type: biconic, radius_x: %.9g, conic_x: %.9g, radius_y: %.9g", r, conic, r * between(0.7, 1.6));
+        put(t, "{type: biconic, radius_x: %.9g, conic_x: %.9g, radius_y: %.9g", r, conic,
+            r * between(0.7, 1.6));
         break;
-    case 12: put(t, "{type: cylinder, radius: %.9g", r); break;
+    case 12:
+        put(t, "{type: cylinder, radius: %.9g", r);
+        break;
     case 13:
-        put(t, "{type: formula, sag: \"c*r^2/(1 + sqrt(1 - c^2*r^2)) + a*x^3 + b*x*y\", c: %.9g, a: %.9g, b: %.9g",
+        put(t,
+            "{type: formula, sag: \"c*r^2/(1 + sqrt(1 - c^2*r^2)) + a*x^3 + b*x*y\", c: %.9g, a: %.9g, b: "
+            "%.9g",
             1 / r, size / (R * R * R), size / (R * R));
         break;
     case 14:
@@ -132,7 +145,9 @@ static void put_shape(text *t, double r, double R)
         put_powers(t, "coefficients", 0, 0, 7, 0.3 * size, R);
         put(t, "}]");
         break;
-    default: put(t, "{type: plane"); break;
+    default:
+        put(t, "{type: plane");
+        break;
     }
 }
 
@@ -150,25 +165,35 @@ static void random_lens(text *t)
     put(t, "fields: [0, %.9g, [%.9g, %.9g]]\nsurfaces:\n", f, 0.5 * f, -0.4 * f);
     for (int i = 0; i < count; i++) {
         const bool last = i == count - 1, ideal = index == 1 && ahead > 0 && chance(0.08);
-        const double r = (chance(0.5) ? -1 : 1) * S * between(0.9, 8), thick = S * (last ? between(1, 5)
-                                                                                        : between(0.05, 0.5));
+        const double r = (chance(0.5) ? -1 : 1) * S * between(0.9, 8),
+                     thick = S * (last ? between(1, 5) : between(0.05, 0.5));
         bool mirror = false;
         put(t, "  - ");
-        if (ideal) put(t, "{type: ideal, focal_length: %.9g", S * between(1, 6) * (chance(0.3) ? -1 : 1));
-        else put_shape(t, r, R), mirror = chance(0.15);
-        if (mirror) put(t, ", mirror: true"), ahead = -ahead;
-        else if (!ideal) put(t, ", index: %.9g", index = last || index > 1 ? (chance(0.8) ? 1 : 1.33)
-                                                                            : between(1.4, 1.9));
+        if (ideal)
+            put(t, "{type: ideal, focal_length: %.9g", S * between(1, 6) * (chance(0.3) ? -1 : 1));
+        else
+            put_shape(t, r, R), mirror = chance(0.15);
+        if (mirror)
+            put(t, ", mirror: true"), ahead = -ahead;
+        else if (!ideal)
+            put(t, ", index: %.9g", index = last || index > 1 ? (chance(0.8) ? 1 : 1.33) : between(1.4, 1.9));
         if (chance(0.85)) put(t, ", semi_diameter: %.9g", R * between(chance(0.3) ? 0.5 : 1, 1.6));
         if (i == stop) put(t, ", stop: true");
         if (askew && chance(0.5))
             put(t, ", tilt: [%.9g, %.9g, %.9g]", between(-8, 8), between(-8, 8), between(-90, 90));
-        if (askew && chance(0.3)) put(t, ", decenter: [%.9g, %.9g, 0]", between(-0.2, 0.2) * R, between(-0.2, 0.2) * R);
+        if (askew && chance(0.3))
+            put(t, ", decenter: [%.9g, %.9g, 0]", between(-0.2, 0.2) * R, between(-0.2, 0.2) * R);
         if (chance(0.15)) {
             const double x = between(-0.3, 0.3) * R, y = between(-0.3, 0.3) * R;
-            if (chance(0.4)) put(t, ", apertures: [{type: circle, radius: %.9g, obscures: true, offset: [%.9g, %.9g]}]", 0.3 * R, x, y);
-            else if (chance(0.5)) put(t, ", apertures: [{type: rectangle, half_width: %.9g, half_height: %.9g}]", 0.7 * R, 0.9 * R);
-            else put(t, ", apertures: [{type: ellipse, half_width: %.9g, half_height: %.9g}]", 0.7 * R, 0.9 * R);
+            if (chance(0.4))
+                put(t, ", apertures: [{type: circle, radius: %.9g, obscures: true, offset: [%.9g, %.9g]}]",
+                    0.3 * R, x, y);
+            else if (chance(0.5))
+                put(t, ", apertures: [{type: rectangle, half_width: %.9g, half_height: %.9g}]", 0.7 * R,
+                    0.9 * R);
+            else
+                put(t, ", apertures: [{type: ellipse, half_width: %.9g, half_height: %.9g}]", 0.7 * R,
+                    0.9 * R);
         }
         put(t, ", thickness: %.9g}\n", ahead * thick);
     }
@@ -182,12 +207,13 @@ static struct {
     int faults;
     const char *name;
 } sums;
-static double rays_each;       /* of a pupil */
+static double rays_each; /* of a pupil */
 
 #if defined(__GNUC__)
 __attribute__((format(printf, 4, 5)))
 #endif
-static void fault(const proving *w, const prove_box *b, const double at[2], const char *format, ...)
+static void
+fault(const proving *w, const prove_box *b, const double at[2], const char *format, ...)
 {
     va_list list;
     if (sums.faults++ > 20) return;
@@ -212,12 +238,12 @@ static sgt_fate fate_of(const prove_cell *c, sgt_passage passages[], double x, d
 typedef struct under {
     const proving *w;
     const prove_box *box;
-    const double *bound;       /* of this box */
+    const double *bound; /* of this box */
     carry_room *room, *open_room;
-    prove_cell open;           /* without apertures */
+    prove_cell open; /* without apertures */
     sgt_passage *passages;
-    double *value;             /* [quantities] of the last ray */
-    double unit_of_path;       /* waves: what an end is off by, at most */
+    double *value;       /* [quantities] of the last ray */
+    double unit_of_path; /* waves: what an end is off by, at most */
 } under;
 
 /* Values are rounded, and so are bounds that come near them. */
@@ -226,11 +252,14 @@ static double rounding(const under *u, size_t q)
     const prove_cell *c = &u->w->cell;
     if (q == Q_HIGH || q == Q_LOW) return u->unit_of_path;
     if (q < Q_OF_ELEMENTS)
-        return c->afocal ? 1e-11 : 2e-14 * (fabs(c->reference.x) + fabs(c->reference.y) + c->beam->radius) +
-                                       8 * c->reference_err;
+        return c->afocal ? 1e-11
+                         : 2e-14 * (fabs(c->reference.x) + fabs(c->reference.y) + c->beam->radius) +
+                               8 * c->reference_err;
     switch ((q - Q_OF_ELEMENTS) % Q_EACH) {
-    case Q_INCIDENCE: return 1e-6 * (u->bound[q] < 0.1) + 1e-10; /* the arc cosine near 1 */
-    default: return 1e-14 * (c->beam->radius + fabs(u->value[q]));
+    case Q_INCIDENCE:
+        return 1e-6 * (u->bound[q] < 0.1) + 1e-10; /* the arc cosine near 1 */
+    default:
+        return 1e-14 * (c->beam->radius + fabs(u->value[q]));
     }
 }
 
@@ -245,9 +274,11 @@ static double try_ray(under *u, double p, double t, size_t q)
     sums.rays++;
     if (b->fate != SGT_PASSED && b->fate != SGT_LOST) {
         const sgt_fate fate = fate_of(c, u->passages, at[0], at[1], &element);
-        const bool same = (int)fate == b->fate || fate == SGT_LOST || (fate == SGT_MISSED && b->fate == SGT_CLIPPED);
+        const bool same =
+            (int)fate == b->fate || fate == SGT_LOST || (fate == SGT_MISSED && b->fate == SGT_CLIPPED);
         if (!same || element != b->element)
-            fault(u->w, b, at, "it has the fate %d at element %zu, not %zu", (int)fate, element + 1, b->element + 1);
+            fault(u->w, b, at, "it has the fate %d at element %zu, not %zu", (int)fate, element + 1,
+                  b->element + 1);
         return (double)NAN;
     }
     const sgt_fate fate = sgt_carry_ray(c, u->room, at[0], at[1], u->value);
@@ -259,7 +290,8 @@ static double try_ray(under *u, double p, double t, size_t q)
     for (size_t k = 0; k < u->w->of.quantities; k++) {
         const double over = u->value[k] - u->bound[k];
         if (over > 0 && over > rounding(u, k))
-            fault(u->w, b, at, "number %zu is %.17g, beyond %.17g by %.3g", k, u->value[k], u->bound[k], over);
+            fault(u->w, b, at, "number %zu is %.17g, beyond %.17g by %.3g", k, u->value[k], u->bound[k],
+                  over);
     }
     return u->value[q];
 }
@@ -269,7 +301,8 @@ static void climb(under *u, double p, double t, size_t q)
 {
     double best = try_ray(u, p, t, q), step = 0.25;
     for (int k = 0; k < 24 && !isnan(best); k++, step *= 0.7) {
-        const double p1 = fmin(fmax(p + step * between(-1, 1), 0), 1), t1 = fmin(fmax(t + step * between(-1, 1), 0), 1);
+        const double p1 = fmin(fmax(p + step * between(-1, 1), 0), 1),
+                     t1 = fmin(fmax(t + step * between(-1, 1), 0), 1);
         const double now = try_ray(u, p1, t1, q);
         if (now > best) best = now, p = p1, t = t1, step *= 1.6;
     }
@@ -282,7 +315,8 @@ static void climb_in(under *u)
     const size_t q = prove_at_element(u->box->element, Q_HEIGHT);
     double p = unit(), t = unit(), best = HUGE_VAL, step = 0.5;
     for (int k = 0; k < 16; k++, step *= 0.75) {
-        const double p1 = fmin(fmax(p + step * between(-1, 1), 0), 1), t1 = fmin(fmax(t + step * between(-1, 1), 0), 1);
+        const double p1 = fmin(fmax(p + step * between(-1, 1), 0), 1),
+                     t1 = fmin(fmax(t + step * between(-1, 1), 0), 1);
         double at[2];
         sgt_sector_point(&u->box->of, p1, t1, &at[0], &at[1]);
         sums.rays++;
@@ -298,8 +332,10 @@ static void try_one_box(under *u, size_t rays)
     double best = -HUGE_VAL, best_p = 0.5, best_t = 0.5;
     for (size_t k = 0; k < rays; k++) {
         double p = unit(), t = unit();
-        if (k < 4) p = (double)(k & 1), t = (double)(k >> 1);
-        else if (k % 3 == 0) *(chance(0.5) ? &p : &t) = one_of(2);
+        if (k < 4)
+            p = (double)(k & 1), t = (double)(k >> 1);
+        else if (k % 3 == 0)
+            *(chance(0.5) ? &p : &t) = one_of(2);
         const double now = try_ray(u, p, t, q);
         if (now > best) best = now, best_p = p, best_t = t;
     }
@@ -307,16 +343,22 @@ static void try_one_box(under *u, size_t rays)
     if (u->box->fate == SGT_CLIPPED && u->open_room) climb_in(u);
 }
 
-static bool within(sgt_interval x, double value, double off) { return value >= x.lo - off && value <= x.hi + off; }
+static bool within(sgt_interval x, double value, double off)
+{
+    return value >= x.lo - off && value <= x.hi + off;
+}
 
 /* The integrals of a box that passes, by Gauss's rule of eight points each way. */
 static void try_integrals(under *u)
 {
-    static const double node[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
-    static const double weight[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+    static const double node[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                   0.9602898564975363};
+    static const double weight[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                     0.1012285362903763};
     const prove_cell *c = &u->w->cell;
     const prove_box *b = u->box;
-    const double middle = (b->of.r0 + b->of.r1) / 2, half = (b->of.r1 - b->of.r0) / 2, area = sgt_sector_area(&b->of);
+    const double middle = (b->of.r0 + b->of.r1) / 2, half = (b->of.r1 - b->of.r0) / 2,
+                 area = sgt_sector_area(&b->of);
     double f = 0, d = 0, dd = 0, f_most = 0, d_most = 0, at[2];
     for (int i = 0; i < 64; i++) {
         const double s = (i % 8 < 4 ? -1 : 1) * node[i % 4], t = (i / 8 < 4 ? -1 : 1) * node[i / 8 % 4];
@@ -326,20 +368,26 @@ static void try_integrals(under *u)
         const double spot = u->value[Q_SPOT], w = u->value[Q_HIGH] - c->middle;
         f += by * spot * spot, d += by * w, dd += by * w * w;
         f_most = fmax(f_most, spot * spot), d_most = fmax(d_most, fabs(w));
-        if (c->has_reference && !within(b->f, spot * spot, 1e-9 * spot * spot + 2 * spot * rounding(u, Q_SPOT)))
-            fault(u->w, b, at, "the square of the distance is %.17g, not in %.17g, %.17g", spot * spot, b->f.lo, b->f.hi);
+        if (c->has_reference &&
+            !within(b->f, spot * spot, 1e-9 * spot * spot + 2 * spot * rounding(u, Q_SPOT)))
+            fault(u->w, b, at, "the square of the distance is %.17g, not in %.17g, %.17g", spot * spot,
+                  b->f.lo, b->f.hi);
         if (c->has_opd && !within(b->w, w, u->unit_of_path))
             fault(u->w, b, at, "the path difference is %.17g, not in %.17g, %.17g", w, b->w.lo, b->w.hi);
     }
     sums.rays += 64, sums.integrals++;
     const double few = 1e-10; /* what the rule leaves out of a box that is as wide as may be */
-    if (c->has_reference && !within(b->f_sum, f, area * (few * f_most + 2 * sqrt(f_most) * rounding(u, Q_SPOT))))
-        fault(u->w, b, at, "the integral of the square is %.17g, not in %.17g, %.17g", f, b->f_sum.lo, b->f_sum.hi);
+    if (c->has_reference &&
+        !within(b->f_sum, f, area * (few * f_most + 2 * sqrt(f_most) * rounding(u, Q_SPOT))))
+        fault(u->w, b, at, "the integral of the square is %.17g, not in %.17g, %.17g", f, b->f_sum.lo,
+              b->f_sum.hi);
     const double off = u->unit_of_path;
     if (c->has_opd && !within(b->w_sum, d, area * (few * d_most + off)))
-        fault(u->w, b, at, "the integral of paths is %.17g, not in %.17g, %.17g", d, b->w_sum.lo, b->w_sum.hi);
+        fault(u->w, b, at, "the integral of paths is %.17g, not in %.17g, %.17g", d, b->w_sum.lo,
+              b->w_sum.hi);
     if (c->has_opd && !within(b->ww_sum, dd, area * (few * d_most * d_most + 2 * d_most * off)))
-        fault(u->w, b, at, "the integral of squared paths is %.17g, not in %.17g, %.17g", dd, b->ww_sum.lo, b->ww_sum.hi);
+        fault(u->w, b, at, "the integral of squared paths is %.17g, not in %.17g, %.17g", dd, b->ww_sum.lo,
+              b->ww_sum.hi);
 }
 
 /* The parts of a box at an edge, by a lattice of rays: what that is off by is an error of a lattice. */
@@ -347,13 +395,15 @@ static void try_parts(under *u)
 {
     enum { LATTICE = 12 };
     const prove_box *b = u->box;
-    const double area = sgt_sector_area(&b->of), w = (b->of.r1 - b->of.r0) / (b->of.r1 + b->of.r0), off = 2.5 / LATTICE;
+    const double area = sgt_sector_area(&b->of), w = (b->of.r1 - b->of.r0) / (b->of.r1 + b->of.r0),
+                 off = 2.5 / LATTICE;
     double passed = 0, at[2];
     for (int i = 0; i < LATTICE * LATTICE; i++) {
         const double p = (i % LATTICE + 0.5) / LATTICE, t = (i / LATTICE + 0.5) / LATTICE;
         size_t element;
         sgt_sector_point(&b->of, p, t, &at[0], &at[1]);
-        if (fate_of(&u->w->cell, u->passages, at[0], at[1], &element) == SGT_PASSED) passed += 1 + w * (2 * p - 1);
+        if (fate_of(&u->w->cell, u->passages, at[0], at[1], &element) == SGT_PASSED)
+            passed += 1 + w * (2 * p - 1);
     }
     passed /= LATTICE * LATTICE, sums.rays += LATTICE * LATTICE, sums.parts++;
     if (!(b->in >= 0 && b->out >= b->out_here && b->out_here >= 0 && b->in + b->out <= area))
@@ -370,10 +420,12 @@ static void try_pupil(proving *w)
     sgt_element *bare = malloc(c->count * sizeof *bare);
     u.passages = malloc(c->count * sizeof *u.passages), u.value = malloc(p->quantities * sizeof *u.value);
     if (!bare || !u.passages || !u.value || !u.room) exit(2);
-    for (size_t i = 0; i < c->count; i++) bare[i] = c->e[i], bare[i].semi_diameter = 0, bare[i].aperture = NULL;
+    for (size_t i = 0; i < c->count; i++)
+        bare[i] = c->e[i], bare[i].semi_diameter = 0, bare[i].aperture = NULL;
     u.open.e = bare, u.open_room = sgt_carry_room_new(&u.open);
     double far = fabs(c->about.opl) + fabs(c->about.radius < 0x1p400 ? c->about.radius : 0);
-    u.unit_of_path = c->has_opd ? 1e-14 * c->waves * far + 2 * c->waves * (c->about.opl_err + 4 * c->about.p_err) : 0;
+    u.unit_of_path =
+        c->has_opd ? 1e-14 * c->waves * far + 2 * c->waves * (c->about.opl_err + 4 * c->about.p_err) : 0;
     const double each = rays_each / (double)p->count;
     double owed = 0;
     for (size_t i = 0; i < p->count; i++) {
@@ -400,8 +452,8 @@ static bool try_lens(const char *name, const sgt_lens *lens, size_t boxes)
     sgt_study *study = sgt_study_new(lens, &(sgt_study_options){.aim = &aim}, &error);
     sgt_analysis each = sgt_prove_analysis;
     const sgt_prove_options options = {.boxes = boxes};
-    const double before = sums.rays, passed = sums.passed, pupils = sums.pupils, climbed = sums.climbed, all = sums.boxes,
-                 undecided = sums.undecided;
+    const double before = sums.rays, passed = sums.passed, pupils = sums.pupils, climbed = sums.climbed,
+                 all = sums.boxes, undecided = sums.undecided;
     sums.name = name, each.ask = ask_boxes;
     const bool fine = study && sgt_study_run(study, &each, &options, &(sgt_sink){0}, NULL, &error);
     sgt_study_free(study);
@@ -409,8 +461,9 @@ static bool try_lens(const char *name, const sgt_lens *lens, size_t boxes)
         printf("%s: %s\n", name, error.words);
         return false;
     }
-    printf("%-60s %3g pupils %7g boxes %6.2f %% undecided %10g rays, %10g passed, %8g climbs\n", name, sums.pupils - pupils,
-           sums.boxes - all, 100 * (sums.undecided - undecided) / (sums.pupils - pupils), sums.rays - before,
+    printf("%-60s %3g pupils %7g boxes %6.2f %% undecided %10g rays, %10g passed, %8g climbs\n", name,
+           sums.pupils - pupils, sums.boxes - all,
+           100 * (sums.undecided - undecided) / (sums.pupils - pupils), sums.rays - before,
            sums.passed - passed, sums.climbed - climbed);
     return true;
 }
@@ -422,11 +475,16 @@ int main(int argc, char *argv[])
     int first = 1;
     for (; first + 1 < argc && argv[first][0] == '-'; first += 2) {
         const double x = strtod(argv[first + 1], NULL);
-        if (!strcmp(argv[first], "--rays")) rays = x;
-        else if (!strcmp(argv[first], "--random")) random = x;
-        else if (!strcmp(argv[first], "--boxes")) boxes = x;
-        else if (!strcmp(argv[first], "--write")) folder = argv[first + 1];
-        else return fprintf(stderr, "boxes: %s?\n", argv[first]), 2;
+        if (!strcmp(argv[first], "--rays"))
+            rays = x;
+        else if (!strcmp(argv[first], "--random"))
+            random = x;
+        else if (!strcmp(argv[first], "--boxes"))
+            boxes = x;
+        else if (!strcmp(argv[first], "--write"))
+            folder = argv[first + 1];
+        else
+            return fprintf(stderr, "boxes: %s?\n", argv[first]), 2;
     }
     if (scale) rays *= strtod(scale, NULL) / 0.5;
     const unsigned long long drawn = seed ? strtoull(seed, NULL, 0) : 1;
@@ -459,12 +517,16 @@ int main(int argc, char *argv[])
             if (f) fputs(t.at, f), fclose(f);
         }
         sgt_lens *lens = sgt_lens_read_text(name, t.at, t.size, NULL, &error);
-        if (!lens) printf("%s: %s\n", name, error.words);
-        else i += try_lens(name, lens, (size_t)boxes);
+        if (!lens)
+            printf("%s: %s\n", name, error.words);
+        else
+            i += try_lens(name, lens, (size_t)boxes);
         sgt_lens_free(lens);
     }
-    printf("%g rays, %g of them passed, %g climbs, %g integrals, %g boxes in parts, of %g boxes of %g pupils; %.2f %% of these undecided\n",
-           sums.rays, sums.passed, sums.climbed, sums.integrals, sums.parts, sums.boxes, sums.pupils, 100 * sums.undecided / sums.pupils);
+    printf("%g rays, %g of them passed, %g climbs, %g integrals, %g boxes in parts, of %g boxes of %g "
+           "pupils; %.2f %% of these undecided\n",
+           sums.rays, sums.passed, sums.climbed, sums.integrals, sums.parts, sums.boxes, sums.pupils,
+           100 * sums.undecided / sums.pupils);
     printf("%d faults\n", sums.faults);
     return sums.faults || unread ? 1 : 0;
 }

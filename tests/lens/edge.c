@@ -48,9 +48,12 @@ static double part_below(double x, double w) { return 0.5 * (x + 1) + 0.25 * w *
 static double crossing(const sgt_series *g, int main_of, double y)
 {
     double low = -1, high = 1;
-    const double first = main_of ? value(g, y, -1) : value(g, -1, y), last = main_of ? value(g, y, 1) : value(g, 1, y);
-    if ((first < 0) == (last < 0)) return (first < 0) == (main_of ? g->k[SGT_SERIES_PLACE(0, 1)] > 0
-                                                                  : g->k[SGT_SERIES_PLACE(1, 0)] > 0) ? 1 : -1;
+    const double first = main_of ? value(g, y, -1) : value(g, -1, y),
+                 last = main_of ? value(g, y, 1) : value(g, 1, y);
+    if ((first < 0) == (last < 0))
+        return (first < 0) == (main_of ? g->k[SGT_SERIES_PLACE(0, 1)] > 0 : g->k[SGT_SERIES_PLACE(1, 0)] > 0)
+                   ? 1
+                   : -1;
     for (int k = 0; k < 48; k++) {
         const double x = (low + high) / 2, v = main_of ? value(g, y, x) : value(g, x, y);
         *((v < 0) == (first < 0) ? &low : &high) = x;
@@ -83,8 +86,10 @@ int main(void)
             for (int k = 0; k < count; k++) {
                 const double x = crossing(&g[k], main_of, y);
                 const bool up = g[k].k[main_of ? SGT_SERIES_PLACE(0, 1) : SGT_SERIES_PLACE(1, 0)] > 0;
-                if (up) to = fmin(to, x);
-                else from = fmax(from, x);
+                if (up)
+                    to = fmin(to, x);
+                else
+                    from = fmax(from, x);
             }
             if (!(to > from)) continue;
             inside += main_of ? (to - from) / 2 * (1 + w * y) / LINES
@@ -93,7 +98,8 @@ int main(void)
         in /= area, out /= area;
         if (in > inside + 2e-6 || out > 1 - inside + 2e-6 || !(in >= 0 && out >= 0)) {
             if (faults++ < 10)
-                printf("case %d, %d curves, %d: in %.9f, out %.9f, of %.9f\n", n, count, main_of, in, out, inside);
+                printf("case %d, %d curves, %d: in %.9f, out %.9f, of %.9f\n", n, count, main_of, in, out,
+                       inside);
         }
         open += 1 - in - out;
         if (count == 1) widest = fmax(widest, in + out > 0 ? 1 - in - out : 0);

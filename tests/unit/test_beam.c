@@ -597,7 +597,7 @@ static void other_sheets_hold(void **unused)
             from.d[axis] = sgt_model_of(d);
             from.o[axis] = (sgt_model){.c = to[axis] - 10 * d, .by = {spread * about(1), spread * about(1)}};
         }
-        /* a chord from inside the aperture to outside of it: one of both roots is meant, whichever comes first */
+        /* a chord from inside the aperture to outside of it: one root is meant, whichever comes first */
         const double semi = l.e[0].semi_diameter, inner = semi * uniform(&drawn, 0, 0.95),
                      outer = semi * uniform(&drawn, 1.05, 1.6), c = 1 / radius;
         if (chance(&drawn, 0.3) && semi > 0 && (1 + k) * c * c * outer * outer < 0.98) {

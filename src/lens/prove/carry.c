@@ -27,14 +27,12 @@
  * is
  * inside a and the near one is not.  Let the near roots have r <= R.  On a chord of the cylinder r <= R the
  * slope of F = z - s is n - grad s . (l, m).  If |n| > S |(l, m)|, S the largest slope of s there, F is
- * monotone,
- * and there is one root at most.)  Otherwise all that is known of it is that rays which pass end inside the
- * clear
- * aperture of the last element, and meet each element inside its own.
+ * monotone, and there is one root at most.)  Otherwise all that is known of it is that rays which pass end
+ * inside the clear aperture of the last element, and meet each element inside its own.
  *
- * THE PARTS OF SUCH A BOX.  Those of its rays that are inside all edges, if these are circles, as the wider lens
- * is met, pass; one that is outside of some ends there or in front: the areas are those on either side of
- * curves (edge.h).  If all its rays end behind a wider edge of the one element in doubt, none passes. */
+ * THE PARTS OF SUCH A BOX.  Those of its rays that are inside all edges, if these are circles, as the wider
+ * lens is met, pass; one that is outside of some ends there or in front: the areas are those on either side
+ * of curves (edge.h).  If all its rays end behind a wider edge of the one element in doubt, none passes. */
 #include "carry.h"
 #include "edge.h"
 
@@ -412,9 +410,10 @@ static bool is_round(const sgt_element *e) { return e->semi_diameter > 0 && e->s
 /* The edges that go through a box, as edge.h has them. */
 typedef struct edges_of { size_t count; sgt_series g[EDGES]; double slack[EDGES]; } edges_of;
 
-/* A circle of the radius a about (x0, y0): rays inside pass, or if `obscures` those outside.  false: there is no
+/* A circle of the radius a about `at`: rays inside pass, or if `obscures` those outside.  false: there is no
  * room. */
-static bool add_circle(edges_of *to, const sgt_series *x, const sgt_series *y, sgt_vec2 at, double a, bool obscures)
+static bool add_circle(edges_of *to, const sgt_series *x, const sgt_series *y, sgt_vec2 at, double a,
+                       bool obscures)
 {
     sgt_series u, v, g;
     const double size = fabs(at.x) + fabs(at.y) + a, slack = 0x1p-36 * size * size;
@@ -473,7 +472,8 @@ static void set_parts(const prove_cell *c, const carry_room *r, const sgt_series
 }
 
 /* All rays of the box are clipped: at its element, or behind it if that had a wider edge. */
-static bool ends_anyway(const prove_cell *c, carry_room *r, const sgt_series_ray *launch, const prove_box *box)
+static bool ends_anyway(const prove_cell *c, carry_room *r, const sgt_series_ray *launch,
+                        const prove_box *box)
 {
     ends w;
     sgt_element *e = &r->one[box->element];
@@ -590,7 +590,8 @@ void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[
         box->divide = across_edge(c, r, box, box->divide);
     bound_nothing(c, r->at, box, bound);
     if (box->hopeless || end->why != SGT_BOX_AT_EDGE) return;
-    const bool all = carried_through(c, r->wide, c->count, r->kept_wide, r->at, &launch, &w) == SGT_BOX_PASSED;
+    const bool all =
+        carried_through(c, r->wide, c->count, r->kept_wide, r->at, &launch, &w) == SGT_BOX_PASSED;
     /* (cut or not, at[] is known up to where it came to) */
     if (!all && !(w.end.element > box->element)) return;
     if (!same_roots(c, r, all ? c->count : box->element + 1, &launch)) return;

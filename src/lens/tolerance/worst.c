@@ -997,7 +997,7 @@ static judged judge(worst *w, worst_box *b, square_form *f, double L[][Z], doubl
             sgt_wide_plus(&end->y, -w->t->chief[r->field].y, &y);
         } else {
             if (!(sure[r->field] > 0))
-                return out.element = end->element, out.why = "no ray of a field is certain to pass in every lens", out;
+                return out.element = end->element, out.why = "no ray of a field is sure to pass", out;
             sgt_wide_added(&end->x, -1, &from->x, &x), sgt_wide_added(&end->y, -1, &from->y, &y);
         }
         const double weight =
