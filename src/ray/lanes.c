@@ -674,8 +674,8 @@ static void newton_begin(lanes *a, size_t n)
 }
 
 /* What is known of F's error before a step: nothing; what `bound` has set, the slope in qx and g_err; the
- * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well, and `whole` is
- * set to all of F's error, which g_err has only of a lane that is close. */
+ * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well, and
+ * `whole` is set to all of F's error, which g_err has only of a lane that is close. */
 typedef enum step_known { PLACE_ALONE, BOUND_SET, OWN_SET } step_known;
 
 /* Makes the step, and the points it leads to.  Returns how many go on.  A lane that is done writes values

@@ -197,7 +197,8 @@ double steepness(generator &g, const specimen &s, const sgt_ray &ray, bool *is_b
         slope = slope < 0 ? -slope : slope;
         nearest = std::min(nearest, number_of(slope * length) / steep);
         if (slope * length >= steep || failed[s.type + ": steep"]++ >= 1) continue;
-        std::printf("FAIL %s: |g'| %a at t %a of [%a, %a], not %a\n    ray {%a, %a, %a}, {%a, %a, %a} from %a\n",
+        std::printf("FAIL %s: |g'| %a at t %a of [%a, %a], not %a\n"
+                    "    ray {%a, %a, %a}, {%a, %a, %a} from %a\n",
                     s.type.c_str(), number_of(slope * length), at, span.lo, span.hi, steep, ray.o.x, ray.o.y,
                     ray.o.z, ray.d.x, ray.d.y, ray.d.z, ray.tmin);
         print_surface(s.s);
@@ -303,7 +304,7 @@ int main(int argc, char **argv)
         if (!lanes_asked) continue;
         std::printf("%-14s in lanes: %6ld with a bound on g', %6ld are wider\n", type.c_str(), lanes_bounded,
                     lanes_wider);
-        std::printf("%-14s first: of %ld rays %ld with a bound on the slope, which comes within %.3f times it\n",
+        std::printf("%-14s first: of %ld rays %ld with a bound on the slope; the least is %.3f times it\n",
                     type.c_str(), first_asked, steep_known, least_steep);
         bad += steep_known < first_asked / 8;
         bad += lanes_bounded < lanes_asked / 3 || lanes_wider > lanes_bounded / 4;

@@ -163,7 +163,8 @@ SGT_INLINE outset ellipsoid_outset(const sgt_ellipsoid *self, sgt_vec3 p, sgt_ve
                        .terms = fabs(x * p.x) + fabs(y * p.y) + fabs(z * p.z)};
 }
 
-QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_unit, ellipsoid_terms, ellipsoid_outset)
+QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_unit, ellipsoid_terms,
+                ellipsoid_outset)
 
 /* F from x, y, z, and its slope along d, by plain intervals. */
 static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, double t0, sgt_interval t,

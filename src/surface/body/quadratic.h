@@ -30,10 +30,11 @@
  * an ellipsoid and a quadric then cost 9.6 times the instructions one by one, 47 and 57 times in a batch.  As
  * a user's surface (own_ = NULL besides) it is 2.5 and 2.9, 13 and 17 times (300 rays each, by callgrind).
  *
- * THE SLOPE ABOUT A ROOT.  |dg/dtau| is 2 S at both roots and falls evenly to 0 at the vertex, V = S / |A| from
- * them.  A stretch that holds a root ends S / 16 |A| from it on that side, as computed, if the root is off by
- * less than half of that.  S is off by at most 1/32 of itself and |A| by 1/8, so it ends at most 0.11 V from
- * the root, and |dg/dtau| >= 2 (1 - 0.11) 0.968 S > 1.7 S all over it: a root there needs no look beside it.
+ * THE SLOPE ABOUT A ROOT.  |dg/dtau| is 2 S at both roots and falls evenly to 0 at the vertex, V = S / |A|
+ * from them.  A stretch that holds a root ends S / 16 |A| from it on that side, as computed, if the root is
+ * off by less than half of that.  S is off by at most 1/32 of itself and |A| by 1/8, so it ends at most 0.11
+ * V from the root, and |dg/dtau| >= 2 (1 - 0.11) 0.968 S > 1.7 S all over it: a root there needs no look
+ * beside it.
  *
  * Proofs rest on these promises (ray/cells_batch.c), as they do on spans: both are by the bounds above.
  *
@@ -350,7 +351,8 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
     {                                                                                                       \
         NAME##_blocks(self, n, rays, out, true, NULL);                                                      \
     }                                                                                                       \
-    static void NAME##_steep_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out, double steep[]) \
+    static void NAME##_steep_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out,               \
+                                    double steep[])                                                         \
     {                                                                                                       \
         NAME##_blocks(self, n, rays, out, true, steep);                                                     \
     }                                                                                                       \

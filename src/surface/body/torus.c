@@ -36,8 +36,8 @@
  * cannot be 0.  Inside the tube the same holds for -G, with -K in place of kappa and -kappa in place of A.
  *
  * THE SLOPE ABOUT A ROOT.  Such a stretch ends at most halfway to where 2 (b + A s) is 0, and the root is
- * before: it has A s < 0.29 |b|.  So |G'| >= |b| all over it, and where r <= R |F'| >= |b| / 2r.  A root there
- * needs no look beside it.
+ * before: it has A s < 0.29 |b|.  So |G'| >= |b| all over it, and where r <= R |F'| >= |b| / 2r.  A root
+ * there needs no look beside it.
  *
  * PROOFS rest on this (ray/cells_batch.c): G, b and the bounds on G'' are taken with their errors, and misses
  * are told by the same search.
@@ -68,7 +68,7 @@
 #include "quadratic.h"
 
 enum { STEPS = 16 };
-static const double STEEP = 0.48; /* THE SLOPE ABOUT A ROOT, over |b| / r */
+static const double LEAST_SLOPE = 0.48; /* THE SLOPE ABOUT A ROOT, over |b| / r */
 
 typedef struct torus_ring { double R, r, r2, r2_lo, half, inverse, k; mask spindle; } torus_ring;
 
@@ -459,7 +459,7 @@ SGT_KERNEL
 static void end_firsts(const torus_parting *c, const torus_ring *s, size_t n, double *lo, double *hi,
                        double *seed, double *steep, bool *is_single)
 {
-    const double least = chosen(s->spindle, 0, STEEP * s->inverse);
+    const double least = chosen(s->spindle, 0, LEAST_SLOPE * s->inverse);
     LANES for (size_t i = 0; i < n; i++) {
         mask none = MASK(c->none[i] > 0), found = MASK(c->met[i] > 0);
         double t0 = c->t0[i], scale = c->scale[i], from = chosen(found, c->from[i], c->lo[i]),

@@ -271,14 +271,15 @@ static void room_for_spots(const intersect_work *w, intersect_room *r, int count
 }
 
 /* Rays are rounded to floats before any answer is asked. */
-static void round_rays(ray_block *b)
+static void round_to_floats(ray_block *b)
 {
     static const char *const name[] = {"ox", "oy", "oz", "dx", "dy", "dz"};
     for (int c = 0; c < 8; c++)
         for (size_t i = 0; i < b->count; i++) {
             const double x = b->number[c][i];
             const bool fits = fabs(x) <= (double)FLT_MAX;
-            if (!fits && c < 6) fail_input("ray %lld: %s: %g does not fit in single precision", b->ray[i], name[c], x);
+            if (!fits && c < 6)
+                fail_input("ray %lld: %s: %g does not fit in single precision", b->ray[i], name[c], x);
             b->number[c][i] = fits ? (double)(float)x : copysign(HUGE_VAL, x);
         }
     for (size_t i = 0; i < b->count; i++)
@@ -429,7 +430,7 @@ static void find(void *data, const tile *t)
     }
     if (!w->prints || !shard_joins()) {
         rays_part(&w->asked->rays, t->first, t->count, &r->rays);
-        if (w->asked->single) round_rays(&r->rays);
+        if (w->asked->single) round_to_floats(&r->rays);
         (w->asked->all ? find_all : find_one_each)(w, r, &keep);
     }
     if (!w->prints) return;

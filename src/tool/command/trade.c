@@ -63,8 +63,8 @@ static const option_row trade_rows[] = {
      "Default: a thousand rays that suit the surface",
      OPTION_TEXT, .to = offsetof(trade_arguments, trade.surface)},
     {"ray", "\"...\"", "a ray for it: ox oy oz dx dy dz", OPTION_TAKE, .take = trade_take_ray},
-    {"seconds", "S", "time to spend on measuring, about (default 3; without a lens or a surface 10)", OPTION_LENGTH,
-     .to = offsetof(trade_arguments, trade.seconds)},
+    {"seconds", "S", "time to spend on measuring, about (default 3; without a lens or a surface 10)",
+     OPTION_LENGTH, .to = offsetof(trade_arguments, trade.seconds)},
     {"picture", "FILE", "draw error against time: svg, png or pdf, by the ending of the name", OPTION_TEXT,
      .to = offsetof(trade_arguments, picture)},
     {"svg", "FILE", "--svg FILE is now --picture FILE", .kind = OPTION_REFUSED},
@@ -316,8 +316,8 @@ static bool any_trade(const trade_case *c)
 static void write_words(table *t, const trade_case *c)
 {
     if (!any_trade(c))
-        table_line(t, "Here no accuracy can be traded for speed: of the settings that tell and prove as much, "
-                      "one is best.");
+        table_line(t, "Here no accuracy can be traded for speed: of the settings that tell and prove as "
+                      "much, one is best.");
     char text[1200] = "";
     words idle = idle_knobs(c);
     if (idle.count)

@@ -3,8 +3,8 @@
  * array for each column.
  *
  * The columns have the names of those of csv, and the numbers are all doubles, '<f8', or all floats, '<f4',
- * of which each is a double too.  All rays are looked at before the first is traced, so that a bad one is told before anything is written.  Then they are read
- * again, some at a time; only ids are kept. */
+ * of which each is a double too.  All rays are looked at before the first is traced, so that a bad one is
+ * told before anything is written.  Then they are read again, some at a time; only ids are kept. */
 #include "ray_table.h"
 
 #include "../base/fail.h"
@@ -149,7 +149,7 @@ static cells cells_of(const ray_table *t, size_t first)
 }
 
 /* The number of a column in the i-th row, and its bits as a double. */
-static inline double number_at(const cells *r, int c, size_t i, bool floats)
+static inline double double_at(const cells *r, int c, size_t i, bool floats)
 {
     const unsigned char *at = r->at[c] + i * r->apart;
     return floats ? array_float(at) : array_double(at);
@@ -173,11 +173,11 @@ static void read_columns(const ray_table *t, size_t first, size_t count, ray_blo
     const cells r = cells_of(t, first);
     for (size_t i = 0; i < count; i++) {
         FETCH(r, i);
-        for (int c = 0; c < RAY_REQUIRED; c++) to->number[c][i] = number_at(&r, c, i, t->floats);
+        for (int c = 0; c < RAY_REQUIRED; c++) to->number[c][i] = double_at(&r, c, i, t->floats);
     }
     for (int c = RAY_TMIN; c <= RAY_TMAX && t->ended; c++)
         for (size_t i = 0; i < count; i++)
-            to->number[c][i] = r.at[c] ? number_at(&r, c, i, t->floats) : c == RAY_TMIN ? 0 : HUGE_VAL;
+            to->number[c][i] = r.at[c] ? double_at(&r, c, i, t->floats) : c == RAY_TMIN ? 0 : HUGE_VAL;
     for (size_t i = 0; i < count; i++) to->ray[i] = (long long)(first + i);
     for (size_t i = 0; i < count && t->id; i++) to->id[i] = t->id + (first + i) * t->id_room;
     to->count = count, to->ended = t->ended;
@@ -233,7 +233,7 @@ static bool any_bad(const ray_table *t, size_t first, size_t count)
     for (size_t i = 0; i < count && t->ended; i++) {
         double end[2] = {0, HUGE_VAL};
         for (int c = RAY_TMIN; c <= RAY_TMAX; c++)
-            if (r.at[c]) end[c - RAY_TMIN] = number_at(&r, c, i, t->floats);
+            if (r.at[c]) end[c - RAY_TMIN] = double_at(&r, c, i, t->floats);
         if (!(end[0] <= end[1]) || end[0] > DBL_MAX || end[1] < -DBL_MAX) return true;
     }
     for (size_t f = 0; f < t->files; f++) array_leave(&t->file[f], first, count);
