@@ -225,7 +225,8 @@ typedef struct sgt_box_room { double kept[8]; } sgt_box_room;
  *
  * HOW FINE.  rest shrinks with the third power of the box on conics and most departures;
  * with the second power at formulas, tori and users' surfaces, of which second
- * derivatives are enclosed; with the first at grids (docs/notes/beam.md has figures). */
+ * derivatives are enclosed; with the first at borders of cells of grids (docs/notes/
+ * beam.md has figures). */
 SGT_API sgt_box_verdict sgt_box_trace(const sgt_box_lens *lens,
                                       const sgt_box_launch *launch, sgt_box_room room[],
                                       sgt_box_at at[], sgt_box_end *out);

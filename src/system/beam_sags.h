@@ -6,8 +6,9 @@
  * formulas instead, with the gradient beside the value: then it is of third order.  It is so for toroids,
  * biconics, polynomials of x and y, of Chebyshev and of Zernike, odd aspheres, Q_con, Q_bfs, even terms, and
  * sums of these.  Of a formula the second derivatives are enclosed all over the box, and that one by one:
- * grad P(m + v) is grad P(m) + H v, off by second order.  A grid goes by its bend, and its gradient by
- * bend |v|: first order.
+ * grad P(m + v) is grad P(m) + H v, off by second order.  A grid is a polynomial in each cell.  Between cells
+ * its second derivatives jump: a box of four cells at most leaves out what these jumps make.  A larger one
+ * goes by the bend, and its gradient by bend |v|: first order.
  *
  * NUMBERS THAT ARE ROUNDED.  A coefficient of a recurrence is off by a few u of itself: GRAIN of what it is
  * multiplied with is added to the rest. */
@@ -16,6 +17,7 @@
 #include "beam.h"
 #include "model.h"
 
+#include "../num/bits.h"
 #include "../surface/departure/departure.h"
 #include "../surface/departure/q.h"
 #include "../surface/formula/formula.h"
@@ -268,6 +270,99 @@ SGT_COLD static sag_jet zernike_jet(const sgt_zernike *z, const sag_jet *x, cons
     return sum;
 }
 
+/* The cells of one direction of a grid that a range has points in: first, and two at most.  false: more, or
+ * it goes beyond the grid. */
+static bool grid_cells(double step, size_t count, sgt_interval x, int *first, int *cells)
+{
+    const double half = 0.5 * (double)(count - 1), last = (double)(count - 2), soft = 0x1p-30;
+    if (!(x.lo >= -half * step && x.hi <= half * step)) return false;
+    const double lo = smaller(larger(floor(x.lo / step + half - soft), 0), last);
+    const double hi = smaller(larger(floor(x.hi / step + half + soft), 0), last);
+    *first = (int)lo, *cells = (int)(hi - lo) + 1;
+    return *cells <= 2;
+}
+
+/* Along four heights: of a height beside the grid the third difference is 0 (grid.c). */
+static void grid_beside(double z[4], bool first, bool last)
+{
+    if (first) z[0] = 3 * z[1] - 3 * z[2] + z[3];
+    if (last) z[3] = 3 * z[2] - 3 * z[1] + z[0];
+}
+
+/* The cubic between z[1] and z[2]: its coefficients, in place of z. */
+static void grid_cubic(double z[4])
+{
+    const double D = z[2] - z[1], S0 = D - (z[1] - z[0]), S1 = (z[3] - z[2]) - D, T = S1 - S0, z0 = z[1];
+    z[0] = z0, z[1] = D - 0.5 * S0, z[2] = 0.5 * (S0 - T), z[3] = 0.5 * T;
+}
+
+/* The polynomial of the cell j of row i, wherever the points are.  Coefficients are sums of heights with
+ * weights of 6 x 6 at most together, those beside the grid of 7 x 7: off by 2^-42 of the largest. */
+static sag_jet grid_cell_jet(const sgt_grid *g, int i, int j, const sag_jet *x, const sag_jet *y)
+{
+    const int rows = (int)g->z.rows, columns = (int)g->z.columns;
+    double z[4][4], power[16], most = 0;
+    for (int r = 0; r < 4; r++) {
+        const int row = i + r - 1 < 0 ? 0 : i + r - 1 >= rows ? rows - 1 : i + r - 1;
+        for (int c = 0; c < 4; c++) {
+            const int column = j + c - 1 < 0 ? 0 : j + c - 1 >= columns ? columns - 1 : j + c - 1;
+            z[r][c] = g->z.x[(size_t)row * g->z.columns + (size_t)column];
+        }
+        grid_beside(z[r], j == 0, j + 2 == columns);
+    }
+    for (int c = 0; c < 4; c++) { /* along y, then x */
+        double along[4] = {z[0][c], z[1][c], z[2][c], z[3][c]};
+        grid_beside(along, i == 0, i + 2 == rows);
+        for (int r = 0; r < 4; r++) most = larger(most, fabs(along[r]));
+        grid_cubic(along);
+        for (int r = 0; r < 4; r++) z[r][c] = along[r];
+    }
+    for (int r = 0; r < 4; r++) {
+        grid_cubic(z[r]);
+        for (int c = 0; c < 4; c++) power[4 * c + r] = z[r][c];
+    }
+    const sag_jet u = jet_plus(*x, -((double)j - 0.5 * (columns - 1)) * g->step_x),
+                  v = jet_plus(*y, -((double)i - 0.5 * (rows - 1)) * g->step_y);
+    const sag_jet in_x = jet_scaled(&u, 1 / g->step_x), in_y = jet_scaled(&v, 1 / g->step_y);
+    sag_jet P = polynomial_jet(&(sgt_numbers){power, 4, 4}, &in_x, &in_y);
+    const double U = 1 + larger(sgt_interval_greatest(model_range(in_x.v)),
+                                sgt_interval_greatest(model_range(in_y.v)));
+    const double off = 0x1p-42 * most * U * U * U * U * U * U; /* powers up to 3 each way */
+    P.v = model_wider(P.v, off);
+    P.x = model_wider(P.x, 3 * off / g->step_x), P.y = model_wider(P.y, 3 * off / g->step_y);
+    return P;
+}
+
+/* What lies between 0 and the range of a model, too. */
+static void reach_over(sgt_interval *all, const model *x)
+{
+    const sgt_interval range = model_range(*x);
+    all->lo = smaller(all->lo, range.lo), all->hi = larger(all->hi, range.hi);
+    if (!(range.hi - range.lo < HUGE_VAL)) *all = sgt_interval_all();
+}
+
+/* Bicubic convolution (grid.c) in four cells at most: the polynomial of the first, and how far those of the
+ * others are from it over the box.  As values and slopes agree at their borders, that is of second order in
+ * the value, and of first in the slopes; inside of a cell nothing is left out. */
+static bool grid_jet(const sgt_grid *g, const sag_jet *x, const sag_jet *y, sag_jet *out)
+{
+    int i, j, rows, columns;
+    sgt_interval v = {0, 0}, dx = {0, 0}, dy = {0, 0};
+    if (!grid_cells(g->step_x, g->z.columns, model_range(x->v), &j, &columns) ||
+        !grid_cells(g->step_y, g->z.rows, model_range(y->v), &i, &rows))
+        return false;
+    *out = grid_cell_jet(g, i, j, x, y);
+    for (int k = 1; k < rows * columns; k++) {
+        const sag_jet other = grid_cell_jet(g, i + k / columns, j + k % columns, x, y),
+                      less = jet_scaled(out, -1), apart = jet_sum(&other, &less);
+        reach_over(&v, &apart.v), reach_over(&dx, &apart.x), reach_over(&dy, &apart.y);
+    }
+    if (rows * columns == 1) return true;
+    out->v = model_sum(out->v, model_between(v));
+    out->x = model_sum(out->x, model_between(dx)), out->y = model_sum(out->y, model_between(dy));
+    return true;
+}
+
 /* Of one departure.  false: there is no formula here, or it is not defined all over. */
 SGT_COLD static bool departure_jet(sgt_surface surface, const sag_jet *x, const sag_jet *y, sag_jet *out)
 {
@@ -289,7 +384,9 @@ SGT_COLD static bool departure_jet(sgt_surface surface, const sag_jet *x, const 
         *out = q_con_jet(self, x, y);
     else if (surface.ops == &sgt_q_bfs_ops)
         *out = q_bfs_jet(self, x, y);
-    else if (surface.ops == &sgt_even_asphere_ops) {
+    else if (surface.ops == &sgt_grid_ops) {
+        if (!grid_jet(self, x, y, out)) return false;
+    } else if (surface.ops == &sgt_even_asphere_ops) {
         const sag_jet rho = jet_rho(x, y, 1);
         *out = jet_terms(((const sgt_even_asphere *)self)->a, 8, &rho);
     } else

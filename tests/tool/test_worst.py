@@ -78,6 +78,15 @@ def test_one_entry():
     print(f'one entry: bound at most {loosest:.4f} of the figure')
 
 
+def test_a_compensator_at_its_end():
+    """A paraxial compensator that a Zernike term moves the wrong way, as far as it may: all that is known of its
+    place is the range, and it makes lenses worse."""
+    entry = '{surface: 3, irregularity: 3, term: 9}'
+    bound, seen = worst(lens(HEADS['from afar'], [entry, PARAXIAL.replace('thickness: 1', 'thickness: 0.1')]), '--boxes', 1)
+    left, _ = worst(lens(HEADS['from afar'], [entry]), '--boxes', 1)
+    assert left < 0.96 * seen and seen <= bound, f'{seen} is seen, the bound is {bound}, where it stays {left}'
+
+
 def test_all_entries():
     for name, head in HEADS.items():
         some = random.sample([e for e in ENTRIES if name != 'f-number' or 'term: 8' not in e], 8)
@@ -167,6 +176,9 @@ def test_refusals():
     """What is not known is said so: with coma at a vertex there is no paraxial image, so a compensator stays."""
     said = run('tolerance', written(lens(HEADS['stop'], [ENTRIES[18], PARAXIAL])), '--worst-case', *RAYS, exit=1)
     assert 'no bound is known: the pupil' in said.stdout, said.stdout
+    none = lens(HEADS['from afar'], ['{surface: 3, decenter_y: [6, 7]}'])
+    said = run('tolerance', written(none), '--worst-case', *RAYS, exit=1).stdout
+    assert 'no bound is known: element 3: the chief ray of a field ends there' in said, said
     for text, words in [(lens('pupil: {semi_diameter: 5}\naim: stop\nfields: [0]\n', ENTRIES[:1]), '--aim paraxial'),
                         (lens('pupil: {semi_diameter: 5}\nfield_type: paraxial_image_height\nfields: [1]\n', ENTRIES[:1]),
                          'image heights')]:

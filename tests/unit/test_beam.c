@@ -597,6 +597,22 @@ static void other_sheets_hold(void **unused)
             from.d[axis] = sgt_model_of(d);
             from.o[axis] = (sgt_model){.c = to[axis] - 10 * d, .by = {spread * about(1), spread * about(1)}};
         }
+        /* a chord from inside the aperture to outside of it: one root is meant, whichever comes first */
+        const double semi = l.e[0].semi_diameter, inner = semi * uniform(&drawn, 0, 0.95),
+                     outer = semi * uniform(&drawn, 1.05, 1.6), c = 1 / radius;
+        if (chance(&drawn, 0.3) && semi > 0 && (1 + k) * c * c * outer * outer < 0.98) {
+            double chord[2][3];
+            for (int end_of = 0; end_of < 2; end_of++) {
+                const double r = end_of ? outer : inner, turn = about(3.14);
+                chord[end_of][0] = r * cos(turn), chord[end_of][1] = r * sin(turn);
+                chord[end_of][2] = c * r * r / (1 + sqrt(1 - (1 + k) * c * c * r * r));
+            }
+            const int first = chance(&drawn, 0.5);
+            for (int axis = 0; axis < 3; axis++) {
+                const double d = chord[1 - first][axis] - chord[first][axis];
+                from.d[axis] = sgt_model_of(d), from.o[axis].c = chord[first][axis] - 3 * d;
+            }
+        }
         const sgt_box_lens whole = {.elements = 1, .e = l.e};
         static sgt_series_ray rays[2];
         const bool series = i % 2;
@@ -727,11 +743,11 @@ static void rest_shrinks(void **unused)
         const bool series = case_of % 2;
         if (type == TORUS || type == ELLIPSOID || (type == USERS && series))
             continue; /* no vertex to put a lens about; the rays of the others are */
-        const double least = type == GRID                                              ? 1.7
-                             : type == FORMULA_SAG || type == FORMULA || type == USERS ? 3.4
-                             : series && type == ODD                                    ? 20
-                             : series                                                  ? 50
-                                                                                       : 7;
+        /* (the grid has a cell about the vertex) */
+        const double least = type == FORMULA_SAG || type == FORMULA || type == USERS ? 3.4
+                             : series && type == ODD                                  ? 20
+                             : series                                                ? 50
+                                                                                     : 7;
         const double widest = !series || least < 20 ? 0.1 : type == ODD ? 0.2 : 1;
         double before = 0, path_before = 0;
         memset(&l, 0, sizeof l);

@@ -25,6 +25,7 @@
  *
  *     integral over P and S of (f - M)  <=  I - M P + sum u_i max(0, h_i - M).
  *
+ * (Of a box at an edge a part is in P, with f at most h_i, and a part is neither.)
  * If the right side is not above 0, the mean is at most M.  The least such M is found by steps of Dinkelbach
  * (1967, Management Science 13, 492), and then raised until the inequality holds with all roundings.  A lower
  * bound is that of -f. */
@@ -158,9 +159,9 @@ static double beyond(const proof *p, mean_of of, double sign, double M, double *
             size += fabs(M) * share;
         } else if (b->fate == SGT_LOST) {
             const sgt_interval r = range_in(b, of);
-            const double over = (sign > 0 ? r.hi : -r.lo) - M;
+            const double over = (sign > 0 ? r.hi : -r.lo) - M, part = over > 0 ? share - b->out : b->in;
             if (isnan(over)) return HUGE_VAL;
-            if (over > 0) add = over * share, *area += share, size += fabs(M) * share;
+            if (part > 0) add = over * part, *area += part, size += fabs(M) * part;
         }
         sum += add, size += fabs(add);
     }
@@ -218,16 +219,19 @@ static bool may_pass(const prove_box *b) { return b->fate == SGT_PASSED || b->fa
 
 static void sum_up(proof *p)
 {
+    double in = 0, out = 0; /* (sums of whole boxes are exact) */
     p->passes = p->stops = p->undecided = 0;
     for (size_t q = 0; q < p->quantities; q++) p->most[q] = -HUGE_VAL;
     for (size_t i = 0; i < p->count; i++) {
         const prove_box *b = &p->box[i];
         const double share = sgt_sector_area(&b->of);
         *(b->fate == SGT_PASSED ? &p->passes : b->fate == SGT_LOST ? &p->undecided : &p->stops) += share;
+        if (b->fate == SGT_LOST) in += b->in, out += b->out;
         for (size_t q = 0; q < p->quantities && may_pass(b); q++)
             if (!(p->bound[i * p->quantities + q] <= p->most[q]))
                 p->most[q] = p->bound[i * p->quantities + q];
     }
+    p->passes += in, p->stops += out, p->undecided = fmax(p->undecided - in - out, 0);
 }
 
 static void take_means(proof *p)
@@ -439,13 +443,15 @@ static size_t unfit_boxes(const proof *p, candidate out[])
     return n;
 }
 
+static double undecided_of(const prove_box *b) { return sgt_sector_area(&b->of) - b->in - b->out; }
+
 static size_t undecided_boxes(const proof *p, candidate out[])
 {
     size_t n = 0;
     bool in_angle;
     for (size_t i = 0; i < p->count; i++)
-        if (p->box[i].fate == SGT_LOST && halving_of(&p->box[i], &in_angle))
-            out[n++] = (candidate){sgt_sector_area(&p->box[i].of), i};
+        if (p->box[i].fate == SGT_LOST && undecided_of(&p->box[i]) > 0 && halving_of(&p->box[i], &in_angle))
+            out[n++] = (candidate){undecided_of(&p->box[i]), i};
     return n;
 }
 
@@ -486,9 +492,10 @@ static size_t open_boxes(const proof *p, bool f_wanted, bool w_wanted, candidate
     bool in_angle;
     for (size_t i = 0; i < p->count; i++) {
         const prove_box *b = &p->box[i];
-        const double share = sgt_sector_area(&b->of);
         if (b->fate == SGT_PASSED) open_f += width_of(b->f_sum), open_w += width_of(b->ww_sum);
-        if (b->fate == SGT_LOST) lost_f += share * width_of(b->f), lost_w += share * width_of(b->ww);
+        if (b->fate != SGT_LOST) continue;
+        open_f += b->in * width_of(b->f), open_w += b->in * width_of(b->ww);
+        lost_f += undecided_of(b) * width_of(b->f), lost_w += undecided_of(b) * width_of(b->ww);
     }
     /* rms^2 is to be known to twice RMS_CLOSE; but no closer than a quarter of what the edge leaves open */
     const double goal_f = fmax(2 * RMS_CLOSE * rms.hi * rms.hi * area, 0.25 * lost_f);
@@ -498,9 +505,11 @@ static size_t open_boxes(const proof *p, bool f_wanted, bool w_wanted, candidate
     if (!f_wanted && !w_wanted) return 0;
     for (size_t i = 0; i < p->count; i++) {
         const prove_box *b = &p->box[i];
-        if (b->fate != SGT_PASSED || !halving_of(b, &in_angle)) continue;
-        const double score = fmax(f_wanted ? width_of(b->f_sum) / goal_f : 0,
-                                  w_wanted ? width_of(b->ww_sum) / goal_w : 0);
+        if (!may_pass(b) || !halving_of(b, &in_angle)) continue;
+        const bool all = b->fate == SGT_PASSED;
+        const double of_f = all ? width_of(b->f_sum) : b->in * width_of(b->f),
+                     of_w = all ? width_of(b->ww_sum) : b->in * width_of(b->ww);
+        const double score = fmax(f_wanted ? of_f / goal_f : 0, w_wanted ? of_w / goal_w : 0);
         if (score > 0) out[n++] = (candidate){score, i};
     }
     return n;

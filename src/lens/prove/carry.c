@@ -27,11 +27,14 @@
  * is
  * inside a and the near one is not.  Let the near roots have r <= R.  On a chord of the cylinder r <= R the
  * slope of F = z - s is n - grad s . (l, m).  If |n| > S |(l, m)|, S the largest slope of s there, F is
- * monotone,
- * and there is one root at most.)  Otherwise all that is known of it is that rays which pass end inside the
- * clear
- * aperture of the last element, and meet each element inside its own. */
+ * monotone, and there is one root at most.)  Otherwise all that is known of it is that rays which pass end
+ * inside the clear aperture of the last element, and meet each element inside its own.
+ *
+ * THE PARTS OF SUCH A BOX.  Those of its rays that are inside all edges, if these are circles, as the wider
+ * lens is met, pass; one that is outside of some ends there or in front: the areas are those on either side
+ * of curves (edge.h).  If all its rays end behind a wider edge of the one element in doubt, none passes. */
 #include "carry.h"
+#include "edge.h"
 
 #include <sagitta/surfaces.h>
 
@@ -43,7 +46,7 @@ typedef struct ends { sgt_box_end end; sgt_series_ray at, front; } ends;
 struct carry_room {
     sgt_box_room *kept, *kept_wide;   /* [count] each */
     sgt_box_at *at;
-    sgt_element *wide;
+    sgt_element *wide, *one;          /* with wider edges; with one such edge */
     sgt_passage *passages;
     bool front_known;                 /* the last element bends nothing */
     double index;                     /* in front of it */
@@ -56,16 +59,16 @@ carry_room *sgt_carry_room_new(const prove_cell *of)
     if (!r) return NULL;
     *r = (carry_room){.kept = sgt_launch_take(of->from, 2 * n, sizeof *r->kept),
                       .at = sgt_launch_take(of->from, n, sizeof *r->at),
-                      .wide = sgt_launch_take(of->from, n, sizeof *r->wide),
+                      .wide = sgt_launch_take(of->from, 2 * n, sizeof *r->wide),
                       .passages = sgt_launch_take(of->from, n, sizeof *r->passages)};
     if (!r->kept || !r->at || !r->wide || !r->passages) {
         sgt_carry_room_free(of, r);
         return NULL;
     }
-    r->kept_wide = r->kept + n;
+    r->kept_wide = r->kept + n, r->one = r->wide + n;
     for (size_t i = 0; i < 2 * n; i++) r->kept[i] = (sgt_box_room){{0}};
     for (size_t i = 0; i < n; i++) {
-        r->wide[i] = of->e[i], r->wide[i].aperture = NULL;
+        r->wide[i] = r->one[i] = of->e[i], r->wide[i].aperture = NULL;
         r->wide[i].semi_diameter *= WIDER_EDGES;
     }
     double index = of->before == 0 ? 1 : of->before;
@@ -387,10 +390,10 @@ static bool meets_once(const sgt_conic *q, double R, const sgt_series d[3])
 }
 
 /* At each element of the wider lens where rays may be outside the clear aperture of the lens itself. */
-static bool same_roots(const prove_cell *c, const carry_room *r, const sgt_series_ray *launch)
+static bool same_roots(const prove_cell *c, const carry_room *r, size_t count, const sgt_series_ray *launch)
 {
     ends w;
-    for (size_t i = 0; i < c->count; i++) {
+    for (size_t i = 0; i < count; i++) {
         const sgt_element *e = &c->e[i];
         const double R = sgt_interval_hypotenuse(r->at[i].x, r->at[i].y).hi;
         const bool round = e->semi_diameter > 0 && e->semi_diameter < 0x1p500;
@@ -400,6 +403,93 @@ static bool same_roots(const prove_cell *c, const carry_room *r, const sgt_serie
         if (!meets_once(e->surface.self, R, w.front.d)) return false;
     }
     return true;
+}
+
+static bool is_round(const sgt_element *e) { return e->semi_diameter > 0 && e->semi_diameter < 0x1p500; }
+
+/* The edges that go through a box, as edge.h has them. */
+typedef struct edges_of { size_t count; sgt_series g[EDGES]; double slack[EDGES]; } edges_of;
+
+/* A circle of the radius a about `at`: rays inside pass, or if `obscures` those outside.  false: there is no
+ * room. */
+static bool add_circle(edges_of *to, const sgt_series *x, const sgt_series *y, sgt_vec2 at, double a,
+                       bool obscures)
+{
+    sgt_series u, v, g;
+    const double size = fabs(at.x) + fabs(at.y) + a, slack = 0x1p-36 * size * size;
+    sgt_series_plus(x, -at.x, &u), sgt_series_product(&u, &u, &u);
+    sgt_series_plus(y, -at.y, &v), sgt_series_product(&v, &v, &v);
+    sgt_series_sum(&u, &v, &g), sgt_series_plus(&g, -a * a, &g);
+    if (obscures) sgt_series_scaled(&g, -1, &g);
+    if (sgt_series_range(&g).hi < -slack) return true; /* it is not near */
+    if (to->count == EDGES) return false;
+    to->g[to->count] = g, to->slack[to->count++] = slack;
+    return true;
+}
+
+/* Those of element i of the lens, where rays meet it in the wider one.  false: not all meet it, or they are
+ * not round. */
+static bool add_edges(const prove_cell *c, const carry_room *r, size_t i, const sgt_series_ray *launch,
+                      edges_of *to)
+{
+    ends w;
+    const sgt_element *e = &c->e[i];
+    if (carried_through(c, r->wide, i + 1, r->kept_wide, NULL, launch, &w) != SGT_BOX_PASSED) return false;
+    const sgt_series *x = &w.at.p[0], *y = &w.at.p[1];
+    if (is_round(e) && !add_circle(to, x, y, (sgt_vec2){0, 0}, e->semi_diameter, false)) return false;
+    for (size_t k = 0; e->aperture && k < e->aperture->count; k++) {
+        const sgt_aperture_item *item = &e->aperture->items[k];
+        const bool ring = item->shape == SGT_ANNULUS;
+        if (item->shape != SGT_CIRCLE && !(ring && !item->obscuring)) return false;
+        if (!add_circle(to, x, y, item->centre, item->radius, item->obscuring) ||
+            (ring && !add_circle(to, x, y, item->centre, item->inner, true)))
+            return false;
+    }
+    return true;
+}
+
+/* The parts of a box that is cut at the edge of its element.  passes: all its rays pass the wider lens, as
+ * r->at has it. */
+static void set_parts(const prove_cell *c, const carry_room *r, const sgt_series_ray *launch, bool passes,
+                      prove_box *box)
+{
+    edges_of all = {.count = 0};
+    double none;
+    size_t own = 0;
+    for (size_t i = box->element; i < c->count && (i == box->element || passes); i++) {
+        const sgt_element *e = &c->e[i];
+        const bool items = e->aperture && e->aperture->count > 0;
+        const bool inside = !is_round(e) || r->wide[i].semi_diameter - r->at[i].margin.lo <
+                                            e->semi_diameter * (1 - 0x1p-38);
+        if (i > box->element && inside && !items) continue;
+        passes = add_edges(c, r, i, launch, &all) && passes;
+        if (i == box->element && !(own = all.count)) return;
+    }
+    sgt_edge_parts(&box->of, own, all.g, all.slack, &none, &box->out_here);
+    box->out = box->out_here;
+    if (passes) sgt_edge_parts(&box->of, all.count, all.g, all.slack, &box->in, &box->out);
+    box->out = fmax(box->out, box->out_here);
+}
+
+/* All rays of the box are clipped: at its element, or behind it if that had a wider edge. */
+static bool ends_anyway(const prove_cell *c, carry_room *r, const sgt_series_ray *launch,
+                        const prove_box *box)
+{
+    ends w;
+    sgt_element *e = &r->one[box->element];
+    *e = r->wide[box->element];
+    const bool end = carried_through(c, r->one, c->count, NULL, NULL, launch, &w) == SGT_BOX_STOPPED &&
+                      w.end.element > box->element && ended_by(&w.end) == SGT_CLIPPED;
+    *e = c->e[box->element];
+    return end;
+}
+
+/* No ray passes: there is nothing to bound. */
+static void set_ended(const prove_cell *c, prove_box *box, double bound[])
+{
+    for (size_t q = 0; q < prove_quantities(c->count); q++) bound[q] = -HUGE_VAL;
+    box->f = box->ww = box->w = (sgt_interval){0, 0};
+    box->bounded = true, box->in = 0, box->out = sgt_sector_area(&box->of);
 }
 
 /* Where an edge of items goes through a box: the round item whose edge is nearest to a point of it. */
@@ -500,11 +590,17 @@ void sgt_carry(const prove_cell *c, carry_room *r, prove_box *box, double bound[
         box->divide = across_edge(c, r, box, box->divide);
     bound_nothing(c, r->at, box, bound);
     if (box->hopeless || end->why != SGT_BOX_AT_EDGE) return;
-    if (carried_through(c, r->wide, c->count, r->kept_wide, r->at, &launch, &w) != SGT_BOX_PASSED ||
-        !same_roots(c, r, &launch))
-        return;
-    box->bounded = true;
-    bound_ends(c, r, &w, box, bound), bound_elements(c, c->count, r->wide, r->at, bound);
+    const bool all =
+        carried_through(c, r->wide, c->count, r->kept_wide, r->at, &launch, &w) == SGT_BOX_PASSED;
+    /* (cut or not, at[] is known up to where it came to) */
+    if (!all && !(w.end.element > box->element)) return;
+    if (!same_roots(c, r, all ? c->count : box->element + 1, &launch)) return;
+    set_parts(c, r, &launch, all, box);
+    if (all) {
+        box->bounded = true;
+        bound_ends(c, r, &w, box, bound), bound_elements(c, c->count, r->wide, r->at, bound);
+    }
+    if (!(box->in > 0) && ends_anyway(c, r, &launch, box)) set_ended(c, box, bound);
 }
 
 /* -------------------------------------------------------------------------- one ray */

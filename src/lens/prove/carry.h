@@ -44,6 +44,9 @@ typedef struct prove_box {
     sgt_box_why why;           /* it is not decided */
     bool hopeless;             /* halving it is of no use */
     bool bounded;              /* not decided, yet its bounds are those of the rays that may pass */
+    /* Of a box that is not decided, but cut at edges of clear apertures: these parts of the disc's area
+     * certainly pass, certainly end, and of these so much at the element; else 0 */
+    double in, out, out_here;
     int divide;                /* not decided: 0 the radius, 1 the angle is best halved; -1: either */
     /* What a mean over the area is made of, f the square of the distance and w the difference less
      * `middle`: integrals over the box, in parts of the area of the disc; and their ranges */

@@ -180,6 +180,9 @@ static double share_of(const proof *p, size_t element, sgt_fate fate)
     for (size_t i = 0; i < p->count; i++)
         if (p->box[i].fate == (int)fate && (element == SIZE_MAX || p->box[i].element == element))
             sum += sgt_sector_area(&p->box[i].of);
+    for (size_t i = 0; i < p->count && fate == SGT_CLIPPED; i++)
+        if (element == SIZE_MAX) sum += p->box[i].out;
+        else if (p->box[i].element == element) sum += p->box[i].out_here;
     return 100 * sum;
 }
 

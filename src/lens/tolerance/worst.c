@@ -951,8 +951,15 @@ typedef struct judged {
     bool known;
     double bound;
     size_t element;
-    sgt_box_why why;
+    const char *why;
 } judged;
+
+/* Why a ray has no bound at its element, in words. */
+static const char *why_unknown(const worst_ray *r, const worst_end *end)
+{
+    if (r->chief && end->fate == WIDE_ENDED) return "the chief ray of a field ends there, in every lens";
+    return sgt_box_why_text(end->why == SGT_BOX_NOTHING ? SGT_BOX_TOO_LARGE : end->why);
+}
 
 /* No lens of the box has a larger figure; f: the form, for what follows. */
 static judged judge(worst *w, worst_box *b, square_form *f, double L[][Z], double sure[])
@@ -982,14 +989,15 @@ static judged judge(worst *w, worst_box *b, square_form *f, double L[][Z], doubl
         const double of_field = w->field_weight[r->field] / total;
         if (!(of_field > 0)) continue;
         if (end->fate == WIDE_UNKNOWN || (r->chief && end->fate == WIDE_ENDED))
-            return out.element = end->element, out.why = end->why, out;
+            return out.element = end->element, out.why = why_unknown(r, end), out;
         if (end->fate == WIDE_ENDED || (r->chief && !chief)) continue;
         wide x, y;
         if (chief) {
             sgt_wide_plus(&end->x, -w->t->chief[r->field].x, &x);
             sgt_wide_plus(&end->y, -w->t->chief[r->field].y, &y);
         } else {
-            if (!(sure[r->field] > 0)) return out.element = end->element, out.why = SGT_BOX_AT_EDGE, out;
+            if (!(sure[r->field] > 0))
+                return out.element = end->element, out.why = "no ray of a field is sure to pass", out;
             sgt_wide_added(&end->x, -1, &from->x, &x), sgt_wide_added(&end->y, -1, &from->y, &y);
         }
         const double weight =
@@ -1128,7 +1136,7 @@ static bool branch_lenses(worst *w, const sgt_worst_options *o, sgt_worst_case *
     if (!(out->bound < HUGE_VAL)) {
         out->element = found.element == SIZE_MAX ? 0 : found.element + 1;
         out->why = found.element == SIZE_MAX ? "the pupil or the paraxial image is not known for all lenses"
-                                             : sgt_box_why_text(found.why);
+                                             : found.why;
     }
     return true;
 }
