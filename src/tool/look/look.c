@@ -223,6 +223,7 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
     memcpy(all.group, groups, sizeof groups);
     command_read(&all, &a, &l->job, &l->shared, argc, argv);
     if (a.view) l->of = sgt_analysis_named(a.view->analysis);
+    if (way->analysis) l->of = sgt_analysis_named(way->analysis(l));
     l->options = memory_take(l->of->options_size + 1, 1);
     l->set = memory_take(a.count + 1, sizeof *l->set);
     if (a.view && a.view->setting)
@@ -359,8 +360,9 @@ double look_value(const look *l, const void *row, size_t place)
 {
     const sgt_column *c = sgt_analysis_column(l->of, place);
     return c->kind == SGT_COLUMN_COUNT || c->kind == SGT_COLUMN_PLACE ? (double)count_at(row, c->offset)
-           : c->kind == SGT_COLUMN_FATE || c->kind == SGT_COLUMN_VERDICT ? fate_at(row, c->offset)
-                                                                      : number_at(row, c->offset);
+           : c->kind == SGT_COLUMN_FATE || c->kind == SGT_COLUMN_VERDICT || c->kind == SGT_COLUMN_QUANTITY
+               ? fate_at(row, c->offset)
+               : number_at(row, c->offset);
 }
 
 const void *look_row(const look *l, size_t i) { return l->row + i * l->of->row_size; }
@@ -401,7 +403,7 @@ static column head_of(const look *l, size_t i, char unit[32])
         [SGT_COLUMN_ERROR] = COLUMN_ERROR,   [SGT_COLUMN_WAVELENGTH] = COLUMN_EXACT,
         [SGT_COLUMN_COUNT] = COLUMN_COUNT,   [SGT_COLUMN_PLACE] = COLUMN_COUNT,
         [SGT_COLUMN_WHOLE] = COLUMN_COUNT,   [SGT_COLUMN_FATE] = COLUMN_CODE,
-        [SGT_COLUMN_VERDICT] = COLUMN_CODE};
+        [SGT_COLUMN_VERDICT] = COLUMN_CODE,   [SGT_COLUMN_QUANTITY] = COLUMN_CODE};
     char name[32];
     sgt_study_column(l->study, l->of, l->options, i, name, unit);
     return (column){memory_print("%s", name), kinds[sgt_analysis_column(l->of, i)->kind]};
@@ -410,7 +412,9 @@ static column head_of(const look *l, size_t i, char unit[32])
 typedef const char *code_word(int code);
 static code_word *word_of(const sgt_column *c)
 {
-    return c->kind == SGT_COLUMN_VERDICT ? sgt_limit_verdict_text : sgt_study_fate_text;
+    return c->kind == SGT_COLUMN_VERDICT    ? sgt_limit_verdict_text
+           : c->kind == SGT_COLUMN_QUANTITY ? sgt_prove_quantity_text
+                                            : sgt_study_fate_text;
 }
 
 /* What put_column prints. */
@@ -421,7 +425,7 @@ static table_member member_of(const sgt_column *c)
         [SGT_COLUMN_ERROR] = MEMBER_NUMBER,  [SGT_COLUMN_WAVELENGTH] = MEMBER_NUMBER,
         [SGT_COLUMN_COUNT] = MEMBER_COUNT,   [SGT_COLUMN_PLACE] = MEMBER_COUNT,
         [SGT_COLUMN_WHOLE] = MEMBER_WHOLE,   [SGT_COLUMN_FATE] = MEMBER_CODE,
-        [SGT_COLUMN_VERDICT] = MEMBER_CODE};
+        [SGT_COLUMN_VERDICT] = MEMBER_CODE,   [SGT_COLUMN_QUANTITY] = MEMBER_CODE};
     return (table_member){.kind = kinds[c->kind], .offset = c->offset, .word = word_of(c),
                           .zero = c->kind == SGT_COLUMN_WAVELENGTH ? "all"
                                   : c->kind == SGT_COLUMN_PLACE    ? ""
@@ -505,6 +509,7 @@ static void put_column(const printing *p, const sgt_column *c, const void *row)
         return;
     case SGT_COLUMN_FATE:
     case SGT_COLUMN_VERDICT:
+    case SGT_COLUMN_QUANTITY:
         table_code(t, fate_at(row, c->offset), word_of(c)(fate_at(row, c->offset)));
         return;
     }
