@@ -1,3 +1,4 @@
+#define DBG
 // SPDX-License-Identifier: MIT
 /* between.c - bounds for the rays of all fields and wavelengths between those of a lens.
  *
@@ -45,11 +46,12 @@
 
 #include <sagitta/surfaces.h>
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.141592653589793, WIDER = 1.0625, NEAR = 0.02, SLACK = 0x1p-46;
-enum { NET = 8, LEAST_ROUND = 16, ROUND_SHARE = 16, DEEPEST = 24, CHOICES = 3 };
+enum { NET = 8, LEAST_ROUND = 16, ROUND_SHARE = 16, DEEPEST = 24, CHOICES = 3, THIN = 4 };
 
 /* Which bound is too wide: each has its own best way to divide. */
 enum { WAY_SPOT, WAY_OPD, WAY_ELEMENT };
@@ -402,59 +404,67 @@ static sgt_box_launch launch_of(const between_cell *c, const sgt_model field[2],
 
 /* ------------------------------------------------------------------ through the lens */
 
-/* Through one of the lenses of the room.  Of `ends`: p and opl in front of the last element, d there, all in
- * its frame, `at` where they meet it, and the whole path to there; of one element the launch.  wave: NULL, as the
+/* The part along z of a direction of unit length follows from the others, and has less of a rest so: where it
+ * is refracted by g n, a rest of g goes along the normal n, which is nearly along z. */
+static void mend_direction(sgt_model d[3])
+{
+    const sgt_interval z = sgt_model_range(&d[2]);
+    sgt_model xx, yy, root;
+    if (!(z.lo > 0 || z.hi < 0)) return;
+    sgt_model_product(&d[0], &d[0], &xx), sgt_model_product(&d[1], &d[1], &yy), sgt_model_sum(&xx, &yy, &xx);
+    sgt_model_scaled(&xx, -1, &xx), sgt_model_plus(&xx, 1, &xx), rest_more(&xx, 0x1p-46);
+    sgt_model_root(&xx, &root);
+    if (!(root.rest < d[2].rest)) return;
+    d[2] = root;
+    if (z.hi < 0) sgt_model_scaled(&d[2], -1, &d[2]);
+}
+
+/* Through one of the lenses of the room, element by element.  Of `ends`: p and opl in front of the last
+ * element, d there, all in its frame, `at` where they meet it, and the whole path to there.  wave: NULL, as the
  * lens stands. */
-static sgt_box_verdict through_of(through_room *r, int variant, const at_waves *wave, const sgt_box_launch *launch, size_t count,
-                              sgt_box_at at[], ray_ends *out)
+static sgt_box_verdict through_of(through_room *r, int variant, const at_waves *wave, const sgt_box_launch *launch,
+                                  size_t count, sgt_box_at at[], ray_ends *out)
 {
     const between_cell *c = r->c;
     const sgt_element *e = r->own[variant];
     const double before = variant == 3 ? c->before_primary : c->before;
-    sgt_box_number own[2 * 64 + 1];
-    const size_t front = count - 1;
     double index = before == 0 ? 1 : before;
-    const sgt_model *last_index = wave && r->medium[0].varies ? &wave->index[0] : NULL;
+    const sgt_model *index_model = wave && r->medium[0].varies ? &wave->index[0] : NULL;
     sgt_box_launch to = *launch;
-    sgt_box_number *number = own, *many = NULL;
-    size_t numbers = 0;
-    out->opl = sgt_model_of(0);
-    if (wave && wave->numbers > sizeof own / sizeof *own) number = many = taken(c, wave->numbers + 1, sizeof *many);
-    if (!number) return out->end = (sgt_box_end){.verdict = SGT_BOX_CUT, .why = SGT_BOX_TOO_LARGE, .divide = -1}, SGT_BOX_CUT;
-    for (size_t i = 0; i < front; i++) {
-        if (e[i].index == SGT_MIRROR || e[i].index == 0) continue;
-        index = e[i].index, last_index = wave && r->medium[i + 1].varies ? &wave->index[i + 1] : NULL;
-    }
-    if (front) {
-        for (size_t i = 0; wave && i < wave->numbers; i++)
-            if (wave->number[i].element == SGT_BOX_BEFORE || wave->number[i].element < front) number[numbers++] = wave->number[i];
-        const sgt_box_lens lens = {.elements = front, .e = e, .index_before = before, .numbers = numbers, .number = number};
-        if (sgt_box_trace(&lens, launch, r->kept[variant], at, &out->end) != SGT_BOX_PASSED) {
-            sgt_launch_forget(c->from, many);
-            return out->end.verdict;
+    size_t next = 0; /* of the numbers of `wave`, which are in the order of elements: first indices, then phases */
+    out->whole = sgt_model_of(0);
+    if (wave && r->medium[0].varies) next++;
+    for (size_t i = 0; i < count; i++) {
+        sgt_box_number number[3];
+        size_t numbers = 0;
+        if (index_model) number[numbers++] = (sgt_box_number){.element = SGT_BOX_BEFORE, .what = SGT_BOX_INDEX, .value = index_model};
+        if (wave && r->medium[i + 1].varies && e[i].index != SGT_MIRROR)
+            number[numbers++] = (sgt_box_number){.element = 0, .what = SGT_BOX_INDEX, .value = &wave->index[i + 1]};
+        if (wave && in_waves(&e[i]))
+            number[numbers++] = (sgt_box_number){.element = 0, .what = SGT_BOX_PER_WAVE, .value = &wave->per_wave[i]};
+        const sgt_box_lens lens = {.elements = 1, .e = &e[i], .index_before = index, .numbers = numbers, .number = number};
+        if (i + 1 == count) {
+            out->opl = out->whole;
+            memcpy(out->p, to.o, sizeof to.o), memcpy(out->d, to.d, sizeof to.d);
+            moved_of(&e[i].pose, true, out->p), turned_of(&e[i].pose, true, out->d, out->d);
+            if (count == 1) { /* of unit length */
+                sgt_model square = dot_of(out->d, out->d);
+                sgt_model_root(&square, &square), sgt_model_inverse(&square, &square), scaled_of(out->d, &square, out->d);
+            }
         }
-        memcpy(to.o, out->end.p, sizeof to.o), memcpy(to.d, out->end.d, sizeof to.d), out->opl = out->end.opl;
-        moved_of(&e[front - 1].pose, false, to.o), turned_of(&e[front - 1].pose, false, to.d, to.d);
+        sgt_box_trace(&lens, &to, r->kept[variant] + i, at ? at + i : NULL, &out->end);
+        out->end.element += i;
+        if (out->end.verdict != SGT_BOX_PASSED) return out->end.verdict;
+        sgt_model_sum(&out->whole, &out->end.opl, &out->whole);
+        if (i + 1 == count) break;
+        memcpy(to.o, out->end.p, sizeof to.o), memcpy(to.d, out->end.d, sizeof to.d);
+        mend_direction(to.d);
+        moved_of(&e[i].pose, false, to.o), turned_of(&e[i].pose, false, to.d, to.d);
+        if (e[i].index == SGT_MIRROR || e[i].index == 0) continue;
+        index = e[i].index, index_model = wave && r->medium[i + 1].varies ? &wave->index[i + 1] : NULL;
     }
-    memcpy(out->p, to.o, sizeof to.o), memcpy(out->d, to.d, sizeof to.d);
-    moved_of(&e[front].pose, true, out->p), turned_of(&e[front].pose, true, out->d, out->d);
-    if (!front) { /* of unit length */
-        sgt_model square = dot_of(out->d, out->d);
-        sgt_model_root(&square, &square), sgt_model_inverse(&square, &square), scaled_of(out->d, &square, out->d);
-    }
-    numbers = 0;
-    if (last_index) number[numbers++] = (sgt_box_number){.element = SGT_BOX_BEFORE, .what = SGT_BOX_INDEX, .value = last_index};
-    for (size_t i = 0; wave && i < wave->numbers; i++)
-        if (wave->number[i].element == front) number[numbers] = wave->number[i], number[numbers++].element = 0;
-    const sgt_box_lens lens = {.elements = 1, .e = &e[front], .index_before = index, .numbers = numbers, .number = number};
-    sgt_box_trace(&lens, &to, r->kept[variant] + front, at ? at + front : NULL, &out->end);
-    if (out->end.verdict != SGT_BOX_PASSED) out->end.element += front;
-    else {
-        memcpy(out->at, out->end.p, sizeof out->at);
-        sgt_model_sum(&out->opl, &out->end.opl, &out->whole);
-    }
-    sgt_launch_forget(c->from, many);
-    return out->end.verdict;
+    memcpy(out->at, out->end.p, sizeof out->at);
+    return SGT_BOX_PASSED;
 }
 
 /* ----------------------------------------------------------------------- the ends */
@@ -587,16 +597,19 @@ static int side_by(const sgt_model *const of[], int count, const int place[SIDES
     return side;
 }
 
-/* Parts of what it began with: the longest side. */
-static int side_longest(const between_box *b, const int place[SIDES])
+/* How long a side is, in parts of the largest field, of the widest range of colours, of the pupil. */
+static double length_of(const between_cell *c, const between_box *b, int side)
 {
-    const double weight[SIDES] = {1, 1, 0.5, 1, 4};
+    const double weight[SIDES] = {1, 1, 0.5 / (is_wide(c) ? c->um[1] - c->um[0] : 1), 1, 2 * PI * b->hi[SIDE_RADIUS]};
+    return weight[side] * (b->hi[side] - b->lo[side]);
+}
+
+static int side_longest(const between_cell *c, const between_box *b, const int place[SIDES])
+{
     int side = -1;
     double best = 0;
-    for (int s = 0; s < SIDES; s++) {
-        const double size = weight[s] * (b->hi[s] - b->lo[s]);
-        if (place[s] >= 0 && size > best) best = size, side = s;
-    }
+    for (int s = 0; s < SIDES; s++)
+        if (place[s] >= 0 && length_of(c, b, s) > best) best = length_of(c, b, s), side = s;
     return side;
 }
 
@@ -740,6 +753,10 @@ static void bound_ends(through_room *r, const at_waves *wave, const chief_rays *
         const sgt_model w = difference_of(c, ray, &chief->own, &ahead, &n, &waves);
         const sgt_interval range = sgt_model_range(&w);
         b->high = range.hi, b->low = -range.lo;
+#ifdef DBG
+        if (getenv("DBGW") && b->hi[0]-b->lo[0] < 0.04 && b->hi[0]-b->lo[0] > 0.02 && b->hi[3]==1 && b->hi[3]-b->lo[3] > 0.1 && b->hi[4]-b->lo[4]<0.04)
+            fprintf(stderr, "u %g r %g t %g: w %g .. %g rest %g (c %g by %g %g %g); rests opl %.2g chief opl %.2g p %.2g %.2g %.2g d %.2g %.2g %.2g chief p %.2g d %.2g at %.2g; image p %.2g\n", b->lo[0], b->lo[3], b->lo[4], range.lo, range.hi, w.rest, w.c, w.by[0], w.by[1], w.by[2], ray->opl.rest, chief->own.opl.rest, ray->p[0].rest, ray->p[1].rest, ray->p[2].rest, ray->d[0].rest, ray->d[1].rest, ray->d[2].rest, chief->own.p[1].rest, chief->own.d[1].rest, chief->own.at[1].rest, ray->at[1].rest);
+#endif
         b->divide[WAY_OPD] = (signed char)side_by((const sgt_model *const[]){&w}, 1, place);
     }
 }
@@ -755,7 +772,7 @@ static void carry(through_room *r, between_box *b, double bound[])
     sgt_model field[2], pupil[2], centre[2] = {sgt_model_of(0), sgt_model_of(0)};
     ray_ends w;
     b->ended = b->bounded = b->hopeless = false, b->high = b->low = HUGE_VAL, b->why = SGT_BOX_NOTHING;
-    for (int k = 0; k < CHOICES; k++) b->divide[k] = (signed char)side_longest(b, place);
+    for (int k = 0; k < CHOICES; k++) b->divide[k] = (signed char)side_longest(c, b, place);
     if (is_wide(c) && !set_waves(r, place[SIDE_WAVE], b->lo[SIDE_WAVE], b->hi[SIDE_WAVE], &wave)) {
         bound_nothing(r, &chief, 0, bound);
         for (int k = 0; k < CHOICES; k++) b->divide[k] = SIDE_WAVE;
@@ -779,10 +796,10 @@ static void carry(through_room *r, between_box *b, double bound[])
     b->why = w.end.why, b->element = w.end.element;
     b->hopeless = w.end.divide < 0;
     bound_nothing(r, &chief, w.end.element, bound);
-    if (!b->hopeless)
-        for (int s = 0; s < SIDES; s++)
-            if (place[s] == w.end.divide)
-                for (int k = 0; k < CHOICES; k++) b->divide[k] = (signed char)s;
+    /* the side that the answer depends on most; but a box that is thin there is wide elsewhere */
+    for (int s = 0; s < SIDES && !b->hopeless; s++)
+        for (int k = 0; k < CHOICES; k++)
+            if (place[s] == w.end.divide && THIN * length_of(c, b, s) > length_of(c, b, b->divide[k])) b->divide[k] = (signed char)s;
     if (b->hopeless || w.end.why != SGT_BOX_AT_EDGE) return;
     if (through_of(r, 1, wave, &launch, n, r->at, &w) != SGT_BOX_PASSED || !same_roots(r, wave, &launch)) return;
     b->bounded = true;
@@ -1290,6 +1307,14 @@ bool sgt_between_prove(const between_asked *asked, const between_net *net, size_
                 largest = share, out->hopeless = 1, out->element = b->element, out->why = (int)b->why;
         }
     }
+#ifdef DBG
+    { size_t un[12][16]={{0}}, nb=0, nend=0, npass=0; double sh=0;
+    for (size_t k = 0; k < s->count; k++) { between_box *b=&s->box[k]; if (b->ended) {nend++; continue;} if (!b->bounded) {un[b->why][b->element]++; nb++; sh+=share_of(s,b);} else if (b->why) un[b->why][b->element]++; else npass++; }
+    fprintf(stderr,"part %zu: count %zu ended %zu passed %zu unbounded %zu share %g spent %d\n", i, s->count, nend, npass, nb, sh, spent);
+    for (int w=0; w<12; w++) for (int e=0;e<16;e++) if (un[w][e]) fprintf(stderr,"   why %d el %d: %zu\n", w,e,un[w][e]);
+    for (size_t qq=0; qq<3+0*q; qq++) { size_t bi=0; for (size_t k=0;k<s->count;k++) if(!s->box[k].ended && !(s->bound[k*q+qq]<=s->bound[bi*q+qq])) bi=k; between_box *b=&s->box[bi]; fprintf(stderr,"   q %zu bound %g seen %g: bounded %d why %d el %zu hopeless %d div %d %d %d u %g %g r %g %g t %g %g\n", qq, s->bound[bi*q+qq], s->net->seen[qq].value, b->bounded,b->why,b->element,b->hopeless,b->divide[0],b->divide[1],b->divide[2],b->lo[0],b->hi[0],b->lo[3],b->hi[3],b->lo[4],b->hi[4]); }
+    }
+#endif
     if (s->r.c) room_free(&s->r);
     sgt_launch_forget(c->from, s->wanted), sgt_launch_forget(c->from, s->box), sgt_launch_forget(c->from, s->bound);
     sgt_launch_forget(c->from, s);
