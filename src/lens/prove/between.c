@@ -51,7 +51,7 @@
 #include <string.h>
 
 static const double PI = 3.141592653589793, WIDER = 1.0625, NEAR = 0.02, SLACK = 0x1p-46;
-enum { NET = 8, LEAST_ROUND = 16, ROUND_SHARE = 16, DEEPEST = 24, CHOICES = 3, THIN = 4 };
+enum { NET = 8, LEAST_ROUND = 16, ROUND_SHARE = 16, DEEPEST = 24, CHOICES = 3, THIN = 4, THINNEST = 16 };
 
 /* Which bound is too wide: each has its own best way to divide. */
 enum { WAY_SPOT, WAY_OPD, WAY_ELEMENT };
@@ -578,25 +578,6 @@ static void angles_of(const ray_ends *ray, const ray_ends *chief, sgt_model *ex,
     }
 }
 
-/* Which side of the box a quantity depends on most, by what is not linear in it: what is left out is likely
- * to be of that.  Linear terms count less: halving these brings the halves apart. */
-static int side_by(const sgt_model *const of[], int count, const int place[SIDES])
-{
-    double best = -1;
-    int side = -1;
-    for (int s = 0; s < SIDES; s++) {
-        if (place[s] < 0) continue;
-        double sum = 0;
-        for (int m = 0; m < count; m++) {
-            sum += 0.25 * fabs(of[m]->by[place[s]]);
-            for (int k = 0; k < SGT_MODEL_PARAMETERS; k++)
-                sum += (k == place[s] ? 1 : 0.5) * fabs(of[m]->pair[SGT_MODEL_PAIR(place[s], k)]);
-        }
-        if (sum > best) best = sum, side = s;
-    }
-    return side;
-}
-
 /* How long a side is, in parts of the largest field, of the widest range of colours, of the pupil. */
 static double length_of(const between_cell *c, const between_box *b, int side)
 {
@@ -610,6 +591,26 @@ static int side_longest(const between_cell *c, const between_box *b, const int p
     double best = 0;
     for (int s = 0; s < SIDES; s++)
         if (place[s] >= 0 && length_of(c, b, s) > best) best = length_of(c, b, s), side = s;
+    return side;
+}
+
+/* Which side of the box a quantity depends on most, by what is not linear in it: what is left out is likely
+ * to be of that.  Linear terms count less: halving these brings the halves apart.  No box gets very thin. */
+static int side_by(const between_cell *c, const between_box *b, const sgt_model *const of[], int count, const int place[SIDES])
+{
+    const int longest = side_longest(c, b, place);
+    double best = -1;
+    int side = -1;
+    for (int s = 0; s < SIDES; s++) {
+        if (place[s] < 0 || THINNEST * length_of(c, b, s) < length_of(c, b, longest)) continue;
+        double sum = 0;
+        for (int m = 0; m < count; m++) {
+            sum += 0.25 * fabs(of[m]->by[place[s]]);
+            for (int k = 0; k < SGT_MODEL_PARAMETERS; k++)
+                sum += (k == place[s] ? 1 : 0.5) * fabs(of[m]->pair[SGT_MODEL_PAIR(place[s], k)]);
+        }
+        if (sum > best) best = sum, side = s;
+    }
     return side;
 }
 
@@ -727,7 +728,7 @@ static void bound_ends(through_room *r, const at_waves *wave, const chief_rays *
                                                          sgt_model_range(&xx));
         bound[Q_EX] = sgt_interval_greatest(x), bound[Q_EY] = sgt_interval_greatest(y);
         bound[Q_SPOT] = sgt_square_root_above(f.hi);
-        b->divide[WAY_SPOT] = (signed char)side_by((const sgt_model *const[]){&ex, &ey}, 2, place);
+        b->divide[WAY_SPOT] = (signed char)side_by(c, b, (const sgt_model *const[]){&ex, &ey}, 2, place);
     }
     if (chief->own_known && front_known(c) && c->unit > 0 && c->um[0] > 0) {
         sgt_model ahead = sgt_model_of(0), n = sgt_model_of(image_index(c)), waves;
@@ -757,7 +758,7 @@ static void bound_ends(through_room *r, const at_waves *wave, const chief_rays *
         if (getenv("DBGW") && b->hi[0]-b->lo[0] < 0.04 && b->hi[0]-b->lo[0] > 0.02 && b->hi[3]==1 && b->hi[3]-b->lo[3] > 0.1 && b->hi[4]-b->lo[4]<0.04)
             fprintf(stderr, "u %g r %g t %g: w %g .. %g rest %g (c %g by %g %g %g); rests opl %.2g chief opl %.2g p %.2g %.2g %.2g d %.2g %.2g %.2g chief p %.2g d %.2g at %.2g; image p %.2g\n", b->lo[0], b->lo[3], b->lo[4], range.lo, range.hi, w.rest, w.c, w.by[0], w.by[1], w.by[2], ray->opl.rest, chief->own.opl.rest, ray->p[0].rest, ray->p[1].rest, ray->p[2].rest, ray->d[0].rest, ray->d[1].rest, ray->d[2].rest, chief->own.p[1].rest, chief->own.d[1].rest, chief->own.at[1].rest, ray->at[1].rest);
 #endif
-        b->divide[WAY_OPD] = (signed char)side_by((const sgt_model *const[]){&w}, 1, place);
+        b->divide[WAY_OPD] = (signed char)side_by(c, b, (const sgt_model *const[]){&w}, 1, place);
     }
 }
 
@@ -1060,7 +1061,7 @@ typedef struct search {
     double *most, *wanted;       /* [quantities] */
     double high[NET * NET * NET], low[NET * NET * NET];
     size_t carried;
-    bool passed;
+    bool passed, opd;            /* path differences are bounded now; before that the others */
 } search;
 
 static bool make_room(search *s, size_t count)
@@ -1164,7 +1165,7 @@ static void set_wanted(search *s)
             if (of == Q_INCIDENCE) least = 0.1;
         }
         if (q == Q_HIGH) least = 1e-6;
-        if (q == Q_LOW || isnan(seen) || (q < Q_OF_ELEMENTS && s->net->lost_chiefs)) continue;
+        if (q == Q_LOW || (q == Q_HIGH && !s->opd) || isnan(seen) || (q < Q_OF_ELEMENTS && s->net->lost_chiefs)) continue;
         s->wanted[q] = seen + fmax(NEAR * size, least);
     }
 }
@@ -1255,12 +1256,16 @@ static bool divide_all(search *s, bool *spent)
             if (score > 0 && !s->box[i].hopeless && can_halve(s, &s->box[i], s->box[i].divide[way]))
                 chosen[n++] = (choice){score, i, s->box[i].divide[way]};
         }
+        if (n == 0 && !s->opd) { s->opd = true; continue; }
         if (n == 0) break;
         qsort(chosen, n, sizeof *chosen, by_score);
         size_t most = s->count / ROUND_SHARE < LEAST_ROUND ? LEAST_ROUND : s->count / ROUND_SHARE;
         if (most > n) most = n;
-        const size_t left = s->asked->boxes > s->carried ? (s->asked->boxes - s->carried) / 2 : 0;
+        /* half of the budget is kept for path differences */
+        const size_t budget = s->opd || s->asked->limits ? s->asked->boxes : s->asked->boxes / 2;
+        const size_t left = budget > s->carried ? (budget - s->carried) / 2 : 0;
         if (most > left) most = left;
+        if (most == 0 && !s->opd) { s->opd = true; continue; }
         if (most == 0) { *spent = true; break; }
         if (!make_room(s, s->count + most)) { fine = false; break; }
         for (size_t k = 0; k < most; k++) {
