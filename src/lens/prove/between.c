@@ -1,4 +1,3 @@
-#define DBG
 // SPDX-License-Identifier: MIT
 /* between.c - bounds for the rays of all fields and wavelengths between those of a lens.
  *
@@ -46,7 +45,6 @@
 
 #include <sagitta/surfaces.h>
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -754,10 +752,6 @@ static void bound_ends(through_room *r, const at_waves *wave, const chief_rays *
         const sgt_model w = difference_of(c, ray, &chief->own, &ahead, &n, &waves);
         const sgt_interval range = sgt_model_range(&w);
         b->high = range.hi, b->low = -range.lo;
-#ifdef DBG
-        if (getenv("DBGW") && b->hi[0]-b->lo[0] < 0.04 && b->hi[0]-b->lo[0] > 0.02 && b->hi[3]==1 && b->hi[3]-b->lo[3] > 0.1 && b->hi[4]-b->lo[4]<0.04)
-            fprintf(stderr, "u %g r %g t %g: w %g .. %g rest %g (c %g by %g %g %g); rests opl %.2g chief opl %.2g p %.2g %.2g %.2g d %.2g %.2g %.2g chief p %.2g d %.2g at %.2g; image p %.2g\n", b->lo[0], b->lo[3], b->lo[4], range.lo, range.hi, w.rest, w.c, w.by[0], w.by[1], w.by[2], ray->opl.rest, chief->own.opl.rest, ray->p[0].rest, ray->p[1].rest, ray->p[2].rest, ray->d[0].rest, ray->d[1].rest, ray->d[2].rest, chief->own.p[1].rest, chief->own.d[1].rest, chief->own.at[1].rest, ray->at[1].rest);
-#endif
         b->divide[WAY_OPD] = (signed char)side_by(c, b, (const sgt_model *const[]){&w}, 1, place);
     }
 }
@@ -1312,14 +1306,6 @@ bool sgt_between_prove(const between_asked *asked, const between_net *net, size_
                 largest = share, out->hopeless = 1, out->element = b->element, out->why = (int)b->why;
         }
     }
-#ifdef DBG
-    { size_t un[12][16]={{0}}, nb=0, nend=0, npass=0; double sh=0;
-    for (size_t k = 0; k < s->count; k++) { between_box *b=&s->box[k]; if (b->ended) {nend++; continue;} if (!b->bounded) {un[b->why][b->element]++; nb++; sh+=share_of(s,b);} else if (b->why) un[b->why][b->element]++; else npass++; }
-    fprintf(stderr,"part %zu: count %zu ended %zu passed %zu unbounded %zu share %g spent %d\n", i, s->count, nend, npass, nb, sh, spent);
-    for (int w=0; w<12; w++) for (int e=0;e<16;e++) if (un[w][e]) fprintf(stderr,"   why %d el %d: %zu\n", w,e,un[w][e]);
-    for (size_t qq=0; qq<3+0*q; qq++) { size_t bi=0; for (size_t k=0;k<s->count;k++) if(!s->box[k].ended && !(s->bound[k*q+qq]<=s->bound[bi*q+qq])) bi=k; between_box *b=&s->box[bi]; fprintf(stderr,"   q %zu bound %g seen %g: bounded %d why %d el %zu hopeless %d div %d %d %d u %g %g r %g %g t %g %g\n", qq, s->bound[bi*q+qq], s->net->seen[qq].value, b->bounded,b->why,b->element,b->hopeless,b->divide[0],b->divide[1],b->divide[2],b->lo[0],b->hi[0],b->lo[3],b->hi[3],b->lo[4],b->hi[4]); }
-    }
-#endif
     if (s->r.c) room_free(&s->r);
     sgt_launch_forget(c->from, s->wanted), sgt_launch_forget(c->from, s->box), sgt_launch_forget(c->from, s->bound);
     sgt_launch_forget(c->from, s);

@@ -123,13 +123,116 @@ static bool has_clearance(const proving *w, size_t element)
     return false;
 }
 
+/* ------------------------------------------------------------------------ shards
+ *
+ * A share has some of the fields at some of the wavelengths, a run of their numbers: of each it writes the
+ * proof, box by box, which who joins reads. */
+typedef struct proof_head {
+    uint64_t count, carried, spent;
+    double passes, stops, undecided;
+    sgt_interval f_mean, w_mean, ww_mean;
+} proof_head;
+
+static void write_proof(proving *w)
+{
+    sgt_asking *a = w->ask;
+    const proof *p = &w->of;
+    const proof_head head = {.count = p->count, .carried = p->carried, .spent = p->spent, .passes = p->passes,
+                             .stops = p->stops, .undecided = p->undecided, .f_mean = p->f_mean, .w_mean = p->w_mean,
+                             .ww_mean = p->ww_mean};
+    sgt_shard_put(a, sizeof head, &head);
+    for (size_t i = 0; i < p->count; i++) {
+        const prove_box *b = &p->box[i];
+        prove_box plain;
+        memset(&plain, 0, sizeof plain); /* what is written has no bytes that nothing set */
+        plain.of = b->of, plain.fate = b->fate, plain.element = b->element, plain.why = b->why;
+        plain.hopeless = b->hopeless, plain.bounded = b->bounded, plain.divide = b->divide;
+        plain.f_sum = b->f_sum, plain.w_sum = b->w_sum, plain.ww_sum = b->ww_sum;
+        plain.f = b->f, plain.w = b->w, plain.ww = b->ww;
+        sgt_shard_put(a, sizeof plain, &plain);
+    }
+    sgt_shard_put(a, p->count * p->quantities * sizeof *p->bound, p->bound);
+    sgt_shard_put(a, p->quantities * sizeof *p->most, p->most);
+    sgt_shard_put(a, p->quantities * sizeof *p->seen, p->seen);
+}
+
+/* false: it failed, and has said so. */
+static bool read_proof(proving *w, size_t share)
+{
+    sgt_asking *a = w->ask;
+    proof *p = &w->of;
+    proof_head head;
+    *p = (proof){.asked = &w->asked, .quantities = prove_quantities(w->cell.count)};
+    if (!sgt_shard_get(a, share, sizeof head, &head)) return false;
+    if (head.count < 1 || head.count > SIZE_MAX / 64 / (p->quantities * sizeof *p->bound)) return sgt_shard_wrong(a, share);
+    p->count = head.count, p->carried = head.carried, p->spent = head.spent, p->passes = head.passes;
+    p->stops = head.stops, p->undecided = head.undecided, p->f_mean = head.f_mean, p->w_mean = head.w_mean;
+    p->ww_mean = head.ww_mean;
+    p->box = sgt_launch_take(a->from, p->count, sizeof *p->box);
+    p->bound = sgt_launch_take(a->from, p->count * p->quantities, sizeof *p->bound);
+    p->most = sgt_launch_take(a->from, p->quantities, sizeof *p->most);
+    p->seen = sgt_launch_take(a->from, p->quantities, sizeof *p->seen);
+    if (!p->box || !p->bound || !p->most || !p->seen) return sgt_ask_fail(a, "", "no memory");
+    for (size_t i = 0; i < p->count; i++)
+        if (!sgt_shard_get(a, share, sizeof *p->box, &p->box[i])) return false;
+    return sgt_shard_get(a, share, p->count * p->quantities * sizeof *p->bound, p->bound) &&
+           sgt_shard_get(a, share, p->quantities * sizeof *p->most, p->most) &&
+           sgt_shard_get(a, share, p->quantities * sizeof *p->seen, p->seen);
+}
+
+static void tell_cell(proving *w, tell_proof *tell)
+{
+    say_about(w), tell(w);
+    w->ask->total.fates.lost += w->of.undecided > w->undecided / 100;
+}
+
+/* Works on cells first ... end - 1; tell NULL: writes them. */
+static void prove_run(proving *w, size_t first, size_t end, tell_proof *tell)
+{
+    sgt_asking *a = w->ask;
+    for (size_t i = first; i < end && !a->failed; i++) {
+        set_cell(w, i);
+        if (!sgt_proof_run(&w->asked, &w->of)) sgt_ask_fail(a, "", "no memory");
+        else if (tell) tell_cell(w, tell);
+        else write_proof(w);
+        sgt_proof_free(&w->of);
+    }
+}
+
+static bool prove_share(proving *w, sgt_shard_of_pass head, size_t k, size_t of)
+{
+    if (!sgt_shard_head(w->ask, 0, head)) return false;
+    prove_run(w, sgt_shard_begin(head.cells, k, of), sgt_shard_begin(head.cells, k + 1, of), NULL);
+    return !w->ask->failed;
+}
+
+static bool prove_cells(proving *w, tell_proof *tell)
+{
+    sgt_asking *a = w->ask;
+    const sgt_shard *s = a->study->opt.shard;
+    const size_t cells = a->fields * a->bands, of = s ? sgt_shard_shares(a, cells) : 0;
+    const sgt_shard_of_pass head = {cells, 1, prove_quantities(a->lens->count)};
+    if (!s) prove_run(w, 0, cells, tell);
+    for (size_t k; s && s->next && (k = s->next(s->context, of)) != 0;)
+        if (!prove_share(w, head, k, of)) return false;
+    if (!s || (s->number && s->next)) return !a->failed;
+    if (s->number) return prove_share(w, head, s->number, of);
+    for (size_t k = 1; k <= of && !a->failed; k++) {
+        if (!sgt_shard_head(a, k, head)) return false;
+        for (size_t i = sgt_shard_begin(cells, k, of); i < sgt_shard_begin(cells, k + 1, of) && !a->failed; i++) {
+            set_cell(w, i);
+            if (read_proof(w, k)) tell_cell(w, tell);
+            sgt_proof_free(&w->of);
+        }
+    }
+    return !a->failed;
+}
+
 static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
 {
     const sgt_prove_options *o = a->options;
     proving w = {.ask = a, .undecided = PER_CENT, .boxes = o->boxes ? o->boxes : BOXES};
     sgt_error why;
-    if (a->study->opt.shard)
-        return sgt_ask_refuse(a, "shard", "boxes are divided among threads, not among machines");
     if (o->undecided.count) w.undecided = o->undecided.at[0];
     if (!(w.undecided > 0 && w.undecided <= 100))
         return sgt_ask_refuse(a, "undecided", "must be above 0 and at most 100 per cent, not %g",
@@ -162,14 +265,7 @@ static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
         sgt_ask_say(a, SGT_STUDY_NOTE,
                     "the lens aims its rays at the stop; what is proven is of the paraxial "
                                        "pupil, as with --aim paraxial");
-    for (size_t i = 0; i < a->fields * a->bands && !a->failed; i++) {
-        set_cell(&w, i);
-        if (!sgt_proof_run(&w.asked, &w.of)) sgt_ask_fail(a, "", "no memory");
-        else say_about(&w), tell(&w);
-        a->total.fates.lost += !a->failed && w.of.undecided > w.undecided / 100;
-        sgt_proof_free(&w.of);
-    }
-    return !a->failed;
+    return prove_cells(&w, tell);
 }
 
 /* ------------------------------------------------------------------------- a row */
