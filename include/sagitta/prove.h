@@ -14,6 +14,7 @@
  *     "prove_elements"  the same at each element             sgt_prove_element_row
  *     "prove_regions"   the boxes                            sgt_prove_region_row
  *     "prove_limits"    limits: proven, broken or undecided  sgt_prove_limit_row
+ *     "prove_samples"   the same beside rays of a pattern    sgt_prove_sample_row
  *     "prove_between"   bounds for the fields and wavelengths between those of the lens
  *                                                            sgt_prove_between_row
  *     "prove_between_limits"  limits for these               sgt_prove_between_limit_row
@@ -175,6 +176,23 @@ typedef struct sgt_prove_between_limit_row {
     size_t boxes;
     unsigned long long reserved_[4];
 } sgt_prove_between_limit_row;
+
+/* "prove_samples": the points of the pupil of the study, beside the proof.  A remark says
+ * what they miss: a region that is lost where none of them fell (above 0.05 % of the
+ * pupil), a share that is off by more than 1 %, a worst ray that is 1.1 times theirs. */
+typedef struct sgt_prove_sample_row {
+    size_t field;
+    double wavelength;
+    size_t rays, passed;
+    double sampled;                  /* per cent of their weights that passes */
+    double passes, stops, undecided; /* per cent of the area of the pupil, certainly */
+    double spot_sampled, spot_seen, spot; /* the largest distance from the chief ray: of
+                                        the sample, of a ray that the proof traced, of any
+                                        ray at most */
+    double pv_sampled, pv_seen, pv;  /* largest less smallest path difference, waves */
+    size_t missed;                   /* how many remarks there were */
+    unsigned long long reserved_[4];
+} sgt_prove_sample_row;
 
 /* What a limit is about. */
 typedef enum sgt_prove_quantity {

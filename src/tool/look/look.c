@@ -58,13 +58,43 @@ static const option_row look_rows[] = {
     PICK_OPTION("which root: near-seed or first, as in sagitta trace"),
     {0},
 };
+#define WEIGHTS_OPTION                                                                                    \
+    {"weights", "WORD",                                                                                   \
+     "area (the default): a ray counts by the area of the pupil that it stands for; equal: each alike\n"  \
+     "They differ for --hexapolar.  OpticStudio has equal",                                               \
+     OPTION_WORD, .to = offsetof(shared_options, weights), .words = "area equal"}
+
+/* --proof all, of the analyses of a sample of rays. */
+static bool proof_of_all;
+
+static void take_proof(void *into, const option_row *row, const char *value)
+{
+    const int word = options_word(row, value);
+    proof_of_all = word == 3;
+    ((shared_options *)into)->solver.proof = (sgt_proof)(proof_of_all ? SGT_ESTIMATE : SGT_ESTIMATE + word);
+}
+
+static bool has_proof_of_all(const sgt_analysis *a)
+{
+    static const char *const names[] = {"spot", "fan", "opd", "map"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(a->name, names[i]) == 0) return true;
+    return false;
+}
+
 static const option_row proof_rows[] = {
-    {"weights", "WORD",
-     "area (the default): a ray counts by the area of the pupil that it stands for; equal: each alike\n"
-     "They differ for --hexapolar.  OpticStudio has equal",
-     OPTION_WORD, .to = offsetof(shared_options, weights), .words = "area equal"},
+    WEIGHTS_OPTION,
     PROOF_OPTION("what must be proven of each hit: estimate, root or first (see sagitta trace)\n"
                  "A ray for which it is not is lost"),
+    {0},
+};
+static const option_row proof_or_all_rows[] = {
+    WEIGHTS_OPTION,
+    {"proof", "P",
+     "what must be proven of each hit: estimate, root or first (see sagitta trace)\n"
+     "A ray for which it is not is lost.  all: nothing of a hit, but what is true of every ray of\n"
+     "the pupil is proven beside the rays (sagitta prove), and a note says what they miss",
+     OPTION_TAKE, .words = "estimate root first all", .take = take_proof},
     {0},
 };
 static const option_group look_group = {OPTIONS_SHARED, "The search, and the picture", .row = look_rows};
@@ -207,7 +237,8 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
     asking a = {.look = l, .way = way, .setting = setting,
                 .given = memory_take((size_t)argc, sizeof *a.given)};
     const option_group own = {OPTIONS_OWN, "Options", .row = own_rows(&a)};
-    const option_group proof = {OPTIONS_SHARED, NULL, .row = proof_rows, .hidden = l->of->no_rays};
+    const option_group proof = {OPTIONS_SHARED, NULL, .row = has_proof_of_all(l->of) ? proof_or_all_rows : proof_rows,
+                                .hidden = l->of->no_rays};
     const look_help columns = {l->of, way->view};
     command all = *c;
     all.usage = "LENS [options]", all.what = l->of->help;
@@ -298,8 +329,8 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
     *threads = options_threads(&l->shared);
     shared_out.number = shard_number(), shared_out.of = shard_count();
     shared_out.next = shard_ranks() ? shard_next : NULL;
-    /* (A picture may ask another analysis for the same points.) */
-    const bool fixed = l->picture && l->of->part_of;
+    /* (A picture, or --proof all, may ask another analysis for the same points.) */
+    const bool fixed = (l->picture && l->of->part_of) || proof_of_all;
     return (sgt_study_options){
         .aim = job_aim(o, of), .solver = &l->shared.solver, .open = o->no_apertures,
         .fields = o->fields || o->numbers ? l->fields.count : 0, .field = o->fields ? NULL : number,
@@ -481,6 +512,35 @@ look look_again(const look *l, const char *analysis)
     return other;
 }
 
+static void note_sentence(void *context, sgt_remark_of_study kind, const char *sentence)
+{
+    (void)context;
+    if (kind == SGT_STUDY_NOTE) note("%s", sentence);
+}
+
+/* --proof all: the same rays beside the proof, whose notes say what they miss.  And a line under the table. */
+static void hold_against_proof(look *l)
+{
+    look other = *l;
+    sgt_error e;
+    double undecided = 0;
+    size_t missed = 0;
+    if (shard_is()) return;
+    other.of = sgt_analysis_named("prove_samples"), other.row = NULL, other.rows = other.room = 0;
+    const sgt_sink sink = {.context = &other, .row = keep_any_row, .say = note_sentence};
+    if (!sgt_study_run(l->study, other.of, NULL, &sink, NULL, &e)) refuse(&other, &e);
+    for (size_t i = 0; i < other.rows; i++) {
+        const sgt_prove_sample_row *r = look_row(&other, i);
+        undecided = fmax(undecided, r->undecided), missed += r->missed;
+    }
+    if (missed)
+        table_line(l->table, "These rays miss what is said above; sagitta prove tells what is true of every ray.");
+    else
+        table_line(l->table, "Held against every ray of the pupil%s: no region of it is lost where none of these fell, and the "
+                             "worst ray that was found is not 1.1 times theirs.",
+                   undecided > 0 ? memory_print(" but %.2g %% of it", undecided) : "");
+}
+
 static void put_double(const printing *p, const sgt_column *c, const void *row)
 {
     const double x = number_at(row, c->offset), error = c->error ? number_at(row, c->error) : 0;
@@ -654,6 +714,8 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     job_points_asked points = {.count = 0};
     if (!l.of->no_rays) points = job_points_of(&l.job, l.of->pattern);
     if (way->check) way->check(&l);
+    if (proof_of_all && (shard_count() || shard_ranks() || l.job.pupils))
+        fail_usage("--proof all: not with %s", l.job.pupils ? "--pupil and --chief, which are single rays" : "shards");
     if (shard_ranks()) progress_begin(0, !l.shared.target.path, l.shared.progress);
     const lens_each all = l.over ? (lens_each){.count = 0} : lens_open_each(l.job.lens);
     l.shared.target.leads = all.count;
@@ -681,6 +743,7 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     if (shard_is()) return EXIT_DECIDED;
     if (shard_ranks()) progress_rays(l.total.fates.rays), progress_end();
     for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
+    if (proof_of_all) hold_against_proof(&l);
     if (all.count) table_line(l.table, "%s", lens_each_line(&all));
     const exit_status status = way->end && !all.count ? way->end(&l) : worst;
     if (!way->end) look_verdict(&l);
