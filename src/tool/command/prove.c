@@ -47,6 +47,11 @@ static bool is_between(const look *l)
     return is_view(l, "prove_between") || is_view(l, "prove_between_limits");
 }
 
+static const char *counted_of(const look *l)
+{
+    return is_between(l) ? "parts of the fields and wavelengths" : "boxes";
+}
+
 static void check_prove(look *l)
 {
     if (is_between(l)) {
@@ -294,7 +299,7 @@ static exit_status prove_run(const command *c, int argc, char *argv[])
          "clearance[ELEMENT] > X (from the edge of the clear aperture)",
          true},
         {NULL, NULL, NULL, NULL, false}};
-    return look_run(c, &(look_way){.view = views, .own = prove_own, .analysis = analysis_of, .check = check_prove, .draw = draw_pupils,
+    return look_run(c, &(look_way){.view = views, .own = prove_own, .analysis = analysis_of, .counted = counted_of, .check = check_prove, .draw = draw_pupils,
             .end = end_prove},
                     argc, argv);
 }

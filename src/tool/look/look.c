@@ -273,6 +273,19 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
 /* Tasks that are at work, and whether the command is about to end. */
 static int at_work, leaving;
 
+/* Of sagitta prove: the tasks that are done are counted for --progress, by the thread that asks. */
+static bool counts_tasks;
+static size_t tasks_done, tasks_told;
+static _Thread_local bool asks;
+
+static void count_tasks(size_t more)
+{
+    const size_t done = __atomic_add_fetch(&tasks_done, more, __ATOMIC_RELAXED);
+    if (!asks) return;
+    progress_add(done - tasks_told);
+    tasks_told = done;
+}
+
 static void in_threads(void *context, size_t tasks, void (*task)(void *data, size_t i), void *data)
 {
     const int threads = *(const int *)context;
@@ -281,6 +294,7 @@ static void in_threads(void *context, size_t tasks, void (*task)(void *data, siz
     for (size_t i = 0; i < tasks; i++) {
         __atomic_add_fetch(&at_work, 1, __ATOMIC_SEQ_CST);
         if (!__atomic_load_n(&leaving, __ATOMIC_SEQ_CST)) task(data, i);
+        if (counts_tasks) count_tasks(1);
         __atomic_sub_fetch(&at_work, 1, __ATOMIC_SEQ_CST);
     }
     ranks_serve();
@@ -339,7 +353,7 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
         .pattern = points->rays || fixed ? &points->pattern : NULL,
         .rays = fixed && !points->rays ? l->of->rays : points->rays, .seed = points->seed,
         .points = points->count, .point = points->at, .equal_weights = l->shared.weights,
-        .run = *threads > 1 || shard_ranks() ? in_threads : NULL, .context = threads,
+        .run = *threads > 1 || shard_ranks() || counts_tasks ? in_threads : NULL, .context = threads,
         .shard = shard_count() ? &shared_out : NULL};
 }
 
@@ -534,7 +548,7 @@ static void hold_against_proof(look *l)
         undecided = fmax(undecided, r->undecided), missed += r->missed;
     }
     if (missed)
-        table_line(l->table, "These rays miss what is said above; sagitta prove tells what is true of every ray.");
+        table_line(l->table, "These rays miss something, as the notes say; sagitta prove tells what is true of every ray.");
     else
         table_line(l->table, "Held against every ray of the pupil%s: no region of it is lost where none of these fell, and the "
                              "worst ray that was found is not 1.1 times theirs.",
@@ -717,6 +731,10 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     if (proof_of_all && (shard_count() || shard_ranks() || l.job.pupils))
         fail_usage("--proof all: not with %s", l.job.pupils ? "--pupil and --chief, which are single rays" : "shards");
     if (shard_ranks()) progress_begin(0, !l.shared.target.path, l.shared.progress);
+    else if (way->counted) {
+        counts_tasks = asks = true;
+        progress_begin(0, !l.shared.target.path, l.shared.progress), progress_of(way->counted(&l));
+    }
     const lens_each all = l.over ? (lens_each){.count = 0} : lens_open_each(l.job.lens);
     l.shared.target.leads = all.count;
     if (all.count && l.picture)
@@ -740,7 +758,9 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
         if (!sgt_study_run(l.study, l.of, l.options, &sink, &l.total, &e)) refuse(&l, &e);
     }
     shard_end();
+    if (shard_is() && counts_tasks) progress_end();
     if (shard_is()) return EXIT_DECIDED;
+    if (counts_tasks) count_tasks(0), progress_end();
     if (shard_ranks()) progress_rays(l.total.fates.rays), progress_end();
     for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
     if (proof_of_all) hold_against_proof(&l);
