@@ -44,7 +44,9 @@ typedef struct sgt_prove_options {
     sgt_list undecided;     /* the share of the pupil's area, in per cent, that may stay
                                undecided; none: 0.1.  Above 0 */
     size_t boxes;           /* at most so many boxes a field and wavelength; 0: 10000.
-                               "prove_between": in all; 0: 100000 */
+                               "prove_between": for each part: of a line of fields
+                               there are 8, of each triangle 4, of wavelengths twice
+                               as many */
     const char *limit;      /* of "prove_limits": limits with semicolons between, as
                                sgt_prove_limit_read has them */
     int between;            /* of "prove_between": 0 all fields and all wavelengths

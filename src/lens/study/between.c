@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BETWEEN_BOTH, BETWEEN_FIELDS, BETWEEN_WAVELENGTHS, BETWEEN_BOXES = 100000 };
+enum { BETWEEN_BOTH, BETWEEN_FIELDS, BETWEEN_WAVELENGTHS, BETWEEN_BOXES = 10000 };
 
 /* All that is asked for together. */
 typedef struct between_group {
@@ -186,8 +186,8 @@ static void say_between(const betweens *w, const between_group *g)
         sgt_ask_say(w->ask, SGT_STUDY_NOTE, "%s: the chief ray of some field does not get through, so there is no reference",
                     who);
     if (g->all->spent)
-        sgt_ask_say(w->ask, SGT_STUDY_NOTE, "%s: %zu of at most %zu boxes were spent; more --boxes bring closer bounds", who,
-                    g->all->boxes, w->boxes);
+        sgt_ask_say(w->ask, SGT_STUDY_NOTE, "%s: the boxes of some of %zu parts were spent, %zu each; more --boxes bring closer "
+                                                "bounds", who, w->parts, w->boxes);
     if (g->all->hopeless)
         sgt_ask_say(w->ask, SGT_STUDY_NOTE, "%s: at element %zu some boxes cannot be decided: %s", who, g->all->element + 1,
                     sgt_box_why_text((sgt_box_why)g->all->why));
@@ -342,7 +342,7 @@ static bool set_group(betweens *w, size_t field, size_t nth)
     if (!g->all) return false;
     w->parts = sgt_between_parts(c);
     for (size_t q = 0; q < prove_quantities(a->lens->count); q++) sgt_between_most(c, g->all)[q] = -HUGE_VAL;
-    g->asked = (between_asked){.cell = c, .boxes = w->boxes / w->parts, .limits = w->limits, .limit = w->limit};
+    g->asked = (between_asked){.cell = c, .boxes = w->boxes, .limits = w->limits, .limit = w->limit};
     return true;
 }
 
@@ -400,8 +400,8 @@ static bool between_each(sgt_asking *a, bool limits)
         sgt_prove_limit_text(&w.limit[k], text);
         sgt_ask_say(a, SGT_STUDY_LEGEND, "limit %zu: %s", k + 1, text);
     }
-    sgt_ask_say(a, SGT_STUDY_LEGEND, "Proven of every ray that passes, of %s, with at most %zu boxes.",
-                between_name(&w, &w.group[0], what), w.boxes);
+    sgt_ask_say(a, SGT_STUDY_LEGEND, "Proven of every ray that passes, of %s%s, with at most %zu boxes for each of %zu parts.",
+                between_name(&w, &w.group[0], what), w.groups > 1 ? ", and so on" : "", w.boxes, w.parts);
     return true;
 }
 
@@ -461,7 +461,7 @@ static const sgt_column between_limits_columns[] = {
 
 #define BETWEEN_SETTINGS                                                                                                 \
     {.name = "boxes", SGT_SETTING_COUNT, offsetof(sgt_prove_options, boxes), NULL, 1, 100000000,                         \
-     "at most so many boxes (default 100000)"},                                                                          \
+     "at most so many boxes for each part of fields and wavelengths (default 10000)"},                                                                          \
     {.name = "between", SGT_SETTING_WORD, offsetof(sgt_prove_options, between), "both|fields|wavelengths", 0, 0,         \
      "what lies between those of the study and is meant, too: both (the default), fields, or wavelengths"}
 static const sgt_setting between_settings[] = {BETWEEN_SETTINGS};
