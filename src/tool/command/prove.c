@@ -39,6 +39,7 @@ static const char *analysis_of(look *l)
     if (!limits && strcmp(l->of->name, "prove") != 0)
         fail_usage("--%s: not of all fields or wavelengths; a box of the pupil is of one field",
                    is_view(l, "prove_elements") ? "elements" : "regions");
+    if (l->shared.picture) fail_usage("--picture: pupils are drawn of single fields at single wavelengths");
     return limits ? "prove_between_limits" : "prove_between";
 }
 
@@ -56,7 +57,6 @@ static void check_prove(look *l)
 {
     if (is_between(l)) {
         sgt_prove_options *o = l->options;
-        if (l->picture) fail_usage("--picture: pupils are drawn of single fields at single wavelengths");
         o->between = l->job.all_fields ? all_wavelengths ? 0 : 1 : 2;
         return;
     }
