@@ -52,7 +52,9 @@ typedef struct sgt_prove_options {
     int between;            /* of "prove_between": 0 all fields and all wavelengths
                                between; 1 fields, at each wavelength of the study;
                                2 wavelengths, of each field of the study */
-    unsigned long long reserved_[3]; /* leave it zero */
+    size_t steps;           /* of "prove": so many fields from the axis to the farthest
+                               one, 2 or more; 0: those of the study */
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_prove_options;
 
 /* "prove".  Shares are per cent of the area of the pupil.  A bound that is not known is
@@ -76,7 +78,8 @@ typedef struct sgt_prove_row {
     size_t boxes;                    /* how many were carried through */
     size_t spent;                    /* 1: the budget was spent, so more boxes would give
                                         closer bounds; 0: not */
-    unsigned long long reserved_[8];
+    double fx, fy;                   /* the field, as those of the study are given */
+    unsigned long long reserved_[6];
 } sgt_prove_row;
 
 /* "prove_elements". */

@@ -3,7 +3,7 @@
 """sagitta prove --fields all, --wavelengths all: no ray of any field and wavelength between leaves a bound; and
 --proof all, which holds a sample of rays against the proof.
 
-    python3 test_prove_between.py SAGITTA
+    python3 test_prove_between.py SAGITTA [--without-cairo]
 
 Fields, wavelengths and points of the pupil are random.  The rays are those of `sagitta fan` and `sagitta opd`, which
 know nothing of boxes.
@@ -172,6 +172,15 @@ def test_circles():
     far = 60 - 5 - 10 * math.tan(math.radians(25))
     if not 0.97 * far <= float(bound['clearance', '2']['bound']) <= far + 1e-9:
         raise AssertionError((far, bound['clearance', '2']))
+    # a path difference of parallel light that is not focused: what the way from the wavefront to the pupil is
+    # belongs to it
+    seen, most = (float(bound['opd', ''][k]) for k in ('seen', 'bound'))
+    if not seen <= most <= 1.2 * seen:
+        raise AssertionError(bound['opd', ''])
+    at = bound['opd', '']
+    two = [float(rows('opd', lens, '--field-at', f'{at["fx"]} {at["fy"]} angle', '--pupil', f'{at[px]} {at[py]}')[0]['opd'])
+           for px, py in (('px', 'py'), ('low_px', 'low_py'))]
+    close(two[0] - two[1], seen, 1e-6 * seen)
     for r in rows('prove', TRIPLET, '--fields', 'all', '--limit', 'ey < 0.1; incidence[3] < 46.9'):
         equal(r['verdict'], 'proven', r)  # 2.3 and 1.015 times what was seen
     close(bound['spot', '']['bound'], 5, 0.11)  # of parallel light through nothing: the pupil itself
@@ -239,6 +248,29 @@ def test_threads_and_shards():
         draw.shuffle(parts)
         done = any_end('join', *parts)
         equal((done.stdout, done.stderr, done.returncode), (whole[0].stdout, whole[0].stderr, whole[0].returncode), view)
+
+
+def test_steps():
+    """The vignetting curve: fields from the axis to the farthest one, which is not the last; both bounds."""
+    lens = written(HOLES)
+    got = rows('prove', lens, '--steps', 6, '--boxes', 300)
+    equal([float(r['fy']) for r in got], [0, 5, 10, 15, 20, 25])
+    lens = written(HOLES.replace('semi_diameter: 60', 'semi_diameter: 6'))
+    for r in rows('prove', lens, '--steps', 4, '--boxes', 1000, exit=None):
+        a, b, d = 5, 6, 10 * math.tan(math.radians(float(r['fy'])))
+        common = math.pi * a * a
+        if d > b - a:
+            u, v = (d * d + a * a - b * b) / (2 * d), (d * d + b * b - a * a) / (2 * d)
+            common = (a * a * math.acos(u / a) - u * math.sqrt(a * a - u * u) + b * b * math.acos(v / b) -
+                      v * math.sqrt(b * b - v * v))
+        share = 100 * common / (math.pi * a * a)
+        if not float(r['passes']) - 1e-9 <= share <= float(r['passes']) + float(r['undecided']) + 1e-9:
+            raise AssertionError((share, r))
+    picture = pathlib.Path(tempfile.mkdtemp(dir=folder.name)) / 'curve.svg'
+    if '--without-cairo' not in sys.argv:
+        run('prove', lens, '--steps', 3, '--boxes', 100, '--picture', picture, exit=None)
+        equal('<svg' in picture.read_text(), True)
+    equal('--steps' in run('prove', lens, '--steps', 3, '--regions', exit=USAGE).stderr, True)
 
 
 def test_progress():

@@ -228,9 +228,28 @@ static bool prove_cells(proving *w, tell_proof *tell)
     return !a->failed;
 }
 
+/* Fields from the axis to the farthest one, in place of those of the study. */
+static bool set_steps(sgt_asking *a, size_t steps)
+{
+    const sgt_lens_field far = *sgt_ask_farthest(a);
+    if (strcmp(a->of->name, "prove") != 0)
+        return sgt_ask_refuse(a, "steps", "goes with the shares and bounds of whole pupils alone");
+    if (steps == 1) return sgt_ask_refuse(a, "steps", "2 or more");
+    sgt_lens_field *at = sgt_ask_room(a, steps, sizeof *at);
+    a->beam = sgt_ask_room(a, steps, sizeof *a->beam), a->number = sgt_ask_room(a, steps, sizeof *a->number);
+    a->fields = steps, a->of_lens = false, a->at = at;
+    for (size_t i = 0; i < steps && !a->failed; i++) {
+        const double u = (double)i / (double)(steps - 1);
+        at[i] = (sgt_lens_field){.x = u * far.x, .y = u * far.y, .weight = 1}, a->number[i] = i + 1;
+        if (!sgt_launch_field(a->from, a->kind, &at[i], &a->beam[i], a->error)) a->failed = true;
+    }
+    return !a->failed;
+}
+
 static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
 {
     const sgt_prove_options *o = a->options;
+    if (o->steps && !set_steps(a, o->steps)) return false;
     proving w = {.ask = a, .undecided = PER_CENT, .boxes = o->boxes ? o->boxes : BOXES};
     sgt_error why;
     if (o->undecided.count) w.undecided = o->undecided.at[0];
@@ -311,7 +330,7 @@ static void tell_sums(proving *w)
         .pv = sgt_sum_above(most_of(p, Q_HIGH, waves), most_of(p, Q_LOW, waves)),
         .pv_seen = high.value + low.value, .low_px = low.x, .low_py = low.y, .high_px = high.x,
         .high_py = high.y, .opd_rms_least = front.lo, .opd_rms = front.hi, .boxes = p->carried,
-        .spent = p->spent};
+        .spent = p->spent, .fx = a->at[w->i / a->bands].x, .fy = a->at[w->i / a->bands].y};
     sgt_ask_row(a, &row);
 }
 
@@ -646,6 +665,9 @@ static const sgt_column prove_columns[] = {
     {.name = "boxes", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SUM(boxes), 0, "how many were carried through"},
     {.name = "spent", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, SUM(spent), 0,
      "1: as many as were allowed, so more of them would bring closer bounds"},
+    {.name = "fx", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, SGT_COLUMN_DETAIL, SUM(fx), 0, "the field,"},
+    {.name = "fy", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, SGT_COLUMN_DETAIL, SUM(fy), 0,
+     "as the lens gives it: degrees, or a height"},
 };
 
 #define EACH(member) offsetof(sgt_prove_element_row, member)
@@ -745,7 +767,10 @@ static const sgt_column limits_columns[] = {
         .name = "boxes", SGT_SETTING_COUNT, offsetof(sgt_prove_options, boxes), NULL, 1, 100000000,         \
             "at most so many boxes a field and wavelength (default 10000)"                                  \
     }
-static const sgt_setting prove_settings[] = {UNDECIDED_SETTING, BOXES_SETTING};
+static const sgt_setting prove_settings[] = {
+    UNDECIDED_SETTING, BOXES_SETTING,
+    {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_prove_options, steps), NULL, 2, 10000,
+     "of so many fields from the axis to the farthest one, without vignetting but by apertures"}};
 static const sgt_setting limits_settings[] = {
     BOXES_SETTING,
     {.name = "limit", SGT_SETTING_TEXT, offsetof(sgt_prove_options, limit), NULL, 0, 0,

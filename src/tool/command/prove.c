@@ -244,8 +244,42 @@ static void fill_box(double value[], const sgt_prove_region_row *r, double kind)
         }
 }
 
+/* --steps: what passes at each field, at least and at most. */
+static void draw_vignetting(const look *l)
+{
+    chart_series *series = memory_take(2 * l->bands, sizeof *series);
+    const sgt_prove_row *last = l->rows ? look_row(l, l->rows - 1) : NULL;
+    const bool upright = last && last->fx == 0;
+    for (size_t b = 0; b < l->bands; b++) {
+        double *x = memory_take(l->rows + 1, sizeof *x), *least = memory_take(l->rows + 1, sizeof *least),
+               *most = memory_take(l->rows + 1, sizeof *most);
+        size_t count = 0;
+        for (size_t i = 0; i < l->rows; i++) {
+            const sgt_prove_row *r = look_row(l, i);
+            if (look_band_of(l, r->wavelength) != b) continue;
+            x[count] = upright ? r->fy : hypot(r->fx, r->fy), least[count] = r->passes;
+            most[count++] = r->passes + r->undecided;
+        }
+        const char *name = l->bands > 1 ? look_wavelength_name(l, b) : NULL;
+        const chart_series one = {.name = name ? name : "at least", .colour = look_colour(l, b), .line = true,
+                                  .mark = CHART_RING, .count = count, .x = x, .y = least};
+        series[2 * b] = series[2 * b + 1] = one;
+        series[2 * b + 1].y = most, series[2 * b + 1].dash = CHART_DASHED, series[2 * b + 1].mark = CHART_NO_MARK;
+        series[2 * b + 1].name = "at most";
+    }
+    const chart_panel panel = {.x_label = look_field_axis(l), .y_label = "passes (% of the pupil)", .y_high = 100,
+                               .series_count = 2 * l->bands, .series = series};
+    const char *line[] = {look_lens_line(l), "proven of all rays of the pupil"};
+    chart_write(l->picture, &(chart){.title = look_title(l, "what passes, against the field"), .line = line, .lines = 2,
+                                     .panels = 1, .panel = &panel});
+}
+
 static void draw_pupils(const look *asked)
 {
+    if (look_given(asked, "steps")) {
+        draw_vignetting(asked);
+        return;
+    }
     const look boxes = is_view(asked, "prove_regions") ? *asked : look_again(asked, "prove_regions"),
             *l = &boxes;
     const size_t panels = l->fields.count * l->bands;
