@@ -400,8 +400,8 @@ static bool between_each(sgt_asking *a, bool limits)
         sgt_prove_limit_text(&w.limit[k], text);
         sgt_ask_say(a, SGT_STUDY_LEGEND, "limit %zu: %s", k + 1, text);
     }
-    sgt_ask_say(a, SGT_STUDY_LEGEND, "Proven of every ray that passes, of %s%s, with at most %zu boxes for each of %zu parts.",
-                between_name(&w, &w.group[0], what), w.groups > 1 ? ", and so on" : "", w.boxes, w.parts);
+    sgt_ask_say(a, SGT_STUDY_LEGEND, "%s every ray that passes, of %s%s, with at most %zu boxes for each of %zu parts.",
+                w.limits ? "Limits for" : "Proven of", between_name(&w, &w.group[0], what), w.groups > 1 ? ", and so on" : "", w.boxes, w.parts);
     return true;
 }
 
