@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /* between.c - bounds for the rays of all fields and wavelengths between those of a lens.
  *
- * A BOX has up to five sides: one or two of the field, the wavelength, and radius and angle in the pupil.  Its
+ * A BOX has up to five sides: one or two of the field, the wavelength, and radius and angle in the pupil. Its
  * rays go through the lens together as models of second order (beam.h), whose parameters are the sides that
  * there are.
  *
@@ -48,7 +48,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.141592653589793, WIDER = 1.0625, NEAR = 0.02, SLACK = 0x1p-46;
+static const double HALF_TURN = 3.141592653589793, WIDER = 1.0625, NEAR = 0.02, SLACK = 0x1p-46;
 enum { NET = 8, LEAST_ROUND = 16, ROUND_SHARE = 16, DEEPEST = 24, CHOICES = 3, THIN = 4, THINNEST = 16 };
 
 /* Which bound is too wide: each has its own best way to divide. */
@@ -66,9 +66,14 @@ typedef struct between_box {
 
 /* ------------------------------------------------------------------------ memory */
 
-typedef struct medium_of { sgt_glass glass; bool varies; } medium_of;
+typedef struct medium_over { sgt_glass glass; bool varies; } medium_over;
 
-typedef struct at_waves { double lo, hi; sgt_model um, *index; size_t numbers; sgt_box_number *number; sgt_model *per_wave;
+typedef struct at_waves {
+    double lo, hi;
+    sgt_model um, *index;
+    size_t numbers;
+    sgt_box_number *number;
+    sgt_model *per_wave;
 } at_waves;
 
 typedef struct ray_ends { sgt_box_end end; sgt_model p[3], d[3], at[3], opl, whole; } ray_ends;
@@ -80,7 +85,7 @@ typedef struct through_room {
                                     the primary wavelength */
     sgt_box_room *kept[VARIANTS];
     sgt_box_at *at;
-    medium_of *medium;           /* [count + 1] */
+    medium_over *medium;           /* [count + 1] */
     at_waves waves[WAVES_KEPT];
     size_t next;
     /* rays of one field at one wavelength */
@@ -103,7 +108,8 @@ static void *taken(const between_cell *c, size_t count, size_t size)
 static void room_free(through_room *r)
 {
     const sgt_launcher *from = r->c->from;
-    for (int k = 0; k < VARIANTS; k++) sgt_launch_forget(from, r->own[k]), sgt_launch_forget(from, r->kept[k]);
+    for (int k = 0; k < VARIANTS; k++)
+        sgt_launch_forget(from, r->own[k]), sgt_launch_forget(from, r->kept[k]);
     for (int k = 0; k < WAVES_KEPT; k++) {
         sgt_launch_forget(from, r->waves[k].index), sgt_launch_forget(from, r->waves[k].number);
         sgt_launch_forget(from, r->waves[k].per_wave);
@@ -117,7 +123,7 @@ static void room_free(through_room *r)
 static bool is_wide(const between_cell *c) { return c->um[1] > c->um[0]; }
 
 /* Which media depend on the wavelength: those of glasses, and those that are the same as in front. */
-static void set_media(const between_cell *c, medium_of medium[])
+static void set_media(const between_cell *c, medium_over medium[])
 {
     const sgt_lens *l = c->from->lens;
     sgt_glass now;
@@ -126,10 +132,12 @@ static void set_media(const between_cell *c, medium_of medium[])
     for (size_t i = 0; i <= l->count; i++) {
         const bool named = sgt_lens_glass(l, i, &medium[i].glass, &line);
         if (named) now = medium[i].glass, varies = true;
-        const double index = i ? c->e[i - 1].index : c->before, other = i ? c->e_primary[i - 1].index : c->before_primary;
+        const double index = i ? c->e[i - 1].index : c->before,
+                     other = i ? c->e_primary[i - 1].index : c->before_primary;
         if (!named && varies && index != SGT_MIRROR) {
             /* an index by numbers is that at all wavelengths; one as in front is the glass's */
-            const bool same = index == sgt_glass_index(&now, c->um[0]) && other == sgt_glass_index(&now, c->primary);
+            const bool same =
+                index == sgt_glass_index(&now, c->um[0]) && other == sgt_glass_index(&now, c->primary);
             if (!same) varies = false;
         }
         medium[i].varies = varies;
@@ -177,7 +185,8 @@ static bool room_begin(through_room *r, const between_cell *c)
 /* A phase whose path is in waves. */
 static bool in_waves(const sgt_element *e)
 {
-    return e->phase && e->phase->kind != SGT_IDEAL_LENS && e->phase->kind != SGT_FACETS && e->phase->per_wave != 0;
+    return e->phase && e->phase->kind != SGT_IDEAL_LENS && e->phase->kind != SGT_FACETS &&
+           e->phase->per_wave != 0;
 }
 
 const char *sgt_between_lacks(const between_cell *c, size_t *element)
@@ -205,7 +214,8 @@ const char *sgt_between_lacks(const between_cell *c, size_t *element)
     return why;
 }
 
-/* The numbers of the lens over a range of wavelengths.  parameter: that of the wavelength.  false: not known. */
+/* The numbers of the lens over a range of wavelengths.  parameter: that of the wavelength.  false: not known.
+ */
 static bool set_waves(through_room *r, int parameter, double lo, double hi, at_waves **out)
 {
     const between_cell *c = r->c;
@@ -216,20 +226,22 @@ static bool set_waves(through_room *r, int parameter, double lo, double hi, at_w
     w->lo = lo, w->hi = hi, w->numbers = 0;
     w->um = sgt_model_parameter(parameter, (sgt_interval){lo, hi});
     for (size_t i = 0; i <= n; i++) {
-        const medium_of *m = &r->medium[i];
+        const medium_over *m = &r->medium[i];
         if (!m->varies) continue;
-        const bool again = i && r->medium[i - 1].varies && m->glass.coefficient == r->medium[i - 1].glass.coefficient;
+        const bool again =
+            i && r->medium[i - 1].varies && m->glass.coefficient == r->medium[i - 1].glass.coefficient;
         if (again) w->index[i] = w->index[i - 1];
         else if (!sgt_dispersion(&m->glass, &w->um, &w->index[i])) return w->lo = (double)NAN, false;
         if (i && c->e[i - 1].index == SGT_MIRROR) continue;
-        w->number[w->numbers++] = (sgt_box_number){.element = i ? i - 1 : SGT_BOX_BEFORE, .what = SGT_BOX_INDEX,
-                                                   .value = &w->index[i]};
+        w->number[w->numbers++] = (sgt_box_number){
+            .element = i ? i - 1 : SGT_BOX_BEFORE, .what = SGT_BOX_INDEX, .value = &w->index[i]};
     }
     for (size_t i = 0; i < n; i++) {
         if (!in_waves(&c->e[i])) continue;
         sgt_model_scaled(&w->um, c->e[i].phase->per_wave / c->um[0], &w->per_wave[i]);
         w->per_wave[i].rest += SLACK * fabs(c->e[i].phase->per_wave) * (hi / c->um[0]);
-        w->number[w->numbers++] = (sgt_box_number){.element = i, .what = SGT_BOX_PER_WAVE, .value = &w->per_wave[i]};
+        w->number[w->numbers++] =
+            (sgt_box_number){.element = i, .what = SGT_BOX_PER_WAVE, .value = &w->per_wave[i]};
     }
     return true;
 }
@@ -242,7 +254,7 @@ static double elements_at(through_room *r, double um)
     memcpy(r->traced, c->e, n * sizeof *r->traced);
     if (!is_wide(c) || um == c->um[0]) return c->before;
     for (size_t i = 0; i < n; i++) {
-        const medium_of *m = &r->medium[i + 1];
+        const medium_over *m = &r->medium[i + 1];
         if (m->varies && c->e[i].index != SGT_MIRROR) r->traced[i].index = sgt_glass_index(&m->glass, um);
         if (!in_waves(&c->e[i])) continue;
         r->phase[i] = *c->e[i].phase, r->phase[i].per_wave *= um / c->um[0];
@@ -253,13 +265,14 @@ static double elements_at(through_room *r, double um)
 
 /* ------------------------------------------------------------------------- models */
 
-static void rest_more(sgt_model *m, double by) { m->rest = sgt_sum_above(m->rest, by); }
+static void add_rest(sgt_model *m, double by) { m->rest = sgt_sum_above(m->rest, by); }
 
-static sgt_model dot_of(const sgt_model a[3], const sgt_model b[3])
+static sgt_model dot_product(const sgt_model a[3], const sgt_model b[3])
 {
     sgt_model sum, product;
     sgt_model_product(&a[0], &b[0], &sum);
-    for (int k = 1; k < 3; k++) sgt_model_product(&a[k], &b[k], &product), sgt_model_sum(&sum, &product, &sum);
+    for (int k = 1; k < 3; k++)
+        sgt_model_product(&a[k], &b[k], &product), sgt_model_sum(&sum, &product, &sum);
     return sum;
 }
 
@@ -280,7 +293,8 @@ static void turned_of(const sgt_pose *p, bool into, const sgt_model a[3], sgt_mo
         for (int k = 0; k < 3; k++) out[k] = a[k];
         return;
     }
-    const double m[3][3] = {{p->ex.x, p->ex.y, p->ex.z}, {p->ey.x, p->ey.y, p->ey.z}, {p->ez.x, p->ez.y, p->ez.z}};
+    const double m[3][3] = {
+        {p->ex.x, p->ex.y, p->ex.z}, {p->ey.x, p->ey.y, p->ey.z}, {p->ez.x, p->ez.y, p->ez.z}};
     sgt_model made[3];
     for (int i = 0; i < 3; i++) {
         made[i] = sgt_model_of(0);
@@ -291,7 +305,7 @@ static void turned_of(const sgt_pose *p, bool into, const sgt_model a[3], sgt_mo
             sgt_model_sum(&made[i], &one, &made[i]);
             size += sgt_interval_greatest(sgt_model_range(&a[k]));
         }
-        rest_more(&made[i], SLACK * size); /* the axes are at right angles to rounding */
+        add_rest(&made[i], SLACK * size); /* the axes are at right angles to rounding */
     }
     memcpy(out, made, sizeof made);
 }
@@ -336,15 +350,16 @@ static void field_of(const between_cell *c, const between_box *b, const int plac
     for (int k = 0; k < 2; k++) {
         sgt_model_scaled(&u, ab[k], &out[k]), sgt_model_plus(&out[k], a[k], &out[k]);
         if (c->field_sides > 1) sgt_model_scaled(&uv, bc[k], &one), sgt_model_sum(&out[k], &one, &out[k]);
-        rest_more(&out[k], SLACK * (fabs(a[k]) + fabs(ab[k]) + fabs(bc[k])));
+        add_rest(&out[k], SLACK * (fabs(a[k]) + fabs(ab[k]) + fabs(bc[k])));
     }
 }
 
 /* Points of a pupil of radius 1 that hold the sector. */
 static void pupil_of(const between_box *b, const int place[SIDES], sgt_model out[2])
 {
-    const double r0 = b->lo[SIDE_RADIUS], r1 = b->hi[SIDE_RADIUS], t0 = b->lo[SIDE_TURN], t1 = b->hi[SIDE_TURN];
-    const double phi = PI * (t1 - t0), middle = PI * (t0 + t1), s = sin(phi);
+    const double r0 = b->lo[SIDE_RADIUS], r1 = b->hi[SIDE_RADIUS], t0 = b->lo[SIDE_TURN],
+                 t1 = b->hi[SIDE_TURN];
+    const double phi = HALF_TURN * (t1 - t0), middle = HALF_TURN * (t0 + t1), s = sin(phi);
     const double low = r0 * cos(phi) + r0 * s * r0 * s / (2 * r1), far = SLACK * r1;
     const double C = cos(middle), S = sin(middle), sag = r1 * s * s / 2;
     sgt_model a = sgt_model_parameter(place[SIDE_RADIUS], (sgt_interval){low - far, r1 + far});
@@ -356,7 +371,8 @@ static void pupil_of(const between_box *b, const int place[SIDES], sgt_model out
 }
 
 /* The point x, y of the pupil of radius 1, after vignetting, as rays of the field. */
-static sgt_box_launch launch_of(const between_cell *c, const sgt_model field[2], const sgt_model pupil[2], int parameters)
+static sgt_box_launch launch_model(const between_cell *c, const sgt_model field[2], const sgt_model pupil[2],
+                                int parameters)
 {
     const sgt_field_beam *b = &c->beam;
     sgt_box_launch l = {.parameters = parameters};
@@ -377,7 +393,7 @@ static sgt_box_launch launch_of(const between_cell *c, const sgt_model field[2],
         sgt_model_scaled(&field[0], lens->object_slope.x, &l.o[2]);
         sgt_model_scaled(&field[1], lens->object_slope.y, &one), sgt_model_sum(&l.o[2], &one, &l.o[2]);
         sgt_model_plus(&l.o[2], lens->surface[0].z - lens->object_distance, &l.o[2]);
-        rest_more(&l.o[2], SLACK * fabs(lens->object_distance));
+        add_rest(&l.o[2], SLACK * fabs(lens->object_distance));
         if (b->cone > 0) {
             sgt_model_scaled(&x[0], b->cone, &l.d[0]), sgt_model_scaled(&x[1], b->cone, &l.d[1]);
             l.d[2] = sgt_model_of(1);
@@ -394,7 +410,8 @@ static sgt_box_launch launch_of(const between_cell *c, const sgt_model field[2],
     for (int k = 0; k < 2; k++) {
         sgt_model_scaled(&x[k], b->radius, &l.o[k]), sgt_model_scaled(&field[k], b->front - b->pupil, &one);
         sgt_model_sum(&l.o[k], &one, &l.o[k]), l.d[k] = field[k];
-        rest_more(&l.o[k], SLACK * (fabs(b->front) + fabs(b->pupil)) * sgt_interval_greatest(sgt_model_range(&field[k])));
+        add_rest(&l.o[k], SLACK * (fabs(b->front) + fabs(b->pupil)) *
+                               sgt_interval_greatest(sgt_model_range(&field[k])));
     }
     l.o[2] = sgt_model_of(b->front), l.d[2] = sgt_model_of(1);
     return l;
@@ -410,7 +427,7 @@ static void mend_direction(sgt_model d[3])
     sgt_model xx, yy, root;
     if (!(z.lo > 0 || z.hi < 0)) return;
     sgt_model_product(&d[0], &d[0], &xx), sgt_model_product(&d[1], &d[1], &yy), sgt_model_sum(&xx, &yy, &xx);
-    sgt_model_scaled(&xx, -1, &xx), sgt_model_plus(&xx, 1, &xx), rest_more(&xx, 0x1p-46);
+    sgt_model_scaled(&xx, -1, &xx), sgt_model_plus(&xx, 1, &xx), add_rest(&xx, 0x1p-46);
     sgt_model_root(&xx, &root);
     if (!(root.rest < d[2].rest)) return;
     d[2] = root;
@@ -418,10 +435,10 @@ static void mend_direction(sgt_model d[3])
 }
 
 /* Through one of the lenses of the room, element by element.  Of `ends`: p and opl in front of the last
- * element, d there, all in its frame, `at` where they meet it, and the whole path to there.  wave: NULL, as the
- * lens stands. */
-static sgt_box_verdict through_of(through_room *r, int variant, const at_waves *wave, const sgt_box_launch *launch,
-                                  size_t count, sgt_box_at at[], ray_ends *out)
+ * element, d there, all in its frame, `at` where they meet it, and the whole path to there.  wave: NULL, as
+ * the lens stands. */
+static sgt_box_verdict through_of(through_room *r, int variant, const at_waves *wave,
+                                  const sgt_box_launch *launch, size_t count, sgt_box_at at[], ray_ends *out)
 {
     const between_cell *c = r->c;
     const sgt_element *e = r->own[variant];
@@ -429,25 +446,32 @@ static sgt_box_verdict through_of(through_room *r, int variant, const at_waves *
     double index = before == 0 ? 1 : before;
     const sgt_model *index_model = wave && r->medium[0].varies ? &wave->index[0] : NULL;
     sgt_box_launch to = *launch;
-    size_t next = 0; /* of the numbers of `wave`, which are in the order of elements: first indices, then phases */
+    size_t next =
+        0; /* of the numbers of `wave`, which are in the order of elements: first indices, then phases */
     out->whole = sgt_model_of(0);
     if (wave && r->medium[0].varies) next++;
     for (size_t i = 0; i < count; i++) {
         sgt_box_number number[3];
         size_t numbers = 0;
-        if (index_model) number[numbers++] = (sgt_box_number){.element = SGT_BOX_BEFORE, .what = SGT_BOX_INDEX, .value = index_model};
+        if (index_model)
+            number[numbers++] =
+                (sgt_box_number){.element = SGT_BOX_BEFORE, .what = SGT_BOX_INDEX, .value = index_model};
         if (wave && r->medium[i + 1].varies && e[i].index != SGT_MIRROR)
-            number[numbers++] = (sgt_box_number){.element = 0, .what = SGT_BOX_INDEX, .value = &wave->index[i + 1]};
+            number[numbers++] =
+                (sgt_box_number){.element = 0, .what = SGT_BOX_INDEX, .value = &wave->index[i + 1]};
         if (wave && in_waves(&e[i]))
-            number[numbers++] = (sgt_box_number){.element = 0, .what = SGT_BOX_PER_WAVE, .value = &wave->per_wave[i]};
-        const sgt_box_lens lens = {.elements = 1, .e = &e[i], .index_before = index, .numbers = numbers, .number = number};
+            number[numbers++] =
+                (sgt_box_number){.element = 0, .what = SGT_BOX_PER_WAVE, .value = &wave->per_wave[i]};
+        const sgt_box_lens lens = {
+            .elements = 1, .e = &e[i], .index_before = index, .numbers = numbers, .number = number};
         if (i + 1 == count) {
             out->opl = out->whole;
             memcpy(out->p, to.o, sizeof to.o), memcpy(out->d, to.d, sizeof to.d);
             moved_of(&e[i].pose, true, out->p), turned_of(&e[i].pose, true, out->d, out->d);
             if (count == 1) { /* of unit length */
-                sgt_model square = dot_of(out->d, out->d);
-                sgt_model_root(&square, &square), sgt_model_inverse(&square, &square), scaled_of(out->d, &square, out->d);
+                sgt_model square = dot_product(out->d, out->d);
+                sgt_model_root(&square, &square), sgt_model_inverse(&square, &square),
+                    scaled_of(out->d, &square, out->d);
             }
         }
         sgt_box_trace(&lens, &to, r->kept[variant] + i, at ? at + i : NULL, &out->end);
@@ -468,12 +492,12 @@ static sgt_box_verdict through_of(through_room *r, int variant, const at_waves *
 /* ----------------------------------------------------------------------- the ends */
 
 /* b = v . d and h^2 = v^2 - b^2, as carry.c has it. */
-static void foot_of(const sgt_model v[3], const sgt_model d[3], sgt_model *b, sgt_model *h2)
+static void foot_model(const sgt_model v[3], const sgt_model d[3], sgt_model *b, sgt_model *h2)
 {
-    sgt_model V = dot_of(v, v), V2 = V, by, e[3], q[3], q2, less;
+    sgt_model V = dot_product(v, v), V2 = V, by, e[3], q[3], q2, less;
     const double sign = v[0].c * d[0].c + v[1].c * d[1].c + v[2].c * d[2].c < 0 ? -1 : 1;
     sgt_model_root(&V, &V), sgt_model_inverse(&V, &by), sgt_model_scaled(&by, sign, &by);
-    scaled_of(v, &by, e), minus_of(d, e, q), q2 = dot_of(q, q);
+    scaled_of(v, &by, e), minus_of(d, e, q), q2 = dot_product(q, q);
     sgt_model_scaled(&q2, -0.5, &less), sgt_model_product(&V, &less, b), sgt_model_sum(b, &V, b);
     sgt_model_scaled(b, sign, b);
     sgt_model_scaled(&q2, -0.25, &less), sgt_model_plus(&less, 1, &less);
@@ -490,7 +514,7 @@ static sgt_model beyond_foot(const sgt_model *h2, const sgt_model *R, const sgt_
     return out;
 }
 
-static double size_of(const sgt_model a[3])
+static double size_model(const sgt_model a[3])
 {
     double sum = 0;
     for (int k = 0; k < 3; k++) {
@@ -503,50 +527,52 @@ static double size_of(const sgt_model a[3])
 /* The chief rays of a box. */
 typedef struct chief_rays { bool known, own_known; ray_ends primary, own; sgt_box_launch launch; } chief_rays;
 
-/* The path difference in waves; ahead: how much longer the ray's path to its start is, beside the chief ray's.
- * n: the index of the image space. */
-static sgt_model difference_of(const between_cell *c, const ray_ends *ray, const ray_ends *chief, const sgt_model *ahead,
-                               const sgt_model *n, const sgt_model *waves)
+/* The path difference in waves; ahead: how much longer the ray's path to its start is, beside the chief
+ * ray's. n: the index of the image space. */
+static sgt_model range_model(const between_cell *c, const ray_ends *ray, const ray_ends *chief,
+                               const sgt_model *ahead, const sgt_model *n, const sgt_model *waves)
 {
     const bool afocal = c->from->lens->afocal;
     sgt_model centre[3], v[3], v0[3], w, b, b0, h2, h20, t[3], far;
     double off = 0;
-    for (int k = 0; k < 3; k++) centre[k] = chief->at[k], off += centre[k].rest * centre[k].rest, centre[k].rest = 0;
+    for (int k = 0; k < 3; k++)
+        centre[k] = chief->at[k], off += centre[k].rest * centre[k].rest, centre[k].rest = 0;
     off = sqrt(off) * (1 + SLACK);
     minus_of(ray->p, centre, v), minus_of(chief->p, centre, v0), minus_of(ray->d, chief->d, t);
     sgt_model_difference(&ray->opl, &chief->opl, &w), sgt_model_sum(&w, ahead, &w);
-    double shift = size_of(t);
+    double shift = size_model(t);
     if (afocal) {
         /* s = v . d0 / d . d0, and of the chief ray v0 . d0; d . d0 = 1 - |d - d0|^2 / 2 */
-        sgt_model below = dot_of(t, t);
-        sgt_model_scaled(&below, -0.5, &below), sgt_model_plus(&below, 1, &below), rest_more(&below, 0x1p-46);
+        sgt_model below = dot_product(t, t);
+        sgt_model_scaled(&below, -0.5, &below), sgt_model_plus(&below, 1, &below), add_rest(&below, 0x1p-46);
         sgt_model_inverse(&below, &below);
-        b = dot_of(v, chief->d), sgt_model_product(&b, &below, &b), b0 = dot_of(v0, chief->d);
+        b = dot_product(v, chief->d), sgt_model_product(&b, &below, &b), b0 = dot_product(v0, chief->d);
         sgt_model_difference(&b, &b0, &b), sgt_model_scaled(&b, -1, &b);
         /* a plane that is moved by e: e . d0 (1 / d . d0 - 1) */
         shift = sgt_interval_greatest(sgt_model_range(&below)) - 1 + 0x1p-40;
     } else {
-        foot_of(v, ray->d, &b, &h2), foot_of(v0, chief->d, &b0, &h20);
+        foot_model(v, ray->d, &b, &h2), foot_model(v0, chief->d, &b0, &h20);
         sgt_model_difference(&b0, &b, &b);
         if (isfinite(c->data->exit_pupil)) {
             sgt_model to[3] = {centre[0], centre[1], centre[2]}, R2, R;
             sgt_model_plus(&to[2], -c->data->exit_pupil, &to[2]);
-            R2 = dot_of(to, to), sgt_model_root(&R2, &R);
-            const sgt_model along = dot_of(to, chief->d);
+            R2 = dot_product(to, to), sgt_model_root(&R2, &R);
+            const sgt_model along = dot_product(to, chief->d);
             const sgt_interval sign = sgt_model_range(&along);
             if (sign.hi < 0) sgt_model_scaled(&R, -1, &R);
             else if (!(sign.lo > 0)) R.rest = HUGE_VAL;
             const sgt_model one = beyond_foot(&h2, &R, &R2), other = beyond_foot(&h20, &R, &R2);
             sgt_model_sum(&b, &one, &b), sgt_model_difference(&b, &other, &b);
             const double least = fmin(fabs(sgt_model_range(&R).lo), fabs(sgt_model_range(&R).hi)) - off;
-            const double h[2] = {sqrt(fmax(sgt_model_range(&h2).hi, 0)) + off, sqrt(fmax(sgt_model_range(&h20).hi, 0)) + off};
+            const double h[2] = {sqrt(fmax(sgt_model_range(&h2).hi, 0)) + off,
+                                 sqrt(fmax(sgt_model_range(&h20).hi, 0)) + off};
             for (int k = 0; k < 2; k++) {
                 const double sine = h[k] / least, cosine = sqrt(1 - sine * sine);
                 shift += least > 0 && sine < 0.5 ? sine / cosine + 1 / cosine - 1 : HUGE_VAL;
             }
         }
     }
-    rest_more(&b, off * shift * (1 + 0x1p-30));
+    add_rest(&b, off * shift * (1 + 0x1p-30));
     sgt_model_product(&b, n, &far), sgt_model_sum(&w, &far, &w);
     sgt_model_product(&w, waves, &w);
     return w;
@@ -559,19 +585,19 @@ static void angles_of(const ray_ends *ray, const ray_ends *chief, sgt_model *ex,
     const sgt_model *d = chief->d;
     minus_of(ray->d, d, off);
     y[0] = sgt_model_of(0), y[1] = d[2], sgt_model_scaled(&d[1], -1, &y[2]);
-    by = dot_of(y, y), sgt_model_root(&by, &by), sgt_model_inverse(&by, &by), scaled_of(y, &by, y);
+    by = dot_product(y, y), sgt_model_root(&by, &by), sgt_model_inverse(&by, &by), scaled_of(y, &by, y);
     for (int k = 0; k < 3; k++) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         sgt_model_product(&y[i], &d[j], &one), sgt_model_product(&y[j], &d[i], &other);
         sgt_model_difference(&one, &other, &x[k]);
     }
-    ahead = dot_of(ray->d, d), sgt_model_inverse(&ahead, &ahead);
-    *ex = dot_of(off, x), *ey = dot_of(off, y);
+    ahead = dot_product(ray->d, d), sgt_model_inverse(&ahead, &ahead);
+    *ex = dot_product(off, x), *ey = dot_product(off, y);
     sgt_model *const both[2] = {ex, ey};
     for (int k = 0; k < 2; k++) {
         sgt_model_product(both[k], &ahead, both[k]);
         const double most = sgt_interval_greatest(sgt_model_range(both[k]));
-        rest_more(both[k], most * most * most / 3 * (1 + SLACK) + 0x1p-46); /* |atan q - q| <= |q|^3 / 3 */
+        add_rest(both[k], most * most * most / 3 * (1 + SLACK) + 0x1p-46); /* |atan q - q| <= |q|^3 / 3 */
         sgt_model_scaled(both[k], 1e3, both[k]);
     }
 }
@@ -579,7 +605,8 @@ static void angles_of(const ray_ends *ray, const ray_ends *chief, sgt_model *ex,
 /* How long a side is, in parts of the largest field, of the widest range of colours, of the pupil. */
 static double length_of(const between_cell *c, const between_box *b, int side)
 {
-    const double weight[SIDES] = {1, 1, 0.5 / (is_wide(c) ? c->um[1] - c->um[0] : 1), 1, 2 * PI * b->hi[SIDE_RADIUS]};
+    const double weight[SIDES] = {1, 1, 0.5 / (is_wide(c) ? c->um[1] - c->um[0] : 1), 1,
+                                  2 * HALF_TURN * b->hi[SIDE_RADIUS]};
     return weight[side] * (b->hi[side] - b->lo[side]);
 }
 
@@ -594,7 +621,8 @@ static int side_longest(const between_cell *c, const between_box *b, const int p
 
 /* Which side of the box a quantity depends on most, by what is not linear in it: what is left out is likely
  * to be of that.  Linear terms count less: halving these brings the halves apart.  No box gets very thin. */
-static int side_by(const between_cell *c, const between_box *b, const sgt_model *const of[], int count, const int place[SIDES])
+static int side_by(const between_cell *c, const between_box *b, const sgt_model *const of[], int count,
+                   const int place[SIDES])
 {
     const int longest = side_longest(c, b, place);
     double best = -1;
@@ -614,7 +642,7 @@ static int side_by(const between_cell *c, const between_box *b, const sgt_model 
 
 /* ------------------------------------------------------------------------- bounds */
 
-static double degrees_above(sgt_interval cosine)
+static double degrees_most(sgt_interval cosine)
 {
     const double DEGREES = 57.29577951308233; /* 180 / pi, above it */
     return sgt_product_above(sgt_interval_arc_cosine((sgt_interval){cosine.lo, cosine.lo}).hi, DEGREES);
@@ -624,7 +652,7 @@ static bool has_rim(const sgt_element *e) { return e->semi_diameter > 0 && e->se
 static bool has_items(const sgt_element *e) { return e->aperture && e->aperture->count > 0; }
 
 /* As carry.c has it. */
-static void bound_elements(const through_room *r, size_t count, int variant, double bound[])
+static void limit_elements(const through_room *r, size_t count, int variant, double bound[])
 {
     for (size_t i = 0; i < count; i++) {
         const sgt_element *e = &r->c->e[i], *used = &r->own[variant][i];
@@ -635,21 +663,22 @@ static void bound_elements(const through_room *r, size_t count, int variant, dou
             inside = fmax(e->semi_diameter - high - 0x1p-50 * e->semi_diameter, 0);
         }
         if (has_items(e)) inside = used->aperture ? fmin(inside, fmax(r->at[i].items, 0)) : 0;
-        bound[prove_at_element(i, Q_INCIDENCE)] = degrees_above(r->at[i].cosine);
+        bound[prove_at_element(i, Q_INCIDENCE)] = degrees_most(r->at[i].cosine);
         bound[prove_at_element(i, Q_INSIDE)] = has_rim(e) || has_items(e) ? -inside : -HUGE_VAL;
         bound[prove_at_element(i, Q_HEIGHT)] = high;
     }
 }
 
 /* What holds of any ray that passes: `reached` elements are met, as r->at says. */
-static void bound_nothing(const through_room *r, const chief_rays *chief, size_t reached, double bound[])
+static void limit_nothing(const through_room *r, const chief_rays *chief, size_t reached, double bound[])
 {
     const size_t n = r->c->from->lens->count;
     const sgt_element *last = &r->c->e[n - 1];
     for (size_t q = 0; q < Q_OF_ELEMENTS; q++) bound[q] = HUGE_VAL;
     if (has_rim(last) && !r->c->from->lens->afocal && chief->known) {
         const double far = last->semi_diameter * (1 + 0x1p-40);
-        const sgt_interval x = sgt_model_range(&chief->primary.at[0]), y = sgt_model_range(&chief->primary.at[1]);
+        const sgt_interval x = sgt_model_range(&chief->primary.at[0]),
+                           y = sgt_model_range(&chief->primary.at[1]);
         bound[Q_EX] = sgt_sum_above(far, sgt_interval_greatest(x));
         bound[Q_EY] = sgt_sum_above(far, sgt_interval_greatest(y));
         bound[Q_SPOT] = sgt_sum_above(far, sgt_interval_hypotenuse(x, y).hi);
@@ -660,24 +689,25 @@ static void bound_nothing(const through_room *r, const chief_rays *chief, size_t
         bound[prove_at_element(i, Q_INSIDE)] = has_rim(e) || has_items(e) ? 0 : -HUGE_VAL;
         bound[prove_at_element(i, Q_HEIGHT)] = has_rim(e) ? e->semi_diameter * (1 + 0x1p-40) : HUGE_VAL;
     }
-    bound_elements(r, reached, 0, bound);
+    limit_elements(r, reached, 0, bound);
 }
 
 /* One root within R, as carry.c has it; d in the frame of the conic. */
-static bool meets_once(const sgt_conic *q, double R, const sgt_model d[3])
+static bool root_is_single(const sgt_conic *q, double R, const sgt_model d[3])
 {
     const sgt_interval n = sgt_interval_absolute(sgt_model_range(&d[2]));
     const sgt_interval l = sgt_model_range(&d[0]), m = sgt_model_range(&d[1]);
     const sgt_interval cr = sgt_interval_product(sgt_interval_of(fabs(q->c)), sgt_interval_of(R));
     const sgt_interval k1 = sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(q->k));
-    const sgt_interval left = sgt_interval_difference(sgt_interval_of(1), sgt_interval_product(k1, sgt_interval_square(cr)));
+    const sgt_interval left =
+        sgt_interval_difference(sgt_interval_of(1), sgt_interval_product(k1, sgt_interval_square(cr)));
     if (q->c == 0) return true;
     if (!(left.lo > 0) || !(n.lo > 0)) return false;
     const sgt_interval slope = sgt_interval_quotient(cr, sgt_interval_square_root(left));
     return n.lo > sgt_interval_product(slope, sgt_interval_hypotenuse(l, m)).hi;
 }
 
-static bool same_roots(through_room *r, const at_waves *wave, const sgt_box_launch *launch)
+static bool roots_are_same(through_room *r, const at_waves *wave, const sgt_box_launch *launch)
 {
     ray_ends w;
     for (size_t i = 0; i < r->c->from->lens->count; i++) {
@@ -685,12 +715,12 @@ static bool same_roots(through_room *r, const at_waves *wave, const sgt_box_laun
         const double R = sgt_interval_hypotenuse(r->at[i].x, r->at[i].y).hi;
         if (e->surface.ops != &sgt_conic_ops || !has_rim(e) || R < e->semi_diameter * (1 - 0x1p-40)) continue;
         if (through_of(r, 1, wave, launch, i + 1, NULL, &w) != SGT_BOX_PASSED) return false;
-        if (!meets_once(e->surface.self, R, w.d)) return false;
+        if (!root_is_single(e->surface.self, R, w.d)) return false;
     }
     return true;
 }
 
-static double image_index(const between_cell *c)
+static double index_at_image(const between_cell *c)
 {
     double index = c->before == 0 ? 1 : c->before;
     for (size_t i = 0; i + 1 < c->from->lens->count; i++)
@@ -702,10 +732,10 @@ static double image_index(const between_cell *c)
 static bool front_known(const between_cell *c)
 {
     const double index = c->e[c->from->lens->count - 1].index;
-    return index == 0 || index == image_index(c);
+    return index == 0 || index == index_at_image(c);
 }
 
-static void bound_ends(through_room *r, const at_waves *wave, const chief_rays *chief, const ray_ends *ray,
+static void limit_ends(through_room *r, const at_waves *wave, const chief_rays *chief, const ray_ends *ray,
                        const sgt_box_launch *launch, const int place[SIDES], between_box *b, double bound[])
 {
     const between_cell *c = r->c;
@@ -722,14 +752,14 @@ static void bound_ends(through_room *r, const at_waves *wave, const chief_rays *
         sgt_model_product(&ex, &ex, &xx), sgt_model_product(&ey, &ey, &yy);
         sgt_model_sum(&xx, &yy, &xx);
         const sgt_interval x = sgt_model_range(&ex), y = sgt_model_range(&ey);
-        const sgt_interval f = sgt_interval_intersection(sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)),
-                                                         sgt_model_range(&xx));
+        const sgt_interval f = sgt_interval_intersection(
+            sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)), sgt_model_range(&xx));
         bound[Q_EX] = sgt_interval_greatest(x), bound[Q_EY] = sgt_interval_greatest(y);
         bound[Q_SPOT] = sgt_square_root_above(f.hi);
         b->divide[WAY_SPOT] = (signed char)side_by(c, b, (const sgt_model *const[]){&ex, &ey}, 2, place);
     }
     if (chief->own_known && front_known(c) && c->unit > 0 && c->um[0] > 0) {
-        sgt_model ahead = sgt_model_of(0), n = sgt_model_of(image_index(c)), waves;
+        sgt_model ahead = sgt_model_of(0), n = sgt_model_of(index_at_image(c)), waves;
         if (wave) {
             const sgt_model *index = r->medium[0].varies ? &wave->index[0] : NULL;
             for (size_t i = 0; i + 1 < lens->count; i++)
@@ -739,17 +769,17 @@ static void bound_ends(through_room *r, const at_waves *wave, const chief_rays *
             sgt_model_inverse(&waves, &waves), sgt_model_scaled(&waves, c->unit, &waves);
         } else {
             waves = sgt_model_of(c->unit / c->um[0]);
-            rest_more(&waves, SLACK * waves.c);
+            add_rest(&waves, SLACK * waves.c);
         }
         if (!c->beam.finite && c->beam.cone == 0) {
-            sgt_model d[3] = {launch->d[0], launch->d[1], launch->d[2]}, by = dot_of(d, d), off[3];
+            sgt_model d[3] = {launch->d[0], launch->d[1], launch->d[2]}, by = dot_product(d, d), off[3];
             minus_of(launch->o, chief->launch.o, off);
             sgt_model_root(&by, &by), sgt_model_inverse(&by, &by);
-            ahead = dot_of(off, d), sgt_model_product(&ahead, &by, &ahead);
+            ahead = dot_product(off, d), sgt_model_product(&ahead, &by, &ahead);
             if (wave && r->medium[0].varies) sgt_model_product(&ahead, &wave->index[0], &ahead);
             else if (c->before != 0) sgt_model_scaled(&ahead, c->before, &ahead);
         }
-        const sgt_model w = difference_of(c, ray, &chief->own, &ahead, &n, &waves);
+        const sgt_model w = range_model(c, ray, &chief->own, &ahead, &n, &waves);
         const sgt_interval range = sgt_model_range(&w);
         b->high = range.hi, b->low = -range.lo;
         b->divide[WAY_OPD] = (signed char)side_by(c, b, (const sgt_model *const[]){&w}, 1, place);
@@ -769,13 +799,13 @@ static void carry(through_room *r, between_box *b, double bound[])
     b->ended = b->bounded = b->hopeless = false, b->high = b->low = HUGE_VAL, b->why = SGT_BOX_NOTHING;
     for (int k = 0; k < CHOICES; k++) b->divide[k] = (signed char)side_longest(c, b, place);
     if (is_wide(c) && !set_waves(r, place[SIDE_WAVE], b->lo[SIDE_WAVE], b->hi[SIDE_WAVE], &wave)) {
-        bound_nothing(r, &chief, 0, bound);
+        limit_nothing(r, &chief, 0, bound);
         for (int k = 0; k < CHOICES; k++) b->divide[k] = SIDE_WAVE;
         return;
     }
     field_of(c, b, place, field), pupil_of(b, place, pupil);
-    const sgt_box_launch launch = launch_of(c, field, pupil, fields + 2);
-    chief.launch = launch_of(c, field, centre, fields > 0 ? fields : 1);
+    const sgt_box_launch launch = launch_model(c, field, pupil, fields + 2);
+    chief.launch = launch_model(c, field, centre, fields > 0 ? fields : 1);
     if (through_of(r, 0, wave, &launch, n, r->at, &w) == SGT_BOX_STOPPED) {
         b->ended = true;
         return;
@@ -785,20 +815,22 @@ static void carry(through_room *r, between_box *b, double bound[])
     else chief.own_known = through_of(r, 2, wave, &chief.launch, n, NULL, &chief.own) == SGT_BOX_PASSED;
     if (w.end.verdict == SGT_BOX_PASSED) {
         b->bounded = true;
-        bound_ends(r, wave, &chief, &w, &launch, place, b, bound), bound_elements(r, n, 0, bound);
+        limit_ends(r, wave, &chief, &w, &launch, place, b, bound), limit_elements(r, n, 0, bound);
         return;
     }
     b->why = w.end.why, b->element = w.end.element;
     b->hopeless = w.end.divide < 0;
-    bound_nothing(r, &chief, w.end.element, bound);
+    limit_nothing(r, &chief, w.end.element, bound);
     /* the side that the answer depends on most; but a box that is thin there is wide elsewhere */
     for (int s = 0; s < SIDES && !b->hopeless; s++)
         for (int k = 0; k < CHOICES; k++)
-            if (place[s] == w.end.divide && THIN * length_of(c, b, s) > length_of(c, b, b->divide[k])) b->divide[k] = (signed char)s;
+            if (place[s] == w.end.divide && THIN * length_of(c, b, s) > length_of(c, b, b->divide[k]))
+                b->divide[k] = (signed char)s;
     if (b->hopeless || w.end.why != SGT_BOX_AT_EDGE) return;
-    if (through_of(r, 1, wave, &launch, n, r->at, &w) != SGT_BOX_PASSED || !same_roots(r, wave, &launch)) return;
+    if (through_of(r, 1, wave, &launch, n, r->at, &w) != SGT_BOX_PASSED || !roots_are_same(r, wave, &launch))
+        return;
     b->bounded = true;
-    bound_ends(r, wave, &chief, &w, &launch, place, b, bound), bound_elements(r, n, 1, bound);
+    limit_ends(r, wave, &chief, &w, &launch, place, b, bound), limit_elements(r, n, 1, bound);
 }
 
 /* --------------------------------------------------------------------------- rays */
@@ -846,7 +878,7 @@ static sgt_ray_end chief_at(through_room *r, const sgt_element e[], double befor
 }
 
 /* The rays of a field and wavelength from now on. */
-static void set_field(through_room *r, size_t patch, const double s[SIDES])
+static void aim_at_field(through_room *r, size_t patch, const double s[SIDES])
 {
     const between_cell *c = r->c;
     const sgt_vec2 f = field_at(c, patch, s);
@@ -858,8 +890,9 @@ static void set_field(through_room *r, size_t patch, const double s[SIDES])
     to->has_reference = primary.fate == SGT_PASSED, to->reference = to->afocal ? primary.d : primary.p;
     to->before = elements_at(r, um), to->e = r->traced;
     const sgt_ray_end own = chief_at(r, r->traced, to->before);
-    to->has_opd = c->unit > 0 && um > 0 && front_known(c) &&
-                  c->reference(c->from->lens, c->data, r->traced, to->before, &own, to->afocal, &to->about, NULL);
+    to->has_opd =
+        c->unit > 0 && um > 0 && front_known(c) &&
+        c->reference(c->from->lens, c->data, r->traced, to->before, &own, to->afocal, &to->about, NULL);
     to->waves = c->unit / um;
 }
 
@@ -872,7 +905,8 @@ static bool ray_at(through_room *r, const double s[SIDES])
 static void note_ray(const through_room *r, size_t patch, const double s[SIDES], between_seen seen[])
 {
     for (size_t q = 0; q < prove_quantities(r->cell.count); q++) {
-        if (q == Q_HIGH || q == Q_LOW || !(r->value[q] > seen[q].value || (isnan(seen[q].value) && !isnan(r->value[q]))))
+        if (q == Q_HIGH || q == Q_LOW ||
+            !(r->value[q] > seen[q].value || (isnan(seen[q].value) && !isnan(r->value[q]))))
             continue;
         seen[q] = (between_seen){.value = r->value[q], .patch = patch};
         memcpy(seen[q].at, s, sizeof seen[q].at);
@@ -883,18 +917,19 @@ enum { RINGS_SEEN = 6, SPOKES = 16, PUPIL_SEEN = 1 + RINGS_SEEN * SPOKES };
 static void pupil_point(size_t i, double s[SIDES])
 {
     static const double ring[RINGS_SEEN] = {0.3, 0.6, 0.8, 0.9, 0.97, 1};
-    s[SIDE_RADIUS] = i ? ring[(i - 1) / SPOKES] : 0, s[SIDE_TURN] = i ? (double)((i - 1) % SPOKES) / SPOKES : 0;
+    s[SIDE_RADIUS] = i ? ring[(i - 1) / SPOKES] : 0,
+    s[SIDE_TURN] = i ? (double)((i - 1) % SPOKES) / SPOKES : 0;
 }
 
 /* Rays of one field and wavelength at the net of the pupil: returns the largest less the smallest path
  * difference. */
-static double see_pupil(through_room *r, size_t patch, const double at[SIDES], between_seen seen[], between_seen *high,
-                        between_seen *low, size_t *passed)
+static double see_pupil(through_room *r, size_t patch, const double at[SIDES], between_seen seen[],
+                        between_seen *high, between_seen *low, size_t *passed)
 {
     double s[SIDES];
     memcpy(s, at, sizeof s);
     high->value = low->value = (double)NAN;
-    set_field(r, patch, s);
+    aim_at_field(r, patch, s);
     for (size_t i = 0; i < PUPIL_SEEN; i++) {
         pupil_point(i, s);
         if (!ray_at(r, s)) continue;
@@ -939,8 +974,9 @@ static void climb(through_room *r, size_t q, int first, between_seen *best)
                 double s[SIDES];
                 memcpy(s, best->at, sizeof s);
                 if (!moved_by(r->c, s, side, sign * ldexp(step_of(r->c, side), -k))) break;
-                set_field(r, best->patch, s);
-                if (ray_at(r, s) && r->value[q] > best->value) best->value = r->value[q], memcpy(best->at, s, sizeof s);
+                aim_at_field(r, best->patch, s);
+                if (ray_at(r, s) && r->value[q] > best->value)
+                    best->value = r->value[q], memcpy(best->at, s, sizeof s);
             }
 }
 
@@ -968,7 +1004,10 @@ bool sgt_between_look(const between_asked *asked, between_net *net)
 {
     const between_cell *c = asked->cell;
     const size_t quantities = prove_quantities(c->from->lens->count);
-    const size_t us = c->field_sides == 1 ? 9 : c->field_sides ? 5 : 1, vs = c->field_sides > 1 ? 3 : 1, ws = is_wide(c) ? 5 : 1;
+    const size_t us = c->field_sides == 1 ? 9
+                      : c->field_sides    ? 5
+                                          : 1,
+                 vs = c->field_sides > 1 ? 3 : 1, ws = is_wide(c) ? 5 : 1;
     through_room r;
     *net = (between_net){.seen = taken(c, quantities, sizeof *net->seen)};
     bool fine = net->seen && room_begin(&r, c);
@@ -978,8 +1017,9 @@ bool sgt_between_look(const between_asked *asked, between_net *net)
     double best = (double)NAN;
     for (size_t i = 0; fine && i < c->patches * us * vs * ws; i++) {
         const size_t u = i % us, v = i / us % vs, w = i / us / vs % ws, patch = i / us / vs / ws;
-        const double s[SIDES] = {us > 1 ? (double)u / (double)(us - 1) : 0, vs > 1 ? (double)v / (double)(vs - 1) : 0,
-                                 ws > 1 ? c->um[0] + (c->um[1] - c->um[0]) * (double)w / (double)(ws - 1) : c->um[0]};
+        const double s[SIDES] = {
+            us > 1 ? (double)u / (double)(us - 1) : 0, vs > 1 ? (double)v / (double)(vs - 1) : 0,
+            ws > 1 ? c->um[0] + (c->um[1] - c->um[0]) * (double)w / (double)(ws - 1) : c->um[0]};
         between_seen a, b;
         const double range = see_pupil(&r, patch, s, net->seen, &a, &b, &net->passed);
         net->lost_chiefs += !r.cell.has_reference;
@@ -1002,7 +1042,10 @@ void sgt_between_forget(const between_asked *asked, between_net *net)
 
 enum { PARTS_U = 8, PARTS_OF_TWO = 2, PARTS_WAVE = 2 };
 
-static size_t parts_of_field(const between_cell *c) { return c->field_sides == 1 ? PARTS_U : c->field_sides ? PARTS_OF_TWO : 1; }
+static size_t parts_of_field(const between_cell *c)
+{
+    return c->field_sides == 1 ? PARTS_U : c->field_sides ? PARTS_OF_TWO : 1;
+}
 
 size_t sgt_between_parts(const between_cell *c)
 {
@@ -1012,7 +1055,8 @@ size_t sgt_between_parts(const between_cell *c)
 
 size_t sgt_between_part_size(const between_cell *c)
 {
-    return sizeof(between_part) + prove_quantities(c->from->lens->count) * (sizeof(double) + sizeof(between_seen));
+    return sizeof(between_part) +
+           prove_quantities(c->from->lens->count) * (sizeof(double) + sizeof(between_seen));
 }
 
 double *sgt_between_most(const between_cell *c, between_part *part)
@@ -1028,7 +1072,8 @@ between_seen *sgt_between_part_seen(const between_cell *c, between_part *part)
 
 static between_box part_box(const between_cell *c, size_t i)
 {
-    const size_t us = parts_of_field(c), vs = c->field_sides > 1 ? PARTS_OF_TWO : 1, ws = is_wide(c) ? PARTS_WAVE : 1;
+    const size_t us = parts_of_field(c), vs = c->field_sides > 1 ? PARTS_OF_TWO : 1,
+                 ws = is_wide(c) ? PARTS_WAVE : 1;
     const size_t u = i % us, v = i / us % vs, w = i / us / vs % ws;
     const double wide = c->um[1] - c->um[0];
     between_box b = {.patch = i / us / vs / ws};
@@ -1043,7 +1088,7 @@ static between_box part_box(const between_cell *c, size_t i)
     return b;
 }
 
-typedef struct search {
+typedef struct part_search {
     const between_asked *asked;
     const between_net *net;
     through_room r;
@@ -1056,9 +1101,9 @@ typedef struct search {
     double high[NET * NET * NET], low[NET * NET * NET];
     size_t carried;
     bool passed, opd;            /* path differences are bounded now; before that the others */
-} search;
+} part_search;
 
-static bool make_room(search *s, size_t count)
+static bool grow_boxes(part_search *s, size_t count)
 {
     const sgt_allocator *by = &s->asked->cell->from->allocator;
     if (count <= s->room) return true;
@@ -1072,7 +1117,7 @@ static bool make_room(search *s, size_t count)
 
 /* The cells of the net that it reaches into. */
 typedef struct net_range { size_t lo[3], hi[3]; } net_range;
-static net_range net_of(const search *s, const between_box *b)
+static net_range net_of(const part_search *s, const between_box *b)
 {
     net_range out;
     for (int k = 0; k < 3; k++) {
@@ -1080,18 +1125,19 @@ static net_range net_of(const search *s, const between_box *b)
         out.lo[k] = out.hi[k] = 0;
         if (!(width > 0)) continue;
         /* (a box ends at an edge of cells, or inside of one: one more is counted, in case of rounding) */
-        const double lo = floor((b->lo[k] - from) / width * NET - 0x1p-20), hi = floor((b->hi[k] - from) / width * NET + 0x1p-20);
+        const double lo = floor((b->lo[k] - from) / width * NET - 0x1p-20),
+                     hi = floor((b->hi[k] - from) / width * NET + 0x1p-20);
         out.lo[k] = lo > 0 ? (size_t)lo : 0, out.hi[k] = hi < NET - 1 ? (size_t)hi : NET - 1;
     }
     return out;
 }
 
-#define EACH_CELL(n)                                                                                                      \
-    for (size_t i_ = (n).lo[0]; i_ <= (n).hi[0]; i_++)                                                                    \
-        for (size_t j_ = (n).lo[1]; j_ <= (n).hi[1]; j_++)                                                                \
+#define EACH_CELL(n)                                       \
+    for (size_t i_ = (n).lo[0]; i_ <= (n).hi[0]; i_++)     \
+        for (size_t j_ = (n).lo[1]; j_ <= (n).hi[1]; j_++) \
             for (size_t k_ = (n).lo[2], at = (i_ * NET + j_) * NET + k_; k_ <= (n).hi[2]; k_++, at++)
 
-static void sum_up(search *s)
+static void gather_bounds(part_search *s)
 {
     for (size_t q = 0; q < s->quantities; q++) s->most[q] = -HUGE_VAL;
     for (size_t k = 0; k < (size_t)NET * NET * NET; k++) s->high[k] = s->low[k] = -HUGE_VAL;
@@ -1099,7 +1145,8 @@ static void sum_up(search *s)
         const between_box *b = &s->box[i];
         if (b->ended) continue;
         for (size_t q = 0; q < s->quantities; q++)
-            if (!(s->bound[i * s->quantities + q] <= s->most[q])) s->most[q] = s->bound[i * s->quantities + q];
+            if (!(s->bound[i * s->quantities + q] <= s->most[q]))
+                s->most[q] = s->bound[i * s->quantities + q];
         const net_range n = net_of(s, b);
         EACH_CELL(n) {
             if (!(b->high <= s->high[at])) s->high[at] = b->high;
@@ -1114,9 +1161,10 @@ static void sum_up(search *s)
     }
 }
 
-static double seen_before(const search *s, size_t q)
+static double seen_before(const part_search *s, size_t q)
 {
-    return isnan(s->seen[q].value) || s->net->seen[q].value > s->seen[q].value ? s->net->seen[q].value : s->seen[q].value;
+    return isnan(s->seen[q].value) || s->net->seen[q].value > s->seen[q].value ? s->net->seen[q].value
+                                                                               : s->seen[q].value;
 }
 
 static double value_wanted(const sgt_prove_limit *l)
@@ -1128,14 +1176,18 @@ static double value_wanted(const sgt_prove_limit *l)
 size_t sgt_between_quantities(const between_cell *c, const sgt_prove_limit *l, size_t *first, size_t *step)
 {
     const size_t n = c->from->lens->count;
-    *step = 1, *first = l->quantity == SGT_PROVE_EX ? Q_EX : l->quantity == SGT_PROVE_EY ? Q_EY : l->quantity == SGT_PROVE_SPOT ? Q_SPOT : Q_HIGH;
+    *step = 1, *first = l->quantity == SGT_PROVE_EX     ? Q_EX
+                        : l->quantity == SGT_PROVE_EY   ? Q_EY
+                        : l->quantity == SGT_PROVE_SPOT ? Q_SPOT
+                                                        : Q_HIGH;
     if (l->quantity != SGT_PROVE_INCIDENCE && l->quantity != SGT_PROVE_CLEARANCE) return 1;
-    *first = prove_at_element(l->element ? l->element - 1 : 0, l->quantity == SGT_PROVE_INCIDENCE ? Q_INCIDENCE : Q_INSIDE);
+    *first = prove_at_element(l->element ? l->element - 1 : 0,
+                              l->quantity == SGT_PROVE_INCIDENCE ? Q_INCIDENCE : Q_INSIDE);
     *step = Q_EACH;
     return l->element ? 1 : n;
 }
 
-static void set_wanted(search *s)
+static void want_bounds(part_search *s)
 {
     const between_cell *c = s->asked->cell;
     const double floor_of = 1e-9 * c->beam.radius;
@@ -1146,7 +1198,8 @@ static void set_wanted(search *s)
         const double value = value_wanted(&s->asked->limit[k]);
         bool broken = false;
         for (size_t i = 0; i < count; i++) broken = broken || seen_before(s, first + i * step) > value;
-        for (size_t i = 0; i < count && !broken; i++) s->wanted[first + i * step] = fmin(s->wanted[first + i * step], value);
+        for (size_t i = 0; i < count && !broken; i++)
+            s->wanted[first + i * step] = fmin(s->wanted[first + i * step], value);
     }
     if (s->asked->limits) return;
     for (size_t q = 0; q < s->quantities; q++) {
@@ -1159,22 +1212,25 @@ static void set_wanted(search *s)
             if (of == Q_INCIDENCE) least = 0.1;
         }
         if (q == Q_HIGH) least = 1e-6;
-        if (q == Q_LOW || (q == Q_HIGH && !s->opd) || isnan(seen) || (q < Q_OF_ELEMENTS && s->net->lost_chiefs)) continue;
+        if (q == Q_LOW || (q == Q_HIGH && !s->opd) || isnan(seen) ||
+            (q < Q_OF_ELEMENTS && s->net->lost_chiefs))
+            continue;
         s->wanted[q] = seen + fmax(NEAR * size, least);
     }
 }
 
-static double share_of(const search *s, const between_box *b)
+static double volume_of(const part_search *s, const between_box *b)
 {
     double share = (b->hi[SIDE_RADIUS] - b->lo[SIDE_RADIUS]) * (b->hi[SIDE_RADIUS] + b->lo[SIDE_RADIUS]) *
                    (b->hi[SIDE_TURN] - b->lo[SIDE_TURN]);
     for (int k = 0; k < 3; k++)
-        if (s->whole.hi[k] > s->whole.lo[k]) share *= (b->hi[k] - b->lo[k]) / (s->whole.hi[k] - s->whole.lo[k]);
+        if (s->whole.hi[k] > s->whole.lo[k])
+            share *= (b->hi[k] - b->lo[k]) / (s->whole.hi[k] - s->whole.lo[k]);
     return share;
 }
 
 /* By how much a box is above what is wanted, and which of its ways to divide is for that; 0: it is not. */
-static double too_much(const search *s, size_t i, int *way)
+static double too_much(const part_search *s, size_t i, int *way)
 {
     const between_box *b = &s->box[i];
     const double *bound = s->bound + i * s->quantities;
@@ -1189,14 +1245,14 @@ static double too_much(const search *s, size_t i, int *way)
         }
         if (!(over > 0)) continue;
         const double unit = fabs(seen_before(s, q)) + 0x1p-100;
-        const double by = isfinite(over / unit) && b->bounded ? over / unit : 1e6 * (1 + share_of(s, b));
+        const double by = isfinite(over / unit) && b->bounded ? over / unit : 1e6 * (1 + volume_of(s, b));
         if (by > score) score = by, *way = q <= Q_SPOT ? WAY_SPOT : q == Q_HIGH ? WAY_OPD : WAY_ELEMENT;
     }
     return score;
 }
 
 typedef struct choice { double score; size_t box; int side; } choice;
-static int by_score(const void *a, const void *b)
+static int by_excess(const void *a, const void *b)
 {
     const choice *x = a, *y = b;
     if (x->score != y->score) return x->score < y->score ? 1 : -1;
@@ -1204,13 +1260,13 @@ static int by_score(const void *a, const void *b)
 }
 
 /* Can it be halved there? */
-static bool can_halve(const search *s, const between_box *b, int side)
+static bool can_halve(const part_search *s, const between_box *b, int side)
 {
     const double whole = side < SIDE_RADIUS ? s->whole.hi[side] - s->whole.lo[side] : 1;
     return side >= 0 && b->hi[side] - b->lo[side] > ldexp(whole, -DEEPEST);
 }
 
-static void carry_box(search *s, size_t i)
+static void carry_box(part_search *s, size_t i)
 {
     between_box *b = &s->box[i];
     double *bound = s->bound + i * s->quantities;
@@ -1220,18 +1276,18 @@ static void carry_box(search *s, size_t i)
 }
 
 /* The middle ray of a box. */
-static void see_box(search *s, const between_box *b)
+static void see_box(part_search *s, const between_box *b)
 {
     double at[SIDES];
     if (b->ended) return;
     for (int k = 0; k < SIDES; k++) at[k] = (b->lo[k] + b->hi[k]) / 2;
     if (b->hi[SIDE_RADIUS] == 1) at[SIDE_RADIUS] = 1;
-    set_field(&s->r, b->patch, at);
+    aim_at_field(&s->r, b->patch, at);
     if (ray_at(&s->r, at)) s->passed = true, note_ray(&s->r, b->patch, at, s->seen);
 }
 
 /* Halves the boxes that are above what is wanted, the foremost first, round by round.  false: no memory. */
-static bool divide_all(search *s, bool *spent)
+static bool divide_all(part_search *s, bool *spent)
 {
     choice *chosen = NULL;
     bool fine = true;
@@ -1243,7 +1299,7 @@ static bool divide_all(search *s, bool *spent)
             if (!chosen) return false;
         }
         size_t n = 0;
-        set_wanted(s), sum_up(s);
+        want_bounds(s), gather_bounds(s);
         for (size_t i = 0; i < s->count; i++) {
             int way;
             const double score = too_much(s, i, &way);
@@ -1252,7 +1308,7 @@ static bool divide_all(search *s, bool *spent)
         }
         if (n == 0 && !s->opd) { s->opd = true; continue; }
         if (n == 0) break;
-        qsort(chosen, n, sizeof *chosen, by_score);
+        qsort(chosen, n, sizeof *chosen, by_excess);
         size_t most = s->count / ROUND_SHARE < LEAST_ROUND ? LEAST_ROUND : s->count / ROUND_SHARE;
         if (most > n) most = n;
         /* half of the budget is kept for path differences */
@@ -1261,7 +1317,7 @@ static bool divide_all(search *s, bool *spent)
         if (most > left) most = left;
         if (most == 0 && !s->opd) { s->opd = true; continue; }
         if (most == 0) { *spent = true; break; }
-        if (!make_room(s, s->count + most)) { fine = false; break; }
+        if (!grow_boxes(s, s->count + most)) { fine = false; break; }
         for (size_t k = 0; k < most; k++) {
             between_box *one = &s->box[chosen[k].box], *other = &s->box[s->count];
             const int side = chosen[k].side;
@@ -1281,11 +1337,12 @@ bool sgt_between_prove(const between_asked *asked, const between_net *net, size_
     enum { QUARTERS = 4 };
     const between_cell *c = asked->cell;
     const size_t q = prove_quantities(c->from->lens->count);
-    search *s = taken(c, 1, sizeof *s);
+    part_search *s = taken(c, 1, sizeof *s);
     if (!s) return false;
     s->asked = asked, s->net = net, s->whole = part_box(c, i), s->quantities = q;
-    s->most = sgt_between_most(c, out), s->seen = sgt_between_part_seen(c, out), s->wanted = taken(c, q, sizeof *s->wanted);
-    bool fine = s->wanted && room_begin(&s->r, c) && make_room(s, QUARTERS), spent = false;
+    s->most = sgt_between_most(c, out), s->seen = sgt_between_part_seen(c, out),
+    s->wanted = taken(c, q, sizeof *s->wanted);
+    bool fine = s->wanted && room_begin(&s->r, c) && grow_boxes(s, QUARTERS), spent = false;
     *out = (between_part){.boxes = 0};
     for (size_t k = 0; fine && k < q; k++) s->seen[k].value = (double)NAN;
     for (int k = 0; fine && k < QUARTERS; k++) {
@@ -1300,14 +1357,15 @@ bool sgt_between_prove(const between_asked *asked, const between_net *net, size_
         for (size_t k = 0; k < s->count; k++) {
             int way;
             const between_box *b = &s->box[k];
-            const double share = share_of(s, b);
+            const double share = volume_of(s, b);
             if (too_much(s, k, &way) > 0) out->undecided += share;
             if (!b->ended && b->hopeless && share > largest)
                 largest = share, out->hopeless = 1, out->element = b->element, out->why = (int)b->why;
         }
     }
     if (s->r.c) room_free(&s->r);
-    sgt_launch_forget(c->from, s->wanted), sgt_launch_forget(c->from, s->box), sgt_launch_forget(c->from, s->bound);
+    sgt_launch_forget(c->from, s->wanted), sgt_launch_forget(c->from, s->box),
+        sgt_launch_forget(c->from, s->bound);
     sgt_launch_forget(c->from, s);
     return fine;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* between.h - the rays of all fields and wavelengths between those of a lens, by boxes of up to five sides. */
+/* between.h - the rays of all fields and wavelengths between those of a lens, by boxes of up to five sides.
+ */
 #ifndef SGT_PROVE_BETWEEN_H
 #define SGT_PROVE_BETWEEN_H
 #include "carry.h"
@@ -28,7 +29,8 @@ typedef struct between_cell {
     const sgt_first_order *data; /* at the primary wavelength */
     bool (*reference)(const sgt_lens *lens, const sgt_first_order *data, const sgt_element e[], double before,
                       const sgt_ray_end *chief, bool afocal, sgt_reference *out, sgt_error *error);
-    double (*opd)(const sgt_reference *of, const sgt_ray_end *end, double *error); /* sgt_reference_of, sgt_opd */
+    double (*opd)(const sgt_reference *of, const sgt_ray_end *end,
+                  double *error); /* sgt_reference_of, sgt_opd */
 } between_cell;
 
 /* Why there is no enclosure of the lens over the wavelengths of a cell; NULL: there is.  element: which,
@@ -57,11 +59,13 @@ typedef struct between_net {
     between_seen low;            /* and the one with the smallest, of the same field and wavelength */
     size_t passed, lost_chiefs;  /* how many rays passed; of how many fields the chief ray does not */
 } between_net;
-bool sgt_between_look(const between_asked *asked, between_net *out); /* false: no memory.  _forget in either case */
+bool sgt_between_look(const between_asked *asked,
+                      between_net *out); /* false: no memory.  _forget in either case */
 void sgt_between_forget(const between_asked *asked, between_net *net);
 
 /* Which quantities a limit is about: how many, from *first on in steps. */
-size_t sgt_between_quantities(const between_cell *of, const sgt_prove_limit *limit, size_t *first, size_t *step);
+size_t sgt_between_quantities(const between_cell *of, const sgt_prove_limit *limit, size_t *first,
+                              size_t *step);
 
 /* Fields and wavelengths are divided into so many parts. */
 size_t sgt_between_parts(const between_cell *of);

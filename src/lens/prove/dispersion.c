@@ -27,7 +27,7 @@ typedef struct terms { const sgt_glass *g; sgt_model w, w2, sum; double size; } 
 
 static double coefficient_of(const terms *t, size_t i) { return i < t->g->count ? t->g->coefficient[i] : 0; }
 
-static sgt_model power_of(const sgt_model *w, double e)
+static sgt_model power_model(const sgt_model *w, double e)
 {
     const sgt_interval range = sgt_model_range(w);
     const double c = w->c, far = fmax(range.hi - c, c - range.lo);
@@ -51,18 +51,19 @@ static void add(terms *t, double k, const sgt_model *x)
     t->size += fabs(k) * sgt_interval_greatest(sgt_model_range(x));
 }
 
-static void add_number(terms *t, double k) { sgt_model_plus(&t->sum, k, &t->sum), t->size += fabs(k); }
+static void add_fixed(terms *t, double k) { sgt_model_plus(&t->sum, k, &t->sum), t->size += fabs(k); }
 
 static void add_power(terms *t, double k, double e)
 {
     if (k == 0) return;
-    const sgt_model p = power_of(&t->w, e);
+    const sgt_model p = power_model(&t->w, e);
     add(t, k, &p);
 }
 
 static void add_powers(terms *t, size_t first)
 {
-    for (size_t i = first; i < t->g->count; i += 2) add_power(t, coefficient_of(t, i), coefficient_of(t, i + 1));
+    for (size_t i = first; i < t->g->count; i += 2)
+        add_power(t, coefficient_of(t, i), coefficient_of(t, i + 1));
 }
 
 static void add_laurent(terms *t, size_t count, const int exponent[])
@@ -96,17 +97,17 @@ static void add_herzberger(terms *t)
     const sgt_model l = over(&t->w2, 0.028);
     sgt_model l2;
     sgt_model_product(&l, &l, &l2);
-    add_number(t, coefficient_of(t, 0)), add(t, coefficient_of(t, 1), &l), add(t, coefficient_of(t, 2), &l2);
+    add_fixed(t, coefficient_of(t, 0)), add(t, coefficient_of(t, 1), &l), add(t, coefficient_of(t, 2), &l2);
     add_power(t, coefficient_of(t, 3), 2), add_power(t, coefficient_of(t, 4), 4);
     add_power(t, coefficient_of(t, 5), 6);
 }
 
 static void add_generalised(terms *t)
 {
-    add_number(t, coefficient_of(t, 0));
+    add_fixed(t, coefficient_of(t, 0));
     for (size_t i = 1; i < 9; i += 4) {
         if (coefficient_of(t, i) == 0) continue;
-        const sgt_model p = power_of(&t->w, coefficient_of(t, i + 1));
+        const sgt_model p = power_model(&t->w, coefficient_of(t, i + 1));
         sgt_model r = over(&t->w2, pow(coefficient_of(t, i + 2), coefficient_of(t, i + 3)));
         sgt_model_product(&r, &p, &r);
         add(t, coefficient_of(t, i), &r);
@@ -116,8 +117,8 @@ static void add_generalised(terms *t)
 
 static void add_gases(terms *t)
 {
-    const sgt_model under = power_of(&t->w, -2);
-    add_number(t, 1 + coefficient_of(t, 0));
+    const sgt_model under = power_model(&t->w, -2);
+    add_fixed(t, 1 + coefficient_of(t, 0));
     for (size_t i = 1; i < t->g->count; i += 2) {
         sgt_model r = over(&under, coefficient_of(t, i + 1));
         if (coefficient_of(t, i) != 0) add(t, -coefficient_of(t, i), &r);
@@ -135,7 +136,7 @@ static void add_over(terms *t, double k, double pole)
 static void add_model(terms *t)
 {
     const double nd = coefficient_of(t, 0), vd = coefficient_of(t, 1), d = 0.5875618;
-    add_number(t, nd);
+    add_fixed(t, nd);
     if (vd == 0) return;
     /* as glass.c has it */
     const double line[3] = {0.4861327 - d, 0.6562725 - d, 0.4358343 - d};
@@ -176,20 +177,20 @@ static bool add_formula(terms *t)
     static const int extended_3[] = {0, 2, 4, -2, -4, -6, -8, -10, -12};
     bool root = true;
     switch (t->g->formula) {
-    case 1: add_number(t, 1 + coefficient_of(t, 0)), add_resonances(t, 1, t->g->count, true); break;
-    case 2: add_number(t, 1 + coefficient_of(t, 0)), add_resonances(t, 1, t->g->count, false); break;
-    case 3: add_number(t, coefficient_of(t, 0)), add_powers(t, 1); break;
+    case 1: add_fixed(t, 1 + coefficient_of(t, 0)), add_resonances(t, 1, t->g->count, true); break;
+    case 2: add_fixed(t, 1 + coefficient_of(t, 0)), add_resonances(t, 1, t->g->count, false); break;
+    case 3: add_fixed(t, coefficient_of(t, 0)), add_powers(t, 1); break;
     case 4: add_generalised(t); break;
-    case 5: add_number(t, coefficient_of(t, 0)), add_powers(t, 1), root = false; break;
+    case 5: add_fixed(t, coefficient_of(t, 0)), add_powers(t, 1), root = false; break;
     case 6: add_gases(t), root = false; break;
     case 7: add_herzberger(t), root = false; break;
     case 8:
-        add_number(t, coefficient_of(t, 0)), add_resonances(t, 1, 3, false);
+        add_fixed(t, coefficient_of(t, 0)), add_resonances(t, 1, 3, false);
         add_power(t, coefficient_of(t, 3), 2), take_lorentz(t);
         break;
     case 9: {
         sgt_model x, under;
-        add_number(t, coefficient_of(t, 0)), add_over(t, coefficient_of(t, 1), coefficient_of(t, 2));
+        add_fixed(t, coefficient_of(t, 0)), add_over(t, coefficient_of(t, 1), coefficient_of(t, 2));
         sgt_model_plus(&t->w, -coefficient_of(t, 4), &x), sgt_model_product(&x, &x, &under);
         sgt_model_plus(&under, coefficient_of(t, 5), &under), sgt_model_inverse(&under, &under);
         sgt_model_product(&x, &under, &x);
@@ -197,33 +198,33 @@ static bool add_formula(terms *t)
         break;
     }
     case SGT_DISPERSION_AGF + 1: add_laurent(t, 6, extended); break;
-    case SGT_DISPERSION_AGF + 2: add_number(t, 1), add_resonances(t, 0, 6, false); break;
+    case SGT_DISPERSION_AGF + 2: add_fixed(t, 1), add_resonances(t, 0, 6, false); break;
     case SGT_DISPERSION_AGF + 3: add_herzberger(t), root = false; break;
     case SGT_DISPERSION_AGF + 4:
-        add_number(t, 1 + coefficient_of(t, 0)), add_resonances(t, 1, 3, true);
+        add_fixed(t, 1 + coefficient_of(t, 0)), add_resonances(t, 1, 3, true);
         add_over(t, coefficient_of(t, 3), coefficient_of(t, 4) * coefficient_of(t, 4));
         break;
     case SGT_DISPERSION_AGF + 5:
-        add_number(t, coefficient_of(t, 0)), add_power(t, coefficient_of(t, 1), -1);
+        add_fixed(t, coefficient_of(t, 0)), add_power(t, coefficient_of(t, 1), -1);
         add_power(t, coefficient_of(t, 2), -3.5), root = false;
         break;
-    case SGT_DISPERSION_AGF + 6: add_number(t, 1), add_resonances(t, 0, 8, false); break;
+    case SGT_DISPERSION_AGF + 6: add_fixed(t, 1), add_resonances(t, 0, 8, false); break;
     case SGT_DISPERSION_AGF + 7:
-        add_number(t, coefficient_of(t, 0)), add_over(t, coefficient_of(t, 1), coefficient_of(t, 2));
+        add_fixed(t, coefficient_of(t, 0)), add_over(t, coefficient_of(t, 1), coefficient_of(t, 2));
         add_power(t, -coefficient_of(t, 3), 2);
         break;
     case SGT_DISPERSION_AGF + 8:
-        add_number(t, coefficient_of(t, 0)), add_resonances(t, 1, 3, false);
+        add_fixed(t, coefficient_of(t, 0)), add_resonances(t, 1, 3, false);
         add_power(t, -coefficient_of(t, 3), 2);
         break;
-    case SGT_DISPERSION_AGF + 9: add_number(t, coefficient_of(t, 0)), add_resonances(t, 1, 5, false); break;
+    case SGT_DISPERSION_AGF + 9: add_fixed(t, coefficient_of(t, 0)), add_resonances(t, 1, 5, false); break;
     case SGT_DISPERSION_AGF + 10: add_laurent(t, 8, extended); break;
-    case SGT_DISPERSION_AGF + 11: add_number(t, 1), add_resonances(t, 0, 10, false); break;
+    case SGT_DISPERSION_AGF + 11: add_fixed(t, 1), add_resonances(t, 0, 10, false); break;
     case SGT_DISPERSION_AGF + 12: add_laurent(t, 8, extended_2); break;
     case SGT_DISPERSION_AGF + 13: add_laurent(t, 9, extended_3); break;
     case SGT_DISPERSION_PAIRS:
         if (t->g->count != 2) return false;
-        add_number(t, coefficient_of(t, 1)), root = false;
+        add_fixed(t, coefficient_of(t, 1)), root = false;
         break;
     case SGT_DISPERSION_MODEL: add_model(t), root = false; break;
     default: return false;

@@ -137,8 +137,14 @@ static void write_proof(proving *w)
 {
     sgt_asking *a = w->ask;
     const proof *p = &w->of;
-    const proof_head head = {.count = p->count, .carried = p->carried, .spent = p->spent, .passes = p->passes,
-                             .stops = p->stops, .undecided = p->undecided, .f_mean = p->f_mean, .w_mean = p->w_mean,
+    const proof_head head = {.count = p->count,
+                             .carried = p->carried,
+                             .spent = p->spent,
+                             .passes = p->passes,
+                             .stops = p->stops,
+                             .undecided = p->undecided,
+                             .f_mean = p->f_mean,
+                             .w_mean = p->w_mean,
                              .ww_mean = p->ww_mean};
     sgt_shard_put(a, sizeof head, &head);
     for (size_t i = 0; i < p->count; i++) {
@@ -164,7 +170,8 @@ static bool read_proof(proving *w, size_t share)
     proof_head head;
     *p = (proof){.asked = &w->asked, .quantities = prove_quantities(w->cell.count)};
     if (!sgt_shard_get(a, share, sizeof head, &head)) return false;
-    if (head.count < 1 || head.count > SIZE_MAX / 64 / (p->quantities * sizeof *p->bound)) return sgt_shard_wrong(a, share);
+    if (head.count < 1 || head.count > SIZE_MAX / 64 / (p->quantities * sizeof *p->bound))
+        return sgt_shard_wrong(a, share);
     p->count = head.count, p->carried = head.carried, p->spent = head.spent, p->passes = head.passes;
     p->stops = head.stops, p->undecided = head.undecided, p->f_mean = head.f_mean, p->w_mean = head.w_mean;
     p->ww_mean = head.ww_mean;
@@ -180,7 +187,7 @@ static bool read_proof(proving *w, size_t share)
            sgt_shard_get(a, share, p->quantities * sizeof *p->seen, p->seen);
 }
 
-static void tell_cell(proving *w, tell_proof *tell)
+static void tell_one(proving *w, tell_proof *tell)
 {
     say_about(w), tell(w);
     w->ask->total.fates.lost += w->of.undecided > w->undecided / 100;
@@ -193,7 +200,7 @@ static void prove_run(proving *w, size_t first, size_t end, tell_proof *tell)
     for (size_t i = first; i < end && !a->failed; i++) {
         set_cell(w, i);
         if (!sgt_proof_run(&w->asked, &w->of)) sgt_ask_fail(a, "", "no memory");
-        else if (tell) tell_cell(w, tell);
+        else if (tell) tell_one(w, tell);
         else write_proof(w);
         sgt_proof_free(&w->of);
     }
@@ -219,9 +226,10 @@ static bool prove_cells(proving *w, tell_proof *tell)
     if (s->number) return prove_share(w, head, s->number, of);
     for (size_t k = 1; k <= of && !a->failed; k++) {
         if (!sgt_shard_head(a, k, head)) return false;
-        for (size_t i = sgt_shard_begin(cells, k, of); i < sgt_shard_begin(cells, k + 1, of) && !a->failed; i++) {
+        for (size_t i = sgt_shard_begin(cells, k, of); i < sgt_shard_begin(cells, k + 1, of) && !a->failed;
+             i++) {
             set_cell(w, i);
-            if (read_proof(w, k)) tell_cell(w, tell);
+            if (read_proof(w, k)) tell_one(w, tell);
             sgt_proof_free(&w->of);
         }
     }
@@ -435,14 +443,17 @@ static bool sample(proving *w, sampled *out)
                                &(sgt_pupil_rays){count, at, end}, NULL, NULL);
         for (size_t i = 0; fine && i < count; i++) {
             const bool through = end[i].fate == SGT_PASSED;
-            out->rays++, out->passed += through, out->weight += at[i].weight, out->through += through ? at[i].weight : 0;
-            if (!through && end[i].element < a->lens->count && (int)end[i].fate >= 0 && (int)end[i].fate < FATES_TOLD)
+            out->rays++, out->passed += through, out->weight += at[i].weight,
+                out->through += through ? at[i].weight : 0;
+            if (!through && end[i].element < a->lens->count && (int)end[i].fate >= 0 &&
+                (int)end[i].fate < FATES_TOLD)
                 out->ended[end[i].element * FATES_TOLD + (size_t)end[i].fate]++;
             if (!through) continue;
             if (w->cell.has_reference) {
                 sgt_ray_end one = end[i];
                 sgt_vec3 from = w->cell.reference;
-                if (w->cell.afocal) sgt_ends_as_angles(&w->cell.reference, 1, &end[i], &one), from = (sgt_vec3){0, 0, 0};
+                if (w->cell.afocal)
+                    sgt_ends_as_angles(&w->cell.reference, 1, &end[i], &one), from = (sgt_vec3){0, 0, 0};
                 const double far = hypot(one.p.x - from.x, one.p.y - from.y);
                 if (!(far <= out->spot)) out->spot = far;
             }
@@ -465,14 +476,18 @@ static lost_region region_of(const proof *p, size_t element, int fate)
     for (size_t i = 0; i < p->count; i++) {
         const prove_box *b = &p->box[i];
         if (b->fate != fate || b->element != element) continue;
-        out.share += 100 * sgt_sector_area(&b->of), out.r0 = fmin(out.r0, b->of.r0), out.r1 = fmax(out.r1, b->of.r1);
+        out.share += 100 * sgt_sector_area(&b->of), out.r0 = fmin(out.r0, b->of.r0),
+                                                    out.r1 = fmax(out.r1, b->of.r1);
     }
     return out;
 }
 
 static const char *fate_said(int fate)
 {
-    return fate == SGT_TIR ? "totally reflected" : fate == SGT_CLIPPED ? "clipped" : fate == SGT_MISSED ? "missed" : "evanescent";
+    return fate == SGT_TIR       ? "totally reflected"
+           : fate == SGT_CLIPPED ? "clipped"
+           : fate == SGT_MISSED  ? "missed"
+                                 : "evanescent";
 }
 
 static const char *ray_said(const prove_seen *s, char text[60])
@@ -482,7 +497,7 @@ static const char *ray_said(const prove_seen *s, char text[60])
 }
 
 /* What samples missed, in sentences; how many there are. */
-static size_t say_missed(const proving *w, const sampled *s)
+static size_t say_unseen(const proving *w, const sampled *s)
 {
     const sgt_asking *a = w->ask;
     const proof *p = &w->of;
@@ -493,29 +508,39 @@ static size_t say_missed(const proving *w, const sampled *s)
     for (size_t e = 0; e < a->lens->count; e++)
         for (int fate = 0; fate < FATES_TOLD; fate++) {
             const lost_region r = region_of(p, e, fate);
-            if (fate == SGT_PASSED || fate == SGT_LOST || s->ended[e * FATES_TOLD + (size_t)fate] || !(r.share > REGION_TOLD))
+            if (fate == SGT_PASSED || fate == SGT_LOST || s->ended[e * FATES_TOLD + (size_t)fate] ||
+                !(r.share > REGION_TOLD))
                 continue;
             told++;
-            sgt_ask_say(a, SGT_STUDY_NOTE, "%s: %.3g %% of the pupil is %s at element %zu, where no ray of the sample fell "
-                                           "(radii %.4g to %.4g)", who, r.share, fate_said(fate), e + 1, r.r0, r.r1);
+            sgt_ask_say(a, SGT_STUDY_NOTE,
+                        "%s: %.3g %% of the pupil is %s at element %zu, where no ray of the sample fell "
+                        "(radii %.4g to %.4g)",
+                        who, r.share, fate_said(fate), e + 1, r.r0, r.r1);
         }
     const double share = s->weight > 0 ? 100 * s->through / s->weight : (double)NAN;
-    if (!told && (share > 100 * (p->passes + p->undecided) + SHARE_TOLD || share < 100 * p->passes - SHARE_TOLD)) {
+    if (!told &&
+        (share > 100 * (p->passes + p->undecided) + SHARE_TOLD || share < 100 * p->passes - SHARE_TOLD)) {
         told++;
-        sgt_ask_say(a, SGT_STUDY_NOTE, "%s: of the sample %.4g %% passes; of the pupil %.4g %% certainly does, and %.4g %% "
-                                       "certainly does not", who, share, 100 * p->passes, 100 * p->stops);
+        sgt_ask_say(a, SGT_STUDY_NOTE,
+                    "%s: of the sample %.4g %% passes; of the pupil %.4g %% certainly does, and %.4g %% "
+                    "certainly does not",
+                    who, share, 100 * p->passes, 100 * p->stops);
     }
     const prove_seen *far = &p->seen[Q_SPOT], *high = &p->seen[Q_HIGH], *low = &p->seen[Q_LOW];
-    const double floor = 1e-9 * (fabs(w->cell.reference.x) + fabs(w->cell.reference.y) + w->cell.beam->radius);
+    const double floor =
+        1e-9 * (fabs(w->cell.reference.x) + fabs(w->cell.reference.y) + w->cell.beam->radius);
     if (w->cell.has_reference && far->value > WORST_TOLD * s->spot + floor) {
         told++;
-        sgt_ask_say(a, SGT_STUDY_NOTE, "%s: some ray ends %.4g %s from the chief ray (%s); those of the sample end within "
-                                       "%.4g", who, far->value, unit, ray_said(far, ray), s->spot);
+        sgt_ask_say(a, SGT_STUDY_NOTE,
+                    "%s: some ray ends %.4g %s from the chief ray (%s); those of the sample end within "
+                    "%.4g",
+                    who, far->value, unit, ray_said(far, ray), s->spot);
     }
     if (w->cell.has_opd && high->value + low->value > WORST_TOLD * (s->high - s->low) + 1e-6) {
         told++;
-        sgt_ask_say(a, SGT_STUDY_NOTE, "%s: path differences range over %.4g waves (%s, %s); those of the sample over %.4g",
-                    who, high->value + low->value, ray_said(high, ray), ray_said(low, other), s->high - s->low);
+        sgt_ask_say(a, SGT_STUDY_NOTE,
+                    "%s: path differences range over %.4g waves (%s, %s); those of the sample over %.4g", who,
+                    high->value + low->value, ray_said(high, ray), ray_said(low, other), s->high - s->low);
     }
     return told;
 }
@@ -527,15 +552,24 @@ static void tell_samples(proving *w)
     const double none = (double)NAN;
     sampled s;
     if (sample(w, &s)) {
-        const size_t missed = say_missed(w, &s);
+        const size_t missed = say_unseen(w, &s);
         const bool known = w->cell.has_reference, waves = w->cell.has_opd;
         const sgt_prove_sample_row row = {
-            .field = a->number[w->i / a->bands], .wavelength = a->band[w->i % a->bands].at.um, .rays = s.rays,
-            .passed = s.passed, .sampled = s.weight > 0 ? 100 * s.through / s.weight : none, .passes = 100 * p->passes,
-            .stops = 100 * p->stops, .undecided = 100 * p->undecided, .spot_sampled = s.spot,
-            .spot_seen = known ? p->seen[Q_SPOT].value : none, .spot = most_of(p, Q_SPOT, known),
-            .pv_sampled = s.high - s.low, .pv_seen = waves ? p->seen[Q_HIGH].value + p->seen[Q_LOW].value : none,
-            .pv = sgt_sum_above(most_of(p, Q_HIGH, waves), most_of(p, Q_LOW, waves)), .missed = missed};
+            .field = a->number[w->i / a->bands],
+            .wavelength = a->band[w->i % a->bands].at.um,
+            .rays = s.rays,
+            .passed = s.passed,
+            .sampled = s.weight > 0 ? 100 * s.through / s.weight : none,
+            .passes = 100 * p->passes,
+            .stops = 100 * p->stops,
+            .undecided = 100 * p->undecided,
+            .spot_sampled = s.spot,
+            .spot_seen = known ? p->seen[Q_SPOT].value : none,
+            .spot = most_of(p, Q_SPOT, known),
+            .pv_sampled = s.high - s.low,
+            .pv_seen = waves ? p->seen[Q_HIGH].value + p->seen[Q_LOW].value : none,
+            .pv = sgt_sum_above(most_of(p, Q_HIGH, waves), most_of(p, Q_LOW, waves)),
+            .missed = missed};
         sgt_ask_row(a, &row);
     }
     sgt_launch_forget(a->from, s.ended);
@@ -543,7 +577,8 @@ static void tell_samples(proving *w)
 
 static bool ask_samples(sgt_asking *a)
 {
-    if (a->study->opt.shard) return sgt_ask_refuse(a, "shard", "samples are held against the proof in one run");
+    if (a->study->opt.shard)
+        return sgt_ask_refuse(a, "shard", "samples are held against the proof in one run");
     return prove_each(a, false, tell_samples);
 }
 
@@ -725,18 +760,52 @@ static const sgt_column samples_columns[] = {
     {.name = "rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SAMPLE(rays), 0, "how many the sample has,"},
     {.name = "passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SAMPLE(passed), 0, "how many of them pass,"},
     {.name = "sampled", SGT_COLUMN_NUMBER, SGT_UNIT_PERCENT, 0, SAMPLE(sampled), 0, "and what they weigh"},
-    {.name = "passes", SGT_COLUMN_NUMBER, SGT_UNIT_PERCENT, 0, SAMPLE(passes), 0, "of the area of the pupil, all rays of it pass"},
+    {.name = "passes",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_PERCENT,
+     0,
+     SAMPLE(passes),
+     0,
+     "of the area of the pupil, all rays of it pass"},
     {.name = "stops", SGT_COLUMN_NUMBER, SGT_UNIT_PERCENT, 0, SAMPLE(stops), 0, "no ray of it passes"},
     {.name = "undecided", SGT_COLUMN_ERROR, SGT_UNIT_PERCENT, 0, SAMPLE(undecided), 0, "what is left"},
-    {.name = "spot_sampled", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SAMPLE(spot_sampled), 0,
+    {.name = "spot_sampled",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_IMAGE,
+     0,
+     SAMPLE(spot_sampled),
+     0,
      "the largest distance from the chief ray of the primary wavelength: of the sample,"},
-    {.name = "spot_seen", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SAMPLE(spot_seen), 0, "of a ray that the proof traced,"},
+    {.name = "spot_seen",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_IMAGE,
+     0,
+     SAMPLE(spot_seen),
+     0,
+     "of a ray that the proof traced,"},
     {.name = "spot", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SAMPLE(spot), 0, "of any ray at most"},
-    {.name = "pv_sampled", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, SAMPLE(pv_sampled), 0,
+    {.name = "pv_sampled",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_WAVE,
+     0,
+     SAMPLE(pv_sampled),
+     0,
      "largest less smallest path difference: of the sample,"},
-    {.name = "pv_seen", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, SAMPLE(pv_seen), 0, "of rays that the proof traced,"},
+    {.name = "pv_seen",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_WAVE,
+     0,
+     SAMPLE(pv_seen),
+     0,
+     "of rays that the proof traced,"},
     {.name = "pv", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, SAMPLE(pv), 0, "of all rays at most"},
-    {.name = "missed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SAMPLE(missed), 0, "in how many ways they differ, as notes say"},
+    {.name = "missed",
+     SGT_COLUMN_COUNT,
+     SGT_UNIT_NONE,
+     0,
+     SAMPLE(missed),
+     0,
+     "in how many ways they differ, as notes say"},
 };
 
 #define LIMIT(member) offsetof(sgt_prove_limit_row, member)
@@ -810,8 +879,15 @@ const sgt_analysis sgt_prove_limits_analysis = {
     SETTINGS_OF(limits_settings), .ask = ask_limits};
 
 const sgt_analysis sgt_prove_samples_analysis = {
-    .name = "prove_samples", .title = "rays of a sample, against every ray of the pupil", .part_of = "prove",
-    .help = "What the rays of a pattern say of passing, of distances and path differences, beside what is true of every "
+    .name = "prove_samples",
+    .title = "rays of a sample, against every ray of the pupil",
+    .part_of = "prove",
+    .help = "What the rays of a pattern say of passing, of distances and path differences, beside what is "
+            "true of every "
             "ray, " PROVE_HELP,
-    .pattern = SGT_PATTERN_HEXAPOLAR, .rays = 6, ROWS_OF(sgt_prove_sample_row, samples_columns),
-    OPTIONS_OF(sgt_prove_options), SETTINGS_OF(prove_settings), .ask = ask_samples};
+    .pattern = SGT_PATTERN_HEXAPOLAR,
+    .rays = 6,
+    ROWS_OF(sgt_prove_sample_row, samples_columns),
+    OPTIONS_OF(sgt_prove_options),
+    SETTINGS_OF(prove_settings),
+    .ask = ask_samples};

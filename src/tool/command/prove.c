@@ -93,7 +93,10 @@ static const char *wavelength_of_row(const look *l, double um)
 /* How many limits are proven, broken, undecided, empty. */
 static void count_verdict(size_t count[4], int verdict)
 {
-    count[verdict == SGT_LIMIT_PROVEN ? 0 : verdict == SGT_LIMIT_BROKEN ? 1 : verdict == SGT_LIMIT_EMPTY ? 3 : 2]++;
+    count[verdict == SGT_LIMIT_PROVEN   ? 0
+          : verdict == SGT_LIMIT_BROKEN ? 1
+          : verdict == SGT_LIMIT_EMPTY  ? 3
+                                        : 2]++;
 }
 
 static exit_status end_verdicts(const look *l, const size_t count[4])
@@ -122,12 +125,15 @@ static const char *again_of(const look *l)
 static void say_broken_between(const look *l, const sgt_prove_between_limit_row *r)
 {
     const bool finite = isfinite(l->primary.of->object_distance);
-    table_line(l->table,
-               "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s --field-at \"%.17g %.17g %s\"%s "
-               "--pupil \"%.17g %.17g\"%s", r->limit, r->seen, quoted_lens(l), r->fx, r->fy,
-               finite ? "object_height" : "angle", wavelength_um(r->um), r->px, r->py, again_of(l));
+    table_line(
+        l->table,
+        "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s --field-at \"%.17g %.17g %s\"%s "
+        "--pupil \"%.17g %.17g\"%s",
+        r->limit, r->seen, quoted_lens(l), r->fx, r->fy, finite ? "object_height" : "angle",
+        wavelength_um(r->um), r->px, r->py, again_of(l));
     if (!isnan(r->low_px))
-        table_line(l->table, "    and by the one with the smallest difference, --pupil \"%.17g %.17g\"", r->low_px, r->low_py);
+        table_line(l->table, "    and by the one with the smallest difference, --pupil \"%.17g %.17g\"",
+                   r->low_px, r->low_py);
 }
 
 static exit_status end_between_limits(const look *l)
@@ -264,14 +270,21 @@ static void draw_vignetting(const look *l)
         const chart_series one = {.name = name ? name : "at least", .colour = look_colour(l, b), .line = true,
                                   .mark = CHART_RING, .count = count, .x = x, .y = least};
         series[2 * b] = series[2 * b + 1] = one;
-        series[2 * b + 1].y = most, series[2 * b + 1].dash = CHART_DASHED, series[2 * b + 1].mark = CHART_NO_MARK;
+        series[2 * b + 1].y = most, series[2 * b + 1].dash = CHART_DASHED,
+                       series[2 * b + 1].mark = CHART_NO_MARK;
         series[2 * b + 1].name = "at most";
     }
-    const chart_panel panel = {.x_label = look_field_axis(l), .y_label = "passes (% of the pupil)", .y_high = 100,
-                               .series_count = 2 * l->bands, .series = series};
+    const chart_panel panel = {.x_label = look_field_axis(l),
+                               .y_label = "passes (% of the pupil)",
+                               .y_high = 100,
+                               .series_count = 2 * l->bands,
+                               .series = series};
     const char *line[] = {look_lens_line(l), "proven of all rays of the pupil"};
-    chart_write(l->picture, &(chart){.title = look_title(l, "what passes, against the field"), .line = line, .lines = 2,
-                                     .panels = 1, .panel = &panel});
+    chart_write(l->picture, &(chart){.title = look_title(l, "what passes, against the field"),
+                                     .line = line,
+                                     .lines = 2,
+                                     .panels = 1,
+                                     .panel = &panel});
 }
 
 static void draw_pupils(const look *asked)
@@ -333,8 +346,14 @@ static exit_status prove_run(const command *c, int argc, char *argv[])
          "clearance[ELEMENT] > X (from the edge of the clear aperture)",
          true},
         {NULL, NULL, NULL, NULL, false}};
-    return look_run(c, &(look_way){.view = views, .own = prove_own, .analysis = analysis_of, .counted = counted_of, .check = check_prove, .draw = draw_pupils,
-            .end = end_prove},
+    return look_run(c,
+                    &(look_way){.view = views,
+                                .own = prove_own,
+                                .analysis = analysis_of,
+                                .counted = counted_of,
+                                .check = check_prove,
+                                .draw = draw_pupils,
+                                .end = end_prove},
                     argc, argv);
 }
 

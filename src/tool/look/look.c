@@ -237,7 +237,8 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
     asking a = {.look = l, .way = way, .setting = setting,
                 .given = memory_take((size_t)argc, sizeof *a.given)};
     const option_group own = {OPTIONS_OWN, "Options", .row = own_rows(&a)};
-    const option_group proof = {OPTIONS_SHARED, NULL, .row = has_proof_of_all(l->of) ? proof_or_all_rows : proof_rows,
+    const option_group proof = {OPTIONS_SHARED, NULL,
+                                .row = has_proof_of_all(l->of) ? proof_or_all_rows : proof_rows,
                                 .hidden = l->of->no_rays};
     const look_help columns = {l->of, way->view};
     command all = *c;
@@ -532,7 +533,8 @@ static void note_sentence(void *context, sgt_remark_of_study kind, const char *s
     if (kind == SGT_STUDY_NOTE) note("%s", sentence);
 }
 
-/* --proof all: the same rays beside the proof, whose notes say what they miss.  And a line under the table. */
+/* --proof all: the same rays beside the proof, whose notes say what they miss.  And a line under the table.
+ */
 static void hold_against_proof(look *l)
 {
     look other = *l;
@@ -548,10 +550,14 @@ static void hold_against_proof(look *l)
         undecided = fmax(undecided, r->undecided), missed += r->missed;
     }
     if (missed)
-        table_line(l->table, "These rays miss something, as the notes say; sagitta prove tells what is true of every ray.");
+        table_line(
+            l->table,
+            "These rays miss something, as the notes say; sagitta prove tells what is true of every ray.");
     else
-        table_line(l->table, "Held against every ray of the pupil%s: no region of it is lost where none of these fell, and the "
-                             "worst ray that was found is not 1.1 times theirs.",
+        table_line(l->table,
+                   "Held against every ray of the pupil%s: no region of it is lost where none of these fell, "
+                   "and the "
+                   "worst ray that was found is not 1.1 times theirs.",
                    undecided > 0 ? memory_print(" but %.2g %% of it", undecided) : "");
 }
 
@@ -729,7 +735,8 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     if (!l.of->no_rays) points = job_points_of(&l.job, l.of->pattern);
     if (way->check) way->check(&l);
     if (proof_of_all && (shard_count() || shard_ranks() || l.job.pupils))
-        fail_usage("--proof all: not with %s", l.job.pupils ? "--pupil and --chief, which are single rays" : "shards");
+        fail_usage("--proof all: not with %s",
+                   l.job.pupils ? "--pupil and --chief, which are single rays" : "shards");
     if (shard_ranks()) progress_begin(0, !l.shared.target.path, l.shared.progress);
     else if (way->counted) {
         counts_tasks = asks = true;
