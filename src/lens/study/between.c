@@ -176,7 +176,7 @@ static const char *between_name(const betweens *w, const between_group *g, char 
     const sgt_asking *a = w->ask;
     char field[40] = "all fields between", wave[60] = "";
     if (g->field != SIZE_MAX) snprintf(field, sizeof field, "field %zu", a->number[g->field]);
-    if (g->band == SIZE_MAX)
+    if (g->band == SIZE_MAX && g->cell.um[1] > g->cell.um[0])
         snprintf(wave, sizeof wave, ", %.6g to %.6g \302\265m", g->cell.um[0], g->cell.um[1]);
     else if (a->bands > 1) snprintf(wave, sizeof wave, ", %.6g \302\265m", g->cell.um[0]);
     snprintf(text, 120, "%s%s", field, wave);
@@ -252,7 +252,7 @@ static void tell_row(const betweens *w, const between_group *g, sgt_prove_quanti
     const sgt_prove_limit asked = {.quantity = of, .element = element};
     const worst_seen is = worst_ray_of(w, g, &asked);
     const double none = (double)NAN;
-    const bool known = any_passes(g);
+    const bool known = any_passes(g) && !isnan(is.seen); /* of no ray: without a wavelength, or a chief ray */
     const sgt_prove_between_row row = {.field = field_number_of(w, g),
                                        .wavelength = wavelength_of_group(g),
                                        .quantity = of,
