@@ -33,8 +33,8 @@
  * THE SLOPE ABOUT A ROOT.  |dg/dtau| is 2 S at both roots and falls evenly to 0 at the vertex, V = S / |A|
  * from them.  A stretch that holds a root ends S / 16 |A| from it on that side, as computed, if the root is
  * off by less than half of that.  S is off by at most 1/32 of itself and |A| by 1/8, so it ends at most 0.11
- * V from the root, and |dg/dtau| >= 2 (1 - 0.11) 0.968 S > 1.7 S all over it: a root there needs no look beside
- * it.
+ * V from the root, and |dg/dtau| >= 2 (1 - 0.11) 0.968 S > 1.7 S all over it: a root there needs no look
+ * beside it.
  *
  * Proofs rest on these promises (ray/cells_batch.c), as they do on spans: both are by the bounds above.
  *
