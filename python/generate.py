@@ -224,7 +224,7 @@ def analyses():
 
     parts, methods = [ANALYSES_HEAD], ["\n\nclass Analyses:"]
     count, fate = "NDArray[np.uintp]", "NDArray[np.intc]"
-    kinds = {study._COUNT: count, study._PLACE: count, study._FATE: fate, study._VERDICT: fate}
+    kinds = {study._COUNT: count, study._PLACE: count, study._FATE: fate, study._VERDICT: fate, study._QUANTITY: fate}
     for analysis in study.analyses():
         name = class_name(C.text(analysis.name)) + "Answer"
         parts.append(f"\n\nclass {name}(Answer):")

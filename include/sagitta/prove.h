@@ -14,6 +14,10 @@
  *     "prove_elements"  the same at each element             sgt_prove_element_row
  *     "prove_regions"   the boxes                            sgt_prove_region_row
  *     "prove_limits"    limits: proven, broken or undecided  sgt_prove_limit_row
+ *     "prove_samples"   the same beside rays of a pattern    sgt_prove_sample_row
+ *     "prove_between"   bounds for the fields and wavelengths between those of the lens
+ *                                                            sgt_prove_between_row
+ *     "prove_between_limits"  limits for these               sgt_prove_between_limit_row
  *
  *     sgt_prove_options options = {.limit = "spot < 0.02"};
  *     sgt_study_run(study, sgt_analysis_named("prove_limits"), &options, &sink, NULL,
@@ -39,10 +43,18 @@ extern "C" {
 typedef struct sgt_prove_options {
     sgt_list undecided;     /* the share of the pupil's area, in per cent, that may stay
                                undecided; none: 0.1.  Above 0 */
-    size_t boxes;           /* at most so many boxes a field and wavelength; 0: 10000 */
+    size_t boxes;           /* at most so many boxes a field and wavelength; 0: 10000.
+                               "prove_between": for each part: of a line of fields
+                               there are 8, of each triangle 4, of wavelengths twice
+                               as many */
     const char *limit;      /* of "prove_limits": limits with semicolons between, as
                                sgt_prove_limit_read has them */
-    unsigned long long reserved_[4]; /* leave it zero */
+    int between;            /* of "prove_between": 0 all fields and all wavelengths
+                               between; 1 fields, at each wavelength of the study;
+                               2 wavelengths, of each field of the study */
+    size_t steps;           /* of "prove": so many fields from the axis to the farthest
+                               one, 2 or more; 0: those of the study */
+    unsigned long long reserved_[2]; /* leave it zero */
 } sgt_prove_options;
 
 /* "prove".  Shares are per cent of the area of the pupil.  A bound that is not known is
@@ -66,7 +78,8 @@ typedef struct sgt_prove_row {
     size_t boxes;                    /* how many were carried through */
     size_t spent;                    /* 1: the budget was spent, so more boxes would give
                                         closer bounds; 0: not */
-    unsigned long long reserved_[8];
+    double fx, fy;                   /* the field, as those of the study are given */
+    unsigned long long reserved_[6];
 } sgt_prove_row;
 
 /* "prove_elements". */
@@ -127,6 +140,65 @@ typedef struct sgt_prove_limit_row {
     unsigned long long reserved_[4];
 } sgt_prove_limit_row;
 
+/* "prove_between": a bound for every ray of the fields and wavelengths between those of
+ * the study, and the worst ray that was traced.
+ *
+ *     fields       the convex hull of those of the study: a line, or an area.  From afar,
+ *                  of the slopes of their chief rays; else of the points of the object
+ *     wavelengths  from the shortest to the longest one
+ *
+ * Chief rays are those through the centre of the paraxial pupil.  If fields differ in
+ * their vignetting, none is taken, as a remark says. */
+typedef struct sgt_prove_between_row {
+    size_t field;                    /* 0: all fields between */
+    double wavelength;               /* SGT_ALL_WAVELENGTHS: all between */
+    int    quantity;                 /* sgt_prove_quantity: ex, ey, spot, opd, incidence,
+                                        clearance */
+    size_t element;                  /* of the last two, from 1; else 0 */
+    double bound;                    /* no ray is beyond */
+    double seen;                     /* of the worst ray that was traced: */
+    double fx, fy;                   /* its field, degrees from afar, else the point of
+                                        the object */
+    double um;                       /* its wavelength */
+    double px, py;                   /* where it goes through the pupil; of opd, the one
+                                        with the largest difference, */
+    double low_px, low_py;           /* and with the smallest.  NaN: of others */
+    size_t boxes;                    /* of the whole field and wavelength */
+    size_t spent;                    /* 1: more boxes would give a closer bound */
+    unsigned long long reserved_[4];
+} sgt_prove_between_row;
+
+/* "prove_between_limits".  Limits are of ex, ey, spot, opd, incidence and clearance. */
+typedef struct sgt_prove_between_limit_row {
+    size_t field;
+    double wavelength;
+    size_t limit;                    /* which, from 1 */
+    int    verdict;                  /* sgt_limit_verdict */
+    double value, bound, seen;
+    double fx, fy, um, px, py, low_px, low_py; /* as above */
+    double undecided;                /* per cent of fields, wavelengths and pupil where
+                                        it may be broken */
+    size_t boxes;
+    unsigned long long reserved_[4];
+} sgt_prove_between_limit_row;
+
+/* "prove_samples": the points of the pupil of the study, beside the proof.  A remark says
+ * what they miss: a region that is lost where none of them fell (above 0.05 % of the
+ * pupil), a share that is off by more than 1 %, a worst ray that is 1.1 times theirs. */
+typedef struct sgt_prove_sample_row {
+    size_t field;
+    double wavelength;
+    size_t rays, passed;
+    double sampled;                  /* per cent of their weights that passes */
+    double passes, stops, undecided; /* per cent of the area of the pupil, certainly */
+    double spot_sampled, spot_seen, spot; /* the largest distance from the chief ray: of
+                                        the sample, of a ray that the proof traced, of any
+                                        ray at most */
+    double pv_sampled, pv_seen, pv;  /* largest less smallest path difference, waves */
+    size_t missed;                   /* how many remarks there were */
+    unsigned long long reserved_[4];
+} sgt_prove_sample_row;
+
 /* What a limit is about. */
 typedef enum sgt_prove_quantity {
     SGT_PROVE_PASSES,     /* pass: share of the pupil's area, per cent */
@@ -140,6 +212,9 @@ typedef enum sgt_prove_quantity {
     SGT_PROVE_INCIDENCE,  /* incidence: the angle, degrees */
     SGT_PROVE_CLEARANCE   /* clearance: the distance from the edge of a clear aperture */
 } sgt_prove_quantity;
+
+/* "spot" and so on, as in limits.  Never NULL. */
+SGT_API const char *sgt_prove_quantity_text(int quantity);
 
 /* A limit.  pass and clearance are to be above the value, the others below. */
 typedef struct sgt_prove_limit {

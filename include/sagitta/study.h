@@ -136,7 +136,8 @@ typedef enum sgt_column_kind {
     SGT_COLUMN_PLACE,       /* size_t, from 1; 0: there is none */
     SGT_COLUMN_WHOLE,       /* double, a whole number of either sign */
     SGT_COLUMN_FATE,        /* int: an sgt_fate, or SGT_NO_RAY */
-    SGT_COLUMN_VERDICT      /* int: an sgt_limit_verdict (prove.h) */
+    SGT_COLUMN_VERDICT,     /* int: an sgt_limit_verdict (prove.h) */
+    SGT_COLUMN_QUANTITY     /* int: an sgt_prove_quantity (prove.h) */
 } sgt_column_kind;
 
 /* As a wavelength: all together, as the lens weighs them. */

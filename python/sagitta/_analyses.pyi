@@ -22,12 +22,13 @@ Reals = Literal["wavelength", "x", "y", "rms", "rms_x", "rms_y", "geometric", "a
                 "spot_px", "spot_py", "rms_least", "opd_least", "opd_most", "pv_seen", "low_px", "low_py",
                 "high_px", "high_py", "opd_rms_least", "opd_rms", "incidence", "incidence_seen",
                 "incidence_px", "incidence_py", "clearance", "clearance_seen", "clearance_px",
-                "clearance_py", "height", "r0", "r1", "angle0", "angle1", "share", "value", "bound", "seen"]
+                "clearance_py", "height", "r0", "r1", "angle0", "angle1", "share", "value", "bound", "seen",
+                "um", "sampled", "spot_sampled", "pv_sampled"]
 
 Counts = Literal["field", "rays", "passed", "digits", "lost", "none", "proven", "term", "lacks", "element",
                  "boxes", "spent", "limit"]
 
-FatesOfRays = Literal["fate", "verdict"]
+FatesOfRays = Literal["fate", "verdict", "quantity"]
 
 
 class SpotAnswer(Answer):
@@ -236,6 +237,8 @@ class ProveAnswer(Answer):
     opd_rms: Floats
     boxes: NDArray[np.uintp]
     spent: NDArray[np.uintp]
+    fx: Floats
+    fy: Floats
 
 
 class ProveElementsAnswer(Answer):
@@ -283,6 +286,61 @@ class ProveLimitsAnswer(Answer):
     boxes: NDArray[np.uintp]
 
 
+class ProveBetweenAnswer(Answer):
+    field: NDArray[np.uintp]
+    wavelength: Floats
+    quantity: NDArray[np.intc]
+    element: NDArray[np.uintp]
+    bound: Floats
+    seen: Floats
+    fx: Floats
+    fy: Floats
+    um: Floats
+    px: Floats
+    py: Floats
+    low_px: Floats
+    low_py: Floats
+    boxes: NDArray[np.uintp]
+    spent: NDArray[np.uintp]
+
+
+class ProveBetweenLimitsAnswer(Answer):
+    field: NDArray[np.uintp]
+    wavelength: Floats
+    limit: NDArray[np.uintp]
+    verdict: NDArray[np.intc]
+    value: Floats
+    bound: Floats
+    seen: Floats
+    fx: Floats
+    fy: Floats
+    um: Floats
+    px: Floats
+    py: Floats
+    low_px: Floats
+    low_py: Floats
+    undecided: Floats
+    boxes: NDArray[np.uintp]
+
+
+class ProveSamplesAnswer(Answer):
+    field: NDArray[np.uintp]
+    wavelength: Floats
+    rays: NDArray[np.uintp]
+    passed: NDArray[np.uintp]
+    sampled: Floats
+    passes: Floats
+    stops: Floats
+    undecided: Floats
+    spot_sampled: Floats
+    spot_seen: Floats
+    spot: Floats
+    pv_sampled: Floats
+    pv_seen: Floats
+    pv: Floats
+    missed: NDArray[np.uintp]
+
+
 class Analyses:
     def spot(self, field: Optional[Field] = None,
              wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
@@ -321,17 +379,32 @@ class Analyses:
                      **asked: Unpack[Asking]) -> IlluminationAnswer: ...
     def prove(self, field: Optional[Field] = None,
               wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
-              undecided: Optional[float] = None, boxes: Optional[int] = None,
+              undecided: Optional[float] = None, boxes: Optional[int] = None, steps: Optional[int] = None,
               **asked: Unpack[Asking]) -> ProveAnswer: ...
     def prove_elements(self, field: Optional[Field] = None,
                        wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
                        undecided: Optional[float] = None, boxes: Optional[int] = None,
-                       **asked: Unpack[Asking]) -> ProveElementsAnswer: ...
+                       steps: Optional[int] = None, **asked: Unpack[Asking]) -> ProveElementsAnswer: ...
     def prove_regions(self, field: Optional[Field] = None,
                       wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
                       undecided: Optional[float] = None, boxes: Optional[int] = None,
-                      **asked: Unpack[Asking]) -> ProveRegionsAnswer: ...
+                      steps: Optional[int] = None, **asked: Unpack[Asking]) -> ProveRegionsAnswer: ...
     def prove_limits(self, field: Optional[Field] = None,
                      wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
                      boxes: Optional[int] = None, limit: Optional[str] = None,
                      **asked: Unpack[Asking]) -> ProveLimitsAnswer: ...
+    def prove_between(self, field: Optional[Field] = None,
+                      wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
+                      boxes: Optional[int] = None,
+                      between: Optional[Literal["both", "fields", "wavelengths"]] = None,
+                      **asked: Unpack[Asking]) -> ProveBetweenAnswer: ...
+    def prove_between_limits(self, field: Optional[Field] = None,
+                             wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
+                             boxes: Optional[int] = None,
+                             between: Optional[Literal["both", "fields", "wavelengths"]] = None,
+                             limit: Optional[str] = None,
+                             **asked: Unpack[Asking]) -> ProveBetweenLimitsAnswer: ...
+    def prove_samples(self, field: Optional[Field] = None,
+                      wavelength: Union[Wavelength, Sequence[Wavelength]] = None, *,
+                      undecided: Optional[float] = None, boxes: Optional[int] = None,
+                      steps: Optional[int] = None, **asked: Unpack[Asking]) -> ProveSamplesAnswer: ...

@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 PATTERNS = {"fan": 0, "grid": 1, "hexapolar": 2, "random": 3, "sobol": 4, "cells": 5, "cross": 6}
 _WEIGHTS = {"area": 0, "equal": 1}
 _AIMS = {"pupil": 0, "stop": 1, "real-stop": 2}
-_NUMBER, _EXACT, _ERROR, _WAVELENGTH, _COUNT, _PLACE, _WHOLE, _FATE, _VERDICT = range(9)
+_NUMBER, _EXACT, _ERROR, _WAVELENGTH, _COUNT, _PLACE, _WHOLE, _FATE, _VERDICT, _QUANTITY = range(10)
 _FLAG, _SETTING_COUNT, _WORD, _ONE_NUMBER, _NUMBERS, _TEXT = range(6)
 _FORMATS = {_COUNT: np.dtype(np.uintp), _PLACE: np.dtype(np.uintp), _FATE: np.dtype(np.intc)}
-_FORMATS[_VERDICT] = np.dtype(np.intc)
+_FORMATS[_VERDICT] = _FORMATS[_QUANTITY] = np.dtype(np.intc)
 
 Field = Union[int, Sequence[float]]
 Rows = Union[slice, NDArray[Any], list[int], list[bool]]
@@ -98,7 +98,8 @@ class Answer(Tabular):
     notes       what lacks, in sentences; `legend`: what the numbers are
 
     In `wavelength` 0 are all wavelengths together.  In `fate` are Fate, or -2: proven, no such ray.  In `verdict`
-    1 is proven, 0 broken, -1 undecided.
+    1 is proven, 0 broken, -1 undecided.  In `quantity` are numbers of prove.h: 1 ex, 2 ey, 3 spot, 5 opd, 7 incidence,
+    8 clearance.
 
     >>> import sagitta
     >>> lens = sagitta.Lens.text("{pupil: {semi_diameter: 5}, units: mm, fields: [0, 2], surfaces: ["

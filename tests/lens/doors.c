@@ -44,7 +44,8 @@ static void put_cell(const sgt_column *c, const char *at)
     switch (c->kind) {
     case SGT_COLUMN_COUNT:
     case SGT_COLUMN_PLACE: memcpy(&count, at, sizeof count), printf(" %016zx", count); return;
-    case SGT_COLUMN_VERDICT: /* an int, too */
+    case SGT_COLUMN_VERDICT: /* ints, too */
+    case SGT_COLUMN_QUANTITY:
     case SGT_COLUMN_FATE: memcpy(&fate, at, sizeof fate), printf(" %d", fate); return;
     default: memcpy(&number, at, sizeof number), put_double(number);
     }

@@ -29,6 +29,11 @@ const char *sgt_limit_verdict_text(int verdict)
                                          : "undecided";
 }
 
+const char *sgt_prove_quantity_text(int q)
+{
+    return q >= 0 && q < LIMIT_NAMES ? limit_names[q].name : "?";
+}
+
 void sgt_prove_limit_text(const sgt_prove_limit *l, char text[SGT_PROVE_LIMIT_SIZE])
 {
     const limit_name *n = &limit_names[l->quantity];

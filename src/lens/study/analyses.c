@@ -14,6 +14,7 @@ static const sgt_analysis *const all[] = {
     &sgt_energy_analysis,    &sgt_illumination_analysis,
     &sgt_prove_analysis,     &sgt_prove_elements_analysis,
     &sgt_prove_regions_analysis, &sgt_prove_limits_analysis,
+    &sgt_prove_between_analysis, &sgt_prove_between_limits_analysis, &sgt_prove_samples_analysis,
 };
 
 const sgt_analysis *sgt_analysis_at(size_t place)

@@ -123,13 +123,143 @@ static bool has_clearance(const proving *w, size_t element)
     return false;
 }
 
+/* ------------------------------------------------------------------------ shards
+ *
+ * A share has some of the fields at some of the wavelengths, a run of their numbers: of each it writes the
+ * proof, box by box, which who joins reads. */
+typedef struct proof_head {
+    uint64_t count, carried, spent;
+    double passes, stops, undecided;
+    sgt_interval f_mean, w_mean, ww_mean;
+} proof_head;
+
+static void write_proof(proving *w)
+{
+    sgt_asking *a = w->ask;
+    const proof *p = &w->of;
+    const proof_head head = {.count = p->count,
+                             .carried = p->carried,
+                             .spent = p->spent,
+                             .passes = p->passes,
+                             .stops = p->stops,
+                             .undecided = p->undecided,
+                             .f_mean = p->f_mean,
+                             .w_mean = p->w_mean,
+                             .ww_mean = p->ww_mean};
+    sgt_shard_put(a, sizeof head, &head);
+    for (size_t i = 0; i < p->count; i++) {
+        const prove_box *b = &p->box[i];
+        prove_box plain;
+        memset(&plain, 0, sizeof plain); /* what is written has no bytes that nothing set */
+        plain.of = b->of, plain.fate = b->fate, plain.element = b->element, plain.why = b->why;
+        plain.hopeless = b->hopeless, plain.bounded = b->bounded, plain.divide = b->divide;
+        plain.f_sum = b->f_sum, plain.w_sum = b->w_sum, plain.ww_sum = b->ww_sum;
+        plain.f = b->f, plain.w = b->w, plain.ww = b->ww;
+        sgt_shard_put(a, sizeof plain, &plain);
+    }
+    sgt_shard_put(a, p->count * p->quantities * sizeof *p->bound, p->bound);
+    sgt_shard_put(a, p->quantities * sizeof *p->most, p->most);
+    sgt_shard_put(a, p->quantities * sizeof *p->seen, p->seen);
+}
+
+/* false: it failed, and has said so. */
+static bool read_proof(proving *w, size_t share)
+{
+    sgt_asking *a = w->ask;
+    proof *p = &w->of;
+    proof_head head;
+    *p = (proof){.asked = &w->asked, .quantities = prove_quantities(w->cell.count)};
+    if (!sgt_shard_get(a, share, sizeof head, &head)) return false;
+    if (head.count < 1 || head.count > SIZE_MAX / 64 / (p->quantities * sizeof *p->bound))
+        return sgt_shard_wrong(a, share);
+    p->count = head.count, p->carried = head.carried, p->spent = head.spent, p->passes = head.passes;
+    p->stops = head.stops, p->undecided = head.undecided, p->f_mean = head.f_mean, p->w_mean = head.w_mean;
+    p->ww_mean = head.ww_mean;
+    p->box = sgt_launch_take(a->from, p->count, sizeof *p->box);
+    p->bound = sgt_launch_take(a->from, p->count * p->quantities, sizeof *p->bound);
+    p->most = sgt_launch_take(a->from, p->quantities, sizeof *p->most);
+    p->seen = sgt_launch_take(a->from, p->quantities, sizeof *p->seen);
+    if (!p->box || !p->bound || !p->most || !p->seen) return sgt_ask_fail(a, "", "no memory");
+    for (size_t i = 0; i < p->count; i++)
+        if (!sgt_shard_get(a, share, sizeof *p->box, &p->box[i])) return false;
+    return sgt_shard_get(a, share, p->count * p->quantities * sizeof *p->bound, p->bound) &&
+           sgt_shard_get(a, share, p->quantities * sizeof *p->most, p->most) &&
+           sgt_shard_get(a, share, p->quantities * sizeof *p->seen, p->seen);
+}
+
+static void tell_one(proving *w, tell_proof *tell)
+{
+    say_about(w), tell(w);
+    w->ask->total.fates.lost += w->of.undecided > w->undecided / 100;
+}
+
+/* Works on cells first ... end - 1; tell NULL: writes them. */
+static void prove_run(proving *w, size_t first, size_t end, tell_proof *tell)
+{
+    sgt_asking *a = w->ask;
+    for (size_t i = first; i < end && !a->failed; i++) {
+        set_cell(w, i);
+        if (!sgt_proof_run(&w->asked, &w->of)) sgt_ask_fail(a, "", "no memory");
+        else if (tell) tell_one(w, tell);
+        else write_proof(w);
+        sgt_proof_free(&w->of);
+    }
+}
+
+static bool prove_share(proving *w, sgt_shard_of_pass head, size_t k, size_t of)
+{
+    if (!sgt_shard_head(w->ask, 0, head)) return false;
+    prove_run(w, sgt_shard_begin(head.cells, k, of), sgt_shard_begin(head.cells, k + 1, of), NULL);
+    return !w->ask->failed;
+}
+
+static bool prove_cells(proving *w, tell_proof *tell)
+{
+    sgt_asking *a = w->ask;
+    const sgt_shard *s = a->study->opt.shard;
+    const size_t cells = a->fields * a->bands, of = s ? sgt_shard_shares(a, cells) : 0;
+    const sgt_shard_of_pass head = {cells, 1, prove_quantities(a->lens->count)};
+    if (!s) prove_run(w, 0, cells, tell);
+    for (size_t k; s && s->next && (k = s->next(s->context, of)) != 0;)
+        if (!prove_share(w, head, k, of)) return false;
+    if (!s || (s->number && s->next)) return !a->failed;
+    if (s->number) return prove_share(w, head, s->number, of);
+    for (size_t k = 1; k <= of && !a->failed; k++) {
+        if (!sgt_shard_head(a, k, head)) return false;
+        for (size_t i = sgt_shard_begin(cells, k, of); i < sgt_shard_begin(cells, k + 1, of) && !a->failed;
+             i++) {
+            set_cell(w, i);
+            if (read_proof(w, k)) tell_one(w, tell);
+            sgt_proof_free(&w->of);
+        }
+    }
+    return !a->failed;
+}
+
+/* Fields from the axis to the farthest one, in place of those of the study. */
+static bool set_steps(sgt_asking *a, size_t steps)
+{
+    const sgt_lens_field far = *sgt_ask_farthest(a);
+    if (strcmp(a->of->name, "prove") != 0)
+        return sgt_ask_refuse(a, "steps", "goes with the shares and bounds of whole pupils alone");
+    if (steps == 1) return sgt_ask_refuse(a, "steps", "2 or more");
+    sgt_lens_field *at = sgt_ask_room(a, steps, sizeof *at);
+    a->beam = sgt_ask_room(a, steps, sizeof *a->beam), a->number = sgt_ask_room(a, steps, sizeof *a->number);
+    a->fields = steps, a->of_lens = false, a->at = at;
+    for (size_t i = 0; i < steps && !a->failed; i++) {
+        const double u = (double)i / (double)(steps - 1);
+        at[i] = (sgt_lens_field){.x = u * far.x, .y = u * far.y, .weight = 1}, a->number[i] = i + 1;
+        if (!sgt_launch_field(a->from, a->kind, &at[i], &a->beam[i], a->error)) a->failed = true;
+    }
+    return !a->failed;
+}
+
 static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
 {
     const sgt_prove_options *o = a->options;
+    if (o->steps && !set_steps(a, o->steps)) return false;
     proving w = {.ask = a, .undecided = PER_CENT, .boxes = o->boxes ? o->boxes : BOXES};
     sgt_error why;
-    if (a->study->opt.shard)
-        return sgt_ask_refuse(a, "shard", "boxes are divided among threads, not among machines");
     if (o->undecided.count) w.undecided = o->undecided.at[0];
     if (!(w.undecided > 0 && w.undecided <= 100))
         return sgt_ask_refuse(a, "undecided", "must be above 0 and at most 100 per cent, not %g",
@@ -162,14 +292,7 @@ static bool prove_each(sgt_asking *a, bool limits, tell_proof *tell)
         sgt_ask_say(a, SGT_STUDY_NOTE,
                     "the lens aims its rays at the stop; what is proven is of the paraxial "
                                        "pupil, as with --aim paraxial");
-    for (size_t i = 0; i < a->fields * a->bands && !a->failed; i++) {
-        set_cell(&w, i);
-        if (!sgt_proof_run(&w.asked, &w.of)) sgt_ask_fail(a, "", "no memory");
-        else say_about(&w), tell(&w);
-        a->total.fates.lost += !a->failed && w.of.undecided > w.undecided / 100;
-        sgt_proof_free(&w.of);
-    }
-    return !a->failed;
+    return prove_cells(&w, tell);
 }
 
 /* ------------------------------------------------------------------------- a row */
@@ -218,7 +341,7 @@ static void tell_sums(proving *w)
         .pv = sgt_sum_above(most_of(p, Q_HIGH, waves), most_of(p, Q_LOW, waves)),
         .pv_seen = high.value + low.value, .low_px = low.x, .low_py = low.y, .high_px = high.x,
         .high_py = high.y, .opd_rms_least = front.lo, .opd_rms = front.hi, .boxes = p->carried,
-        .spent = p->spent};
+        .spent = p->spent, .fx = a->at[w->i / a->bands].x, .fy = a->at[w->i / a->bands].y};
     sgt_ask_row(a, &row);
 }
 
@@ -290,6 +413,176 @@ static bool ask_regions(sgt_asking *a)
                 "Boxes of the pupil by radius and angle.  lost: not decided, as it is in "
                                      "doubt at that element.");
     return true;
+}
+
+/* -------------------------------------------------------------- samples, and the proof
+ *
+ * A REGION WITHOUT SAMPLES is made of the boxes that certainly end at one element by one cause, if no sample
+ * ended there by that. */
+static const double REGION_TOLD = 0.05, SHARE_TOLD = 1, WORST_TOLD = 1.1; /* per cent of the pupil; ratio */
+
+typedef struct sampled {
+    size_t rays, passed;
+    double weight, through, spot, low, high;
+    size_t *ended;              /* [elements * fates]: how many end at each */
+} sampled;
+enum { FATES_TOLD = SGT_EVANESCENT + 1 };
+
+static bool sample(proving *w, sampled *out)
+{
+    sgt_asking *a = w->ask;
+    const band *b = &a->band[w->i % a->bands];
+    sgt_pupil_point at[PUPIL_PART];
+    sgt_ray_end *end = sgt_launch_take(a->from, PUPIL_PART, sizeof *end);
+    bool fine = end;
+    *out = (sampled){.ended = sgt_launch_take(a->from, a->lens->count * FATES_TOLD, sizeof *out->ended),
+                     .spot = (double)NAN, .low = (double)NAN, .high = (double)NAN};
+    fine = fine && out->ended;
+    if (out->ended) memset(out->ended, 0, a->lens->count * FATES_TOLD * sizeof *out->ended);
+    for (size_t first = 0; fine && first < a->fine.count; first += PUPIL_PART) {
+        const size_t left = a->fine.count - first, count = left < PUPIL_PART ? left : PUPIL_PART;
+        sgt_pupil_part(&a->fine, first, count, at);
+        fine = sgt_trace_pupil(a->from, &a->beam[w->i / a->bands], b->element, b->before,
+                               &(sgt_pupil_rays){count, at, end}, NULL, NULL);
+        for (size_t i = 0; fine && i < count; i++) {
+            const bool through = end[i].fate == SGT_PASSED;
+            out->rays++, out->passed += through, out->weight += at[i].weight,
+                out->through += through ? at[i].weight : 0;
+            if (!through && end[i].element < a->lens->count && (int)end[i].fate >= 0 &&
+                (int)end[i].fate < FATES_TOLD)
+                out->ended[end[i].element * FATES_TOLD + (size_t)end[i].fate]++;
+            if (!through) continue;
+            if (w->cell.has_reference) {
+                sgt_ray_end one = end[i];
+                sgt_vec3 from = w->cell.reference;
+                if (w->cell.afocal)
+                    sgt_ends_as_angles(&w->cell.reference, 1, &end[i], &one), from = (sgt_vec3){0, 0, 0};
+                const double far = hypot(one.p.x - from.x, one.p.y - from.y);
+                if (!(far <= out->spot)) out->spot = far;
+            }
+            if (w->cell.has_opd) {
+                const double opd = w->cell.waves * sgt_opd(&w->cell.about, &end[i], NULL);
+                if (!(opd <= out->high)) out->high = opd;
+                if (!(opd >= out->low)) out->low = opd;
+            }
+        }
+    }
+    sgt_launch_forget(a->from, end);
+    return fine || sgt_ask_fail(a, "", "no memory");
+}
+
+/* Which radii and how much of the pupil end at an element by a fate. */
+typedef struct lost_region { double share, r0, r1; } lost_region;
+static lost_region region_of(const proof *p, size_t element, int fate)
+{
+    lost_region out = {0, 1, 0};
+    for (size_t i = 0; i < p->count; i++) {
+        const prove_box *b = &p->box[i];
+        if (b->fate != fate || b->element != element) continue;
+        out.share += 100 * sgt_sector_area(&b->of), out.r0 = fmin(out.r0, b->of.r0),
+                                                    out.r1 = fmax(out.r1, b->of.r1);
+    }
+    return out;
+}
+
+static const char *fate_said(int fate)
+{
+    return fate == SGT_TIR       ? "totally reflected"
+           : fate == SGT_CLIPPED ? "clipped"
+           : fate == SGT_MISSED  ? "missed"
+                                 : "evanescent";
+}
+
+static const char *ray_said(const prove_seen *s, char text[60])
+{
+    snprintf(text, 60, "--pupil \"%.6g %.6g\"", s->x, s->y);
+    return text;
+}
+
+/* What samples missed, in sentences; how many there are. */
+static size_t say_unseen(const proving *w, const sampled *s)
+{
+    const sgt_asking *a = w->ask;
+    const proof *p = &w->of;
+    const char *unit = a->lens->afocal ? "mrad" : sgt_ask_units(a);
+    char who[80], ray[60], other[60];
+    size_t told = 0;
+    name_of(w, who);
+    for (size_t e = 0; e < a->lens->count; e++)
+        for (int fate = 0; fate < FATES_TOLD; fate++) {
+            const lost_region r = region_of(p, e, fate);
+            if (fate == SGT_PASSED || fate == SGT_LOST || s->ended[e * FATES_TOLD + (size_t)fate] ||
+                !(r.share > REGION_TOLD))
+                continue;
+            told++;
+            sgt_ask_say(a, SGT_STUDY_NOTE,
+                        "%s: %.3g %% of the pupil is %s at element %zu, where no ray of the sample fell "
+                        "(radii %.4g to %.4g)",
+                        who, r.share, fate_said(fate), e + 1, r.r0, r.r1);
+        }
+    const double share = s->weight > 0 ? 100 * s->through / s->weight : (double)NAN;
+    if (!told &&
+        (share > 100 * (p->passes + p->undecided) + SHARE_TOLD || share < 100 * p->passes - SHARE_TOLD)) {
+        told++;
+        sgt_ask_say(a, SGT_STUDY_NOTE,
+                    "%s: of the sample %.4g %% passes; of the pupil %.4g %% certainly does, and %.4g %% "
+                    "certainly does not",
+                    who, share, 100 * p->passes, 100 * p->stops);
+    }
+    const prove_seen *far = &p->seen[Q_SPOT], *high = &p->seen[Q_HIGH], *low = &p->seen[Q_LOW];
+    const double floor =
+        1e-9 * (fabs(w->cell.reference.x) + fabs(w->cell.reference.y) + w->cell.beam->radius);
+    if (w->cell.has_reference && far->value > WORST_TOLD * s->spot + floor) {
+        told++;
+        sgt_ask_say(a, SGT_STUDY_NOTE,
+                    "%s: some ray ends %.4g %s from the chief ray (%s); those of the sample end within "
+                    "%.4g",
+                    who, far->value, unit, ray_said(far, ray), s->spot);
+    }
+    if (w->cell.has_opd && high->value + low->value > WORST_TOLD * (s->high - s->low) + 1e-6) {
+        told++;
+        sgt_ask_say(a, SGT_STUDY_NOTE,
+                    "%s: path differences range over %.4g waves (%s, %s); those of the sample over %.4g", who,
+                    high->value + low->value, ray_said(high, ray), ray_said(low, other), s->high - s->low);
+    }
+    return told;
+}
+
+static void tell_samples(proving *w)
+{
+    const sgt_asking *a = w->ask;
+    const proof *p = &w->of;
+    const double none = (double)NAN;
+    sampled s;
+    if (sample(w, &s)) {
+        const size_t missed = say_unseen(w, &s);
+        const bool known = w->cell.has_reference, waves = w->cell.has_opd;
+        const sgt_prove_sample_row row = {
+            .field = a->number[w->i / a->bands],
+            .wavelength = a->band[w->i % a->bands].at.um,
+            .rays = s.rays,
+            .passed = s.passed,
+            .sampled = s.weight > 0 ? 100 * s.through / s.weight : none,
+            .passes = 100 * p->passes,
+            .stops = 100 * p->stops,
+            .undecided = 100 * p->undecided,
+            .spot_sampled = s.spot,
+            .spot_seen = known ? p->seen[Q_SPOT].value : none,
+            .spot = most_of(p, Q_SPOT, known),
+            .pv_sampled = s.high - s.low,
+            .pv_seen = waves ? p->seen[Q_HIGH].value + p->seen[Q_LOW].value : none,
+            .pv = sgt_sum_above(most_of(p, Q_HIGH, waves), most_of(p, Q_LOW, waves)),
+            .missed = missed};
+        sgt_ask_row(a, &row);
+    }
+    sgt_launch_forget(a->from, s.ended);
+}
+
+static bool ask_samples(sgt_asking *a)
+{
+    if (a->study->opt.shard)
+        return sgt_ask_refuse(a, "shard", "samples are held against the proof in one run");
+    return prove_each(a, false, tell_samples);
 }
 
 /* ------------------------------------------------------------------------- limits */
@@ -410,6 +703,9 @@ static const sgt_column prove_columns[] = {
     {.name = "boxes", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SUM(boxes), 0, "how many were carried through"},
     {.name = "spent", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, SUM(spent), 0,
      "1: as many as were allowed, so more of them would bring closer bounds"},
+    {.name = "fx", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, SGT_COLUMN_DETAIL, SUM(fx), 0, "the field,"},
+    {.name = "fy", SGT_COLUMN_NUMBER, SGT_UNIT_FIELD, SGT_COLUMN_DETAIL, SUM(fy), 0,
+     "as the lens gives it: degrees, or a height"},
 };
 
 #define EACH(member) offsetof(sgt_prove_element_row, member)
@@ -460,6 +756,61 @@ static const sgt_column regions_columns[] = {
     {.name = "share", SGT_COLUMN_NUMBER, SGT_UNIT_PERCENT, 0, REGION(share), 0, "of the area of the pupil"},
 };
 
+#define SAMPLE(member) offsetof(sgt_prove_sample_row, member)
+static const sgt_column samples_columns[] = {
+    {.name = "field", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SAMPLE(field), 0, "the field, counted from 1"},
+    COLUMN_WAVELENGTH(sgt_prove_sample_row, 0),
+    {.name = "rays", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SAMPLE(rays), 0, "how many the sample has,"},
+    {.name = "passed", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, SAMPLE(passed), 0, "how many of them pass,"},
+    {.name = "sampled", SGT_COLUMN_NUMBER, SGT_UNIT_PERCENT, 0, SAMPLE(sampled), 0, "and what they weigh"},
+    {.name = "passes",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_PERCENT,
+     0,
+     SAMPLE(passes),
+     0,
+     "of the area of the pupil, all rays of it pass"},
+    {.name = "stops", SGT_COLUMN_NUMBER, SGT_UNIT_PERCENT, 0, SAMPLE(stops), 0, "no ray of it passes"},
+    {.name = "undecided", SGT_COLUMN_ERROR, SGT_UNIT_PERCENT, 0, SAMPLE(undecided), 0, "what is left"},
+    {.name = "spot_sampled",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_IMAGE,
+     0,
+     SAMPLE(spot_sampled),
+     0,
+     "the largest distance from the chief ray of the primary wavelength: of the sample,"},
+    {.name = "spot_seen",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_IMAGE,
+     0,
+     SAMPLE(spot_seen),
+     0,
+     "of a ray that the proof traced,"},
+    {.name = "spot", SGT_COLUMN_NUMBER, SGT_UNIT_IMAGE, 0, SAMPLE(spot), 0, "of any ray at most"},
+    {.name = "pv_sampled",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_WAVE,
+     0,
+     SAMPLE(pv_sampled),
+     0,
+     "largest less smallest path difference: of the sample,"},
+    {.name = "pv_seen",
+     SGT_COLUMN_NUMBER,
+     SGT_UNIT_WAVE,
+     0,
+     SAMPLE(pv_seen),
+     0,
+     "of rays that the proof traced,"},
+    {.name = "pv", SGT_COLUMN_NUMBER, SGT_UNIT_WAVE, 0, SAMPLE(pv), 0, "of all rays at most"},
+    {.name = "missed",
+     SGT_COLUMN_COUNT,
+     SGT_UNIT_NONE,
+     0,
+     SAMPLE(missed),
+     0,
+     "in how many ways they differ, as notes say"},
+};
+
 #define LIMIT(member) offsetof(sgt_prove_limit_row, member)
 static const sgt_column limits_columns[] = {
     COLUMN_FIELD(sgt_prove_limit_row),
@@ -488,7 +839,10 @@ static const sgt_column limits_columns[] = {
         .name = "boxes", SGT_SETTING_COUNT, offsetof(sgt_prove_options, boxes), NULL, 1, 100000000,         \
             "at most so many boxes a field and wavelength (default 10000)"                                  \
     }
-static const sgt_setting prove_settings[] = {UNDECIDED_SETTING, BOXES_SETTING};
+static const sgt_setting prove_settings[] = {
+    UNDECIDED_SETTING, BOXES_SETTING,
+    {.name = "steps", SGT_SETTING_COUNT, offsetof(sgt_prove_options, steps), NULL, 2, 10000,
+     "of so many fields from the axis to the farthest one, without vignetting but by apertures"}};
 static const sgt_setting limits_settings[] = {
     BOXES_SETTING,
     {.name = "limit", SGT_SETTING_TEXT, offsetof(sgt_prove_options, limit), NULL, 0, 0,
@@ -526,3 +880,17 @@ const sgt_analysis sgt_prove_limits_analysis = {
     .help = "Limits for every ray that passes: proven, broken or undecided, " PROVE_HELP,
     .no_rays = true, ROWS_OF(sgt_prove_limit_row, limits_columns), OPTIONS_OF(sgt_prove_options),
     SETTINGS_OF(limits_settings), .ask = ask_limits};
+
+const sgt_analysis sgt_prove_samples_analysis = {
+    .name = "prove_samples",
+    .title = "rays of a sample, against every ray of the pupil",
+    .part_of = "prove",
+    .help = "What the rays of a pattern say of passing, of distances and path differences, beside what is "
+            "true of every "
+            "ray, " PROVE_HELP,
+    .pattern = SGT_PATTERN_HEXAPOLAR,
+    .rays = 6,
+    ROWS_OF(sgt_prove_sample_row, samples_columns),
+    OPTIONS_OF(sgt_prove_options),
+    SETTINGS_OF(prove_settings),
+    .ask = ask_samples};

@@ -16,6 +16,7 @@ static struct {
     bool shown, forced, terminal;
     double start, last;
     int length;      /* of the line that is on the terminal */
+    const char *things; /* that are counted; NULL: rays */
 } progress;
 
 static double progress_now(void)
@@ -25,11 +26,13 @@ static double progress_now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+void progress_of(const char *things) { progress.things = things; }
+
 void progress_begin(size_t rays, bool data_on_standard_output, bool forced)
 {
     const bool terminal = isatty(STDERR_FILENO) == 1;
     progress.all = rays, progress.done = 0, progress.length = 0;
-    progress.terminal = terminal, progress.forced = forced;
+    progress.terminal = terminal, progress.forced = forced, progress.things = NULL;
     progress.shown = forced || (terminal && !(data_on_standard_output && isatty(STDOUT_FILENO) == 1));
     if (ranks_here()) progress.shown = progress.forced = false;
     progress.start = progress_now(), progress.last = progress.start + SILENT;
@@ -40,7 +43,8 @@ static void show_line(double seconds)
     const double part = (double)progress.done / (double)progress.all;
     fprintf(stderr, progress.terminal ? "\r" : "sagitta: ");
     const int length =
-        progress.all ? fprintf(stderr, "%zu of %zu rays, %.0f %%, %.0f s, %.0f s left", progress.done,
+        progress.things ? fprintf(stderr, "%zu %s, %.0f s", progress.done, progress.things, seconds)
+        : progress.all ? fprintf(stderr, "%zu of %zu rays, %.0f %%, %.0f s, %.0f s left", progress.done,
                                progress.all, 100 * part, seconds, seconds / part - seconds)
                      : fprintf(stderr, "pass %zu, block %zu of %zu, %.0f s", progress.pass + 1,
                                progress.share, progress.shares, seconds);
@@ -81,7 +85,9 @@ void progress_end(void)
 {
     const double seconds = progress_now() - progress.start;
     if (progress.terminal && progress.length) fprintf(stderr, "\r%*s\r", progress.length, "");
-    if (progress.forced)
+    if (progress.forced && progress.things)
+        fprintf(stderr, "sagitta: %zu %s, %.1f s\n", progress.done, progress.things, seconds);
+    else if (progress.forced)
         fprintf(stderr, "sagitta: %zu rays, %.1f s, %.4g rays a second\n", progress.done, seconds,
                 seconds > 0 ? (double)progress.done / seconds : 0);
 }

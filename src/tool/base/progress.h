@@ -10,6 +10,9 @@
  * lines, if standard error is no terminal. */
 void progress_begin(size_t rays, bool data_on_standard_output, bool forced);
 
+/* They are no rays but these: "boxes". */
+void progress_of(const char *things);
+
 /* So many are done.  Not in two threads at once. */
 void progress_add(size_t rays);
 

@@ -11,8 +11,56 @@
 
 static bool is_view(const look *l, const char *name) { return strcmp(l->of->name, name) == 0; }
 
+/* ---------------------------------------------------- the fields and wavelengths between
+ *
+ * --fields all and --wavelengths all are those between, too: these are other analyses. */
+static bool all_wavelengths;
+
+static void take_all_wavelengths(void *into, const option_row *row, const char *value)
+{
+    (void)into;
+    options_word(row, value);
+    all_wavelengths = true;
+}
+
+static const option_row prove_own[] = {
+    {"wavelengths", "all",
+     "all: those between, too, from the shortest to the longest one.  And --fields all: the fields\n"
+     "between, too.  Then there is a row for each bound, and --limit goes with it.  Default: each\n"
+     "field and wavelength of the lens by itself",
+     OPTION_TAKE, .words = "all", .take = take_all_wavelengths},
+    {0},
+};
+
+static const char *analysis_of(look *l)
+{
+    const bool limits = is_view(l, "prove_limits");
+    if (!l->job.all_fields && !all_wavelengths) return l->of->name;
+    if (!limits && strcmp(l->of->name, "prove") != 0)
+        fail_usage("--%s: not of all fields or wavelengths; a box of the pupil is of one field",
+                   is_view(l, "prove_elements") ? "elements" : "regions");
+    if (l->shared.picture) fail_usage("--picture: pupils are drawn of single fields at single wavelengths");
+    return limits ? "prove_between_limits" : "prove_between";
+}
+
+static bool is_between(const look *l)
+{
+    return is_view(l, "prove_between") || is_view(l, "prove_between_limits");
+}
+
+static const char *counted_of(const look *l)
+{
+    return is_between(l) ? "parts of the fields and wavelengths" : "boxes";
+}
+
 static void check_prove(look *l)
 {
+    if (is_between(l)) {
+        sgt_prove_options *o = l->options;
+        o->between = l->job.all_fields ? all_wavelengths ? 0 : 1 : 2;
+        return;
+    }
+
     if (l->job.no_apertures && is_view(l, "prove_elements"))
         fail_usage("--no-apertures: then no ray is clipped, and there is no clearance; leave out --elements");
 }
@@ -28,44 +76,101 @@ static const char *field_of_row(const look *l, size_t number)
     return memory_print("--field-at \"%.17g %.17g %s\"", at->x, at->y, job_field_kind(l->fields.kind));
 }
 
+static const char *wavelength_um(double um)
+{
+    if (isnan(um)) return "";
+    return memory_print(" --wavelength %.17g%s", um, strchr(memory_print("%.17g", um), '.') ? "" : ".0");
+}
+
 static const char *wavelength_of_row(const look *l, double um)
 {
     const size_t b = look_band_of(l, um);
     if (isnan(um) || b == l->bands) return "";
     if (l->band[b].chosen) return memory_print(" --wavelength %zu", (size_t)l->band[b].chosen);
-    return memory_print(" --wavelength %.17g%s", um, strchr(memory_print("%.17g", um), '.') ? "" : ".0");
+    return wavelength_um(um);
+}
+
+/* How many limits are proven, broken, undecided, empty. */
+static void count_verdict(size_t count[4], int verdict)
+{
+    count[verdict == SGT_LIMIT_PROVEN   ? 0
+          : verdict == SGT_LIMIT_BROKEN ? 1
+          : verdict == SGT_LIMIT_EMPTY  ? 3
+                                        : 2]++;
+}
+
+static exit_status end_verdicts(const look *l, const size_t count[4])
+{
+    table_line(l->table, "%zu of %zu proven%s%s%s.", count[0], l->rows,
+               count[1] ? memory_print(", %zu broken", count[1]) : "",
+               count[2] ? memory_print(", %zu undecided: more --boxes may decide them", count[2]) : "",
+               count[3] ? memory_print(", %zu empty: no ray passes", count[3]) : "");
+    return count[1] ? EXIT_BROKEN : count[2] || count[3] ? EXIT_UNDECIDED : EXIT_DECIDED;
+}
+
+static const char *quoted_lens(const look *l)
+{
+    const char *quote = strpbrk(l->job.lens, " '()&;") ? "\"" : "";
+    return memory_print("%s%s%s", quote, l->job.lens, quote);
+}
+
+/* Options that the ray needs as well; rays are those of the paraxial pupil. */
+static const char *again_of(const look *l)
+{
+    const char *aims = l->primary.of->aim == SGT_LENS_AIM_PUPIL ? "" : " --aim paraxial";
+    return memory_print("%s%s", l->job.again ? l->job.again : "",
+                        l->job.again && strstr(l->job.again, "--aim") ? "" : aims);
+}
+
+static void say_broken_between(const look *l, const sgt_prove_between_limit_row *r)
+{
+    const bool finite = isfinite(l->primary.of->object_distance);
+    table_line(
+        l->table,
+        "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s --field-at \"%.17g %.17g %s\"%s "
+        "--pupil \"%.17g %.17g\"%s",
+        r->limit, r->seen, quoted_lens(l), r->fx, r->fy, finite ? "object_height" : "angle",
+        wavelength_um(r->um), r->px, r->py, again_of(l));
+    if (!isnan(r->low_px))
+        table_line(l->table, "    and by the one with the smallest difference, --pupil \"%.17g %.17g\"",
+                   r->low_px, r->low_py);
+}
+
+static exit_status end_between_limits(const look *l)
+{
+    size_t count[4] = {0};
+    bool told[SGT_PROVE_LIMITS + 1] = {false};
+    for (size_t i = 0; i < l->rows; i++) {
+        const sgt_prove_between_limit_row *r = look_row(l, i);
+        count_verdict(count, r->verdict);
+        if (r->verdict != SGT_LIMIT_BROKEN || told[r->limit]) continue;
+        told[r->limit] = true;
+        say_broken_between(l, r);
+    }
+    return end_verdicts(l, count);
 }
 
 static void say_broken(const look *l, const sgt_prove_limit_row *r)
 {
-    const char *quote = strpbrk(l->job.lens, " '()&;") ? "\"" : "";
-    const char *aims = l->primary.of->aim == SGT_LENS_AIM_PUPIL ? "" : " --aim paraxial";
     table_line(l->table,
-               "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s%s%s %s%s --pupil "
-                         "\"%.17g %.17g\"%s%s", r->limit, r->seen, quote, l->job.lens, quote,
-               field_of_row(l, r->field), wavelength_of_row(l, r->wavelength), r->px, r->py,
-               l->job.again ? l->job.again : "", l->job.again && strstr(l->job.again, "--aim") ? "" : aims);
+               "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s %s%s --pupil "
+                         "\"%.17g %.17g\"%s", r->limit, r->seen, quoted_lens(l),
+               field_of_row(l, r->field), wavelength_of_row(l, r->wavelength), r->px, r->py, again_of(l));
 }
 
 /* The first ray that breaks each limit, and how many hold. */
 static exit_status end_limits(const look *l)
 {
-    size_t proven = 0, broken = 0, empty = 0;
+    size_t count[4] = {0};
     bool told[SGT_PROVE_LIMITS + 1] = {false};
     for (size_t i = 0; i < l->rows; i++) {
         const sgt_prove_limit_row *r = look_row(l, i);
-        proven += r->verdict == SGT_LIMIT_PROVEN, broken += r->verdict == SGT_LIMIT_BROKEN;
-        empty += r->verdict == SGT_LIMIT_EMPTY;
+        count_verdict(count, r->verdict);
         if (r->verdict != SGT_LIMIT_BROKEN || isnan(r->px) || told[r->limit]) continue;
         told[r->limit] = true;
         say_broken(l, r);
     }
-    const size_t left = l->rows - proven - broken - empty;
-    table_line(l->table, "%zu of %zu proven%s%s%s.", proven, l->rows,
-               broken ? memory_print(", %zu broken", broken) : "",
-               left ? memory_print(", %zu undecided: more --boxes may decide them", left) : "",
-               empty ? memory_print(", %zu empty: no ray passes", empty) : "");
-    return broken ? EXIT_BROKEN : left || empty ? EXIT_UNDECIDED : EXIT_DECIDED;
+    return end_verdicts(l, count);
 }
 
 static exit_status end_prove(look *l)
@@ -73,6 +178,7 @@ static exit_status end_prove(look *l)
     const char *primary = lens_primary(l->primary.of);
     if (primary) table_line(l->table, "%s", primary);
     if (is_view(l, "prove_limits")) return end_limits(l);
+    if (is_view(l, "prove_between_limits")) return end_between_limits(l);
     return l->total.fates.lost ? EXIT_UNDECIDED : EXIT_DECIDED;
 }
 
@@ -144,8 +250,49 @@ static void fill_box(double value[], const sgt_prove_region_row *r, double kind)
         }
 }
 
+/* --steps: what passes at each field, at least and at most. */
+static void draw_vignetting(const look *l)
+{
+    chart_series *series = memory_take(2 * l->bands, sizeof *series);
+    const sgt_prove_row *last = l->rows ? look_row(l, l->rows - 1) : NULL;
+    const bool upright = last && last->fx == 0;
+    for (size_t b = 0; b < l->bands; b++) {
+        double *x = memory_take(l->rows + 1, sizeof *x), *least = memory_take(l->rows + 1, sizeof *least),
+               *most = memory_take(l->rows + 1, sizeof *most);
+        size_t count = 0;
+        for (size_t i = 0; i < l->rows; i++) {
+            const sgt_prove_row *r = look_row(l, i);
+            if (look_band_of(l, r->wavelength) != b) continue;
+            x[count] = upright ? r->fy : hypot(r->fx, r->fy), least[count] = r->passes;
+            most[count++] = r->passes + r->undecided;
+        }
+        const char *name = l->bands > 1 ? look_wavelength_name(l, b) : NULL;
+        const chart_series one = {.name = name ? name : "at least", .colour = look_colour(l, b), .line = true,
+                                  .mark = CHART_RING, .count = count, .x = x, .y = least};
+        series[2 * b] = series[2 * b + 1] = one;
+        series[2 * b + 1].y = most, series[2 * b + 1].dash = CHART_DASHED,
+                       series[2 * b + 1].mark = CHART_NO_MARK;
+        series[2 * b + 1].name = "at most";
+    }
+    const chart_panel panel = {.x_label = look_field_axis(l),
+                               .y_label = "passes (% of the pupil)",
+                               .y_high = 100,
+                               .series_count = 2 * l->bands,
+                               .series = series};
+    const char *line[] = {look_lens_line(l), "proven of all rays of the pupil"};
+    chart_write(l->picture, &(chart){.title = look_title(l, "what passes, against the field"),
+                                     .line = line,
+                                     .lines = 2,
+                                     .panels = 1,
+                                     .panel = &panel});
+}
+
 static void draw_pupils(const look *asked)
 {
+    if (look_given(asked, "steps")) {
+        draw_vignetting(asked);
+        return;
+    }
     const look boxes = is_view(asked, "prove_regions") ? *asked : look_again(asked, "prove_regions"),
             *l = &boxes;
     const size_t panels = l->fields.count * l->bands;
@@ -199,8 +346,14 @@ static exit_status prove_run(const command *c, int argc, char *argv[])
          "clearance[ELEMENT] > X (from the edge of the clear aperture)",
          true},
         {NULL, NULL, NULL, NULL, false}};
-    return look_run(c, &(look_way){.view = views, .check = check_prove, .draw = draw_pupils,
-            .end = end_prove},
+    return look_run(c,
+                    &(look_way){.view = views,
+                                .own = prove_own,
+                                .analysis = analysis_of,
+                                .counted = counted_of,
+                                .check = check_prove,
+                                .draw = draw_pupils,
+                                .end = end_prove},
                     argc, argv);
 }
 

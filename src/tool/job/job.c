@@ -94,7 +94,10 @@ static void take_pupil(void *into, const option_row *row, const char *value)
 static void take_fields(void *into, const option_row *row, const char *value)
 {
     job_options *o = into;
-    if (strcmp(value, "all") == 0) return; /* the default */
+    if (strcmp(value, "all") == 0) {
+        o->all_fields = true; /* the default, but for sagitta prove */
+        return;
+    }
     for (char *rest = memory_text(value, strlen(value)), *word; (word = next_word(&rest));) {
         o->number = memory_room(o->number, o->numbers, &o->number_capacity, sizeof *o->number);
         o->number[o->numbers++] = (size_t)options_integer(row->name, word, 1, INT_MAX) - 1;

@@ -16,6 +16,7 @@ typedef struct job_options {
     const char *field_kind;           /* its KIND; NULL: as the lens has it */
     size_t *number;                   /* --fields, one after another, from 0 */
     size_t numbers, number_capacity;
+    bool all_fields;                  /* --fields all */
     sgt_pupil_point *pupil;           /* --pupil and --chief, one after another */
     size_t pupils, pupil_capacity;
     long points;                      /* the N of --fan N and its like; 0: not given */

@@ -58,13 +58,43 @@ static const option_row look_rows[] = {
     PICK_OPTION("which root: near-seed or first, as in sagitta trace"),
     {0},
 };
+#define WEIGHTS_OPTION                                                                                    \
+    {"weights", "WORD",                                                                                   \
+     "area (the default): a ray counts by the area of the pupil that it stands for; equal: each alike\n"  \
+     "They differ for --hexapolar.  OpticStudio has equal",                                               \
+     OPTION_WORD, .to = offsetof(shared_options, weights), .words = "area equal"}
+
+/* --proof all, of the analyses of a sample of rays. */
+static bool proof_of_all;
+
+static void take_proof(void *into, const option_row *row, const char *value)
+{
+    const int word = options_word(row, value);
+    proof_of_all = word == 3;
+    ((shared_options *)into)->solver.proof = (sgt_proof)(proof_of_all ? SGT_ESTIMATE : SGT_ESTIMATE + word);
+}
+
+static bool has_proof_of_all(const sgt_analysis *a)
+{
+    static const char *const names[] = {"spot", "fan", "opd", "map"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(a->name, names[i]) == 0) return true;
+    return false;
+}
+
 static const option_row proof_rows[] = {
-    {"weights", "WORD",
-     "area (the default): a ray counts by the area of the pupil that it stands for; equal: each alike\n"
-     "They differ for --hexapolar.  OpticStudio has equal",
-     OPTION_WORD, .to = offsetof(shared_options, weights), .words = "area equal"},
+    WEIGHTS_OPTION,
     PROOF_OPTION("what must be proven of each hit: estimate, root or first (see sagitta trace)\n"
                  "A ray for which it is not is lost"),
+    {0},
+};
+static const option_row proof_or_all_rows[] = {
+    WEIGHTS_OPTION,
+    {"proof", "P",
+     "what must be proven of each hit: estimate, root or first (see sagitta trace)\n"
+     "A ray for which it is not is lost.  all: nothing of a hit, but what is true of every ray of\n"
+     "the pupil is proven beside the rays (sagitta prove), and a note says what they miss",
+     OPTION_TAKE, .words = "estimate root first all", .take = take_proof},
     {0},
 };
 static const option_group look_group = {OPTIONS_SHARED, "The search, and the picture", .row = look_rows};
@@ -207,7 +237,9 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
     asking a = {.look = l, .way = way, .setting = setting,
                 .given = memory_take((size_t)argc, sizeof *a.given)};
     const option_group own = {OPTIONS_OWN, "Options", .row = own_rows(&a)};
-    const option_group proof = {OPTIONS_SHARED, NULL, .row = proof_rows, .hidden = l->of->no_rays};
+    const option_group proof = {OPTIONS_SHARED, NULL,
+                                .row = has_proof_of_all(l->of) ? proof_or_all_rows : proof_rows,
+                                .hidden = l->of->no_rays};
     const look_help columns = {l->of, way->view};
     command all = *c;
     all.usage = "LENS [options]", all.what = l->of->help;
@@ -223,6 +255,7 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
     memcpy(all.group, groups, sizeof groups);
     command_read(&all, &a, &l->job, &l->shared, argc, argv);
     if (a.view) l->of = sgt_analysis_named(a.view->analysis);
+    if (way->analysis) l->of = sgt_analysis_named(way->analysis(l));
     l->options = memory_take(l->of->options_size + 1, 1);
     l->set = memory_take(a.count + 1, sizeof *l->set);
     if (a.view && a.view->setting)
@@ -241,6 +274,19 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
 /* Tasks that are at work, and whether the command is about to end. */
 static int at_work, leaving;
 
+/* Of sagitta prove: the tasks that are done are counted for --progress, by the thread that asks. */
+static bool counts_tasks;
+static size_t tasks_done, tasks_told;
+static _Thread_local bool asks;
+
+static void count_tasks(size_t more)
+{
+    const size_t done = __atomic_add_fetch(&tasks_done, more, __ATOMIC_RELAXED);
+    if (!asks) return;
+    progress_add(done - tasks_told);
+    tasks_told = done;
+}
+
 static void in_threads(void *context, size_t tasks, void (*task)(void *data, size_t i), void *data)
 {
     const int threads = *(const int *)context;
@@ -249,6 +295,7 @@ static void in_threads(void *context, size_t tasks, void (*task)(void *data, siz
     for (size_t i = 0; i < tasks; i++) {
         __atomic_add_fetch(&at_work, 1, __ATOMIC_SEQ_CST);
         if (!__atomic_load_n(&leaving, __ATOMIC_SEQ_CST)) task(data, i);
+        if (counts_tasks) count_tasks(1);
         __atomic_sub_fetch(&at_work, 1, __ATOMIC_SEQ_CST);
     }
     ranks_serve();
@@ -297,8 +344,8 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
     *threads = options_threads(&l->shared);
     shared_out.number = shard_number(), shared_out.of = shard_count();
     shared_out.next = shard_ranks() ? shard_next : NULL;
-    /* (A picture may ask another analysis for the same points.) */
-    const bool fixed = l->picture && l->of->part_of;
+    /* (A picture, or --proof all, may ask another analysis for the same points.) */
+    const bool fixed = (l->picture && l->of->part_of) || proof_of_all;
     return (sgt_study_options){
         .aim = job_aim(o, of), .solver = &l->shared.solver, .open = o->no_apertures,
         .fields = o->fields || o->numbers ? l->fields.count : 0, .field = o->fields ? NULL : number,
@@ -307,7 +354,7 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
         .pattern = points->rays || fixed ? &points->pattern : NULL,
         .rays = fixed && !points->rays ? l->of->rays : points->rays, .seed = points->seed,
         .points = points->count, .point = points->at, .equal_weights = l->shared.weights,
-        .run = *threads > 1 || shard_ranks() ? in_threads : NULL, .context = threads,
+        .run = *threads > 1 || shard_ranks() || counts_tasks ? in_threads : NULL, .context = threads,
         .shard = shard_count() ? &shared_out : NULL};
 }
 
@@ -359,8 +406,9 @@ double look_value(const look *l, const void *row, size_t place)
 {
     const sgt_column *c = sgt_analysis_column(l->of, place);
     return c->kind == SGT_COLUMN_COUNT || c->kind == SGT_COLUMN_PLACE ? (double)count_at(row, c->offset)
-           : c->kind == SGT_COLUMN_FATE || c->kind == SGT_COLUMN_VERDICT ? fate_at(row, c->offset)
-                                                                      : number_at(row, c->offset);
+           : c->kind == SGT_COLUMN_FATE || c->kind == SGT_COLUMN_VERDICT || c->kind == SGT_COLUMN_QUANTITY
+               ? fate_at(row, c->offset)
+               : number_at(row, c->offset);
 }
 
 const void *look_row(const look *l, size_t i) { return l->row + i * l->of->row_size; }
@@ -401,7 +449,7 @@ static column head_of(const look *l, size_t i, char unit[32])
         [SGT_COLUMN_ERROR] = COLUMN_ERROR,   [SGT_COLUMN_WAVELENGTH] = COLUMN_EXACT,
         [SGT_COLUMN_COUNT] = COLUMN_COUNT,   [SGT_COLUMN_PLACE] = COLUMN_COUNT,
         [SGT_COLUMN_WHOLE] = COLUMN_COUNT,   [SGT_COLUMN_FATE] = COLUMN_CODE,
-        [SGT_COLUMN_VERDICT] = COLUMN_CODE};
+        [SGT_COLUMN_VERDICT] = COLUMN_CODE,   [SGT_COLUMN_QUANTITY] = COLUMN_CODE};
     char name[32];
     sgt_study_column(l->study, l->of, l->options, i, name, unit);
     return (column){memory_print("%s", name), kinds[sgt_analysis_column(l->of, i)->kind]};
@@ -410,7 +458,9 @@ static column head_of(const look *l, size_t i, char unit[32])
 typedef const char *code_word(int code);
 static code_word *word_of(const sgt_column *c)
 {
-    return c->kind == SGT_COLUMN_VERDICT ? sgt_limit_verdict_text : sgt_study_fate_text;
+    return c->kind == SGT_COLUMN_VERDICT    ? sgt_limit_verdict_text
+           : c->kind == SGT_COLUMN_QUANTITY ? sgt_prove_quantity_text
+                                            : sgt_study_fate_text;
 }
 
 /* What put_column prints. */
@@ -421,7 +471,7 @@ static table_member member_of(const sgt_column *c)
         [SGT_COLUMN_ERROR] = MEMBER_NUMBER,  [SGT_COLUMN_WAVELENGTH] = MEMBER_NUMBER,
         [SGT_COLUMN_COUNT] = MEMBER_COUNT,   [SGT_COLUMN_PLACE] = MEMBER_COUNT,
         [SGT_COLUMN_WHOLE] = MEMBER_WHOLE,   [SGT_COLUMN_FATE] = MEMBER_CODE,
-        [SGT_COLUMN_VERDICT] = MEMBER_CODE};
+        [SGT_COLUMN_VERDICT] = MEMBER_CODE,   [SGT_COLUMN_QUANTITY] = MEMBER_CODE};
     return (table_member){.kind = kinds[c->kind], .offset = c->offset, .word = word_of(c),
                           .zero = c->kind == SGT_COLUMN_WAVELENGTH ? "all"
                                   : c->kind == SGT_COLUMN_PLACE    ? ""
@@ -477,6 +527,40 @@ look look_again(const look *l, const char *analysis)
     return other;
 }
 
+static void note_sentence(void *context, sgt_remark_of_study kind, const char *sentence)
+{
+    (void)context;
+    if (kind == SGT_STUDY_NOTE) note("%s", sentence);
+}
+
+/* --proof all: the same rays beside the proof, whose notes say what they miss.  And a line under the table.
+ */
+static void hold_against_proof(look *l)
+{
+    look other = *l;
+    sgt_error e;
+    double undecided = 0;
+    size_t missed = 0;
+    if (shard_is()) return;
+    other.of = sgt_analysis_named("prove_samples"), other.row = NULL, other.rows = other.room = 0;
+    const sgt_sink sink = {.context = &other, .row = keep_any_row, .say = note_sentence};
+    if (!sgt_study_run(l->study, other.of, NULL, &sink, NULL, &e)) refuse(&other, &e);
+    for (size_t i = 0; i < other.rows; i++) {
+        const sgt_prove_sample_row *r = look_row(&other, i);
+        undecided = fmax(undecided, r->undecided), missed += r->missed;
+    }
+    if (missed)
+        table_line(
+            l->table,
+            "These rays miss something, as the notes say; sagitta prove tells what is true of every ray.");
+    else
+        table_line(l->table,
+                   "Held against every ray of the pupil%s: no region of it is lost where none of these fell, "
+                   "and the "
+                   "worst ray that was found is not 1.1 times theirs.",
+                   undecided > 0 ? memory_print(" but %.2g %% of it", undecided) : "");
+}
+
 static void put_double(const printing *p, const sgt_column *c, const void *row)
 {
     const double x = number_at(row, c->offset), error = c->error ? number_at(row, c->error) : 0;
@@ -505,6 +589,7 @@ static void put_column(const printing *p, const sgt_column *c, const void *row)
         return;
     case SGT_COLUMN_FATE:
     case SGT_COLUMN_VERDICT:
+    case SGT_COLUMN_QUANTITY:
         table_code(t, fate_at(row, c->offset), word_of(c)(fate_at(row, c->offset)));
         return;
     }
@@ -649,7 +734,14 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
     job_points_asked points = {.count = 0};
     if (!l.of->no_rays) points = job_points_of(&l.job, l.of->pattern);
     if (way->check) way->check(&l);
+    if (proof_of_all && (shard_count() || shard_ranks() || l.job.pupils))
+        fail_usage("--proof all: not with %s",
+                   l.job.pupils ? "--pupil and --chief, which are single rays" : "shards");
     if (shard_ranks()) progress_begin(0, !l.shared.target.path, l.shared.progress);
+    else if (way->counted) {
+        counts_tasks = asks = true;
+        progress_begin(0, !l.shared.target.path, l.shared.progress), progress_of(way->counted(&l));
+    }
     const lens_each all = l.over ? (lens_each){.count = 0} : lens_open_each(l.job.lens);
     l.shared.target.leads = all.count;
     if (all.count && l.picture)
@@ -673,9 +765,12 @@ exit_status look_run(const command *c, const look_way *way, int argc, char *argv
         if (!sgt_study_run(l.study, l.of, l.options, &sink, &l.total, &e)) refuse(&l, &e);
     }
     shard_end();
+    if (shard_is() && counts_tasks) progress_end();
     if (shard_is()) return EXIT_DECIDED;
+    if (counts_tasks) count_tasks(0), progress_end();
     if (shard_ranks()) progress_rays(l.total.fates.rays), progress_end();
     for (size_t i = 0; i < p.legends; i++) table_line(l.table, "%s", p.legend[i]);
+    if (proof_of_all) hold_against_proof(&l);
     if (all.count) table_line(l.table, "%s", lens_each_line(&all));
     const exit_status status = way->end && !all.count ? way->end(&l) : worst;
     if (!way->end) look_verdict(&l);

@@ -60,6 +60,9 @@ typedef struct look_way {
     const option_row *own;      /* options of the command's own; ends with {NULL}.  NULL: none */
     const look_over *over;      /* what is asked again and again; NULL: nothing */
     bool ends;                  /* the picture wants the rays of a spot */
+    const char *(*analysis)(
+        look *l); /* the options that were given may choose another one.  NULL: they do not */
+    const char *(*counted)(const look *l); /* of what --progress counts: "boxes".  NULL: it is not shown */
     void (*check)(look *l);     /* before anything is read; a fault ends the command.  NULL: none */
     void (*draw)(const look *l); /* NULL: as draw_x and draw_y of the analysis say */
     exit_status (*end)(look *l); /* the last lines under the table, and the exit status; its rows are kept.
