@@ -19,15 +19,6 @@ static void check_prove(look *l)
 
 /* ------------------------------------------------------------------------ limits */
 
-static const char *field_of_row(const look *l, size_t number)
-{
-    const size_t f = look_field_of(l, number);
-    const sgt_lens_field *at = &l->fields.at[f];
-    if (!l->job.fields) return memory_print("--fields %zu", number);
-    if (l->fields.kind == SGT_FIELD_ANGLE && at->x == 0) return memory_print("--field %.17g", at->y);
-    return memory_print("--field-at \"%.17g %.17g %s\"", at->x, at->y, job_field_kind(l->fields.kind));
-}
-
 static const char *wavelength_of_row(const look *l, double um)
 {
     const size_t b = look_band_of(l, um);
@@ -43,7 +34,7 @@ static void say_broken(const look *l, const sgt_prove_limit_row *r)
     table_line(l->table,
                "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s%s%s %s%s --pupil "
                          "\"%.17g %.17g\"%s%s", r->limit, r->seen, quote, l->job.lens, quote,
-               field_of_row(l, r->field), wavelength_of_row(l, r->wavelength), r->px, r->py,
+               look_field_words(l, r->field), wavelength_of_row(l, r->wavelength), r->px, r->py,
                l->job.again ? l->job.again : "", l->job.again && strstr(l->job.again, "--aim") ? "" : aims);
 }
 

@@ -252,11 +252,38 @@ static void keep_option(const option_row *r, const char *value)
     keep_argument(r->value ? memory_print("--%s=%s", r->name, value) : memory_print("--%s", r->name));
 }
 
+/* The option that does what another name asks for, and what to write behind it; NULL: no such name is
+ * known. */
+static const char *usual_option(const char *word, const struct option known[])
+{
+    static const struct { const char *words, *option; } usual[] = {
+        {" plot draw image svg png pdf figure-file graph chart ", "picture"},
+        {" csv json npy ", "format"}, {" lambda wl wave wavelength-um nm ", "wavelength"},
+        {" jobs cores parallel cpus ", "threads"}, {" angle fov ", "field"},
+        {" out file save ", "output"}, {" refocus focus shift ", "defocus"},
+        {" rings ", "hexapolar"}, {" nrays number rays-number ", "grid"},
+        {" thickness radius curvature conic glass-name index semi_diameter semi-diameter coefficients "
+         "decenter tilt ", "set"},
+        {" lat place position location ", "from"}, {" az azimuth direction ", "look"},
+        {" prove certify certain ", "proof"}, {" monte-carlo montecarlo mc ", "trials"},
+    };
+    const char *own = memory_print(" %s ", word);
+    for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
+        for (const struct option *k = known; strstr(usual[i].words, own) && k->name; k++)
+            if (strcmp(k->name, usual[i].option) == 0)
+                return strcmp(k->name, "set") == 0      ? memory_print("set surfaces[N].%s=VALUE", word)
+                       : strcmp(k->name, "format") == 0 ? memory_print("format %s", word)
+                                                        : k->name;
+    return NULL;
+}
+
 /* The option that was meant by "--feild", or "--feild=2"; NULL: none is a slip away. */
 static const char *meant(const char *argument, const struct option known[])
 {
     if (strncmp(argument, "--", 2) != 0) return NULL;
     const char *word = memory_text(argument + 2, strcspn(argument + 2, "="));
+    const char *usual = usual_option(word, known);
+    if (usual) return usual;
     for (; known->name; known++)
         if (fail_is_slip(word, known->name)) return known->name;
     return NULL;

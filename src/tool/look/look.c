@@ -392,6 +392,7 @@ typedef struct printing {
     char *before;               /* the row before; NULL: none yet */
     const char **legend;
     size_t legends;
+    bool chief; /* a chief ray that does not get through was explained */
 } printing;
 
 static column head_of(const look *l, size_t i, char unit[32])
@@ -543,6 +544,11 @@ static void take_sentence(void *context, sgt_remark_of_study kind, const char *s
     if (p->look->step) return; /* it was said at the first */
     if (kind == SGT_STUDY_NOTE) {
         note("%s", sentence);
+        size_t number;
+        if (!p->chief && strstr(sentence, "the chief ray does not get through") &&
+            sscanf(sentence, "field %zu", &number) == 1)
+            note("sagitta diagnose %s %s --chief shows why", p->look->job.lens,
+                 look_field_words(p->look, number)), p->chief = true;
         return;
     }
     p->legend = memory_grow(p->legend, p->legends + 1, sizeof *p->legend);
