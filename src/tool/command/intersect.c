@@ -153,6 +153,12 @@ static const char intersect_all[] =
     "  lat, lon, height   on a surface about the Earth: degrees north, degrees east (above -180 and\n"
     "                     up to 180), metres over the ellipsoid, that of the surface or WGS84\n";
 
+static const char *intersect_words(const void *context)
+{
+    (void)context;
+    return "ray root status t t_err x y z nx ny nz evals id lo hi lat lon height";
+}
+
 const command command_intersect = {
     .name = "intersect", .usage = "--surface SPEC (--rays FILE | --ray \"ox oy oz dx dy dz\") [options]",
     .brief = "one surface, many rays",
@@ -163,6 +169,7 @@ const command command_intersect = {
     .examples = "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
                 "  sagitta intersect --surface '{type: conic, radius: 20, conic: -1}' --rays FILE --all\n",
     .docs = "docs/tour.md, docs/lens_file_surfaces.md (every type of surface)", .all = intersect_all,
+    .columns = intersect_words,
     .group = {&intersect_own, &intersect_search, &options_solver, &options_in_threads, &options_shards,
               &options_rows},
     .run = intersect_run,

@@ -134,15 +134,28 @@ static void print_all(const command *c)
                                                       "  3  bad input, or output that cannot be written\n");
 }
 
+/* The types of surfaces, with blanks between. */
+static const char *type_words(void)
+{
+    const char *text = "";
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
+        text = memory_print("%s%s%s", text, *text ? " " : "", b->type);
+    return memory_print("%s formula", text);
+}
+
 /* For programs: name, value, its words, help, with tabs between; "-": none. */
 static void print_table(const command *c)
 {
     for (size_t i = 0;; i++) {
         const option_group *g = group_at(c, i);
-        for (const option_row *r = g->row; r->name && !g->hidden; r++)
+        for (const option_row *r = g->row; r->name && !g->hidden; r++) {
+            const bool columns = c->columns && strcmp(r->name, "columns") == 0;
+            const bool types = r->value && strcmp(r->name, "surface") == 0 && strcmp(r->value, "SPEC") == 0;
+            const char *words = columns ? c->columns(c->context) : types ? type_words() : r->words;
             if (r->kind != OPTION_REFUSED)
-                printf("--%s\t%s\t%s\t%.*s\n", r->name, r->value ? r->value : "-", r->words ? r->words : "-",
+                printf("--%s\t%s\t%s\t%.*s\n", r->name, r->value ? r->value : "-", words ? words : "-",
                        (int)strcspn(r->help, "\n"), r->help);
+        }
         if (g == &help_group) print_and_end("%s", "");
     }
 }

@@ -213,7 +213,7 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
     all.usage = "LENS [options]", all.what = l->of->help;
     if (!all.docs) all.docs = "docs/analysis.md";
     all.rays = l->of->no_rays ? NULL : rays_by_default(l->of, way->view);
-    all.print_all = look_print_columns, all.context = &columns;
+    all.print_all = look_print_columns, all.columns = look_column_words, all.context = &columns;
     const option_group *const groups[] = {
         &own, l->of->no_fields ? &job_no_fields : &job_fields_options,
         l->of->no_rays ? &job_no_pattern : &job_pattern_options, &job_no_file, &job_aim_options,

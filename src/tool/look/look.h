@@ -123,6 +123,7 @@ void look_draw_over(const look *l, const char *path, const char *figure);
 /* (help.c) Prints the columns: context is a look_help. */
 typedef struct look_help { const sgt_analysis *of; const look_view *view; } look_help;
 void look_print_columns(const void *context);
+const char *look_column_words(const void *context); /* their names, with blanks between */
 
 /* The rays by default, as an option: "--hexapolar 10". */
 const char *look_default_rays(const sgt_analysis *a);
